@@ -111,7 +111,7 @@ check_alive() {
     return 1
   done
   # All nodes are on this machine: a scene that one cannot load, none can.
-  if grep -m1 "cannot load scene" "$run_dir/log/head.log" >&2; then return 1; fi
+  if grep -m1 "cannot load scene" "$run_dir/log/coordinator.log" >&2; then return 1; fi
 }
 
 if [ -z "$scene" ]; then
@@ -130,10 +130,10 @@ fi
 port=$((20000 + RANDOM % 12000))
 while taken $port 8; do port=$((20000 + RANDOM % 12000)); done
 at() { echo "[::1]:$((port + $1))"; }
-watch=(--watch "tour=$(at 2)" --watch "display=$(at 3)" --watch "tracker=$(at 4)" --watch "simulated-room=$(at 5)" --watch "head=$(at 6)")
+watch=(--watch "tour=$(at 2)" --watch "display=$(at 3)" --watch "tracker=$(at 4)" --watch "simulated-room=$(at 5)" --watch "coordinator=$(at 6)")
 
-start head cyclorama-farm --scene "visit=$scene" --museums "$(at 0)" --nodes "$(at 1)" --inspect "$(at 6)"
-for i in $(seq "$nodes"); do start "node-$i" cyclorama-node --head "$(at 1)" --threads 1 --name "node-$i"; done
+start coordinator cyclorama-farm --scene "visit=$scene" --museums "$(at 0)" --nodes "$(at 1)" --inspect "$(at 6)"
+for i in $(seq "$nodes"); do start "node-$i" cyclorama-node --coordinator "$(at 1)" --threads 1 --name "node-$i"; done
 start tour cyclorama-tour --listen "$(at 2)" --farm "$(at 0)" "${picture[@]}"
 start display cyclorama-display --installation "$installation" --tour "$(at 2)" --listen "$(at 3)" --run-dir "$run_dir" --width "${size%x*}" --height "${size#*x}" --refresh-hz 20
 start simulated-room cyclorama-simulated-room --installation "$installation" --run-dir "$run_dir" --listen "$(at 5)" --rate-hz 6

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 double value_of(const std::vector<double>& polynomial, double at) {
@@ -44,16 +44,16 @@ std::vector<double> sign_changes(const std::vector<double>& polynomial, double l
 
 /// At slope r the Jacobian's eigenvalues are the magnifications across, R, and along the ray, d(rR)/dr, and decentring
 /// takes at most 6 |p| r from either: it adds 2 (p·x I + p xᵀ + x pᵀ), with p = (p2, p1).
-double slope_of_least_magnification(const BrownParameters& lens) {
+double slope_of_min_magnification(const BrownParameters& lens) {
   const double decentring = -6.0 * std::hypot(lens.p1, lens.p2);
-  const double one = 1.0 - BrownLens::kLeastMagnification;
-  double least = BrownLens::kWidestSlope;
+  const double one = 1.0 - BrownLens::kMinMagnification;
+  double min = BrownLens::kMaxSlope;
   for (const auto& [a, b, c] :
        {std::array{lens.k1, lens.k2, lens.k3}, std::array{3 * lens.k1, 5 * lens.k2, 7 * lens.k3}}) {
-    const auto roots = sign_changes({one, decentring, a, 0.0, b, 0.0, c}, least);
-    if (!roots.empty()) least = std::min(least, roots.front());
+    const auto roots = sign_changes({one, decentring, a, 0.0, b, 0.0, c}, min);
+    if (!roots.empty()) min = std::min(min, roots.front());
   }
-  return least;
+  return min;
 }
 
 }  // namespace
@@ -73,7 +73,7 @@ Result<BrownLens> BrownLens::from(const BrownParameters& parameters) {
 }
 
 BrownLens::BrownLens(const BrownParameters& parameters)
-    : parameters_(parameters), trusted_slope_(slope_of_least_magnification(parameters)) {}
+    : parameters_(parameters), trusted_slope_(slope_of_min_magnification(parameters)) {}
 
 Eigen::Vector2d BrownLens::distorted(const Eigen::Vector2d& slope) const {
   const BrownBlock unit = {1.0,           1.0, 0.0, 0.0, parameters_.k1, parameters_.k2, parameters_.p1, parameters_.p2,
@@ -172,4 +172,4 @@ Status BrownLens::covers_picture() const {
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -7,7 +7,7 @@
 #include "appliance/calibration/brown_model.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// Why a pixel has no direction.
 enum class LensRefusal {
@@ -35,20 +35,20 @@ struct SlopeAnswer {
 ///         └──────────┴────────▶ slope
 ///            trusted   not
 ///
-/// The disc is the largest about the axis in which no direction's magnification falls below kLeastMagnification of the
+/// The disc is the largest about the axis in which no direction's magnification falls below kMinMagnification of the
 /// centre's; with decentring (p1, p2) some of what lies just outside of it could be trusted too, and is not.
 /// A value; reentrant.
 class BrownLens {
  public:
-  static constexpr double kLeastMagnification = 1e-3;
-  static constexpr double kWidestSlope = 57.0;  ///< 89° from the axis.
+  static constexpr double kMinMagnification = 1e-3;
+  static constexpr double kMaxSlope = 57.0;  ///< 89° from the axis.
   static constexpr double kRoundTripPx = 1e-9;
 
   /// kInvalidArgument  a size or a focal length that is not positive, or a number that is not finite.
   static Result<BrownLens> from(const BrownParameters& parameters);
 
   [[nodiscard]] const BrownParameters& parameters() const { return parameters_; }
-  /// The slope up to which the lens is trusted, at most kWidestSlope.
+  /// The slope up to which the lens is trusted, at most kMaxSlope.
   [[nodiscard]] double trusted_slope() const { return trusted_slope_; }
 
   /// Perhaps outside of the picture. Nothing when it is behind the lens, beyond what is trusted, or not finite.
@@ -73,4 +73,4 @@ class BrownLens {
   double trusted_slope_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -12,7 +12,7 @@
 
 #include <array>
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// Focal lengths and centre in pixels; coefficients without unit.
 struct BrownParameters {
@@ -55,4 +55,4 @@ void brown_pixel(const T* block, const T& x, const T& y, T* u, T* v) {
   *v = block[kFocalV] * (y * radial + block[kP1] * (rr + 2.0 * yy) + block[kP2] * xy2) + block[kCentreV];
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -9,18 +9,18 @@
 #include <string>
 #include <vector>
 
-#include "appliance/calibration/lens_models.h"
+#include "appliance/calibration/lens_model.h"
 #include "appliance/calibration/measured_lens.h"
 #include "appliance/calibration/measured_map.h"
 #include "appliance/calibration/surface.h"
 #include "common/geometry/rigid_transform.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// Inverse distance of the wall per direction, in 1/m, as a sum of the spherical harmonics up to degree two. It is exact
 /// for a plane and not for a corner, so where a wall was fitted it is added to the inverse distance of that wall.
-inline constexpr int kNearnessTerms = 9;
-using Nearness = std::array<double, kNearnessTerms>;
+inline constexpr int kInverseDepthTerms = 9;
+using InverseDepthTerms = std::array<double, kInverseDepthTerms>;
 
 /// The camera's pose in each direction, found by one bundle adjustment over what several directions saw.
 ///
@@ -34,10 +34,10 @@ struct TurnPlate {
   /// Standard deviation, at the wall's mean inverse distance; where the offset is taken for 0, it includes the offset
   /// that was found.
   Eigen::Vector2d offset_sigma_m{0.0, 0.0};
-  Nearness nearness{};             ///< Inverse distance of the wall, added to that of `wall` if there is one.
-  std::optional<Surface> wall{};   ///< The wall that was fitted before, if any.
-  std::vector<double> angles_rad;  ///< One per direction.
-  std::size_t reference = 0;       ///< The direction that keeps its reported angle.
+  InverseDepthTerms inverse_depth{};  ///< Inverse distance of the wall, added to that of `wall` if there is one.
+  std::optional<Surface> wall{};      ///< The wall that was fitted before, if any.
+  std::vector<double> angles_rad;     ///< One per direction.
+  std::size_t reference = 0;          ///< The direction that keeps its reported angle.
 
   bool is_offset_estimated = false;
   std::string offset_reason;            ///< The reason, for the installer.
@@ -78,7 +78,7 @@ struct ModelTrial {
 /// The smallest model that predicts the measurements that were left out.
 struct ModelChoice {
   SurfaceFit fit;
-  LensRung lens = LensRung::kRadial1;
+  LensModel lens = LensModel::kRadial1;
   std::vector<ModelTrial> surfaces;  ///< Candidates in the order in which they were tried.
   std::vector<ModelTrial> lenses;
   std::string reason;
@@ -98,4 +98,4 @@ struct Calibration {
   std::vector<std::string> remarks;  ///< Shortcomings and remedies, for the installer.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

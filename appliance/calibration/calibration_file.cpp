@@ -11,13 +11,13 @@
 #include "common/base/file.h"
 #include "common/image/pfm.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostBytes = std::size_t{16} << 20;
-constexpr std::size_t kMostNodes = std::size_t{1} << 22;
+constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
+constexpr std::size_t kMaxNodes = std::size_t{1} << 22;
 constexpr std::size_t kKept = 10;
 constexpr const char* kFile = "calibration.json";
 constexpr const char* kFolder = "calibrations";
@@ -45,8 +45,8 @@ Status write_map(const fs::path& folder, std::size_t number, const MeasuredMap& 
 Status read_map(const fs::path& folder, std::size_t number, MeasuredMap* map) {
   const fs::path file = folder / fmt::format("{}.map.pfm", number);
   const fs::path sigma_file = folder / fmt::format("{}.sigma.pfm", number);
-  TRY_ASSIGN(const RadianceImage directions, read_pfm(file, kMostNodes));
-  TRY_ASSIGN(const RadianceImage sigmas, read_pfm(sigma_file, kMostNodes));
+  TRY_ASSIGN(const RadianceImage directions, read_pfm(file, kMaxNodes));
+  TRY_ASSIGN(const RadianceImage sigmas, read_pfm(sigma_file, kMaxNodes));
   for (const auto& [image, path] : {std::pair(&directions, file), std::pair(&sigmas, sigma_file)}) {
     if (image->width() == map->cells_x + 1 && image->height() == map->cells_y + 1) continue;
     return Error(ErrorCode::kBadData,
@@ -90,7 +90,7 @@ void remove_unfinished(const fs::path& calibrations) {
 }
 
 Result<Calibration> read_from(const fs::path& folder, const fs::path& file) {
-  TRY_ASSIGN(const std::string text, read_text_file(file, kMostBytes));
+  TRY_ASSIGN(const std::string text, read_text_file(file, kMaxBytes));
   TRY_ASSIGN(Calibration calibration, parse_calibration(text, file.string()));
   const fs::path maps = folder / kFolder / calibration.date;
   for (std::size_t i = 0; i < calibration.projectors.size(); ++i)
@@ -157,8 +157,8 @@ Status restore_calibration(const fs::path& folder, const std::string& date) {
     return Error(ErrorCode::kBadData,
                  fmt::format("{}: /date: is of another day than its folder; choose another", file.string()));
   }
-  TRY_ASSIGN(const std::string text, read_text_file(file, kMostBytes));
+  TRY_ASSIGN(const std::string text, read_text_file(file, kMaxBytes));
   return write_file_atomically(folder / kFile, text);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

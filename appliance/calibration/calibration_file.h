@@ -22,7 +22,7 @@
 #include "appliance/calibration/colour_file.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// A calibration as text, without its maps: their files' names stand in it.
 [[nodiscard]] std::string calibration_json(const Calibration& calibration);
@@ -57,4 +57,4 @@ Result<Calibration> read_calibration(const std::filesystem::path& folder);
 /// date.
 Status restore_calibration(const std::filesystem::path& folder, const std::string& date);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

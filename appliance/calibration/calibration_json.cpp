@@ -9,16 +9,16 @@
 #include "appliance/calibration/calibration_file.h"
 #include "common/json/strict_json.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
 constexpr double kLarge = 1e9;
-constexpr int kMostPx = 16384;
-constexpr int kMostCells = 4096;
-constexpr std::size_t kMostNumbers = 8192;  // Of a wall's parameters.
+constexpr int kMaxPx = 16384;
+constexpr int kMaxCells = 4096;
+constexpr std::size_t kMaxNumbers = 8192;  // Of a wall's parameters.
 
 template <typename Vector>
 Json list_of(const Vector& values) {
@@ -39,9 +39,9 @@ Json json_of(const SplineAxis& axis) {
 }
 
 Json json_of(const Surface& surface) {
-  return {{"surface", name_of(surface.rung)}, {"R_eye_wall", rows_of(surface.R_eye_wall)},
-          {"distance_m", surface.distance_m}, {"across", json_of(surface.across)},
-          {"up", json_of(surface.up)},        {"parameters", list_of(surface.parameters)}};
+  return {{"surface", name_of(surface.model)}, {"R_eye_wall", rows_of(surface.R_eye_wall)},
+          {"distance_m", surface.distance_m},  {"across", json_of(surface.across)},
+          {"up", json_of(surface.up)},         {"parameters", list_of(surface.parameters)}};
 }
 
 Json json_of(const TurnPlate& plate) {
@@ -54,7 +54,7 @@ Json json_of(const TurnPlate& plate) {
             {"offset_forward_sigma_m", plate.offset_sigma_m.y()},
             {"is_offset_estimated", plate.is_offset_estimated},
             {"offset_reason", plate.offset_reason},
-            {"nearness_per_m", list_of(plate.nearness)},
+            {"inverse_depth_per_m", list_of(plate.inverse_depth)},
             {"angles_rad", list_of(plate.angles_rad)},
             {"reference", plate.reference},
             {"parameters", plate.parameters},
@@ -87,7 +87,7 @@ Json json_of(const ModelChoice& wall) {
     const Eigen::Vector3d& t = p.T_eye_projector.translation();
     projectors.push_back({{"lens", json_of(p.lens)},
                           {"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}},
-                          {"place_m", {t.x(), t.y(), t.z()}},
+                          {"position_m", {t.x(), t.y(), t.z()}},
                           {"pose_covariance", rows_of(p.pose_covariance)}});
   }
   Json json = json_of(wall.fit.surface);
@@ -116,8 +116,8 @@ Eigen::MatrixXd matrix_of(StrictJson json, std::size_t size) {
 
 MeasuredLens lens_of(StrictJson json) {
   MeasuredLens lens;
-  lens.width_px = json.integer("width_px", 16, kMostPx);
-  lens.height_px = json.integer("height_px", 16, kMostPx);
+  lens.width_px = json.integer("width_px", 16, kMaxPx);
+  lens.height_px = json.integer("height_px", 16, kMaxPx);
   const auto values =
       json.numbers("focal_px_centre_px_k1_k2_k3_p1_p2", MeasuredLens::kParameters, MeasuredLens::kParameters);
   std::copy(values.begin(), values.end(), lens.values.begin());
@@ -138,9 +138,9 @@ SplineAxis axis_of(StrictJson json) {
 /// Its keys stand beside others.
 Surface surface_of(StrictJson* json) {
   Surface surface;
-  const auto rung = surface_rung(json->text("surface", 60));
-  if (!rung) json->at("surface").refuse("is no surface; there are plane, cylinder, profile, quadric and mesh");
-  surface.rung = rung.value_or(SurfaceRung::kPlane);
+  const auto model = surface_model(json->text("surface", 60));
+  if (!model) json->at("surface").refuse("is no surface; there are plane, cylinder, profile, quadric and mesh");
+  surface.model = model.value_or(SurfaceModel::kPlane);
   surface.R_eye_wall = matrix_of(json->at("R_eye_wall"), 3);
   constexpr double kOrthogonal = 1e-6;
   if (!((surface.R_eye_wall.transpose() * surface.R_eye_wall - Eigen::Matrix3d::Identity()).norm() < kOrthogonal)) {
@@ -149,7 +149,7 @@ Surface surface_of(StrictJson* json) {
   surface.distance_m = json->number("distance_m", 1e-3, 1e4);
   surface.across = axis_of(json->at("across"));
   surface.up = axis_of(json->at("up"));
-  surface.parameters = json->numbers("parameters", 0, kMostNumbers);
+  surface.parameters = json->numbers("parameters", 0, kMaxNumbers);
   if (static_cast<int>(surface.parameters.size()) != surface.size()) {
     json->at("parameters")
         .refuse(fmt::format("has {} numbers and needs {}; calibrate again", surface.parameters.size(), surface.size()));
@@ -158,7 +158,7 @@ Surface surface_of(StrictJson* json) {
 }
 
 TurnPlate plate_of(StrictJson json) {
-  constexpr std::size_t kMostDirections = 4096;
+  constexpr std::size_t kMaxDirections = 4096;
   TurnPlate plate;
   plate.camera = lens_of(json.at("camera"));
   plate.pitch_rad = json.number("pitch_rad", -4.0, 4.0);
@@ -169,15 +169,15 @@ TurnPlate plate_of(StrictJson json) {
   plate.offset_sigma_m.y() = json.number("offset_forward_sigma_m", 0.0, 10.0);
   plate.is_offset_estimated = json.flag("is_offset_estimated");
   plate.offset_reason = json.text("offset_reason");
-  const auto nearness = json.numbers("nearness_per_m", kNearnessTerms, kNearnessTerms);
-  std::copy(nearness.begin(), nearness.end(), plate.nearness.begin());
-  plate.angles_rad = json.numbers("angles_rad", 1, kMostDirections);
-  plate.reference = static_cast<std::size_t>(json.integer("reference", 0, static_cast<int>(kMostDirections)));
+  const auto inverse_depth = json.numbers("inverse_depth_per_m", kInverseDepthTerms, kInverseDepthTerms);
+  std::copy(inverse_depth.begin(), inverse_depth.end(), plate.inverse_depth.begin());
+  plate.angles_rad = json.numbers("angles_rad", 1, kMaxDirections);
+  plate.reference = static_cast<std::size_t>(json.integer("reference", 0, static_cast<int>(kMaxDirections)));
   if (plate.reference >= plate.angles_rad.size()) json.at("reference").refuse("counts no direction; calibrate again");
-  for (const StrictJson& name : json.list("parameters", 0, kMostDirections))
+  for (const StrictJson& name : json.list("parameters", 0, kMaxDirections))
     plate.parameters.push_back(name.as_text(60));
   plate.covariance = matrix_of(json.at("covariance"), plate.parameters.size());
-  plate.rank = json.integer("rank", 0, kMostPx);
+  plate.rank = json.integer("rank", 0, kMaxPx);
   plate.tracks = static_cast<std::size_t>(json.integer("tracks", 0, 1 << 30));
   plate.rms_px = json.number("rms_px", 0.0, kLarge);
   plate.heldout_rms_px = json.number("heldout_rms_px", 0.0, kLarge);
@@ -195,7 +195,7 @@ std::vector<ModelTrial> trials_of(const std::vector<StrictJson>& list) {
   for (StrictJson json : list) {
     ModelTrial t;
     t.name = json.text("name", 60);
-    t.parameters = json.integer("parameters", 0, static_cast<int>(kMostNumbers));
+    t.parameters = json.integer("parameters", 0, static_cast<int>(kMaxNumbers));
     t.training_rms_px = json.number("training_rms_px", 0.0, kLarge);
     t.heldout_rms_px = json.number("heldout_rms_px", 0.0, kLarge);
     t.scatter = json.number("scatter", 0.0, kLarge);
@@ -210,7 +210,7 @@ FittedProjector fitted_projector_of(StrictJson json) {
   FittedProjector p;
   p.lens = lens_of(json.at("lens"));
   const auto q = json.numbers("rotation_wxyz", 4, 4);
-  const auto t = json.numbers("place_m", 3, 3);
+  const auto t = json.numbers("position_m", 3, 3);
   if (q.size() == 4 && t.size() == 3) {
     const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
     constexpr double kUnit = 1e-6;
@@ -228,15 +228,15 @@ FittedProjector fitted_projector_of(StrictJson json) {
 ModelChoice wall_of(StrictJson json) {
   ModelChoice wall;
   wall.fit.surface = surface_of(&json);
-  const auto lens = lens_rung(json.text("lens", 60));
-  if (!lens || freedom_of(*lens) > freedom_of(LensRung::kDecentred))
+  const auto lens = lens_model(json.text("lens", 60));
+  if (!lens || freedom_of(*lens) > freedom_of(LensModel::kDecentred))
     json.at("lens").refuse("is no lens; there are pinhole, k1, 'k1 k2' and 'k1 k2 p1 p2'");
-  wall.lens = lens.value_or(LensRung::kRadial1);
+  wall.lens = lens.value_or(LensModel::kRadial1);
   wall.reason = json.text("reason");
-  wall.fit.surface_sigmas = json.numbers("parameter_sigmas", 0, kMostNumbers);
+  wall.fit.surface_sigmas = json.numbers("parameter_sigmas", 0, kMaxNumbers);
   wall.fit.cost = json.number("cost", 0.0, 1e18);
-  wall.fit.rank = json.integer("rank", 0, static_cast<int>(kMostNumbers));
-  wall.fit.parameters = json.integer("fitted_parameters", 0, static_cast<int>(2 * kMostNumbers));
+  wall.fit.rank = json.integer("rank", 0, static_cast<int>(kMaxNumbers));
+  wall.fit.parameters = json.integer("fitted_parameters", 0, static_cast<int>(2 * kMaxNumbers));
   for (const StrictJson& p : json.list("projectors", 1, 64)) wall.fit.projectors.push_back(fitted_projector_of(p));
   wall.surfaces = trials_of(json.list("surface_trials", 0, 16));
   wall.lenses = trials_of(json.list("lens_trials", 0, 16));
@@ -292,10 +292,10 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
     CalibratedProjector projector;
     projector.name = p.text("name", 200);
     if (!names.insert(projector.name).second) p.at("name").refuse("is another projector's name; give each its own");
-    projector.map.width_px = p.integer("width_px", 16, kMostPx);
-    projector.map.height_px = p.integer("height_px", 16, kMostPx);
-    projector.map.cells_x = p.integer("cells_x", 1, kMostCells);
-    projector.map.cells_y = p.integer("cells_y", 1, kMostCells);
+    projector.map.width_px = p.integer("width_px", 16, kMaxPx);
+    projector.map.height_px = p.integer("height_px", 16, kMaxPx);
+    projector.map.cells_x = p.integer("cells_x", 1, kMaxCells);
+    projector.map.cells_y = p.integer("cells_y", 1, kMaxCells);
     // Where maps lie is not theirs to choose: a file from a stranger must not make us open others.
     const std::string file = fmt::format("calibrations/{}/{}", calibration.date, ++number);
     if (p.text("map", 200) != file + ".map.pfm") p.at("map").refuse("is not '" + file + ".map.pfm'; calibrate again");
@@ -320,4 +320,4 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
   return calibration;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

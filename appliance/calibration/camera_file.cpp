@@ -10,14 +10,14 @@
 #include "common/base/file.h"
 #include "common/json/strict_json.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using L = MeasuredLens;
 
-constexpr std::size_t kLongestFile = 1 << 20;
-constexpr int kMostPx = 16384;
+constexpr std::size_t kMaxFileBytes = 1 << 20;
+constexpr int kMaxPx = 16384;
 constexpr const char* kValues = "focal_px_centre_px_k1_k2_k3_p1_p2";
 
 }  // namespace
@@ -37,7 +37,7 @@ std::string camera_json(const CameraFile& camera) {
                   {"date", camera.date},
                   {"width_px", camera.lens.width_px},
                   {"height_px", camera.lens.height_px},
-                  {"lens", name_of(camera.rung)},
+                  {"lens", name_of(camera.model)},
                   {kValues, std::move(values)},
                   {"covariance", std::move(covariance)},
                   {"views", camera.views},
@@ -57,11 +57,11 @@ Result<CameraFile> parse_camera(std::string_view text, const std::string& name) 
   json.integer("version", 1, 1);
   camera.camera = json.text("camera", 400);
   camera.date = json.text("date", 40);
-  camera.lens.width_px = json.integer("width_px", 16, kMostPx);
-  camera.lens.height_px = json.integer("height_px", 16, kMostPx);
-  const auto rung = lens_rung(json.text("lens", 60));
-  if (!rung) json.at("lens").refuse("is no lens model; calibrate again");
-  camera.rung = rung.value_or(LensRung::kPinhole);
+  camera.lens.width_px = json.integer("width_px", 16, kMaxPx);
+  camera.lens.height_px = json.integer("height_px", 16, kMaxPx);
+  const auto model = lens_model(json.text("lens", 60));
+  if (!model) json.at("lens").refuse("is no lens model; calibrate again");
+  camera.model = model.value_or(LensModel::kPinhole);
   const auto values = json.numbers(kValues, L::kParameters, L::kParameters);
   std::copy(values.begin(), values.end(), camera.lens.values.begin());
   Eigen::Index r = 0;
@@ -92,7 +92,7 @@ Result<CameraFile> parse_camera(std::string_view text, const std::string& name) 
 }
 
 Result<CameraFile> read_camera(const std::filesystem::path& path) {
-  TRY_ASSIGN(const std::string text, read_text_file(path, kLongestFile));
+  TRY_ASSIGN(const std::string text, read_text_file(path, kMaxFileBytes));
   return parse_camera(text, path.string());
 }
 
@@ -116,4 +116,4 @@ Result<MeasuredLens> lens_for_picture(const MeasuredLens& lens, int width_px, in
   return scaled;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

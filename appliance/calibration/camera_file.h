@@ -7,17 +7,17 @@
 #include <string>
 #include <string_view>
 
-#include "appliance/calibration/lens_models.h"
+#include "appliance/calibration/lens_model.h"
 #include "appliance/calibration/measured_lens.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 struct CameraFile {
   std::string camera;  ///< Camera::id(), or the pictures' folder.
   std::string date;
   MeasuredLens lens;
-  LensRung rung = LensRung::kPinhole;
+  LensModel model = LensModel::kPinhole;
   int views = 0;
   double rms_px = 0.0;
   double heldout_rms_px = 0.0;
@@ -34,4 +34,4 @@ Result<CameraFile> read_camera(const std::filesystem::path& path);
 /// kInvalidArgument  the picture has another shape: says what the lens was calibrated for.
 Result<MeasuredLens> lens_for_picture(const MeasuredLens& lens, int width_px, int height_px);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -14,7 +14,7 @@
 #include "common/base/text.h"
 #include "common/json/strict_json.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,28 +23,28 @@ using OneChannel = Image<float, 1>;
 
 constexpr int kVersion = 1;
 constexpr const char* kFile = "colours.json";
-constexpr std::size_t kMostBytes = std::size_t{16} << 20;
-constexpr std::size_t kMostPx = std::size_t{64} << 20;
-constexpr std::size_t kMostCodes = 65536;
+constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
+constexpr std::size_t kMaxPx = std::size_t{64} << 20;
+constexpr std::size_t kMaxCodes = 65536;
 constexpr std::array<const char*, 3> kChannels{"red", "green", "blue"};
 
 // Counted from 1, as the maps are: a projector's name need not be a file's.
 std::string mask_file(std::size_t index) { return fmt::format("{}.mask.png", index + 1); }
-std::string lift_file(std::size_t index) { return fmt::format("{}.lift.png", index + 1); }
+std::string black_lift_file(std::size_t index) { return fmt::format("{}.lift.png", index + 1); }
 
 Status write_picture(const fs::path& file, const OneChannel& picture) {
-  MaskMap map(picture.width(), picture.height(), 1, 16);
+  interchange::MaskMap map(picture.width(), picture.height(), 1, 16);
   for (std::size_t i = 0; i < map.samples.size(); ++i) {
     const float value = picture.data()[i];
     map.samples[i] = static_cast<std::uint16_t>(std::lround(65535.0f * (value > 0.0f ? std::min(value, 1.0f) : 0.0f)));
   }
-  TRY_ASSIGN(const std::vector<std::byte> png, encode_mask_png(map));
+  TRY_ASSIGN(const std::vector<std::byte> png, interchange::encode_mask_png(map));
   return write_file_atomically(file, std::span<const std::byte>(png));
 }
 
 Result<OneChannel> read_picture(const fs::path& file) {
-  TRY_ASSIGN(const std::vector<std::byte> png, read_file(file, kMostPx));
-  auto map = decode_mask_png(png, kMostPx);
+  TRY_ASSIGN(const std::vector<std::byte> png, read_file(file, kMaxPx));
+  auto map = interchange::decode_mask_png(png, kMaxPx);
   if (!map) return std::move(map).error().while_doing(fmt::format("reading '{}'", file.string()));
   OneChannel picture(map->width_px, map->height_px);
   for (int y = 0; y < map->height_px; ++y) {
@@ -53,8 +53,8 @@ Result<OneChannel> read_picture(const fs::path& file) {
   return picture;
 }
 
-HeadColour colour_of(StrictJson* json) {
-  HeadColour colour;
+warp::HeadColour colour_of(StrictJson* json) {
+  warp::HeadColour colour;
   if (json->has("matrix")) {
     Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
     Eigen::Index r = 0;
@@ -66,7 +66,7 @@ HeadColour colour_of(StrictJson* json) {
     colour.matrix = matrix;
   }
   if (json->has("lift")) {
-    colour.lift.emplace();
+    colour.black_lift.emplace();
     const auto black = json->list("black_linear", 3, 3);
     for (std::size_t c = 0; c < black.size(); ++c)
       colour.black[static_cast<Eigen::Index>(c)] = black[c].as_number(0.0, 1.0);
@@ -75,8 +75,8 @@ HeadColour colour_of(StrictJson* json) {
     StrictJson response = json->at("response");
     colour.response.emplace();
     for (std::size_t c = 0; c < kChannels.size(); ++c) {
-      ResponseCurve& curve = (*colour.response)[c];
-      for (const StrictJson& code : response.list(kChannels[c], 2, kMostCodes))
+      warp::ResponseCurve& curve = (*colour.response)[c];
+      for (const StrictJson& code : response.list(kChannels[c], 2, kMaxCodes))
         curve.codes.push_back(static_cast<float>(code.as_number(0.0, 1.0)));
       if (!curve.is_valid()) response.at(kChannels[c]).refuse("is no rising row of codes; calibrate again");
     }
@@ -91,8 +91,8 @@ std::string colours_json(std::span<const CalibratedColour> colours) {
   Json projectors = Json::array();
   for (const CalibratedColour& one : colours) {
     Json json{{"name", one.name}, {"mask", mask_file(projectors.size())}};
-    if (one.colour.lift) {
-      json["lift"] = lift_file(projectors.size());
+    if (one.colour.black_lift) {
+      json["lift"] = black_lift_file(projectors.size());
       json["black_linear"] = {one.colour.black.x(), one.colour.black.y(), one.colour.black.z()};
     }
     if (one.colour.matrix) {
@@ -127,7 +127,7 @@ Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const
     // Where pictures lie is not theirs to choose.
     const std::size_t index = colours.size();
     if (p.text("mask", 80) != mask_file(index)) p.at("mask").refuse("is not 'N.mask.png'; calibrate again");
-    if (p.has("lift") && p.text("lift", 80) != lift_file(index))
+    if (p.has("lift") && p.text("lift", 80) != black_lift_file(index))
       p.at("lift").refuse("is not 'N.lift.png'; calibrate again");
     one.colour = colour_of(&p);
     p.refuse_other_keys();
@@ -146,22 +146,23 @@ Status write_colours(const fs::path& own_folder, std::span<const CalibratedColou
                    fmt::format("two projectors are called '{}'; give each its own name", printable(colours[i].name)));
     }
     TRY(write_picture(own_folder / mask_file(i), colours[i].mask));
-    if (colours[i].colour.lift) TRY(write_picture(own_folder / lift_file(i), *colours[i].colour.lift));
+    if (colours[i].colour.black_lift)
+      TRY(write_picture(own_folder / black_lift_file(i), *colours[i].colour.black_lift));
   }
   return write_file_atomically(own_folder / kFile, colours_json(colours));
 }
 
 Result<std::vector<CalibratedColour>> read_colours(const fs::path& own_folder) {
-  auto text = read_text_file(own_folder / kFile, kMostBytes);
+  auto text = read_text_file(own_folder / kFile, kMaxBytes);
   if (!text && text.error().code() == ErrorCode::kNotFound) return std::vector<CalibratedColour>{};
   if (!text) return std::move(text).error();
   TRY_ASSIGN(std::vector<CalibratedColour> colours, parse_colours(*text, (own_folder / kFile).string()));
   for (std::size_t i = 0; i < colours.size(); ++i) {
     TRY_ASSIGN(colours[i].mask, read_picture(own_folder / mask_file(i)));
-    if (!colours[i].colour.lift) continue;
-    TRY_ASSIGN(colours[i].colour.lift, read_picture(own_folder / lift_file(i)));
+    if (!colours[i].colour.black_lift) continue;
+    TRY_ASSIGN(colours[i].colour.black_lift, read_picture(own_folder / black_lift_file(i)));
   }
   return colours;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 /// Where a pixel's light lands, from a pose.
 std::optional<Eigen::Vector3d> landing(const Eigen::Vector2d& slope,
                                        const RigidTransform<frame::Room, frame::Projector>& pose, const Wall& wall) {
-  const auto point = endless_hit(wall, {{pose.translation()}, pose.rotation() * slope.homogeneous()});
+  const auto point = hit_extended(wall, {{pose.translation()}, pose.rotation() * slope.homogeneous()});
   if (!point || !point->xyz.allFinite()) return std::nullopt;
   return point->xyz;
 }
@@ -78,4 +78,4 @@ MeasuredMap corrected_map(const MeasuredMap& map, const ShowFile::Projector& pro
   return made;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

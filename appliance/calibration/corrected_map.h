@@ -5,7 +5,7 @@
 #include "appliance/calibration/show_file.h"
 #include "common/room/wall.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// How far a correction moves a projector's pixels, about: root mean square over its picture, in its pixels. What does
 /// not meet the wall does not count.
@@ -23,4 +23,4 @@ namespace cyclorama {
 [[nodiscard]] MeasuredMap corrected_map(const MeasuredMap& map, const ShowFile::Projector& projector, const Wall& wall,
                                         const Point<frame::Room>& sweet_spot);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// Directions as places in a plane: angle from a middle, as an arrow. Smooth but at the direction against the middle,
 /// so a map has no seam and no pole. A value; reentrant.
@@ -21,13 +21,13 @@ class DirectionChart {
   /// About the mean of all `samples` (each with a `direction`); nothing when some are more than 170 degrees from it.
   template <typename Samples>
   static std::optional<DirectionChart> around(const Samples& samples) {
-    constexpr double kCosFarthest = -0.985;
+    constexpr double kMinCos = -0.985;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const auto& sample : samples) sum += sample.direction;
     if (!(sum.norm() > 1e-6 * static_cast<double>(samples.size()))) return std::nullopt;
     DirectionChart chart(sum);
     for (const auto& sample : samples) {
-      if (!(chart.middle_.dot(sample.direction) > kCosFarthest)) return std::nullopt;
+      if (!(chart.middle_.dot(sample.direction) > kMinCos)) return std::nullopt;
     }
     return chart;
   }
@@ -42,11 +42,11 @@ class DirectionChart {
     return side * (std::atan2(sine, cosine) / sine);
   }
   /// A unit vector; nothing more than half a turn from the middle.
-  [[nodiscard]] std::optional<Eigen::Vector3d> direction_of(const Eigen::Vector2d& place) const {
-    const double angle = place.norm();
+  [[nodiscard]] std::optional<Eigen::Vector3d> direction_of(const Eigen::Vector2d& position) const {
+    const double angle = position.norm();
     if (!(angle < 3.14159265)) return std::nullopt;
     const double factor = angle < 1e-9 ? 1.0 : std::sin(angle) / angle;
-    return (std::cos(angle) * middle_ + factor * (place.x() * right_ + place.y() * up_)).normalized();
+    return (std::cos(angle) * middle_ + factor * (position.x() * right_ + position.y() * up_)).normalized();
   }
 
  private:
@@ -55,4 +55,4 @@ class DirectionChart {
   Eigen::Vector3d up_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -6,7 +6,7 @@
 #include <array>
 #include <optional>
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// Three control points, and how much of each; the factors add up to 1.
 struct GridWeights {
@@ -43,4 +43,4 @@ struct MapGrid {
   }
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -7,7 +7,7 @@
 #include "appliance/calibration/map_grid.h"
 #include "common/geometry/picture_place.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 constexpr int kTableAcross = 2048;  // Of a picture: weights are smooth over a hundred of its columns.
@@ -22,12 +22,12 @@ double inwardness(const MeasuredMap& map, const Eigen::Vector2d& pixel) {
 }
 
 /// Of pictures that are a whole turn, columns repeat.
-struct Places {
+struct PicturePositions {
   PictureShape shape;
   PixelScale scale;
   double turn_px = 0.0;  // 0: none.
 
-  explicit Places(const PictureShape& picture)
+  explicit PicturePositions(const PictureShape& picture)
       : shape(with_pixels(picture, kTableAcross,
                           std::max(1, static_cast<int>(std::lround(static_cast<double>(kTableAcross) *
                                                                    height_px(picture) / width_px(picture)))))),
@@ -36,9 +36,9 @@ struct Places {
     if (panorama != nullptr && is_whole_turn(*panorama)) turn_px = width_px(shape);
   }
   [[nodiscard]] std::optional<Eigen::Vector2d> at(const Eigen::Vector3d& direction) const {
-    const auto place = direction.allFinite() ? place_of(shape, direction) : std::nullopt;
-    if (!place) return std::nullopt;
-    const PanoramaPixel pixel = scale.pixel_at(*place);
+    const auto position = direction.allFinite() ? place_of(shape, direction) : std::nullopt;
+    if (!position) return std::nullopt;
+    const PanoramaPixel pixel = scale.pixel_at(*position);
     return Eigen::Vector2d(pixel.u, pixel.v);
   }
   /// The same place, near another's column.
@@ -60,7 +60,7 @@ double side_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::
   return (b.x() - a.x()) * (p.y() - a.y()) - (b.y() - a.y()) * (p.x() - a.x());
 }
 
-void draw(const MeasuredMap& map, const Places& places, const std::array<Corner, 3>& c, Table* table) {
+void draw(const MeasuredMap& map, const PicturePositions& positions, const std::array<Corner, 3>& c, Table* table) {
   const double area = side_of(c[0].at, c[1].at, c[2].at);
   if (!(std::abs(area) > 1e-12)) return;
   const auto [left, right] = std::minmax({c[0].at.x(), c[1].at.x(), c[2].at.x()});
@@ -70,7 +70,7 @@ void draw(const MeasuredMap& map, const Places& places, const std::array<Corner,
   const int last_y = std::min(table->height() - 1, static_cast<int>(std::floor(bottom - 0.5)));
   for (int y = first_y; y <= last_y; ++y) {
     for (int x = static_cast<int>(std::ceil(left - 0.5)); x <= static_cast<int>(std::floor(right - 0.5)); ++x) {
-      const int column = places.column(x);
+      const int column = positions.column(x);
       if (column < 0 || column >= table->width()) continue;
       const Eigen::Vector2d p(x + 0.5, y + 0.5);
       const std::array<double, 3> of{side_of(c[1].at, c[2].at, p) / area, side_of(c[2].at, c[0].at, p) / area,
@@ -82,11 +82,11 @@ void draw(const MeasuredMap& map, const Places& places, const std::array<Corner,
   }
 }
 
-Table table_of(const MeasuredMap& map, const Places& places) {
-  Table table(width_px(places.shape), height_px(places.shape));
+Table table_of(const MeasuredMap& map, const PicturePositions& positions) {
+  Table table(width_px(positions.shape), height_px(positions.shape));
   const MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
   const auto corner = [&](int x, int y) -> std::optional<Corner> {
-    const auto at = places.at(map.directions[static_cast<std::size_t>(grid.node(x, y))]);
+    const auto at = positions.at(map.directions[static_cast<std::size_t>(grid.node(x, y))]);
     if (!at) return std::nullopt;
     return Corner{*at, {x * grid.cell_width(), y * grid.cell_height()}};
   };
@@ -97,8 +97,8 @@ Table table_of(const MeasuredMap& map, const Places& places) {
         const auto first = corner(x, y);
         if (!first || !a || !b) continue;
         std::array<Corner, 3> corners{*first, *a, *b};
-        for (Corner& c : corners) c.at.x() = places.near(c.at.x(), first->at.x());
-        draw(map, places, corners, &table);
+        for (Corner& c : corners) c.at.x() = positions.near(c.at.x(), first->at.x());
+        draw(map, positions, corners, &table);
       }
     }
   }
@@ -106,7 +106,7 @@ Table table_of(const MeasuredMap& map, const Places& places) {
 }
 
 /// Between the four nearest; 0 outside.
-double value_at(const Table& table, const Places& places, const Eigen::Vector2d& at) {
+double value_at(const Table& table, const PicturePositions& positions, const Eigen::Vector2d& at) {
   const double u = at.x() - 0.5;
   const double v = at.y() - 0.5;
   const int x = static_cast<int>(std::floor(u));
@@ -114,7 +114,7 @@ double value_at(const Table& table, const Places& places, const Eigen::Vector2d&
   double sum = 0.0;
   for (const int dy : {0, 1}) {
     for (const int dx : {0, 1}) {
-      const int column = places.column(x + dx);
+      const int column = positions.column(x + dx);
       const int row = std::clamp(y + dy, 0, table.height() - 1);
       if (column < 0 || column >= table.width()) continue;
       sum += static_cast<double>(*table.at(column, row)) * (dx == 1 ? u - x : 1.0 - (u - x)) *
@@ -124,17 +124,17 @@ double value_at(const Table& table, const Places& places, const Eigen::Vector2d&
   return sum;
 }
 
-MaskImage mask_of(const MeasuredMap& map, const std::vector<Table>& others, const Places& places) {
-  MaskImage mask(map.width_px, map.height_px);
+warp::MaskImage mask_of(const MeasuredMap& map, const std::vector<Table>& others, const PicturePositions& positions) {
+  warp::MaskImage mask(map.width_px, map.height_px);
   for (int y = 0; y < map.height_px; ++y) {
     for (int x = 0; x < map.width_px; ++x) {
       const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
       const auto direction = map.direction_at(pixel);
-      const auto at = direction ? places.at(*direction) : std::nullopt;
+      const auto at = direction ? positions.at(*direction) : std::nullopt;
       if (!at) continue;
       const double own = inwardness(map, pixel);
       double sum = own;
-      for (const Table& other : others) sum += value_at(other, places, *at);
+      for (const Table& other : others) sum += value_at(other, positions, *at);
       *mask.at(x, y) = static_cast<float>(own / sum);
     }
   }
@@ -143,19 +143,20 @@ MaskImage mask_of(const MeasuredMap& map, const std::vector<Table>& others, cons
 
 }  // namespace
 
-std::vector<MaskImage> measured_blend_masks(std::span<const MeasuredMap* const> maps, const PictureShape& picture) {
-  const Places places(picture);
+std::vector<warp::MaskImage> measured_blend_masks(std::span<const MeasuredMap* const> maps,
+                                                  const PictureShape& picture) {
+  const PicturePositions positions(picture);
   std::vector<Table> tables;
-  for (const MeasuredMap* const map : maps) tables.push_back(map == nullptr ? Table() : table_of(*map, places));
-  std::vector<MaskImage> masks;
+  for (const MeasuredMap* const map : maps) tables.push_back(map == nullptr ? Table() : table_of(*map, positions));
+  std::vector<warp::MaskImage> masks;
   for (std::size_t i = 0; i < maps.size(); ++i) {
     std::vector<Table> others;
     for (std::size_t j = 0; j < maps.size(); ++j) {
       if (j != i && maps[j] != nullptr) others.push_back(tables[j]);
     }
-    masks.push_back(maps[i] == nullptr ? MaskImage() : mask_of(*maps[i], others, places));
+    masks.push_back(maps[i] == nullptr ? warp::MaskImage() : mask_of(*maps[i], others, positions));
   }
   return masks;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

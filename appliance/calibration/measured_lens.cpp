@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/calibration/measured_lens.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 MeasuredLens MeasuredLens::from_focal(int width_px, int height_px, double focal_px) {
   MeasuredLens lens;
@@ -31,19 +31,19 @@ std::optional<Eigen::Vector3d> MeasuredLens::direction_at(const Eigen::Vector2d&
   return direction_through(*lens, pixel);
 }
 
-std::vector<int> held_parameters(LensRung rung) {
+std::vector<int> held_parameters(LensModel model) {
   using L = MeasuredLens;
-  switch (rung) {
-    case LensRung::kPinhole:
+  switch (model) {
+    case LensModel::kPinhole:
       return {L::kK1, L::kK2, L::kK3, L::kP1, L::kP2};
-    case LensRung::kRadial1:
+    case LensModel::kRadial1:
       return {L::kK2, L::kK3, L::kP1, L::kP2};
-    case LensRung::kRadial2:
+    case LensModel::kRadial2:
       return {L::kK3, L::kP1, L::kP2};
-    case LensRung::kDecentred:
+    case LensModel::kDecentred:
       return {L::kK3};
-    case LensRung::kFull:
-    case LensRung::kFullOblong:
+    case LensModel::kFull:
+    case LensModel::kFullOblong:
       return {};
   }
   return {};
@@ -90,4 +90,4 @@ LensSlopes slopes_through_lens(const double* lens, const Eigen::Vector3d& point)
   return slopes;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

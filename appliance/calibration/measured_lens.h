@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "appliance/calibration/brown_lens.h"
-#include "appliance/calibration/lens_models.h"
+#include "appliance/calibration/lens_model.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// A lens as measurements tell it, of a camera or of a projector: Brown's with square pixels, and how sure one is. The
 /// formula and its inverse are those of brown_model.h; this adds which numbers are free, and their covariance.
@@ -42,8 +42,8 @@ struct MeasuredLens {
   }
 };
 
-/// Which of MeasuredLens::values a rung holds at 0.
-[[nodiscard]] std::vector<int> held_parameters(LensRung rung);
+/// Which of MeasuredLens::values a model holds at 0.
+[[nodiscard]] std::vector<int> held_parameters(LensModel model);
 
 /// As MeasuredLens::direction_at().
 [[nodiscard]] std::optional<Eigen::Vector3d> direction_through(const BrownLens& lens, const Eigen::Vector2d& pixel);
@@ -67,4 +67,4 @@ struct LensSlopes {
 };
 [[nodiscard]] LensSlopes slopes_through_lens(const double* lens, const Eigen::Vector3d& point);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

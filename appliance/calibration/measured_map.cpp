@@ -6,7 +6,7 @@
 
 #include "appliance/calibration/map_grid.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 std::optional<Eigen::Vector3d> MeasuredMap::direction_at(const Eigen::Vector2d& pixel) const {
   const MapGrid grid{width_px, height_px, cells_x, cells_y};
@@ -32,9 +32,9 @@ double MeasuredMap::sigma_at(const Eigen::Vector2d& pixel) const {
   return sum;
 }
 
-Result<Warp> warp_of(const MeasuredMap& map, const PictureShape& picture) {
+Result<warp::Warp> warp_of(const MeasuredMap& map, const PictureShape& picture) {
   TRY(validate(picture));
-  WarpMesh mesh;
+  warp::WarpMesh mesh;
   mesh.width_px = map.width_px;
   mesh.height_px = map.height_px;
   mesh.cells_x = map.cells_x;
@@ -48,14 +48,14 @@ Result<Warp> warp_of(const MeasuredMap& map, const PictureShape& picture) {
   bool is_any = false;
   for (int y = 0; y <= map.cells_y; ++y) {
     for (int x = 0; x <= map.cells_x; ++x) {
-      WarpVertex vertex;
+      warp::WarpVertex vertex;
       vertex.x_px = static_cast<float>(x * grid.cell_width());
       vertex.y_px = static_cast<float>(y * grid.cell_height());
       vertex.azimuth_rad = vertex.tan_elevation = std::numeric_limits<float>::quiet_NaN();
       const Eigen::Vector3d& d = map.directions[static_cast<std::size_t>(grid.node(x, y))];
-      const auto place = d.allFinite() ? place_of(picture, d) : std::nullopt;
-      if (place) {
-        const PicturePlace near = counted_near(*place, picture, middle_rad);
+      const auto position = d.allFinite() ? place_of(picture, d) : std::nullopt;
+      if (position) {
+        const PicturePlace near = warp::counted_near(*position, picture, middle_rad);
         vertex.azimuth_rad = static_cast<float>(near.across);
         vertex.tan_elevation = static_cast<float>(near.up);
         is_any = true;
@@ -64,7 +64,7 @@ Result<Warp> warp_of(const MeasuredMap& map, const PictureShape& picture) {
     }
   }
   if (!is_any) return Error(ErrorCode::kBadData, "nothing of the map lies in the picture; choose another picture");
-  // In the picture's pixels at the map's middle: what was left out is the best witness of the exact map.
+  // In the picture's pixels at the map's middle: what was left out is the best reference of the exact map.
   double radians_per_px = 0.0;
   for (int x = 0, y = map.cells_y / 2; x < map.cells_x; ++x) {
     const Eigen::Vector3d& a = map.directions[static_cast<std::size_t>(grid.node(x, y))];
@@ -73,12 +73,13 @@ Result<Warp> warp_of(const MeasuredMap& map, const PictureShape& picture) {
     const auto pa = place_of(picture, a);
     const auto pb = place_of(picture, b);
     if (!pa || !pb) continue;
-    radians_per_px = std::max(radians_per_px, pixel_scale(picture).distance_px(counted_near(*pa, picture, middle_rad),
-                                                                               counted_near(*pb, picture, middle_rad)) /
-                                                  grid.cell_width());
+    radians_per_px =
+        std::max(radians_per_px, pixel_scale(picture).distance_px(warp::counted_near(*pa, picture, middle_rad),
+                                                                  warp::counted_near(*pb, picture, middle_rad)) /
+                                     grid.cell_width());
   }
   mesh.worst_error_px = map.heldout_rms_px * radians_per_px;
-  return Warp(std::move(mesh));
+  return warp::Warp(std::move(mesh));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

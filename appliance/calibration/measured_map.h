@@ -9,7 +9,7 @@
 #include "common/base/result.h"
 #include "common/geometry/projection.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// From a projector's pixels to directions from the sweet spot, with no model of the wall: a grid of control points
 /// over its whole picture, linear in triangles, which are a WarpMesh's (cut from a cell's upper left to its lower
@@ -33,6 +33,6 @@ struct MeasuredMap {
 };
 
 /// What a display draws with. kBadData  no control point has a place in the picture.
-Result<Warp> warp_of(const MeasuredMap& map, const PictureShape& picture);
+Result<warp::Warp> warp_of(const MeasuredMap& map, const PictureShape& picture);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -11,15 +11,15 @@
 
 #include "common/geometry/rigid_transform.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// Radians, then metres.
 using PoseStep = Eigen::Matrix<double, 6, 1>;
 using PoseMatrix = Eigen::Matrix<double, 6, 6>;
 
 /// What a bump may do at most; beyond, somebody has rebuilt the room.
-inline constexpr double kMostTurn_rad = 0.12;
-inline constexpr double kMostShift_m = 0.15;
+inline constexpr double kMaxTurn_rad = 0.12;
+inline constexpr double kMaxShift_m = 0.15;
 
 [[nodiscard]] inline Eigen::Quaterniond turned_by(const Eigen::Vector3d& turn) {
   const double angle = turn.norm();
@@ -50,4 +50,4 @@ template <typename To, typename Body>
   return stepped(from, part * step_between(from, to));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

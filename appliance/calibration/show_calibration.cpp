@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 Status check(const BrownParameters& lens, const std::string& name) {
@@ -57,12 +57,12 @@ Status ShowCalibration::validate() const {
 }
 
 std::optional<Eigen::Vector2d> slope_at(const BrownParameters& lens, const Eigen::Vector2d& pixel) {
-  constexpr int kMostSteps = 30;
+  constexpr int kMaxSteps = 30;
   constexpr double kSettledPx = 1e-9;
   const BrownBlock block = to_block(lens);
   Eigen::Vector2d slope((pixel.x() - lens.centre_u_px) / lens.focal_u_px,
                         (pixel.y() - lens.centre_v_px) / lens.focal_v_px);
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     Eigen::Vector2d seen;
     brown_pixel(block.data(), slope.x(), slope.y(), &seen.x(), &seen.y());
     const Eigen::Vector2d missing = pixel - seen;
@@ -91,7 +91,7 @@ std::optional<Eigen::Vector3d> wall_seen_at(const ShowCalibration& room, const S
                                             const Eigen::Vector2d& pixel) {
   const auto slope = slope_at(camera.lens, pixel);
   if (!slope) return std::nullopt;
-  const auto point = endless_hit(
+  const auto point = hit_extended(
       room.wall, {{camera.T_room_camera.translation()}, camera.T_room_camera.rotation() * slope->homogeneous()});
   if (!point) return std::nullopt;
   return point->xyz;
@@ -101,10 +101,10 @@ std::optional<Eigen::Vector3d> wall_lit_at(const ShowCalibration& room, const Sh
                                            const Eigen::Vector2d& pixel) {
   const auto slope = slope_at(projector.lens, pixel);
   if (!slope) return std::nullopt;
-  const auto point = endless_hit(room.wall, {{projector.T_room_projector.translation()},
-                                             projector.T_room_projector.rotation() * slope->homogeneous()});
+  const auto point = hit_extended(room.wall, {{projector.T_room_projector.translation()},
+                                              projector.T_room_projector.rotation() * slope->homogeneous()});
   if (!point) return std::nullopt;
   return point->xyz;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -11,7 +11,7 @@
 #include "common/geometry/rigid_transform.h"
 #include "common/room/wall.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// Light of a channel for each code of 8 bits, in [0, 1].
 using CodeLight = std::array<float, 256>;
@@ -60,4 +60,4 @@ struct ShowCalibration {
 [[nodiscard]] std::optional<Eigen::Vector3d> wall_lit_at(const ShowCalibration& room, const ShowProjector& projector,
                                                          const Eigen::Vector2d& pixel);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

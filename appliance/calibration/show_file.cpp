@@ -7,18 +7,18 @@
 #include "common/base/file.h"
 #include "common/json/strict_json.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
-constexpr int kMostPx = 16384;
-constexpr double kFarthest_m = 1e3;
+constexpr int kMaxPx = 16384;
+constexpr double kMaxDistanceM = 1e3;
 constexpr double kFlattest = 1e-60;  // Determinant of six deviations of a micrometre or microradian: 1e-36.
-constexpr std::size_t kMost = 64;
+constexpr std::size_t kMaxDevices = 64;
 constexpr float kLightSteps = 65535.0f;
-constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
 
 Json json_of(const BrownParameters& lens) {
   Json values = Json::array();
@@ -32,7 +32,7 @@ template <typename Body>
 Json json_of(const RigidTransform<frame::Room, Body>& T) {
   const Eigen::Quaterniond& q = T.rotation();
   const Eigen::Vector3d& t = T.translation();
-  return {{"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}, {"place_m", {t.x(), t.y(), t.z()}}};
+  return {{"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}, {"position_m", {t.x(), t.y(), t.z()}}};
 }
 
 Json json_of(const PoseMatrix& root) {
@@ -42,8 +42,8 @@ Json json_of(const PoseMatrix& root) {
 }
 
 BrownParameters lens_of(StrictJson json) {
-  const int width = json.integer("width_px", 1, kMostPx);
-  const int height = json.integer("height_px", 1, kMostPx);
+  const int width = json.integer("width_px", 1, kMaxPx);
+  const int height = json.integer("height_px", 1, kMaxPx);
   const auto values =
       json.numbers("focal_u_px_focal_v_px_centre_u_px_centre_v_px_k1_k2_p1_p2_k3", kBrownValues, kBrownValues);
   json.refuse_other_keys();
@@ -59,7 +59,8 @@ RigidTransform<frame::Room, Body> pose_of(StrictJson json) {
   for (const StrictJson& value : json.list("rotation_wxyz", 4, 4))
     q.push_back(value.as_number(-1.0 - 1e-9, 1.0 + 1e-9));
   std::vector<double> t;
-  for (const StrictJson& value : json.list("place_m", 3, 3)) t.push_back(value.as_number(-kFarthest_m, kFarthest_m));
+  for (const StrictJson& value : json.list("position_m", 3, 3))
+    t.push_back(value.as_number(-kMaxDistanceM, kMaxDistanceM));
   json.refuse_other_keys();
   if (q.size() != 4 || t.size() != 3) return {};
   const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
@@ -134,7 +135,7 @@ Result<ShowFile> parse_show(std::string_view text, const std::string& name) {
   ShowFile show;
   json.integer("version", kVersion, kVersion);
   show.calibration = json.text("calibration", 100);
-  for (StrictJson one : json.list("projectors", 0, kMost)) {
+  for (StrictJson one : json.list("projectors", 0, kMaxDevices)) {
     ShowFile::Projector& p = show.projectors.emplace_back();
     p.name = one.text("name", 200);
     p.lens = lens_of(one.at("lens"));
@@ -150,7 +151,7 @@ Result<ShowFile> parse_show(std::string_view text, const std::string& name) {
     if (one.has("light_65535")) p.light = light_of(&one);
     one.refuse_other_keys();
   }
-  for (StrictJson one : json.list("cameras", 0, kMost)) {
+  for (StrictJson one : json.list("cameras", 0, kMaxDevices)) {
     ShowFile::Camera& c = show.cameras.emplace_back();
     c.name = one.text("name", 200);
     c.lens = lens_of(one.at("lens"));
@@ -164,7 +165,7 @@ Result<ShowFile> parse_show(std::string_view text, const std::string& name) {
 }
 
 Result<ShowFile> read_show(const std::filesystem::path& path) {
-  TRY_ASSIGN(const std::string text, read_text_file(path, kMostBytes));
+  TRY_ASSIGN(const std::string text, read_text_file(path, kMaxBytes));
   return parse_show(text, path.filename().string());
 }
 
@@ -172,4 +173,4 @@ Status write_show(const std::filesystem::path& path, const ShowFile& show) {
   return write_file_atomically(path, show_json(show));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

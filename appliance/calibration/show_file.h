@@ -19,7 +19,7 @@
 #include "appliance/calibration/pose_step.h"
 #include "appliance/calibration/show_calibration.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
 /// A value.
 struct ShowFile {
@@ -61,4 +61,4 @@ Result<ShowFile> read_show(const std::filesystem::path& path);
 /// Errors as write_file_atomically().
 Status write_show(const std::filesystem::path& path, const ShowFile& show);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

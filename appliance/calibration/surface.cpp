@@ -11,7 +11,7 @@
 #include "appliance/calibration/direction_chart.h"
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 constexpr std::string_view kNames[] = {"plane", "cylinder", "profile", "quadric", "mesh"};
@@ -56,7 +56,8 @@ Vector3<T> turned_back(const T& yaw, const T& pitch, const T& roll, const Eigen:
 /// at its origin; w points to the eye. Of the two places the one that goes over into the plane's when all bends vanish:
 /// the nearer one of a wall that bulges, the farther one of a wall that goes round the eye.
 template <typename T>
-bool quadric_nearness(const Vector3<T>& eye, const Vector3<T>& d, const std::array<T, 6>& q, T* ret_nearness) {
+bool quadric_inverse_depth(const Vector3<T>& eye, const Vector3<T>& d, const std::array<T, 6>& q,
+                           T* ret_inverse_depth) {
   using std::sqrt;
   const T a = q[0] * d[0] * d[0] + q[1] * d[1] * d[1] + q[2] * d[2] * d[2] + q[3] * d[0] * d[1] + q[4] * d[0] * d[2] +
               q[5] * d[1] * d[2];
@@ -67,49 +68,50 @@ bool quadric_nearness(const Vector3<T>& eye, const Vector3<T>& d, const std::arr
               q[3] * eye[0] * eye[1] + q[4] * eye[0] * eye[2] + q[5] * eye[1] * eye[2];
   const T within = b * b - 4.0 * a * c;
   if (!(within > 1e-12) || !(c < -1e-9)) return false;
-  *ret_nearness = -(b + sqrt(within)) / (2.0 * c);
+  *ret_inverse_depth = -(b + sqrt(within)) / (2.0 * c);
   return true;
 }
 
 template <typename T>
-bool closed_nearness(SurfaceRung rung, const Eigen::Vector3d& d, double distance, const T* p, T* ret_nearness) {
-  const bool is_cylinder = rung == SurfaceRung::kCylinder;
+bool closed_inverse_depth(SurfaceModel model, const Eigen::Vector3d& d, double distance, const T* p,
+                          T* ret_inverse_depth) {
+  const bool is_cylinder = model == SurfaceModel::kCylinder;
   const T roll = is_cylinder ? p[2] : T(0.0);
-  const Vector3<T> sight = turned_back(p[0], p[1], roll, d);
+  const Vector3<T> observation = turned_back(p[0], p[1], roll, d);
   const Vector3<T> eye = turned_back(p[0], p[1], roll, Eigen::Vector3d(0.0, 0.0, distance));
   std::array<T, 6> q;
   q.fill(T(0.0));
   if (is_cylinder) q[0] = q[2] = 0.5 * p[3];
-  if (rung == SurfaceRung::kQuadric) {
+  if (model == SurfaceModel::kQuadric) {
     for (std::size_t i = 0; i < 6; ++i) q[i] = p[2 + i];
   }
-  return quadric_nearness(eye, sight, q, ret_nearness);
+  return quadric_inverse_depth(eye, observation, q, ret_inverse_depth);
 }
 
 template <int N>
-std::optional<double> closed(SurfaceRung rung, const Eigen::Vector3d& d, double distance, const double* parameters,
-                             NearnessSlopes* ret_slopes) {
+std::optional<double> closed(SurfaceModel model, const Eigen::Vector3d& d, double distance, const double* parameters,
+                             InverseDepthSlopes* ret_slopes) {
   if (ret_slopes == nullptr) {
-    double nearness = 0.0;
-    if (!closed_nearness(rung, d, distance, parameters, &nearness)) return std::nullopt;
-    return nearness;
+    double inverse_depth = 0.0;
+    if (!closed_inverse_depth(model, d, distance, parameters, &inverse_depth)) return std::nullopt;
+    return inverse_depth;
   }
   using Jet = ceres::Jet<double, N>;
   std::array<Jet, static_cast<std::size_t>(N)> p;
   for (int i = 0; i < N; ++i) p[static_cast<std::size_t>(i)] = Jet(parameters[i], i);
-  Jet nearness;
-  if (!closed_nearness(rung, d, distance, p.data(), &nearness)) return std::nullopt;
-  for (int i = 0; i < N; ++i) ret_slopes->add(i, nearness.v[i]);
-  return nearness.a;
+  Jet inverse_depth;
+  if (!closed_inverse_depth(model, d, distance, p.data(), &inverse_depth)) return std::nullopt;
+  for (int i = 0; i < N; ++i) ret_slopes->add(i, inverse_depth.v[i]);
+  return inverse_depth.a;
 }
 
 std::optional<double> profile(const SplineAxis& axis, const double* parameters, const Eigen::Vector3d& d,
-                              NearnessSlopes* ret_slopes) {
+                              InverseDepthSlopes* ret_slopes) {
   using Jet = ceres::Jet<double, 2>;
-  const Vector3<Jet> sight = turned_back(Jet(0.0), Jet(parameters[0], 0), Jet(parameters[1], 1), d);
-  const Jet flat = sqrt(sight[0] * sight[0] + sight[2] * sight[2]);
+  const Vector3<Jet> observation = turned_back(Jet(0.0), Jet(parameters[0], 0), Jet(parameters[1], 1), d);
+  const Jet flat = sqrt(observation[0] * observation[0] + observation[2] * observation[2]);
   if (!(flat.a > 1e-9)) return 0.0;  // Along the axis: endlessly far.
-  const Jet angle = atan2(sight[0], -sight[2]);
+  const Jet angle = atan2(observation[0], -observation[2]);
   const SplineWeights w = spline_weights(axis, angle.a);
   double value = 0.0;
   double slope = 0.0;
@@ -128,23 +130,23 @@ std::optional<double> profile(const SplineAxis& axis, const double* parameters, 
 }
 
 /// Angles from straight ahead: rightwards and upwards, as an arrow.
-Eigen::Vector2d chart_place(const Eigen::Vector3d& d) {
+Eigen::Vector2d chart_position(const Eigen::Vector3d& d) {
   const double sine = std::hypot(d.x(), d.y());
   const double factor = sine < 1e-12 ? 1.0 : std::atan2(sine, -d.z()) / sine;
   return {factor * d.x(), factor * d.y()};
 }
 
-Eigen::Vector3d chart_direction(const Eigen::Vector2d& place) {
-  const double angle = std::min(place.norm(), 3.1);
-  const double factor = angle < 1e-9 ? 1.0 : std::sin(angle) / place.norm();
-  return {factor * place.x(), factor * place.y(), -std::cos(angle)};
+Eigen::Vector3d chart_direction(const Eigen::Vector2d& position) {
+  const double angle = std::min(position.norm(), 3.1);
+  const double factor = angle < 1e-9 ? 1.0 : std::sin(angle) / position.norm();
+  return {factor * position.x(), factor * position.y(), -std::cos(angle)};
 }
 
 std::optional<double> mesh(const SplineAxis& across, const SplineAxis& up, const double* parameters,
-                           const Eigen::Vector3d& d, NearnessSlopes* ret_slopes) {
-  const Eigen::Vector2d place = chart_place(d);
-  const SplineWeights wx = spline_weights(across, place.x());
-  const SplineWeights wy = spline_weights(up, place.y());
+                           const Eigen::Vector3d& d, InverseDepthSlopes* ret_slopes) {
+  const Eigen::Vector2d position = chart_position(d);
+  const SplineWeights wx = spline_weights(across, position.x());
+  const SplineWeights wy = spline_weights(up, position.y());
   const int columns = across.coefficients();
   double value = 0.0;
   for (int j = 0; j < 4; ++j) {
@@ -166,82 +168,82 @@ SplineAxis axis_over(double from, double to, double step) {
 
 }  // namespace
 
-std::string_view name_of(SurfaceRung rung) { return kNames[static_cast<std::size_t>(rung)]; }
+std::string_view name_of(SurfaceModel model) { return kNames[static_cast<std::size_t>(model)]; }
 
-std::optional<SurfaceRung> surface_rung(std::string_view name) {
-  for (const SurfaceRung rung : kSurfaceRungs) {
-    if (name_of(rung) == name) return rung;
+std::optional<SurfaceModel> surface_model(std::string_view name) {
+  for (const SurfaceModel model : kSurfaceModels) {
+    if (name_of(model) == name) return model;
   }
   return std::nullopt;
 }
 
 int Surface::size() const {
-  switch (rung) {
-    case SurfaceRung::kPlane:
+  switch (model) {
+    case SurfaceModel::kPlane:
       return 2;
-    case SurfaceRung::kCylinder:
+    case SurfaceModel::kCylinder:
       return 4;
-    case SurfaceRung::kProfile:
+    case SurfaceModel::kProfile:
       return 2 + across.coefficients();
-    case SurfaceRung::kQuadric:
+    case SurfaceModel::kQuadric:
       return 8;
-    case SurfaceRung::kMesh:
+    case SurfaceModel::kMesh:
       return across.coefficients() * up.coefficients();
   }
   return 0;
 }
 
-std::optional<double> Surface::nearness_at(const double* p, const Eigen::Vector3d& direction,
-                                           NearnessSlopes* ret_slopes) const {
+std::optional<double> Surface::inverse_depth_at(const double* p, const Eigen::Vector3d& direction,
+                                                InverseDepthSlopes* ret_slopes) const {
   if (ret_slopes != nullptr) ret_slopes->count = 0;
   const Eigen::Vector3d d = R_eye_wall.transpose() * direction;
-  std::optional<double> nearness;
-  switch (rung) {
-    case SurfaceRung::kPlane:
-      nearness = closed<2>(rung, d, distance_m, p, ret_slopes);
+  std::optional<double> inverse_depth;
+  switch (model) {
+    case SurfaceModel::kPlane:
+      inverse_depth = closed<2>(model, d, distance_m, p, ret_slopes);
       break;
-    case SurfaceRung::kCylinder:
-      nearness = closed<4>(rung, d, distance_m, p, ret_slopes);
+    case SurfaceModel::kCylinder:
+      inverse_depth = closed<4>(model, d, distance_m, p, ret_slopes);
       break;
-    case SurfaceRung::kQuadric:
-      nearness = closed<8>(rung, d, distance_m, p, ret_slopes);
+    case SurfaceModel::kQuadric:
+      inverse_depth = closed<8>(model, d, distance_m, p, ret_slopes);
       break;
-    case SurfaceRung::kProfile:
-      nearness = profile(across, p, d, ret_slopes);
+    case SurfaceModel::kProfile:
+      inverse_depth = profile(across, p, d, ret_slopes);
       break;
-    case SurfaceRung::kMesh:
-      nearness = mesh(across, up, p, d, ret_slopes);
+    case SurfaceModel::kMesh:
+      inverse_depth = mesh(across, up, p, d, ret_slopes);
       break;
   }
-  if (!nearness || !std::isfinite(*nearness)) return std::nullopt;
-  return nearness;
+  if (!inverse_depth || !std::isfinite(*inverse_depth)) return std::nullopt;
+  return inverse_depth;
 }
 
 double Surface::curvature_per_m() const {
-  CHECK(rung == SurfaceRung::kPlane || rung == SurfaceRung::kCylinder);
-  return rung == SurfaceRung::kCylinder ? parameters[3] : 0.0;
+  CHECK(model == SurfaceModel::kPlane || model == SurfaceModel::kCylinder);
+  return model == SurfaceModel::kCylinder ? parameters[3] : 0.0;
 }
 
-Surface Surface::start(SurfaceRung rung, const Surface& from, const std::vector<Eigen::Vector3d>& spread,
+Surface Surface::start(SurfaceModel model, const Surface& from, const std::vector<Eigen::Vector3d>& spread,
                        double knot_rad) {
   Surface surface = from;
-  surface.rung = rung;
-  const auto nearness = [&](const Eigen::Vector3d& d_wall) {
-    return std::clamp(from.nearness_at(from.R_eye_wall * d_wall).value_or(0.5 / from.distance_m),
+  surface.model = model;
+  const auto inverse_depth = [&](const Eigen::Vector3d& d_wall) {
+    return std::clamp(from.inverse_depth_at(from.R_eye_wall * d_wall).value_or(0.5 / from.distance_m),
                       0.05 / from.distance_m, 4.0 / from.distance_m);
   };
-  if (rung == SurfaceRung::kPlane) surface.parameters = {0.0, 0.0};
-  if (rung == SurfaceRung::kCylinder) {
-    const bool is_plane = from.rung == SurfaceRung::kPlane;
+  if (model == SurfaceModel::kPlane) surface.parameters = {0.0, 0.0};
+  if (model == SurfaceModel::kCylinder) {
+    const bool is_plane = from.model == SurfaceModel::kPlane;
     surface.parameters = {is_plane ? from.parameters[0] : 0.0, is_plane ? from.parameters[1] : 0.0, 0.0, 0.0};
   }
-  if (rung == SurfaceRung::kQuadric) {
+  if (model == SurfaceModel::kQuadric) {
     surface.parameters.assign(8, 0.0);
-    if (from.rung == SurfaceRung::kPlane || from.rung == SurfaceRung::kCylinder) {
+    if (from.model == SurfaceModel::kPlane || from.model == SurfaceModel::kCylinder) {
       surface.parameters[0] = from.parameters[0];
       surface.parameters[1] = from.parameters[1];
       const double k = 0.5 * from.curvature_per_m();
-      const double roll = from.rung == SurfaceRung::kCylinder ? from.parameters[2] : 0.0;
+      const double roll = from.model == SurfaceModel::kCylinder ? from.parameters[2] : 0.0;
       // The cylinder's own across-axis, (cos, sin) of its roll, told in axes that are not rolled.
       surface.parameters[2] = k * std::cos(roll) * std::cos(roll);
       surface.parameters[3] = k * std::sin(roll) * std::sin(roll);
@@ -249,35 +251,35 @@ Surface Surface::start(SurfaceRung rung, const Surface& from, const std::vector<
       surface.parameters[5] = 2.0 * k * std::cos(roll) * std::sin(roll);
     }
   }
-  if (rung != SurfaceRung::kProfile && rung != SurfaceRung::kMesh) return surface;
-  Eigen::Vector2d least(1e9, 1e9);
-  Eigen::Vector2d most(-1e9, -1e9);
+  if (model != SurfaceModel::kProfile && model != SurfaceModel::kMesh) return surface;
+  Eigen::Vector2d min(1e9, 1e9);
+  Eigen::Vector2d max(-1e9, -1e9);
   for (const Eigen::Vector3d& direction : spread) {
     const Eigen::Vector3d d = from.R_eye_wall.transpose() * direction;
-    const Eigen::Vector2d place =
-        rung == SurfaceRung::kMesh ? chart_place(d) : Eigen::Vector2d(std::atan2(d.x(), -d.z()), 0.0);
-    least = least.cwiseMin(place);
-    most = most.cwiseMax(place);
+    const Eigen::Vector2d position =
+        model == SurfaceModel::kMesh ? chart_position(d) : Eigen::Vector2d(std::atan2(d.x(), -d.z()), 0.0);
+    min = min.cwiseMin(position);
+    max = max.cwiseMax(position);
   }
   CHECK(!spread.empty());
-  surface.across = axis_over(least.x(), most.x(), knot_rad);
-  surface.up = rung == SurfaceRung::kMesh ? axis_over(least.y(), most.y(), knot_rad) : SplineAxis{};
+  surface.across = axis_over(min.x(), max.x(), knot_rad);
+  surface.up = model == SurfaceModel::kMesh ? axis_over(min.y(), max.y(), knot_rad) : SplineAxis{};
   surface.parameters.clear();
   const auto knot = [](const SplineAxis& axis, int i) { return axis.from + (i - 1) * axis.step; };
-  if (rung == SurfaceRung::kProfile) {
+  if (model == SurfaceModel::kProfile) {
     surface.parameters = {0.0, 0.0};
     for (int i = 0; i < surface.across.coefficients(); ++i) {
       const double angle = knot(surface.across, i);
-      surface.parameters.push_back(nearness({std::sin(angle), 0.0, -std::cos(angle)}));
+      surface.parameters.push_back(inverse_depth({std::sin(angle), 0.0, -std::cos(angle)}));
     }
     return surface;
   }
   for (int j = 0; j < surface.up.coefficients(); ++j) {
     for (int i = 0; i < surface.across.coefficients(); ++i) {
-      surface.parameters.push_back(nearness(chart_direction({knot(surface.across, i), knot(surface.up, j)})));
+      surface.parameters.push_back(inverse_depth(chart_direction({knot(surface.across, i), knot(surface.up, j)})));
     }
   }
   return surface;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

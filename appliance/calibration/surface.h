@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The wall as the sweet spot sees it: for each direction how near it is. A ladder of models, each with more to tell:
+/// The wall as the sweet spot sees it: for each direction how near it is. A selection of models, each with more to tell:
 ///
 ///     plane       2   its normal
 ///     cylinder    4   and its axis' roll and its curvature: 0 is a plane, so nothing jumps between the two
 ///     profile     2+n the axis' tilt, and the distance along the arc: corners, and cylinders that are not quite ones
 ///     quadric     8   spheres, ellipsoids and their kin
-///     mesh        n   nearness over a grid of directions
+///     mesh        n   inverse_depth over a grid of directions
 ///
 /// Their common scale is not theirs to tell: the wall is `distance_m` away straight ahead. Reentrant.
 #pragma once
@@ -16,14 +16,14 @@
 #include <string_view>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 
-enum class SurfaceRung { kPlane, kCylinder, kProfile, kQuadric, kMesh };
-inline constexpr SurfaceRung kSurfaceRungs[] = {SurfaceRung::kPlane, SurfaceRung::kCylinder, SurfaceRung::kProfile,
-                                                SurfaceRung::kQuadric, SurfaceRung::kMesh};
-[[nodiscard]] std::string_view name_of(SurfaceRung rung);
+enum class SurfaceModel { kPlane, kCylinder, kProfile, kQuadric, kMesh };
+inline constexpr SurfaceModel kSurfaceModels[] = {SurfaceModel::kPlane, SurfaceModel::kCylinder, SurfaceModel::kProfile,
+                                                  SurfaceModel::kQuadric, SurfaceModel::kMesh};
+[[nodiscard]] std::string_view name_of(SurfaceModel model);
 /// Nothing for any other text.
-[[nodiscard]] std::optional<SurfaceRung> surface_rung(std::string_view name);
+[[nodiscard]] std::optional<SurfaceModel> surface_model(std::string_view name);
 
 /// Where the knots of a spline lie: even, cubic. `spans` + 3 coefficients.
 struct SplineAxis {
@@ -33,12 +33,12 @@ struct SplineAxis {
   [[nodiscard]] int coefficients() const { return spans + 3; }
 };
 
-/// What a nearness changes by: a spline's knows only the coefficients nearby.
-struct NearnessSlopes {
-  static constexpr int kMost = 16;
+/// What a inverse_depth changes by: a spline's knows only the coefficients nearby.
+struct InverseDepthSlopes {
+  static constexpr int kMaxParameters = 16;
   int count = 0;
-  std::array<int, kMost> parameters{};
-  std::array<double, kMost> slopes{};
+  std::array<int, kMaxParameters> parameters{};
+  std::array<double, kMaxParameters> slopes{};
   void add(int parameter, double slope) {
     parameters[static_cast<std::size_t>(count)] = parameter;
     slopes[static_cast<std::size_t>(count++)] = slope;
@@ -47,7 +47,7 @@ struct NearnessSlopes {
 
 /// A value.
 struct Surface {
-  SurfaceRung rung = SurfaceRung::kPlane;
+  SurfaceModel model = SurfaceModel::kPlane;
   /// Columns: right, up, back, of an eye that looks at the wall's middle. Right-handed.
   Eigen::Matrix3d R_eye_wall = Eigen::Matrix3d::Identity();
   double distance_m = 4.0;
@@ -55,23 +55,23 @@ struct Surface {
   SplineAxis up{};      ///< Of a mesh.
   std::vector<double> parameters;
 
-  /// How many parameters this rung has.
+  /// How many parameters this model has.
   [[nodiscard]] int size() const;
   /// The inverse of the distance in metres along a unit vector, 0 where the wall is endlessly far; `ret_slopes` (may be
   /// null) gets its derivatives by the parameters. Nothing where the line of sight misses the wall.
-  [[nodiscard]] std::optional<double> nearness_at(const double* parameters, const Eigen::Vector3d& direction,
-                                                  NearnessSlopes* ret_slopes) const;
-  [[nodiscard]] std::optional<double> nearness_at(const Eigen::Vector3d& direction) const {
-    return nearness_at(parameters.data(), direction, nullptr);
+  [[nodiscard]] std::optional<double> inverse_depth_at(const double* parameters, const Eigen::Vector3d& direction,
+                                                       InverseDepthSlopes* ret_slopes) const;
+  [[nodiscard]] std::optional<double> inverse_depth_at(const Eigen::Vector3d& direction) const {
+    return inverse_depth_at(parameters.data(), direction, nullptr);
   }
   /// Of a plane 0; of a cylinder its own; in 1/m, positive where the wall bends round the eye. Precondition: one of
   /// them.
   [[nodiscard]] double curvature_per_m() const;
 
-  /// A start for a rung: what `from` is, if it can be told in the richer model's words, else a plane. `spread` are
+  /// A start for a model: what `from` is, if it can be told in the richer model's words, else a plane. `spread` are
   /// directions that the spline must reach.
-  static Surface start(SurfaceRung rung, const Surface& from, const std::vector<Eigen::Vector3d>& spread,
+  static Surface start(SurfaceModel model, const Surface& from, const std::vector<Eigen::Vector3d>& spread,
                        double knot_rad);
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

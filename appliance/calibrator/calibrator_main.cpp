@@ -29,7 +29,7 @@
 #include "drivers/simulated/turntable/simulated_turnplate.h"
 #include "drivers/turnplate/make_turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::calibrator {
 namespace {
 
 constexpr Duration kSupervisePeriod = std::chrono::milliseconds(500);
@@ -51,7 +51,7 @@ struct Options {
   std::optional<double> field_of_view_deg;
   std::optional<double> pitch_deg;
   std::optional<double> settle_ms;
-  std::optional<double> longest_exposure_ms;
+  std::optional<double> max_exposure_ms;
   std::vector<std::string> watch;
   std::optional<double> watch_exposure_ms;
   std::optional<double> watch_hz;
@@ -61,7 +61,7 @@ struct Options {
   bool is_check = false;
 };
 
-CLI::Range within(const Range& range) { return {range.least, range.most}; }
+CLI::Range within(const Range& range) { return {range.min, range.max}; }
 
 void add_file_options(CLI::App& app, Options* ret) {
   app.add_option("--config", ret->config,
@@ -109,8 +109,8 @@ void add_scan_options(CLI::App& app, Options* ret) {
       ->check(within(Ranges::kPitch_deg));
   app.add_option("--settle-ms", ret->settle_ms, "From a projector's signal to its light; 100")
       ->check(within(Ranges::kSettle_ms));
-  app.add_option("--longest-exposure-ms", ret->longest_exposure_ms, "Of the camera; 250")
-      ->check(within(Ranges::kLongestExposure_ms));
+  app.add_option("--longest-exposure-ms", ret->max_exposure_ms, "Of the camera; 250")
+      ->check(within(Ranges::kMaxExposure_ms));
 }
 
 void add_watch_options(CLI::App& app, Options* ret) {
@@ -160,7 +160,7 @@ Result<CalibratorSettings> settings_of(const Options& options) {
   if (options.turnplate) settings.turnplate = *options.turnplate;
   if (!options.displays.empty()) settings.displays.clear();
   for (const std::string& text : options.displays) {
-    TRY_ASSIGN(PatternDisplay display, parse_pattern_display(text));
+    TRY_ASSIGN(scan::PatternDisplay display, scan::parse_pattern_display(text));
     settings.displays.push_back(std::move(display));
   }
   // A room that is simulated whole has no display.
@@ -169,10 +169,10 @@ Result<CalibratorSettings> settings_of(const Options& options) {
   if (options.field_of_view_deg) settings.field_of_view_rad = kDegree * *options.field_of_view_deg;
   if (options.pitch_deg) settings.pitch_rad = kDegree * *options.pitch_deg;
   if (options.settle_ms) settings.settle_s = kMillisecond * *options.settle_ms;
-  if (options.longest_exposure_ms) settings.longest_exposure_s = kMillisecond * *options.longest_exposure_ms;
+  if (options.max_exposure_ms) settings.max_exposure_s = kMillisecond * *options.max_exposure_ms;
   if (!options.watch.empty()) settings.watch.clear();
   for (const std::string& text : options.watch) {
-    TRY_ASSIGN(CameraPlug plug, parse_camera_plug(text));
+    TRY_ASSIGN(scan::CameraSource plug, scan::parse_camera_source(text));
     settings.watch.push_back(std::move(plug));
   }
   if (options.watch_exposure_ms) settings.watch_exposure_s = kMillisecond * *options.watch_exposure_ms;
@@ -194,19 +194,20 @@ Status check(const Options& options, const CalibratorSettings& settings) {
   if (options.installation.empty()) return Done{};
   TRY_ASSIGN(const Installation installation, read_installation(options.installation));
   for (const InstalledProjector& projector : installation.projectors) {
-    TRY(display_of(projector.name, settings.displays));
+    TRY(scan::display_of(projector.name, settings.displays));
   }
   return Done{};
 }
 
-Result<ScanSettings> scan_settings(const CalibratorSettings& settings, const std::filesystem::path& folder,
-                                   const ScanCamera& camera) {
-  ScanSettings scan;
-  TRY_ASSIGN(const std::optional<MeasuredLens> known,
-             known_lens(settings.lens, folder, camera.id(), camera.width_px(), camera.height_px()));
-  scan.camera = known ? *known : data_sheet_lens(camera.width_px(), camera.height_px(), settings.field_of_view_rad);
+Result<scan::ScanSettings> scan_settings(const CalibratorSettings& settings, const std::filesystem::path& folder,
+                                         const scan::ScanCamera& camera) {
+  scan::ScanSettings scan;
+  TRY_ASSIGN(const std::optional<calibration::MeasuredLens> known,
+             scan::known_lens(settings.lens, folder, camera.id(), camera.width_px(), camera.height_px()));
+  scan.camera =
+      known ? *known : scan::data_sheet_lens(camera.width_px(), camera.height_px(), settings.field_of_view_rad);
   scan.pitch_rad = settings.pitch_rad;
-  scan.view.exposure.longest = ExposureTime(settings.longest_exposure_s);
+  scan.view.exposure.longest = structured_light::ExposureTime(settings.max_exposure_s);
   return scan;
 }
 
@@ -216,40 +217,41 @@ std::chrono::milliseconds settle_of(const CalibratorSettings& settings) {
 
 /// The museum outlives all devices: the opener holds it.
 DeviceOpener simulated_opener(const CalibratorSettings& settings, const std::filesystem::path& folder,
-                              std::shared_ptr<SimulatedMuseum> museum) {
+                              std::shared_ptr<simulated::SimulatedMuseum> museum) {
   return [settings, folder, museum]() -> Result<CalibrationDevices> {
     CalibrationDevices devices;
-    devices.plate = std::make_unique<SimulatedTurnplate>(museum.get());
-    devices.camera = std::make_unique<SimulatedScanCamera>(museum.get(), PhotographColour::kGrey);
-    devices.colour_camera = std::make_unique<SimulatedScanCamera>(museum.get(), PhotographColour::kColour);
-    devices.screen = std::make_unique<SimulatedPatternScreen>(museum.get());
+    devices.plate = std::make_unique<simulated::SimulatedTurnplate>(museum.get());
+    devices.camera = std::make_unique<scan::SimulatedScanCamera>(museum.get(), scan::PhotographColour::kGrey);
+    devices.colour_camera = std::make_unique<scan::SimulatedScanCamera>(museum.get(), scan::PhotographColour::kColour);
+    devices.screen = std::make_unique<scan::SimulatedPatternScreen>(museum.get());
     TRY_ASSIGN(devices.settings, scan_settings(settings, folder, *devices.camera));
     return devices;
   };
 }
 
 /// A calibrator in a terminal asks there, a service asks whoever told it to calibrate.
-std::unique_ptr<TurnplateOperator> operator_at(TurnplateDesk* desk) {
-  if (::isatty(STDIN_FILENO) == 1) return std::make_unique<TerminalOperator>(STDIN_FILENO, STDERR_FILENO);
-  return std::make_unique<DeskOperator>(desk);
+std::unique_ptr<turnplate::TurnplateOperator> operator_at(TurntablePrompt* prompt) {
+  if (::isatty(STDIN_FILENO) == 1) return std::make_unique<turnplate::TerminalOperator>(STDIN_FILENO, STDERR_FILENO);
+  return std::make_unique<PromptOperator>(prompt);
 }
 
 DeviceOpener real_opener(const CalibratorSettings& settings, const std::filesystem::path& folder,
-                         const Installation& installation, TurnplateDesk* desk, const Clock& clock) {
-  return [settings, folder, projectors = installation.projectors, desk, &clock]() -> Result<CalibrationDevices> {
-    const FrameScanCamera::Opener open_camera = [spec = settings.camera, &clock](double exposure_s) {
+                         const Installation& installation, TurntablePrompt* prompt, const Clock& clock) {
+  return [settings, folder, projectors = installation.projectors, prompt, &clock]() -> Result<CalibrationDevices> {
+    const scan::FrameScanCamera::Opener open_camera = [spec = settings.camera, &clock](double exposure_s) {
       // Pictures are compared. libcamera's cameras hold their gain with a fixed exposure.
       const std::string_view held = spec.starts_with("v4l2:") ? "&gain=held" : "";
       // Where a picture takes less time than its exposure, cameras cut the exposure.
       const double rate_hz = std::min(30.0, 0.9 / exposure_s);
-      return make_camera(with_defaults(spec, fmt::format("{}&frames_per_second={:.4g}&colour=yes&exposure_ms={}{}",
-                                                         kCalibrationSize, rate_hz, 1e3 * exposure_s, held)),
-                         clock);
+      return devices::make_camera(
+          devices::with_defaults(spec, fmt::format("{}&frames_per_second={:.4g}&colour=yes&exposure_ms={}{}",
+                                                   devices::kCalibrationSize, rate_hz, 1e3 * exposure_s, held)),
+          clock);
     };
     CalibrationDevices devices;
-    TRY_ASSIGN(devices.plate, make_turnplate(settings.turnplate, operator_at(desk)));
-    TRY_ASSIGN(devices.camera, FrameScanCamera::open(open_camera, kFirstExposure_s, clock));
-    TRY_ASSIGN(devices.screen, RemotePatternScreen::open(projectors, settings.displays, settle_of(settings)));
+    TRY_ASSIGN(devices.plate, turnplate::make_turnplate(settings.turnplate, operator_at(prompt)));
+    TRY_ASSIGN(devices.camera, scan::FrameScanCamera::open(open_camera, kFirstExposure_s, clock));
+    TRY_ASSIGN(devices.screen, scan::RemotePatternScreen::open(projectors, settings.displays, settle_of(settings)));
     TRY_ASSIGN(devices.settings, scan_settings(settings, folder, *devices.camera));
     if (settings.turnplate == "manual") devices.settings.plate_sigma_rad = kReadByEye_rad;
     return devices;
@@ -259,33 +261,33 @@ DeviceOpener real_opener(const CalibratorSettings& settings, const std::filesyst
 Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
 
 /// Null: nothing watches.
-Result<std::unique_ptr<ShowRooms>> rooms_of(const Options& options, const CalibratorSettings& settings,
-                                            const Installation& installation, const Clock& clock) {
+Result<std::unique_ptr<healing::ShowRooms>> rooms_of(const Options& options, const CalibratorSettings& settings,
+                                                     const Installation& installation, const Clock& clock) {
   const bool is_simulated = !options.simulated.empty() && !settings.displays.empty();
-  if (!is_simulated && settings.watch.empty()) return std::unique_ptr<ShowRooms>();
+  if (!is_simulated && settings.watch.empty()) return std::unique_ptr<healing::ShowRooms>();
   if (!options.simulated.empty() && !settings.watch.empty()) {
     return Error(ErrorCode::kInvalidArgument, "a simulated museum has cameras of its own; leave out --watch");
   }
-  ShowDisplays shows;
+  healing::ShowDisplays shows;
   shows.projectors = installation.projectors;
   shows.displays = settings.displays;
   const auto widest = std::ranges::max(installation.projectors, {}, [](const auto& p) { return p.lens.width_px; });
   shows.factor = std::max(1, static_cast<int>(std::lround(widest.lens.width_px / kWatchedWidth_px)));
   shows.settle = settle_of(settings);
   if (is_simulated) {
-    TRY_ASSIGN(SimulatedStage stage, SimulatedStage::open(options.simulated, {}));
-    return simulated_rooms(std::move(shows), std::move(stage), clock);
+    TRY_ASSIGN(simulated::SimulatedStage stage, simulated::SimulatedStage::open(options.simulated, {}));
+    return healing::simulated_rooms(std::move(shows), std::move(stage), clock);
   }
   shows.latency = seconds(settings.latency_s);
-  return museum_rooms(std::move(shows), settings.watch, lens_folders(options, settings), settings.watch_exposure_s,
-                      clock);
+  return healing::museum_rooms(std::move(shows), settings.watch, lens_folders(options, settings),
+                               settings.watch_exposure_s, clock);
 }
 
-HealingLoop::Options loop_options(const Options& options, const CalibratorSettings& settings,
-                                  CalibratorService* calibrator) {
-  HealingLoop::Options wanted;
+healing::HealingLoop::Options loop_options(const Options& options, const CalibratorSettings& settings,
+                                           CalibratorService* calibrator) {
+  healing::HealingLoop::Options wanted;
   wanted.period = seconds(1.0 / settings.watch_hz);
-  wanted.exposure.longest = ExposureTime(settings.longest_exposure_s);
+  wanted.exposure.longest = structured_light::ExposureTime(settings.max_exposure_s);
   wanted.record = options.record;
   wanted.installation_file = options.simulated.empty() ? options.installation : options.simulated;
   wanted.on_line = [](const std::string& line) { log(LogLevel::kNotice, line); };
@@ -296,8 +298,8 @@ HealingLoop::Options loop_options(const Options& options, const CalibratorSettin
 Status run_again(const std::filesystem::path& folder) {
   TRY_ASSIGN(const std::string lines, replay(folder));
   std::fputs(lines.c_str(), stdout);
-  constexpr std::size_t kMostBytes = std::size_t{1} << 28;
-  TRY_ASSIGN(const std::string recorded, read_text_file(folder / "report.txt", kMostBytes));
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 28;
+  TRY_ASSIGN(const std::string recorded, read_text_file(folder / "report.txt", kMaxBytes));
   if (lines == recorded) return Done{};
   return Error(ErrorCode::kBadData, "what is found now is not what was found then; see report.txt");
 }
@@ -309,28 +311,29 @@ Status run(const Options& options, const StopSignal& stop) {
   const SteadyClock clock;
   Installation installation;
   DeviceOpener opener;
-  TurnplateDesk desk;
+  TurntablePrompt prompt;
   if (!options.simulated.empty()) {
-    TRY_ASSIGN(SimulatedMuseum museum, SimulatedMuseum::open(options.simulated));
+    TRY_ASSIGN(simulated::SimulatedMuseum museum, simulated::SimulatedMuseum::open(options.simulated));
     installation = museum.installation();
-    opener = simulated_opener(settings, options.folder, std::make_shared<SimulatedMuseum>(std::move(museum)));
+    opener =
+        simulated_opener(settings, options.folder, std::make_shared<simulated::SimulatedMuseum>(std::move(museum)));
   } else if (!options.installation.empty()) {
     TRY_ASSIGN(installation, read_installation(options.installation));
-    opener = real_opener(settings, options.folder, installation, &desk, clock);
+    opener = real_opener(settings, options.folder, installation, &prompt, clock);
   } else {
     return Error(ErrorCode::kInvalidArgument, "no room is named; give --installation FILE, or --simulated FILE");
   }
   InspectionService inspection("calibrator");
   CalibratorService calibrator(installation, options.folder, std::move(opener), clock, &inspection);
-  calibrator.ask_at(&desk);
-  TRY_ASSIGN(std::unique_ptr<ShowRooms> rooms, rooms_of(options, settings, installation, clock));
-  std::unique_ptr<HealingLoop> loop;
+  calibrator.set_prompt(&prompt);
+  TRY_ASSIGN(std::unique_ptr<healing::ShowRooms> rooms, rooms_of(options, settings, installation, clock));
+  std::unique_ptr<healing::HealingLoop> loop;
   if (rooms != nullptr) {
-    loop = std::make_unique<HealingLoop>(std::move(installation), options.folder, std::move(rooms), clock, &inspection,
-                                         loop_options(options, settings, &calibrator));
+    loop = std::make_unique<healing::HealingLoop>(std::move(installation), options.folder, std::move(rooms), clock,
+                                                  &inspection, loop_options(options, settings, &calibrator));
     calibrator.hold_with([&loop]() -> std::shared_ptr<void> { return loop->hold(); });
   }
-  HealingService healing(loop.get());
+  healing::HealingService healing(loop.get());
   TRY_ASSIGN(const std::unique_ptr<WireServer> server,
              WireServer::start(settings.listen, {&calibrator, &inspection, &healing}));
   Notify notify;
@@ -341,7 +344,7 @@ Status run(const Options& options, const StopSignal& stop) {
     notify.keep_alive(clock.now());
     const std::string state = calibrator.state();
     notify.status(state);
-    // Percents change all the time; what is worth a line is another situation.
+    // Percents change all the time; what is gain a line is another situation.
     const std::string situation = state.substr(0, state.find_first_of(",;"));
     if (situation == shown) continue;
     log(LogLevel::kInfo, state);
@@ -355,7 +358,7 @@ Status run(const Options& options, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::calibrator
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-calibrator",

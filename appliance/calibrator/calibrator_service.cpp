@@ -11,17 +11,17 @@
 #include "common/image/jpeg.h"
 #include "common/wire/channel.h"
 
-namespace cyclorama {
+namespace cyclorama::calibrator {
 namespace {
 
-constexpr Duration kTellEvery = std::chrono::milliseconds(200);
+constexpr Duration kReportEvery = std::chrono::milliseconds(200);
 constexpr Duration kPictureEvery = std::chrono::seconds(1);
 constexpr int kPictureWidth_px = 640;
 
 grpc::Status refused(const std::string& why) { return {grpc::StatusCode::FAILED_PRECONDITION, why}; }
 
 /// Small, for a page: every n-th pixel.
-RgbImage preview_of(const ScanPhotograph& photograph) {
+RgbImage preview_of(const scan::ScanPhotograph& photograph) {
   const int every = std::max(1, photograph.width() / kPictureWidth_px);
   RgbImage picture(photograph.width() / every, photograph.height() / every);
   for (int y = 0; y < picture.height(); ++y) {
@@ -81,20 +81,21 @@ void CalibratorService::tell() {
   inspection_->set_state(state(), is_healthy);
 }
 
-Result<CalibrationOutcome> CalibratorService::calibrate(const wire::CalibrateOrder& order, const ScanListener& listener,
-                                                        std::stop_token stop) {
+Result<scan::CalibrationOutcome> CalibratorService::calibrate(const wire::CalibrateOrder& order,
+                                                              const scan::ScanListener& listener,
+                                                              std::stop_token stop) {
   listener({"opens camera, turn-plate and projectors", 0.0, nullptr});
   TRY_ASSIGN(CalibrationDevices devices, opener_());
   devices.settings.resume = order.resume();
-  const ScanDevices scan{*devices.screen, *devices.camera, *devices.plate, devices.colour_camera.get()};
+  const scan::ScanDevices scan{*devices.screen, *devices.camera, *devices.plate, devices.colour_camera.get()};
   if (order.quick()) {
-    TRY_ASSIGN(RealignmentOutcome realigned,
-               realign_projector(installation_, order.projector(), devices.settings, scan, folder_, calibration_date(),
-                                 clock_, listener, std::move(stop)));
+    TRY_ASSIGN(scan::RealignmentOutcome realigned,
+               scan::realign_projector(installation_, order.projector(), devices.settings, scan, folder_,
+                                       scan::calibration_date(), clock_, listener, std::move(stop)));
     return std::move(realigned.outcome);
   }
-  return run_calibration(installation_, devices.settings, scan, folder_, calibration_date(), clock_, listener,
-                         std::move(stop));
+  return scan::run_calibration(installation_, devices.settings, scan, folder_, scan::calibration_date(), clock_,
+                               listener, std::move(stop));
 }
 
 grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wire::CalibrateOrder* request,
@@ -114,14 +115,14 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
   TimePoint pictured_at{};
   std::string told;
   double fraction = 0.0;
-  const ScanListener listener = [&](const ScanProgress& progress) {
+  const scan::ScanListener listener = [&](const scan::ScanProgress& progress) {
     const TimePoint now = clock_.now();
     fraction = progress.fraction;
     say(fmt::format("is calibrating, {:.0f} %: {}", 100.0 * progress.fraction, progress.step), true);
     inspection_->set_gauge("calibrated_fraction", progress.fraction);
     if (context->IsCancelled()) stop.request_stop();
     const bool is_another_step = progress.newest == nullptr && progress.step != told;
-    if (!is_another_step && now - told_at < kTellEvery) return;
+    if (!is_another_step && now - told_at < kReportEvery) return;
     told_at = now;
     told = progress.step;
     wire::CalibrateProgress message;
@@ -138,7 +139,7 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
     if (!writer->Write(message)) stop.request_stop();  // Nobody listens any more: that is a cancellation.
   };
   std::string asked;
-  const TurnplateDesk::Listener questions = [&](const std::string& question) {
+  const TurntablePrompt::Listener questions = [&](const std::string& question) {
     if (context->IsCancelled() || stop.stop_requested()) {
       stop.request_stop();
       return false;
@@ -152,19 +153,19 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
     message.set_question(question);
     return writer->Write(message);
   };
-  if (desk_ != nullptr) desk_->set_listener(questions);
+  if (prompt_ != nullptr) prompt_->set_listener(questions);
   const auto outcome = calibrate(*request, listener, stop.get_token());
-  if (desk_ != nullptr) desk_->set_listener(nullptr);
+  if (prompt_ != nullptr) prompt_->set_listener(nullptr);
   if (!outcome) {
     if (stop.stop_requested()) {
       say("waits to be told to calibrate; the last calibration was cancelled", true);
-      return {grpc::StatusCode::CANCELLED, cancelled().message()};
+      return {grpc::StatusCode::CANCELLED, scan::cancelled().message()};
     }
     say("could not calibrate: " + outcome.error().message(), false);
     if (outcome.error().code() == ErrorCode::kNotFound && request->resume()) return refused(outcome.error().message());
     return to_grpc(outcome.error());
   }
-  const Calibration& calibration = outcome->calibration;
+  const calibration::Calibration& calibration = outcome->calibration;
   say(fmt::format("calibrated {} projectors on {}", calibration.projectors.size(), calibration.date), true);
   inspection_->set_gauge("registration_p95_px", outcome->registration.p95_px);
   inspection_->set_fact("calibration", calibration.date);
@@ -180,21 +181,21 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
 }
 
 grpc::Status CalibratorService::Answer(grpc::ServerContext*, const wire::AnswerOrder* request, wire::AnswerReply*) {
-  if (desk_ != nullptr && desk_->answer(request->text())) return grpc::Status::OK;
+  if (prompt_ != nullptr && prompt_->answer(request->text())) return grpc::Status::OK;
   return refused("nothing is asked any more");
 }
 
 grpc::Status CalibratorService::Restore(grpc::ServerContext*, const wire::RestoreOrder*, wire::RestoreAnswer* reply) {
   const std::unique_lock working(busy_, std::try_to_lock);
   if (!working) return refused("a calibration runs; wait for its end, or cancel it");
-  const auto now = read_calibration(folder_);
+  const auto now = calibration::read_calibration(folder_);
   if (!now && now.error().code() != ErrorCode::kNotFound && now.error().code() != ErrorCode::kBadData) {
     return to_grpc(now.error());
   }
   // The newest that is older than the one that counts; of one that cannot be read, the newest at all.
-  for (const std::string& date : kept_calibrations(folder_)) {
+  for (const std::string& date : calibration::kept_calibrations(folder_)) {
     if (now && date >= now->date) continue;
-    if (auto restored = restore_calibration(folder_, date); !restored) return to_grpc(restored.error());
+    if (auto restored = calibration::restore_calibration(folder_, date); !restored) return to_grpc(restored.error());
     say("went back to the calibration of " + date, true);
     inspection_->set_fact("calibration", date);
     reply->set_date(date);
@@ -203,4 +204,4 @@ grpc::Status CalibratorService::Restore(grpc::ServerContext*, const wire::Restor
   return {grpc::StatusCode::NOT_FOUND, "there is no calibration of before; calibrate"};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibrator

@@ -8,21 +8,21 @@
 #include <stop_token>
 #include <string>
 
-#include "appliance/calibrator/turnplate_desk.h"
+#include "appliance/calibrator/turntable_prompt.h"
 #include "appliance/scan/calibration_run.h"
 #include "common/wire/calibration.grpc.pb.h"
 #include "common/wire/inspection_service.h"
 
-namespace cyclorama {
+namespace cyclorama::calibrator {
 
 /// What one calibration works with. Made for it and let go after it, so that the show comes back, and the camera and
 /// the plate are free for others between.
 struct CalibrationDevices {
-  std::unique_ptr<Turnplate> plate;
-  std::unique_ptr<ScanCamera> camera;
-  std::unique_ptr<ScanCamera> colour_camera;  ///< As ScanDevices has it. May be null.
-  std::unique_ptr<PatternScreen> screen;      ///< Last: it is let go first.
-  ScanSettings settings;                      ///< With this camera's lens.
+  std::unique_ptr<turnplate::Turnplate> plate;
+  std::unique_ptr<scan::ScanCamera> camera;
+  std::unique_ptr<scan::ScanCamera> colour_camera;  ///< As ScanDevices has it. May be null.
+  std::unique_ptr<scan::PatternScreen> screen;      ///< Last: it is let go first.
+  scan::ScanSettings settings;                      ///< With this camera's lens.
 };
 using DeviceOpener = std::function<Result<CalibrationDevices>()>;
 
@@ -36,7 +36,7 @@ class CalibratorService final : public wire::Calibrator::Service {
   /// Before the first call: what is let go of while a calibration runs is held by what `hold` returns.
   void hold_with(std::function<std::shared_ptr<void>()> hold) { hold_ = std::move(hold); }
   /// Before the first call: where its turn-plate asks. Borrowed.
-  void ask_at(TurnplateDesk* desk) { desk_ = desk; }
+  void set_prompt(TurntablePrompt* prompt) { prompt_ = prompt; }
   /// What else the process does, for its state: "keeps 3 projectors in place".
   void also(std::string sentence, bool is_healthy);
   /// Cancels what runs; later calls are refused. It ends within a picture.
@@ -51,8 +51,8 @@ class CalibratorService final : public wire::Calibrator::Service {
                        wire::RestoreAnswer* reply) override;
   grpc::Status Answer(grpc::ServerContext* context, const wire::AnswerOrder* request,
                       wire::AnswerReply* reply) override;
-  Result<CalibrationOutcome> calibrate(const wire::CalibrateOrder& order, const ScanListener& listener,
-                                       std::stop_token stop);
+  Result<scan::CalibrationOutcome> calibrate(const wire::CalibrateOrder& order, const scan::ScanListener& listener,
+                                             std::stop_token stop);
   void say(std::string sentence, bool is_healthy);
   void tell();
 
@@ -69,8 +69,8 @@ class CalibratorService final : public wire::Calibrator::Service {
   std::string also_;
   bool is_also_healthy_ = true;
   std::function<std::shared_ptr<void>()> hold_;
-  TurnplateDesk* desk_ = nullptr;  ///< Null: no plate asks.
+  TurntablePrompt* prompt_ = nullptr;  ///< Null: no plate asks.
   std::stop_source stop_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibrator

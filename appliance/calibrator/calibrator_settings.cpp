@@ -11,7 +11,7 @@
 #include "drivers/camera/camera_settings.h"
 #include "drivers/turnplate/make_turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::calibrator {
 namespace {
 
 using Ranges = CalibratorRanges;
@@ -23,7 +23,7 @@ std::string calibration_camera(ConfigTable* camera, const std::string& fallback)
   if (camera->has("exposure_ms")) {
     camera->refuse("exposure_ms", "is of the tracker's camera; here the calibration chooses the exposure: remove it");
   }
-  const std::string line = camera_source(camera, fallback);
+  const std::string line = camera::camera_source(camera, fallback);
   const bool is_kind = std::ranges::any_of(std::initializer_list<std::string_view>{"v4l2:", "libcamera:", "file:"},
                                            [&](std::string_view kind) { return line.starts_with(kind); });
   if (!is_kind && camera->has("source")) {
@@ -34,7 +34,7 @@ std::string calibration_camera(ConfigTable* camera, const std::string& fallback)
 
 void read_displays(ConfigTable root, CalibratorSettings* ret) {
   for (const std::string& text : root.texts("displays", std::vector<std::string>{})) {
-    auto display = parse_pattern_display(text);
+    auto display = scan::parse_pattern_display(text);
     if (display) {
       ret->displays.push_back(*std::move(display));
     } else {
@@ -49,17 +49,19 @@ void read_watched(ConfigTable watch, CalibratorSettings* ret) {
   ret->watch_hz = watch.number("compare_hz", Ranges::kWatch_hz, ret->watch_hz);
   ret->latency_s = kMillisecond * watch.number("latency_ms", Ranges::kLatency_ms, ret->latency_s / kMillisecond);
   for (ConfigTable camera : watch.tables("camera")) {
-    CameraPlug plug;
+    scan::CameraSource plug;
     plug.name = camera.text("name");
-    if (camera.has("name") && !is_camera_name(plug.name)) {
+    if (camera.has("name") && !scan::is_camera_name(plug.name)) {
       camera.refuse("name", "is no name of a file; use letters, digits, '.', '-' and '_', 60 at most");
     }
     if (!camera.has("kind") && !camera.has("source")) {
       camera.refuse("kind", "is missing: write kind = \"v4l2\" and its port (cyclorama-tracker --list-cameras)");
     }
     plug.spec = calibration_camera(&camera, "");
-    const auto is_named = [&](const CameraPlug& other) { return other.name == plug.name; };
-    const auto is_plugged = [&](const CameraPlug& other) { return !plug.spec.empty() && other.spec == plug.spec; };
+    const auto is_named = [&](const scan::CameraSource& other) { return other.name == plug.name; };
+    const auto is_plugged = [&](const scan::CameraSource& other) {
+      return !plug.spec.empty() && other.spec == plug.spec;
+    };
     if (std::ranges::any_of(ret->watch, is_named)) camera.refuse("name", "is another camera's too; each has its own");
     if (const auto other = std::ranges::find_if(ret->watch, is_plugged); other != ret->watch.end()) {
       camera.refuse(camera.has("device") ? "device" : "port",
@@ -81,7 +83,7 @@ Result<CalibratorSettings> from_config(Config* config, const std::filesystem::pa
   read_displays(root, &settings);
   settings.settle_s = kMillisecond * root.number("settle_ms", Ranges::kSettle_ms, settings.settle_s / kMillisecond);
   settings.turnplate = root.text("turnplate", settings.turnplate);
-  if (const Status plate = check_turnplate(settings.turnplate); !plate) {
+  if (const Status plate = turnplate::check_turnplate(settings.turnplate); !plate) {
     root.refuse("turnplate", plate.error().message());
   }
   ConfigTable camera = root.table("camera");
@@ -93,8 +95,8 @@ Result<CalibratorSettings> from_config(Config* config, const std::filesystem::pa
   settings.field_of_view_rad =
       kDegree * camera.number("field_of_view_deg", Ranges::kFieldOfView_deg, settings.field_of_view_rad / kDegree);
   settings.pitch_rad = kDegree * camera.number("pitch_deg", Ranges::kPitch_deg, settings.pitch_rad / kDegree);
-  settings.longest_exposure_s = kMillisecond * camera.number("longest_exposure_ms", Ranges::kLongestExposure_ms,
-                                                             settings.longest_exposure_s / kMillisecond);
+  settings.max_exposure_s =
+      kMillisecond * camera.number("max_exposure_ms", Ranges::kMaxExposure_ms, settings.max_exposure_s / kMillisecond);
   read_watched(root.table("watch"), &settings);
   settings.lenses = folder / "cameras";
   TRY(config->finish());
@@ -102,7 +104,7 @@ Result<CalibratorSettings> from_config(Config* config, const std::filesystem::pa
 }
 
 Status check_lens(const std::filesystem::path& path, const std::string& whose, bool is_required) {
-  auto lens = read_camera(path);
+  auto lens = calibration::read_camera(path);
   if (lens || (!is_required && lens.error().code() == ErrorCode::kNotFound)) return Done{};
   return std::move(lens).error().while_doing("reading the lens of " + whose);
 }
@@ -121,11 +123,11 @@ Result<CalibratorSettings> CalibratorSettings::parse(std::string_view text, std:
 
 Status CalibratorSettings::check_lenses() const {
   if (!lens.empty()) TRY(check_lens(lens, "the camera on the turn-plate", true));
-  for (const CameraPlug& fixed : watch) {
+  for (const scan::CameraSource& fixed : watch) {
     if (lenses.empty()) break;
     TRY(check_lens(lenses / (fixed.name + ".json"), fmt::format("camera '{}'", fixed.name), false));
   }
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::calibrator

@@ -11,7 +11,7 @@
 #include "appliance/camera_calibration/chessboard.h"
 #include "appliance/camera_calibration/procam_start.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
 constexpr std::size_t kTagsAround = 4;  // By as many a corner is expected: what distortion bends is small among them.
@@ -23,9 +23,9 @@ struct SeenTag {
   std::array<Eigen::Vector2d, 4> camera_px;
 };
 
-std::vector<SeenTag> tags_of(const TagBoard& board, const std::vector<TagDetection>& detections) {
+std::vector<SeenTag> tags_of(const TagBoard& board, const std::vector<tags::TagDetection>& detections) {
   std::vector<SeenTag> tags;
-  for (const TagDetection& detection : detections) {
+  for (const tags::TagDetection& detection : detections) {
     const auto corners = board.tag_corners_m(detection.id);
     if (!corners) continue;
     SeenTag tag{Eigen::Vector2d::Zero(), *corners, detection.corners};
@@ -36,7 +36,7 @@ std::vector<SeenTag> tags_of(const TagBoard& board, const std::vector<TagDetecti
 }
 
 struct Expected {
-  Eigen::Vector2d place;
+  Eigen::Vector2d position;
   double square_px = 0.0;
 };
 
@@ -61,39 +61,39 @@ std::optional<Expected> expected_at(const Eigen::Vector2d& at_m, double square_m
   };
   Expected expected{place_of(at_m), 1e9};
   for (const Eigen::Vector2d& step : {Eigen::Vector2d(square_m, 0.0), Eigen::Vector2d(0.0, square_m)}) {
-    expected.square_px = std::min(expected.square_px, (place_of(at_m + step) - expected.place).norm());
+    expected.square_px = std::min(expected.square_px, (place_of(at_m + step) - expected.position).norm());
   }
-  if (!expected.place.allFinite() || !std::isfinite(expected.square_px)) return std::nullopt;
+  if (!expected.position.allFinite() || !std::isfinite(expected.square_px)) return std::nullopt;
   return expected;
 }
 
-Result<LensView> find_tag_board(const GreyImage& picture, const TagBoard& board, TagDetector* detector) {
-  TRY_ASSIGN(const std::vector<TagDetection> detections, detector->detect(picture));
+Result<LensView> find_tag_board(const GreyImage& picture, const TagBoard& board, tags::TagDetector* detector) {
+  TRY_ASSIGN(const std::vector<tags::TagDetection> detections, detector->detect(picture));
   std::vector<SeenTag> tags = tags_of(board, detections);
   LensView view;
-  double smallest_px = 1e9;
+  double min_patch_px = 1e9;
   for (int i = 0; i < board.corners(); ++i) {
     const auto expected = expected_at(board.corner_m(i), board.square_m, &tags);
     if (!expected) continue;
     constexpr double kRim_px = 4.0;
-    const Eigen::Vector2d& at = expected->place;
+    const Eigen::Vector2d& at = expected->position;
     if (!(at.x() > kRim_px && at.y() > kRim_px && at.x() < picture.width() - kRim_px &&
           at.y() < picture.height() - kRim_px)) {
       continue;
     }
     view.board_m.push_back(board.corner_m(i));
     view.camera_px.push_back(at);
-    smallest_px = std::min(smallest_px, expected->square_px);
+    min_patch_px = std::min(min_patch_px, expected->square_px);
   }
-  if (view.board_m.size() < kLeastCorners) {
+  if (view.board_m.size() < kMinCorners) {
     return Error(ErrorCode::kNotFound,
                  fmt::format("{} tags and {} corners of the board are seen, {} corners are needed; bring it nearer, "
                              "light it evenly, and keep it still",
-                             tags.size(), view.board_m.size(), kLeastCorners));
+                             tags.size(), view.board_m.size(), kMinCorners));
   }
   // A window may not reach the tags, which begin this share of a square away.
   const double clear = 0.5 * (1.0 - board.tag_m / board.square_m);
-  const int half = std::clamp(static_cast<int>(0.9 * clear * smallest_px), 2, 8);
+  const int half = std::clamp(static_cast<int>(0.9 * clear * min_patch_px), 2, 8);
   TRY_ASSIGN(const std::vector<Eigen::Vector2d> sharp, sharpened_corners(picture, view.camera_px, half));
   LensView found;
   for (std::size_t i = 0; i < sharp.size(); ++i) {
@@ -101,7 +101,7 @@ Result<LensView> find_tag_board(const GreyImage& picture, const TagBoard& board,
     found.board_m.push_back(view.board_m[i]);
     found.camera_px.push_back(sharp[i]);
   }
-  if (found.board_m.size() < kLeastCorners) {
+  if (found.board_m.size() < kMinCorners) {
     return Error(ErrorCode::kNotFound, "the board's corners are blurred; keep it still, and light it more");
   }
   return found;
@@ -109,13 +109,13 @@ Result<LensView> find_tag_board(const GreyImage& picture, const TagBoard& board,
 
 }  // namespace
 
-Result<TagDetector> make_board_detector() {
-  DetectorSettings settings;
+Result<tags::TagDetector> make_board_detector() {
+  tags::DetectorSettings settings;
   settings.decimate = 1.0;  // A board's tags are small, and there is time.
-  return TagDetector::create(settings);
+  return tags::TagDetector::create(settings);
 }
 
-Result<LensView> find_board(const GreyImage& picture, const BoardKind& kind, TagDetector* detector) {
+Result<LensView> find_board(const GreyImage& picture, const BoardKind& kind, tags::TagDetector* detector) {
   if (!kind.is_chessboard) return find_tag_board(picture, kind.tags, detector);
   const int columns = kind.tags.columns - 1;
   const int rows = kind.tags.rows - 1;
@@ -123,4 +123,4 @@ Result<LensView> find_board(const GreyImage& picture, const BoardKind& kind, Tag
   return LensView{{}, chessboard_corners(columns, rows, kind.tags.square_m), std::move(corners)};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

@@ -6,7 +6,7 @@
 #include "common/base/result.h"
 #include "common/board/tag_board.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 
 /// What to look for in pictures.
 struct BoardKind {
@@ -15,14 +15,14 @@ struct BoardKind {
 };
 
 /// Errors as TagDetector::create().
-Result<TagDetector> make_board_detector();
+Result<tags::TagDetector> make_board_detector();
 
 /// The corners of a board in one picture. With tags a part of the board is enough: tags are read, each corner is
 /// expected where the tags around it say, and moved to where four squares meet.
 ///
-/// kNotFound  no such board, or fewer than kLeastCorners of it: says what to look at.  Others as find_chessboard().
-Result<LensView> find_board(const GreyImage& picture, const BoardKind& kind, TagDetector* detector);
+/// kNotFound  no such board, or fewer than kMinCorners of it: says what to look at.  Others as find_chessboard().
+Result<LensView> find_board(const GreyImage& picture, const BoardKind& kind, tags::TagDetector* detector);
 
-inline constexpr std::size_t kLeastCorners = 8;
+inline constexpr std::size_t kMinCorners = 8;
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

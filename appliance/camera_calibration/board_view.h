@@ -6,7 +6,7 @@
 
 #include "common/geometry/rigid_transform.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 
 namespace frame {
 struct Board;  ///< A chessboard: origin at its first inner corner, x along the rows, y along the columns, z = 0.
@@ -28,4 +28,4 @@ struct BoardView {
   return corners;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

@@ -21,7 +21,7 @@
 #include "drivers/devices/camera_spec.h"
 #include "drivers/devices/make_camera.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
 struct Options {
@@ -32,7 +32,7 @@ struct Options {
   double square_mm = 24.0;
   std::string out = "camera.json";
   int views = 20;
-  double patience_s = 300.0;
+  double timeout_s = 300.0;
 };
 
 struct Views {
@@ -59,9 +59,9 @@ void add_options(CLI::App& app, Options* options) {
   app.add_flag("--chessboard", options->is_chessboard,
                "The board has no tags; then all of it must be in every picture");
   app.add_option("--views", options->views, "With a camera: how many different views to take")
-      ->check(CLI::Range(static_cast<int>(kLeastViews), 200))
+      ->check(CLI::Range(static_cast<int>(kMinViews), 200))
       ->capture_default_str();
-  app.add_option("--patience", options->patience_s, "With a camera: seconds to wait for them")->capture_default_str();
+  app.add_option("--patience", options->timeout_s, "With a camera: seconds to wait for them")->capture_default_str();
   app.add_option("--out", options->out, "The file to write")->capture_default_str();
 }
 
@@ -87,7 +87,7 @@ Result<Views> from_folder(const Options& options, const BoardKind& kind, const S
                  fmt::format("{}: no pictures there; give a folder of PNG or JPEG files", options.pictures));
   }
   std::sort(files.begin(), files.end());
-  TRY_ASSIGN(TagDetector detector, make_board_detector());
+  TRY_ASSIGN(tags::TagDetector detector, make_board_detector());
   Views found{options.pictures, 0, 0, {}};
   Progress progress("looking for the board");
   for (std::size_t i = 0; i < files.size() && !stop.requested(); ++i) {
@@ -121,15 +121,16 @@ Result<Views> from_folder(const Options& options, const BoardKind& kind, const S
 Result<Views> from_camera(const Options& options, const BoardKind& kind, const StopSignal& stop) {
   constexpr double kStill_px = 1.0;
   const SteadyClock clock;
-  TRY_ASSIGN(const std::unique_ptr<Camera> camera, make_camera(with_defaults(options.camera, kCalibrationSize), clock));
-  TRY_ASSIGN(TagDetector detector, make_board_detector());
+  TRY_ASSIGN(const std::unique_ptr<camera::Camera> camera,
+             devices::make_camera(devices::with_defaults(options.camera, devices::kCalibrationSize), clock));
+  TRY_ASSIGN(tags::TagDetector detector, make_board_detector());
   TRY(camera->start());
   Views found{camera->id(), 0, 0, {}};
   std::optional<LensView> last;
   std::puts("Show the camera the board: near and far, in all corners of the picture, turned by 20 to 45 degrees.");
   Progress progress("taking views");
   const TimePoint end =
-      clock.now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.patience_s));
+      clock.now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.timeout_s));
   while (!stop.requested() && clock.now() < end && static_cast<int>(found.views.size()) < options.views) {
     const auto frame = camera->next_frame(clock.now() + std::chrono::seconds(2));
     if (!frame) {
@@ -177,25 +178,25 @@ Status run(const Options& options, const StopSignal& stop) {
   TRY_ASSIGN(const BoardKind kind, board_of(options));
   TRY_ASSIGN(const Views found,
              options.camera.empty() ? from_folder(options, kind, stop) : from_camera(options, kind, stop));
-  TRY_ASSIGN(const LensChoice choice, choose_lens(found.views, found.width_px, found.height_px));
+  TRY_ASSIGN(const LensSelection choice, select_lens(found.views, found.width_px, found.height_px));
   std::printf("%-16s %14s %14s\n", "lens", "left-out px", "training px");
   for (const LensTrial& trial : choice.trials) {
-    std::printf("%-16s %14.3f %14.3f%s\n", std::string(name_of(trial.rung)).c_str(), trial.heldout_rms_px,
-                trial.training_rms_px, trial.rung == choice.rung ? "  chosen" : "");
+    std::printf("%-16s %14.3f %14.3f%s\n", std::string(calibration::name_of(trial.model)).c_str(), trial.heldout_rms_px,
+                trial.training_rms_px, trial.model == choice.model ? "  chosen" : "");
   }
-  CameraFile file{found.camera,
-                  now_utc(),
-                  choice.fit.lens,
-                  choice.rung,
-                  static_cast<int>(choice.used.size()),
-                  choice.fit.rms_px,
-                  choice.heldout_rms_px};
-  const std::string json = camera_json(file);
+  calibration::CameraFile file{found.camera,
+                               now_utc(),
+                               choice.fit.lens,
+                               choice.model,
+                               static_cast<int>(choice.used.size()),
+                               choice.fit.rms_px,
+                               choice.heldout_rms_px};
+  const std::string json = calibration::camera_json(file);
   // What nobody could read is not written: a lens that folds over within the picture, say.
-  TRY(parse_camera(json, options.out));
+  TRY(calibration::parse_camera(json, options.out));
   TRY(write_file_atomically(options.out, std::string_view(json)));
-  using L = MeasuredLens;
-  const MeasuredLens& lens = file.lens;
+  using L = calibration::MeasuredLens;
+  const calibration::MeasuredLens& lens = file.lens;
   std::printf(
       "%s: focal length %.1f +- %.1f px, centre (%.1f, %.1f), from %zu views; directions to %.2f px or better\n",
       options.out.c_str(), lens.values[L::kFocal], std::sqrt(lens.covariance(L::kFocal, L::kFocal)),
@@ -205,7 +206,7 @@ Status run(const Options& options, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-calibrate-camera",

@@ -7,11 +7,11 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
 /// The least distance between neighbouring corners.
-double smallest_square(const std::vector<cv::Point2f>& corners, int columns) {
+double min_square(const std::vector<cv::Point2f>& corners, int columns) {
   double smallest = 1e9;
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     if ((i + 1) % static_cast<std::size_t>(columns) != 0)
@@ -42,7 +42,7 @@ Result<std::vector<Eigen::Vector2d>> find_chessboard(const GreyImage& photo, int
                      "no chessboard of " + std::to_string(columns) + "x" + std::to_string(rows) +
                          " inner corners: all of it, with a white border, must be lit and in the picture");
       }
-      const int half = std::clamp(static_cast<int>(smallest_square(corners, columns) / 6.0), 2, 11);
+      const int half = std::clamp(static_cast<int>(min_square(corners, columns) / 6.0), 2, 11);
       cv::cornerSubPix(image, corners, {half, half}, {-1, -1},
                        cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-3));
     }
@@ -64,14 +64,14 @@ Result<std::vector<Eigen::Vector2d>> sharpened_corners(const GreyImage& photo, s
   try {
     const cv::Mat image(photo.height(), photo.width(), CV_8UC1,
                         const_cast<std::uint8_t*>(photo.data().data()));  // NOLINT
-    std::vector<cv::Point2f> places;
+    std::vector<cv::Point2f> positions;
     for (const Eigen::Vector2d& c : corners) {
-      places.emplace_back(static_cast<float>(c.x() - 0.5), static_cast<float>(c.y() - 0.5));
+      positions.emplace_back(static_cast<float>(c.x() - 0.5), static_cast<float>(c.y() - 0.5));
     }
-    cv::cornerSubPix(image, places, {half_px, half_px}, {-1, -1},
+    cv::cornerSubPix(image, positions, {half_px, half_px}, {-1, -1},
                      cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-3));
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      const Eigen::Vector2d moved(static_cast<double>(places[i].x) + 0.5, static_cast<double>(places[i].y) + 0.5);
+      const Eigen::Vector2d moved(static_cast<double>(positions[i].x) + 0.5, static_cast<double>(positions[i].y) + 0.5);
       // A corner without contrast stays exactly where it was.
       const double way = (moved - corners[i]).cwiseAbs().maxCoeff();
       corners[i] = way < 0.9 * half_px ? moved : Eigen::Vector2d::Constant(std::nan(""));
@@ -82,4 +82,4 @@ Result<std::vector<Eigen::Vector2d>> sharpened_corners(const GreyImage& photo, s
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

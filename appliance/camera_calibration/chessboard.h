@@ -7,7 +7,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 
 /// The inner corners of a chessboard, row by row, to some hundredths of a pixel; the first pixel's centre is at
 /// (0.5, 0.5). Which corner is the first is not said: a board turned half around may give them in the opposite order.
@@ -23,4 +23,4 @@ Result<std::vector<Eigen::Vector2d>> find_chessboard(const GreyImage& photo, int
 Result<std::vector<Eigen::Vector2d>> sharpened_corners(const GreyImage& photo, std::vector<Eigen::Vector2d> corners,
                                                        int half_px);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

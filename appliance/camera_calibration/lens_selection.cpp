@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
 constexpr std::size_t kFolds = 5;
@@ -16,10 +16,12 @@ constexpr double kSameView = 0.02;          // Of the picture's diagonal.
 constexpr double kWorstFocal = 0.02;        // Sigma over focal length; more is refused.
 constexpr double kWorstDirection_px = 5.0;  // More is refused,
 constexpr double kFineDirection_px = 0.5;   // and more than that is remarked.
-constexpr LensRung kRungs[] = {LensRung::kPinhole, LensRung::kRadial1, LensRung::kRadial2, LensRung::kDecentred,
-                               LensRung::kFull};
+constexpr calibration::LensModel kModels[] = {calibration::LensModel::kPinhole, calibration::LensModel::kRadial1,
+                                              calibration::LensModel::kRadial2, calibration::LensModel::kDecentred,
+                                              calibration::LensModel::kFull};
 
-double heldout_px(const std::vector<LensView>& views, const MeasuredLens& lens, LensRung rung) {
+double heldout_px(const std::vector<LensView>& views, const calibration::MeasuredLens& lens,
+                  calibration::LensModel model) {
   const std::size_t folds = std::min(kFolds, views.size());
   double squares = 0.0;
   for (std::size_t f = 0; f < folds; ++f) {
@@ -27,7 +29,8 @@ double heldout_px(const std::vector<LensView>& views, const MeasuredLens& lens, 
     for (std::size_t i = 0; i < views.size(); ++i) {
       if (i % folds != f) others.push_back(views[i]);
     }
-    const auto fit = solve_lens(others, lens.width_px, lens.height_px, rung, lens.values[MeasuredLens::kFocal]);
+    const auto fit =
+        solve_lens(others, lens.width_px, lens.height_px, model, lens.values[calibration::MeasuredLens::kFocal]);
     if (!fit) return std::numeric_limits<double>::infinity();
     for (std::size_t i = f; i < views.size(); i += folds) {
       const auto error = prediction_error_px(views[i], fit->lens);
@@ -38,16 +41,16 @@ double heldout_px(const std::vector<LensView>& views, const MeasuredLens& lens, 
   return std::sqrt(squares / static_cast<double>(views.size()));
 }
 
-struct WorstPlace {
+struct WorstPosition {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   double sigma_px = 0.0;
 };
 
 /// How far a pixel of a known direction moves within the lens's uncertainty: by steps of one sigma along each axis of
 /// the covariance.
-WorstPlace worst_place(const MeasuredLens& lens) {
-  WorstPlace worst;
-  const Eigen::SelfAdjointEigenSolver<MeasuredLens::Covariance> axes(lens.covariance);
+WorstPosition worst_position(const calibration::MeasuredLens& lens) {
+  WorstPosition worst;
+  const Eigen::SelfAdjointEigenSolver<calibration::MeasuredLens::Covariance> axes(lens.covariance);
   const auto brown = lens.brown();
   if (!brown) return {Eigen::Vector2d::Zero(), std::numeric_limits<double>::infinity()};
   constexpr int kSteps = 4;
@@ -55,17 +58,17 @@ WorstPlace worst_place(const MeasuredLens& lens) {
     for (int x = 0; x <= kSteps; ++x) {
       const Eigen::Vector2d pixel(x * lens.width_px / static_cast<double>(kSteps),
                                   y * lens.height_px / static_cast<double>(kSteps));
-      const auto d = direction_through(*brown, pixel);
+      const auto d = calibration::direction_through(*brown, pixel);
       double square = d ? 0.0 : std::numeric_limits<double>::infinity();
-      for (int axis = 0; d && axis < MeasuredLens::kParameters; ++axis) {
+      for (int axis = 0; d && axis < calibration::MeasuredLens::kParameters; ++axis) {
         const double sigma = std::sqrt(std::max(0.0, axes.eigenvalues()(axis)));
         if (!(sigma > 0.0)) continue;
-        std::array<double, MeasuredLens::kParameters> moved = lens.values;
-        for (int i = 0; i < MeasuredLens::kParameters; ++i) {
+        std::array<double, calibration::MeasuredLens::kParameters> moved = lens.values;
+        for (int i = 0; i < calibration::MeasuredLens::kParameters; ++i) {
           moved[static_cast<std::size_t>(i)] += sigma * axes.eigenvectors()(i, axis);
         }
         Eigen::Vector2d there;
-        project_through_lens(moved.data(), d->data(), there.data());
+        calibration::project_through_lens(moved.data(), d->data(), there.data());
         square += (there - pixel).squaredNorm();
       }
       if (!(std::sqrt(square) <= worst.sigma_px)) worst = {pixel, std::sqrt(square)};
@@ -85,7 +88,7 @@ std::string part_of(const Eigen::Vector2d& pixel, int width_px, int height_px) {
 }  // namespace
 
 bool is_new_view(const LensView& view, const std::vector<LensView>& others, int width_px, int height_px) {
-  const double least = kSameView * std::hypot(width_px, height_px);
+  const double min = kSameView * std::hypot(width_px, height_px);
   return std::none_of(others.begin(), others.end(), [&](const LensView& other) {
     double sum = 0.0;
     std::size_t both = 0;
@@ -96,33 +99,33 @@ bool is_new_view(const LensView& view, const std::vector<LensView>& others, int 
         ++both;
       }
     }
-    return 2 * both > std::min(view.board_m.size(), other.board_m.size()) && sum < least * static_cast<double>(both);
+    return 2 * both > std::min(view.board_m.size(), other.board_m.size()) && sum < min * static_cast<double>(both);
   });
 }
 
-Result<LensChoice> choose_lens(const std::vector<LensView>& views, int width_px, int height_px) {
-  LensChoice choice;
+Result<LensSelection> select_lens(const std::vector<LensView>& views, int width_px, int height_px) {
+  LensSelection choice;
   std::vector<LensView> distinct;
   for (const LensView& view : views) {
     if (!is_new_view(view, distinct, width_px, height_px)) continue;
     distinct.push_back(view);
     choice.used.push_back(view.name);
   }
-  if (distinct.size() < kLeastViews) {
+  if (distinct.size() < kMinViews) {
     return Error(ErrorCode::kBadData,
                  fmt::format("{} of {} pictures show the board differently enough, {} are needed; move it to other "
                              "parts of the picture, and turn it by 20 to 45 degrees",
-                             distinct.size(), views.size(), kLeastViews));
+                             distinct.size(), views.size(), kMinViews));
   }
   double best = std::numeric_limits<double>::infinity();
   std::optional<Error> unsolved;
   std::vector<std::optional<LensFit>> fits;
-  for (const LensRung rung : kRungs) {
-    auto fit = solve_lens(distinct, width_px, height_px, rung);
-    LensTrial trial{rung, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  for (const calibration::LensModel model : kModels) {
+    auto fit = solve_lens(distinct, width_px, height_px, model);
+    LensTrial trial{model, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     if (fit) {
       trial.training_rms_px = fit->rms_px;
-      trial.heldout_rms_px = heldout_px(distinct, fit->lens, rung);
+      trial.heldout_rms_px = heldout_px(distinct, fit->lens, model);
       fits.emplace_back(*std::move(fit));
     } else {
       if (fit.error().code() == ErrorCode::kInvalidArgument) return std::move(fit).error();
@@ -134,7 +137,7 @@ Result<LensChoice> choose_lens(const std::vector<LensView>& views, int width_px,
   }
   std::size_t chosen = fits.size();
   for (std::size_t i = fits.size(); i-- > 0;) {
-    if (fits[i] && choice.trials[i].heldout_rms_px * (1.0 - kWorthARung) <= best) chosen = i;
+    if (fits[i] && choice.trials[i].heldout_rms_px * (1.0 - calibration::kMinModelGain) <= best) chosen = i;
   }
   if (chosen == fits.size() || !std::isfinite(best)) {
     if (unsolved) return *std::move(unsolved);
@@ -142,19 +145,20 @@ Result<LensChoice> choose_lens(const std::vector<LensView>& views, int width_px,
                  "without some of the pictures the others do not determine the lens; add some with the board turned by "
                  "20 to 45 degrees about its upright and about its level axis");
   }
-  choice.rung = kRungs[chosen];
+  choice.model = kModels[chosen];
   choice.fit = *fits[chosen];
   choice.heldout_rms_px = choice.trials[chosen].heldout_rms_px;
-  const MeasuredLens& lens = choice.fit.lens;
-  const double focal = lens.values[MeasuredLens::kFocal];
-  const double focal_sigma = std::sqrt(lens.covariance(MeasuredLens::kFocal, MeasuredLens::kFocal));
+  const calibration::MeasuredLens& lens = choice.fit.lens;
+  const double focal = lens.values[calibration::MeasuredLens::kFocal];
+  const double focal_sigma =
+      std::sqrt(lens.covariance(calibration::MeasuredLens::kFocal, calibration::MeasuredLens::kFocal));
   if (!(focal_sigma <= kWorstFocal * focal)) {
     return Error(ErrorCode::kBadData,
                  fmt::format("the focal length is {:.0f} +- {:.0f} px, which is too uncertain; add pictures with the "
                              "board turned by 20 to 45 degrees about its upright and about its level axis",
                              focal, focal_sigma));
   }
-  const WorstPlace worst = worst_place(lens);
+  const WorstPosition worst = worst_position(lens);
   choice.worst_sigma_px = worst.sigma_px;
   const std::string where = part_of(worst.pixel, width_px, height_px);
   if (!(worst.sigma_px <= kWorstDirection_px)) {
@@ -171,4 +175,4 @@ Result<LensChoice> choose_lens(const std::vector<LensView>& views, int width_px,
   return choice;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

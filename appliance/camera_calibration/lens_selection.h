@@ -8,17 +8,17 @@
 
 #include "appliance/camera_calibration/lens_solve.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 
 struct LensTrial {
-  LensRung rung = LensRung::kPinhole;
+  calibration::LensModel model = calibration::LensModel::kPinhole;
   double training_rms_px = 0.0;  ///< Told, never used to choose.
   double heldout_rms_px = 0.0;   ///< Infinite when a fold did not determine it.
 };
 
-struct LensChoice {
+struct LensSelection {
   LensFit fit;
-  LensRung rung = LensRung::kPinhole;
+  calibration::LensModel model = calibration::LensModel::kPinhole;
   double heldout_rms_px = 0.0;
   double worst_sigma_px = 0.0;  ///< Of a direction, in pixels, where in the picture the lens is known least.
   std::vector<LensTrial> trials;
@@ -30,15 +30,15 @@ struct LensChoice {
 /// a fiftieth of the picture's diagonal in the mean, or there are too few of them. Reentrant.
 [[nodiscard]] bool is_new_view(const LensView& view, const std::vector<LensView>& others, int width_px, int height_px);
 
-inline constexpr std::size_t kLeastViews = 5;
+inline constexpr std::size_t kMinViews = 5;
 
 /// Climbs pinhole, k1, k1 k2, k1 k2 p1 p2, and with k3; of all, the least whose error on left-out views is within 4 %
 /// of the best.
 ///
 /// kInvalidArgument  as solve_lens().
-/// kBadData          fewer than kLeastViews views that differ, or they leave the focal length or a part of the picture
+/// kBadData          fewer than kMinViews views that differ, or they leave the focal length or a part of the picture
 ///                   unknown: says what to add.
 /// Reentrant.
-Result<LensChoice> choose_lens(const std::vector<LensView>& views, int width_px, int height_px);
+Result<LensSelection> select_lens(const std::vector<LensView>& views, int width_px, int height_px);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

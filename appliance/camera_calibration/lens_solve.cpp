@@ -16,14 +16,14 @@
 #include "appliance/camera_calibration/procam_start.h"
 #include "appliance/solve/uncertainty.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
 using PoseBlock = std::array<double, 6>;  // Angle-axis, then translation, of the board in the camera's frame.
 
 constexpr double kUsual_px = 0.1;  // Of a corner: what residuals are told in, and outliers by.
 constexpr double kLoss_sigmas = 5.0;
-constexpr std::size_t kLeastOfView = 8;
+constexpr std::size_t kMinViewCorners = 8;
 
 struct CornerCost {
   Eigen::Vector2d board_m;
@@ -36,7 +36,7 @@ struct CornerCost {
     for (int i = 0; i < 3; ++i) point[i] += pose[3 + i];
     if (!(point[2] > 1e-6)) return false;
     T pixel[2];
-    project_through_lens(lens, point, pixel);
+    calibration::project_through_lens(lens, point, pixel);
     for (int i = 0; i < 2; ++i) ret_residuals[i] = (pixel[i] - camera_px[i]) / kUsual_px;
     return true;
   }
@@ -45,7 +45,7 @@ struct CornerCost {
 void add_view(const LensView& view, std::size_t first, std::size_t step, double* lens, double* pose,
               ceres::LossFunction* loss, ceres::Problem* problem) {
   for (std::size_t i = first; i < view.board_m.size(); i += step) {
-    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<CornerCost, 2, MeasuredLens::kParameters, 6>(
+    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<CornerCost, 2, calibration::MeasuredLens::kParameters, 6>(
                                   new CornerCost{view.board_m[i], view.camera_px[i]}),
                               loss, lens, pose);
   }
@@ -96,12 +96,12 @@ Result<std::vector<Eigen::Matrix3d>> homographies_of(const std::vector<LensView>
   std::vector<Eigen::Matrix3d> homographies;
   for (const LensView& view : views) {
     const auto is_finite = [](const Eigen::Vector2d& p) { return p.allFinite() && p.norm() < 1e9; };
-    if (view.board_m.size() < kLeastOfView || view.board_m.size() != view.camera_px.size() ||
+    if (view.board_m.size() < kMinViewCorners || view.board_m.size() != view.camera_px.size() ||
         !std::all_of(view.board_m.begin(), view.board_m.end(), is_finite) ||
         !std::all_of(view.camera_px.begin(), view.camera_px.end(), is_finite)) {
-      return Error(
-          ErrorCode::kInvalidArgument,
-          fmt::format("{}: fewer than {} corners, or numbers that are none; take it again", view.name, kLeastOfView));
+      return Error(ErrorCode::kInvalidArgument,
+                   fmt::format("{}: fewer than {} corners, or numbers that are none; take it again", view.name,
+                               kMinViewCorners));
     }
     const auto h = homography(view.board_m, view.camera_px);
     if (!h) {
@@ -121,20 +121,20 @@ Error undetermined() {
 
 }  // namespace
 
-Result<LensFit> solve_lens(const std::vector<LensView>& views, int width_px, int height_px, LensRung rung,
-                           std::optional<double> focal_px) {
+Result<LensFit> solve_lens(const std::vector<LensView>& views, int width_px, int height_px,
+                           calibration::LensModel model, std::optional<double> focal_px) {
   TRY_ASSIGN(const std::vector<Eigen::Matrix3d> homographies, homographies_of(views));
   const Eigen::Vector2d centre(0.5 * width_px, 0.5 * height_px);
   const double guess = focal_px ? *focal_px : focal_from(homographies, centre).value_or(std::max(width_px, height_px));
   const std::vector<double> factors = focal_px ? std::vector<double>{1.0} : std::vector<double>{1.0, 0.6, 1.7};
-  const std::vector<int> held = held_parameters(rung);
+  const std::vector<int> held = calibration::held_parameters(model);
   std::optional<LensFit> best;
   double best_cost = 0.0;
   // A wrong focal length may be a minimum of its own.
   for (const double factor : factors) {
     LensFit fit;
-    fit.lens = MeasuredLens::from_focal(width_px, height_px, factor * guess);
-    const MeasuredLens::Covariance sheet = fit.lens.covariance;
+    fit.lens = calibration::MeasuredLens::from_focal(width_px, height_px, factor * guess);
+    const calibration::MeasuredLens::Covariance sheet = fit.lens.covariance;
     double* lens = fit.lens.values.data();
     std::vector<PoseBlock> poses;
     for (const Eigen::Matrix3d& h : homographies) poses.push_back(block_of(board_pose(h, factor * guess, centre)));
@@ -146,14 +146,14 @@ Result<LensFit> solve_lens(const std::vector<LensView>& views, int width_px, int
       add_view(views[i], 0, 1, lens, poses[i].data(), nullptr, &problem);
     }
     // First without distortion and about the middle, from afar; then all that is free, outliers apart.
-    std::vector<int> first = held_parameters(LensRung::kPinhole);
-    first.insert(first.end(), {MeasuredLens::kCentreU, MeasuredLens::kCentreV});
-    problem.SetManifold(lens, new ceres::SubsetManifold(MeasuredLens::kParameters, first));
+    std::vector<int> first = calibration::held_parameters(calibration::LensModel::kPinhole);
+    first.insert(first.end(), {calibration::MeasuredLens::kCentreU, calibration::MeasuredLens::kCentreV});
+    problem.SetManifold(lens, new ceres::SubsetManifold(calibration::MeasuredLens::kParameters, first));
     if (!minimise(&problem)) continue;
     ceres::Problem whole(owned);
     for (std::size_t i = 0; i < views.size(); ++i) add_view(views[i], 0, 1, lens, poses[i].data(), &loss, &whole);
-    if (!held.empty()) whole.SetManifold(lens, new ceres::SubsetManifold(MeasuredLens::kParameters, held));
-    if (!minimise(&whole) || !(fit.lens.values[MeasuredLens::kFocal] > 1.0)) continue;
+    if (!held.empty()) whole.SetManifold(lens, new ceres::SubsetManifold(calibration::MeasuredLens::kParameters, held));
+    if (!minimise(&whole) || !(fit.lens.values[calibration::MeasuredLens::kFocal] > 1.0)) continue;
     double cost = 0.0;
     whole.Evaluate({}, &cost, nullptr, nullptr, nullptr);
     if (best && !(cost < best_cost * (1.0 - 1e-9))) continue;
@@ -162,16 +162,18 @@ Result<LensFit> solve_lens(const std::vector<LensView>& views, int width_px, int
     for (PoseBlock& pose : poses) blocks.push_back(pose.data());
     std::vector<int> free;
     std::vector<double> scale;
-    for (int i = 0; i < MeasuredLens::kParameters; ++i) {
+    for (int i = 0; i < calibration::MeasuredLens::kParameters; ++i) {
       if (std::find(held.begin(), held.end(), i) != held.end()) continue;
       free.push_back(i);
       // What a data sheet tells of lengths; coefficients may be anything that a lens has.
-      scale.push_back(i < MeasuredLens::kK1 ? std::sqrt(sheet(i, i)) : i < MeasuredLens::kP1 ? 1.0 : 0.1);
+      scale.push_back(i < calibration::MeasuredLens::kK1   ? std::sqrt(sheet(i, i))
+                      : i < calibration::MeasuredLens::kP1 ? 1.0
+                                                           : 0.1);
     }
     std::vector<ceres::ResidualBlockId> all;
     whole.GetResidualBlocks(&all);
     fit.freedom = static_cast<int>(free.size());
-    const Uncertainty uncertainty = uncertainty_of(&whole, blocks, fit.freedom, 6, scale, all);
+    const solve::Uncertainty uncertainty = solve::uncertainty_of(&whole, blocks, fit.freedom, 6, scale, all);
     fit.rank = uncertainty.rank;
     const double variance = std::max(1e-6, fit.rms_px * fit.rms_px / (kUsual_px * kUsual_px));
     fit.lens.covariance.setZero();
@@ -188,11 +190,12 @@ Result<LensFit> solve_lens(const std::vector<LensView>& views, int width_px, int
   return *std::move(best);
 }
 
-Result<double> prediction_error_px(const LensView& view, const MeasuredLens& lens) {
+Result<double> prediction_error_px(const LensView& view, const calibration::MeasuredLens& lens) {
   TRY_ASSIGN(const std::vector<Eigen::Matrix3d> homographies, homographies_of({view}));
-  MeasuredLens known = lens;
-  const Eigen::Vector2d centre(lens.values[MeasuredLens::kCentreU], lens.values[MeasuredLens::kCentreV]);
-  PoseBlock pose = block_of(board_pose(homographies.front(), lens.values[MeasuredLens::kFocal], centre));
+  calibration::MeasuredLens known = lens;
+  const Eigen::Vector2d centre(lens.values[calibration::MeasuredLens::kCentreU],
+                               lens.values[calibration::MeasuredLens::kCentreV]);
+  PoseBlock pose = block_of(board_pose(homographies.front(), lens.values[calibration::MeasuredLens::kFocal], centre));
   ceres::Problem::Options owned;
   owned.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::CauchyLoss loss(kLoss_sigmas);
@@ -205,4 +208,4 @@ Result<double> prediction_error_px(const LensView& view, const MeasuredLens& len
   return trimmed_rms_px(residuals_of(&predicting));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

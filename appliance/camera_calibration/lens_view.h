@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 
 /// One picture of a flat board: where its corners are on the board, and where the camera sees them. Lists of one
 /// length.
@@ -15,4 +15,4 @@ struct LensView {
   std::vector<Eigen::Vector2d> camera_px;  ///< First pixel's centre at (0.5, 0.5).
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

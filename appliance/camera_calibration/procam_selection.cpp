@@ -5,13 +5,13 @@
 #include <cmath>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
-/// Oblong pixels are no rung here: neither cameras nor projectors have them, and boards alone seldom tell.
-constexpr std::size_t kRungs = kLensRungs.size() - 1;
+/// Oblong pixels are no model here: neither cameras nor projectors have them, and boards alone seldom tell.
+constexpr std::size_t kModels = calibration::kLensModels.size() - 1;
 
-void leave_each_out(const std::vector<BoardView>& views, const ProcamChoice& choice, LadderRung* rung) {
+void leave_each_out(const std::vector<BoardView>& views, const ProcamChoice& choice, ProcamCandidate* model) {
   double squares = 0.0;
   double prediction_squares = 0.0;
   std::vector<Eigen::Vector2d> centres;
@@ -21,66 +21,66 @@ void leave_each_out(const std::vector<BoardView>& views, const ProcamChoice& cho
     const auto calibration = solve_procam(others, choice);
     const auto fold = calibration ? held_out(views[left_out], *calibration) : Result<HeldOut>(calibration.error());
     if (!fold) {
-      rung->heldout_rms_px = rung->prediction_rms_px = rung->centre_scatter_px =
+      model->heldout_rms_px = model->prediction_rms_px = model->centre_scatter_px =
           std::numeric_limits<double>::infinity();
       return;
     }
-    rung->folds.push_back(*fold);
+    model->folds.push_back(*fold);
     squares += fold->stereo_rms_px * fold->stereo_rms_px;
     prediction_squares += fold->projector_rms_px * fold->projector_rms_px;
     centres.emplace_back(calibration->projector.centre_u_px, calibration->projector.centre_v_px);
   }
   const auto folds = static_cast<double>(views.size());
-  rung->heldout_rms_px = std::sqrt(squares / folds);
-  rung->prediction_rms_px = std::sqrt(prediction_squares / folds);
+  model->heldout_rms_px = std::sqrt(squares / folds);
+  model->prediction_rms_px = std::sqrt(prediction_squares / folds);
   for (const Eigen::Vector2d& a : centres) {
     for (const Eigen::Vector2d& b : centres)
-      rung->centre_scatter_px = std::max(rung->centre_scatter_px, (a - b).norm());
+      model->centre_scatter_px = std::max(model->centre_scatter_px, (a - b).norm());
   }
 }
 
-LadderRung tried(const std::vector<BoardView>& views, const ProcamChoice& choice) {
-  LadderRung rung;
-  rung.camera = choice.camera_rung;
-  rung.projector = choice.projector_rung;
-  rung.board = choice.board_rung;
-  rung.freedom =
-      freedom_of(rung.camera) + freedom_of(rung.projector) + (rung.board == BoardRung::kBent ? kBoardValues : 0);
+ProcamCandidate tried(const std::vector<BoardView>& views, const ProcamChoice& choice) {
+  ProcamCandidate model;
+  model.camera = choice.camera_model;
+  model.projector = choice.projector_model;
+  model.board = choice.board_model;
+  model.freedom = calibration::freedom_of(model.camera) + calibration::freedom_of(model.projector) +
+                  (model.board == BoardModel::kBent ? kBoardValues : 0);
   const auto all = solve_procam(views, choice);
-  rung.training_rms_px = all ? all->stereo_rms_px : std::numeric_limits<double>::infinity();
+  model.training_rms_px = all ? all->stereo_rms_px : std::numeric_limits<double>::infinity();
   if (all) {
-    leave_each_out(views, choice, &rung);
+    leave_each_out(views, choice, &model);
   } else {
-    rung.heldout_rms_px = rung.prediction_rms_px = std::numeric_limits<double>::infinity();
+    model.heldout_rms_px = model.prediction_rms_px = std::numeric_limits<double>::infinity();
   }
-  return rung;
+  return model;
 }
 
 /// The models whose lenses are richer in one thing.
 std::vector<ProcamChoice> above(const ProcamChoice& choice) {
   std::vector<ProcamChoice> choices;
-  for (LensRung ProcamChoice::*lens : {&ProcamChoice::camera_rung, &ProcamChoice::projector_rung}) {
+  for (calibration::LensModel ProcamChoice::*lens : {&ProcamChoice::camera_model, &ProcamChoice::projector_model}) {
     const auto first = static_cast<std::size_t>(choice.*lens) + 1;
-    for (std::size_t i = first; i < std::min(first + 2, kRungs); ++i) {
+    for (std::size_t i = first; i < std::min(first + 2, kModels); ++i) {
       choices.push_back(choice);
-      choices.back().*lens = kLensRungs.at(i);
+      choices.back().*lens = calibration::kLensModels.at(i);
     }
   }
   return choices;
 }
 
-/// From one model upwards, as long as a step is worth it.
-void climb(const std::vector<BoardView>& views, ProcamChoice standing, std::vector<LadderRung>* rungs) {
-  rungs->push_back(tried(views, standing));
-  double here = rungs->back().heldout_rms_px;
+/// From one model upwards, as long as a step is gain it.
+void climb(const std::vector<BoardView>& views, ProcamChoice standing, std::vector<ProcamCandidate>* models) {
+  models->push_back(tried(views, standing));
+  double here = models->back().heldout_rms_px;
   for (bool climbs = true; climbs;) {
     climbs = false;
-    double best = here * (1.0 - kWorthARung);
+    double best = here * (1.0 - calibration::kMinModelGain);
     ProcamChoice better = standing;
     for (const ProcamChoice& choice : above(standing)) {
-      rungs->push_back(tried(views, choice));
-      if (!(rungs->back().heldout_rms_px < best)) continue;
-      best = here = rungs->back().heldout_rms_px;
+      models->push_back(tried(views, choice));
+      if (!(models->back().heldout_rms_px < best)) continue;
+      best = here = models->back().heldout_rms_px;
       better = choice;
       climbs = true;
     }
@@ -90,40 +90,41 @@ void climb(const std::vector<BoardView>& views, ProcamChoice standing, std::vect
 
 }  // namespace
 
-Result<ProcamLadder> climb_procam(const std::vector<BoardView>& views, PictureSize camera, PictureSize projector) {
+Result<ProcamSelection> select_procam_model(const std::vector<BoardView>& views, ImageSize camera,
+                                            ImageSize projector) {
   if (views.size() < 3) {
     return Error(ErrorCode::kBadData,
                  "a model is chosen by views that are left out: photograph the board in three poses or more");
   }
-  ProcamChoice least{camera, projector, LensRung::kPinhole, LensRung::kPinhole};
-  least.starts = 1;
-  // What is wrong with the views themselves is wrong on every rung.
-  const auto any = solve_procam(views, least);
+  ProcamChoice min{camera, projector, calibration::LensModel::kPinhole, calibration::LensModel::kPinhole};
+  min.starts = 1;
+  // What is wrong with the views themselves is wrong on every model.
+  const auto any = solve_procam(views, min);
   if (!any && any.error().code() == ErrorCode::kInvalidArgument) return any.error();
-  ProcamLadder ladder;
-  for (const BoardRung board : {BoardRung::kFlat, BoardRung::kBent}) {
-    least.board_rung = board;
-    climb(views, least, &ladder.rungs);
+  ProcamSelection selection;
+  for (const BoardModel board : {BoardModel::kFlat, BoardModel::kBent}) {
+    min.board_model = board;
+    climb(views, min, &selection.models);
   }
   double best = std::numeric_limits<double>::infinity();
-  for (const LadderRung& rung : ladder.rungs) best = std::min(best, rung.heldout_rms_px);
+  for (const ProcamCandidate& model : selection.models) best = std::min(best, model.heldout_rms_px);
   if (!std::isfinite(best)) {
     return Error(ErrorCode::kBadData,
                  "no lens model is determined when a view is left out: photograph the board in more poses, turned "
                  "by 20 degrees or more about different axes");
   }
-  const LadderRung* chosen = nullptr;
-  for (const LadderRung& rung : ladder.rungs) {
-    if (!(rung.heldout_rms_px * (1.0 - kWorthARung) <= best)) continue;
-    if (chosen == nullptr || rung.freedom < chosen->freedom ||
-        (rung.freedom == chosen->freedom && rung.heldout_rms_px < chosen->heldout_rms_px)) {
-      chosen = &rung;
+  const ProcamCandidate* chosen = nullptr;
+  for (const ProcamCandidate& model : selection.models) {
+    if (!(model.heldout_rms_px * (1.0 - calibration::kMinModelGain) <= best)) continue;
+    if (chosen == nullptr || model.freedom < chosen->freedom ||
+        (model.freedom == chosen->freedom && model.heldout_rms_px < chosen->heldout_rms_px)) {
+      chosen = &model;
     }
   }
-  ladder.chosen = static_cast<std::size_t>(chosen - ladder.rungs.data());
-  TRY_ASSIGN(ladder.calibration,
+  selection.chosen = static_cast<std::size_t>(chosen - selection.models.data());
+  TRY_ASSIGN(selection.calibration,
              solve_procam(views, {camera, projector, chosen->camera, chosen->projector, chosen->board}));
-  return ladder;
+  return selection;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

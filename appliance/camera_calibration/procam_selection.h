@@ -5,13 +5,13 @@
 
 #include "appliance/camera_calibration/procam_solve.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 
 /// Models of both lenses and of the board, and what they predict.
-struct LadderRung {
-  LensRung camera = LensRung::kPinhole;
-  LensRung projector = LensRung::kPinhole;
-  BoardRung board = BoardRung::kFlat;
+struct ProcamCandidate {
+  calibration::LensModel camera = calibration::LensModel::kPinhole;
+  calibration::LensModel projector = calibration::LensModel::kPinhole;
+  BoardModel board = BoardModel::kFlat;
   int freedom = 0;               ///< Numbers that lenses and board leave free.
   double training_rms_px = 0.0;  ///< Stereo, of all views; never what a model is chosen by.
   double heldout_rms_px =
@@ -21,17 +21,17 @@ struct LadderRung {
   std::vector<HeldOut> folds = {};  ///< By the view left out.
 };
 
-struct ProcamLadder {
-  std::vector<LadderRung> rungs;
-  std::size_t chosen = 0;         ///< Of rungs.
+struct ProcamSelection {
+  std::vector<ProcamCandidate> models;
+  std::size_t chosen = 0;         ///< Of models.
   ProcamCalibration calibration;  ///< With it, of all views.
 };
 
-/// Climbs twice, with a flat board and with a bent one: from the least lenses, always to that model one or two rungs
-/// richer in one lens which predicts left-out views best, as long as that is worth it. Of all that were tried, the
+/// Climbs twice, with a flat board and with a bent one: from the least lenses, always to that model one or two models
+/// richer in one lens which predicts left-out views best, as long as that is gain it. Of all that were tried, the
 /// least that predicts about as well as the best is taken.
 ///
 /// Errors as solve_procam(); kBadData also with fewer than three views, for then there is nothing to leave out.
-Result<ProcamLadder> climb_procam(const std::vector<BoardView>& views, PictureSize camera, PictureSize projector);
+Result<ProcamSelection> select_procam_model(const std::vector<BoardView>& views, ImageSize camera, ImageSize projector);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

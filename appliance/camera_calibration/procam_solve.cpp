@@ -18,7 +18,7 @@
 
 #include "appliance/camera_calibration/procam_start.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
 using PoseBlock = std::array<double, 6>;  ///< Angle-axis, then translation.
@@ -27,8 +27,8 @@ using BoardBlock = std::array<double, kBoardValues>;  ///< As BoardShape.
 
 /// All unknowns. Addresses are Ceres's names for them: the lists do not grow while a problem lives.
 struct Unknowns {
-  BrownBlock camera = {};
-  BrownBlock projector = {};
+  calibration::BrownBlock camera = {};
+  calibration::BrownBlock projector = {};
   PoseBlock projector_from_camera = {};
   BoardBlock shape = {};
   std::vector<PoseBlock> boards;
@@ -54,13 +54,13 @@ T constant(double value) {
 template <typename T>
 bool pixel_error(const T* lens, bool is_square, const T* point, const Eigen::Vector2d& seen, T* error) {
   if (!(point[2] > 1e-6)) return false;
-  std::array<T, kBrownValues> block;
-  std::copy_n(lens, kBrownValues, block.begin());
+  std::array<T, calibration::kBrownValues> block;
+  std::copy_n(lens, calibration::kBrownValues, block.begin());
   if (is_square) block[kFocalV] = block[kFocalU];
   const T x = point[0] / point[2];
   const T y = point[1] / point[2];
   T u, v;
-  brown_pixel(block.data(), x, y, &u, &v);
+  calibration::brown_pixel(block.data(), x, y, &u, &v);
   error[0] = u - seen.x();
   error[1] = v - seen.y();
   return true;
@@ -125,32 +125,34 @@ PoseBlock block_of(const RigidTransform<To, From>& transform) {
   return block_of(StartPose{transform.rotation().toRotationMatrix(), transform.translation()});
 }
 
-std::vector<int> held_values(LensRung rung) {
-  std::vector<int> held = fixed_values(rung);
-  if (has_square_pixels(rung)) held.push_back(kFocalV);
+std::vector<int> held_values(calibration::LensModel model) {
+  std::vector<int> held = calibration::fixed_values(model);
+  if (calibration::has_square_pixels(model)) held.push_back(kFocalV);
   return held;
 }
 
 void hold(const std::vector<int>& values, double* lens, ceres::Problem* problem) {
   if (values.empty() || !problem->HasParameterBlock(lens)) return;
-  problem->SetManifold(lens, new ceres::SubsetManifold(kBrownValues, values));  // The problem owns it.
+  problem->SetManifold(lens, new ceres::SubsetManifold(calibration::kBrownValues, values));  // The problem owns it.
 }
 
 void add_camera(const BoardView& view, bool is_square, Unknowns* unknowns, PoseBlock* pose, ceres::Problem* problem) {
   for (std::size_t i = 0; i < view.board_m.size(); ++i) {
-    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<CameraError, 2, kBrownValues, kBoardValues, 6>(
-                                  new CameraError{view.board_m[i], view.camera_px[i], is_square}),
-                              nullptr, unknowns->camera.data(), unknowns->shape.data(), pose->data());
+    problem->AddResidualBlock(
+        new ceres::AutoDiffCostFunction<CameraError, 2, calibration::kBrownValues, kBoardValues, 6>(
+            new CameraError{view.board_m[i], view.camera_px[i], is_square}),
+        nullptr, unknowns->camera.data(), unknowns->shape.data(), pose->data());
   }
 }
 
 void add_projector(const BoardView& view, bool is_square, Unknowns* unknowns, PoseBlock* pose,
                    ceres::Problem* problem) {
   for (std::size_t i = 0; i < view.board_m.size(); ++i) {
-    problem->AddResidualBlock(new ceres::AutoDiffCostFunction<ProjectorError, 2, kBrownValues, 6, kBoardValues, 6>(
-                                  new ProjectorError{view.board_m[i], view.projector_px[i], is_square}),
-                              nullptr, unknowns->projector.data(), unknowns->projector_from_camera.data(),
-                              unknowns->shape.data(), pose->data());
+    problem->AddResidualBlock(
+        new ceres::AutoDiffCostFunction<ProjectorError, 2, calibration::kBrownValues, 6, kBoardValues, 6>(
+            new ProjectorError{view.board_m[i], view.projector_px[i], is_square}),
+        nullptr, unknowns->projector.data(), unknowns->projector_from_camera.data(), unknowns->shape.data(),
+        pose->data());
   }
 }
 
@@ -215,7 +217,7 @@ std::optional<Unknowns> started(const std::vector<BoardView>& views, const std::
   ceres::Problem alone;
   for (std::size_t i = 0; i < views.size(); ++i) add_camera(views[i], true, &unknowns, &unknowns.boards[i], &alone);
   // The centre stays until the projector's view holds it as well.
-  std::vector<int> held = held_values(LensRung::kPinhole);
+  std::vector<int> held = held_values(calibration::LensModel::kPinhole);
   held.insert(held.end(), {kCentreU, kCentreV});
   hold(held, unknowns.camera.data(), &alone);
   alone.SetParameterBlockConstant(unknowns.shape.data());
@@ -243,14 +245,15 @@ std::optional<Unknowns> started(const std::vector<BoardView>& views, const std::
 void build(const std::vector<BoardView>& views, const ProcamChoice& choice, Unknowns* unknowns,
            ceres::Problem* problem) {
   for (std::size_t i = 0; i < views.size(); ++i) {
-    add_camera(views[i], has_square_pixels(choice.camera_rung), unknowns, &unknowns->boards[i], problem);
+    add_camera(views[i], calibration::has_square_pixels(choice.camera_model), unknowns, &unknowns->boards[i], problem);
   }
   for (std::size_t i = 0; i < views.size(); ++i) {
-    add_projector(views[i], has_square_pixels(choice.projector_rung), unknowns, &unknowns->boards[i], problem);
+    add_projector(views[i], calibration::has_square_pixels(choice.projector_model), unknowns, &unknowns->boards[i],
+                  problem);
   }
-  hold(held_values(choice.camera_rung), unknowns->camera.data(), problem);
-  hold(held_values(choice.projector_rung), unknowns->projector.data(), problem);
-  if (choice.board_rung == BoardRung::kFlat) problem->SetParameterBlockConstant(unknowns->shape.data());
+  hold(held_values(choice.camera_model), unknowns->camera.data(), problem);
+  hold(held_values(choice.projector_model), unknowns->projector.data(), problem);
+  if (choice.board_model == BoardModel::kFlat) problem->SetParameterBlockConstant(unknowns->shape.data());
 }
 
 /// Rank and deviations, from the Jacobian with its columns scaled to length 1.
@@ -283,7 +286,7 @@ Certainty certainty_of(Unknowns* unknowns, ceres::Problem* problem) {
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(jacobian, Eigen::ComputeThinV);
   Certainty certainty;
   const Eigen::VectorXd& values = svd.singularValues();
-  // Single precision's worth: below it, numerical noise of the sums would pass for a measurement.
+  // Single precision's gain: below it, numerical noise of the sums would pass for a measurement.
   for (const double value : values) certainty.rank += value > 1e-7 * values[0] ? 1 : 0;
   double squares = 0.0;
   for (const double residual : residuals) squares += residual * residual;
@@ -297,13 +300,14 @@ Certainty certainty_of(Unknowns* unknowns, ceres::Problem* problem) {
 }
 
 /// Puts the deviations of what is free where it belongs; the second focal length of square pixels is the first.
-std::size_t spread_sigmas(const std::vector<double>& sigmas, std::size_t next, LensRung rung, BrownBlock* block) {
-  const std::vector<int> held = held_values(rung);
-  for (int i = 0; i < kBrownValues; ++i) {
+std::size_t spread_sigmas(const std::vector<double>& sigmas, std::size_t next, calibration::LensModel model,
+                          calibration::BrownBlock* block) {
+  const std::vector<int> held = held_values(model);
+  for (int i = 0; i < calibration::kBrownValues; ++i) {
     if (std::find(held.begin(), held.end(), i) != held.end()) continue;
     block->at(static_cast<std::size_t>(i)) = sigmas.at(next++);
   }
-  if (has_square_pixels(rung)) (*block)[kFocalV] = (*block)[kFocalU];
+  if (calibration::has_square_pixels(model)) (*block)[kFocalV] = (*block)[kFocalU];
   return next;
 }
 
@@ -323,8 +327,8 @@ Result<ProcamCalibration> solve_procam(const std::vector<BoardView>& views, cons
   std::optional<Unknowns> best;
   double best_cost = 0.0;
   std::vector<double> costs;
-  constexpr std::array<double, kMostStarts> kFactors = {1.0, 0.6, 1.8};
-  for (int start = 0; start < std::clamp(choice.starts, 1, kMostStarts); ++start) {
+  constexpr std::array<double, kMaxStarts> kFactors = {1.0, 0.6, 1.8};
+  for (int start = 0; start < std::clamp(choice.starts, 1, kMaxStarts); ++start) {
     const double factor = kFactors.at(static_cast<std::size_t>(start));
     auto unknowns = started(views, homographies, choice, factor * guess);
     if (!unknowns) continue;
@@ -338,9 +342,9 @@ Result<ProcamCalibration> solve_procam(const std::vector<BoardView>& views, cons
     best = std::move(unknowns);
   }
   if (!best) return undetermined();
-  for (auto [lens, rung] :
-       {std::pair{&best->camera, choice.camera_rung}, std::pair{&best->projector, choice.projector_rung}}) {
-    if (has_square_pixels(rung)) (*lens)[kFocalV] = (*lens)[kFocalU];
+  for (auto [lens, model] :
+       {std::pair{&best->camera, choice.camera_model}, std::pair{&best->projector, choice.projector_model}}) {
+    if (calibration::has_square_pixels(model)) (*lens)[kFocalV] = (*lens)[kFocalU];
   }
   ceres::Problem problem;
   build(views, choice, &*best, &problem);
@@ -350,10 +354,10 @@ Result<ProcamCalibration> solve_procam(const std::vector<BoardView>& views, cons
   result.unknowns = static_cast<int>(certainty.sigmas.size());
   result.rank = certainty.rank;
   if (result.rank < result.unknowns) return undetermined();
-  result.camera = from_block(best->camera, choice.camera.width_px, choice.camera.height_px);
-  result.projector = from_block(best->projector, choice.projector.width_px, choice.projector.height_px);
-  const std::size_t next = spread_sigmas(certainty.sigmas, 0, choice.camera_rung, &result.camera_sigma);
-  spread_sigmas(certainty.sigmas, next, choice.projector_rung, &result.projector_sigma);
+  result.camera = calibration::from_block(best->camera, choice.camera.width_px, choice.camera.height_px);
+  result.projector = calibration::from_block(best->projector, choice.projector.width_px, choice.projector.height_px);
+  const std::size_t next = spread_sigmas(certainty.sigmas, 0, choice.camera_model, &result.camera_sigma);
+  spread_sigmas(certainty.sigmas, next, choice.projector_model, &result.projector_sigma);
   result.board = {best->shape[0], best->shape[1], best->shape[2], best->shape[3]};
   result.T_projector_camera = transform_of<frame::Projector, frame::Camera>(best->projector_from_camera);
   for (const PoseBlock& board : best->boards)
@@ -373,8 +377,8 @@ Result<HeldOut> held_out(const BoardView& view, const ProcamCalibration& calibra
   const auto h = homography(view.board_m, view.camera_px);
   if (!h) return Error(ErrorCode::kInvalidArgument, "a view whose corners lie on a line, or in one place");
   Unknowns unknowns;
-  unknowns.camera = to_block(calibration.camera);
-  unknowns.projector = to_block(calibration.projector);
+  unknowns.camera = calibration::to_block(calibration.camera);
+  unknowns.projector = calibration::to_block(calibration.projector);
   unknowns.projector_from_camera = block_of(calibration.T_projector_camera);
   const BoardShape& board = calibration.board;
   unknowns.shape = {board.stretch, board.bend_xx, board.bend_xy, board.bend_yy};
@@ -408,4 +412,4 @@ Result<HeldOut> held_out(const BoardView& view, const ProcamCalibration& calibra
   return result;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

@@ -4,23 +4,23 @@
 #include <vector>
 
 #include "appliance/calibration/brown_model.h"
-#include "appliance/calibration/lens_models.h"
+#include "appliance/calibration/lens_model.h"
 #include "appliance/camera_calibration/board_view.h"
 #include "common/base/result.h"
 #include "common/geometry/frames.h"
 #include "common/geometry/rigid_transform.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 
-struct PictureSize {
+struct ImageSize {
   int width_px = 0;
   int height_px = 0;
 };
 
-inline constexpr int kMostStarts = 3;
+inline constexpr int kMaxStarts = 3;
 
 /// What a board is like: paper is seldom as flat, or as square, as it was printed.
-enum class BoardRung {
+enum class BoardModel {
   kFlat,
   kBent,  ///< Stretched along y, and bent to second order; the same in all views.
 };
@@ -35,20 +35,20 @@ inline constexpr int kBoardValues = 4;
 
 /// What is to be solved, and how freely.
 struct ProcamChoice {
-  PictureSize camera;
-  PictureSize projector;
-  LensRung camera_rung = LensRung::kRadial1;
-  LensRung projector_rung = LensRung::kRadial1;
-  BoardRung board_rung = BoardRung::kFlat;
-  int starts = kMostStarts;  ///< Starting points to try, 1 to kMostStarts.
+  ImageSize camera;
+  ImageSize projector;
+  calibration::LensModel camera_model = calibration::LensModel::kRadial1;
+  calibration::LensModel projector_model = calibration::LensModel::kRadial1;
+  BoardModel board_model = BoardModel::kFlat;
+  int starts = kMaxStarts;  ///< Starting points to try, 1 to kMaxStarts.
 };
 
 /// A camera and a projector, and where they stand to each other.
 struct ProcamCalibration {
-  BrownParameters camera;
-  BrownParameters projector;
-  BrownBlock camera_sigma = {};  ///< One deviation of each value, from the residuals; 0 of what was held.
-  BrownBlock projector_sigma = {};
+  calibration::BrownParameters camera;
+  calibration::BrownParameters projector;
+  calibration::BrownBlock camera_sigma = {};  ///< One deviation of each value, from the residuals; 0 of what was held.
+  calibration::BrownBlock projector_sigma = {};
   RigidTransform<frame::Projector, frame::Camera> T_projector_camera;
   BoardShape board;
   std::vector<RigidTransform<frame::Camera, frame::Board>> T_camera_board;  ///< One per view.
@@ -78,4 +78,4 @@ struct HeldOut {
 /// Errors as solve_procam().
 Result<HeldOut> held_out(const BoardView& view, const ProcamCalibration& calibration);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

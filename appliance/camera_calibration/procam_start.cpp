@@ -5,7 +5,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
 /// Moves points to their middle and scales them to a mean distance of 1: what makes linear equations well conditioned.
@@ -139,4 +139,4 @@ std::optional<StartPinhole> pinhole_from(const std::vector<Eigen::Vector3d>& poi
   return start;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 
 /// A rotation and what follows it: p_to = R p_from + t.
 struct StartPose {
@@ -38,4 +38,4 @@ struct StartPinhole {
 [[nodiscard]] std::optional<StartPinhole> pinhole_from(const std::vector<Eigen::Vector3d>& points,
                                                        const std::vector<Eigen::Vector2d>& pixels);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

@@ -7,21 +7,22 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
 using Terms = Eigen::Matrix<double, 6, 1>;
 
 struct Sample {
   Terms terms;
-  Eigen::Vector2d place;
+  Eigen::Vector2d position;
   Eigen::Vector2d weight;
 };
 
-std::vector<Sample> samples_around(const Decoded& decoded, const Eigen::Vector2d& centre, double radius) {
+std::vector<Sample> samples_around(const structured_light::Decoded& decoded, const Eigen::Vector2d& centre,
+                                   double radius) {
   std::vector<Sample> samples;
-  const auto bound = [radius](double at, double sign, int most) {
-    return static_cast<int>(std::clamp(std::floor(at + sign * radius), -1.0, static_cast<double>(most)));
+  const auto bound = [radius](double at, double sign, int max) {
+    return static_cast<int>(std::clamp(std::floor(at + sign * radius), -1.0, static_cast<double>(max)));
   };
   for (int y = std::max(0, bound(centre.y(), -1.0, decoded.fate.height()));
        y <= std::min(decoded.fate.height() - 1, bound(centre.y(), 1.0, decoded.fate.height())); ++y) {
@@ -29,13 +30,13 @@ std::vector<Sample> samples_around(const Decoded& decoded, const Eigen::Vector2d
          x <= std::min(decoded.fate.width() - 1, bound(centre.x(), 1.0, decoded.fate.width())); ++x) {
       const double u = (x + 0.5 - centre.x()) / radius;
       const double v = (y + 0.5 - centre.y()) / radius;
-      if (u * u + v * v > 1.0 || *decoded.fate.at(x, y) != PixelFate::kDecoded) continue;
-      const float* const place = decoded.position_px.at(x, y);
+      if (u * u + v * v > 1.0 || *decoded.fate.at(x, y) != structured_light::PixelFate::kDecoded) continue;
+      const float* const position = decoded.position_px.at(x, y);
       const float* const sigma = decoded.sigma_px.at(x, y);
       Sample sample;
       sample.terms << 1.0, u, v, u * u, u * v, v * v;
       for (int a = 0; a < 2; ++a) {
-        sample.place[a] = static_cast<double>(place[a]);
+        sample.position[a] = static_cast<double>(position[a]);
         sample.weight[a] = 1.0 / std::pow(std::max(1e-3, static_cast<double>(sigma[a])), 2);
       }
       samples.push_back(sample);
@@ -54,11 +55,11 @@ std::optional<double> middle_value(const std::vector<Sample>& samples, int axis)
     Terms right = Terms::Zero();
     double used = 0.0;
     for (const Sample& sample : samples) {
-      const double off = spread > 0.0 ? (sample.place[axis] - sample.terms.dot(surface)) / spread : 0.0;
+      const double off = spread > 0.0 ? (sample.position[axis] - sample.terms.dot(surface)) / spread : 0.0;
       if (std::abs(off) >= 1.0) continue;
       const double weight = sample.weight[axis] * std::pow(1.0 - off * off, 2);
       normal.noalias() += weight * sample.terms * sample.terms.transpose();
-      right += weight * sample.place[axis] * sample.terms;
+      right += weight * sample.position[axis] * sample.terms;
       used += 1.0;
     }
     if (used < 30.0) return std::nullopt;
@@ -68,7 +69,8 @@ std::optional<double> middle_value(const std::vector<Sample>& samples, int axis)
     }
     surface = solver.solve(right);
     std::vector<double> distances;
-    for (const Sample& sample : samples) distances.push_back(std::abs(sample.place[axis] - sample.terms.dot(surface)));
+    for (const Sample& sample : samples)
+      distances.push_back(std::abs(sample.position[axis] - sample.terms.dot(surface)));
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
     // 1.48 makes a deviation of a median, 4.7 loses 5 % of what is normally distributed; never below what edges give.
@@ -79,8 +81,8 @@ std::optional<double> middle_value(const std::vector<Sample>& samples, int axis)
 
 }  // namespace
 
-std::optional<Eigen::Vector2d> projector_place(const Decoded& decoded, const Eigen::Vector2d& camera_px,
-                                               double radius_px) {
+std::optional<Eigen::Vector2d> projector_pixel_at(const structured_light::Decoded& decoded,
+                                                  const Eigen::Vector2d& camera_px, double radius_px) {
   CHECK(radius_px > 0.0);
   if (!camera_px.allFinite()) return std::nullopt;
   const std::vector<Sample> samples = samples_around(decoded, camera_px, radius_px);
@@ -91,4 +93,4 @@ std::optional<Eigen::Vector2d> projector_place(const Decoded& decoded, const Eig
   return Eigen::Vector2d(*x, *y);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

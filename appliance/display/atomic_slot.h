@@ -4,7 +4,7 @@
 #include <atomic>
 #include <memory>
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// One slot between threads, without a lock: what is put replaces what is there, and the putter gets that back.
 /// For the present thread, which must never wait. Thread-safe.
@@ -28,4 +28,4 @@ class AtomicSlot {
   std::atomic<T*> value_{nullptr};
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -3,7 +3,7 @@
 
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 struct AttractTimes {
   Duration after = std::chrono::seconds(20);  ///< A picture may be wrong for so long.
@@ -37,4 +37,4 @@ class AttractFade {
   TimePoint right_at_{};
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

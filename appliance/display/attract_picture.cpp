@@ -9,7 +9,7 @@
 #include "common/image/image_file.h"
 #include "common/image/jpeg.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using Colour = std::array<double, 3>;
@@ -31,8 +31,8 @@ double tan_elevation_at(const PictureShape& shape, int x, int y) {
   return seen.y() / std::hypot(seen.x(), seen.z());  // Straight up an infinity: the zenith's colour.
 }
 
-Frame frame_of(const PictureShape& shape, const RgbImage& picture) {
-  Frame frame;
+DisplayFrame frame_of(const PictureShape& shape, const RgbImage& picture) {
+  DisplayFrame frame;
   frame.shape = shape;
   frame.picture = std::make_shared<const PlanarPicture>(JpegEncoder().to_planar(picture));
   return frame;
@@ -40,7 +40,7 @@ Frame frame_of(const PictureShape& shape, const RgbImage& picture) {
 
 }  // namespace
 
-Frame attract_frame(const PictureShape& shown) {
+DisplayFrame attract_frame(const PictureShape& shown) {
   RgbImage picture(width_px(shown), height_px(shown));
   const bool has_even_rows = std::holds_alternative<Panorama>(shown);
   for (int y = 0; y < picture.height(); ++y) {
@@ -53,11 +53,11 @@ Frame attract_frame(const PictureShape& shown) {
   return frame_of(shown, picture);
 }
 
-Result<Frame> attract_frame(const PictureShape& shown, const std::filesystem::path& picture) {
+Result<DisplayFrame> attract_frame(const PictureShape& shown, const std::filesystem::path& picture) {
   TRY_ASSIGN(const RgbaImage pixels, read_image(picture, kPhotoLimitPx));
   const PictureShape shape = with_pixels(shown, pixels.width(), pixels.height());
   TRY(validate(shape));
   return frame_of(shape, without_alpha(pixels));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -12,12 +12,12 @@
 #include "appliance/display/measured_head.h"
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 Pinhole lens_of(const Installation& installation, std::size_t projector) {
   const Pinhole& lens = installation.projectors[projector].lens;
-  return installation.stereo ? lens_of_an_eye(lens, installation.stereo->packing) : lens;
+  return installation.stereo ? lens_of_eye(lens, installation.stereo->packing) : lens;
 }
 
 Error of_others(const std::string& name, int width_px, int height_px, const Pinhole& lens, const char* what) {
@@ -28,14 +28,16 @@ Error of_others(const std::string& name, int width_px, int height_px, const Pinh
 
 /// Null where the calibration does not know a projector. An eye's pixels are a part of the head's, stretched over all
 /// of its picture, and a map's control points are even over the picture.
-Result<std::vector<const MeasuredMap*>> maps_of(Calibration* calibration, const Installation& installation) {
-  std::vector<const MeasuredMap*> maps;
+Result<std::vector<const calibration::MeasuredMap*>> maps_of(calibration::Calibration* calibration,
+                                                             const Installation& installation) {
+  std::vector<const calibration::MeasuredMap*> maps;
   for (std::size_t i = 0; i < installation.projectors.size(); ++i) {
     const InstalledProjector& installed = installation.projectors[i];
-    const auto found = std::ranges::find(calibration->projectors, installed.name, &CalibratedProjector::name);
+    const auto found =
+        std::ranges::find(calibration->projectors, installed.name, &calibration::CalibratedProjector::name);
     maps.push_back(found == calibration->projectors.end() ? nullptr : &found->map);
     if (maps.back() == nullptr) continue;
-    MeasuredMap& map = found->map;
+    calibration::MeasuredMap& map = found->map;
     if (map.width_px != installed.lens.width_px || map.height_px != installed.lens.height_px)
       return of_others(installed.name, map.width_px, map.height_px, installed.lens, "map");
     const Pinhole lens = lens_of(installation, i);
@@ -45,18 +47,19 @@ Result<std::vector<const MeasuredMap*>> maps_of(Calibration* calibration, const 
   return maps;
 }
 
-Status add_colours(std::vector<CalibratedColour> colours, const Installation& installation, std::size_t projector,
-                   HeadPlan* head) {
+Status add_colours(std::vector<calibration::CalibratedColour> colours, const Installation& installation,
+                   std::size_t projector, HeadPlan* head) {
   const InstalledProjector& installed = installation.projectors[projector];
-  const auto found = std::ranges::find(colours, installed.name, &CalibratedColour::name);
+  const auto found = std::ranges::find(colours, installed.name, &calibration::CalibratedColour::name);
   if (found == colours.end()) return Done{};
   if (found->mask.width() != installed.lens.width_px || found->mask.height() != installed.lens.height_px)
     return of_others(installed.name, found->mask.width(), found->mask.height(), installed.lens, "mask");
-  const auto& lift = found->colour.lift;
-  if (lift && (lift->width() != installed.lens.width_px || lift->height() != installed.lens.height_px))
-    return of_others(installed.name, lift->width(), lift->height(), installed.lens, "lift");
+  const auto& black_lift = found->colour.black_lift;
+  if (black_lift &&
+      (black_lift->width() != installed.lens.width_px || black_lift->height() != installed.lens.height_px))
+    return of_others(installed.name, black_lift->width(), black_lift->height(), installed.lens, "lift");
   if (found->mask.width() != head->mask.width() || found->mask.height() != head->mask.height()) {
-    found->colour.lift.reset();  // Of two eyes' pictures in one: the whole head's pictures do not fit.
+    found->colour.black_lift.reset();  // Of two eyes' pictures in one: the whole head's pictures do not fit.
   } else {
     head->mask = std::move(found->mask);
   }
@@ -69,26 +72,27 @@ constexpr double kCarryMasksFrom_px = 2.0;
 
 /// Whether any projector moved by so much that masks are to be carried along. No correction, one of another
 /// calibration, or one that cannot be read: all stays as it was measured.
-bool correct_maps(const std::filesystem::path& folder, const Installation& installation, Calibration* calibration,
-                  std::vector<std::string>* corrected) {
-  const auto show = read_show(folder / kCorrectionFile);
+bool correct_maps(const std::filesystem::path& folder, const Installation& installation,
+                  calibration::Calibration* calibration, std::vector<std::string>* corrected) {
+  const auto show = calibration::read_show(folder / calibration::kCorrectionFile);
   if (!show || show->calibration != calibration->date) return false;
-  double most_px = 0.0;
-  for (const ShowFile::Projector& projector : show->projectors) {
-    const auto found = std::ranges::find(calibration->projectors, projector.name, &CalibratedProjector::name);
+  double max_px = 0.0;
+  for (const calibration::ShowFile::Projector& projector : show->projectors) {
+    const auto found =
+        std::ranges::find(calibration->projectors, projector.name, &calibration::CalibratedProjector::name);
     if (found == calibration->projectors.end()) continue;
-    const double px = moved_px(projector, installation.wall);
+    const double px = calibration::moved_px(projector, installation.wall);
     if (px <= 0.0) continue;
-    found->map = corrected_map(found->map, projector, installation.wall, installation.sweet_spot);
+    found->map = calibration::corrected_map(found->map, projector, installation.wall, installation.sweet_spot);
     corrected->push_back(projector.name);
-    most_px = std::max(most_px, px);
+    max_px = std::max(max_px, px);
   }
-  return most_px > kCarryMasksFrom_px;
+  return max_px > kCarryMasksFrom_px;
 }
 
 /// What was measured of a head's brightness stays its pixels'; how it shares the wall with others goes by where they
 /// shine now.
-void carry(const MaskImage& share_before, const MaskImage& share_now, MaskImage* mask) {
+void carry(const warp::MaskImage& share_before, const warp::MaskImage& share_now, warp::MaskImage* mask) {
   if (mask->width() != share_now.width() || mask->height() != share_now.height() || share_before.empty()) return;
   for (std::size_t i = 0; i < mask->data().size(); ++i) {
     const float before = share_before.data()[i];
@@ -105,8 +109,8 @@ Result<std::vector<HeadPlan>> planned_heads(const Installation& of, const Pictur
   std::optional<StereoPacking> packing;
   if (installation.stereo) packing = installation.stereo->packing;
   for (std::size_t i = 0; i < of.projectors.size(); ++i) installation.projectors[i].lens = lens_of(of, i);
-  const std::vector<ProjectorMap> maps = projector_maps(installation);
-  std::vector<MaskImage> masks = make_blend_masks(maps);
+  const std::vector<warp::ProjectorMap> maps = warp::projector_maps(installation);
+  std::vector<warp::MaskImage> masks = warp::make_blend_masks(maps);
   std::vector<HeadPlan> heads;
   for (std::size_t i = 0; i < maps.size(); ++i) {
     if (installation.projectors[i].warp) {
@@ -115,7 +119,7 @@ Result<std::vector<HeadPlan>> planned_heads(const Installation& of, const Pictur
       heads.back().packing = packing;
       continue;
     }
-    auto warp = make_warp(maps[i], picture);
+    auto warp = warp::make_warp(maps[i], picture);
     if (!warp)
       return std::move(warp).error().while_doing(fmt::format("projector '{}'", installation.projectors[i].name));
     HeadPlan& head = heads.emplace_back();
@@ -130,22 +134,23 @@ Result<std::vector<HeadPlan>> planned_heads(const Installation& of, const Pictur
 Result<CalibratedHeads> calibrated_heads(const std::filesystem::path& folder, const Installation& installation,
                                          const PictureShape& picture, std::vector<HeadPlan> planned) {
   CHECK(planned.size() == installation.projectors.size());
-  TRY_ASSIGN(Calibration calibration, read_calibration(folder));
-  TRY_ASSIGN(const std::vector<CalibratedColour> colours, read_colours(calibration_folder(folder, calibration.date)));
-  Calibration scanned = calibration;
+  TRY_ASSIGN(calibration::Calibration calibration, calibration::read_calibration(folder));
+  TRY_ASSIGN(const std::vector<calibration::CalibratedColour> colours,
+             calibration::read_colours(calibration::calibration_folder(folder, calibration.date)));
+  calibration::Calibration scanned = calibration;
   std::vector<std::string> corrected;
   const bool has_moved = correct_maps(folder, installation, &calibration, &corrected);
-  TRY_ASSIGN(const std::vector<const MeasuredMap*> maps, maps_of(&calibration, installation));
-  if (std::ranges::all_of(maps, [](const MeasuredMap* map) { return map == nullptr; })) {
+  TRY_ASSIGN(const std::vector<const calibration::MeasuredMap*> maps, maps_of(&calibration, installation));
+  if (std::ranges::all_of(maps, [](const calibration::MeasuredMap* map) { return map == nullptr; })) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("the calibration of {} knows none of this installation's projectors; calibrate again",
                              calibration.date));
   }
-  const std::vector<MaskImage> masks = measured_blend_masks(maps, picture);
-  std::vector<MaskImage> masks_before;
+  const std::vector<warp::MaskImage> masks = calibration::measured_blend_masks(maps, picture);
+  std::vector<warp::MaskImage> masks_before;
   if (has_moved && !colours.empty()) {
-    TRY_ASSIGN(const std::vector<const MeasuredMap*> maps_before, maps_of(&scanned, installation));
-    masks_before = measured_blend_masks(maps_before, picture);
+    TRY_ASSIGN(const std::vector<const calibration::MeasuredMap*> maps_before, maps_of(&scanned, installation));
+    masks_before = calibration::measured_blend_masks(maps_before, picture);
   }
   CalibratedHeads made{std::move(planned), calibration.date, {}, std::move(corrected)};
   for (std::size_t i = 0; i < maps.size(); ++i) {
@@ -155,17 +160,18 @@ Result<CalibratedHeads> calibrated_heads(const std::filesystem::path& folder, co
       continue;
     }
     HeadPlan& head = made.heads[i];
-    auto warp = warp_of(*maps[i], picture);
+    auto warp = calibration::warp_of(*maps[i], picture);
     if (!warp) return std::move(warp).error().while_doing(fmt::format("projector '{}'", name));
     head.warp = *std::move(warp);
     head.mask = masks[i];
     head.colour = {};
     head.picture = picture;
     TRY(add_colours(colours, installation, i, &head));
-    const bool has_measured_mask = std::ranges::find(colours, name, &CalibratedColour::name) != colours.end();
+    const bool has_measured_mask =
+        std::ranges::find(colours, name, &calibration::CalibratedColour::name) != colours.end();
     if (!masks_before.empty() && has_measured_mask) carry(masks_before[i], masks[i], &head.mask);
   }
   return made;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -8,7 +8,7 @@
 #include "appliance/display/head_upload.h"
 #include "common/room/installation.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// What the heads draw with as long as nothing was measured: an installation's model, and warps of other programs.
 /// kInvalidArgument  the picture is none. Errors of measured_head().
@@ -33,4 +33,4 @@ struct CalibratedHeads {
 Result<CalibratedHeads> calibrated_heads(const std::filesystem::path& folder, const Installation& installation,
                                          const PictureShape& picture, std::vector<HeadPlan> planned);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

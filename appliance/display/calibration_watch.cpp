@@ -11,12 +11,12 @@
 #include "appliance/calibration/show_file.h"
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr auto kBetweenLooks = std::chrono::milliseconds(250);
 constexpr const char* kFile = "calibration.json";
-constexpr std::size_t kMostBytes = std::size_t{16} << 20;
+constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
 
 std::string mark_of(const std::filesystem::path& file) {
   struct stat info {};
@@ -34,20 +34,21 @@ CalibrationWatch::CalibrationWatch(std::filesystem::path folder, Installation in
       planned_(std::move(planned)) {}
 
 std::string CalibrationWatch::mark() const {
-  return mark_of(folder_ / kFile) + mark_of(folder_ / kCorrectionFile) +
+  return mark_of(folder_ / kFile) + mark_of(folder_ / calibration::kCorrectionFile) +
          (colours_folder_.empty() ? "" : mark_of(colours_folder_ / "colours.json"));
 }
 
 /// Before anything else is read, so that a change meanwhile is read next.
 void CalibrationWatch::find_colours() {
   colours_folder_.clear();
-  const auto text = read_text_file(folder_ / kFile, kMostBytes);
-  const auto calibration = text ? parse_calibration(*text, kFile) : Result<Calibration>(text.error());
-  if (calibration) colours_folder_ = calibration_folder(folder_, calibration->date);
+  const auto text = read_text_file(folder_ / kFile, kMaxBytes);
+  const auto calibration =
+      text ? calibration::parse_calibration(*text, kFile) : Result<calibration::Calibration>(text.error());
+  if (calibration) colours_folder_ = calibration::calibration_folder(folder_, calibration->date);
 }
 
 Result<CalibratedHeads> CalibrationWatch::read() {
-  const std::string file_mark = mark_of(folder_ / kFile) + mark_of(folder_ / kCorrectionFile);
+  const std::string file_mark = mark_of(folder_ / kFile) + mark_of(folder_ / calibration::kCorrectionFile);
   find_colours();
   mark_ = file_mark + (colours_folder_.empty() ? "" : mark_of(colours_folder_ / "colours.json"));
   return calibrated_heads(folder_, installation_, picture_, planned_);
@@ -66,7 +67,7 @@ void CalibrationWatch::look_until(const std::stop_token& stop) {
     woken_.wait_for(lock, stop, kBetweenLooks, [] { return false; });
     if (stop.stop_requested() || mark() == mark_) continue;
     auto heads = read();
-    auto news = std::make_unique<CalibrationNews>();
+    auto news = std::make_unique<CalibrationUpdate>();
     if (heads) {
       news->date = std::move(heads->date);
       news->lacking = std::move(heads->lacking);
@@ -80,4 +81,4 @@ void CalibrationWatch::look_until(const std::stop_token& stop) {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

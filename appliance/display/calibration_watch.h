@@ -15,10 +15,10 @@
 #include "appliance/display/shown_parts.h"
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// What a change of the calibration comes to, made ready for the presenter.
-struct CalibrationNews {
+struct CalibrationUpdate {
   std::optional<Error> trouble;        ///< Why it cannot be used; then the rest is empty.
   std::string date;                    ///< The calibration's.
   std::vector<std::string> lacking;    ///< As CalibratedHeads,
@@ -40,7 +40,7 @@ class CalibrationWatch {
   /// Begins to look.
   void run();
   /// What was read since; null: nothing new.
-  [[nodiscard]] std::unique_ptr<CalibrationNews> take() { return news_.take(); }
+  [[nodiscard]] std::unique_ptr<CalibrationUpdate> take() { return news_.take(); }
 
  private:
   /// What tells that files are others than they were.
@@ -54,10 +54,10 @@ class CalibrationWatch {
   const std::vector<HeadPlan> planned_;
   std::string mark_;                      // Of what was read.
   std::filesystem::path colours_folder_;  // Of it; empty: nothing could be read.
-  AtomicSlot<CalibrationNews> news_;
+  AtomicSlot<CalibrationUpdate> news_;
   std::mutex mutex_;
   std::condition_variable_any woken_;
   std::jthread thread_;  // Last: it ends before what it uses.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

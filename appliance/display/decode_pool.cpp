@@ -3,7 +3,7 @@
 
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 DecodePool::DecodePool(int threads) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this](std::stop_token stop) { work(std::move(stop)); });
@@ -34,4 +34,4 @@ void DecodePool::work(std::stop_token stop) {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

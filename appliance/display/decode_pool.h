@@ -10,7 +10,7 @@
 
 #include "common/image/jpeg.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// A few threads that decode tiles, first come first served. Who submits bounds the work. Thread-safe.
 class DecodePool {
@@ -34,4 +34,4 @@ class DecodePool {
   std::vector<std::jthread> threads_;  // Last: they end before what they use.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

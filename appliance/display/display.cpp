@@ -14,12 +14,12 @@
 #include "common/opening/wall_clock.h"
 #include "common/wire/convert.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
-constexpr auto kRedialAfter = std::chrono::milliseconds(250);
+constexpr auto kReconnectAfter = std::chrono::milliseconds(250);
 constexpr auto kForAFrame = std::chrono::seconds(2);  // From the tour, for heads that were calibrated anew.
-constexpr std::size_t kMostDropsWaiting = 256;
+constexpr std::size_t kMaxDropsWaiting = 256;
 constexpr char kPassedOver[] = "a newer frame was ready before it could be shown";
 
 std::vector<HeadFootprint> footprints(const std::vector<HeadPlan>& heads) {
@@ -34,15 +34,15 @@ std::vector<std::string> names_of(const std::vector<InstalledProjector>& project
   return names;
 }
 
-std::vector<HeadMode> modes_of(const std::vector<InstalledProjector>& projectors) {
-  std::vector<HeadMode> modes;
+std::vector<output::HeadMode> modes_of(const std::vector<InstalledProjector>& projectors) {
+  std::vector<output::HeadMode> modes;
   for (const InstalledProjector& projector : projectors)
     modes.push_back({projector.name, projector.lens.width_px, projector.lens.height_px});
   return modes;
 }
 
 /// Black where no head looks: nothing was decoded there.
-RgbImage decoded_parts(const Frame& frame, JpegDecoder* decoder) {
+RgbImage decoded_parts(const DisplayFrame& frame, JpegDecoder* decoder) {
   RgbImage all = decoder->to_rgb(*frame.picture);
   if (frame.parts == nullptr) return all;
   RgbImage shown(all.width(), all.height());
@@ -146,7 +146,7 @@ void Display::refuse_calibration(const Error& why) {
 void Display::keep_calibration() {
   if (watch_ == nullptr) return;
   if (mailbox_.plans.replaced.take() != nullptr) history_->heads_changed();
-  const std::unique_ptr<CalibrationNews> news = watch_->take();
+  const std::unique_ptr<CalibrationUpdate> news = watch_->take();
   if (news == nullptr) return;
   if (news->trouble) return refuse_calibration(*news->trouble);
   describe_calibration(news->date, news->lacking, news->corrected);
@@ -154,7 +154,7 @@ void Display::keep_calibration() {
   const bool is_decoded = is_decoded_for(news->footprints);
   if (!is_decoded) {
     hang_up();
-    dial_at_ = clock_.now();
+    connect_at_ = clock_.now();
   }
   std::vector<HeadFootprint> both = std::exchange(footprints_, news->footprints);
   both.insert(both.end(), footprints_.begin(), footprints_.end());
@@ -184,12 +184,12 @@ void Display::describe(const std::vector<HeadPlan>& heads) {
   std::size_t maps = 0;
   double worst_px = 0.0;
   for (const HeadPlan& head : heads) {
-    maps += std::holds_alternative<PixelMap>(head.warp) ? 1U : 0U;
-    if (const auto* const mesh = std::get_if<WarpMesh>(&head.warp)) {
+    maps += std::holds_alternative<warp::PixelMap>(head.warp) ? 1U : 0U;
+    if (const auto* const mesh = std::get_if<warp::WarpMesh>(&head.warp)) {
       vertices += mesh->vertices.size();
       worst_px = std::max(worst_px, mesh->worst_error_px);
     }
-    if (const auto* const patched = std::get_if<WarpPatches>(&head.warp)) {
+    if (const auto* const patched = std::get_if<warp::WarpPatches>(&head.warp)) {
       patches += patched->patches.size();
       worst_px = std::max(worst_px, patched->worst_error_px);
     }
@@ -201,7 +201,8 @@ void Display::describe(const std::vector<HeadPlan>& heads) {
   inspection_.set_fact("warp_vertices", fmt::format("{}", vertices));
   inspection_.set_fact("warp_patches", fmt::format("{}", patches));
   inspection_.set_fact("warp_error_px", fmt::format("{:.3f}", worst_px));
-  inspection_.set_fact("wall_unlit_percent", fmt::format("{:.2f}", 100.0 * unlit_fraction(options_.installation)));
+  inspection_.set_fact("wall_unlit_percent",
+                       fmt::format("{:.2f}", 100.0 * warp::unlit_fraction(options_.installation)));
 }
 
 void Display::on_message(wire::ShowMessage message) {
@@ -220,20 +221,20 @@ void Display::on_message(wire::ShowMessage message) {
   mailbox_.headings.put({heading.heading_rad(), heading.shutter_ns(), at});
 }
 
-void Display::frame_ready(Frame frame) {
-  const int largest = present_->largest_side_px();
+void Display::frame_ready(DisplayFrame frame) {
+  const int largest = present_->max_side_px();
   if (width_px(frame.shape) > largest || frame.stacked * height_px(frame.shape) > largest) {
     return frame_dropped(frame.number, fmt::format("larger than {} px, the graphics card's most", largest));
   }
   tour_clock_.frame_ready(frame.show_at, frame.decoded_at);
-  std::unique_ptr<Frame> unseen;
+  std::unique_ptr<DisplayFrame> unseen;
   {
     // Decode threads may finish two frames at once.
     const std::lock_guard lock(mutex_);
     newest_ready_ = std::max(newest_ready_, frame.order);
     mailbox_.is_failing = false;
     history_->frame_ready(frame);
-    unseen = mailbox_.frames.put(std::make_unique<Frame>(std::move(frame)));
+    unseen = mailbox_.frames.put(std::make_unique<DisplayFrame>(std::move(frame)));
     if (unseen != nullptr) add_drop(unseen->number, kPassedOver);
   }
 }
@@ -245,11 +246,11 @@ void Display::frame_dropped(std::uint64_t number, const std::string& reason) {
 }
 
 void Display::add_drop(std::uint64_t number, const std::string& reason) {
-  if (drops_.size() < kMostDropsWaiting) drops_.push_back({number, reason});
+  if (drops_.size() < kMaxDropsWaiting) drops_.push_back({number, reason});
 }
 
 void Display::free_shown() {
-  mailbox_.retired.clear([this](const Frame& unseen) {
+  mailbox_.retired.clear([this](const DisplayFrame& unseen) {
     const std::lock_guard lock(mutex_);
     if (unseen.order > reported_after_) add_drop(unseen.number, kPassedOver);
   });
@@ -262,12 +263,12 @@ void Display::serve(TimePoint deadline) {
     note_output();
     keep_hours();
     keep_calibration();
-    keep_dialling();
-    ask_for_time();
+    keep_connected();
+    request_time();
     report_refreshes();
     report_drops();
     serve_watchers();
-    tell_state();
+    publish_state();
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - clock_.now());
     pollfd entry{present_->event_fd(), POLLIN, 0};
     ::poll(&entry, 1, static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 1000)));
@@ -293,7 +294,7 @@ void Display::note_output() {
   inspection_.set_fact("gl_renderer", state->renderer);
 }
 
-void Display::keep_dialling() {
+void Display::keep_connected() {
   if (stream_ != nullptr) {
     if (stream_->is_up()) trouble_.reset();
     const std::optional<Error> end = stream_->end();
@@ -301,9 +302,9 @@ void Display::keep_dialling() {
     trouble_ = end;
     mailbox_.is_failing = true;
     hang_up();
-    dial_at_ = clock_.now() + kRedialAfter;
+    connect_at_ = clock_.now() + kReconnectAfter;
   }
-  if (clock_.now() < dial_at_) return;
+  if (clock_.now() < connect_at_) return;
   {
     const std::lock_guard lock(mutex_);
     drops_.clear();  // They mean nothing to the next connection.
@@ -319,11 +320,11 @@ void Display::hang_up() {
   mailbox_.clock.put({});
 }
 
-void Display::ask_for_time() {
+void Display::request_time() {
   if (stream_ == nullptr || !stream_->is_up()) return;
   auto question = tour_clock_.question(clock_.now());
   if (!question) return;
-  if (const auto share = reporter_.in_step(clock_.now())) question->set_in_step(*share);
+  if (const auto share = reporter_.synchronised_share(clock_.now())) question->set_synchronised_share(*share);
   wire::DisplayReport report;
   *report.mutable_clock() = *std::move(question);
   stream_->report(std::move(report));
@@ -333,7 +334,7 @@ void Display::report_refreshes() {
   while (const auto event = mailbox_.refreshes.pop()) {
     if (options_.on_refresh) options_.on_refresh(*event);
     history_->refreshed(*event, is_awake_ && !patterns_.is_open());
-    if (event->shared_refresh) tour_clock_.drawn_ahead(event->drawn_ahead);
+    if (event->synchronised_refresh) tour_clock_.drawn_ahead(event->drawn_ahead);
     auto presented = reporter_.take(*event);
     if (!presented || stream_ == nullptr || event->frame_order <= reported_after_) continue;
     wire::DisplayReport report;
@@ -361,8 +362,8 @@ void Display::report_drops() {
 }
 
 void Display::serve_watchers() {
-  if (inspection_.is_watched("panorama")) mailbox_.panorama.want([] { return std::make_unique<Frame>(); });
-  if (const std::unique_ptr<Frame> frame = mailbox_.panorama.take()) {
+  if (inspection_.is_watched("panorama")) mailbox_.panorama.want([] { return std::make_unique<DisplayFrame>(); });
+  if (const std::unique_ptr<DisplayFrame> frame = mailbox_.panorama.take()) {
     inspection_.set_picture("panorama", std::make_shared<const RgbImage>(decoded_parts(*frame, &pictures_)));
   }
   for (std::size_t i = 0; i < mailbox_.heads.size(); ++i) {
@@ -378,7 +379,7 @@ void Display::serve_watchers() {
   }
 }
 
-void Display::tell_state() {
+void Display::publish_state() {
   if (!is_presenting()) {
     inspection_.set_state("The output does not refresh; the graphics driver hangs.", false);
   } else if (loss_) {
@@ -411,8 +412,8 @@ std::string Display::calibration_sentence() const {
 }
 
 std::string Display::step_sentence() const {
-  const auto share = reporter_.in_step(clock_.now());
+  const auto share = reporter_.synchronised_share(clock_.now());
   return share ? fmt::format(", in step with the other displays in {:.2f} % of refreshes", 100.0 * *share) : "";
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -23,7 +23,7 @@
 #include "common/wire/channel.h"
 #include "common/wire/inspection_service.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 struct DisplayOptions {
   Installation installation;
@@ -77,20 +77,20 @@ class Display : private FrameSink {
                             const std::vector<std::string>& corrected);
   void refuse_calibration(const Error& why);
   void on_message(wire::ShowMessage message);
-  void frame_ready(Frame frame) override;
+  void frame_ready(DisplayFrame frame) override;
   void frame_dropped(std::uint64_t number, const std::string& reason) override;
   void add_drop(std::uint64_t number, const std::string& reason);  // Precondition: mutex_ is held.
   void free_shown();
   void note_output();
   void keep_hours();
   void keep_calibration();
-  void keep_dialling();
+  void keep_connected();
   void hang_up();
-  void ask_for_time();
+  void request_time();
   void report_refreshes();
   void report_drops();
   void serve_watchers();
-  void tell_state();
+  void publish_state();
   [[nodiscard]] bool is_decoded_for(const std::vector<HeadFootprint>& heads) const;
   [[nodiscard]] std::string step_sentence() const;
   [[nodiscard]] std::string calibration_sentence() const;
@@ -116,14 +116,14 @@ class Display : private FrameSink {
   };
   std::mutex mutex_;  // Guards the two below; never taken by the present thread.
   std::vector<Drop> drops_;
-  std::uint64_t newest_ready_ = 0;  // Frame::order of the newest frame that was handed over.
+  std::uint64_t newest_ready_ = 0;  // DisplayFrame::order of the newest frame that was handed over.
 
   std::vector<HeadFootprint> footprints_;  // Of what the heads draw with, or are about to.
   std::optional<Error> misfit_;            // Why the newest calibration is not used.
   std::optional<Error> loss_;              // Why there is no output.
   std::optional<Error> trouble_;           // Why there is no connection.
-  TimePoint dial_at_{};
-  std::uint64_t reported_after_ = 0;  // Frames up to this Frame::order came by an earlier connection.
+  TimePoint connect_at_{};
+  std::uint64_t reported_after_ = 0;  // Frames up to this DisplayFrame::order came by an earlier connection.
 
   // Made in this order and gone in the reverse: nobody calls what is gone.
   std::unique_ptr<WireServer> server_;
@@ -135,4 +135,4 @@ class Display : private FrameSink {
   std::unique_ptr<ShowStream> stream_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -13,11 +13,11 @@
 #include "common/process/notify.h"
 #include "common/process/program.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 // A shader that an emulated, busy processor compiles takes the better part of a minute.
-constexpr auto kLongestStartStep = std::chrono::minutes(3);
+constexpr auto kStartStepTimeout = std::chrono::minutes(3);
 constexpr double kProjectors_hz = 60.0;  // Most are made for it; one that is not takes the nearest it has.
 constexpr auto kTurn = std::chrono::milliseconds(100);  // How soon a stop is noticed.
 
@@ -104,8 +104,8 @@ Status run_display(Options options, const StopSignal& stop) {
   TRY_ASSIGN(options.display.installation, read_installation(options.installation));
   OutputChoice& output = options.display.output;
   if (options.output == "drm") output.kind = OutputChoice::Kind::kDrm;
-  if (options.output == "egl") output.renderer = HeadlessOptions::Renderer::kEgl;
-  if (options.output == "osmesa") output.renderer = HeadlessOptions::Renderer::kOsMesa;
+  if (options.output == "egl") output.renderer = output::HeadlessOptions::Renderer::kEgl;
+  if (options.output == "osmesa") output.renderer = output::HeadlessOptions::Renderer::kOsMesa;
   for (const std::string& head : options.heads) {
     TRY_ASSIGN(OutputChoice::Head parsed, parse_head(head));
     output.heads.push_back(std::move(parsed));
@@ -126,7 +126,7 @@ Status run_display(Options options, const StopSignal& stop) {
   const SteadyClock clock;
   const std::string tour = options.display.tour;
   Notify notify;
-  options.display.on_start_step = [&notify] { notify.starting(kLongestStartStep); };
+  options.display.on_start_step = [&notify] { notify.starting(kStartStepTimeout); };
   TRY_ASSIGN(const std::unique_ptr<Display> display, Display::start(std::move(options.display), clock));
   notify.ready();
   const wire::ProcessStatus first = display->inspection().status();
@@ -144,10 +144,11 @@ Status run_display(Options options, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display
 
 int main(int argc, char** argv) {
   using namespace cyclorama;
+  using namespace cyclorama::display;
   Program program("cyclorama-display",
                   "Shows the tour on the wall: decodes its tiles, warps and blends them for each projector.");
   Options options;

@@ -5,7 +5,7 @@
 
 #include "common/config/config.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
@@ -43,4 +43,4 @@ Result<DisplaySettings> parse_display_settings(std::string_view text, std::strin
   return read_from(std::move(config), {});
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

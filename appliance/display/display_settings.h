@@ -23,7 +23,7 @@
 #include "common/base/result.h"
 #include "common/opening/opening_hours.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 struct DisplaySettings {
   std::filesystem::path attract_picture;  ///< Empty: none of the museum's own.
@@ -40,4 +40,4 @@ Result<DisplaySettings> read_display_settings(const std::filesystem::path& path)
 /// `name` stands for the file in errors.
 Result<DisplaySettings> parse_display_settings(std::string_view text, std::string name);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

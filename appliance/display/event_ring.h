@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// A bounded queue from one thread to one other, without a lock or memory of its own making. When it is full, what is
 /// pushed is lost and counted: the present thread never waits for whoever listens.
@@ -41,4 +41,4 @@ class EventRing {
   std::atomic<std::uint64_t> lost_{0};
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -14,9 +14,9 @@
 #include "common/geometry/picture_place.h"
 #include "common/wire/convert.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
-constexpr std::size_t kMostKnownParts = 8;
+constexpr std::size_t kMaxKnownParts = 8;
 }  // namespace
 
 /// Pictures of frames that nobody shows any more, to decode the next ones into: a frame's memory is mapped once and not
@@ -44,7 +44,7 @@ class FrameAssembler::PictureStore : public std::enable_shared_from_this<Picture
  private:
   void give_back(std::unique_ptr<PlanarPicture> picture) {
     const std::lock_guard lock(mutex_);
-    if (free_.size() < static_cast<std::size_t>(kMostFramesInFlight)) free_.push_back(std::move(picture));
+    if (free_.size() < static_cast<std::size_t>(kMaxFramesInFlight)) free_.push_back(std::move(picture));
   }
   std::mutex mutex_;
   std::vector<std::unique_ptr<PlanarPicture>> free_;
@@ -53,7 +53,7 @@ class FrameAssembler::PictureStore : public std::enable_shared_from_this<Picture
 /// One frame in the making, shared by the assembler and its decode jobs. Its last holder delivers or drops it.
 class FrameAssembler::Assembly {
  public:
-  Assembly(Frame frame, std::shared_ptr<const ShownParts> shown, std::shared_ptr<PictureStore> pictures,
+  Assembly(DisplayFrame frame, std::shared_ptr<const ShownParts> shown, std::shared_ptr<PictureStore> pictures,
            FrameSink* sink, const Clock* clock, std::shared_ptr<std::atomic<int>> in_flight)
       : frame_(std::move(frame)),
         shown_(std::move(shown)),
@@ -62,7 +62,7 @@ class FrameAssembler::Assembly {
         clock_(*clock),
         in_flight_(std::move(in_flight)),
         covered_(width(), height()) {
-    frame_.reach_rad = shown_->reach_rad;
+    frame_.turn_limit_rad = shown_->turn_limit_rad;
     frame_.parts = {shown_, &shown_->parts};
     ++*in_flight_;
   }
@@ -109,7 +109,7 @@ class FrameAssembler::Assembly {
       return refuse("does not end on a cut of 16 pixels");
     }
     frame_.bytes += tile.jpeg().size();
-    if (frame_.bytes > kLargestFrameBytes) return refuse("makes the frame larger than 256 MiB");
+    if (frame_.bytes > kMaxFrameBytes) return refuse("makes the frame larger than 256 MiB");
     if (!covered_.cover(x, y, right - x, bottom - y)) return refuse("covers a place that another tile covers");
     ++frame_.tiles;
     return Done{};
@@ -164,7 +164,7 @@ class FrameAssembler::Assembly {
   [[nodiscard]] int height() const { return frame_.stacked * height_px(frame_.shape); }
   void make_room(bool has_half_chroma) { picture_ = pictures_->take(width(), height(), has_half_chroma); }
 
-  Frame frame_;
+  DisplayFrame frame_;
   std::shared_ptr<const ShownParts> shown_;
   std::shared_ptr<PictureStore> pictures_;
   std::shared_ptr<PlanarPicture> picture_;  // Made before the first job that decodes into it is submitted.
@@ -227,12 +227,12 @@ void FrameAssembler::begin(const wire::View& view) {
   if (picture.stacked() == 2 && !shown_.stereo) return drop("a picture for two eyes; this display shows one");
   const int width = picture.width_px();
   const int height = picture.height_px();
-  if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > kLargestFramePx) {
-    return drop(fmt::format("a picture of {}x{} pixels; at most {} pixels are shown", width, height, kLargestFramePx));
+  if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > kMaxFramePx) {
+    return drop(fmt::format("a picture of {}x{} pixels; at most {} pixels are shown", width, height, kMaxFramePx));
   }
-  if (*in_flight_ >= kMostFramesInFlight) return drop("frames come faster than this display decodes them");
+  if (*in_flight_ >= kMaxFramesInFlight) return drop("frames come faster than this display decodes them");
   refused_number_ = 0;
-  Frame frame;
+  DisplayFrame frame;
   frame.order = ++order_;
   frame.number = view.number();
   frame.heading_rad = view.heading_rad();
@@ -247,7 +247,7 @@ std::shared_ptr<const ShownParts> FrameAssembler::parts_of(const Projection& pic
   for (const KnownParts& known : known_parts_) {
     if (known.shape == picture.shape && known.stacked == picture.stacked()) return known.parts;
   }
-  if (known_parts_.size() >= kMostKnownParts) known_parts_.erase(known_parts_.begin());
+  if (known_parts_.size() >= kMaxKnownParts) known_parts_.erase(known_parts_.begin());
   ShownParts parts = shown_parts(shown_.heads, picture.shape, shown_.wall);
   if (picture.stacked() == 2) parts = shown_by_both_eyes(parts, height_px(picture.shape));
   known_parts_.push_back({picture.shape, picture.stacked(), std::make_shared<const ShownParts>(std::move(parts))});
@@ -287,4 +287,4 @@ void FrameAssembler::end(const wire::FrameEnd& end, const ShowAt& show_at) {
   current_.reset();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

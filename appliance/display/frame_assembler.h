@@ -16,13 +16,13 @@
 #include "appliance/display/shown_parts.h"
 #include "common/wire/museum.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// Called on the assembler's thread or on a decode thread; calls may overlap, so it is thread-safe.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
-  virtual void frame_ready(Frame frame) = 0;
+  virtual void frame_ready(DisplayFrame frame) = 0;
   virtual void frame_dropped(std::uint64_t number, const std::string& reason) = 0;
 
  protected:
@@ -32,9 +32,9 @@ class FrameSink {
 };
 
 /// The largest frame that is taken, and how many may be in the making at once: they bound the memory whatever comes.
-inline constexpr std::size_t kLargestFramePx = std::size_t{64} << 20;
-inline constexpr std::size_t kLargestFrameBytes = std::size_t{256} << 20;
-inline constexpr int kMostFramesInFlight = 3;
+inline constexpr std::size_t kMaxFramePx = std::size_t{64} << 20;
+inline constexpr std::size_t kMaxFrameBytes = std::size_t{256} << 20;
+inline constexpr int kMaxFramesInFlight = 3;
 
 /// What the heads show of any picture.
 struct ShownByHeads {
@@ -55,7 +55,7 @@ class FrameAssembler {
   void take(wire::ShowMessage message);
   /// The stream ended: what is unfinished will never be.
   void stream_lost();
-  /// From the next frame on the heads show this. Returns the newest Frame::order so far: greater ones are such frames.
+  /// From the next frame on the heads show this. Returns the newest DisplayFrame::order so far: greater ones are such frames.
   std::uint64_t set_heads(std::vector<HeadFootprint> heads);
 
  private:
@@ -86,4 +86,4 @@ class FrameAssembler {
   std::uint64_t order_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -9,7 +9,7 @@
 
 #include "common/geometry/picture_place.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr int kResponseSteps = HeadUpload::kResponseSteps;
@@ -26,8 +26,8 @@ bool needs_edges(const TurnedPicture& turned) {
 }
 
 /// A texture of one value per pixel of the head, read at pixel centres.
-void upload_nearest(const Gl& gl, const GlTexture& texture, GLint kept_as, GLenum channels, int width, int height,
-                    const std::vector<float>& values) {
+void upload_nearest(const Gl& gl, const output::GlTexture& texture, GLint kept_as, GLenum channels, int width,
+                    int height, const std::vector<float>& values) {
   gl.BindTexture(GL_TEXTURE_2D, texture.id());
   for (const int filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
     gl.TexParameteri(GL_TEXTURE_2D, static_cast<GLenum>(filter), GL_NEAREST);
@@ -38,14 +38,14 @@ void upload_nearest(const Gl& gl, const GlTexture& texture, GLint kept_as, GLenu
 
 /// HeadProgram::Picture::turned: what turned() does with a place's direction in the picture's axes; for a perspective
 /// with what comes before and after.
-Eigen::Matrix3d turning(const PictureShape& shape, double turn_rad, const Eigen::Vector2d& per_place,
+Eigen::Matrix3d turning(const PictureShape& shape, double turn_rad, const Eigen::Vector2d& per_position,
                         const Eigen::Vector2d& at_origin) {
   const Eigen::Matrix3d R = R_eye_picture(shape);
   const Eigen::Matrix3d turn =
       R.transpose() * Eigen::AngleAxisd(-turn_rad, Eigen::Vector3d::UnitY()).toRotationMatrix() * R;
   if (std::holds_alternative<Fisheye>(shape)) return turn;
   Eigen::Matrix3d to_texture;  // Of a direction (x, y, z): x / -z and y / -z are its place.
-  to_texture << per_place.x(), 0.0, -at_origin.x(), 0.0, per_place.y(), -at_origin.y(), 0.0, 0.0, -1.0;
+  to_texture << per_position.x(), 0.0, -at_origin.x(), 0.0, per_position.y(), -at_origin.y(), 0.0, 0.0, -1.0;
   return to_texture * turn * Eigen::Vector3d(1.0, 1.0, -1.0).asDiagonal();
 }
 
@@ -57,7 +57,7 @@ Texels texels_for(const Gl& gl, const std::vector<HeadPlan>& plans) {
       std::ranges::any_of(std::array{"llvmpipe", "softpipe", "SwiftShader"},
                           [&](const char* name) { return renderer.find(name) != std::string::npos; });
   const bool is_plain = std::ranges::none_of(plans, [](const HeadPlan& plan) {
-    return plan.depth_bits > 8 || plan.colour.matrix || plan.colour.lift || plan.colour.response;
+    return plan.depth_bits > 8 || plan.colour.matrix || plan.colour.black_lift || plan.colour.response;
   });
   if (!is_software || !is_plain) return Texels::kHalves;
   HeadFeatures features;
@@ -95,7 +95,7 @@ Result<HeadPainter> HeadPainter::make(const Gl& gl, HeadPrograms* programs, cons
   features.texels = texels;
   const auto add = [&](Part* part, std::size_t first, std::size_t count, bool masked) -> Status {
     if (count == 0) return Done{};
-    features.mask = masked || features.lift;
+    features.mask = masked || features.black_lift;
     for (const std::size_t edges : {0U, 1U}) {
       for (const std::size_t fade : {0U, 1U}) {
         features.edges = edges != 0;
@@ -127,7 +127,7 @@ void HeadPainter::upload_triangles(const HeadUpload& upload) {
     gl_->VertexAttribPointer(index, floats, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(corner_floats * sizeof(float)),
                              reinterpret_cast<const void*>(from * sizeof(float)));
   };
-  attribute(HeadProgram::kPlace, 2, 0);
+  attribute(HeadProgram::kPosition, 2, 0);
   attribute(HeadProgram::kDirection, 2, 2);
   if (!upload.has_terms) return;
   for (const GLuint third : {0U, 1U, 2U}) attribute(HeadProgram::kTerms + third, 4, kFirstTerm + 4 * third);
@@ -136,14 +136,14 @@ void HeadPainter::upload_triangles(const HeadUpload& upload) {
 void HeadPainter::upload_textures(const HeadUpload& upload) {
   gl_->ActiveTexture(GL_TEXTURE0);
   gl_->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  const auto per_pixel = [&](const GlTexture& texture, GLint kept_as, const HeadUpload::PerPixel& pixels) {
+  const auto per_pixel = [&](const output::GlTexture& texture, GLint kept_as, const HeadUpload::PerPixel& pixels) {
     if (pixels.values.empty()) return;
     upload_nearest(*gl_, texture, kept_as, pixels.channels == 2 ? GL_RG : GL_RED, width_px_, height_px_, pixels.values);
   };
   per_pixel(mask_, upload.mask.channels == 2 ? GL_RG16F : GL_R16F, upload.mask);
   per_pixel(map_, GL_RG32F, upload.map);
   if (upload.packing) {  // The second eye's pixels begin where the first one's end.
-    for (const GlTexture* const texture : {&mask_, &map_}) {
+    for (const output::GlTexture* const texture : {&mask_, &map_}) {
       gl_->BindTexture(GL_TEXTURE_2D, texture->id());
       gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
       gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
@@ -175,11 +175,11 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
     // The right eye's picture lies below the left eye's.
     const double first_row = eye == Eye::kRight && turned.picture->stacked() == 2 ? height_px(shape) : 0;
     // Into the texture: across and up times these, and more by those.
-    Eigen::Vector2d per_place(scale.u_per_across / width, scale.v_per_up / height);
+    Eigen::Vector2d per_position(scale.u_per_across / width, scale.v_per_up / height);
     Eigen::Vector2d at_origin((scale.u_offset + shift_px + kFirst - zero) / width,
                               (scale.v_offset + first_row - zero) / height);
     if (wraps) {
-      per_place.x() = scale.u_per_across / turn_px;
+      per_position.x() = scale.u_per_across / turn_px;
       at_origin.x() = (scale.u_offset + shift_px) / turn_px;
       gl_->Uniform3f(uniforms.turn, 1.0f, static_cast<float>(turn_px / width),
                      static_cast<float>((kFirst - zero) / width));
@@ -190,9 +190,9 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
       gl_->Uniform4f(uniform, static_cast<float>(x), static_cast<float>(y), static_cast<float>(z),
                      static_cast<float>(w));
     };
-    set(uniforms.to_texture, per_place.x(), per_place.y(), at_origin.x(), at_origin.y());
+    set(uniforms.to_texture, per_position.x(), per_position.y(), at_origin.x(), at_origin.y());
     if (panorama == nullptr) {
-      const Eigen::Matrix3f matrix = turning(shape, turned.yaw_shift_rad, per_place, at_origin).cast<float>();
+      const Eigen::Matrix3f matrix = turning(shape, turned.yaw_shift_rad, per_position, at_origin).cast<float>();
       gl_->UniformMatrix3fv(uniforms.turned, 1, GL_FALSE, matrix.data());  // Column by column, as GL's.
     }
     const double beyond = wraps ? 0.5 : -0.5;  // A whole turn's outer columns are the other side's.
@@ -231,7 +231,7 @@ void HeadPainter::clear() const {
 }
 
 void HeadPainter::draw(const TurnedPicture& shown, const TurnedPicture* other, double fade, bool edges, Eye now) const {
-  const auto bind = [&](GLenum unit, const GlTexture& texture) {
+  const auto bind = [&](GLenum unit, const output::GlTexture& texture) {
     gl_->ActiveTexture(GL_TEXTURE0 + unit);
     gl_->BindTexture(GL_TEXTURE_2D, texture.id());
   };
@@ -275,4 +275,4 @@ void HeadPainter::warm_up(const TurnedPicture& shown, const TurnedPicture& other
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

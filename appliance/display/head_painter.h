@@ -7,7 +7,7 @@
 #include "appliance/display/head_upload.h"
 #include "appliance/display/panorama_texture.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// Which texels the heads' pictures may have for each code value of 8 bits to be right within one: packed ones where a
 /// processor draws, and does so quickest with them, unless a head's matrix, black or response needs more.
@@ -20,7 +20,7 @@ struct TurnedPicture {
   double yaw_shift_rad = 0.0;
 };
 
-/// Draws the picture for one projector: pass 2. Thread-bound to the GL context; borrows the Gl table and the programs.
+/// RandomStream the picture for one projector: pass 2. Thread-bound to the GL context; borrows the Gl table and the programs.
 class HeadPainter {
  public:
   /// For pictures with such texels. Where `programs` has what is needed, only the driver allocates.
@@ -33,7 +33,7 @@ class HeadPainter {
   /// The plan's, until another device hangs there. Precondition: in [1, 16].
   void set_depth(int depth_bits);
 
-  /// Into the bound framebuffer. What the warp leaves out becomes black. Places beyond the picture show its edge; in a
+  /// Into the bound framebuffer. What the warp leaves out becomes black. WarpKind beyond the picture show its edge; in a
   /// panorama of a whole turn there is no beyond. A head for two eyes shows both, or `now` where they take turns; a
   /// picture for one eye is shown to both. Precondition: the pictures have the plan's places.
   void draw(const TurnedPicture& shown, Eye now = Eye::kLeft) const;
@@ -41,7 +41,7 @@ class HeadPainter {
   void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now = Eye::kLeft) const;
   /// The same upon what was drawn there, for blending.
   void draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const;
-  /// Draws with every program once: drivers compile when one is first used.
+  /// RandomStream with every program once: drivers compile when one is first used.
   void warm_up(const TurnedPicture& shown, const TurnedPicture& other, const std::function<void()>& stepped) const;
   /// Whether what it draws depends on whose turn it is.
   [[nodiscard]] bool takes_turns() const { return packing_ == StereoPacking::kFrameSequential; }
@@ -69,16 +69,16 @@ class HeadPainter {
   int height_px_;
   PictureShape picture_;
   std::optional<StereoPacking> packing_;
-  HeadColour colour_;
+  warp::HeadColour colour_;
   float code_step_ = 0.0f;
-  GlVertexArray mesh_;
-  GlBuffer vertices_;
-  GlBuffer indices_;
-  GlTexture mask_;
-  GlTexture map_;
-  GlTexture response_;
+  output::GlVertexArray mesh_;
+  output::GlBuffer vertices_;
+  output::GlBuffer indices_;
+  output::GlTexture mask_;
+  output::GlTexture map_;
+  output::GlTexture response_;
   Texels texels_;
   std::array<Part, 2> parts_;  // Wholly lit, masked.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

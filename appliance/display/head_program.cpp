@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 // What is even in places is found at the corners of triangles, seen_of(); the rest at each pixel, at_of().
@@ -13,7 +13,7 @@ namespace {
 // (a / 2)^2 up to a half turn (off by 6e-9). Back, t = (1 + z) / 2, and a / 2 = asin(sqrt t), where asin(sqrt t) / sqrt
 // t is a polynomial in t up to 1/2 (off by 2e-8); beyond, it is a quarter turn less the same of 1 - t. Both interpolate
 // at Chebyshev's nodes. GLSL's own sine and arc tangent may be off by many pixels on some cards.
-constexpr const char* kPlaces = R"(
+constexpr const char* kWarpSource = R"(
 #extension GL_NV_shader_noperspective_interpolation : enable
 precision highp float;
 precision highp int;
@@ -230,28 +230,28 @@ std::string with_features(const HeadFeatures& features, const char* shader) {
   const auto define = [&](bool is_wanted, const char* name) {
     if (is_wanted) source += std::string("#define ") + name + "\n";
   };
-  define(features.turning == Turning::kShift, "SHIFT");
-  define(features.turning == Turning::kFlat, "FLAT");
-  define(features.turning == Turning::kFisheye, "FISHEYE");
-  define(features.places == Places::kPatches, "PATCHES");
-  define(features.places == Places::kPixelMap, "PIXEL_MAP");
+  define(features.turning == YawCorrection::kShift, "SHIFT");
+  define(features.turning == YawCorrection::kFlat, "FLAT");
+  define(features.turning == YawCorrection::kFisheye, "FISHEYE");
+  define(features.warp_kind == WarpKind::kPatches, "PATCHES");
+  define(features.warp_kind == WarpKind::kPixelMap, "PIXEL_MAP");
   define(features.texels == Texels::kPacked, "PACKED");
   define(features.edges, "EDGES");
   define(features.mask, "MASK");
-  define(features.lift, "LIFT");
+  define(features.black_lift, "LIFT");
   define(features.matrix, "MATRIX");
   define(features.response, "RESPONSE");
   define(features.dither, "DITHER");
   define(features.fade, "FADE");
-  return source + kPlaces + shader;
+  return source + kWarpSource + shader;
 }
 
 }  // namespace
 
 Result<HeadProgram> HeadProgram::make(const Gl& gl, const HeadFeatures& features) {
-  CHECK(features.mask || !features.lift);
-  TRY_ASSIGN(GlProgram linked, GlProgram::link(gl, with_features(features, kVertexShader).c_str(),
-                                               with_features(features, kFragmentShader).c_str()));
+  CHECK(features.mask || !features.black_lift);
+  TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, with_features(features, kVertexShader).c_str(),
+                                                               with_features(features, kFragmentShader).c_str()));
   HeadProgram program(std::move(linked), features);
   const auto uniform = [&](const char* name) { return program.program_.uniform(name); };
   program.picture = {uniform("to_texture"), uniform("turned"), uniform("turn"), uniform("edges"), uniform("per_texel")};
@@ -282,4 +282,4 @@ Result<const HeadProgram*> HeadPrograms::get(const HeadFeatures& features) {
   return programs_.back().get();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

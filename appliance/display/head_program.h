@@ -7,17 +7,17 @@
 #include "appliance/display/texels.h"
 #include "drivers/output/gl_objects.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// How a turn moves the places of a picture (common/geometry/picture_place.h).
-enum class Turning {
+enum class YawCorrection {
   kShift,    ///< Of a panorama: all alike.
   kFlat,     ///< Of a perspective: lines stay straight.
   kFisheye,  ///< Of a fisheye: each on a curve.
 };
 
 /// Where a pixel's place comes from.
-enum class Places {
+enum class WarpKind {
   kTriangles,  ///< Even between the corners of a triangle.
   kPatches,    ///< A polynomial of second degree in each rectangle.
   kPixelMap,   ///< A texture.
@@ -25,12 +25,12 @@ enum class Places {
 
 /// What pass 2 must do for some triangles of a head. What it need not do is not compiled in.
 struct HeadFeatures {
-  Turning turning = Turning::kShift;
-  Places places = Places::kTriangles;
+  YawCorrection turning = YawCorrection::kShift;
+  WarpKind warp_kind = WarpKind::kTriangles;
   Texels texels = Texels::kHalves;
   bool edges = false;  ///< The texture does not end where the picture ends, or it is a whole turn.
   bool mask = false;
-  bool lift = false;  ///< Black is added; needs `mask`, whose second channel it is.
+  bool black_lift = false;  ///< Black is added; needs `mask`, whose second channel it is.
   bool matrix = false;
   bool response = false;  ///< A table of code values; else sRGB.
   bool dither = false;
@@ -48,7 +48,7 @@ class HeadProgram {
   static Result<HeadProgram> make(const Gl& gl, const HeadFeatures& features);
 
   enum Unit : GLint { kPicture, kOther, kMask, kMap, kResponse };
-  static constexpr GLuint kPlace = 0;  ///< Attribute: in clip space.
+  static constexpr GLuint kPosition = 0;  ///< Attribute: in clip space.
   static constexpr GLuint kDirection =
       1;                               ///< Attribute: azimuth, tangent of elevation; or other places. kPatches: s, t.
   static constexpr GLuint kTerms = 2;  ///< kPatches, three attributes: of 1 and s, of t and s^2, of s t and t^2.
@@ -58,7 +58,7 @@ class HeadProgram {
 
   /// Uniforms of one of the two pictures.
   struct Picture {
-    GLint to_texture = -1;  ///< Places in the texture = direction * xy + zw; x in turns, where it is a whole turn.
+    GLint to_texture = -1;  ///< WarpKind in the texture = direction * xy + zw; x in turns, where it is a whole turn.
     GLint turned = -1;      ///< kFlat: from (place, 1) to the texture, times the third; kFisheye: turns directions.
     GLint turn = -1;        ///< x: 1 for a whole turn, else 0; then x = fract(x) * y + z.
     GLint edges = -1;       ///< Least x, y, most x, y.
@@ -74,8 +74,9 @@ class HeadProgram {
   GLint step = -1;      ///< Of the output's code values, 1 / 255 for 8 bits.
 
  private:
-  HeadProgram(GlProgram program, const HeadFeatures& features) : program_(std::move(program)), features_(features) {}
-  GlProgram program_;
+  HeadProgram(output::GlProgram program, const HeadFeatures& features)
+      : program_(std::move(program)), features_(features) {}
+  output::GlProgram program_;
   HeadFeatures features_;
 };
 
@@ -91,4 +92,4 @@ class HeadPrograms {
   std::vector<std::unique_ptr<HeadProgram>> programs_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -7,7 +7,7 @@
 #include "common/base/check.h"
 #include "common/geometry/picture_place.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr std::size_t kSteps = 2048;  // Of the light's root: a code value is at least 2 of them.
@@ -68,21 +68,21 @@ HeadSampler::HeadSampler(const HeadPlan& plan, int factor)
       picture_(plan.picture),
       colour_(plan.colour) {
   CHECK(factor > 0 && !plan.packing);
-  places_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+  samples_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
   // An even block's middle lies between four pixels.
   const int first = (factor - 1) / 2;
   const int last = factor / 2;
   for (int y = 0; y < height_; ++y) {
     for (int x = 0; x < width_; ++x) {
-      Place& place =
-          places_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+      Place& position =
+          samples_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
       double weight = 0.0;
-      double lift = 0.0;
+      double black_lift = 0.0;
       for (int k = 0; k < factor * factor; ++k) {
         const int px = x * factor + k % factor;
         const int py = y * factor + k / factor;
         weight += static_cast<double>(*plan.mask.at(px, py));
-        if (plan.colour.lift) lift += static_cast<double>(*plan.colour.lift->at(px, py));
+        if (plan.colour.black_lift) black_lift += static_cast<double>(*plan.colour.black_lift->at(px, py));
       }
       double across = 0.0;
       double up = 0.0;
@@ -97,13 +97,13 @@ HeadSampler::HeadSampler(const HeadPlan& plan, int factor)
         }
       }
       if (met < 4) continue;
-      place = {static_cast<float>(across / met), static_cast<float>(up / met),
-               static_cast<float>(weight / (factor * factor)), static_cast<float>(lift / (factor * factor))};
+      position = {static_cast<float>(across / met), static_cast<float>(up / met),
+                  static_cast<float>(weight / (factor * factor)), static_cast<float>(black_lift / (factor * factor))};
     }
   }
   for (std::size_t channel = 0; channel < codes_.size(); ++channel) {
-    const ResponseCurve curve =
-        colour_.response ? (*colour_.response)[channel].resampled(kSteps) : ResponseCurve::srgb(kSteps);
+    const warp::ResponseCurve curve =
+        colour_.response ? (*colour_.response)[channel].resampled(kSteps) : warp::ResponseCurve::srgb(kSteps);
     for (const float code : curve.codes) codes_[channel].push_back(rounded(255.0f * code));
   }
 }
@@ -113,7 +113,7 @@ std::uint8_t HeadSampler::code_of(double light, std::size_t channel) const {
   return codes_[channel][static_cast<std::size_t>(root * (kSteps - 1.0) + 0.5)];
 }
 
-RgbImage HeadSampler::draw(const Frame& frame, double turn_rad) const {
+RgbImage HeadSampler::draw(const DisplayFrame& frame, double turn_rad) const {
   CHECK(has_same_places(frame.shape, picture_) && frame.picture != nullptr);
   RgbImage head(width_, height_);
   const PlanarPicture& picture = *frame.picture;
@@ -128,11 +128,11 @@ RgbImage HeadSampler::draw(const Frame& frame, double turn_rad) const {
   const int chroma_height = static_cast<int>(std::lround(std::ceil(chroma * height)));
   const Plane blue(picture.blue(), chroma_width, chroma_height, goes_round);
   const Plane red(picture.red(), chroma_width, chroma_height, goes_round);
-  const bool is_plain = !colour_.matrix && !colour_.lift;
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const Place& place = places_[i];
-    if (place.weight <= 0.0f && place.lift <= 0.0f) continue;
-    PicturePlace at{static_cast<double>(place.across), static_cast<double>(place.up)};
+  const bool is_plain = !colour_.matrix && !colour_.black_lift;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const Place& position = samples_[i];
+    if (position.weight <= 0.0f && position.black_lift <= 0.0f) continue;
+    PicturePlace at{static_cast<double>(position.across), static_cast<double>(position.up)};
     if (panorama != nullptr) {
       at.across += turn_rad;
     } else {
@@ -150,12 +150,12 @@ RgbImage HeadSampler::draw(const Frame& frame, double turn_rad) const {
                                           rounded(y + 1.772f * cb)};
     Eigen::Vector3d light;
     for (std::size_t c = 0; c < 3; ++c)
-      light[static_cast<Eigen::Index>(c)] = static_cast<double>(place.weight * light_of_code()[rgb[c]]);
-    if (!is_plain) light = shone_light(colour_, light, static_cast<double>(place.lift));
+      light[static_cast<Eigen::Index>(c)] = static_cast<double>(position.weight * light_of_code()[rgb[c]]);
+    if (!is_plain) light = warp::shone_light(colour_, light, static_cast<double>(position.black_lift));
     std::uint8_t* const to = head.data().data() + 3 * i;
     for (std::size_t c = 0; c < 3; ++c) to[c] = code_of(light[static_cast<Eigen::Index>(c)], c);
   }
   return head;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -8,7 +8,7 @@
 #include "appliance/display/frame.h"
 #include "appliance/display/head_upload.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// What the graphics card makes of a picture for one head, made again by the processor and smaller: for who compares
 /// what the wall shows with what a camera sees. A value; reentrant.
@@ -22,7 +22,7 @@ class HeadSampler {
 
   /// Code values of the head while it shows `frame`, turned to the right by `turn_rad`. Black where the picture has
   /// nothing. Precondition: the frame's places are those of the plan's picture.
-  [[nodiscard]] RgbImage draw(const Frame& frame, double turn_rad) const;
+  [[nodiscard]] RgbImage draw(const DisplayFrame& frame, double turn_rad) const;
 
   [[nodiscard]] int width_px() const { return width_; }
   [[nodiscard]] int height_px() const { return height_; }
@@ -32,17 +32,17 @@ class HeadSampler {
     float across = 0.0f;
     float up = 0.0f;
     float weight = 0.0f;  ///< 0: black.
-    float lift = 0.0f;
+    float black_lift = 0.0f;
   };
   [[nodiscard]] std::uint8_t code_of(double light, std::size_t channel) const;
 
   int width_;
   int height_;
   PictureShape picture_;
-  HeadColour colour_;
-  std::vector<Place> places_;
+  warp::HeadColour colour_;
+  std::vector<Place> samples_;
   /// By the light's square root.
   std::array<std::vector<std::uint8_t>, 3> codes_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

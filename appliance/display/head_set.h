@@ -8,7 +8,7 @@
 #include "appliance/display/head_painter.h"
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 using HeadPlans = std::shared_ptr<const std::vector<HeadPlan>>;
 
@@ -23,7 +23,7 @@ struct HeadSet {
   HeadPlans plans;
   std::vector<HeadUpload> uploads;
   std::vector<HeadPainter> painters;  ///< The presenter's; none on the way there and back.
-  /// Frames of greater Frame::order have all parts decoded that these heads show; with others they are not used before
+  /// Frames of greater DisplayFrame::order have all parts decoded that these heads show; with others they are not used before
   /// `latest_at`.
   std::uint64_t needs_frames_after = 0;
   TimePoint latest_at{};
@@ -36,4 +36,4 @@ struct HeadMailbox {
   AtomicSlot<HeadSet> replaced;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

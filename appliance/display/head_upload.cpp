@@ -7,7 +7,7 @@
 #include "appliance/display/lit_rects.h"
 #include "appliance/display/lit_triangles.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr std::size_t kCornerFloats = HeadUpload::kCornerFloats;
@@ -15,25 +15,25 @@ constexpr std::size_t kCornerFloats = HeadUpload::kCornerFloats;
 float clip_x(float x_px, int width) { return 2.0f * x_px / static_cast<float>(width) - 1.0f; }
 float clip_y(float y_px, int height) { return 1.0f - 2.0f * y_px / static_cast<float>(height); }
 
-std::vector<float> corners_of(const WarpMesh& mesh) {
+std::vector<float> corners_of(const warp::WarpMesh& mesh) {
   std::vector<float> corners;
   corners.reserve(mesh.vertices.size() * kCornerFloats);
-  for (const WarpVertex& v : mesh.vertices) {
+  for (const warp::WarpVertex& v : mesh.vertices) {
     corners.insert(corners.end(),
                    {clip_x(v.x_px, mesh.width_px), clip_y(v.y_px, mesh.height_px), v.azimuth_rad, v.tan_elevation});
   }
   return corners;
 }
 
-/// The rectangle of all pixels that the mask does not blacken or that get a lift; empty when there is none.
-PixelRect lit_part(const MaskImage& mask, const LiftImage* lift) {
+/// The rectangle of all pixels that the mask does not blacken or that get a black_lift; empty when there is none.
+PixelRect lit_part(const warp::MaskImage& mask, const warp::BlackLiftImage* black_lift) {
   int left = mask.width();
   int right = 0;
   int top = mask.height();
   int bottom = 0;
   for (int y = 0; y < mask.height(); ++y) {
     for (int x = 0; x < mask.width(); ++x) {
-      if (!(*mask.at(x, y) > 0.0f) && (lift == nullptr || !(*lift->at(x, y) > 0.0f))) continue;
+      if (!(*mask.at(x, y) > 0.0f) && (black_lift == nullptr || !(*black_lift->at(x, y) > 0.0f))) continue;
       left = std::min(left, x);
       right = std::max(right, x + 1);
       top = std::min(top, y);
@@ -59,12 +59,12 @@ std::array<std::uint32_t, 6> halves_of(std::uint32_t first) {
 }
 
 /// Four corners for each rectangle, each with all the terms of its patch: GL keeps nothing per triangle.
-void add_corners(const WarpPatches& warp, const LitRect& rect, std::vector<float>* ret_corners) {
+void add_corners(const warp::WarpPatches& warp, const LitRect& rect, std::vector<float>* ret_corners) {
   const int across = warp.across();
   const auto index = static_cast<int>(rect.patch);
   const int left = index % across * warp.patch_width_px;
   const int top = index / across * warp.patch_height_px;
-  const WarpPatch& patch = warp.patches[rect.patch];
+  const warp::WarpPatch& patch = warp.patches[rect.patch];
   for (const int corner : {0, 1, 2, 3}) {
     const int x = corner % 2 == 0 ? rect.part.x : rect.part.x + rect.part.width;
     const int y = corner < 2 ? rect.part.y : rect.part.y + rect.part.height;
@@ -86,11 +86,11 @@ std::vector<float> upside_down(int width, int height, const auto& values) {
   return rows;
 }
 
-Turning turning_of(const PictureShape& shape) {
-  if (std::holds_alternative<Perspective>(shape)) return Turning::kFlat;
-  if (std::holds_alternative<Fisheye>(shape)) return Turning::kFisheye;
+YawCorrection turning_of(const PictureShape& shape) {
+  if (std::holds_alternative<Perspective>(shape)) return YawCorrection::kFlat;
+  if (std::holds_alternative<Fisheye>(shape)) return YawCorrection::kFisheye;
   CHECK(std::holds_alternative<Panorama>(shape));
-  return Turning::kShift;
+  return YawCorrection::kShift;
 }
 
 }  // namespace
@@ -103,16 +103,17 @@ HeadUpload::HeadUpload(const HeadPlan& plan)
       depth_bits(plan.depth_bits),
       colour{plan.colour.matrix, plan.colour.black, {}, {}} {
   CHECK(plan.mask.width() == width_px && plan.mask.height() == height_px);
-  CHECK(!plan.colour.lift || (plan.colour.lift->width() == width_px && plan.colour.lift->height() == height_px));
-  const LiftImage* const lift = plan.colour.lift ? &*plan.colour.lift : nullptr;
+  CHECK(!plan.colour.black_lift ||
+        (plan.colour.black_lift->width() == width_px && plan.colour.black_lift->height() == height_px));
+  const warp::BlackLiftImage* const black_lift = plan.colour.black_lift ? &*plan.colour.black_lift : nullptr;
   LitTriangles triangles;
-  if (const WarpMesh* const mesh = std::get_if<WarpMesh>(&plan.warp)) {
-    triangles = lit_triangles(*mesh, plan.mask, lift);
+  if (const warp::WarpMesh* const mesh = std::get_if<warp::WarpMesh>(&plan.warp)) {
+    triangles = lit_triangles(*mesh, plan.mask, black_lift);
     corners = corners_of(*mesh);
-  } else if (const WarpPatches* const patches = std::get_if<WarpPatches>(&plan.warp)) {
-    features.places = Places::kPatches;
+  } else if (const warp::WarpPatches* const patches = std::get_if<warp::WarpPatches>(&plan.warp)) {
+    features.warp_kind = WarpKind::kPatches;
     has_terms = true;
-    const LitRects rects = lit_rects(*patches, plan.mask, lift);
+    const LitRects rects = lit_rects(*patches, plan.mask, black_lift);
     std::uint32_t first = 0;
     const auto add = [&](const std::vector<LitRect>& from, std::vector<std::uint32_t>* ret_indices) {
       for (const LitRect& rect : from) {
@@ -124,8 +125,8 @@ HeadUpload::HeadUpload(const HeadPlan& plan)
     add(rects.whole, &triangles.whole);
     add(rects.masked, &triangles.masked);
   } else {
-    features.places = Places::kPixelMap;
-    const PixelRect lit = lit_part(plan.mask, lift);
+    features.warp_kind = WarpKind::kPixelMap;
+    const PixelRect lit = lit_part(plan.mask, black_lift);
     if (!lit.empty()) {
       for (const std::uint32_t corner : halves_of(0)) triangles.masked.push_back(corner);
     }
@@ -135,34 +136,34 @@ HeadUpload::HeadUpload(const HeadPlan& plan)
   indices = std::move(triangles.whole);
   indices.insert(indices.end(), triangles.masked.begin(), triangles.masked.end());
   features.turning = turning_of(plan.picture);
-  features.lift = plan.colour.lift.has_value();
+  features.black_lift = plan.colour.black_lift.has_value();
   features.matrix = plan.colour.matrix.has_value();
   features.response = plan.colour.response.has_value();
   features.dither = plan.is_dithered;
 
-  const PixelMap* const pixel_map = std::get_if<PixelMap>(&plan.warp);
+  const warp::PixelMap* const pixel_map = std::get_if<warp::PixelMap>(&plan.warp);
   // What lies nowhere is black, and no NaN comes to the card.
   const auto weight = [&](int x, int y) { return pixel_map == nullptr || direction_at(plan.warp, x, y) ? 1.0f : 0.0f; };
-  mask.channels = lift == nullptr ? 1 : 2;
+  mask.channels = black_lift == nullptr ? 1 : 2;
   mask.values = upside_down(width_px, height_px, [&](int x, int y, std::vector<float>* ret_row) {
     ret_row->push_back(*plan.mask.at(x, y) * weight(x, y));
-    if (lift != nullptr) ret_row->push_back(*lift->at(x, y) * weight(x, y));
+    if (black_lift != nullptr) ret_row->push_back(*black_lift->at(x, y) * weight(x, y));
   });
   if (pixel_map != nullptr) {
     map.channels = 2;
     map.values = upside_down(width_px, height_px, [&](int x, int y, std::vector<float>* ret_row) {
-      const PanoramaDirection direction = direction_at(plan.warp, x, y).value_or(PanoramaDirection{});
+      const warp::PanoramaDirection direction = direction_at(plan.warp, x, y).value_or(warp::PanoramaDirection{});
       ret_row->push_back(static_cast<float>(direction.azimuth_rad));
       ret_row->push_back(static_cast<float>(direction.tan_elevation));
     });
   }
   if (plan.colour.response) {
-    for (const ResponseCurve& curve : *plan.colour.response) {
+    for (const warp::ResponseCurve& curve : *plan.colour.response) {
       CHECK(curve.is_valid());
-      const ResponseCurve fine = curve.resampled(kResponseSteps);
+      const warp::ResponseCurve fine = curve.resampled(kResponseSteps);
       response.insert(response.end(), fine.codes.begin(), fine.codes.end());
     }
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -11,16 +11,16 @@
 #include "common/geometry/projection.h"
 #include "common/room/stereo.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// What one projector needs: where its pixels lie, how bright they may be, and which code values make its light. With
-/// two eyes all this is said of the pixels that one eye gets of the head (lens_of_an_eye()), and holds for both: a
+/// two eyes all this is said of the pixels that one eye gets of the head (lens_of_eye()), and holds for both: a
 /// pixel lights one place of the wall, whichever eye's picture it shows there.
 struct HeadPlan {
-  Warp warp;
-  MaskImage mask;       ///< Of the head's size.
-  HeadColour colour{};  ///< A lift has the head's size.
-  int depth_bits = 8;   ///< Of the output's code values, each channel.
+  warp::Warp warp;
+  warp::MaskImage mask;       ///< Of the head's size.
+  warp::HeadColour colour{};  ///< A black_lift has the head's size.
+  int depth_bits = 8;         ///< Of the output's code values, each channel.
   bool is_dithered = true;
   PictureShape picture = Panorama{};       ///< Which places the warp tells: only its kind and tilt count.
   std::optional<StereoPacking> packing{};  ///< Nothing: one eye's picture; of two, the left eye's.
@@ -43,7 +43,7 @@ struct HeadUpload {
   PictureShape picture;
   std::optional<StereoPacking> packing;
   int depth_bits;
-  HeadColour colour;           ///< Its matrix and black.
+  warp::HeadColour colour;     ///< Its matrix and black.
   HeadFeatures features;       ///< But for `mask`, `edges`, `fade` and `texels`.
   std::vector<float> corners;  ///< Of triangles: place in clip space and in the picture; on patches their terms too.
   bool has_terms = false;
@@ -60,4 +60,4 @@ struct HeadUpload {
   static constexpr std::size_t kTermFloats = 12;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -3,36 +3,36 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr int kBlockPx = 32;
 
 enum class Light { kBlack, kMasked, kWhole };
 
-Light light_of(const PixelRect& block, const MaskImage& mask, const LiftImage* lift) {
-  float least = 1.0f;
-  float most = 0.0f;
+Light light_of(const PixelRect& block, const warp::MaskImage& mask, const warp::BlackLiftImage* black_lift) {
+  float min = 1.0f;
+  float max = 0.0f;
   for (int y = block.y; y < block.y + block.height; ++y) {
     for (int x = block.x; x < block.x + block.width; ++x) {
-      least = std::min(least, *mask.at(x, y));
-      most = std::max({most, *mask.at(x, y), lift == nullptr ? 0.0f : *lift->at(x, y)});
+      min = std::min(min, *mask.at(x, y));
+      max = std::max({max, *mask.at(x, y), black_lift == nullptr ? 0.0f : *black_lift->at(x, y)});
     }
   }
-  if (!(most > 0.0f)) return Light::kBlack;
-  return least >= 1.0f ? Light::kWhole : Light::kMasked;
+  if (!(max > 0.0f)) return Light::kBlack;
+  return min >= 1.0f ? Light::kWhole : Light::kMasked;
 }
 
 /// One patch's blocks, and what is not yet in a rectangle.
 class Blocks {
  public:
-  Blocks(const PixelRect& patch, const MaskImage& mask, const LiftImage* lift)
+  Blocks(const PixelRect& patch, const warp::MaskImage& mask, const warp::BlackLiftImage* black_lift)
       : patch_(patch),
         across_((patch.width + kBlockPx - 1) / kBlockPx),
         down_((patch.height + kBlockPx - 1) / kBlockPx) {
     for (int row = 0; row < down_; ++row) {
       for (int column = 0; column < across_; ++column)
-        lights_.push_back(light_of(pixels({column, row, 1, 1}), mask, lift));
+        lights_.push_back(light_of(pixels({column, row, 1, 1}), mask, black_lift));
     }
   }
 
@@ -80,7 +80,7 @@ class Blocks {
 
 }  // namespace
 
-LitRects lit_rects(const WarpPatches& warp, const MaskImage& mask, const LiftImage* lift) {
+LitRects lit_rects(const warp::WarpPatches& warp, const warp::MaskImage& mask, const warp::BlackLiftImage* black_lift) {
   LitRects rects;
   for (int row = 0; row < warp.down(); ++row) {
     for (int column = 0; column < warp.across(); ++column) {
@@ -88,10 +88,10 @@ LitRects lit_rects(const WarpPatches& warp, const MaskImage& mask, const LiftIma
       const int y = row * warp.patch_height_px;
       const PixelRect patch{x, y, std::min(warp.patch_width_px, warp.width_px - x),
                             std::min(warp.patch_height_px, warp.height_px - y)};
-      Blocks(patch, mask, lift).cut(static_cast<std::size_t>(row * warp.across() + column), &rects);
+      Blocks(patch, mask, black_lift).cut(static_cast<std::size_t>(row * warp.across() + column), &rects);
     }
   }
   return rects;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

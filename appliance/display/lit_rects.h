@@ -9,7 +9,7 @@
 #include "appliance/warp/warp_patches.h"
 #include "common/image/pixel_rect.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// Part of a patch.
 struct LitRect {
@@ -18,13 +18,14 @@ struct LitRect {
 };
 
 /// A head's patches cut by what the mask does to them: few rectangles, with edges where rasterisers cut anyway. What it
-/// blackens and what gets no lift is left out.
+/// blackens and what gets no black_lift is left out.
 struct LitRects {
   std::vector<LitRect> whole;   ///< The mask is 1 at all their pixels.
   std::vector<LitRect> masked;  ///< The others.
 };
 
-/// Precondition: mask, warp and lift, if there is any, have one size.
-[[nodiscard]] LitRects lit_rects(const WarpPatches& warp, const MaskImage& mask, const LiftImage* lift = nullptr);
+/// Precondition: mask, warp and black_lift, if there is any, have one size.
+[[nodiscard]] LitRects lit_rects(const warp::WarpPatches& warp, const warp::MaskImage& mask,
+                                 const warp::BlackLiftImage* black_lift = nullptr);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -4,23 +4,23 @@
 #include <algorithm>
 #include <span>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 struct Limits {
-  float least = 1.0f;
-  float most = 0.0f;
+  float min = 1.0f;
+  float max = 0.0f;
 };
 
-/// Of the mask, and the most of the lift, in the box around three corners.
-Limits mask_around(const WarpMesh& mesh, const MaskImage& mask, const LiftImage* lift,
+/// Of the mask, and the most of the black_lift, in the box around three corners.
+Limits mask_around(const warp::WarpMesh& mesh, const warp::MaskImage& mask, const warp::BlackLiftImage* black_lift,
                    std::span<const std::uint32_t> triangle) {
   float left = static_cast<float>(mask.width());
   float top = static_cast<float>(mask.height());
   float right = 0.0f;
   float bottom = 0.0f;
   for (const std::uint32_t corner : triangle) {
-    const WarpVertex& v = mesh.vertices[corner];
+    const warp::WarpVertex& v = mesh.vertices[corner];
     left = std::min(left, v.x_px);
     right = std::max(right, v.x_px);
     top = std::min(top, v.y_px);
@@ -31,8 +31,8 @@ Limits mask_around(const WarpMesh& mesh, const MaskImage& mask, const LiftImage*
   Limits limits;
   for (int y = static_cast<int>(top); y <= last_y; ++y) {
     for (int x = static_cast<int>(left); x <= last_x; ++x) {
-      limits.least = std::min(limits.least, *mask.at(x, y));
-      limits.most = std::max({limits.most, *mask.at(x, y), lift == nullptr ? 0.0f : *lift->at(x, y)});
+      limits.min = std::min(limits.min, *mask.at(x, y));
+      limits.max = std::max({limits.max, *mask.at(x, y), black_lift == nullptr ? 0.0f : *black_lift->at(x, y)});
     }
   }
   return limits;
@@ -40,17 +40,18 @@ Limits mask_around(const WarpMesh& mesh, const MaskImage& mask, const LiftImage*
 
 }  // namespace
 
-LitTriangles lit_triangles(const WarpMesh& mesh, const MaskImage& mask, const LiftImage* lift) {
+LitTriangles lit_triangles(const warp::WarpMesh& mesh, const warp::MaskImage& mask,
+                           const warp::BlackLiftImage* black_lift) {
   const std::vector<std::uint32_t> all = mesh.triangles();
   LitTriangles lit;
   for (std::size_t i = 0; i + 2 < all.size(); i += 3) {
     const std::span<const std::uint32_t> triangle(all.data() + i, 3);
-    const Limits limits = mask_around(mesh, mask, lift, triangle);
-    if (!(limits.most > 0.0f)) continue;
-    std::vector<std::uint32_t>& kind = limits.least >= 1.0f ? lit.whole : lit.masked;
+    const Limits limits = mask_around(mesh, mask, black_lift, triangle);
+    if (!(limits.max > 0.0f)) continue;
+    std::vector<std::uint32_t>& kind = limits.min >= 1.0f ? lit.whole : lit.masked;
     kind.insert(kind.end(), triangle.begin(), triangle.end());
   }
   return lit;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

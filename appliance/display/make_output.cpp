@@ -7,24 +7,24 @@
 #include <array>
 
 #include "common/base/text.h"
-#include "drivers/output/drm/head_placement.h"
+#include "drivers/output/drm/connector_assignment.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
-constexpr std::array<Rotation, 4> kTurns{Rotation::kNone, Rotation::kQuarter, Rotation::kHalf,
-                                         Rotation::kThreeQuarters};
+constexpr std::array<output::Rotation, 4> kTurns{output::Rotation::kNone, output::Rotation::kQuarter,
+                                                 output::Rotation::kHalf, output::Rotation::kThreeQuarters};
 
-HeadMode mode_of(const InstalledProjector& projector) {
+output::HeadMode mode_of(const InstalledProjector& projector) {
   return {projector.name, projector.lens.width_px, projector.lens.height_px};
 }
 
-Rotation rotation_of(int turn_deg) {
+output::Rotation rotation_of(int turn_deg) {
   CHECK(turn_deg >= 0 && turn_deg <= 270 && turn_deg % 90 == 0);
   return kTurns[static_cast<std::size_t>(turn_deg / 90)];
 }
 
-DrmHead head_of(const InstalledProjector& projector) {
+output::DrmHead head_of(const InstalledProjector& projector) {
   const Plug& plug = projector.plug;
   return {mode_of(projector), plug.card ? fmt::format("{}:{}", *plug.card, plug.connector) : plug.connector,
           rotation_of(plug.turn_deg)};
@@ -32,15 +32,16 @@ DrmHead head_of(const InstalledProjector& projector) {
 
 }  // namespace
 
-Result<DrmOptions> drm_options(const OutputChoice& choice, const Installation& installation, double refresh_hz) {
-  DrmOptions options;
+Result<output::DrmOptions> drm_options(const OutputChoice& choice, const Installation& installation,
+                                       double refresh_hz) {
+  output::DrmOptions options;
   options.refresh_hz = refresh_hz;
   options.cards = choice.cards.empty() ? installation.cards : choice.cards;
   options.is_awake = choice.is_awake;
   for (const InstalledProjector& projector : installation.projectors) options.heads.push_back(head_of(projector));
   for (const OutputChoice::Head& head : choice.heads) {
     const auto found = std::find_if(options.heads.begin(), options.heads.end(),
-                                    [&](const DrmHead& h) { return h.mode.name == head.projector; });
+                                    [&](const output::DrmHead& h) { return h.mode.name == head.projector; });
     if (found == options.heads.end()) {
       return Error(ErrorCode::kInvalidArgument,
                    fmt::format("head '{}' is no projector of this installation; use a [[projector]]'s name",
@@ -61,31 +62,31 @@ Result<OutputChoice::Head> parse_head(std::string_view text) {
   if (equals == std::string_view::npos || equals == 0) return wrong;
   OutputChoice::Head head;
   head.projector = text.substr(0, equals);
-  std::string_view place = text.substr(equals + 1);
-  if (const std::size_t comma = place.find(','); comma != std::string_view::npos) {
-    const auto degrees = parse_integer(place.substr(comma + 1));
+  std::string_view position = text.substr(equals + 1);
+  if (const std::size_t comma = position.find(','); comma != std::string_view::npos) {
+    const auto degrees = parse_integer(position.substr(comma + 1));
     if (!degrees || *degrees < 0 || *degrees > 270 || *degrees % 90 != 0) return wrong;
     head.rotation = rotation_of(static_cast<int>(*degrees));
-    place = place.substr(0, comma);
+    position = position.substr(0, comma);
   }
-  head.connector = place;
-  TRY(parse_socket(head.connector));
+  head.connector = position;
+  TRY(output::parse_connector_preference(head.connector));
   return head;
 }
 
-Result<std::unique_ptr<Output>> make_output(const OutputChoice& choice, const Installation& installation,
-                                            double refresh_hz, const Clock& clock) {
+Result<std::unique_ptr<output::Output>> make_output(const OutputChoice& choice, const Installation& installation,
+                                                    double refresh_hz, const Clock& clock) {
   if (choice.kind == OutputChoice::Kind::kDrm) {
-    TRY_ASSIGN(const DrmOptions drm, drm_options(choice, installation, refresh_hz));
-    return open_drm_output(drm, clock);
+    TRY_ASSIGN(const output::DrmOptions drm, drm_options(choice, installation, refresh_hz));
+    return output::open_drm_output(drm, clock);
   }
-  HeadlessOptions options;
+  output::HeadlessOptions options;
   for (const InstalledProjector& projector : installation.projectors) options.heads.push_back(mode_of(projector));
   options.refresh_hz = refresh_hz;
   options.run_dir = choice.run_dir;
   options.renderer = choice.renderer;
   options.is_awake = choice.is_awake;
-  return open_headless_output(options, clock);
+  return output::open_headless_output(options, clock);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -12,7 +12,7 @@
 #include "drivers/output/drm/drm_output.h"
 #include "drivers/output/headless/headless_output.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// Which output; and what the installation's file says otherwise of cards and plugs.
 struct OutputChoice {
@@ -21,11 +21,11 @@ struct OutputChoice {
   struct Head {
     std::string projector;
     std::string connector;
-    Rotation rotation = Rotation::kNone;
+    output::Rotation rotation = output::Rotation::kNone;
   };
 
   Kind kind = Kind::kHeadless;
-  HeadlessOptions::Renderer renderer = HeadlessOptions::Renderer::kAny;  ///< Headless.
+  output::HeadlessOptions::Renderer renderer = output::HeadlessOptions::Renderer::kAny;  ///< Headless.
   std::filesystem::path run_dir;             ///< Headless: for shared pictures; empty: none.
   std::vector<Head> heads;                   ///< DRM: those not named here hang where the installation says.
   std::vector<std::filesystem::path> cards;  ///< DRM: in the place of the installation's, unless empty.
@@ -38,10 +38,10 @@ struct OutputChoice {
 Result<OutputChoice::Head> parse_head(std::string_view text);
 
 /// What is asked of a DRM output. kInvalidArgument  a head of a projector that is not installed.
-Result<DrmOptions> drm_options(const OutputChoice& choice, const Installation& installation, double refresh_hz);
+Result<output::DrmOptions> drm_options(const OutputChoice& choice, const Installation& installation, double refresh_hz);
 
 /// Errors of open_headless_output(), drm_options() and open_drm_output().
-Result<std::unique_ptr<Output>> make_output(const OutputChoice& choice, const Installation& installation,
-                                            double refresh_hz, const Clock& clock);
+Result<std::unique_ptr<output::Output>> make_output(const OutputChoice& choice, const Installation& installation,
+                                                    double refresh_hz, const Clock& clock);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

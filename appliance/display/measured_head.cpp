@@ -8,39 +8,39 @@
 #include "appliance/interchange/display_warp.h"
 #include "appliance/interchange/warp_file.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
-Result<HeadPlan> head_of(const WarpRegion& region, WarpProfile profile, const Pinhole& lens,
-                         const WarpSetting& setting) {
+Result<HeadPlan> head_of(const interchange::WarpRegion& region, interchange::WarpProfile profile, const Pinhole& lens,
+                         const interchange::WarpSetting& setting) {
   if (region.width_px != lens.width_px || region.height_px != lens.height_px) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("region '{}': it has {}x{} pixels, and the projector {}x{}; correct width_px and "
                              "height_px, or export it for these pixels",
                              region.id, region.width_px, region.height_px, lens.width_px, lens.height_px));
   }
-  TRY_ASSIGN(const DirectionMap directions, directions_of(region, profile, setting));
-  TRY_ASSIGN(Warp warp, warp_from(directions, lens.width_px, lens.height_px, setting.picture));
-  HeadPlan head{std::move(warp), mask_of(region)};
+  TRY_ASSIGN(const interchange::DirectionMap directions, interchange::directions_of(region, profile, setting));
+  TRY_ASSIGN(warp::Warp warp, interchange::warp_from(directions, lens.width_px, lens.height_px, setting.picture));
+  HeadPlan head{std::move(warp), interchange::mask_of(region)};
   head.picture = setting.picture;
-  if (auto black = black_level_of(region)) {
+  if (auto black = interchange::black_level_of(region)) {
     head.colour.black = Eigen::Vector3d::Ones();
-    head.colour.lift = *std::move(black);
+    head.colour.black_lift = *std::move(black);
   }
   return head;
 }
 
-Result<HeadPlan> head_in(const InstalledProjector& projector, const WarpSetting& setting) {
+Result<HeadPlan> head_in(const InstalledProjector& projector, const interchange::WarpSetting& setting) {
   const InstalledWarp& installed = *projector.warp;
-  WarpFileOptions options;
+  interchange::WarpFileOptions options;
   options.width_px = projector.lens.width_px;
   options.height_px = projector.lens.height_px;
   if (!installed.mask.empty()) options.mask = installed.mask;
-  TRY_ASSIGN(const WarpFile file, read_warp_file(installed.file, options));
+  TRY_ASSIGN(const interchange::WarpFile file, interchange::read_warp_file(installed.file, options));
   const bool has_namesake = installed.region.empty() && file.set.region(projector.name) != nullptr;
   const auto head = [&]() -> Result<HeadPlan> {
-    TRY_ASSIGN(const WarpRegion* const region,
-               chosen_region(file.set, has_namesake ? projector.name : installed.region));
+    TRY_ASSIGN(const interchange::WarpRegion* const region,
+               interchange::chosen_region(file.set, has_namesake ? projector.name : installed.region));
     return head_of(*region, file.set.profile, projector.lens, setting);
   };
   auto made = head();
@@ -58,4 +58,4 @@ Result<HeadPlan> measured_head(const Installation& installation, std::size_t pro
   return head;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -4,7 +4,7 @@
 #include "appliance/display/head_upload.h"
 #include "common/room/installation.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// What a projector needs whose warp another program measured: its file's warp, mask (alpha) and black level (beta).
 ///
@@ -14,4 +14,4 @@ namespace cyclorama {
 /// than the projector, or says too little. All name projector, file, place and remedy.
 Result<HeadPlan> measured_head(const Installation& installation, std::size_t projector, const PictureShape& picture);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <type_traits>
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// The newest of small values from one thread to one other, without a lock or memory: what is put replaces what was not
 /// taken. Neither side ever waits. Three places: one is written, one is read, and one lies between them.
@@ -16,24 +16,24 @@ class NewestValue {
  public:
   /// By the one producer (or several, one at a time).
   void put(const T& value) {
-    places_[written_] = value;
-    written_ = between_.exchange(written_ | kIsNew, std::memory_order_acq_rel) & kPlace;
+    slots_[written_] = value;
+    written_ = between_.exchange(written_ | kIsNew, std::memory_order_acq_rel) & kSlot;
   }
   /// By the one consumer. False when there is nothing new; `*ret_value` is then left alone.
   bool take(T* ret_value) {
     if ((between_.load(std::memory_order_relaxed) & kIsNew) == 0) return false;
-    read_ = between_.exchange(read_, std::memory_order_acq_rel) & kPlace;
-    *ret_value = places_[read_];
+    read_ = between_.exchange(read_, std::memory_order_acq_rel) & kSlot;
+    *ret_value = slots_[read_];
     return true;
   }
 
  private:
-  static constexpr unsigned kPlace = 3;
+  static constexpr unsigned kSlot = 3;
   static constexpr unsigned kIsNew = 4;
-  std::array<T, 3> places_{};
+  std::array<T, 3> slots_{};
   unsigned written_ = 0;
   std::atomic<unsigned> between_{1};
   unsigned read_ = 2;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr GLint kLumaUnit = 0;
@@ -66,10 +66,10 @@ void filter(const Gl& gl, GLint filter, GLint wrap) {
 Result<PictureProgram> PictureProgram::make(const Gl& gl, Texels texels) {
   const std::string fragment_shader =
       std::string("#version 300 es\n") + (texels == Texels::kPacked ? "#define PACKED\n" : "") + kFragmentShader;
-  TRY_ASSIGN(GlProgram linked, GlProgram::link(gl, kVertexShader, fragment_shader.c_str()));
+  TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, kVertexShader, fragment_shader.c_str()));
   PictureProgram program(std::move(linked), texels);
-  program.nothing_ = GlVertexArray(gl);
-  const GlProgram& of = program.program_;
+  program.nothing_ = output::GlVertexArray(gl);
+  const output::GlProgram& of = program.program_;
   program.place_ = of.uniform("place");
   program.luma_ = of.uniform("luma");
   program.chroma_ = of.uniform("chroma");
@@ -85,9 +85,9 @@ Result<PictureProgram> PictureProgram::make(const Gl& gl, Texels texels) {
 PanoramaTexture::PanoramaTexture(const Gl& gl, const PictureProgram& program)
     : gl_(&gl),
       program_(&program),
-      luma_{GlTexture(gl)},
-      blue_{GlTexture(gl)},
-      red_{GlTexture(gl)},
+      luma_{output::GlTexture(gl)},
+      blue_{output::GlTexture(gl)},
+      red_{output::GlTexture(gl)},
       light_(gl),
       target_(gl) {
   gl_->BindTexture(GL_TEXTURE_2D, luma_.texture.id());
@@ -148,7 +148,7 @@ void PanoramaTexture::draw(const PixelRect& part, int moved_px, int chroma_step)
   gl_->DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
 }
 
-Status PanoramaTexture::upload(const Frame& frame) {
+Status PanoramaTexture::upload(const DisplayFrame& frame) {
   const PlanarPicture& picture = *frame.picture;
   const int height_of_one = height_px(frame.shape);
   CHECK(picture.width() == width_px(frame.shape) && picture.height() == frame.stacked * height_of_one);
@@ -204,4 +204,4 @@ Status PanoramaTexture::upload(const Frame& frame) {
   return gl_->check("uploading a frame");
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -5,7 +5,7 @@
 #include "appliance/display/texels.h"
 #include "drivers/output/gl_objects.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// Pass 1's shader, shared by all pictures of a context: luma and chroma to linear light.
 class PictureProgram {
@@ -15,10 +15,10 @@ class PictureProgram {
 
  private:
   friend class PanoramaTexture;
-  PictureProgram(GlProgram program, Texels texels) : program_(std::move(program)), texels_(texels) {}
-  GlProgram program_;
+  PictureProgram(output::GlProgram program, Texels texels) : program_(std::move(program)), texels_(texels) {}
+  output::GlProgram program_;
   Texels texels_;
-  GlVertexArray nothing_;  // The corners come from their numbers; GL wants an array to be bound all the same.
+  output::GlVertexArray nothing_;  // The corners come from their numbers; GL wants an array to be bound all the same.
   GLint place_ = -1;
   GLint luma_ = -1;
   GLint chroma_ = -1;
@@ -37,7 +37,7 @@ class PanoramaTexture {
   /// Binds a framebuffer of its own. Precondition: frame.picture is set and has the size of frame.shape, frame.stacked
   /// times one above another; then each has a height that is a multiple of two.
   /// kSystem  the graphics card refused it (too large); the old picture may be lost.
-  Status upload(const Frame& frame);
+  Status upload(const DisplayFrame& frame);
 
   [[nodiscard]] GLuint id() const { return light_.id(); }
   [[nodiscard]] Texels texels() const { return program_->texels_; }
@@ -52,7 +52,7 @@ class PanoramaTexture {
 
  private:
   struct Plane {
-    GlTexture texture;
+    output::GlTexture texture;
     int width = 0;
     int height = 0;
   };
@@ -65,12 +65,12 @@ class PanoramaTexture {
   Plane luma_;
   Plane blue_;
   Plane red_;
-  GlTexture light_;
-  GlFramebuffer target_;
+  output::GlTexture light_;
+  output::GlFramebuffer target_;
   int width_ = 0;
   int height_ = 0;
   PictureShape shape_;
   int stacked_ = 1;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/display/pattern_painter.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr const char* kVertexShader = R"(#version 300 es
@@ -24,13 +24,14 @@ void main() {
 
 }  // namespace
 
-Result<PatternPainter> PatternPainter::make(const Gl& gl, const std::vector<HeadMode>& heads) {
-  TRY_ASSIGN(GlProgram program, GlProgram::link(gl, kVertexShader, kFragmentShader));
+Result<PatternPainter> PatternPainter::make(const Gl& gl, const std::vector<output::HeadMode>& heads) {
+  TRY_ASSIGN(output::GlProgram program, output::GlProgram::link(gl, kVertexShader, kFragmentShader));
   PatternPainter painter(gl, std::move(program));
   painter.last_row_ = painter.program_.uniform("last_row");
   gl.UseProgram(painter.program_.id());
   gl.Uniform1i(painter.program_.uniform("pattern"), 0);
-  for (const HeadMode& mode : heads) painter.heads_.push_back({GlTexture(gl), mode.width_px, mode.height_px, false});
+  for (const output::HeadMode& mode : heads)
+    painter.heads_.push_back({output::GlTexture(gl), mode.width_px, mode.height_px, false});
   TRY(gl.check("preparing the patterns' shader"));
   return painter;
 }
@@ -64,4 +65,4 @@ void PatternPainter::draw(std::size_t head) const {
   gl_->DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

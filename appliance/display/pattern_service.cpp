@@ -10,7 +10,7 @@
 #include "common/image/png.h"
 #include "common/wire/channel.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr auto kLookAtCall = std::chrono::milliseconds(50);  // How soon a cancelled call is noticed.
@@ -18,9 +18,9 @@ constexpr auto kForTheShow = std::chrono::seconds(2);        // That it be back 
 
 Error wrong(const std::string& message) { return Error(ErrorCode::kInvalidArgument, message); }
 
-Result<std::shared_ptr<const RgbaImage>> picture_of(const std::string& png, const HeadMode& head) {
-  const std::size_t most_px = static_cast<std::size_t>(head.width_px) * static_cast<std::size_t>(head.height_px);
-  auto decoded = decode_png(std::as_bytes(std::span(png)), most_px);
+Result<std::shared_ptr<const RgbaImage>> picture_of(const std::string& png, const output::HeadMode& head) {
+  const std::size_t max_px = static_cast<std::size_t>(head.width_px) * static_cast<std::size_t>(head.height_px);
+  auto decoded = decode_png(std::as_bytes(std::span(png)), max_px);
   if (!decoded) {
     return wrong(fmt::format("projector '{}': {}; send a PNG of {}x{} pixels", head.name, decoded.error().message(),
                              head.width_px, head.height_px));
@@ -98,7 +98,7 @@ Status PatternService::take(const wire::PatternOrder& order, std::vector<Pattern
   std::vector<PatternWall::Head> next = *heads;
   for (PatternWall::Head& head : next) head.is_awaited = false;
   for (const wire::HeadPattern& pattern : order.heads()) {
-    const auto mode = std::ranges::find(heads_, pattern.projector(), &HeadMode::name);
+    const auto mode = std::ranges::find(heads_, pattern.projector(), &output::HeadMode::name);
     if (mode == heads_.end()) {
       return wrong(
           fmt::format("projector '{}' is not one of this display's; use a [[projector]]'s name of its "
@@ -125,7 +125,7 @@ std::uint64_t PatternService::put(bool is_open, std::vector<PatternWall::Head> h
 }
 
 Result<TimePoint> PatternService::wait_for(std::uint64_t order, const grpc::ServerContext& context) {
-  const TimePoint deadline = SteadyClock().now() + patience_;
+  const TimePoint deadline = SteadyClock().now() + timeout_;
   std::unique_lock lock(mutex_);
   while (shown_.order < order || shown_.lacking != 0) {
     if (context.IsCancelled()) return Error(ErrorCode::kUnavailable, "the call was cancelled");
@@ -145,4 +145,4 @@ Result<TimePoint> PatternService::wait_for(std::uint64_t order, const grpc::Serv
   return shown_.at;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

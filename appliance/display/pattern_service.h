@@ -12,7 +12,7 @@
 #include "common/wire/calibration.grpc.pb.h"
 #include "drivers/output/output.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// What calibration.proto's PatternScreen promises, between its one stream and the presenter. Pictures are decoded on
 /// gRPC's threads. Thread-safe, but tend().
@@ -20,10 +20,10 @@ class PatternService final : public wire::PatternScreen::Service {
  public:
   /// `heads`: the output's, in order. Borrows the mailbox. A call without an order for `idle` is ended: whoever turns
   /// the plate by hand may take his time, but a calibration that hangs must not keep the wall from visitors. A head
-  /// that shows nothing for `patience` is away.
-  PatternService(std::vector<HeadMode> heads, PatternMailbox* mailbox, Duration idle,
-                 Duration patience = std::chrono::seconds(10))
-      : heads_(std::move(heads)), mailbox_(*mailbox), idle_(idle), patience_(patience) {}
+  /// that shows nothing for `timeout` is away.
+  PatternService(std::vector<output::HeadMode> heads, PatternMailbox* mailbox, Duration idle,
+                 Duration timeout = std::chrono::seconds(10))
+      : heads_(std::move(heads)), mailbox_(*mailbox), idle_(idle), timeout_(timeout) {}
 
   /// Hears from the presenter, frees what it is done with, and ends a call that is idle. By one thread, at each
   /// refresh.
@@ -42,10 +42,10 @@ class PatternService final : public wire::PatternScreen::Service {
   bool read(grpc::ServerContext* context, Stream* stream, wire::PatternOrder* ret);
   Result<TimePoint> wait_for(std::uint64_t order, const grpc::ServerContext& context);
 
-  const std::vector<HeadMode> heads_;
+  const std::vector<output::HeadMode> heads_;
   PatternMailbox& mailbox_;
   const Duration idle_;
-  const Duration patience_;
+  const Duration timeout_;
   std::atomic<bool> is_open_{false};
   std::uint64_t order_ = 0;  // Of the newest wall; the one stream's.
   std::mutex mutex_;         // Guards the rest; never taken by the present thread.
@@ -56,4 +56,4 @@ class PatternService final : public wire::PatternScreen::Service {
   std::condition_variable changed_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

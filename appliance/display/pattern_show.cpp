@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::display {
 
-Result<std::unique_ptr<PatternShow>> PatternShow::make(const Gl& gl, const std::vector<HeadMode>& heads,
+Result<std::unique_ptr<PatternShow>> PatternShow::make(const Gl& gl, const std::vector<output::HeadMode>& heads,
                                                        PatternMailbox* mailbox) {
   TRY_ASSIGN(PatternPainter painter, PatternPainter::make(gl, heads));
   return std::unique_ptr<PatternShow>(new PatternShow(gl, std::move(painter), heads.size(), mailbox));
@@ -42,12 +42,12 @@ void PatternShow::draw(std::size_t head) {
   painter_.draw(head);
 }
 
-void PatternShow::presented(const Presented& presented, const std::vector<HeadShown>& shown) {
+void PatternShow::presented(const output::Presented& presented, const std::vector<output::HeadShown>& shown) {
   if (wall_ == nullptr) return;
   PatternsShown told{wall_->order, 0, presented.at};
   for (std::size_t i = 0; i < heads_.size(); ++i) {
     Head& head = heads_[i];
-    if (head.is_drawn && shown[i].light == HeadShown::Light::kNew) {
+    if (head.is_drawn && shown[i].light == output::HeadShown::Light::kNew) {
       head.is_pending = false;
       last_at_ = std::max(last_at_, shown[i].at);
     }
@@ -65,4 +65,4 @@ void PatternShow::go_on_with(std::unique_ptr<PatternWall> wall) {
   for (Head& head : heads_) head = {false, true, false};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

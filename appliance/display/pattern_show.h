@@ -7,7 +7,7 @@
 #include "appliance/display/pattern_painter.h"
 #include "appliance/display/pattern_wall.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// The presenter's part of showing patterns. In each refresh:
 ///
@@ -18,7 +18,7 @@ namespace cyclorama {
 class PatternShow {
  public:
   /// Errors of PatternPainter::make(). Borrows the Gl table and the mailbox.
-  static Result<std::unique_ptr<PatternShow>> make(const Gl& gl, const std::vector<HeadMode>& heads,
+  static Result<std::unique_ptr<PatternShow>> make(const Gl& gl, const std::vector<output::HeadMode>& heads,
                                                    PatternMailbox* mailbox);
 
   /// Takes a newer wall, if there is one. True when the show has just come back.
@@ -28,7 +28,7 @@ class PatternShow {
   /// Into the bound framebuffer, which is that head's.
   void draw(std::size_t head);
   /// After present(): what the heads did.
-  void presented(const Presented& presented, const std::vector<HeadShown>& shown);
+  void presented(const output::Presented& presented, const std::vector<output::HeadShown>& shown);
 
   /// Of a presenter whose output was lost, for the next one.
   [[nodiscard]] std::unique_ptr<PatternWall> take_wall() { return std::move(wall_); }
@@ -51,4 +51,4 @@ class PatternShow {
   TimePoint last_at_{};                // When a head of the present wall had it.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

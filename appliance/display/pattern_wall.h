@@ -10,7 +10,7 @@
 #include "common/base/clock.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// What the heads show in the show's place while the wall is measured: everything, not a change to it. A value; its
 /// pictures are shared and never change.
@@ -38,4 +38,4 @@ struct PatternMailbox {
   NewestValue<PatternsShown> shown;  ///< Out.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -17,15 +17,15 @@
 #include "appliance/display/newest_value.h"
 #include "appliance/display/pattern_wall.h"
 #include "appliance/display/recent_headings.h"
-#include "appliance/display/shared_refresh.h"
+#include "appliance/display/synchronised_refresh.h"
 #include "appliance/display/waiting_frames.h"
 #include "common/base/clock_offset.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// One refresh, told to whoever listens.
 struct RefreshEvent {
-  Presented presented;
+  output::Presented presented;
   bool is_first_of_frame = false;  ///< The frame below was never shown before.
   std::uint64_t frame_order = 0;
   std::uint64_t frame_number = 0;
@@ -42,22 +42,23 @@ struct RefreshEvent {
   double attract_share = 0.0;  ///< 1: nothing but the attract picture is seen.
   double heading_rad = 0.0;    ///< That the picture was turned to,
   double turn_rad = 0.0;       ///< and by how much.
-  // While several displays show the tour (shared_refresh.h):
-  std::optional<std::int64_t> shared_refresh;
+  // While several displays show the tour (synchronised_refresh.h):
+  std::optional<std::int64_t> synchronised_refresh;
   ShowAt frame_due;        ///< When what is seen here first was to be seen: the frame, or one that it passed over,
   ShowAt heading_due;      ///< the heading.
   Duration drawn_ahead{};  ///< Of the shared refresh.
 
   /// By how many refreshes; 0 when nothing was said, or nothing is seen first.
   [[nodiscard]] std::int64_t late(const ShowAt& due) const {
-    return due.period_ns == 0 || !shared_refresh ? 0 : std::max<std::int64_t>(0, *shared_refresh - due.refresh);
+    return due.period_ns == 0 || !synchronised_refresh ? 0
+                                                       : std::max<std::int64_t>(0, *synchronised_refresh - due.refresh);
   }
 };
 
 /// What one head did in a refresh.
 struct HeadRefresh {
   std::size_t head = 0;
-  HeadShown shown;
+  output::HeadShown shown;
   TimePoint picture_at{};  ///< Shutter of the frame that is shown, or when its first tile came; zero: no frame is seen.
 };
 
@@ -94,7 +95,7 @@ class WatchedPicture {
 class RetiredFrames {
  public:
   /// The presenter's. Precondition: room() > 0.
-  void put(std::unique_ptr<Frame> frame) {
+  void put(std::unique_ptr<DisplayFrame> frame) {
     const auto slot = std::ranges::find_if(slots_, [](const auto& s) { return s.is_empty(); });
     CHECK(slot != slots_.end());
     slot->put(std::move(frame));
@@ -102,17 +103,17 @@ class RetiredFrames {
   [[nodiscard]] std::size_t room() const {
     return static_cast<std::size_t>(std::ranges::count_if(slots_, [](const auto& slot) { return slot.is_empty(); }));
   }
-  /// The others': frees all, and tells `on_unseen(const Frame&)` of those that were never shown.
+  /// The others': frees all, and tells `on_unseen(const DisplayFrame&)` of those that were never shown.
   template <typename OnUnseen>
   void clear(const OnUnseen& on_unseen) {
     for (auto& slot : slots_) {
-      const std::unique_ptr<Frame> frame = slot.take();
+      const std::unique_ptr<DisplayFrame> frame = slot.take();
       if (frame != nullptr && !frame->was_shown) on_unseen(*frame);
     }
   }
 
  private:
-  std::array<AtomicSlot<Frame>, 8> slots_;
+  std::array<AtomicSlot<DisplayFrame>, 8> slots_;
 };
 
 struct PresentMailbox {
@@ -127,12 +128,12 @@ struct PresentMailbox {
   RetiredFrames retired;                ///< Out.
   EventRing<RefreshEvent, 1024> refreshes;
   EventRing<HeadRefresh, 4096> head_refreshes;
-  WatchedPicture<Frame> panorama;
+  WatchedPicture<DisplayFrame> panorama;
   std::vector<WatchedPicture<RgbImage>> heads;  ///< Of the heads' sizes.
   /// Out: when the newest step ended: a head was drawn, a shader tried, a refresh waited for. A processor that is slow
   /// takes its steps slowly; a driver that hangs takes none.
   std::atomic<TimePoint> stepped_at{};
-  std::atomic<Duration> longest_step{Duration::zero()};  ///< Out: of those that ended.
+  std::atomic<Duration> max_step{Duration::zero()};  ///< Out: of those that ended.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

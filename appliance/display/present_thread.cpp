@@ -8,14 +8,14 @@
 #include <algorithm>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 // Less than the service's WatchdogSec, so that the state is told before the process is ended. A busy processor that
 // draws in software, and is emulated, takes longer: 20 to 50 s were seen. Such a one has shown before how slow it is.
-constexpr Duration kLongestStep = std::chrono::seconds(20);
+constexpr Duration kMaxStep = std::chrono::seconds(20);
 constexpr int kSlower = 4;
-constexpr Duration kMostPatience = std::chrono::minutes(5);
-constexpr auto kTellEvery = std::chrono::seconds(1);
+constexpr Duration kMaxTimeout = std::chrono::minutes(5);
+constexpr auto kReportEvery = std::chrono::seconds(1);
 }  // namespace
 
 Result<std::unique_ptr<PresentThread>> PresentThread::start(PresentPlan plan, PresentMailbox* mailbox,
@@ -32,7 +32,7 @@ Result<std::unique_ptr<PresentThread>> PresentThread::start(PresentPlan plan, Pr
   });
   // No limit here: a thread that hangs in its driver cannot be ended but with its process, which is the service's part.
   TimePoint told = mailbox->stepped_at;
-  while (started.wait_for(kTellEvery) != std::future_status::ready) {
+  while (started.wait_for(kReportEvery) != std::future_status::ready) {
     const TimePoint stepped = mailbox->stepped_at;
     if (stepped == told) continue;
     told = stepped;
@@ -43,13 +43,13 @@ Result<std::unique_ptr<PresentThread>> PresentThread::start(PresentPlan plan, Pr
 }
 
 void PresentThread::run(PresentPlan plan, PresentMailbox* mailbox, const std::stop_token& stop) {
-  auto opened = OutputKeeper::open(std::move(plan), mailbox, &clock_);
+  auto opened = OutputSupervisor::open(std::move(plan), mailbox, &clock_);
   if (!opened) return started_.set_value(std::move(opened).error());
-  OutputKeeper& keeper = **opened;
-  tell(keeper.state());
+  OutputSupervisor& supervisor = **opened;
+  tell(supervisor.state());
   started_.set_value(Done{});
   while (!stop.stop_requested()) {
-    if (keeper.refresh()) tell(keeper.state());
+    if (supervisor.refresh()) tell(supervisor.state());
     const std::uint64_t one = 1;
     // A full counter wakes as well as one more would.
     [[maybe_unused]] const auto n = ::write(event_fd_.get(), &one, sizeof one);
@@ -57,13 +57,13 @@ void PresentThread::run(PresentPlan plan, PresentMailbox* mailbox, const std::st
 }
 
 void PresentThread::tell(const OutputState& state) {
-  largest_side_px_ = state.largest_side_px;
+  max_side_px_ = state.max_side_px;
   state_.put(std::make_unique<OutputState>(state));
 }
 
 bool PresentThread::is_alive() const {
-  const Duration patience = std::clamp(kSlower * mailbox_.longest_step.load(), kLongestStep, kMostPatience);
-  return clock_.now() - mailbox_.stepped_at.load() < patience;
+  const Duration timeout = std::clamp(kSlower * mailbox_.max_step.load(), kMaxStep, kMaxTimeout);
+  return clock_.now() - mailbox_.stepped_at.load() < timeout;
 }
 
 void PresentThread::drain() const {
@@ -71,4 +71,4 @@ void PresentThread::drain() const {
   [[maybe_unused]] const auto n = ::read(event_fd_.get(), &count, sizeof count);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

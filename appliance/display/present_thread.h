@@ -8,17 +8,17 @@
 #include <thread>
 
 #include "appliance/display/atomic_slot.h"
-#include "appliance/display/output_keeper.h"
+#include "appliance/display/output_supervisor.h"
 #include "common/base/unique_fd.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// The thread that owns GL and shows, whatever happens to the output. Thread-bound to whoever starts it.
 class PresentThread {
  public:
   /// Opens the output and draws nothing yet; blocks as long as that takes, and calls `on_step`, which may be null,
   /// about every second in which it came further (PresentMailbox::stepped_at). Borrows the mailbox and the clock.
-  /// Errors of OutputKeeper::open().
+  /// Errors of OutputSupervisor::open().
   static Result<std::unique_ptr<PresentThread>> start(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock,
                                                       const std::function<void()>& on_step = nullptr);
   /// Ends with the refresh that it is in.
@@ -27,7 +27,7 @@ class PresentThread {
   /// How the output fares; null when nothing has changed since the last time. The first comes with start().
   [[nodiscard]] std::unique_ptr<OutputState> take_state() { return state_.take(); }
   /// The largest side of a picture that the graphics card takes. Thread-safe.
-  [[nodiscard]] int largest_side_px() const { return largest_side_px_; }
+  [[nodiscard]] int max_side_px() const { return max_side_px_; }
   /// False when one step lasts longer than 20 s, and than four times the longest that ended: the driver hangs.
   [[nodiscard]] bool is_alive() const;
   /// Readable whenever a refresh was told to the mailbox, and now and then; for poll(). Reset it with drain().
@@ -43,9 +43,9 @@ class PresentThread {
   const Clock& clock_;
   UniqueFd event_fd_;
   AtomicSlot<OutputState> state_;
-  std::atomic<int> largest_side_px_{0};
+  std::atomic<int> max_side_px_{0};
   std::promise<Status> started_;  // Set when the members above are.
   std::jthread thread_;           // Last: it ends before what it uses.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

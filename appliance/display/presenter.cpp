@@ -5,14 +5,14 @@
 #include <cmath>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 // A picture is wrong when the visitor has turned by more since; the tour asks for a view at every smaller change, too.
 constexpr double kSameHeading_rad = 1e-3;
 constexpr GLsizei kWarmUpSide_px = 4;
 }  // namespace
 
-Presenter::Presenter(Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
+Presenter::Presenter(output::Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
                      const Clock* clock)
     : output_(*output),
       mailbox_(*mailbox),
@@ -22,8 +22,8 @@ Presenter::Presenter(Output* output, PictureProgram program, const AttractTimes&
       panorama_(output->gl(), picture_program_),
       fade_(times) {}
 
-Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, HeadPlans plans, bool may_change,
-                                                   const Frame& attract, const AttractTimes& times,
+Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadPlans plans, bool may_change,
+                                                   const DisplayFrame& attract, const AttractTimes& times,
                                                    PresentMailbox* mailbox, const Clock* clock) {
   CHECK(plans->size() == output->heads().size() && mailbox->heads.size() == plans->size());
   const Gl& gl = output->gl();
@@ -33,12 +33,13 @@ Result<std::unique_ptr<Presenter>> Presenter::make(Output* output, HeadPlans pla
   TRY_ASSIGN(PictureProgram program, PictureProgram::make(gl, texels));
   mailbox->stepped_at = clock->now();
   std::unique_ptr<Presenter> presenter(new Presenter(output, std::move(program), times, mailbox, clock));
-  TRY_ASSIGN(presenter->heads_, HeadChange::make(gl, texels, std::move(plans), &mailbox->plans));
+  TRY_ASSIGN(presenter->heads_, HeadTransition::make(gl, texels, std::move(plans), &mailbox->plans));
   for (const HeadPainter& painter : presenter->heads_->painters())
     presenter->takes_turns_ = presenter->takes_turns_ || painter.takes_turns();
   TRY_ASSIGN(presenter->patterns_, PatternShow::make(gl, output->heads(), &mailbox->patterns));
   presenter->step();
-  for (const HeadMode& mode : output->heads()) presenter->read_backs_.emplace_back(mode.width_px, mode.height_px);
+  for (const output::HeadMode& mode : output->heads())
+    presenter->read_backs_.emplace_back(mode.width_px, mode.height_px);
   presenter->attract_frame_ = attract;
   TRY(presenter->warm_up(may_change));
   return presenter;
@@ -62,11 +63,11 @@ Status Presenter::warm_up(bool may_change) {
 
 void Presenter::step() {
   const TimePoint now = clock_.now();
-  mailbox_.longest_step = std::max(mailbox_.longest_step.load(), now - mailbox_.stepped_at.load());
+  mailbox_.max_step = std::max(mailbox_.max_step.load(), now - mailbox_.stepped_at.load());
   mailbox_.stepped_at = now;
 }
 
-Status Presenter::go_on_with(Showing showing) {
+Status Presenter::go_on_with(PresenterState showing) {
   frame_ = std::move(showing.frame);
   waiting_ = std::move(showing.waiting);
   heading_ = showing.heading;
@@ -88,7 +89,7 @@ Status Presenter::refresh() {
   const bool is_wrong = shift_.is_past_guard || std::abs(shift_.angle_rad) > kSameHeading_rad || mailbox_.is_failing;
   fade_.step(event.drawing_at, event.is_first_of_frame, is_wrong);
   if (fade_.share() != drawn_share_) is_drawn_ = false;
-  if (std::unique_ptr<Frame> watched = mailbox_.panorama.take_empty()) {
+  if (std::unique_ptr<DisplayFrame> watched = mailbox_.panorama.take_empty()) {
     *watched = frame_ != nullptr ? *frame_ : attract_frame_;
     mailbox_.panorama.give(std::move(watched));
   }
@@ -106,10 +107,10 @@ Status Presenter::refresh() {
   patterns_->presented(event.presented, output_.shown());
   event.is_past_guard = shift_.is_past_guard;
   event.attract_share = drawn_share_;
-  event.shared_refresh = shared_.number();
+  event.synchronised_refresh = shared_.number();
   event.drawn_ahead = shared_.drawn_ahead();
   mailbox_.refreshes.push(event);
-  tell_heads();
+  report_heads();
   notice_depths();
   return Done{};
 }
@@ -117,14 +118,14 @@ Status Presenter::refresh() {
 /// What hangs on a head may be changed for another device while this runs.
 void Presenter::notice_depths() {
   for (std::size_t head = 0; head < heads_->count(); ++head) {
-    const HeadShown& shown = output_.shown()[head];
-    if (shown.light == HeadShown::Light::kDark || shown.depth_bits == heads_->depth_bits(head)) continue;
+    const output::HeadShown& shown = output_.shown()[head];
+    if (shown.light == output::HeadShown::Light::kDark || shown.depth_bits == heads_->depth_bits(head)) continue;
     heads_->set_depth(head, shown.depth_bits);
     is_drawn_ = false;
   }
 }
 
-void Presenter::tell_heads() {
+void Presenter::report_heads() {
   HeadRefresh told;
   if (frame_ != nullptr && drawn_share_ < 1.0 && !patterns_->is_open())
     told.picture_at = frame_->shutter_ns != 0 ? from_nanoseconds(frame_->shutter_ns) : frame_->begun_at;
@@ -137,19 +138,19 @@ void Presenter::tell_heads() {
 void Presenter::take_in() {
   if (ClockReading clock; mailbox_.clock.take(&clock)) shared_.set_clock(clock);
   if (mailbox_.headings.take(&headings_)) shared_.learn(headings_.headings.front().show_at);
-  for (std::unique_ptr<Frame>& place : waiting_) {
-    if (place == nullptr) place = mailbox_.frames.take();
-    if (place != nullptr && place->order > newest_taken_) {
-      newest_taken_ = place->order;
-      shared_.learn(place->show_at);
+  for (std::unique_ptr<DisplayFrame>& position : waiting_) {
+    if (position == nullptr) position = mailbox_.frames.take();
+    if (position != nullptr && position->order > newest_taken_) {
+      newest_taken_ = position->order;
+      shared_.learn(position->show_at);
     }
   }
 }
 
 Status Presenter::show_due_frame(RefreshEvent* ret_event) {
   const std::uint64_t shown = frame_ == nullptr ? 0 : frame_->order;
-  std::unique_ptr<Frame>* next = nullptr;
-  for (std::unique_ptr<Frame>& frame : waiting_) {
+  std::unique_ptr<DisplayFrame>* next = nullptr;
+  for (std::unique_ptr<DisplayFrame>& frame : waiting_) {
     if (frame == nullptr || frame->order < shown || !shared_.is_due(frame->show_at)) continue;
     if (next == nullptr || frame->order > (*next)->order) next = &frame;
   }
@@ -160,7 +161,7 @@ Status Presenter::show_due_frame(RefreshEvent* ret_event) {
     return Done{};
   }
   if (next != nullptr) ret_event->frame_due = (*next)->show_at;
-  for (std::unique_ptr<Frame>& frame : waiting_) {
+  for (std::unique_ptr<DisplayFrame>& frame : waiting_) {
     if (!is_passed_over(frame)) continue;
     // From its refresh on a frame was missing, whichever is seen now.
     if (frame->order > shown && frame->show_at.period_ns == ret_event->frame_due.period_ns) {
@@ -170,7 +171,7 @@ Status Presenter::show_due_frame(RefreshEvent* ret_event) {
   }
   if (next == nullptr) return Done{};
   TRY(panorama_.upload(**next));
-  std::unique_ptr<Frame> old = std::exchange(frame_, std::move(*next));
+  std::unique_ptr<DisplayFrame> old = std::exchange(frame_, std::move(*next));
   if (old != nullptr) mailbox_.retired.put(std::move(old));
   frame_->was_shown = true;
   is_drawn_ = false;
@@ -198,7 +199,7 @@ void Presenter::turn_to_due_heading(RefreshEvent* ret_event) {
   }
   ret_event->heading_rad = heading_.heading_rad;
   const YawShift shift = heading_.order > 0 && frame_ != nullptr
-                             ? yaw_shift(frame_->heading_rad, heading_.heading_rad, frame_->reach_rad)
+                             ? yaw_shift(frame_->heading_rad, heading_.heading_rad, frame_->turn_limit_rad)
                              : YawShift{};
   if (shift.angle_rad != shift_.angle_rad) is_drawn_ = false;
   shift_ = shift;
@@ -243,11 +244,11 @@ void Presenter::read_back(std::size_t head, RgbImage* ret_picture) {
   RgbaImage& pixels = read_backs_[head];
   output_.gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
   output_.gl().ReadPixels(0, 0, pixels.width(), pixels.height(), GL_RGBA, GL_UNSIGNED_BYTE, pixels.data().data());
-  to_picture(pixels, ret_picture);
+  output::to_picture(pixels, ret_picture);
 }
 
 bool Presenter::is_any_head_watched() const {
   return std::ranges::any_of(mailbox_.heads, [](const auto& head) { return head.is_wanted(); });
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

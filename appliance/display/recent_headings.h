@@ -9,7 +9,7 @@
 #include "appliance/display/frame.h"
 #include "appliance/display/newest_value.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// The newest headings, the newest first. A value. More than these never wait to be shown: a heading is told two or
 /// three refreshes ahead, and a tracker sends one or two for each.
@@ -39,4 +39,4 @@ class HeadingTrack {
   NewestValue<RecentHeadings> newest_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 constexpr auto kRatePeriod = std::chrono::seconds(1);
 }
@@ -73,23 +73,24 @@ std::optional<wire::FramePresented> RefreshReporter::take(const RefreshEvent& ev
 }
 
 void RefreshReporter::take_step(const RefreshEvent& event) {
-  if (event.shared_refresh && last_shared_refresh_) {
+  if (event.synchronised_refresh && last_synchronised_refresh_) {
     const std::int64_t late = event.late(event.frame_due);
-    step_.add(event.presented.at, std::max<std::int64_t>(0, *event.shared_refresh - *last_shared_refresh_), late);
+    step_.add(event.presented.at, std::max<std::int64_t>(0, *event.synchronised_refresh - *last_synchronised_refresh_),
+              late);
     if (late > 0) inspection_.count("frames_late");
     if (event.late(event.heading_due) > 0) inspection_.count("headings_late");
   }
-  last_shared_refresh_ = event.shared_refresh;
+  last_synchronised_refresh_ = event.synchronised_refresh;
 }
 
 void RefreshReporter::take(const HeadRefresh& refresh) {
   Head& head = heads_.at(refresh.head);
-  const bool is_lit = refresh.shown.light != HeadShown::Light::kDark;
+  const bool is_lit = refresh.shown.light != output::HeadShown::Light::kDark;
   if (is_lit != head.is_lit) inspection_.set_gauge(head.lit, is_lit ? 1.0 : 0.0);
   head.is_lit = is_lit;
-  if (refresh.picture_at != TimePoint{} && refresh.shown.light == HeadShown::Light::kNew)
+  if (refresh.picture_at != TimePoint{} && refresh.shown.light == output::HeadShown::Light::kNew)
     inspection_.add_stage_time(head.age, refresh.shown.at - refresh.picture_at);
-  const std::optional<PictureStep> step = head.pacing.take(refresh.shown);
+  const std::optional<output::PictureStep> step = head.pacing.take(refresh.shown);
   if (!step) return;
   inspection_.add_stage_time(head.interval, step->interval);
   if (step->is_late) inspection_.count(head.late);
@@ -112,10 +113,10 @@ void RefreshReporter::tick(TimePoint now) {
   frames_per_second_ = frames_ / to_seconds(counted);
   inspection_.set_gauge("refreshes_per_second", refreshes_ / to_seconds(counted));
   inspection_.set_gauge("frames_per_second", frames_per_second_);
-  if (const auto share = in_step(now)) inspection_.set_gauge("in_step_percent", 100.0 * *share);
+  if (const auto share = synchronised_share(now)) inspection_.set_gauge("synchronised_percent", 100.0 * *share);
   refreshes_ = 0;
   frames_ = 0;
   counted_since_ = now;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "appliance/display/presenter.h"
-#include "appliance/display/step_share.h"
+#include "appliance/display/synchronised_share.h"
 #include "common/wire/inspection_service.h"
 #include "common/wire/museum.pb.h"
 #include "drivers/output/pacing_meter.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// From refreshes to numbers for the operator and reports for the tour. docs/reference/frame-timing.md names the
 /// stages. Thread-bound.
@@ -31,7 +31,7 @@ class RefreshReporter {
 
   [[nodiscard]] double frames_per_second() const { return frames_per_second_; }
   /// Of the last minute's refreshes; nothing where no others show the tour.
-  [[nodiscard]] std::optional<double> in_step(TimePoint now) const { return step_.share(now); }
+  [[nodiscard]] std::optional<double> synchronised_share(TimePoint now) const { return step_.share(now); }
 
  private:
   void take_step(const RefreshEvent& event);
@@ -43,7 +43,7 @@ class RefreshReporter {
     std::string missed;
     std::string lit;
     bool is_lit = false;
-    PacingMeter pacing;
+    output::PacingMeter pacing;
   };
 
   InspectionService& inspection_;
@@ -53,8 +53,8 @@ class RefreshReporter {
   int refreshes_ = 0;
   int frames_ = 0;
   double frames_per_second_ = 0.0;
-  StepShare step_;
-  std::optional<std::int64_t> last_shared_refresh_;
+  SynchronisedShare step_;
+  std::optional<std::int64_t> last_synchronised_refresh_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

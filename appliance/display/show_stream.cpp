@@ -3,12 +3,12 @@
 
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
-constexpr std::size_t kMostReports = 256;
+constexpr std::size_t kMaxReports = 256;
 /// Where the tour has ended the call, gRPC says so long before.
 constexpr Duration kEndsWithin = std::chrono::seconds(1);
-}
+}  // namespace
 
 ShowStream::ShowStream(const std::shared_ptr<grpc::Channel>& channel, const wire::DisplayHello& hello,
                        Listener listener)
@@ -31,7 +31,7 @@ ShowStream::~ShowStream() {
 
 void ShowStream::report(wire::DisplayReport report) {
   const std::lock_guard lock(mutex_);
-  if (is_ending_ || reports_.size() >= kMostReports) return;
+  if (is_ending_ || reports_.size() >= kMaxReports) return;
   reports_.push_back(std::move(report));
   if (!is_writing_) write_next();
 }
@@ -90,4 +90,4 @@ void ShowStream::OnDone(const grpc::Status& status) {
   changed_.notify_all();  // Under the lock: the destructor frees this as soon as it has it.
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -13,7 +13,7 @@
 #include "common/wire/channel.h"
 #include "common/wire/museum.grpc.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// One call of Tour.Show, from dialling to its end. When it is over, make another.
 /// Thread-safe, but for the end of its life.
@@ -62,4 +62,4 @@ class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::Sh
   std::optional<Error> end_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -5,19 +5,19 @@
 
 #include "appliance/display/present_mailbox.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
-constexpr std::size_t kMostReady = 12;  // The presenter holds no more of them.
+constexpr std::size_t kMaxReadyFrames = 12;  // The presenter holds no more of them.
 }
 
-ShownHistory::ShownHistory(Frame attract, HeadPlans plans)
-    : attract_(std::make_shared<const Frame>(std::move(attract))), plans_(std::move(plans)) {}
+ShownHistory::ShownHistory(DisplayFrame attract, HeadPlans plans)
+    : attract_(std::make_shared<const DisplayFrame>(std::move(attract))), plans_(std::move(plans)) {}
 
-void ShownHistory::frame_ready(const Frame& frame) {
-  auto copy = std::make_shared<const Frame>(frame);  // Its pixels are shared.
+void ShownHistory::frame_ready(const DisplayFrame& frame) {
+  auto copy = std::make_shared<const DisplayFrame>(frame);  // Its pixels are shared.
   const std::lock_guard lock(mutex_);
   ready_.push_back(std::move(copy));
-  if (ready_.size() > kMostReady) ready_.pop_front();
+  if (ready_.size() > kMaxReadyFrames) ready_.pop_front();
 }
 
 void ShownHistory::heads_wanted(HeadPlans plans, bool was_passed_over) {
@@ -55,7 +55,7 @@ void ShownHistory::refreshed(const RefreshEvent& event, bool is_show) {
   }
   now.number = ++number_;
   moments_.push_back(std::move(now));
-  const bool is_asked = known_until_ < asked_at_ + kAskedWithin;
+  const bool is_asked = known_until_ < asked_at_ + kRequestedWithin;
   while (moments_.size() > 1 && (!is_asked || moments_[1].at + kKept < known_until_)) moments_.pop_front();
 }
 
@@ -71,4 +71,4 @@ ShownHistory::Shown ShownHistory::between(TimePoint from, TimePoint until, TimeP
   return shown;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

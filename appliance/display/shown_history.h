@@ -10,7 +10,7 @@
 #include "appliance/display/frame.h"
 #include "appliance/display/head_set.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 struct RefreshEvent;
 
@@ -18,7 +18,7 @@ struct RefreshEvent;
 struct ShownSince {
   std::uint64_t number = 0;  ///< Counted from 1.
   TimePoint at{};
-  std::shared_ptr<const Frame> frame;  ///< Null: it is no show, but patterns, a fade, or a change of the heads.
+  std::shared_ptr<const DisplayFrame> frame;  ///< Null: it is no show, but patterns, a fade, or a change of the heads.
   double turn_rad = 0.0;
   HeadPlans plans;
 };
@@ -29,12 +29,12 @@ struct ShownSince {
 class ShownHistory {
  public:
   static constexpr Duration kKept = std::chrono::seconds(2);
-  static constexpr Duration kAskedWithin = std::chrono::seconds(5);
+  static constexpr Duration kRequestedWithin = std::chrono::seconds(5);
 
-  ShownHistory(Frame attract, HeadPlans plans);
+  ShownHistory(DisplayFrame attract, HeadPlans plans);
 
   /// A frame went to the presenter.
-  void frame_ready(const Frame& frame);
+  void frame_ready(const DisplayFrame& frame);
   /// `plans` went to the presenter; `was_passed_over`: those before them were not taken up.
   void heads_wanted(HeadPlans plans, bool was_passed_over);
   /// The presenter draws with the next of them.
@@ -51,9 +51,9 @@ class ShownHistory {
 
  private:
   std::mutex mutex_;  ///< Guards all.
-  std::shared_ptr<const Frame> attract_;
-  std::deque<std::shared_ptr<const Frame>> ready_;  ///< The one that is shown, and those to come.
-  std::shared_ptr<const Frame> shown_;              ///< Null before the first.
+  std::shared_ptr<const DisplayFrame> attract_;
+  std::deque<std::shared_ptr<const DisplayFrame>> ready_;  ///< The one that is shown, and those to come.
+  std::shared_ptr<const DisplayFrame> shown_;              ///< Null before the first.
   HeadPlans plans_;
   std::deque<HeadPlans> coming_;
   std::deque<ShownSince> moments_;
@@ -62,4 +62,4 @@ class ShownHistory {
   std::uint64_t number_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

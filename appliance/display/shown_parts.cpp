@@ -10,19 +10,19 @@
 #include "common/geometry/guard_band.h"
 #include "common/geometry/picture_place.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr int kSlices = 256;
 constexpr int kCellPx = 16;
 // A pixel for each of the two filters (chroma, then light), whose chroma pixels have twice the size.
 constexpr double kAround_px = 3.0;
-constexpr double kEndlessReach_rad = 0.5;
+constexpr double kUnboundedTurn_rad = 0.5;
 constexpr double kHardlyMore = 1.1;
 // In how many pieces a footprint that turns on curves is followed, and at how many turns at most.
 constexpr int kStrips = 32;
 constexpr int kPieces = 32;
-constexpr int kMostTurns = 64;
+constexpr int kMaxTurns = 64;
 
 int cells(int px) { return (px + kCellPx - 1) / kCellPx; }
 
@@ -128,7 +128,7 @@ class CellMap {
 };
 
 /// In a panorama a turn is a shift.
-void want_shifted(const HeadFootprint& head, const Panorama& picture, double reach_rad, CellMap* ret_cells) {
+void want_shifted(const HeadFootprint& head, const Panorama& picture, double turn_limit_rad, CellMap* ret_cells) {
   for (int row = 0; row < ret_cells->rows(); ++row) {
     // The picture's edge stands for what lies beyond it.
     constexpr double kEndless = std::numeric_limits<double>::infinity();
@@ -139,33 +139,34 @@ void want_shifted(const HeadFootprint& head, const Panorama& picture, double rea
     const auto span = head.across_between(bottom, top);
     if (!span) continue;
     const auto column = [&](double azimuth) { return (azimuth / picture.azimuth_span_rad + 0.5) * picture.width_px; };
-    ret_cells->want(row, column(span->least - reach_rad) - kAround_px, column(span->most + reach_rad) + kAround_px);
+    ret_cells->want(row, column(span->min - turn_limit_rad) - kAround_px,
+                    column(span->max + turn_limit_rad) + kAround_px);
   }
 }
 
 /// In the others every place moves along a curve of its own: those between the corners of a small piece, and between
 /// one turn and the next, lie within a box around them that is an eighth larger.
-void want_turned(const HeadFootprint& head, const PictureShape& picture, double reach_rad, CellMap* ret_cells) {
+void want_turned(const HeadFootprint& head, const PictureShape& picture, double turn_limit_rad, CellMap* ret_cells) {
   const auto all = head.up();
   if (!all) return;
   const PixelScale scale = pixel_scale(picture);
-  const double moves_px = 2.0 * reach_rad * std::abs(scale.u_per_across);
-  const int turns = static_cast<int>(std::clamp(std::ceil(moves_px / kCellPx), 1.0, double{kMostTurns}));
+  const double moves_px = 2.0 * turn_limit_rad * std::abs(scale.u_per_across);
+  const int turns = static_cast<int>(std::clamp(std::ceil(moves_px / kCellPx), 1.0, double{kMaxTurns}));
   for (int strip = 0; strip < kStrips; ++strip) {
-    const double low = all->least + (all->most - all->least) * strip / kStrips;
-    const double high = all->least + (all->most - all->least) * (strip + 1) / kStrips;
+    const double low = all->min + (all->max - all->min) * strip / kStrips;
+    const double high = all->min + (all->max - all->min) * (strip + 1) / kStrips;
     const auto span = head.across_between(low, high);
     if (!span) continue;
     std::array<Box, kPieces> before;  // At the turn before this one.
     for (int turn = 0; turn <= turns; ++turn) {
       std::array<Box, kPieces> now;
       for (int end = 0; end <= kPieces; ++end) {
-        const double across = span->least + (span->most - span->least) * end / kPieces;
+        const double across = span->min + (span->max - span->min) * end / kPieces;
         for (const double up : {low, high}) {
-          const auto place = turned(picture, {across, up}, reach_rad * (2.0 * turn / turns - 1.0));
-          if (!place) continue;  // Exactly against a fisheye's axis.
-          if (end < kPieces) now[static_cast<std::size_t>(end)].add(scale.pixel_at(*place));
-          if (end > 0) now[static_cast<std::size_t>(end - 1)].add(scale.pixel_at(*place));
+          const auto position = turned(picture, {across, up}, turn_limit_rad * (2.0 * turn / turns - 1.0));
+          if (!position) continue;  // Exactly against a fisheye's axis.
+          if (end < kPieces) now[static_cast<std::size_t>(end)].add(scale.pixel_at(*position));
+          if (end > 0) now[static_cast<std::size_t>(end - 1)].add(scale.pixel_at(*position));
         }
       }
       for (std::size_t piece = 0; piece < kPieces; ++piece) {
@@ -187,46 +188,46 @@ std::int64_t area(const ShownParts& shown) {
 
 }  // namespace
 
-HeadFootprint::HeadFootprint(const Warp& warp, const MaskImage& mask) {
+HeadFootprint::HeadFootprint(const warp::Warp& warp, const warp::MaskImage& mask) {
   CHECK(mask.width() == width_px(warp) && mask.height() == height_px(warp));
   std::vector<PicturePlace> lit;
-  double most_up = -std::numeric_limits<double>::infinity();
-  least_up_ = std::numeric_limits<double>::infinity();
+  double max_up = -std::numeric_limits<double>::infinity();
+  min_up_ = std::numeric_limits<double>::infinity();
   for (int y = 0; y < mask.height(); ++y) {
     for (int x = 0; x < mask.width(); ++x) {
       if (!(*mask.at(x, y) > 0.0f)) continue;
       const auto direction = direction_at(warp, x, y);
       if (!direction) continue;
       lit.push_back({direction->azimuth_rad, direction->tan_elevation});
-      least_up_ = std::min(least_up_, direction->tan_elevation);
-      most_up = std::max(most_up, direction->tan_elevation);
+      min_up_ = std::min(min_up_, direction->tan_elevation);
+      max_up = std::max(max_up, direction->tan_elevation);
     }
   }
   if (lit.empty()) return;
-  up_per_slice_ = std::max((most_up - least_up_) / kSlices, std::numeric_limits<double>::min());
+  up_per_slice_ = std::max((max_up - min_up_) / kSlices, std::numeric_limits<double>::min());
   slices_.resize(kSlices);
-  for (const PicturePlace& place : lit) {
-    const double at = (place.up - least_up_) / up_per_slice_;
+  for (const PicturePlace& position : lit) {
+    const double at = (position.up - min_up_) / up_per_slice_;
     std::optional<Span>& slice = slices_[static_cast<std::size_t>(std::clamp(at, 0.0, kSlices - 1.0))];
-    if (!slice) slice = Span{place.across, place.across};
-    slice->least = std::min(slice->least, place.across);
-    slice->most = std::max(slice->most, place.across);
+    if (!slice) slice = Span{position.across, position.across};
+    slice->min = std::min(slice->min, position.across);
+    slice->max = std::max(slice->max, position.across);
   }
 }
 
 std::optional<HeadFootprint::Span> HeadFootprint::up() const {
   if (slices_.empty()) return std::nullopt;
-  return Span{least_up_, least_up_ + kSlices * up_per_slice_};
+  return Span{min_up_, min_up_ + kSlices * up_per_slice_};
 }
 
-std::optional<HeadFootprint::Span> HeadFootprint::across_between(double least_up, double most_up) const {
+std::optional<HeadFootprint::Span> HeadFootprint::across_between(double min_up, double max_up) const {
   std::optional<Span> all;
   for (std::size_t i = 0; i < slices_.size(); ++i) {
-    const double lower = least_up_ + up_per_slice_ * static_cast<double>(i);
-    if (!slices_[i] || lower > most_up || lower + up_per_slice_ < least_up) continue;
+    const double lower = min_up_ + up_per_slice_ * static_cast<double>(i);
+    if (!slices_[i] || lower > max_up || lower + up_per_slice_ < min_up) continue;
     if (!all) all = slices_[i];
-    all->least = std::min(all->least, slices_[i]->least);
-    all->most = std::max(all->most, slices_[i]->most);
+    all->min = std::min(all->min, slices_[i]->min);
+    all->max = std::max(all->max, slices_[i]->max);
   }
   return all;
 }
@@ -248,22 +249,22 @@ ShownParts shown_by_both_eyes(const ShownParts& of_one, int height_px) {
 }
 
 ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture, const PictureShape& wall) {
-  const auto parts_within = [&](double reach_rad) {
+  const auto parts_within = [&](double turn_limit_rad) {
     CellMap wanted(picture);
     for (const HeadFootprint& head : heads) {
       if (const auto* const panorama = std::get_if<Panorama>(&picture)) {
-        want_shifted(head, *panorama, reach_rad, &wanted);
+        want_shifted(head, *panorama, turn_limit_rad, &wanted);
       } else {
-        want_turned(head, picture, reach_rad, &wanted);
+        want_turned(head, picture, turn_limit_rad, &wanted);
       }
     }
-    return ShownParts{reach_rad, wanted.parts()};
+    return ShownParts{turn_limit_rad, wanted.parts()};
   };
-  const double reach_rad = turn_reach(picture, wall);
-  if (std::isfinite(reach_rad)) return parts_within(reach_rad);
-  ShownParts some = parts_within(kEndlessReach_rad);
+  const double turn_limit_rad = turn_reach(picture, wall);
+  if (std::isfinite(turn_limit_rad)) return parts_within(turn_limit_rad);
+  ShownParts some = parts_within(kUnboundedTurn_rad);
   ShownParts all = parts_within(std::numbers::pi);
   return static_cast<double>(area(all)) <= kHardlyMore * static_cast<double>(area(some)) ? all : some;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

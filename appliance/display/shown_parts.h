@@ -9,33 +9,33 @@
 #include "appliance/warp/pixel_map.h"
 #include "common/image/pixel_rect.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// The places that a head lights, as its warp names them (common/geometry/picture_place.h): for each of some slices of
 /// `up`, the least and the most `across`. A value; reentrant.
 class HeadFootprint {
  public:
   /// Of all pixels that the mask does not blacken. Precondition: warp and mask have one size.
-  HeadFootprint(const Warp& warp, const MaskImage& mask);
+  HeadFootprint(const warp::Warp& warp, const warp::MaskImage& mask);
 
   struct Span {
-    double least = 0.0;
-    double most = 0.0;
+    double min = 0.0;
+    double max = 0.0;
   };
   /// Of `up`, from the lowest to the highest; nothing when the head lights nothing.
   [[nodiscard]] std::optional<Span> up() const;
   /// Of `across` anywhere between two values of `up`; nothing where the head lights none.
-  [[nodiscard]] std::optional<Span> across_between(double least_up, double most_up) const;
+  [[nodiscard]] std::optional<Span> across_between(double min_up, double max_up) const;
 
  private:
-  double least_up_ = 0.0;
+  double min_up_ = 0.0;
   double up_per_slice_ = 1.0;
   std::vector<std::optional<Span>> slices_;
 };
 
 /// How far a picture may be turned, and what of it is then seen.
 struct ShownParts {
-  double reach_rad = 0.0;
+  double turn_limit_rad = 0.0;
   std::vector<PixelRect> parts;  ///< Whole cells of 16 pixels, cut at the picture's edges; none overlap.
 
   /// Whether any part meets this one.
@@ -51,4 +51,4 @@ struct ShownParts {
 [[nodiscard]] ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture,
                                      const PictureShape& wall);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

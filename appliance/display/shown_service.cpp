@@ -6,15 +6,15 @@
 #include "common/geometry/picture_place.h"
 #include "common/wire/channel.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
-constexpr std::uint32_t kMostFactor = 16;
+constexpr std::uint32_t kMaxFactor = 16;
 constexpr JpegOptions kNearlyAll{95, false};
 }  // namespace
 
 grpc::Status ShownService::GetShown(grpc::ServerContext*, const wire::ShownRequest* request, wire::ShownReply* reply) {
   reply->set_received_ns(to_nanoseconds(clock_.now()));
-  if (request->factor() > kMostFactor) return {grpc::StatusCode::INVALID_ARGUMENT, "a factor is from 1 to 16"};
+  if (request->factor() > kMaxFactor) return {grpc::StatusCode::INVALID_ARGUMENT, "a factor is from 1 to 16"};
   const int factor = std::max(1, static_cast<int>(request->factor()));
   const auto shown =
       history_.between(from_nanoseconds(request->from_ns()), from_nanoseconds(request->until_ns()), clock_.now());
@@ -58,4 +58,4 @@ Status ShownService::draw(const ShownSince& moment, int factor, wire::ShownMomen
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -10,7 +10,7 @@
 #include "common/image/jpeg.h"
 #include "common/wire/show.grpc.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// What show.proto's ShownPictures promises. Heads are drawn on gRPC's threads, one call at a time, and only pictures
 /// that the caller has not got. Thread-safe. Borrows the history and the clock.
@@ -35,4 +35,4 @@ class ShownService final : public wire::ShownPictures::Service {
   JpegEncoder encoder_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// How pass 1 leaves light for pass 2.
 enum class Texels {
@@ -13,4 +13,4 @@ enum class Texels {
   kPacked,
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

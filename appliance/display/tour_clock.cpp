@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 // At first quickly, so that a display is in step within half a second.
@@ -11,16 +11,16 @@ constexpr std::uint64_t kFirstQuestions = 16;
 constexpr auto kFirstPause = std::chrono::milliseconds(20);
 constexpr auto kPause = std::chrono::milliseconds(250);
 constexpr auto kGiveUpAfter = std::chrono::seconds(1);
-constexpr std::int64_t kShortestPeriod_ns = 1'000'000;
-constexpr std::int64_t kLongestPeriod_ns = 10'000'000'000;
+constexpr std::int64_t kMinPeriod_ns = 1'000'000;
+constexpr std::int64_t kMaxPeriod_ns = 10'000'000'000;
 
 }  // namespace
 
 ShowAt show_at_of(const wire::ShowMessage& message) {
   const wire::ShowAt& at = message.show_at();
-  if (at.period_ns() < kShortestPeriod_ns || at.period_ns() > kLongestPeriod_ns) return {};
-  const std::int64_t most = kLatestShowAt_ns / at.period_ns();
-  if (at.refresh() > most || at.refresh() < -most) return {};
+  if (at.period_ns() < kMinPeriod_ns || at.period_ns() > kMaxPeriod_ns) return {};
+  const std::int64_t max = kMaxShowAt_ns / at.period_ns();
+  if (at.refresh() > max || at.refresh() < -max) return {};
   return {at.refresh(), at.period_ns(), at.told_ns()};
 }
 
@@ -105,4 +105,4 @@ std::optional<TourClock::Skew> TourClock::skew() const {
   return skew_;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

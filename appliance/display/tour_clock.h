@@ -10,7 +10,7 @@
 #include "common/base/clock_offset.h"
 #include "common/wire/museum.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 /// CLOCK_REALTIME, which chrony or PTP disciplines, unlike Clock's.
 using SystemTime = std::chrono::time_point<std::chrono::system_clock, std::chrono::nanoseconds>;
@@ -63,4 +63,4 @@ class TourClock {
 /// What is wrong is none.
 [[nodiscard]] ShowAt show_at_of(const wire::ShowMessage& message);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -8,20 +8,20 @@
 #include "appliance/display/atomic_slot.h"
 #include "appliance/display/frame.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
-/// Whole frames on their way to the presenter, in no order: Frame::order tells. Neither side ever waits. Each side on
+/// Whole frames on their way to the presenter, in no order: DisplayFrame::order tells. Neither side ever waits. Each side on
 /// one thread at a time.
 class WaitingFrames {
  public:
   /// Returns the oldest when there is no room for all, else null.
-  std::unique_ptr<Frame> put(std::unique_ptr<Frame> frame) {
-    std::unique_ptr<Frame> untaken = slots_[next_].put(std::move(frame));
+  std::unique_ptr<DisplayFrame> put(std::unique_ptr<DisplayFrame> frame) {
+    std::unique_ptr<DisplayFrame> untaken = slots_[next_].put(std::move(frame));
     next_ = (next_ + 1) % slots_.size();
     return untaken;
   }
   /// The presenter's: any of them; null when there is none.
-  std::unique_ptr<Frame> take() {
+  std::unique_ptr<DisplayFrame> take() {
     for (auto& slot : slots_) {
       if (!slot.is_empty()) return slot.take();
     }
@@ -29,8 +29,8 @@ class WaitingFrames {
   }
 
  private:
-  std::array<AtomicSlot<Frame>, 4> slots_;
+  std::array<AtomicSlot<DisplayFrame>, 4> slots_;
   std::size_t next_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::display {
 
-YawShift yaw_shift(double picture_heading_rad, double heading_now_rad, double reach_rad) {
+YawShift yaw_shift(double picture_heading_rad, double heading_now_rad, double turn_limit_rad) {
   const double turned = wrapped_angle(heading_now_rad - picture_heading_rad);
-  return {std::clamp(turned, -reach_rad, reach_rad), std::abs(turned) > reach_rad};
+  return {std::clamp(turned, -turn_limit_rad, turn_limit_rad), std::abs(turned) > turn_limit_rad};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -3,7 +3,7 @@
 
 #include "common/geometry/panorama.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 
 struct YawShift {
   double angle_rad = 0.0;      ///< How far the visitor has turned to the right since the picture was asked for.
@@ -11,7 +11,7 @@ struct YawShift {
 };
 
 /// What a picture that was made for one heading must be turned by to be right for another one (a panorama is shifted),
-/// limited to `reach_rad` either way (shown_parts.h), so that the wall never looks beyond what there is.
-[[nodiscard]] YawShift yaw_shift(double picture_heading_rad, double heading_now_rad, double reach_rad);
+/// limited to `turn_limit_rad` either way (shown_parts.h), so that the wall never looks beyond what there is.
+[[nodiscard]] YawShift yaw_shift(double picture_heading_rad, double heading_now_rad, double turn_limit_rad);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::display

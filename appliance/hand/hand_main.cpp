@@ -19,13 +19,13 @@
 #include "common/wire/museum.grpc.pb.h"
 #include "drivers/input/evdev/evdev_device.h"
 
-namespace cyclorama {
+namespace cyclorama::hand {
 namespace {
 
 constexpr Duration kRound = std::chrono::milliseconds(10);
-constexpr Duration kSteerEvery = std::chrono::milliseconds(50);  // The tour holds a wish for 300 ms.
+constexpr Duration kSteerEvery = std::chrono::milliseconds(50);  // The tour holds a command for 300 ms.
 constexpr std::chrono::milliseconds kSteerDeadline(150);
-constexpr Duration kSay = std::chrono::milliseconds(500);
+constexpr Duration kReportPeriod = std::chrono::milliseconds(500);
 
 struct Options {
   std::string tour = "[::1]:7403";
@@ -63,20 +63,20 @@ class SteerLink {
     return SteerLink(std::move(channel));
   }
   /// Blocks for at most kSteerDeadline.
-  void tell(const InputWish& wish, TimePoint now) {
-    if (wish.is_rest() && rested_) return;
-    if (wish == told_ && now - told_at_ < kSteerEvery) return;
+  void tell(const input::InputCommand& command, TimePoint now) {
+    if (command.is_rest() && rested_) return;
+    if (command == told_ && now - told_at_ < kSteerEvery) return;
     wire::SteerRequest request;
-    request.set_forward(wish.forward);
-    request.set_right(wish.right);
-    request.set_turn(wish.turn);
+    request.set_forward(command.forward);
+    request.set_right(command.right);
+    request.set_turn(command.turn);
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + kSteerDeadline);
     wire::SteerReply reply;
     reached_ = stub_->Steer(&context, request, &reply).ok();
-    told_ = wish;
+    told_ = command;
     told_at_ = now;
-    rested_ = wish.is_rest();  // A rest that is lost on the way comes about by itself, 300 ms later.
+    rested_ = command.is_rest();  // A rest that is lost on the way comes about by itself, 300 ms later.
   }
   [[nodiscard]] bool reached() const { return reached_; }
 
@@ -85,19 +85,19 @@ class SteerLink {
       : channel_(std::move(channel)), stub_(wire::Tour::NewStub(channel_)) {}
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<wire::Tour::Stub> stub_;
-  InputWish told_;
+  input::InputCommand told_;
   TimePoint told_at_{};
   bool rested_ = true;
   bool reached_ = true;
 };
 
-wire::TrackedPose to_wire_pose(const PoseReport& report, TrackerAxes axes, TimePoint arrived_at) {
+wire::TrackedPose to_wire_pose(const tracker::PoseReport& report, tracker::TrackerAxes axes, TimePoint arrived_at) {
   wire::TrackedPose pose;
   pose.set_camera("another tracker");
   pose.set_sequence(report.sequence);
   pose.set_shutter_ns(to_nanoseconds(arrived_at));  // Its own clock means nothing here.
   pose.set_tag(static_cast<std::uint32_t>(report.sensor));
-  const auto T_camera_tag = pose_of(report, axes);
+  const auto T_camera_tag = tracker::pose_of(report, axes);
   pose.set_found(T_camera_tag.has_value());
   if (!T_camera_tag) return pose;
   const Eigen::Vector3d& position = T_camera_tag->translation();
@@ -119,35 +119,37 @@ Status run(const Options& options, const StopSignal& stop) {
   TRY_ASSIGN(PoseListener listener, PoseListener::open(options.osc, options.vrpn, options.vrpn_device));
   TRY_ASSIGN(SteerLink steer, SteerLink::open(options.tour));
   const bool hears_poses = !options.osc.empty() || !options.vrpn.empty();
-  std::unique_ptr<TourLink> poses;
+  std::unique_ptr<tracker::TourLink> poses;
   if (hears_poses) {
-    TRY_ASSIGN(poses, TourLink::open(options.tour));
+    TRY_ASSIGN(poses, tracker::TourLink::open(options.tour));
   }
-  InputWatch inputs(options.devices.empty() ? InputPlaces{[] { return std::vector<std::string>{}; }, open_evdev}
-                                            : evdev_places(options.devices));
-  const TrackerAxes axes = options.axes == "room" ? TrackerAxes::kRoom : TrackerAxes::kCamera;
+  input::InputWatch inputs(options.devices.empty()
+                               ? input::InputDevices{[] { return std::vector<std::string>{}; }, input::open_evdev}
+                               : input::evdev_devices(options.devices));
+  const tracker::TrackerAxes axes =
+      options.axes == "room" ? tracker::TrackerAxes::kRoom : tracker::TrackerAxes::kCamera;
   Notify notify;
   notify.ready();
   TimePoint said_at{};
-  InputWish osc_wish;
-  TimePoint osc_wish_at{};
+  input::InputCommand osc_command;
+  TimePoint osc_command_at{};
   std::uint64_t heard_poses = 0;
   std::string said;
   do {
     const TimePoint now = clock.now();
-    const Heard heard = listener.take(now);
-    for (const PoseReport& report : heard.poses) poses->send(to_wire_pose(report, axes, clock.now()));
+    const ReceivedPoses heard = listener.take(now);
+    for (const tracker::PoseReport& report : heard.poses) poses->send(to_wire_pose(report, axes, clock.now()));
     heard_poses += heard.poses.size();
     if (heard.steer) {
-      osc_wish = {(*heard.steer)[0], (*heard.steer)[1], (*heard.steer)[2]};
-      osc_wish_at = now;
+      osc_command = {(*heard.steer)[0], (*heard.steer)[1], (*heard.steer)[2]};
+      osc_command_at = now;
     }
     inputs.update(now);
-    InputWish wish = inputs.wish(now);
+    input::InputCommand command = inputs.command(now);
     // As with keys: who says nothing any more wants nothing any more.
-    if (wish.is_rest() && now - osc_wish_at < std::chrono::milliseconds(300)) wish = osc_wish;
-    steer.tell(wish, now);
-    if (now - said_at < kSay) continue;
+    if (command.is_rest() && now - osc_command_at < std::chrono::milliseconds(300)) command = osc_command;
+    steer.tell(command, now);
+    if (now - said_at < kReportPeriod) continue;
     said_at = now;
     notify.keep_alive(now);
     const auto sentences = inputs.sentences();
@@ -170,7 +172,7 @@ Status run(const Options& options, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::hand
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-hand",

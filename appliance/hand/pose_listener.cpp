@@ -5,10 +5,10 @@
 
 #include "appliance/tracker/interchange/osc_pose.h"
 
-namespace cyclorama {
+namespace cyclorama::hand {
 namespace {
 
-constexpr int kMostDatagrams = 1000;  // At once: a flood may not keep it from its other work.
+constexpr int kMaxDatagrams = 1000;  // At once: a flood may not keep it from its other work.
 
 }  // namespace
 
@@ -16,15 +16,15 @@ Result<PoseListener> PoseListener::open(const std::string& osc, const std::strin
                                         const std::string& vrpn_device) {
   PoseListener listener(vrpn_device);
   if (!osc.empty()) {
-    TRY_ASSIGN(listener.osc_, DatagramReceiver::open(osc));
+    TRY_ASSIGN(listener.osc_, tracker::DatagramReceiver::open(osc));
   }
   if (!vrpn.empty()) {
-    TRY_ASSIGN(listener.vrpn_, DatagramReceiver::open(vrpn));
+    TRY_ASSIGN(listener.vrpn_, tracker::DatagramReceiver::open(vrpn));
   }
   return listener;
 }
 
-void PoseListener::add(const PoseReport& report, TimePoint now, Heard* ret_heard) {
+void PoseListener::add(const tracker::PoseReport& report, TimePoint now, ReceivedPoses* ret_heard) {
   if (sensor_ && *sensor_ != report.sensor && now - sensor_seen_at_ <= kKept) return;
   if (report.found) {
     sensor_ = report.sensor;
@@ -33,30 +33,30 @@ void PoseListener::add(const PoseReport& report, TimePoint now, Heard* ret_heard
   ret_heard->poses.push_back(report);
 }
 
-Heard PoseListener::take(TimePoint now) {
-  Heard heard;
-  for (int i = 0; osc_ && i < kMostDatagrams; ++i) {
+ReceivedPoses PoseListener::take(TimePoint now) {
+  ReceivedPoses heard;
+  for (int i = 0; osc_ && i < kMaxDatagrams; ++i) {
     const auto datagram = osc_->receive();
     if (!datagram) break;
-    const auto messages = decode_osc(*datagram);
+    const auto messages = tracker::decode_osc(*datagram);
     if (!messages) {
       ++refused_;
       continue;
     }
-    for (const OscMessage& message : *messages) {
-      if (const auto pose = pose_from_osc(message)) add(*pose, now, &heard);
-      if (const auto steer = steer_from_osc(message)) heard.steer = steer;
+    for (const tracker::OscMessage& message : *messages) {
+      if (const auto pose = tracker::pose_from_osc(message)) add(*pose, now, &heard);
+      if (const auto steer = tracker::steer_from_osc(message)) heard.steer = steer;
     }
   }
-  for (int i = 0; vrpn_ && i < kMostDatagrams; ++i) {
+  for (int i = 0; vrpn_ && i < kMaxDatagrams; ++i) {
     const auto datagram = vrpn_->receive();
     if (!datagram) break;
     const auto reports = reader_.read(*datagram);
     if (!reports) ++refused_;
     if (!reports) continue;
-    for (const PoseReport& report : *reports) add(report, now, &heard);
+    for (const tracker::PoseReport& report : *reports) add(report, now, &heard);
   }
   return heard;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::hand

@@ -11,11 +11,11 @@
 #include "appliance/tracker/interchange/vrpn.h"
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::hand {
 
 /// What other programs said: poses in place of our tracker's, and wishes.
-struct Heard {
-  std::vector<PoseReport> poses;
+struct ReceivedPoses {
+  std::vector<tracker::PoseReport> poses;
   std::optional<std::array<double, 3>> steer;  ///< The newest: forward, right, turn.
 };
 
@@ -27,7 +27,7 @@ class PoseListener {
   static Result<PoseListener> open(const std::string& osc, const std::string& vrpn, const std::string& vrpn_device);
 
   /// All that has come. Does not block.
-  [[nodiscard]] Heard take(TimePoint now);
+  [[nodiscard]] ReceivedPoses take(TimePoint now);
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
   /// 0 where it does not listen.
   [[nodiscard]] int osc_port() const { return osc_ ? osc_->port() : 0; }
@@ -37,13 +37,13 @@ class PoseListener {
 
  private:
   explicit PoseListener(const std::string& vrpn_device) : reader_(vrpn_device) {}
-  void add(const PoseReport& report, TimePoint now, Heard* ret_heard);
-  std::optional<DatagramReceiver> osc_;
-  std::optional<DatagramReceiver> vrpn_;
-  VrpnReader reader_;
+  void add(const tracker::PoseReport& report, TimePoint now, ReceivedPoses* ret_heard);
+  std::optional<tracker::DatagramReceiver> osc_;
+  std::optional<tracker::DatagramReceiver> vrpn_;
+  tracker::VrpnReader reader_;
   std::optional<std::int32_t> sensor_;
   TimePoint sensor_seen_at_{};
   std::uint64_t refused_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::hand

@@ -14,26 +14,26 @@
 #include "common/base/file.h"
 #include "common/json/strict_json.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 using Pose = RigidTransform<frame::Room, frame::Projector>;
 
 constexpr const char* kFile = "corrections.log";
-constexpr std::uintmax_t kLargest = std::uintmax_t{1} << 20;
-constexpr std::size_t kMostProjectors = 64;
+constexpr std::uintmax_t kMaxLogBytes = std::uintmax_t{1} << 20;
+constexpr std::size_t kMaxProjectors = 64;
 constexpr double kSame = 1e-5;  // Turn and shift: the log's digits are fewer, and a hundredth of a pixel is more.
 
 std::string pose_json(const Pose& T) {
   const Eigen::Quaterniond& q = T.rotation();
   const Eigen::Vector3d& t = T.translation();
-  return fmt::format(R"({{"rotation_wxyz": [{:.9f}, {:.9f}, {:.9f}, {:.9f}], "place_m": [{:.6f}, {:.6f}, {:.6f}]}})",
+  return fmt::format(R"({{"rotation_wxyz": [{:.9f}, {:.9f}, {:.9f}, {:.9f}], "position_m": [{:.6f}, {:.6f}, {:.6f}]}})",
                      q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
 }
 
 Pose pose_of(StrictJson json) {
   const std::vector<double> q = json.numbers("rotation_wxyz", 4, 4);
-  const std::vector<double> t = json.numbers("place_m", 3, 3);
+  const std::vector<double> t = json.numbers("position_m", 3, 3);
   if (q.size() != 4 || t.size() != 3) return {};
   const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
   if (!(std::abs(turn.norm() - 1.0) < 1e-6)) {
@@ -57,7 +57,7 @@ std::optional<LoggedCorrection> parse_correction(std::string_view line) {
   LoggedCorrection read;
   read.at = json.text("at", 40);
   read.kind = json.text("kind", 40);
-  read.projector = static_cast<std::size_t>(json.integer("projector", 1, kMostProjectors)) - 1;
+  read.projector = static_cast<std::size_t>(json.integer("projector", 1, kMaxProjectors)) - 1;
   read.moved_px = json.number("moved_px", 0.0, 1e9);
   read.sigma_px = json.number("sigma_px", 0.0, 1e9);
   read.before = pose_of(json.at("before"));
@@ -86,7 +86,7 @@ void log_corrections(const std::filesystem::path& folder, std::span<const Logged
   if (corrections.empty()) return;
   const std::filesystem::path path = folder / kFile;
   std::error_code ignored;
-  if (std::filesystem::file_size(path, ignored) > kLargest && !ignored)
+  if (std::filesystem::file_size(path, ignored) > kMaxLogBytes && !ignored)
     std::filesystem::rename(path, folder / (std::string(kFile) + ".1"), ignored);
   std::FILE* const file = std::fopen(path.c_str(), "ae");
   if (file == nullptr) return;
@@ -95,7 +95,7 @@ void log_corrections(const std::filesystem::path& folder, std::span<const Logged
 }
 
 std::optional<LoggedCorrection> last_correction(const std::filesystem::path& folder, std::span<const Pose> applied) {
-  const auto text = read_text_file(folder / kFile, 2 * kLargest);
+  const auto text = read_text_file(folder / kFile, 2 * kMaxLogBytes);
   if (!text) return std::nullopt;
   std::vector<std::string> lines;
   std::istringstream all(*text);
@@ -103,9 +103,9 @@ std::optional<LoggedCorrection> last_correction(const std::filesystem::path& fol
   for (const std::string& line : std::views::reverse(lines)) {
     const auto one = parse_correction(line);
     if (!one || one->kind == "undone" || one->projector >= applied.size()) continue;
-    if (step_between(applied[one->projector], one->after).norm() < kSame) return one;
+    if (calibration::step_between(applied[one->projector], one->after).norm() < kSame) return one;
   }
   return std::nullopt;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

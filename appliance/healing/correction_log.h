@@ -3,7 +3,7 @@
 /// corrections.log.1, and a new one begins.
 ///
 ///     {"at": "2026-11-23T10:00:00Z", "projector": 2, "kind": "bump", "moved_px": 23.411, "sigma_px": 0.110,
-///      "before": {"rotation_wxyz": [...], "place_m": [...]}, "after": {...}}
+///      "before": {"rotation_wxyz": [...], "position_m": [...]}, "after": {...}}
 ///
 /// A projector is counted from 1; a kind is bump, drift, or undone: then `before` is the correction that was taken
 /// back, and `after` what stood before it.
@@ -17,7 +17,7 @@
 
 #include "appliance/healing/estimator/continuous_calibrator.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 struct LoggedCorrection {
   std::string at;  ///< UTC.
@@ -45,4 +45,4 @@ void log_corrections(const std::filesystem::path& folder, std::span<const Logged
 /// Now, as the log has it.
 [[nodiscard]] std::string utc_now();
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 void add_columns(wire::Table* table, std::initializer_list<const char*> names) {
@@ -29,13 +29,13 @@ void HealingHealth::take(const ShowReport& report, TimePoint now) {
   Sample sample;
   sample.at = now;
   for (std::size_t i = 0; i < names_.size() && i < health_.size(); ++i) {
-    const bool is_known = health_[i].hold == Hold::kNone || health_[i].hold == Hold::kInTheWay;
+    const bool is_known = health_[i].hold == HoldReason::kNone || health_[i].hold == HoldReason::kInTheWay;
     sample.off_px.push_back(is_known ? std::optional(pixels_ * health_[i].off_px) : std::nullopt);
   }
   for (const Correction& correction : report.corrections)
     sample.off_px[correction.projector] = pixels_ * correction.moved_px;
   history_.push_back(std::move(sample));
-  if (history_.size() > kMost) history_.pop_front();
+  if (history_.size() > kMaxSamples) history_.pop_front();
 }
 
 wire::Table HealingHealth::projectors(TimePoint now) const {
@@ -85,7 +85,7 @@ std::string HealingHealth::sentence() const {
   std::size_t good = 0;
   for (std::size_t i = 0; i < names_.size() && i < health_.size(); ++i) {
     const ProjectorHealth& one = health_[i];
-    if (one.hold == Hold::kNone) {
+    if (one.hold == HoldReason::kNone) {
       ++good;
       continue;
     }
@@ -101,4 +101,4 @@ bool HealingHealth::is_well() const {
   return std::ranges::none_of(health_, [](const ProjectorHealth& one) { return one.wants_scan; });
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -9,7 +9,7 @@
 #include "appliance/healing/estimator/continuous_calibrator.h"
 #include "common/wire/inspection.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// How each projector fares, for pages: as a table of now and one of the last ten minutes. Thread-bound.
 ///
@@ -19,7 +19,7 @@ namespace cyclorama {
 class HealingHealth {
  public:
   static constexpr Duration kEvery = std::chrono::seconds(5);
-  static constexpr std::size_t kMost = 120;
+  static constexpr std::size_t kMaxSamples = 120;
 
   /// `pixels`: of the projectors, for one of the calibration's: its pictures are smaller by that.
   HealingHealth(std::vector<std::string> projectors, double pixels) : names_(std::move(projectors)), pixels_(pixels) {
@@ -51,4 +51,4 @@ class HealingHealth {
   std::deque<Sample> history_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

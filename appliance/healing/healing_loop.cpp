@@ -12,7 +12,7 @@
 #include "appliance/healing/correction_log.h"
 #include "common/base/give_way.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 constexpr Duration kTryAgainAfter = std::chrono::seconds(1);
@@ -32,7 +32,7 @@ struct HealingLoop::Watching {
         health(std::move(how)),
         room(std::move(in)),
         calibrated_at(at) {}
-  ShowFile show;
+  calibration::ShowFile show;
   std::vector<std::size_t> cameras;   ///< The room's, in the order of those of `show`.
   std::vector<std::string> left_out;  ///< Cameras, and why.
   ContinuousCalibrator calibrator;
@@ -116,7 +116,7 @@ Status HealingLoop::begin() {
     return Error(ErrorCode::kUnavailable, fmt::format("{}", fmt::join(troubles, "; ")));
   TRY_ASSIGN(HealingStart begun, healing_start(folder_, installation_, rooms_->cameras()));
   begun.troubles.insert(begun.troubles.begin(), troubles.begin(), troubles.end());
-  const ShowFile& show = begun.show;
+  const calibration::ShowFile& show = begun.show;
   const int factor = rooms_->picture_factor();
   RecordStart start{applied_room(show, installation_, factor), learned_room(show, installation_, factor),
                     static_cast<std::uint32_t>(factor)};
@@ -125,8 +125,8 @@ Status HealingLoop::begin() {
     const auto folder = options_.record / utc_now();
     const std::uintmax_t used = record_bytes(options_.record);
     auto recording =
-        used < kLargestRecords
-            ? ShowRecorder::begin(folder, options_.installation_file, start, kLargestRecords - used)
+        used < kMaxRecordBytes
+            ? ShowRecorder::begin(folder, options_.installation_file, start, kMaxRecordBytes - used)
             : Error(ErrorCode::kBusy, "the records in that folder have their largest size; take some away");
     if (recording) {
       recorder = *std::move(recording);
@@ -189,8 +189,8 @@ Status HealingLoop::step() {
 /// What the calibration knows, into what is written.
 void HealingLoop::take_over() {
   Watching& now = *watching_;
-  const ShowCalibration& applied = now.calibrator.applied();
-  const ShowCalibration& believed = now.calibrator.believed();
+  const calibration::ShowCalibration& applied = now.calibrator.applied();
+  const calibration::ShowCalibration& believed = now.calibrator.believed();
   for (std::size_t i = 0; i < now.show.projectors.size(); ++i)
     now.show.projectors[i].applied = applied.projectors[i].T_room_projector;
   for (std::size_t i = 0; i < now.show.cameras.size(); ++i)
@@ -203,10 +203,10 @@ void HealingLoop::keep(const ShowReport& report) {
   take_over();
   const bool has_corrected = !report.corrections.empty();
   const bool is_calm = std::ranges::all_of(
-      report.projectors, [](const auto& p) { return p.hold == Hold::kNone || p.hold == Hold::kUnplaced; });
+      report.projectors, [](const auto& p) { return p.hold == HoldReason::kNone || p.hold == HoldReason::kUnplaced; });
   double sigma_px = 0.0;
   for (const ProjectorHealth& one : report.projectors) {
-    if (one.hold != Hold::kUnplaced) sigma_px = std::max(sigma_px, one.sigma_px);
+    if (one.hold != HoldReason::kUnplaced) sigma_px = std::max(sigma_px, one.sigma_px);
   }
   const bool is_due = !now.kept_at || clock_.now() > *now.kept_at + kKeepEvery || sigma_px < 0.5 * now.kept_sigma_px;
   std::vector<LoggedCorrection> corrections;
@@ -236,18 +236,18 @@ void HealingLoop::end_record_unless(const Status& kept) {
 
 Status HealingLoop::write_state(bool with_correction) {
   // Read from colours.json at each start; and a version before this one knows no such member.
-  ShowFile show = watching_->show;
-  for (ShowFile::Projector& projector : show.projectors) projector.light.reset();
+  calibration::ShowFile show = watching_->show;
+  for (calibration::ShowFile::Projector& projector : show.projectors) projector.light.reset();
   if (with_correction) {
-    ShowFile correction = show;
+    calibration::ShowFile correction = show;
     correction.cameras.clear();
-    for (ShowFile::Projector& projector : correction.projectors) {
+    for (calibration::ShowFile::Projector& projector : correction.projectors) {
       projector.learned.reset();
       projector.unplaced.clear();
     }
-    TRY(write_show(folder_ / kCorrectionFile, correction));
+    TRY(calibration::write_show(folder_ / calibration::kCorrectionFile, correction));
   }
-  return write_show(folder_ / kWatchFile, show);
+  return calibration::write_show(folder_ / calibration::kWatchFile, show);
 }
 
 Status HealingLoop::realign() {
@@ -265,7 +265,7 @@ Result<std::string> HealingLoop::undo() {
   if (watching_ == nullptr) return Error(ErrorCode::kUnavailable, "the wall is not watched: " + lacks_);
   Watching& now = *watching_;
   std::vector<RigidTransform<frame::Room, frame::Projector>> applied;
-  for (const ShowProjector& projector : now.calibrator.applied().projectors)
+  for (const calibration::ShowProjector& projector : now.calibrator.applied().projectors)
     applied.push_back(projector.T_room_projector);
   const auto last = last_correction(folder_, applied);
   if (!last) return Error(ErrorCode::kNotFound, "no correction stands that could be undone");
@@ -293,11 +293,12 @@ Result<std::vector<PlacedCamera>> HealingLoop::place_cameras(std::stop_token sto
     return Error(ErrorCode::kNotFound,
                  troubles.empty() ? kNoCameraWatches : fmt::format("{}", fmt::join(troubles, "; ")));
   }
-  TRY_ASSIGN(const Calibration calibration, corrected_calibration(folder_, installation_));
-  TRY_ASSIGN(PlacingDevices devices, rooms_->open_for_placing());
+  TRY_ASSIGN(const calibration::Calibration calibration, corrected_calibration(folder_, installation_));
+  TRY_ASSIGN(PlacementDevices devices, rooms_->open_for_placement());
   TRY_ASSIGN(const std::vector<PlacedCamera> placed,
-             cyclorama::place_cameras(rooms_->cameras(), devices, calibration, installation_, options_.exposure, stop));
-  TRY(keep_places(folder_, installation_, placed));
+             cyclorama::healing::place_cameras(rooms_->cameras(), devices, calibration, installation_,
+                                               options_.exposure, stop));
+  TRY(save_camera_poses(folder_, installation_, placed));
   return placed;
 }
 
@@ -311,4 +312,4 @@ std::filesystem::file_time_type HealingLoop::calibrated_at() const {
   return std::filesystem::last_write_time(folder_ / "calibration.json", ignored);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

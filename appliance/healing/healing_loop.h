@@ -17,7 +17,7 @@
 #include "appliance/healing/show_record.h"
 #include "common/wire/inspection_service.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// Keeps the wall in its place while the show goes on:
 ///
@@ -38,7 +38,7 @@ class HealingLoop {
  public:
   struct Options {
     Duration period = std::chrono::milliseconds(250);
-    ExposureLimits exposure{};                      ///< While cameras are placed.
+    structured_light::ExposureLimits exposure{};    ///< While cameras are placed.
     std::filesystem::path record{};                 ///< Empty: nothing is recorded.
     std::filesystem::path installation_file{};      ///< For the record.
     std::function<void(std::string)> on_line{};     ///< For the log; on the loop's thread; may be null.
@@ -103,4 +103,4 @@ class HealingLoop {
   std::jthread thread_;  ///< Last: it ends before what it uses.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -3,7 +3,7 @@
 
 #include "common/wire/channel.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 grpc::Status refused(const std::string& why) { return {grpc::StatusCode::FAILED_PRECONDITION, why}; }
 }  // namespace
@@ -28,7 +28,7 @@ grpc::Status HealingService::PlaceCameras(grpc::ServerContext* context, const wi
   for (const PlacedCamera& camera : *placed) {
     wire::PlacedCameras::Camera* const one = reply->add_cameras();
     one->set_name(camera.name);
-    one->set_places(static_cast<std::uint32_t>(camera.places));
+    one->set_places(static_cast<std::uint32_t>(camera.correspondences));
     one->set_rms_px(camera.rms_px);
     one->set_trouble(camera.trouble);
   }
@@ -50,4 +50,4 @@ grpc::Status HealingService::Realign(grpc::ServerContext*, const wire::RealignOr
   return grpc::Status::OK;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -6,7 +6,7 @@
 #include "appliance/healing/healing_loop.h"
 #include "common/wire/show.grpc.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// What show.proto's Healing promises. Thread-safe. Borrows the loop, which may be null: then nothing watches.
 class HealingService final : public wire::Healing::Service {
@@ -26,4 +26,4 @@ class HealingService final : public wire::Healing::Service {
   std::stop_source stop_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -12,13 +12,13 @@
 #include "appliance/healing/show_record.h"
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 24;
+constexpr std::size_t kMaxBytes = std::size_t{1} << 24;
 
-ShowProjector installed(const InstalledProjector& projector) {
-  ShowProjector made;
+calibration::ShowProjector installed(const InstalledProjector& projector) {
+  calibration::ShowProjector made;
   made.name = projector.name;
   const Pinhole& lens = projector.lens;
   made.lens = {lens.width_px,    lens.height_px,  lens.focal_px, lens.pixel_aspect * lens.focal_px,
@@ -28,8 +28,8 @@ ShowProjector installed(const InstalledProjector& projector) {
 }
 
 /// What a channel shines for each code: the curve that says which code makes a light, the other way round.
-CodeLight light_of(const ResponseCurve& curve) {
-  CodeLight light{};
+calibration::CodeLight light_of(const warp::ResponseCurve& curve) {
+  calibration::CodeLight light{};
   const std::vector<float>& codes = curve.codes;
   std::size_t above = 0;
   for (std::size_t code = 0; code < light.size(); ++code) {
@@ -42,25 +42,27 @@ CodeLight light_of(const ResponseCurve& curve) {
     }
     light[code] = root * root;
   }
-  return rounded_light(light);
+  return calibration::rounded_light(light);
 }
 
 /// What the calibration measured of how codes become light.
-Result<std::vector<CalibratedColour>> measured_colours(const std::filesystem::path& folder, const std::string& date) {
-  auto text = read_text_file(calibration_folder(folder, date) / "colours.json", kMostBytes);
-  if (!text && text.error().code() == ErrorCode::kNotFound) return std::vector<CalibratedColour>();
+Result<std::vector<calibration::CalibratedColour>> measured_colours(const std::filesystem::path& folder,
+                                                                    const std::string& date) {
+  auto text = read_text_file(calibration::calibration_folder(folder, date) / "colours.json", kMaxBytes);
+  if (!text && text.error().code() == ErrorCode::kNotFound) return std::vector<calibration::CalibratedColour>();
   if (!text) return std::move(text).error();
-  return parse_colours(*text, "colours.json");
+  return calibration::parse_colours(*text, "colours.json");
 }
 
-ShowFile::Projector found_projector(const Calibration& calibration, const Installation& installation,
-                                    const InstalledProjector& projector) {
+calibration::ShowFile::Projector found_projector(const calibration::Calibration& calibration,
+                                                 const Installation& installation,
+                                                 const InstalledProjector& projector) {
   const auto remedy = [&](const std::string& why) {
     return fmt::format("{}; calibrate it with 'cyclorama calibrate --quick {}'", why, projector.name);
   };
-  const ShowProjector begun = installed(projector);
-  ShowFile::Projector made{projector.name, begun.lens, begun.T_room_projector, begun.T_room_projector, {}};
-  const auto found = std::ranges::find(calibration.projectors, projector.name, &CalibratedProjector::name);
+  const calibration::ShowProjector begun = installed(projector);
+  calibration::ShowFile::Projector made{projector.name, begun.lens, begun.T_room_projector, begun.T_room_projector, {}};
+  const auto found = std::ranges::find(calibration.projectors, projector.name, &calibration::CalibratedProjector::name);
   if (found == calibration.projectors.end()) {
     made.unplaced = remedy(fmt::format("the calibration of {} knows nothing of it", calibration.date));
     return made;
@@ -76,10 +78,11 @@ ShowFile::Projector found_projector(const Calibration& calibration, const Instal
 }
 
 /// Those of the newest calibration, as watch.json has them, or found anew.
-Result<std::vector<ShowFile::Projector>> projectors_of(const std::filesystem::path& folder,
-                                                       const Calibration& calibration, const Installation& installation,
-                                                       const ShowFile* known) {
-  std::vector<ShowFile::Projector> projectors;
+Result<std::vector<calibration::ShowFile::Projector>> projectors_of(const std::filesystem::path& folder,
+                                                                    const calibration::Calibration& calibration,
+                                                                    const Installation& installation,
+                                                                    const calibration::ShowFile* known) {
+  std::vector<calibration::ShowFile::Projector> projectors;
   if (known != nullptr && known->calibration == calibration.date &&
       known->projectors.size() == installation.projectors.size()) {
     projectors = known->projectors;
@@ -87,14 +90,14 @@ Result<std::vector<ShowFile::Projector>> projectors_of(const std::filesystem::pa
     for (const InstalledProjector& projector : installation.projectors)
       projectors.push_back(found_projector(calibration, installation, projector));
   }
-  if (std::ranges::none_of(projectors, &std::string::empty, &ShowFile::Projector::unplaced)) {
+  if (std::ranges::none_of(projectors, &std::string::empty, &calibration::ShowFile::Projector::unplaced)) {
     return Error(ErrorCode::kBadData,
                  projectors.empty() ? "there is no projector"
                                     : fmt::format("projector '{}': {}", projectors[0].name, projectors[0].unplaced));
   }
   TRY_ASSIGN(const auto colours, measured_colours(folder, calibration.date));
-  for (ShowFile::Projector& projector : projectors) {
-    const auto found = std::ranges::find(colours, projector.name, &CalibratedColour::name);
+  for (calibration::ShowFile::Projector& projector : projectors) {
+    const auto found = std::ranges::find(colours, projector.name, &calibration::CalibratedColour::name);
     projector.light.reset();
     if (found == colours.end() || !found->colour.response) continue;
     projector.light.emplace();
@@ -103,29 +106,29 @@ Result<std::vector<ShowFile::Projector>> projectors_of(const std::filesystem::pa
   return projectors;
 }
 
-bool is_same(const BrownParameters& a, const BrownParameters& b) {
-  return a.width_px == b.width_px && a.height_px == b.height_px && to_block(a) == to_block(b);
+bool is_same(const calibration::BrownParameters& a, const calibration::BrownParameters& b) {
+  return a.width_px == b.width_px && a.height_px == b.height_px && calibration::to_block(a) == calibration::to_block(b);
 }
 
 /// For pictures of 1/`factor` of the heads' pixels.
-void make_smaller(ShowCalibration* room, int factor) {
-  for (ShowProjector& projector : room->projectors) projector.lens = smaller_lens(projector.lens, factor);
+void make_smaller(calibration::ShowCalibration* room, int factor) {
+  for (calibration::ShowProjector& projector : room->projectors) projector.lens = smaller_lens(projector.lens, factor);
 }
 
 }  // namespace
 
 Result<HealingStart> healing_start(const std::filesystem::path& folder, const Installation& installation,
                                    const std::vector<WatchingCamera>& cameras) {
-  TRY_ASSIGN(const Calibration calibration, read_calibration(folder));
-  auto known = read_show(folder / kWatchFile);
+  TRY_ASSIGN(const calibration::Calibration calibration, calibration::read_calibration(folder));
+  auto known = calibration::read_show(folder / calibration::kWatchFile);
   if (!known && known.error().code() != ErrorCode::kNotFound) return std::move(known).error();
   HealingStart start;
-  ShowFile& show = start.show;
+  calibration::ShowFile& show = start.show;
   show.calibration = calibration.date;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const WatchingCamera& camera = cameras[i];
-    const auto found = known ? std::ranges::find(known->cameras, camera.name, &ShowFile::Camera::name)
-                             : std::vector<ShowFile::Camera>::iterator{};
+    const auto found = known ? std::ranges::find(known->cameras, camera.name, &calibration::ShowFile::Camera::name)
+                             : std::vector<calibration::ShowFile::Camera>::iterator{};
     if (!known || found == known->cameras.end() || !is_same(found->lens, camera.lens)) {
       start.troubles.push_back(
           fmt::format("nobody knows where camera '{}' stands; let the cameras be placed, which takes a minute of "
@@ -143,11 +146,11 @@ Result<HealingStart> healing_start(const std::filesystem::path& folder, const In
   return start;
 }
 
-Result<ShowFile> keep_places(const std::filesystem::path& folder, const Installation& installation,
-                             const std::vector<PlacedCamera>& cameras) {
-  TRY_ASSIGN(const Calibration calibration, read_calibration(folder));
-  const auto known = read_show(folder / kWatchFile);
-  ShowFile show;
+Result<calibration::ShowFile> save_camera_poses(const std::filesystem::path& folder, const Installation& installation,
+                                                const std::vector<PlacedCamera>& cameras) {
+  TRY_ASSIGN(const calibration::Calibration calibration, calibration::read_calibration(folder));
+  const auto known = calibration::read_show(folder / calibration::kWatchFile);
+  calibration::ShowFile show;
   show.calibration = calibration.date;
   for (const PlacedCamera& camera : cameras) {
     if (camera.trouble.empty()) {
@@ -156,41 +159,45 @@ Result<ShowFile> keep_places(const std::filesystem::path& folder, const Installa
     }
     // Somebody stood before it: the place that it had is better than none.
     if (!known || known->calibration != calibration.date) continue;
-    const auto before = std::ranges::find(known->cameras, camera.name, &ShowFile::Camera::name);
+    const auto before = std::ranges::find(known->cameras, camera.name, &calibration::ShowFile::Camera::name);
     if (before != known->cameras.end() && is_same(before->lens, camera.lens)) show.cameras.push_back(*before);
   }
   TRY_ASSIGN(show.projectors, projectors_of(folder, calibration, installation, known ? &*known : nullptr));
   // Seen from elsewhere, something else is left over.
-  for (ShowFile::Projector& projector : show.projectors) {
+  for (calibration::ShowFile::Projector& projector : show.projectors) {
     projector.learned.reset();
     projector.light.reset();
   }
-  TRY(write_show(folder / kWatchFile, show));
+  TRY(calibration::write_show(folder / calibration::kWatchFile, show));
   return show;
 }
 
-Result<Calibration> corrected_calibration(const std::filesystem::path& folder, const Installation& installation) {
-  TRY_ASSIGN(Calibration calibration, read_calibration(folder));
-  const auto show = read_show(folder / kCorrectionFile);
+Result<calibration::Calibration> corrected_calibration(const std::filesystem::path& folder,
+                                                       const Installation& installation) {
+  TRY_ASSIGN(calibration::Calibration calibration, calibration::read_calibration(folder));
+  const auto show = calibration::read_show(folder / calibration::kCorrectionFile);
   if (!show || show->calibration != calibration.date) return calibration;
-  for (const ShowFile::Projector& projector : show->projectors) {
-    const auto found = std::ranges::find(calibration.projectors, projector.name, &CalibratedProjector::name);
+  for (const calibration::ShowFile::Projector& projector : show->projectors) {
+    const auto found =
+        std::ranges::find(calibration.projectors, projector.name, &calibration::CalibratedProjector::name);
     if (found != calibration.projectors.end())
-      found->map = corrected_map(found->map, projector, installation.wall, installation.sweet_spot);
+      found->map = calibration::corrected_map(found->map, projector, installation.wall, installation.sweet_spot);
   }
   return calibration;
 }
 
-ShowCalibration applied_room(const ShowFile& show, const Installation& installation, int factor) {
-  ShowCalibration room = show_of(show, installation);
+calibration::ShowCalibration applied_room(const calibration::ShowFile& show, const Installation& installation,
+                                          int factor) {
+  calibration::ShowCalibration room = show_of(show, installation);
   make_smaller(&room, factor);
   return room;
 }
 
-std::optional<LearnedRoom> learned_room(const ShowFile& show, const Installation& installation, int factor) {
+std::optional<LearnedRoom> learned_room(const calibration::ShowFile& show, const Installation& installation,
+                                        int factor) {
   std::optional<LearnedRoom> room = learned_of(show, installation);
   if (room) make_smaller(&room->believed, factor);
   return room;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

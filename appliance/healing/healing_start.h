@@ -6,17 +6,17 @@
 #include <vector>
 
 #include "appliance/calibration/show_file.h"
-#include "appliance/healing/camera_poses.h"
+#include "appliance/healing/camera_placement.h"
 #include "common/room/installation.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// What to do where there is nothing to go on with.
 inline constexpr const char* kNoCameraWatches = "no camera watches; name one in calibrator.toml, or with --watch";
 
 /// What there is to go on with.
 struct HealingStart {
-  ShowFile show;
+  calibration::ShowFile show;
   std::vector<std::size_t> cameras;   ///< Which of those that watch: show.cameras, in its order.
   std::vector<std::string> troubles;  ///< Who is left out, why, and what to do about it.
 };
@@ -35,16 +35,18 @@ Result<HealingStart> healing_start(const std::filesystem::path& folder, const In
 
 /// The same after the cameras were placed, but for those that were not; what is known of projectors stays. Writes
 /// watch.json.
-Result<ShowFile> keep_places(const std::filesystem::path& folder, const Installation& installation,
-                             const std::vector<PlacedCamera>& cameras);
+Result<calibration::ShowFile> save_camera_poses(const std::filesystem::path& folder, const Installation& installation,
+                                                const std::vector<PlacedCamera>& cameras);
 
 /// With the corrections that count now: where the projectors' light lands. Errors of read_calibration().
-Result<Calibration> corrected_calibration(const std::filesystem::path& folder, const Installation& installation);
+Result<calibration::Calibration> corrected_calibration(const std::filesystem::path& folder,
+                                                       const Installation& installation);
 
 /// For ContinuousCalibrator; pictures are smaller by `factor`.
-[[nodiscard]] ShowCalibration applied_room(const ShowFile& show, const Installation& installation, int factor);
+[[nodiscard]] calibration::ShowCalibration applied_room(const calibration::ShowFile& show,
+                                                        const Installation& installation, int factor);
 /// Nothing where it has not been learned yet what the scan left over.
-[[nodiscard]] std::optional<LearnedRoom> learned_room(const ShowFile& show, const Installation& installation,
-                                                      int factor);
+[[nodiscard]] std::optional<LearnedRoom> learned_room(const calibration::ShowFile& show,
+                                                      const Installation& installation, int factor);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -8,21 +8,22 @@
 #include "appliance/scan/frame_scan_camera.h"
 #include "drivers/devices/make_camera.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 constexpr Duration kForAFrame = std::chrono::seconds(1);
 
-Result<std::unique_ptr<Camera>> open_camera(const std::string& spec, double exposure_s, const Clock& clock) {
+Result<std::unique_ptr<camera::Camera>> open_camera(const std::string& spec, double exposure_s, const Clock& clock) {
   const std::string more =
       fmt::format("{}{}exposure_ms={}", spec, spec.find('?') == std::string::npos ? '?' : '&', 1e3 * exposure_s);
   // Brightness is compared between pictures. libcamera's cameras hold their gain with a fixed exposure.
-  return make_camera(spec.starts_with("v4l2:") ? more + "&gain=held" : more, clock);
+  return devices::make_camera(spec.starts_with("v4l2:") ? more + "&gain=held" : more, clock);
 }
 
 class MuseumRoom final : public ShowRoom {
  public:
-  MuseumRoom(std::unique_ptr<RemoteShown> shown, std::vector<CameraPlug> plugs, double exposure_s, const Clock& clock)
+  MuseumRoom(std::unique_ptr<RemoteShown> shown, std::vector<scan::CameraSource> plugs, double exposure_s,
+             const Clock& clock)
       : shown_(std::move(shown)),
         plugs_(std::move(plugs)),
         cameras_(plugs_.size()),
@@ -62,9 +63,9 @@ class MuseumRoom final : public ShowRoom {
   }
 
  private:
-  Result<std::shared_ptr<const Frame>> frame_of(std::size_t i) {
+  Result<std::shared_ptr<const camera::CameraFrame>> frame_of(std::size_t i) {
     if (cameras_[i] == nullptr) {
-      TRY_ASSIGN(std::unique_ptr<Camera> camera, open_camera(plugs_[i].spec, exposure_s_, clock_));
+      TRY_ASSIGN(std::unique_ptr<camera::Camera> camera, open_camera(plugs_[i].spec, exposure_s_, clock_));
       TRY(camera->start());
       cameras_[i] = std::move(camera);
     }
@@ -75,15 +76,15 @@ class MuseumRoom final : public ShowRoom {
   }
 
   std::unique_ptr<RemoteShown> shown_;
-  std::vector<CameraPlug> plugs_;
-  std::vector<std::unique_ptr<Camera>> cameras_;
+  std::vector<scan::CameraSource> plugs_;
+  std::vector<std::unique_ptr<camera::Camera>> cameras_;
   double exposure_s_;
   const Clock& clock_;
 };
 
 class MuseumRooms final : public ShowRooms {
  public:
-  MuseumRooms(ShowDisplays displays, std::vector<CameraPlug> plugs, std::vector<WatchingCamera> cameras,
+  MuseumRooms(ShowDisplays displays, std::vector<scan::CameraSource> plugs, std::vector<WatchingCamera> cameras,
               std::vector<std::string> troubles, double exposure_s, const Clock& clock)
       : displays_(std::move(displays)),
         plugs_(std::move(plugs)),
@@ -100,20 +101,21 @@ class MuseumRooms final : public ShowRooms {
                                              displays_.latency, clock_));
     return std::unique_ptr<ShowRoom>(new MuseumRoom(std::move(shown), plugs_, exposure_s_, clock_));
   }
-  Result<PlacingDevices> open_for_placing() override {
-    PlacingDevices devices;
-    for (const CameraPlug& plug : plugs_) {
+  Result<PlacementDevices> open_for_placement() override {
+    PlacementDevices devices;
+    for (const scan::CameraSource& plug : plugs_) {
       const auto opener = [spec = plug.spec, this](double exposure_s) { return open_camera(spec, exposure_s, clock_); };
-      TRY_ASSIGN(auto camera, FrameScanCamera::open(opener, exposure_s_, clock_));
+      TRY_ASSIGN(auto camera, scan::FrameScanCamera::open(opener, exposure_s_, clock_));
       devices.cameras.push_back(std::move(camera));
     }
-    TRY_ASSIGN(devices.screen, RemotePatternScreen::open(displays_.projectors, displays_.displays, displays_.settle));
+    TRY_ASSIGN(devices.screen,
+               scan::RemotePatternScreen::open(displays_.projectors, displays_.displays, displays_.settle));
     return devices;
   }
 
  private:
   ShowDisplays displays_;
-  std::vector<CameraPlug> plugs_;
+  std::vector<scan::CameraSource> plugs_;
   std::vector<WatchingCamera> cameras_;
   std::vector<std::string> troubles_;
   double exposure_s_;
@@ -121,9 +123,9 @@ class MuseumRooms final : public ShowRooms {
 };
 
 /// kNotFound  in none of the folders. Others as read_camera().
-Result<CameraFile> lens_of(const std::string& camera, const std::vector<std::filesystem::path>& folders) {
+Result<calibration::CameraFile> lens_of(const std::string& camera, const std::vector<std::filesystem::path>& folders) {
   for (const std::filesystem::path& folder : folders) {
-    auto file = read_camera(folder / (camera + ".json"));
+    auto file = calibration::read_camera(folder / (camera + ".json"));
     if (file || file.error().code() != ErrorCode::kNotFound) return file;
   }
   return Error(ErrorCode::kNotFound, "its lens is not known");
@@ -136,30 +138,32 @@ std::string without_lens(const std::string& camera, const Error& error) {
       camera, error.message());
 }
 
-BrownParameters brown_parameters(const MeasuredLens& lens) {
-  const auto value = [&](MeasuredLens::Parameter which) { return lens.values[static_cast<std::size_t>(which)]; };
+calibration::BrownParameters brown_parameters(const calibration::MeasuredLens& lens) {
+  const auto value = [&](calibration::MeasuredLens::Parameter which) {
+    return lens.values[static_cast<std::size_t>(which)];
+  };
   return {lens.width_px,
           lens.height_px,
-          value(MeasuredLens::kFocal),
-          value(MeasuredLens::kFocal),
-          value(MeasuredLens::kCentreU),
-          value(MeasuredLens::kCentreV),
-          value(MeasuredLens::kK1),
-          value(MeasuredLens::kK2),
-          value(MeasuredLens::kP1),
-          value(MeasuredLens::kP2),
-          value(MeasuredLens::kK3)};
+          value(calibration::MeasuredLens::kFocal),
+          value(calibration::MeasuredLens::kFocal),
+          value(calibration::MeasuredLens::kCentreU),
+          value(calibration::MeasuredLens::kCentreV),
+          value(calibration::MeasuredLens::kK1),
+          value(calibration::MeasuredLens::kK2),
+          value(calibration::MeasuredLens::kP1),
+          value(calibration::MeasuredLens::kP2),
+          value(calibration::MeasuredLens::kK3)};
 }
 
 }  // namespace
 
-std::unique_ptr<ShowRooms> museum_rooms(ShowDisplays displays, const std::vector<CameraPlug>& cameras,
+std::unique_ptr<ShowRooms> museum_rooms(ShowDisplays displays, const std::vector<scan::CameraSource>& cameras,
                                         const std::vector<std::filesystem::path>& lenses, double exposure_s,
                                         const Clock& clock) {
-  std::vector<CameraPlug> plugs;
+  std::vector<scan::CameraSource> plugs;
   std::vector<WatchingCamera> watching;
   std::vector<std::string> troubles;
-  for (const CameraPlug& plug : cameras) {
+  for (const scan::CameraSource& plug : cameras) {
     const auto file = lens_of(plug.name, lenses);
     if (!file) {
       troubles.push_back(without_lens(plug.name, file.error()));
@@ -172,4 +176,4 @@ std::unique_ptr<ShowRooms> museum_rooms(ShowDisplays displays, const std::vector
                                        exposure_s, clock);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -5,19 +5,19 @@
 
 #include <algorithm>
 
-#include "appliance/healing/estimator/look_time.h"
+#include "appliance/healing/estimator/exposure_timing.h"
 #include "common/base/clock_offset.h"
 #include "common/image/jpeg.h"
 #include "common/wire/channel.h"
 #include "common/wire/show.grpc.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
-constexpr Duration kAnswerWithin = std::chrono::seconds(2);
-constexpr Duration kAskAgainAfter = std::chrono::milliseconds(15);
-constexpr int kMostAsks = 20;      // A third of a second: some refreshes of any projector.
-constexpr int kMostFirstAsks = 8;  // Of which one is quick.
+constexpr Duration kAnswerTimeout = std::chrono::seconds(2);
+constexpr Duration kRetryAfter = std::chrono::milliseconds(15);
+constexpr int kMaxRequests = 20;      // A third of a second: some refreshes of any projector.
+constexpr int kMaxFirstRequests = 8;  // Of which one is quick.
 // What else is compared: exposures a little earlier and later, also when a camera's clock is found to be wrong.
 constexpr Duration kShownBefore = kTimeDoubt + std::chrono::milliseconds(100);
 constexpr Duration kShownAfter = kTimeDoubt + std::chrono::milliseconds(40);
@@ -41,7 +41,7 @@ class RemoteShown::Display {
 
   Status between(TimePoint opened, TimePoint closed, Duration latency, Shown* ret_shown) {
     // Before the clocks' difference is known no time can be asked for.
-    for (int asks = 0; asks < kMostFirstAsks && !is_sure(); ++asks) TRY(ask(TimePoint{}, TimePoint{}));
+    for (int asks = 0; asks < kMaxFirstRequests && !is_sure(); ++asks) TRY(ask(TimePoint{}, TimePoint{}));
     const TimePoint from = opened - latency - kShownBefore;
     const TimePoint until = closed - latency + kShownAfter;
     for (int asks = 0;; ++asks) {
@@ -51,10 +51,10 @@ class RemoteShown::Display {
         TRY(ask(from, until));
       }
       if (from_nanoseconds(reply_.known_until_ns()) >= to_theirs(until)) break;
-      if (asks == kMostAsks) {
+      if (asks == kMaxRequests) {
         return Error(ErrorCode::kTimedOut, fmt::format("the display at {} does not refresh; see its state", address_));
       }
-      std::this_thread::sleep_for(kAskAgainAfter);
+      std::this_thread::sleep_for(kRetryAfter);
     }
     const bool is_told =
         !reply_.moments().empty() && from_nanoseconds(reply_.moments(0).shown_ns()) <= to_theirs(opened - latency);
@@ -104,7 +104,7 @@ class RemoteShown::Display {
     request.set_factor(static_cast<std::uint32_t>(factor_));
     request.set_known(known_);
     grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + kAnswerWithin);
+    context.set_deadline(std::chrono::system_clock::now() + kAnswerTimeout);
     context.set_wait_for_ready(false);
     reply_.Clear();
     const TimePoint asked = clock_.now();
@@ -149,11 +149,11 @@ RemoteShown::RemoteShown(Duration latency, const Clock& clock) : latency_(latenc
 RemoteShown::~RemoteShown() = default;
 
 Result<std::unique_ptr<RemoteShown>> RemoteShown::open(const std::vector<InstalledProjector>& projectors,
-                                                       const std::vector<PatternDisplay>& displays, int factor,
+                                                       const std::vector<scan::PatternDisplay>& displays, int factor,
                                                        Duration latency, const Clock& clock) {
   std::vector<std::vector<Display::Head>> heads(displays.size());
   for (std::size_t i = 0; i < projectors.size(); ++i) {
-    TRY_ASSIGN(const std::size_t display, display_of(projectors[i].name, displays));
+    TRY_ASSIGN(const std::size_t display, scan::display_of(projectors[i].name, displays));
     const Pinhole& lens = projectors[i].lens;
     heads[display].push_back({projectors[i].name, i, lens.width_px / factor, lens.height_px / factor});
   }
@@ -171,4 +171,4 @@ Result<RemoteShown::Shown> RemoteShown::between(TimePoint opened, TimePoint clos
   return shown;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -8,7 +8,7 @@
 #include "appliance/healing/estimator/show_timeline.h"
 #include "appliance/scan/remote_pattern_screen.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// What displays elsewhere showed, by the service ShownPictures (common/wire/show.proto), on this computer's clock; how
 /// it differs from theirs each answer tells (ClockOffset). Thread-bound.
@@ -17,7 +17,7 @@ class RemoteShown {
   /// `latency`: from a projector's signal to its light.
   /// kInvalidArgument  a projector belongs to no display, or to two.
   static Result<std::unique_ptr<RemoteShown>> open(const std::vector<InstalledProjector>& projectors,
-                                                   const std::vector<PatternDisplay>& displays, int factor,
+                                                   const std::vector<scan::PatternDisplay>& displays, int factor,
                                                    Duration latency, const Clock& clock);
   ~RemoteShown();
   RemoteShown(const RemoteShown&) = delete;
@@ -43,4 +43,4 @@ class RemoteShown {
   const Clock& clock_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

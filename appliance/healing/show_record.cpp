@@ -12,17 +12,17 @@
 #include "appliance/calibration/show_file.h"
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 constexpr char kMagic[] = "CYCSHOW2";
 constexpr std::size_t kMagicBytes = 8;
-constexpr std::uint32_t kMostJson = 1 << 20;
-constexpr std::uint32_t kMostPictures = 4096;
-constexpr double kFarthest_m = 1e4;
-constexpr std::uint32_t kMostFactor = 16;
-constexpr std::uint32_t kMostSide_px = 16384;
-constexpr std::size_t kMostPicture_px = std::size_t{1} << 26;
+constexpr std::uint32_t kMaxJsonBytes = 1 << 20;
+constexpr std::uint32_t kMaxPictures = 4096;
+constexpr double kMaxDistanceM = 1e4;
+constexpr std::uint32_t kMaxFactor = 16;
+constexpr std::uint32_t kMaxSide_px = 16384;
+constexpr std::size_t kMaxPicture_px = std::size_t{1} << 26;
 enum : std::uint8_t { kMoment = 1, kRealignment = 2, kPutBack = 3 };
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
@@ -31,12 +31,12 @@ void put_number(Number number, std::string* bytes) {
   bytes->append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
-ShowFile file_of(const ShowCalibration& show) {
-  ShowFile file;
+calibration::ShowFile file_of(const calibration::ShowCalibration& show) {
+  calibration::ShowFile file;
   file.calibration = "recorded";
-  for (const ShowProjector& p : show.projectors)
+  for (const calibration::ShowProjector& p : show.projectors)
     file.projectors.push_back({p.name, p.lens, p.T_room_projector, p.T_room_projector, {}, p.unplaced, p.light});
-  for (const ShowCamera& c : show.cameras) file.cameras.push_back({c.name, c.lens, c.T_room_camera});
+  for (const calibration::ShowCamera& c : show.cameras) file.cameras.push_back({c.name, c.lens, c.T_room_camera});
   return file;
 }
 
@@ -65,26 +65,26 @@ std::string pose_text(const RigidTransform<frame::Room, frame::Projector>& T) {
 
 }  // namespace
 
-ShowCalibration show_of(const ShowFile& file, const Installation& installation) {
-  ShowCalibration show;
+calibration::ShowCalibration show_of(const calibration::ShowFile& file, const Installation& installation) {
+  calibration::ShowCalibration show;
   show.wall = installation.wall;
   show.sweet_spot = installation.sweet_spot;
-  for (const ShowFile::Projector& p : file.projectors) {
-    ShowProjector projector;
+  for (const calibration::ShowFile::Projector& p : file.projectors) {
+    calibration::ShowProjector projector;
     projector.name = p.name;
     projector.lens = p.lens;
     projector.T_room_projector = p.applied;
-    projector.light.fill(rounded_light(gamma_light(2.2)));
+    projector.light.fill(calibration::rounded_light(calibration::gamma_light(2.2)));
     if (p.light) projector.light = *p.light;
     projector.unplaced = p.unplaced;
     show.projectors.push_back(std::move(projector));
   }
-  for (const ShowFile::Camera& c : file.cameras)
-    show.cameras.push_back({c.name, c.lens, c.T_room_camera, gamma_light(1.0)});
+  for (const calibration::ShowFile::Camera& c : file.cameras)
+    show.cameras.push_back({c.name, c.lens, c.T_room_camera, calibration::gamma_light(1.0)});
   return show;
 }
 
-std::optional<LearnedRoom> learned_of(const ShowFile& file, const Installation& installation) {
+std::optional<LearnedRoom> learned_of(const calibration::ShowFile& file, const Installation& installation) {
   LearnedRoom learned{show_of(file, installation), {}, {}};
   for (std::size_t i = 0; i < file.projectors.size(); ++i) {
     const auto& one = file.projectors[i].learned;
@@ -93,14 +93,14 @@ std::optional<LearnedRoom> learned_of(const ShowFile& file, const Installation& 
     learned.at_rest.push_back(one->at_rest);
     learned.roots.push_back(one->root);
   }
-  for (const ShowFile::Camera& camera : file.cameras) {
+  for (const calibration::ShowFile::Camera& camera : file.cameras) {
     if (!camera.root) return std::nullopt;
     learned.roots.push_back(*camera.root);
   }
   return learned;
 }
 
-void put_learned(const LearnedRoom& learned, ShowFile* file) {
+void put_learned(const LearnedRoom& learned, calibration::ShowFile* file) {
   const std::size_t count = file->projectors.size();
   CHECK(learned.at_rest.size() == count && learned.roots.size() == count + file->cameras.size());
   for (std::size_t i = 0; i < count; ++i) {
@@ -140,7 +140,7 @@ std::uintmax_t record_bytes(const std::filesystem::path& folder) {
 }
 
 Result<ShowRecorder> ShowRecorder::begin(const std::filesystem::path& folder, const std::filesystem::path& installation,
-                                         const RecordStart& start, std::uintmax_t most_bytes) {
+                                         const RecordStart& start, std::uintmax_t max_bytes) {
   if (std::holds_alternative<MeshWall>(start.applied.wall)) {
     return Error(ErrorCode::kInvalidArgument,
                  "a wall that is a mesh lies in other files and is not recorded; record without --record");
@@ -155,16 +155,16 @@ Result<ShowRecorder> ShowRecorder::begin(const std::filesystem::path& folder, co
   File record(std::fopen((folder / "show.record").c_str(), "wbe"));
   File report(std::fopen((folder / "report.txt").c_str(), "wbe"));
   if (record == nullptr || report == nullptr) return system_error(folder);
-  ShowRecorder recorder(std::move(record), std::move(report), most_bytes);
+  ShowRecorder recorder(std::move(record), std::move(report), max_bytes);
   std::string bytes(kMagic, kMagicBytes);
   put_number(start.factor, &bytes);
   std::string known;
   if (start.learned) {
-    ShowFile file = file_of(start.learned->believed);
+    calibration::ShowFile file = file_of(start.learned->believed);
     put_learned(*start.learned, &file);
-    known = show_json(file);
+    known = calibration::show_json(file);
   }
-  for (const std::string& json : {show_json(file_of(start.applied)), known}) {
+  for (const std::string& json : {calibration::show_json(file_of(start.applied)), known}) {
     put_number(static_cast<std::uint32_t>(json.size()), &bytes);
     bytes += json;
   }
@@ -245,14 +245,14 @@ Result<ShowRecord> ShowRecord::open(const std::filesystem::path& folder) {
   if (!get_bytes(file.get(), &left, magic, sizeof magic) || std::memcmp(magic, kMagic, sizeof magic) != 0)
     return no_record;
   RecordStart start;
-  if (!get(file.get(), &left, &start.factor) || start.factor < 1 || start.factor > kMostFactor) return no_record;
+  if (!get(file.get(), &left, &start.factor) || start.factor < 1 || start.factor > kMaxFactor) return no_record;
   for (const bool is_learned : {false, true}) {
     std::uint32_t size = 0;
-    if (!get(file.get(), &left, &size) || size > kMostJson || size > left) return no_record;
+    if (!get(file.get(), &left, &size) || size > kMaxJsonBytes || size > left) return no_record;
     if (size == 0 && is_learned) break;
     std::string json(size, '\0');
     if (!get_bytes(file.get(), &left, json.data(), size)) return no_record;
-    TRY_ASSIGN(const ShowFile show, parse_show(json, path.string()));
+    TRY_ASSIGN(const calibration::ShowFile show, calibration::parse_show(json, path.string()));
     if (is_learned) {
       start.learned = learned_of(show, installation);
       if (!start.learned) return no_record;
@@ -279,10 +279,10 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
     std::array<double, 7> v{};
     if (!get(file, &left_, &projector) || !get_bytes(file, &left_, v.data(), sizeof v)) return end;
     const Eigen::Quaterniond turn(v[0], v[1], v[2], v[3]);
-    const Eigen::Vector3d place(v[4], v[5], v[6]);
-    if (!(std::abs(turn.norm() - 1.0) < 1e-6) || !(place.norm() < kFarthest_m)) return damaged;
+    const Eigen::Vector3d position(v[4], v[5], v[6]);
+    if (!(std::abs(turn.norm() - 1.0) < 1e-6) || !(position.norm() < kMaxDistanceM)) return damaged;
     event.put_back = projector;
-    event.place = {turn, place};
+    event.position = {turn, position};
     return std::optional<Event>(std::move(event));
   }
   if (kind != kMoment) return damaged;
@@ -291,7 +291,7 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
     if (!get(file, &left_, &width) || !get(file, &left_, &height)) return std::nullopt;
-    if (width > kMostSide_px || height > kMostSide_px || std::size_t{width} * height > kMostPicture_px) return false;
+    if (width > kMaxSide_px || height > kMaxSide_px || std::size_t{width} * height > kMaxPicture_px) return false;
     if (width == 0 || height == 0) return true;
     using ImageType = std::remove_const_t<typename std::remove_pointer_t<decltype(ret_image)>::element_type>;
     auto image = std::make_shared<ImageType>();
@@ -306,7 +306,7 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
   std::int64_t now_ns = 0;
   std::uint32_t count = 0;
   if (!get(file, &left_, &now_ns) || !get(file, &left_, &count)) return end;
-  if (count > kMostPictures) return damaged;
+  if (count > kMaxPictures) return damaged;
   event.moment.now = from_nanoseconds(now_ns);
   for (std::uint32_t i = 0; i < count; ++i) {
     std::uint32_t projector = 0;
@@ -320,7 +320,7 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
     event.moment.shown.push_back(std::move(shown));
   }
   if (!get(file, &left_, &count)) return end;
-  if (count > kMostPictures) return damaged;
+  if (count > kMaxPictures) return damaged;
   for (std::uint32_t i = 0; i < count; ++i) {
     std::uint32_t projector = 0;
     std::int64_t at_ns = 0;
@@ -329,7 +329,7 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
     event.moment.until.push_back({projector, from_nanoseconds(at_ns), number});
   }
   if (!get(file, &left_, &count)) return end;
-  if (count > kMostPictures) return damaged;
+  if (count > kMaxPictures) return damaged;
   for (std::uint32_t i = 0; i < count; ++i) {
     std::uint32_t camera = 0;
     std::int64_t opened_ns = 0;
@@ -356,11 +356,11 @@ Result<std::string> replay(const std::filesystem::path& folder) {
     } else if (event->put_back) {
       if (*event->put_back >= calibrator.applied().projectors.size())
         return Error(ErrorCode::kBadData, fmt::format("'{}' is no record of a show", folder.string()));
-      TRY(calibrator.put_back(*event->put_back, event->place));
+      TRY(calibrator.put_back(*event->put_back, event->position));
     } else {
       lines += report_lines(calibrator.step(event->moment));
     }
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

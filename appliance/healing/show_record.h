@@ -30,15 +30,15 @@
 #include "common/base/result.h"
 #include "common/room/installation.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// Where the records of one folder are at their end, all together: so that a forgotten --record does not fill the disk,
 /// however often the calibrator starts again.
-inline constexpr std::uintmax_t kLargestRecords = std::uintmax_t{8} << 30;
+inline constexpr std::uintmax_t kMaxRecordBytes = std::uintmax_t{8} << 30;
 
 /// What a record begins with.
 struct RecordStart {
-  ShowCalibration applied;
+  calibration::ShowCalibration applied;
   std::optional<LearnedRoom> learned;
   std::uint32_t factor = 1;  ///< By what its pictures are smaller than the projectors', each way.
 
@@ -47,11 +47,12 @@ struct RecordStart {
 };
 
 /// With what is applied; light that was not measured is taken for 2.2 gamma, cameras for linear.
-[[nodiscard]] ShowCalibration show_of(const ShowFile& file, const Installation& installation);
+[[nodiscard]] calibration::ShowCalibration show_of(const calibration::ShowFile& file, const Installation& installation);
 /// What was learned, if all of it is there.
-[[nodiscard]] std::optional<LearnedRoom> learned_of(const ShowFile& file, const Installation& installation);
+[[nodiscard]] std::optional<LearnedRoom> learned_of(const calibration::ShowFile& file,
+                                                    const Installation& installation);
 /// Into a file of the same room.
-void put_learned(const LearnedRoom& learned, ShowFile* file);
+void put_learned(const LearnedRoom& learned, calibration::ShowFile* file);
 
 /// A line per correction, and per line of the log: the same for the same report, and for no other.
 [[nodiscard]] std::string report_lines(const ShowReport& report);
@@ -64,7 +65,7 @@ class ShowRecorder {
  public:
   /// Makes the folder. kInvalidArgument  the wall is a mesh, which lies in other files.     kSystem  errno says why.
   static Result<ShowRecorder> begin(const std::filesystem::path& folder, const std::filesystem::path& installation,
-                                    const RecordStart& start, std::uintmax_t most_bytes = kLargestRecords);
+                                    const RecordStart& start, std::uintmax_t max_bytes = kMaxRecordBytes);
   /// kSystem  errno says why, the disk is full; kBusy  it has its largest size: no more is kept.
   Status add(const ShowMoment& moment, const ShowReport& report);
   Status add_realignment();
@@ -93,7 +94,7 @@ class ShowRecord {
   struct Event {
     bool wants_realignment = false;
     std::optional<std::size_t> put_back{};  ///< A projector, there:
-    RigidTransform<frame::Room, frame::Projector> place{};
+    RigidTransform<frame::Room, frame::Projector> position{};
     ShowMoment moment;
   };
   /// Nothing at the end, also where the record is cut short. kBadData  what no recorder writes.
@@ -114,4 +115,4 @@ class ShowRecord {
 /// Runs it again; every report's lines, one after the other. Errors as ShowRecord's and ContinuousCalibrator::make()'s.
 Result<std::string> replay(const std::filesystem::path& folder);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -7,17 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "appliance/healing/estimator/camera_look.h"
+#include "appliance/healing/estimator/camera_monitor.h"
 #include "appliance/healing/estimator/continuous_calibrator.h"
 #include "appliance/scan/scan_devices.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// A fixed camera and its lens; where it stands is found out (camera_places.h).
 struct WatchingCamera {
   std::string name;
-  BrownParameters lens;
+  calibration::BrownParameters lens;
 };
 
 /// Displays and cameras while the show runs. Thread-bound.
@@ -37,9 +37,9 @@ class ShowRoom {
 };
 
 /// The same cameras and projectors while patterns are shown.
-struct PlacingDevices {
-  std::vector<std::unique_ptr<ScanCamera>> cameras;  ///< As ShowRooms::cameras().
-  std::unique_ptr<PatternScreen> screen;             ///< Last: it is let go first.
+struct PlacementDevices {
+  std::vector<std::unique_ptr<scan::ScanCamera>> cameras;  ///< As ShowRooms::cameras().
+  std::unique_ptr<scan::PatternScreen> screen;             ///< Last: it is let go first.
 };
 
 /// Makes either, one at a time; so the cameras are free between. Thread-bound.
@@ -53,7 +53,7 @@ class ShowRooms {
   /// By what pictures of projectors are smaller each way than they are.
   [[nodiscard]] virtual int picture_factor() const = 0;
   virtual Result<std::unique_ptr<ShowRoom>> open() = 0;
-  virtual Result<PlacingDevices> open_for_placing() = 0;
+  virtual Result<PlacementDevices> open_for_placement() = 0;
 
  protected:
   ShowRooms() = default;
@@ -61,4 +61,4 @@ class ShowRooms {
   ShowRooms& operator=(const ShowRooms&) = delete;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

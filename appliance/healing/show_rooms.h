@@ -8,12 +8,12 @@
 #include "drivers/camera/camera.h"
 #include "drivers/simulated/museum/simulated_stage.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// The displays, and how their pictures are asked for.
 struct ShowDisplays {
   std::vector<InstalledProjector> projectors;
-  std::vector<PatternDisplay> displays;
+  std::vector<scan::PatternDisplay> displays;
   int factor = 1;
   Duration latency{};  ///< From a projector's signal to its light.
   std::chrono::milliseconds settle{100};
@@ -21,12 +21,13 @@ struct ShowDisplays {
 
 /// Cameras of make_camera(), each with its lens, as cyclorama-calibrate-camera writes it, in the first of `lenses` that
 /// has a file NAME.json. A camera without is in troubles(), and so is one whose file is damaged. Borrows the clock.
-[[nodiscard]] std::unique_ptr<ShowRooms> museum_rooms(ShowDisplays displays, const std::vector<CameraPlug>& cameras,
+[[nodiscard]] std::unique_ptr<ShowRooms> museum_rooms(ShowDisplays displays,
+                                                      const std::vector<scan::CameraSource>& cameras,
                                                       const std::vector<std::filesystem::path>& lenses,
                                                       double exposure_s, const Clock& clock);
 
 /// The stage's cameras see what the displays say that they show.
-[[nodiscard]] std::unique_ptr<ShowRooms> simulated_rooms(ShowDisplays displays, SimulatedStage stage,
+[[nodiscard]] std::unique_ptr<ShowRooms> simulated_rooms(ShowDisplays displays, simulated::SimulatedStage stage,
                                                          const Clock& clock);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

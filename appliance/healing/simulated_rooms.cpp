@@ -3,14 +3,14 @@
 
 #include "appliance/healing/show_rooms.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 constexpr double kExposure_s = 0.04;
 
 class SimulatedShowRoom final : public ShowRoom {
  public:
-  SimulatedShowRoom(std::unique_ptr<RemoteShown> shown, SimulatedStage* stage, const Clock& clock)
+  SimulatedShowRoom(std::unique_ptr<RemoteShown> shown, simulated::SimulatedStage* stage, const Clock& clock)
       : shown_(std::move(shown)), stage_(*stage), clock_(clock) {}
 
   /// The stage has no time: it shows what was shown last while the cameras' shutters were open.
@@ -32,13 +32,13 @@ class SimulatedShowRoom final : public ShowRoom {
 
  private:
   std::unique_ptr<RemoteShown> shown_;
-  SimulatedStage& stage_;
+  simulated::SimulatedStage& stage_;
   const Clock& clock_;
 };
 
-class StageScreen final : public PatternScreen {
+class StageScreen final : public scan::PatternScreen {
  public:
-  StageScreen(SimulatedStage* stage, const std::vector<InstalledProjector>& projectors)
+  StageScreen(simulated::SimulatedStage* stage, const std::vector<InstalledProjector>& projectors)
       : stage_(*stage), projectors_(projectors) {
     for (std::size_t i = 0; i < projectors_.size(); ++i) {
       const Status ignored = show(i, RgbImage());
@@ -53,39 +53,39 @@ class StageScreen final : public PatternScreen {
   }
 
  private:
-  SimulatedStage& stage_;
+  simulated::SimulatedStage& stage_;
   const std::vector<InstalledProjector>& projectors_;
 };
 
-class StageCamera final : public ScanCamera {
+class StageCamera final : public scan::ScanCamera {
  public:
-  StageCamera(SimulatedStage* stage, std::size_t camera)
+  StageCamera(simulated::SimulatedStage* stage, std::size_t camera)
       : stage_(*stage), camera_(camera), lens_(stage->lens(camera)), id_(fmt::format("simulated {}", camera + 1)) {}
   [[nodiscard]] const std::string& id() const override { return id_; }
   [[nodiscard]] int width_px() const override { return lens_.width_px; }
   [[nodiscard]] int height_px() const override { return lens_.height_px; }
   [[nodiscard]] bool has_colour() const override { return false; }
-  Result<ScanPhotograph> photograph(double exposure_s) override {
+  Result<scan::ScanPhotograph> photograph(double exposure_s) override {
     TRY_ASSIGN(const GreyImage codes, stage_.photograph(camera_, exposure_s));
-    ScanPhotograph photograph(codes.width(), codes.height());
+    scan::ScanPhotograph photograph(codes.width(), codes.height());
     for (std::size_t i = 0; i < photograph.data().size(); ++i)
       photograph.data()[i] = static_cast<float>(codes.data()[i / 3]) / 255.0f;
     return photograph;
   }
 
  private:
-  SimulatedStage& stage_;
+  simulated::SimulatedStage& stage_;
   std::size_t camera_;
-  SimulatedStage::Lens lens_;
+  simulated::SimulatedStage::Lens lens_;
   std::string id_;
 };
 
 class SimulatedRooms final : public ShowRooms {
  public:
-  SimulatedRooms(ShowDisplays displays, SimulatedStage stage, const Clock& clock)
+  SimulatedRooms(ShowDisplays displays, simulated::SimulatedStage stage, const Clock& clock)
       : displays_(std::move(displays)), stage_(std::move(stage)), clock_(clock) {
     for (std::size_t i = 0; i < stage_.camera_count(); ++i) {
-      const SimulatedStage::Lens lens = stage_.lens(i);
+      const simulated::SimulatedStage::Lens lens = stage_.lens(i);
       cameras_.push_back(
           {fmt::format("camera {}", i + 1),
            {lens.width_px, lens.height_px, lens.focal_px, lens.focal_px, lens.centre_u_px, lens.centre_v_px,
@@ -99,8 +99,8 @@ class SimulatedRooms final : public ShowRooms {
                                              displays_.latency, clock_));
     return std::unique_ptr<ShowRoom>(new SimulatedShowRoom(std::move(shown), &stage_, clock_));
   }
-  Result<PlacingDevices> open_for_placing() override {
-    PlacingDevices devices;
+  Result<PlacementDevices> open_for_placement() override {
+    PlacementDevices devices;
     for (std::size_t i = 0; i < stage_.camera_count(); ++i)
       devices.cameras.push_back(std::make_unique<StageCamera>(&stage_, i));
     devices.screen = std::make_unique<StageScreen>(&stage_, displays_.projectors);
@@ -109,15 +109,15 @@ class SimulatedRooms final : public ShowRooms {
 
  private:
   ShowDisplays displays_;
-  SimulatedStage stage_;
+  simulated::SimulatedStage stage_;
   const Clock& clock_;
   std::vector<WatchingCamera> cameras_;
 };
 
 }  // namespace
 
-std::unique_ptr<ShowRooms> simulated_rooms(ShowDisplays displays, SimulatedStage stage, const Clock& clock) {
+std::unique_ptr<ShowRooms> simulated_rooms(ShowDisplays displays, simulated::SimulatedStage stage, const Clock& clock) {
   return std::make_unique<SimulatedRooms>(std::move(displays), std::move(stage), clock);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -2,7 +2,7 @@
 #include "appliance/interchange/mesh_files.h"
 #include "appliance/interchange/text_lines.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 constexpr int kPolar = 1;
@@ -14,10 +14,10 @@ Status check_aspect(double aspect) {
   return Error(ErrorCode::kInvalidArgument, fmt::format("an aspect ratio of {}; give 0.05 to 20", aspect));
 }
 
-Result<long long> count_in(std::string_view field, const std::string& place) {
+Result<long long> count_in(std::string_view field, const std::string& location) {
   const auto value = parse_integer(field);
-  if (!value || *value < 1 || *value > static_cast<long long>(kMostWarpNodes)) {
-    return fault(place, fmt::format("'{}' is no count", printable(field)), "export the mesh again");
+  if (!value || *value < 1 || *value > static_cast<long long>(kMaxWarpNodes)) {
+    return fault(location, fmt::format("'{}' is no count", printable(field)), "export the mesh again");
   }
   return *value;
 }
@@ -34,12 +34,12 @@ Result<WarpNet> parse_bourke(std::string_view text, double aspect) {
   }
   const auto size_line = lines.next();
   const auto sizes = size_line ? fields_of(*size_line) : std::vector<std::string_view>();
-  if (sizes.size() != 2) return fault(lines.place(), "no columns and rows", "export the mesh again");
-  TRY_ASSIGN(const long long columns, count_in(sizes[0], lines.place()));
-  TRY_ASSIGN(const long long rows, count_in(sizes[1], lines.place()));
-  if (columns < 2 || rows < 2 || columns > static_cast<long long>(kMostWarpNodes) / rows) {
-    return fault(lines.place(), fmt::format("a mesh of {}x{} nodes", columns, rows),
-                 fmt::format("export at least 2x2 and at most {} nodes", kMostWarpNodes));
+  if (sizes.size() != 2) return fault(lines.location(), "no columns and rows", "export the mesh again");
+  TRY_ASSIGN(const long long columns, count_in(sizes[0], lines.location()));
+  TRY_ASSIGN(const long long rows, count_in(sizes[1], lines.location()));
+  if (columns < 2 || rows < 2 || columns > static_cast<long long>(kMaxWarpNodes) / rows) {
+    return fault(lines.location(), fmt::format("a mesh of {}x{} nodes", columns, rows),
+                 fmt::format("export at least 2x2 and at most {} nodes", kMaxWarpNodes));
   }
   WarpNet net;
   net.columns = static_cast<int>(columns);
@@ -48,21 +48,21 @@ Result<WarpNet> parse_bourke(std::string_view text, double aspect) {
   const auto count = static_cast<std::size_t>(columns * rows);
   while (const auto line = lines.next()) {
     if (net.nodes.size() == count) {
-      return fault(lines.place(), fmt::format("more than {}x{} nodes", columns, rows), "correct the second line");
+      return fault(lines.location(), fmt::format("more than {}x{} nodes", columns, rows), "correct the second line");
     }
     const auto fields = fields_of(*line);
     if (fields.size() != kFields) {
-      return fault(lines.place(), fmt::format("{} numbers, and a node has {}", fields.size(), kFields),
+      return fault(lines.location(), fmt::format("{} numbers, and a node has {}", fields.size(), kFields),
                    "give x, y, u, v and intensity");
     }
     std::array<double, kFields> values{};
     for (std::size_t i = 0; i < kFields; ++i) {
-      TRY_ASSIGN(values[i], number_of(fields[i], lines.place()));
+      TRY_ASSIGN(values[i], number_of(fields[i], lines.location()));
     }
     net.nodes.push_back({0.5 * (values[0] / aspect + 1.0), 0.5 * (values[1] + 1.0), values[2], values[3], values[4]});
   }
   if (net.nodes.size() != count) {
-    return fault(fmt::format("after {}", lines.place()),
+    return fault(fmt::format("after {}", lines.location()),
                  fmt::format("{} nodes, and {}x{} are announced", net.nodes.size(), columns, rows),
                  "copy or export the mesh again");
   }
@@ -84,4 +84,4 @@ Result<std::string> print_bourke(const WarpNet& net, double aspect) {
   return text;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -9,13 +9,13 @@
 #include "appliance/interchange/fault.h"
 #include "appliance/interchange/map_sampling.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 using Look = std::function<std::optional<Eigen::Vector3d>(const float*)>;
 
 constexpr double kRadians = std::numbers::pi / 180.0;
-constexpr double kNearestM = 1e-6;
+constexpr double kMinDistanceM = 1e-6;
 
 Error lacking(const WarpRegion& region, std::string_view what, std::string_view remedy) {
   return Error(ErrorCode::kInvalidArgument, fmt::format("region '{}': {}; {}", region.id, what, remedy));
@@ -48,7 +48,7 @@ Look look_through_frustum(const WarpFrustum& f) {
 Look look_at_points(double metres, const Eigen::Vector3d& eye_m) {
   return [=](const float* sample) -> std::optional<Eigen::Vector3d> {
     const Eigen::Vector3d seen = metres * Eigen::Vector3f(sample[0], sample[1], sample[2]).cast<double>() - eye_m;
-    if (!(seen.norm() > kNearestM)) return std::nullopt;  // Some exporters mark what is not mapped with zeros.
+    if (!(seen.norm() > kMinDistanceM)) return std::nullopt;  // Some exporters mark what is not mapped with zeros.
     return seen;
   };
 }
@@ -103,4 +103,4 @@ Result<DirectionMap> directions_of(const WarpRegion& region, WarpProfile profile
   return directions;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

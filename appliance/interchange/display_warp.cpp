@@ -10,19 +10,19 @@
 #include "appliance/interchange/map_sampling.h"
 #include "common/geometry/picture_place.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
-constexpr int kFewestCells = 8;
+constexpr int kMinCells = 8;
 constexpr int kFinestCellPx = 4;
-constexpr double kFarthest = 1e9;  // Straight up in a panorama, but for rounding.
+constexpr double kMaxCoordinate = 1e9;  // Straight up in a panorama, but for rounding.
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// Where directions lie in a picture; azimuths count from the middle of what is mapped, so that none jumps inside of
 /// one projector's picture.
-class Places {
+class PicturePositions {
  public:
-  Places(const DirectionMap& directions, const PictureShape& picture) : picture_(picture) {
+  PicturePositions(const DirectionMap& directions, const PictureShape& picture) : picture_(picture) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int y = 0; y < directions.height(); ++y) {
       for (int x = 0; x < directions.width(); ++x) {
@@ -33,9 +33,10 @@ class Places {
     middle_rad_ = std::atan2(sum.x(), -sum.z());
   }
   [[nodiscard]] std::optional<PicturePlace> of(const Eigen::Vector3d& direction) const {
-    const auto place = place_of(picture_, direction);
-    if (!place || !(std::abs(place->across) < kFarthest) || !(std::abs(place->up) < kFarthest)) return std::nullopt;
-    return counted_near(*place, picture_, middle_rad_);
+    const auto location = place_of(picture_, direction);
+    if (!location || !(std::abs(location->across) < kMaxCoordinate) || !(std::abs(location->up) < kMaxCoordinate))
+      return std::nullopt;
+    return warp::counted_near(*location, picture_, middle_rad_);
   }
   /// At a place in the projector's picture, 0 to 1 from its upper left corner.
   [[nodiscard]] std::optional<PicturePlace> at(const DirectionMap& directions, double x, double y) const {
@@ -49,17 +50,17 @@ class Places {
   double middle_rad_ = 0.0;
 };
 
-WarpMesh sampled(const DirectionMap& directions, const Places& places, int width_px, int height_px, int cells_x,
-                 int cells_y) {
-  WarpMesh mesh{width_px, height_px, cells_x, cells_y, {}, 0.0};
+warp::WarpMesh sampled(const DirectionMap& directions, const PicturePositions& positions, int width_px, int height_px,
+                       int cells_x, int cells_y) {
+  warp::WarpMesh mesh{width_px, height_px, cells_x, cells_y, {}, 0.0};
   for (int j = 0; j <= cells_y; ++j) {
     for (int i = 0; i <= cells_x; ++i) {
       const double x = static_cast<double>(i) / cells_x;
       const double y = static_cast<double>(j) / cells_y;
-      WarpVertex vertex{static_cast<float>(width_px * x), static_cast<float>(height_px * y), kNone, kNone};
-      if (const auto place = places.at(directions, x, y)) {
-        vertex.azimuth_rad = static_cast<float>(place->across);
-        vertex.tan_elevation = static_cast<float>(place->up);
+      warp::WarpVertex vertex{static_cast<float>(width_px * x), static_cast<float>(height_px * y), kNone, kNone};
+      if (const auto location = positions.at(directions, x, y)) {
+        vertex.azimuth_rad = static_cast<float>(location->across);
+        vertex.tan_elevation = static_cast<float>(location->up);
       }
       mesh.vertices.push_back(vertex);
     }
@@ -68,28 +69,28 @@ WarpMesh sampled(const DirectionMap& directions, const Places& places, int width
 }
 
 /// Continues rows and columns by one vertex beyond what is mapped: straight on from the two nearest.
-void grow_rim(WarpMesh* mesh) {
-  const std::vector<WarpVertex> old = mesh->vertices;
+void grow_rim(warp::WarpMesh* mesh) {
+  const std::vector<warp::WarpVertex> old = mesh->vertices;
   const int across = mesh->cells_x + 1;
   const int down = mesh->cells_y + 1;
-  const auto at = [&](int i, int j) -> const WarpVertex* {
+  const auto at = [&](int i, int j) -> const warp::WarpVertex* {
     if (i < 0 || j < 0 || i >= across || j >= down) return nullptr;
-    const WarpVertex& v =
+    const warp::WarpVertex& v =
         old[static_cast<std::size_t>(j) * static_cast<std::size_t>(across) + static_cast<std::size_t>(i)];
     return v.is_valid() ? &v : nullptr;
   };
   constexpr int kSteps[8][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}};
   for (int j = 0; j < down; ++j) {
     for (int i = 0; i < across; ++i) {
-      WarpVertex& vertex =
+      warp::WarpVertex& vertex =
           mesh->vertices[static_cast<std::size_t>(j) * static_cast<std::size_t>(across) + static_cast<std::size_t>(i)];
       if (vertex.is_valid()) continue;
       float azimuth = 0.0f;
       float tangent = 0.0f;
       float count = 0.0f;
       for (const auto& step : kSteps) {
-        const WarpVertex* const near = at(i + step[0], j + step[1]);
-        const WarpVertex* const far = at(i + 2 * step[0], j + 2 * step[1]);
+        const warp::WarpVertex* const near = at(i + step[0], j + step[1]);
+        const warp::WarpVertex* const far = at(i + 2 * step[0], j + 2 * step[1]);
         if (near == nullptr || far == nullptr) continue;
         azimuth += 2.0f * near->azimuth_rad - far->azimuth_rad;
         tangent += 2.0f * near->tan_elevation - far->tan_elevation;
@@ -103,13 +104,14 @@ void grow_rim(WarpMesh* mesh) {
 }
 
 /// The largest distance between the mesh and a mapped sample; infinite where the mesh leaves one out.
-double worst_error(const DirectionMap& directions, const Places& places, const WarpMesh& mesh,
+double worst_error(const DirectionMap& directions, const PicturePositions& positions, const warp::WarpMesh& mesh,
                    const PixelScale& scale) {
   double worst = 0.0;
   for (int y = 0; y < directions.height(); ++y) {
     for (int x = 0; x < directions.width(); ++x) {
       const float* const d = directions.at(x, y);
-      const auto truth = std::isnan(d[0]) ? std::nullopt : places.of(Eigen::Vector3f(d[0], d[1], d[2]).cast<double>());
+      const auto truth =
+          std::isnan(d[0]) ? std::nullopt : positions.of(Eigen::Vector3f(d[0], d[1], d[2]).cast<double>());
       if (!truth) continue;
       const auto meshed = mesh.interpolate(
           {mesh.width_px * (x + 0.5) / directions.width(), mesh.height_px * (y + 0.5) / directions.height()});
@@ -120,7 +122,7 @@ double worst_error(const DirectionMap& directions, const Places& places, const W
   return worst;
 }
 
-MaskMap mask_map(const MaskImage& mask) {
+MaskMap mask_map(const warp::MaskImage& mask) {
   MaskMap map(mask.width(), mask.height(), 1, 16);
   for (std::size_t i = 0; i < map.samples.size(); ++i) {
     const double light = std::clamp(static_cast<double>(mask.data()[i]), 0.0, 1.0);
@@ -129,8 +131,8 @@ MaskMap mask_map(const MaskImage& mask) {
   return map;
 }
 
-MaskImage light_of(const MaskMap& mask, int width_px, int height_px) {
-  MaskImage light(width_px, height_px);
+warp::MaskImage light_of(const MaskMap& mask, int width_px, int height_px) {
+  warp::MaskImage light(width_px, height_px);
   for (int y = 0; y < height_px; ++y) {
     for (int x = 0; x < width_px; ++x) {
       *light.at(x, y) = static_cast<float>(sample_light(mask, (x + 0.5) / width_px, (y + 0.5) / height_px));
@@ -141,19 +143,19 @@ MaskImage light_of(const MaskMap& mask, int width_px, int height_px) {
 
 }  // namespace
 
-Result<WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int height_px, const PictureShape& picture,
-                           double tolerance_px) {
+Result<warp::WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int height_px,
+                                 const PictureShape& picture, double tolerance_px) {
   CHECK(!directions.empty() && width_px > 0 && height_px > 0 && tolerance_px > 0.0);
-  const Places places(directions, picture);
+  const PicturePositions positions(directions, picture);
   const PixelScale scale = pixel_scale(picture);
-  const auto most = [](int px) { return std::max(1, px / kFinestCellPx); };
-  for (int cells = kFewestCells;; cells *= 2) {
-    const int cells_x = std::min(cells, most(width_px));
-    const int cells_y = std::min(cells, most(height_px));
-    WarpMesh mesh = sampled(directions, places, width_px, height_px, cells_x, cells_y);
+  const auto max = [](int px) { return std::max(1, px / kFinestCellPx); };
+  for (int cells = kMinCells;; cells *= 2) {
+    const int cells_x = std::min(cells, max(width_px));
+    const int cells_y = std::min(cells, max(height_px));
+    warp::WarpMesh mesh = sampled(directions, positions, width_px, height_px, cells_x, cells_y);
     grow_rim(&mesh);
-    mesh.worst_error_px = worst_error(directions, places, mesh, scale);
-    const bool is_finest = cells_x == most(width_px) && cells_y == most(height_px);
+    mesh.worst_error_px = worst_error(directions, positions, mesh, scale);
+    const bool is_finest = cells_x == max(width_px) && cells_y == max(height_px);
     if (mesh.triangles().empty()) {
       if (is_finest) return fault("map", "too little of it is mapped to draw", "measure or export the region again");
     } else if (mesh.worst_error_px <= tolerance_px || is_finest) {
@@ -162,26 +164,26 @@ Result<WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int hei
   }
 }
 
-Result<Warp> warp_from(const DirectionMap& directions, int width_px, int height_px, const PictureShape& picture,
-                       double tolerance_px) {
-  TRY_ASSIGN(WarpMesh mesh, mesh_from(directions, width_px, height_px, picture, tolerance_px));
-  if (mesh.worst_error_px <= tolerance_px && is_quicker_than_a_map(mesh)) return Warp(std::move(mesh));
-  const Places places(directions, picture);
-  PixelMap map(width_px, height_px, kNone);
+Result<warp::Warp> warp_from(const DirectionMap& directions, int width_px, int height_px, const PictureShape& picture,
+                             double tolerance_px) {
+  TRY_ASSIGN(warp::WarpMesh mesh, mesh_from(directions, width_px, height_px, picture, tolerance_px));
+  if (mesh.worst_error_px <= tolerance_px && warp::is_quicker_than_a_map(mesh)) return warp::Warp(std::move(mesh));
+  const PicturePositions positions(directions, picture);
+  warp::PixelMap map(width_px, height_px, kNone);
   for (int y = 0; y < height_px; ++y) {
     for (int x = 0; x < width_px; ++x) {
-      const auto place = places.at(directions, (x + 0.5) / width_px, (y + 0.5) / height_px);
-      if (!place) continue;
-      map.at(x, y)[0] = static_cast<float>(place->across);
-      map.at(x, y)[1] = static_cast<float>(place->up);
+      const auto location = positions.at(directions, (x + 0.5) / width_px, (y + 0.5) / height_px);
+      if (!location) continue;
+      map.at(x, y)[0] = static_cast<float>(location->across);
+      map.at(x, y)[1] = static_cast<float>(location->up);
     }
   }
-  return Warp(std::move(map));
+  return warp::Warp(std::move(map));
 }
 
-MaskImage mask_of(const WarpRegion& region) {
-  MaskImage mask = region.alpha ? light_of(*region.alpha, region.width_px, region.height_px)
-                                : MaskImage(region.width_px, region.height_px, 1.0f);
+warp::MaskImage mask_of(const WarpRegion& region) {
+  warp::MaskImage mask = region.alpha ? light_of(*region.alpha, region.width_px, region.height_px)
+                                      : warp::MaskImage(region.width_px, region.height_px, 1.0f);
   if (!region.map) return mask;
   const WarpMap& map = *region.map;
   for (int y = 0; y < mask.height(); ++y) {
@@ -194,12 +196,13 @@ MaskImage mask_of(const WarpRegion& region) {
   return mask;
 }
 
-std::optional<MaskImage> black_level_of(const WarpRegion& region) {
+std::optional<warp::MaskImage> black_level_of(const WarpRegion& region) {
   if (!region.beta) return std::nullopt;
   return light_of(*region.beta, region.width_px, region.height_px);
 }
 
-WarpRegion region_of(const WarpMesh& mesh, const MaskImage& mask, const PictureShape& picture, const std::string& id) {
+WarpRegion region_of(const warp::WarpMesh& mesh, const warp::MaskImage& mask, const PictureShape& picture,
+                     const std::string& id) {
   CHECK(mask.width() == mesh.width_px && mask.height() == mesh.height_px);
   WarpRegion region;
   region.id = id;
@@ -209,9 +212,10 @@ WarpRegion region_of(const WarpMesh& mesh, const MaskImage& mask, const PictureS
   region.map = WarpMap(mesh.width_px, mesh.height_px, kNone);
   for (int y = 0; y < mesh.height_px; ++y) {
     for (int x = 0; x < mesh.width_px; ++x) {
-      const auto place = mesh.interpolate({x + 0.5, y + 0.5});
+      const auto location = mesh.interpolate({x + 0.5, y + 0.5});
       const auto pixel =
-          place ? pixel_of(picture, direction_of(picture, {place->azimuth_rad, place->tan_elevation})) : std::nullopt;
+          location ? pixel_of(picture, direction_of(picture, {location->azimuth_rad, location->tan_elevation}))
+                   : std::nullopt;
       if (!pixel) continue;
       const double u = pixel->u / width_px(picture);
       const double v = 1.0 - pixel->v / height_px(picture);
@@ -225,7 +229,7 @@ WarpRegion region_of(const WarpMesh& mesh, const MaskImage& mask, const PictureS
   return region;
 }
 
-WarpRegion region_in_space(const ProjectorMap& map, const Point<frame::Room>& eye, const MaskImage& mask,
+WarpRegion region_in_space(const warp::ProjectorMap& map, const Point<frame::Room>& eye, const warp::MaskImage& mask,
                            const std::string& id) {
   WarpRegion region;
   region.id = id;
@@ -250,8 +254,8 @@ WarpSet set_of(const Installation& installation) {
   WarpSet set;
   set.profile = WarpProfile::kAdvanced3d;
   set.buffers.push_back({installation.name, 0, 0, {}});
-  const std::vector<ProjectorMap> maps = projector_maps(installation);
-  const std::vector<MaskImage> masks = make_blend_masks(maps);
+  const std::vector<warp::ProjectorMap> maps = warp::projector_maps(installation);
+  const std::vector<warp::MaskImage> masks = warp::make_blend_masks(maps);
   for (std::size_t i = 0; i < maps.size(); ++i) {
     set.buffers.back().regions.push_back(
         region_in_space(maps[i], installation.sweet_spot, masks[i], installation.projectors[i].name));
@@ -259,4 +263,4 @@ WarpSet set_of(const Installation& installation) {
   return set;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -17,7 +17,7 @@
 #include "appliance/warp/pixel_map.h"
 #include "common/geometry/projection.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 /// What a file does not say, and we know.
 struct WarpSetting {
@@ -40,31 +40,31 @@ Result<DirectionMap> directions_of(const WarpRegion& region, WarpProfile profile
 /// outside of what is mapped go on straight, so that the rim is drawn: mask_of() cuts it off pixel by pixel.
 /// WarpMesh::worst_error_px is what is left; infinite where a mapped sample is left out.
 /// kBadData  nothing mapped, or nothing of it is in the picture's reach.
-Result<WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int height_px, const PictureShape& picture,
-                           double tolerance_px);
+Result<warp::WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int height_px,
+                                 const PictureShape& picture, double tolerance_px);
 
 /// That mesh, if it keeps to `tolerance_px` and is_quicker_than_a_map(); else where each pixel's centre lies, between
 /// the samples. Errors of mesh_from().
-Result<Warp> warp_from(const DirectionMap& directions, int width_px, int height_px, const PictureShape& picture,
-                       double tolerance_px = 0.05);
+Result<warp::Warp> warp_from(const DirectionMap& directions, int width_px, int height_px, const PictureShape& picture,
+                             double tolerance_px = 0.05);
 
 /// Factors on linear light per projector pixel: alpha (its channels' mean), and 0 where nothing is mapped.
-[[nodiscard]] MaskImage mask_of(const WarpRegion& region);
+[[nodiscard]] warp::MaskImage mask_of(const WarpRegion& region);
 /// The linear light that every pixel shows at least (black level); nothing where the region has no beta.
-[[nodiscard]] std::optional<MaskImage> black_level_of(const WarpRegion& region);
+[[nodiscard]] std::optional<warp::MaskImage> black_level_of(const WarpRegion& region);
 
 /// Our warp as a 2d region over the whole of `picture`: u, v at each pixel's centre, NaN where the mesh is not drawn or
 /// leaves the picture, and the mask as alpha in 16 bits. Precondition: the mask has the mesh's pixels.
-[[nodiscard]] WarpRegion region_of(const WarpMesh& mesh, const MaskImage& mask, const PictureShape& picture,
+[[nodiscard]] WarpRegion region_of(const warp::WarpMesh& mesh, const warp::MaskImage& mask, const PictureShape& picture,
                                    const std::string& id);
 
 /// The same as points on the wall, in metres from the eye (a3): right from any place, so other engines can follow an
 /// eye.
-[[nodiscard]] WarpRegion region_in_space(const ProjectorMap& map, const Point<frame::Room>& eye, const MaskImage& mask,
-                                         const std::string& id);
+[[nodiscard]] WarpRegion region_in_space(const warp::ProjectorMap& map, const Point<frame::Room>& eye,
+                                         const warp::MaskImage& mask, const std::string& id);
 
 /// All of a room's projectors as MPCDI a3: what region_in_space() says of each, with the blend of them all, in one
 /// buffer that is named as the installation; regions are named as the projectors.
 [[nodiscard]] WarpSet set_of(const Installation& installation);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -4,11 +4,11 @@
 #include "appliance/interchange/mesh_files.h"
 #include "appliance/interchange/text_lines.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 constexpr std::size_t kFields = 6;
-constexpr long long kMostSide = 65536;
+constexpr long long kMaxSide = 65536;
 
 struct Placed {
   WarpNode node;
@@ -16,19 +16,20 @@ struct Placed {
   std::size_t row = 0;
 };
 
-Result<Placed> parse_node(const std::vector<std::string_view>& fields, const std::string& place) {
+Result<Placed> parse_node(const std::vector<std::string_view>& fields, const std::string& location) {
   if (fields.size() != kFields) {
-    return fault(place, fmt::format("{} fields, and a node has {}", fields.size(), kFields), "give x;y;u;v;column;row");
+    return fault(location, fmt::format("{} fields, and a node has {}", fields.size(), kFields),
+                 "give x;y;u;v;column;row");
   }
   std::array<double, 4> values{};
   for (std::size_t i = 0; i < values.size(); ++i) {
-    TRY_ASSIGN(values[i], number_of(fields[i], place));
+    TRY_ASSIGN(values[i], number_of(fields[i], location));
   }
   std::array<std::size_t, 2> indices{};
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const auto index = parse_integer(fields[4 + i]);
-    if (!index || *index < 0 || *index >= kMostSide) {
-      return fault(place, fmt::format("'{}' is no column or row", printable(fields[4 + i])), "count them from 0");
+    if (!index || *index < 0 || *index >= kMaxSide) {
+      return fault(location, fmt::format("'{}' is no column or row", printable(fields[4 + i])), "count them from 0");
     }
     indices[i] = static_cast<std::size_t>(*index);
   }
@@ -40,7 +41,7 @@ Result<Placed> parse_node(const std::vector<std::string_view>& fields, const std
 Result<WarpNet> parse_domeprojection(std::string_view text) {
   TextLines lines(text);
   std::vector<Placed> placed;
-  std::vector<std::string> places;
+  std::vector<std::string> positions;
   std::size_t columns = 0;
   std::size_t rows = 0;
   bool is_first = true;
@@ -49,16 +50,16 @@ Result<WarpNet> parse_domeprojection(std::string_view text) {
     const bool is_header = is_first && !parse_double(fields[0]);
     is_first = false;
     if (is_header) continue;
-    TRY_ASSIGN(const Placed node, parse_node(fields, lines.place()));
-    if (placed.size() == kMostWarpNodes) {
-      return fault(lines.place(), fmt::format("more than {} nodes", kMostWarpNodes), "export a coarser mesh");
+    TRY_ASSIGN(const Placed node, parse_node(fields, lines.location()));
+    if (placed.size() == kMaxWarpNodes) {
+      return fault(lines.location(), fmt::format("more than {} nodes", kMaxWarpNodes), "export a coarser mesh");
     }
     columns = std::max(columns, node.column + 1);
     rows = std::max(rows, node.row + 1);
     placed.push_back(node);
-    places.push_back(lines.place());
+    positions.push_back(lines.location());
   }
-  if (columns < 2 || rows < 2 || columns * rows > kMostWarpNodes || columns * rows < placed.size()) {
+  if (columns < 2 || rows < 2 || columns * rows > kMaxWarpNodes || columns * rows < placed.size()) {
     return fault("end", fmt::format("{} nodes for {} columns and {} rows", placed.size(), columns, rows),
                  "give a grid of at least 2x2, each node once");
   }
@@ -70,7 +71,7 @@ Result<WarpNet> parse_domeprojection(std::string_view text) {
   for (std::size_t i = 0; i < placed.size(); ++i) {
     const std::size_t at = placed[i].row * columns + placed[i].column;
     if (filled[at]) {
-      return fault(places[i], fmt::format("column {} of row {} is there twice", placed[i].column, placed[i].row),
+      return fault(positions[i], fmt::format("column {} of row {} is there twice", placed[i].column, placed[i].row),
                    "give each node once");
     }
     filled[at] = true;
@@ -85,4 +86,4 @@ Result<WarpNet> parse_domeprojection(std::string_view text) {
   return net;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -8,12 +8,12 @@
 
 #include "common/base/error.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 /// kBadData "place: what; remedy". Readers of files add the file's name in front.
-[[nodiscard]] inline Error fault(std::string_view place, std::string_view what, std::string_view remedy,
+[[nodiscard]] inline Error fault(std::string_view location, std::string_view what, std::string_view remedy,
                                  SourceLine where = SourceLine::current()) {
-  return Error(ErrorCode::kBadData, fmt::format("{}: {}; {}", place, what, remedy), where);
+  return Error(ErrorCode::kBadData, fmt::format("{}: {}; {}", location, what, remedy), where);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

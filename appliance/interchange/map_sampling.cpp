@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 /// The two neighbours of a place along one side, and how far it lies from the first towards the second.
@@ -15,10 +15,10 @@ struct Between {
 
   Between(double at, int count) {
     if (count < 2) return;
-    const double place = at * count - 0.5;
-    first = static_cast<int>(std::clamp(std::floor(place), 0.0, count - 2.0));
+    const double location = at * count - 0.5;
+    first = static_cast<int>(std::clamp(std::floor(location), 0.0, count - 2.0));
     second = first + 1;
-    share = place - first;
+    share = location - first;
   }
   [[nodiscard]] int nearest() const { return share < 0.5 ? first : second; }
 };
@@ -59,4 +59,4 @@ double sample_light(const MaskMap& mask, double x, double y) {
   return (1.0 - down.share) * row(down.first) + down.share * row(down.second);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

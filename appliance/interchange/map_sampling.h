@@ -6,7 +6,7 @@
 
 #include "appliance/interchange/warp_set.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 /// Of a flat map the third number says nothing and may be NaN.
 [[nodiscard]] bool is_mapped(const float* sample);
@@ -18,4 +18,4 @@ namespace cyclorama {
 /// A mask's light between its pixels, likewise; the outermost pixels go on.
 [[nodiscard]] double sample_light(const MaskMap& mask, double x, double y);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -9,12 +9,12 @@
 #include "appliance/interchange/fault.h"
 #include "common/image/png_samples.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 constexpr std::size_t kChunkLimitBytes = std::size_t{1} << 20;
 
-Error broken(const char* place, int code) { return fault(place, spng_strerror(code), "export the mask again"); }
+Error broken(const char* location, int code) { return fault(location, spng_strerror(code), "export the mask again"); }
 
 /// How the library hands out the pixels of such a file.
 struct Layout {
@@ -93,4 +93,4 @@ Result<std::vector<std::byte>> encode_mask_png(const MaskMap& mask) {
   return encode_png(png);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -8,7 +8,7 @@
 
 #include "appliance/interchange/warp_set.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 /// Any PNG: grey and colour keep their bits (fewer than 8 become 8); an alpha channel is dropped, a palette becomes
 /// colour. Gamma is 1: a PNG's own gamma is not looked at, because no tool of this trade means it.
@@ -18,4 +18,4 @@ Result<MaskMap> decode_mask_png(std::span<const std::byte> png, std::size_t limi
 /// Grey or colour, in the mask's bits. Precondition: check() finds no fault in the mask.
 Result<std::vector<std::byte>> encode_mask_png(const MaskMap& mask);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

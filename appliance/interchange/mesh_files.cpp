@@ -7,7 +7,7 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 template <typename Parse>
@@ -40,4 +40,4 @@ Status write_warp_obj(const std::filesystem::path& path, const WarpNet& net) {
   return write_file_atomically(path, text);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -9,7 +9,7 @@
 
 #include "appliance/interchange/warp_net.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 /// Paul Bourke's ".data": type (1 polar, 2 rectangular), columns and rows, and "x y u v intensity" per node, where y is
 /// -1 to 1 from the bottom and x is -aspect to aspect. `aspect` (width over height of the projector) is not in the
@@ -40,4 +40,4 @@ Result<WarpNet> read_simcad(const std::filesystem::path& path);
 Status write_bourke(const std::filesystem::path& path, const WarpNet& net, double aspect);
 Status write_warp_obj(const std::filesystem::path& path, const WarpNet& net);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

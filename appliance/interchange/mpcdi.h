@@ -16,7 +16,7 @@
 
 #include "appliance/interchange/warp_set.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 struct MpcdiFile {
   WarpSet set;
@@ -36,4 +36,4 @@ Result<std::vector<std::byte>> encode_mpcdi(const WarpSet& set);
 /// Written whole or not at all.
 Status write_mpcdi(const std::filesystem::path& path, const WarpSet& set);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -14,12 +14,12 @@
 #include "common/base/file.h"
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 constexpr std::size_t kManifestLimitBytes = std::size_t{4} << 20;
-constexpr int kMostPx = 1 << 20;  ///< Of a buffer each way; regions are checked closer.
-constexpr int kHighestLevel = 4;
+constexpr int kMaxPx = 1 << 20;  ///< Of a buffer each way; regions are checked closer.
+constexpr int kMaxLevel = 4;
 
 /// Reads one manifest, and its members when there is an archive around it.
 class Reader {
@@ -45,21 +45,21 @@ class Reader {
     TRY_ASSIGN(const std::string profile, root.attribute("profile"));
     const auto known = mpcdi::value_of(mpcdi::kProfiles, profile);
     if (!known) {
-      return fault(root.place(), fmt::format("its profile is '{}'", printable(profile)), "give 2d, 3d, a3 or sl");
+      return fault(root.location(), fmt::format("its profile is '{}'", printable(profile)), "give 2d, 3d, a3 or sl");
     }
     file_.set.profile = *known;
     TRY_ASSIGN(const std::string version, root.attribute("version"));
     if (version != "1.0" && version != "2.0") {
-      return fault(root.place(), fmt::format("its version is '{}'", printable(version)),
+      return fault(root.location(), fmt::format("its version is '{}'", printable(version)),
                    "export it as MPCDI 1.0 or 2.0");
     }
     file_.set.version = version == "1.0" ? MpcdiVersion::k1_0 : MpcdiVersion::k2_0;
     TRY_ASSIGN(const auto date, root.optional_attribute("date"));
     file_.set.date = date.value_or("");
     const bool old = file_.set.version == MpcdiVersion::k1_0;
-    TRY_ASSIGN(const auto level, root.optional_count_attribute(old ? "level" : "geometry", kHighestLevel));
+    TRY_ASSIGN(const auto level, root.optional_count_attribute(old ? "level" : "geometry", kMaxLevel));
     file_.set.level = level.value_or(1);
-    TRY_ASSIGN(const auto colour, root.optional_count_attribute("color", kHighestLevel));
+    TRY_ASSIGN(const auto colour, root.optional_count_attribute("color", kMaxLevel));
     if (!old) file_.set.colour_level = colour.value_or(1);
     return Done{};
   }
@@ -71,14 +71,14 @@ class Reader {
     }
     WarpBuffer buffer;
     TRY_ASSIGN(buffer.id, element.attribute("id"));
-    TRY_ASSIGN(const auto width, element.optional_count_attribute("xResolution", kMostPx));
-    TRY_ASSIGN(const auto height, element.optional_count_attribute("yResolution", kMostPx));
+    TRY_ASSIGN(const auto width, element.optional_count_attribute("xResolution", kMaxPx));
+    TRY_ASSIGN(const auto height, element.optional_count_attribute("yResolution", kMaxPx));
     buffer.width_px = width.value_or(0);
     buffer.height_px = height.value_or(0);
     for (const XmlElement& child : element.all_children()) {
       if (child.is("region")) {
         if (++regions_ > limits_.regions) {
-          return fault(child.place(), fmt::format("more than {} regions", limits_.regions), "split the file");
+          return fault(child.location(), fmt::format("more than {} regions", limits_.regions), "split the file");
         }
         TRY_ASSIGN(WarpRegion region, read_region(child));
         buffer.regions.push_back(std::move(region));
@@ -95,9 +95,9 @@ class Reader {
     TRY_ASSIGN(region.id, element.attribute("id"));
     for (const auto& [name, side] :
          {std::pair{"xResolution", &region.width_px}, std::pair{"yResolution", &region.height_px}}) {
-      TRY_ASSIGN(const auto count, element.optional_count_attribute(name, kMostPx));
+      TRY_ASSIGN(const auto count, element.optional_count_attribute(name, kMaxPx));
       if (!count) {
-        return fault(element.place(), fmt::format("it has no attribute {}", name), "give the projector's pixels");
+        return fault(element.location(), fmt::format("it has no attribute {}", name), "give the projector's pixels");
       }
       *side = *count;
     }
@@ -169,7 +169,8 @@ class Reader {
         }
       }
       if (region == nullptr) {
-        return fault(element.place(), fmt::format("there is no region '{}'", printable(id)), "correct the region's id");
+        return fault(element.location(), fmt::format("there is no region '{}'", printable(id)),
+                     "correct the region's id");
       }
       TRY(read_fileset(element, region));
     }
@@ -181,7 +182,7 @@ class Reader {
 
   Status read_fileset(const XmlElement& element, WarpRegion* region) {
     if (!filled_.insert(region->id).second) {
-      return fault(element.place(), fmt::format("region '{}' has its files twice", printable(region->id)),
+      return fault(element.location(), fmt::format("region '{}' has its files twice", printable(region->id)),
                    "remove one fileset");
     }
     TRY_ASSIGN(const auto warp, element.optional_child("geometryWarpFile"));
@@ -232,11 +233,11 @@ class Reader {
     const std::string name = path.text();
     if (name.empty()) return std::optional<std::vector<std::byte>>();
     if (archive_ == nullptr) {
-      return fault(path.place(), fmt::format("'{}' lies outside of this file", printable(name)),
+      return fault(path.location(), fmt::format("'{}' lies outside of this file", printable(name)),
                    "give the .mpcdi archive");
     }
     auto bytes = archive_->read(name);
-    if (!bytes) return std::move(bytes).error().while_doing(path.place());
+    if (!bytes) return std::move(bytes).error().while_doing(path.location());
     return std::optional(*std::move(bytes));
   }
 
@@ -277,7 +278,7 @@ class Reader {
   }
 
   void ignore(const XmlElement& element, std::string_view what) {
-    file_.ignored.push_back(fmt::format("{}: {}", element.place(), what));
+    file_.ignored.push_back(fmt::format("{}: {}", element.location(), what));
   }
 
   ZipReader* archive_;
@@ -323,4 +324,4 @@ Result<MpcdiFile> read_mpcdi(const std::filesystem::path& path, const WarpLimits
   return file;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -11,7 +11,7 @@
 #include "common/base/file.h"
 #include "common/image/pfm.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 std::string escaped(std::string_view text) {
@@ -165,4 +165,4 @@ Status write_mpcdi(const std::filesystem::path& path, const WarpSet& set) {
   return write_file_atomically(path, *bytes);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -5,7 +5,7 @@
 #include "appliance/interchange/text_lines.h"
 #include "appliance/interchange/xml_reader.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 constexpr std::size_t kXmlLimitBytes = std::size_t{64} << 20;
@@ -14,16 +14,17 @@ constexpr std::size_t kXmlLimitBytes = std::size_t{64} << 20;
 Result<std::vector<double>> offsets_in(const XmlElement& definition, std::string_view name) {
   TRY_ASSIGN(const XmlElement element, definition.child(name));
   TRY_ASSIGN(const double range, element.number_attribute("range"));
-  if (!(range > 0.0)) return fault(element.place(), "its range is not above 0", "give the offset of one whole picture");
+  if (!(range > 0.0))
+    return fault(element.location(), "its range is not above 0", "give the offset of one whole picture");
   const std::string text = element.text();
   std::vector<double> offsets;
   TextLines lines(text);
   while (const auto line = lines.next()) {
     for (const std::string_view field : fields_of(*line)) {
-      TRY_ASSIGN(const double value, number_of(field, element.place()));
+      TRY_ASSIGN(const double value, number_of(field, element.location()));
       offsets.push_back(value / range);
-      if (offsets.size() > kMostWarpNodes) {
-        return fault(element.place(), fmt::format("more than {} nodes", kMostWarpNodes), "export a coarser grid");
+      if (offsets.size() > kMaxWarpNodes) {
+        return fault(element.location(), fmt::format("more than {} nodes", kMaxWarpNodes), "export a coarser grid");
       }
     }
   }
@@ -40,7 +41,7 @@ Result<WarpNet> parse_simcad(std::string_view text) {
   TRY_ASSIGN(const std::vector<double> down, offsets_in(definition, "Y-FlatParameters"));
   const auto side = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(right.size()))));
   if (right.size() != down.size() || side < 2 || side * side != right.size()) {
-    return fault(definition.place(),
+    return fault(definition.location(),
                  fmt::format("{} offsets to the right and {} down make no square grid", right.size(), down.size()),
                  "copy or export the file again");
   }
@@ -56,4 +57,4 @@ Result<WarpNet> parse_simcad(std::string_view text) {
   return net;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

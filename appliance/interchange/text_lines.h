@@ -16,7 +16,7 @@
 #include "common/base/text.h"
 #include "common/base/text_lines.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 /// Borrows the text. Thread-bound.
 class TextLines {
@@ -34,7 +34,7 @@ class TextLines {
     return std::nullopt;
   }
   /// "line 12": of the one that next() gave last.
-  [[nodiscard]] std::string place() const { return fmt::format("line {}", number_); }
+  [[nodiscard]] std::string location() const { return fmt::format("line {}", number_); }
 
  private:
   LineReader lines_;
@@ -54,10 +54,10 @@ inline std::vector<std::string_view> fields_of(std::string_view line, char separ
 }
 
 /// A finite number, or a fault at `place`.
-inline Result<double> number_of(std::string_view field, std::string_view place) {
+inline Result<double> number_of(std::string_view field, std::string_view location) {
   const auto value = parse_double(field);
   if (!value || !std::isfinite(*value)) {
-    return fault(place, fmt::format("'{}' is no number", printable(field)), "export the file again");
+    return fault(location, fmt::format("'{}' is no number", printable(field)), "export the file again");
   }
   return *value;
 }
@@ -65,4 +65,4 @@ inline Result<double> number_of(std::string_view field, std::string_view place) 
 /// Seven decimals, without a negative zero: the same after it was read.
 inline std::string decimals(double value) { return fmt::format("{:.7f}", std::abs(value) < 0.5e-7 ? 0.0 : value); }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

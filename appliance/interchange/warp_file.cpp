@@ -11,7 +11,7 @@
 #include "appliance/interchange/warp_pfm.h"
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 Error invalid(const std::string& what) { return Error(ErrorCode::kInvalidArgument, what); }
@@ -99,4 +99,4 @@ Status write_warp_file(const std::filesystem::path& path, const WarpSet& set, co
   return write_file_atomically(mask, png);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -17,7 +17,7 @@
 #include "appliance/interchange/warp_net.h"
 #include "appliance/interchange/warp_set.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 /// What some formats do not say.
 struct WarpFileOptions {
@@ -49,4 +49,4 @@ Result<const WarpRegion*> chosen_region(const WarpSet& set, const std::string& i
 Status write_warp_file(const std::filesystem::path& path, const WarpSet& set, const std::string& region,
                        const WarpFileOptions& options);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -8,12 +8,12 @@
 #include "appliance/interchange/fault.h"
 #include "appliance/interchange/map_sampling.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
-constexpr double kFarthest = 1000.0;  ///< Pictures away: no projector's lens shift reaches there.
-constexpr int kMostGridSide = 4096;
-constexpr int kMostRasterPx = 16384;
+constexpr double kMaxCoordinate = 1000.0;  ///< Pictures away: no projector's lens shift reaches there.
+constexpr int kMaxGridSide = 4096;
+constexpr int kMaxRasterPx = 16384;
 
 /// Twice the signed area of a triangle.
 double area(const WarpNode& a, const WarpNode& b, double x, double y) {
@@ -62,11 +62,11 @@ class Raster {
   MaskMap light_;
 
  private:
-  static int first_at(double place, int count) {
-    return static_cast<int>(std::clamp(std::ceil(place - 1e-6), 0.0, static_cast<double>(count)));
+  static int first_at(double location, int count) {
+    return static_cast<int>(std::clamp(std::ceil(location - 1e-6), 0.0, static_cast<double>(count)));
   }
-  static int last_at(double place, int count) {
-    return static_cast<int>(std::clamp(std::floor(place + 1e-6), -1.0, count - 1.0));
+  static int last_at(double location, int count) {
+    return static_cast<int>(std::clamp(std::floor(location + 1e-6), -1.0, count - 1.0));
   }
   std::size_t drawn_ = 0;
 };
@@ -94,9 +94,9 @@ std::vector<WarpTriangle> WarpNet::drawn() const {
 }
 
 Status check(const WarpNet& net) {
-  if (net.nodes.empty() || net.nodes.size() > kMostWarpNodes || net.triangles.size() > kMostWarpTriangles) {
+  if (net.nodes.empty() || net.nodes.size() > kMaxWarpNodes || net.triangles.size() > kMaxWarpTriangles) {
     return fault("mesh", fmt::format("it has {} nodes and {} triangles", net.nodes.size(), net.triangles.size()),
-                 fmt::format("export 1 to {} nodes and at most {} triangles", kMostWarpNodes, kMostWarpTriangles));
+                 fmt::format("export 1 to {} nodes and at most {} triangles", kMaxWarpNodes, kMaxWarpTriangles));
   }
   if (net.columns != 0 || net.rows != 0) {
     if (net.columns < 2 || net.rows < 2 || !net.triangles.empty() ||
@@ -111,12 +111,12 @@ Status check(const WarpNet& net) {
   for (std::size_t i = 0; i < net.nodes.size(); ++i) {
     const WarpNode& n = net.nodes[i];
     for (const double value : {n.x, n.y, n.u, n.v}) {
-      if (!(std::abs(value) <= kFarthest)) {
+      if (!(std::abs(value) <= kMaxCoordinate)) {
         return fault(fmt::format("mesh node {}", i + 1), fmt::format("{} is no place in a picture", value),
                      "export x, y, u and v in parts of the picture");
       }
     }
-    if (!(n.light <= 1.0 && n.light >= -kFarthest)) {
+    if (!(n.light <= 1.0 && n.light >= -kMaxCoordinate)) {
       return fault(fmt::format("mesh node {}", i + 1), fmt::format("its intensity is {}", n.light),
                    "give 0 to 1, or a negative one where nothing is drawn");
     }
@@ -134,7 +134,7 @@ Status check(const WarpNet& net) {
 
 Result<WarpRegion> region_from(const WarpNet& net, const std::string& id, int width_px, int height_px) {
   TRY(check(net));
-  if (width_px < 1 || height_px < 1 || width_px > kMostRasterPx || height_px > kMostRasterPx) {
+  if (width_px < 1 || height_px < 1 || width_px > kMaxRasterPx || height_px > kMaxRasterPx) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("a projector has no {}x{} pixels", width_px, height_px));
   }
   Raster raster(width_px, height_px);
@@ -157,10 +157,10 @@ Result<WarpNet> net_from(const WarpRegion& region, int columns, int rows) {
   if (!region.map || region.map->empty()) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("region '{}' has no map to make a mesh of", region.id));
   }
-  if (columns < 2 || rows < 2 || columns > kMostGridSide || rows > kMostGridSide ||
-      static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows) > kMostWarpNodes) {
+  if (columns < 2 || rows < 2 || columns > kMaxGridSide || rows > kMaxGridSide ||
+      static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows) > kMaxWarpNodes) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("a mesh of {}x{} nodes; give 2 to {} each way", columns, rows, kMostGridSide));
+                 fmt::format("a mesh of {}x{} nodes; give 2 to {} each way", columns, rows, kMaxGridSide));
   }
   WarpNet net;
   net.columns = columns;
@@ -179,4 +179,4 @@ Result<WarpNet> net_from(const WarpRegion& region, int columns, int rows) {
   return net;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -12,7 +12,7 @@
 
 #include "appliance/interchange/warp_set.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 struct WarpNode {
   double x = 0.0;  ///< In the projector's picture; may lie outside of it.
@@ -38,8 +38,8 @@ struct WarpNet {
   friend bool operator==(const WarpNet&, const WarpNet&) = default;
 };
 
-inline constexpr std::size_t kMostWarpNodes = std::size_t{1} << 22;
-inline constexpr std::size_t kMostWarpTriangles = std::size_t{1} << 23;
+inline constexpr std::size_t kMaxWarpNodes = std::size_t{1} << 22;
+inline constexpr std::size_t kMaxWarpTriangles = std::size_t{1} << 23;
 inline constexpr std::size_t kWarpTextLimitBytes = std::size_t{512} << 20;
 
 /// kBadData  counts that do not fit, numbers that are not finite or absurdly far out, triangles of absent nodes.
@@ -54,4 +54,4 @@ Result<WarpRegion> region_from(const WarpNet& net, const std::string& id, int wi
 /// kInvalidArgument  the region has no map, or the grid is out of range.
 Result<WarpNet> net_from(const WarpRegion& region, int columns, int rows);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -10,13 +10,13 @@
 #include "common/geometry/obj_text.h"
 #include "common/geometry/polygon.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 using Pair = std::array<double, 2>;
 using Corner = std::pair<std::uint32_t, std::uint32_t>;  ///< Vertex and texture vertex, counted from 0.
 
-constexpr std::size_t kMostCorners = 64;  ///< Of one face.
+constexpr std::size_t kMaxCorners = 64;  ///< Of one face.
 constexpr std::array<std::string_view, 9> kPassedOver{"vn", "vp", "o", "g", "s", "l", "p", "usemtl", "mtllib"};
 
 class ObjReader {
@@ -35,13 +35,12 @@ class ObjReader {
       } else if (keyword == "f") {
         TRY(read_face(fields_of(rest)));
       } else if (std::find(kPassedOver.begin(), kPassedOver.end(), keyword) == kPassedOver.end()) {
-        return fault(place(), fmt::format("'{}' is no part of a warp", printable(keyword)),
+        return fault(location(), fmt::format("'{}' is no part of a warp", printable(keyword)),
                      "export vertices, texture vertices and faces alone");
       }
-      if (vertices_.size() > kMostWarpNodes || textures_.size() > kMostWarpNodes ||
-          faces_.size() > kMostWarpTriangles) {
-        return fault(place(), "the mesh is too large",
-                     fmt::format("export at most {} nodes and {} triangles", kMostWarpNodes, kMostWarpTriangles));
+      if (vertices_.size() > kMaxWarpNodes || textures_.size() > kMaxWarpNodes || faces_.size() > kMaxWarpTriangles) {
+        return fault(location(), "the mesh is too large",
+                     fmt::format("export at most {} nodes and {} triangles", kMaxWarpNodes, kMaxWarpTriangles));
       }
     }
     if (vertices_.empty()) return fault("end", "there is no vertex", "give a mesh as Wavefront OBJ");
@@ -51,15 +50,15 @@ class ObjReader {
   }
 
  private:
-  [[nodiscard]] std::string place() const { return fmt::format("line {}", statements_.line()); }
+  [[nodiscard]] std::string location() const { return fmt::format("line {}", statements_.line()); }
 
   Status read_vertex(std::string_view rest) {
     const auto numbers = fields_of(rest);
     TRY_ASSIGN(const Pair at, pair_of(numbers, "v"));
     if (numbers.size() == 3) {
-      TRY_ASSIGN(const double z, number_of(numbers[2], place()));
+      TRY_ASSIGN(const double z, number_of(numbers[2], location()));
       if (z != 0.0) {
-        return fault(place(), "the mesh is not flat",
+        return fault(location(), "the mesh is not flat",
                      "export x and y over the projector's picture; points in space go into MPCDI a3");
       }
     }
@@ -69,40 +68,40 @@ class ObjReader {
 
   Result<Pair> pair_of(const std::vector<std::string_view>& numbers, std::string_view keyword) const {
     if (numbers.size() < 2 || numbers.size() > 3) {
-      return fault(place(), fmt::format("{} numbers after '{}'", numbers.size(), keyword), "give two or three");
+      return fault(location(), fmt::format("{} numbers after '{}'", numbers.size(), keyword), "give two or three");
     }
     Pair pair{};
     for (std::size_t i = 0; i < pair.size(); ++i) {
-      TRY_ASSIGN(pair[i], number_of(numbers[i], place()));
+      TRY_ASSIGN(pair[i], number_of(numbers[i], location()));
     }
     return pair;
   }
 
   Status read_face(const std::vector<std::string_view>& words) {
-    if (words.size() < 3 || words.size() > kMostCorners) {
-      return fault(place(), fmt::format("a face of {} corners", words.size()),
-                   fmt::format("give 3 to {}", kMostCorners));
+    if (words.size() < 3 || words.size() > kMaxCorners) {
+      return fault(location(), fmt::format("a face of {} corners", words.size()),
+                   fmt::format("give 3 to {}", kMaxCorners));
     }
     std::vector<Corner> corners;
-    std::vector<Eigen::Vector3d> places;
+    std::vector<Eigen::Vector3d> positions;
     for (const std::string_view word : words) {
       const ObjCornerWords parts = obj_corner(word);
-      if (!parts.beyond.empty()) return fault(place(), "a corner has more than three indices", "export it again");
+      if (!parts.beyond.empty()) return fault(location(), "a corner has more than three indices", "export it again");
       TRY_ASSIGN(const std::uint32_t vertex, index_of(parts.vertex, vertices_.size()));
       TRY_ASSIGN(const std::uint32_t texture,
                  index_of(parts.texture.empty() ? parts.vertex : parts.texture, textures_.size()));
       corners.emplace_back(vertex, texture);
-      places.emplace_back(vertices_[vertex][0], vertices_[vertex][1], 0.0);
+      positions.emplace_back(vertices_[vertex][0], vertices_[vertex][1], 0.0);
     }
     std::vector<WarpTriangle> cut;
-    triangulate(places, &cut);
+    triangulate(positions, &cut);
     for (const WarpTriangle& t : cut) faces_.push_back({corners[t[0]], corners[t[1]], corners[t[2]]});
     return Done{};
   }
 
   Result<std::uint32_t> index_of(std::string_view word, std::size_t count) const {
     if (const auto index = obj_index(word, count, count)) return *index;
-    return fault(place(), fmt::format("a face names '{}' of {} so far", printable(word), count),
+    return fault(location(), fmt::format("a face names '{}' of {} so far", printable(word), count),
                  "write vertices, each with its texture vertex, before their faces");
   }
 
@@ -165,4 +164,4 @@ Result<std::string> print_warp_obj(const WarpNet& net) {
   return text;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

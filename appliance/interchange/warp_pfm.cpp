@@ -8,7 +8,7 @@
 #include "common/base/file.h"
 #include "common/image/pfm.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 /// Grey, linear, 16 bits: what readers of such pairs take for granted.
@@ -72,4 +72,4 @@ Status write_warp_pair(const std::filesystem::path& pfm, const std::filesystem::
   return write_file_atomically(mask, png);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

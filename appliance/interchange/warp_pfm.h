@@ -10,7 +10,7 @@
 
 #include "appliance/interchange/warp_set.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 /// A map of three channels ("PF"), either byte order, rows from the bottom. kBadData  with the byte where it went
 /// wrong, also for a grey file. Reentrant.
@@ -26,4 +26,4 @@ Result<WarpRegion> read_warp_pair(const std::filesystem::path& pfm, const std::o
 /// kInvalidArgument  the region has no map.     kSystem  errno says why.
 Status write_warp_pair(const std::filesystem::path& pfm, const std::filesystem::path& mask, const WarpRegion& region);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

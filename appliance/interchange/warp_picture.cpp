@@ -9,7 +9,7 @@
 #include "appliance/interchange/map_sampling.h"
 #include "common/image/colour.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 constexpr double kLines = 10.0;
@@ -40,8 +40,8 @@ std::array<Range, 2> ranges_of(const WarpMap& map) {
 }
 
 bool is_on_line(double share) {
-  const double place = share * kLines;
-  return std::abs(place - std::round(place)) < 0.5 * kLineShare;
+  const double location = share * kLines;
+  return std::abs(location - std::round(location)) < 0.5 * kLineShare;
 }
 
 }  // namespace
@@ -80,4 +80,4 @@ double mapped_fraction(const WarpRegion& region) {
   return mapped / (static_cast<double>(region.map->width()) * region.map->height());
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -3,7 +3,7 @@
 
 #include "appliance/interchange/warp_set.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 /// A region for people, in the map's pixels: red grows with u (or x) and green with v (or y), with a line at each tenth
 /// of the way, dimmed by its alpha; dark blue where nothing is mapped. Precondition: it has a map.
@@ -12,4 +12,4 @@ namespace cyclorama {
 /// The share of its samples that are mapped, 0 to 1; 0 without a map.
 [[nodiscard]] double mapped_fraction(const WarpRegion& region);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -10,11 +10,11 @@
 #include "appliance/interchange/fault.h"
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
-constexpr int kMostSidePx = 65536;
-constexpr std::size_t kLongestId = 256;
+constexpr int kMaxSidePx = 65536;
+constexpr std::size_t kMaxIdLength = 256;
 constexpr double kAxisTolerance = 1e-3;  ///< Files have five decimals.
 
 std::string place_of(const WarpRegion& region) { return fmt::format("region '{}'", printable(region.id)); }
@@ -23,23 +23,23 @@ bool all_finite(const double (&values)[3]) {
   return std::all_of(std::begin(values), std::end(values), [](double v) { return std::isfinite(v); });
 }
 
-Status check_id(const std::string& place, const std::string& id) {
-  if (id.empty() || id.size() > kLongestId) {
-    return fault(place, fmt::format("an id has {} bytes", id.size()),
-                 fmt::format("give it 1 to {} of them", kLongestId));
+Status check_id(const std::string& location, const std::string& id) {
+  if (id.empty() || id.size() > kMaxIdLength) {
+    return fault(location, fmt::format("an id has {} bytes", id.size()),
+                 fmt::format("give it 1 to {} of them", kMaxIdLength));
   }
-  if (printable(id, kLongestId) != id) return fault(place, "its id is not plain UTF-8 text", "rename it");
+  if (printable(id, kMaxIdLength) != id) return fault(location, "its id is not plain UTF-8 text", "rename it");
   return Done{};
 }
 
-Status check_map(const std::string& place, std::string_view what, const WarpMap& map, bool flat) {
-  if (map.empty()) return fault(place, fmt::format("its {} is empty", what), "export it again");
+Status check_map(const std::string& location, std::string_view what, const WarpMap& map, bool flat) {
+  if (map.empty()) return fault(location, fmt::format("its {} is empty", what), "export it again");
   for (int y = 0; y < map.height(); ++y) {
     for (int x = 0; x < map.width(); ++x) {
       const float* const sample = map.at(x, y);
       for (int i = 0; i < (flat ? 2 : 3); ++i) {
         if (std::isinf(sample[i])) {
-          return fault(place, fmt::format("its {} is infinite at column {}, row {}", what, x, y),
+          return fault(location, fmt::format("its {} is infinite at column {}, row {}", what, x, y),
                        "write NaN where nothing is mapped");
         }
       }
@@ -48,7 +48,7 @@ Status check_map(const std::string& place, std::string_view what, const WarpMap&
   return Done{};
 }
 
-Status check_mask(const std::string& place, std::string_view what, const MaskMap& mask) {
+Status check_mask(const std::string& location, std::string_view what, const MaskMap& mask) {
   const bool has_layout = mask.width_px > 0 && mask.height_px > 0 && (mask.channels == 1 || mask.channels == 3) &&
                           (mask.bits == 8 || mask.bits == 16);
   const std::size_t want = has_layout
@@ -56,34 +56,34 @@ Status check_mask(const std::string& place, std::string_view what, const MaskMap
                                      static_cast<std::size_t>(mask.channels)
                                : 0;
   if (!has_layout || mask.samples.size() != want) {
-    return fault(place, fmt::format("its {} has no picture of 1 or 3 channels in 8 or 16 bits", what),
+    return fault(location, fmt::format("its {} has no picture of 1 or 3 channels in 8 or 16 bits", what),
                  "export it again");
   }
   if (mask.bits == 8 && std::any_of(mask.samples.begin(), mask.samples.end(), [](auto s) { return s > 255; })) {
-    return fault(place, fmt::format("its {} has samples above 255 in 8 bits", what), "use 16 bits");
+    return fault(location, fmt::format("its {} has samples above 255 in 8 bits", what), "use 16 bits");
   }
   if (!(mask.gamma >= 0.1 && mask.gamma <= 10.0)) {
-    return fault(place, fmt::format("the gamma of its {} is {}", what, mask.gamma), "give one of 0.1 to 10");
+    return fault(location, fmt::format("the gamma of its {} is {}", what, mask.gamma), "give one of 0.1 to 10");
   }
   return Done{};
 }
 
-Status check_frustum(const std::string& place, const WarpFrustum& f) {
+Status check_frustum(const std::string& location, const WarpFrustum& f) {
   for (const double angle : {f.yaw_deg, f.pitch_deg, f.roll_deg}) {
-    if (!(std::abs(angle) <= 720.0)) return fault(place, "its frustum is turned by no angle", "give degrees");
+    if (!(std::abs(angle) <= 720.0)) return fault(location, "its frustum is turned by no angle", "give degrees");
   }
   for (const double angle : {f.right_deg, f.left_deg, f.up_deg, f.down_deg}) {
     if (!(std::abs(angle) < 90.0)) {
-      return fault(place, fmt::format("an edge of its frustum lies at {} degrees", angle), "give less than 90");
+      return fault(location, fmt::format("an edge of its frustum lies at {} degrees", angle), "give less than 90");
     }
   }
   if (!(f.left_deg < f.right_deg) || !(f.down_deg < f.up_deg)) {
-    return fault(place, "its frustum is empty or mirrored", "let left be below right, and down below up");
+    return fault(location, "its frustum is empty or mirrored", "let left be below right, and down below up");
   }
   return Done{};
 }
 
-Status check_frame(const std::string& place, const WarpCoordinateFrame& frame) {
+Status check_frame(const std::string& location, const WarpCoordinateFrame& frame) {
   const auto dot = [](const double(&a)[3], const double(&b)[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
   const bool is_finite =
       all_finite(frame.position) && all_finite(frame.yaw) && all_finite(frame.pitch) && all_finite(frame.roll);
@@ -94,27 +94,28 @@ Status check_frame(const std::string& place, const WarpCoordinateFrame& frame) {
                          std::abs(dot(frame.yaw, frame.roll)) < kAxisTolerance &&
                          std::abs(dot(frame.pitch, frame.roll)) < kAxisTolerance;
   if (!is_finite || !is_square) {
-    return fault(place, "the axes of its coordinateFrame are not of length 1 and at right angles", "correct them");
+    return fault(location, "the axes of its coordinateFrame are not of length 1 and at right angles", "correct them");
   }
   return Done{};
 }
 
-Status check_parts(const std::string& place, const WarpRegion& region, WarpProfile profile) {
+Status check_parts(const std::string& location, const WarpRegion& region, WarpProfile profile) {
   const bool in_space = profile == WarpProfile::kAdvanced3d || profile == WarpProfile::kShaderLamps;
   if ((profile == WarpProfile::k2d || profile == WarpProfile::kAdvanced3d) && !region.map) {
-    return fault(place, "it has no geometryWarpFile", "export it with its warp");
+    return fault(location, "it has no geometryWarpFile", "export it with its warp");
   }
   if ((profile == WarpProfile::k3d || profile == WarpProfile::kShaderLamps) && !region.frustum) {
-    return fault(place, "its profile needs a frustum and it has none", "export it as 2d or a3, or with its frustum");
+    return fault(location, "its profile needs a frustum and it has none", "export it as 2d or a3, or with its frustum");
   }
   if (profile == WarpProfile::kShaderLamps && !region.coordinate_frame) {
-    return fault(place, "shader lamps need a coordinateFrame and it has none", "export it with the projector's place");
+    return fault(location, "shader lamps need a coordinateFrame and it has none",
+                 "export it with the projector's place");
   }
   if (profile == WarpProfile::kShaderLamps && region.origin == DataOrigin::kIdealEyePoint) {
-    return fault(place, "shader lamps have no ideal eye point", "measure from floorCenter or centerOfMass");
+    return fault(location, "shader lamps have no ideal eye point", "measure from floorCenter or centerOfMass");
   }
-  if (region.map) TRY(check_map(place, "geometryWarpFile", *region.map, !in_space));
-  if (region.distortion) TRY(check_map(place, "distortionMap", *region.distortion, true));
+  if (region.map) TRY(check_map(location, "geometryWarpFile", *region.map, !in_space));
+  if (region.distortion) TRY(check_map(location, "distortionMap", *region.distortion, true));
   return Done{};
 }
 
@@ -186,11 +187,11 @@ const WarpRegion* WarpSet::region(const std::string& id) const {
 }
 
 Status check(const WarpRegion& region, WarpProfile profile) {
-  const std::string place = place_of(region);
-  TRY(check_id(place, region.id));
-  if (region.width_px < 1 || region.height_px < 1 || region.width_px > kMostSidePx || region.height_px > kMostSidePx) {
-    return fault(place, fmt::format("it has {}x{} pixels", region.width_px, region.height_px),
-                 fmt::format("give the projector's, 1 to {} each way", kMostSidePx));
+  const std::string location = place_of(region);
+  TRY(check_id(location, region.id));
+  if (region.width_px < 1 || region.height_px < 1 || region.width_px > kMaxSidePx || region.height_px > kMaxSidePx) {
+    return fault(location, fmt::format("it has {}x{} pixels", region.width_px, region.height_px),
+                 fmt::format("give the projector's, 1 to {} each way", kMaxSidePx));
   }
   const RegionRect& r = region.rect;
   constexpr double kSlack = 1e-6;  // Thirds and sevenths in decimals.
@@ -198,25 +199,25 @@ Status check(const WarpRegion& region, WarpProfile profile) {
     return at >= -kSlack && at <= 1.0 + kSlack && size > 0.0 && at + size <= 1.0 + kSlack;
   };
   if (!fits(r.x, r.width) || !fits(r.y, r.height)) {
-    return fault(place, fmt::format("its rectangle {} {} {} {} leaves the buffer", r.x, r.y, r.width, r.height),
+    return fault(location, fmt::format("its rectangle {} {} {} {} leaves the buffer", r.x, r.y, r.width, r.height),
                  "keep x, y, xSize and ySize within 0 to 1");
   }
-  if (region.frustum) TRY(check_frustum(place, *region.frustum));
-  if (region.coordinate_frame) TRY(check_frame(place, *region.coordinate_frame));
-  if (region.alpha) TRY(check_mask(place, "alphaMap", *region.alpha));
-  if (region.beta) TRY(check_mask(place, "betaMap", *region.beta));
-  return check_parts(place, region, profile);
+  if (region.frustum) TRY(check_frustum(location, *region.frustum));
+  if (region.coordinate_frame) TRY(check_frame(location, *region.coordinate_frame));
+  if (region.alpha) TRY(check_mask(location, "alphaMap", *region.alpha));
+  if (region.beta) TRY(check_mask(location, "betaMap", *region.beta));
+  return check_parts(location, region, profile);
 }
 
 Status check(const WarpSet& set) {
   std::set<std::string> buffers;
   std::set<std::string> regions;
   for (const WarpBuffer& buffer : set.buffers) {
-    const std::string place = fmt::format("buffer '{}'", printable(buffer.id));
-    TRY(check_id(place, buffer.id));
-    if (!buffers.insert(buffer.id).second) return fault(place, "its id is there twice", "rename one");
-    if (buffer.width_px < 0 || buffer.height_px < 0) return fault(place, "its size is negative", "correct it");
-    if (buffer.regions.empty()) return fault(place, "it has no region", "export it with its projectors");
+    const std::string location = fmt::format("buffer '{}'", printable(buffer.id));
+    TRY(check_id(location, buffer.id));
+    if (!buffers.insert(buffer.id).second) return fault(location, "its id is there twice", "rename one");
+    if (buffer.width_px < 0 || buffer.height_px < 0) return fault(location, "its size is negative", "correct it");
+    if (buffer.regions.empty()) return fault(location, "it has no region", "export it with its projectors");
     for (const WarpRegion& region : buffer.regions) {
       TRY(check(region, set.profile));
       if (!regions.insert(region.id).second) return fault(place_of(region), "its id is there twice", "rename one");
@@ -227,8 +228,8 @@ Status check(const WarpSet& set) {
     return fault("MPCDI", fmt::format("level {} of geometry, {} of colour", set.level, set.colour_level),
                  "give 1 to 4");
   }
-  if (printable(set.date, kLongestId) != set.date) return fault("MPCDI", "its date is no text", "correct it");
+  if (printable(set.date, kMaxIdLength) != set.date) return fault("MPCDI", "its date is no text", "correct it");
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

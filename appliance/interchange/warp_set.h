@@ -20,7 +20,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 enum class MpcdiVersion { k1_0, k2_0 };
 
@@ -149,4 +149,4 @@ struct WarpLimits {
 /// As check(), of one region on its own.
 [[nodiscard]] Status check(const WarpRegion& region, WarpProfile profile);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

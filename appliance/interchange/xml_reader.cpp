@@ -7,7 +7,7 @@
 #include "appliance/interchange/fault.h"
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n";
@@ -25,7 +25,7 @@ std::string_view trimmed(std::string_view text) {
 
 }  // namespace
 
-std::string XmlElement::place() const {
+std::string XmlElement::location() const {
   return fmt::format("{}, line {}, <{}>", document_->name(), document_->line_of(node_.offset_debug()),
                      printable(name()));
 }
@@ -48,14 +48,14 @@ std::vector<XmlElement> XmlElement::children(std::string_view name) const {
 
 Result<std::optional<XmlElement>> XmlElement::optional_child(std::string_view name) const {
   const std::vector<XmlElement> found = children(name);
-  if (found.size() > 1) return fault(found[1].place(), "it is there twice", "remove one");
+  if (found.size() > 1) return fault(found[1].location(), "it is there twice", "remove one");
   if (found.empty()) return std::optional<XmlElement>();
   return std::optional<XmlElement>(found[0]);
 }
 
 Result<XmlElement> XmlElement::child(std::string_view name) const {
   TRY_ASSIGN(const std::optional<XmlElement> found, optional_child(name));
-  if (!found) return fault(place(), fmt::format("it has no <{}>", name), "add it, or export the file again");
+  if (!found) return fault(location(), fmt::format("it has no <{}>", name), "add it, or export the file again");
   return *found;
 }
 
@@ -63,7 +63,7 @@ Result<std::optional<std::string>> XmlElement::optional_attribute(std::string_vi
   std::optional<std::string> found;
   for (const pugi::xml_attribute attribute : node_.attributes()) {
     if (!same_word(attribute.name(), name)) continue;
-    if (found) return fault(place(), fmt::format("its {} is there twice", name), "remove one");
+    if (found) return fault(location(), fmt::format("its {} is there twice", name), "remove one");
     found = std::string(trimmed(attribute.value()));
   }
   return found;
@@ -71,7 +71,7 @@ Result<std::optional<std::string>> XmlElement::optional_attribute(std::string_vi
 
 Result<std::string> XmlElement::attribute(std::string_view name) const {
   TRY_ASSIGN(std::optional<std::string> found, optional_attribute(name));
-  if (!found) return fault(place(), fmt::format("it has no attribute {}", name), "add it, or export the file again");
+  if (!found) return fault(location(), fmt::format("it has no attribute {}", name), "add it, or export the file again");
   return *std::move(found);
 }
 
@@ -79,18 +79,18 @@ Result<double> XmlElement::number_attribute(std::string_view name) const {
   TRY_ASSIGN(const std::string text, attribute(name));
   const auto value = parse_double(text);
   if (!value || !std::isfinite(*value)) {
-    return fault(place(), fmt::format("its {} is '{}'", name, printable(text)), "give a number");
+    return fault(location(), fmt::format("its {} is '{}'", name, printable(text)), "give a number");
   }
   return *value;
 }
 
-Result<std::optional<int>> XmlElement::optional_count_attribute(std::string_view name, int most) const {
+Result<std::optional<int>> XmlElement::optional_count_attribute(std::string_view name, int max) const {
   TRY_ASSIGN(const std::optional<std::string> text, optional_attribute(name));
   if (!text) return std::optional<int>();
   const auto value = parse_integer(*text);
-  if (!value || *value < 1 || *value > most) {
-    return fault(place(), fmt::format("its {} is '{}'", name, printable(*text)),
-                 fmt::format("give a whole number of 1 to {}", most));
+  if (!value || *value < 1 || *value > max) {
+    return fault(location(), fmt::format("its {} is '{}'", name, printable(*text)),
+                 fmt::format("give a whole number of 1 to {}", max));
   }
   return std::optional<int>(static_cast<int>(*value));
 }
@@ -102,7 +102,7 @@ Result<double> XmlElement::number_in(std::string_view child_name) const {
   const std::string text = element.text();
   const auto value = parse_double(text);
   if (!value || !std::isfinite(*value)) {
-    return fault(element.place(), fmt::format("it holds '{}'", printable(text)), "give a number");
+    return fault(element.location(), fmt::format("it holds '{}'", printable(text)), "give a number");
   }
   return *value;
 }
@@ -143,4 +143,4 @@ std::size_t XmlDocument::line_of(std::ptrdiff_t offset) const {
                                   line_starts_.begin());
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

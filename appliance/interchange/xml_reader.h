@@ -14,7 +14,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 /// One element. Borrows the XmlDocument.
 class XmlElement {
@@ -22,7 +22,7 @@ class XmlElement {
   [[nodiscard]] std::string_view name() const { return node_.name(); }
   [[nodiscard]] bool is(std::string_view name) const;
   /// "mpcdi.xml, line 12, <region>".
-  [[nodiscard]] std::string place() const;
+  [[nodiscard]] std::string location() const;
 
   /// Those of that name, in their order.
   [[nodiscard]] std::vector<XmlElement> children(std::string_view name) const;
@@ -36,7 +36,7 @@ class XmlElement {
   /// Finite.
   Result<double> number_attribute(std::string_view name) const;
   /// Nothing when there is none.
-  Result<std::optional<int>> optional_count_attribute(std::string_view name, int most) const;
+  Result<std::optional<int>> optional_count_attribute(std::string_view name, int max) const;
 
   /// Without the blanks around it.
   [[nodiscard]] std::string text() const;
@@ -70,4 +70,4 @@ class XmlDocument {
   pugi::xml_document document_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

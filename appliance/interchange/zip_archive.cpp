@@ -10,12 +10,12 @@
 #include "appliance/interchange/fault.h"
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
-constexpr zip_int64_t kMostMembers = 1024;
-constexpr std::size_t kLongestName = 512;
-constexpr std::uint64_t kMostGrowth = 1032;  ///< Deflate cannot do more: zlib, "Technical Details".
+constexpr zip_int64_t kMaxMembers = 1024;
+constexpr std::size_t kMaxNameLength = 512;
+constexpr std::uint64_t kMaxExpansion = 1032;  ///< Deflate cannot do more: zlib, "Technical Details".
 constexpr std::uint64_t kSlackBytes = 1024;
 constexpr int kQuick = 1;  ///< Measured maps hardly shrink, however long one tries.
 constexpr zip_uint16_t kNewYear1980 = 1 << 5 | 1;
@@ -49,10 +49,10 @@ Status check_name(std::string_view name) {
   const auto bad = [&](std::string_view what) {
     return fault(place_of(name), what, "pack the archive again with plain file names");
   };
-  if (name.empty() || name.size() > kLongestName) return bad("its name is empty or too long");
+  if (name.empty() || name.size() > kMaxNameLength) return bad("its name is empty or too long");
   if (name.front() == '/' || (name.size() > 1 && name[1] == ':')) return bad("its name is absolute");
   if (name.find('\\') != std::string_view::npos) return bad("its name has a backslash");
-  if (printable(name, kLongestName) != name) return bad("its name is no plain text");
+  if (printable(name, kMaxNameLength) != name) return bad("its name is no plain text");
   for (std::size_t at = 0; at <= name.size();) {
     const std::size_t end = std::min(name.find('/', at), name.size());
     if (name.substr(at, end - at) == "..") return bad("its name leaves the archive");
@@ -63,22 +63,22 @@ Status check_name(std::string_view name) {
 
 /// What the directory says of a member, before anything of it is unpacked.
 Status check_member(zip_t* archive, zip_uint64_t index, const zip_stat_t& about) {
-  const std::string place = place_of(about.name);
+  const std::string location = place_of(about.name);
   TRY(check_name(about.name));
   zip_uint8_t system = 0;
   zip_uint32_t attributes = 0;
   if (zip_file_get_external_attributes(archive, index, 0, &system, &attributes) == 0 && system == ZIP_OPSYS_UNIX &&
       ((attributes >> 16) & kUnixKind) == S_IFLNK) {
-    return fault(place, "it is a link", "pack the file itself");
+    return fault(location, "it is a link", "pack the file itself");
   }
   if ((about.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && about.encryption_method != ZIP_EM_NONE) {
-    return fault(place, "it is encrypted", "pack it without a password");
+    return fault(location, "it is encrypted", "pack it without a password");
   }
   if (about.comp_method != ZIP_CM_STORE && about.comp_method != ZIP_CM_DEFLATE) {
-    return fault(place, fmt::format("it is packed by method {}", about.comp_method), "pack it with deflate");
+    return fault(location, fmt::format("it is packed by method {}", about.comp_method), "pack it with deflate");
   }
-  if (about.size / kMostGrowth > about.comp_size + kSlackBytes) {
-    return fault(place, fmt::format("{} bytes claim to unpack to {}", about.comp_size, about.size),
+  if (about.size / kMaxExpansion > about.comp_size + kSlackBytes) {
+    return fault(location, fmt::format("{} bytes claim to unpack to {}", about.comp_size, about.size),
                  "do not use this file: its sizes are not true");
   }
   return Done{};
@@ -99,8 +99,8 @@ Result<ZipReader> ZipReader::open(std::span<const std::byte> archive, std::size_
     return fault("zip directory", error.text(), "copy or export the file again");
   }
   const zip_int64_t count = zip_get_num_entries(reader.archive_.get(), 0);
-  if (count > kMostMembers) {
-    return fault("zip directory", fmt::format("it has {} members, and at most {} are accepted", count, kMostMembers),
+  if (count > kMaxMembers) {
+    return fault("zip directory", fmt::format("it has {} members, and at most {} are accepted", count, kMaxMembers),
                  "pack only what mpcdi.xml names");
   }
   std::set<std::string> seen;
@@ -120,32 +120,32 @@ Result<ZipReader> ZipReader::open(std::span<const std::byte> archive, std::size_
 }
 
 Result<std::vector<std::byte>> ZipReader::read(const std::string& name) {
-  const std::string place = place_of(name);
+  const std::string location = place_of(name);
   zip_stat_t about{};
   if (zip_stat(archive_.get(), name.c_str(), 0, &about) != 0) {
-    return fault(place, "the archive has no such member", "pack it too, or correct the path");
+    return fault(location, "the archive has no such member", "pack it too, or correct the path");
   }
   if (about.size > left_bytes_) {
-    return fault(place,
+    return fault(location,
                  fmt::format("it unpacks to {} bytes, and {} are left of what is accepted", about.size, left_bytes_),
                  "split the file, or export smaller maps");
   }
   const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen_index(archive_.get(), about.index, 0),
                                                                zip_fclose);
-  if (file == nullptr) return fault(place, zip_strerror(archive_.get()), "copy or export the file again");
+  if (file == nullptr) return fault(location, zip_strerror(archive_.get()), "copy or export the file again");
   std::vector<std::byte> bytes(about.size);
   for (std::size_t done = 0; done < bytes.size();) {
     const zip_int64_t n = zip_fread(file.get(), bytes.data() + done, bytes.size() - done);
-    if (n < 0) return fault(place, zip_file_strerror(file.get()), "copy or export the file again");
+    if (n < 0) return fault(location, zip_file_strerror(file.get()), "copy or export the file again");
     if (n == 0) {
-      return fault(place, fmt::format("it ends after {} of {} bytes", done, bytes.size()),
+      return fault(location, fmt::format("it ends after {} of {} bytes", done, bytes.size()),
                    "copy or export the file again");
     }
     done += static_cast<std::size_t>(n);
   }
   std::byte more{};
   if (const zip_int64_t n = zip_fread(file.get(), &more, 1); n != 0) {  // Compares the checksum at the end.
-    return fault(place, n > 0 ? "it is longer than it says" : zip_file_strerror(file.get()),
+    return fault(location, n > 0 ? "it is longer than it says" : zip_file_strerror(file.get()),
                  "copy or export the file again");
   }
   left_bytes_ -= bytes.size();
@@ -194,4 +194,4 @@ Result<std::vector<std::byte>> write_zip(std::span<const ZipMember> members) {
   return bytes;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -13,7 +13,7 @@
 
 struct zip;
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 
 struct ZipMember {
   std::string name;
@@ -45,4 +45,4 @@ class ZipReader {
 /// Deflated, in this order, without times: the same members give the same bytes.
 Result<std::vector<std::byte>> write_zip(std::span<const ZipMember> members);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

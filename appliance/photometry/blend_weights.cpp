@@ -7,12 +7,12 @@
 
 #include "appliance/calibration/map_grid.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 constexpr double kFeather_px = 96.0;  // Of a map's end inside of another projector's picture.
 constexpr double kDeep_px = 48.0;     // A place so far inside of its map is surely that projector's.
-constexpr double kLeast = 1e-6;       // Weights never lose everybody.
+constexpr double kMinWeight = 1e-6;   // Weights never lose everybody.
 // What another picture lights beyond a side by no more is left alone. Two sides that all but coincide would cross many
 // times by the maps' noise, and where they cross at the rim of all that is lit, weights as good as jump.
 constexpr double kBeyond_px = 2.0;
@@ -26,7 +26,7 @@ double smooth_step(double x) {
 
 /// From each control point to the nearest that `is_far` of 0, in pixels, by two sweeps over neighbours.
 /// Source: Borgefors, "Distance transformations in digital images", CVGIP 34 (3), 1986.
-void spread(const MapGrid& grid, std::vector<double>* distances) {
+void spread(const calibration::MapGrid& grid, std::vector<double>* distances) {
   const double across = grid.cell_width();
   const double down = grid.cell_height();
   const double diagonal = std::hypot(across, down);
@@ -53,7 +53,7 @@ void spread(const MapGrid& grid, std::vector<double>* distances) {
   }
 }
 
-bool borders_on_nothing(const MeasuredMap& map, const MapGrid& grid, int x, int y) {
+bool borders_on_nothing(const calibration::MeasuredMap& map, const calibration::MapGrid& grid, int x, int y) {
   for (int dy = -1; dy <= 1; ++dy) {
     for (int dx = -1; dx <= 1; ++dx) {
       if (x + dx < 0 || x + dx > map.cells_x || y + dy < 0 || y + dy > map.cells_y) continue;
@@ -63,7 +63,7 @@ bool borders_on_nothing(const MeasuredMap& map, const MapGrid& grid, int x, int 
   return false;
 }
 
-double interpolated(const std::vector<double>& values, const MapGrid& grid, const Eigen::Vector2d& pixel) {
+double interpolated(const std::vector<double>& values, const calibration::MapGrid& grid, const Eigen::Vector2d& pixel) {
   const auto weights = grid.weights_at(pixel);
   if (!weights) return 0.0;
   double sum = 0.0;
@@ -72,17 +72,17 @@ double interpolated(const std::vector<double>& values, const MapGrid& grid, cons
   return sum;
 }
 
-/// 0 on the stretches, 1 from `reach_px` on, where its slope is 0.
+/// 0 on the stretches, 1 from `radius_px` on, where its slope is 0.
 template <typename Stretches>
-double risen(const Stretches& stretches, const Eigen::Vector2d& pixel, double reach_px) {
-  double least = reach_px;
+double risen(const Stretches& stretches, const Eigen::Vector2d& pixel, double radius_px) {
+  double min = radius_px;
   for (const auto& stretch : stretches) {
     const Eigen::Vector2d along = stretch.to - stretch.from;
     const double length = std::max(along.squaredNorm(), 1e-12);  // It may be a point.
     const double part = std::clamp((pixel - stretch.from).dot(along) / length, 0.0, 1.0);
-    least = std::min(least, (pixel - stretch.from - part * along).norm());
+    min = std::min(min, (pixel - stretch.from - part * along).norm());
   }
-  const double t = least / reach_px;
+  const double t = min / radius_px;
   return t * (2.0 - t);
 }
 
@@ -91,11 +91,11 @@ double risen(const Stretches& stretches, const Eigen::Vector2d& pixel, double re
 BlendWeights::BlendWeights(const std::vector<PhotometricProjector>& projectors, const std::vector<InverseMap>& inverses)
     : inverses_(inverses) {
   for (const PhotometricProjector& projector : projectors) {
-    const MeasuredMap& map = projector.map;
+    const calibration::MeasuredMap& map = projector.map;
     pictures_.push_back({map.width_px, map.height_px, map.cells_x, map.cells_y, {}, {}});
   }
   for (std::size_t p = 0; p < projectors.size(); ++p) {
-    const MeasuredMap& map = projectors[p].map;
+    const calibration::MeasuredMap& map = projectors[p].map;
     const Eigen::Vector2d right(map.width_px, 0.0);
     const Eigen::Vector2d low(0.0, map.height_px);
     pictures_[p].sides = {covered(p, map, {Eigen::Vector2d::Zero(), right}), covered(p, map, {low, low + right}),
@@ -104,7 +104,8 @@ BlendWeights::BlendWeights(const std::vector<PhotometricProjector>& projectors, 
   find_inner_ends(projectors);
 }
 
-bool BlendWeights::is_on_another(std::size_t picture, const MeasuredMap& map, const Eigen::Vector2d& pixel) const {
+bool BlendWeights::is_on_another(std::size_t picture, const calibration::MeasuredMap& map,
+                                 const Eigen::Vector2d& pixel) const {
   const auto direction = map.direction_at(pixel);
   if (!direction) return false;
   for (std::size_t other = 0; other < pictures_.size(); ++other) {
@@ -117,26 +118,26 @@ bool BlendWeights::is_on_another(std::size_t picture, const MeasuredMap& map, co
   return false;
 }
 
-std::vector<BlendWeights::Stretch> BlendWeights::covered(std::size_t picture, const MeasuredMap& map,
+std::vector<BlendWeights::Stretch> BlendWeights::covered(std::size_t picture, const calibration::MeasuredMap& map,
                                                          const Stretch& side) const {
   const Eigen::Vector2d along = side.to - side.from;
-  const auto place = [&](double part) -> Eigen::Vector2d { return side.from + part * along; };
+  const auto position = [&](double part) -> Eigen::Vector2d { return side.from + part * along; };
   const int steps = std::max(2, static_cast<int>(along.norm() / kStep_px));
   std::vector<Stretch> stretches;
   bool was_on = false;
   for (int i = 0; i <= steps; ++i) {
     const double here = static_cast<double>(i) / steps;
-    const bool is_on = is_on_another(picture, map, place(here));
+    const bool is_on = is_on_another(picture, map, position(here));
     if (is_on != was_on) {
       // Where it begins or ends, between the step before and this one; at its very beginning it begins there.
       double low = i == 0 ? here : static_cast<double>(i - 1) / steps;
       double high = here;
       for (int halving = 0; halving < kHalvings && low < high; ++halving) {
         const double middle = 0.5 * (low + high);
-        (is_on_another(picture, map, place(middle)) == was_on ? low : high) = middle;
+        (is_on_another(picture, map, position(middle)) == was_on ? low : high) = middle;
       }
-      if (is_on) stretches.push_back({place(high), side.to});
-      if (!is_on) stretches.back().to = place(low);
+      if (is_on) stretches.push_back({position(high), side.to});
+      if (!is_on) stretches.back().to = position(low);
     }
     was_on = is_on;
   }
@@ -148,8 +149,8 @@ void BlendWeights::find_inner_ends(const std::vector<PhotometricProjector>& proj
   std::vector<std::vector<double>> any_end;
   constexpr double kFar_px = 1e5;
   for (const PhotometricProjector& projector : projectors) {
-    const MeasuredMap& map = projector.map;
-    const MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
+    const calibration::MeasuredMap& map = projector.map;
+    const calibration::MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
     auto& distances = any_end.emplace_back(static_cast<std::size_t>(grid.nodes()), kFar_px);
     for (std::size_t i = 0; i < distances.size(); ++i) {
       if (!map.directions[i].allFinite()) distances[i] = 0.0;
@@ -157,8 +158,8 @@ void BlendWeights::find_inner_ends(const std::vector<PhotometricProjector>& proj
     spread(grid, &distances);
   }
   for (std::size_t p = 0; p < projectors.size(); ++p) {
-    const MeasuredMap& map = projectors[p].map;
-    const MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
+    const calibration::MeasuredMap& map = projectors[p].map;
+    const calibration::MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
     std::vector<double> distances(static_cast<std::size_t>(grid.nodes()), kFar_px);
     for (int y = 0; y <= map.cells_y; ++y) {
       for (int x = 0; x <= map.cells_x; ++x) {
@@ -168,8 +169,8 @@ void BlendWeights::find_inner_ends(const std::vector<PhotometricProjector>& proj
         for (std::size_t other = 0; other < projectors.size(); ++other) {
           if (other == p) continue;
           const auto pixel = inverses_[other].pixel_at(direction);
-          const MeasuredMap& theirs = projectors[other].map;
-          const MapGrid their_grid{theirs.width_px, theirs.height_px, theirs.cells_x, theirs.cells_y};
+          const calibration::MeasuredMap& theirs = projectors[other].map;
+          const calibration::MapGrid their_grid{theirs.width_px, theirs.height_px, theirs.cells_x, theirs.cells_y};
           if (pixel && interpolated(any_end[other], their_grid, *pixel) > kDeep_px) distances[node] = 0.0;
         }
       }
@@ -183,9 +184,9 @@ double BlendWeights::inwardness(const Picture& picture, const Eigen::Vector2d& p
   double rim = 1.0;
   for (std::size_t side = 0; side < picture.sides.size(); ++side)
     rim *= risen(picture.sides.at(side), pixel, 0.5 * (side < 2 ? picture.height_px : picture.width_px));
-  const MapGrid grid{picture.width_px, picture.height_px, picture.cells_x, picture.cells_y};
+  const calibration::MapGrid grid{picture.width_px, picture.height_px, picture.cells_x, picture.cells_y};
   const double from_end = smooth_step(interpolated(picture.inward_px, grid, pixel) / kFeather_px);
-  return rim * rim * std::max(kLeast, from_end);
+  return rim * rim * std::max(kMinWeight, from_end);
 }
 
 std::vector<BlendWeights::Share> BlendWeights::at(const Eigen::Vector3d& direction) const {
@@ -206,4 +207,4 @@ std::vector<BlendWeights::Share> BlendWeights::at(const Eigen::Vector3d& directi
   return shares;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

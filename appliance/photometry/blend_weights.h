@@ -9,7 +9,7 @@
 #include "appliance/photometry/photometry_input.h"
 #include "appliance/warp/blend_mask.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// How several measured projectors share each direction. A picture fades towards the stretches of its sides that lie on
 /// another's picture, and towards no others:
@@ -53,8 +53,10 @@ class BlendWeights {
     std::array<std::vector<Stretch>, 4> sides{};  ///< Upper, lower, left, right.
     std::vector<double> inward_px;  ///< Per control point: how far from where the map ends inside of another's.
   };
-  [[nodiscard]] bool is_on_another(std::size_t picture, const MeasuredMap& map, const Eigen::Vector2d& pixel) const;
-  [[nodiscard]] std::vector<Stretch> covered(std::size_t picture, const MeasuredMap& map, const Stretch& side) const;
+  [[nodiscard]] bool is_on_another(std::size_t picture, const calibration::MeasuredMap& map,
+                                   const Eigen::Vector2d& pixel) const;
+  [[nodiscard]] std::vector<Stretch> covered(std::size_t picture, const calibration::MeasuredMap& map,
+                                             const Stretch& side) const;
   void find_inner_ends(const std::vector<PhotometricProjector>& projectors);
   [[nodiscard]] double inwardness(const Picture& picture, const Eigen::Vector2d& pixel) const;
 
@@ -62,4 +64,4 @@ class BlendWeights {
   std::vector<Picture> pictures_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

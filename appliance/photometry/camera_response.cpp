@@ -3,7 +3,7 @@
 
 #include "appliance/photometry/cubic_basis.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 CameraResponse CameraResponse::linear(int intervals) {
   CameraResponse response;
@@ -35,4 +35,4 @@ double CameraResponse::dark_code() const {
   return 1.0;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// The light that makes a camera's code, in parts of what makes its highest; 0 in darkness, so perhaps below 0 for
 /// code 0. A cubic spline over the code. A value; reentrant.
@@ -19,4 +19,4 @@ struct CameraResponse {
   [[nodiscard]] double dark_code() const;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -7,10 +7,10 @@
 
 #include "appliance/photometry/ramp_blocks.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
-constexpr int kLeastPixels = 6;
+constexpr int kMinPixels = 6;
 
 struct Mean {
   double sum = 0.0;
@@ -40,8 +40,8 @@ std::optional<Linear> linear_of(const CellCode& code, std::size_t channel, int p
   return Linear{camera.light_of(value) / exposure_s, sigma};
 }
 
-std::size_t primary_of(PatternLight light) {
-  return light == PatternLight::kRed ? 0 : light == PatternLight::kGreen ? 1 : 2;
+std::size_t primary_of(structured_light::PatternLight light) {
+  return light == structured_light::PatternLight::kRed ? 0 : light == structured_light::PatternLight::kGreen ? 1 : 2;
 }
 
 /// Of one cell and one channel of the camera.
@@ -68,7 +68,7 @@ ChannelLight channel_light(const ProjectorView& view, std::size_t cell, std::siz
     const auto seen = linear_of(reading.codes[cell], channel, pixels, reading.exposure_s, camera, code_step);
     if (!seen) continue;
     const double sigma = std::hypot(seen->sigma, result.black.sigma());
-    if (reading.light == PatternLight::kAll) {
+    if (reading.light == structured_light::PatternLight::kAll) {
       if (reading.level == 1.0) result.white.add(seen->light - *black, 1.0, sigma);
       continue;
     }
@@ -87,7 +87,7 @@ std::vector<CellLight> cell_lights(const PhotometryInput& input, const Projector
   std::vector<CellLight> lights;
   const std::size_t channels = input.has_colour ? 3 : 1;
   for (std::size_t cell = 0; cell < view.cells.cells.size(); ++cell) {
-    if (view.cells.cells[cell].pixels < kLeastPixels) continue;
+    if (view.cells.cells[cell].pixels < kMinPixels) continue;
     CellLight light;
     light.cell = cell;
     light.has_primaries = light.has_white = true;
@@ -123,4 +123,4 @@ std::vector<CellLight> cell_lights(const PhotometryInput& input, const Projector
   return lights;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -9,7 +9,7 @@
 #include "appliance/photometry/photometry_input.h"
 #include "appliance/photometry/response_solve.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// What one cell of a projector's picture gives at one stop, linear, per unit of exposure. A channel that the camera
 /// has not is as the first.
@@ -29,4 +29,4 @@ struct CellLight {
                                                  const CameraResponse& camera,
                                                  const std::array<ChannelResponse, 3>& curves);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -8,7 +8,7 @@
 
 #include "appliance/photometry/monotone_curve.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 constexpr int kSteps = 1024;
@@ -56,8 +56,8 @@ double ChannelResponse::light_of(double level) const {
   return (1.0 - along) * light[first] + along * light[first + 1];
 }
 
-ResponseCurve ChannelResponse::inverse(std::size_t steps) const {
-  ResponseCurve curve;
+warp::ResponseCurve ChannelResponse::inverse(std::size_t steps) const {
+  warp::ResponseCurve curve;
   curve.codes.reserve(steps);
   std::size_t i = 0;
   double code = 0.0;
@@ -85,21 +85,21 @@ Result<ChannelResponse> channel_response(std::span<const ResponsePoint> measured
     return Error(ErrorCode::kInvalidArgument,
                  "a response needs three levels or more, from black to full; photograph the whole ramp");
   }
-  double most = 0.0;
+  double max = 0.0;
   for (const ResponsePoint& point : points) {
     if (!std::isfinite(point.light) || !(point.sigma >= 0.0))
       return Error(ErrorCode::kInvalidArgument, "a level without light; photograph the ramp again");
-    most = std::max(most, point.light);
+    max = std::max(max, point.light);
   }
-  if (!(most > 0.0)) {
+  if (!(max > 0.0)) {
     return Error(ErrorCode::kInvalidArgument,
                  "no level of the ramp shines; look whether the projector is on and its lens open");
   }
   ChannelResponse response;
   double variance = 0.0;
   for (ResponsePoint& point : points) {
-    point.light = std::clamp(point.light / most, 0.0, 1.0);
-    point.sigma /= most;
+    point.light = std::clamp(point.light / max, 0.0, 1.0);
+    point.sigma /= max;
     variance += point.sigma * point.sigma;
   }
   points.front().light = 0.0;
@@ -154,4 +154,4 @@ std::vector<std::string> remarks_on(const ChannelResponse& response, const std::
   return remarks;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -9,7 +9,7 @@
 #include "appliance/warp/head_colour.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// A measured point of a channel's response.
 struct ResponsePoint {
@@ -29,7 +29,7 @@ struct ChannelResponse {
   [[nodiscard]] double light_of(double level) const;
   /// The least code value that makes a light: exact for every continuous response, also where it falls for a while,
   /// since then the codes past the first crossing are not used.
-  [[nodiscard]] ResponseCurve inverse(std::size_t steps = 1024) const;
+  [[nodiscard]] warp::ResponseCurve inverse(std::size_t steps = 1024) const;
 };
 
 /// A smooth curve through the points, monotone where they are. kInvalidArgument  less than 3 points, levels that do
@@ -39,4 +39,4 @@ Result<ChannelResponse> channel_response(std::span<const ResponsePoint> points);
 /// What is wrong with it, and what to do, for the installer; empty: nothing. `whose` is "projector 'left', red".
 [[nodiscard]] std::vector<std::string> remarks_on(const ChannelResponse& response, const std::string& whose);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

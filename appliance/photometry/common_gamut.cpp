@@ -9,10 +9,10 @@
 #include <cmath>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
-constexpr double kLeastArea = 1e-4;  // Of a triangle of chromaticities; the whole plane's is 0.5.
+constexpr double kMinGamutArea = 1e-4;  // Of a triangle of chromaticities; the whole plane's is 0.5.
 
 using Polygon = std::vector<Eigen::Vector2d>;
 
@@ -78,12 +78,12 @@ std::array<Eigen::Vector2d, 3> largest_triangle(const Polygon& polygon, const st
   }
   std::array<std::size_t, 3> order = {0, 1, 2};
   std::array<std::size_t, 3> nearest = order;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   do {
     double sum = 0.0;
     for (std::size_t i = 0; i < 3; ++i) sum += (best.at(order.at(i)) - wanted.at(i)).squaredNorm();
-    if (!(sum < least)) continue;
-    least = sum;
+    if (!(sum < min)) continue;
+    min = sum;
     nearest = order;
   } while (std::ranges::next_permutation(order).found);
   return {best.at(nearest[0]), best.at(nearest[1]), best.at(nearest[2])};
@@ -97,12 +97,12 @@ Eigen::Vector3d cheapest_white(const std::vector<Eigen::Matrix3d>& inverses, con
     for (int c = 0; c < 3; ++c) rows.emplace_back(inverse.row(c).transpose());
   }
   const auto cost = [&rows](const Eigen::Vector3d& white) {
-    double most = -std::numeric_limits<double>::infinity();
-    for (const Eigen::Vector3d& row : rows) most = std::max(most, row.dot(white));
-    return most;
+    double max = -std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector3d& row : rows) max = std::max(max, row.dot(white));
+    return max;
   };
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t j = i + 1; j < rows.size(); ++j) {
       for (std::size_t k = j + 1; k < rows.size(); ++k) {
@@ -115,8 +115,8 @@ Eigen::Vector3d cheapest_white(const std::vector<Eigen::Matrix3d>& inverses, con
         if (!(light > 1e-9)) continue;
         white /= light;
         const double worst = cost(white);
-        if (worst < least) {
-          least = worst;
+        if (worst < min) {
+          min = worst;
           best = white;
         }
       }
@@ -138,7 +138,7 @@ Result<CommonGamut> common_gamut(std::span<const Eigen::Matrix3d> primaries, con
     const Eigen::Vector3d sums = primaries[p].colwise().sum();
     std::array<Eigen::Vector2d, 3> triangle = triangle_of(primaries[p]);
     const double area = twice_area(triangle[0], triangle[1], triangle[2]);
-    if (!(sums.minCoeff() > 0.0) || !(std::abs(area) > kLeastArea)) {
+    if (!(sums.minCoeff() > 0.0) || !(std::abs(area) > kMinGamutArea)) {
       return Error(
           ErrorCode::kBadData,
           fmt::format("projector '{}': its red, green and blue look alike to the camera; look whether it shows "
@@ -159,7 +159,7 @@ Result<CommonGamut> common_gamut(std::span<const Eigen::Matrix3d> primaries, con
   }
   const auto corners = largest_triangle(tidied(polygon), mean);
   const double area = std::abs(twice_area(corners[0], corners[1], corners[2]));
-  if (!(area > kLeastArea)) {
+  if (!(area > kMinGamutArea)) {
     return Error(ErrorCode::kBadData,
                  "the projectors have hardly any colours in common; choose the same picture mode on all of them");
   }
@@ -178,11 +178,11 @@ Result<CommonGamut> common_gamut(std::span<const Eigen::Matrix3d> primaries, con
   for (const Eigen::Matrix3d& inverse : inverses) {
     // What is below 0 by rounding only.
     const Eigen::Matrix3d matrix = (inverse * result.wall).cwiseMax(0.0);
-    const double most = matrix.rowwise().sum().maxCoeff();
-    result.matrices.emplace_back(matrix / most);
-    result.kept.push_back(1.0 / most);
+    const double max = matrix.rowwise().sum().maxCoeff();
+    result.matrices.emplace_back(matrix / max);
+    result.kept.push_back(1.0 / max);
   }
   return result;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

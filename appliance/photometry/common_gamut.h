@@ -14,7 +14,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 struct CommonGamut {
   Eigen::Matrix3d wall;  ///< Columns: red, green, blue that all can make; they add up to a white of luminance 1.
@@ -31,4 +31,4 @@ struct CommonGamut {
 Result<CommonGamut> common_gamut(std::span<const Eigen::Matrix3d> primaries, const Eigen::Vector3d& luminance,
                                  std::span<const std::string> names);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

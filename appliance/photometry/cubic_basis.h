@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// Four neighbours' shares in a uniform cubic B-spline, which is smooth to its second derivative, and their slopes.
 struct CubicWeights {
@@ -26,4 +26,4 @@ struct CubicWeights {
   return w;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

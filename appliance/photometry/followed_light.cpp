@@ -4,13 +4,13 @@
 #include "appliance/photometry/light_file.h"
 #include "appliance/photometry/reblend.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 Result<std::optional<FollowedLight>> follow_light(const std::filesystem::path& own_folder,
-                                                  std::span<const CalibratedProjector> before,
-                                                  std::span<const CalibratedProjector> after,
-                                                  const std::function<double(const Eigen::Vector3d&)>& nearness) {
-  TRY_ASSIGN(const std::vector<CalibratedColour> colours, read_colours(own_folder));
+                                                  std::span<const calibration::CalibratedProjector> before,
+                                                  std::span<const calibration::CalibratedProjector> after,
+                                                  const std::function<double(const Eigen::Vector3d&)>& inverse_depth) {
+  TRY_ASSIGN(const std::vector<calibration::CalibratedColour> colours, calibration::read_colours(own_folder));
   if (colours.empty()) return std::optional<FollowedLight>();
   FollowedLight followed;
   auto light = read_light(own_folder);
@@ -21,7 +21,7 @@ Result<std::optional<FollowedLight>> follow_light(const std::filesystem::path& o
   for (std::size_t p = 0; is_same && p < after.size(); ++p) {
     is_same = before[p].name == after[p].name;
     projectors.push_back({after[p].name, after[p].map});
-    move_light(before[p].map, after[p].map, nearness, &followed.lighting.projectors[p]);
+    move_light(before[p].map, after[p].map, inverse_depth, &followed.lighting.projectors[p]);
   }
   if (!is_same) return Error(ErrorCode::kInvalidArgument, "the light of before is of other projectors");
   TRY_ASSIGN(followed.photometry, reblended(projectors, followed.lighting, colours));
@@ -32,4 +32,4 @@ Result<std::optional<FollowedLight>> follow_light(const std::filesystem::path& o
   return std::optional<FollowedLight>(std::move(followed));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -14,21 +14,21 @@
 #include "appliance/photometry/wall_light.h"
 #include "appliance/solve/calibrate.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 struct FollowedLight {
-  std::vector<CalibratedColour> colours;
+  std::vector<calibration::CalibratedColour> colours;
   WallLighting lighting;  ///< For light_part().
   Photometry photometry;  ///< As reblended() tells it.
 };
 
 /// `own_folder` holds colours.json and light.json of the calibration whose maps are `before`; `after` are the same
-/// projectors, in the same order. `nearness` as move_light() has it: 1 everywhere where no wall is known.
+/// projectors, in the same order. `inverse_depth` as move_light() has it: 1 everywhere where no wall is known.
 /// Nothing: that calibration had no colours.     kBadData, kNotFound  its files cannot be used.
 /// kInvalidArgument  other projectors.           Others as reblended(). Takes seconds.
 Result<std::optional<FollowedLight>> follow_light(const std::filesystem::path& own_folder,
-                                                  std::span<const CalibratedProjector> before,
-                                                  std::span<const CalibratedProjector> after,
-                                                  const std::function<double(const Eigen::Vector3d&)>& nearness);
+                                                  std::span<const calibration::CalibratedProjector> before,
+                                                  std::span<const calibration::CalibratedProjector> after,
+                                                  const std::function<double(const Eigen::Vector3d&)>& inverse_depth);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -7,10 +7,10 @@
 
 #include "appliance/calibration/map_grid.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
-constexpr double kMostBins = 4e5;
+constexpr double kMaxBins = 4e5;
 /// A chart bends lines: a triangle reaches past its corners' box by this part of its size.
 constexpr double kBulge = 0.05;
 constexpr double kOnEdge = 1e-9;
@@ -21,7 +21,7 @@ struct Seen {
 
 }  // namespace
 
-Result<InverseMap> InverseMap::make(const MeasuredMap& map) {
+Result<InverseMap> InverseMap::make(const calibration::MeasuredMap& map) {
   const auto nodes = static_cast<std::size_t>(map.cells_x + 1) * static_cast<std::size_t>(map.cells_y + 1);
   if (map.cells_x < 1 || map.cells_y < 1 || map.width_px < 1 || map.height_px < 1 || map.directions.size() != nodes)
     return Error(ErrorCode::kInvalidArgument, "a map whose counts do not go together; measure it again");
@@ -31,7 +31,7 @@ Result<InverseMap> InverseMap::make(const MeasuredMap& map) {
   }
   if (seen.empty())
     return Error(ErrorCode::kInvalidArgument, "a map without directions; let the camera see the projector's picture");
-  const auto chart = DirectionChart::around(seen);
+  const auto chart = calibration::DirectionChart::around(seen);
   if (!chart) {
     return Error(ErrorCode::kInvalidArgument,
                  "a map that goes round the sweet spot; one projector lights less than a whole turn");
@@ -39,29 +39,29 @@ Result<InverseMap> InverseMap::make(const MeasuredMap& map) {
   return InverseMap(map, *chart);
 }
 
-InverseMap::InverseMap(const MeasuredMap& map, const DirectionChart& chart) : chart_(chart) {
+InverseMap::InverseMap(const calibration::MeasuredMap& map, const calibration::DirectionChart& chart) : chart_(chart) {
   Eigen::Vector2d high = Eigen::Vector2d::Constant(-1e9);
   low_ = Eigen::Vector2d::Constant(1e9);
   for (const Eigen::Vector3d& d : map.directions) {
     if (!d.allFinite()) continue;
-    const auto place = chart_.place_of(d);
-    if (!place) continue;
-    low_ = low_.cwiseMin(*place);
-    high = high.cwiseMax(*place);
+    const auto position = chart_.place_of(d);
+    if (!position) continue;
+    low_ = low_.cwiseMin(*position);
+    high = high.cwiseMax(*position);
   }
   const Eigen::Vector2d size = (high - low_).cwiseMax(1e-6);
-  const double wanted = std::min(kMostBins, static_cast<double>(map.cells_x) * map.cells_y);
+  const double wanted = std::min(kMaxBins, static_cast<double>(map.cells_x) * map.cells_y);
   bins_per_rad_ = std::sqrt(wanted / (size.x() * size.y()));
-  columns_ = std::clamp(static_cast<int>(size.x() * bins_per_rad_) + 1, 1, static_cast<int>(kMostBins));
-  rows_ = std::clamp(static_cast<int>(size.y() * bins_per_rad_) + 1, 1, static_cast<int>(kMostBins));
-  if (static_cast<double>(columns_) * rows_ > 4.0 * kMostBins) {
+  columns_ = std::clamp(static_cast<int>(size.x() * bins_per_rad_) + 1, 1, static_cast<int>(kMaxBins));
+  rows_ = std::clamp(static_cast<int>(size.y() * bins_per_rad_) + 1, 1, static_cast<int>(kMaxBins));
+  if (static_cast<double>(columns_) * rows_ > 4.0 * kMaxBins) {
     // A line: one row of bins will do.
     bins_per_rad_ = 1000.0 / size.maxCoeff();
     columns_ = static_cast<int>(size.x() * bins_per_rad_) + 1;
     rows_ = static_cast<int>(size.y() * bins_per_rad_) + 1;
   }
   bins_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
-  const MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
+  const calibration::MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
   for (int y = 0; y < map.cells_y; ++y) {
     for (int x = 0; x < map.cells_x; ++x) {
       const int at = grid.node(x, y);
@@ -72,14 +72,14 @@ InverseMap::InverseMap(const MeasuredMap& map, const DirectionChart& chart) : ch
   }
 }
 
-Eigen::Vector2i InverseMap::bin_of(const Eigen::Vector2d& place) const {
-  const Eigen::Vector2d at = (place - low_) * bins_per_rad_;
+Eigen::Vector2i InverseMap::bin_of(const Eigen::Vector2d& position) const {
+  const Eigen::Vector2d at = (position - low_) * bins_per_rad_;
   return {static_cast<int>(std::clamp(std::floor(at.x()), -1.0, static_cast<double>(columns_))),
           static_cast<int>(std::clamp(std::floor(at.y()), -1.0, static_cast<double>(rows_)))};
 }
 
-void InverseMap::add(const MeasuredMap& map, const std::array<int, 3>& nodes) {
-  const MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
+void InverseMap::add(const calibration::MeasuredMap& map, const std::array<int, 3>& nodes) {
+  const calibration::MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
   Eigen::Matrix3d directions;
   Triangle triangle;
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9);
@@ -88,13 +88,13 @@ void InverseMap::add(const MeasuredMap& map, const std::array<int, 3>& nodes) {
     const int node = nodes.at(static_cast<std::size_t>(i));
     const Eigen::Vector3d& d = map.directions[static_cast<std::size_t>(node)];
     if (!d.allFinite()) return;
-    const auto place = chart_.place_of(d);
-    if (!place) return;
+    const auto position = chart_.place_of(d);
+    if (!position) return;
     directions.col(i) = d;
     triangle.corners_px.col(i) = Eigen::Vector2d((node % (map.cells_x + 1)) * grid.cell_width(),
                                                  (node / (map.cells_x + 1)) * grid.cell_height());
-    low = low.cwiseMin(*place);
-    high = high.cwiseMax(*place);
+    low = low.cwiseMin(*position);
+    high = high.cwiseMax(*position);
   }
   const Eigen::Vector3d edge_a = directions.col(1) - directions.col(0);
   const Eigen::Vector3d edge_b = directions.col(2) - directions.col(0);
@@ -114,9 +114,9 @@ void InverseMap::add(const MeasuredMap& map, const std::array<int, 3>& nodes) {
 }
 
 std::optional<Eigen::Vector2d> InverseMap::pixel_at(const Eigen::Vector3d& direction) const {
-  const auto place = chart_.place_of(direction);
-  if (!place) return std::nullopt;
-  const Eigen::Vector2i bin = bin_of(*place);
+  const auto position = chart_.place_of(direction);
+  if (!position) return std::nullopt;
+  const Eigen::Vector2i bin = bin_of(*position);
   if (bin.x() < 0 || bin.y() < 0 || bin.x() >= columns_ || bin.y() >= rows_) return std::nullopt;
   const auto& candidates =
       bins_[static_cast<std::size_t>(bin.y()) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(bin.x())];
@@ -130,4 +130,4 @@ std::optional<Eigen::Vector2d> InverseMap::pixel_at(const Eigen::Vector3d& direc
   return std::nullopt;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

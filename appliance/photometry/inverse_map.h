@@ -9,13 +9,13 @@
 #include "appliance/calibration/measured_map.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// Which of a projector's pixels is seen in a direction: the exact inverse of MeasuredMap::direction_at(). Reentrant.
 class InverseMap {
  public:
   /// kInvalidArgument  a map without directions, whose counts do not fit, or that goes round the sweet spot.
-  static Result<InverseMap> make(const MeasuredMap& map);
+  static Result<InverseMap> make(const calibration::MeasuredMap& map);
 
   /// Nothing where the projector's picture is not seen. `direction` has unit length.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_at(const Eigen::Vector3d& direction) const;
@@ -25,11 +25,11 @@ class InverseMap {
     Eigen::Matrix3d shares;  ///< Of a direction, in its corners.
     Eigen::Matrix<double, 2, 3> corners_px;
   };
-  InverseMap(const MeasuredMap& map, const DirectionChart& chart);
-  void add(const MeasuredMap& map, const std::array<int, 3>& nodes);
-  [[nodiscard]] Eigen::Vector2i bin_of(const Eigen::Vector2d& place) const;
+  InverseMap(const calibration::MeasuredMap& map, const calibration::DirectionChart& chart);
+  void add(const calibration::MeasuredMap& map, const std::array<int, 3>& nodes);
+  [[nodiscard]] Eigen::Vector2i bin_of(const Eigen::Vector2d& position) const;
 
-  DirectionChart chart_;
+  calibration::DirectionChart chart_;
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
   double bins_per_rad_ = 1.0;
   int columns_ = 0;
@@ -38,4 +38,4 @@ class InverseMap {
   std::vector<std::vector<int>> bins_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

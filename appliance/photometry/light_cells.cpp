@@ -6,29 +6,30 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 constexpr float kClipped = 0.98f;
-constexpr double kMostClipped = 0.01;  // Of a cell's pixels: a hot one does not spoil it.
-constexpr int kRim = 2;                // Camera pixels whose light a lens mixes with what lies beside.
-constexpr float kBorder_px = 4.0f;     // Projector pixels that a blurred picture loses light from.
+constexpr double kMaxClipped = 0.01;  // Of a cell's pixels: a hot one does not spoil it.
+constexpr int kRim = 2;               // Camera pixels whose light a lens mixes with what lies beside.
+constexpr float kBorder_px = 4.0f;    // Projector pixels that a blurred picture loses light from.
 
 int count_of(int pixels, int cell_px) { return std::max(1, (pixels + cell_px / 2) / cell_px); }
 
-bool is_decoded(const Decoded& decoded, int x, int y) {
+bool is_decoded(const structured_light::Decoded& decoded, int x, int y) {
   if (x < 0 || y < 0 || x >= decoded.fate.width() || y >= decoded.fate.height()) return false;
-  return *decoded.fate.at(x, y) == PixelFate::kDecoded;
+  return *decoded.fate.at(x, y) == structured_light::PixelFate::kDecoded;
 }
 
-bool is_inside(const Decoded& decoded, int x, int y) {
+bool is_inside(const structured_light::Decoded& decoded, int x, int y) {
   return is_decoded(decoded, x, y) && is_decoded(decoded, x - kRim, y) && is_decoded(decoded, x + kRim, y) &&
          is_decoded(decoded, x, y - kRim) && is_decoded(decoded, x, y + kRim);
 }
 
 }  // namespace
 
-Result<CameraCells> camera_cells(const Decoded& decoded, int projector_width_px, int projector_height_px, int cell_px) {
+Result<CameraCells> camera_cells(const structured_light::Decoded& decoded, int projector_width_px,
+                                 int projector_height_px, int cell_px) {
   if (projector_width_px < 1 || projector_height_px < 1 || cell_px < 4 || decoded.fate.empty() ||
       decoded.position_px.width() != decoded.fate.width() || decoded.position_px.height() != decoded.fate.height()) {
     return Error(
@@ -49,19 +50,19 @@ Result<CameraCells> camera_cells(const Decoded& decoded, int projector_width_px,
   for (int y = 0; y < decoded.fate.height(); ++y) {
     for (int x = 0; x < decoded.fate.width(); ++x) {
       if (!is_inside(decoded, x, y)) continue;
-      const float* const place = decoded.position_px.at(x, y);
-      const bool is_in_picture = place[0] >= kBorder_px && place[0] <= width - kBorder_px && place[1] >= kBorder_px &&
-                                 place[1] <= height - kBorder_px;
+      const float* const position = decoded.position_px.at(x, y);
+      const bool is_in_picture = position[0] >= kBorder_px && position[0] <= width - kBorder_px &&
+                                 position[1] >= kBorder_px && position[1] <= height - kBorder_px;
       if (!is_in_picture) continue;
       const int cx =
-          std::min(static_cast<int>(place[0] / width * static_cast<float>(result.cells_x)), result.cells_x - 1);
+          std::min(static_cast<int>(position[0] / width * static_cast<float>(result.cells_x)), result.cells_x - 1);
       const int cy =
-          std::min(static_cast<int>(place[1] / height * static_cast<float>(result.cells_y)), result.cells_y - 1);
+          std::min(static_cast<int>(position[1] / height * static_cast<float>(result.cells_y)), result.cells_y - 1);
       const int cell = cy * result.cells_x + cx;
       *result.cell_of.at(x, y) = cell;
       CameraCells::Cell& sum = result.cells[static_cast<std::size_t>(cell)];
       ++sum.pixels;
-      sum.projector_px += Eigen::Vector2d(static_cast<double>(place[0]), static_cast<double>(place[1]));
+      sum.projector_px += Eigen::Vector2d(static_cast<double>(position[0]), static_cast<double>(position[1]));
       sum.camera_px += Eigen::Vector2d(x + 0.5, y + 0.5);
     }
   }
@@ -76,7 +77,7 @@ Result<CameraCells> camera_cells(const Decoded& decoded, int projector_width_px,
 double as_shown(double level) { return std::round(255.0 * std::clamp(level, 0.0, 1.0)) / 255.0; }
 
 Result<LightReading> read_light(const CameraCells& cells, const Image<float, 3>& photograph,
-                                const PatternPicture& picture, double exposure_s) {
+                                const structured_light::PatternPicture& picture, double exposure_s) {
   if (photograph.width() != cells.cell_of.width() || photograph.height() != cells.cell_of.height()) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("a photograph of {}x{} px from a camera that had {}x{}", photograph.width(),
@@ -88,18 +89,19 @@ Result<LightReading> read_light(const CameraCells& cells, const Image<float, 3>&
   reading.light = picture.light;
   reading.exposure_s = exposure_s;
   switch (picture.kind) {
-    case PatternKind::kBlack:
+    case structured_light::PatternKind::kBlack:
       reading.level = 0.0;
       break;
-    case PatternKind::kWhite:
+    case structured_light::PatternKind::kWhite:
       reading.level = 1.0;
       break;
-    case PatternKind::kLevel:
+    case structured_light::PatternKind::kLevel:
       reading.level = as_shown(picture.level);
       break;
     default:
       return Error(ErrorCode::kInvalidArgument,
-                   fmt::format("'{}' is not even; light is read from white, black and levels", name_of(picture)));
+                   fmt::format("'{}' is not even; light is read from white, black and levels",
+                               structured_light::name_of(picture)));
   }
   struct Sum {
     std::array<double, 3> sum{};
@@ -107,11 +109,11 @@ Result<LightReading> read_light(const CameraCells& cells, const Image<float, 3>&
     std::array<int, 3> clipped{};
   };
   std::vector<Sum> sums(cells.cells.size());
-  const auto places = cells.cell_of.data();
+  const auto positions = cells.cell_of.data();
   const auto codes = photograph.data();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (places[i] < 0) continue;
-    Sum& sum = sums[static_cast<std::size_t>(places[i])];
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (positions[i] < 0) continue;
+    Sum& sum = sums[static_cast<std::size_t>(positions[i])];
     for (std::size_t c = 0; c < 3; ++c) {
       const float code = codes[3 * i + c];
       if (!(code >= 0.0f && code < kClipped)) {
@@ -127,7 +129,7 @@ Result<LightReading> read_light(const CameraCells& cells, const Image<float, 3>&
     const int pixels = cells.cells[i].pixels;
     for (std::size_t c = 0; c < 3; ++c) {
       const int good = pixels - sums[i].clipped.at(c);
-      reading.codes[i].is_clipped.at(c) = pixels == 0 || sums[i].clipped.at(c) > kMostClipped * pixels;
+      reading.codes[i].is_clipped.at(c) = pixels == 0 || sums[i].clipped.at(c) > kMaxClipped * pixels;
       if (good <= 0) continue;
       const double mean = sums[i].sum.at(c) / good;
       reading.codes[i].code.at(c) = static_cast<float>(mean);
@@ -138,4 +140,4 @@ Result<LightReading> read_light(const CameraCells& cells, const Image<float, 3>&
   return reading;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -13,7 +13,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// Which pixels of a standing camera see which cell of one projector's picture. A value; reentrant.
 struct CameraCells {
@@ -32,8 +32,8 @@ struct CameraCells {
 
 /// Pixels near the edge of what was decoded, or of the projector's picture, see a blurred border: they are left out.
 /// kInvalidArgument  pictures of no size, or cells of less than 4 pixels. Reentrant.
-Result<CameraCells> camera_cells(const Decoded& decoded, int projector_width_px, int projector_height_px,
-                                 int cell_px = 32);
+Result<CameraCells> camera_cells(const structured_light::Decoded& decoded, int projector_width_px,
+                                 int projector_height_px, int cell_px = 32);
 
 /// A cell's mean in one photograph.
 struct CellCode {
@@ -44,7 +44,7 @@ struct CellCode {
 
 /// One photograph of one projector that shines evenly, the others dark.
 struct LightReading {
-  PatternLight light = PatternLight::kAll;
+  structured_light::PatternLight light = structured_light::PatternLight::kAll;
   double level = 0.0;  ///< Code value as shown, 0 to 1: as_shown() of PatternPicture::level. 0 is black.
   double exposure_s = 0.0;
   std::vector<CellCode> codes;  ///< As CameraCells::cells.
@@ -56,6 +56,6 @@ struct LightReading {
 /// kInvalidArgument  a photograph of another size than the camera's, a picture that is not even (only white, black and
 /// levels are), or an exposure that is not above 0. Codes that are not finite count as clipped. Reentrant.
 Result<LightReading> read_light(const CameraCells& cells, const Image<float, 3>& photograph,
-                                const PatternPicture& picture, double exposure_s);
+                                const structured_light::PatternPicture& picture, double exposure_s);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -10,18 +10,18 @@
 #include "common/base/file.h"
 #include "common/json/strict_json.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
 constexpr const char* kFile = "light.json";
-constexpr std::size_t kMostBytes = std::size_t{16} << 20;
-constexpr int kMostPx = 16384;
-constexpr int kMostCells = 512;
-constexpr std::size_t kMostCoefficients = std::size_t{1} << 18;
-constexpr double kLargestLog = 100.0;
+constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
+constexpr int kMaxPx = 16384;
+constexpr int kMaxCells = 512;
+constexpr std::size_t kMaxCoefficients = std::size_t{1} << 18;
+constexpr double kMaxLog = 100.0;
 constexpr double kLarge = 1e6;
 
 template <typename Matrix>
@@ -42,29 +42,29 @@ Matrix matrix_of(const StrictJson& json) {
 ProjectorLighting lighting_of(StrictJson* json) {
   ProjectorLighting lighting;
   PictureField& white = lighting.log_white;
-  white.width_px = json->integer("width_px", 16, kMostPx);
-  white.height_px = json->integer("height_px", 16, kMostPx);
-  white.cells_x = json->integer("cells_x", 1, kMostCells);
-  white.cells_y = json->integer("cells_y", 1, kMostCells);
+  white.width_px = json->integer("width_px", 16, kMaxPx);
+  white.height_px = json->integer("height_px", 16, kMaxPx);
+  white.cells_x = json->integer("cells_x", 1, kMaxCells);
+  white.cells_y = json->integer("cells_y", 1, kMaxCells);
   const auto count = static_cast<std::size_t>(white.cells_x + 3) * static_cast<std::size_t>(white.cells_y + 3);
-  for (const StrictJson& value : json->list("log_white", 1, kMostCoefficients))
-    white.coefficients.push_back(value.as_number(-kLargestLog, kLargestLog));
+  for (const StrictJson& value : json->list("log_white", 1, kMaxCoefficients))
+    white.coefficients.push_back(value.as_number(-kMaxLog, kMaxLog));
   if (white.coefficients.size() != count) {
     json->at("log_white")
         .refuse(fmt::format("has {} numbers and needs {}; calibrate again", white.coefficients.size(), count));
   }
-  white.least = json->number("least", -kLargestLog, kLargestLog);
-  white.most = json->number("most", -kLargestLog, kLargestLog);
-  if (!(white.least <= white.most)) json->at("most").refuse("is below 'least'; calibrate again");
+  white.min = json->number("least", -kMaxLog, kMaxLog);
+  white.max = json->number("most", -kMaxLog, kMaxLog);
+  if (!(white.min <= white.max)) json->at("most").refuse("is below 'least'; calibrate again");
   lighting.primaries = matrix_of<Eigen::Matrix3d>(json->at("primaries"));
   Eigen::Index c = 0;
-  for (const StrictJson& value : json->list("leak", 3, 3)) lighting.leak(c++) = value.as_number(0.0, 1.0);
+  for (const StrictJson& value : json->list("leak", 3, 3)) lighting.black_level(c++) = value.as_number(0.0, 1.0);
   return lighting;
 }
 
 }  // namespace
 
-std::string light_json(const KeptLight& light) {
+std::string light_json(const SavedLight& light) {
   Json projectors = Json::array();
   for (std::size_t p = 0; p < light.names.size(); ++p) {
     const ProjectorLighting& one = light.lighting.projectors[p];
@@ -74,10 +74,10 @@ std::string light_json(const KeptLight& light) {
                           {"cells_x", one.log_white.cells_x},
                           {"cells_y", one.log_white.cells_y},
                           {"log_white", one.log_white.coefficients},
-                          {"least", one.log_white.least},
-                          {"most", one.log_white.most},
+                          {"least", one.log_white.min},
+                          {"most", one.log_white.max},
                           {"primaries", rows_of(one.primaries)},
-                          {"leak", {one.leak.x(), one.leak.y(), one.leak.z()}}});
+                          {"leak", {one.black_level.x(), one.black_level.y(), one.black_level.z()}}});
   }
   const Json json{{"format", "cyclorama-light"},
                   {"version", kVersion},
@@ -86,14 +86,14 @@ std::string light_json(const KeptLight& light) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-Result<KeptLight> parse_light(std::string_view text, const std::string& name) {
+Result<SavedLight> parse_light(std::string_view text, const std::string& name) {
   TRY_ASSIGN(const nlohmann::json document, parse_document(text, name, "go back to a calibration that was kept"));
   StrictJson::Mistakes mistakes("calibrate again");
   StrictJson json(document, &mistakes);
   if (json.text("format", 60) != "cyclorama-light")
     json.at("format").refuse("is not 'cyclorama-light'; give another file");
   json.integer("version", kVersion, kVersion);
-  KeptLight light;
+  SavedLight light;
   light.lighting.ambient = matrix_of<Eigen::Matrix<double, 3, 4>>(json.at("ambient"));
   std::set<std::string> names;
   for (StrictJson p : json.list("projectors", 1, 64)) {
@@ -107,19 +107,20 @@ Result<KeptLight> parse_light(std::string_view text, const std::string& name) {
   return light;
 }
 
-Result<CalibrationPart> light_part(std::span<const CalibratedProjector> projectors, const WallLighting& lighting) {
-  KeptLight light;
-  for (const CalibratedProjector& projector : projectors) light.names.push_back(projector.name);
+Result<calibration::CalibrationPart> light_part(std::span<const calibration::CalibratedProjector> projectors,
+                                                const WallLighting& lighting) {
+  SavedLight light;
+  for (const calibration::CalibratedProjector& projector : projectors) light.names.push_back(projector.name);
   if (light.names.size() != lighting.projectors.size())
     return Error(ErrorCode::kInvalidArgument, "not as many projectors as their light; calibrate again");
   light.lighting = lighting;
-  return CalibrationPart{kFile, light_json(light)};
+  return calibration::CalibrationPart{kFile, light_json(light)};
 }
 
 Result<WallLighting> read_light(const std::filesystem::path& own_folder) {
-  TRY_ASSIGN(const std::string text, read_text_file(own_folder / kFile, kMostBytes));
-  TRY_ASSIGN(KeptLight light, parse_light(text, (own_folder / kFile).string()));
+  TRY_ASSIGN(const std::string text, read_text_file(own_folder / kFile, kMaxBytes));
+  TRY_ASSIGN(SavedLight light, parse_light(text, (own_folder / kFile).string()));
   return std::move(light.lighting);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

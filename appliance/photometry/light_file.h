@@ -8,7 +8,7 @@
 ///      "ambient": [[r by x, y, z, 1], [g ...], [b ...]],
 ///      "projectors": [{"name": "left", "width_px": 1920, "height_px": 1080, "cells_x": 8, "cells_y": 5,
 ///                      "log_white": [...], "least": -1.2, "most": 0.3,       a bicubic spline's coefficients
-///                      "primaries": [[...], [...], [...]], "leak": [r, g, b]}]}
+///                      "primaries": [[...], [...], [...]], "black_level": [r, g, b]}]}
 #pragma once
 
 #include <filesystem>
@@ -20,21 +20,22 @@
 #include "appliance/calibration/calibration_file.h"
 #include "appliance/photometry/wall_light.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
-struct KeptLight {
+struct SavedLight {
   std::vector<std::string> names;  ///< Of the projectors.
   WallLighting lighting;           ///< What masks are made from: no vignetting, no remarks.
 };
 
-[[nodiscard]] std::string light_json(const KeptLight& light);
-/// The opposite. kBadData  "light.json: /projectors/0/leak: ...; remedy", as parse_calibration().
-Result<KeptLight> parse_light(std::string_view text, const std::string& name);
+[[nodiscard]] std::string light_json(const SavedLight& light);
+/// The opposite. kBadData  "light.json: /projectors/0/black_level: ...; remedy", as parse_calibration().
+Result<SavedLight> parse_light(std::string_view text, const std::string& name);
 
 /// For save_calibration(), which writes it before the calibration counts. kInvalidArgument  not as many projectors as
 /// their light.
-Result<CalibrationPart> light_part(std::span<const CalibratedProjector> projectors, const WallLighting& lighting);
+Result<calibration::CalibrationPart> light_part(std::span<const calibration::CalibratedProjector> projectors,
+                                                const WallLighting& lighting);
 /// kNotFound  there is none.     Others as parse_light().
 Result<WallLighting> read_light(const std::filesystem::path& own_folder);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -10,7 +10,7 @@
 
 #include "appliance/photometry/slow_target.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -21,14 +21,14 @@ constexpr double kNoShare = 1e-3;              // Who has less of a place does n
 constexpr int kStep_px = 2;                    // Masks are smooth: every other pixel is enough.
 constexpr float kSteep = 0.03f;                // Where pictures' corners meet weights change quickly,
 constexpr float kBent = 0.004f;                // or bend: an eighth of it is what lies between off by.
-constexpr double kLeastLift = 1e-7;
+constexpr double kMinBlackLift = 1e-7;
 
 /// What one pixel of a head gets.
 struct PixelShare {
   bool is_lit = false;
   float mask = 0.0f;
   float weight = 0.0f;
-  float lift = 0.0f;  ///< In parts of the head's own white there; not yet scaled.
+  float black_lift = 0.0f;  ///< In parts of the head's own white there; not yet scaled.
 };
 
 /// Of every kStep_px-th pixel each way.
@@ -42,27 +42,27 @@ struct CoarseShares {
   }
   /// Change of slope of the weights; 0 at the rim. What is not lit bends too much.
   [[nodiscard]] float bend(int column, int row) const {
-    float most = 0.0f;
+    float max = 0.0f;
     for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
       if (column < dx || row < dy || column + dx >= columns || row + dy >= rows) continue;
       const PixelShare& before = at(column - dx, row - dy);
       const PixelShare& behind = at(column + dx, row + dy);
       if (!before.is_lit || !behind.is_lit) return 1.0f;
-      most = std::max(most, std::abs(before.weight - 2.0f * at(column, row).weight + behind.weight));
+      max = std::max(max, std::abs(before.weight - 2.0f * at(column, row).weight + behind.weight));
     }
-    return most;
+    return max;
   }
   /// Whether what lies between this place and the next ones, to the right and below, is as well interpolated.
   [[nodiscard]] bool is_even(int column, int row) const {
-    float least = 1.0f;
-    float most = 0.0f;
+    float min = 1.0f;
+    float max = 0.0f;
     for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)}) {
       const PixelShare& corner = at(column + dx, row + dy);
       if (!corner.is_lit || bend(column + dx, row + dy) > kBent) return false;
-      least = std::min(least, corner.weight);
-      most = std::max(most, corner.weight);
+      min = std::min(min, corner.weight);
+      max = std::max(max, corner.weight);
     }
-    return most - least < kSteep;
+    return max - min < kSteep;
   }
 };
 
@@ -73,10 +73,10 @@ class HeadMaker {
       : input_(input), lighting_(lighting), weights_(weights), kept_(std::move(kept)) {}
 
   Status find_targets(const PhotometryOptions& options);
-  void tell_light_kept(Photometry* result) const;
+  void report_light_kept(Photometry* result) const;
   void make_images(std::size_t projector, PhotometricHead* head) const;
   /// The colour that `projector` adds where others' leaks are missing: in its own channels, of luminance 1.
-  [[nodiscard]] Eigen::Vector3d lift_colour(std::size_t projector) const;
+  [[nodiscard]] Eigen::Vector3d black_lift_colour(std::size_t projector) const;
 
  private:
   using Shares = std::vector<BlendWeights::Share>;
@@ -84,16 +84,16 @@ class HeadMaker {
     return lighting_.projectors[share.projector].white_at(share.pixel);
   }
   /// The most that blending can make of a direction; infinite where nobody lights.
-  [[nodiscard]] double reach(const Shares& shares) const {
-    double least = std::numeric_limits<double>::infinity();
+  [[nodiscard]] double peak(const Shares& shares) const {
+    double min = std::numeric_limits<double>::infinity();
     for (const auto& share : shares) {
-      if (share.weight > kNoShare) least = std::min(least, kept_[share.projector] * white_of(share) / share.weight);
+      if (share.weight > kNoShare) min = std::min(min, kept_[share.projector] * white_of(share) / share.weight);
     }
-    return least;
+    return min;
   }
   [[nodiscard]] double black(const Eigen::Vector3d& direction, const Shares& shares) const {
     Eigen::Vector3d colour = lighting_.ambient_at(direction);
-    for (const auto& share : shares) colour += white_of(share) * lighting_.projectors[share.projector].leak;
+    for (const auto& share : shares) colour += white_of(share) * lighting_.projectors[share.projector].black_level;
     return kCameraLuminance.dot(colour);
   }
   [[nodiscard]] std::vector<double> slopes(const PhotometryOptions& options) const;
@@ -103,7 +103,7 @@ class HeadMaker {
   const WallLighting& lighting_;
   const BlendWeights& weights_;
   std::vector<double> kept_;
-  std::optional<DirectionField> reach_;
+  std::optional<DirectionField> peak_;
   std::optional<DirectionField> target_;
   std::optional<DirectionField> inverse_black_;  ///< One over the black to be reached.
 };
@@ -115,23 +115,23 @@ std::vector<double> HeadMaker::slopes(const PhotometryOptions& options) const {
     for (const auto& share : weights_.at(direction)) which |= 1u << (share.projector % 32);
     return which;
   };
-  const std::vector<bool> is_near = reach_->near_borders(pictures, kBeside_rad);
-  const double everywhere = options.most_slope_per_deg / kDegree;
-  const double at_borders = std::min(options.most_slope_at_borders_per_deg, options.most_slope_per_deg) / kDegree;
+  const std::vector<bool> is_near = peak_->near_borders(pictures, kBeside_rad);
+  const double everywhere = options.max_slope_per_deg / kDegree;
+  const double at_borders = std::min(options.max_slope_at_borders_per_deg, options.max_slope_per_deg) / kDegree;
   std::vector<double> result;
   for (const bool near : is_near) result.push_back(near ? at_borders : everywhere);
   return result;
 }
 
 Status HeadMaker::find_targets(const PhotometryOptions& options) {
-  TRY_ASSIGN(reach_, DirectionField::over(input_.projectors, kTargetStep_rad));
-  DirectionField dark = *reach_;
-  reach_->fill([this](const Eigen::Vector3d& d) { return reach(weights_.at(d)); });
-  const auto reached = reach_->places();
-  if (std::ranges::none_of(reached, [](const auto& place) { return std::isfinite(place.value); }))
+  TRY_ASSIGN(peak_, DirectionField::over(input_.projectors, kTargetStep_rad));
+  DirectionField dark = *peak_;
+  peak_->fill([this](const Eigen::Vector3d& d) { return peak(weights_.at(d)); });
+  const auto reached = peak_->positions();
+  if (std::ranges::none_of(reached, [](const auto& position) { return std::isfinite(position.value); }))
     return Error(ErrorCode::kBadData, "no direction gets light; measure the maps again");
   const std::vector<double> slope = slopes(options);
-  target_ = reach_->slow_below(slope, kBlur_rad);
+  target_ = peak_->slow_below(slope, kBlur_rad);
   if (!options.lifts_black) return Done{};
   bool is_any_black = false;
   dark.fill([&](const Eigen::Vector3d& d) {
@@ -144,16 +144,16 @@ Status HeadMaker::find_targets(const PhotometryOptions& options) {
   return Done{};
 }
 
-void HeadMaker::tell_light_kept(Photometry* result) const {
-  DirectionField all = *reach_;
+void HeadMaker::report_light_kept(Photometry* result) const {
+  DirectionField all = *peak_;
   all.fill([this](const Eigen::Vector3d& d) {
     double sum = 0.0;
     for (const auto& share : weights_.at(d)) sum += white_of(share);
     return sum;
   });
-  const auto reached = reach_->places();
-  const auto wanted = target_->places();
-  const auto whole = all.places();
+  const auto reached = peak_->positions();
+  const auto wanted = target_->positions();
+  const auto whole = all.positions();
   double could = 0.0;
   double kept = 0.0;
   double area = 0.0;
@@ -183,15 +183,15 @@ PixelShare HeadMaker::share_of(std::size_t projector, const Eigen::Vector2d& pix
     result.mask = static_cast<float>(std::clamp(mask, 0.0, 1.0));
     if (!inverse_black_) continue;
     const double missing = 1.0 / inverse_black_->at(*direction) - black(*direction, shares);
-    result.lift = static_cast<float>(share.weight * std::max(0.0, missing) / white);
+    result.black_lift = static_cast<float>(share.weight * std::max(0.0, missing) / white);
   }
   return result;
 }
 
-Eigen::Vector3d HeadMaker::lift_colour(std::size_t projector) const {
+Eigen::Vector3d HeadMaker::black_lift_colour(std::size_t projector) const {
   Eigen::Vector3d missing = Eigen::Vector3d::Zero();
   for (std::size_t p = 0; p < lighting_.projectors.size(); ++p) {
-    if (p != projector) missing += lighting_.projectors[p].leak;
+    if (p != projector) missing += lighting_.projectors[p].black_level;
   }
   const ProjectorLighting& own = lighting_.projectors[projector];
   const Eigen::Vector3d neutral = Eigen::Vector3d::Ones();  // White's luminance is 1.
@@ -202,7 +202,7 @@ Eigen::Vector3d HeadMaker::lift_colour(std::size_t projector) const {
 }
 
 void HeadMaker::make_images(std::size_t projector, PhotometricHead* head) const {
-  const MeasuredMap& map = input_.projectors[projector].map;
+  const calibration::MeasuredMap& map = input_.projectors[projector].map;
   CoarseShares coarse{map.width_px / kStep_px + 2, map.height_px / kStep_px + 2, {}};
   for (int y = 0; y < coarse.rows; ++y) {
     for (int x = 0; x < coarse.columns; ++x) {
@@ -210,9 +210,9 @@ void HeadMaker::make_images(std::size_t projector, PhotometricHead* head) const 
       coarse.all.push_back(share_of(projector, pixel));
     }
   }
-  head->mask = MaskImage(map.width_px, map.height_px);
-  head->weight = MaskImage(map.width_px, map.height_px);
-  LiftImage lift(map.width_px, map.height_px);
+  head->mask = warp::MaskImage(map.width_px, map.height_px);
+  head->weight = warp::MaskImage(map.width_px, map.height_px);
+  warp::BlackLiftImage black_lift(map.width_px, map.height_px);
   float brightest = 0.0f;
   for (int y = 0; y < map.height_px; ++y) {
     const int row = y / kStep_px;
@@ -229,21 +229,21 @@ void HeadMaker::make_images(std::size_t projector, PhotometricHead* head) const 
         for (std::size_t i = 0; i < 4; ++i) {
           share.mask += parts.at(i) * corners.at(i)->mask;
           share.weight += parts.at(i) * corners.at(i)->weight;
-          share.lift += parts.at(i) * corners.at(i)->lift;
+          share.black_lift += parts.at(i) * corners.at(i)->black_lift;
         }
       } else {
         share = share_of(projector, Eigen::Vector2d(x + 0.5, y + 0.5));
       }
       *head->mask.at(x, y) = share.mask;
       *head->weight.at(x, y) = share.weight;
-      *lift.at(x, y) = share.lift;
-      brightest = std::max(brightest, share.lift);
+      *black_lift.at(x, y) = share.black_lift;
+      brightest = std::max(brightest, share.black_lift);
     }
   }
-  if (!(static_cast<double>(brightest) > kLeastLift)) return;
-  for (float& value : lift.data()) value = std::min(1.0f, value / brightest);
-  head->colour.black = static_cast<double>(brightest) * lift_colour(projector);
-  head->colour.lift = std::move(lift);
+  if (!(static_cast<double>(brightest) > kMinBlackLift)) return;
+  for (float& value : black_lift.data()) value = std::min(1.0f, value / brightest);
+  head->colour.black = static_cast<double>(brightest) * black_lift_colour(projector);
+  head->colour.black_lift = std::move(black_lift);
 }
 
 }  // namespace
@@ -254,15 +254,15 @@ Status make_heads(const PhotometryInput& input, const PhotometryOptions& options
   if (gamut != nullptr) kept = gamut->kept;
   HeadMaker maker(input, lighting, weights, kept);
   TRY(maker.find_targets(options));
-  maker.tell_light_kept(result);
+  maker.report_light_kept(result);
   double brightest = 0.0;
   for (std::size_t p = 0; p < input.projectors.size(); ++p) {
     PhotometricHead& head = result->heads[p];
-    const MeasuredMap& map = input.projectors[p].map;
+    const calibration::MeasuredMap& map = input.projectors[p].map;
     maker.make_images(p, &head);
     if (gamut != nullptr) head.colour.matrix = gamut->matrices[p];
     head.primaries = lighting.projectors[p].primaries;
-    head.black = lighting.projectors[p].leak;
+    head.black = lighting.projectors[p].black_level;
     head.brightness = kept[p] * lighting.projectors[p].white_at({0.5 * map.width_px, 0.5 * map.height_px});
     brightest = std::max(brightest, head.brightness);
   }
@@ -271,4 +271,4 @@ Status make_heads(const PhotometryInput& input, const PhotometryOptions& options
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -6,7 +6,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 MonotoneCurve::MonotoneCurve(std::vector<double> x, std::vector<double> y) : x_(std::move(x)), y_(std::move(y)) {
   CHECK(x_.size() >= 2 && x_.size() == y_.size());
@@ -45,4 +45,4 @@ double MonotoneCurve::at(double x) const {
          slope_[i + 1] * width * t * t * u;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

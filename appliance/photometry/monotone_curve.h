@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// A curve with continuous slope through points, that never overshoots them: it rises where they rise, falls where they
 /// fall. Source: Fritsch and Carlson, "Monotone Piecewise Cubic Interpolation", SIAM J. Numer. Anal. 17 (2), 1980.
@@ -21,4 +21,4 @@ class MonotoneCurve {
   std::vector<double> slope_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -10,7 +10,7 @@
 #include "appliance/photometry/make_heads.h"
 #include "appliance/photometry/response_solve.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 constexpr std::array<const char*, 3> kNames = {"red", "green", "blue"};
@@ -19,7 +19,7 @@ constexpr int kCameraSteps = 256;
 constexpr double kBoost = 0.03;
 constexpr double kColourSpread = 0.05;
 constexpr double kDim = 0.5;
-constexpr double kLeak = 1.0 / 200.0;
+constexpr double kMaxBlackLevel = 1.0 / 200.0;
 constexpr double kUnexplained = 0.02;
 constexpr double kGamut = 0.6;
 
@@ -80,12 +80,12 @@ void remark_on(const PhotometryInput& input, const WallLighting& lighting, const
                       "towards it; clean its filter, look after its lamp and its power mode",
                       whose, 100.0 * result->heads[p].brightness));
     }
-    const double leak = kCameraLuminance.dot(projector.leak);
-    if (leak > kLeak) {
+    const double black_level = kCameraLuminance.dot(projector.black_level);
+    if (black_level > kMaxBlackLevel) {
       remarks.push_back(
           fmt::format("{}: its black is 1/{:.0f} of its white; close its iris or choose a mode of more "
                       "contrast, since all others are lifted to it",
-                      whose, 1.0 / leak));
+                      whose, 1.0 / black_level));
     }
   }
   if (lighting.unexplained > kUnexplained) {
@@ -126,7 +126,7 @@ Status PhotometryInput::validate() const {
 }
 
 Result<Photometry> photometry(const PhotometryInput& input, const PhotometryOptions& options) {
-  for (const double slope : {options.most_slope_per_deg, options.most_slope_at_borders_per_deg}) {
+  for (const double slope : {options.max_slope_per_deg, options.max_slope_at_borders_per_deg}) {
     if (slope >= 0.0 && std::isfinite(slope)) continue;
     return bad("a slope of brightness below 0; 0 is flat, 0.02 is two percent per degree");
   }
@@ -144,7 +144,7 @@ Result<Photometry> photometry(const PhotometryInput& input, const PhotometryOpti
   std::vector<std::array<ChannelResponse, 3>> curves(input.projectors.size());
   for (std::size_t p = 0; p < input.projectors.size(); ++p) {
     PhotometricHead& head = result.heads.emplace_back();
-    std::array<ResponseCurve, 3> inverse_curves;
+    std::array<warp::ResponseCurve, 3> inverse_curves;
     for (std::size_t c = 0; c < 3; ++c) {
       auto curve = channel_response(responses.channels[p].at(c));
       if (!curve) {
@@ -176,4 +176,4 @@ Result<Photometry> photometry(const PhotometryInput& input, const PhotometryOpti
   return result;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -9,7 +9,7 @@
 ///     MeasuredMap per projector ─▶ InverseMap ─▶ weights that add up to 1 ─▶ slowly varying brightness (target)
 ///                                                        │
 ///                                                        ▼
-///                             mask = weight * target / light;  HeadColour {matrix, black, lift, response}
+///                             mask = weight * target / light;  HeadColour {matrix, black, black_lift, response}
 ///
 /// How a scan uses it (appliance/scan): the lamps are warm, the camera has no automatic exposure or gain.
 ///
@@ -36,7 +36,7 @@
 #include "appliance/warp/head_colour.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// How many levels of each light a scan shows, and how much longer than the shortest its exposures are.
 inline constexpr int kRampSteps = 17;
@@ -47,18 +47,18 @@ inline constexpr double kBlackExposure = 32.0;
 struct PhotometryOptions {
   /// How much brightness may change over the wall, relative, per degree seen from the sweet spot. Eyes do not notice
   /// slopes of a few percent per degree. 0: flat, as dark as the darkest place.
-  double most_slope_per_deg = 0.02;
+  double max_slope_per_deg = 0.02;
   /// The same where a picture begins or ends upon another: there an eye looks for a step, and has an edge to hold the
   /// slope against. Chosen on the curve in docs/trade.md: with it 95 % of the steps across borders are below a percent.
-  double most_slope_at_borders_per_deg = 0.01;
+  double max_slope_at_borders_per_deg = 0.01;
   bool lifts_black = true;
 };
 
 /// What one display head needs, and what was found out of its projector.
 struct PhotometricHead {
-  HeadColour colour;  ///< For HeadPlan::colour.
-  MaskImage mask;     ///< For HeadPlan::mask: blend and evenness in one, linear light.
-  MaskImage weight;   ///< The blend alone: adds up to 1 over the projectors that light a place.
+  warp::HeadColour colour;  ///< For HeadPlan::colour.
+  warp::MaskImage mask;     ///< For HeadPlan::mask: blend and evenness in one, linear light.
+  warp::MaskImage weight;   ///< The blend alone: adds up to 1 over the projectors that light a place.
   std::array<ChannelResponse, 3> response;
   Eigen::Matrix3d primaries = Eigen::Matrix3d::Identity();  ///< Columns: its red, green, blue as the camera sees them;
                                                             ///< the luminance of white is 1.
@@ -93,4 +93,4 @@ struct Photometry {
 /// No number of a result is ever NaN.
 Result<Photometry> photometry(const PhotometryInput& input, const PhotometryOptions& options = {});
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -11,7 +11,7 @@
 #include "appliance/photometry/light_cells.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// What the camera saw of one projector while it stood at one stop.
 struct ProjectorView {
@@ -22,7 +22,7 @@ struct ProjectorView {
 
 struct PhotometricProjector {
   std::string name;
-  MeasuredMap map;
+  calibration::MeasuredMap map;
 };
 
 struct PhotometryInput {
@@ -40,4 +40,4 @@ struct PhotometryInput {
   [[nodiscard]] Status validate() const;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

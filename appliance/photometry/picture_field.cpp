@@ -8,7 +8,7 @@
 
 #include "appliance/photometry/cubic_basis.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 constexpr double kAny = 1e-6;  // Weight of 0, where nothing else is said.
@@ -68,7 +68,7 @@ double PictureField::at(const Eigen::Vector2d& pixel) const {
   double sum = 0.0;
   for (const Share& share : shares_at({cells_x, cells_y}, width_px, height_px, pixel))
     sum += share.second * coefficients[static_cast<std::size_t>(share.first)];
-  return std::clamp(sum, least, most);
+  return std::clamp(sum, min, max);
 }
 
 struct FieldFit::State {
@@ -122,9 +122,9 @@ PictureField FieldFit::fit(const Eigen::VectorXd& values) const {
   if (values.size() == 0) return field;
   // Some way past what was seen, since the rim of a picture never is.
   const double slack = kSlack * (values.maxCoeff() - values.minCoeff());
-  field.least = values.minCoeff() - slack;
-  field.most = values.maxCoeff() + slack;
+  field.min = values.minCoeff() - slack;
+  field.max = values.maxCoeff() + slack;
   return field;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// A number for each place of a projector's picture that varies smoothly: a bicubic spline. A value; reentrant.
 struct PictureField {
@@ -16,10 +16,10 @@ struct PictureField {
   int cells_x = 0;  ///< Between the spline's knots.
   int cells_y = 0;
   std::vector<double> coefficients{};  ///< (cells_x + 3) * (cells_y + 3), row by row.
-  double least = 0.0;                  ///< What it says is kept within these: gaps are filled with slopes.
-  double most = 0.0;
+  double min = 0.0;                    ///< What it says is kept within these: gaps are filled with slopes.
+  double max = 0.0;
 
-  /// Places outside count as the edge.
+  /// PicturePositions outside count as the edge.
   [[nodiscard]] double at(const Eigen::Vector2d& pixel) const;
 };
 
@@ -46,4 +46,4 @@ class FieldFit {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -9,11 +9,11 @@
 #include <set>
 #include <string>
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 constexpr std::size_t kCellsPerProjector = 90;
-constexpr int kLeastPixels = 12;
+constexpr int kMinPixels = 12;
 /// A camera's pixel: 8 electrons of read noise and a full well of 10000, as those for machine vision have about.
 constexpr double kReadNoise = 1e-3;
 constexpr double kShotNoise = 1e-4;
@@ -25,15 +25,15 @@ constexpr double kNoShare = 0.02;
 
 constexpr std::array<const char*, 4> kNames = {"red", "green", "blue", "white"};
 
-int index_of(PatternLight light) {
+int index_of(structured_light::PatternLight light) {
   switch (light) {
-    case PatternLight::kRed:
+    case structured_light::PatternLight::kRed:
       return 0;
-    case PatternLight::kGreen:
+    case structured_light::PatternLight::kGreen:
       return 1;
-    case PatternLight::kBlue:
+    case structured_light::PatternLight::kBlue:
       return 2;
-    case PatternLight::kAll:
+    case structured_light::PatternLight::kAll:
       return 3;
   }
   return 3;
@@ -105,8 +105,8 @@ Status check_lights(const ProjectorView& view, const std::string& name) {
                              "the same exposure; shorten the exposure or close the iris, and photograph both",
                              name));
   }
-  const double most = std::max({brightness.light[0], brightness.light[1], brightness.light[2]});
-  if (!(most > kNoLight)) {
+  const double max = std::max({brightness.light[0], brightness.light[1], brightness.light[2]});
+  if (!(max > kNoLight)) {
     return Error(
         ErrorCode::kBadData,
         fmt::format("projector '{}' gives no light that the camera sees; look whether its lamp and its shutter "
@@ -114,7 +114,7 @@ Status check_lights(const ProjectorView& view, const std::string& name) {
                     name));
   }
   for (std::size_t light = 0; light < 3; ++light) {
-    if (brightness.light.at(light) > std::max(kNoLight, kNoShare * most)) continue;
+    if (brightness.light.at(light) > std::max(kNoLight, kNoShare * max)) continue;
     return Error(ErrorCode::kBadData,
                  fmt::format("projector '{}' gives no {} light; look after its cable, its picture mode and its {} "
                              "channel, then calibrate again",
@@ -124,7 +124,7 @@ Status check_lights(const ProjectorView& view, const std::string& name) {
 }
 
 /// Evenly from the darkest to the brightest.
-std::vector<std::size_t> chosen_cells(const ProjectorView& view, std::size_t most) {
+std::vector<std::size_t> chosen_cells(const ProjectorView& view, std::size_t max) {
   const LightReading* reference = nullptr;
   for (const LightReading& reading : view.readings) {
     const bool is_full = reading.level == 1.0 && index_of(reading.light) == 1;
@@ -132,12 +132,12 @@ std::vector<std::size_t> chosen_cells(const ProjectorView& view, std::size_t mos
   }
   std::vector<std::pair<float, std::size_t>> seen;
   for (std::size_t i = 0; i < view.cells.cells.size(); ++i) {
-    if (view.cells.cells[i].pixels < kLeastPixels) continue;
+    if (view.cells.cells[i].pixels < kMinPixels) continue;
     seen.emplace_back(reference != nullptr ? reference->codes[i].code[1] : 0.0f, i);
   }
   std::ranges::sort(seen);
   std::vector<std::size_t> chosen;
-  const std::size_t count = std::min(most, seen.size());
+  const std::size_t count = std::min(max, seen.size());
   for (std::size_t i = 0; i < count; ++i) chosen.push_back(seen[i * seen.size() / count].second);
   return chosen;
 }
@@ -245,4 +245,4 @@ Result<RampProblem> ramp_problem(const PhotometryInput& input) {
   return problem;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -8,7 +8,7 @@
 #include "appliance/photometry/photometry_input.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// Standard deviation of a cell's mean code: of a pixel's noise, and of the rounding that noise does not spread.
 [[nodiscard]] double code_sigma(const CellCode& code, std::size_t channel, int pixels, double code_step);
@@ -41,4 +41,4 @@ struct RampProblem {
 /// Some cells of each projector, from its darkest to its brightest. Errors as solve_responses(). Reentrant.
 Result<RampProblem> ramp_problem(const PhotometryInput& input);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

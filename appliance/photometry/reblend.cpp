@@ -10,28 +10,28 @@
 
 #include "appliance/photometry/make_heads.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
-constexpr double kMostChange = 2.0;  // Of the logarithm: a projector that is pushed does not light seven times as much.
+constexpr double kMaxChange = 2.0;  // Of the logarithm: a projector that is pushed does not light seven times as much.
 
 /// Square metres of the wall that a pixel lights, seen from the sweet spot as lit.
-std::optional<double> lit_area(const MeasuredMap& map, const Eigen::Vector2d& pixel,
-                               const std::function<double(const Eigen::Vector3d&)>& nearness) {
+std::optional<double> lit_area(const calibration::MeasuredMap& map, const Eigen::Vector2d& pixel,
+                               const std::function<double(const Eigen::Vector3d&)>& inverse_depth) {
   const double step = std::min(16.0, 0.02 * std::min(map.width_px, map.height_px));
-  const auto place = [&](const Eigen::Vector2d& at) -> std::optional<Eigen::Vector3d> {
+  const auto position = [&](const Eigen::Vector2d& at) -> std::optional<Eigen::Vector3d> {
     const auto d = map.direction_at(at);
     if (!d) return std::nullopt;
-    const double near = nearness(*d);
+    const double near = inverse_depth(*d);
     if (!(near > 0.0)) return std::nullopt;
     return *d / near;
   };
   const Eigen::Vector2d middle(std::clamp(pixel.x(), step, map.width_px - step),
                                std::clamp(pixel.y(), step, map.height_px - step));
-  const auto left = place(middle - Eigen::Vector2d(step, 0.0));
-  const auto right = place(middle + Eigen::Vector2d(step, 0.0));
-  const auto above = place(middle - Eigen::Vector2d(0.0, step));
-  const auto below = place(middle + Eigen::Vector2d(0.0, step));
+  const auto left = position(middle - Eigen::Vector2d(step, 0.0));
+  const auto right = position(middle + Eigen::Vector2d(step, 0.0));
+  const auto above = position(middle - Eigen::Vector2d(0.0, step));
+  const auto below = position(middle + Eigen::Vector2d(0.0, step));
   if (!left || !right || !above || !below) return std::nullopt;
   const double area = (*right - *left).cross(*below - *above).norm() / (4.0 * step * step);
   if (!(area > 0.0) || !std::isfinite(area)) return std::nullopt;
@@ -40,8 +40,8 @@ std::optional<double> lit_area(const MeasuredMap& map, const Eigen::Vector2d& pi
 
 }  // namespace
 
-void move_light(const MeasuredMap& before, const MeasuredMap& after,
-                const std::function<double(const Eigen::Vector3d&)>& nearness, ProjectorLighting* light) {
+void move_light(const calibration::MeasuredMap& before, const calibration::MeasuredMap& after,
+                const std::function<double(const Eigen::Vector3d&)>& inverse_depth, ProjectorLighting* light) {
   PictureField& white = light->log_white;
   double lowest = 0.0;
   double highest = 0.0;
@@ -51,10 +51,10 @@ void move_light(const MeasuredMap& before, const MeasuredMap& after,
       const Eigen::Vector2d pixel(
           std::clamp((x - 1.0) * white.width_px / white.cells_x, 0.0, static_cast<double>(white.width_px)),
           std::clamp((y - 1.0) * white.height_px / white.cells_y, 0.0, static_cast<double>(white.height_px)));
-      const auto then = lit_area(before, pixel, nearness);
-      const auto now = lit_area(after, pixel, nearness);
+      const auto then = lit_area(before, pixel, inverse_depth);
+      const auto now = lit_area(after, pixel, inverse_depth);
       if (!then || !now) continue;
-      const double change = std::clamp(std::log(*then / *now), -kMostChange, kMostChange);
+      const double change = std::clamp(std::log(*then / *now), -kMaxChange, kMaxChange);
       lowest = std::min(lowest, change);
       highest = std::max(highest, change);
       const auto at =
@@ -62,12 +62,12 @@ void move_light(const MeasuredMap& before, const MeasuredMap& after,
       white.coefficients[at] += change;
     }
   }
-  white.least += lowest;
-  white.most += highest;
+  white.min += lowest;
+  white.max += highest;
 }
 
 Result<Photometry> reblended(const std::vector<PhotometricProjector>& projectors, const WallLighting& light,
-                             std::span<const CalibratedColour> before, const PhotometryOptions& options) {
+                             std::span<const calibration::CalibratedColour> before, const PhotometryOptions& options) {
   bool fits = before.size() == projectors.size() && light.projectors.size() == projectors.size() && !projectors.empty();
   for (std::size_t p = 0; fits && p < projectors.size(); ++p) {
     const PictureField& white = light.projectors[p].log_white;
@@ -103,4 +103,4 @@ Result<Photometry> reblended(const std::vector<PhotometricProjector>& projectors
   return result;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

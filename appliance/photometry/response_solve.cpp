@@ -10,7 +10,7 @@
 #include "appliance/photometry/cubic_basis.h"
 #include "appliance/photometry/ramp_blocks.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 constexpr int kIntervals = 24;
@@ -374,4 +374,4 @@ Result<SolvedResponses> solve_responses(const PhotometryInput& input) {
   return solved;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

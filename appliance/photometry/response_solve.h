@@ -20,7 +20,7 @@
 #include "appliance/photometry/photometry_input.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 struct SolvedResponses {
   CameraResponse camera;
@@ -33,4 +33,4 @@ struct SolvedResponses {
 /// Reentrant.
 Result<SolvedResponses> solve_responses(const PhotometryInput& input);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

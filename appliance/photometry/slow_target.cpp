@@ -9,12 +9,12 @@
 #include <optional>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
-constexpr int kMostPlaces = 200000;
-constexpr int kMargin = 2;  // Places.
-constexpr int kMostSweeps = 12;
+constexpr int kMaxGridPoints = 200000;
+constexpr int kMargin = 2;  // PicturePositions.
+constexpr int kMaxSweeps = 12;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 struct Seen {
@@ -31,15 +31,15 @@ double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return 2.0 * 
 
 }  // namespace
 
-DirectionField::DirectionField(const DirectionChart& chart, const Eigen::Vector2d& low, double step, int columns,
-                               int rows)
+DirectionField::DirectionField(const calibration::DirectionChart& chart, const Eigen::Vector2d& low, double step,
+                               int columns, int rows)
     : chart_(chart), low_(low), step_rad_(step), columns_(columns), rows_(rows) {
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < columns; ++x) {
       // What the chart does not hold, far beyond all that is lit, is told by the nearest that it does.
-      Eigen::Vector2d place = low_ + step_rad_ * Eigen::Vector2d(x, y);
-      if (place.norm() > 3.1) place *= 3.1 / place.norm();
-      directions_.push_back(*chart_.direction_of(place));
+      Eigen::Vector2d position = low_ + step_rad_ * Eigen::Vector2d(x, y);
+      if (position.norm() > 3.1) position *= 3.1 / position.norm();
+      directions_.push_back(*chart_.direction_of(position));
     }
   }
   logs_.assign(directions_.size(), kInfinite);
@@ -53,7 +53,7 @@ Result<DirectionField> DirectionField::over(const std::vector<PhotometricProject
     }
   }
   if (seen.empty()) return Error(ErrorCode::kInvalidArgument, "no map has a direction; measure the maps first");
-  std::optional<DirectionChart> chart = DirectionChart::around(seen);
+  std::optional<calibration::DirectionChart> chart = calibration::DirectionChart::around(seen);
   // All round: about the zenith or the nadir, whichever is farther from what nobody lights.
   for (const double up : {-1.0, 1.0}) {
     if (chart) break;
@@ -69,13 +69,13 @@ Result<DirectionField> DirectionField::over(const std::vector<PhotometricProject
   Eigen::Vector2d low = Eigen::Vector2d::Constant(kInfinite);
   Eigen::Vector2d high = -low;
   for (const Seen& s : seen) {
-    const Eigen::Vector2d place = chart->place_of(s.direction).value_or(Eigen::Vector2d::Zero());
-    low = low.cwiseMin(place);
-    high = high.cwiseMax(place);
+    const Eigen::Vector2d position = chart->place_of(s.direction).value_or(Eigen::Vector2d::Zero());
+    low = low.cwiseMin(position);
+    high = high.cwiseMax(position);
   }
   const Eigen::Vector2d size = high - low;
   double step = step_rad;
-  step = std::max(step, std::sqrt(size.x() * size.y() / kMostPlaces));
+  step = std::max(step, std::sqrt(size.x() * size.y() / kMaxGridPoints));
   low -= Eigen::Vector2d::Constant(kMargin * step);
   const int columns = static_cast<int>(size.x() / step) + 2 + 2 * kMargin;
   const int rows = static_cast<int>(size.y() / step) + 2 + 2 * kMargin;
@@ -102,7 +102,7 @@ void DirectionField::sweep_cones(const std::vector<double>& slopes_per_rad) {
     logs_[here] = value;
     is_changed = true;
   };
-  for (int sweep = 0; sweep < kMostSweeps && is_changed; ++sweep) {
+  for (int sweep = 0; sweep < kMaxSweeps && is_changed; ++sweep) {
     is_changed = false;
     for (int y = 0; y < rows_; ++y) {
       for (int x = 0; x < columns_; ++x) {
@@ -117,13 +117,13 @@ void DirectionField::sweep_cones(const std::vector<double>& slopes_per_rad) {
   }
 }
 
-void DirectionField::blur(double sigma_places) {
-  const int reach = static_cast<int>(std::ceil(3.0 * sigma_places));
-  if (reach < 1) return;
+void DirectionField::blur(double sigma_cells) {
+  const int peak = static_cast<int>(std::ceil(3.0 * sigma_cells));
+  if (peak < 1) return;
   std::vector<double> kernel;
   double sum = 0.0;
-  for (int i = -reach; i <= reach; ++i) {
-    kernel.push_back(std::exp(-0.5 * i * i / (sigma_places * sigma_places)));
+  for (int i = -peak; i <= peak; ++i) {
+    kernel.push_back(std::exp(-0.5 * i * i / (sigma_cells * sigma_cells)));
     sum += kernel.back();
   }
   std::vector<double> other(logs_.size());
@@ -131,10 +131,10 @@ void DirectionField::blur(double sigma_places) {
     for (int y = 0; y < rows_; ++y) {
       for (int x = 0; x < columns_; ++x) {
         double value = 0.0;
-        for (int i = -reach; i <= reach; ++i) {
+        for (int i = -peak; i <= peak; ++i) {
           const int xi = std::clamp(axis == 0 ? x + i : x, 0, columns_ - 1);
           const int yi = std::clamp(axis == 1 ? y + i : y, 0, rows_ - 1);
-          value += kernel[static_cast<std::size_t>(i + reach)] * logs_[index(xi, yi)];
+          value += kernel[static_cast<std::size_t>(i + peak)] * logs_[index(xi, yi)];
         }
         other[index(x, y)] = value / sum;
       }
@@ -144,7 +144,7 @@ void DirectionField::blur(double sigma_places) {
 }
 
 std::vector<bool> DirectionField::near_borders(const std::function<unsigned(const Eigen::Vector3d&)>& label,
-                                               double reach_rad) const {
+                                               double radius_rad) const {
   std::vector<unsigned> labels;
   for (const Eigen::Vector3d& direction : directions_) labels.push_back(label(direction));
   std::vector<bool> is_near(labels.size(), false);
@@ -158,13 +158,13 @@ std::vector<bool> DirectionField::near_borders(const std::function<unsigned(cons
     }
   }
   // A square of that half width about each.
-  const int reach = static_cast<int>(std::ceil(reach_rad / step_rad_));
+  const int peak = static_cast<int>(std::ceil(radius_rad / step_rad_));
   for (int axis = 0; axis < 2; ++axis) {
     const std::vector<bool> before = is_near;
     for (int y = 0; y < rows_; ++y) {
       for (int x = 0; x < columns_; ++x) {
         if (!before[index(x, y)]) continue;
-        for (int i = -reach; i <= reach; ++i) {
+        for (int i = -peak; i <= peak; ++i) {
           const int xi = std::clamp(axis == 0 ? x + i : x, 0, columns_ - 1);
           const int yi = std::clamp(axis == 1 ? y + i : y, 0, rows_ - 1);
           is_near[index(xi, yi)] = true;
@@ -192,8 +192,8 @@ DirectionField DirectionField::slow_below(const std::vector<double>& slopes_per_
 }
 
 double DirectionField::at(const Eigen::Vector3d& direction) const {
-  const Eigen::Vector2d place = chart_.place_of(direction).value_or(Eigen::Vector2d::Zero());
-  const Eigen::Vector2d at = (place - low_) / step_rad_;
+  const Eigen::Vector2d position = chart_.place_of(direction).value_or(Eigen::Vector2d::Zero());
+  const Eigen::Vector2d at = (position - low_) / step_rad_;
   const double x = std::clamp(at.x(), 0.0, columns_ - 1.001);
   const double y = std::clamp(at.y(), 0.0, rows_ - 1.001);
   const int x0 = static_cast<int>(x);
@@ -204,7 +204,7 @@ double DirectionField::at(const Eigen::Vector3d& direction) const {
                   fy * ((1.0 - fx) * logs_[index(x0, y0 + 1)] + fx * logs_[index(x0 + 1, y0 + 1)]));
 }
 
-std::vector<DirectionField::Place> DirectionField::places() const {
+std::vector<DirectionField::Place> DirectionField::positions() const {
   std::vector<Place> result;
   for (int y = 0; y < rows_; ++y) {
     for (int x = 0; x < columns_; ++x) {
@@ -216,4 +216,4 @@ std::vector<DirectionField::Place> DirectionField::places() const {
   return result;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -19,7 +19,7 @@
 #include "appliance/photometry/photometry_input.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// A positive number for each direction, on a grid over all that the projectors light. A value; reentrant.
 class DirectionField {
@@ -36,9 +36,9 @@ class DirectionField {
   [[nodiscard]] DirectionField slow_below(double slope_per_rad, double blur_rad) const;
   /// With a slope for each place, in the order of places(); between two places their mean counts.
   [[nodiscard]] DirectionField slow_below(const std::vector<double>& slopes_per_rad, double blur_rad) const;
-  /// The places within about `reach_rad` of where `label` changes from one number to another, neither of them 0.
+  /// The places within about `radius_rad` of where `label` changes from one number to another, neither of them 0.
   [[nodiscard]] std::vector<bool> near_borders(const std::function<unsigned(const Eigen::Vector3d&)>& label,
-                                               double reach_rad) const;
+                                               double radius_rad) const;
 
   /// Between places bilinear, by the logarithm.
   [[nodiscard]] double at(const Eigen::Vector3d& direction) const;
@@ -47,17 +47,18 @@ class DirectionField {
     double area_sr = 0.0;
     double value = 0.0;
   };
-  [[nodiscard]] std::vector<Place> places() const;
+  [[nodiscard]] std::vector<Place> positions() const;
 
  private:
-  DirectionField(const DirectionChart& chart, const Eigen::Vector2d& low, double step, int columns, int rows);
+  DirectionField(const calibration::DirectionChart& chart, const Eigen::Vector2d& low, double step, int columns,
+                 int rows);
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
   }
   void sweep_cones(const std::vector<double>& slopes_per_rad);
-  void blur(double sigma_places);
+  void blur(double sigma_cells);
 
-  DirectionChart chart_;
+  calibration::DirectionChart chart_;
   Eigen::Vector2d low_;
   double step_rad_;
   int columns_;
@@ -66,4 +67,4 @@ class DirectionField {
   std::vector<double> logs_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

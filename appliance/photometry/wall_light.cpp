@@ -11,18 +11,18 @@
 
 #include "appliance/photometry/cell_light.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 constexpr int kKnot_px = 32;
-constexpr double kBend = 0.01;        // Change of slope of log(light) from knot to knot that is expected.
-constexpr double kLeastSigma = 2e-3;  // Relative: what a wall's paint and speckle differ by.
-constexpr std::size_t kLeastGroups = 12;
+constexpr double kBend = 0.01;      // Change of slope of log(light) from knot to knot that is expected.
+constexpr double kMinSigma = 2e-3;  // Relative: what a wall's paint and speckle differ by.
+constexpr std::size_t kMinGroups = 12;
 constexpr double kVignetting = 0.7;  // Prior of each of its terms.
-constexpr double kLeastTrust = 1e-3;
+constexpr double kMinTrust = 1e-3;
 constexpr int kRounds = 3;  // Of weights against disturbed cells.
 constexpr double kGross = 0.01;
-constexpr double kLeakPrior = 1e-3;  // A projector's contrast is about 1000 to 1 or more.
+constexpr double kBlackLevelPrior = 1e-3;  // A projector's contrast is about 1000 to 1 or more.
 
 /// One cell of one view, with white's luminance.
 struct Sample {
@@ -48,7 +48,7 @@ double trust(const PhotometryInput& input, const Eigen::Vector2d& camera_px) {
   const double from_side = std::min(
       {camera_px.x(), camera_px.y(), input.camera_width_px - camera_px.x(), input.camera_height_px - camera_px.y()});
   const double t = std::clamp(2.0 * from_side / std::min(input.camera_width_px, input.camera_height_px), 0.0, 1.0);
-  return std::max(kLeastTrust, t * t);
+  return std::max(kMinTrust, t * t);
 }
 
 /// The primaries that most cells agree on: white's luminance is 1. How far cells differ goes to `spread`.
@@ -106,7 +106,7 @@ double luminance_of(const CellLight& light, const Eigen::Matrix3d& primaries,
   return kCameraLuminance.dot(light.primaries.rowwise().sum());
 }
 
-double sigma_of(const Sample& sample) { return std::hypot(sample.light.sigma, kLeastSigma); }
+double sigma_of(const Sample& sample) { return std::hypot(sample.light.sigma, kMinSigma); }
 
 /// Cauchy's weight of a residual of log(light).
 double weight_of(double residual, const Sample& sample) {
@@ -125,7 +125,7 @@ bool solve_vignetting(std::vector<std::vector<Sample>>* samples, WallLighting* r
       if (group.size() > 1) groups.push_back(std::move(group));
     }
   }
-  result->has_vignetting = groups.size() >= kLeastGroups;
+  result->has_vignetting = groups.size() >= kMinGroups;
   if (!result->has_vignetting) return true;
   for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() / (kVignetting * kVignetting);
@@ -161,15 +161,16 @@ bool solve_fields(const PhotometryInput& input, std::vector<std::vector<Sample>>
   double count = 0.0;
   for (std::size_t p = 0; p < all->size(); ++p) {
     std::vector<Sample>& samples = (*all)[p];
-    const MeasuredMap& map = input.projectors[p].map;
+    const calibration::MeasuredMap& map = input.projectors[p].map;
     for (int round = 0; round < kRounds; ++round) {
-      std::vector<FieldSample> places;
+      std::vector<FieldSample> positions;
       Eigen::VectorXd values(static_cast<Eigen::Index>(samples.size()));
       for (std::size_t i = 0; i < samples.size(); ++i) {
-        places.push_back({samples[i].pixel(), sigma_of(samples[i]) / std::sqrt(samples[i].weight * samples[i].trust)});
+        positions.push_back(
+            {samples[i].pixel(), sigma_of(samples[i]) / std::sqrt(samples[i].weight * samples[i].trust)});
         values(static_cast<Eigen::Index>(i)) = samples[i].log_white - samples[i].by_radius.dot(result->vignetting);
       }
-      const FieldFit fit(map.width_px, map.height_px, kKnot_px, kBend, places);
+      const FieldFit fit(map.width_px, map.height_px, kKnot_px, kBend, positions);
       if (!fit.is_solved()) return false;
       PictureField& field = result->projectors[p].log_white;
       field = fit.fit(values);
@@ -196,7 +197,7 @@ void fit_black(const PhotometryInput& input, const std::vector<std::vector<Sampl
   normal.fill(Eigen::MatrixXd::Zero(unknowns, unknowns));
   double brightest = 0.0;
   for (const ProjectorLighting& lighting : result->projectors)
-    brightest = std::max(brightest, std::exp(lighting.log_white.most));
+    brightest = std::max(brightest, std::exp(lighting.log_white.max));
   for (std::size_t p = 0; p < samples.size(); ++p) {
     for (const Sample& sample : samples[p]) {
       const auto direction = input.projectors[p].map.direction_at(sample.pixel());
@@ -222,12 +223,12 @@ void fit_black(const PhotometryInput& input, const std::vector<std::vector<Sampl
     Eigen::MatrixXd& matrix = normal.at(static_cast<std::size_t>(k));
     for (int i = 0; i < 3; ++i) matrix(i, i) += 1.0 / std::pow(1e-3 * brightest, 2);
     matrix(3, 3) += 1.0 / std::pow(0.1 * brightest, 2);
-    for (Eigen::Index j = 0; j < projectors; ++j) matrix(4 + j, 4 + j) += 1.0 / (kLeakPrior * kLeakPrior);
+    for (Eigen::Index j = 0; j < projectors; ++j) matrix(4 + j, 4 + j) += 1.0 / (kBlackLevelPrior * kBlackLevelPrior);
     const Eigen::VectorXd solved = matrix.ldlt().solve(right.col(k));
     if (!solved.allFinite()) continue;
     result->ambient.row(k) = solved.head<4>().transpose();
     for (Eigen::Index j = 0; j < projectors; ++j)
-      result->projectors[static_cast<std::size_t>(j)].leak(k) = std::max(0.0, solved(4 + j));
+      result->projectors[static_cast<std::size_t>(j)].black_level(k) = std::max(0.0, solved(4 + j));
   }
 }
 
@@ -281,4 +282,4 @@ Result<WallLighting> wall_lighting(const PhotometryInput& input, const SolvedRes
   return result;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

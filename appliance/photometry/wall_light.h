@@ -12,7 +12,7 @@
 #include "appliance/photometry/response_solve.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 
 /// How much a linear colour of the camera counts as brightness. The camera's filters are not the eye's: these are about
 /// ITU-R BT.709's.
@@ -22,7 +22,7 @@ inline const Eigen::Vector3d kCameraLuminance{0.2126, 0.7152, 0.0722};
 struct ProjectorLighting {
   PictureField log_white;  ///< Natural logarithm of white's luminance above black, per unit of exposure.
   Eigen::Matrix3d primaries = Eigen::Matrix3d::Identity();  ///< Columns: red, green, blue; white's luminance is 1.
-  Eigen::Vector3d leak = Eigen::Vector3d::Zero();           ///< Colour at code 0, in parts of white's luminance there.
+  Eigen::Vector3d black_level = Eigen::Vector3d::Zero();    ///< Colour at code 0, in parts of white's luminance there.
   double white_boost = 1.0;    ///< White over the sum of red, green and blue: not 1 with a white segment.
   double colour_spread = 0.0;  ///< How far primaries differ over the picture: relative rms.
 
@@ -46,4 +46,4 @@ Result<WallLighting> wall_lighting(const PhotometryInput& input, const SolvedRes
                                    const std::vector<std::array<ChannelResponse, 3>>& curves,
                                    const std::vector<InverseMap>& inverses);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -13,7 +13,7 @@
 #include "appliance/scan/report_page.h"
 #include "appliance/scan/seam_photographs.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 constexpr double kWallPart = 0.7;  // Of the bar.
 constexpr double kLightPart = 0.9;
@@ -21,30 +21,32 @@ constexpr double kSolvePart = 0.94;
 constexpr double kSeamPart = 0.98;
 
 /// What is not there yet, its maps, comes from the calibration.
-Result<Photometry> photometry_of(LightScan light, const Calibration& calibration) {
-  for (const CalibratedProjector& projector : calibration.projectors)
+Result<photometry::Photometry> photometry_of(LightScan light, const calibration::Calibration& calibration) {
+  for (const calibration::CalibratedProjector& projector : calibration.projectors)
     light.input.projectors.push_back({projector.name, projector.map});
-  const MeasuredLens& lens = calibration.plate.camera;
-  light.input.camera_centre_px =
-      Eigen::Vector2d(lens.values[MeasuredLens::kCentreU], lens.values[MeasuredLens::kCentreV]);
+  const calibration::MeasuredLens& lens = calibration.plate.camera;
+  light.input.camera_centre_px = Eigen::Vector2d(lens.values[calibration::MeasuredLens::kCentreU],
+                                                 lens.values[calibration::MeasuredLens::kCentreV]);
   return photometry(light.input);
 }
 
-std::vector<CalibratedColour> colours_of(const Photometry& photometry, const Calibration& calibration) {
-  std::vector<CalibratedColour> colours;
+std::vector<calibration::CalibratedColour> colours_of(const photometry::Photometry& photometry,
+                                                      const calibration::Calibration& calibration) {
+  std::vector<calibration::CalibratedColour> colours;
   for (std::size_t p = 0; p < photometry.heads.size(); ++p)
     colours.push_back({calibration.projectors[p].name, photometry.heads[p].mask, photometry.heads[p].colour});
   return colours;
 }
 
 /// For the maps of now; nothing where there was none, or where it cannot be used: the wall lost it then.
-std::optional<FollowedLight> light_of_before(const std::filesystem::path& folder,
-                                             const std::optional<Calibration>& previous,
-                                             const Calibration& calibration) {
+std::optional<photometry::FollowedLight> light_of_before(const std::filesystem::path& folder,
+                                                         const std::optional<calibration::Calibration>& previous,
+                                                         const calibration::Calibration& calibration) {
   if (!previous) return std::nullopt;
   // Projectors that stand where they stood light the wall as they did; of one that was moved, the solid angle tells.
-  auto followed = follow_light(calibration_folder(folder, previous->date), previous->projectors, calibration.projectors,
-                               [](const Eigen::Vector3d&) { return 1.0; });
+  auto followed =
+      photometry::follow_light(calibration::calibration_folder(folder, previous->date), previous->projectors,
+                               calibration.projectors, [](const Eigen::Vector3d&) { return 1.0; });
   if (!followed) return std::nullopt;
   return *std::move(followed);
 }
@@ -52,14 +54,16 @@ std::optional<FollowedLight> light_of_before(const std::filesystem::path& folder
 /// How the wall looks by the calibration of before, or by installation.toml alone, and how it will.
 Result<SeamPhotographs> seams_before_and_after(const Installation& installation, const ScanSettings& settings,
                                                const ScanDevices& devices, const std::filesystem::path& folder,
-                                               const std::vector<ScanView>& views, const Calibration* previous,
-                                               const Calibration& calibration,
-                                               const std::vector<CalibratedColour>& colours,
+                                               const std::vector<ScanView>& views,
+                                               const calibration::Calibration* previous,
+                                               const calibration::Calibration& calibration,
+                                               const std::vector<calibration::CalibratedColour>& colours,
                                                const ScanListener& listener, std::stop_token stop) {
-  std::vector<CalibratedColour> old_colours;
+  std::vector<calibration::CalibratedColour> old_colours;
   if (previous != nullptr) {
     // Colours that cannot be read would not be drawn either.
-    if (auto read = read_colours(calibration_folder(folder, previous->date))) old_colours = *std::move(read);
+    if (auto read = calibration::read_colours(calibration::calibration_folder(folder, previous->date)))
+      old_colours = *std::move(read);
   }
   double exposure_s = settings.view.exposure.longest.count();
   for (const ScanView& view : views) {
@@ -97,19 +101,19 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
   tell("finds out where everything is", kLightPart);
   begun = clock.now();
   // One that cannot be read is no reason to have none: it is only not compared with.
-  std::optional<Calibration> previous;
-  if (auto read = read_calibration(folder)) {
+  std::optional<calibration::Calibration> previous;
+  if (auto read = calibration::read_calibration(folder)) {
     previous = *std::move(read);
   } else if (read.error().code() != ErrorCode::kNotFound) {
     scan.remarks.push_back("the calibration of before was not compared with: " + read.error().message());
   }
-  CalibrateOptions options;
+  solve::CalibrateOptions options;
   options.with_wall = settings.with_wall;
   options.previous = previous ? &*previous : nullptr;
-  TRY_ASSIGN(outcome.calibration, calibrate(scan.measurements, date, options));
-  outcome.registration = measured_registration(scan.measurements, outcome.calibration);
-  std::vector<CalibratedColour> colours;
-  std::optional<WallLighting> lighting;
+  TRY_ASSIGN(outcome.calibration, solve::calibrate(scan.measurements, date, options));
+  outcome.registration = solve::measured_registration(scan.measurements, outcome.calibration);
+  std::vector<calibration::CalibratedColour> colours;
+  std::optional<photometry::WallLighting> lighting;
   if (auto found = photometry_of(std::move(light), outcome.calibration)) {
     scan.remarks.insert(scan.remarks.end(), found->remarks.begin(), found->remarks.end());
     colours = colours_of(*found, outcome.calibration);
@@ -141,15 +145,16 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
   remarks.insert(remarks.begin(), scan.remarks.begin(), scan.remarks.end());
   if (stop.stop_requested()) return cancelled();
   tell("writes the calibration", kSeamPart);
-  std::vector<CalibrationPart> parts;
+  std::vector<calibration::CalibrationPart> parts;
   if (lighting) {
-    TRY_ASSIGN(CalibrationPart kept, light_part(outcome.calibration.projectors, *lighting));
+    TRY_ASSIGN(calibration::CalibrationPart kept, photometry::light_part(outcome.calibration.projectors, *lighting));
     parts.push_back(std::move(kept));
   }
-  TRY(save_calibration(folder, outcome.calibration, colours, parts));
+  TRY(calibration::save_calibration(folder, outcome.calibration, colours, parts));
   ScanFolder::end(folder / "scan");
   findings.residuals = wall_residuals(scan.measurements, outcome.calibration);
-  findings.registration = {outcome.registration.mean_px, outcome.registration.p95_px, outcome.registration.places};
+  findings.registration = {outcome.registration.mean_px, outcome.registration.p95_px,
+                           outcome.registration.correspondences};
   if (auto report = write_report(folder, outcome.calibration, findings)) {
     outcome.report = *std::move(report);
   } else {
@@ -168,4 +173,4 @@ std::string calibration_date() {
   return {text, length};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -16,13 +16,13 @@
 #include "appliance/solve/registration.h"
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 struct CalibrationOutcome {
-  Calibration calibration;  ///< With the scan's remarks among its own.
-  MeasuredRegistration registration;
-  std::optional<Photometry> light;  ///< Absent where it could not be measured: a remark says why.
-  std::filesystem::path report;     ///< The page for the installer; empty: it could not be written, a remark says why.
+  calibration::Calibration calibration;  ///< With the scan's remarks among its own.
+  solve::MeasuredRegistration registration;
+  std::optional<photometry::Photometry> light;  ///< Absent where it could not be measured: a remark says why.
+  std::filesystem::path report;  ///< The page for the installer; empty: it could not be written, a remark says why.
   int pictures = 0;
   int retries = 0;
   double scan_s = 0.0;  ///< By the clock that was given: of a simulated museum these are its computer's, not its own.
@@ -44,4 +44,4 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
 /// Now, in UTC, as save_calibration() wants it.
 [[nodiscard]] std::string calibration_date();
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -8,7 +8,7 @@
 #include "common/base/address.h"
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 Result<PatternDisplay> parse_pattern_display(const std::string& text) {
   PatternDisplay display;
@@ -51,9 +51,9 @@ bool is_camera_name(const std::string& name) {
          });
 }
 
-Result<CameraPlug> parse_camera_plug(const std::string& text) {
+Result<CameraSource> parse_camera_source(const std::string& text) {
   const std::size_t equals = text.find('=');
-  CameraPlug plug;
+  CameraSource plug;
   if (equals != std::string::npos) plug = {text.substr(0, equals), text.substr(equals + 1)};
   if (is_camera_name(plug.name) && !plug.spec.empty()) return plug;
   return Error(ErrorCode::kInvalidArgument,
@@ -62,4 +62,4 @@ Result<CameraPlug> parse_camera_plug(const std::string& text) {
                            printable(text, 200)));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

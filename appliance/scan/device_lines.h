@@ -7,7 +7,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// A display, and which of the installation's projectors it drives.
 struct PatternDisplay {
@@ -22,15 +22,15 @@ Result<PatternDisplay> parse_pattern_display(const std::string& text);
 Result<std::size_t> display_of(const std::string& projector, const std::vector<PatternDisplay>& displays);
 
 /// A fixed camera that watches the show.
-struct CameraPlug {
+struct CameraSource {
   std::string name;
   std::string spec;  ///< For make_camera().
 };
 
 /// "NAME=CAMERA". kInvalidArgument  another form, or a name that is no file's.
-Result<CameraPlug> parse_camera_plug(const std::string& text);
+Result<CameraSource> parse_camera_source(const std::string& text);
 /// Letters, digits, '.', '-' and '_', 60 at most, not beginning with '.' or '-': its lens is NAME.json, also on a
 /// stick.
 [[nodiscard]] bool is_camera_name(const std::string& name);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

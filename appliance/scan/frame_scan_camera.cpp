@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr double kWait_s = 3.0;  // Besides the exposure: some cameras take that long to start.
@@ -14,7 +14,7 @@ constexpr int kWarmUpFrames = 4;
 
 constexpr float kCode = 1.0f / 255.0f;
 
-ScanPhotograph photograph_of(const Frame& frame) {
+ScanPhotograph photograph_of(const camera::CameraFrame& frame) {
   ScanPhotograph photograph(frame.pixels.width(), frame.pixels.height());
   if (!frame.colour.empty()) {
     std::ranges::transform(frame.colour.data(), photograph.data().begin(),
@@ -32,7 +32,7 @@ ScanPhotograph photograph_of(const Frame& frame) {
 
 Result<std::unique_ptr<FrameScanCamera>> FrameScanCamera::open(Opener opener, double exposure_s, const Clock& clock) {
   std::unique_ptr<FrameScanCamera> camera(new FrameScanCamera(std::move(opener), clock));
-  TRY_ASSIGN(const std::shared_ptr<const Frame> frame, camera->next(exposure_s));
+  TRY_ASSIGN(const std::shared_ptr<const camera::CameraFrame> frame, camera->next(exposure_s));
   camera->id_ = camera->camera_->id();
   camera->width_px_ = frame->pixels.width();
   camera->height_px_ = frame->pixels.height();
@@ -44,7 +44,7 @@ FrameScanCamera::~FrameScanCamera() {
   if (camera_) camera_->stop();
 }
 
-Result<std::shared_ptr<const Frame>> FrameScanCamera::next(double exposure_s) {
+Result<std::shared_ptr<const camera::CameraFrame>> FrameScanCamera::next(double exposure_s) {
   if (!(exposure_s > 0.0 && exposure_s <= 10.0)) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("an exposure of {} s; take one of up to 10 s", exposure_s));
   }
@@ -81,7 +81,7 @@ Result<std::shared_ptr<const Frame>> FrameScanCamera::next(double exposure_s) {
 }
 
 Result<ScanPhotograph> FrameScanCamera::photograph(double exposure_s) {
-  TRY_ASSIGN(const std::shared_ptr<const Frame> frame, next(exposure_s));
+  TRY_ASSIGN(const std::shared_ptr<const camera::CameraFrame> frame, next(exposure_s));
   if (frame->exposure <= Duration::zero()) {
     return Error(
         ErrorCode::kUnavailable,
@@ -93,4 +93,4 @@ Result<ScanPhotograph> FrameScanCamera::photograph(double exposure_s) {
   return photograph_of(*frame);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -8,14 +8,14 @@
 #include "appliance/scan/scan_devices.h"
 #include "drivers/camera/camera.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// A camera of drivers/camera as the scan wants one. These take their exposure when they are opened, so another
 /// exposure is another opening: about a second, a few times in a scan. Thread-bound.
 class FrameScanCamera final : public ScanCamera {
  public:
   /// Opens the camera with this exposure, its gain and white balance held; with its colours, if it has any.
-  using Opener = std::function<Result<std::unique_ptr<Camera>>(double exposure_s)>;
+  using Opener = std::function<Result<std::unique_ptr<camera::Camera>>(double exposure_s)>;
 
   /// Takes one photograph, to know its size. `clock` is that of the frames, and borrowed. Errors as the opener's and
   /// photograph()'s.
@@ -34,11 +34,11 @@ class FrameScanCamera final : public ScanCamera {
 
  private:
   FrameScanCamera(Opener opener, const Clock& clock) : opener_(std::move(opener)), clock_(clock) {}
-  Result<std::shared_ptr<const Frame>> next(double exposure_s);
+  Result<std::shared_ptr<const camera::CameraFrame>> next(double exposure_s);
 
   Opener opener_;
   const Clock& clock_;
-  std::unique_ptr<Camera> camera_;
+  std::unique_ptr<camera::Camera> camera_;
   double exposure_s_ = 0.0;  ///< As it was opened.
   double exposed_s_ = 0.0;   ///< As it told with its last frame.
   std::string id_;
@@ -47,4 +47,4 @@ class FrameScanCamera final : public ScanCamera {
   bool has_colour_ = false;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -8,7 +8,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -35,7 +35,7 @@ double srgb_code(double light) {
 }
 
 /// Codes of 8 bits by light, for each channel: curves are dear to ask, and pixels many. Even steps of the square root.
-std::array<std::vector<std::uint8_t>, 3> code_tables(const HeadColour* colour) {
+std::array<std::vector<std::uint8_t>, 3> code_tables(const warp::HeadColour* colour) {
   std::array<std::vector<std::uint8_t>, 3> tables;
   for (std::size_t c = 0; c < 3; ++c) {
     for (int i = 0; i <= kCurveSteps; ++i) {
@@ -61,8 +61,9 @@ double test_light(TestPicture picture, const Eigen::Vector3d& direction) {
 RgbImage drawn_head(const DrawnHead& head, TestPicture picture) {
   CHECK(head.mask == nullptr || (head.mask->width() == head.width_px && head.mask->height() == head.height_px));
   const auto tables = code_tables(head.colour);
-  const LiftImage* lift = head.colour != nullptr && head.colour->lift ? &*head.colour->lift : nullptr;
-  CHECK(lift == nullptr || (lift->width() == head.width_px && lift->height() == head.height_px));
+  const warp::BlackLiftImage* black_lift =
+      head.colour != nullptr && head.colour->black_lift ? &*head.colour->black_lift : nullptr;
+  CHECK(black_lift == nullptr || (black_lift->width() == head.width_px && black_lift->height() == head.height_px));
   RgbImage image(head.width_px, head.height_px);
   for (int y = 0; y < head.height_px; ++y) {
     for (int x = 0; x < head.width_px; ++x) {
@@ -71,7 +72,8 @@ RgbImage drawn_head(const DrawnHead& head, TestPicture picture) {
       const double mask = head.mask == nullptr ? 1.0 : static_cast<double>(*head.mask->at(x, y));
       Eigen::Vector3d light = Eigen::Vector3d::Constant(mask * test_light(picture, *direction));
       if (head.colour != nullptr)
-        light = shone_light(*head.colour, light, lift == nullptr ? 0.0 : static_cast<double>(*lift->at(x, y)));
+        light = warp::shone_light(*head.colour, light,
+                                  black_lift == nullptr ? 0.0 : static_cast<double>(*black_lift->at(x, y)));
       std::uint8_t* const pixel = image.at(x, y);
       for (std::size_t c = 0; c < 3; ++c) {
         const double root = std::sqrt(std::clamp(light(static_cast<Eigen::Index>(c)), 0.0, 1.0));
@@ -82,4 +84,4 @@ RgbImage drawn_head(const DrawnHead& head, TestPicture picture) {
   return image;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -9,7 +9,7 @@
 #include "appliance/warp/blend_mask.h"
 #include "appliance/warp/head_colour.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 enum class TestPicture {
   kLines,  ///< Every two degrees of azimuth and elevation, every tenth stronger: where pictures meet lines go on.
@@ -25,11 +25,11 @@ struct DrawnHead {
   int height_px = 0;
   /// Of a pixel, continuous; nothing where nothing is drawn.
   std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)> direction_at;
-  const MaskImage* mask = nullptr;     ///< Of the head's size; null: none.
-  const HeadColour* colour = nullptr;  ///< Null: sRGB.
+  const warp::MaskImage* mask = nullptr;     ///< Of the head's size; null: none.
+  const warp::HeadColour* colour = nullptr;  ///< Null: sRGB.
 };
 
 /// Reentrant.
 [[nodiscard]] RgbImage drawn_head(const DrawnHead& head, TestPicture picture);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -5,22 +5,23 @@
 
 #include "appliance/calibration/camera_file.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
-Result<std::optional<MeasuredLens>> known_lens(const std::filesystem::path& file, const std::filesystem::path& folder,
-                                               const std::string& camera_id, int width_px, int height_px) {
+Result<std::optional<calibration::MeasuredLens>> known_lens(const std::filesystem::path& file,
+                                                            const std::filesystem::path& folder,
+                                                            const std::string& camera_id, int width_px, int height_px) {
   const bool is_named = !file.empty();
   const std::filesystem::path path = is_named ? file : folder / "camera.json";
-  auto read = read_camera(path);
+  auto read = calibration::read_camera(path);
   if (!read) {
-    if (!is_named && read.error().code() == ErrorCode::kNotFound) return std::optional<MeasuredLens>();
+    if (!is_named && read.error().code() == ErrorCode::kNotFound) return std::optional<calibration::MeasuredLens>();
     return std::move(read).error().while_doing(fmt::format("reading the camera's lens from '{}'", path.string()));
   }
   // One that lies about may be another camera's.
-  if (!is_named && read->camera != camera_id) return std::optional<MeasuredLens>();
-  auto lens = lens_for_picture(read->lens, width_px, height_px);
+  if (!is_named && read->camera != camera_id) return std::optional<calibration::MeasuredLens>();
+  auto lens = calibration::lens_for_picture(read->lens, width_px, height_px);
   if (!lens) return std::move(lens).error().while_doing(fmt::format("using the lens of '{}'", path.string()));
-  return std::optional<MeasuredLens>(*std::move(lens));
+  return std::optional<calibration::MeasuredLens>(*std::move(lens));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -8,7 +8,7 @@
 #include "appliance/calibration/measured_lens.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// Of the scan's camera, what `cyclorama calibrate-camera` found, with its covariance: a prior for the solver.
 ///
@@ -17,7 +17,8 @@ namespace cyclorama {
 ///
 /// Nothing where neither is there: the field of view serves then. kInvalidArgument  it is of pictures of another shape.
 /// Others as read_camera(), with what to do.
-Result<std::optional<MeasuredLens>> known_lens(const std::filesystem::path& file, const std::filesystem::path& folder,
-                                               const std::string& camera_id, int width_px, int height_px);
+Result<std::optional<calibration::MeasuredLens>> known_lens(const std::filesystem::path& file,
+                                                            const std::filesystem::path& folder,
+                                                            const std::string& camera_id, int width_px, int height_px);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

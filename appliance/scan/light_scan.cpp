@@ -10,19 +10,20 @@
 #include "appliance/photometry/photometry.h"
 #include "appliance/structured_light/pattern_drawing.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 // Of white's exposure, black's light is some thousandth: it is exposed for so much longer.
 constexpr double kBlackExposure = 32.0;
 // Brighter codes than this are near the end of what a camera tells apart.
 constexpr float kBrightest = 0.9f;
-constexpr int kMostTries = 12;
+constexpr int kMaxTries = 12;
 
 class LightScanning {
  public:
-  LightScanning(const Installation& installation, std::span<const ScanView> views, const ExposureLimits& limits,
-                const ScanDevices& devices, const ScanListener& listener, std::stop_token stop)
+  LightScanning(const Installation& installation, std::span<const ScanView> views,
+                const structured_light::ExposureLimits& limits, const ScanDevices& devices,
+                const ScanListener& listener, std::stop_token stop)
       : installation_(installation),
         views_(views),
         limits_(limits),
@@ -49,10 +50,10 @@ class LightScanning {
     scan_.input.code_step = camera_.code_step();
     std::map<std::size_t, std::vector<const ScanView*>> by_direction;
     for (const ScanView& view : views_) {
-      if (view.places.empty()) continue;
+      if (view.correspondences.empty()) continue;
       by_direction[view.direction].push_back(&view);
       const ScanView*& best = best_[view.projector];
-      if (best == nullptr || view.places.size() > best->places.size()) best = &view;
+      if (best == nullptr || view.correspondences.size() > best->correspondences.size()) best = &view;
     }
     // One exposure for all of them: a projector's light is told in parts of another's.
     double exposure_s = limits_.longest.count();
@@ -61,7 +62,7 @@ class LightScanning {
       TRY(turn_to(*view));
       TRY_ASSIGN(exposure_s, unclipped(*view, exposure_s));
     }
-    for (const double factor : kRampExposures) exposures_s_.push_back(within(factor * exposure_s));
+    for (const double factor : photometry::kRampExposures) exposures_s_.push_back(within(factor * exposure_s));
     for (const auto& [direction, views] : by_direction) {
       TRY(turn_to(*views.front()));
       for (const ScanView* view : views) TRY(read(*view));
@@ -83,9 +84,9 @@ class LightScanning {
 
   /// At the shortest of its exposures white is not clipped; at the others what is darker than white is.
   Result<double> unclipped(const ScanView& view, double exposure_s) {
-    TRY_ASSIGN(const CameraCells cells, cells_of(view));
-    TRY(show(view.projector, {.kind = PatternKind::kWhite}));
-    for (int round = 0; round < kMostTries && exposure_s >= limits_.shortest.count(); ++round) {
+    TRY_ASSIGN(const photometry::CameraCells cells, cells_of(view));
+    TRY(show(view.projector, {.kind = structured_light::PatternKind::kWhite}));
+    for (int round = 0; round < kMaxTries && exposure_s >= limits_.shortest.count(); ++round) {
       TRY_ASSIGN(const ScanPhotograph photograph, photographed(within(exposure_s)));
       std::vector<float> codes;
       for (std::size_t i = 0; i < cells.cell_of.data().size(); ++i) {
@@ -99,7 +100,7 @@ class LightScanning {
       std::nth_element(codes.begin(), bright, codes.end());
       if (*bright <= kBrightest) return exposure_s;
       exposure_s *= 0.7;
-      TRY(show(view.projector, {.kind = PatternKind::kWhite}));
+      TRY(show(view.projector, {.kind = structured_light::PatternKind::kWhite}));
     }
     return Error(ErrorCode::kBadData,
                  fmt::format("projector '{}' is too bright for the camera's shortest exposure, {:.2g} s; close the "
@@ -108,21 +109,23 @@ class LightScanning {
   }
 
   Status read(const ScanView& view) {
-    ProjectorView read;
+    photometry::ProjectorView read;
     read.projector = view.projector;
     TRY_ASSIGN(read.cells, cells_of(view));
-    const PatternPicture black{.kind = PatternKind::kBlack};
-    std::vector<PatternPicture> pictures{black, {.kind = PatternKind::kWhite}};
+    const structured_light::PatternPicture black{.kind = structured_light::PatternKind::kBlack};
+    std::vector<structured_light::PatternPicture> pictures{black, {.kind = structured_light::PatternKind::kWhite}};
     if (best_.at(view.projector) == &view) {
-      TRY_ASSIGN(const PatternSet set, ramps(read.cells.width_px, read.cells.height_px, kRampSteps,
-                                             {PatternLight::kRed, PatternLight::kGreen, PatternLight::kBlue}));
-      for (const PatternPicture& picture : set.pictures) {
+      TRY_ASSIGN(const structured_light::PatternSet set,
+                 structured_light::ramps(read.cells.width_px, read.cells.height_px, photometry::kRampSteps,
+                                         {structured_light::PatternLight::kRed, structured_light::PatternLight::kGreen,
+                                          structured_light::PatternLight::kBlue}));
+      for (const structured_light::PatternPicture& picture : set.pictures) {
         if (picture.level > 0.0) pictures.push_back(picture);
       }
     }
     // All of one exposure, then all of the next: another exposure is another opening of many cameras.
     for (const double exposure_s : exposures_s_) {
-      for (const PatternPicture& picture : pictures) TRY(read_picture(picture, exposure_s, &read));
+      for (const structured_light::PatternPicture& picture : pictures) TRY(read_picture(picture, exposure_s, &read));
     }
     TRY(read_picture(black, within(kBlackExposure * exposures_s_.front()), &read));
     TRY(devices_.screen.show(view.projector, RgbImage()));
@@ -131,10 +134,12 @@ class LightScanning {
     return Done{};
   }
 
-  Status read_picture(const PatternPicture& picture, double exposure_s, ProjectorView* read) {
+  Status read_picture(const structured_light::PatternPicture& picture, double exposure_s,
+                      photometry::ProjectorView* read) {
     TRY(show(read->projector, picture));
     TRY_ASSIGN(const ScanPhotograph photograph, photographed(exposure_s));
-    TRY_ASSIGN(LightReading reading, read_light(read->cells, photograph, picture, camera_.exposed_s(exposure_s)));
+    TRY_ASSIGN(photometry::LightReading reading,
+               photometry::read_light(read->cells, photograph, picture, camera_.exposed_s(exposure_s)));
     read->readings.push_back(std::move(reading));
     if (listener_) {
       listener_({fmt::format("measures the light of projector '{}': {}", name_of_projector(read->projector),
@@ -144,10 +149,11 @@ class LightScanning {
     return Done{};
   }
 
-  Status show(std::size_t projector, const PatternPicture& picture) {
+  Status show(std::size_t projector, const structured_light::PatternPicture& picture) {
     if (stop_.stop_requested()) return cancelled();
     const Pinhole& lens = installation_.projectors[projector].lens;
-    return devices_.screen.show(projector, drawn({lens.width_px, lens.height_px, -1, 0.0, 0, {}}, picture));
+    return devices_.screen.show(projector,
+                                structured_light::drawn({lens.width_px, lens.height_px, -1, 0.0, 0, {}}, picture));
   }
 
   Result<ScanPhotograph> photographed(double exposure_s) {
@@ -155,19 +161,20 @@ class LightScanning {
     return take_photograph(camera_, exposure_s, stop_);
   }
 
-  [[nodiscard]] Result<CameraCells> cells_of(const ScanView& view) const {
-    Decoded decoded;
+  [[nodiscard]] Result<photometry::CameraCells> cells_of(const ScanView& view) const {
+    structured_light::Decoded decoded;
     decoded.position_px = Image<float, 2>(camera_.width_px(), camera_.height_px());
-    decoded.fate = Image<PixelFate, 1>(camera_.width_px(), camera_.height_px(), PixelFate::kDark);
-    for (const Correspondence& place : view.places) {
-      const int x = static_cast<int>(place.camera_u);
-      const int y = static_cast<int>(place.camera_v);
-      decoded.position_px.at(x, y)[0] = place.projector_x;
-      decoded.position_px.at(x, y)[1] = place.projector_y;
-      *decoded.fate.at(x, y) = PixelFate::kDecoded;
+    decoded.fate = Image<structured_light::PixelFate, 1>(camera_.width_px(), camera_.height_px(),
+                                                         structured_light::PixelFate::kDark);
+    for (const solve::Correspondence& position : view.correspondences) {
+      const int x = static_cast<int>(position.camera_u);
+      const int y = static_cast<int>(position.camera_v);
+      decoded.position_px.at(x, y)[0] = position.projector_x;
+      decoded.position_px.at(x, y)[1] = position.projector_y;
+      *decoded.fate.at(x, y) = structured_light::PixelFate::kDecoded;
     }
     const Pinhole& lens = installation_.projectors[view.projector].lens;
-    return camera_cells(decoded, lens.width_px, lens.height_px);
+    return photometry::camera_cells(decoded, lens.width_px, lens.height_px);
   }
 
   [[nodiscard]] const std::string& name_of_projector(std::size_t projector) const {
@@ -176,7 +183,7 @@ class LightScanning {
 
   const Installation& installation_;
   std::span<const ScanView> views_;
-  const ExposureLimits& limits_;
+  const structured_light::ExposureLimits& limits_;
   const ScanDevices& devices_;
   ScanCamera& camera_;
   const ScanListener& listener_;
@@ -190,9 +197,9 @@ class LightScanning {
 }  // namespace
 
 Result<LightScan> scan_light(const Installation& installation, std::span<const ScanView> views,
-                             const ExposureLimits& limits, const ScanDevices& devices, const ScanListener& listener,
-                             std::stop_token stop) {
+                             const structured_light::ExposureLimits& limits, const ScanDevices& devices,
+                             const ScanListener& listener, std::stop_token stop) {
   return LightScanning(installation, views, limits, devices, listener, std::move(stop)).run();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -15,11 +15,11 @@
 #include "appliance/scan/wall_scan.h"
 #include "common/room/installation.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 struct LightScan {
   /// All but the projectors' maps, which are not known yet.
-  PhotometryInput input;
+  photometry::PhotometryInput input;
   int pictures = 0;
 };
 
@@ -28,7 +28,7 @@ struct LightScan {
 /// kUnavailable  cancelled, or a device is gone.   kBadData  no exposure at which white is not clipped: says what to
 /// do. Others as Turnplate's. Blocks, for a minute or two.
 Result<LightScan> scan_light(const Installation& installation, std::span<const ScanView> views,
-                             const ExposureLimits& limits, const ScanDevices& devices, const ScanListener& listener,
-                             std::stop_token stop);
+                             const structured_light::ExposureLimits& limits, const ScanDevices& devices,
+                             const ScanListener& listener, std::stop_token stop);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -13,11 +13,11 @@
 #include "common/wire/calibration.grpc.pb.h"
 #include "common/wire/channel.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 /// A refresh, and decoding a PNG of some megabytes; but a display waits ten seconds for a head before it says which one
 /// is away.
-constexpr Duration kAnswerWithin = std::chrono::seconds(15);
+constexpr Duration kAnswerTimeout = std::chrono::seconds(15);
 }  // namespace
 
 /// One display's stream. A blocking read has no deadline of its own, so a thread beside it cancels the call when one
@@ -33,7 +33,7 @@ class RemotePatternScreen::Stream {
     if (status_) return;  // It has ended by itself.
     // The display sees the end of the stream, and shows what it showed before.
     stream_->WritesDone();
-    set_deadline(clock_.now() + kAnswerWithin);
+    set_deadline(clock_.now() + kAnswerTimeout);
     wire::PatternShown ignored;
     while (stream_->Read(&ignored)) {
     }
@@ -49,7 +49,7 @@ class RemotePatternScreen::Stream {
     head->set_projector(projector);
     head->set_png(std::move(png));
     if (is_over_) return lost();
-    set_deadline(clock_.now() + kAnswerWithin);
+    set_deadline(clock_.now() + kAnswerTimeout);
     wire::PatternShown shown;
     bool is_shown = stream_->Write(order);
     while (is_shown && (is_shown = stream_->Read(&shown)) && shown.number() != number_) {
@@ -94,7 +94,7 @@ class RemotePatternScreen::Stream {
       if (is_late_) {
         return {ErrorCode::kTimedOut, fmt::format("the display at {} does not show what it is told within {:.0f} s; "
                                                   "look whether it runs, then resume",
-                                                  address_, to_seconds(kAnswerWithin))};
+                                                  address_, to_seconds(kAnswerTimeout))};
       }
     }
     if (!status_) {
@@ -169,4 +169,4 @@ Status RemotePatternScreen::show(std::size_t projector, const RgbImage& picture)
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -10,7 +10,7 @@
 #include "appliance/scan/scan_devices.h"
 #include "common/room/installation.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// The heads of displays elsewhere, by the service PatternScreen (common/wire/calibration.proto). Thread-bound.
 class RemotePatternScreen final : public PatternScreen {
@@ -44,4 +44,4 @@ class RemotePatternScreen final : public PatternScreen {
   std::chrono::milliseconds settle_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

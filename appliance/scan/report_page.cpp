@@ -12,7 +12,7 @@
 #include "appliance/scan/wall_plot.h"
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr const char* kHead = R"(<!DOCTYPE html>
@@ -50,12 +50,12 @@ std::string key() {
   return text + "</p>\n";
 }
 
-double covered(const MeasuredMap& map) {
+double covered(const calibration::MeasuredMap& map) {
   const auto known = std::ranges::count_if(map.directions, [](const auto& d) { return d.allFinite(); });
   return map.directions.empty() ? 0.0 : static_cast<double>(known) / static_cast<double>(map.directions.size());
 }
 
-double median_sigma_px(const MeasuredMap& map) {
+double median_sigma_px(const calibration::MeasuredMap& map) {
   std::vector<double> sigmas;
   for (const double sigma : map.sigma_px) {
     if (std::isfinite(sigma)) sigmas.push_back(sigma);
@@ -66,11 +66,11 @@ double median_sigma_px(const MeasuredMap& map) {
   return *middle;
 }
 
-std::string projectors_table(const Calibration& calibration) {
+std::string projectors_table(const calibration::Calibration& calibration) {
   std::string text =
       "<h2>Projectors</h2>\n<table><tr><th>projector</th><th>pixels</th><th>covered</th><th>samples</th>"
       "<th>held-out error</th><th>median uncertainty</th><th></th></tr>\n";
-  for (const CalibratedProjector& p : calibration.projectors) {
+  for (const calibration::CalibratedProjector& p : calibration.projectors) {
     text += fmt::format(
         "<tr><td>{}</td><td>{} \u00d7 {}</td><td>{:.1f} %</td><td>{}</td><td>{:.3f} px</td><td>{:.3f} px</td>"
         "<td>{}</td></tr>\n",
@@ -80,7 +80,7 @@ std::string projectors_table(const Calibration& calibration) {
   return text + "</table>\n";
 }
 
-std::string plate_table(const TurnPlate& plate) {
+std::string plate_table(const calibration::TurnPlate& plate) {
   std::string text = fmt::format(
       "<h2>Camera and turn-plate</h2>\n<p>{} directions, {} places seen from several of them; {:.3f} px of what was "
       "used, {:.3f} px of what was left out. The measurements alone determine {} of {} parameters. Offset from the "
@@ -98,11 +98,11 @@ std::string plate_table(const TurnPlate& plate) {
   return text + "</table>\n";
 }
 
-std::string trials_table(const std::vector<ModelTrial>& trials, std::string_view chosen) {
+std::string trials_table(const std::vector<calibration::ModelTrial>& trials, std::string_view chosen) {
   std::string text =
       "<table><tr><th>model</th><th>parameters</th><th>error, trained</th><th>error, held "
       "out</th><th>scatter</th></tr>\n";
-  for (const ModelTrial& t : trials) {
+  for (const calibration::ModelTrial& t : trials) {
     text += fmt::format("<tr{}><td>{}</td><td>{}</td><td>{:.3f} px</td><td>{:.3f} px</td><td>{:.2g}{}</td></tr>\n",
                         t.name == chosen ? " class=\"chosen\"" : "", html_text(t.name), t.parameters, t.training_rms_px,
                         t.heldout_rms_px, t.scatter, t.is_usable ? "" : " (not usable)");
@@ -110,9 +110,9 @@ std::string trials_table(const std::vector<ModelTrial>& trials, std::string_view
   return text + "</table>\n";
 }
 
-std::string plots(const Calibration& calibration, const ReportFindings& findings) {
-  std::vector<const MeasuredMap*> maps;
-  for (const CalibratedProjector& p : calibration.projectors) maps.push_back(&p.map);
+std::string plots(const calibration::Calibration& calibration, const ReportFindings& findings) {
+  std::vector<const calibration::MeasuredMap*> maps;
+  for (const calibration::CalibratedProjector& p : calibration.projectors) maps.push_back(&p.map);
   WallPlot areas(maps);
   for (std::size_t i = 0; i < maps.size(); ++i)
     areas.add_area(*maps[i], projector_colour(i), calibration.projectors[i].name);
@@ -142,13 +142,13 @@ std::string plots(const Calibration& calibration, const ReportFindings& findings
 
 }  // namespace
 
-std::string report_page(const Calibration& calibration, const ReportFindings& findings) {
+std::string report_page(const calibration::Calibration& calibration, const ReportFindings& findings) {
   std::string page = kHead + fmt::format("<h1>Calibration of {}</h1>\n", html_text(calibration.date));
-  if (findings.registration && findings.registration->places > 0) {
+  if (findings.registration && findings.registration->correspondences > 0) {
     page += fmt::format(
         "<p>Where two projectors meet they agree within {:.2f} px in the mean, {:.2f} px on 95 % of {} "
         "places.</p>\n",
-        findings.registration->mean_px, findings.registration->p95_px, findings.registration->places);
+        findings.registration->mean_px, findings.registration->p95_px, findings.registration->correspondences);
   }
   if (!calibration.remarks.empty()) {
     page += "<h2>What is not as it could be</h2>\n<ul class=\"remarks\">\n";
@@ -171,28 +171,29 @@ std::string report_page(const Calibration& calibration, const ReportFindings& fi
   if (!findings.photographs.empty()) page += "</div>\n";
   page += plate_table(calibration.plate);
   if (calibration.wall) {
-    const ModelChoice& wall = *calibration.wall;
-    page += fmt::format("<h2>The wall</h2>\n<p>{}, and lenses of {}: {}.</p>\n", name_of(wall.fit.surface.rung),
-                        name_of(wall.lens), html_text(wall.reason));
-    page += trials_table(wall.surfaces, name_of(wall.fit.surface.rung));
-    page += "<p></p>\n" + trials_table(wall.lenses, name_of(wall.lens));
+    const calibration::ModelChoice& wall = *calibration.wall;
+    page += fmt::format("<h2>The wall</h2>\n<p>{}, and lenses of {}: {}.</p>\n",
+                        calibration::name_of(wall.fit.surface.model), calibration::name_of(wall.lens),
+                        html_text(wall.reason));
+    page += trials_table(wall.surfaces, calibration::name_of(wall.fit.surface.model));
+    page += "<p></p>\n" + trials_table(wall.lenses, calibration::name_of(wall.lens));
   }
   return page + "</body></html>\n";
 }
 
-std::vector<WallResidual> wall_residuals(const Measurements& measurements, const Calibration& calibration,
-                                         std::size_t most) {
+std::vector<WallResidual> wall_residuals(const solve::Measurements& measurements,
+                                         const calibration::Calibration& calibration, std::size_t max) {
   std::size_t all = 0;
-  for (const PlateDirection& direction : measurements.directions) all += direction.correspondences.size();
-  const std::size_t every = std::max<std::size_t>(1, all / std::max<std::size_t>(1, most));
+  for (const solve::PlateDirection& direction : measurements.directions) all += direction.correspondences.size();
+  const std::size_t every = std::max<std::size_t>(1, all / std::max<std::size_t>(1, max));
   std::vector<WallResidual> residuals;
   std::size_t n = 0;
   for (std::size_t d = 0; d < measurements.directions.size(); ++d) {
-    for (const Correspondence& c : measurements.directions[d].correspondences) {
+    for (const solve::Correspondence& c : measurements.directions[d].correspondences) {
       if (n++ % every != 0 || c.projector >= calibration.projectors.size()) continue;
-      const auto seen =
-          seen_direction(calibration.plate, d, {static_cast<double>(c.camera_u), static_cast<double>(c.camera_v)});
-      const MeasuredMap& map = calibration.projectors[c.projector].map;
+      const auto seen = solve::seen_direction(calibration.plate, d,
+                                              {static_cast<double>(c.camera_u), static_cast<double>(c.camera_v)});
+      const calibration::MeasuredMap& map = calibration.projectors[c.projector].map;
       const Eigen::Vector2d pixel(static_cast<double>(c.projector_x), static_cast<double>(c.projector_y));
       const auto drawn = map.direction_at(pixel);
       // What a step of one pixel is there.
@@ -206,11 +207,12 @@ std::vector<WallResidual> wall_residuals(const Measurements& measurements, const
   return residuals;
 }
 
-Result<std::filesystem::path> write_report(const std::filesystem::path& folder, const Calibration& calibration,
+Result<std::filesystem::path> write_report(const std::filesystem::path& folder,
+                                           const calibration::Calibration& calibration,
                                            const ReportFindings& findings) {
-  const std::filesystem::path file = calibration_folder(folder, calibration.date) / "report.html";
+  const std::filesystem::path file = calibration::calibration_folder(folder, calibration.date) / "report.html";
   TRY(write_file_atomically(file, report_page(calibration, findings)));
   return file;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -11,7 +11,7 @@
 
 #include "appliance/solve/calibrate.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// Where a projector's pixel was seen, and how far its map draws it from there, in its pixels.
 struct WallResidual {
@@ -26,7 +26,7 @@ struct ReportFindings {
   struct Registration {
     double mean_px = 0.0;
     double p95_px = 0.0;
-    std::size_t places = 0;
+    std::size_t correspondences = 0;
   };
   std::optional<Registration> registration;
   struct Photograph {
@@ -37,15 +37,16 @@ struct ReportFindings {
 };
 
 /// Pure; reentrant.
-[[nodiscard]] std::string report_page(const Calibration& calibration, const ReportFindings& findings = {});
+[[nodiscard]] std::string report_page(const calibration::Calibration& calibration, const ReportFindings& findings = {});
 
 /// Of at most `most` measurements, evenly taken; those where camera or map see nothing are left out. Precondition: the
 /// calibration is of these measurements.
-[[nodiscard]] std::vector<WallResidual> wall_residuals(const Measurements& measurements, const Calibration& calibration,
-                                                       std::size_t most = 6000);
+[[nodiscard]] std::vector<WallResidual> wall_residuals(const solve::Measurements& measurements,
+                                                       const calibration::Calibration& calibration,
+                                                       std::size_t max = 6000);
 
 /// FOLDER/calibrations/DATE/report.html, and its path. kSystem  errno says why.
-Result<std::filesystem::path> write_report(const std::filesystem::path& folder, const Calibration& calibration,
-                                           const ReportFindings& findings);
+Result<std::filesystem::path> write_report(const std::filesystem::path& folder,
+                                           const calibration::Calibration& calibration, const ReportFindings& findings);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

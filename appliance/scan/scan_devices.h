@@ -8,7 +8,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// Projectors count as in installation.toml. While it lives the heads show patterns, dark at first; when it is gone
 /// the show comes back as it was. Thread-bound; calls block.
@@ -56,4 +56,4 @@ class ScanCamera {
   ScanCamera& operator=(const ScanCamera&) = delete;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

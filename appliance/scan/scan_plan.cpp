@@ -10,27 +10,27 @@
 
 #include "appliance/solve/turntable_cost.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kColumns = 24;
 constexpr int kRows = 14;
 constexpr int kStep_deg = 2;  // Of the headings that are tried.
-constexpr int kMostDirections = 36;
+constexpr int kMaxDirections = 36;
 constexpr double kRim = 0.04;     // Of the picture, each side: not relied upon.
 constexpr double kBeyond = 0.03;  // As far past the picture something may still be seen.
-constexpr double kLeastCovered = 0.5;
-constexpr double kWorthSaying = 0.98;
+constexpr double kMinCoverage = 0.5;
+constexpr double kMinUnremarkedShare = 0.98;
 
 /// A place that a projector lights, as the sweet spot sees it.
-struct Sight {
+struct DirectionSample {
   std::size_t projector;
   Eigen::Vector3d direction;
 };
 
-std::vector<Sight> sights_of(const Installation& installation, std::vector<double>* ret_distances) {
-  std::vector<Sight> sights;
+std::vector<DirectionSample> observations_of(const Installation& installation, std::vector<double>* ret_distances) {
+  std::vector<DirectionSample> observations;
   for (std::size_t p = 0; p < installation.projectors.size(); ++p) {
     const InstalledProjector& projector = installation.projectors[p];
     for (int row = 0; row < kRows; ++row) {
@@ -42,12 +42,12 @@ std::vector<Sight> sights_of(const Installation& installation, std::vector<doubl
         if (!at) continue;
         const Eigen::Vector3d from_eye = at->xyz - installation.sweet_spot.xyz;
         if (!(from_eye.norm() > 1e-6)) continue;
-        sights.push_back({p, from_eye.normalized()});
+        observations.push_back({p, from_eye.normalized()});
         ret_distances->push_back(from_eye.norm());
       }
     }
   }
-  return sights;
+  return observations;
 }
 
 /// `rim` of the picture's size is left out at each side; a negative one is added.
@@ -55,7 +55,7 @@ bool is_seen(const ScanPlanOptions& options, double angle_rad, const Eigen::Vect
   const double mount[2] = {options.pitch_rad, 0.0};
   const double offset[2] = {0.0, 0.0};
   Eigen::Vector3d point;
-  to_camera(mount, offset, angle_rad, direction.data(), 0.0, point.data());
+  solve::to_camera(mount, offset, angle_rad, direction.data(), 0.0, point.data());
   const auto pixel = options.camera.pixel_of(point);
   if (!pixel) return false;
   const double u = pixel->x() / options.camera.width_px;
@@ -71,8 +71,8 @@ std::size_t count_of(const Seen& seen) { return static_cast<std::size_t>(std::co
 double overlap_of(const Seen& a, const Seen& b) {
   std::size_t both = 0;
   for (std::size_t i = 0; i < a.size(); ++i) both += static_cast<std::size_t>(a[i] != 0 && b[i] != 0);
-  const std::size_t least = std::min(count_of(a), count_of(b));
-  return least == 0 ? 0.0 : static_cast<double>(both) / static_cast<double>(least);
+  const std::size_t min = std::min(count_of(a), count_of(b));
+  return min == 0 ? 0.0 : static_cast<double>(both) / static_cast<double>(min);
 }
 
 struct Choice {
@@ -83,10 +83,10 @@ struct Choice {
   double overlap = 0.0;
 };
 
-/// Prefers what covers more, then what overlaps as wished.
-bool is_better(const Choice& a, const Choice& b, double wished) {
+/// Prefers what covers more, then what overlaps as requested.
+bool is_better(const Choice& a, const Choice& b, double requested) {
   if (a.covered != b.covered) return a.covered > b.covered;
-  return std::abs(a.overlap - wished) < std::abs(b.overlap - wished);
+  return std::abs(a.overlap - requested) < std::abs(b.overlap - requested);
 }
 
 std::optional<Choice> best_of(const std::vector<Seen>& seen, int count, const ScanPlanOptions& options) {
@@ -97,26 +97,26 @@ std::optional<Choice> best_of(const std::vector<Seen>& seen, int count, const Sc
       Choice choice{first, step, count, 0, 1.0};
       if (count_of(seen[static_cast<std::size_t>(first)]) == 0) continue;
       Seen together = seen[static_cast<std::size_t>(first)];
-      for (int i = 1; i < count && choice.overlap >= options.least_overlap; ++i) {
+      for (int i = 1; i < count && choice.overlap >= options.min_overlap; ++i) {
         const Seen& next = seen[static_cast<std::size_t>(first + i * step)];
         choice.overlap =
             std::min(choice.overlap, overlap_of(seen[static_cast<std::size_t>(first + (i - 1) * step)], next));
         for (std::size_t k = 0; k < next.size(); ++k) together[k] = static_cast<char>(together[k] | next[k]);
       }
-      if (choice.overlap < options.least_overlap) continue;
+      if (choice.overlap < options.min_overlap) continue;
       choice.covered = count_of(together);
-      if (!best || is_better(choice, *best, options.wished_overlap)) best = choice;
+      if (!best || is_better(choice, *best, options.preferred_overlap)) best = choice;
     }
   }
   return best;
 }
 
-std::vector<double> headings_within(const TurnRange& range) {
-  const double most = std::min(range.most_rad, std::numbers::pi);
+std::vector<double> headings_within(const turnplate::TurnRange& range) {
+  const double max = std::min(range.max_rad, std::numbers::pi);
   std::vector<double> headings;
   for (int degrees = -180; degrees <= 180; degrees += kStep_deg) {
     const double angle = degrees * kDegree;
-    if (angle >= range.least_rad - 1e-9 && angle <= most + 1e-9) headings.push_back(angle);
+    if (angle >= range.min_rad - 1e-9 && angle <= max + 1e-9) headings.push_back(angle);
   }
   return headings;
 }
@@ -125,32 +125,32 @@ std::vector<double> headings_within(const TurnRange& range) {
 
 Result<ScanPlan> plan_scan(const Installation& installation, const ScanPlanOptions& options) {
   std::vector<double> distances;
-  const std::vector<Sight> sights = sights_of(installation, &distances);
-  if (sights.empty()) {
+  const std::vector<DirectionSample> observations = observations_of(installation, &distances);
+  if (observations.empty()) {
     return Error(ErrorCode::kInvalidArgument,
                  "by installation.toml no projector lights the wall; correct the projectors' places there");
   }
   const std::vector<double> headings = headings_within(options.range);
   std::vector<Seen> seen;
-  Seen seeable(sights.size(), 0);
+  Seen seeable(observations.size(), 0);
   for (const double heading : headings) {
     Seen& row = seen.emplace_back();
-    for (std::size_t i = 0; i < sights.size(); ++i) {
-      row.push_back(static_cast<char>(is_seen(options, heading, sights[i].direction, kRim)));
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      row.push_back(static_cast<char>(is_seen(options, heading, observations[i].direction, kRim)));
       seeable[i] = static_cast<char>(seeable[i] | row.back());
     }
   }
   const std::size_t all = count_of(seeable);
-  if (static_cast<double>(all) < kLeastCovered * static_cast<double>(sights.size())) {
+  if (static_cast<double>(all) < kMinCoverage * static_cast<double>(observations.size())) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("wherever the plate turns, the camera sees {:.0f} % of what is lit; give it a wider lens, "
                              "tilt it towards the middle of the wall, or tell its field of view and tilt rightly",
-                             100.0 * static_cast<double>(all) / static_cast<double>(sights.size())));
+                             100.0 * static_cast<double>(all) / static_cast<double>(observations.size())));
   }
   std::optional<Choice> chosen;
   const int fewest = options.directions > 0 ? options.directions : 2;
-  const int most = options.directions > 0 ? options.directions : kMostDirections;
-  for (int count = fewest; count <= most; ++count) {
+  const int max = options.directions > 0 ? options.directions : kMaxDirections;
+  for (int count = fewest; count <= max; ++count) {
     const auto choice = best_of(seen, count, options);
     if (!choice) continue;
     if (!chosen || choice->covered > chosen->covered) chosen = choice;
@@ -160,31 +160,31 @@ Result<ScanPlan> plan_scan(const Installation& installation, const ScanPlanOptio
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("no {} directions within the plate's {:.0f} to {:.0f} degrees overlap by {:.0f} %; allow "
                              "more directions, or give the camera a wider lens",
-                             fewest, options.range.least_rad / kDegree, options.range.most_rad / kDegree,
-                             100.0 * options.least_overlap));
+                             fewest, options.range.min_rad / kDegree, options.range.max_rad / kDegree,
+                             100.0 * options.min_overlap));
   }
 
   ScanPlan plan;
   std::vector<std::size_t> lit(installation.projectors.size(), 0);
   std::vector<std::size_t> covered(installation.projectors.size(), 0);
-  Seen together(sights.size(), 0);
+  Seen together(observations.size(), 0);
   for (int i = 0; i < chosen->count; ++i) {
     const auto at = static_cast<std::size_t>(chosen->first + i * chosen->step);
     ScanDirection direction{headings[at], {}};
     std::vector<std::size_t> maybe(installation.projectors.size(), 0);
-    for (std::size_t s = 0; s < sights.size(); ++s) {
+    for (std::size_t s = 0; s < observations.size(); ++s) {
       together[s] = static_cast<char>(together[s] | seen[at][s]);
-      maybe[sights[s].projector] +=
-          static_cast<std::size_t>(is_seen(options, headings[at], sights[s].direction, -kBeyond));
+      maybe[observations[s].projector] +=
+          static_cast<std::size_t>(is_seen(options, headings[at], observations[s].direction, -kBeyond));
     }
     for (std::size_t p = 0; p < maybe.size(); ++p) {
       if (maybe[p] > 0) direction.projectors.push_back(p);
     }
     plan.directions.push_back(std::move(direction));
   }
-  for (std::size_t s = 0; s < sights.size(); ++s) {
-    ++lit[sights[s].projector];
-    covered[sights[s].projector] += static_cast<std::size_t>(together[s] != 0);
+  for (std::size_t s = 0; s < observations.size(); ++s) {
+    ++lit[observations[s].projector];
+    covered[observations[s].projector] += static_cast<std::size_t>(together[s] != 0);
   }
   for (std::size_t p = 0; p < lit.size(); ++p) {
     const std::string& name = installation.projectors[p].name;
@@ -192,7 +192,7 @@ Result<ScanPlan> plan_scan(const Installation& installation, const ScanPlanOptio
     if (lit[p] == 0) {
       plan.remarks.push_back(
           fmt::format("by installation.toml projector '{}' misses the wall; correct its place", name));
-    } else if (share < kWorthSaying) {
+    } else if (share < kMinUnremarkedShare) {
       plan.remarks.push_back(
           fmt::format("the camera will see {:.0f} % of what projector '{}' lights; give it a wider "
                       "lens, or tilt it",
@@ -211,4 +211,4 @@ Result<ScanPlan> plan_scan(const Installation& installation, const ScanPlanOptio
   return plan;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -14,7 +14,7 @@
 #include "common/room/installation.h"
 #include "drivers/turnplate/turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 struct ScanDirection {
   double angle_rad = 0.0;                 ///< Of the plate.
@@ -29,12 +29,12 @@ struct ScanPlan {
 };
 
 struct ScanPlanOptions {
-  MeasuredLens camera;     ///< Its focal length decides how much one direction sees.
-  double pitch_rad = 0.0;  ///< How far it looks up.
-  TurnRange range{-3.15, 3.15};
-  int directions = 0;           ///< 0: as few as it takes.
-  double least_overlap = 0.3;   ///< Of what a direction sees, so much its neighbour sees too;
-  double wished_overlap = 0.5;  ///< where there is a choice, so much.
+  calibration::MeasuredLens camera;  ///< Its focal length decides how much one direction sees.
+  double pitch_rad = 0.0;            ///< How far it looks up.
+  turnplate::TurnRange range{-3.15, 3.15};
+  int directions = 0;              ///< 0: as few as it takes.
+  double min_overlap = 0.3;        ///< Of what a direction sees, so much its neighbour sees too;
+  double preferred_overlap = 0.5;  ///< where there is a choice, so much.
 };
 
 /// Evenly spaced directions. The camera is taken to stand on the sweet spot; the rim of its picture is not relied upon,
@@ -43,4 +43,4 @@ struct ScanPlanOptions {
 /// Reentrant.
 Result<ScanPlan> plan_scan(const Installation& installation, const ScanPlanOptions& options);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -14,19 +14,19 @@
 #include "common/base/text.h"
 #include "common/json/strict_json.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
-constexpr int kMostPx = 16384;
-constexpr std::size_t kMostProjectors = 256;
-constexpr std::size_t kMostDirections = 4096;
-constexpr std::size_t kMostPlaces = 32'000'000;
+constexpr int kMaxPx = 16384;
+constexpr std::size_t kMaxProjectors = 256;
+constexpr std::size_t kMaxDirections = 4096;
+constexpr std::size_t kMaxCorrespondences = 32'000'000;
 constexpr std::size_t kManifestLimit = 4 << 20;
 constexpr std::string_view kMagic = "cyclorama view 1";  // 16 bytes.
-constexpr std::size_t kPlaceBytes = 5 * sizeof(float);
+constexpr std::size_t kCorrespondenceBytes = 5 * sizeof(float);
 constexpr auto kStale = std::chrono::hours(12);
 constexpr const char* kManifest = "manifest.json";
 constexpr const char* kAnew = "; calibrate anew, without resuming";
@@ -45,7 +45,7 @@ std::filesystem::path file_of(const std::filesystem::path& folder, const ScanVie
   return folder / fmt::format("{}-{}.view", view.direction, view.projector);
 }
 
-ScanView without_places(const ScanView& view) {
+ScanView without_correspondences(const ScanView& view) {
   return {view.direction, view.projector, view.angle_rad, view.exposure_s, view.disturbed, view.pictures, {}};
 }
 
@@ -66,17 +66,17 @@ std::string difference(const ScanIdentity& kept, const ScanIdentity& now) {
 ScanIdentity identity_of(StrictJson json) {
   ScanIdentity identity;
   identity.camera = json.text("camera");
-  identity.camera_width_px = json.integer("camera_width_px", 1, kMostPx);
-  identity.camera_height_px = json.integer("camera_height_px", 1, kMostPx);
-  for (StrictJson& element : json.list("projectors", 1, kMostProjectors)) {
+  identity.camera_width_px = json.integer("camera_width_px", 1, kMaxPx);
+  identity.camera_height_px = json.integer("camera_height_px", 1, kMaxPx);
+  for (StrictJson& element : json.list("projectors", 1, kMaxProjectors)) {
     ScanIdentity::Projector projector;
     projector.name = element.text("name");
-    projector.width_px = element.integer("width_px", 1, kMostPx);
-    projector.height_px = element.integer("height_px", 1, kMostPx);
+    projector.width_px = element.integer("width_px", 1, kMaxPx);
+    projector.height_px = element.integer("height_px", 1, kMaxPx);
     element.refuse_other_keys();
     identity.projectors.push_back(std::move(projector));
   }
-  identity.angles_rad = json.numbers("angles_rad", 1, kMostDirections);
+  identity.angles_rad = json.numbers("angles_rad", 1, kMaxDirections);
   identity.patterns = json.text("patterns");
   json.refuse_other_keys();
   return identity;
@@ -91,7 +91,7 @@ ScanManifest::Entry entry_of(StrictJson json, const ScanIdentity& identity) {
   entry.view.exposure_s = json.number("exposure_s", 0.0, 60.0);
   entry.view.disturbed = json.number("disturbed", 0.0, 1.0);
   entry.view.pictures = json.integer("pictures", 0, 1'000'000);
-  entry.places = static_cast<std::size_t>(json.integer("places", 0, static_cast<int>(kMostPlaces)));
+  entry.correspondences = static_cast<std::size_t>(json.integer("places", 0, static_cast<int>(kMaxCorrespondences)));
   entry.checksum = json.text("checksum", 16);
   json.refuse_other_keys();
   return entry;
@@ -114,7 +114,7 @@ std::string manifest_text(const ScanManifest& manifest) {
                      {"exposure_s", view.exposure_s},
                      {"disturbed", view.disturbed},
                      {"pictures", view.pictures},
-                     {"places", entry.places},
+                     {"places", entry.correspondences},
                      {"checksum", entry.checksum}});
   }
   const Json json = {{"version", kVersion},
@@ -137,7 +137,7 @@ Result<ScanManifest> parse_manifest(std::string_view text, const std::string& na
   ScanManifest manifest;
   json.integer("version", kVersion, kVersion);
   manifest.identity = identity_of(json.at("scan"));
-  for (StrictJson& element : json.list("views", 0, kMostDirections * kMostProjectors)) {
+  for (StrictJson& element : json.list("views", 0, kMaxDirections * kMaxProjectors)) {
     manifest.entries.push_back(entry_of(element, manifest.identity));
   }
   json.refuse_other_keys();
@@ -145,34 +145,34 @@ Result<ScanManifest> parse_manifest(std::string_view text, const std::string& na
   return manifest;
 }
 
-std::vector<std::byte> encode_places(std::span<const Correspondence> places) {
-  std::vector<std::byte> bytes(kMagic.size() + places.size() * kPlaceBytes);
+std::vector<std::byte> encode_correspondences(std::span<const solve::Correspondence> correspondences) {
+  std::vector<std::byte> bytes(kMagic.size() + correspondences.size() * kCorrespondenceBytes);
   std::memcpy(bytes.data(), kMagic.data(), kMagic.size());
   std::byte* to = bytes.data() + kMagic.size();
-  for (const Correspondence& c : places) {
+  for (const solve::Correspondence& c : correspondences) {
     const float numbers[5] = {c.camera_u, c.camera_v, c.projector_x, c.projector_y, c.sigma_px};
-    std::memcpy(to, numbers, kPlaceBytes);
-    to += kPlaceBytes;
+    std::memcpy(to, numbers, kCorrespondenceBytes);
+    to += kCorrespondenceBytes;
   }
   return bytes;
 }
 
-Result<std::vector<Correspondence>> decode_places(std::span<const std::byte> bytes, const ScanIdentity& identity,
-                                                  std::size_t projector) {
+Result<std::vector<solve::Correspondence>> decode_correspondences(std::span<const std::byte> bytes,
+                                                                  const ScanIdentity& identity, std::size_t projector) {
   if (bytes.size() < kMagic.size() || std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0 ||
-      (bytes.size() - kMagic.size()) % kPlaceBytes != 0) {
+      (bytes.size() - kMagic.size()) % kCorrespondenceBytes != 0) {
     return bad("it holds no view");
   }
   const ScanIdentity::Projector& format = identity.projectors.at(projector);
   const auto is_within = [](float value, int size) { return value >= 0.0f && value <= static_cast<float>(size); };
   // Which of the camera's pixels it is: there is none at the very end.
   const auto is_pixel = [](float value, int size) { return value >= 0.0f && value < static_cast<float>(size); };
-  std::vector<Correspondence> places((bytes.size() - kMagic.size()) / kPlaceBytes);
+  std::vector<solve::Correspondence> correspondences((bytes.size() - kMagic.size()) / kCorrespondenceBytes);
   const std::byte* from = bytes.data() + kMagic.size();
-  for (Correspondence& c : places) {
+  for (solve::Correspondence& c : correspondences) {
     float numbers[5];
-    std::memcpy(numbers, from, kPlaceBytes);
-    from += kPlaceBytes;
+    std::memcpy(numbers, from, kCorrespondenceBytes);
+    from += kCorrespondenceBytes;
     c = {numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], static_cast<std::uint32_t>(projector)};
     if (!is_pixel(c.camera_u, identity.camera_width_px) || !is_pixel(c.camera_v, identity.camera_height_px) ||
         !is_within(c.projector_x, format.width_px) || !is_within(c.projector_y, format.height_px) ||
@@ -180,7 +180,7 @@ Result<std::vector<Correspondence>> decode_places(std::span<const std::byte> byt
       return bad("it holds a place outside of the pictures");
     }
   }
-  return places;
+  return correspondences;
 }
 
 Result<ScanFolder> ScanFolder::begin(std::filesystem::path folder, const ScanIdentity& identity) {
@@ -219,15 +219,16 @@ Result<ScanFolder> ScanFolder::resume(std::filesystem::path folder, const ScanId
   ScanFolder scan(std::move(folder), identity);
   for (const ScanManifest::Entry& entry : manifest.entries) {
     const std::filesystem::path file = file_of(scan.folder_, entry.view);
-    auto bytes = read_file(file, kMagic.size() + kMostPlaces * kPlaceBytes);
+    auto bytes = read_file(file, kMagic.size() + kMaxCorrespondences * kCorrespondenceBytes);
     if (!bytes)
       return bad(fmt::format("the scan in '{}' is damaged: {}", scan.folder_.string(), bytes.error().message()));
     if (checksum_of(*bytes) != entry.checksum) return bad(fmt::format("'{}' is damaged", file.string()));
-    auto places = decode_places(*bytes, identity, entry.view.projector);
-    if (!places) return std::move(places).error().while_doing(fmt::format("reading '{}'", file.string()));
-    if (places->size() != entry.places) return bad(fmt::format("'{}' is damaged", file.string()));
+    auto correspondences = decode_correspondences(*bytes, identity, entry.view.projector);
+    if (!correspondences)
+      return std::move(correspondences).error().while_doing(fmt::format("reading '{}'", file.string()));
+    if (correspondences->size() != entry.correspondences) return bad(fmt::format("'{}' is damaged", file.string()));
     scan.views_.push_back(entry.view);
-    scan.views_.back().places = *std::move(places);
+    scan.views_.back().correspondences = *std::move(correspondences);
   }
   scan.manifest_ = std::move(manifest);
   return scan;
@@ -246,9 +247,9 @@ const ScanView* ScanFolder::find(std::size_t direction, std::size_t projector) c
 }
 
 Status ScanFolder::keep(ScanView view) {
-  const std::vector<std::byte> bytes = encode_places(view.places);
+  const std::vector<std::byte> bytes = encode_correspondences(view.correspondences);
   TRY(write_file_atomically(file_of(folder_, view), bytes));
-  ScanManifest::Entry entry{without_places(view), view.places.size(), checksum_of(bytes)};
+  ScanManifest::Entry entry{without_correspondences(view), view.correspondences.size(), checksum_of(bytes)};
   const auto is_same = [&](const ScanView& other) {
     return other.direction == view.direction && other.projector == view.projector;
   };
@@ -259,4 +260,4 @@ Status ScanFolder::keep(ScanView view) {
   return write_file_atomically(folder_ / kManifest, manifest_text(manifest_));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

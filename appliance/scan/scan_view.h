@@ -18,7 +18,7 @@
 #include "appliance/solve/measurements.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// A value.
 struct ScanView {
@@ -28,7 +28,7 @@ struct ScanView {
   double exposure_s = 0.0;  ///< 0: the projector lights nothing here.
   double disturbed = 0.0;   ///< Of the lit pixels: something moved before them.
   int pictures = 0;         ///< Photographs that it took, of all tries.
-  std::vector<Correspondence> places{};
+  std::vector<solve::Correspondence> correspondences{};
 };
 
 /// What makes two scans the same, so that one can go on with the other's views. A value.
@@ -53,7 +53,7 @@ struct ScanIdentity {
 struct ScanManifest {
   struct Entry {
     ScanView view;  ///< Without its places.
-    std::size_t places = 0;
+    std::size_t correspondences = 0;
     std::string checksum;  ///< Of the view's file: 16 hexadecimal digits.
   };
   ScanIdentity identity;
@@ -64,10 +64,10 @@ struct ScanManifest {
 /// The opposite. `name` stands for the file in errors. kBadData  "manifest.json: /views/0/direction: ...; remedy".
 Result<ScanManifest> parse_manifest(std::string_view text, const std::string& name);
 
-/// Places as bytes, and back. kBadData  bytes that are none, or places that no camera or projector of these sizes has.
-[[nodiscard]] std::vector<std::byte> encode_places(std::span<const Correspondence> places);
-Result<std::vector<Correspondence>> decode_places(std::span<const std::byte> bytes, const ScanIdentity& identity,
-                                                  std::size_t projector);
+/// PicturePositions as bytes, and back. kBadData  bytes that are none, or places that no camera or projector of these sizes has.
+[[nodiscard]] std::vector<std::byte> encode_correspondences(std::span<const solve::Correspondence> correspondences);
+Result<std::vector<solve::Correspondence>> decode_correspondences(std::span<const std::byte> bytes,
+                                                                  const ScanIdentity& identity, std::size_t projector);
 
 /// Thread-bound.
 class ScanFolder {
@@ -96,4 +96,4 @@ class ScanFolder {
   std::vector<ScanView> views_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -17,17 +17,17 @@
 #include "common/image/jpeg.h"
 #include "common/image/pixel_rect.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr int kWidth_px = 640;       // Of a photograph in the report: a page of some hundred kilobytes.
 constexpr double kShownWidth = 0.6;  // Of the photograph, the seam in its middle.
 constexpr float kLit = 0.15f;        // Of the brightest code.
 constexpr int kQuality = 80;
-constexpr std::size_t kLeastShared = 6;  // Control points that two maps share: fewer are a corner.
+constexpr std::size_t kMinSharedPoints = 6;  // Control points that two maps share: fewer are a corner.
 constexpr float kClipped = 0.97f;
-constexpr double kMostClipped = 0.002;
-constexpr int kMostExposures = 6;
+constexpr double kMaxClipped = 0.002;
+constexpr int kMaxExposures = 6;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr std::array kPictures = {TestPicture::kLines, TestPicture::kWhite};
 
@@ -37,17 +37,17 @@ struct Seam {
   double heading_rad = 0.0;
 };
 
-const CalibratedProjector* find(const Calibration& calibration, const std::string& name) {
+const calibration::CalibratedProjector* find(const calibration::Calibration& calibration, const std::string& name) {
   const auto at = std::find_if(calibration.projectors.begin(), calibration.projectors.end(),
-                               [&](const CalibratedProjector& p) { return p.name == name; });
+                               [&](const calibration::CalibratedProjector& p) { return p.name == name; });
   return at == calibration.projectors.end() ? nullptr : &*at;
 }
 
 /// Which projectors meet, and where the middle is of what they share.
-std::vector<Seam> seams_of(const Calibration& calibration) {
+std::vector<Seam> seams_of(const calibration::Calibration& calibration) {
   std::vector<Seam> seams;
   for (std::size_t b = 1; b < calibration.projectors.size(); ++b) {
-    const auto inverse = InverseMap::make(calibration.projectors[b].map);
+    const auto inverse = photometry::InverseMap::make(calibration.projectors[b].map);
     if (!inverse) continue;
     for (std::size_t a = 0; a < b; ++a) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -57,7 +57,7 @@ std::vector<Seam> seams_of(const Calibration& calibration) {
         sum += d;
         ++shared;
       }
-      if (shared < kLeastShared) continue;
+      if (shared < kMinSharedPoints) continue;
       seams.push_back({calibration.projectors[a].name, calibration.projectors[b].name, std::atan2(sum.x(), -sum.z())});
     }
   }
@@ -68,27 +68,29 @@ std::vector<Seam> seams_of(const Calibration& calibration) {
 using Drawn = std::array<std::vector<RgbImage>, kPictures.size()>;
 
 Drawn drawn_by(const Installation& installation, const DrawnBy& by) {
-  const std::vector<ProjectorMap> planned = projector_maps(installation);
-  std::vector<const MeasuredMap*> maps;
-  std::vector<const CalibratedColour*> colours;
+  const std::vector<warp::ProjectorMap> planned = warp::projector_maps(installation);
+  std::vector<const calibration::MeasuredMap*> maps;
+  std::vector<const calibration::CalibratedColour*> colours;
   for (const InstalledProjector& projector : installation.projectors) {
-    const CalibratedProjector* found = by.calibration == nullptr ? nullptr : find(*by.calibration, projector.name);
+    const calibration::CalibratedProjector* found =
+        by.calibration == nullptr ? nullptr : find(*by.calibration, projector.name);
     const bool fits = found != nullptr && found->map.width_px == projector.lens.width_px &&
                       found->map.height_px == projector.lens.height_px;
     maps.push_back(fits ? &found->map : nullptr);
     const auto colour = std::find_if(by.colours.begin(), by.colours.end(),
-                                     [&](const CalibratedColour& c) { return c.name == projector.name; });
+                                     [&](const calibration::CalibratedColour& c) { return c.name == projector.name; });
     const auto is_of_head = [&](const Image<float, 1>& image) {
       return image.width() == projector.lens.width_px && image.height() == projector.lens.height_px;
     };
     const bool has_colour = fits && colour != by.colours.end() && is_of_head(colour->mask) &&
-                            (!colour->colour.lift || is_of_head(*colour->colour.lift));
+                            (!colour->colour.black_lift || is_of_head(*colour->colour.black_lift));
     colours.push_back(has_colour ? &*colour : nullptr);
   }
   const bool is_planned = by.calibration == nullptr;
   // Any picture that holds all directions: the weights are of places.
-  const std::vector<MaskImage> masks =
-      is_planned ? make_blend_masks(planned) : measured_blend_masks(maps, Equirectangular{4096, 2048});
+  const std::vector<warp::MaskImage> masks = is_planned
+                                                 ? warp::make_blend_masks(planned)
+                                                 : calibration::measured_blend_masks(maps, Equirectangular{4096, 2048});
   Drawn drawn;
   for (std::size_t k = 0; k < kPictures.size(); ++k) {
     std::vector<std::future<RgbImage>> heads;
@@ -97,7 +99,7 @@ Drawn drawn_by(const Installation& installation, const DrawnBy& by) {
       head.width_px = installation.projectors[i].lens.width_px;
       head.height_px = installation.projectors[i].lens.height_px;
       if (is_planned) {
-        head.direction_at = [&map = planned[i]](const Eigen::Vector2d& pixel) { return map.sight_of(pixel); };
+        head.direction_at = [&map = planned[i]](const Eigen::Vector2d& pixel) { return map.view_direction_of(pixel); };
       } else if (maps[i] != nullptr) {
         head.direction_at = [map = maps[i]](const Eigen::Vector2d& pixel) { return map->direction_at(pixel); };
       }
@@ -186,11 +188,11 @@ class SeamPhotographing {
   Result<SeamPhotographs> photographed(const std::array<Drawn, 2>& drawn, const std::array<std::string, 2>& when,
                                        const std::vector<Seam>& seams) {
     JpegEncoder encoder;
-    const TurnRange range = devices_.plate.range();
+    const turnplate::TurnRange range = devices_.plate.range();
     for (std::size_t s = 0; s < seams.size(); ++s) {
       const Seam& seam = seams[s];
       if (stop_.stop_requested()) return cancelled();
-      TRY(turn_plate(devices_.plate, std::clamp(seam.heading_rad, range.least_rad, range.most_rad)));
+      TRY(turn_plate(devices_.plate, std::clamp(seam.heading_rad, range.min_rad, range.max_rad)));
       // White is the brightest that is shown; what is right for it is right for all four, so that they compare.
       if (s == 0) TRY(find_exposure(drawn));
       std::vector<ScanPhotograph> taken;
@@ -228,11 +230,11 @@ class SeamPhotographing {
   Status find_exposure(const std::array<Drawn, 2>& drawn) {
     for (const Drawn& side : drawn) {
       TRY(show(side.back()));
-      for (int round = 0; round < kMostExposures; ++round) {
+      for (int round = 0; round < kMaxExposures; ++round) {
         TRY_ASSIGN(const ScanPhotograph photograph, take());
         const auto clipped = std::count_if(photograph.data().begin(), photograph.data().end(),
                                            [](float code) { return code >= kClipped; });
-        if (static_cast<double>(clipped) <= kMostClipped * static_cast<double>(photograph.data().size())) break;
+        if (static_cast<double>(clipped) <= kMaxClipped * static_cast<double>(photograph.data().size())) break;
         exposure_s_ *= 0.6;
       }
     }
@@ -256,4 +258,4 @@ Result<SeamPhotographs> photograph_seams(const Installation& installation, const
   return SeamPhotographing(installation, devices, listener, std::move(stop)).run(before, after, exposure_s);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

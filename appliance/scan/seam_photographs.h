@@ -14,13 +14,14 @@
 #include "appliance/scan/report_page.h"
 #include "appliance/scan/wall_scan.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// What the wall is drawn by. Colours may be none; then the projectors are blended by their maps.
 struct DrawnBy {
-  std::string when;                          ///< "by the calibration of ...", for captions.
-  const Calibration* calibration = nullptr;  ///< Null: by installation.toml alone, as before any calibration.
-  std::span<const CalibratedColour> colours{};
+  std::string when;  ///< "by the calibration of ...", for captions.
+  const calibration::Calibration* calibration =
+      nullptr;  ///< Null: by installation.toml alone, as before any calibration.
+  std::span<const calibration::CalibratedColour> colours{};
 };
 
 struct SeamPhotographs {
@@ -34,4 +35,4 @@ Result<SeamPhotographs> photograph_seams(const Installation& installation, const
                                          double exposure_s, const ScanDevices& devices, const ScanListener& listener,
                                          std::stop_token stop);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

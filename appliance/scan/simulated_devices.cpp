@@ -3,7 +3,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 /// Closing, opening, four pictures to warm up.
@@ -20,7 +20,7 @@ ScanPhotograph photograph_of(const Image<std::uint16_t, Channels>& codes, int bi
 
 }  // namespace
 
-SimulatedPatternScreen::SimulatedPatternScreen(SimulatedMuseum* museum) : museum_(museum) {
+SimulatedPatternScreen::SimulatedPatternScreen(simulated::SimulatedMuseum* museum) : museum_(museum) {
   for (std::size_t i = 0; i < museum_->projector_count(); ++i) show_dark(i);
   museum_->settle();
 }
@@ -52,11 +52,11 @@ Result<ScanPhotograph> SimulatedScanCamera::photograph(double exposure_s) {
   if (exposure_s != exposure_s_) museum_->wait(kOpening_s);
   exposure_s_ = exposure_s;
   if (colour_ == PhotographColour::kColour) {
-    TRY_ASSIGN(const RgbPhotograph codes, museum_->photograph_colour(exposure_s));
+    TRY_ASSIGN(const simulated::RgbPhotograph codes, museum_->photograph_colour(exposure_s));
     return photograph_of(codes, museum_->camera_bits());
   }
-  TRY_ASSIGN(const GreyPhotograph codes, museum_->photograph_grey(exposure_s));
+  TRY_ASSIGN(const simulated::GreyPhotograph codes, museum_->photograph_grey(exposure_s));
   return photograph_of(codes, museum_->camera_bits());
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -7,13 +7,13 @@
 #include "appliance/scan/scan_devices.h"
 #include "drivers/simulated/museum/simulated_museum.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// A dark head shows black: its lamp burns, and some of its light leaks, as in a museum. Afterwards all lamps are off:
 /// a museum that is simulated for a calibration has no show. Borrows the museum for its whole life.
 class SimulatedPatternScreen final : public PatternScreen {
  public:
-  explicit SimulatedPatternScreen(SimulatedMuseum* museum);
+  explicit SimulatedPatternScreen(simulated::SimulatedMuseum* museum);
   ~SimulatedPatternScreen() override;
   SimulatedPatternScreen(const SimulatedPatternScreen&) = delete;
   SimulatedPatternScreen& operator=(const SimulatedPatternScreen&) = delete;
@@ -22,7 +22,7 @@ class SimulatedPatternScreen final : public PatternScreen {
 
  private:
   void show_dark(std::size_t projector);
-  SimulatedMuseum* museum_;
+  simulated::SimulatedMuseum* museum_;
 };
 
 enum class PhotographColour { kGrey, kColour };
@@ -31,7 +31,7 @@ enum class PhotographColour { kGrey, kColour };
 /// that must be opened anew for it. Borrows the museum for its whole life.
 class SimulatedScanCamera final : public ScanCamera {
  public:
-  SimulatedScanCamera(SimulatedMuseum* museum, PhotographColour colour) : museum_(museum), colour_(colour) {}
+  SimulatedScanCamera(simulated::SimulatedMuseum* museum, PhotographColour colour) : museum_(museum), colour_(colour) {}
 
   [[nodiscard]] const std::string& id() const override { return id_; }
   [[nodiscard]] int width_px() const override { return museum_->camera_width_px(); }
@@ -43,8 +43,8 @@ class SimulatedScanCamera final : public ScanCamera {
  private:
   std::string id_ = "simulated";
   double exposure_s_ = 0.0;  ///< Of the last photograph.
-  SimulatedMuseum* museum_;
+  simulated::SimulatedMuseum* museum_;
   PhotographColour colour_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

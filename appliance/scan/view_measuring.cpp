@@ -9,13 +9,13 @@
 
 #include "appliance/structured_light/pattern_drawing.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 // A projector whose light falls on fewer of the camera's pixels is not seen: what is left comes by way of the wall, or
 // is noise.
-constexpr double kLeastLit = 0.002;
-constexpr int kMostExposures = 12;
+constexpr double kMinLitShare = 0.002;
+constexpr int kMaxExposures = 12;
 // A pattern and its inverse together are white and black together; cameras' curves bend that by a sixth at most.
 constexpr float kUneven = 0.3f;
 constexpr float kUnevenCodes = 0.03f;
@@ -33,14 +33,14 @@ class ViewMeasuring {
         stop_(std::move(stop)) {}
 
   Result<ScanView> run() {
-    PatternChoice choice;
+    structured_light::PatternChoice choice;
     choice.width_px = order_.width_px;
     choice.height_px = order_.height_px;
     choice.finest_bit = settings_.finest_bit;
     choice.base_bit = settings_.base_bit;
     choice.phase_period_px = settings_.phase_period_px;
     choice.phase_steps = settings_.phase_steps;
-    TRY_ASSIGN(set_, structured_light(choice));
+    TRY_ASSIGN(set_, structured_light::structured_light(choice));
     auto view = measured();
     // Dark again, whatever happened; the first error counts.
     const Status dark = screen_.show(order_.projector, RgbImage());
@@ -57,16 +57,17 @@ class ViewMeasuring {
       view.pictures = pictures_;
       return view;
     }
-    TRY_ASSIGN(Decoder decoder, Decoder::from(set_, settings_.decode, camera_.width_px(), camera_.height_px()));
+    TRY_ASSIGN(structured_light::Decoder decoder,
+               structured_light::Decoder::from(set_, settings_.decode, camera_.width_px(), camera_.height_px()));
     // White and black come first in every set, and were photographed for the exposure.
-    Photo pattern;
+    structured_light::Photo pattern;
     TRY(decoder.add(white_));
     TRY(decoder.add(black_));
     for (std::size_t i = 2; i < set_.pictures.size(); ++i) {
       const double fraction = static_cast<double>(i) / static_cast<double>(set_.pictures.size());
-      TRY_ASSIGN(Photo photo, photographed(set_.pictures[i], settings_.photographs, fraction));
+      TRY_ASSIGN(structured_light::Photo photo, photographed(set_.pictures[i], settings_.photographs, fraction));
       TRY(decoder.add(photo));
-      if (set_.pictures[i].kind != PatternKind::kBit) continue;
+      if (set_.pictures[i].kind != structured_light::PatternKind::kBit) continue;
       if (set_.pictures[i].is_inverse) view.disturbed = std::max(view.disturbed, uneven_share(pattern, photo));
       pattern = std::move(photo);
     }
@@ -78,13 +79,14 @@ class ViewMeasuring {
       view.exposure_s = 0.0;
       return view;
     }
-    take_places(*decoded, &view);
+    take_correspondences(*decoded, &view);
     return view;
   }
 
   /// Of the lit pixels, those where a pattern and its inverse do not add up: somebody is in the way of some of the
   /// photographs. The decoder's own judgement cannot tell that from noise when no pixel was spared.
-  [[nodiscard]] double uneven_share(const Photo& pattern, const Photo& inverse) const {
+  [[nodiscard]] double uneven_share(const structured_light::Photo& pattern,
+                                    const structured_light::Photo& inverse) const {
     std::size_t lit = 0;
     std::size_t uneven = 0;
     for (std::size_t i = 0; i < white_.data().size(); i += 3) {
@@ -97,15 +99,16 @@ class ViewMeasuring {
     return lit == 0 ? 0.0 : static_cast<double>(uneven) / static_cast<double>(lit);
   }
 
-  Result<Photo> photographed(const PatternPicture& picture, int times, double fraction) {
+  Result<structured_light::Photo> photographed(const structured_light::PatternPicture& picture, int times,
+                                               double fraction) {
     if (stop_.stop_requested()) return cancelled();
-    TRY(screen_.show(order_.projector, drawn(set_, picture)));
-    Photo mean(camera_.width_px(), camera_.height_px());
+    TRY(screen_.show(order_.projector, structured_light::drawn(set_, picture)));
+    structured_light::Photo mean(camera_.width_px(), camera_.height_px());
     for (int i = 0; i < times; ++i) {
       TRY_ASSIGN(const ScanPhotograph photograph, take_photograph(camera_, exposure_s_, stop_));
       ++pictures_;
       if (listener_) listener_(name_of(picture), fraction, photograph);
-      const Photo photo = photo_of(photograph);
+      const structured_light::Photo photo = photo_of(photograph);
       if (times == 1) return photo;
       for (std::size_t k = 0; k < mean.data().size(); ++k)
         mean.data()[k] += photo.data()[k] / static_cast<float>(times);
@@ -115,26 +118,27 @@ class ViewMeasuring {
 
   /// False: it lights nothing that the camera sees.
   Result<bool> find_exposure() {
-    std::vector<ExposureSample> samples;
+    std::vector<structured_light::ExposureSample> samples;
     // Until one is known to be good, one photograph is enough.
-    ExposureTime next{order_.exposure_s.value_or(0.0)};
+    structured_light::ExposureTime next{order_.exposure_s.value_or(0.0)};
     if (!order_.exposure_s) {
-      TRY_ASSIGN(const ExposureAdvice first, next_exposure(samples, settings_.exposure));
+      TRY_ASSIGN(const structured_light::ExposureAdvice first,
+                 structured_light::next_exposure(samples, settings_.exposure));
       next = first.exposure;
     }
-    for (int round = 0; round < kMostExposures; ++round) {
+    for (int round = 0; round < kMaxExposures; ++round) {
       exposure_s_ = next.count();
       TRY_ASSIGN(white_, photographed(set_.pictures[0], settings_.photographs, 0.0));
       TRY_ASSIGN(black_, photographed(set_.pictures[1], settings_.photographs, 0.0));
-      samples.push_back(exposure_sample(next, white_, black_));
-      const auto advice = next_exposure(samples, settings_.exposure);
+      samples.push_back(structured_light::exposure_sample(next, white_, black_));
+      const auto advice = structured_light::next_exposure(samples, settings_.exposure);
       if (!advice) {
         // At the longest exposure nothing gains light: it shines elsewhere, or is dark.
-        const ExposureSample& newest = samples.back();
-        if (newest.lit < kLeastLit && newest.saturated <= 0.0) return false;
+        const structured_light::ExposureSample& newest = samples.back();
+        if (newest.lit < kMinLitShare && newest.saturated <= 0.0) return false;
         return Error(advice.error()).while_doing(fmt::format("photographing projector '{}'", order_.name));
       }
-      if (advice->is_good) return samples.back().lit >= kLeastLit;
+      if (advice->is_good) return samples.back().lit >= kMinLitShare;
       next = advice->exposure;
     }
     return Error(ErrorCode::kBadData,
@@ -143,21 +147,21 @@ class ViewMeasuring {
                              order_.name));
   }
 
-  void take_places(const Decoded& decoded, ScanView* view) const {
+  void take_correspondences(const structured_light::Decoded& decoded, ScanView* view) const {
     for (int y = 0; y < decoded.fate.height(); ++y) {
       for (int x = 0; x < decoded.fate.width(); ++x) {
-        if (*decoded.fate.at(x, y) != PixelFate::kDecoded) continue;
+        if (*decoded.fate.at(x, y) != structured_light::PixelFate::kDecoded) continue;
         const float* position = decoded.position_px.at(x, y);
         const float* sigma = decoded.sigma_px.at(x, y);
-        Correspondence place;
-        place.camera_u = static_cast<float>(x) + 0.5f;
-        place.camera_v = static_cast<float>(y) + 0.5f;
-        place.projector_x = std::clamp(position[0], 0.0f, static_cast<float>(order_.width_px));
-        place.projector_y = std::clamp(position[1], 0.0f, static_cast<float>(order_.height_px));
+        solve::Correspondence pixel;
+        pixel.camera_u = static_cast<float>(x) + 0.5f;
+        pixel.camera_v = static_cast<float>(y) + 0.5f;
+        pixel.projector_x = std::clamp(position[0], 0.0f, static_cast<float>(order_.width_px));
+        pixel.projector_y = std::clamp(position[1], 0.0f, static_cast<float>(order_.height_px));
         // One number for both: the solver weighs places, not axes. No place is surer than a hundredth.
-        place.sigma_px = std::max({sigma[0], sigma[1], 0.01f});
-        place.projector = static_cast<std::uint32_t>(order_.projector);
-        view->places.push_back(place);
+        pixel.sigma_px = std::max({sigma[0], sigma[1], 0.01f});
+        pixel.projector = static_cast<std::uint32_t>(order_.projector);
+        view->correspondences.push_back(pixel);
       }
     }
   }
@@ -168,9 +172,9 @@ class ViewMeasuring {
   ScanCamera& camera_;
   const PhotographListener& listener_;
   std::stop_token stop_;
-  PatternSet set_;
-  Photo white_;
-  Photo black_;
+  structured_light::PatternSet set_;
+  structured_light::Photo white_;
+  structured_light::Photo black_;
   double exposure_s_ = 0.0;
   int pictures_ = 0;
 };
@@ -182,8 +186,8 @@ std::string ViewSettings::text() const {
                      phase_period_px, phase_steps, photographs);
 }
 
-Photo photo_of(const ScanPhotograph& photograph) {
-  Photo photo(photograph.width(), photograph.height());
+structured_light::Photo photo_of(const ScanPhotograph& photograph) {
+  structured_light::Photo photo(photograph.width(), photograph.height());
   const auto codes = photograph.data();
   for (std::size_t i = 0; i < photo.data().size(); ++i)
     photo.data()[i] = (codes[3 * i] + codes[3 * i + 1] + codes[3 * i + 2]) * (1.0f / 3.0f);
@@ -210,4 +214,4 @@ Error cancelled() {
   return {ErrorCode::kUnavailable, "the calibration was cancelled; resume it to go on where it was"};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -15,7 +15,7 @@
 #include "appliance/structured_light/pattern_set.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// How every view is measured. The defaults, all bits of the Gray code and nothing else, are chosen on the curve of
 /// `./bench.sh calibration-trade` and on a room at full size (docs/trade.md).
@@ -25,8 +25,8 @@ struct ViewSettings {
   double phase_period_px = 0.0;
   int phase_steps = 0;
   int photographs = 1;  ///< Of each picture, averaged.
-  DecodeSettings decode{};
-  ExposureLimits exposure{};
+  structured_light::DecodeSettings decode{};
+  structured_light::ExposureLimits exposure{};
 
   /// Views that were measured otherwise are not put together: ScanIdentity::patterns.
   [[nodiscard]] std::string text() const;
@@ -46,7 +46,7 @@ struct ViewOrder {
 };
 
 /// Codes as Photo: mean of the channels.
-[[nodiscard]] Photo photo_of(const ScanPhotograph& photograph);
+[[nodiscard]] structured_light::Photo photo_of(const ScanPhotograph& photograph);
 
 /// One of the size that the camera told. kUnavailable  `stop` was requested, with "cancelled".     kBadData  it has
 /// another size than before. Others as ScanCamera::photograph().
@@ -61,4 +61,4 @@ Result<ScanView> measure_view(const ViewOrder& order, const ViewSettings& settin
 /// What a cancelled scan ends with.
 [[nodiscard]] Error cancelled();
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -12,13 +12,13 @@
 
 #include "appliance/calibration/map_grid.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kWidth_px = 1000.0;
 constexpr double kMargin_px = 40.0;
-constexpr int kMostCells = 40;  // Across a projector's picture: what an eye tells apart, and a page can hold.
+constexpr int kMaxCells = 40;  // Across a projector's picture: what an eye tells apart, and a page can hold.
 constexpr std::array<PlotStep, 6> kSteps{{{0.1, "#1a7f37", "to 0.1 px"},
                                           {0.25, "#7cb342", "to 0.25 px"},
                                           {0.5, "#fdd835", "to 0.5 px"},
@@ -30,7 +30,7 @@ constexpr std::array<const char*, 8> kColours{"#1f77b4", "#d62728", "#2ca02c", "
 
 std::size_t step_of(double value_px) {
   std::size_t step = 0;
-  while (step + 1 < kSteps.size() && !(value_px <= kSteps[step].most)) ++step;
+  while (step + 1 < kSteps.size() && !(value_px <= kSteps[step].max)) ++step;
   return step;
 }
 
@@ -42,9 +42,9 @@ std::optional<Eigen::Vector2d> degrees_of(const Eigen::Vector3d& direction) {
 }
 
 /// A round number of degrees between lines, so that there are about ten.
-double spacing_deg(double reach_deg) {
+double spacing_deg(double span_deg) {
   for (const double step : {1.0, 2.0, 5.0, 10.0, 15.0, 30.0}) {
-    if (reach_deg / step <= 14.0) return step;
+    if (span_deg / step <= 14.0) return step;
   }
   return 45.0;
 }
@@ -79,35 +79,35 @@ std::string html_text(std::string_view text) {
   return escaped;
 }
 
-WallPlot::WallPlot(std::span<const MeasuredMap* const> maps) {
-  Eigen::Vector2d least = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector2d most = -least;
-  for (const MeasuredMap* const map : maps) {
+WallPlot::WallPlot(std::span<const calibration::MeasuredMap* const> maps) {
+  Eigen::Vector2d min = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector2d max = -min;
+  for (const calibration::MeasuredMap* const map : maps) {
     for (const Eigen::Vector3d& direction : map->directions) {
-      const auto place = degrees_of(direction);
-      if (!place) continue;
-      least = least.cwiseMin(*place);
-      most = most.cwiseMax(*place);
+      const auto position = degrees_of(direction);
+      if (!position) continue;
+      min = min.cwiseMin(*position);
+      max = max.cwiseMax(*position);
     }
   }
-  if (!(least.x() <= most.x())) return;
-  least_deg_ = least.array() - 2.0;
-  most_deg_ = most.array() + 2.0;
-  px_per_deg_ = (kWidth_px - kMargin_px) / (most_deg_.x() - least_deg_.x());
+  if (!(min.x() <= max.x())) return;
+  min_deg_ = min.array() - 2.0;
+  max_deg_ = max.array() + 2.0;
+  px_per_deg_ = (kWidth_px - kMargin_px) / (max_deg_.x() - min_deg_.x());
 }
 
 std::optional<Eigen::Vector2d> WallPlot::place_of(const Eigen::Vector3d& direction) const {
-  const auto place = degrees_of(direction);
-  if (!place) return std::nullopt;
-  return Eigen::Vector2d(kMargin_px + (place->x() - least_deg_.x()) * px_per_deg_,
-                         (most_deg_.y() - place->y()) * px_per_deg_);
+  const auto position = degrees_of(direction);
+  if (!position) return std::nullopt;
+  return Eigen::Vector2d(kMargin_px + (position->x() - min_deg_.x()) * px_per_deg_,
+                         (max_deg_.y() - position->y()) * px_per_deg_);
 }
 
 /// `path_of(sigma)` is the path that gets a cell of at most that sigma; null: none.
 template <typename PathOf>
-void WallPlot::add_cells(const MeasuredMap& map, const PathOf& path_of) {
-  const MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
-  const int step = std::max(1, (std::max(map.cells_x, map.cells_y) + kMostCells - 1) / kMostCells);
+void WallPlot::add_cells(const calibration::MeasuredMap& map, const PathOf& path_of) {
+  const calibration::MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
+  const int step = std::max(1, (std::max(map.cells_x, map.cells_y) + kMaxCells - 1) / kMaxCells);
   for (int y = 0; y < map.cells_y; y += step) {
     for (int x = 0; x < map.cells_x; x += step) {
       const int right = std::min(x + step, map.cells_x);
@@ -117,10 +117,10 @@ void WallPlot::add_cells(const MeasuredMap& map, const PathOf& path_of) {
       bool is_whole = true;
       int n = 0;
       for (const int node : {grid.node(x, y), grid.node(right, y), grid.node(right, bottom), grid.node(x, bottom)}) {
-        const auto place = place_of(map.directions[static_cast<std::size_t>(node)]);
-        is_whole = is_whole && place.has_value();
+        const auto position = place_of(map.directions[static_cast<std::size_t>(node)]);
+        is_whole = is_whole && position.has_value();
         sigma_px = std::max(sigma_px, map.sigma_px[static_cast<std::size_t>(node)]);
-        corners[static_cast<std::size_t>(n++)] = place.value_or(Eigen::Vector2d::Zero());
+        corners[static_cast<std::size_t>(n++)] = position.value_or(Eigen::Vector2d::Zero());
       }
       // A cell across azimuth 180 has no place on a flat plot.
       const bool is_torn = std::abs(corners[0].x() - corners[1].x()) > 0.5 * kWidth_px;
@@ -137,7 +137,7 @@ void WallPlot::add_path(const std::string& path, const char* attributes, const c
   if (!path.empty()) drawn_ += fmt::format("<path {}=\"{}\" d=\"{}\"/>\n", attributes, colour, path);
 }
 
-void WallPlot::add_area(const MeasuredMap& map, const char* colour, std::string_view name) {
+void WallPlot::add_area(const calibration::MeasuredMap& map, const char* colour, std::string_view name) {
   std::string path;
   add_cells(map, [&](double) { return &path; });
   add_path(path, "fill-opacity=\"0.35\" fill", colour);
@@ -149,7 +149,7 @@ void WallPlot::add_area(const MeasuredMap& map, const char* colour, std::string_
   }
 }
 
-void WallPlot::add_sigmas(const MeasuredMap& map) {
+void WallPlot::add_sigmas(const calibration::MeasuredMap& map) {
   std::array<std::string, kSteps.size()> paths;
   add_cells(map, [&](double sigma_px) { return std::isfinite(sigma_px) ? &paths[step_of(sigma_px)] : nullptr; });
   for (std::size_t i = 0; i < paths.size(); ++i) add_path(paths[i], "fill-opacity=\"0.8\" fill", kSteps[i].colour);
@@ -168,22 +168,22 @@ void WallPlot::add_spots(std::span<const Spot> spots) {
 }
 
 std::string WallPlot::svg(std::string_view title) const {
-  const double height = (most_deg_.y() - least_deg_.y()) * px_per_deg_ + kMargin_px;
+  const double height = (max_deg_.y() - min_deg_.y()) * px_per_deg_ + kMargin_px;
   const double bottom = height - kMargin_px;
   std::string grid;
-  const double step = spacing_deg(most_deg_.x() - least_deg_.x());
-  const auto each = [step](double least, double most, const auto& line) {
-    for (double degrees = std::ceil(least / step) * step; degrees <= most; degrees += step) line(degrees);
+  const double step = spacing_deg(max_deg_.x() - min_deg_.x());
+  const auto each = [step](double min, double max, const auto& line) {
+    for (double degrees = std::ceil(min / step) * step; degrees <= max; degrees += step) line(degrees);
   };
-  each(least_deg_.x(), most_deg_.x(), [&](double degrees) {
-    const double x = kMargin_px + (degrees - least_deg_.x()) * px_per_deg_;
+  each(min_deg_.x(), max_deg_.x(), [&](double degrees) {
+    const double x = kMargin_px + (degrees - min_deg_.x()) * px_per_deg_;
     grid += fmt::format(
         "<path class=\"grid\" d=\"M{0:.1f} 0V{1:.1f}\"/><text x=\"{0:.1f}\" y=\"{2:.1f}\" "
         "text-anchor=\"middle\">{3:.0f}\u00b0</text>\n",
         x, bottom, bottom + 18.0, degrees);
   });
-  each(least_deg_.y(), most_deg_.y(), [&](double degrees) {
-    const double y = (most_deg_.y() - degrees) * px_per_deg_;
+  each(min_deg_.y(), max_deg_.y(), [&](double degrees) {
+    const double y = (max_deg_.y() - degrees) * px_per_deg_;
     grid += fmt::format(
         "<path class=\"grid\" d=\"M{0:.1f} {1:.1f}H{2:.1f}\"/><text x=\"{3:.1f}\" y=\"{4:.1f}\" "
         "text-anchor=\"end\">{5:.0f}\u00b0</text>\n",
@@ -193,4 +193,4 @@ std::string WallPlot::svg(std::string_view title) const {
                      height, html_text(title), grid, drawn_);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

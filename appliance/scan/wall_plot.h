@@ -9,11 +9,11 @@
 
 #include "appliance/calibration/measured_map.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// One value of a plot's scale: everything up to `most`.
 struct PlotStep {
-  double most;
+  double max;
   const char* colour;
   const char* text;
 };
@@ -26,12 +26,12 @@ struct PlotStep {
 /// is what the maps reach. A value; reentrant.
 class WallPlot {
  public:
-  explicit WallPlot(std::span<const MeasuredMap* const> maps);
+  explicit WallPlot(std::span<const calibration::MeasuredMap* const> maps);
 
   /// The part of the wall that a map covers.
-  void add_area(const MeasuredMap& map, const char* colour, std::string_view name);
+  void add_area(const calibration::MeasuredMap& map, const char* colour, std::string_view name);
   /// How sure a map is, cell by cell.
-  void add_sigmas(const MeasuredMap& map);
+  void add_sigmas(const calibration::MeasuredMap& map);
   struct Spot {
     Eigen::Vector3d direction;
     double value_px = 0.0;
@@ -43,11 +43,11 @@ class WallPlot {
  private:
   [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Eigen::Vector3d& direction) const;
   template <typename Colour>
-  void add_cells(const MeasuredMap& map, const Colour& path_of);
+  void add_cells(const calibration::MeasuredMap& map, const Colour& path_of);
   void add_path(const std::string& path, const char* attributes, const char* colour);
 
-  Eigen::Vector2d least_deg_{0.0, 0.0};
-  Eigen::Vector2d most_deg_{1.0, 1.0};
+  Eigen::Vector2d min_deg_{0.0, 0.0};
+  Eigen::Vector2d max_deg_{1.0, 1.0};
   double px_per_deg_ = 1.0;
   std::string drawn_;
 };
@@ -55,4 +55,4 @@ class WallPlot {
 /// For text between tags and in attributes.
 [[nodiscard]] std::string html_text(std::string_view text);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

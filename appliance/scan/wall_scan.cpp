@@ -9,12 +9,12 @@
 
 #include "appliance/scan/scan_view.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 // A view of fewer places tells nothing, and what tells is somewhere else.
-constexpr std::size_t kLeastPlaces = 200;
+constexpr std::size_t kMinCorrespondences = 200;
 
 ScanIdentity identity_of(const Installation& installation, const ScanPlan& plan, const ScanSettings& settings,
                          const ScanCamera& camera) {
@@ -86,20 +86,20 @@ class WallScanning {
   [[nodiscard]] bool is_complete(const ScanFolder& kept, std::size_t d) const {
     return std::ranges::all_of(plan_.directions[d].projectors, [&](std::size_t p) {
       const ScanView* before = kept.find(d, p);
-      return before != nullptr && before->places.size() >= kLeastPlaces;
+      return before != nullptr && before->correspondences.size() >= kMinCorrespondences;
     });
   }
 
   /// Measured again, once, when somebody was in the way; the better one counts.
   Result<ScanView> undisturbed_view(std::size_t d, std::size_t p) {
     TRY_ASSIGN(ScanView view, view_of(d, p));
-    if (view.disturbed <= settings_.most_disturbed) return view;
+    if (view.disturbed <= settings_.max_disturbed) return view;
     ++scan_.retries;
     TRY_ASSIGN(ScanView again, view_of(d, p));
     const int pictures = view.pictures + again.pictures;
     if (again.disturbed <= view.disturbed) view = std::move(again);
     view.pictures = pictures;
-    if (view.disturbed > settings_.most_disturbed) {
+    if (view.disturbed > settings_.max_disturbed) {
       scan_.remarks.push_back(
           fmt::format("while projector '{}' was measured at {:.0f} degrees something moved before {:.0f} % of its "
                       "light, twice; keep "
@@ -135,10 +135,10 @@ class WallScanning {
   }
 
   [[nodiscard]] Status refuse_dark_projectors(const ScanFolder& kept) const {
-    std::vector<std::size_t> places(installation_.projectors.size(), 0);
-    for (const ScanView& view : kept.views()) places[view.projector] += view.places.size();
-    for (std::size_t p = 0; p < places.size(); ++p) {
-      if (places[p] >= kLeastPlaces) continue;
+    std::vector<std::size_t> correspondences(installation_.projectors.size(), 0);
+    for (const ScanView& view : kept.views()) correspondences[view.projector] += view.correspondences.size();
+    for (std::size_t p = 0; p < correspondences.size(); ++p) {
+      if (correspondences[p] >= kMinCorrespondences) continue;
       return Error(
           ErrorCode::kUnavailable,
           fmt::format("projector '{}' lights nothing that the camera sees, in any of {} directions; switch it "
@@ -148,32 +148,33 @@ class WallScanning {
     return Done{};
   }
 
-  [[nodiscard]] Measurements measurements_of(const ScanFolder& kept) const {
-    Measurements measurements;
+  [[nodiscard]] solve::Measurements measurements_of(const ScanFolder& kept) const {
+    solve::Measurements measurements;
     measurements.camera = settings_.camera;
     measurements.pitch_rad = settings_.pitch_rad;
     measurements.wall_distance_m = plan_.wall_distance_m;
     measurements.wall_distance_sigma_m = plan_.wall_distance_sigma_m;
     for (const InstalledProjector& p : installation_.projectors) {
-      MeasuredProjector projector{p.name, p.lens.width_px, p.lens.height_px, {}};
-      ProjectorPlace place;
-      place.lens = MeasuredLens::from_focal(p.lens.width_px, p.lens.height_px, p.lens.focal_px);
-      place.lens.values[MeasuredLens::kCentreU] = p.lens.centre_u_px;
-      place.lens.values[MeasuredLens::kCentreV] = p.lens.centre_v_px;
+      solve::MeasuredProjector projector{p.name, p.lens.width_px, p.lens.height_px, {}};
+      solve::ProjectorPosePrior position;
+      position.lens = calibration::MeasuredLens::from_focal(p.lens.width_px, p.lens.height_px, p.lens.focal_px);
+      position.lens.values[calibration::MeasuredLens::kCentreU] = p.lens.centre_u_px;
+      position.lens.values[calibration::MeasuredLens::kCentreV] = p.lens.centre_v_px;
       // The Eye frame has the Room's axes, and its origin on the sweet spot.
-      place.T_eye_projector = {p.T_room_projector.rotation(),
-                               p.T_room_projector.translation() - installation_.sweet_spot.xyz};
-      projector.place = place;
+      position.T_eye_projector = {p.T_room_projector.rotation(),
+                                  p.T_room_projector.translation() - installation_.sweet_spot.xyz};
+      projector.position = position;
       measurements.projectors.push_back(std::move(projector));
     }
     for (std::size_t d = 0; d < plan_.directions.size(); ++d) {
-      PlateDirection direction;
+      solve::PlateDirection direction;
       direction.angle_rad = plan_.directions[d].angle_rad;
       direction.sigma_rad = settings_.plate_sigma_rad;
       for (const ScanView& view : kept.views()) {
-        if (view.direction != d || view.places.size() < kLeastPlaces) continue;
+        if (view.direction != d || view.correspondences.size() < kMinCorrespondences) continue;
         direction.angle_rad = view.angle_rad;
-        direction.correspondences.insert(direction.correspondences.end(), view.places.begin(), view.places.end());
+        direction.correspondences.insert(direction.correspondences.end(), view.correspondences.begin(),
+                                         view.correspondences.end());
       }
       if (!direction.correspondences.empty()) measurements.directions.push_back(std::move(direction));
     }
@@ -195,7 +196,7 @@ class WallScanning {
 
 }  // namespace
 
-Status turn_plate(Turnplate& plate, double angle_rad) {
+Status turn_plate(turnplate::Turnplate& plate, double angle_rad) {
   if (!plate.is_homed()) TRY(plate.home());
   auto turn = plate.turn_to(angle_rad);
   if (turn) return turn;
@@ -205,16 +206,17 @@ Status turn_plate(Turnplate& plate, double angle_rad) {
   return plate.turn_to(angle_rad);
 }
 
-MeasuredLens data_sheet_lens(int width_px, int height_px, double field_of_view_rad) {
-  MeasuredLens lens = MeasuredLens::from_focal(width_px, height_px, 0.5 * width_px / std::tan(0.5 * field_of_view_rad));
-  const auto allow = [&](MeasuredLens::Parameter parameter, double sigma) {
+calibration::MeasuredLens data_sheet_lens(int width_px, int height_px, double field_of_view_rad) {
+  calibration::MeasuredLens lens =
+      calibration::MeasuredLens::from_focal(width_px, height_px, 0.5 * width_px / std::tan(0.5 * field_of_view_rad));
+  const auto allow = [&](calibration::MeasuredLens::Parameter parameter, double sigma) {
     lens.covariance(parameter, parameter) = sigma * sigma;
   };
   // What lenses for cameras have: barrels of some percent, seldom more.
-  allow(MeasuredLens::kK1, 0.15);
-  allow(MeasuredLens::kK2, 0.05);
-  allow(MeasuredLens::kP1, 0.001);
-  allow(MeasuredLens::kP2, 0.001);
+  allow(calibration::MeasuredLens::kK1, 0.15);
+  allow(calibration::MeasuredLens::kK2, 0.05);
+  allow(calibration::MeasuredLens::kP1, 0.001);
+  allow(calibration::MeasuredLens::kP2, 0.001);
   return lens;
 }
 
@@ -223,4 +225,4 @@ Result<WallScan> scan_wall(const Installation& installation, const ScanSettings&
   return WallScanning(installation, settings, devices, listener, std::move(stop)).run(folder);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -18,24 +18,24 @@
 #include "appliance/solve/measurements.h"
 #include "drivers/turnplate/turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// What a scan holds while it works. Borrows them all.
 struct ScanDevices {
   PatternScreen& screen;
   ScanCamera& camera;
-  Turnplate& plate;
+  turnplate::Turnplate& plate;
   /// The same camera with its colour filters, where `camera` is without: brightness and colour are measured with it.
   ScanCamera* colour_camera = nullptr;
 };
 
 struct ScanSettings {
-  MeasuredLens camera;            ///< With the covariance of its own calibration, or of a data sheet.
-  double pitch_rad = 0.0;         ///< How far it looks up, about.
-  double plate_sigma_rad = 1e-3;  ///< How far the plate's angles may be wrong.
+  calibration::MeasuredLens camera;  ///< With the covariance of its own calibration, or of a data sheet.
+  double pitch_rad = 0.0;            ///< How far it looks up, about.
+  double plate_sigma_rad = 1e-3;     ///< How far the plate's angles may be wrong.
   ViewSettings view{};
-  int directions = 0;            ///< As ScanPlanOptions'.
-  double most_disturbed = 0.02;  ///< Of the lit pixels; with more the view is measured once more.
+  int directions = 0;           ///< As ScanPlanOptions'.
+  double max_disturbed = 0.02;  ///< Of the lit pixels; with more the view is measured once more.
   bool resume = false;
   bool with_seams = true;  ///< Photograph them for the report: some seconds.
   bool with_wall = true;   ///< Find out its shape too, for eyes off the sweet spot: most of the time of solving.
@@ -43,11 +43,11 @@ struct ScanSettings {
 
 /// Turns there; a plate that stalled has forgotten where it stands, and is homed and asked once more. Errors as
 /// Turnplate's.
-Status turn_plate(Turnplate& plate, double angle_rad);
+Status turn_plate(turnplate::Turnplate& plate, double angle_rad);
 
 /// A lens of which one knows the field of view, as its data sheet has it, and no more: the directions of the plate
 /// teach the rest.
-[[nodiscard]] MeasuredLens data_sheet_lens(int width_px, int height_px, double field_of_view_rad);
+[[nodiscard]] calibration::MeasuredLens data_sheet_lens(int width_px, int height_px, double field_of_view_rad);
 
 struct ScanProgress {
   std::string step;       ///< One sentence for people.
@@ -58,7 +58,7 @@ struct ScanProgress {
 using ScanListener = std::function<void(const ScanProgress&)>;
 
 struct WallScan {
-  Measurements measurements;
+  solve::Measurements measurements;
   std::vector<ScanView> views;       ///< What the measurements were made of.
   std::vector<std::string> remarks;  ///< For the installer.
   int pictures = 0;                  ///< Photographs, of this scan and of those that it went on with.
@@ -72,4 +72,4 @@ struct WallScan {
 Result<WallScan> scan_wall(const Installation& installation, const ScanSettings& settings, const ScanDevices& devices,
                            const std::filesystem::path& folder, const ScanListener& listener, std::stop_token stop);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

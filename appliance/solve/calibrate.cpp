@@ -11,7 +11,7 @@
 
 #include "appliance/solve/registration.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 constexpr double kWallFloor_px = 0.05;  // Of a sample's sigma: what lens models leave.
@@ -23,8 +23,8 @@ constexpr double kHardlyWorse = 1.25;
 /// What differs by less in the scatter of single places is no sign that something moved.
 constexpr double kMeetAsWell = 1.02;
 /// Of the new measurements, where an old map may have no direction: at the rim either map may end a little earlier.
-constexpr double kMostUnknown = 0.01;
-constexpr double kWorthSaying_px = 0.5;  // Held-out error of a map.
+constexpr double kMaxUnknownShare = 0.01;
+constexpr double kMaxUnremarkedError_px = 0.5;  // Held-out error of a map.
 // Tracks that were left out are predicted as well as without the hint, or it is wrong; they scatter by some percent.
 constexpr double kHintAgrees = 1.02;
 constexpr int kRefitSteps = 20;
@@ -32,30 +32,32 @@ constexpr double kKnownFloor_px = 0.1;  // Of a place on a map of before: its ce
 
 using Samples = std::vector<std::vector<MapSample>>;  // By projector.
 
-Samples samples_of(const Measurements& measurements, const CellMeans& means, const TurnPlate& plate) {
+Samples samples_of(const Measurements& measurements, const CellMeans& means, const calibration::TurnPlate& plate) {
   Samples samples(measurements.projectors.size());
-  const PlateSights sights(plate);
+  const WallDirections observations(plate);
   for (const CellMean& cell : means.cells) {
-    const auto d = sights.at(static_cast<std::size_t>(cell.direction), cell.camera_px);
+    const auto d = observations.at(static_cast<std::size_t>(cell.direction), cell.camera_px);
     if (d) samples[static_cast<std::size_t>(cell.projector)].push_back({cell.projector_px, *d, cell.sigma_px});
   }
   return samples;
 }
 
-const CalibratedProjector* projector_of(const Calibration* calibration, const std::string& name) {
+const calibration::CalibratedProjector* projector_of(const calibration::Calibration* calibration,
+                                                     const std::string& name) {
   if (calibration == nullptr) return nullptr;
   const auto at = std::find_if(calibration->projectors.begin(), calibration->projectors.end(),
-                               [&](const CalibratedProjector& p) { return p.name == name; });
+                               [&](const calibration::CalibratedProjector& p) { return p.name == name; });
   return at == calibration->projectors.end() ? nullptr : &*at;
 }
 
 /// What turns directions of the calibration before onto the new ones: the plate's heading and tilt are told anew each
 /// time. Without what is farther off than most, since a projector may have been moved.
-Eigen::Matrix3d turn_of(const Calibration& before, const Measurements& measurements, const Samples& samples) {
+Eigen::Matrix3d turn_of(const calibration::Calibration& before, const Measurements& measurements,
+                        const Samples& samples) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
   for (std::size_t p = 0; p < samples.size(); ++p) {
-    const CalibratedProjector* projector = projector_of(&before, measurements.projectors[p].name);
+    const calibration::CalibratedProjector* projector = projector_of(&before, measurements.projectors[p].name);
     if (projector == nullptr) continue;
     for (std::size_t i = 0; i < samples[p].size(); i += 7) {
       const auto d = projector->map.direction_at(samples[p][i].projector_px);
@@ -79,8 +81,8 @@ Eigen::Matrix3d turn_of(const Calibration& before, const Measurements& measureme
   return turn;
 }
 
-MeasuredMap turned(const MeasuredMap& map, const Eigen::Matrix3d& turn) {
-  MeasuredMap moved = map;
+calibration::MeasuredMap turned(const calibration::MeasuredMap& map, const Eigen::Matrix3d& turn) {
+  calibration::MeasuredMap moved = map;
   for (Eigen::Vector3d& d : moved.directions) d = Eigen::Vector3d(turn * d);
   return moved;
 }
@@ -102,15 +104,15 @@ std::vector<MapSample> wall_samples(const Samples& samples, std::size_t count) {
   return chosen;
 }
 
-/// The maps of before as one more witness of where the camera was.
-std::optional<KnownSight> known_sight(const MeasuredMap& map, const Eigen::Matrix3d& turn,
-                                      const Eigen::Vector2d& pixel) {
+/// The maps of before as one more reference of where the camera was.
+std::optional<KnownDirection> known_direction(const calibration::MeasuredMap& map, const Eigen::Matrix3d& turn,
+                                              const Eigen::Vector2d& pixel) {
   const auto at = map.direction_at(pixel);
   const auto beside = map.direction_at(pixel + Eigen::Vector2d(1.0, 0.0));
   if (!at || !beside) return std::nullopt;
   const double sigma_rad = std::hypot(map.sigma_at(pixel), kKnownFloor_px) * (*beside - *at).norm();
   if (!(sigma_rad > 1e-9) || !std::isfinite(sigma_rad)) return std::nullopt;
-  return KnownSight{turn * *at, sigma_rad};
+  return KnownDirection{turn * *at, sigma_rad};
 }
 
 /// One calibration on its way; each step takes what the one before it left.
@@ -119,7 +121,7 @@ class Calibrating {
   Calibrating(const Measurements& measurements, const CellMeans& means, const CalibrateOptions& options)
       : measurements_(measurements), means_(means), options_(options) {}
 
-  Result<Calibration> run(std::string date) {
+  Result<calibration::Calibration> run(std::string date) {
     calibration_.date = std::move(date);
     TRY_ASSIGN(const TurnPlateSolver solver, TurnPlateSolver::create(measurements_, means_, options_.plate));
     TRY_ASSIGN(calibration_.plate, solver.solve());
@@ -127,7 +129,7 @@ class Calibrating {
     if (options_.previous != nullptr) ask_the_maps_of_before(solver);
     if (options_.with_wall) find_wall(solver);
     if (options_.previous != nullptr) turn_ = turn_of(*options_.previous, measurements_, samples_);
-    std::vector<std::future<Result<MeasuredMap>>> maps;
+    std::vector<std::future<Result<calibration::MeasuredMap>>> maps;
     for (std::size_t p = 0; p < samples_.size(); ++p) {
       maps.push_back(std::async(std::launch::async, [this, p] {
         const MeasuredProjector& format = measurements_.projectors[p];
@@ -150,14 +152,14 @@ class Calibrating {
   /// maps that are right would seem wrong. So if the calibration before knew it better, its maps help to find it;
   /// what moved since then is an outlier among them.
   void ask_the_maps_of_before(const TurnPlateSolver& solver) {
-    const Calibration& before = *options_.previous;
+    const calibration::Calibration& before = *options_.previous;
     if (!(before.plate.offset_sigma_m.norm() <= calibration_.plate.offset_sigma_m.norm())) return;
     const Eigen::Matrix3d turn = turn_of(before, measurements_, samples_);
     PlateHints hints;
-    hints.known = [this, &before, turn](std::size_t p, const Eigen::Vector2d& pixel) -> std::optional<KnownSight> {
-      const CalibratedProjector* projector = projector_of(&before, measurements_.projectors[p].name);
+    hints.known = [this, &before, turn](std::size_t p, const Eigen::Vector2d& pixel) -> std::optional<KnownDirection> {
+      const calibration::CalibratedProjector* projector = projector_of(&before, measurements_.projectors[p].name);
       if (projector == nullptr) return std::nullopt;
-      return known_sight(projector->map, turn, pixel);
+      return known_direction(projector->map, turn, pixel);
     };
     auto plate = solver.solve(hints);
     if (!plate || !(plate->heldout_rms_px <= kHintAgrees * calibration_.plate.heldout_rms_px)) {
@@ -174,7 +176,7 @@ class Calibrating {
     hints_.known = hints.known;
   }
 
-  /// A wall tells nearness where harmonics cannot follow it (a corner), and with that where the camera was.
+  /// A wall tells inverse_depth where harmonics cannot follow it (a corner), and with that where the camera was.
   void find_wall(const TurnPlateSolver& solver) {
     auto wall = choose_model(measurements_.projectors, wall_samples(samples_, options_.wall_samples),
                              measurements_.wall_distance_m, options_.model);
@@ -196,22 +198,22 @@ class Calibrating {
     calibration_.wall = *std::move(wall);
   }
 
-  void take(TurnPlate plate) {
+  void take(calibration::TurnPlate plate) {
     calibration_.plate = std::move(plate);
     samples_ = samples_of(measurements_, means_, calibration_.plate);
   }
 
-  Status add_projector(std::size_t p, Result<MeasuredMap> map) {
+  Status add_projector(std::size_t p, Result<calibration::MeasuredMap> map) {
     const MeasuredProjector& format = measurements_.projectors[p];
     if (!map) return std::move(map).error().while_doing(fmt::format("mapping projector '{}'", format.name));
-    CalibratedProjector projector{format.name, *std::move(map), false};
-    const CalibratedProjector* before = projector_of(options_.previous, format.name);
+    calibration::CalibratedProjector projector{format.name, *std::move(map), false};
+    const calibration::CalibratedProjector* before = projector_of(options_.previous, format.name);
     if (before != nullptr && before->map.width_px == format.width_px && before->map.height_px == format.height_px) {
-      MeasuredMap old = turned(before->map, turn_);
+      calibration::MeasuredMap old = turned(before->map, turn_);
       const auto error = map_error_px(old, samples_[p]);
       const double own = projector.map.heldout_rms_px;
       // One with a hole where the new one has none does not do as well, however right the rest of it is.
-      const bool has_hole = known_part(old, samples_[p]) < known_part(projector.map, samples_[p]) - kMostUnknown;
+      const bool has_hole = known_part(old, samples_[p]) < known_part(projector.map, samples_[p]) - kMaxUnknownShare;
       projector.is_previous = error && *error < kStillRight * own && !has_hole;
       if (projector.is_previous) projector.map = old;
       if (error && !has_hole) {
@@ -226,7 +228,7 @@ class Calibrating {
                         options_.previous->date, *error, own));
       }
     }
-    if (projector.map.heldout_rms_px > kWorthSaying_px) {
+    if (projector.map.heldout_rms_px > kMaxUnremarkedError_px) {
       remark(
           fmt::format("projector '{}': places that were left out are predicted to {:.2f} px only; measure again in "
                       "the dark, with more pictures, and with nobody before the wall",
@@ -240,16 +242,16 @@ class Calibrating {
   /// by a hair. If all of the old ones meet as well, then what is new is the camera's error (few degrees seen, much
   /// noise), and no projector has moved.
   void keep_all_that_meet_as_well() {
-    std::vector<CalibratedProjector>& projectors = calibration_.projectors;
-    const auto kept = std::ranges::count_if(projectors, &CalibratedProjector::is_previous);
+    std::vector<calibration::CalibratedProjector>& projectors = calibration_.projectors;
+    const auto kept = std::ranges::count_if(projectors, &calibration::CalibratedProjector::is_previous);
     const bool is_mixed = kept > 0 && static_cast<std::size_t>(kept) < projectors.size();
     const bool is_hardly_worse = kept == 0 && worst_of_before_ < kHardlyWorse;
     if (!(is_mixed || is_hardly_worse) || maps_of_before_.size() < projectors.size()) return;
-    Calibration before = calibration_;
+    calibration::Calibration before = calibration_;
     for (auto& [p, map] : maps_of_before_) before.projectors[p].map = std::move(map);
     const MeasuredRegistration as_it_was = measured_registration(measurements_, before);
     const MeasuredRegistration anew = measured_registration(measurements_, calibration_);
-    if (as_it_was.places == 0 || as_it_was.mean_px > kMeetAsWell * anew.mean_px) return;
+    if (as_it_was.correspondences == 0 || as_it_was.mean_px > kMeetAsWell * anew.mean_px) return;
     for (std::size_t p = 0; p < projectors.size(); ++p)
       projectors[p] = {projectors[p].name, std::move(before.projectors[p].map), true};
     remark(
@@ -261,8 +263,8 @@ class Calibrating {
   const Measurements& measurements_;
   const CellMeans& means_;
   const CalibrateOptions& options_;
-  Calibration calibration_;
-  std::vector<std::pair<std::size_t, MeasuredMap>> maps_of_before_;  ///< Turned; without holes.
+  calibration::Calibration calibration_;
+  std::vector<std::pair<std::size_t, calibration::MeasuredMap>> maps_of_before_;  ///< Turned; without holes.
   double worst_of_before_ = 0.0;  ///< Error of one of them, in parts of the new one's on what that left out.
   Samples samples_;
   PlateHints hints_;
@@ -271,20 +273,22 @@ class Calibrating {
 
 }  // namespace
 
-Result<Calibration> calibrate(const Measurements& measurements, std::string date, const CalibrateOptions& options) {
+Result<calibration::Calibration> calibrate(const Measurements& measurements, std::string date,
+                                           const CalibrateOptions& options) {
   TRY(measurements.validate());
   const CellMeans means = average_cells(measurements, fitting_cell_px(measurements));
   return Calibrating(measurements, means, options).run(std::move(date));
 }
 
-MeasuredMap seen_from(const MeasuredMap& map, const Surface& wall, const Eigen::Vector3d& eye_m) {
-  MeasuredMap moved = map;
+calibration::MeasuredMap seen_from(const calibration::MeasuredMap& map, const calibration::Surface& wall,
+                                   const Eigen::Vector3d& eye_m) {
+  calibration::MeasuredMap moved = map;
   for (Eigen::Vector3d& direction : moved.directions) {
     if (!direction.allFinite()) continue;
-    const auto nearness = wall.nearness_at(direction);
-    // direction / nearness - eye, times the nearness, which may be 0.
-    const Eigen::Vector3d seen = direction - nearness.value_or(0.0) * eye_m;
-    if (nearness && seen.norm() > 1e-9) {
+    const auto inverse_depth = wall.inverse_depth_at(direction);
+    // direction / inverse_depth - eye, times the inverse_depth, which may be 0.
+    const Eigen::Vector3d seen = direction - inverse_depth.value_or(0.0) * eye_m;
+    if (inverse_depth && seen.norm() > 1e-9) {
       direction = seen.normalized();
     } else {
       direction.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -293,4 +297,4 @@ MeasuredMap seen_from(const MeasuredMap& map, const Surface& wall, const Eigen::
   return moved;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

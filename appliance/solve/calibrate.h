@@ -15,24 +15,26 @@
 #include "appliance/solve/model_selection.h"
 #include "appliance/solve/turntable.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 struct CalibrateOptions {
   bool with_wall = true;
   TurnPlateOptions plate{};
   MapOptions map{};
   ModelOptions model{};
-  std::size_t wall_samples = 1200;        ///< Over all projectors.
-  const Calibration* previous = nullptr;  ///< Never a worse map than before. Borrowed for the call.
+  std::size_t wall_samples = 1200;                     ///< Over all projectors.
+  const calibration::Calibration* previous = nullptr;  ///< Never a worse map than before. Borrowed for the call.
 };
 
 /// Errors of Measurements::validate(), solve_turn_plate() and, with the projector's name, fit_measured_map(). A wall
 /// that cannot be found is a remark: the maps need none. Projectors that were not seen at all are an error. A thread
 /// for each map and each fold works while it blocks; the answer does not depend on them. Reentrant.
-Result<Calibration> calibrate(const Measurements& measurements, std::string date, const CalibrateOptions& options = {});
+Result<calibration::Calibration> calibrate(const Measurements& measurements, std::string date,
+                                           const CalibrateOptions& options = {});
 
 /// The same map for an eye that is `eye_m` from the sweet spot (Eye frame): the wall tells where the light lands.
 /// NaN where the wall has no place. Precondition: a wall.
-[[nodiscard]] MeasuredMap seen_from(const MeasuredMap& map, const Surface& wall, const Eigen::Vector3d& eye_m);
+[[nodiscard]] calibration::MeasuredMap seen_from(const calibration::MeasuredMap& map, const calibration::Surface& wall,
+                                                 const Eigen::Vector3d& eye_m);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

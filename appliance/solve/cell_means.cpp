@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 constexpr int kCellsPerPatch = 4;  // Each way: over so many a straight line describes the wall well enough.
-constexpr std::size_t kLeastInPatch = 8;
-constexpr int kLeastInCell = 3;
+constexpr std::size_t kMinPixelsInPatch = 8;
+constexpr int kMinPixelsInCell = 3;
 constexpr double kMadToSigma = 1.4826;
 constexpr double kFarSigmas = 4.5;
-constexpr double kLeastSigma_px = 0.01;  // However many are averaged: optics and decoding are not better.
+constexpr double kMinSigma_px = 0.01;  // However many are averaged: optics and decoding are not better.
 
 struct Item {
   Eigen::Vector2d camera;
@@ -45,7 +45,7 @@ bool fit(const std::vector<Item>& items, const Eigen::Vector2d& centre, Patch* r
     right += row * item.camera.transpose();
     ++used;
   }
-  if (used < kLeastInPatch) return false;
+  if (used < kMinPixelsInPatch) return false;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normal);
   if (!(eigen.eigenvalues()(0) > 1e-9 * eigen.eigenvalues()(2))) return false;  // All on one line.
   const Eigen::Matrix<double, 3, 2> solved = normal.ldlt().solve(right);
@@ -116,7 +116,7 @@ class Averager {
         auto& items = patches[static_cast<std::size_t>(row * columns + column)];
         const Eigen::Vector2d centre((column + 0.5) * patch_px, (row + 0.5) * patch_px);
         Patch patch;
-        if (items.size() < kLeastInPatch || !refuse_far_ones(centre, &items, &patch)) {
+        if (items.size() < kMinPixelsInPatch || !refuse_far_ones(centre, &items, &patch)) {
           means_->refused += items.size();
           continue;
         }
@@ -161,7 +161,7 @@ class Averager {
     for (int y = 0; y < kCellsPerPatch; ++y) {
       for (int x = 0; x < kCellsPerPatch; ++x) {
         const Sum& sum = sums[y * kCellsPerPatch + x];
-        if (sum.count < kLeastInCell) continue;
+        if (sum.count < kMinPixelsInCell) continue;
         CellMean mean;
         mean.direction = direction;
         mean.projector = projector;
@@ -170,7 +170,7 @@ class Averager {
         mean.camera_px = sum.camera / sum.count;
         mean.camera_per_projector = patch.slope;
         const double variance = std::max(sum.variance, sum.square_error) / sum.count;
-        mean.sigma_px = std::max(kLeastSigma_px, std::sqrt(variance / sum.count));
+        mean.sigma_px = std::max(kMinSigma_px, std::sqrt(variance / sum.count));
         means_->cells.push_back(mean);
       }
     }
@@ -232,4 +232,4 @@ int fitting_cell_px(const Measurements& measurements) {
   return 64;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -6,7 +6,7 @@
 
 #include "appliance/solve/measurements.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 /// What one direction's picture says of a small square of a projector's picture: a robust mean of what was decoded in
 /// it, brought to the square's centre.
@@ -34,4 +34,4 @@ struct CellMeans {
 /// The least cell of 8, 16, 32 or 64 pixels that holds enough: decoders differ in how many they deliver.
 [[nodiscard]] int fitting_cell_px(const Measurements& measurements);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

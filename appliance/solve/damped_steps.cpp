@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 constexpr double kFirstDamping = 1e-4;
-constexpr double kLeastDamping = 1e-16;
-constexpr double kMostDamping = 1e16;     // No step is so small that it goes downhill.
-constexpr double kNearEnough = 1e-6;      // Of the cost, for the loss that only leads to where the other one begins.
-constexpr double kLeastQuality = 1e-3;    // Of the decrease that the slopes promised.
-constexpr double kLeastCurvature = 1e-6;  // So that what nothing holds stays where it is.
+constexpr double kMinDamping = 1e-16;
+constexpr double kMaxDamping = 1e16;    // No step is so small that it goes downhill.
+constexpr double kNearEnough = 1e-6;    // Of the cost, for the loss that only leads to where the other one begins.
+constexpr double kMinQuality = 1e-3;    // Of the decrease that the slopes promised.
+constexpr double kMinCurvature = 1e-6;  // So that what nothing holds stays where it is.
 
 }  // namespace
 
@@ -22,13 +22,13 @@ std::optional<double> minimise(DampedProblem* problem, const DampedOptions& opti
   if (!cost || !std::isfinite(*cost)) return std::nullopt;
   double damping = kFirstDamping;
   double growth = 2.0;
-  for (int step = 0; step < options.most_steps && damping < kMostDamping; ++step) {
+  for (int step = 0; step < options.max_steps && damping < kMaxDamping; ++step) {
     const auto attempt = problem->attempt(damping);
     const double decrease = attempt ? *cost - attempt->cost : -1.0;
     if (attempt && attempt->relative_change <= options.parameter_tolerance) break;
     const bool is_flat = attempt && std::abs(decrease) <= options.function_tolerance * *cost;
     const double quality = attempt ? decrease / attempt->predicted_decrease : -1.0;
-    if (!(quality > kLeastQuality)) {
+    if (!(quality > kMinQuality)) {
       if (is_flat) break;
       damping *= growth;
       growth *= 2.0;
@@ -37,7 +37,7 @@ std::optional<double> minimise(DampedProblem* problem, const DampedOptions& opti
     problem->accept();
     if (is_flat) return attempt->cost;
     const double surplus = 2.0 * quality - 1.0;
-    damping = std::max(kLeastDamping, damping * std::max(1.0 / 3.0, 1.0 - surplus * surplus * surplus));
+    damping = std::max(kMinDamping, damping * std::max(1.0 / 3.0, 1.0 - surplus * surplus * surplus));
     growth = 2.0;
     cost = problem->linearise();
     if (!cost) return std::nullopt;
@@ -57,7 +57,7 @@ std::optional<double> minimise_robustly(DampedProblem* problem, bool is_from_afa
 }
 
 Eigen::VectorXd damping_of(const Eigen::VectorXd& curvatures, double damping) {
-  return damping * curvatures.cwiseMax(kLeastCurvature);
+  return damping * curvatures.cwiseMax(kMinCurvature);
 }
 
 bool damped_solution(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient, double damping,
@@ -70,4 +70,4 @@ bool damped_solution(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradi
   return ret_step->allFinite();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

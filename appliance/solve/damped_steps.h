@@ -6,7 +6,7 @@
 
 #include "appliance/solve/robust_loss.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 /// A least-squares problem that stands somewhere and can say where it would go. Its numbers are its own affair: some
 /// may be eliminated, or live on a sphere.
@@ -31,7 +31,7 @@ class DampedProblem {
 };
 
 struct DampedOptions {
-  int most_steps = 50;
+  int max_steps = 50;
   double function_tolerance = 1e-7;   ///< Relative change of the cost that is none.
   double parameter_tolerance = 1e-8;  ///< Of Attempt::relative_change.
 };
@@ -53,4 +53,4 @@ struct DampedOptions {
 bool damped_solution(const Eigen::MatrixXd& normal, const Eigen::VectorXd& gradient, double damping,
                      Eigen::VectorXd* ret_step);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -14,7 +14,7 @@
 #include "appliance/solve/map_normal.h"
 #include "appliance/solve/selected_inverse.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 constexpr double kFloor_px = 0.02;  // Of a sample's sigma: what averaging does not take away.
@@ -25,7 +25,7 @@ constexpr int kAttempt = 2;  // The stiffness to begin with.
 constexpr double kAttempt_px = kStiffnesses_px[kAttempt];
 
 struct Placed {
-  GridWeights weights;
+  calibration::GridWeights weights;
   Eigen::Vector2d target;  ///< In the chart.
   double sigma_px = 0.0;
   bool is_left_out = false;
@@ -33,7 +33,7 @@ struct Placed {
 
 class MapFit {
  public:
-  MapFit(const MapGrid& grid, std::vector<Placed> samples, double scale)
+  MapFit(const calibration::MapGrid& grid, std::vector<Placed> samples, double scale)
       : grid_(grid), samples_(std::move(samples)), bends_(bends_of(grid)), normal_(grid, bends_) {
     scale_.assign(static_cast<std::size_t>(grid_.nodes()), scale);
     sample_trust_.assign(samples_.size(), 1.0);
@@ -61,8 +61,8 @@ class MapFit {
   bool solve(double stiffness_px) {
     factor_.factorize(normal_.at_stiffness(stiffness_px));
     if (factor_.info() != Eigen::Success) return false;
-    places_ = factor_.solve(normal_.right());
-    return places_.allFinite();
+    positions_ = factor_.solve(normal_.right());
+    return positions_.allFinite();
   }
 
   /// How much each sample and each bend is believed, from the last solution; and the chart's scale at each node.
@@ -74,8 +74,8 @@ class MapFit {
         const int above = grid_.node(x, std::max(0, y - 1));
         const int below = grid_.node(x, std::min(grid_.cells_y, y + 1));
         const Eigen::Vector2d across =
-            (places_.row(right) - places_.row(left)).transpose() / ((right - left) * grid_.cell_width());
-        const Eigen::Vector2d down = (places_.row(below) - places_.row(above)).transpose() /
+            (positions_.row(right) - positions_.row(left)).transpose() / ((right - left) * grid_.cell_width());
+        const Eigen::Vector2d down = (positions_.row(below) - positions_.row(above)).transpose() /
                                      ((below - above) / (grid_.cells_x + 1) * grid_.cell_height());
         const double area = std::abs(across.x() * down.y() - across.y() * down.x());
         auto& scale = scale_[static_cast<std::size_t>(grid_.node(x, y))];
@@ -92,7 +92,7 @@ class MapFit {
       Eigen::Vector2d sum = Eigen::Vector2d::Zero();
       for (int a = 0; a < bend.count; ++a) {
         sum += bend.factors[static_cast<std::size_t>(a)] *
-               places_.row(bend.nodes[static_cast<std::size_t>(a)]).transpose();
+               positions_.row(bend.nodes[static_cast<std::size_t>(a)]).transpose();
       }
       const double bends = sum.norm() / (stiffness_px * scale_[static_cast<std::size_t>(bend.nodes[1])]);
       bend_trust_[i] = bends > kSharpBends ? kSharpBends / bends : 1.0;
@@ -102,7 +102,7 @@ class MapFit {
   [[nodiscard]] double error_px(const Placed& sample) const {
     Eigen::Vector2d mapped = Eigen::Vector2d::Zero();
     for (std::size_t a = 0; a < 3; ++a) {
-      mapped += sample.weights.factors[a] * places_.row(sample.weights.nodes[a]).transpose();
+      mapped += sample.weights.factors[a] * positions_.row(sample.weights.nodes[a]).transpose();
     }
     return (mapped - sample.target).norm() / scale_at(sample.weights);
   }
@@ -153,7 +153,7 @@ class MapFit {
     return steps;
   }
 
-  [[nodiscard]] const Eigen::MatrixX2d& places() const { return places_; }
+  [[nodiscard]] const Eigen::MatrixX2d& positions() const { return positions_; }
   [[nodiscard]] std::vector<double> sigmas_px() const {
     std::vector<double> sigmas = inverse_diagonal(factor_);
     for (std::size_t i = 0; i < sigmas.size(); ++i) sigmas[i] = std::sqrt(std::max(0.0, sigmas[i])) / scale_[i];
@@ -171,11 +171,11 @@ class MapFit {
 
  private:
   static double square(double x) { return x * x; }
-  [[nodiscard]] double scale_at(const GridWeights& weights) const {
+  [[nodiscard]] double scale_at(const calibration::GridWeights& weights) const {
     return scale_[static_cast<std::size_t>(weights.nodes[0])];
   }
 
-  const MapGrid grid_;
+  const calibration::MapGrid grid_;
   std::vector<Placed> samples_;
   std::vector<Bend> bends_;
   MapNormal normal_;
@@ -183,7 +183,7 @@ class MapFit {
   std::vector<double> sample_trust_;
   std::vector<double> bend_trust_;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
-  Eigen::MatrixX2d places_;
+  Eigen::MatrixX2d positions_;
 };
 
 /// Of the chart per pixel over all samples; 0 when they lie on a line.
@@ -217,53 +217,53 @@ std::pair<double, double> best_stiffness_of(MapFit* fit) {
     return is_solved ? fit->left_out_rms_px() : std::numeric_limits<double>::infinity();
   };
   int best = kAttempt;
-  double least = error_at(best);
+  double min = error_at(best);
   for (const int step : {-1, 1}) {
     bool is_falling = true;
     while (is_falling) {
       const double error = error_at(best + step);
-      is_falling = error < least;
+      is_falling = error < min;
       if (is_falling) best += step;
-      if (is_falling) least = error;
+      if (is_falling) min = error;
     }
     if (best != kAttempt) break;  // Downhill one way is uphill the other.
   }
-  return {kStiffnesses_px[static_cast<std::size_t>(best)], least};
+  return {kStiffnesses_px[static_cast<std::size_t>(best)], min};
 }
 
 Error refused(std::string what) { return Error(ErrorCode::kInvalidArgument, std::move(what)); }
 
 }  // namespace
 
-Result<MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<const MapSample> samples,
-                                     const MapOptions& options) {
+Result<calibration::MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<const MapSample> samples,
+                                                  const MapOptions& options) {
   CHECK(width_px > 0 && height_px > 0 && options.cell_px > 0);
-  if (samples.size() < options.least_samples) {
+  if (samples.size() < options.min_samples) {
     return refused(
         fmt::format("{} places of the projector's picture were seen, {} are needed; look whether it shines "
                     "onto the wall, and add a direction towards it",
-                    samples.size(), options.least_samples));
+                    samples.size(), options.min_samples));
   }
-  MapGrid grid{width_px, height_px, std::max(1, (width_px + options.cell_px / 2) / options.cell_px),
-               std::max(1, (height_px + options.cell_px / 2) / options.cell_px)};
-  const auto chart = DirectionChart::around(samples);
+  calibration::MapGrid grid{width_px, height_px, std::max(1, (width_px + options.cell_px / 2) / options.cell_px),
+                            std::max(1, (height_px + options.cell_px / 2) / options.cell_px)};
+  const auto chart = calibration::DirectionChart::around(samples);
   if (!chart) return refused("the projector's picture goes round the sweet spot; move the sweet spot off its light");
   std::vector<Placed> placed;
   std::vector<MapSample> kept;
   const int block_px = 2 * options.cell_px;
   for (const MapSample& sample : samples) {
     const auto weights = grid.weights_at(sample.projector_px);
-    const auto place = chart->place_of(sample.direction);
-    if (!weights || !place || !(sample.sigma_px > 0.0)) continue;
+    const auto position = chart->place_of(sample.direction);
+    if (!weights || !position || !(sample.sigma_px > 0.0)) continue;
     // A fixed hash scatters the blocks; neighbouring directions leave out the same.
     const auto column = static_cast<unsigned>(sample.projector_px.x()) / static_cast<unsigned>(block_px);
     const auto row = static_cast<unsigned>(sample.projector_px.y()) / static_cast<unsigned>(block_px);
     const unsigned hash = (column * 2654435761U) ^ (row * 2246822519U);
     const bool is_left_out = (hash >> 7) % static_cast<unsigned>(options.left_out_every) == 0;
-    placed.push_back({*weights, *place, std::hypot(sample.sigma_px, kFloor_px), is_left_out});
+    placed.push_back({*weights, *position, std::hypot(sample.sigma_px, kFloor_px), is_left_out});
     kept.push_back(sample);
   }
-  const double scale = placed.size() < options.least_samples ? 0.0 : overall_scale(placed, kept);
+  const double scale = placed.size() < options.min_samples ? 0.0 : overall_scale(placed, kept);
   if (!(scale > 1e-9) || !std::isfinite(scale)) {
     return refused("the places seen of the projector's picture lie on a line; look what hides the rest of it");
   }
@@ -280,8 +280,8 @@ Result<MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<cons
     if (!fit.solve(best_stiffness)) return unsolved;
     if (round == 0) fit.weigh(best_stiffness);
   }
-  MeasuredMap map{width_px,        height_px,  grid.cells_x,   grid.cells_y, {},
-                  fit.sigmas_px(), best_error, best_stiffness, kept.size()};
+  calibration::MeasuredMap map{width_px,        height_px,  grid.cells_x,   grid.cells_y, {},
+                               fit.sigmas_px(), best_error, best_stiffness, kept.size()};
   const double chi = std::max(1.0, fit.chi());
   const Eigen::Vector3d none = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   const std::vector<int> steps = fit.cells_from_samples();
@@ -289,10 +289,10 @@ Result<MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<cons
   for (int i = 0; i < grid.nodes(); ++i) {
     double& sigma = map.sigma_px[static_cast<std::size_t>(i)];
     sigma *= chi;
-    const auto direction = chart->direction_of(fit.places().row(i).transpose());
+    const auto direction = chart->direction_of(fit.positions().row(i).transpose());
     const bool is_near = steps[static_cast<std::size_t>(i)] >= 0 &&
-                         steps[static_cast<std::size_t>(i)] * options.cell_px <= options.most_gap_px;
-    const bool is_good = direction && is_near && sigma <= options.most_sigma_px;
+                         steps[static_cast<std::size_t>(i)] * options.cell_px <= options.max_gap_px;
+    const bool is_good = direction && is_near && sigma <= options.max_sigma_px;
     map.directions.push_back(is_good ? *direction : none);
     if (!is_good) sigma = std::numeric_limits<double>::infinity();
     measured += is_good ? 1 : 0;
@@ -301,14 +301,14 @@ Result<MeasuredMap> fit_measured_map(int width_px, int height_px, std::span<cons
   return map;
 }
 
-double known_part(const MeasuredMap& map, std::span<const MapSample> samples) {
+double known_part(const calibration::MeasuredMap& map, std::span<const MapSample> samples) {
   if (samples.empty()) return 0.0;
   const auto known = std::ranges::count_if(
       samples, [&](const MapSample& sample) { return map.direction_at(sample.projector_px).has_value(); });
   return static_cast<double>(known) / static_cast<double>(samples.size());
 }
 
-std::optional<double> map_error_px(const MeasuredMap& map, std::span<const MapSample> samples) {
+std::optional<double> map_error_px(const calibration::MeasuredMap& map, std::span<const MapSample> samples) {
   constexpr double kStep_px = 1.0;
   std::vector<double> squares;
   for (const MapSample& sample : samples) {
@@ -328,4 +328,4 @@ std::optional<double> map_error_px(const MeasuredMap& map, std::span<const MapSa
   return MapFit::trimmed_root_mean(&squares);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

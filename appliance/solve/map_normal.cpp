@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
-std::vector<Bend> bends_of(const MapGrid& grid) {
+std::vector<Bend> bends_of(const calibration::MapGrid& grid) {
   std::vector<Bend> bends;
   for (int y = 0; y <= grid.cells_y; ++y) {
     for (int x = 0; x <= grid.cells_x; ++x) {
@@ -21,7 +21,7 @@ std::vector<Bend> bends_of(const MapGrid& grid) {
   return bends;
 }
 
-MapNormal::MapNormal(const MapGrid& grid, const std::vector<Bend>& bends)
+MapNormal::MapNormal(const calibration::MapGrid& grid, const std::vector<Bend>& bends)
     : sum_(grid.nodes(), grid.nodes()), right_(Eigen::MatrixX2d::Zero(grid.nodes(), 2)) {
   // The bend across a cell has all pairs of its corners, so samples have no others.
   std::vector<Eigen::Triplet<double>> entries;
@@ -51,7 +51,7 @@ void MapNormal::forget_samples() {
   right_.setZero();
 }
 
-void MapNormal::add(const GridWeights& sample, const Eigen::Vector2d& target, double weight) {
+void MapNormal::add(const calibration::GridWeights& sample, const Eigen::Vector2d& target, double weight) {
   for (std::size_t a = 0; a < 3; ++a) {
     const double share = weight * sample.factors[a];
     right_.row(sample.nodes[a]) += share * target.transpose();
@@ -74,4 +74,4 @@ const Eigen::SparseMatrix<double>& MapNormal::at_stiffness(double stiffness) {
   return sum_;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -8,7 +8,7 @@
 
 #include "appliance/calibration/map_grid.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 /// One bend that smoothness keeps small: the weighted sum of up to four control points.
 struct Bend {
@@ -18,19 +18,19 @@ struct Bend {
 };
 
 /// Along rows, along columns, and across each cell.
-[[nodiscard]] std::vector<Bend> bends_of(const MapGrid& grid);
+[[nodiscard]] std::vector<Bend> bends_of(const calibration::MapGrid& grid);
 
 /// The normal equations of a map's control points: what samples say, and what bends say over the square of a stiffness.
 /// The two are summed apart, so that another stiffness costs no new sums; which entries there are never changes.
 /// Thread-bound.
 class MapNormal {
  public:
-  MapNormal(const MapGrid& grid, const std::vector<Bend>& bends);
+  MapNormal(const calibration::MapGrid& grid, const std::vector<Bend>& bends);
 
   void forget_samples();
   void forget_bends() { by_bends_.setZero(); }
   /// That the weighted sum of a sample's nodes is `target`.
-  void add(const GridWeights& sample, const Eigen::Vector2d& target, double weight);
+  void add(const calibration::GridWeights& sample, const Eigen::Vector2d& target, double weight);
   /// That a bend is 0, at stiffness 1.
   void add(const Bend& bend, double weight);
   /// Its lower triangle.
@@ -46,4 +46,4 @@ class MapNormal {
   Eigen::MatrixX2d right_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

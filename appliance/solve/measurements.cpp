@@ -6,12 +6,12 @@
 #include <cmath>
 #include <set>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
-constexpr int kMostPx = 16384;
+constexpr int kMaxPx = 16384;
 
 Error refused(std::string what) { return Error(ErrorCode::kInvalidArgument, std::move(what)); }
-bool is_size(int px) { return px >= 16 && px <= kMostPx; }
+bool is_size(int px) { return px >= 16 && px <= kMaxPx; }
 }  // namespace
 
 Status Measurements::validate() const {
@@ -19,13 +19,13 @@ Status Measurements::validate() const {
   if (projectors.empty()) return refused("no projector is listed; name those of the installation");
   if (!is_size(camera.width_px) || !is_size(camera.height_px)) {
     return refused(fmt::format("the camera's picture is {}x{} pixels; 16 to {} each way are right", camera.width_px,
-                               camera.height_px, kMostPx));
+                               camera.height_px, kMaxPx));
   }
   for (const double value : camera.values) {
     if (!std::isfinite(value))
       return refused("a number of the camera's lens is not finite; calibrate the camera again");
   }
-  if (!(camera.values[MeasuredLens::kFocal] > 1.0)) {
+  if (!(camera.values[calibration::MeasuredLens::kFocal] > 1.0)) {
     return refused("the camera's focal length is not positive; give it in pixels");
   }
   if (!camera.covariance.allFinite() || !(camera.covariance.diagonal().minCoeff() >= 0.0)) {
@@ -39,7 +39,7 @@ Status Measurements::validate() const {
   for (const MeasuredProjector& projector : projectors) {
     if (!is_size(projector.width_px) || !is_size(projector.height_px)) {
       return refused(fmt::format("projector '{}' is {}x{} pixels; 16 to {} each way are right", projector.name,
-                                 projector.width_px, projector.height_px, kMostPx));
+                                 projector.width_px, projector.height_px, kMaxPx));
     }
     if (!names.insert(projector.name).second) {
       return refused(fmt::format("two projectors are named '{}'; give each its own name", projector.name));
@@ -65,4 +65,4 @@ Status Measurements::validate() const {
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

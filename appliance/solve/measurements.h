@@ -6,7 +6,7 @@
 ///          │ /
 ///     ─────┼──── camera: turned with the plate, its centre off the axis by (right, forward), pitched and rolled
 ///
-/// Frame: Eye (x right, y up along the plate's axis, z back), its origin where the axis passes the camera's height: the
+/// CameraFrame: Eye (x right, y up along the plate's axis, z back), its origin where the axis passes the camera's height: the
 /// sweet spot. Angles are headings: positive to the right.
 #pragma once
 
@@ -20,7 +20,7 @@
 #include "common/base/result.h"
 #include "common/geometry/rigid_transform.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 /// The camera's pixel is exact; the projector's has noise of `sigma_px` each way.
 struct Correspondence {
@@ -39,8 +39,8 @@ struct PlateDirection {
 };
 
 /// Where a projector stands as the installation has it: where the search begins, and how far it may go.
-struct ProjectorPlace {
-  MeasuredLens lens;
+struct ProjectorPosePrior {
+  calibration::MeasuredLens lens;
   RigidTransform<frame::Eye, frame::Projector> T_eye_projector;
   double sigma_m = 0.3;
   double sigma_rad = 0.09;
@@ -50,12 +50,12 @@ struct MeasuredProjector {
   std::string name;
   int width_px = 0;
   int height_px = 0;
-  std::optional<ProjectorPlace> place{};  ///< Only a fitted surface needs it.
+  std::optional<ProjectorPosePrior> position{};  ///< Only a fitted surface needs it.
 };
 
 struct Measurements {
-  MeasuredLens camera;     ///< With the covariance that its own calibration left.
-  double pitch_rad = 0.0;  ///< How far the camera looks up, about; the solver finds it and the roll.
+  calibration::MeasuredLens camera;  ///< With the covariance that its own calibration left.
+  double pitch_rad = 0.0;            ///< How far the camera looks up, about; the solver finds it and the roll.
   std::vector<PlateDirection> directions;
   std::vector<MeasuredProjector> projectors;
   double wall_distance_m = 4.0;        ///< From the sweet spot to the wall, about: lengths are measured by it.
@@ -65,4 +65,4 @@ struct Measurements {
   [[nodiscard]] Status validate() const;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

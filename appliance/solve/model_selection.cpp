@@ -8,15 +8,16 @@
 #include <future>
 #include <map>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 constexpr double kBlock_px = 96.0;
 constexpr double kFlat_sigmas = 3.0;
 constexpr int kFoldSteps = 15;
-constexpr LensRung kWallsLens = LensRung::kRadial1;  // With which the ladder of walls is climbed first.
-constexpr double kLensMatters = 1.02;                // Of its left-out error: less is chance.
-// A rung whose prediction is already as good as the measurements themselves, and not bettered by the next one, ends the
+constexpr calibration::LensModel kWallsLens =
+    calibration::LensModel::kRadial1;  // With which the selection of walls is climbed first.
+constexpr double kLensMatters = 1.02;  // Of its left-out error: less is chance.
+// A model whose prediction is already as good as the measurements themselves, and not bettered by the next one, ends the
 // climb. As good is not enough: what is less than noise for one sample is clear in a thousand.
 constexpr double kAsGoodAsNoise = 1.25;
 
@@ -29,14 +30,14 @@ int fold_of(const MapSample& sample, int folds) {
 }
 
 struct Tried {
-  ModelTrial trial;
-  SurfaceFit fit;
+  calibration::ModelTrial trial;
+  calibration::SurfaceFit fit;
 };
 
-class Ladder {
+class ModelSelection {
  public:
-  Ladder(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
-         const ModelOptions& options)
+  ModelSelection(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
+                 const ModelOptions& options)
       : projectors_(projectors), samples_(samples), options_(options) {
     training_.resize(static_cast<std::size_t>(options.folds));
     left_out_.resize(static_cast<std::size_t>(options.folds));
@@ -49,12 +50,13 @@ class Ladder {
   }
 
   /// The best of several starts, then its folds from there.
-  Tried attempt(std::string name, int parameters, const std::vector<SurfaceFit>& starts, LensRung lens) const {
+  Tried attempt(std::string name, int parameters, const std::vector<calibration::SurfaceFit>& starts,
+                calibration::LensModel lens) const {
     Tried tried;
     tried.trial = {std::move(name), parameters, 0.0, 0.0, 0.0, false};
     bool is_any = false;
-    std::vector<std::future<Result<SurfaceFit>>> attempts;
-    for (const SurfaceFit& start : starts) {
+    std::vector<std::future<Result<calibration::SurfaceFit>>> attempts;
+    for (const calibration::SurfaceFit& start : starts) {
       attempts.push_back(std::async(std::launch::async, [&] {
         return fit_surface(projectors_, samples_, start, {lens, false, 50});
       }));
@@ -69,14 +71,14 @@ class Ladder {
     tried.trial.training_rms_px = prediction_error_px(tried.fit, samples_);
     double squares = 0.0;
     double weight = 0.0;
-    std::vector<SurfaceFit> folds;
-    std::vector<std::future<Result<SurfaceFit>>> fits;
+    std::vector<calibration::SurfaceFit> folds;
+    std::vector<std::future<Result<calibration::SurfaceFit>>> fits;
     for (const std::vector<MapSample>& training : training_) {
       fits.push_back(std::async(std::launch::async, [&] {
         return fit_surface(projectors_, training, tried.fit, {lens, false, kFoldSteps, false});
       }));
     }
-    std::vector<Result<SurfaceFit>> fitted;
+    std::vector<Result<calibration::SurfaceFit>> fitted;
     for (auto& fit : fits) fitted.push_back(fit.get());
     for (std::size_t f = 0; f < training_.size(); ++f) {
       const auto& fit = fitted[f];
@@ -90,22 +92,22 @@ class Ladder {
     tried.trial.heldout_rms_px = weight > 0.0 ? std::sqrt(squares / weight) : 0.0;
     tried.trial.scatter = scatter_of(folds);
     tried.trial.is_usable =
-        weight > 0.0 && std::isfinite(tried.trial.heldout_rms_px) && tried.trial.scatter <= options_.most_scatter;
+        weight > 0.0 && std::isfinite(tried.trial.heldout_rms_px) && tried.trial.scatter <= options_.max_scatter;
     return tried;
   }
 
  private:
-  [[nodiscard]] double scatter_of(const std::vector<SurfaceFit>& folds) const {
+  [[nodiscard]] double scatter_of(const std::vector<calibration::SurfaceFit>& folds) const {
     double squares = 0.0;
     double count = 0.0;
     const std::size_t step = std::max<std::size_t>(1, samples_.size() / 200);
     for (std::size_t i = 0; i < samples_.size(); i += step) {
       double sum = 0.0;
       double square_sum = 0.0;
-      for (const SurfaceFit& fold : folds) {
-        const double nearness = fold.surface.nearness_at(samples_[i].direction).value_or(0.0);
-        sum += nearness;
-        square_sum += nearness * nearness;
+      for (const calibration::SurfaceFit& fold : folds) {
+        const double inverse_depth = fold.surface.inverse_depth_at(samples_[i].direction).value_or(0.0);
+        sum += inverse_depth;
+        square_sum += inverse_depth * inverse_depth;
       }
       const double n = static_cast<double>(folds.size());
       const double mean = sum / n;
@@ -123,106 +125,109 @@ class Ladder {
   std::vector<std::vector<MapSample>> left_out_;
 };
 
-SurfaceFit richer(const SurfaceFit& from, SurfaceRung rung, const std::vector<Eigen::Vector3d>& spread,
-                  double knot_rad) {
-  SurfaceFit start = from;
-  start.surface = Surface::start(rung, from.surface, spread, knot_rad);
+calibration::SurfaceFit richer(const calibration::SurfaceFit& from, calibration::SurfaceModel model,
+                               const std::vector<Eigen::Vector3d>& spread, double knot_rad) {
+  calibration::SurfaceFit start = from;
+  start.surface = calibration::Surface::start(model, from.surface, spread, knot_rad);
   return start;
 }
 
-/// Starts of a rung from what the lesser rungs found.
-std::vector<SurfaceFit> starts_of(SurfaceRung rung, const SurfaceFit& first, const std::map<SurfaceRung, Tried>& tried,
-                                  const std::vector<Eigen::Vector3d>& spread, double knot_rad) {
-  const auto found = [&](SurfaceRung lesser) -> const SurfaceFit* {
+/// Starts of a model from what the lesser models found.
+std::vector<calibration::SurfaceFit> starts_of(calibration::SurfaceModel model, const calibration::SurfaceFit& first,
+                                               const std::map<calibration::SurfaceModel, Tried>& tried,
+                                               const std::vector<Eigen::Vector3d>& spread, double knot_rad) {
+  const auto found = [&](calibration::SurfaceModel lesser) -> const calibration::SurfaceFit* {
     const auto at = tried.find(lesser);
     return at != tried.end() && !at->second.fit.projectors.empty() ? &at->second.fit : nullptr;
   };
-  const SurfaceFit& plane = found(SurfaceRung::kPlane) != nullptr ? *found(SurfaceRung::kPlane) : first;
-  const SurfaceFit& cylinder = found(SurfaceRung::kCylinder) != nullptr ? *found(SurfaceRung::kCylinder) : plane;
-  std::vector<SurfaceFit> starts;
+  const calibration::SurfaceFit& plane =
+      found(calibration::SurfaceModel::kPlane) != nullptr ? *found(calibration::SurfaceModel::kPlane) : first;
+  const calibration::SurfaceFit& cylinder =
+      found(calibration::SurfaceModel::kCylinder) != nullptr ? *found(calibration::SurfaceModel::kCylinder) : plane;
+  std::vector<calibration::SurfaceFit> starts;
   const double round = 1.0 / first.surface.distance_m;
   const auto bent = [&](double curvature) {
-    SurfaceFit start = richer(first, SurfaceRung::kCylinder, spread, knot_rad);
+    calibration::SurfaceFit start = richer(first, calibration::SurfaceModel::kCylinder, spread, knot_rad);
     start.surface.parameters[3] = curvature;
     return start;
   };
-  switch (rung) {
-    case SurfaceRung::kPlane:
+  switch (model) {
+    case calibration::SurfaceModel::kPlane:
       starts.push_back(first);
       break;
-    case SurfaceRung::kCylinder:
-      starts.push_back(richer(plane, rung, spread, knot_rad));
+    case calibration::SurfaceModel::kCylinder:
+      starts.push_back(richer(plane, model, spread, knot_rad));
       for (const double curvature : {round, 0.4 * round}) starts.push_back(bent(curvature));
       break;
-    case SurfaceRung::kQuadric:
-      starts.push_back(richer(cylinder, rung, spread, knot_rad));
-      starts.push_back(richer(bent(round), rung, spread, knot_rad));
-      if (const SurfaceFit* profile = found(SurfaceRung::kProfile); profile != nullptr) {
+    case calibration::SurfaceModel::kQuadric:
+      starts.push_back(richer(cylinder, model, spread, knot_rad));
+      starts.push_back(richer(bent(round), model, spread, knot_rad));
+      if (const calibration::SurfaceFit* profile = found(calibration::SurfaceModel::kProfile); profile != nullptr) {
         starts.push_back(starts.back());  // Where the projectors stand is told by what bends as it likes.
         starts.back().projectors = profile->projectors;
       }
-      starts.push_back(richer(first, rung, spread, knot_rad));
+      starts.push_back(richer(first, model, spread, knot_rad));
       for (const std::size_t bend : {2U, 3U, 4U}) starts.back().surface.parameters[bend] = 0.5 * round;  // A dome.
       break;
-    case SurfaceRung::kProfile:
-      starts.push_back(richer(cylinder, rung, spread, knot_rad));
+    case calibration::SurfaceModel::kProfile:
+      starts.push_back(richer(cylinder, model, spread, knot_rad));
       // In a corner plane and cylinder may both have ended on one of its walls, from where no way leads round it.
       for (const double curvature : {round, 0.4 * round})
-        starts.push_back(richer(bent(curvature), rung, spread, knot_rad));
+        starts.push_back(richer(bent(curvature), model, spread, knot_rad));
       break;
-    case SurfaceRung::kMesh: {
-      const SurfaceFit* best = &cylinder;
-      double least = std::numeric_limits<double>::infinity();
+    case calibration::SurfaceModel::kMesh: {
+      const calibration::SurfaceFit* best = &cylinder;
+      double min = std::numeric_limits<double>::infinity();
       for (const auto& [lesser, attempt] : tried) {
-        if (attempt.fit.projectors.empty() || !(attempt.trial.training_rms_px < least)) continue;
-        least = attempt.trial.training_rms_px;
+        if (attempt.fit.projectors.empty() || !(attempt.trial.training_rms_px < min)) continue;
+        min = attempt.trial.training_rms_px;
         best = &attempt.fit;
       }
-      starts.push_back(richer(*best, rung, spread, knot_rad));
+      starts.push_back(richer(*best, model, spread, knot_rad));
       break;
     }
   }
   return starts;
 }
 
-/// All rungs of lenses from one wall.
-struct LensLadder {
-  std::vector<Tried> tried;  ///< As kProjectorLensRungs.
+/// All models of lenses from one wall.
+struct LensSelectionTest {
+  std::vector<Tried> tried;  ///< As kProjectorLensModels.
   std::size_t best_at = 0;
 
-  [[nodiscard]] const ModelTrial& best() const { return tried[best_at].trial; }
-  [[nodiscard]] const Tried& of(LensRung rung) const {
-    return tried[static_cast<std::size_t>(std::ranges::find(kProjectorLensRungs, rung) -
-                                          std::begin(kProjectorLensRungs))];
+  [[nodiscard]] const calibration::ModelTrial& best() const { return tried[best_at].trial; }
+  [[nodiscard]] const Tried& of(calibration::LensModel model) const {
+    return tried[static_cast<std::size_t>(std::ranges::find(kProjectorLensModels, model) -
+                                          std::begin(kProjectorLensModels))];
   }
-  [[nodiscard]] LensRung least(const ModelOptions& options) const {
+  [[nodiscard]] calibration::LensModel min(const ModelOptions& options) const {
     for (std::size_t i = 0; i < tried.size(); ++i) {
-      const ModelTrial& trial = tried[i].trial;
+      const calibration::ModelTrial& trial = tried[i].trial;
       if (trial.is_usable && trial.heldout_rms_px <= best().heldout_rms_px + options.lens_tolerance_px)
-        return kProjectorLensRungs[i];
+        return kProjectorLensModels[i];
     }
     return kWallsLens;
   }
 };
 
 /// `wall` was fitted with kWallsLens.
-LensLadder climb_lenses(const Ladder& ladder, const Tried& wall) {
+LensSelectionTest climb_lenses(const ModelSelection& selection, const Tried& wall) {
   std::vector<std::future<Tried>> attempts;
-  for (const LensRung rung : kProjectorLensRungs) {
-    attempts.push_back(std::async(rung == kWallsLens ? std::launch::deferred : std::launch::async, [&, rung] {
-      const std::string name(name_of(rung));
-      if (rung != kWallsLens) return ladder.attempt(name, freedom_of(rung), {wall.fit}, rung);
+  for (const calibration::LensModel model : kProjectorLensModels) {
+    attempts.push_back(std::async(model == kWallsLens ? std::launch::deferred : std::launch::async, [&, model] {
+      const std::string name(calibration::name_of(model));
+      if (model != kWallsLens) return selection.attempt(name, calibration::freedom_of(model), {wall.fit}, model);
       Tried known = wall;
       known.trial.name = name;
-      known.trial.parameters = freedom_of(rung);
+      known.trial.parameters = calibration::freedom_of(model);
       return known;
     }));
   }
-  LensLadder lenses;
+  LensSelectionTest lenses;
   for (auto& attempt : attempts) lenses.tried.push_back(attempt.get());
   double best = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < lenses.tried.size(); ++i) {
-    const ModelTrial& trial = lenses.tried[i].trial;
+    const calibration::ModelTrial& trial = lenses.tried[i].trial;
     if (!trial.is_usable || trial.heldout_rms_px >= best) continue;
     best = trial.heldout_rms_px;
     lenses.best_at = i;
@@ -231,23 +236,25 @@ LensLadder climb_lenses(const Ladder& ladder, const Tried& wall) {
 }
 
 /// The least wall that predicts as well as the best of them.
-std::optional<SurfaceRung> least_of(const std::map<SurfaceRung, Tried>& tried, const ModelOptions& options) {
+std::optional<calibration::SurfaceModel> least_of(const std::map<calibration::SurfaceModel, Tried>& tried,
+                                                  const ModelOptions& options) {
   double best = std::numeric_limits<double>::infinity();
-  for (const auto& [rung, attempt] : tried) {
+  for (const auto& [model, attempt] : tried) {
     if (attempt.trial.is_usable) best = std::min(best, attempt.trial.heldout_rms_px);
   }
-  for (const auto& [rung, attempt] : tried) {
-    if (attempt.trial.is_usable && attempt.trial.heldout_rms_px <= options.allows(best)) return rung;
+  for (const auto& [model, attempt] : tried) {
+    if (attempt.trial.is_usable && attempt.trial.heldout_rms_px <= options.allows(best)) return model;
   }
   return std::nullopt;
 }
 
 }  // namespace
 
-Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
-                                 double wall_distance_m, const ModelOptions& options) {
+Result<calibration::ModelChoice> choose_model(const std::vector<MeasuredProjector>& projectors,
+                                              std::span<const MapSample> samples, double wall_distance_m,
+                                              const ModelOptions& options) {
   CHECK(options.folds >= 2);
-  TRY_ASSIGN(const SurfaceFit first, surface_start(projectors, samples, wall_distance_m));
+  TRY_ASSIGN(const calibration::SurfaceFit first, surface_start(projectors, samples, wall_distance_m));
   std::vector<Eigen::Vector3d> spread;
   double noise = 0.0;
   for (const MapSample& sample : samples) {
@@ -255,62 +262,67 @@ Result<ModelChoice> choose_model(const std::vector<MeasuredProjector>& projector
     noise += sample.sigma_px * sample.sigma_px;
   }
   noise = std::sqrt(noise / static_cast<double>(samples.size()));
-  Ladder ladder(projectors, samples, options);
-  std::map<SurfaceRung, Tried> tried;
+  ModelSelection selection(projectors, samples, options);
+  std::map<calibration::SurfaceModel, Tried> tried;
   double best = std::numeric_limits<double>::infinity();
-  for (const SurfaceRung rung : kSurfaceRungs) {
-    const auto starts = starts_of(rung, first, tried, spread, options.knot_rad);
-    Tried attempt = ladder.attempt(std::string(name_of(rung)), starts.front().surface.size(), starts, kWallsLens);
+  for (const calibration::SurfaceModel model : calibration::kSurfaceModels) {
+    const auto starts = starts_of(model, first, tried, spread, options.knot_rad);
+    Tried attempt =
+        selection.attempt(std::string(calibration::name_of(model)), starts.front().surface.size(), starts, kWallsLens);
     const bool is_better = attempt.trial.is_usable && options.allows(attempt.trial.heldout_rms_px) < best;
     if (attempt.trial.is_usable) best = std::min(best, attempt.trial.heldout_rms_px);
-    tried[rung] = std::move(attempt);
+    tried[model] = std::move(attempt);
     if (!is_better && best <= kAsGoodAsNoise * noise) break;
   }
-  ModelChoice choice;
-  for (const auto& [rung, attempt] : tried) choice.surfaces.push_back(attempt.trial);
-  std::optional<SurfaceRung> chosen = least_of(tried, options);
+  calibration::ModelChoice choice;
+  for (const auto& [model, attempt] : tried) choice.surfaces.push_back(attempt.trial);
+  std::optional<calibration::SurfaceModel> chosen = least_of(tried, options);
   if (!chosen) {
     return Error(ErrorCode::kBadData,
                  "no wall fits what the projectors light; look whether their places and lenses in the installation are "
                  "about right");
   }
-  LensLadder lenses = climb_lenses(ladder, tried[*chosen]);
+  LensSelectionTest lenses = climb_lenses(selection, tried[*chosen]);
   // Where lenses are richer than those with which walls were compared, richer walls made up for them: compare walls
   // again, with the lenses that they have.
   if (kLensMatters * lenses.best().heldout_rms_px < lenses.of(kWallsLens).trial.heldout_rms_px) {
-    const LensRung lens = kProjectorLensRungs[lenses.best_at];
-    std::map<SurfaceRung, Tried> again;
-    for (const auto& [rung, attempt] : tried) {
-      if (rung > *chosen || attempt.fit.projectors.empty()) continue;
-      again[rung] = ladder.attempt(fmt::format("{} with lens {}", name_of(rung), name_of(lens)),
-                                   attempt.trial.parameters, {attempt.fit}, lens);
-      choice.surfaces.push_back(again[rung].trial);
+    const calibration::LensModel lens = kProjectorLensModels[lenses.best_at];
+    std::map<calibration::SurfaceModel, Tried> again;
+    for (const auto& [model, attempt] : tried) {
+      if (model > *chosen || attempt.fit.projectors.empty()) continue;
+      again[model] =
+          selection.attempt(fmt::format("{} with lens {}", calibration::name_of(model), calibration::name_of(lens)),
+                            attempt.trial.parameters, {attempt.fit}, lens);
+      choice.surfaces.push_back(again[model].trial);
     }
     const auto lesser = least_of(again, options);
     if (lesser && *lesser != *chosen) {
       chosen = lesser;
-      lenses = climb_lenses(ladder, tried[*chosen]);
+      lenses = climb_lenses(selection, tried[*chosen]);
     }
   }
   std::string flat;
-  if (*chosen == SurfaceRung::kCylinder) {
-    const LensRung lens = lenses.least(options);
-    TRY_ASSIGN(const SurfaceFit sure, fit_surface(projectors, samples, lenses.of(lens).fit, {lens, true, 50, false}));
+  if (*chosen == calibration::SurfaceModel::kCylinder) {
+    const calibration::LensModel lens = lenses.min(options);
+    TRY_ASSIGN(const calibration::SurfaceFit sure,
+               fit_surface(projectors, samples, lenses.of(lens).fit, {lens, true, 50, false}));
     const double sigma = sure.surface_sigmas[3];
-    if (std::abs(sure.surface.curvature_per_m()) < kFlat_sigmas * sigma && tried[SurfaceRung::kPlane].trial.is_usable) {
-      chosen = SurfaceRung::kPlane;
-      lenses = climb_lenses(ladder, tried[*chosen]);
+    if (std::abs(sure.surface.curvature_per_m()) < kFlat_sigmas * sigma &&
+        tried[calibration::SurfaceModel::kPlane].trial.is_usable) {
+      chosen = calibration::SurfaceModel::kPlane;
+      lenses = climb_lenses(selection, tried[*chosen]);
       flat =
           fmt::format("; its curvature is below {} sigma of {:.2g} per metre, so it is a plane", kFlat_sigmas, sigma);
     }
   }
   for (const Tried& lens : lenses.tried) choice.lenses.push_back(lens.trial);
-  choice.lens = lenses.least(options);
+  choice.lens = lenses.min(options);
   TRY_ASSIGN(choice.fit, fit_surface(projectors, samples, lenses.of(choice.lens).fit, {choice.lens, true, 50, false}));
-  choice.reason = fmt::format("{} with lens {}: {:.3f} px on what was left out, the best of all {:.3f} px{}",
-                              name_of(*chosen), name_of(choice.lens), prediction_error_px(choice.fit, samples),
-                              std::min(best, lenses.best().heldout_rms_px), flat);
+  choice.reason =
+      fmt::format("{} with lens {}: {:.3f} px on what was left out, the best of all {:.3f} px{}",
+                  calibration::name_of(*chosen), calibration::name_of(choice.lens),
+                  prediction_error_px(choice.fit, samples), std::min(best, lenses.best().heldout_rms_px), flat);
   return choice;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

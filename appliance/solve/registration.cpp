@@ -6,13 +6,13 @@
 #include <cmath>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 constexpr std::size_t kAbout = 20000;  // Pixels of the camera that are compared.
 
 /// Of directions by a projector's pixel; nothing at the map's rim.
-std::optional<Eigen::Matrix<double, 3, 2>> slope_at(const MeasuredMap& map, const Eigen::Vector2d& pixel) {
+std::optional<Eigen::Matrix<double, 3, 2>> slope_at(const calibration::MeasuredMap& map, const Eigen::Vector2d& pixel) {
   Eigen::Matrix<double, 3, 2> slope;
   for (int axis = 0; axis < 2; ++axis) {
     const Eigen::Vector2d step = 4.0 * Eigen::Vector2d::Unit(axis);
@@ -30,24 +30,25 @@ std::uint64_t key_of(const Correspondence& c) {
 
 }  // namespace
 
-MeasuredRegistration measured_registration(const Measurements& measurements, const Calibration& calibration) {
+MeasuredRegistration measured_registration(const Measurements& measurements,
+                                           const calibration::Calibration& calibration) {
   std::vector<double> errors;
   for (const PlateDirection& direction : measurements.directions) {
-    std::vector<const Correspondence*> places;
-    for (const Correspondence& c : direction.correspondences) places.push_back(&c);
-    std::sort(places.begin(), places.end(), [](const Correspondence* a, const Correspondence* b) {
+    std::vector<const Correspondence*> correspondences;
+    for (const Correspondence& c : direction.correspondences) correspondences.push_back(&c);
+    std::sort(correspondences.begin(), correspondences.end(), [](const Correspondence* a, const Correspondence* b) {
       return key_of(*a) != key_of(*b) ? key_of(*a) < key_of(*b) : a->projector < b->projector;
     });
     std::vector<std::size_t> shared;
-    for (std::size_t i = 1; i < places.size(); ++i) {
-      if (key_of(*places[i]) == key_of(*places[i - 1])) shared.push_back(i);
+    for (std::size_t i = 1; i < correspondences.size(); ++i) {
+      if (key_of(*correspondences[i]) == key_of(*correspondences[i - 1])) shared.push_back(i);
     }
     const std::size_t each = kAbout / measurements.directions.size() + 1;
     for (std::size_t k = 0; k < shared.size(); k += shared.size() / each + 1) {
-      const Correspondence& a = *places[shared[k] - 1];
-      const Correspondence& b = *places[shared[k]];
-      const MeasuredMap& map_a = calibration.projectors[a.projector].map;
-      const MeasuredMap& map_b = calibration.projectors[b.projector].map;
+      const Correspondence& a = *correspondences[shared[k] - 1];
+      const Correspondence& b = *correspondences[shared[k]];
+      const calibration::MeasuredMap& map_a = calibration.projectors[a.projector].map;
+      const calibration::MeasuredMap& map_b = calibration.projectors[b.projector].map;
       const Eigen::Vector2d pixel_b(static_cast<double>(b.projector_x), static_cast<double>(b.projector_y));
       const auto seen_a = map_a.direction_at({static_cast<double>(a.projector_x), static_cast<double>(a.projector_y)});
       const auto seen_b = map_b.direction_at(pixel_b);
@@ -58,7 +59,7 @@ MeasuredRegistration measured_registration(const Measurements& measurements, con
     }
   }
   MeasuredRegistration registration;
-  registration.places = errors.size();
+  registration.correspondences = errors.size();
   if (errors.empty()) return registration;
   std::sort(errors.begin(), errors.end());
   for (const double error : errors) registration.mean_px += error / static_cast<double>(errors.size());
@@ -67,4 +68,4 @@ MeasuredRegistration measured_registration(const Measurements& measurements, con
   return registration;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

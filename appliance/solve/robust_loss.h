@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 /// How much an error counts that is many sigmas large.
 enum class RobustLoss {
@@ -25,4 +25,4 @@ struct WeighedSquare {
   return {limit * length - 0.5 * limits, limit / length};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

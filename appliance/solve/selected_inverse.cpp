@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 std::vector<double> inverse_diagonal(const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>& factor) {
   // P A P' = L D L', L with ones on its diagonal. With Z the inverse of P A P': Z = D^-1 L^-1 + (1 - L') Z, whose
@@ -18,12 +18,12 @@ std::vector<double> inverse_diagonal(const Eigen::SimplicialLDLT<Eigen::SparseMa
   for (Eigen::Index j = n - 1; j >= 0; --j) {
     // Rows below the diagonal with an entry, rising.
     std::vector<std::pair<std::size_t, double>> entries;
-    std::vector<std::size_t> places;
+    std::vector<std::size_t> positions;
     for (auto k = begin(j); k < begin(j + 1); ++k) {
       const auto row = static_cast<std::size_t>(lower.innerIndexPtr()[k]);
       if (row <= static_cast<std::size_t>(j)) continue;
       entries.emplace_back(row, lower.valuePtr()[k]);
-      places.push_back(static_cast<std::size_t>(k));
+      positions.push_back(static_cast<std::size_t>(k));
     }
     for (const auto& [row, value] : entries) column_of_z[row] = 0.0;
     // z_ij = -sum_k l_kj z_ik, over the rows k of this column; z is symmetric, so each stored entry serves twice.
@@ -44,7 +44,7 @@ std::vector<double> inverse_diagonal(const Eigen::SimplicialLDLT<Eigen::SparseMa
     double own = 1.0 / d[j];
     for (std::size_t a = 0; a < entries.size(); ++a) {
       const auto [row, value] = entries[a];
-      z[places[a]] = column_of_z[row];
+      z[positions[a]] = column_of_z[row];
       own -= value * column_of_z[row];
     }
     diagonal[static_cast<std::size_t>(j)] = own;
@@ -58,4 +58,4 @@ std::vector<double> inverse_diagonal(const Eigen::SimplicialLDLT<Eigen::SparseMa
   return unpermuted;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

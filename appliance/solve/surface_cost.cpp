@@ -6,11 +6,11 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 constexpr double kScaleSigma = 1e-5;  // Relative: the scale is a gauge, not a measurement.
-constexpr double kLeastDepth = 1e-4;  // Of what is before the projector, relative to its distance from the eye.
+constexpr double kMinDepth = 1e-4;    // Of what is before the projector, relative to its distance from the eye.
 
 }  // namespace
 
@@ -32,34 +32,35 @@ LitProjector::LitProjector(const Eigen::Matrix3d& R_eye_projector, const double*
   std::copy_n(numbers + 6, lens_.size(), lens_.begin());
 }
 
-bool LitProjector::residuals(const MapSample& sample, double nearness, Eigen::Vector2d* ret_residuals,
+bool LitProjector::residuals(const MapSample& sample, double inverse_depth, Eigen::Vector2d* ret_residuals,
                              Slopes* ret_slopes) const {
-  const Eigen::Vector3d moved = sample.direction - nearness * place_;
+  const Eigen::Vector3d moved = sample.direction - inverse_depth * place_;
   const Eigen::Vector3d point = R_projector_eye_ * moved;
-  if (!(point.z() > kLeastDepth)) return false;
+  if (!(point.z() > kMinDepth)) return false;
   if (ret_slopes == nullptr) {
     Eigen::Vector2d pixel;
-    project_through_lens(lens_.data(), point.data(), pixel.data());
+    calibration::project_through_lens(lens_.data(), point.data(), pixel.data());
     *ret_residuals = (pixel - sample.projector_px) / sample.sigma_px;
     return true;
   }
-  const LensSlopes lens = slopes_through_lens(lens_.data(), point);
+  const calibration::LensSlopes lens = calibration::slopes_through_lens(lens_.data(), point);
   *ret_residuals = (lens.pixel - sample.projector_px) / sample.sigma_px;
   const Eigen::Matrix<double, 2, 3> by_point = lens.by_point / sample.sigma_px;
   const Eigen::Matrix<double, 2, 3> by_moved = by_point * R_projector_eye_;
   for (int k = 0; k < 3; ++k) {
     ret_slopes->by_numbers.col(k) = by_point * (R_slopes_[static_cast<std::size_t>(k)] * moved);
   }
-  ret_slopes->by_numbers.middleCols<3>(3) = -nearness * by_moved;
-  ret_slopes->by_numbers.rightCols<MeasuredLens::kParameters>() = lens.by_lens / sample.sigma_px;
-  ret_slopes->by_nearness = -by_moved * place_;
+  ret_slopes->by_numbers.middleCols<3>(3) = -inverse_depth * by_moved;
+  ret_slopes->by_numbers.rightCols<calibration::MeasuredLens::kParameters>() = lens.by_lens / sample.sigma_px;
+  ret_slopes->by_inverse_depth = -by_moved * place_;
   return true;
 }
 
-SplinePrior::SplinePrior(const Surface& shape, double bend_sigma) : weight_(shape.distance_m / bend_sigma) {
-  const int first = shape.rung == SurfaceRung::kProfile ? 2 : 0;
+SplinePrior::SplinePrior(const calibration::Surface& shape, double bend_sigma)
+    : weight_(shape.distance_m / bend_sigma) {
+  const int first = shape.model == calibration::SurfaceModel::kProfile ? 2 : 0;
   const int columns = shape.across.coefficients();
-  const int rows = shape.rung == SurfaceRung::kProfile ? 1 : shape.up.coefficients();
+  const int rows = shape.model == calibration::SurfaceModel::kProfile ? 1 : shape.up.coefficients();
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < columns; ++x) {
       const int at = first + y * columns + x;
@@ -69,8 +70,8 @@ SplinePrior::SplinePrior(const Surface& shape, double bend_sigma) : weight_(shap
   }
 }
 
-std::optional<double> SplinePrior::add(const Surface& shape, const double* parameters, Eigen::VectorXd* ret_gradient,
-                                       Eigen::MatrixXd* ret_normal) const {
+std::optional<double> SplinePrior::add(const calibration::Surface& shape, const double* parameters,
+                                       Eigen::VectorXd* ret_gradient, Eigen::MatrixXd* ret_normal) const {
   constexpr double kFactors[] = {1.0, -2.0, 1.0};
   const double square = weight_ * weight_;
   double cost = 0.0;
@@ -83,12 +84,12 @@ std::optional<double> SplinePrior::add(const Surface& shape, const double* param
       for (std::size_t j = 0; j <= i; ++j) (*ret_normal)(bend[i], bend[j]) += square * kFactors[i] * kFactors[j];
     }
   }
-  NearnessSlopes slopes;
-  const auto nearness =
-      shape.nearness_at(parameters, -shape.R_eye_wall.col(2), ret_gradient == nullptr ? nullptr : &slopes);
-  if (!nearness) return std::nullopt;
+  calibration::InverseDepthSlopes slopes;
+  const auto inverse_depth =
+      shape.inverse_depth_at(parameters, -shape.R_eye_wall.col(2), ret_gradient == nullptr ? nullptr : &slopes);
+  if (!inverse_depth) return std::nullopt;
   const double scale = shape.distance_m / kScaleSigma;
-  const double error = scale * (*nearness - 1.0 / shape.distance_m);
+  const double error = scale * (*inverse_depth - 1.0 / shape.distance_m);
   for (std::size_t i = 0; i < static_cast<std::size_t>(slopes.count); ++i) {
     (*ret_gradient)[slopes.parameters[i]] += scale * slopes.slopes[i] * error;
     for (std::size_t j = 0; j < static_cast<std::size_t>(slopes.count); ++j) {
@@ -99,4 +100,4 @@ std::optional<double> SplinePrior::add(const Surface& shape, const double* param
   return cost + 0.5 * error * error;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -4,23 +4,23 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 constexpr double kLoss_sigmas = 3.0;
 constexpr double kBendSigma = 0.05;  // Per knot: a right-angled corner bends by three of it, noise by a hundredth.
-constexpr double kLeastSigma = 1e-9;
+constexpr double kMinSigma = 1e-9;
 
 }  // namespace
 
 SurfaceProblem::SurfaceProblem(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
-                               const SurfaceFit& start, LensRung lens)
+                               const calibration::SurfaceFit& start, calibration::LensModel lens)
     : projectors_(projectors), samples_(samples), start_(start), surface_(start.surface) {
-  const std::vector<int> held = held_parameters(lens);
-  for (int i = 0; i < MeasuredLens::kParameters; ++i) {
+  const std::vector<int> held = calibration::held_parameters(lens);
+  for (int i = 0; i < calibration::MeasuredLens::kParameters; ++i) {
     if (std::find(held.begin(), held.end(), i) == held.end()) free_of_lens_.push_back(i);
   }
-  if (surface_.rung == SurfaceRung::kProfile || surface_.rung == SurfaceRung::kMesh) {
+  if (surface_.model == calibration::SurfaceModel::kProfile || surface_.model == calibration::SurfaceModel::kMesh) {
     spline_prior_.emplace(surface_, kBendSigma);
   }
   const Eigen::Index total = first_of(projectors.size());
@@ -29,26 +29,26 @@ SurfaceProblem::SurfaceProblem(const std::vector<MeasuredProjector>& projectors,
   prior_sigmas_ = Eigen::VectorXd::Ones(total - first_of(0));
   numbers_.head(first_of(0)) = Eigen::Map<const Eigen::VectorXd>(surface_.parameters.data(), first_of(0));
   for (std::size_t p = 0; p < projectors.size(); ++p) {
-    const FittedProjector& from = start.projectors[p];
-    const ProjectorPlace& place = *projectors[p].place;
+    const calibration::FittedProjector& from = start.projectors[p];
+    const ProjectorPosePrior& position = *projectors[p].position;
     axes_.push_back(from.T_eye_projector.rotation().toRotationMatrix());
     const Eigen::Index first = first_of(p);
     const Eigen::Index prior = first - first_of(0);
     numbers_.segment<3>(first + 3) = from.T_eye_projector.translation();
     // Towards the installation's places, from wherever the search begins.
     const Eigen::AngleAxisd told(
-        Eigen::Matrix3d(axes_[p].transpose() * place.T_eye_projector.rotation().toRotationMatrix()));
+        Eigen::Matrix3d(axes_[p].transpose() * position.T_eye_projector.rotation().toRotationMatrix()));
     prior_means_.segment<3>(prior) = told.angle() * told.axis();
-    prior_means_.segment<3>(prior + 3) = place.T_eye_projector.translation();
-    prior_sigmas_.segment<3>(prior).setConstant(std::max(kLeastSigma, place.sigma_rad));
-    prior_sigmas_.segment<3>(prior + 3).setConstant(std::max(kLeastSigma, place.sigma_m));
+    prior_means_.segment<3>(prior + 3) = position.T_eye_projector.translation();
+    prior_sigmas_.segment<3>(prior).setConstant(std::max(kMinSigma, position.sigma_rad));
+    prior_sigmas_.segment<3>(prior + 3).setConstant(std::max(kMinSigma, position.sigma_m));
     for (std::size_t i = 0; i < free_of_lens_.size(); ++i) {
       const auto number = static_cast<std::size_t>(free_of_lens_[i]);
       const auto at = static_cast<Eigen::Index>(6 + i);
       numbers_[first + at] = from.lens.values[number];
-      prior_means_[prior + at] = place.lens.values[number];
+      prior_means_[prior + at] = position.lens.values[number];
       prior_sigmas_[prior + at] =
-          std::max(kLeastSigma, std::sqrt(place.lens.covariance(free_of_lens_[i], free_of_lens_[i])));
+          std::max(kMinSigma, std::sqrt(position.lens.covariance(free_of_lens_[i], free_of_lens_[i])));
     }
   }
 }
@@ -59,7 +59,7 @@ Eigen::Index SurfaceProblem::first_of(std::size_t projector) const {
 
 std::array<double, LitProjector::kNumbers> SurfaceProblem::numbers_of(const Eigen::VectorXd& at,
                                                                       std::size_t projector) const {
-  std::array<double, LitProjector::kNumbers> numbers{};  // What the rung holds is 0.
+  std::array<double, LitProjector::kNumbers> numbers{};  // What the model holds is 0.
   const Eigen::Index first = first_of(projector);
   for (int i = 0; i < 6; ++i) numbers[static_cast<std::size_t>(i)] = at[first + i];
   for (std::size_t i = 0; i < free_of_lens_.size(); ++i) {
@@ -75,13 +75,14 @@ std::optional<double> SurfaceProblem::add_samples(const Eigen::VectorXd& at, Eig
   const bool wants_slopes = ret_gradient != nullptr;
   const auto own = static_cast<Eigen::Index>(6 + free_of_lens_.size());
   double cost = 0.0;
-  NearnessSlopes wall;
+  calibration::InverseDepthSlopes wall;
   LitProjector::Slopes slopes;
   Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, LitProjector::kNumbers> free(2, own);
   for (const MapSample& sample : samples_) {
-    const auto nearness = surface_.nearness_at(at.data(), sample.direction, wants_slopes ? &wall : nullptr);
+    const auto inverse_depth = surface_.inverse_depth_at(at.data(), sample.direction, wants_slopes ? &wall : nullptr);
     Eigen::Vector2d error;
-    if (!nearness || !lit[sample.projector].residuals(sample, *nearness, &error, wants_slopes ? &slopes : nullptr)) {
+    if (!inverse_depth ||
+        !lit[sample.projector].residuals(sample, *inverse_depth, &error, wants_slopes ? &slopes : nullptr)) {
       return std::nullopt;
     }
     const WeighedSquare share = weighed(loss_, kLoss_sigmas, error.squaredNorm());
@@ -92,11 +93,11 @@ std::optional<double> SurfaceProblem::add_samples(const Eigen::VectorXd& at, Eig
     for (std::size_t i = 0; i < free_of_lens_.size(); ++i) {
       free.col(static_cast<Eigen::Index>(6 + i)) = slopes.by_numbers.col(6 + free_of_lens_[i]);
     }
-    // The wall's part of the Jacobian is of rank one: what the nearness moves, times what moves the nearness.
-    const Eigen::Vector2d by_nearness = share.weight * slopes.by_nearness;
-    const double curvature = by_nearness.dot(slopes.by_nearness);
-    const double slope = by_nearness.dot(error);
-    const Eigen::VectorXd mixed = free.transpose() * by_nearness;
+    // The wall's part of the Jacobian is of rank one: what the inverse_depth moves, times what moves the inverse_depth.
+    const Eigen::Vector2d by_inverse_depth = share.weight * slopes.by_inverse_depth;
+    const double curvature = by_inverse_depth.dot(slopes.by_inverse_depth);
+    const double slope = by_inverse_depth.dot(error);
+    const Eigen::VectorXd mixed = free.transpose() * by_inverse_depth;
     for (std::size_t i = 0; i < static_cast<std::size_t>(wall.count); ++i) {
       const int a = wall.parameters[i];
       (*ret_gradient)[a] += wall.slopes[i] * slope;
@@ -165,20 +166,21 @@ Eigen::MatrixXd SurfaceProblem::normal(bool measured_alone) const {
 }
 
 std::vector<double> SurfaceProblem::scales() const {
-  const bool is_spline = surface_.rung == SurfaceRung::kProfile || surface_.rung == SurfaceRung::kMesh;
+  const bool is_spline =
+      surface_.model == calibration::SurfaceModel::kProfile || surface_.model == calibration::SurfaceModel::kMesh;
   std::vector<double> scales(static_cast<std::size_t>(surface_.size()), is_spline ? 0.1 / surface_.distance_m : 0.1);
   scales.insert(scales.end(), prior_sigmas_.begin(), prior_sigmas_.end());
   return scales;
 }
 
-SurfaceFit SurfaceProblem::found(double cost) const {
-  SurfaceFit fit;
+calibration::SurfaceFit SurfaceProblem::found(double cost) const {
+  calibration::SurfaceFit fit;
   fit.surface = surface_;
   std::copy_n(numbers_.begin(), surface_.parameters.size(), fit.surface.parameters.begin());
   fit.cost = cost;
   for (std::size_t p = 0; p < projectors_.size(); ++p) {
     const auto numbers = numbers_of(numbers_, p);
-    FittedProjector projector;
+    calibration::FittedProjector projector;
     projector.lens = start_.projectors[p].lens;
     std::copy_n(numbers.begin() + 6, projector.lens.values.size(), projector.lens.values.begin());
     const Eigen::Vector3d turn(numbers[0], numbers[1], numbers[2]);
@@ -191,4 +193,4 @@ SurfaceFit SurfaceProblem::found(double cost) const {
   return fit;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -13,13 +13,13 @@
 #include "appliance/solve/surface_cost.h"
 #include "appliance/solve/surface_fit.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 /// Borrows all for its life. Thread-bound.
 class SurfaceProblem final : public DampedProblem {
  public:
   SurfaceProblem(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
-                 const SurfaceFit& start, LensRung lens);
+                 const calibration::SurfaceFit& start, calibration::LensModel lens);
 
   void weigh_by(RobustLoss loss) override { loss_ = loss; }
   std::optional<double> linearise() override;
@@ -33,9 +33,9 @@ class SurfaceProblem final : public DampedProblem {
   [[nodiscard]] std::vector<double> scales() const;
   /// Of the lens's numbers, those that are free.
   [[nodiscard]] const std::vector<int>& free_of_lens() const { return free_of_lens_; }
-  [[nodiscard]] const Surface& surface() const { return surface_; }
+  [[nodiscard]] const calibration::Surface& surface() const { return surface_; }
   /// What was found, without covariances.
-  [[nodiscard]] SurfaceFit found(double cost) const;
+  [[nodiscard]] calibration::SurfaceFit found(double cost) const;
 
  private:
   [[nodiscard]] Eigen::Index first_of(std::size_t projector) const;
@@ -51,8 +51,8 @@ class SurfaceProblem final : public DampedProblem {
 
   const std::vector<MeasuredProjector>& projectors_;
   std::span<const MapSample> samples_;
-  const SurfaceFit& start_;
-  Surface surface_;  ///< Its parameters are the start's.
+  const calibration::SurfaceFit& start_;
+  calibration::Surface surface_;  ///< Its parameters are the start's.
   std::vector<int> free_of_lens_;
   std::vector<Eigen::Matrix3d> axes_;  ///< Of each projector where the search begins: R_eye_projector.
   std::optional<SplinePrior> spline_prior_;
@@ -65,4 +65,4 @@ class SurfaceProblem final : public DampedProblem {
   Eigen::MatrixXd normal_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

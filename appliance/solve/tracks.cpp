@@ -9,7 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
@@ -33,14 +33,14 @@ class Groups {
 
 }  // namespace
 
-Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellMeans& means, std::size_t most,
+Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellMeans& means, std::size_t max,
                                    std::size_t left_out_every) {
   const std::size_t count = measurements.directions.size();
-  std::map<std::pair<int, int>, Track> by_place;  // (projector, cell)
+  std::map<std::pair<int, int>, Track> by_position;  // (projector, cell)
   std::vector<std::size_t> seen(count, 0);
   for (std::size_t i = 0; i < means.cells.size(); ++i) {
     const CellMean& cell = means.cells[i];
-    by_place[{cell.projector, cell.cell}].cells.push_back(i);
+    by_position[{cell.projector, cell.cell}].cells.push_back(i);
     ++seen[static_cast<std::size_t>(cell.direction)];
   }
   if (count < 2) {
@@ -51,7 +51,7 @@ Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellM
   // Tracks by the first and last direction that see them.
   std::map<std::pair<int, int>, std::vector<const Track*>> by_pair;
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> shared;
-  for (const auto& [place, track] : by_place) {
+  for (const auto& [position, track] : by_position) {
     if (track.cells.size() < 2) continue;
     by_pair[{means.cells[track.cells.front()].direction, means.cells[track.cells.back()].direction}].push_back(&track);
     for (std::size_t a = 0; a < track.cells.size(); ++a) {
@@ -63,7 +63,7 @@ Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellM
   }
   Groups groups(count);
   for (const auto& [pair, tracks] : shared) {
-    if (tracks >= kLeastTracks) groups.join(pair.first, pair.second);
+    if (tracks >= kMinTracks) groups.join(pair.first, pair.second);
   }
   std::size_t first = count;
   for (std::size_t d = 0; d < count; ++d) {
@@ -76,7 +76,7 @@ Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellM
         ErrorCode::kInvalidArgument,
         fmt::format("the directions at {:.1f} and {:.1f} degrees share {} places of any projector and need {}, "
                     "also by way of others; add a direction at about {:.1f} degrees",
-                    a, b, shared[{first, d}], kLeastTracks, 0.5 * (a + b)));
+                    a, b, shared[{first, d}], kMinTracks, 0.5 * (a + b)));
   }
   if (by_pair.empty()) {
     return Error(ErrorCode::kInvalidArgument,
@@ -85,20 +85,20 @@ Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellM
   }
   ChosenTracks chosen;
   std::size_t total = 0;
-  const std::size_t each = std::max<std::size_t>(2 * kLeastTracks, most / by_pair.size());
+  const std::size_t each = std::max<std::size_t>(2 * kMinTracks, max / by_pair.size());
   for (const auto& [pair, tracks] : by_pair) {
     const std::size_t step = std::max<std::size_t>(1, tracks.size() / each);
     for (std::size_t i = step / 2; i < tracks.size(); i += step) {
       (++total % left_out_every == 0 ? chosen.left_out : chosen.used).push_back(*tracks[i]);
     }
   }
-  if (chosen.used.size() < kLeastTracks) {
+  if (chosen.used.size() < kMinTracks) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("only {} places are seen from several directions, {} are needed; add directions that "
                              "overlap more",
-                             chosen.used.size(), kLeastTracks));
+                             chosen.used.size(), kMinTracks));
   }
   return chosen;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -6,21 +6,21 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 constexpr std::size_t kHeldOutEvery = 5;     // One track in so many is left out.
 constexpr double kClearOffset_sigmas = 3.0;  // Else it is taken for 0.
 constexpr double kWorstRms_sigmas = 25.0;    // More is no noise.
 
-TurnPlate plate_of(const PlateTask& task, const SolvedPlate& solved, bool with_offset) {
-  TurnPlate plate;
+calibration::TurnPlate plate_of(const PlateTask& task, const SolvedPlate& solved, bool with_offset) {
+  calibration::TurnPlate plate;
   plate.camera = lens_of(task.measurements, solved.state);
   plate.pitch_rad = solved.state.mount[0];
   plate.roll_rad = solved.state.mount[1];
   plate.offset_m = {solved.state.offset[0], solved.state.offset[1]};
-  plate.nearness = solved.state.nearness.terms;
-  if (solved.state.nearness.wall != nullptr) plate.wall = *solved.state.nearness.wall;
+  plate.inverse_depth = solved.state.inverse_depth.terms;
+  if (solved.state.inverse_depth.wall != nullptr) plate.wall = *solved.state.inverse_depth.wall;
   plate.angles_rad = solved.state.angles;
   plate.reference = task.reference;
   plate.is_offset_estimated = with_offset;
@@ -30,8 +30,10 @@ TurnPlate plate_of(const PlateTask& task, const SolvedPlate& solved, bool with_o
   plate.tracks = solved.tracks;
   plate.rms_px = solved.used.rms_px;
   plate.heldout_rms_px = solved.left_out.rms_px;
-  if (plate.covariance.rows() >= MeasuredLens::kParameters && solved.names.front() == "focal_px") {
-    plate.camera.covariance = plate.covariance.topLeftCorner<MeasuredLens::kParameters, MeasuredLens::kParameters>();
+  if (plate.covariance.rows() >= calibration::MeasuredLens::kParameters && solved.names.front() == "focal_px") {
+    plate.camera.covariance =
+        plate.covariance
+            .topLeftCorner<calibration::MeasuredLens::kParameters, calibration::MeasuredLens::kParameters>();
   }
   return plate;
 }
@@ -48,25 +50,25 @@ std::size_t straightest(const Measurements& measurements) {
 
 }  // namespace
 
-PlateSights::PlateSights(const TurnPlate& plate) : plate_(plate) {
+WallDirections::WallDirections(const calibration::TurnPlate& plate) : plate_(plate) {
   auto lens = plate.camera.brown();
   if (lens) lens_ = *std::move(lens);
 }
 
-std::optional<Eigen::Vector3d> PlateSights::at(std::size_t direction, const Eigen::Vector2d& camera_px) const {
-  const auto ray = lens_ ? direction_through(*lens_, camera_px) : std::nullopt;
+std::optional<Eigen::Vector3d> WallDirections::at(std::size_t direction, const Eigen::Vector2d& camera_px) const {
+  const auto ray = lens_ ? calibration::direction_through(*lens_, camera_px) : std::nullopt;
   if (!ray) return std::nullopt;
   const CameraPose pose{
       {plate_.pitch_rad, plate_.roll_rad}, {plate_.offset_m.x(), plate_.offset_m.y()}, plate_.angles_rad[direction]};
-  const NearnessField nearness{plate_.nearness, plate_.wall ? &*plate_.wall : nullptr};
-  const Eigen::Vector3d d = sight_along(pose, nearness, *ray);
+  const InverseDepthField inverse_depth{plate_.inverse_depth, plate_.wall ? &*plate_.wall : nullptr};
+  const Eigen::Vector3d d = wall_direction_along(pose, inverse_depth, *ray);
   if (!d.allFinite()) return std::nullopt;
   return d;
 }
 
-std::optional<Eigen::Vector3d> seen_direction(const TurnPlate& plate, std::size_t direction,
+std::optional<Eigen::Vector3d> seen_direction(const calibration::TurnPlate& plate, std::size_t direction,
                                               const Eigen::Vector2d& camera_px) {
-  return PlateSights(plate).at(direction, camera_px);
+  return WallDirections(plate).at(direction, camera_px);
 }
 
 TurnPlateSolver::TurnPlateSolver(const Measurements& measurements, const CellMeans& means,
@@ -79,13 +81,13 @@ TurnPlateSolver::TurnPlateSolver(const Measurements& measurements, const CellMea
 
 Result<TurnPlateSolver> TurnPlateSolver::create(const Measurements& measurements, const CellMeans& means,
                                                 const TurnPlateOptions& options) {
-  TRY_ASSIGN(ChosenTracks tracks, choose_tracks(measurements, means, options.most_tracks, kHeldOutEvery));
+  TRY_ASSIGN(ChosenTracks tracks, choose_tracks(measurements, means, options.max_tracks, kHeldOutEvery));
   TurnPlateSolver solver(measurements, means, options, std::move(tracks));
   TRY_ASSIGN(solver.plain_, solve_plate(solver.task(), {}, nullptr, Eigen::Vector2d::Zero()));
   return solver;
 }
 
-Result<TurnPlate> TurnPlateSolver::solve(const PlateHints& hints) const {
+Result<calibration::TurnPlate> TurnPlateSolver::solve(const PlateHints& hints) const {
   TRY_ASSIGN(SolvedPlate moved, solve_plate(task(), hints, &plain_.state, Eigen::Vector2d::Zero()));
   if (!options_.start.tail<2>().isZero()) {
     auto other = solve_plate(task(), hints, &plain_.state, options_.start.tail<2>());
@@ -106,7 +108,7 @@ Result<TurnPlate> TurnPlateSolver::solve(const PlateHints& hints) const {
                              "moved while pictures were taken, and whether angles count to the right",
                              best.used.rms_px));
   }
-  TurnPlate plate = plate_of(task(), best, with_offset);
+  calibration::TurnPlate plate = plate_of(task(), best, with_offset);
   plate.offset_sigma_m =
       with_offset ? sigma : Eigen::Vector2d((offset.array().square() + sigma.array().square()).sqrt());
   const std::string found = fmt::format("right {:.1f} +- {:.1f} mm, forward {:.1f} +- {:.1f} mm", 1e3 * offset.x(),
@@ -119,10 +121,10 @@ Result<TurnPlate> TurnPlateSolver::solve(const PlateHints& hints) const {
   return plate;
 }
 
-Result<TurnPlate> solve_turn_plate(const Measurements& measurements, const CellMeans& means,
-                                   const TurnPlateOptions& options) {
+Result<calibration::TurnPlate> solve_turn_plate(const Measurements& measurements, const CellMeans& means,
+                                                const TurnPlateOptions& options) {
   TRY_ASSIGN(const TurnPlateSolver solver, TurnPlateSolver::create(measurements, means, options));
   return solver.solve();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

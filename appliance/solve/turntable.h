@@ -11,22 +11,22 @@
 #include "appliance/solve/turntable_problem.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 /// What the eye at the sweet spot sees, for many pixels. Borrows the plate for its life. Reentrant.
-class PlateSights {
+class WallDirections {
  public:
-  explicit PlateSights(const TurnPlate& plate);
+  explicit WallDirections(const calibration::TurnPlate& plate);
   /// Where the camera's pixel looks; a unit vector. Nothing outside of the lens.
   [[nodiscard]] std::optional<Eigen::Vector3d> at(std::size_t direction, const Eigen::Vector2d& camera_px) const;
 
  private:
-  const TurnPlate& plate_;
-  std::optional<BrownLens> lens_;
+  const calibration::TurnPlate& plate_;
+  std::optional<calibration::BrownLens> lens_;
 };
 
-/// PlateSights::at() for a single pixel: it finds where the lens folds anew at each call.
-[[nodiscard]] std::optional<Eigen::Vector3d> seen_direction(const TurnPlate& plate, std::size_t direction,
+/// WallDirections::at() for a single pixel: it finds where the lens folds anew at each call.
+[[nodiscard]] std::optional<Eigen::Vector3d> seen_direction(const calibration::TurnPlate& plate, std::size_t direction,
                                                             const Eigen::Vector2d& camera_px);
 
 /// Solves once without the camera's offset, and then as often as more is known. Borrows what create() was given for its
@@ -37,7 +37,7 @@ class TurnPlateSolver {
   static Result<TurnPlateSolver> create(const Measurements& measurements, const CellMeans& means,
                                         const TurnPlateOptions& options);
   /// With an offset if it is clear and predicts tracks that were left out, else without.
-  [[nodiscard]] Result<TurnPlate> solve(const PlateHints& hints = {}) const;
+  [[nodiscard]] Result<calibration::TurnPlate> solve(const PlateHints& hints = {}) const;
 
  private:
   TurnPlateSolver(const Measurements& measurements, const CellMeans& means, const TurnPlateOptions& options,
@@ -55,7 +55,7 @@ class TurnPlateSolver {
 /// kInvalidArgument  it cannot be determined; the message says what to add (a direction, an overlap, light).
 /// kBadData  the directions contradict one another: the plate or the projectors moved, or the angles are wrong.
 /// Precondition: measurements.validate(). Reentrant.
-Result<TurnPlate> solve_turn_plate(const Measurements& measurements, const CellMeans& means,
-                                   const TurnPlateOptions& options = {});
+Result<calibration::TurnPlate> solve_turn_plate(const Measurements& measurements, const CellMeans& means,
+                                                const TurnPlateOptions& options = {});
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -7,26 +7,26 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 constexpr double kLoss_sigmas = 2.5;
 constexpr double kTurn_rad = 0.05;   // How far what is known of before may still be turned.
-constexpr double kWallTrust = 0.03;  // Of a fitted wall's nearness, relative to straight ahead.
+constexpr double kWallTrust = 0.03;  // Of a fitted wall's inverse_depth, relative to straight ahead.
 
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  const double least = 1e-24 + 1e-18 * std::max(0.0, eigen.eigenvalues().maxCoeff());
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(least).cwiseInverse().asDiagonal() *
+  const double min = 1e-24 + 1e-18 * std::max(0.0, eigen.eigenvalues().maxCoeff());
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(min).cwiseInverse().asDiagonal() *
          eigen.eigenvectors().transpose();
 }
 
 /// Two unit vectors across `d`.
 Eigen::Matrix<double, 3, 2> tangent_of(const Eigen::Vector3d& d) {
-  Eigen::Index least = 0;
-  d.cwiseAbs().minCoeff(&least);
+  Eigen::Index min = 0;
+  d.cwiseAbs().minCoeff(&min);
   Eigen::Matrix<double, 3, 2> tangent;
-  tangent.col(0) = d.cross(Eigen::Vector3d::Unit(least)).normalized();
+  tangent.col(0) = d.cross(Eigen::Vector3d::Unit(min)).normalized();
   tangent.col(1) = d.cross(tangent.col(0));
   return tangent;
 }
@@ -41,12 +41,12 @@ PlateAdjustment::PlateAdjustment(const PlateTask& task, const PlateHints& hints,
   bool with_turn = false;
   for (std::size_t t = 0; t < tracks.size(); ++t) {
     TrackData data;
-    data.first_sight = sights_.size();
-    data.sights = tracks[t]->cells.size();
-    data.wall_nearness = state->nearness.wall_at(Eigen::Vector3d(state->directions[t].data()));
+    data.first_observation = observations_.size();
+    data.observations = tracks[t]->cells.size();
+    data.wall_inverse_depth = state->inverse_depth.wall_at(Eigen::Vector3d(state->directions[t].data()));
     for (const std::size_t i : tracks[t]->cells) {
       const CellMean& cell = task.means.cells[i];
-      sights_.push_back({PlateSight(cell), static_cast<std::size_t>(cell.direction)});
+      observations_.push_back({PlateObservation(cell), static_cast<std::size_t>(cell.direction)});
     }
     const CellMean& cell = task.means.cells[tracks[t]->cells.front()];
     if (with_offset && hints.known) {
@@ -66,40 +66,40 @@ PlateAdjustment::PlateAdjustment(const PlateTask& task, const PlateHints& hints,
     if (shared.kind == Shared::kLens) prior_means_[i] = measurements_.camera.values[shared.index];
     if (shared.kind == Shared::kMount && shared.index == 0) prior_means_[i] = measurements_.pitch_rad;
     if (shared.kind == Shared::kAngle) prior_means_[i] = measurements_.directions[shared.index].angle_rad;
-    if (shared.kind == Shared::kNearness && shared.index == 0 && state->nearness.wall == nullptr) {
+    if (shared.kind == Shared::kInverseDepth && shared.index == 0 && state->inverse_depth.wall == nullptr) {
       prior_means_[i] = 1.0 / measurements_.wall_distance_m;
     }
   }
   if (!shared_.empty() && shared_.front().kind == Shared::kLens) {
-    prior_normal_.topLeftCorner<MeasuredLens::kParameters, MeasuredLens::kParameters>() =
+    prior_normal_.topLeftCorner<calibration::MeasuredLens::kParameters, calibration::MeasuredLens::kParameters>() =
         inverse_of(measurements_.camera.covariance);
   }
 }
 
 void PlateAdjustment::choose_shared(bool with_offset, bool with_turn) {
-  places_.assign(kSightAngle, -1);
+  columns_.assign(kAngleIndex, -1);
   const auto add = [&](Shared::Kind kind, int first, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-      places_[static_cast<std::size_t>(first) + i] = static_cast<Eigen::Index>(shared_.size());
+      columns_[static_cast<std::size_t>(first) + i] = static_cast<Eigen::Index>(shared_.size());
       shared_.push_back({kind, i});
     }
   };
   if (measurements_.camera.covariance.diagonal().maxCoeff() > 0.0) {
-    add(Shared::kLens, kSightLens, MeasuredLens::kParameters);
+    add(Shared::kLens, kLensIndex, calibration::MeasuredLens::kParameters);
   }
-  add(Shared::kMount, kSightMount, 2);
-  if (with_offset) add(Shared::kOffset, kSightOffset, 2);
-  if (with_offset) add(Shared::kNearness, kSightNearness, kNearnessTerms);
+  add(Shared::kMount, kMountIndex, 2);
+  if (with_offset) add(Shared::kOffset, kOffsetIndex, 2);
+  if (with_offset) add(Shared::kInverseDepth, kInverseDepthIndex, calibration::kInverseDepthTerms);
   if (with_turn) {
-    turn_place_ = static_cast<Eigen::Index>(shared_.size());
+    turn_column_ = static_cast<Eigen::Index>(shared_.size());
     for (std::size_t i = 0; i < 3; ++i) shared_.push_back({Shared::kTurn, i});
   }
-  angle_places_.assign(state_->angles.size(), -1);
+  angle_columns_.assign(state_->angles.size(), -1);
   std::vector<bool> is_seen(state_->angles.size(), false);
-  for (const TrackSight& sight : sights_) is_seen[sight.direction] = true;
+  for (const TrackObservation& observation : observations_) is_seen[observation.direction] = true;
   for (std::size_t d = 0; d < is_seen.size(); ++d) {
     if (!is_seen[d] || d == reference_) continue;
-    angle_places_[d] = static_cast<Eigen::Index>(shared_.size());
+    angle_columns_[d] = static_cast<Eigen::Index>(shared_.size());
     shared_.push_back({Shared::kAngle, d});
   }
 }
@@ -112,8 +112,8 @@ double* PlateAdjustment::number(PlateState* state, const Shared& shared) const {
       return &state->mount[shared.index];
     case Shared::kOffset:
       return &state->offset[shared.index];
-    case Shared::kNearness:
-      return &state->nearness.terms[shared.index];
+    case Shared::kInverseDepth:
+      return &state->inverse_depth.terms[shared.index];
     case Shared::kTurn:
       return &state->turn[shared.index];
     case Shared::kAngle:
@@ -132,8 +132,8 @@ double PlateAdjustment::prior_sigma(const Shared& shared) const {
       return options_.mount_sigma_rad;
     case Shared::kOffset:
       return options_.offset_sigma_m;
-    case Shared::kNearness:
-      if (state_->nearness.wall != nullptr) return kWallTrust / distance;
+    case Shared::kInverseDepth:
+      if (state_->inverse_depth.wall != nullptr) return kWallTrust / distance;
       return measurements_.wall_distance_sigma_m / (distance * distance);
     case Shared::kTurn:
       return kTurn_rad;
@@ -151,26 +151,27 @@ Eigen::VectorXd PlateAdjustment::shared_numbers(PlateState* state) const {
   return numbers;
 }
 
-Eigen::Index PlateAdjustment::column_of(int sight_number, std::size_t direction) const {
-  return sight_number == kSightAngle ? angle_places_[direction] : places_[static_cast<std::size_t>(sight_number)];
+Eigen::Index PlateAdjustment::column_of(int parameter_index, std::size_t direction) const {
+  return parameter_index == kAngleIndex ? angle_columns_[direction]
+                                        : columns_[static_cast<std::size_t>(parameter_index)];
 }
 
 std::optional<double> PlateAdjustment::add_measured(PlateState* state, bool with_known, Equations* ret) const {
-  using SightNormal = Eigen::Matrix<double, kSightNumbers, kSightNumbers>;
-  using SightGradient = Eigen::Matrix<double, kSightNumbers, 1>;
+  using ObservationNormal = Eigen::Matrix<double, kObservationParameters, kObservationParameters>;
+  using ObservationGradient = Eigen::Matrix<double, kObservationParameters, 1>;
   std::vector<SeenFrom> cameras;
   for (const double angle : state->angles) cameras.emplace_back(state->mount, state->offset, angle);
   // All sights of a direction know the same numbers: they are summed before they are put where they belong.
-  std::vector<SightNormal> normals;
-  std::vector<SightGradient> gradients;
+  std::vector<ObservationNormal> normals;
+  std::vector<ObservationGradient> gradients;
   if (ret != nullptr) {
-    normals.assign(cameras.size(), SightNormal::Zero());
-    gradients.assign(cameras.size(), SightGradient::Zero());
+    normals.assign(cameras.size(), ObservationNormal::Zero());
+    gradients.assign(cameras.size(), ObservationGradient::Zero());
     const auto count = static_cast<Eigen::Index>(shared_.size());
     ret->gradient = Eigen::VectorXd::Zero(count);
     ret->normal = Eigen::MatrixXd::Zero(count, count);
     ret->tracks.assign(tracks_.size(), {});
-    ret->crosses.resize(sights_.size());
+    ret->crosses.resize(observations_.size());
   }
   double cost = 0.0;
   SeenFrom::Slopes slopes;
@@ -179,11 +180,12 @@ std::optional<double> PlateAdjustment::add_measured(PlateState* state, bool with
     const Eigen::Vector3d direction(state->directions[t].data());
     TrackEquations* own = ret != nullptr ? &ret->tracks[t] : nullptr;
     if (own != nullptr) own->tangent = tangent_of(direction);
-    for (std::size_t s = track.first_sight; s < track.first_sight + track.sights; ++s) {
-      const TrackSight& seen = sights_[s];
+    for (std::size_t s = track.first_observation; s < track.first_observation + track.observations; ++s) {
+      const TrackObservation& seen = observations_[s];
       Eigen::Vector2d error;
-      if (!cameras[seen.direction].residuals(seen.sight, state->lens.data(), state->nearness.terms, track.wall_nearness,
-                                             direction, &error, own != nullptr ? &slopes : nullptr)) {
+      if (!cameras[seen.direction].residuals(seen.observation, state->lens.data(), state->inverse_depth.terms,
+                                             track.wall_inverse_depth, direction, &error,
+                                             own != nullptr ? &slopes : nullptr)) {
         return std::nullopt;
       }
       const WeighedSquare share = weighed(loss_, kLoss_sigmas, error.squaredNorm());
@@ -191,13 +193,13 @@ std::optional<double> PlateAdjustment::add_measured(PlateState* state, bool with
       if (own == nullptr) continue;
       const Eigen::Matrix2d by_own = slopes.by_direction * own->tangent;
       const Eigen::Matrix2d weighed_own = share.weight * by_own.transpose();
-      const SightCross weighed_numbers = share.weight * slopes.by_numbers;
+      const ObservationCross weighed_numbers = share.weight * slopes.by_numbers;
       own->own += weighed_own * by_own;
       own->own_gradient += weighed_own * error;
       ret->crosses[s] = weighed_own * slopes.by_numbers;
-      const SightGradient across = weighed_numbers.row(0);
-      const SightGradient down = weighed_numbers.row(1);
-      for (int j = 0; j < kSightNumbers; ++j) {
+      const ObservationGradient across = weighed_numbers.row(0);
+      const ObservationGradient down = weighed_numbers.row(1);
+      for (int j = 0; j < kObservationParameters; ++j) {
         normals[seen.direction].col(j) += slopes.by_numbers(0, j) * across + slopes.by_numbers(1, j) * down;
       }
       gradients[seen.direction] += error[0] * across + error[1] * down;
@@ -217,11 +219,11 @@ std::optional<double> PlateAdjustment::add_measured(PlateState* state, bool with
     own->own += share.weight * by_own.transpose() * by_own;
     own->own_gradient += share.weight * by_own.transpose() * error;
     own->by_turn = share.weight * by_own.transpose() * by_turn;
-    ret->normal.block<3, 3>(turn_place_, turn_place_) += share.weight * by_turn.transpose() * by_turn;
-    ret->gradient.segment<3>(turn_place_) += share.weight * by_turn.transpose() * error;
+    ret->normal.block<3, 3>(turn_column_, turn_column_) += share.weight * by_turn.transpose() * by_turn;
+    ret->gradient.segment<3>(turn_column_) += share.weight * by_turn.transpose() * error;
   }
   for (std::size_t d = 0; d < normals.size(); ++d) {
-    for (int i = 0; i < kSightNumbers; ++i) {
+    for (int i = 0; i < kObservationParameters; ++i) {
       const Eigen::Index row = column_of(i, d);
       if (row < 0) continue;
       ret->gradient[row] += gradients[d][i];
@@ -255,26 +257,26 @@ void PlateAdjustment::cross_of(const Equations& equations, std::size_t track, st
   // What all sights know, the turn, and then an angle each.
   const TrackData& data = tracks_[track];
   ret_columns->clear();
-  for (const Eigen::Index place : places_) {
-    if (place >= 0) ret_columns->push_back(place);
+  for (const Eigen::Index position : columns_) {
+    if (position >= 0) ret_columns->push_back(position);
   }
   const auto common = static_cast<Eigen::Index>(ret_columns->size());
-  for (Eigen::Index i = 0; turn_place_ >= 0 && i < 3; ++i) ret_columns->push_back(turn_place_ + i);
-  for (std::size_t s = data.first_sight; s < data.first_sight + data.sights; ++s) {
-    const Eigen::Index angle = angle_places_[sights_[s].direction];
+  for (Eigen::Index i = 0; turn_column_ >= 0 && i < 3; ++i) ret_columns->push_back(turn_column_ + i);
+  for (std::size_t s = data.first_observation; s < data.first_observation + data.observations; ++s) {
+    const Eigen::Index angle = angle_columns_[observations_[s].direction];
     if (angle >= 0) ret_columns->push_back(angle);
   }
   ret_cross->setZero(2, static_cast<Eigen::Index>(ret_columns->size()));
   Eigen::Index next = common;
-  if (turn_place_ >= 0) ret_cross->middleCols<3>(next) = equations.tracks[track].by_turn;
-  if (turn_place_ >= 0) next += 3;
-  for (std::size_t s = data.first_sight; s < data.first_sight + data.sights; ++s) {
-    const SightCross& cross = equations.crosses[s];
+  if (turn_column_ >= 0) ret_cross->middleCols<3>(next) = equations.tracks[track].by_turn;
+  if (turn_column_ >= 0) next += 3;
+  for (std::size_t s = data.first_observation; s < data.first_observation + data.observations; ++s) {
+    const ObservationCross& cross = equations.crosses[s];
     Eigen::Index column = 0;
-    for (std::size_t i = 0; i < places_.size(); ++i) {
-      if (places_[i] >= 0) ret_cross->col(column++) += cross.col(static_cast<Eigen::Index>(i));
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      if (columns_[i] >= 0) ret_cross->col(column++) += cross.col(static_cast<Eigen::Index>(i));
     }
-    if (angle_places_[sights_[s].direction] >= 0) ret_cross->col(next++) = cross.col(kSightAngle);
+    if (angle_columns_[observations_[s].direction] >= 0) ret_cross->col(next++) = cross.col(kAngleIndex);
   }
 }
 
@@ -366,7 +368,7 @@ std::vector<std::string> PlateAdjustment::names() const {
       case Shared::kOffset:
         names.emplace_back(kOffset[shared.index]);
         break;
-      case Shared::kNearness:
+      case Shared::kInverseDepth:
         names.push_back(fmt::format("nearness_{}_per_m", shared.index));
         break;
       case Shared::kTurn:
@@ -386,4 +388,4 @@ std::vector<double> PlateAdjustment::prior_sigmas() const {
   return sigmas;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

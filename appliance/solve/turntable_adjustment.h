@@ -11,12 +11,12 @@
 #include "appliance/solve/damped_steps.h"
 #include "appliance/solve/turntable_problem.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 /// Borrows all for its life, and moves `state`. Thread-bound.
 class PlateAdjustment final : public DampedProblem {
  public:
-  /// `tracks`, with a direction each in `state`. Camera's offset and wall's nearness move only if `with_offset`.
+  /// `tracks`, with a direction each in `state`. Camera's offset and wall's inverse_depth move only if `with_offset`.
   PlateAdjustment(const PlateTask& task, const PlateHints& hints, bool with_offset,
                   const std::vector<const Track*>& tracks, PlateState* state);
 
@@ -35,18 +35,18 @@ class PlateAdjustment final : public DampedProblem {
  private:
   /// One of the numbers that are shared.
   struct Shared {
-    enum Kind { kLens, kMount, kOffset, kNearness, kTurn, kAngle } kind;
+    enum Kind { kLens, kMount, kOffset, kInverseDepth, kTurn, kAngle } kind;
     std::size_t index;
   };
-  struct TrackSight {
-    PlateSight sight;
+  struct TrackObservation {
+    PlateObservation observation;
     std::size_t direction;
   };
   struct TrackData {
-    std::size_t first_sight = 0;
-    std::size_t sights = 0;
-    double wall_nearness = 0.0;
-    std::optional<KnownSight> known{};
+    std::size_t first_observation = 0;
+    std::size_t observations = 0;
+    double wall_inverse_depth = 0.0;
+    std::optional<KnownDirection> known{};
   };
   /// What one track adds to the equations.
   struct TrackEquations {
@@ -55,12 +55,12 @@ class PlateAdjustment final : public DampedProblem {
     Eigen::Vector2d own_gradient = Eigen::Vector2d::Zero();
     Eigen::Matrix<double, 2, 3> by_turn = Eigen::Matrix<double, 2, 3>::Zero();
   };
-  using SightCross = Eigen::Matrix<double, 2, kSightNumbers>;
+  using ObservationCross = Eigen::Matrix<double, 2, kObservationParameters>;
   struct Equations {
     std::vector<TrackEquations> tracks;
-    std::vector<SightCross> crosses;  ///< Own direction by what is shared, of each sight.
-    Eigen::VectorXd gradient;         ///< Of what is shared.
-    Eigen::MatrixXd normal;           ///< Lower triangle.
+    std::vector<ObservationCross> crosses;  ///< Own direction by what is shared, of each sight.
+    Eigen::VectorXd gradient;               ///< Of what is shared.
+    Eigen::MatrixXd normal;                 ///< Lower triangle.
   };
   struct Elimination {
     Eigen::MatrixXd normal;
@@ -72,7 +72,7 @@ class PlateAdjustment final : public DampedProblem {
   [[nodiscard]] double prior_sigma(const Shared& shared) const;
   [[nodiscard]] Eigen::VectorXd shared_numbers(PlateState* state) const;
   /// Where a sight's numbers lie among those that are shared; -1: it stays as it is.
-  [[nodiscard]] Eigen::Index column_of(int sight_number, std::size_t direction) const;
+  [[nodiscard]] Eigen::Index column_of(int parameter_index, std::size_t direction) const;
   /// Half the sum of robust squares; fills the equations unless they are null.
   std::optional<double> add_measured(PlateState* state, bool with_known, Equations* ret) const;
   double add_priors(PlateState* state, Eigen::VectorXd* ret_gradient, Eigen::MatrixXd* ret_normal) const;
@@ -87,15 +87,15 @@ class PlateAdjustment final : public DampedProblem {
   PlateState* state_;
   PlateState candidate_;
   std::vector<TrackData> tracks_;
-  std::vector<TrackSight> sights_;
+  std::vector<TrackObservation> observations_;
   std::vector<Shared> shared_;
-  std::vector<Eigen::Index> places_;        ///< Of a sight's numbers but the angle.
-  std::vector<Eigen::Index> angle_places_;  ///< By direction.
-  Eigen::Index turn_place_ = -1;
+  std::vector<Eigen::Index> columns_;        ///< Of a sight's numbers but the angle.
+  std::vector<Eigen::Index> angle_columns_;  ///< By direction.
+  Eigen::Index turn_column_ = -1;
   Eigen::VectorXd prior_means_;
   Eigen::MatrixXd prior_normal_;
   RobustLoss loss_ = RobustLoss::kHuber;
   Equations equations_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

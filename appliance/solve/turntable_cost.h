@@ -9,22 +9,24 @@
 #include "appliance/calibration/calibration.h"
 #include "appliance/solve/cell_means.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 /// What each term is multiplied by.
-[[nodiscard]] Eigen::Matrix<double, kNearnessTerms, 1> nearness_basis(const Eigen::Vector3d& direction);
-[[nodiscard]] double nearness_at(const Nearness& terms, const Eigen::Vector3d& direction);
+[[nodiscard]] Eigen::Matrix<double, calibration::kInverseDepthTerms, 1> inverse_depth_basis(
+    const Eigen::Vector3d& direction);
+[[nodiscard]] double inverse_depth_at(const calibration::InverseDepthTerms& terms, const Eigen::Vector3d& direction);
 
 /// From what the eye at the sweet spot sees to what the camera does: turned by the heading, moved off the axis by
 /// (right, forward), pitched up and rolled clockwise. `mount` is {pitch, roll}.
 template <typename T>
-void to_camera(const T* mount, const T* offset, const T& angle, const T* direction, const T& nearness, T* ret_point) {
+void to_camera(const T* mount, const T* offset, const T& angle, const T* direction, const T& inverse_depth,
+               T* ret_point) {
   using std::cos;
   using std::sin;
   const T ca = cos(angle);
   const T sa = sin(angle);
-  const T x = ca * direction[0] + sa * direction[2] - offset[0] * nearness;
-  const T z = -sa * direction[0] + ca * direction[2] + offset[1] * nearness;
+  const T x = ca * direction[0] + sa * direction[2] - offset[0] * inverse_depth;
+  const T z = -sa * direction[0] + ca * direction[2] + offset[1] * inverse_depth;
   const T cp = cos(mount[0]);
   const T sp = sin(mount[0]);
   const T y = cp * direction[1] + sp * z;
@@ -37,47 +39,54 @@ void to_camera(const T* mount, const T* offset, const T& angle, const T* directi
 }
 
 /// Where a calibration of before has a place of a projector's picture.
-struct KnownSight {
+struct KnownDirection {
   Eigen::Vector3d direction;  ///< A unit vector.
   double sigma_rad = 1e-4;
 };
 
 /// One camera pixel that a direction of the plate sees of a track.
-struct PlateSight {
+struct PlateObservation {
   Eigen::Vector2d camera_px;
   Eigen::Matrix2d whitening;  ///< From camera pixels to sigmas of the projector's.
 
-  explicit PlateSight(const CellMean& cell);
+  explicit PlateObservation(const CellMean& cell);
 };
 
 /// What directions of the plate share, and one of them. Its numbers lie in a residual's Jacobian at:
-enum SightNumber : int { kSightLens = 0, kSightMount = 8, kSightOffset = 10, kSightNearness = 12, kSightAngle = 21 };
-inline constexpr int kSightNumbers = 22;
+enum ObservationParameter : int {
+  kLensIndex = 0,
+  kMountIndex = 8,
+  kOffsetIndex = 10,
+  kInverseDepthIndex = 12,
+  kAngleIndex = 21
+};
+inline constexpr int kObservationParameters = 22;
 
 /// A camera where a solver has it, for the residuals of many sights. What it sees is linear in a direction and in the
-/// wall's nearness there, so sines and cosines are needed once. A value; reentrant.
+/// wall's inverse_depth there, so sines and cosines are needed once. A value; reentrant.
 class SeenFrom {
  public:
   struct Slopes {
-    Eigen::Matrix<double, 2, kSightNumbers> by_numbers;
+    Eigen::Matrix<double, 2, kObservationParameters> by_numbers;
     Eigen::Matrix<double, 2, 3> by_direction;
   };
 
   SeenFrom(const std::array<double, 2>& mount, const std::array<double, 2>& offset, double angle_rad);
-  /// In sigmas, of the unit vector `direction` where the wall is `wall_nearness` and the terms near; `ret_slopes` may
+  /// In sigmas, of the unit vector `direction` where the wall is `wall_inverse_depth` and the terms near; `ret_slopes` may
   /// be null. False behind the camera.
-  bool residuals(const PlateSight& sight, const double* lens, const Nearness& terms, double wall_nearness,
-                 const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals, Slopes* ret_slopes) const;
+  bool residuals(const PlateObservation& observation, const double* lens, const calibration::InverseDepthTerms& terms,
+                 double wall_inverse_depth, const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals,
+                 Slopes* ret_slopes) const;
 
  private:
-  /// point = by_direction * direction + by_nearness * nearness
+  /// point = by_direction * direction + by_inverse_depth * inverse_depth
   struct Linear {
     Eigen::Matrix3d by_direction;
-    Eigen::Vector3d by_nearness;
+    Eigen::Vector3d by_inverse_depth;
   };
   static constexpr int kPoseNumbers = 5;  // Pitch, roll, right, forward, angle.
   Linear seen_;
   std::array<Linear, kPoseNumbers> slopes_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -8,21 +8,21 @@
 #include "appliance/solve/turntable_adjustment.h"
 #include "appliance/solve/uncertainty.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
-constexpr double kLeastNearness_per_m = 1e-6;
+constexpr double kMinInverseDepth_per_m = 1e-6;
 constexpr DampedOptions kSteps{100, 1e-11, 1e-12};
 
 /// The mean of what its directions see; nothing when the lens has no place for a pixel.
-std::optional<Eigen::Vector3d> mean_sight(const PlateState& state, const BrownLens& lens, const CellMeans& means,
-                                          const Track& track) {
+std::optional<Eigen::Vector3d> mean_direction(const PlateState& state, const calibration::BrownLens& lens,
+                                              const CellMeans& means, const Track& track) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const std::size_t i : track.cells) {
     const CellMean& cell = means.cells[i];
-    const auto ray = direction_through(lens, cell.camera_px);
+    const auto ray = calibration::direction_through(lens, cell.camera_px);
     if (!ray) return std::nullopt;
-    sum += sight_along(state.camera(static_cast<std::size_t>(cell.direction)), state.nearness, *ray) /
+    sum += wall_direction_along(state.camera(static_cast<std::size_t>(cell.direction)), state.inverse_depth, *ray) /
            (cell.sigma_px * cell.sigma_px);
   }
   if (!(sum.norm() > 1e-9)) return std::nullopt;
@@ -33,20 +33,20 @@ std::optional<Eigen::Vector3d> mean_sight(const PlateState& state, const BrownLe
 std::optional<Eigen::Vector2d> error_px(const PlateState& state, const CellMean& cell, const Eigen::Vector3d& d) {
   Eigen::Vector3d point;
   to_camera(state.mount.data(), state.offset.data(), state.angles[static_cast<std::size_t>(cell.direction)], d.data(),
-            state.nearness.at(d), point.data());
+            state.inverse_depth.at(d), point.data());
   if (!(point.z() > 1e-6)) return std::nullopt;
   Eigen::Vector2d pixel;
-  project_through_lens(state.lens.data(), point.data(), pixel.data());
+  calibration::project_through_lens(state.lens.data(), point.data(), pixel.data());
   return cell.camera_per_projector.inverse() * (pixel - cell.camera_px);
 }
 
 /// Of tracks whose directions are their means: with n of them, 2n - 2 numbers are free. The worst twentieth is left
 /// out, as gross errors are for the decoder to count.
-TrackError residual_of(const PlateState& state, const BrownLens& lens, const CellMeans& means,
+TrackError residual_of(const PlateState& state, const calibration::BrownLens& lens, const CellMeans& means,
                        const std::vector<Track>& tracks) {
   std::vector<std::pair<double, double>> squares;
   for (const Track& track : tracks) {
-    const auto d = mean_sight(state, lens, means, track);
+    const auto d = mean_direction(state, lens, means, track);
     if (!d) continue;
     const double free = (static_cast<double>(track.cells.size()) - 1.0) / static_cast<double>(track.cells.size());
     for (const std::size_t i : track.cells) {
@@ -69,15 +69,16 @@ TrackError residual_of(const PlateState& state, const BrownLens& lens, const Cel
 
 }  // namespace
 
-double NearnessField::wall_at(const Eigen::Vector3d& direction) const {
-  return wall == nullptr ? 0.0 : wall->nearness_at(direction).value_or(1.0 / wall->distance_m);
+double InverseDepthField::wall_at(const Eigen::Vector3d& direction) const {
+  return wall == nullptr ? 0.0 : wall->inverse_depth_at(direction).value_or(1.0 / wall->distance_m);
 }
 
-double NearnessField::at(const Eigen::Vector3d& direction) const {
-  return std::max(kLeastNearness_per_m, wall_at(direction) + nearness_at(terms, direction));
+double InverseDepthField::at(const Eigen::Vector3d& direction) const {
+  return std::max(kMinInverseDepth_per_m, wall_at(direction) + inverse_depth_at(terms, direction));
 }
 
-Eigen::Vector3d sight_along(const CameraPose& pose, const NearnessField& nearness, const Eigen::Vector3d& ray) {
+Eigen::Vector3d wall_direction_along(const CameraPose& pose, const InverseDepthField& inverse_depth,
+                                     const Eigen::Vector3d& ray) {
   const double cr = std::cos(pose.mount[1]);
   const double sr = std::sin(pose.mount[1]);
   const double x = cr * ray.x() - sr * ray.y();
@@ -94,8 +95,8 @@ Eigen::Vector3d sight_along(const CameraPose& pose, const NearnessField& nearnes
   if (centre.isZero()) return seen;
   Eigen::Vector3d d = seen;
   for (int round = 0; round < 4; ++round) {
-    // The wall's point is d / nearness = centre + s seen, for some s: s from its distance, which depends on d.
-    const double near = nearness.at(d);
+    // The wall's point is d / inverse_depth = centre + s seen, for some s: s from its distance, which depends on d.
+    const double near = inverse_depth.at(d);
     const double along = centre.dot(seen);
     const double s = -along + std::sqrt(std::max(0.0, along * along + 1.0 / (near * near) - centre.squaredNorm()));
     d = (centre + s * seen).normalized();
@@ -103,8 +104,8 @@ Eigen::Vector3d sight_along(const CameraPose& pose, const NearnessField& nearnes
   return d;
 }
 
-MeasuredLens lens_of(const Measurements& measurements, const PlateState& state) {
-  MeasuredLens lens = measurements.camera;
+calibration::MeasuredLens lens_of(const Measurements& measurements, const PlateState& state) {
+  calibration::MeasuredLens lens = measurements.camera;
   lens.values = state.lens;
   return lens;
 }
@@ -115,24 +116,25 @@ Eigen::Vector2d SolvedPlate::offset_sigma_m() const {
     CHECK(at != names.end());
     return at - names.begin();
   };
-  Eigen::Matrix<double, kNearnessTerms, 1> slopes = Eigen::Matrix<double, kNearnessTerms, 1>::Zero();
-  double nearness = 0.0;
+  Eigen::Matrix<double, calibration::kInverseDepthTerms, 1> slopes =
+      Eigen::Matrix<double, calibration::kInverseDepthTerms, 1>::Zero();
+  double inverse_depth = 0.0;
   for (const std::array<double, 3>& d : state.directions) {
     const Eigen::Vector3d direction(d.data());
-    nearness += state.nearness.at(direction);
-    slopes += nearness_basis(direction);
+    inverse_depth += state.inverse_depth.at(direction);
+    slopes += inverse_depth_basis(direction);
   }
   const double count = std::max<double>(1.0, static_cast<double>(state.directions.size()));
-  nearness = std::max(kLeastNearness_per_m, nearness / count);
+  inverse_depth = std::max(kMinInverseDepth_per_m, inverse_depth / count);
   slopes /= count;
   const Eigen::Index terms = place_of("nearness_0_per_m");
   Eigen::Vector2d sigma;
   for (const Eigen::Index axis : {0, 1}) {
     const Eigen::Index at = place_of(axis == 0 ? "offset_right_m" : "offset_forward_m");
-    Eigen::VectorXd product = Eigen::VectorXd::Zero(covariance.rows());  // Slopes of offset times nearness.
-    product[at] = nearness;
-    product.segment<kNearnessTerms>(terms) = state.offset[static_cast<std::size_t>(axis)] * slopes;
-    sigma[axis] = std::sqrt(std::max(0.0, product.dot(covariance * product))) / nearness;
+    Eigen::VectorXd product = Eigen::VectorXd::Zero(covariance.rows());  // Slopes of offset times inverse_depth.
+    product[at] = inverse_depth;
+    product.segment<calibration::kInverseDepthTerms>(terms) = state.offset[static_cast<std::size_t>(axis)] * slopes;
+    sigma[axis] = std::sqrt(std::max(0.0, product.dot(covariance * product))) / inverse_depth;
   }
   return sigma;
 }
@@ -151,18 +153,18 @@ Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, 
     state.angles = from->angles;
   }
   state.offset = {offset_m.x(), offset_m.y()};
-  state.nearness.wall = with_offset ? hints.wall : nullptr;
-  if (state.nearness.wall == nullptr) state.nearness.terms[0] = 1.0 / task.measurements.wall_distance_m;
+  state.inverse_depth.wall = with_offset ? hints.wall : nullptr;
+  if (state.inverse_depth.wall == nullptr) state.inverse_depth.terms[0] = 1.0 / task.measurements.wall_distance_m;
   std::vector<const Track*> tracks;
   if (const auto lens = lens_of(task.measurements, state).brown()) {
     for (const Track& track : task.tracks.used) {
-      const auto d = mean_sight(state, *lens, task.means, track);
+      const auto d = mean_direction(state, *lens, task.means, track);
       if (!d) continue;
       state.directions.push_back({d->x(), d->y(), d->z()});
       tracks.push_back(&track);
     }
   }
-  if (tracks.size() < kLeastTracks) {
+  if (tracks.size() < kMinTracks) {
     return Error(ErrorCode::kInvalidArgument,
                  "the camera's lens has no directions for the pixels that several pictures share; calibrate the lens");
   }
@@ -186,4 +188,4 @@ Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, 
   return solved;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -15,12 +15,12 @@
 #include "appliance/solve/turntable_cost.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 struct TurnPlateOptions {
   double offset_sigma_m = 0.03;  ///< How far the camera may have been mounted off the axis.
   double mount_sigma_rad = 0.1;
-  std::size_t most_tracks = 1500;
+  std::size_t max_tracks = 1500;
   /// Added to where the search begins: pitch, roll, right, forward. Restarts must agree.
   Eigen::Vector4d start = Eigen::Vector4d::Zero();
 };
@@ -28,14 +28,15 @@ struct TurnPlateOptions {
 /// What else is known when the plate is solved again.
 struct PlateHints {
   /// Where a calibration of before has a projector's pixel, turned about as this one is; nothing where it has none.
-  std::function<std::optional<KnownSight>(std::size_t projector, const Eigen::Vector2d& pixel)> known{};
-  const Surface* wall = nullptr;  ///< Fitted to a solution of before: it tells nearness better. Borrowed for the call.
+  std::function<std::optional<KnownDirection>(std::size_t projector, const Eigen::Vector2d& pixel)> known{};
+  const calibration::Surface* wall =
+      nullptr;  ///< Fitted to a solution of before: it tells inverse_depth better. Borrowed for the call.
 };
 
 /// 1/m, never less than a little.
-struct NearnessField {
-  Nearness terms{};
-  const Surface* wall = nullptr;  ///< The terms are added to it. Borrowed.
+struct InverseDepthField {
+  calibration::InverseDepthTerms terms{};
+  const calibration::Surface* wall = nullptr;  ///< The terms are added to it. Borrowed.
   [[nodiscard]] double wall_at(const Eigen::Vector3d& direction) const;
   [[nodiscard]] double at(const Eigen::Vector3d& direction) const;
 };
@@ -48,16 +49,16 @@ struct CameraPose {
 };
 
 /// What the eye at the sweet spot sees of what the camera sees along `ray`; a unit vector.
-[[nodiscard]] Eigen::Vector3d sight_along(const CameraPose& pose, const NearnessField& nearness,
-                                          const Eigen::Vector3d& ray);
+[[nodiscard]] Eigen::Vector3d wall_direction_along(const CameraPose& pose, const InverseDepthField& inverse_depth,
+                                                   const Eigen::Vector3d& ray);
 
 /// What the bundle adjustment moves. Ceres holds pointers into it.
 struct PlateState {
-  std::array<double, MeasuredLens::kParameters> lens{};
+  std::array<double, calibration::MeasuredLens::kParameters> lens{};
   std::array<double, 2> mount{};
   std::array<double, 2> offset{};
   std::vector<double> angles;
-  NearnessField nearness{};
+  InverseDepthField inverse_depth{};
   std::array<double, 3> turn{};                   ///< Of what is known of before.
   std::vector<std::array<double, 3>> directions;  ///< Of the tracks.
 
@@ -79,7 +80,7 @@ struct SolvedPlate {
   TrackError used;
   TrackError left_out;
 
-  /// Of the offset, right and forward, in metres at the nearness that was found in the tracks' mean. Only their product
+  /// Of the offset, right and forward, in metres at the inverse_depth that was found in the tracks' mean. Only their product
   /// is seen: the scale that the two share, which a prior alone holds, is no part of it. Precondition: with an offset.
   [[nodiscard]] Eigen::Vector2d offset_sigma_m() const;
 };
@@ -99,6 +100,6 @@ Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, 
                                 const Eigen::Vector2d& offset_m);
 
 /// With the numbers of a state.
-[[nodiscard]] MeasuredLens lens_of(const Measurements& measurements, const PlateState& state);
+[[nodiscard]] calibration::MeasuredLens lens_of(const Measurements& measurements, const PlateState& state);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 /// The normal matrix of the shared parameters, scaled, after the small blocks are eliminated.
@@ -85,4 +85,4 @@ Uncertainty uncertainty_of(const Eigen::MatrixXd& all, const Eigen::MatrixXd& me
   return uncertainty_of_scaled(scaled(all), scaled(measured), scale);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

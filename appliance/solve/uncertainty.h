@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 
 struct Uncertainty {
   Eigen::MatrixXd covariance;  ///< Of the first parameters, with all residuals.
@@ -25,4 +25,4 @@ struct Uncertainty {
 [[nodiscard]] Uncertainty uncertainty_of(const Eigen::MatrixXd& all, const Eigen::MatrixXd& measured,
                                          const std::vector<double>& scale);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

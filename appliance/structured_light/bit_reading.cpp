@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
 /// Bit b of `lit` and `open`: what the picture of bit b showed, and whether that is open.
@@ -35,20 +35,20 @@ StripeReading read_bits(const AxisBits& axis, const Image<float, 1>& amplitude, 
   const unsigned all = ((1U << axis.bits) - 1U) & ~((1U << axis.finest_bit) - 1U);
   for (std::size_t i = 0; i < amplitude.data().size(); ++i) {
     // At least one unit: a difference of nothing decides nothing.
-    const float least = std::max(1.0f, kDifferenceScale * std::max(by_noise, by_contrast * amplitude.data()[i]));
-    Signs signs = signs_at(axis, i, least);
+    const float min = std::max(1.0f, kDifferenceScale * std::max(by_noise, by_contrast * amplitude.data()[i]));
+    Signs signs = signs_at(axis, i, min);
     if (axis.base_bit >= 0) {
       const unsigned base = 1U << axis.base_bit;
       const unsigned coarser = all & ~(2U * base - 1U);
       if ((signs.lit & base) != 0) signs.lit ^= coarser;
       if ((signs.open & base) != 0) signs.open |= coarser;
     }
-    unsigned place = signs.lit;
-    for (unsigned shift = 1; shift < 16; shift *= 2) place ^= place >> shift;
-    reading.place.data()[i] = static_cast<std::uint16_t>(place & all);
+    unsigned position = signs.lit;
+    for (unsigned shift = 1; shift < 16; shift *= 2) position ^= position >> shift;
+    reading.position.data()[i] = static_cast<std::uint16_t>(position & all);
     reading.undecided.data()[i] = static_cast<std::uint16_t>(signs.open);
   }
   return reading;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

@@ -9,7 +9,7 @@
 #include "appliance/structured_light/pattern_set.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 
 /// Pattern less inverse, one unit is 1 / kDifferenceScale of full scale: half the memory of float, and finer than any
 /// camera.
@@ -27,7 +27,7 @@ struct AxisBits {
 
 /// What was read, for every pixel of the camera.
 struct StripeReading {
-  Image<std::uint16_t, 1> place;      ///< The stripe read, in projector pixels; its bits below finest_bit are 0.
+  Image<std::uint16_t, 1> position;   ///< The stripe read, in projector pixels; its bits below finest_bit are 0.
   Image<std::uint16_t, 1> undecided;  ///< The bits (of the Gray code) that might as well be the other way.
 };
 
@@ -45,8 +45,8 @@ struct BitThreshold {
 /// Whether all readings that the undecided bits leave open lie in the same cell of 2^level pixels, or the next. Gray
 /// code promises this at the edge of a stripe: there one bit is open, and both its readings are true. Where all finer
 /// bits are decided they must agree that there is an edge: the readings lie no further apart than a cell.
-[[nodiscard]] inline bool is_settled(std::uint16_t place, std::uint16_t undecided, int level) {
-  const auto whole = static_cast<unsigned>(place);
+[[nodiscard]] inline bool is_settled(std::uint16_t position, std::uint16_t undecided, int level) {
+  const auto whole = static_cast<unsigned>(position);
   const int cell = static_cast<int>(whole >> level);
   for (unsigned open = static_cast<unsigned>(undecided) >> level << level; open != 0; open &= open - 1) {
     const unsigned lowest = open & (~open + 1U);
@@ -59,4 +59,4 @@ struct BitThreshold {
   return true;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

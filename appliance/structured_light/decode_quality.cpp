@@ -5,11 +5,11 @@
 #include <cmath>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
 constexpr int kTilePx = 16;
-constexpr std::size_t kFewestInTile = 64;
+constexpr std::size_t kMinPixelsInTile = 64;
 constexpr double kSmooth = 0.8;
 
 struct Sample {
@@ -73,15 +73,15 @@ std::vector<double> distances_in(const std::vector<Sample>& samples) {
   std::vector<double> distances(samples.size(), 0.0);
   // A tile's own slope spreads its places; only what is far beyond is left out at first.
   for (std::size_t i = 0; i < samples.size(); ++i) distances[i] = std::hypot(samples[i].x - x, samples[i].y - y);
-  double most = std::max(kGrossPx, 3.0 * median_of(distances));
+  double max = std::max(kGrossPx, 3.0 * median_of(distances));
   for (int round = 0; round < 4; ++round) {
-    for (std::size_t i = 0; i < samples.size(); ++i) is_used[i] = distances[i] <= most ? 1 : 0;
+    for (std::size_t i = 0; i < samples.size(); ++i) is_used[i] = distances[i] <= max ? 1 : 0;
     const Plane px = plane_through(samples, is_used, &Sample::x);
     const Plane py = plane_through(samples, is_used, &Sample::y);
     for (std::size_t i = 0; i < samples.size(); ++i) {
       distances[i] = std::hypot(samples[i].x - px.at(samples[i]), samples[i].y - py.at(samples[i]));
     }
-    most = kGrossPx;
+    max = kGrossPx;
   }
   return distances;
 }
@@ -109,12 +109,12 @@ DecodeQuality quality_of(const Decoded& decoded, double lit_amplitude) {
       for (int y = top; y < std::min(top + kTilePx, decoded.fate.height()); ++y) {
         for (int x = left; x < std::min(left + kTilePx, decoded.fate.width()); ++x) {
           if (*decoded.fate.at(x, y) != PixelFate::kDecoded) continue;
-          const float* const place = decoded.position_px.at(x, y);
-          samples.push_back({x - left - 0.5 * kTilePx, y - top - 0.5 * kTilePx, static_cast<double>(place[0]),
-                             static_cast<double>(place[1])});
+          const float* const position = decoded.position_px.at(x, y);
+          samples.push_back({x - left - 0.5 * kTilePx, y - top - 0.5 * kTilePx, static_cast<double>(position[0]),
+                             static_cast<double>(position[1])});
         }
       }
-      if (samples.size() < kFewestInTile) continue;
+      if (samples.size() < kMinPixelsInTile) continue;
       const std::vector<double> distances = distances_in(samples);
       const auto near = std::count_if(distances.begin(), distances.end(), [](double d) { return d <= kGrossPx; });
       if (static_cast<double>(near) < kSmooth * static_cast<double>(samples.size())) continue;
@@ -133,4 +133,4 @@ DecodeQuality quality_of(const Decoded& decoded, double lit_amplitude) {
   return quality;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

@@ -5,7 +5,7 @@
 
 #include "appliance/structured_light/decoded.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 
 /// How much of a view was decoded, and how much of that is wrong, as far as the view itself can tell: walls are smooth
 /// over some pixels, so tiles of the photograph are each compared with their own plane.
@@ -25,4 +25,4 @@ inline constexpr double kGrossPx = 2.0;
 /// one that is not holds an edge of the scene and judges nobody. Reentrant.
 [[nodiscard]] DecodeQuality quality_of(const Decoded& decoded, double lit_amplitude);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

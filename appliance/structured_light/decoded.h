@@ -8,7 +8,7 @@
 
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 
 /// What became of a camera's pixel.
 enum class PixelFate : std::uint8_t {
@@ -37,4 +37,4 @@ struct Decoded {
   double noise = 0.0;            ///< Deviation of one photograph at one pixel, as Photo; measured in these very ones.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

@@ -7,7 +7,7 @@
 
 #include "appliance/structured_light/patches.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
 /// Direct and global light are told apart by stripes that are narrow against what the light's detours blur, and wide
@@ -88,8 +88,8 @@ Decoder::Decoder(const PatternSet& set, const DecodeSettings& settings, int widt
       width_px_(width_px),
       height_px_(height_px),
       sums_(width_px, height_px),
-      least_(width_px, height_px, 1e9f),
-      most_(width_px, height_px, -1e9f) {}
+      min_(width_px, height_px, 1e9f),
+      max_(width_px, height_px, -1e9f) {}
 
 Status Decoder::add(const Photo& photo) {
   if (next_ >= set_.pictures.size()) return bad("the set has no more than " + std::to_string(next_) + " pictures");
@@ -143,8 +143,8 @@ void Decoder::add_pair(const PatternPicture& picture, const Photo& pattern, cons
     mean += off / count;
     sums_.data()[2 * i + 1] += off * (a + b - mean);
     if (separates) {
-      least_.data()[i] = std::min({least_.data()[i], a, b});
-      most_.data()[i] = std::max({most_.data()[i], a, b});
+      min_.data()[i] = std::min({min_.data()[i], a, b});
+      max_.data()[i] = std::max({max_.data()[i], a, b});
     }
   }
 }
@@ -166,18 +166,18 @@ double Decoder::measured_noise(const Image<float, 1>& amplitude) const {
 void Decoder::judge_light(const DecodeSettings& settings, Decoded* decoded) const {
   const auto darkest = static_cast<float>(std::max(settings.darkest, 3.0 * decoded->noise));
   const auto saturated = static_cast<float>(settings.saturated);
-  const auto least_share = static_cast<float>(settings.least_direct_share);
+  const auto min_share = static_cast<float>(settings.min_direct_share);
   for (std::size_t i = 0; i < white_.data().size(); ++i) {
     const float amplitude = std::max(0.0f, decoded->amplitude.data()[i]);
-    const float direct = std::clamp(most_.data()[i] - least_.data()[i], 0.0f, 1e6f);
+    const float direct = std::clamp(max_.data()[i] - min_.data()[i], 0.0f, 1e6f);
     decoded->direct_light.data()[i] = direct;
-    decoded->global_light.data()[i] = std::clamp(2.0f * (least_.data()[i] - black_.data()[i]), 0.0f, 1e6f);
+    decoded->global_light.data()[i] = std::clamp(2.0f * (min_.data()[i] - black_.data()[i]), 0.0f, 1e6f);
     const double spread =
         0.5 * std::sqrt(std::max(0.0, static_cast<double>(sums_.data()[2 * i + 1])) / std::max(1, pairs_ - 1));
     PixelFate& fate = decoded->fate.data()[i];
     if (white_.data()[i] >= saturated) {
       fate = PixelFate::kSaturated;
-    } else if (direct < darkest || amplitude < darkest || direct < least_share * amplitude) {
+    } else if (direct < darkest || amplitude < darkest || direct < min_share * amplitude) {
       fate = PixelFate::kDark;
     } else if (spread > settings.disturbance * static_cast<double>(amplitude) + 2.0 * decoded->noise) {
       fate = PixelFate::kDisturbed;
@@ -209,22 +209,22 @@ Result<Decoded> Decoder::finish(const DecodeSettings& settings) const {
   for (std::size_t a = 0; a < axes_.size(); ++a) {
     const AxisBits& axis = axes_.at(a);
     const StripeReading reading = read_bits(axis, decoded.amplitude, decoded.noise, settings.undecided);
-    AxisPlaces places = interpolate_edges(axis, reading, decoded.amplitude, is_lit, decoded.noise);
-    if (phases_.at(a).is_complete()) phases_.at(a).refine(decoded.noise, &places);
+    AxisPositions positions = interpolate_edges(axis, reading, decoded.amplitude, is_lit, decoded.noise);
+    if (phases_.at(a).is_complete()) phases_.at(a).refine(decoded.noise, &positions);
     const auto extent = static_cast<float>(axis.extent_px);
     for (std::size_t i = 0; i < is_lit.data().size(); ++i) {
       if (decoded.fate.data()[i] != PixelFate::kDecoded) continue;
-      const float place = places.position_px.data()[i];
-      const float sigma = places.sigma_px.data()[i];
-      if (sigma < 0.0f || sigma > static_cast<float>(settings.largest_sigma_px) || place < 0.0f || place > extent) {
+      const float position = positions.position_px.data()[i];
+      const float sigma = positions.sigma_px.data()[i];
+      if (sigma < 0.0f || sigma > static_cast<float>(settings.max_sigma_px) || position < 0.0f || position > extent) {
         decoded.fate.data()[i] = PixelFate::kUnstableBit;
         continue;
       }
-      decoded.position_px.data()[2 * i + a] = place;
+      decoded.position_px.data()[2 * i + a] = position;
       decoded.sigma_px.data()[2 * i + a] = sigma;
     }
   }
-  remove_small_patches(settings.smallest_patch_px, &decoded);
+  remove_small_patches(settings.min_patch_px, &decoded);
   bool is_any_lit = false;
   for (std::size_t i = 0; i < is_lit.data().size(); ++i) {
     is_any_lit |= decoded.fate.data()[i] != PixelFate::kDark;
@@ -243,4 +243,4 @@ Result<Decoded> Decoder::finish(const DecodeSettings& settings) const {
   return decoded;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

@@ -12,7 +12,7 @@
 #include "appliance/structured_light/photo.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 
 /// The defaults were chosen on the curves of docs/design/structured-light.md (`./bench.sh calibration-real` prints
 /// them).
@@ -21,11 +21,11 @@ struct DecodeSettings {
   double darkest = 0.04;    ///< Direct light below this is none, as Photo; never less than 3 deviations.
   /// Direct light below this share of the amplitude is none: the rest came by way of other walls, or of a second pane.
   /// With XOR codes, which see through such light, a tenth does.
-  double least_direct_share = 0.6;
+  double min_direct_share = 0.6;
   BitThreshold undecided = {2.0, 0.1};  ///< What a bit's difference must exceed.
   double disturbance = 0.12;            ///< Deviation of pattern and inverse's sum, of the amplitude, beyond noise.
-  double largest_sigma_px = 0.3;        ///< A pixel that is less sure of its place than this has an unstable bit.
-  int smallest_patch_px = 60;
+  double max_sigma_px = 0.3;            ///< A pixel that is less sure of its place than this has an unstable bit.
+  int min_patch_px = 60;
 };
 
 /// Photographs of a pattern set, one by one in the set's order, to a place on the projector for every camera pixel.
@@ -62,11 +62,11 @@ class Decoder {
   Photo black_;
   Photo pattern_;  ///< Waits for its inverse.
   int pairs_ = 0;
-  Image<float, 2> sums_;   ///< Mean of pattern and inverse's sum so far, and the sum of squared deviations from it.
-  Image<float, 1> least_;  ///< Least light of the pictures that tell direct light from global.
-  Image<float, 1> most_;
+  Image<float, 2> sums_;  ///< Mean of pattern and inverse's sum so far, and the sum of squared deviations from it.
+  Image<float, 1> min_;   ///< Least light of the pictures that tell direct light from global.
+  Image<float, 1> max_;
   std::array<AxisBits, 2> axes_;
   std::array<PhaseReading, 2> phases_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

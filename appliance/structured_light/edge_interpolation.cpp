@@ -6,12 +6,12 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
 constexpr int kLevels = 4;
 /// Pixels without a reading that an edge may lie among: where a base bit of XOR codes is open, none has one.
-constexpr std::size_t kWidestBridge = 4;
+constexpr std::size_t kMaxBridge = 4;
 /// Edges further apart than this many camera pixels say little about what is between them.
 constexpr double kFurthestEdges = 96.0;
 /// What interpolating between edges misses, in stripes: measured against planes on real captures
@@ -46,8 +46,8 @@ class Line {
         before = count;
         continue;
       }
-      if (!is_settled(reading_.place.data()[p], reading_.undecided.data()[p], level_)) continue;
-      if (before == count || i - before > kWidestBridge) {
+      if (!is_settled(reading_.position.data()[p], reading_.undecided.data()[p], level_)) continue;
+      if (before == count || i - before > kMaxBridge) {
         begins_ = true;
       } else {
         add_between(before, i);
@@ -56,7 +56,7 @@ class Line {
     }
   }
 
-  void fill(AxisPlaces* places) const {
+  void fill(AxisPositions* positions) const {
     const double cell_px = std::ldexp(1.0, level_);
     for (std::size_t k = 1; k < crossings_.size(); ++k) {
       const Crossing& a = crossings_[k - 1];
@@ -67,17 +67,17 @@ class Line {
         const double share = (static_cast<double>(i) - a.at) / gap;
         const double sigma =
             cell_px * std::hypot(std::hypot((1.0 - share) * a.sigma, share * b.sigma) / gap, kModelSigma);
-        const double place = cell_px * (a.boundary + share * (b.boundary - a.boundary));
-        keep(pixel(i), place, sigma, places);
+        const double position = cell_px * (a.boundary + share * (b.boundary - a.boundary));
+        keep(pixel(i), position, sigma, positions);
       }
     }
   }
 
-  static void keep(std::size_t p, double place, double sigma, AxisPlaces* places) {
-    float& best = places->sigma_px.data()[p];
+  static void keep(std::size_t p, double position, double sigma, AxisPositions* positions) {
+    float& best = positions->sigma_px.data()[p];
     if (best >= 0.0f && static_cast<double>(best) <= sigma) return;
     best = static_cast<float>(sigma);
-    places->position_px.data()[p] = static_cast<float>(place);
+    positions->position_px.data()[p] = static_cast<float>(position);
   }
 
  private:
@@ -92,8 +92,8 @@ class Line {
 
   /// The edges between two settled pixels of the line.
   void add_between(std::size_t a, std::size_t b) {
-    const int from = reading_.place.data()[pixel(a)] >> level_;
-    const int to = reading_.place.data()[pixel(b)] >> level_;
+    const int from = reading_.position.data()[pixel(a)] >> level_;
+    const int to = reading_.position.data()[pixel(b)] >> level_;
     if (from == to) return;
     // Three edges would be those of one bit twice, whose order cannot be told.
     if (std::abs(to - from) > 2) {
@@ -151,31 +151,32 @@ class Line {
 
 }  // namespace
 
-AxisPlaces interpolate_edges(const AxisBits& axis, const StripeReading& reading, const Image<float, 1>& amplitude,
-                             const Image<std::uint8_t, 1>& is_lit, double noise) {
+AxisPositions interpolate_edges(const AxisBits& axis, const StripeReading& reading, const Image<float, 1>& amplitude,
+                                const Image<std::uint8_t, 1>& is_lit, double noise) {
   const int width = amplitude.width();
   const int height = amplitude.height();
-  AxisPlaces places{Image<float, 1>(width, height, 0.0f), Image<float, 1>(width, height, -1.0f)};
+  AxisPositions positions{Image<float, 1>(width, height, 0.0f), Image<float, 1>(width, height, -1.0f)};
   const auto columns = static_cast<std::size_t>(width);
   const auto rows = static_cast<std::size_t>(height);
   for (int level = axis.finest_bit; level < std::min(axis.finest_bit + kLevels, axis.bits); ++level) {
     const double cell_px = std::ldexp(1.0, level);
     for (std::size_t p = 0; p < columns * rows; ++p) {
-      if (is_lit.data()[p] == 0 || !is_settled(reading.place.data()[p], reading.undecided.data()[p], level)) continue;
-      const double middle = cell_px * ((reading.place.data()[p] >> level) + 0.5);
-      Line::keep(p, middle, cell_px / std::sqrt(12.0), &places);
+      if (is_lit.data()[p] == 0 || !is_settled(reading.position.data()[p], reading.undecided.data()[p], level))
+        continue;
+      const double middle = cell_px * ((reading.position.data()[p] >> level) + 0.5);
+      Line::keep(p, middle, cell_px / std::sqrt(12.0), &positions);
     }
     Line line(axis, reading, amplitude, is_lit, noise, level);
     for (std::size_t y = 0; y < rows; ++y) {
       line.follow(y * columns, 1, columns);
-      line.fill(&places);
+      line.fill(&positions);
     }
     for (std::size_t x = 0; x < columns; ++x) {
       line.follow(x, columns, rows);
-      line.fill(&places);
+      line.fill(&positions);
     }
   }
-  return places;
+  return positions;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

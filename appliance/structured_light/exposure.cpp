@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
 constexpr double kSaturated = 0.98;
@@ -14,13 +14,13 @@ constexpr float kLitGain = 0.02f;
 constexpr double kBrightLow = 0.6;
 constexpr double kDimLow = 0.3;
 constexpr double kBrightHigh = 0.9;
-constexpr double kMostSaturated = 0.005;
+constexpr double kMaxSaturated = 0.005;
 /// How far below the darkest saturated exposure one goes on, when nothing says how much too bright it is.
 constexpr double kStepDown = 4.0;
 constexpr double kStepUp = 8.0;
 
 bool is_too_bright(const ExposureSample& sample) {
-  return sample.saturated > kMostSaturated || sample.bright > kBrightHigh;
+  return sample.saturated > kMaxSaturated || sample.bright > kBrightHigh;
 }
 
 /// Within the limits, in whole periods where one fits.
@@ -46,8 +46,8 @@ ExposureSample exposure_sample(ExposureTime exposure, const Photo& white, const 
     saturated += is_saturated ? 1 : 0;
   }
   if (lit.empty()) return sample;
-  const auto place = std::min(lit.size() - 1, static_cast<std::size_t>(0.995 * static_cast<double>(lit.size())));
-  const auto bright = lit.begin() + static_cast<std::ptrdiff_t>(place);
+  const auto position = std::min(lit.size() - 1, static_cast<std::size_t>(0.995 * static_cast<double>(lit.size())));
+  const auto bright = lit.begin() + static_cast<std::ptrdiff_t>(position);
   std::nth_element(lit.begin(), bright, lit.end());
   sample.bright = static_cast<double>(*bright);
   sample.saturated = static_cast<double>(saturated) / static_cast<double>(lit.size());
@@ -73,8 +73,8 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
   }
   const ExposureSample& newest = samples.back();
   // A period more or less, since exposures are whole ones.
-  const bool is_long = newest.exposure >= limits.patient - 1.001 * limits.projector_period;
-  const bool is_patient = limits.patient < limits.longest && is_long;
+  const bool is_long = newest.exposure >= limits.preferred_longest - 1.001 * limits.projector_period;
+  const bool is_patient = limits.preferred_longest < limits.longest && is_long;
   if (!is_too_bright(newest) && newest.bright >= (is_patient ? kDimLow : kBrightLow))
     return ExposureAdvice{newest.exposure, true};
 
@@ -92,7 +92,8 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
   ExposureTime wanted = newest.exposure * kStepUp;
   if (best != nullptr) {
     wanted = best->exposure * (kBrightAim / best->bright);
-    if (wanted > limits.patient) wanted = std::max(limits.patient, best->exposure * (kDimAim / best->bright));
+    if (wanted > limits.preferred_longest)
+      wanted = std::max(limits.preferred_longest, best->exposure * (kDimAim / best->bright));
     // Ambient light or a response curve can mislead: never try again what is known to be too bright.
     if (shortest_too_bright && wanted >= *shortest_too_bright) wanted = 0.5 * (best->exposure + *shortest_too_bright);
   } else if (shortest_too_bright) {
@@ -119,4 +120,4 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
   return ExposureAdvice{next, std::abs(newest.exposure / next - 1.0) < 1e-6};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

@@ -7,7 +7,7 @@
 #include "appliance/structured_light/photo.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 
 using ExposureTime = std::chrono::duration<double>;
 
@@ -16,7 +16,7 @@ struct ExposureLimits {
   ExposureTime shortest{1e-4};
   ExposureTime longest{0.25};
   /// Longer ones are taken only as far as the picture would be too dim without: a scan has hundreds of photographs.
-  ExposureTime patient{0.1};
+  ExposureTime preferred_longest{0.1};
   /// A projector that makes its colours one after the other looks right only over whole refreshes: exposures are
   /// multiples of this where that is possible. 0: it does not matter.
   ExposureTime projector_period{1.0 / 60.0};
@@ -39,7 +39,7 @@ struct ExposureAdvice {
 };
 
 /// What 99.5 % of the lit pixels are to stay below: 0.6 to 0.9 is good, and 0.8 is aimed at. From
-/// ExposureLimits::patient on 0.3 is enough, and 0.35 is aimed at.
+/// ExposureLimits::preferred_longest on 0.3 is enough, and 0.35 is aimed at.
 inline constexpr double kBrightAim = 0.8;
 inline constexpr double kDimAim = 0.35;
 
@@ -50,4 +50,4 @@ inline constexpr double kDimAim = 0.35;
 [[nodiscard]] Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples,
                                                    const ExposureLimits& limits);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
 /// Which pixels belong together.
@@ -34,8 +34,8 @@ bool is_decoded(const Decoded& decoded, std::size_t i) { return decoded.fate.dat
 
 /// The larger of two pixels' distances on the projector's axes.
 float distance(const Decoded& decoded, std::size_t a, std::size_t b) {
-  const auto places = decoded.position_px.data();
-  return std::max(std::abs(places[2 * a] - places[2 * b]), std::abs(places[2 * a + 1] - places[2 * b + 1]));
+  const auto positions = decoded.position_px.data();
+  return std::max(std::abs(positions[2 * a] - positions[2 * b]), std::abs(positions[2 * a + 1] - positions[2 * b + 1]));
 }
 
 /// What neighbours usually differ by, from some ten thousand of them.
@@ -54,17 +54,17 @@ float usual_step(const Decoded& decoded, std::size_t stride) {
 
 }  // namespace
 
-void remove_small_patches(int smallest_px, Decoded* decoded) {
+void remove_small_patches(int min_patch_px, Decoded* decoded) {
   const auto width = static_cast<std::size_t>(decoded->fate.width());
   const auto height = static_cast<std::size_t>(decoded->fate.height());
   const std::size_t count = width * height;
   Union patches(count);
   for (const std::size_t stride : {std::size_t{1}, width}) {
-    const float most = 1.0f + 2.0f * usual_step(*decoded, stride);
+    const float max = 1.0f + 2.0f * usual_step(*decoded, stride);
     for (std::size_t y = 0; y + (stride == width ? 1 : 0) < height; ++y) {
       for (std::size_t x = 0; x + (stride == 1 ? 1 : 0) < width; ++x) {
         const std::size_t i = y * width + x;
-        if (is_decoded(*decoded, i) && is_decoded(*decoded, i + stride) && distance(*decoded, i, i + stride) <= most) {
+        if (is_decoded(*decoded, i) && is_decoded(*decoded, i + stride) && distance(*decoded, i, i + stride) <= max) {
           patches.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i + stride));
         }
       }
@@ -73,10 +73,10 @@ void remove_small_patches(int smallest_px, Decoded* decoded) {
   std::vector<int> sizes(count, 0);
   for (std::size_t i = 0; i < count; ++i) ++sizes[patches.root_of(static_cast<std::uint32_t>(i))];
   for (std::size_t i = 0; i < count; ++i) {
-    if (is_decoded(*decoded, i) && sizes[patches.root_of(static_cast<std::uint32_t>(i))] < smallest_px) {
+    if (is_decoded(*decoded, i) && sizes[patches.root_of(static_cast<std::uint32_t>(i))] < min_patch_px) {
       decoded->fate.data()[i] = PixelFate::kContradictsNeighbours;
     }
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

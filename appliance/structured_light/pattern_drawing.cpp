@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
-bool bit_at(const PatternSet& set, int bit, int place) {
-  const int code = place ^ (place >> 1);
+bool bit_at(const PatternSet& set, int bit, int position) {
+  const int code = position ^ (position >> 1);
   const bool is_lit = ((code >> bit) & 1) != 0;
   if (set.base_bit < 0 || bit <= set.base_bit) return is_lit;
   return is_lit != (((code >> set.base_bit) & 1) != 0);
@@ -19,16 +19,16 @@ bool bit_at(const PatternSet& set, int bit, int place) {
 }  // namespace
 
 double level_at(const PatternSet& set, const PatternPicture& picture, int x, int y) {
-  const int place = picture.axis == PatternAxis::kColumns ? x : y;
+  const int position = picture.axis == PatternAxis::kColumns ? x : y;
   switch (picture.kind) {
     case PatternKind::kWhite:
       return 1.0;
     case PatternKind::kBlack:
       return 0.0;
     case PatternKind::kBit:
-      return bit_at(set, picture.bit, place) != picture.is_inverse ? 1.0 : 0.0;
+      return bit_at(set, picture.bit, position) != picture.is_inverse ? 1.0 : 0.0;
     case PatternKind::kPhase: {
-      const double turns = (place + 0.5) / set.phase_period_px - static_cast<double>(picture.step) / set.phase_steps;
+      const double turns = (position + 0.5) / set.phase_period_px - static_cast<double>(picture.step) / set.phase_steps;
       return 0.5 + 0.5 * std::cos(2.0 * std::numbers::pi * turns);
     }
     case PatternKind::kLevel:
@@ -59,4 +59,4 @@ RgbImage drawn(const PatternSet& set, const PatternPicture& picture) {
   return image;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

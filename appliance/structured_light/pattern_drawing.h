@@ -4,7 +4,7 @@
 #include "appliance/structured_light/pattern_set.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 
 /// The code value, 0 to 1, that a picture of the set shows at a projector's pixel. Reentrant.
 /// Precondition: the pixel is on the projector.
@@ -13,4 +13,4 @@ namespace cyclorama {
 /// The picture as code values of 8 bits, the same in all channels but those that its light leaves dark. Reentrant.
 [[nodiscard]] RgbImage drawn(const PatternSet& set, const PatternPicture& picture);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

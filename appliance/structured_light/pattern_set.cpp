@@ -9,19 +9,19 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
-constexpr int kMostPx = 16384;
+constexpr int kMaxPx = 16384;
 constexpr std::array kKinds = {"white", "black", "bit", "phase", "level"};
 constexpr std::array kAxes = {"column", "row"};
 constexpr std::array kLights = {"all", "red", "green", "blue"};
-constexpr std::size_t kMostPictures = 4096;
+constexpr std::size_t kMaxPictures = 4096;
 
 Error bad(const std::string& message) { return {ErrorCode::kInvalidArgument, message}; }
 
 Status check_size(int width_px, int height_px) {
-  if (width_px < 1 || width_px > kMostPx || height_px < 1 || height_px > kMostPx) {
+  if (width_px < 1 || width_px > kMaxPx || height_px < 1 || height_px > kMaxPx) {
     return bad("a projector's picture is 1 to 16384 pixels each way, not " + std::to_string(width_px) + "x" +
                std::to_string(height_px));
   }
@@ -52,18 +52,18 @@ Result<PatternPicture> read_picture(std::istringstream* words) {
   std::string kind, axis, bit, inverse, step, level, light, more;
   *words >> kind >> axis >> bit >> inverse >> step >> level >> light;
   const int kind_place = place_of(kKinds, kind);
-  const int axis_place = place_of(kAxes, axis);
+  const int axis_position = place_of(kAxes, axis);
   const int light_place = place_of(kLights, light);
   const auto bit_value = parse_integer(bit);
   const auto step_value = parse_integer(step);
   const auto level_value = parse_double(level);
-  if (kind_place < 0 || axis_place < 0 || light_place < 0 || (inverse != "pattern" && inverse != "inverse") ||
+  if (kind_place < 0 || axis_position < 0 || light_place < 0 || (inverse != "pattern" && inverse != "inverse") ||
       (*words >> more) || !bit_value || *bit_value < 0 || *bit_value > 13 || !step_value || *step_value < 0 ||
       *step_value > 255 || !level_value || !(*level_value >= 0.0 && *level_value <= 1.0)) {
     return Error(ErrorCode::kBadData, "expected 'KIND AXIS BIT pattern|inverse STEP LEVEL LIGHT'");
   }
   return PatternPicture{.kind = static_cast<PatternKind>(kind_place),
-                        .axis = static_cast<PatternAxis>(axis_place),
+                        .axis = static_cast<PatternAxis>(axis_position),
                         .bit = static_cast<int>(*bit_value),
                         .is_inverse = inverse == "inverse",
                         .step = static_cast<int>(*step_value),
@@ -82,9 +82,9 @@ Result<PatternSet> read_head(const std::string& line) {
   const auto period_value = parse_double(period);
   const auto steps_value = parse_integer(steps);
   if (magic != "patterns" || version != "1" || base_word != "base" || phase_word != "phase" || (words >> more) ||
-      !width_value || *width_value < 1 || *width_value > kMostPx || !height_value || *height_value < 1 ||
-      *height_value > kMostPx || !base_value || *base_value < -1 || *base_value > 13 || !period_value ||
-      !(*period_value >= 0.0 && *period_value <= kMostPx) || !steps_value || *steps_value < 0 || *steps_value > 256) {
+      !width_value || *width_value < 1 || *width_value > kMaxPx || !height_value || *height_value < 1 ||
+      *height_value > kMaxPx || !base_value || *base_value < -1 || *base_value > 13 || !period_value ||
+      !(*period_value >= 0.0 && *period_value <= kMaxPx) || !steps_value || *steps_value < 0 || *steps_value > 256) {
     return Error(ErrorCode::kBadData, "line 1: expected 'patterns 1 WIDTH HEIGHT base BIT phase PERIOD STEPS'");
   }
   PatternSet set;
@@ -117,7 +117,7 @@ Result<PatternSet> structured_light(const PatternChoice& choice) {
   const bool has_phases = choice.phase_steps != 0 || choice.phase_period_px != 0.0;
   const int stripe = 2 << choice.finest_bit;
   if (has_phases && (choice.phase_steps < 3 || choice.phase_steps > 256 || !(choice.phase_period_px >= 2.0 * stripe) ||
-                     !(choice.phase_period_px <= kMostPx))) {
+                     !(choice.phase_period_px <= kMaxPx))) {
     // The bits must tell one period from the next, and their own reading is uncertain by a stripe.
     return bad("phases need 3 to 256 steps, and a period of " + std::to_string(2 * stripe) + " to 16384 pixels");
   }
@@ -195,10 +195,10 @@ Result<PatternSet> read_pattern_set(const std::string& text) {
       return Error(ErrorCode::kBadData,
                    "line " + std::to_string(number) + ": a phase, but line 1 has no period and steps");
     }
-    if (set.pictures.size() == kMostPictures) return Error(ErrorCode::kBadData, "more than 4096 pictures");
+    if (set.pictures.size() == kMaxPictures) return Error(ErrorCode::kBadData, "more than 4096 pictures");
     set.pictures.push_back(*picture);
   }
   return set;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

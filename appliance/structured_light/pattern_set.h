@@ -24,7 +24,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 
 enum class PatternAxis { kColumns, kRows };
 enum class PatternKind { kWhite, kBlack, kBit, kPhase, kLevel };
@@ -83,4 +83,4 @@ Result<PatternSet> ramps(int width_px, int height_px, int steps, const std::vect
 /// kBadData  with the line and what was expected there.
 Result<PatternSet> read_pattern_set(const std::string& text);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

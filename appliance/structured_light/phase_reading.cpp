@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -24,9 +24,9 @@ void PhaseReading::add(int step, const Photo& photo) {
   ++seen_;
 }
 
-void PhaseReading::refine(double noise, AxisPlaces* places) const {
-  for (std::size_t i = 0; i < places->sigma_px.data().size(); ++i) {
-    float& sigma = places->sigma_px.data()[i];
+void PhaseReading::refine(double noise, AxisPositions* positions) const {
+  for (std::size_t i = 0; i < positions->sigma_px.data().size(); ++i) {
+    float& sigma = positions->sigma_px.data()[i];
     if (sigma < 0.0f) continue;
     const auto cosine = static_cast<double>(sums_.data()[2 * i]);
     const auto sine = static_cast<double>(sums_.data()[2 * i + 1]);
@@ -35,19 +35,19 @@ void PhaseReading::refine(double noise, AxisPlaces* places) const {
     // A sine lost in noise tells nothing; the bits stay.
     if (phase_sigma > 0.2) continue;
     const double within = std::atan2(sine, cosine) / kTurn * period_px_;
-    float& position = places->position_px.data()[i];
+    float& position = positions->position_px.data()[i];
     const double periods = std::round((static_cast<double>(position) - within) / period_px_);
-    const double place = within + periods * period_px_;
-    const double open = std::abs(place - static_cast<double>(position));
+    const double pixel = within + periods * period_px_;
+    const double open = std::abs(pixel - static_cast<double>(position));
     if (open > 0.25 * period_px_) {
       sigma = -1.0f;
       continue;
     }
-    const double place_sigma = std::hypot(phase_sigma / kTurn, kModelShare) * period_px_;
-    if (place_sigma >= static_cast<double>(sigma)) continue;
-    sigma = static_cast<float>(place_sigma);
-    position = static_cast<float>(place);
+    const double position_sigma = std::hypot(phase_sigma / kTurn, kModelShare) * period_px_;
+    if (position_sigma >= static_cast<double>(sigma)) continue;
+    sigma = static_cast<float>(position_sigma);
+    position = static_cast<float>(pixel);
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

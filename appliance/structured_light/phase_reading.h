@@ -6,7 +6,7 @@
 #include "appliance/structured_light/edge_interpolation.h"
 #include "appliance/structured_light/photo.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 
 /// The shifted sines of one axis, summed as they come: the place within a period, whatever the wall's colour.
 class PhaseReading {
@@ -18,7 +18,7 @@ class PhaseReading {
   [[nodiscard]] bool is_complete() const { return steps_ > 0 && seen_ == steps_; }
   /// Puts the phase's place where the bits' own is uncertain by less than a quarter of a period and agrees; a pixel
   /// whose phase and bits contradict each other by more loses its place.
-  void refine(double noise, AxisPlaces* places) const;
+  void refine(double noise, AxisPositions* positions) const;
 
  private:
   double period_px_ = 0.0;
@@ -27,4 +27,4 @@ class PhaseReading {
   Image<float, 2> sums_;  ///< Light times cosine and sine of each step's angle.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 
 Photo photo_of(const GreyImage& codes) {
   Photo photo(codes.width(), codes.height());
@@ -12,4 +12,4 @@ Photo photo_of(const GreyImage& codes) {
   return photo;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

@@ -3,7 +3,7 @@
 
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 
 /// One photograph, as light: linear, 0 to 1, where 1 is what the camera's highest code tells. Whoever has a camera with
 /// a response curve takes it off first; for the signs of bits and for edges it does not matter.
@@ -12,4 +12,4 @@ using Photo = Image<float, 1>;
 /// Codes of 8 bits, taken as they are.
 [[nodiscard]] Photo photo_of(const GreyImage& codes);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::tags {
 namespace {
 
 using Eigen::Matrix2d;
@@ -17,22 +17,22 @@ constexpr int kPointsPerSide = 32;
 /// The ends of a side are blurred by the other side's edge.
 constexpr double kKeepClearOfCorners = 0.08;
 constexpr double kStepPx = 0.25;
-constexpr double kMostReachPx = 3.0;
-constexpr double kLeastReachPx = 0.75;
+constexpr double kMaxRadiusPx = 3.0;
+constexpr double kMinRadiusPx = 0.75;
 /// A step that is drawn over two pixels is whole within this.
 constexpr double kBlurPx = 1.25;
 /// A step from black to white of less than this is noise.
-constexpr double kLeastContrastGrey = 12.0;
-constexpr double kMostMovePx = 2.0;
+constexpr double kMinContrastGrey = 12.0;
+constexpr double kMaxMovePx = 2.0;
 /// Of a normal distribution's variance, what its middle three quarters have.
 constexpr double kTrimmedShare = 0.369;
 /// Steps are not placed better than this, however they agree: pixels are the same for neighbours.
-constexpr double kLeastDeviationPx = 0.02;
+constexpr double kMinDeviationPx = 0.02;
 
 /// Bilinear, between pixel centres at (0.5, 0.5); nothing outside of them.
-std::optional<double> grey_at(const GreyImage& picture, const Vector2d& place) {
-  const double x = place.x() - 0.5;
-  const double y = place.y() - 0.5;
+std::optional<double> grey_at(const GreyImage& picture, const Vector2d& position) {
+  const double x = position.x() - 0.5;
+  const double y = position.y() - 0.5;
   if (!(x >= 0.0 && y >= 0.0 && x < picture.width() - 1 && y < picture.height() - 1)) return std::nullopt;
   const int left = static_cast<int>(x);
   const int top = static_cast<int>(y);
@@ -44,14 +44,14 @@ std::optional<double> grey_at(const GreyImage& picture, const Vector2d& place) {
 }
 
 struct EdgePoint {
-  Vector2d place;
+  Vector2d position;
   double weight;
 };
 
 /// Where the step from inside (black) to outside (white) is on a line across the side.
 std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& middle, const Vector2d& outwards,
-                                   double reach_px) {
-  const int steps = static_cast<int>(reach_px / kStepPx);
+                                   double radius_px) {
+  const int steps = static_cast<int>(radius_px / kStepPx);
   double moment = 0.0;
   double rise = 0.0;
   std::optional<double> last;
@@ -65,7 +65,7 @@ std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& mid
     }
     last = grey;
   }
-  if (rise < kLeastContrastGrey) return std::nullopt;
+  if (rise < kMinContrastGrey) return std::nullopt;
   return EdgePoint{middle + (moment / rise) * outwards, rise};
 }
 
@@ -78,8 +78,8 @@ struct Line {
   double turn_variance = 0.0;
 
   [[nodiscard]] Vector2d normal() const { return {direction.y(), -direction.x()}; }
-  [[nodiscard]] double variance_at(const Vector2d& place) const {
-    const double along = (place - point).dot(direction);
+  [[nodiscard]] double variance_at(const Vector2d& position) const {
+    const double along = (position - point).dot(direction);
     return variance + turn_variance * along * along;
   }
 };
@@ -88,7 +88,7 @@ Line fit(const std::vector<EdgePoint>& points) {
   Vector2d mean = Vector2d::Zero();
   double sum = 0.0;
   for (const EdgePoint& point : points) {
-    mean += point.weight * point.place;
+    mean += point.weight * point.position;
     sum += point.weight;
   }
   mean /= sum;
@@ -96,7 +96,7 @@ Line fit(const std::vector<EdgePoint>& points) {
   double xy = 0.0;
   double yy = 0.0;
   for (const EdgePoint& point : points) {
-    const Vector2d d = point.place - mean;
+    const Vector2d d = point.position - mean;
     xx += point.weight * d.x() * d.x();
     xy += point.weight * d.x() * d.y();
     yy += point.weight * d.y() * d.y();
@@ -115,12 +115,12 @@ void set_variance(const std::vector<EdgePoint>& points, double length_px, Line* 
   double across = 0.0;
   double along = 0.0;
   for (const EdgePoint& point : points) {
-    const Vector2d d = point.place - line->point;
+    const Vector2d d = point.position - line->point;
     across += std::pow(d.dot(line->normal()), 2);
     along += std::pow(d.dot(line->direction), 2);
   }
   const auto count = static_cast<double>(points.size());
-  const double each = std::max(across / (count * kTrimmedShare), kLeastDeviationPx * kLeastDeviationPx);
+  const double each = std::max(across / (count * kTrimmedShare), kMinDeviationPx * kMinDeviationPx);
   // Points that are less than a pixel apart see the same pixels.
   const double independent = std::max(2.0, std::min(count, length_px * count / kPointsPerSide));
   line->variance = each / independent;
@@ -134,18 +134,19 @@ Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to,
   const Vector2d outwards = unchanged.normal();  // Corners go clockwise in the picture.
   // Half a cell; of a small tag more, so that the whole blurred step is in it, but not the code's own cells.
   const double cell_px = thickness_px / cells_across;
-  const double reach_px = std::min(kMostReachPx, std::max(0.5 * cell_px, std::min(0.9 * cell_px, kBlurPx)));
-  if (!(reach_px >= kLeastReachPx)) return unchanged;
+  const double radius_px = std::min(kMaxRadiusPx, std::max(0.5 * cell_px, std::min(0.9 * cell_px, kBlurPx)));
+  if (!(radius_px >= kMinRadiusPx)) return unchanged;
   std::vector<EdgePoint> points;
   for (int i = 0; i < kPointsPerSide; ++i) {
     const double t = kKeepClearOfCorners + (1.0 - 2.0 * kKeepClearOfCorners) * (i + 0.5) / kPointsPerSide;
-    if (const auto point = find_step(picture, from + t * (to - from), outwards, reach_px)) points.push_back(*point);
+    if (const auto point = find_step(picture, from + t * (to - from), outwards, radius_px)) points.push_back(*point);
   }
   if (points.size() < kPointsPerSide / 2) return unchanged;
   Line line = fit(points);
   // A finger or a reflection on the edge pulls: once more without the worst quarter.
-  std::sort(points.begin(), points.end(),
-            [&](const EdgePoint& a, const EdgePoint& b) { return distance(line, a.place) < distance(line, b.place); });
+  std::sort(points.begin(), points.end(), [&](const EdgePoint& a, const EdgePoint& b) {
+    return distance(line, a.position) < distance(line, b.position);
+  });
   points.resize(points.size() * 3 / 4);
   line = fit(points);
   set_variance(points, (to - from).norm(), &line);
@@ -184,12 +185,12 @@ RefinedCorners refine_corners(const GreyImage& picture, const std::array<Vector2
   for (std::size_t i = 0; i < 4; ++i) {
     const Line& before = sides[(i + 3) % 4];
     const auto corner = crossing(before, sides[i]);
-    if (!corner || !((*corner - corners[i]).norm() <= kMostMovePx)) return unrefined;
-    refined.places[i] = *corner;
+    if (!corner || !((*corner - corners[i]).norm() <= kMaxMovePx)) return unrefined;
+    refined.positions[i] = *corner;
     const Matrix2d covariance = covariance_at(*corner, before, sides[i]);
     if (covariance.allFinite()) refined.covariance[i] = covariance;
   }
   return refined;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tags

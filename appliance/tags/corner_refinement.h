@@ -5,10 +5,10 @@
 
 #include "appliance/tags/tag_detector.h"
 
-namespace cyclorama {
+namespace cyclorama::tags {
 
 struct RefinedCorners {
-  std::array<Eigen::Vector2d, 4> places;
+  std::array<Eigen::Vector2d, 4> positions;
   std::array<Eigen::Matrix2d, 4> covariance;  ///< px²; of a line that was left alone, TagDetection::kUnrefined.
 };
 
@@ -23,4 +23,4 @@ struct RefinedCorners {
 [[nodiscard]] RefinedCorners refine_corners(const GreyImage& picture, const std::array<Eigen::Vector2d, 4>& corners,
                                             int cells_across);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tags

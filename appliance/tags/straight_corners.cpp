@@ -3,15 +3,15 @@
 
 #include <Eigen/LU>
 
-namespace cyclorama {
+namespace cyclorama::tags {
 
-std::vector<TagDetection> straightened(const std::vector<TagDetection>& seen, const BrownLens& lens,
+std::vector<TagDetection> straightened(const std::vector<TagDetection>& seen, const calibration::BrownLens& lens,
                                        const Pinhole& straight) {
   std::vector<TagDetection> result;
   for (TagDetection tag : seen) {
     bool is_whole = true;
     for (std::size_t i = 0; i < tag.corners.size() && is_whole; ++i) {
-      const SlopeAnswer answer = lens.slope_at(tag.corners[i]);
+      const calibration::SlopeAnswer answer = lens.slope_at(tag.corners[i]);
       const auto pixel = answer ? straight.pixel_of({answer.slope.x(), answer.slope.y(), 1.0}) : std::nullopt;
       is_whole = pixel.has_value();
       if (!is_whole) break;
@@ -24,4 +24,4 @@ std::vector<TagDetection> straightened(const std::vector<TagDetection>& seen, co
   return result;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tags

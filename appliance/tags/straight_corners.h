@@ -7,11 +7,11 @@
 #include "appliance/tags/tag_detector.h"
 #include "common/room/pinhole.h"
 
-namespace cyclorama {
+namespace cyclorama::tags {
 
 /// What was seen through `lens`, as a lens without distortion would have seen it: corners and their covariances. A tag
 /// that reaches beyond what the lens can tell is left out. Reentrant.
-[[nodiscard]] std::vector<TagDetection> straightened(const std::vector<TagDetection>& seen, const BrownLens& lens,
-                                                     const Pinhole& straight);
+[[nodiscard]] std::vector<TagDetection> straightened(const std::vector<TagDetection>& seen,
+                                                     const calibration::BrownLens& lens, const Pinhole& straight);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tags

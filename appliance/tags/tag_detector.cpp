@@ -17,7 +17,7 @@ extern "C" {
 #include "appliance/tags/corner_refinement.h"
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::tags {
 namespace {
 
 struct Family {
@@ -31,7 +31,7 @@ constexpr std::array kFamilies{
 
 /// A tag has at least this many cells across; with fewer pixels than that there is nothing to find, and libapriltag
 /// divides its picture into tiles of 4 pixels that must exist.
-constexpr double kLeastSidePx = 8.0;
+constexpr double kMinSidePx = 8.0;
 
 struct DestroyDetections {
   void operator()(zarray_t* detections) const { apriltag_detections_destroy(detections); }
@@ -72,9 +72,9 @@ struct TagDetector::Library {
   apriltag_family_t* tags = nullptr;
   apriltag_detector_t* detector = nullptr;
 
-  Library(const Family& chosen, int most_hamming)
+  Library(const Family& chosen, int max_hamming)
       : family(&chosen), tags(chosen.create()), detector(apriltag_detector_create()) {
-    apriltag_detector_add_family_bits(detector, tags, most_hamming);
+    apriltag_detector_add_family_bits(detector, tags, max_hamming);
   }
   ~Library() {
     apriltag_detector_destroy(detector);
@@ -88,14 +88,14 @@ Result<TagDetector> TagDetector::create(const DetectorSettings& settings) {
   const auto refuse = [](std::string what) { return Error(ErrorCode::kInvalidArgument, std::move(what)); };
   if (!(settings.decimate >= 1.0 && settings.decimate <= 8.0)) return refuse("decimate must be 1 to 8");
   if (settings.threads < 1 || settings.threads > 16) return refuse("threads must be 1 to 16");
-  if (settings.most_hamming < 0 || settings.most_hamming > 2) return refuse("most_hamming must be 0, 1 or 2");
+  if (settings.max_hamming < 0 || settings.max_hamming > 2) return refuse("max_hamming must be 0, 1 or 2");
   const auto* const family = std::find_if(kFamilies.begin(), kFamilies.end(),
                                           [&](const Family& known) { return settings.family == known.name; });
   if (family == kFamilies.end()) {
     return refuse(
         fmt::format("no tag family '{}'; the families are {}", settings.family, fmt::join(tag_families(), ", ")));
   }
-  auto library = std::make_unique<Library>(*family, settings.most_hamming);
+  auto library = std::make_unique<Library>(*family, settings.max_hamming);
   library->detector->nthreads = settings.threads;
   library->detector->quad_decimate = possible_decimation(settings.decimate);
   library->detector->refine_edges = settings.refine_edges;
@@ -120,11 +120,11 @@ Result<std::vector<TagDetection>> TagDetector::detect_in(const GreyImage& pictur
   const int top = std::clamp(part.y, 0, picture.height());
   const int width = std::min(part.width, picture.width() - left);
   const int height = std::min(part.height, picture.height() - top);
-  if (std::min(width, height) < kLeastSidePx * decimate) return tags;
-  if (std::max(width, height) > kLongestSidePx) {
+  if (std::min(width, height) < kMinSidePx * decimate) return tags;
+  if (std::max(width, height) > kMaxSidePx) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("a picture of {}x{} pixels; the longest side that can be searched is {}", width, height,
-                             kLongestSidePx));
+                             kMaxSidePx));
   }
   // libapriltag reads the picture only, but its type has no const.
   image_u8_t view = {width, height, picture.width(), const_cast<std::uint8_t*>(picture.at(left, top))};
@@ -138,11 +138,11 @@ Result<std::vector<TagDetection>> TagDetector::detect_in(const GreyImage& pictur
                      corners_of(*detection)};
     const bool finite =
         std::all_of(tag.corners.begin(), tag.corners.end(), [](const auto& c) { return c.allFinite(); });
-    if (!finite || !(tag.margin >= settings_.least_margin)) continue;
+    if (!finite || !(tag.margin >= settings_.min_margin)) continue;
     for (Eigen::Vector2d& corner : tag.corners) corner += origin;
     if (settings_.refine_corners) {
       const RefinedCorners refined = refine_corners(picture, tag.corners, library_->tags->width_at_border);
-      tag.corners = refined.places;
+      tag.corners = refined.positions;
       tag.covariance = refined.covariance;
     }
     tags.push_back(tag);
@@ -157,4 +157,4 @@ void sort_by_size(std::vector<TagDetection>* tags) {
   });
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tags

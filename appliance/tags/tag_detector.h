@@ -11,7 +11,7 @@
 #include "common/image/image.h"
 #include "common/image/pixel_rect.h"
 
-namespace cyclorama {
+namespace cyclorama::tags {
 
 /// What the detector trades. The curve "decimation against tags found and milliseconds" is in docs/trade.md.
 struct DetectorSettings {
@@ -22,8 +22,8 @@ struct DetectorSettings {
   int threads = 1;                  ///< 1 to 16.
   bool refine_edges = true;         ///< Snaps edges to the full picture's gradients; wanted with any decimation.
   bool refine_corners = true;       ///< Then to a few hundredths of a pixel: corner_refinement.h.
-  int most_hamming = 0;        ///< Wrong bits that are corrected: 0, 1 or 2. With each, clutter looks more like tags.
-  double least_margin = 20.0;  ///< Mean contrast between a bit and its threshold, in grey levels.
+  int max_hamming = 0;       ///< Wrong bits that are corrected: 0, 1 or 2. With each, clutter looks more like tags.
+  double min_margin = 20.0;  ///< Mean contrast between a bit and its threshold, in grey levels.
 };
 
 /// "tag36h11", "tag25h9", "tag16h5", ...
@@ -54,11 +54,11 @@ class TagDetector {
   ~TagDetector();
 
   /// Every tag that passes the settings, the largest first. A picture too small to hold a tag, or empty, holds none.
-  /// kInvalidArgument  a side is longer than kLongestSidePx: libapriltag counts half pixels in 16 bits.
+  /// kInvalidArgument  a side is longer than kMaxSidePx: libapriltag counts half pixels in 16 bits.
   Result<std::vector<TagDetection>> detect(const GreyImage& picture);
   /// The same in a part of the picture, which is cut to the picture, at a decimation of its own: 1 to 8.
   Result<std::vector<TagDetection>> detect_in(const GreyImage& picture, const PixelRect& part, double decimate);
-  static constexpr int kLongestSidePx = 16384;
+  static constexpr int kMaxSidePx = 16384;
 
  private:
   struct Library;
@@ -73,4 +73,4 @@ void sort_by_size(std::vector<TagDetection>* tags);
 /// Twice the signed area of the quadrilateral, positive when its corners go clockwise in the picture.
 [[nodiscard]] double doubled_area_px2(const std::array<Eigen::Vector2d, 4>& corners);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tags

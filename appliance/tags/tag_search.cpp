@@ -6,13 +6,13 @@
 #include <cmath>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::tags {
 namespace {
 
 /// Around a known tag: its white border and what a hand adds to its movement within a picture, in tag sizes and at
 /// least these pixels.
 constexpr double kMarginShare = 0.5;
-constexpr double kLeastMarginPx = 12.0;
+constexpr double kMinMarginPx = 12.0;
 /// A tag that is larger in the decimated picture than this is as surely found there.
 constexpr double kPlentyPx = 80.0;
 /// libapriltag takes its thresholds from tiles of 4 pixels, of a picture that may be decimated: parts that begin at a
@@ -31,7 +31,7 @@ int aligned(int pixel) { return pixel / kAlignPx * kAlignPx; }
 
 /// Whole pixels, cut to the picture.
 PixelRect pixels_of(const Eigen::AlignedBox2d& box, int width, int height) {
-  const auto cut = [](double value, int most) { return static_cast<int>(std::clamp(value, 0.0, 1.0 * most)); };
+  const auto cut = [](double value, int max) { return static_cast<int>(std::clamp(value, 0.0, 1.0 * max)); };
   const int left = aligned(cut(std::floor(box.min().x()), width));
   const int top = aligned(cut(std::floor(box.min().y()), height));
   return {left, top, cut(std::ceil(box.max().x()), width) - left, cut(std::ceil(box.max().y()), height) - top};
@@ -150,7 +150,7 @@ Result<std::vector<TagDetection>> TagSearch::search(const GreyImage& picture) {
   std::vector<Part> parts;
   for (const Known& known : known_) {
     Eigen::AlignedBox2d box = box_of(known.tag);
-    const double margin = std::max(kLeastMarginPx, kMarginShare * size_of(known.tag)) + 0.5 * known.step.norm();
+    const double margin = std::max(kMinMarginPx, kMarginShare * size_of(known.tag)) + 0.5 * known.step.norm();
     box.translate(known.step);
     box.min().array() -= margin;
     box.max().array() += margin;
@@ -174,4 +174,4 @@ Result<std::vector<TagDetection>> TagSearch::search(const GreyImage& picture) {
   return found;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tags

@@ -6,7 +6,7 @@
 
 #include "appliance/tags/tag_detector.h"
 
-namespace cyclorama {
+namespace cyclorama::tags {
 
 /// Finds tags in a stream of pictures, in far less time than a search of every pixel takes and as surely:
 ///
@@ -56,4 +56,4 @@ class TagSearch {
   int next_job_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tags

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 /// How soon a request to stop is noticed.
 constexpr Duration kLookAround = std::chrono::milliseconds(200);
@@ -54,7 +54,7 @@ void Capture::run(const std::stop_token& stop) {
       }
       const TimePoint began = clock_.now();
       ended = stream(camera->get(), stop);
-      if (clock_.now() - began > kLongestPause) pause = kFirstPause;  // It worked for a while.
+      if (clock_.now() - began > kMaxPause) pause = kFirstPause;  // It worked for a while.
     }
     if (stop.stop_requested()) return;
     set_problem(ended ? "the camera stopped" : ended.error().message());
@@ -63,11 +63,11 @@ void Capture::run(const std::stop_token& stop) {
       beat();
       static_cast<void>(never_.take_before(std::min(until, SteadyClock().now() + kLookAround)));
     }
-    pause = std::min(2 * pause, kLongestPause);
+    pause = std::min(2 * pause, kMaxPause);
   }
 }
 
-Status Capture::stream(Camera* camera, const std::stop_token& stop) {
+Status Capture::stream(camera::Camera* camera, const std::stop_token& stop) {
   TRY(camera->start());
   TimePoint heard_at = clock_.now();
   while (!stop.stop_requested()) {
@@ -79,7 +79,7 @@ Status Capture::stream(Camera* camera, const std::stop_token& stop) {
       if (frames_.put(*std::move(frame))) ++dropped_;
     } else if (frame.error().code() != ErrorCode::kTimedOut) {
       return std::move(frame).error();
-    } else if (clock_.now() - heard_at > kPatience) {
+    } else if (clock_.now() - heard_at > kFrameTimeout) {
       return Error(ErrorCode::kTimedOut, "the camera streams but sends no pictures");
     }
   }
@@ -87,4 +87,4 @@ Status Capture::stream(Camera* camera, const std::stop_token& stop) {
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

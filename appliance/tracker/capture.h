@@ -12,18 +12,18 @@
 #include "common/base/latest_value.h"
 #include "drivers/camera/camera.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// Keeps one camera open and its newest picture at hand, on a thread `capture` of its own. A camera that fails, or was
-/// never there, is made again after a pause that grows from kFirstPause to kLongestPause. Thread-safe.
+/// never there, is made again after a pause that grows from kFirstPause to kMaxPause. Thread-safe.
 class Capture {
  public:
-  using MakeCamera = std::function<Result<std::unique_ptr<Camera>>()>;
-  using Frames = LatestValue<std::shared_ptr<const Frame>>;
+  using MakeCamera = std::function<Result<std::unique_ptr<camera::Camera>>()>;
+  using Frames = LatestValue<std::shared_ptr<const camera::CameraFrame>>;
   static constexpr Duration kFirstPause = std::chrono::milliseconds(100);
-  static constexpr Duration kLongestPause = std::chrono::seconds(5);
+  static constexpr Duration kMaxPause = std::chrono::seconds(5);
   /// A camera that streams and gives no picture for this long is made again.
-  static constexpr Duration kPatience = std::chrono::seconds(3);
+  static constexpr Duration kFrameTimeout = std::chrono::seconds(3);
 
   /// `make` is called on the capture thread. `clock` is borrowed.
   Capture(MakeCamera make, const Clock& clock);
@@ -45,7 +45,7 @@ class Capture {
  private:
   void run(const std::stop_token& stop);
   /// Streams until the camera fails or the thread is stopped.
-  Status stream(Camera* camera, const std::stop_token& stop);
+  Status stream(camera::Camera* camera, const std::stop_token& stop);
   void set_problem(std::string sentence);
   void beat() { alive_at_ = clock_.now(); }
 
@@ -61,4 +61,4 @@ class Capture {
   std::jthread thread_;      ///< Last: it uses all the others.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

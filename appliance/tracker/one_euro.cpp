@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 /// Share of the new value in a low-pass of first order. Paper, equations 3 to 6.
@@ -25,7 +25,7 @@ Step step_of(bool has_last, bool finite, Duration since_last) {
 double advance_speed(const OneEuroSettings& settings, const Eigen::Vector3d& speed, double step_s,
                      Eigen::Vector3d* ret_smoothed) {
   *ret_smoothed += alpha_of(settings.speed_cutoff_hz, step_s) * (speed - *ret_smoothed);
-  return alpha_of(settings.least_cutoff_hz + settings.cutoff_per_speed * ret_smoothed->norm(), step_s);
+  return alpha_of(settings.min_cutoff_hz + settings.cutoff_per_speed * ret_smoothed->norm(), step_s);
 }
 
 }  // namespace
@@ -65,4 +65,4 @@ std::optional<FilteredRotation> filter(const OneEuroSettings& settings, const st
   return next;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

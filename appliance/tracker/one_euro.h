@@ -14,10 +14,10 @@
 
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 struct OneEuroSettings {
-  double least_cutoff_hz = 1.0;   ///< At rest: lower is calmer and later. More than 0.
+  double min_cutoff_hz = 1.0;     ///< At rest: lower is calmer and later. More than 0.
   double cutoff_per_speed = 0.0;  ///< Beta: Hz per unit of speed (metre or radian per second). 0 or more.
   double speed_cutoff_hz = 1.0;   ///< Of the speed itself; 1 Hz as in the paper. More than 0.
 };
@@ -45,4 +45,4 @@ struct FilteredRotation {
                                                      const std::optional<FilteredRotation>& last,
                                                      const Eigen::Quaterniond& measured, TimePoint at);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

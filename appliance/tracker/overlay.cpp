@@ -9,7 +9,7 @@
 
 #include "common/image/draw.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 constexpr Colour kFound{255, 190, 0};
@@ -17,11 +17,11 @@ constexpr Colour kFollowed{0, 255, 120};
 constexpr Colour kMissing{255, 80, 60};
 constexpr std::array<Colour, 3> kAxes{Colour{255, 60, 60}, Colour{60, 230, 60}, Colour{80, 140, 255}};
 
-std::array<double, 2> place(const Eigen::Vector2d& pixel) { return {pixel.x(), pixel.y()}; }
+std::array<double, 2> point_of(const Eigen::Vector2d& pixel) { return {pixel.x(), pixel.y()}; }
 
-void draw_outline(const TagDetection& detection, Colour colour, int scale, RgbImage* ret_picture) {
+void draw_outline(const tags::TagDetection& detection, Colour colour, int scale, RgbImage* ret_picture) {
   for (std::size_t i = 0; i < 4; ++i) {
-    draw_line(ret_picture, place(detection.corners[i]), place(detection.corners[(i + 1) % 4]), colour, 2 * scale);
+    draw_line(ret_picture, point_of(detection.corners[i]), point_of(detection.corners[(i + 1) % 4]), colour, 2 * scale);
   }
   const Eigen::Vector2d& corner = detection.corners[0];
   draw_text(ret_picture, static_cast<int>(corner.x()), static_cast<int>(corner.y()) - 10 * scale,
@@ -36,7 +36,7 @@ void draw_axes(const T_CameraTag& T_camera_tag, double length_m, const Pinhole& 
     const Eigen::Vector3d tip = Eigen::Vector3d::Unit(axis) * (axis == 2 ? -length_m : length_m);
     const auto end = lens.pixel_of((T_camera_tag * Point<frame::Tag>{tip}).xyz);
     if (origin && end)
-      draw_line(ret_picture, place(*origin), place(*end), kAxes[static_cast<std::size_t>(axis)], 2 * scale);
+      draw_line(ret_picture, point_of(*origin), point_of(*end), kAxes[static_cast<std::size_t>(axis)], 2 * scale);
   }
 }
 
@@ -47,14 +47,14 @@ double yaw_rad(const T_CameraTag& T_camera_tag) {
   return std::atan2(into_tag.x(), into_tag.z());
 }
 
-RgbImage draw_overlay(const GreyImage& picture, std::span<const TagDetection> detections, const TrackedTag* tag,
+RgbImage draw_overlay(const GreyImage& picture, std::span<const tags::TagDetection> detections, const TrackedTag* tag,
                       const Pinhole& lens) {
   RgbImage shown = to_rgb(picture);
   const int scale = std::clamp(picture.width() / 640, 1, 8);
-  for (const TagDetection& detection : detections) {
-    const bool followed = tag != nullptr && std::any_of(tag->seen.begin(), tag->seen.end(), [&](const TagDetection& s) {
-                            return s.corners == detection.corners;
-                          });
+  for (const tags::TagDetection& detection : detections) {
+    const bool followed =
+        tag != nullptr && std::any_of(tag->seen.begin(), tag->seen.end(),
+                                      [&](const tags::TagDetection& s) { return s.corners == detection.corners; });
     draw_outline(detection, followed ? kFollowed : kFound, scale, &shown);
   }
   if (tag == nullptr) {
@@ -70,4 +70,4 @@ RgbImage draw_overlay(const GreyImage& picture, std::span<const TagDetection> de
   return shown;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

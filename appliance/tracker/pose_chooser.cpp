@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 /// One picture says no more than this: its error may be a reflection rather than noise.
-constexpr double kMostPerPicture = 4.0;
+constexpr double kMaxLogOddsPerPicture = 4.0;
 /// Nor all of them together, so that a wrong belief is left within a few pictures.
-constexpr double kMostLogOdds = 12.0;
+constexpr double kMaxLogOdds = 12.0;
 /// A hand may have done anything in this time.
 constexpr Duration kForgetAfter = std::chrono::milliseconds(500);
 /// Closer than this, which explanation continues which cannot be told from one picture to the next.
@@ -28,10 +28,10 @@ ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypothese
   const Eigen::Quaterniond& best = measured.best.T_camera_tag.rotation();
   if (!measured.other) {
     // A near tag has one explanation only, which settles it.
-    return {measured.best, std::nullopt, 1.0, {best, std::nullopt, kMostLogOdds, at}};
+    return {measured.best, std::nullopt, 1.0, {best, std::nullopt, kMaxLogOdds, at}};
   }
   const Eigen::Quaterniond& other = measured.other->T_camera_tag.rotation();
-  const double gain = std::min(kMostPerPicture, 0.5 * (measured.other->misfit - measured.best.misfit));
+  const double gain = std::min(kMaxLogOddsPerPicture, 0.5 * (measured.other->misfit - measured.best.misfit));
   const bool known = last && at - last->at < kForgetAfter && last->at - at < kForgetAfter;
   bool best_is_first = true;
   double log_odds = 0.0;
@@ -43,7 +43,7 @@ ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypothese
     best_is_first = straight <= crossed;
     log_odds = last->log_odds * fading(settings, *last, at);
   }
-  log_odds = std::clamp(log_odds + (best_is_first ? gain : -gain), -kMostLogOdds, kMostLogOdds);
+  log_odds = std::clamp(log_odds + (best_is_first ? gain : -gain), -kMaxLogOdds, kMaxLogOdds);
   const bool first_wins = log_odds >= 0.0;
   ChosenPose chosen;
   const bool best_wins = first_wins == best_is_first;
@@ -54,4 +54,4 @@ ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypothese
   return chosen;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

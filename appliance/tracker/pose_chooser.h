@@ -6,7 +6,7 @@
 #include "appliance/tracker/tag_pose.h"
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 struct ChooserSettings {
   double memory_s = 0.7;  ///< Evidence fades to 1/e over this time. More than 0.
@@ -38,4 +38,4 @@ struct ChosenPose {
 [[nodiscard]] ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypotheses>& last,
                                 const TagPoses& measured, TimePoint at);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using Eigen::Matrix3d;
@@ -14,11 +14,11 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-constexpr int kMostIterations = 40;
+constexpr int kMaxIterations = 40;
 constexpr double kCauchyDeviations = 3.0;
 /// A turn that is less certain than half a circle, or a shift than this share of the distance, is no pose.
-constexpr double kMostTurnDeviation = 3.14;
-constexpr double kMostShiftShare = 0.5;
+constexpr double kMaxTurnDeviation = 3.14;
+constexpr double kMaxShiftShare = 0.5;
 
 struct Fit {
   Eigen::Quaterniond rotation;
@@ -37,7 +37,7 @@ void evaluate(std::span<const SeenPoint> points, const Pinhole& lens, Fit* ret_f
   ret_fit->gradient.setZero();
   constexpr double kScale = kCauchyDeviations * kCauchyDeviations;
   for (const SeenPoint& point : points) {
-    const Vector3d turned = ret_fit->rotation * point.place;
+    const Vector3d turned = ret_fit->rotation * point.position;
     const Vector3d p = turned + ret_fit->translation;
     const auto pixel = lens.pixel_of(p);
     if (!pixel) {
@@ -77,10 +77,10 @@ std::optional<Matrix6d> covariance_of(const Fit& fit, std::size_t points) {
   const double freedom = std::max(1.0, 2.0 * static_cast<double>(points) - 6.0);
   const Matrix6d covariance =
       std::max(1.0, fit.misfit / freedom) * Matrix6d(scale.asDiagonal() * inverse * scale.asDiagonal());
-  const double most_shift = kMostShiftShare * fit.translation.norm();
+  const double max_shift = kMaxShiftShare * fit.translation.norm();
   const bool known = covariance.allFinite() &&
-                     covariance.diagonal().head<3>().maxCoeff() < kMostTurnDeviation * kMostTurnDeviation &&
-                     covariance.diagonal().tail<3>().maxCoeff() < most_shift * most_shift;
+                     covariance.diagonal().head<3>().maxCoeff() < kMaxTurnDeviation * kMaxTurnDeviation &&
+                     covariance.diagonal().tail<3>().maxCoeff() < max_shift * max_shift;
   if (!known) return std::nullopt;
   return covariance;
 }
@@ -93,7 +93,7 @@ std::optional<TagPose> fit_pose(std::span<const SeenPoint> points, const T_Camer
   evaluate(points, lens, &fit);
   if (!std::isfinite(fit.misfit)) return std::nullopt;
   double damping = 1e-4;
-  for (int i = 0; i < kMostIterations; ++i) {
+  for (int i = 0; i < kMaxIterations; ++i) {
     const Vector6d scale = scale_of(fit.normal);
     Matrix6d damped = scale.asDiagonal() * fit.normal * scale.asDiagonal();
     damped.diagonal().array() += damping;
@@ -121,4 +121,4 @@ std::optional<TagPose> fit_pose(std::span<const SeenPoint> points, const T_Camer
                  *covariance};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -8,14 +8,14 @@
 #include "common/geometry/rigid_transform.h"
 #include "common/room/pinhole.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 using T_CameraTag = RigidTransform<frame::Camera, frame::Tag>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// A point of the pattern, where a picture shows it, and how surely.
 struct SeenPoint {
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< In the Tag frame.
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< In the Tag frame.
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Eigen::Matrix2d information = Eigen::Matrix2d::Identity();  ///< Inverse covariance, 1 / px².
 };
@@ -41,4 +41,4 @@ struct TagPose {
 [[nodiscard]] std::optional<TagPose> fit_pose(std::span<const SeenPoint> points, const T_CameraTag& start,
                                               const Pinhole& lens);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -8,7 +8,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using Eigen::Matrix2d;
@@ -19,7 +19,7 @@ using Corners2 = std::array<Vector2d, 4>;
 using Corners3 = std::array<Vector3d, 4>;
 
 /// Below this a quadrilateral is a line or a point to a camera.
-constexpr double kLeastDoubledAreaPx2 = 2.0;
+constexpr double kMinDoubledAreaPx2 = 2.0;
 /// Two minima that differ by less are one.
 constexpr double kSamePoseRad = 1e-3;
 
@@ -30,7 +30,7 @@ bool is_usable(const Corners2& corners) {
     const Vector2d b = corners[(i + 2) % 4] - corners[(i + 1) % 4];
     if (!(a.x() * b.y() - a.y() * b.x() > 0.0)) return false;  // Not convex, or seen from behind.
   }
-  return doubled_area_px2(corners) > kLeastDoubledAreaPx2;
+  return tags::doubled_area_px2(corners) > kMinDoubledAreaPx2;
 }
 
 /// From the tag's plane, in metres, to normalised image coordinates: exact for four points.
@@ -129,4 +129,4 @@ std::optional<TagPoses> estimate_poses(const Corners2& corners, double tag_size_
   return TagPoses{*first, second};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -7,7 +7,7 @@
 #include "appliance/tags/tag_detector.h"
 #include "appliance/tracker/pose_fit.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// A flat tag seen from afar looks almost the same when it is tilted the other way about the line of sight: two poses
 /// explain its corners. `best` has the smaller error; `other` is absent where there is only one minimum.
@@ -29,4 +29,4 @@ struct TagPoses {
 /// The tag's corners in the Tag frame, in TagDetection's order.
 [[nodiscard]] std::array<Eigen::Vector3d, 4> corners_of_tag(double tag_size_m);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -6,12 +6,12 @@
 #include "appliance/tracker/wand_pose.h"
 #include "common/wand/folded_card.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 struct SeenPattern {
   Wand wand;
-  std::vector<TagDetection> tags;
+  std::vector<tags::TagDetection> tags;
   double area_px2 = 0.0;
 };
 
@@ -19,22 +19,22 @@ bool has_tag(const Wand& wand, int id) {
   return std::any_of(wand.tags.begin(), wand.tags.end(), [&](const WandTag& tag) { return tag.id == id; });
 }
 
-bool is_near(const TagDetection& a, const TagDetection& b) {
+bool is_near(const tags::TagDetection& a, const tags::TagDetection& b) {
   // Neighbours on one wand are less than this apart, in the larger one's sizes.
   constexpr double kFarSizes = 4.0;
-  const double larger = std::max(doubled_area_px2(a.corners), doubled_area_px2(b.corners));
+  const double larger = std::max(tags::doubled_area_px2(a.corners), tags::doubled_area_px2(b.corners));
   return (a.corners[0] - b.corners[0]).squaredNorm() < kFarSizes * kFarSizes * 0.5 * larger;
 }
 
 /// The detections by pattern, in the order of their largest tags.
-std::vector<SeenPattern> patterns_in(const PatternSettings& settings, std::span<const TagDetection> detections) {
+std::vector<SeenPattern> patterns_in(const PatternSettings& settings, std::span<const tags::TagDetection> detections) {
   std::vector<SeenPattern> patterns;
-  for (const TagDetection& detection : detections) {  // The largest comes first.
+  for (const tags::TagDetection& detection : detections) {  // The largest comes first.
     const auto known = std::find_if(patterns.begin(), patterns.end(), [&](const SeenPattern& pattern) {
       // Two cards of one number are two patterns, as long as they are apart.
       return has_tag(pattern.wand, detection.id) && is_near(pattern.tags.front(), detection) &&
              std::none_of(pattern.tags.begin(), pattern.tags.end(),
-                          [&](const TagDetection& tag) { return tag.id == detection.id; });
+                          [&](const tags::TagDetection& tag) { return tag.id == detection.id; });
     });
     SeenPattern* pattern = known == patterns.end() ? nullptr : &*known;
     if (pattern == nullptr) {
@@ -43,7 +43,7 @@ std::vector<SeenPattern> patterns_in(const PatternSettings& settings, std::span<
       pattern = &patterns.emplace_back(SeenPattern{*std::move(wand), {}, 0.0});
     }
     pattern->tags.push_back(detection);
-    pattern->area_px2 += 0.5 * doubled_area_px2(detection.corners);
+    pattern->area_px2 += 0.5 * tags::doubled_area_px2(detection.corners);
   }
   std::stable_sort(patterns.begin(), patterns.end(),
                    [](const SeenPattern& a, const SeenPattern& b) { return a.area_px2 > b.area_px2; });
@@ -83,7 +83,7 @@ std::optional<Wand> PatternSettings::pattern_of(int tag_id) const {
 }
 
 TrackingResult track(const TrackingSettings& settings, const TrackingState& last,
-                     std::span<const TagDetection> detections, const Pinhole& lens, TimePoint captured_at) {
+                     std::span<const tags::TagDetection> detections, const Pinhole& lens, TimePoint captured_at) {
   const std::vector<SeenPattern> patterns = patterns_in(settings.patterns, detections);
   const SeenPattern* const pattern = pick(last, patterns, captured_at);
   if (pattern == nullptr) return {last, std::nullopt};
@@ -109,4 +109,4 @@ TrackingResult track(const TrackingSettings& settings, const TrackingState& last
           pattern->wand, pattern->tags, *poses, chosen, covariance, {state.rotation->value, state.position->value}}};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -10,7 +10,7 @@
 #include "appliance/tracker/pose_chooser.h"
 #include "common/wand/wand.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// Which patterns visitors may hold: the standard wands, wands that were measured, or flat tags of one size.
 struct PatternSettings {
@@ -46,11 +46,11 @@ struct TrackingState {
 /// The followed pattern in one picture.
 struct TrackedTag {
   Wand wand;
-  std::vector<TagDetection> seen;  ///< Its tags in this picture, the largest first; at least one.
-  TagPoses measured;               ///< Both explanations, unfiltered, with their misfits.
-  ChosenPose chosen;               ///< Which of them is believed, and how firmly.
-  Matrix6d covariance;             ///< Of the chosen one, the chance that the other is right included (wand_pose.h).
-  T_CameraTag T_camera_tag;        ///< The chosen one, filtered: what the tour steers by.
+  std::vector<tags::TagDetection> seen;  ///< Its tags in this picture, the largest first; at least one.
+  TagPoses measured;                     ///< Both explanations, unfiltered, with their misfits.
+  ChosenPose chosen;                     ///< Which of them is believed, and how firmly.
+  Matrix6d covariance;       ///< Of the chosen one, the chance that the other is right included (wand_pose.h).
+  T_CameraTag T_camera_tag;  ///< The chosen one, filtered: what the tour steers by.
 };
 
 struct TrackingResult {
@@ -61,9 +61,9 @@ struct TrackingResult {
 
 /// Follows one pattern: the same as before while it is seen or was lost for less than kKeepFor, else the largest. Pure.
 [[nodiscard]] TrackingResult track(const TrackingSettings& settings, const TrackingState& last,
-                                   std::span<const TagDetection> detections, const Pinhole& lens,
+                                   std::span<const tags::TagDetection> detections, const Pinhole& lens,
                                    TimePoint captured_at);
 
 inline constexpr Duration kKeepFor = std::chrono::milliseconds(300);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

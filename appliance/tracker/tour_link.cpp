@@ -10,13 +10,13 @@
 #include "common/wire/channel.h"
 #include "common/wire/museum.grpc.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 /// How soon a request to stop, or a tour that hung up, is noticed.
 constexpr std::chrono::milliseconds kLookAround(200);
 constexpr Duration kFirstPause = std::chrono::milliseconds(100);
-constexpr Duration kLongestPause = std::chrono::seconds(2);
+constexpr Duration kMaxPause = std::chrono::seconds(2);
 /// A stream that lasted this long was a good one, and the next is tried at once.
 constexpr Duration kGoodStream = std::chrono::seconds(5);
 
@@ -56,7 +56,7 @@ TourLink::~TourLink() {
 }
 
 void TourLink::send(wire::TrackedPose pose) {
-  if (speaker_) speaker_->say(report_of(pose));
+  if (pose_sender_) pose_sender_->say(report_of(pose));
   outbox_.put(std::move(pose));
 }
 
@@ -72,7 +72,7 @@ void TourLink::run(const std::stop_token& stop) {
     // Somebody listens there but ends the stream: it may be starting. What is put in the outbox meanwhile gets stale.
     const TimePoint until = clock.now() + pause;
     while (clock.now() < until && !outbox_.is_closed()) static_cast<void>(outbox_.take_before(until));
-    pause = std::min(2 * pause, kLongestPause);
+    pause = std::min(2 * pause, kMaxPause);
   }
 }
 
@@ -100,4 +100,4 @@ void TourLink::stream(const std::stop_token& stop) {
   context_ = nullptr;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

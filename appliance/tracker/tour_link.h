@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "appliance/tracker/interchange/pose_speaker.h"
+#include "appliance/tracker/interchange/pose_sender.h"
 #include "common/base/latest_value.h"
 #include "common/base/result.h"
 #include "common/wire/museum.pb.h"
@@ -18,7 +18,7 @@ class Channel;
 class ClientContext;
 }  // namespace grpc
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// The tracker's line to the tour: dials, streams poses, dials again for ever, on a thread `link` of its own. A pose
 /// that cannot be sent at once is replaced by the next; none is ever sent late. Thread-safe.
@@ -34,7 +34,7 @@ class TourLink {
   /// Never blocks for long.
   void send(wire::TrackedPose pose);
   /// Other programs are told each pose, too. Before the first send().
-  void also_tell(PoseSpeaker speaker) { speaker_ = std::move(speaker); }
+  void also_send_to(PoseSender speaker) { pose_sender_ = std::move(speaker); }
   [[nodiscard]] bool is_connected() const { return connected_; }
   [[nodiscard]] std::uint64_t sent() const { return sent_; }
 
@@ -46,7 +46,7 @@ class TourLink {
 
   std::shared_ptr<grpc::Channel> channel_;
   LatestValue<wire::TrackedPose> outbox_;
-  std::optional<PoseSpeaker> speaker_;
+  std::optional<PoseSender> pose_sender_;
   std::atomic<bool> connected_ = false;
   std::atomic<std::uint64_t> sent_ = 0;
   std::mutex mutex_;
@@ -54,4 +54,4 @@ class TourLink {
   std::jthread thread_;                     ///< Last: it uses all the others.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -15,7 +15,7 @@
 #include "common/wire/convert.h"
 #include "drivers/devices/make_camera.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 constexpr Duration kLookAround = std::chrono::milliseconds(200);
@@ -66,25 +66,25 @@ std::string describe(const PatternSettings& patterns) {
 
 Result<std::unique_ptr<Tracker>> Tracker::start(const TrackerSettings& settings, const Clock& clock,
                                                 InspectionService* inspection) {
-  TRY_ASSIGN(TagSearch search, TagSearch::create(settings.detector));
-  auto camera = make_camera(settings.camera, clock);
+  TRY_ASSIGN(tags::TagSearch search, tags::TagSearch::create(settings.detector));
+  auto camera = devices::make_camera(settings.camera, clock);
   if (!camera && camera.error().code() == ErrorCode::kInvalidArgument) return std::move(camera).error();
   TRY_ASSIGN(std::unique_ptr<TourLink> link, TourLink::open(settings.tour));
   if (!settings.osc.empty() || !settings.vrpn.empty()) {
-    TRY_ASSIGN(PoseSpeaker speaker, PoseSpeaker::open(settings.osc, settings.vrpn, "Cyclorama0"));
-    link->also_tell(std::move(speaker));
+    TRY_ASSIGN(PoseSender speaker, PoseSender::open(settings.osc, settings.vrpn, "Cyclorama0"));
+    link->also_send_to(std::move(speaker));
   }
   inspection->set_fact("camera", settings.camera);
   inspection->set_fact("tour", settings.tour);
   inspection->set_fact("pattern", settings.steer_by == SteerBy::kBody
-                                      ? fmt::format("none: by the body, {:.1f} m away", settings.body.stand_m)
+                                      ? fmt::format("none: by the body, {:.1f} m away", settings.body.mark_distance_m)
                                       : describe(settings.tracking.patterns));
   return std::unique_ptr<Tracker>(new Tracker(settings, clock, inspection, camera ? *std::move(camera) : nullptr,
                                               std::move(search), std::move(link)));
 }
 
 Tracker::Tracker(const TrackerSettings& settings, const Clock& clock, InspectionService* inspection,
-                 std::unique_ptr<Camera> first_camera, TagSearch search, std::unique_ptr<TourLink> link)
+                 std::unique_ptr<camera::Camera> first_camera, tags::TagSearch search, std::unique_ptr<TourLink> link)
     : settings_(settings),
       clock_(clock),
       inspection_(*inspection),
@@ -95,9 +95,9 @@ Tracker::Tracker(const TrackerSettings& settings, const Clock& clock, Inspection
       link_(std::move(link)),
       first_camera_(std::move(first_camera)),
       capture_(
-          [this]() -> Result<std::unique_ptr<Camera>> {
+          [this]() -> Result<std::unique_ptr<camera::Camera>> {
             if (first_camera_ != nullptr) return std::move(first_camera_);
-            return make_camera(settings_.camera, clock_);
+            return devices::make_camera(settings_.camera, clock_);
           },
           clock),
       detect_alive_at_(clock.now()),
@@ -123,11 +123,11 @@ void Tracker::detect(const std::stop_token& stop) {
   }
 }
 
-void Tracker::handle(const Frame& frame) {
+void Tracker::handle(const camera::CameraFrame& frame) {
   const TimePoint taken_at = clock_.now();
   auto found = search_.search(frame.pixels);
   const TimePoint found_at = clock_.now();
-  const std::vector<TagDetection> detections = found ? *std::move(found) : std::vector<TagDetection>{};
+  const std::vector<tags::TagDetection> detections = found ? *std::move(found) : std::vector<tags::TagDetection>{};
   const Pinhole lens = lens_for(settings_.lens, frame.pixels.width(), frame.pixels.height());
   TrackingResult result =
       track(settings_.tracking, tracking_, straight_tags(detections, lens), lens, frame.captured_at);
@@ -143,15 +143,16 @@ void Tracker::handle(const Frame& frame) {
   report(frame, result, lens, detections);
 }
 
-std::vector<TagDetection> Tracker::straight_tags(const std::vector<TagDetection>& seen, const Pinhole& lens) {
+std::vector<tags::TagDetection> Tracker::straight_tags(const std::vector<tags::TagDetection>& seen,
+                                                       const Pinhole& lens) {
   if (!settings_.lens.calibrated) return seen;
-  const auto calibrated = lens_for_picture(*settings_.lens.calibrated, lens.width_px, lens.height_px);
-  const auto brown = calibrated ? calibrated->brown() : Result<BrownLens>(calibrated.error());
+  const auto calibrated = calibration::lens_for_picture(*settings_.lens.calibrated, lens.width_px, lens.height_px);
+  const auto brown = calibrated ? calibrated->brown() : Result<calibration::BrownLens>(calibrated.error());
   does_lens_fit_ = brown.has_value();
-  return brown ? straightened(seen, *brown, lens) : seen;
+  return brown ? tags::straightened(seen, *brown, lens) : seen;
 }
 
-void Tracker::handle_body(const Frame& frame) {
+void Tracker::handle_body(const camera::CameraFrame& frame) {
   const TimePoint taken_at = clock_.now();
   const Pinhole lens = lens_for(settings_.lens, frame.pixels.width(), frame.pixels.height());
   const std::optional<BodyPose> body = body_->update(frame.pixels, lens, frame.captured_at);
@@ -179,7 +180,7 @@ void Tracker::handle_body(const Frame& frame) {
     inspection_.set_picture(kPicture, std::make_shared<const RgbImage>(body_->drawn(frame.pixels)));
 }
 
-wire::TrackedPose Tracker::pose_of(const Frame& frame) const {
+wire::TrackedPose Tracker::pose_of(const camera::CameraFrame& frame) const {
   wire::TrackedPose pose;
   pose.set_camera(settings_.name.empty() ? capture_.camera_id() : settings_.name);
   pose.set_sequence(frame.sequence);
@@ -187,7 +188,7 @@ wire::TrackedPose Tracker::pose_of(const Frame& frame) const {
   return pose;
 }
 
-wire::TrackedPose Tracker::pose_of(const Frame& frame, const std::optional<TrackedTag>& tag) const {
+wire::TrackedPose Tracker::pose_of(const camera::CameraFrame& frame, const std::optional<TrackedTag>& tag) const {
   wire::TrackedPose pose = pose_of(frame);
   pose.set_found(tag.has_value());
   if (!tag) return pose;
@@ -198,8 +199,8 @@ wire::TrackedPose Tracker::pose_of(const Frame& frame, const std::optional<Track
   return pose;
 }
 
-void Tracker::report(const Frame& frame, const TrackingResult& result, const Pinhole& lens,
-                     std::span<const TagDetection> detections) {
+void Tracker::report(const camera::CameraFrame& frame, const TrackingResult& result, const Pinhole& lens,
+                     std::span<const tags::TagDetection> detections) {
   inspection_.set_gauge("tags_found", static_cast<double>(detections.size()));
   inspection_.count("pictures");
   if (result.tag) {
@@ -244,4 +245,4 @@ bool Tracker::supervise() {
   return now - capture_.alive_at() < kStuckAfter && now - detect_alive_at_.load() < kStuckAfter;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

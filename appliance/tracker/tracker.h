@@ -14,7 +14,7 @@
 #include "common/process/stop_signal.h"
 #include "common/wire/inspection_service.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// The process behind cyclorama-tracker: camera in, poses out.
 ///
@@ -40,24 +40,26 @@ class Tracker {
 
  private:
   Tracker(const TrackerSettings& settings, const Clock& clock, InspectionService* inspection,
-          std::unique_ptr<Camera> first_camera, TagSearch search, std::unique_ptr<TourLink> link);
+          std::unique_ptr<camera::Camera> first_camera, tags::TagSearch search, std::unique_ptr<TourLink> link);
   void detect(const std::stop_token& stop);
-  void handle(const Frame& frame);
-  void handle_body(const Frame& frame);
-  void report(const Frame& frame, const TrackingResult& result, const Pinhole& lens,
-              std::span<const TagDetection> detections);
-  [[nodiscard]] std::vector<TagDetection> straight_tags(const std::vector<TagDetection>& seen, const Pinhole& lens);
-  [[nodiscard]] wire::TrackedPose pose_of(const Frame& frame) const;
-  [[nodiscard]] wire::TrackedPose pose_of(const Frame& frame, const std::optional<TrackedTag>& tag) const;
+  void handle(const camera::CameraFrame& frame);
+  void handle_body(const camera::CameraFrame& frame);
+  void report(const camera::CameraFrame& frame, const TrackingResult& result, const Pinhole& lens,
+              std::span<const tags::TagDetection> detections);
+  [[nodiscard]] std::vector<tags::TagDetection> straight_tags(const std::vector<tags::TagDetection>& seen,
+                                                              const Pinhole& lens);
+  [[nodiscard]] wire::TrackedPose pose_of(const camera::CameraFrame& frame) const;
+  [[nodiscard]] wire::TrackedPose pose_of(const camera::CameraFrame& frame, const std::optional<TrackedTag>& tag) const;
 
   const TrackerSettings settings_;
   const Clock& clock_;
   InspectionService& inspection_;
-  TagSearch search_;
+  tags::TagSearch search_;
   TrackingState tracking_;           ///< Of the detect thread.
   std::optional<BodyTracker> body_;  ///< Of the detect thread; only where visitors steer by the body.
   std::unique_ptr<TourLink> link_;
-  std::unique_ptr<Camera> first_camera_;  ///< Opened at the start, to show mistakes at once; then the capture thread's.
+  std::unique_ptr<camera::Camera>
+      first_camera_;  ///< Opened at the start, to show mistakes at once; then the capture thread's.
   Capture capture_;
   std::atomic<TimePoint> detect_alive_at_;
   std::atomic<std::uint64_t> pictures_ = 0;
@@ -70,4 +72,4 @@ class Tracker {
   std::jthread thread_;  ///< `detect`. Last: it uses all the others.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

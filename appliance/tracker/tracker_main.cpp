@@ -14,7 +14,7 @@
 #include "common/wire/channel.h"
 #include "drivers/devices/make_camera.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 constexpr Duration kSupervisePeriod = std::chrono::milliseconds(500);
@@ -28,7 +28,7 @@ struct Options {
   std::optional<std::string> osc;
   std::optional<std::string> vrpn;
   std::optional<std::string> steer_by;
-  std::optional<double> stand_m;
+  std::optional<double> mark_distance_m;
   std::optional<double> tag_size_mm;
   std::vector<std::string> wands;
   std::optional<double> field_of_view_deg;
@@ -50,7 +50,7 @@ void add_options(CLI::App* app, Options* ret) {
   app->add_option("--steer-by", ret->steer_by,
                   "wand (default), or body: visitors carry nothing, and stand at a mark; leaning turns, stepping walks")
       ->check(CLI::IsMember({"wand", "body"}));
-  app->add_option("--stand-m", ret->stand_m, "Of --steer-by body: from the camera to the mark; 2 m")
+  app->add_option("--stand-m", ret->mark_distance_m, "Of --steer-by body: from the camera to the mark; 2 m")
       ->check(CLI::Range(0.5, 10.0));
   app->add_option("--tag-size-mm", ret->tag_size_mm, "Follow flat tags instead of wands: edge of the black square")
       ->check(CLI::Range(1.0, 10000.0));
@@ -69,16 +69,16 @@ void add_options(CLI::App* app, Options* ret) {
 
 /// A block per camera that can be pasted into tracker.toml.
 void print_cameras() {
-  const std::vector<ListedCamera> cameras = list_cameras();
+  const std::vector<camera::ListedCamera> cameras = list_cameras();
   if (cameras.empty()) fmt::print("# No camera is plugged in, or none that the kernel or libcamera drives.\n");
-  for (const ListedCamera& camera : cameras) {
+  for (const camera::ListedCamera& camera : cameras) {
     fmt::print("# {}{}{}\n", camera.name, camera.name.empty() ? "" : ", now ", camera.path);
     if (!camera.sends.empty()) fmt::print("# sends {}\n", camera.sends);
     if (!camera.problem.empty()) fmt::print("# cannot be used: {}\n", camera.problem);
     const std::string kind = camera.spec.substr(0, camera.spec.find(':'));
-    const std::string place = camera.spec.substr(kind.size() + 1);
-    const bool is_path = kind == "v4l2" && place.starts_with("/");
-    fmt::print("[camera]\nkind = \"{}\"\n{} = \"{}\"\n\n", kind, is_path ? "device" : "port", place);
+    const std::string position = camera.spec.substr(kind.size() + 1);
+    const bool is_path = kind == "v4l2" && position.starts_with("/");
+    fmt::print("[camera]\nkind = \"{}\"\n{} = \"{}\"\n\n", kind, is_path ? "device" : "port", position);
   }
 }
 
@@ -93,7 +93,7 @@ Result<TrackerSettings> settings_of(const Options& options) {
   if (options.osc) settings.osc = *options.osc;
   if (options.vrpn) settings.vrpn = *options.vrpn;
   if (options.steer_by) settings.steer_by = *options.steer_by == "body" ? SteerBy::kBody : SteerBy::kWand;
-  if (options.stand_m) settings.body.stand_m = *options.stand_m;
+  if (options.mark_distance_m) settings.body.mark_distance_m = *options.mark_distance_m;
   PatternSettings& patterns = settings.tracking.patterns;
   if (options.tag_size_mm) patterns.flat_tag_size_m = 1e-3 * *options.tag_size_mm;
   if (!options.wands.empty()) patterns = {};
@@ -127,7 +127,7 @@ Status run(const Options& options, const StopSignal& stop) {
   std::string shown;
   do {
     if (tracker->supervise()) notify.keep_alive(clock.now());
-    // The rate changes all the time; what is worth a line is another situation.
+    // The rate changes all the time; what is gain a line is another situation.
     const std::string situation = tracker->state().substr(0, tracker->state().find(','));
     if (situation != shown) {
       notify.status(tracker->state());
@@ -141,7 +141,7 @@ Status run(const Options& options, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker
 
 int main(int argc, char** argv) {
   cyclorama::Program program(

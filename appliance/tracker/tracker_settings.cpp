@@ -9,13 +9,13 @@
 #include "common/wand/folded_card.h"
 #include "drivers/camera/camera_settings.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 Status read_camera_table(ConfigTable camera, const std::filesystem::path& folder, TrackerSettings* ret) {
-  ret->camera = camera_source(&camera, ret->camera);
+  ret->camera = camera::camera_source(&camera, ret->camera);
   ret->name = camera.text("name", ret->name);
   ret->lens.field_of_view_rad = camera.number("field_of_view_deg", {1, 170}, 60.0) * kDegree;
   if (camera.has("focal_px")) {
@@ -30,7 +30,7 @@ Status read_camera_table(ConfigTable camera, const std::filesystem::path& folder
   for (const char* key : {"field_of_view_deg", "focal_px", "centre_px"}) {
     if (camera.has(key)) camera.refuse(key, "and lens say the same; remove one");
   }
-  TRY_ASSIGN(const CameraFile file, read_camera(folder / camera.text("lens", "")));
+  TRY_ASSIGN(const calibration::CameraFile file, calibration::read_camera(folder / camera.text("lens", "")));
   ret->lens.calibrated = file.lens;
   return Done{};
 }
@@ -39,7 +39,7 @@ Status read_camera_table(ConfigTable camera, const std::filesystem::path& folder
 Status read_patterns(ConfigTable root, const std::filesystem::path& folder, TrackerSettings* ret) {
   const bool has_tag = root.has("tag");
   ConfigTable tag = root.table("tag");
-  ret->detector.family = tag.choice("family", tag_families(), ret->detector.family);
+  ret->detector.family = tag.choice("family", tags::tag_families(), ret->detector.family);
   PatternSettings& patterns = ret->tracking.patterns;
   if (has_tag) {
     patterns.flat_tag_size_m = 1e-3 * tag.number("size_mm", {1, 10000}, 120.0);
@@ -58,24 +58,24 @@ Status read_patterns(ConfigTable root, const std::filesystem::path& folder, Trac
   return Done{};
 }
 
-void read_detector(ConfigTable detector, DetectorSettings* ret) {
+void read_detector(ConfigTable detector, tags::DetectorSettings* ret) {
   ret->decimate = detector.number("decimate", {1, 8}, ret->decimate);
   ret->tiles = detector.flag("tiles", ret->tiles);
   ret->threads = detector.integer("threads", {1, 16}, ret->threads);
   ret->refine_edges = detector.flag("refine_edges", ret->refine_edges);
   ret->refine_corners = detector.flag("refine_corners", ret->refine_corners);
-  ret->most_hamming = detector.integer("most_hamming", {0, 2}, ret->most_hamming);
-  ret->least_margin = detector.number("least_margin_grey", {0, 255}, ret->least_margin);
+  ret->max_hamming = detector.integer("max_hamming", {0, 2}, ret->max_hamming);
+  ret->min_margin = detector.number("min_margin_grey", {0, 255}, ret->min_margin);
 }
 
 void read_filter(ConfigTable filter, TrackingSettings* ret) {
   constexpr Range kCutoff{0.01, 1000};
   constexpr Range kPerSpeed{0, 1000};
   OneEuroSettings& position = ret->position;
-  position.least_cutoff_hz = filter.number("position_cutoff_hz", kCutoff, position.least_cutoff_hz);
+  position.min_cutoff_hz = filter.number("position_cutoff_hz", kCutoff, position.min_cutoff_hz);
   position.cutoff_per_speed = filter.number("position_cutoff_hz_per_m_s", kPerSpeed, position.cutoff_per_speed);
   OneEuroSettings& rotation = ret->rotation;
-  rotation.least_cutoff_hz = filter.number("rotation_cutoff_hz", kCutoff, rotation.least_cutoff_hz);
+  rotation.min_cutoff_hz = filter.number("rotation_cutoff_hz", kCutoff, rotation.min_cutoff_hz);
   rotation.cutoff_per_speed = filter.number("rotation_cutoff_hz_per_rad_s", kPerSpeed, rotation.cutoff_per_speed);
   ret->corner_floor_px = filter.number("corner_floor_px", {0.001, 10}, ret->corner_floor_px);
   ret->chooser.memory_s = filter.number("memory_s", {0.01, 60}, ret->chooser.memory_s);
@@ -83,8 +83,8 @@ void read_filter(ConfigTable filter, TrackingSettings* ret) {
 
 void read_body(ConfigTable body, TrackerSettings* ret) {
   BodySettings& settings = ret->body;
-  settings.stand_m = body.number("stand_m", {0.5, 10.0}, settings.stand_m);
-  settings.reach_m = body.number("reach_m", {0.2, 5.0}, settings.reach_m);
+  settings.mark_distance_m = body.number("mark_distance_m", {0.5, 10.0}, settings.mark_distance_m);
+  settings.follow_radius_m = body.number("follow_radius_m", {0.2, 5.0}, settings.follow_radius_m);
   settings.begin_within_m = body.number("begin_within_m", {0.1, 5.0}, settings.begin_within_m);
   ret->background.cells_across = body.integer("cells_across", {40, 1280}, ret->background.cells_across);
 }
@@ -123,8 +123,8 @@ Result<TrackerSettings> TrackerSettings::parse(std::string_view text, std::strin
 Pinhole lens_for(const LensSettings& settings, int width_px, int height_px) {
   CHECK(width_px > 0 && height_px > 0);
   if (settings.calibrated) {
-    const auto lens = lens_for_picture(*settings.calibrated, width_px, height_px);
-    using L = MeasuredLens;
+    const auto lens = calibration::lens_for_picture(*settings.calibrated, width_px, height_px);
+    using L = calibration::MeasuredLens;
     if (lens) {
       return {width_px, height_px, lens->values[L::kFocal], lens->values[L::kCentreU], lens->values[L::kCentreV], 1.0};
     }
@@ -138,4 +138,4 @@ Pinhole lens_for(const LensSettings& settings, int width_px, int height_px) {
   return lens;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

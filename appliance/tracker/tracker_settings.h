@@ -13,7 +13,7 @@
 #include "common/base/result.h"
 #include "common/room/pinhole.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// The camera's lens, which is known before the size of its pictures is.
 struct LensSettings {
@@ -22,7 +22,7 @@ struct LensSettings {
   std::optional<double> focal_px;
   std::optional<Eigen::Vector2d> centre_px;
   /// Of camera.json, with its distortion; replaces all of the above.
-  std::optional<MeasuredLens> calibrated;
+  std::optional<calibration::MeasuredLens> calibrated;
 };
 
 enum class SteerBy { kWand, kBody };
@@ -35,7 +35,7 @@ struct TrackerSettings {
   SteerBy steer_by = SteerBy::kWand;
   BodySettings body;              ///< Of visitors without a pattern.
   BackgroundSettings background;  ///< Likewise.
-  DetectorSettings detector;
+  tags::DetectorSettings detector;
   TrackingSettings tracking;
   std::string tour = "[::1]:7403";
   std::string listen = "[::1]:7405";
@@ -52,4 +52,4 @@ struct TrackerSettings {
 /// another shape is left aside. Preconditions: the picture is not empty.
 [[nodiscard]] Pinhole lens_for(const LensSettings& settings, int width_px, int height_px);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -9,7 +9,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using Eigen::Vector2d;
@@ -28,14 +28,14 @@ constexpr double kInsidePx = 6.0;
 
 struct Match {
   const WandTag* tag;
-  const TagDetection* detection;
+  const tags::TagDetection* detection;
 };
 
-std::vector<Match> matches_of(const Wand& wand, std::span<const TagDetection> seen) {
+std::vector<Match> matches_of(const Wand& wand, std::span<const tags::TagDetection> seen) {
   std::vector<Match> matches;
   for (const WandTag& tag : wand.tags) {
-    const auto found =
-        std::find_if(seen.begin(), seen.end(), [&](const TagDetection& detection) { return detection.id == tag.id; });
+    const auto found = std::find_if(seen.begin(), seen.end(),
+                                    [&](const tags::TagDetection& detection) { return detection.id == tag.id; });
     const bool usable = found != seen.end() && std::all_of(found->corners.begin(), found->corners.end(),
                                                            [](const Vector2d& corner) { return corner.allFinite(); });
     if (usable) matches.push_back({&tag, &*found});
@@ -105,7 +105,7 @@ bool is_same(const TagPose& a, const TagPose& b) {
 
 }  // namespace
 
-std::optional<TagPoses> estimate_wand_poses(const Wand& wand, std::span<const TagDetection> seen,
+std::optional<TagPoses> estimate_wand_poses(const Wand& wand, std::span<const tags::TagDetection> seen,
                                             double corner_floor_px, const Pinhole& lens) {
   CHECK(corner_floor_px > 0.0 && lens.focal_px > 0.0);
   const std::vector<Match> matches = matches_of(wand, seen);
@@ -148,4 +148,4 @@ Matrix6d mixed_covariance(const TagPose& chosen, const TagPose& other, double pr
   return probability * chosen.covariance + (1.0 - probability) * (other.covariance + apart * apart.transpose());
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
 /// 1 in the middle of the picture, 0 at its edges.
@@ -77,4 +77,4 @@ double unlit_fraction(const Installation& installation) {
   return unlit_m2 / all_m2;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

@@ -7,7 +7,7 @@
 #include "appliance/warp/projector_map.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 
 using MaskImage = Image<float, 1>;  ///< A factor in [0, 1] on linear light per projector pixel.
 
@@ -29,4 +29,4 @@ using MaskImage = Image<float, 1>;  ///< A factor in [0, 1] on linear light per 
 /// The part of the wall that no projector reaches, in [0, 1], by area, of a grid of wall points.
 [[nodiscard]] double unlit_fraction(const Installation& installation);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

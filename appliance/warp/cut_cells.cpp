@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
 using Line = Eigen::Hyperplane<double, 2>;
@@ -16,7 +16,7 @@ constexpr double kOnLine_px = 1e-6;
 
 class Cutter {
  public:
-  explicit Cutter(std::vector<Eigen::Vector2d>* places) : places_(*places) {}
+  explicit Cutter(std::vector<Eigen::Vector2d>* positions) : positions_(*positions) {}
 
   /// The parts of `polygon` on either side; one of them is empty where the line does not cut it.
   std::pair<Polygon, Polygon> split(const Polygon& polygon, const Line& line) {
@@ -46,9 +46,9 @@ class Cutter {
       return;
     }
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (const std::uint32_t corner : polygon) sum += places_[corner];
-    const auto middle = static_cast<std::uint32_t>(places_.size());
-    places_.push_back(sum / static_cast<double>(polygon.size()));
+    for (const std::uint32_t corner : polygon) sum += positions_[corner];
+    const auto middle = static_cast<std::uint32_t>(positions_.size());
+    positions_.push_back(sum / static_cast<double>(polygon.size()));
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       corners->insert(corners->end(), {middle, polygon[i], polygon[(i + 1) % polygon.size()]});
     }
@@ -56,22 +56,23 @@ class Cutter {
 
  private:
   [[nodiscard]] double side(const Line& line, std::uint32_t vertex) const {
-    const double distance = line.signedDistance(places_[vertex]);
+    const double distance = line.signedDistance(positions_[vertex]);
     return std::abs(distance) <= kOnLine_px ? 0.0 : distance;
   }
 
   std::uint32_t cut_between(const Line& line, std::uint32_t from, std::uint32_t to) {
-    const auto key = [&](std::uint32_t v) { return std::pair(places_[v].x(), places_[v].y()); };
+    const auto key = [&](std::uint32_t v) { return std::pair(positions_[v].x(), positions_[v].y()); };
     if (key(to) < key(from)) std::swap(from, to);  // Both neighbours reckon alike.
-    const double a = line.signedDistance(places_[from]);
-    const double b = line.signedDistance(places_[to]);
-    const Eigen::Vector2d place = places_[from] + a / (a - b) * (places_[to] - places_[from]);
-    const auto known = cuts_.emplace(std::pair(place.x(), place.y()), static_cast<std::uint32_t>(places_.size()));
-    if (known.second) places_.push_back(place);
+    const double a = line.signedDistance(positions_[from]);
+    const double b = line.signedDistance(positions_[to]);
+    const Eigen::Vector2d position = positions_[from] + a / (a - b) * (positions_[to] - positions_[from]);
+    const auto known =
+        cuts_.emplace(std::pair(position.x(), position.y()), static_cast<std::uint32_t>(positions_.size()));
+    if (known.second) positions_.push_back(position);
     return known.first->second;
   }
 
-  std::vector<Eigen::Vector2d>& places_;
+  std::vector<Eigen::Vector2d>& positions_;
   std::map<std::pair<double, double>, std::uint32_t> cuts_;
 };
 
@@ -80,12 +81,14 @@ class Cutter {
 CutGrid cut_grid(const Eigen::Vector2d& size_px, int cells_x, int cells_y, const std::vector<Line>& lines) {
   CutGrid grid;
   for (int j = 0; j <= cells_y; ++j) {
-    for (int i = 0; i <= cells_x; ++i) grid.places.emplace_back(size_px.x() * i / cells_x, size_px.y() * j / cells_y);
+    for (int i = 0; i <= cells_x; ++i)
+      grid.positions.emplace_back(size_px.x() * i / cells_x, size_px.y() * j / cells_y);
   }
-  Cutter cutter(&grid.places);
+  Cutter cutter(&grid.positions);
   const auto row = static_cast<std::uint32_t>(cells_x + 1);
   for (int cell = 0; !lines.empty() && cell < cells_x * cells_y; ++cell) {
-    const std::uint32_t corner = static_cast<std::uint32_t>(cell / cells_x) * row + static_cast<std::uint32_t>(cell % cells_x);
+    const std::uint32_t corner =
+        static_cast<std::uint32_t>(cell / cells_x) * row + static_cast<std::uint32_t>(cell % cells_x);
     std::vector<Polygon> parts{{corner, corner + row, corner + row + 1, corner + 1}};
     for (const Line& line : lines) {
       std::vector<Polygon> finer;
@@ -108,4 +111,4 @@ CutGrid cut_grid(const Eigen::Vector2d& size_px, int cells_x, int cells_y, const
   return grid;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

@@ -6,7 +6,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
 /// IEC 61966-2-1.
@@ -53,10 +53,10 @@ ResponseCurve ResponseCurve::power(double gamma, std::size_t steps) {
   return sampled(steps, [gamma](double light) { return std::pow(light, 1.0 / gamma); });
 }
 
-Eigen::Vector3d shone_light(const HeadColour& colour, const Eigen::Vector3d& masked_light, double lift) {
+Eigen::Vector3d shone_light(const HeadColour& colour, const Eigen::Vector3d& masked_light, double black_lift) {
   Eigen::Vector3d light = masked_light;
   if (colour.matrix) light = *colour.matrix * masked_light;
-  if (colour.lift) light += lift * colour.black;
+  if (colour.black_lift) light += black_lift * colour.black;
   return light;
 }
 
@@ -69,4 +69,4 @@ Eigen::Vector3d codes_of(const HeadColour& colour, const Eigen::Vector3d& light)
   return codes;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 // Measured by ./bench.sh display-trade on a software rasteriser: with narrower cells the map is quicker.
-constexpr int kLeastCellPx = 12;
+constexpr int kMinCellPx = 12;
 }  // namespace
 
 PixelMap make_pixel_map(const ProjectorMap& map, const PictureShape& picture) {
@@ -14,27 +14,27 @@ PixelMap make_pixel_map(const ProjectorMap& map, const PictureShape& picture) {
   PixelMap directions(map.lens().width_px, map.lens().height_px, kNone);
   for (int y = 0; y < directions.height(); ++y) {
     for (int x = 0; x < directions.width(); ++x) {
-      const auto place = map.place_of({x + 0.5, y + 0.5}, picture);
-      if (!place) continue;
-      directions.at(x, y)[0] = static_cast<float>(place->across);
-      directions.at(x, y)[1] = static_cast<float>(place->up);
+      const auto position = map.place_of({x + 0.5, y + 0.5}, picture);
+      if (!position) continue;
+      directions.at(x, y)[0] = static_cast<float>(position->across);
+      directions.at(x, y)[1] = static_cast<float>(position->up);
     }
   }
   return directions;
 }
 
 bool is_quicker_than_a_map(const WarpMesh& mesh) {
-  return mesh.cells_x * kLeastCellPx <= mesh.width_px && mesh.cells_y * kLeastCellPx <= mesh.height_px;
+  return mesh.cells_x * kMinCellPx <= mesh.width_px && mesh.cells_y * kMinCellPx <= mesh.height_px;
 }
 
 Result<Warp> make_warp(const ProjectorMap& map, const PictureShape& picture, double tolerance_px) {
   TRY(validate(picture));
   if (auto patches = make_warp_patches(map, picture, tolerance_px)) return Warp(*std::move(patches));
-  const int most = std::max(1, map.lens().width_px * map.lens().height_px / (kLeastCellPx * kLeastCellPx));
+  const int max = std::max(1, map.lens().width_px * map.lens().height_px / (kMinCellPx * kMinCellPx));
   // So many lines cut one another into pieces of that size already.
   const std::size_t creases = map.creases().size();
-  if (creases * creases / 2 > static_cast<std::size_t>(most)) return Warp(make_pixel_map(map, picture));
-  auto mesh = make_warp_mesh(map, picture, tolerance_px, most);
+  if (creases * creases / 2 > static_cast<std::size_t>(max)) return Warp(make_pixel_map(map, picture));
+  auto mesh = make_warp_mesh(map, picture, tolerance_px, max);
   if (mesh && is_quicker_than_a_map(*mesh)) return Warp(*std::move(mesh));
   return Warp(make_pixel_map(map, picture));
 }
@@ -64,4 +64,4 @@ std::optional<PanoramaDirection> direction_at(const Warp& warp, int x, int y) {
   return PanoramaDirection{azimuth, tan_elevation};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

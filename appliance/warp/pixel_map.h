@@ -8,7 +8,7 @@
 #include "appliance/warp/warp_patches.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 
 /// Where in the picture the centre of each projector pixel lies: in a panorama azimuth_rad, tan_elevation; in others
 /// PicturePlace's across, up; NaNs where it lies nowhere. For what no mesh follows: free-form walls, measured maps.
@@ -33,4 +33,4 @@ Result<Warp> make_warp(const ProjectorMap& map, const PictureShape& picture, dou
 /// Nothing where nothing is drawn. Precondition: the pixel is inside the head.
 [[nodiscard]] std::optional<PanoramaDirection> direction_at(const Warp& warp, int x, int y);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

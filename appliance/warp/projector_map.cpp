@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
 constexpr double kInFront_m = 1e-3;  // Of the lens: what is nearer is cut off.
@@ -28,9 +28,9 @@ bool crosses(const Pinhole& lens, const Eigen::Vector2d& a, const Eigen::Vector2
 
 }  // namespace
 
-PicturePlace counted_near(const PicturePlace& place, const PictureShape& picture, double middle_rad) {
-  if (!std::holds_alternative<Panorama>(picture)) return place;
-  return {middle_rad + wrapped_angle(place.across - middle_rad), place.up};
+PicturePlace counted_near(const PicturePlace& position, const PictureShape& picture, double middle_rad) {
+  if (!std::holds_alternative<Panorama>(picture)) return position;
+  return {middle_rad + wrapped_angle(position.across - middle_rad), position.up};
 }
 
 ProjectorMap::ProjectorMap(const Installation& installation, std::size_t projector)
@@ -38,7 +38,7 @@ ProjectorMap::ProjectorMap(const Installation& installation, std::size_t project
   CHECK(projector < installation.projectors.size());
   projector_ = installation.projectors[projector];
   T_projector_room_ = projector_.T_room_projector.inverse();
-  const auto middle = sight_of({0.5 * lens().width_px, 0.5 * lens().height_px});
+  const auto middle = view_direction_of({0.5 * lens().width_px, 0.5 * lens().height_px});
   if (middle) middle_azimuth_rad_ = std::atan2(middle->x(), -middle->z());
 }
 
@@ -63,23 +63,23 @@ std::vector<Eigen::Hyperplane<double, 2>> ProjectorMap::creases() const {
   return lines;
 }
 
-std::optional<Eigen::Vector3d> ProjectorMap::sight_of(const Eigen::Vector2d& pixel) const {
-  const auto point = endless_hit(wall_, ray_of(pixel));
+std::optional<Eigen::Vector3d> ProjectorMap::view_direction_of(const Eigen::Vector2d& pixel) const {
+  const auto point = hit_extended(wall_, ray_of(pixel));
   if (!point) return std::nullopt;
   return point->xyz - eye_.xyz;
 }
 
 std::optional<PicturePlace> ProjectorMap::place_of(const Eigen::Vector2d& pixel, const PictureShape& picture) const {
-  const auto direction = sight_of(pixel);
-  const auto place = direction ? cyclorama::place_of(picture, *direction) : std::nullopt;
-  if (!place) return std::nullopt;
-  return counted_near(*place, picture, middle_azimuth_rad_);
+  const auto direction = view_direction_of(pixel);
+  const auto position = direction ? cyclorama::place_of(picture, *direction) : std::nullopt;
+  if (!position) return std::nullopt;
+  return counted_near(*position, picture, middle_azimuth_rad_);
 }
 
 std::optional<PanoramaDirection> ProjectorMap::direction_of(const Eigen::Vector2d& pixel) const {
-  const auto place = place_of(pixel, Panorama{});
-  if (!place) return std::nullopt;
-  return PanoramaDirection{place->across, place->up};
+  const auto position = place_of(pixel, Panorama{});
+  if (!position) return std::nullopt;
+  return PanoramaDirection{position->across, position->up};
 }
 
 std::optional<Point<frame::Room>> ProjectorMap::wall_point_of(const Eigen::Vector2d& pixel) const {
@@ -93,4 +93,4 @@ std::optional<Eigen::Vector2d> ProjectorMap::pixel_lighting(const Point<frame::R
   return pixel;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

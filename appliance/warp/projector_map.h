@@ -9,7 +9,7 @@
 #include "common/geometry/picture_place.h"
 #include "common/room/installation.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 
 /// A direction as the panorama counts it; see common/geometry/panorama.h. Of pictures of other shapes a PicturePlace.
 struct PanoramaDirection {
@@ -19,7 +19,7 @@ struct PanoramaDirection {
 
 /// The same place, with its azimuth, where the picture has any, within half a turn of `middle_rad`: azimuths of one
 /// projector's picture must not jump.
-[[nodiscard]] PicturePlace counted_near(const PicturePlace& place, const PictureShape& picture, double middle_rad);
+[[nodiscard]] PicturePlace counted_near(const PicturePlace& position, const PictureShape& picture, double middle_rad);
 
 /// Where each pixel of one projector is seen from the sweet spot, exactly, from the known geometry of the room.
 /// A value; reentrant. Pixels are continuous: the centre of the first is (0.5, 0.5).
@@ -35,7 +35,7 @@ class ProjectorMap {
 
   /// What the eye sees where the pixel lands, on the wall or on the wall continued past its edges, so that the map is
   /// smooth there; not normalised. Nothing when the pixel meets neither.
-  [[nodiscard]] std::optional<Eigen::Vector3d> sight_of(const Eigen::Vector2d& pixel) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> view_direction_of(const Eigen::Vector2d& pixel) const;
   /// Where that lies in a picture. Azimuths never jump inside one projector's picture: they lie within half a turn of
   /// the picture's middle and may pass pi. Nothing also where the picture has no place for the direction.
   [[nodiscard]] std::optional<PicturePlace> place_of(const Eigen::Vector2d& pixel, const PictureShape& picture) const;
@@ -57,4 +57,4 @@ class ProjectorMap {
   double middle_azimuth_rad_ = 0.0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

@@ -9,28 +9,28 @@
 
 #include "appliance/warp/cut_cells.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
-constexpr int kFewestCells = 4;
+constexpr int kMinCells = 4;
 constexpr double kAlike = 1.1;
 constexpr int kSamplesPerCell = 4;  // Each way; a cell's largest error lies in its middle or on the middle of an edge.
 
 /// Of a free-form wall the sharpest; the others must do with fine cells.
-constexpr std::size_t kMostLines = 256;
+constexpr std::size_t kMaxLines = 256;
 
 WarpMesh sampled(const ProjectorMap& map, const PictureShape& picture,
                  const std::vector<Eigen::Hyperplane<double, 2>>& creases, int cells_x, int cells_y) {
   WarpMesh mesh{map.lens().width_px, map.lens().height_px, cells_x, cells_y, {}, 0.0};
   CutGrid grid = cut_grid(Eigen::Vector2d(mesh.width_px, mesh.height_px), cells_x, cells_y, creases);
   mesh.cuts = std::move(grid.cuts);
-  mesh.vertices.reserve(grid.places.size());
-  for (const Eigen::Vector2d& pixel : grid.places) {
+  mesh.vertices.reserve(grid.positions.size());
+  for (const Eigen::Vector2d& pixel : grid.positions) {
     constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
     WarpVertex vertex{static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), kNone, kNone};
-    if (const auto place = map.place_of(pixel, picture)) {
-      vertex.azimuth_rad = static_cast<float>(place->across);
-      vertex.tan_elevation = static_cast<float>(place->up);
+    if (const auto position = map.place_of(pixel, picture)) {
+      vertex.azimuth_rad = static_cast<float>(position->across);
+      vertex.tan_elevation = static_cast<float>(position->up);
     }
     mesh.vertices.push_back(vertex);
   }
@@ -142,20 +142,20 @@ std::optional<PanoramaDirection> WarpMesh::interpolate(const Eigen::Vector2d& pi
 }
 
 Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const PictureShape& picture, double tolerance_px,
-                                int most_cells) {
+                                int max_cells) {
   TRY(validate(picture));
   const Pinhole& lens = map.lens();
   std::vector<Eigen::Hyperplane<double, 2>> creases = map.creases();
-  if (creases.size() > kMostLines) creases.resize(kMostLines);
+  if (creases.size() > kMaxLines) creases.resize(kMaxLines);
   const auto meshed = [&](int cells_x, int cells_y) {
     WarpMesh mesh = sampled(map, picture, creases, std::min(cells_x, lens.width_px), std::min(cells_y, lens.height_px));
     mesh.worst_error_px = worst_error(map, mesh, picture);
     return mesh;
   };
-  WarpMesh mesh = meshed(kFewestCells, kFewestCells);
+  WarpMesh mesh = meshed(kMinCells, kMinCells);
   while (!(mesh.worst_error_px <= tolerance_px)) {
     if ((mesh.cells_x == lens.width_px && mesh.cells_y == lens.height_px) ||
-        2 * mesh.cells_x * mesh.cells_y > most_cells) {
+        2 * mesh.cells_x * mesh.cells_y > max_cells) {
       return Error(
           ErrorCode::kInvalidArgument,
           fmt::format("no warp mesh holds {} px (the finest is off by {:.2f} px): the projector is too near the wall, "
@@ -176,4 +176,4 @@ Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const PictureShape& pic
   return mesh;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

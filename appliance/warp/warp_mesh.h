@@ -10,13 +10,13 @@
 #include "common/base/result.h"
 #include "common/geometry/picture_place.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 
 /// One corner of a mesh cell. A corner whose pixel has no place in the picture has NaNs there.
 struct WarpVertex {
   float x_px = 0.0f;  ///< In the projector's picture, from its left and upper edge.
   float y_px = 0.0f;
-  float azimuth_rad = 0.0f;  ///< In a picture of another shape than a panorama: PicturePlace::across,
+  float azimuth_rad = 0.0f;    ///< In a picture of another shape than a panorama: PicturePlace::across,
   float tan_elevation = 0.0f;  ///< and PicturePlace::up.
 
   [[nodiscard]] bool is_valid() const { return azimuth_rad == azimuth_rad && tan_elevation == tan_elevation; }
@@ -38,7 +38,7 @@ struct WarpMesh {
   int cells_y = 0;
   /// (cells_x + 1) * (cells_y + 1), row by row from the top; then those that only cut cells have.
   std::vector<WarpVertex> vertices;
-  double worst_error_px = 0.0;  ///< Against the exact map, in panorama pixels, on the wall.
+  double worst_error_px = 0.0;     ///< Against the exact map, in panorama pixels, on the wall.
   std::vector<CutCell> cuts = {};  ///< By rising cell.
 
   /// Three per triangle. Triangles with an invalid corner are left out: nothing is drawn there.
@@ -49,9 +49,9 @@ struct WarpMesh {
 
 /// A mesh of few cells, halved along whichever direction gains more and cut along the wall's creases, that keeps to
 /// `tolerance_px` of `picture`'s pixels wherever the projector meets the wall. kInvalidArgument  even the finest cells
-/// do not, or it would take more than `most_cells`: the projector is too near the wall or grazes it, or a free-form wall
+/// do not, or it would take more than `max_cells`: the projector is too near the wall or grazes it, or a free-form wall
 /// has more corners than can be followed.
 Result<WarpMesh> make_warp_mesh(const ProjectorMap& map, const PictureShape& picture, double tolerance_px = 0.05,
-                                int most_cells = std::numeric_limits<int>::max());
+                                int max_cells = std::numeric_limits<int>::max());
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

@@ -10,14 +10,14 @@
 #include <optional>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
 constexpr int kTerms = 6;
 constexpr int kNodes = 5;   // Each way, at Chebyshev's places: the fit is nearly the one with the least error.
 constexpr int kChecks = 9;  // Each way, from edge to edge.
 // Of 64x48 pixels a head takes 7 % longer than of the largest (./bench.sh display-trade); smaller ones were not tried.
-constexpr int kLeastPatchPx = 48;
+constexpr int kMinPatchPx = 48;
 constexpr int kBlockPx = 16;  // Sides are multiples of it: rasterisers work in blocks.
 constexpr double kAlike = 1.1;
 
@@ -37,30 +37,30 @@ PanoramaDirection place_on(const WarpPatch& patch, const Terms& of) {
 
 /// The part of a patch that is inside the picture, in pixels.
 struct Extent {
-  Eigen::Vector2d least;
+  Eigen::Vector2d min;
   Eigen::Vector2d size;
 };
 Extent extent_of(const WarpPatches& grid, int column, int row) {
-  const Eigen::Vector2d least(column * grid.patch_width_px, row * grid.patch_height_px);
+  const Eigen::Vector2d min(column * grid.patch_width_px, row * grid.patch_height_px);
   const Eigen::Vector2d whole(grid.patch_width_px, grid.patch_height_px);
-  return {least, (Eigen::Vector2d(grid.width_px, grid.height_px) - least).cwiseMin(whole)};
+  return {min, (Eigen::Vector2d(grid.width_px, grid.height_px) - min).cwiseMin(whole)};
 }
 
 /// Nothing when a node lies nowhere.
 std::optional<WarpPatch> fitted(const ProjectorMap& map, const PictureShape& picture, const WarpPatches& grid,
                                 const Extent& extent) {
   Eigen::Matrix<double, kNodes * kNodes, kTerms> design;
-  Eigen::Matrix<double, kNodes * kNodes, 2> places;
+  Eigen::Matrix<double, kNodes * kNodes, 2> positions;
   for (int node = 0; node < kNodes * kNodes; ++node) {
     const auto chebyshev = [](int i) { return 0.5 - 0.5 * std::cos(std::numbers::pi * (i + 0.5) / kNodes); };
     const Eigen::Vector2d off =
         Eigen::Vector2d(chebyshev(node % kNodes), chebyshev(node / kNodes)).cwiseProduct(extent.size);
-    const auto place = map.place_of(extent.least + off, picture);
-    if (!place) return std::nullopt;
+    const auto position = map.place_of(extent.min + off, picture);
+    if (!position) return std::nullopt;
     design.row(node) = terms(off.x() / grid.patch_width_px, off.y() / grid.patch_height_px);
-    places.row(node) << place->across, place->up;
+    positions.row(node) << position->across, position->up;
   }
-  const Eigen::Matrix<double, kTerms, 2> solved = design.colPivHouseholderQr().solve(places);
+  const Eigen::Matrix<double, kTerms, 2> solved = design.colPivHouseholderQr().solve(positions);
   WarpPatch patch;
   for (int i = 0; i < kTerms; ++i) {
     patch.across[static_cast<std::size_t>(i)] = static_cast<float>(solved(i, 0));
@@ -76,7 +76,7 @@ double worst_error(const ProjectorMap& map, const PictureShape& picture, const W
   for (int check = 0; check < kChecks * kChecks; ++check) {
     const Eigen::Vector2d off =
         Eigen::Vector2d(check % kChecks, check / kChecks).cwiseProduct(extent.size) / (kChecks - 1);
-    const Eigen::Vector2d pixel = extent.least + off;
+    const Eigen::Vector2d pixel = extent.min + off;
     if (!map.wall_point_of(pixel)) continue;
     const auto exact = map.place_of(pixel, picture);
     if (!exact) continue;
@@ -124,8 +124,8 @@ Result<WarpPatches> make_warp_patches(const ProjectorMap& map, const PictureShap
   while (grid && !(grid->worst_error_px <= tolerance_px)) {
     const int narrow_px = half_of(grid->patch_width_px);
     const int flat_px = half_of(grid->patch_height_px);
-    auto narrower = narrow_px < kLeastPatchPx ? std::nullopt : fitted(map, picture, narrow_px, grid->patch_height_px);
-    auto flatter = flat_px < kLeastPatchPx ? std::nullopt : fitted(map, picture, grid->patch_width_px, flat_px);
+    auto narrower = narrow_px < kMinPatchPx ? std::nullopt : fitted(map, picture, narrow_px, grid->patch_height_px);
+    auto flatter = flat_px < kMinPatchPx ? std::nullopt : fitted(map, picture, grid->patch_width_px, flat_px);
     if (!narrower && !flatter) {
       return no_patches(fmt::format("the smallest are off by {:.3f} px, and {} px are asked for", grid->worst_error_px,
                                     tolerance_px));
@@ -139,4 +139,4 @@ Result<WarpPatches> make_warp_patches(const ProjectorMap& map, const PictureShap
   return *std::move(grid);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

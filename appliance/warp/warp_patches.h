@@ -8,7 +8,7 @@
 #include "appliance/warp/projector_map.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 
 /// A rectangle of a projector's picture. With s, t in [0, 1] across it and down, a place is
 /// c[0] + c[1] s + c[2] t + c[3] s^2 + c[4] s t + c[5] t^2.
@@ -39,4 +39,4 @@ struct WarpPatches {
 /// or patches would have to be so small that a mesh of triangles is as quick: use one, or a map of each pixel.
 Result<WarpPatches> make_warp_patches(const ProjectorMap& map, const PictureShape& picture, double tolerance_px);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

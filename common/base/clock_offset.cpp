@@ -5,7 +5,7 @@
 
 namespace cyclorama {
 namespace {
-constexpr Duration kLongestTrip = std::chrono::seconds(2);
+constexpr Duration kMaxRoundTrip = std::chrono::seconds(2);
 constexpr int kDriftDivisor = 10'000;  // 100 ppm.
 }  // namespace
 
@@ -17,7 +17,7 @@ bool ClockOffset::add(const ClockExchange& exchange) {
   const Duration away = exchange.heard - exchange.asked;
   const std::uint64_t held =
       static_cast<std::uint64_t>(exchange.answered_ns) - static_cast<std::uint64_t>(exchange.received_ns);
-  if (away < Duration::zero() || away > kLongestTrip) return false;
+  if (away < Duration::zero() || away > kMaxRoundTrip) return false;
   const auto away_ns = static_cast<std::uint64_t>(away.count());
   if (held > away_ns) return false;  // Also when it was answered before it was received.
   const std::uint64_t half_trip_ns = (away_ns - held) / 2;
@@ -27,8 +27,8 @@ bool ClockOffset::add(const ClockExchange& exchange) {
                       std::chrono::nanoseconds(half_trip_ns + 1), exchange.heard};
   if (const ClockReading known = reading(sample.heard); known.is_known) {
     const auto apart = static_cast<std::int64_t>(sample.offset_ns - known.offset_ns);
-    const std::int64_t most = (known.error + sample.half_trip).count();
-    if (apart > most || apart < -most) kept_ = next_ = 0;
+    const std::int64_t max = (known.error + sample.half_trip).count();
+    if (apart > max || apart < -max) kept_ = next_ = 0;
   }
   samples_[next_] = sample;
   next_ = (next_ + 1) % kWindow;

@@ -71,9 +71,9 @@ struct ConfigTable::Node {
     const std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;
     if (!value) {
       mistake(node.source().begin.line, key, "must be a number");
-    } else if (!(*value >= range.least && *value <= range.most)) {
+    } else if (!(*value >= range.min && *value <= range.max)) {
       mistake(node.source().begin.line, key,
-              fmt::format("is {}; it must be between {} and {}", *value, range.least, range.most));
+              fmt::format("is {}; it must be between {} and {}", *value, range.min, range.max));
     } else {
       return value;
     }
@@ -115,13 +115,13 @@ bool ConfigTable::has(std::string_view key) const { return node_->find(key) != n
 
 double ConfigTable::number(std::string_view key, Range range, std::optional<double> fallback) {
   const toml::node* const node = node_->find_or_note(key, !fallback);
-  const double harmless = fallback.value_or(range.least);
+  const double harmless = fallback.value_or(range.min);
   return node == nullptr ? harmless : node_->number_of(*node, key, range).value_or(harmless);
 }
 
 int ConfigTable::integer(std::string_view key, Range range, std::optional<int> fallback) {
   const toml::node* const node = node_->find_or_note(key, !fallback);
-  const int harmless = fallback.value_or(static_cast<int>(range.least));
+  const int harmless = fallback.value_or(static_cast<int>(range.min));
   if (node == nullptr) return harmless;
   if (!node->is_integer()) {
     node_->mistake(node->source().begin.line, key, "must be a whole number");
@@ -158,7 +158,7 @@ std::string ConfigTable::choice(std::string_view key, const std::vector<std::str
 std::vector<double> ConfigTable::numbers(std::string_view key, std::size_t count, Range range,
                                          std::optional<std::vector<double>> fallback) {
   const toml::node* const node = node_->find_or_note(key, !fallback);
-  std::vector<double> harmless = fallback.value_or(std::vector<double>(count, range.least));
+  std::vector<double> harmless = fallback.value_or(std::vector<double>(count, range.min));
   if (node == nullptr) return harmless;
   const toml::array* const array = node->as_array();
   if (array == nullptr || (count != 0 && array->size() != count)) {

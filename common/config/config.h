@@ -23,8 +23,8 @@ namespace cyclorama {
 
 /// Closed interval of legal values.
 struct Range {
-  double least;
-  double most;
+  double min;
+  double max;
 };
 
 /// One table of a Config, which must outlive it. A value, thread-bound. Asking for a key marks it as known.

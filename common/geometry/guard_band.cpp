@@ -15,12 +15,12 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kEndless = std::numeric_limits<double>::infinity();
-constexpr int kLargestSidePx = 16384;
-constexpr double kWidestTangent = 5.671;  // Of 80 degrees: beyond, a flat picture is mostly rim.
-constexpr double kSameEdge = 1e-9;        // In tangents: a picture that is not turned stays inside itself.
+constexpr int kMaxSidePx = 16384;
+constexpr double kMaxTangent = 5.671;  // Of 80 degrees: beyond, a flat picture is mostly rim.
+constexpr double kSameEdge = 1e-9;     // In tangents: a picture that is not turned stays inside itself.
 
-int whole_px(double px) { return static_cast<int>(std::clamp(std::ceil(px - 1e-6), 1.0, double{kLargestSidePx})); }
-int cut_px(double px) { return std::min((whole_px(px) + kCutPx - 1) / kCutPx * kCutPx, kLargestSidePx); }
+int whole_px(double px) { return static_cast<int>(std::clamp(std::ceil(px - 1e-6), 1.0, double{kMaxSidePx})); }
+int cut_px(double px) { return std::min((whole_px(px) + kCutPx - 1) / kCutPx * kCutPx, kMaxSidePx); }
 
 /// Of a perspective's picture, in tangents.
 struct Extent {
@@ -38,7 +38,7 @@ std::optional<Extent> swept(const Perspective& p, double turn_rad) {
     for (const double across : {p.tan_left, p.tan_right}) {
       for (const double up : {p.tan_top, p.tan_bottom}) {
         const auto at = turned(p, {across, up}, turn);
-        if (!at || !(std::max(std::abs(at->across), std::abs(at->up)) <= kWidestTangent)) return std::nullopt;
+        if (!at || !(std::max(std::abs(at->across), std::abs(at->up)) <= kMaxTangent)) return std::nullopt;
         extent = {std::min(extent.left, at->across), std::max(extent.right, at->across), std::max(extent.top, at->up),
                   std::min(extent.bottom, at->up)};
       }
@@ -48,10 +48,10 @@ std::optional<Extent> swept(const Perspective& p, double turn_rad) {
 }
 
 /// The largest turn up to `most` of which `is_possible` holds, which holds for all smaller ones as well.
-double largest_turn(double most, const auto& is_possible) {
-  if (is_possible(most)) return most;
+double max_turn(double max, const auto& is_possible) {
+  if (is_possible(max)) return max;
   double possible = 0.0;
-  double not_possible = most;
+  double not_possible = max;
   for (int i = 0; i < 40; ++i) {
     const double middle = 0.5 * (possible + not_possible);
     (is_possible(middle) ? possible : not_possible) = middle;
@@ -61,7 +61,7 @@ double largest_turn(double most, const auto& is_possible) {
 
 PictureShape grown(const Panorama& p, double guard) { return p.with_guard_band(guard); }
 PictureShape grown(const Perspective& p, double guard) {
-  const auto extent = swept(p, largest_turn(guard, [&](double turn) { return swept(p, turn).has_value(); }));
+  const auto extent = swept(p, max_turn(guard, [&](double turn) { return swept(p, turn).has_value(); }));
   if (!extent) return p;
   const double across_px = p.width_px / (p.tan_right - p.tan_left);
   const double up_px = p.height_px / (p.tan_top - p.tan_bottom);
@@ -93,7 +93,7 @@ double reach(const Panorama& picture, const Panorama& shown) {
 }
 double reach(const Perspective& picture, const Perspective& shown) {
   if (picture.tilt_rad != shown.tilt_rad) return 0.0;
-  return largest_turn(0.25 * kTurn, [&](double turn) {
+  return max_turn(0.25 * kTurn, [&](double turn) {
     const auto extent = swept(shown, turn);
     return extent && extent->left >= picture.tan_left - kSameEdge && extent->right <= picture.tan_right + kSameEdge &&
            extent->top <= picture.tan_top + kSameEdge && extent->bottom >= picture.tan_bottom - kSameEdge;
@@ -163,7 +163,7 @@ Projection with_guard_band(const Projection& picture, double guard_rad) {
 
 PictureShape cut_for_two_eyes(const PictureShape& shape) {
   const int rounded = cells_of_px(height_px(shape)) * kCutPx;
-  return with_pixels(shape, width_px(shape), std::min(rounded, kLargestSidePx / 2));
+  return with_pixels(shape, width_px(shape), std::min(rounded, kMaxSidePx / 2));
 }
 
 double turn_reach(const PictureShape& picture, const PictureShape& shown) {

@@ -11,15 +11,15 @@
 
 namespace cyclorama {
 namespace {
-constexpr int kLargestSidePx = 16384;
+constexpr int kMaxSidePx = 16384;
 }  // namespace
 
 Status Panorama::validate() const {
   const auto refuse = [](const char* field, double value, const char* legal) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("panorama {} is {}; it must be {}", field, value, legal));
   };
-  if (width_px < 1 || width_px > kLargestSidePx) return refuse("width_px", width_px, "1 to 16384");
-  if (height_px < 1 || height_px > kLargestSidePx) return refuse("height_px", height_px, "1 to 16384");
+  if (width_px < 1 || width_px > kMaxSidePx) return refuse("width_px", width_px, "1 to 16384");
+  if (height_px < 1 || height_px > kMaxSidePx) return refuse("height_px", height_px, "1 to 16384");
   // Written so that NaN fails.
   if (!(azimuth_span_rad > 0.0 && azimuth_span_rad <= 2.0 * std::numbers::pi + 1e-9)) {
     return refuse("azimuth_span_rad", azimuth_span_rad, "above 0 and at most 2 pi");

@@ -12,7 +12,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr int kLargestSidePx = 16384;
+constexpr int kMaxSidePx = 16384;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kRounding = 1e-9;  // Angles come from degrees and through text.
 
@@ -21,8 +21,8 @@ Error refuse(std::string_view shape, std::string_view field, double value, std::
 }
 
 Status check_size(std::string_view shape, int width, int height) {
-  if (width < 1 || width > kLargestSidePx) return refuse(shape, "width_px", width, "1 to 16384");
-  if (height < 1 || height > kLargestSidePx) return refuse(shape, "height_px", height, "1 to 16384");
+  if (width < 1 || width > kMaxSidePx) return refuse(shape, "width_px", width, "1 to 16384");
+  if (height < 1 || height > kMaxSidePx) return refuse(shape, "height_px", height, "1 to 16384");
   return Done{};
 }
 
@@ -135,7 +135,7 @@ int Projection::height_px() const { return cyclorama::height_px(shape) * stacked
 Status Projection::validate() const {
   TRY(cyclorama::validate(shape));
   const Viewing& v = viewing;
-  if (height_px() > kLargestSidePx) {
+  if (height_px() > kMaxSidePx) {
     return refuse("over-under picture", "height_px", height_px(), "at most 16384 for both eyes");
   }
   if (!(std::isfinite(v.eye_distance_m) && v.eye_distance_m >= 0.0)) {

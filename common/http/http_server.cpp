@@ -39,7 +39,7 @@ int http_status(const Error& error) {
 template <typename Pool>
 Pool* make_pool(const HttpLimits& limits) {
   if constexpr (std::is_constructible_v<Pool, std::size_t, std::size_t>) {
-    return new Pool(limits.threads, limits.most_waiting);
+    return new Pool(limits.threads, limits.max_waiting);
   } else {
     return new Pool(limits.threads);
   }
@@ -51,7 +51,7 @@ void set_limits(httplib::Server& server, const HttpLimits& limits) {
   server.set_write_timeout(5);
   server.set_keep_alive_timeout(2);
   server.set_keep_alive_max_count(1000);
-  server.set_payload_max_length(limits.most_body_bytes);
+  server.set_payload_max_length(limits.max_body_bytes);
   server.set_tcp_nodelay(true);
   // Instead of httplib's SO_REUSEPORT, with which two servers on one port would share the visitors at random.
   server.set_socket_options([](socket_t socket) {

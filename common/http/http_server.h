@@ -22,9 +22,9 @@ struct Response;
 namespace cyclorama {
 
 struct HttpLimits {
-  std::size_t threads = 24;       ///< A browser holds six connections, each of which occupies one.
-  std::size_t most_waiting = 64;  ///< Connections beyond the threads, where the library can bound them.
-  std::size_t most_body_bytes = 4096;
+  std::size_t threads = 24;      ///< A browser holds six connections, each of which occupies one.
+  std::size_t max_waiting = 64;  ///< Connections beyond the threads, where the library can bound them.
+  std::size_t max_body_bytes = 4096;
 };
 
 /// What a server shows of itself: the texts of PEM files. TLS 1.3, which every browser since 2020 speaks, and nothing

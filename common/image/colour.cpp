@@ -11,16 +11,16 @@ namespace {
 struct CodeTable {
   static constexpr std::size_t kBuckets = 4096;
   std::array<std::uint8_t, kBuckets + 1> first{};
-  std::array<float, 257> least{};  ///< The darkest light of each code; after the last, more than there is.
+  std::array<float, 257> min{};  ///< The darkest light of each code; after the last, more than there is.
 
   CodeTable() {
     for (std::size_t code = 1; code < 256; ++code) {
-      least[code] = srgb_to_linear((static_cast<float>(code) - 0.5f) / 255.0f);
+      min[code] = srgb_to_linear((static_cast<float>(code) - 0.5f) / 255.0f);
     }
-    least[256] = 2.0f;
+    min[256] = 2.0f;
     std::uint8_t code = 0;
     for (std::size_t i = 0; i <= kBuckets; ++i) {
-      while (static_cast<float>(i) / kBuckets >= least[code + std::size_t{1}]) ++code;
+      while (static_cast<float>(i) / kBuckets >= min[code + std::size_t{1}]) ++code;
       first[i] = code;
     }
   }
@@ -33,7 +33,7 @@ std::uint8_t linear_to_srgb8(float linear) {
   if (!(linear > 0.0f)) return 0;  // NaN too.
   if (linear >= 1.0f) return 255;
   std::uint8_t code = table.first[static_cast<std::size_t>(linear * CodeTable::kBuckets)];
-  while (linear >= table.least[code + std::size_t{1}]) ++code;
+  while (linear >= table.min[code + std::size_t{1}]) ++code;
   return code;
 }
 

@@ -9,7 +9,7 @@
 
 namespace cyclorama {
 namespace {
-constexpr int kLargestSidePx = 65500;  // libjpeg's own limit.
+constexpr int kMaxSidePx = 65500;  // libjpeg's own limit.
 // A scan limit: progressive files can otherwise ask for hours of work in a few kilobytes.
 constexpr int kDecodeFlags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
 }  // namespace
@@ -34,7 +34,7 @@ JpegEncoder& JpegEncoder::operator=(JpegEncoder&&) noexcept = default;
 
 Result<std::vector<std::byte>> JpegEncoder::encode(const std::uint8_t* rgb, int width, int height,
                                                    std::size_t row_bytes, const JpegOptions& options) {
-  if (width < 1 || height < 1 || width > kLargestSidePx || height > kLargestSidePx ||
+  if (width < 1 || height < 1 || width > kMaxSidePx || height > kMaxSidePx ||
       row_bytes > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("a JPEG of {}x{} pixels cannot be written", width, height));
   }

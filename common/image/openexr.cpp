@@ -24,9 +24,9 @@ namespace cyclorama {
 namespace {
 
 constexpr std::size_t kPrologueBytes = 8;  ///< Magic number and version.
-constexpr std::int64_t kMostSidePx = 65536;
-constexpr int kMostChannels = 32;
-constexpr std::uint64_t kMostTilePx = std::uint64_t{4096} * 4096;
+constexpr std::int64_t kMaxSidePx = 65536;
+constexpr int kMaxChannels = 32;
+constexpr std::uint64_t kMaxTilePixels = std::uint64_t{4096} * 4096;
 
 Error bad(std::string_view what) { return Error(ErrorCode::kBadData, fmt::format("OpenEXR: {}", what)); }
 
@@ -56,7 +56,7 @@ Status check_size(const Imf::Header& header, std::size_t limit_px) {
   const Imath::Box2i& data = header.dataWindow();
   const std::int64_t width = std::int64_t{data.max.x} - data.min.x + 1;
   const std::int64_t height = std::int64_t{data.max.y} - data.min.y + 1;
-  if (width < 1 || height < 1 || width > kMostSidePx || height > kMostSidePx ||
+  if (width < 1 || height < 1 || width > kMaxSidePx || height > kMaxSidePx ||
       static_cast<std::size_t>(width * height) > limit_px) {
     return bad(fmt::format("the picture has {}x{} pixels; at most {} are accepted here; make it smaller", width, height,
                            limit_px));
@@ -64,12 +64,12 @@ Status check_size(const Imf::Header& header, std::size_t limit_px) {
   if (data != header.displayWindow()) return bad("only a part of the picture is stored; save it uncropped");
   int channels = 0;
   for (auto c = header.channels().begin(); c != header.channels().end(); ++c) ++channels;
-  if (channels > kMostChannels) {
-    return bad(fmt::format("it has more than {} channels; save R, G and B alone", kMostChannels));
+  if (channels > kMaxChannels) {
+    return bad(fmt::format("it has more than {} channels; save R, G and B alone", kMaxChannels));
   }
   if (header.hasTileDescription()) {
     const Imf::TileDescription& tiles = header.tileDescription();
-    if (std::uint64_t{tiles.xSize} * tiles.ySize > kMostTilePx) {
+    if (std::uint64_t{tiles.xSize} * tiles.ySize > kMaxTilePixels) {
       return bad(fmt::format("its tiles are {}x{} pixels; save it in rows", tiles.xSize, tiles.ySize));
     }
   }

@@ -12,16 +12,16 @@
 namespace cyclorama {
 
 /// A photographed sun is some 1e9 times as bright as its sky; sums over whole pictures stay far inside of float.
-inline constexpr float kMostRadiance = 1e9f;
+inline constexpr float kMaxRadiance = 1e9f;
 /// What half floats can say: an infinite texel of a picture was brighter than that.
-inline constexpr float kMostHalf = 65504.0f;
+inline constexpr float kMaxHalf = 65504.0f;
 
-/// A texel's value that can be rendered with: NaN and negative light are 0, infinity is kMostHalf, and what is brighter
-/// than kMostRadiance is kMostRadiance. No neighbour has a say.
+/// A texel's value that can be rendered with: NaN and negative light are 0, infinity is kMaxHalf, and what is brighter
+/// than kMaxRadiance is kMaxRadiance. No neighbour has a say.
 [[nodiscard]] constexpr float sane_radiance(float value) {
   if (!(value > 0.0f)) return 0.0f;
-  if (value <= kMostRadiance) return value;
-  return value < __builtin_inff() ? kMostRadiance : kMostHalf;
+  if (value <= kMaxRadiance) return value;
+  return value < __builtin_inff() ? kMaxRadiance : kMaxHalf;
 }
 
 /// Radiance HDR, OpenEXR or PFM; all texels pass sane_radiance(). kBadData  damaged, larger than `limit_px`, or another

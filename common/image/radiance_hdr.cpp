@@ -18,8 +18,8 @@ namespace cyclorama {
 namespace {
 
 constexpr std::size_t kLineLimitBytes = 4096;
-constexpr int kShortestRun = 8;  ///< Rows shorter or longer are never in the newer scheme.
-constexpr int kLongestRow = 32767;
+constexpr int kMinRleWidth = 8;  ///< Rows shorter or longer are never in the newer scheme.
+constexpr int kMaxRleWidth = 32767;
 
 using Texel = std::array<std::uint8_t, 4>;  ///< R, G, B, exponent.
 
@@ -60,7 +60,7 @@ class HdrReader {
   /// One row, in whichever scheme it is coded.
   Status row(std::vector<Texel>* ret_row) {
     const auto length = static_cast<int>(ret_row->size());
-    const bool may_be_new = length >= kShortestRun && length <= kLongestRow && left() >= 4;
+    const bool may_be_new = length >= kMinRleWidth && length <= kMaxRleWidth && left() >= 4;
     if (!may_be_new || byte(0) != 2 || byte(1) != 2 || byte(2) >= 128) return old_row(ret_row);
     if (256 * byte(2) + byte(3) != length) return bad("the row is not as long as the header says");
     at_ += 4;
@@ -178,9 +178,9 @@ class HdrReader {
 };
 
 /// A row takes at least this many bytes: a run of 127 in two bytes for each channel, or four bytes for 256^4 texels.
-std::size_t least_bytes(const Header& header) {
+std::size_t min_bytes(const Header& header) {
   const auto rows = static_cast<std::size_t>(header.rows);
-  return rows * (header.length <= kShortestRun ? 4 : 8);
+  return rows * (header.length <= kMinRleWidth ? 4 : 8);
 }
 
 }  // namespace
@@ -195,7 +195,7 @@ Result<RadianceImage> decode_radiance_hdr(std::span<const std::byte> bytes, std:
                                                   "smaller",
                                                   width, height, limit_px));
   }
-  if (reader.left() < least_bytes(header)) return reader.bad(fmt::format("{} rows need more bytes", header.rows));
+  if (reader.left() < min_bytes(header)) return reader.bad(fmt::format("{} rows need more bytes", header.rows));
   RadianceImage image(width, height);
   std::vector<Texel> row(static_cast<std::size_t>(header.length));
   for (int i = 0; i < header.rows; ++i) {

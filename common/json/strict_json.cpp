@@ -27,9 +27,9 @@ Status StrictJson::Mistakes::status(const std::string& name) const {
 
 StrictJson StrictJson::at(const char* key) {
   requested_.emplace_back(key);
-  if (has(key)) return {(*value_)[key], place_ + "/" + key, mistakes_};
+  if (has(key)) return {(*value_)[key], path_ + "/" + key, mistakes_};
   refuse_with_remedy(fmt::format("'{}' is missing", key));
-  return {none(), place_ + "/" + key, mistakes_};
+  return {none(), path_ + "/" + key, mistakes_};
 }
 
 bool StrictJson::flag(const char* key) {
@@ -39,31 +39,31 @@ bool StrictJson::flag(const char* key) {
   return false;
 }
 
-std::vector<StrictJson> StrictJson::elements(std::size_t least, std::size_t most) const {
-  if (!value_->is_array() || value_->size() < least || value_->size() > most) {
-    refuse_with_remedy(fmt::format("is not a list of {} to {}", least, most));
+std::vector<StrictJson> StrictJson::elements(std::size_t min, std::size_t max) const {
+  if (!value_->is_array() || value_->size() < min || value_->size() > max) {
+    refuse_with_remedy(fmt::format("is not a list of {} to {}", min, max));
     return {};
   }
   std::vector<StrictJson> elements;
   for (std::size_t i = 0; i < value_->size(); ++i) {
-    elements.push_back({(*value_)[i], place_ + "/" + std::to_string(i), mistakes_});
+    elements.push_back({(*value_)[i], path_ + "/" + std::to_string(i), mistakes_});
   }
   return elements;
 }
 
-std::vector<double> StrictJson::numbers(const char* key, std::size_t least, std::size_t most) {
+std::vector<double> StrictJson::numbers(const char* key, std::size_t min, std::size_t max) {
   std::vector<double> numbers;
-  for (const StrictJson& element : list(key, least, most)) numbers.push_back(element.as_number(-1e9, 1e9));
+  for (const StrictJson& element : list(key, min, max)) numbers.push_back(element.as_number(-1e9, 1e9));
   return numbers;
 }
 
-double StrictJson::as_number(double least, double most, bool is_whole) const {
+double StrictJson::as_number(double min, double max, bool is_whole) const {
   if (value_->is_number() && (!is_whole || value_->is_number_integer())) {
     const double number = value_->get<double>();
-    if (number >= least && number <= most) return number;
+    if (number >= min && number <= max) return number;
   }
-  refuse_with_remedy(fmt::format("is not a{} number from {:f} to {:f}", is_whole ? " whole" : "", least, most));
-  return least;
+  refuse_with_remedy(fmt::format("is not a{} number from {:f} to {:f}", is_whole ? " whole" : "", min, max));
+  return min;
 }
 
 std::string StrictJson::as_text(std::size_t longest) const {
@@ -81,7 +81,7 @@ void StrictJson::refuse_other_keys() const {
 }
 
 void StrictJson::refuse(const std::string& what) const {
-  if (!mistakes_->is_any) mistakes_->first = place_ + ": " + what;
+  if (!mistakes_->is_any) mistakes_->first = path_ + ": " + what;
   mistakes_->is_any = true;
 }
 

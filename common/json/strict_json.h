@@ -31,17 +31,15 @@ class StrictJson {
 
   [[nodiscard]] bool has(const char* key) const { return value_->is_object() && value_->contains(key); }
   StrictJson at(const char* key);
-  double number(const char* key, double least, double most) { return at(key).as_number(least, most); }
-  int integer(const char* key, int least, int most) { return static_cast<int>(at(key).as_number(least, most, true)); }
+  double number(const char* key, double min, double max) { return at(key).as_number(min, max); }
+  int integer(const char* key, int min, int max) { return static_cast<int>(at(key).as_number(min, max, true)); }
   bool flag(const char* key);
   std::string text(const char* key, std::size_t longest = 4000) { return at(key).as_text(longest); }
   /// The elements of a list of `least` to `most`; none when it is not one.
-  std::vector<StrictJson> list(const char* key, std::size_t least, std::size_t most) {
-    return at(key).elements(least, most);
-  }
-  [[nodiscard]] std::vector<StrictJson> elements(std::size_t least, std::size_t most) const;
-  std::vector<double> numbers(const char* key, std::size_t least, std::size_t most);
-  [[nodiscard]] double as_number(double least, double most, bool is_whole = false) const;
+  std::vector<StrictJson> list(const char* key, std::size_t min, std::size_t max) { return at(key).elements(min, max); }
+  [[nodiscard]] std::vector<StrictJson> elements(std::size_t min, std::size_t max) const;
+  std::vector<double> numbers(const char* key, std::size_t min, std::size_t max);
+  [[nodiscard]] double as_number(double min, double max, bool is_whole = false) const;
   [[nodiscard]] std::string as_text(std::size_t longest = 4000) const;
 
   /// Call it once all keys have been requested.
@@ -50,12 +48,12 @@ class StrictJson {
   void refuse(const std::string& what) const;
 
  private:
-  StrictJson(const nlohmann::json& value, std::string place, Mistakes* mistakes)
-      : value_(&value), place_(std::move(place)), mistakes_(mistakes) {}
+  StrictJson(const nlohmann::json& value, std::string path, Mistakes* mistakes)
+      : value_(&value), path_(std::move(path)), mistakes_(mistakes) {}
   void refuse_with_remedy(const std::string& what) const { refuse(what + "; " + mistakes_->remedy); }
 
   const nlohmann::json* value_;
-  std::string place_;  ///< A JSON pointer (RFC 6901); empty: the document.
+  std::string path_;  ///< A JSON pointer (RFC 6901); empty: the document.
   Mistakes* mistakes_;
   std::vector<std::string> requested_;
 };

@@ -15,9 +15,9 @@ namespace {
 using std::chrono::floor;
 using std::chrono::seconds;
 
-constexpr std::size_t kLargestFile = 200;
-constexpr auto kFarthest = std::chrono::hours(18);
-constexpr int kMostDays = 8;
+constexpr std::size_t kMaxFileBytes = 200;
+constexpr auto kMaxLookAhead = std::chrono::hours(18);
+constexpr int kMaxDays = 8;
 constexpr const char* kTime = "%E4Y-%m-%dT%H:%M:%SZ";
 
 std::string time_text(WallTime time) { return absl::FormatTime(kTime, absl::FromChrono(time), absl::UTCTimeZone()); }
@@ -32,7 +32,7 @@ std::optional<WallTime> time_of(std::string_view text) {
 }
 
 bool is_sound(const HoursOverride& override) {
-  return override.set_at < override.until && override.until - override.set_at <= kLongestOverride;
+  return override.set_at < override.until && override.until - override.set_at <= kMaxOverrideDuration;
 }
 
 Error not_set() {
@@ -49,7 +49,7 @@ std::string to_text(const HoursOverride& override) {
 
 Result<HoursOverride> parse_hours_override(std::string_view text) {
   const Error bad(ErrorCode::kBadData, "what was said of the hours for once is damaged, and does not count");
-  if (text.size() > kLargestFile) return bad;
+  if (text.size() > kMaxFileBytes) return bad;
   HoursOverride override;
   override.is_open = text.starts_with("open from ");
   const std::size_t from = text.find(" from ");
@@ -68,7 +68,7 @@ Result<HoursOverride> parse_hours_override(std::string_view text) {
 }
 
 Result<std::optional<HoursOverride>> read_hours_override(const std::filesystem::path& file) {
-  const auto text = read_text_file(file, kLargestFile);
+  const auto text = read_text_file(file, kMaxFileBytes);
   if (!text && text.error().code() == ErrorCode::kNotFound) return std::optional<HoursOverride>();
   if (!text) return text.error();
   TRY_ASSIGN(const HoursOverride override, parse_hours_override(*text));
@@ -87,7 +87,7 @@ Result<HoursOverride> open_until(const OpeningHours& hours, std::string_view tim
     const absl::Time end = end_of(hours.zone().At(absl::CivilSecond(absl::CivilMinute(day) + *minute)));
     const WallTime until = floor<seconds>(absl::ToChronoTime(end));
     if (until <= now) continue;
-    if (until - now > kFarthest) break;
+    if (until - now > kMaxLookAhead) break;
     return HoursOverride{true, floor<seconds>(now), until};
   }
   return Error(ErrorCode::kInvalidArgument,
@@ -102,7 +102,7 @@ Result<HoursOverride> closed_for_today(const OpeningHours& hours, WallTime now) 
   HoursOverride override{false, floor<seconds>(now), midnight};
   // What is open over midnight belongs to the day before.
   bool was_open = hours.is_open(midnight - kMinute);
-  for (WallTime time = midnight; time < midnight + std::chrono::hours(24 * kMostDays); time += kMinute) {
+  for (WallTime time = midnight; time < midnight + std::chrono::hours(24 * kMaxDays); time += kMinute) {
     const bool is_open = hours.is_open(time);
     if (is_open && !was_open) {
       override.until = time;

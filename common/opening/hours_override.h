@@ -18,9 +18,9 @@ namespace cyclorama {
 
 inline constexpr const char* kHoursOverrideFile = "hours/override";  ///< In the museum's state folder.
 /// Closed from one week's opening day to the next one's, and a clock that is put back.
-inline constexpr auto kLongestOverride = std::chrono::hours(24 * 9);
+inline constexpr auto kMaxOverrideDuration = std::chrono::hours(24 * 9);
 
-/// A value. Whole seconds; set_at < until <= set_at + kLongestOverride, wherever it comes from.
+/// A value. Whole seconds; set_at < until <= set_at + kMaxOverrideDuration, wherever it comes from.
 struct HoursOverride {
   bool is_open = true;
   WallTime set_at{};

@@ -61,7 +61,7 @@ class SpawnPlan {
 };
 
 /// Until its end of the pipe is closed, or the deadline; false at the deadline.
-bool read_until(int fd, TimePoint deadline, std::size_t most_bytes, ChildEnd* ret_end) {
+bool read_until(int fd, TimePoint deadline, std::size_t max_bytes, ChildEnd* ret_end) {
   std::array<char, 8192> part{};
   for (;;) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - SteadyClock().now());
@@ -72,10 +72,10 @@ bool read_until(int fd, TimePoint deadline, std::size_t most_bytes, ChildEnd* re
     const ssize_t n = ::read(fd, part.data(), part.size());
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) return true;
-    const std::size_t came = static_cast<std::size_t>(n);
-    const std::size_t room = most_bytes - std::min(most_bytes, ret_end->output.size());
-    ret_end->output.append(part.data(), std::min(came, room));
-    if (came > room) ret_end->is_cut = true;
+    const std::size_t received = static_cast<std::size_t>(n);
+    const std::size_t room = max_bytes - std::min(max_bytes, ret_end->output.size());
+    ret_end->output.append(part.data(), std::min(received, room));
+    if (received > room) ret_end->is_cut = true;
   }
 }
 
@@ -101,14 +101,14 @@ Result<ChildEnd> run_child(const std::vector<std::string>& command, const ChildL
   errno = SpawnPlan(into.get()).spawn(&pid, command);
   if (errno != 0) return Error::from_errno(fmt::format("starting '{}'", command.front()));
   into.reset();
-  const TimePoint deadline = SteadyClock().now() + limits.longest;
+  const TimePoint deadline = SteadyClock().now() + limits.time_limit;
   ChildEnd end;
   int status = 0;
-  if (!read_until(from.get(), deadline, limits.most_bytes, &end) || !reaped(pid, deadline, &status)) {
+  if (!read_until(from.get(), deadline, limits.max_bytes, &end) || !reaped(pid, deadline, &status)) {
     ::kill(-pid, SIGKILL);
     ::waitpid(pid, &status, 0);
     return Error(ErrorCode::kTimedOut,
-                 fmt::format("'{}' did not end within {:.0f} s", command.front(), to_seconds(limits.longest)));
+                 fmt::format("'{}' did not end within {:.0f} s", command.front(), to_seconds(limits.time_limit)));
   }
   end.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return end;

@@ -11,8 +11,8 @@
 namespace cyclorama {
 
 struct ChildLimits {
-  Duration longest = std::chrono::seconds(30);  ///< Then it is killed.
-  std::size_t most_bytes = 64 * 1024;           ///< What it says beyond is dropped.
+  Duration time_limit = std::chrono::seconds(30);  ///< Then it is killed.
+  std::size_t max_bytes = 64 * 1024;               ///< What it says beyond is dropped.
 };
 
 struct ChildEnd {

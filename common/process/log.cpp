@@ -18,9 +18,9 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::size_t kLongestLine = 2000;
-constexpr std::size_t kLongestField = 200;
-std::atomic<int> least_level{static_cast<int>(LogLevel::kInfo)};
+constexpr std::size_t kMaxLineBytes = 2000;
+constexpr std::size_t kMaxFieldBytes = 200;
+std::atomic<int> min_level{static_cast<int>(LogLevel::kInfo)};
 
 /// systemd names the device and inode of the journal's stream when standard error is one.
 bool is_journal() {
@@ -37,7 +37,7 @@ bool is_journal() {
 bool send_to_journal(LogLevel level, const std::string& text, std::span<const LogField> fields) {
   std::vector<std::string> entry{"MESSAGE=" + text, fmt::format("PRIORITY={}", static_cast<int>(level))};
   for (const LogField& field : fields) {
-    if (!field.value.empty()) entry.push_back(fmt::format("{}={}", field.name, printable(field.value, kLongestField)));
+    if (!field.value.empty()) entry.push_back(fmt::format("{}={}", field.name, printable(field.value, kMaxFieldBytes)));
   }
   std::vector<iovec> parts;
   for (std::string& part : entry) parts.push_back({part.data(), part.size()});
@@ -61,11 +61,11 @@ const char* word_for(LogLevel level) {
 
 }  // namespace
 
-void set_log_level(LogLevel least) { least_level = static_cast<int>(least); }
+void set_log_level(LogLevel min) { min_level = static_cast<int>(min); }
 
 void log(LogLevel level, std::string_view message, std::span<const LogField> fields) {
-  if (static_cast<int>(level) > least_level) return;
-  const std::string text = printable(message, kLongestLine);
+  if (static_cast<int>(level) > min_level) return;
+  const std::string text = printable(message, kMaxLineBytes);
   if (!fields.empty() && is_journal() && send_to_journal(level, text, fields)) return;
   const std::string line = is_journal() ? fmt::format("<{}>{}\n", static_cast<int>(level), text)
                                         : fmt::format("{}{}\n", word_for(level), text);

@@ -22,6 +22,6 @@ struct LogField {
 void log(LogLevel level, std::string_view message, std::span<const LogField> fields = {});
 
 /// Drops what is less urgent than `least`; kInfo at the start. Thread-safe.
-void set_log_level(LogLevel least);
+void set_log_level(LogLevel min);
 
 }  // namespace cyclorama

@@ -37,7 +37,7 @@ std::optional<Point<frame::Room>> CylinderWall::hit(const RoomRay& ray) const {
   return std::nullopt;
 }
 
-std::optional<Point<frame::Room>> CylinderWall::endless_hit(const RoomRay& ray) const {
+std::optional<Point<frame::Room>> CylinderWall::hit_extended(const RoomRay& ray) const {
   CylinderWall endless = *this;
   endless.bottom_m = -std::numeric_limits<double>::infinity();
   endless.top_m = std::numeric_limits<double>::infinity();
@@ -56,8 +56,8 @@ std::vector<WallPatch> CylinderWall::patches(std::size_t about) const {
     const double arc_angle = arc_rad * ((i + 0.5) / columns - 0.5);
     const Eigen::Vector3d normal(-std::sin(arc_angle), 0.0, std::cos(arc_angle));
     for (int j = 0; j < rows; ++j) {
-      patches.push_back({point_at(arc_angle, bottom_m + height * (j + 0.5) / rows), normal,
-                         length / columns * height / rows});
+      patches.push_back(
+          {point_at(arc_angle, bottom_m + height * (j + 0.5) / rows), normal, length / columns * height / rows});
     }
   }
   return patches;

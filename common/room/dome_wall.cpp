@@ -8,7 +8,7 @@
 
 namespace cyclorama {
 
-std::optional<Point<frame::Room>> DomeWall::endless_hit(const RoomRay& ray) const {
+std::optional<Point<frame::Room>> DomeWall::hit_extended(const RoomRay& ray) const {
   // The farther of the two meetings is the one from inside. About the ray's point nearest to the centre, so that
   // nothing cancels.
   const double length2 = ray.direction.squaredNorm();
@@ -24,7 +24,7 @@ std::optional<Point<frame::Room>> DomeWall::endless_hit(const RoomRay& ray) cons
 }
 
 std::optional<Point<frame::Room>> DomeWall::hit(const RoomRay& ray) const {
-  const auto point = endless_hit(ray);
+  const auto point = hit_extended(ray);
   if (!point) return std::nullopt;
   const Eigen::Vector3d outwards = point->xyz - centre.xyz;
   const Eigen::Vector3d along = axis();

@@ -17,12 +17,12 @@ struct DomeWall {
   double tilt_rad = 0.0;   ///< Of the axis above the horizon.
 
   [[nodiscard]] std::optional<Point<frame::Room>> hit(const RoomRay& ray) const;
-  [[nodiscard]] std::optional<Point<frame::Room>> endless_hit(const RoomRay& ray) const;
+  [[nodiscard]] std::optional<Point<frame::Room>> hit_extended(const RoomRay& ray) const;
   [[nodiscard]] std::vector<WallPatch> patches(std::size_t about) const;
   [[nodiscard]] std::vector<Point<frame::Room>> outline() const;
   [[nodiscard]] std::vector<WallEdge> creases() const { return {}; }
   [[nodiscard]] bool is_lit_from(const Point<frame::Room>& point) const;
-  [[nodiscard]] bool shades_itself() const { return false; }
+  [[nodiscard]] bool can_self_shadow() const { return false; }
 
   [[nodiscard]] Eigen::Vector3d axis() const;
   /// At an angle from the axis, turned about it by `around_rad` from the right.

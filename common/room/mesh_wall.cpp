@@ -17,14 +17,14 @@ namespace {
 constexpr double kCrease = 10.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kOutlinePoints = 16384;
 
-Eigen::Vector3d doubled_area(const CornerPlaces& t) { return (t[1] - t[0]).cross(t[2] - t[0]); }
+Eigen::Vector3d doubled_area(const TriangleCorners& t) { return (t[1] - t[0]).cross(t[2] - t[0]); }
 
-Point<frame::Room> between(const CornerPlaces& t, double b, double c) {
+Point<frame::Room> between(const TriangleCorners& t, double b, double c) {
   return {(1.0 - b - c) * t[0] + b * t[1] + c * t[2]};
 }
 
 /// Into how many pieces each side is cut, so that pieces are about as large as asked for.
-int pieces(const CornerPlaces& t, double area_each) {
+int pieces(const TriangleCorners& t, double area_each) {
   return std::clamp(static_cast<int>(std::ceil(std::sqrt(0.5 * doubled_area(t).norm() / area_each))), 1, 256);
 }
 
@@ -52,7 +52,7 @@ Result<MeshWall> MeshWall::read(std::string_view obj_text) {
   TRY_ASSIGN(const ObjSurface read, read_obj_surface(obj_text));
   auto surface = std::make_shared<Surface>();
   const auto at = [&](std::uint32_t position) { return read.positions[position]; };
-  std::vector<CornerPlaces> triangles;
+  std::vector<TriangleCorners> triangles;
   std::vector<Eigen::Vector3d> normals;
   for (const auto& t : read.triangles) {
     triangles.push_back({at(t[0]), at(t[1]), at(t[2])});
@@ -83,10 +83,10 @@ std::optional<Point<frame::Room>> MeshWall::hit(const RoomRay& ray) const {
   return Point<frame::Room>{ray.origin.xyz + met->along * ray.direction};
 }
 
-std::optional<Point<frame::Room>> MeshWall::endless_hit(const RoomRay& ray) const {
+std::optional<Point<frame::Room>> MeshWall::hit_extended(const RoomRay& ray) const {
   if (auto exact = hit(ray)) return exact;
   std::optional<Point<frame::Room>> nearest;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (const Surface::Rim& rim : surface_->rim) {
     const double towards = rim.normal.dot(ray.direction);
     if (!(towards < 0.0)) continue;
@@ -94,8 +94,8 @@ std::optional<Point<frame::Room>> MeshWall::endless_hit(const RoomRay& ray) cons
     if (!(along > 1e-9 && std::isfinite(along))) continue;
     const Eigen::Vector3d point = ray.origin.xyz + along * ray.direction;
     const double outside = distance_to_segment(point, rim.a, rim.b);
-    if (outside < least) {
-      least = outside;
+    if (outside < min) {
+      min = outside;
       nearest = Point<frame::Room>{point};
     }
   }
@@ -105,15 +105,15 @@ std::optional<Point<frame::Room>> MeshWall::endless_hit(const RoomRay& ray) cons
 std::vector<WallPatch> MeshWall::patches(std::size_t about) const {
   const double each = surface_->area_m2 / static_cast<double>(std::max<std::size_t>(about, 1));
   std::vector<WallPatch> patches;
-  for (const CornerPlaces& t : surface_->tree.triangles()) {
+  for (const TriangleCorners& t : surface_->tree.triangles()) {
     const Eigen::Vector3d twice = doubled_area(t);
     const int n = pieces(t, each);
     for (int j = 0; j < n; ++j) {
       // A row of triangles that stand, and between them those that hang.
       for (int i = 0; i < 2 * (n - j) - 1; ++i) {
         const double lift = i % 2 == 0 ? 1.0 / 3.0 : 2.0 / 3.0;
-        patches.push_back({between(t, (i / 2 + lift) / n, (j + lift) / n), twice.normalized(),
-                           0.5 * twice.norm() / n / n});
+        patches.push_back(
+            {between(t, (i / 2 + lift) / n, (j + lift) / n), twice.normalized(), 0.5 * twice.norm() / n / n});
       }
     }
   }
@@ -122,10 +122,11 @@ std::vector<WallPatch> MeshWall::patches(std::size_t about) const {
 
 std::vector<Point<frame::Room>> MeshWall::outline() const {
   std::vector<Point<frame::Room>> points;
-  for (const CornerPlaces& t : surface_->tree.triangles()) {
+  for (const TriangleCorners& t : surface_->tree.triangles()) {
     const int n = pieces(t, surface_->area_m2 / kOutlinePoints);
     for (int j = 0; j <= n; ++j) {
-      for (int i = 0; i + j <= n; ++i) points.push_back(between(t, static_cast<double>(i) / n, static_cast<double>(j) / n));
+      for (int i = 0; i + j <= n; ++i)
+        points.push_back(between(t, static_cast<double>(i) / n, static_cast<double>(j) / n));
     }
   }
   return points;
@@ -135,7 +136,7 @@ std::vector<WallEdge> MeshWall::creases() const { return surface_->creases; }
 
 bool MeshWall::is_lit_from(const Point<frame::Room>& point) const {
   double seen = 0.0;
-  for (const CornerPlaces& t : surface_->tree.triangles()) seen += solid_angle(point.xyz, t[0], t[1], t[2]);
+  for (const TriangleCorners& t : surface_->tree.triangles()) seen += solid_angle(point.xyz, t[0], t[1], t[2]);
   return seen > 0.0;
 }
 

@@ -26,14 +26,14 @@ class MeshWall {
   static Result<MeshWall> read(std::string_view obj_text);
 
   [[nodiscard]] std::optional<Point<frame::Room>> hit(const RoomRay& ray) const;
-  [[nodiscard]] std::optional<Point<frame::Room>> endless_hit(const RoomRay& ray) const;
+  [[nodiscard]] std::optional<Point<frame::Room>> hit_extended(const RoomRay& ray) const;
   /// One per triangle, and large triangles divided.
   [[nodiscard]] std::vector<WallPatch> patches(std::size_t about) const;
   [[nodiscard]] std::vector<Point<frame::Room>> outline() const;
   /// Edges between triangles that meet at more than ten degrees.
   [[nodiscard]] std::vector<WallEdge> creases() const;
   [[nodiscard]] bool is_lit_from(const Point<frame::Room>& point) const;
-  [[nodiscard]] bool shades_itself() const { return true; }
+  [[nodiscard]] bool can_self_shadow() const { return true; }
 
   [[nodiscard]] std::size_t triangle_count() const;
 

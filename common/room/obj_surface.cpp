@@ -18,8 +18,8 @@
 namespace cyclorama {
 namespace {
 
-constexpr double kFarthest_m = 100.0;
-constexpr std::size_t kMostTriangles = 2'000'000;
+constexpr double kMaxDistanceM = 100.0;
+constexpr std::size_t kMaxTriangles = 2'000'000;
 constexpr double kLeastArea_m2 = 1e-12;  // A square micrometre: less has no direction that can be trusted.
 
 /// Statements that say nothing about where the surface is.
@@ -41,8 +41,8 @@ class Reader {
       } else if (keyword == "f") {
         TRY(add_face(rest));
       } else if (std::ranges::find(kPassedOver, keyword) == std::end(kPassedOver)) {
-        return refuse(fmt::format("'{}' is not understood in a wall; export the surface as polygons",
-                                  printable(keyword, 40)));
+        return refuse(
+            fmt::format("'{}' is not understood in a wall; export the surface as polygons", printable(keyword, 40)));
       }
     }
     if (surface_.triangles.empty()) return Error(ErrorCode::kBadData, "has no faces; export the wall's surface");
@@ -55,7 +55,7 @@ class Reader {
   }
 
   /// At least `least` numbers, all of them whole words and finite.
-  Result<std::vector<double>> numbers(std::string_view rest, std::size_t least) const {
+  Result<std::vector<double>> numbers(std::string_view rest, std::size_t min) const {
     std::vector<double> values;
     for (std::string_view word = next_word(&rest); !word.empty(); word = next_word(&rest)) {
       bool whole = false;
@@ -65,16 +65,16 @@ class Reader {
       }
       values.push_back(*value);
     }
-    if (values.size() < least) return refuse(fmt::format("has {} numbers; {} are needed", values.size(), least));
+    if (values.size() < min) return refuse(fmt::format("has {} numbers; {} are needed", values.size(), min));
     return values;
   }
 
   Status add_position(std::string_view rest) {
     TRY_ASSIGN(const std::vector<double> n, numbers(rest, 3));
     const Eigen::Vector3d place(n[0], n[1], n[2]);
-    if (!(place.cwiseAbs().maxCoeff() <= kFarthest_m)) {
-      return refuse(fmt::format("({}, {}, {}) is farther than {} m from the room's origin; the file is in metres",
-                                n[0], n[1], n[2], kFarthest_m));
+    if (!(place.cwiseAbs().maxCoeff() <= kMaxDistanceM)) {
+      return refuse(fmt::format("({}, {}, {}) is farther than {} m from the room's origin; the file is in metres", n[0],
+                                n[1], n[2], kMaxDistanceM));
     }
     // Programs write a corner once for each of its normals; the surface has it once.
     const auto known = ids_.emplace(std::array{n[0], n[1], n[2]}, surface_.positions.size());
@@ -119,13 +119,14 @@ class Reader {
       const auto edge = std::pair(t[i], t[(i + 1) % 3]);
       const auto known = lines_.emplace(edge, statements_.line());
       if (!known.second) {
-        return refuse(fmt::format("this face runs against the one in line {}, or covers it; make all faces run "
-                                  "counter-clockwise as the visitor sees them",
-                                  known.first->second));
+        return refuse(
+            fmt::format("this face runs against the one in line {}, or covers it; make all faces run "
+                        "counter-clockwise as the visitor sees them",
+                        known.first->second));
       }
     }
-    if (surface_.triangles.size() >= kMostTriangles) {
-      return refuse(fmt::format("more than {} triangles; reduce the mesh", kMostTriangles));
+    if (surface_.triangles.size() >= kMaxTriangles) {
+      return refuse(fmt::format("more than {} triangles; reduce the mesh", kMaxTriangles));
     }
     surface_.triangles.push_back(t);
     return Done{};

@@ -14,8 +14,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr int kLargestSidePx =
-    16384;  // As validate() has it: a very narrow and high wall gets pixels that are not square.
+constexpr int kMaxSidePx = 16384;  // As validate() has it: a very narrow and high wall gets pixels that are not square.
 /// A wall this near to a whole turn is one: its outline is only known at points.
 constexpr double kSlit = 0.1;
 /// Tangent of 75 degrees: there, a pixel of a flat picture sees a fifteenth of what one in its middle sees.
@@ -31,7 +30,7 @@ std::vector<Eigen::Vector3d> directions_of(const Installation& room) {
   return directions;
 }
 
-int rows(double px) { return static_cast<int>(std::clamp(std::round(px), 1.0, double{kLargestSidePx})); }
+int rows(double px) { return static_cast<int>(std::clamp(std::round(px), 1.0, double{kMaxSidePx})); }
 
 /// Nothing if the plane reaches too far to the side.
 std::optional<Perspective> perspective_of(const WallRectangle& plane, const std::vector<Eigen::Vector3d>& directions,
@@ -64,11 +63,11 @@ double widest_from(double tilt_rad, const std::vector<Eigen::Vector3d>& directio
 
 double best_tilt(const std::vector<Eigen::Vector3d>& directions) {
   double best = 0.0;
-  double least = widest_from(best, directions);
+  double min = widest_from(best, directions);
   for (int degrees = -90; degrees <= 90; ++degrees) {
     const double widest = widest_from(degrees * kDegree, directions);
-    if (widest < least - 1e-9) {
-      least = widest;
+    if (widest < min - 1e-9) {
+      min = widest;
       best = degrees * kDegree;
     }
   }
@@ -125,16 +124,16 @@ PictureShape Installation::picture(int width_px, int height_px) const {
 
 double Installation::screen_distance_m(const PictureShape& picture) const {
   const Eigen::Vector3d axis = direction_of(picture, {});
-  double nearness = 0.0;
+  double inverse_distance = 0.0;
   std::size_t count = 0;
   for (const Eigen::Vector3d& d : directions_of(*this)) {
     const double distance = std::holds_alternative<Panorama>(picture)      ? std::hypot(d.x(), d.z())
                             : std::holds_alternative<Perspective>(picture) ? d.dot(axis)
                                                                            : d.norm();
-    nearness += 1.0 / std::max(distance, kNearest_m);
+    inverse_distance += 1.0 / std::max(distance, kNearest_m);
     ++count;
   }
-  return static_cast<double>(count) / nearness;
+  return static_cast<double>(count) / inverse_distance;
 }
 
 Projection Installation::projection(int width_px, int height_px) const {

@@ -9,8 +9,8 @@
 namespace cyclorama {
 namespace {
 
-constexpr double kNearest = 1e-9;  // Of a ray's length: not the place where it starts.
-constexpr double kSeam_m = 1e-9;   // Rounding must leave no gap where rectangles meet.
+constexpr double kMinDistance = 1e-9;  // Of a ray's length: not the place where it starts.
+constexpr double kSeam_m = 1e-9;       // Rounding must leave no gap where rectangles meet.
 
 /// Where a ray from the lit side meets the rectangle's plane.
 struct PlaneHit {
@@ -24,7 +24,7 @@ std::optional<PlaneHit> meet(const WallRectangle& r, const RoomRay& ray) {
   const double towards = normal.dot(ray.direction);
   if (!(towards < 0.0)) return std::nullopt;
   const double along = normal.dot(r.middle.xyz - ray.origin.xyz) / towards;
-  if (!(along > kNearest && along < std::numeric_limits<double>::infinity())) return std::nullopt;
+  if (!(along > kMinDistance && along < std::numeric_limits<double>::infinity())) return std::nullopt;
   const Eigen::Vector3d point = ray.origin.xyz + along * ray.direction;
   const Eigen::Vector3d from_middle = point - r.middle.xyz;
   const double past_side = std::max(0.0, std::abs(r.right.dot(from_middle)) - 0.5 * r.width_m);
@@ -78,7 +78,7 @@ std::optional<Point<frame::Room>> PlanesWall::hit(const RoomRay& ray) const {
   return Point<frame::Room>{first->point};
 }
 
-std::optional<Point<frame::Room>> PlanesWall::endless_hit(const RoomRay& ray) const {
+std::optional<Point<frame::Room>> PlanesWall::hit_extended(const RoomRay& ray) const {
   if (auto exact = hit(ray)) return exact;
   std::optional<PlaneHit> nearest;
   for (const WallRectangle& rectangle : rectangles) {

@@ -37,13 +37,13 @@ struct PlanesWall {
   std::vector<WallRectangle> rectangles;
 
   [[nodiscard]] std::optional<Point<frame::Room>> hit(const RoomRay& ray) const;
-  [[nodiscard]] std::optional<Point<frame::Room>> endless_hit(const RoomRay& ray) const;
+  [[nodiscard]] std::optional<Point<frame::Room>> hit_extended(const RoomRay& ray) const;
   [[nodiscard]] std::vector<WallPatch> patches(std::size_t about) const;
   [[nodiscard]] std::vector<Point<frame::Room>> outline() const;
   /// The edges of all rectangles, if there are several.
   [[nodiscard]] std::vector<WallEdge> creases() const;
   [[nodiscard]] bool is_lit_from(const Point<frame::Room>& point) const;
-  [[nodiscard]] bool shades_itself() const { return rectangles.size() > 1; }
+  [[nodiscard]] bool can_self_shadow() const { return rectangles.size() > 1; }
 };
 
 }  // namespace cyclorama

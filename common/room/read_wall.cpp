@@ -16,8 +16,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr Range kMetres{-100.0, 100.0};
 constexpr Range kSides{0.1, 100.0};
-constexpr std::size_t kMostPlanes = 64;
-constexpr std::size_t kMostFileBytes = std::size_t{256} << 20;
+constexpr std::size_t kMaxPlanes = 64;
+constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;
 constexpr double kShortestPlane_m = 0.05;
 
 Point<frame::Room> point_of(const std::vector<double>& xyz) { return {Eigen::Vector3d(xyz[0], xyz[1], xyz[2])}; }
@@ -70,8 +70,8 @@ Wall read_planes(ConfigTable* table) {
   if (wall.rectangles.empty()) {
     table->refuse("corners_m", "is missing; give the corners as [[x, z], ...], or planes as [[wall.plane]]");
   }
-  if (wall.rectangles.size() > kMostPlanes) {
-    table->refuse("corners_m", fmt::format("makes more than {} planes; describe the wall as a mesh", kMostPlanes));
+  if (wall.rectangles.size() > kMaxPlanes) {
+    table->refuse("corners_m", fmt::format("makes more than {} planes; describe the wall as a mesh", kMaxPlanes));
   }
   return wall;
 }
@@ -88,7 +88,7 @@ Wall read_dome(ConfigTable* table) {
 std::optional<Wall> read_mesh(ConfigTable* table, const std::filesystem::path& folder) {
   const std::filesystem::path file = file_beside(table, "file", folder);
   if (file.empty()) return std::nullopt;
-  const auto text = read_text_file(file, kMostFileBytes);
+  const auto text = read_text_file(file, kMaxFileBytes);
   if (!text) {
     table->refuse("file", printable(text.error().message(), 300));
     return std::nullopt;

@@ -20,7 +20,7 @@ HeadPart part_of_eye(StereoPacking packing, Eye eye, int width_px, int height_px
   return {0, 0, width_px, height_px};
 }
 
-Pinhole lens_of_an_eye(const Pinhole& lens, StereoPacking packing) {
+Pinhole lens_of_eye(const Pinhole& lens, StereoPacking packing) {
   const HeadPart part = part_of_eye(packing, Eye::kLeft, lens.width_px, lens.height_px);
   return lens.with_pixels(part.width_px, part.height_px);
 }

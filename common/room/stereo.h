@@ -40,7 +40,7 @@ struct HeadPart {
 [[nodiscard]] HeadPart part_of_eye(StereoPacking packing, Eye eye, int width_px, int height_px);
 
 /// The same light, of the pixels that one eye gets of it. The same precondition.
-[[nodiscard]] Pinhole lens_of_an_eye(const Pinhole& lens, StereoPacking packing);
+[[nodiscard]] Pinhole lens_of_eye(const Pinhole& lens, StereoPacking packing);
 
 /// Which eye a frame-sequential head shows at a refresh.
 [[nodiscard]] constexpr Eye eye_at(std::int64_t refresh) { return refresh % 2 == 0 ? Eye::kLeft : Eye::kRight; }

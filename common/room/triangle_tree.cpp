@@ -9,13 +9,13 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::uint32_t kMostInLeaf = 4;
-constexpr double kNearest = 1e-9;  // In lengths of the direction: not the place where the ray starts.
-constexpr double kSeam = 1e-9;     // Of a triangle's size: rounding must leave no gap between neighbours.
+constexpr std::uint32_t kMaxLeafTriangles = 4;
+constexpr double kMinDistance = 1e-9;  // In lengths of the direction: not the place where the ray starts.
+constexpr double kSeam = 1e-9;         // Of a triangle's size: rounding must leave no gap between neighbours.
 constexpr std::size_t kDeepest = 64;
 
 /// Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1), 1997.
-std::optional<double> meet(const CornerPlaces& t, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
+std::optional<double> meet(const TriangleCorners& t, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
   const Eigen::Vector3d ab = t[1] - t[0];
   const Eigen::Vector3d ac = t[2] - t[0];
   const Eigen::Vector3d across = direction.cross(ac);
@@ -28,7 +28,7 @@ std::optional<double> meet(const CornerPlaces& t, const Eigen::Vector3d& origin,
   const double c = direction.dot(q) / facing;
   if (!(c >= -kSeam && b + c <= 1.0 + kSeam)) return std::nullopt;
   const double along = ac.dot(q) / facing;
-  if (!(along > kNearest && along < std::numeric_limits<double>::infinity())) return std::nullopt;
+  if (!(along > kMinDistance && along < std::numeric_limits<double>::infinity())) return std::nullopt;
   return along;
 }
 
@@ -48,7 +48,7 @@ bool enters(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& origin, const
 
 }  // namespace
 
-TriangleTree::TriangleTree(std::vector<CornerPlaces> triangles) : triangles_(std::move(triangles)) {
+TriangleTree::TriangleTree(std::vector<TriangleCorners> triangles) : triangles_(std::move(triangles)) {
   order_.resize(triangles_.size());
   std::iota(order_.begin(), order_.end(), 0u);
   if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()));
@@ -59,7 +59,7 @@ void TriangleTree::build(std::uint32_t first, std::uint32_t end) {
   nodes_.emplace_back();
   Eigen::AlignedBox3d middles;
   for (std::uint32_t i = first; i < end; ++i) {
-    const CornerPlaces& t = triangles_[order_[i]];
+    const TriangleCorners& t = triangles_[order_[i]];
     for (const Eigen::Vector3d& corner : t) nodes_[index].box.extend(corner);
     middles.extend(t[0] + t[1] + t[2]);
   }
@@ -67,7 +67,7 @@ void TriangleTree::build(std::uint32_t first, std::uint32_t end) {
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant(1e-9 * (1.0 + nodes_[index].box.sizes().maxCoeff()));
   nodes_[index].box.min() -= margin;
   nodes_[index].box.max() += margin;
-  if (end - first <= kMostInLeaf) {
+  if (end - first <= kMaxLeafTriangles) {
     nodes_[index].first = first;
     nodes_[index].count = end - first;
     return;

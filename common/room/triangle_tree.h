@@ -11,13 +11,13 @@
 
 namespace cyclorama {
 
-using CornerPlaces = std::array<Eigen::Vector3d, 3>;
+using TriangleCorners = std::array<Eigen::Vector3d, 3>;
 
 /// Triangles in a tree of boxes, halved at the median: which one does a ray meet first? In double. A value; reentrant.
 class TriangleTree {
  public:
   TriangleTree() = default;
-  explicit TriangleTree(std::vector<CornerPlaces> triangles);
+  explicit TriangleTree(std::vector<TriangleCorners> triangles);
 
   struct Hit {
     std::size_t triangle = 0;
@@ -25,17 +25,18 @@ class TriangleTree {
   };
   /// Only from the side on which the corners run counter-clockwise. Neighbours leave no gap.
   [[nodiscard]] std::optional<Hit> hit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
-  [[nodiscard]] std::span<const CornerPlaces> triangles() const { return triangles_; }
+  [[nodiscard]] std::span<const TriangleCorners> triangles() const { return triangles_; }
 
  private:
   struct Node {
     Eigen::AlignedBox3d box;
-    std::uint32_t first = 0;  ///< Of its triangles in order_; with count 0: its second child; the first is the next node.
+    std::uint32_t first =
+        0;  ///< Of its triangles in order_; with count 0: its second child; the first is the next node.
     std::uint32_t count = 0;
   };
   void build(std::uint32_t first, std::uint32_t end);
 
-  std::vector<CornerPlaces> triangles_;
+  std::vector<TriangleCorners> triangles_;
   std::vector<std::uint32_t> order_;
   std::vector<Node> nodes_;
 };

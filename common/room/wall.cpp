@@ -10,8 +10,8 @@ std::optional<Point<frame::Room>> hit(const Wall& wall, const RoomRay& ray) {
   return std::visit([&](const auto& w) { return w.hit(ray); }, wall);
 }
 
-std::optional<Point<frame::Room>> endless_hit(const Wall& wall, const RoomRay& ray) {
-  return std::visit([&](const auto& w) { return w.endless_hit(ray); }, wall);
+std::optional<Point<frame::Room>> hit_extended(const Wall& wall, const RoomRay& ray) {
+  return std::visit([&](const auto& w) { return w.hit_extended(ray); }, wall);
 }
 
 std::vector<WallPatch> patches(const Wall& wall, std::size_t about) {
@@ -31,7 +31,7 @@ bool is_lit_from(const Wall& wall, const Point<frame::Room>& point) {
 }
 
 bool is_reached(const Wall& wall, const Point<frame::Room>& point, const Point<frame::Room>& source) {
-  if (!std::visit([](const auto& w) { return w.shades_itself(); }, wall)) return true;
+  if (!std::visit([](const auto& w) { return w.can_self_shadow(); }, wall)) return true;
   const auto first = hit(wall, {source, point.xyz - source.xyz});
   return first && (first->xyz - point.xyz).norm() <= kSamePlace_m;
 }

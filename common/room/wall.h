@@ -16,7 +16,7 @@ namespace cyclorama {
 using Wall = std::variant<CylinderWall, PlanesWall, DomeWall, MeshWall>;
 
 [[nodiscard]] std::optional<Point<frame::Room>> hit(const Wall& wall, const RoomRay& ray);
-[[nodiscard]] std::optional<Point<frame::Room>> endless_hit(const Wall& wall, const RoomRay& ray);
+[[nodiscard]] std::optional<Point<frame::Room>> hit_extended(const Wall& wall, const RoomRay& ray);
 [[nodiscard]] std::vector<WallPatch> patches(const Wall& wall, std::size_t about);
 [[nodiscard]] std::vector<Point<frame::Room>> outline(const Wall& wall);
 [[nodiscard]] std::vector<WallEdge> creases(const Wall& wall);

@@ -2,12 +2,12 @@
 /// What all kinds of walls are asked for. Each kind is a value, reentrant, in the Room frame, with the same members:
 ///
 ///   hit(ray)           where a ray first meets the lit side, or nothing
-///   endless_hit(ray)   the same of the wall continued past its edges, so that nothing jumps there
+///   hit_extended(ray)   the same of the wall continued past its edges, so that nothing jumps there
 ///   patches(about)     the wall in about so many pieces of about the same area
 ///   outline()          points that bound every direction in which the wall is seen, from wherever
 ///   creases()          edges at which it has no tangent plane, the sharpest first
 ///   is_lit_from(point) whether one sees more of its lit side than of its back from there
-///   shades_itself()    whether a part can hide another from a projector
+///   can_self_shadow()    whether a part can hide another from a projector
 #pragma once
 
 #include <Eigen/Core>

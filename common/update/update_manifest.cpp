@@ -11,7 +11,7 @@ namespace cyclorama {
 namespace {
 
 constexpr std::size_t kDigits = 64;
-constexpr std::size_t kLongest = 64;
+constexpr std::size_t kMaxTokenLength = 64;
 constexpr std::array<std::string_view, 3> kEnds{".efi", ".root.raw", ".verity.raw"};
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -36,21 +36,21 @@ std::string_view version_in(std::string_view name, std::string_view image, std::
   if ((at == std::string_view::npos) != (kind == 0)) return {};
   const std::string_view uuid = at == std::string_view::npos ? "" : name.substr(at + 1);
   const bool is_uuid =
-      uuid.size() <= kLongest && std::ranges::all_of(uuid, [](char c) { return is_hexadecimal(c) || c == '-'; });
+      uuid.size() <= kMaxTokenLength && std::ranges::all_of(uuid, [](char c) { return is_hexadecimal(c) || c == '-'; });
   return is_uuid && is_image_version(name.substr(0, at)) ? name.substr(0, at) : std::string_view();
 }
 
 }  // namespace
 
 bool is_image_name(std::string_view name) {
-  return !name.empty() && name.size() <= kLongest && std::ranges::all_of(name, [](char c) {
+  return !name.empty() && name.size() <= kMaxTokenLength && std::ranges::all_of(name, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '-';
   });
 }
 
 bool is_image_version(std::string_view version) {
-  return !version.empty() && version.size() <= kLongest && is_digit(version.front()) && is_digit(version.back()) &&
-         version.find("..") == std::string_view::npos &&
+  return !version.empty() && version.size() <= kMaxTokenLength && is_digit(version.front()) &&
+         is_digit(version.back()) && version.find("..") == std::string_view::npos &&
          std::ranges::all_of(version, [](char c) { return is_digit(c) || c == '.'; });
 }
 
@@ -70,7 +70,7 @@ Result<UpdateManifest> parse_update_manifest(std::string_view text, std::string_
     return Error(ErrorCode::kBadData, fmt::format("{} line {}: {}; copy the folder that image/build made once more",
                                                   kUpdateSums, number, what));
   };
-  if (text.size() > kLargestUpdateText) return bad("it is too long");
+  if (text.size() > kMaxUpdateTextBytes) return bad("it is too long");
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
     const std::string_view line = text.substr(at, end - at);

@@ -16,7 +16,7 @@ namespace cyclorama {
 
 inline constexpr const char* kUpdateSums = "SHA256SUMS";
 inline constexpr const char* kUpdateSignature = "SHA256SUMS.sig";
-inline constexpr std::size_t kLargestUpdateText = 16 * 1024;  ///< Of either.
+inline constexpr std::size_t kMaxUpdateTextBytes = 16 * 1024;  ///< Of either.
 
 struct UpdateFile {
   std::string name;    ///< Letters, digits, '.', '-', '_': a file's name and nothing else.

@@ -16,15 +16,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kMostTags = 32;
+constexpr std::size_t kMaxTags = 32;
 /// The largest of libapriltag's families has 48714 tags.
 constexpr double kLastId = 65535;
 /// What a ruler and a folded card leave; a wrong order of the corners is off by 40 %.
-constexpr double kMostOffShare = 0.03;
+constexpr double kMaxRelativeDeviation = 0.03;
 
 bool is_square(const WandTag& tag) {
   const auto is_near = [&](double length, double wanted) {
-    return std::abs(length - wanted) <= kMostOffShare * tag.size_m;
+    return std::abs(length - wanted) <= kMaxRelativeDeviation * tag.size_m;
   };
   for (std::size_t i = 0; i < 4; ++i) {
     if (!is_near((tag.corners[(i + 1) % 4] - tag.corners[i]).norm(), tag.size_m)) return false;
@@ -59,8 +59,8 @@ Result<Wand> from_config(Config* config) {
   wand.name = root.text("name", "wand");
   std::set<int> ids;
   for (ConfigTable& table : root.tables("tag")) {
-    if (wand.tags.size() == kMostTags) {
-      table.refuse("id", fmt::format("is one too many: a wand has at most {} tags", kMostTags));
+    if (wand.tags.size() == kMaxTags) {
+      table.refuse("id", fmt::format("is one too many: a wand has at most {} tags", kMaxTags));
       break;
     }
     wand.tags.push_back(read_tag(table, &ids));

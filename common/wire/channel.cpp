@@ -96,7 +96,7 @@ Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address, 
   return grpc::CreateCustomChannel(address, credentials, arguments);
 }
 
-void wait_dialling(grpc::Channel& channel, Duration time, const std::function<bool()>& is_over) {
+void wait_until_connected(grpc::Channel& channel, Duration time, const std::function<bool()>& is_over) {
   constexpr Duration kSlice = std::chrono::milliseconds(50);
   const SteadyClock clock;
   const TimePoint until = clock.now() + time;

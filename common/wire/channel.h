@@ -38,7 +38,7 @@ Result<std::shared_ptr<grpc::Channel>> make_channel(const std::string& address,
 /// Waits for `time` and lets the channel connect meanwhile: gRPC 1.51 continues connecting only while a thread waits
 /// for the channel, a failed call does not wait, and TLS takes several rounds. Returns earlier once a connection is
 /// made, and within 50 ms when `is_over` becomes true.
-void wait_dialling(grpc::Channel& channel, Duration time, const std::function<bool()>& is_over);
+void wait_until_connected(grpc::Channel& channel, Duration time, const std::function<bool()>& is_over);
 
 /// Returns DATA_LOSS: the peer sent something that is not a valid message.
 grpc::Status unreadable();

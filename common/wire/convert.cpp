@@ -12,26 +12,26 @@ namespace cyclorama {
 namespace {
 
 // Limits of a view; renderfarm/render/quality.h allows at least as much.
-constexpr std::uint32_t kMostSamples = 4096;
-constexpr std::uint32_t kMostBounces = 64;
-constexpr std::uint32_t kMostLightSamples = 16;
-constexpr float kMostLight = 1e9f;
-constexpr double kFarthestEyeM = 1e7;  // Far beyond any scene, but within float, which the ray kernels use.
-constexpr double kSteepest = 1e4;      // Tangent, within a hundredth of a degree of a right angle.
-constexpr double kWidestEyes_m = 1.0;  // Upper bound of the interpupillary distance; adults have about 0.063 m.
+constexpr std::uint32_t kMaxSamples = 4096;
+constexpr std::uint32_t kMaxBounces = 64;
+constexpr std::uint32_t kMaxLightSamples = 16;
+constexpr float kMaxRadianceLimit = 1e9f;
+constexpr double kMaxEyeCoordinateM = 1e7;  // Far beyond any scene, but within float, which the ray kernels use.
+constexpr double kSteepest = 1e4;           // Tangent, within a hundredth of a degree of a right angle.
+constexpr double kWidestEyes_m = 1.0;       // Upper bound of the interpupillary distance; adults have about 0.063 m.
 
 Error refuse(const char* field, const std::string& what) {
   return Error(ErrorCode::kInvalidArgument, fmt::format("view.{} {}", field, what));
 }
 
-Status at_most(const char* field, std::uint32_t value, std::uint32_t most) {
-  if (value <= most) return Done{};
-  return refuse(field, fmt::format("is {}; it must be at most {}", value, most));
+Status check_max(const char* field, std::uint32_t value, std::uint32_t max) {
+  if (value <= max) return Done{};
+  return refuse(field, fmt::format("is {}; it must be at most {}", value, max));
 }
 
 Status is_light(const char* field, float value) {
-  if (value >= 0.0f && value <= kMostLight) return Done{};
-  return refuse(field, fmt::format("is {}; it must be 0 to {}", value, kMostLight));
+  if (value >= 0.0f && value <= kMaxRadianceLimit) return Done{};
+  return refuse(field, fmt::format("is {}; it must be 0 to {}", value, kMaxRadianceLimit));
 }
 
 /// Separates both eyes' pictures: `height` becomes the height of one.
@@ -55,17 +55,17 @@ Result<Viewing> viewing_of(const wire::EyePair& eyes, int* height) {
 }
 
 Status validate_knobs(const wire::View& view) {
-  if (view.samples() < 1 || view.samples() > kMostSamples) {
-    return refuse("samples", fmt::format("is {}; it must be 1 to {}", view.samples(), kMostSamples));
+  if (view.samples() < 1 || view.samples() > kMaxSamples) {
+    return refuse("samples", fmt::format("is {}; it must be 1 to {}", view.samples(), kMaxSamples));
   }
-  TRY(at_most("first_sample", view.first_sample(), kMostSamples - view.samples()));
-  TRY(at_most("sequence", view.sequence(), kMostSamples));
-  TRY(at_most("bounces", view.bounces(), kMostBounces));
-  TRY(at_most("light_samples", view.light_samples(), kMostLightSamples));
+  TRY(check_max("first_sample", view.first_sample(), kMaxSamples - view.samples()));
+  TRY(check_max("sequence", view.sequence(), kMaxSamples));
+  TRY(check_max("bounces", view.bounces(), kMaxBounces));
+  TRY(check_max("light_samples", view.light_samples(), kMaxLightSamples));
   TRY(is_light("firefly_limit", view.firefly_limit()));
   TRY(is_light("adaptive_error", view.adaptive_error()));
   if (view.adaptive_minimum() == 1) return refuse("adaptive_minimum", "is 1; it must be 0 or at least 2");
-  TRY(at_most("adaptive_minimum", view.adaptive_minimum(), kMostSamples));
+  TRY(check_max("adaptive_minimum", view.adaptive_minimum(), kMaxSamples));
   if (view.jpeg_quality() >= 1 && view.jpeg_quality() <= 100) return Done{};
   return refuse("jpeg_quality", fmt::format("is {}; it must be 1 to 100", view.jpeg_quality()));
 }
@@ -146,7 +146,7 @@ void to_wire(const Projection& picture, wire::Panorama* ret_p) {
 Status validate(const wire::View& view) {
   if (view.number() == 0) return refuse("number", "is 0; views count from 1");
   if (!from_wire(view.eye_m()).allFinite()) return refuse("eye_m", "is not finite");
-  if (!(from_wire(view.eye_m()).cwiseAbs().maxCoeff() <= kFarthestEyeM)) return refuse("eye_m", "is too far away");
+  if (!(from_wire(view.eye_m()).cwiseAbs().maxCoeff() <= kMaxEyeCoordinateM)) return refuse("eye_m", "is too far away");
   if (!std::isfinite(view.heading_rad())) return refuse("heading_rad", "is not finite");
   TRY(validate_knobs(view));
   TRY_ASSIGN(const Projection whole, from_wire(view.panorama()));

@@ -17,7 +17,7 @@ namespace cyclorama {
 namespace {
 
 constexpr std::array<std::pair<Role, std::string_view>, 4> kRoles{
-    {{Role::kNobody, "nobody"}, {Role::kHead, "head"}, {Role::kMuseum, "museum"}, {Role::kNode, "node"}}};
+    {{Role::kNobody, "nobody"}, {Role::kCoordinator, "coordinator"}, {Role::kMuseum, "museum"}, {Role::kNode, "node"}}};
 
 /// Returns the subject's only entry of that kind; nothing if there is none or several.
 std::optional<std::string> entry(const X509_NAME* subject, int kind) {
@@ -77,7 +77,7 @@ Result<Identity> identity_in(std::string_view certificate_pem) {
   }
   if (!name || name->empty() || printable(*name, 64) != *name || who.role == Role::kNobody) {
     return Error(ErrorCode::kBadData,
-                 "does not say whose it is; it needs a common name, and the unit head, museum or node");
+                 "does not say whose it is; it needs a common name, and the unit coordinator, museum or node");
   }
   who.name = *name;
   who.serial = serial_text(X509_get0_serialNumber(certificate.get()));

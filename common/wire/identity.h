@@ -14,10 +14,10 @@ class ServerContextBase;
 
 namespace cyclorama {
 
-/// Role of a certificate's owner in the farm: its organizational unit (OU), "head", "museum" or "node".
+/// Role of a certificate's owner in the farm: its organizational unit (OU), "coordinator", "museum" or "node".
 enum class Role {
   kNobody,  ///< Without TLS.
-  kHead,
+  kCoordinator,
   kMuseum,
   kNode,
 };

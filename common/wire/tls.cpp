@@ -16,7 +16,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::size_t kLargestPem = 1 << 20;
+constexpr std::size_t kMaxPemBytes = 1 << 20;
 constexpr unsigned kReadAgainSeconds = 2;
 
 /// gRPC 1.51 requests TLS 1.2 or later from OpenSSL and offers no setting for it. But every context that OpenSSL
@@ -47,7 +47,7 @@ Error about(const std::filesystem::path& file, const std::string& what) {
 }
 
 Result<OpensslCertificate> read_certificate(const std::filesystem::path& file) {
-  TRY_ASSIGN(const std::string pem, read_text_file(file, kLargestPem));
+  TRY_ASSIGN(const std::string pem, read_text_file(file, kMaxPemBytes));
   Result<OpensslCertificate> certificate = parse_certificate(pem);
   if (!certificate) return about(file, certificate.error().message());
   const ASN1_TIME* const first = X509_get0_notBefore(certificate->get());
@@ -94,7 +94,7 @@ Status hold_to_tls_1_3() {
 Result<Identity> check(const TlsFiles& files) {
   TRY_ASSIGN(const OpensslCertificate authority, read_certificate(files.authority));
   TRY_ASSIGN(const OpensslCertificate certificate, read_certificate(files.certificate));
-  TRY_ASSIGN(const std::string key_pem, read_text_file(files.key, kLargestPem));
+  TRY_ASSIGN(const std::string key_pem, read_text_file(files.key, kMaxPemBytes));
   // A key with a pass phrase would prompt on a terminal that nobody sees.
   const auto no_pass_phrase = [](char*, int, int, void*) { return -1; };
   const OpensslKey key(PEM_read_bio_PrivateKey(bio_of(key_pem).get(), nullptr, no_pass_phrase, nullptr));
@@ -106,7 +106,7 @@ Result<Identity> check(const TlsFiles& files) {
   if (X509_verify(certificate.get(), X509_get0_pubkey(authority.get())) != 1) {
     return about(files.certificate, fmt::format("was not made by the authority of '{}'", files.authority.string()));
   }
-  TRY_ASSIGN(const std::string pem, read_text_file(files.certificate, kLargestPem));
+  TRY_ASSIGN(const std::string pem, read_text_file(files.certificate, kMaxPemBytes));
   Result<Identity> owner = identity_in(pem);
   if (!owner) return about(files.certificate, owner.error().message());
   return owner;
@@ -125,9 +125,10 @@ Result<std::shared_ptr<grpc::ChannelCredentials>> channel_credentials(const TlsF
 Result<std::shared_ptr<grpc::ServerCredentials>> server_credentials(const TlsFiles& files, Admission admit) {
   TRY(hold_to_tls_1_3());
   TRY_ASSIGN(const Identity owner, check(files));
-  if (owner.role != Role::kHead) {
-    return Error(ErrorCode::kInvalidArgument, fmt::format("'{}' is the certificate of {}; a server needs a head's",
-                                                          files.certificate.string(), to_text(owner)));
+  if (owner.role != Role::kCoordinator) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("'{}' is the certificate of {}; a server needs a coordinator's",
+                             files.certificate.string(), to_text(owner)));
   }
   grpc::experimental::TlsServerCredentialsOptions options(watcher_of(files));
   options.watch_root_certs();

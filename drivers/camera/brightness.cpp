@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 constexpr int kTooDark = 110;
 constexpr int kTooBright = 235;
@@ -30,13 +30,13 @@ int bright_level(const GreyImage& picture) {
 }
 
 long next_gain(long gain, int bright_level, const GainRange& range) {
-  if (range.most <= range.least) return range.least;
+  if (range.max <= range.min) return range.min;
   const long step = std::max(range.step, 1L);
-  const long stride = std::max((range.most - range.least) / 16, step);
-  long wanted = std::clamp(gain, range.least, range.most);
-  if (bright_level < kTooDark) wanted += std::min(stride, range.most - wanted);
-  if (bright_level > kTooBright) wanted -= std::min(stride, wanted - range.least);
-  return range.least + (wanted - range.least) / step * step;
+  const long stride = std::max((range.max - range.min) / 16, step);
+  long wanted = std::clamp(gain, range.min, range.max);
+  if (bright_level < kTooDark) wanted += std::min(stride, range.max - wanted);
+  if (bright_level > kTooBright) wanted -= std::min(stride, wanted - range.min);
+  return range.min + (wanted - range.min) / step * step;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

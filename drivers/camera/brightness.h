@@ -3,7 +3,7 @@
 
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// The grey level that one pixel in 50 exceeds, from every 7th pixel of every 7th row; 0 of an empty picture. White
 /// paper in the visitor's hand covers more of the picture than that, a lamp in the background less.
@@ -11,8 +11,8 @@ namespace cyclorama {
 
 /// A device's gain, in its own units.
 struct GainRange {
-  long least = 0;
-  long most = 0;
+  long min = 0;
+  long max = 0;
   long step = 1;
 };
 
@@ -21,4 +21,4 @@ struct GainRange {
 /// it stays, so it cannot swing. Within `range` and on its steps, whatever `gain` is.
 [[nodiscard]] long next_gain(long gain, int bright_level, const GainRange& range);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

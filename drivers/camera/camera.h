@@ -16,10 +16,10 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// One picture and when it was taken. Immutable once shared.
-struct Frame {
+struct CameraFrame {
   GreyImage pixels;
   /// The camera's own red, green and blue codes of the same pixels: in no colour space that is known, each channel with
   /// a curve of its own. Empty, unless the camera was asked for colour and has it.
@@ -49,7 +49,7 @@ class Camera {
   ///
   /// kTimedOut     no frame before the deadline. The camera is still Streaming.
   /// kUnavailable  Failed; see the diagram.
-  virtual Result<std::shared_ptr<const Frame>> next_frame(TimePoint deadline) = 0;
+  virtual Result<std::shared_ptr<const CameraFrame>> next_frame(TimePoint deadline) = 0;
 
   /// Ends delivery. Safe to call in any state. Thread-bound.
   virtual void stop() = 0;
@@ -60,4 +60,4 @@ class Camera {
   Camera& operator=(const Camera&) = delete;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

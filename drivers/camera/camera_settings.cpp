@@ -5,28 +5,29 @@
 
 #include <array>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
-constexpr const char* kPlace = "port";
+constexpr const char* kPortKey = "port";
 constexpr const char* kPath = "device";
 /// What a `source` says for itself.
-constexpr std::array kKeysOfKind{kPlace, kPath, "width_px", "height_px", "frames_per_second", "exposure_ms", "memory"};
+constexpr std::array kKeysOfKind{kPortKey,      kPath,   "width_px", "height_px", "frames_per_second",
+                                 "exposure_ms", "memory"};
 
 /// Where the camera is; characters that would begin an option are no part of any port.
 std::string place_of(const std::string& kind, ConfigTable* camera) {
-  if (camera->has(kPlace) && camera->has(kPath))
+  if (camera->has(kPortKey) && camera->has(kPath))
     camera->refuse(kPath, "and port name the same camera twice; remove one");
-  const char* const key = camera->has(kPath) ? kPath : kPlace;
-  const std::string place = camera->text(key, "");
-  if (place.find_first_of("?&\n") != std::string::npos)
+  const char* const key = camera->has(kPath) ? kPath : kPortKey;
+  const std::string position = camera->text(key, "");
+  if (position.find_first_of("?&\n") != std::string::npos)
     camera->refuse(key, "holds '?', '&' or a line's end; no port does");
-  if (key == kPath && !place.starts_with("/")) camera->refuse(kPath, "must be a path, as /dev/v4l/by-path/...");
+  if (key == kPath && !position.starts_with("/")) camera->refuse(kPath, "must be a path, as /dev/v4l/by-path/...");
   // libcamera's ids are paths of a device tree.
-  if (key == kPlace && kind == "v4l2" && place.starts_with("/")) {
-    camera->refuse(kPlace, "is a path; write device = \"...\"");
+  if (key == kPortKey && kind == "v4l2" && position.starts_with("/")) {
+    camera->refuse(kPortKey, "is a path; write device = \"...\"");
   }
-  return place;
+  return position;
 }
 
 }  // namespace
@@ -58,4 +59,4 @@ std::string camera_source(ConfigTable* camera, const std::string& fallback) {
   return line;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

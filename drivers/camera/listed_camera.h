@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// A camera that is there now, for people who look for the line to write into tracker.toml.
 struct ListedCamera {
@@ -14,4 +14,4 @@ struct ListedCamera {
   std::string problem;  ///< Why it cannot be used now; empty when it can.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

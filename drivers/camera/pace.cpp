@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 std::uint64_t Pace::next(TimePoint now, std::optional<std::uint64_t> last) const {
   const auto elapsed = std::max<Duration::rep>((now - first_at) / period, 0);
@@ -29,4 +29,4 @@ Duration period_of(double frames_per_second) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1.0 / frames_per_second));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -7,7 +7,7 @@
 #include "common/base/clock.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// When a camera that is made of software has its pictures: one every period, the newest for a late caller, and none
 /// twice.
@@ -29,4 +29,4 @@ Result<std::uint64_t> wait_for_picture(const Pace& pace, std::optional<std::uint
 /// Precondition: rate is 0.01 to 1000 pictures per second.
 [[nodiscard]] Duration period_of(double frames_per_second);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

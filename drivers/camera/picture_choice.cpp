@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
-/// A rate within this of the wish is the wish: NTSC's 29.97 is 30.
+/// A rate within this of the preferred is the preferred: NTSC's 29.97 is 30.
 constexpr double kSameRate = 0.02;
 /// Half of the wanted pictures cost as much as four times the pixels.
 constexpr double kRateWeight = 4.0;
@@ -37,37 +37,37 @@ double layout_weight(PixelLayout layout) {
   }
 }
 
-double penalty_of(const PictureOffer& offer, const PictureWish& wish) {
+double penalty_of(const PictureOffer& offer, const PicturePreference& preferred) {
   const double octaves = std::log2(static_cast<double>(offer.width_px) * offer.height_px) -
-                         std::log2(static_cast<double>(wish.width_px) * wish.height_px);
+                         std::log2(static_cast<double>(preferred.width_px) * preferred.height_px);
   const double size = octaves < 0.0 ? -kSmallerWeight * octaves : kLargerWeight * octaves;
   // Of another shape, part of the picture is lost or was never in it.
   const double shape = std::abs(std::log2(static_cast<double>(offer.width_px) / offer.height_px) -
-                                std::log2(static_cast<double>(wish.width_px) / wish.height_px));
+                                std::log2(static_cast<double>(preferred.width_px) / preferred.height_px));
   double rate = 0.0;
   if (offer.frames_per_second > 0.0) {
-    const double shortfall = 1.0 - offer.frames_per_second / wish.frames_per_second;
+    const double shortfall = 1.0 - offer.frames_per_second / preferred.frames_per_second;
     if (shortfall > kSameRate) rate = kRateWeight * shortfall;
     // Quicker than needed leaves less time for light.
     if (shortfall < -kSameRate) rate = 0.05 * std::min(-shortfall, 4.0);
   }
-  const double colour = wish.is_coloured && !offer.is_coloured ? kGreyWeight : 0.0;
+  const double colour = preferred.is_coloured && !offer.is_coloured ? kGreyWeight : 0.0;
   return size + 0.25 * shape + rate + layout_weight(offer.layout) + colour;
 }
 
 }  // namespace
 
-Result<std::size_t> choose_picture(const std::vector<PictureOffer>& offers, const PictureWish& wish) {
-  CHECK(wish.width_px > 0 && wish.height_px > 0 && wish.frames_per_second > 0.0);
+Result<std::size_t> choose_picture(const std::vector<PictureOffer>& offers, const PicturePreference& preferred) {
+  CHECK(preferred.width_px > 0 && preferred.height_px > 0 && preferred.frames_per_second > 0.0);
   std::size_t best = offers.size();
-  double least = 0.0;
+  double min = 0.0;
   for (std::size_t i = 0; i < offers.size(); ++i) {
     if (offers[i].width_px <= 0 || offers[i].height_px <= 0) continue;
-    const double penalty = penalty_of(offers[i], wish);
-    const bool is_tie = best != offers.size() && penalty == least;
-    if (best == offers.size() || penalty < least || (is_tie && offers[i].fourcc < offers[best].fourcc)) {
+    const double penalty = penalty_of(offers[i], preferred);
+    const bool is_tie = best != offers.size() && penalty == min;
+    if (best == offers.size() || penalty < min || (is_tie && offers[i].fourcc < offers[best].fourcc)) {
       best = i;
-      least = penalty;
+      min = penalty;
     }
   }
   if (best == offers.size()) {
@@ -91,4 +91,4 @@ std::string describe(const PictureOffer& offer) {
   return offer.frames_per_second > 0.0 ? fmt::format("{} at {:.4g} per second", size, offer.frames_per_second) : size;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

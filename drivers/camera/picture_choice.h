@@ -9,10 +9,10 @@
 #include "common/base/result.h"
 #include "drivers/camera/raw_picture.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// What whoever wants pictures asks of a real camera. The defaults are what tracking needs.
-struct PictureWish {
+struct PicturePreference {
   int width_px = 640;
   int height_px = 480;
   double frames_per_second = 30.0;
@@ -34,11 +34,11 @@ struct PictureOffer {
 /// comes at the rate that is wanted, as on a USB 2 bus. Pure; the same for any order of equal offers.
 ///
 /// kNotFound  there is none.
-Result<std::size_t> choose_picture(const std::vector<PictureOffer>& offers, const PictureWish& wish);
+Result<std::size_t> choose_picture(const std::vector<PictureOffer>& offers, const PicturePreference& preferred);
 
 /// "640x480 YUYV at 30 per second".
 [[nodiscard]] std::string describe(const PictureOffer& offer);
 /// The four letters; '?' where one is no letter.
 [[nodiscard]] std::string fourcc_text(std::uint32_t fourcc);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

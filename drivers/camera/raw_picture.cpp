@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 /// The largest picture that a device may hand over: 64 megapixels.
@@ -204,4 +204,4 @@ Status to_colour(const RawPicture& raw, JpegDecoder* jpeg, RgbImage* ret_colour)
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -9,7 +9,7 @@
 #include "common/image/image.h"
 #include "common/image/jpeg.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// How a camera's bytes hold brightness, which is all that tracking looks at. In the order of what it costs to read.
 enum class PixelLayout {
@@ -62,4 +62,4 @@ Status to_grey(const RawPicture& raw, JpegDecoder* jpeg, GreyImage* ret_grey);
 /// kNone. Errors as to_grey().
 Status to_colour(const RawPicture& raw, JpegDecoder* jpeg, RgbImage* ret_colour);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -5,7 +5,7 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::devices {
 namespace {
 
 /// Cuts `text` at the first `separator`; the rest is empty when there is none.
@@ -37,10 +37,10 @@ Error CameraSpec::refused(std::string_view why) const {
   return {ErrorCode::kInvalidArgument, fmt::format("camera '{}': {}", printable(line, 200), why)};
 }
 
-Result<double> CameraSpec::number(std::string_view key, std::string_view text, double least, double most) const {
+Result<double> CameraSpec::number(std::string_view key, std::string_view text, double min, double max) const {
   const auto value = parse_double(text);
-  if (!value || !(*value >= least && *value <= most)) {
-    return refused(fmt::format("{} must be a number from {:g} to {:g}", key, least, most));
+  if (!value || !(*value >= min && *value <= max)) {
+    return refused(fmt::format("{} must be a number from {:g} to {:g}", key, min, max));
   }
   return *value;
 }
@@ -52,4 +52,4 @@ std::string with_defaults(std::string_view line, std::string_view defaults) {
   return fmt::format("{}?{}{}{}", camera, defaults, own.empty() ? "" : "&", own);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::devices

@@ -8,7 +8,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::devices {
 
 /// A line "KIND:ARGUMENT?key=value&key=value", cut. Borrows the line.
 struct CameraSpec {
@@ -23,7 +23,7 @@ struct CameraSpec {
   /// kInvalidArgument, with the line.
   [[nodiscard]] Error refused(std::string_view why) const;
   /// A number within [least, most] from `text`. kInvalidArgument  names the key and the range.
-  [[nodiscard]] Result<double> number(std::string_view key, std::string_view text, double least, double most) const;
+  [[nodiscard]] Result<double> number(std::string_view key, std::string_view text, double min, double max) const;
 };
 
 /// The line of a V4L2 or libcamera camera with `defaults` ("key=value&key=value") before its own options, which count
@@ -33,4 +33,4 @@ struct CameraSpec {
 /// What a calibration wants of a camera, where its line says nothing else: places are told to a part of its pixels.
 inline constexpr std::string_view kCalibrationSize = "width_px=1920&height_px=1080";
 
-}  // namespace cyclorama
+}  // namespace cyclorama::devices

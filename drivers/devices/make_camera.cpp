@@ -14,13 +14,13 @@
 #include "drivers/devices/camera_spec.h"
 #include "drivers/simulated/camera/simulated_camera.h"
 
-namespace cyclorama {
+namespace cyclorama::devices {
 namespace {
 
-using Made = Result<std::unique_ptr<Camera>>;
+using Made = Result<std::unique_ptr<camera::Camera>>;
 
 Made make_file_camera(const CameraSpec& spec, const Clock& clock) {
-  FileCameraOptions options;
+  camera::FileCameraOptions options;
   if (spec.argument.empty()) return spec.refused("names no file; write file:PATH");
   for (const auto& [key, value] : spec.options) {
     if (key == "frames_per_second") {
@@ -32,28 +32,28 @@ Made make_file_camera(const CameraSpec& spec, const Clock& clock) {
       return spec.refused("knows the options frames_per_second=N and loop=yes or loop=no");
     }
   }
-  return FileCamera::open(std::string(spec.argument), options, clock);
+  return camera::FileCamera::open(std::string(spec.argument), options, clock);
 }
 
 Made make_simulated_camera(const CameraSpec& spec, const Clock& clock) {
-  Simulation simulation;
+  simulated::Simulation simulation;
   if (!spec.options.empty()) return spec.refused("takes no options; they stand in its file");
   if (!spec.argument.empty()) {
-    TRY_ASSIGN(simulation, Simulation::read(std::string(spec.argument)));
+    TRY_ASSIGN(simulation, simulated::Simulation::read(std::string(spec.argument)));
   }
-  return std::unique_ptr<Camera>(std::make_unique<SimulatedCamera>(std::move(simulation), clock));
+  return std::unique_ptr<camera::Camera>(std::make_unique<simulated::SimulatedCamera>(std::move(simulation), clock));
 }
 
 /// The options that every real camera has. False: it is none of these.
-Result<bool> read_option(const CameraSpec& spec, std::string_view key, std::string_view value, PictureWish* ret_wish,
-                         Duration* ret_exposure) {
+Result<bool> read_option(const CameraSpec& spec, std::string_view key, std::string_view value,
+                         camera::PicturePreference* ret_preferred, Duration* ret_exposure) {
   if (key == "width_px" || key == "height_px") {
     TRY_ASSIGN(const double pixels, spec.number(key, value, 16, 8192));
-    (key == "width_px" ? ret_wish->width_px : ret_wish->height_px) = static_cast<int>(std::lround(pixels));
+    (key == "width_px" ? ret_preferred->width_px : ret_preferred->height_px) = static_cast<int>(std::lround(pixels));
   } else if (key == "colour" && (value == "yes" || value == "no")) {
-    ret_wish->is_coloured = value == "yes";
+    ret_preferred->is_coloured = value == "yes";
   } else if (key == "frames_per_second") {
-    TRY_ASSIGN(ret_wish->frames_per_second, spec.number(key, value, 0.1, 1000));
+    TRY_ASSIGN(ret_preferred->frames_per_second, spec.number(key, value, 0.1, 1000));
   } else if (key == "exposure_ms") {
     TRY_ASSIGN(const double milliseconds, spec.number(key, value, 0, 10000));
     *ret_exposure = std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(milliseconds));
@@ -64,12 +64,12 @@ Result<bool> read_option(const CameraSpec& spec, std::string_view key, std::stri
 }
 
 Made make_v4l2_camera(const CameraSpec& spec, const Clock& clock) {
-  V4l2CameraOptions options;
+  camera::V4l2CameraOptions options;
   for (const auto& [key, value] : spec.options) {
-    TRY_ASSIGN(const bool is_known, read_option(spec, key, value, &options.wish, &options.exposure));
+    TRY_ASSIGN(const bool is_known, read_option(spec, key, value, &options.preferred, &options.exposure));
     if (is_known) continue;
     if (key == "gain" && (value == "held" || value == "automatic")) {
-      options.gain = value == "held" ? GainRule::kHeld : GainRule::kFollowsLight;
+      options.gain = value == "held" ? camera::GainRule::kHeld : camera::GainRule::kFollowsLight;
       continue;
     }
     if (key != "memory" || (value != "mapped" && value != "dma_buf")) {
@@ -77,19 +77,19 @@ Made make_v4l2_camera(const CameraSpec& spec, const Clock& clock) {
           "knows the options width_px, height_px, frames_per_second, exposure_ms, colour=yes or no, "
           "gain=held or automatic, memory=mapped or dma_buf");
     }
-    options.memory = value == "dma_buf" ? BufferMemory::kDmaBuf : BufferMemory::kMapped;
+    options.memory = value == "dma_buf" ? camera::BufferMemory::kDmaBuf : camera::BufferMemory::kMapped;
   }
-  return V4l2Camera::open(spec.argument, options, clock);
+  return camera::V4l2Camera::open(spec.argument, options, clock);
 }
 
 Made make_libcamera_camera(const CameraSpec& spec, const Clock& clock) {
-  LibcameraOptions options;
+  camera::LibcameraOptions options;
   for (const auto& [key, value] : spec.options) {
-    TRY_ASSIGN(const bool is_known, read_option(spec, key, value, &options.wish, &options.exposure));
+    TRY_ASSIGN(const bool is_known, read_option(spec, key, value, &options.preferred, &options.exposure));
     if (!is_known)
       return spec.refused("knows the options width_px, height_px, frames_per_second, exposure_ms, colour=yes or no");
   }
-  return open_libcamera_camera(spec.argument, options, clock);
+  return camera::open_libcamera_camera(spec.argument, options, clock);
 }
 
 struct Kind {
@@ -111,10 +111,10 @@ Made make_camera(std::string_view line, const Clock& clock) {
   return spec.refused(fmt::format("no such kind of camera; the kinds are {}", known));
 }
 
-std::vector<ListedCamera> list_cameras() {
-  std::vector<ListedCamera> cameras = list_v4l2_cameras();
-  for (ListedCamera& camera : list_libcamera_cameras()) cameras.push_back(std::move(camera));
+std::vector<camera::ListedCamera> list_cameras() {
+  std::vector<camera::ListedCamera> cameras = camera::list_v4l2_cameras();
+  for (camera::ListedCamera& camera : camera::list_libcamera_cameras()) cameras.push_back(std::move(camera));
   return cameras;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::devices

@@ -28,15 +28,15 @@
 #include "drivers/camera/camera.h"
 #include "drivers/camera/listed_camera.h"
 
-namespace cyclorama {
+namespace cyclorama::devices {
 
 /// Borrows `clock` for the camera's whole life.
 ///
 /// kInvalidArgument  the line itself is wrong and says what is legal; trying again cannot help.
 /// kNotFound, kBusy, kUnavailable, kBadData, kSystem  what it names cannot be opened (now).
-Result<std::unique_ptr<Camera>> make_camera(std::string_view spec, const Clock& clock);
+Result<std::unique_ptr<camera::Camera>> make_camera(std::string_view spec, const Clock& clock);
 
 /// The real cameras of this machine. Blocks while the drivers are asked, a second at most.
-[[nodiscard]] std::vector<ListedCamera> list_cameras();
+[[nodiscard]] std::vector<camera::ListedCamera> list_cameras();
 
-}  // namespace cyclorama
+}  // namespace cyclorama::devices

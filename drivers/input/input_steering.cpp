@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::input {
 namespace {
 
 constexpr double kDead = 0.15;      // Of a stick's way: worn ones rest off their middle.
@@ -68,9 +68,9 @@ double InputSteering::stick(int code) const {
   const auto at = absolute_.find(code);
   const auto range = description_.absolute.find(code);
   if (at == absolute_.end() || range == description_.absolute.end()) return 0.0;
-  const double half = 0.5 * (double{1} * range->second.most - range->second.least);
+  const double half = 0.5 * (double{1} * range->second.max - range->second.min);
   if (!(half > 0.0)) return 0.0;
-  return gentle((at->second - (range->second.least + half)) / half, kDead);
+  return gentle((at->second - (range->second.min + half)) / half, kDead);
 }
 
 double InputSteering::cap(int relative, int absolute, TimePoint now) const {
@@ -82,8 +82,7 @@ double InputSteering::cap(int relative, int absolute, TimePoint now) const {
   const auto range = description_.absolute.find(absolute);
   if (at == absolute_.end() || range == description_.absolute.end()) return 0.0;
   // Its rest is 0, whatever the ends are.
-  const double full =
-      std::max({std::abs(double{1} * range->second.least), std::abs(double{1} * range->second.most), 1.0});
+  const double full = std::max({std::abs(double{1} * range->second.min), std::abs(double{1} * range->second.max), 1.0});
   return gentle(std::clamp(at->second / full, -1.0, 1.0), kCapDead);
 }
 
@@ -94,7 +93,7 @@ double InputSteering::keys(std::initializer_list<int> forth, std::initializer_li
   return (any(forth) ? 1.0 : 0.0) - (any(back) ? 1.0 : 0.0);
 }
 
-InputWish InputSteering::wish(TimePoint now) const {
+InputCommand InputSteering::command(TimePoint now) const {
   switch (kind_) {
     case InputKind::kGamepad:
       return {-stick(ABS_Y), stick(ABS_X), stick(ABS_RX)};
@@ -107,4 +106,4 @@ InputWish InputSteering::wish(TimePoint now) const {
   return {-cap(REL_Y, ABS_Y, now), cap(REL_X, ABS_X, now), cap(REL_RZ, ABS_RZ, now)};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::input

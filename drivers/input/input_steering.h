@@ -19,7 +19,7 @@
 
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::input {
 
 /// As the kernel reports it.
 struct InputEvent {
@@ -29,8 +29,8 @@ struct InputEvent {
 };
 
 struct AxisRange {
-  std::int32_t least = 0;
-  std::int32_t most = 0;
+  std::int32_t min = 0;
+  std::int32_t max = 0;
 };
 
 /// What a device says it has.
@@ -47,12 +47,12 @@ enum class InputKind { kGamepad, kKeyboard, kSpaceMouse };
 [[nodiscard]] const char* to_text(InputKind kind);
 
 /// Each in [-1, 1].
-struct InputWish {
+struct InputCommand {
   double forward = 0.0;
   double right = 0.0;
   double turn = 0.0;
   [[nodiscard]] bool is_rest() const { return forward == 0.0 && right == 0.0 && turn == 0.0; }
-  friend bool operator==(const InputWish&, const InputWish&) = default;
+  friend bool operator==(const InputCommand&, const InputCommand&) = default;
 };
 
 /// What one device is doing. A value.
@@ -65,7 +65,7 @@ class InputSteering {
   [[nodiscard]] const std::string& name() const { return description_.name; }
   /// Events that mean nothing here are passed over.
   void take(const InputEvent& event, TimePoint at);
-  [[nodiscard]] InputWish wish(TimePoint now) const;
+  [[nodiscard]] InputCommand command(TimePoint now) const;
 
   /// A 3D mouse that reports relative axes says nothing any more when it is let go.
   static constexpr Duration kRelativeHeld = std::chrono::milliseconds(150);
@@ -86,4 +86,4 @@ class InputSteering {
   std::map<int, Moved> relative_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::input

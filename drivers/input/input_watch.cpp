@@ -9,22 +9,22 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::input {
 namespace {
 
-constexpr int kMostEvents = 4096;  // In one update: a device gone mad may not hold up the others.
+constexpr int kMaxEvents = 4096;  // In one update: a device gone mad may not hold up the others.
 
 }  // namespace
 
 void InputWatch::look() {
-  const std::vector<std::string> listed = places_.list();
+  const std::vector<std::string> listed = devices_.list();
   const std::set<std::string> there(listed.begin(), listed.end());
   std::erase_if(open_, [&](const auto& entry) { return !there.contains(entry.first); });
   std::erase_if(useless_, [&](const std::string& path) { return !there.contains(path); });
   failures_.clear();
   for (const std::string& path : there) {
     if (open_.contains(path) || useless_.contains(path)) continue;
-    auto device = places_.open(path);
+    auto device = devices_.open(path);
     if (!device) {
       failures_[path] = device.error().message();
       continue;
@@ -51,7 +51,7 @@ void InputWatch::update(TimePoint now) {
 }
 
 bool InputWatch::read(Open* open, TimePoint now) {
-  for (int i = 0; i < kMostEvents; ++i) {
+  for (int i = 0; i < kMaxEvents; ++i) {
     const auto event = open->device->next();
     if (!event) return false;
     if (!*event) return true;
@@ -60,13 +60,13 @@ bool InputWatch::read(Open* open, TimePoint now) {
   return true;
 }
 
-InputWish InputWatch::wish(TimePoint now) const {
-  InputWish sum;
+InputCommand InputWatch::command(TimePoint now) const {
+  InputCommand sum;
   for (const auto& [path, open] : open_) {
-    const InputWish wish = open.steering.wish(now);
-    sum.forward += wish.forward;
-    sum.right += wish.right;
-    sum.turn += wish.turn;
+    const InputCommand command = open.steering.command(now);
+    sum.forward += command.forward;
+    sum.right += command.right;
+    sum.turn += command.turn;
   }
   const auto limited = [](double value) { return std::clamp(value, -1.0, 1.0); };
   return {limited(sum.forward), limited(sum.right), limited(sum.turn)};
@@ -80,4 +80,4 @@ std::vector<std::string> InputWatch::sentences() const {
   return sentences;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::input

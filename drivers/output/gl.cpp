@@ -5,7 +5,7 @@
 
 #include <type_traits>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 /// glFinish already has the type of a Procedure, and a cast to the same type is a warning.
@@ -45,4 +45,4 @@ Status Gl::check(std::string_view doing) const {
   return Error(ErrorCode::kSystem, fmt::format("{}: GL error 0x{:04x}", doing, error));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

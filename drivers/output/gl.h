@@ -12,7 +12,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 // clang-format off
 #define CYCLORAMA_GL_CALLS(X) \
@@ -65,4 +65,4 @@ struct Gl {
   [[nodiscard]] Status check(std::string_view doing) const;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

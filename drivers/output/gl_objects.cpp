@@ -6,7 +6,7 @@
 #include <array>
 #include <string>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 std::string log_of(GLuint id, PFNGLGETSHADERINFOLOGPROC read) {
@@ -57,4 +57,4 @@ void to_picture(const RgbaImage& read_back, RgbImage* ret_picture) {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

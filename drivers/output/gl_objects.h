@@ -7,7 +7,7 @@
 #include "common/image/image.h"
 #include "drivers/output/gl.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// Move-only. Borrows the Gl table, which outlives it. Thread-bound. 0 is empty.
 template <auto Gl::*Generate, auto Gl::*Delete>
@@ -63,4 +63,4 @@ class GlProgram {
 /// What glReadPixels gives (rows from the bottom, four channels) as a picture of the same size.
 void to_picture(const RgbaImage& read_back, RgbImage* ret_picture);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -20,7 +20,7 @@
 #include "common/base/result.h"
 #include "drivers/output/gl.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 struct HeadMode {
   std::string name;  ///< The projector that hangs on it, as in installation.toml.
@@ -74,4 +74,4 @@ class Output {
   Output& operator=(const Output&) = delete;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

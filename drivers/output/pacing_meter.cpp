@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 // In refreshes.
 constexpr double kLate = 1.25;
@@ -26,4 +26,4 @@ std::optional<PictureStep> PacingMeter::take(const HeadShown& shown) {
   return step;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

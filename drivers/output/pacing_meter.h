@@ -6,7 +6,7 @@
 
 #include "drivers/output/output.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// From one new picture to the next one on a head.
 struct PictureStep {
@@ -27,4 +27,4 @@ class PacingMeter {
   std::optional<TimePoint> last_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -16,14 +16,14 @@
 
 #include "common/base/unique_fd.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x3154434950435943;  // "CYCPICT1" in a little-endian file.
 constexpr std::uint32_t kVersion = 1;
-constexpr int kLargestSidePx = 16384;
+constexpr int kMaxSidePx = 16384;
 constexpr int kSlots = 2;
-constexpr int kMostAttempts = 8;
+constexpr int kMaxAttempts = 8;
 
 using Word = std::atomic<std::uint64_t>;
 static_assert(Word::is_always_lock_free && sizeof(Word) == 8, "an atomic must work between processes");
@@ -121,7 +121,7 @@ struct SharedPictureWriter::Mapping : PictureFile {};
 struct SharedPictureReader::Mapping : PictureFile {};
 
 Result<SharedPictureWriter> SharedPictureWriter::create(const std::filesystem::path& path, int width, int height) {
-  if (width < 1 || height < 1 || width > kLargestSidePx || height > kLargestSidePx) {
+  if (width < 1 || height < 1 || width > kMaxSidePx || height > kMaxSidePx) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("a head of {}x{} pixels cannot be shared", width, height));
   }
   auto mapping = std::make_unique<Mapping>();
@@ -187,7 +187,7 @@ Result<SharedPictureReader> SharedPictureReader::open(const std::filesystem::pat
   TRY(mapping->map(PROT_READ, path));
   const Header& header = *mapping->header;
   if (header.magic != kMagic || header.version != kVersion || header.width < 1 || header.height < 1 ||
-      header.width > kLargestSidePx || header.height > kLargestSidePx) {
+      header.width > kMaxSidePx || header.height > kMaxSidePx) {
     return not_ours;
   }
   mapping->width = static_cast<int>(header.width);
@@ -212,7 +212,7 @@ Result<SharedPictureInfo> SharedPictureReader::read_newest(RgbImage* ret_picture
   }
   if (ret_picture->width() != width() || ret_picture->height() != height()) *ret_picture = RgbImage(width(), height());
   const Header& header = *mapping_->header;
-  for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+  for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
     SharedPictureInfo info;
     info.picture = header.published.load(std::memory_order_acquire);
     if (info.picture == 0) return Error(ErrorCode::kUnavailable, "the display has shown no picture yet");
@@ -225,4 +225,4 @@ Result<SharedPictureInfo> SharedPictureReader::read_newest(RgbImage* ret_picture
   return Error(ErrorCode::kBusy, "the display publishes pictures faster than they can be read");
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -15,7 +15,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 struct SharedPictureInfo {
   std::uint64_t picture = 0;  ///< Counts published pictures, from 1: unchanged means that nothing new was shown.
@@ -70,4 +70,4 @@ class SharedPictureReader {
   std::unique_ptr<Mapping> mapping_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

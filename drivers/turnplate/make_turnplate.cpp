@@ -9,7 +9,7 @@
 #include "drivers/turnplate/manual/manual_turnplate.h"
 #include "drivers/turnplate/serial/serial_turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -42,10 +42,10 @@ bool take(std::string_view key, std::string_view value, SerialTurnplateOptions* 
     ret->units_per_turn = *number;
   } else if (key == "degrees_per_second") {
     ret->speed_rad_s = *number * kDegree;
-  } else if (key == "least_deg") {
-    ret->range.least_rad = *number * kDegree;
-  } else if (key == "most_deg") {
-    ret->range.most_rad = *number * kDegree;
+  } else if (key == "min_deg") {
+    ret->range.min_rad = *number * kDegree;
+  } else if (key == "max_deg") {
+    ret->range.max_rad = *number * kDegree;
   } else {
     return false;
   }
@@ -66,7 +66,7 @@ Result<std::optional<SerialTurnplateOptions>> parse(std::string_view spec) {
     const std::string_view key = cut(&value, '=');
     if (!take(key, value, &options)) {
       return refuse(spec, fmt::format("'{}' is wrong; the options are baud, axis (one letter), units_per_turn, "
-                                      "degrees_per_second, least_deg and most_deg",
+                                      "degrees_per_second, min_deg and max_deg",
                                       printable(key)));
     }
   }
@@ -87,4 +87,4 @@ Result<std::unique_ptr<Turnplate>> make_turnplate(std::string_view spec,
   return std::unique_ptr<Turnplate>(std::make_unique<ManualTurnplate>(std::move(operated_by)));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

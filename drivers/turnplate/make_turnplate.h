@@ -4,7 +4,7 @@
 ///   # turntable
 ///   manual                                         # Somebody is asked to turn it.
 ///   serial:/dev/serial/by-id/usb-Arduino-if00      # A motor behind a controller that speaks G-code.
-///   serial:/dev/ttyACM0?baud=115200&axis=X&units_per_turn=360&degrees_per_second=30&least_deg=-90&most_deg=90
+///   serial:/dev/ttyACM0?baud=115200&axis=X&units_per_turn=360&degrees_per_second=30&min_deg=-90&max_deg=90
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 #include "drivers/turnplate/manual/manual_turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 
 /// `operated_by` is who a manual one asks.
 ///
@@ -23,4 +23,4 @@ Result<std::unique_ptr<Turnplate>> make_turnplate(std::string_view spec,
 /// The line alone; nothing is opened. kInvalidArgument  as above.
 Status check_turnplate(std::string_view spec);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 }
@@ -36,10 +36,10 @@ Status Turnplate::home() {
 
 Status Turnplate::turn_to(double angle_rad) {
   TRY(refuse_unless_ready());
-  if (!(angle_rad >= range_.least_rad && angle_rad <= range_.most_rad)) {
+  if (!(angle_rad >= range_.min_rad && angle_rad <= range_.max_rad)) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("turn-plate '{}' turns from {:.1f} to {:.1f} degrees and not to {:.1f}", id(),
-                             range_.least_rad / kDegree, range_.most_rad / kDegree, angle_rad / kDegree));
+                             range_.min_rad / kDegree, range_.max_rad / kDegree, angle_rad / kDegree));
   }
   if (auto moved = move_to(angle_rad); !moved) return failed(std::move(moved).error());
   return Done{};
@@ -52,4 +52,4 @@ Result<double> Turnplate::angle() {
   return asked;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

@@ -15,12 +15,12 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 
 /// How far a plate may turn: cables wind up. Radians, positive to the right (clockwise from above).
 struct TurnRange {
-  double least_rad = 0.0;
-  double most_rad = 0.0;
+  double min_rad = 0.0;
+  double max_rad = 0.0;
 };
 
 /// Used by the calibrator, which does not know which kind it holds. Thread-bound; calls block while the plate moves.
@@ -63,4 +63,4 @@ class Turnplate {
   State state_ = State::kUnhomed;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

@@ -6,7 +6,7 @@
 #include "common/base/check.h"
 #include "common/wand/tag_bitmap.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr double kBorder_mm = 6.0;  // White border of the board: its outer corners need none, but its tags do.
@@ -78,4 +78,4 @@ std::vector<VectorPage> board_sheet(const Paper& paper) {
   return {drawing(board, paper), instructions(board, paper)};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

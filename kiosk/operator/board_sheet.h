@@ -7,7 +7,7 @@
 #include "kiosk/operator/vector_page.h"
 #include "kiosk/operator/wand_sheet.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Returns the board that a sheet of this paper gives.
 [[nodiscard]] TagBoard board_on(const Paper& paper);
@@ -15,4 +15,4 @@ namespace cyclorama {
 /// Returns the board to print, and a page of instructions for photographing it.
 [[nodiscard]] std::vector<VectorPage> board_sheet(const Paper& paper);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

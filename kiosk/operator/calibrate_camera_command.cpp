@@ -14,7 +14,7 @@
 #include "common/base/file.h"
 #include "kiosk/operator/board_sheet.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr const char* kName = "calibrate-camera";
@@ -63,4 +63,4 @@ Status CalibrateCameraCommand::run(const CLI::App& app) const {
                                          "; install cyclorama-museum on this machine");
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -7,7 +7,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// cyclorama calibrate-camera: prints the board; for everything else this process executes cyclorama-calibrate-camera.
 struct CalibrateCameraCommand {
@@ -20,4 +20,4 @@ struct CalibrateCameraCommand {
   [[nodiscard]] Status run(const CLI::App& app) const;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

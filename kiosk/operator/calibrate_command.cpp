@@ -16,13 +16,13 @@
 #include "common/wire/calibration.grpc.pb.h"
 #include "common/wire/channel.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr auto kLookAtStop = std::chrono::milliseconds(100);
 constexpr auto kToAnswer = std::chrono::seconds(5);
 constexpr auto kToRestore = std::chrono::seconds(30);
-constexpr std::size_t kLongestRemark = 600;
+constexpr std::size_t kMaxRemarkLength = 600;
 
 /// Cancels a call when the process receives a stop signal; active during its lifetime.
 class StoppedCall {
@@ -49,7 +49,7 @@ class TypedAnswers {
       : stub_(*stub), reader_([this](const std::stop_token& is_over) { read(is_over); }) {}
   /// Shows a question; empty: there is none any more.
   void ask(const std::string& question) {
-    if (!question.empty()) std::fprintf(stderr, "\n%s", printable(question, kLongestRemark).c_str());
+    if (!question.empty()) std::fprintf(stderr, "\n%s", printable(question, kMaxRemarkLength).c_str());
     is_asked_ = !question.empty();
   }
 
@@ -168,10 +168,11 @@ Status CalibrateCommand::run(const StopSignal& stop) const {
 std::string calibration_report(const wire::CalibrateDone& done) {
   std::string text = fmt::format("calibrated at {}\n", printable(done.date()));
   text += fmt::format("  projectors agree within {:.2f} px on 95 % of where they meet\n", done.registration_p95_px());
-  if (!done.report_path().empty()) text += fmt::format("  report: {}\n", printable(done.report_path(), kLongestRemark));
+  if (!done.report_path().empty())
+    text += fmt::format("  report: {}\n", printable(done.report_path(), kMaxRemarkLength));
   if (done.remarks_size() > 0) text += "what is not as it could be:\n";
-  for (const std::string& remark : done.remarks()) text += fmt::format("  - {}\n", printable(remark, kLongestRemark));
+  for (const std::string& remark : done.remarks()) text += fmt::format("  - {}\n", printable(remark, kMaxRemarkLength));
   return text;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

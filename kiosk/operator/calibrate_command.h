@@ -9,7 +9,7 @@
 #include "common/process/stop_signal.h"
 #include "common/wire/calibration.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// cyclorama calibrate: has the wall measured, and reports the quality of the result.
 struct CalibrateCommand {
@@ -27,4 +27,4 @@ struct CalibrateCommand {
 /// Returns a readable report of a finished calibration.
 [[nodiscard]] std::string calibration_report(const wire::CalibrateDone& done);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

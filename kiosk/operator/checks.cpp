@@ -10,38 +10,39 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
-constexpr double kLeastInStep_percent = 99.0;
-constexpr double kWorstInStep_percent = 90.0;
+constexpr double kMinSynchronised_percent = 99.0;
+constexpr double kMinSynchronisedWarning_percent = 90.0;
 constexpr double kSlowFarm_ms = 500.0;
-constexpr double kLeastCamera_hz = 5.0;
-constexpr double kLeastFree = 0.10;
+constexpr double kMinCamera_hz = 5.0;
+constexpr double kMinFreeShare = 0.10;
 constexpr double kWorstFree = 0.03;
 constexpr double kWarm_c = 85.0;  // Used if no zone reports its critical temperature.
 constexpr double kHot_c = 95.0;
 constexpr double kBelowCritical_c = 10.0;
-constexpr double kLeastMemory = 0.05;
+constexpr double kMinFreeMemoryShare = 0.05;
 constexpr int kCertificateWarning_days = 30;
 constexpr std::string_view kLit = "lit: ";
 
 struct Part {
   std::string_view name;
   std::string_view title;
-  Level unwell;  ///< Level while the part is not well.
+  CheckLevel unwell;  ///< CheckLevel while the part is not well.
   std::string_view remedy;
 };
 constexpr std::array<Part, 8> kParts{{
-    {"tour", "Tour", Level::kFault, "Run the network test: it tells whether the farm or the network is away."},
-    {"display", "Display", Level::kFault,
+    {"tour", "Tour", CheckLevel::kFault, "Run the network test: it tells whether the farm or the network is away."},
+    {"display", "Display", CheckLevel::kFault,
      "See that the projectors have power and their cables are in; else start this computer again."},
-    {"tracker", "Tracker", Level::kWarning, "See that the camera is plugged in, sees the visitor, and has light."},
-    {"calibrator", "Calibrator", Level::kWarning, "A calibration can be begun again; the wall shows the last one's."},
-    {"head", "Farm", Level::kFault, "Tell those who run the farm."},
-    {"hand", "Hand controls", Level::kWarning, "Plug the controller in again."},
-    {"projectors", "Projectors' power", Level::kWarning, "See what is said of each projector."},
-    {"simulated-room", "Simulated room", Level::kWarning, "A real wall does not need it."},
+    {"tracker", "Tracker", CheckLevel::kWarning, "See that the camera is plugged in, sees the visitor, and has light."},
+    {"calibrator", "Calibrator", CheckLevel::kWarning,
+     "A calibration can be begun again; the wall shows the last one's."},
+    {"coordinator", "Farm", CheckLevel::kFault, "Tell those who run the farm."},
+    {"hand", "Hand controls", CheckLevel::kWarning, "Plug the controller in again."},
+    {"projectors", "Projectors' power", CheckLevel::kWarning, "See what is said of each projector."},
+    {"simulated-room", "Simulated room", CheckLevel::kWarning, "A real wall does not need it."},
 }};
 
 const Part* part_of(std::string_view name) {
@@ -49,8 +50,8 @@ const Part* part_of(std::string_view name) {
   return known == kParts.end() ? nullptr : &*known;
 }
 
-const Observation* find(const Findings& findings, std::string_view name) {
-  for (const Observation& process : findings.processes) {
+const ProcessObservation* find(const Findings& findings, std::string_view name) {
+  for (const ProcessObservation& process : findings.processes) {
     if (process.endpoint.name == name && !process.away && process.status) return &process;
   }
   return nullptr;
@@ -61,9 +62,9 @@ class List {
   explicit List(const Findings& findings) : findings_(findings) {}
 
   std::vector<Check> all() {
-    for (const Observation& process : findings_.processes) part(process);
+    for (const ProcessObservation& process : findings_.processes) part(process);
     heads();
-    in_step();
+    synchronised_share();
     camera();
     farm();
     provisioning();
@@ -77,30 +78,30 @@ class List {
   }
 
  private:
-  void add(std::string id, std::string title, Level level, std::string sentence, std::string remedy) {
-    if (level == Level::kOk) remedy.clear();
+  void add(std::string id, std::string title, CheckLevel level, std::string sentence, std::string remedy) {
+    if (level == CheckLevel::kOk) remedy.clear();
     checks_.push_back({std::move(id), std::move(title), level, std::move(sentence), std::move(remedy)});
   }
 
-  void part(const Observation& process) {
+  void part(const ProcessObservation& process) {
     const std::string& name = process.endpoint.name;
     const Part* const known = part_of(name);
     const std::string title = known == nullptr ? name : std::string(known->title);
     const std::string id = "part-" + name;
-    if (!process.asked) return add(id, title, Level::kOk, "It has not been asked yet.", "");
+    if (!process.asked) return add(id, title, CheckLevel::kOk, "It has not been asked yet.", "");
     if (process.away) {
-      return add(id, title, Level::kFault, process.sentence,
+      return add(id, title, CheckLevel::kFault, process.sentence,
                  "Wait a minute: it starts again by itself. If it stays away, start this computer again; if that does "
                  "not help, download the support bundle and send it to us.");
     }
     if (name == "projectors" && projectors(process)) return;
-    if (process.is_well()) return add(id, title, Level::kOk, process.sentence, "");
-    add(id, title, known == nullptr ? Level::kWarning : known->unwell, process.sentence,
+    if (process.is_well()) return add(id, title, CheckLevel::kOk, process.sentence, "");
+    add(id, title, known == nullptr ? CheckLevel::kWarning : known->unwell, process.sentence,
         known == nullptr ? "Start this computer again." : std::string(known->remedy));
   }
 
   /// Adds a check for each projector that cyclorama-projectors reports; returns false if it reports none.
-  bool projectors(const Observation& process) {
+  bool projectors(const ProcessObservation& process) {
     if (!process.status) return false;
     bool any = false;
     for (const wire::Table& table : process.status->tables()) {
@@ -111,9 +112,9 @@ class List {
         const std::string level = text(1);
         any = true;
         add("projector-" + text(0), fmt::format("Projector '{}'", text(0)),
-            level == "fault" ? Level::kFault
-            : level == "ok"  ? Level::kOk
-                             : Level::kWarning,
+            level == "fault" ? CheckLevel::kFault
+            : level == "ok"  ? CheckLevel::kOk
+                             : CheckLevel::kWarning,
             text(2), text(3));
       }
     }
@@ -121,7 +122,7 @@ class List {
   }
 
   void heads() {
-    const Observation* const display = find(findings_, "display");
+    const ProcessObservation* const display = find(findings_, "display");
     if (display == nullptr) return;
     int count = 0;
     std::string dark;
@@ -133,21 +134,22 @@ class List {
     }
     if (count == 0) return;
     const bool sleeps = gauge_of(*display->status, "awake").value_or(1.0) == 0.0;
-    if (sleeps) return add("heads", "Projectors", Level::kOk, "They are off: the museum is closed.", "");
+    if (sleeps) return add("heads", "Projectors", CheckLevel::kOk, "They are off: the museum is closed.", "");
     if (dark.empty())
-      return add("heads", "Projectors", Level::kOk, fmt::format("All {} get a picture from this computer.", count), "");
-    add("heads", "Projectors", Level::kFault, fmt::format("No picture goes to {}.", dark),
+      return add("heads", "Projectors", CheckLevel::kOk, fmt::format("All {} get a picture from this computer.", count),
+                 "");
+    add("heads", "Projectors", CheckLevel::kFault, fmt::format("No picture goes to {}.", dark),
         "Switch that projector on, and see that its cable is in at both ends.");
   }
 
-  void in_step() {
+  void synchronised_share() {
     for (const char* const name : {"tour", "display"}) {
-      const Observation* const process = find(findings_, name);
-      const auto share = process == nullptr ? std::nullopt : gauge_of(*process->status, "in_step_percent");
+      const ProcessObservation* const process = find(findings_, name);
+      const auto share = process == nullptr ? std::nullopt : gauge_of(*process->status, "synchronised_percent");
       if (!share) continue;
-      const Level level = *share < kWorstInStep_percent   ? Level::kFault
-                          : *share < kLeastInStep_percent ? Level::kWarning
-                                                          : Level::kOk;
+      const CheckLevel level = *share < kMinSynchronisedWarning_percent ? CheckLevel::kFault
+                               : *share < kMinSynchronised_percent      ? CheckLevel::kWarning
+                                                                        : CheckLevel::kOk;
       return add("in-step", "Synchronised displays", level,
                  fmt::format("They show the same frame in {:.2f} of 100 refreshes.", *share),
                  "See that the displays' computers are on one cable network, not on wireless, and that each asks the "
@@ -156,20 +158,20 @@ class List {
   }
 
   void camera() {
-    const Observation* const tracker = find(findings_, "tracker");
+    const ProcessObservation* const tracker = find(findings_, "tracker");
     const auto rate = tracker == nullptr ? std::nullopt : gauge_of(*tracker->status, "frames_per_second");
     if (!rate) return;
-    const Level level = *rate < kLeastCamera_hz ? Level::kWarning : Level::kOk;
+    const CheckLevel level = *rate < kMinCamera_hz ? CheckLevel::kWarning : CheckLevel::kOk;
     add("camera", "Camera", level, fmt::format("It sends {:.1f} pictures a second.", *rate),
         "Plug it in again, in the socket that was chosen for it; look at its picture on this page.");
   }
 
   void farm() {
-    const Observation* const tour = find(findings_, "tour");
+    const ProcessObservation* const tour = find(findings_, "tour");
     if (tour == nullptr) return;
     for (const wire::Stage& stage : tour->status->stages()) {
       if (stage.name() != "farm_round_trip" || stage.count() == 0) continue;
-      const Level level = stage.p95_ms() > kSlowFarm_ms ? Level::kWarning : Level::kOk;
+      const CheckLevel level = stage.p95_ms() > kSlowFarm_ms ? CheckLevel::kWarning : CheckLevel::kOk;
       add("farm", "Way to the farm and back", level,
           fmt::format("A picture takes {:.0f} ms, and 95 of 100 take less than {:.0f} ms.", stage.p50_ms(),
                       stage.p95_ms()),
@@ -183,15 +185,15 @@ class List {
     constexpr const char* kRemedy =
         "Correct what is named on the stick, in its folder 'cyclorama', and plug it in again.";
     if (!report) {
-      return add("settings", "Settings", Level::kWarning, "No stick with settings was ever plugged in.",
+      return add("settings", "Settings", CheckLevel::kWarning, "No stick with settings was ever plugged in.",
                  "Plug in a stick with a folder 'cyclorama' that has site.toml and installation.toml.");
     }
-    if (report->verdict != Verdict::kRefused) {
-      return add("settings", "Settings", Level::kOk, fmt::format("Those of {} are in use.", report->at), "");
+    if (report->verdict != provision::ProvisioningVerdict::kRefused) {
+      return add("settings", "Settings", CheckLevel::kOk, fmt::format("Those of {} are in use.", report->at), "");
     }
     std::string why;
     for (const std::string& problem : report->problems) why += " " + problem + ".";
-    add("settings", "Settings", report->in_use.empty() ? Level::kFault : Level::kWarning,
+    add("settings", "Settings", report->in_use.empty() ? CheckLevel::kFault : CheckLevel::kWarning,
         fmt::format("The stick of {} was refused, and {}.{}", report->at,
                     report->in_use.empty() ? "there are no settings in use" : "the settings before it stay in use",
                     printable(why, 2000)),
@@ -205,7 +207,9 @@ class List {
     if (::strptime(until.c_str(), "%Y-%m-%d", &day) == nullptr) return;
     const double left_s = std::difftime(::timegm(&day), std::chrono::system_clock::to_time_t(findings_.now));
     const int left = static_cast<int>(left_s / 86400.0);
-    const Level level = left_s < 0.0 ? Level::kFault : left < kCertificateWarning_days ? Level::kWarning : Level::kOk;
+    const CheckLevel level = left_s < 0.0                      ? CheckLevel::kFault
+                             : left < kCertificateWarning_days ? CheckLevel::kWarning
+                                                               : CheckLevel::kOk;
     add("certificate", "Certificate for the farm", level,
         left_s < 0.0 ? fmt::format("It ran out on {}.", until)
                      : fmt::format("It is good until {}, {} days.", until, left),
@@ -216,13 +220,13 @@ class List {
     std::tm parts{};
     const std::time_t now = std::chrono::system_clock::to_time_t(findings_.now);
     if (::gmtime_r(&now, &parts) != nullptr && parts.tm_year + 1900 < 2026) {
-      return add("clock", "Clock", Level::kFault, fmt::format("It stands in the year {}.", parts.tm_year + 1900),
+      return add("clock", "Clock", CheckLevel::kFault, fmt::format("It stands in the year {}.", parts.tm_year + 1900),
                  "Connect the network, so that it is set; if it is wrong after each night, the battery on the board is "
                  "empty.");
     }
     if (!findings_.machine.is_clock_set) return;
     const bool is_set = *findings_.machine.is_clock_set;
-    add("clock", "Clock", is_set ? Level::kOk : Level::kWarning,
+    add("clock", "Clock", is_set ? CheckLevel::kOk : CheckLevel::kWarning,
         is_set ? "A time server sets it." : "No time server has set it since the start; it goes on by itself.",
         "See that the network is connected and lets time (NTP) through. The opening hours go by this clock.");
   }
@@ -231,18 +235,20 @@ class List {
     const MachineFacts& machine = findings_.machine;
     if (!machine.only_in_memory.empty()) {
       return add(
-          "disk", "Disk", Level::kFault,
+          "disk", "Disk", CheckLevel::kFault,
           fmt::format("What this computer is told, it forgets when it is switched off: {}.", machine.only_in_memory),
           "Hold the space bar while it starts, choose 'forget all settings', and plug in the stick with the "
           "settings. If it says so again, the disk is worn out and must be replaced.");
     }
     if (machine.is_read_only.value_or(false)) {
-      return add("disk", "Disk", Level::kFault, "It cannot be written any more.",
+      return add("disk", "Disk", CheckLevel::kFault, "It cannot be written any more.",
                  "Start this computer again. If that is so again, the disk is worn out and must be replaced.");
     }
     if (!machine.disk_free_bytes || !machine.disk_bytes || *machine.disk_bytes == 0) return;
     const double share = static_cast<double>(*machine.disk_free_bytes) / static_cast<double>(*machine.disk_bytes);
-    const Level level = share < kWorstFree ? Level::kFault : share < kLeastFree ? Level::kWarning : Level::kOk;
+    const CheckLevel level = share < kWorstFree      ? CheckLevel::kFault
+                             : share < kMinFreeShare ? CheckLevel::kWarning
+                                                     : CheckLevel::kOk;
     add("disk", "Disk", level,
         fmt::format("{:.1f} GB of {:.1f} GB are free.", 1e-9 * static_cast<double>(*machine.disk_free_bytes),
                     1e-9 * static_cast<double>(*machine.disk_bytes)),
@@ -253,7 +259,7 @@ class List {
   void memory() {
     if (!findings_.machine.memory_free_share) return;
     const double share = *findings_.machine.memory_free_share;
-    add("memory", "Memory", share < kLeastMemory ? Level::kWarning : Level::kOk,
+    add("memory", "Memory", share < kMinFreeMemoryShare ? CheckLevel::kWarning : CheckLevel::kOk,
         fmt::format("{:.0f} of 100 parts are free.", 100.0 * share), "Start this computer again at a quiet moment.");
   }
 
@@ -262,7 +268,9 @@ class List {
     if (!warmest) return;
     const double hot = findings_.machine.critical_c.value_or(kHot_c + 5.0) - 5.0;
     const double warm = findings_.machine.critical_c ? *findings_.machine.critical_c - kBelowCritical_c : kWarm_c;
-    const Level level = *warmest >= hot ? Level::kFault : *warmest >= warm ? Level::kWarning : Level::kOk;
+    const CheckLevel level = *warmest >= hot    ? CheckLevel::kFault
+                             : *warmest >= warm ? CheckLevel::kWarning
+                                                : CheckLevel::kOk;
     std::string sentence = fmt::format("The warmest part has {:.0f} °C.", *warmest);
     if (findings_.machine.slowed_by_heat > 0) {
       sentence += fmt::format(" Heat has slowed the processor down {} times since the start.",
@@ -275,7 +283,7 @@ class List {
   void update() {
     const auto& update = findings_.update;
     if (!update) return;
-    using State = UpdateStatus::State;
+    using State = update::UpdateStatus::State;
     const bool is_bad = update->state == State::kFailed || update->state == State::kRolledBack;
     std::string sentence = fmt::format("Version {} runs.", update->version);
     if (update->state == State::kReady)
@@ -285,7 +293,7 @@ class List {
       sentence += fmt::format(" Version {} did not start well, so this one was taken back.", update->available);
     }
     if (!update->sentence.empty()) sentence += " " + update->sentence;
-    add("update", "Software", is_bad ? Level::kWarning : Level::kOk, sentence,
+    add("update", "Software", is_bad ? CheckLevel::kWarning : CheckLevel::kOk, sentence,
         update->state == State::kRolledBack
             ? "Nothing needs to be done here. Download the support bundle and send it to us, so that the next one is "
               "better."
@@ -298,14 +306,14 @@ class List {
 
 }  // namespace
 
-std::string_view to_text(Level level) {
-  return level == Level::kFault ? "fault" : level == Level::kWarning ? "warning" : "ok";
+std::string_view to_text(CheckLevel level) {
+  return level == CheckLevel::kFault ? "fault" : level == CheckLevel::kWarning ? "warning" : "ok";
 }
 
 std::vector<Check> checks_of(const Findings& findings) { return List(findings).all(); }
 
-Level worst_of(const std::vector<Check>& checks) {
-  Level worst = Level::kOk;
+CheckLevel worst_of(const std::vector<Check>& checks) {
+  CheckLevel worst = CheckLevel::kOk;
   for (const Check& check : checks) worst = std::max(worst, check.level);
   return worst;
 }
@@ -335,4 +343,4 @@ std::string checks_json(const std::vector<Check>& checks) {
   return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -13,36 +13,36 @@
 #include "kiosk/provision/provisioning_report.h"
 #include "kiosk/update/update_status.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
-enum class Level { kOk, kWarning, kFault };
-[[nodiscard]] std::string_view to_text(Level level);  ///< "ok", "warning", "fault".
+enum class CheckLevel { kOk, kWarning, kFault };
+[[nodiscard]] std::string_view to_text(CheckLevel level);  ///< "ok", "warning", "fault".
 
 struct Check {
   std::string id;     ///< Key in pages and scripts: "part-tour", "disk".
   std::string title;  ///< Title for people: "Tour", "Room on the disk".
-  Level level = Level::kOk;
+  CheckLevel level = CheckLevel::kOk;
   std::string sentence;  ///< Present condition.
   std::string remedy;    ///< Remedy; empty when nothing is wrong.
 };
 
 /// Input of the checks. A value.
 struct Findings {
-  std::vector<Observation> processes;
+  std::vector<ProcessObservation> processes;
   MachineFacts machine;
   bool is_museum = false;  ///< True with a state folder, where settings should be in use.
-  std::optional<ProvisioningReport> provisioning;
-  std::optional<UpdateStatus> update;
+  std::optional<provision::ProvisioningReport> provisioning;
+  std::optional<update::UpdateStatus> update;
   std::chrono::system_clock::time_point now;
 };
 
 /// Returns one check for each known item; items without data are left out. Pure.
 [[nodiscard]] std::vector<Check> checks_of(const Findings& findings);
-[[nodiscard]] Level worst_of(const std::vector<Check>& checks);
+[[nodiscard]] CheckLevel worst_of(const std::vector<Check>& checks);
 
 /// Returns a table for a terminal, the worst first, with remedies beneath.
 [[nodiscard]] std::string checks_table(const std::vector<Check>& checks);
 /// [{"id", "title", "level", "sentence", "remedy"}]
 [[nodiscard]] std::string checks_json(const std::vector<Check>& checks);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -24,7 +24,7 @@
 #include "kiosk/operator/update_command.h"
 #include "kiosk/operator/wand_command.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 struct Options {
@@ -33,7 +33,7 @@ struct Options {
   std::optional<std::string> json;    // status
   std::string process, picture, out;  // picture, record
   double seconds = 30.0;              // record
-  double patience_s = 180.0;
+  double timeout_s = 180.0;
   double expect_frames = 1.0;
   std::optional<double> started_s;
   WandCommand wand;
@@ -74,7 +74,7 @@ void add_options(CLI::App& app, Options* options) {
       ->capture_default_str();
   record.add_option("--out", options->out, "The folder to write")->required();
   record.add_option("--expect-frames", options->expect_frames, "Fail with fewer frames")->capture_default_str();
-  record.add_option("--patience", options->patience_s, "Seconds to wait for the first frame")->capture_default_str();
+  record.add_option("--patience", options->timeout_s, "Seconds to wait for the first frame")->capture_default_str();
   record.add_option("--started", options->started_s,
                     "Start of the demo in seconds of Unix time: summary.json then has the "
                     "time to the first picture");
@@ -88,12 +88,12 @@ void add_options(CLI::App& app, Options* options) {
 }
 
 Status show_status(const Options& options, const std::vector<ProcessLink>& links) {
-  std::vector<Observation> observations;
+  std::vector<ProcessObservation> observations;
   for (const ProcessLink& link : links) observations.push_back(observe(link, {}));
   std::fputs(status_table(observations).c_str(), stdout);
   if (options.json) TRY(write_file_atomically(*options.json, std::string_view(status_json(observations))));
   const bool well =
-      std::all_of(observations.begin(), observations.end(), [](const Observation& o) { return o.is_well(); });
+      std::all_of(observations.begin(), observations.end(), [](const ProcessObservation& o) { return o.is_well(); });
   if (!well) return Error(ErrorCode::kUnavailable, "not every part is well");
   return Done{};
 }
@@ -119,7 +119,7 @@ Status save_picture(const Options& options, const std::vector<ProcessLink>& link
 
 /// Looks until the first frame was presented; returns false on timeout or stop.
 bool wait_for_first_frame(const Options& options, Recording* recording, const StopSignal& stop) {
-  const TimePoint deadline = SteadyClock().now() + seconds(options.patience_s);
+  const TimePoint deadline = SteadyClock().now() + seconds(options.timeout_s);
   do {
     recording->look(SteadyClock().now());
     if (recording->frames() > 0.0) return true;
@@ -194,7 +194,7 @@ Status run(Options& options, const CLI::App& app, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama",

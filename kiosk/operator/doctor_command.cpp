@@ -11,16 +11,16 @@
 #include "kiosk/operator/museum_state.h"
 #include "kiosk/operator/network_test.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 std::vector<std::string> usual_watches(const std::filesystem::path& root) {
   std::error_code failed;
-  const bool has_head = std::filesystem::exists(root / "run/cyclorama-farm/inspect.sock", failed);
+  const bool has_coordinator = std::filesystem::exists(root / "run/cyclorama-farm/inspect.sock", failed);
   const bool has_node = std::filesystem::exists(root / "usr/bin/cyclorama-node", failed);
   const bool is_museum = std::filesystem::exists(root / "usr/bin/cyclorama-tour", failed);
-  if (!is_museum && (has_head || has_node))
-    return has_head ? std::vector<std::string>{"head=unix:/run/cyclorama-farm/inspect.sock"}
-                    : std::vector<std::string>{};
+  if (!is_museum && (has_coordinator || has_node))
+    return has_coordinator ? std::vector<std::string>{"coordinator=unix:/run/cyclorama-farm/inspect.sock"}
+                           : std::vector<std::string>{};
   return {"tour=[::1]:7403", "display=[::1]:7404", "tracker=[::1]:7405"};
 }
 
@@ -35,7 +35,7 @@ CLI::App* DoctorCommand::add_to(CLI::App* app) {
 
 Status DoctorCommand::run(const std::vector<ProcessLink>& links, int* ret_exit_code) const {
   const MuseumState state{museum};
-  std::vector<Observation> processes;
+  std::vector<ProcessObservation> processes;
   for (const ProcessLink& link : links) processes.push_back(observe(link, {}));
   const Findings findings = findings_of(std::move(processes), state);
   std::vector<Check> checks = checks_of(findings);
@@ -44,12 +44,12 @@ Status DoctorCommand::run(const std::vector<ProcessLink>& links, int* ret_exit_c
   }
   std::fputs(checks_table(checks).c_str(), stdout);
   if (json) TRY(write_file_atomically(*json, std::string_view(checks_json(checks) + "\n")));
-  const Level worst = worst_of(checks);
-  *ret_exit_code = worst == Level::kWarning ? kExitWarnings : 0;
-  if (worst != Level::kFault) return Done{};
+  const CheckLevel worst = worst_of(checks);
+  *ret_exit_code = worst == CheckLevel::kWarning ? kExitWarnings : 0;
+  if (worst != CheckLevel::kFault) return Done{};
   const auto faults =
-      std::count_if(checks.begin(), checks.end(), [](const Check& c) { return c.level == Level::kFault; });
+      std::count_if(checks.begin(), checks.end(), [](const Check& c) { return c.level == CheckLevel::kFault; });
   return Error(ErrorCode::kUnavailable, fmt::format("{} thing{} broken", faults, faults == 1 ? " is" : "s are"));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -10,7 +10,7 @@
 #include "common/base/result.h"
 #include "kiosk/operator/process_link.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Returns the processes of this computer that answer status requests, as its units start them: a museum's, or a render
 /// host's coordinator. A node answers none, so the list is empty there. `root` is the root of the file system.
@@ -29,4 +29,4 @@ struct DoctorCommand {
 };
 inline constexpr int kExitWarnings = 3;  ///< Exit code for a museum that works but has warnings.
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

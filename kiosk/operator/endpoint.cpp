@@ -8,7 +8,7 @@
 #include "common/base/text.h"
 #include "common/config/config.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 /// Names become file names, labels and addresses of pictures.
@@ -24,8 +24,8 @@ Status add(Endpoint endpoint, std::vector<Endpoint>* endpoints) {
     if (other.name != endpoint.name) continue;
     return Error(ErrorCode::kInvalidArgument, fmt::format("'{}' is watched twice; give each its own name", other.name));
   }
-  if (endpoints->size() >= kMostEndpoints) {
-    return Error(ErrorCode::kInvalidArgument, fmt::format("more than {} processes are watched", kMostEndpoints));
+  if (endpoints->size() >= kMaxEndpoints) {
+    return Error(ErrorCode::kInvalidArgument, fmt::format("more than {} processes are watched", kMaxEndpoints));
   }
   endpoints->push_back(std::move(endpoint));
   return Done{};
@@ -73,4 +73,4 @@ Result<std::vector<Endpoint>> gather_endpoints(const std::vector<std::string>& w
   return endpoints;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

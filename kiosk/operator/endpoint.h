@@ -10,7 +10,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 struct Endpoint {
   std::string name;     ///< Key in pages, files and metrics: "tour", "display", "simulated-room".
@@ -21,10 +21,10 @@ struct Endpoint {
 Result<Endpoint> parse_endpoint(std::string_view text);
 
 /// Combines the options (`--watch NAME=ADDRESS`, which take precedence) and, if given, a file of [[watch]] tables with
-/// name and address. Errors: kInvalidArgument if a name comes twice, there is none at all, or more than kMostEndpoints;
+/// name and address. Errors: kInvalidArgument if a name comes twice, there is none at all, or more than kMaxEndpoints;
 /// otherwise as Config::read().
 Result<std::vector<Endpoint>> gather_endpoints(const std::vector<std::string>& watches,
                                                const std::optional<std::filesystem::path>& file);
-inline constexpr std::size_t kMostEndpoints = 24;
+inline constexpr std::size_t kMaxEndpoints = 24;
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

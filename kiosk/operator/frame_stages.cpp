@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 std::vector<wire::Stage> in_frame_order(const wire::ProcessStatus& tour) {
   std::vector<wire::Stage> stages(tour.stages().begin(), tour.stages().end());
@@ -17,4 +17,4 @@ std::vector<wire::Stage> in_frame_order(const wire::ProcessStatus& tour) {
   return stages;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -9,7 +9,7 @@
 
 #include "common/wire/inspection.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// `inside` names the stage that contains this one, or is empty. A containing stage comes before its parts.
 struct FrameStage {
@@ -40,4 +40,4 @@ inline constexpr std::array<FrameStage, 16> kFrameStages{{
 /// Returns the tour's stages in the order above; unknown ones come last, in their own order.
 [[nodiscard]] std::vector<wire::Stage> in_frame_order(const wire::ProcessStatus& tour);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

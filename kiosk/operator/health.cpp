@@ -11,16 +11,18 @@
 #include "common/image/jpeg.h"
 #include "kiosk/operator/picture_check.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr std::string_view kLit = "lit: ";
 constexpr std::string_view kHeadPicture = "projector/";
-constexpr std::size_t kLongestSentence = 300;
+constexpr std::size_t kMaxSentenceLength = 300;
 
-bool is_display(const Observation& process) { return process.status && !fact_of(*process.status, "heads").empty(); }
+bool is_display(const ProcessObservation& process) {
+  return process.status && !fact_of(*process.status, "heads").empty();
+}
 
-std::vector<std::string> heads_of(const Observation& display) {
+std::vector<std::string> heads_of(const ProcessObservation& display) {
   std::vector<std::string> heads;
   for (const wire::Gauge& gauge : display.status->gauges()) {
     if (gauge.name().starts_with(kLit)) heads.push_back(gauge.name().substr(kLit.size()));
@@ -29,20 +31,20 @@ std::vector<std::string> heads_of(const Observation& display) {
 }
 
 /// Returns true for a healthy display of a closed museum, which would light its heads if it were open.
-bool sleeps(const Observation& display) {
+bool sleeps(const ProcessObservation& display) {
   return display.status->healthy() && gauge_of(*display.status, "awake").value_or(1.0) == 0.0;
 }
 
-bool is_dark(const Observation& display, const std::string& head) {
+bool is_dark(const ProcessObservation& display, const std::string& head) {
   return gauge_of(*display.status, std::string(kLit) + head).value_or(0.0) == 0.0;
 }
 
-void judge_display(const Observation& display, const HealthLook& look, const std::set<std::string>& may_be_dark,
-                   std::vector<std::string>* missing) {
+void judge_display(const ProcessObservation& display, const HealthSnapshot& look,
+                   const std::set<std::string>& may_be_dark, std::vector<std::string>* missing) {
   for (const std::string& head : heads_of(display)) {
     const std::string who = fmt::format("{}: head '{}'", display.endpoint.name, printable(head));
     if (is_dark(display, head) && !sleeps(display) && !may_be_dark.contains(head)) {
-      missing->push_back(fmt::format("{} is dark. {}", who, printable(display.sentence, kLongestSentence)));
+      missing->push_back(fmt::format("{} is dark. {}", who, printable(display.sentence, kMaxSentenceLength)));
       continue;
     }
     const auto picture = look.is_blank.find({display.endpoint.name, std::string(kHeadPicture) + head});
@@ -56,18 +58,18 @@ void judge_display(const Observation& display, const HealthLook& look, const std
 
 }  // namespace
 
-std::vector<std::string> still_missing(const HealthLook& look, const HealthRules& rules) {
+std::vector<std::string> still_missing(const HealthSnapshot& look, const HealthRules& rules) {
   std::vector<std::string> missing;
   std::size_t heads = 0;
-  for (const Observation& process : look.processes) {
+  for (const ProcessObservation& process : look.processes) {
     const std::string& name = process.endpoint.name;
     if (!process.asked || process.away) {
-      missing.push_back(fmt::format("{} is away. {}", name, printable(process.sentence, kLongestSentence)));
+      missing.push_back(fmt::format("{} is away. {}", name, printable(process.sentence, kMaxSentenceLength)));
       continue;
     }
     const bool must_be_well = std::find(rules.well.begin(), rules.well.end(), name) != rules.well.end();
     if (must_be_well && !process.is_well()) {
-      missing.push_back(fmt::format("{} is not well: {}", name, printable(process.sentence, kLongestSentence)));
+      missing.push_back(fmt::format("{} is not well: {}", name, printable(process.sentence, kMaxSentenceLength)));
     }
     if (!is_display(process)) continue;
     heads += heads_of(process).size();
@@ -75,7 +77,7 @@ std::vector<std::string> still_missing(const HealthLook& look, const HealthRules
   }
   for (const std::string& name : rules.well) {
     const bool known = std::any_of(look.processes.begin(), look.processes.end(),
-                                   [&](const Observation& process) { return process.endpoint.name == name; });
+                                   [&](const ProcessObservation& process) { return process.endpoint.name == name; });
     if (!known)
       missing.push_back(fmt::format("{} must be well, but nobody watches it; add --watch {}=ADDRESS", name, name));
   }
@@ -85,9 +87,9 @@ std::vector<std::string> still_missing(const HealthLook& look, const HealthRules
   return missing;
 }
 
-void HealthCount::take(const HealthLook& look) {
+void HealthCount::take(const HealthSnapshot& look) {
   missing_ = still_missing(look, rules_);
-  for (const Observation& process : look.processes) {
+  for (const ProcessObservation& process : look.processes) {
     if (process.away || !process.status) continue;
     const auto [known, is_new] = uptimes_s_.try_emplace(process.endpoint.name, process.status->uptime_s());
     if (!is_new && process.status->uptime_s() < known->second) {
@@ -98,11 +100,11 @@ void HealthCount::take(const HealthLook& look) {
   in_a_row_ = missing_.empty() ? in_a_row_ + 1 : 0;
 }
 
-HealthLook look_at(const std::vector<ProcessLink>& links) {
-  HealthLook look;
+HealthSnapshot look_at(const std::vector<ProcessLink>& links) {
+  HealthSnapshot look;
   for (const ProcessLink& link : links) {
     look.processes.push_back(observe(link, {}));
-    const Observation& process = look.processes.back();
+    const ProcessObservation& process = look.processes.back();
     if (process.away || !is_display(process)) continue;
     for (const std::string& head : heads_of(process)) {
       const std::string name = std::string(kHeadPicture) + head;
@@ -115,9 +117,9 @@ HealthLook look_at(const std::vector<ProcessLink>& links) {
   return look;
 }
 
-std::set<std::string> dark_heads(const HealthLook& look) {
+std::set<std::string> dark_heads(const HealthSnapshot& look) {
   std::set<std::string> dark;
-  for (const Observation& process : look.processes) {
+  for (const ProcessObservation& process : look.processes) {
     if (!process.asked || process.away || !is_display(process)) continue;
     for (const std::string& head : heads_of(process)) {
       if (is_dark(process, head)) dark.insert(head);
@@ -132,4 +134,4 @@ std::string health_json(const HealthCount& count, double seconds) {
   return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -15,7 +15,7 @@
 #include "common/base/result.h"
 #include "kiosk/operator/observation.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 struct HealthRules {
   std::vector<std::string> well;  ///< Processes that must report that they are healthy, besides answering.
@@ -27,8 +27,8 @@ struct HealthRules {
 };
 
 /// Input of the rules: the processes, and the available pictures of the heads, by process and name.
-struct HealthLook {
-  std::vector<Observation> processes;
+struct HealthSnapshot {
+  std::vector<ProcessObservation> processes;
   std::map<std::pair<std::string, std::string>, bool> is_blank;  ///< Lacks pictures that could not be had.
 };
 
@@ -37,14 +37,14 @@ struct HealthLook {
 ///   2. Those in `well` are healthy.
 ///   3. No display has lost its output; each of its heads has a picture, and is lit, unless the display sleeps because
 ///      the museum is closed: then it draws for heads that are dark.
-[[nodiscard]] std::vector<std::string> still_missing(const HealthLook& look, const HealthRules& rules);
+[[nodiscard]] std::vector<std::string> still_missing(const HealthSnapshot& look, const HealthRules& rules);
 
 /// Counts good looks in a row. A process that restarted since the look before resets the count, since one that dies
 /// every few seconds answers most of the time. A value.
 class HealthCount {
  public:
   explicit HealthCount(HealthRules rules) : rules_(std::move(rules)) {}
-  void take(const HealthLook& look);
+  void take(const HealthSnapshot& look);
   [[nodiscard]] bool is_well() const { return in_a_row_ >= rules_.looks; }
   /// Unmet conditions of the newest look.
   [[nodiscard]] const std::vector<std::string>& missing() const { return missing_; }
@@ -57,12 +57,12 @@ class HealthCount {
 };
 
 /// Queries every process, then every display for its heads' pictures. Blocks as ProcessLink's calls.
-[[nodiscard]] HealthLook look_at(const std::vector<ProcessLink>& links);
+[[nodiscard]] HealthSnapshot look_at(const std::vector<ProcessLink>& links);
 
 /// Returns the heads of all displays that are dark now, asleep or without a projector.
-[[nodiscard]] std::set<std::string> dark_heads(const HealthLook& look);
+[[nodiscard]] std::set<std::string> dark_heads(const HealthSnapshot& look);
 
 /// Returns {"well", "seconds", "version", "missing": [sentence]}, for the operator page.
 [[nodiscard]] std::string health_json(const HealthCount& count, double seconds);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -13,7 +13,7 @@
 #include "common/process/program.h"
 #include "kiosk/operator/health.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr auto kBetweenLooks = std::chrono::seconds(1);
@@ -97,7 +97,7 @@ Status run(Options options, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-health",

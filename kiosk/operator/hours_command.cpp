@@ -7,10 +7,10 @@
 
 #include "kiosk/operator/museum_state.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
-std::string text_of(const Schedule& schedule) {
+std::string text_of(const OpeningSchedule& schedule) {
   std::string text = schedule.is_open ? "Open now" : "Closed now";
   if (schedule.override) {
     text +=
@@ -29,7 +29,7 @@ void HoursCommand::add_to(CLI::App* app) {
   CLI::App& command = *app->add_subcommand(
       "hours", "Show whether the museum is open; or open it once until a time, or close it once for today");
   command
-      .add_option("WISH", wish,
+      .add_option("WISH", wanted,
                   "open TIME: until then; closed: until it opens on a later day; settings: as configured; none: "
                   "only show")
       ->check(CLI::IsMember({"open", "closed", "settings"}));
@@ -39,17 +39,17 @@ void HoursCommand::add_to(CLI::App* app) {
 
 Status HoursCommand::run(std::chrono::system_clock::time_point now) const {
   const MuseumState state{museum};
-  if ((wish == "open") == until.empty()) {
+  if ((wanted == "open") == until.empty()) {
     return Error(ErrorCode::kInvalidArgument,
-                 wish == "open" ? "say until when: cyclorama hours open 22:00" : "a time goes with 'open' alone");
+                 wanted == "open" ? "say until when: cyclorama hours open 22:00" : "a time goes with 'open' alone");
   }
-  if (wish == "open") TRY(set_hours(state, {HoursWish::Kind::kOpen, until}, now));
-  if (wish == "closed") TRY(set_hours(state, {HoursWish::Kind::kClosed}, now));
-  if (wish == "settings") TRY(set_hours(state, {HoursWish::Kind::kSettings}, now));
-  const Schedule schedule = schedule_of(state, now);
+  if (wanted == "open") TRY(set_hours(state, {HoursRequest::Kind::kOpen, until}, now));
+  if (wanted == "closed") TRY(set_hours(state, {HoursRequest::Kind::kClosed}, now));
+  if (wanted == "settings") TRY(set_hours(state, {HoursRequest::Kind::kSettings}, now));
+  const OpeningSchedule schedule = schedule_of(state, now);
   if (!schedule.problem.empty()) return Error(ErrorCode::kUnavailable, schedule.problem);
   std::fputs(text_of(schedule).c_str(), stdout);
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

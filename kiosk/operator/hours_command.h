@@ -7,12 +7,12 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// cyclorama hours: reports whether the museum is open, and overrides the hours once, as on the operator page.
 struct HoursCommand {
   std::string museum = "/var/lib/cyclorama";
-  std::string wish;
+  std::string wanted;
   std::string until;
 
   void add_to(CLI::App* app);
@@ -20,4 +20,4 @@ struct HoursCommand {
   [[nodiscard]] Status run(std::chrono::system_clock::time_point now) const;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -18,12 +18,12 @@
 #include "common/base/unique_fd.h"
 #include "kiosk/provision/provisioning_report.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLargestFact = 64 * 1024;
+constexpr std::size_t kMaxFactBytes = 64 * 1024;
 constexpr double kColdest_c = -60.0;  // Unconnected sensors report absurd values.
 constexpr double kHottest_c = 150.0;
 
@@ -31,7 +31,7 @@ std::optional<std::string> line_of(const fs::path& path) {
   // Files in /proc and /sys report a size that is not their content's.
   std::FILE* const file = std::fopen(path.c_str(), "re");
   if (file == nullptr) return std::nullopt;
-  std::string text(kLargestFact, '\0');
+  std::string text(kMaxFactBytes, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), file));
   std::fclose(file);
   return text;
@@ -119,7 +119,7 @@ void read_memory(const fs::path& root, MachineFacts* ret) {
 /// Returns true when ext4 refuses all access after an error, until it is mounted again; kernels before 6.11 allow
 /// reading.
 bool is_shut(const fs::path& state) {
-  const UniqueFd fd(::open((state / kProvisioningReportFile).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  const UniqueFd fd(::open((state / provision::kProvisioningReportFile).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   return !fd.is_open() && errno == EIO;
 }
 
@@ -160,4 +160,4 @@ MachineFacts read_machine_facts(const fs::path& state, const fs::path& root) {
   return facts;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// A value; unknown facts are absent.
 struct MachineFacts {
@@ -26,4 +26,4 @@ struct MachineFacts {
 [[nodiscard]] MachineFacts read_machine_facts(const std::filesystem::path& state,
                                               const std::filesystem::path& root = "/");
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <string_view>
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr std::string_view kDropped = "dropped: ";
@@ -46,11 +46,11 @@ class Text {
   std::string text_;
 };
 
-std::string process_label(const Observation& observation) {
+std::string process_label(const ProcessObservation& observation) {
   return fmt::format("process=\"{}\"", escaped(observation.endpoint.name));
 }
 
-void write_stages(const Observation& observation, Text* text) {
+void write_stages(const ProcessObservation& observation, Text* text) {
   for (const wire::Stage& stage : observation.status->stages()) {
     const std::string labels = fmt::format("{},stage=\"{}\"", process_label(observation), escaped(stage.name()));
     const auto quantile = [&](const char* q, double milliseconds) {
@@ -63,7 +63,7 @@ void write_stages(const Observation& observation, Text* text) {
   }
 }
 
-void write_gauges(const Observation& observation, bool dropped, Text* text) {
+void write_gauges(const ProcessObservation& observation, bool dropped, Text* text) {
   for (const wire::Gauge& gauge : observation.status->gauges()) {
     const bool is_drop = gauge.name().starts_with(kDropped);
     if (is_drop != dropped) continue;
@@ -76,27 +76,29 @@ void write_gauges(const Observation& observation, bool dropped, Text* text) {
 
 }  // namespace
 
-std::string metrics_text(const std::vector<Observation>& observations) {
+std::string metrics_text(const std::vector<ProcessObservation>& observations) {
   Text text;
-  const auto each_present = [&](const std::function<void(const Observation&)>& write) {
-    for (const Observation& observation : observations) {
+  const auto each_present = [&](const std::function<void(const ProcessObservation&)>& write) {
+    for (const ProcessObservation& observation : observations) {
       if (!observation.away && observation.status) write(observation);
     }
   };
   text.family("cyclorama_up", "gauge", "1 when the process answers");
-  for (const Observation& o : observations) text.sample("cyclorama_up", process_label(o), o.away ? 0 : 1);
+  for (const ProcessObservation& o : observations) text.sample("cyclorama_up", process_label(o), o.away ? 0 : 1);
   text.family("cyclorama_healthy", "gauge", "1 when the process says that all is well with it");
-  each_present([&](const Observation& o) { text.sample("cyclorama_healthy", process_label(o), o.is_well() ? 1 : 0); });
-  text.family("cyclorama_uptime_seconds", "gauge", "Seconds since the process started");
   each_present(
-      [&](const Observation& o) { text.sample("cyclorama_uptime_seconds", process_label(o), o.status->uptime_s()); });
+      [&](const ProcessObservation& o) { text.sample("cyclorama_healthy", process_label(o), o.is_well() ? 1 : 0); });
+  text.family("cyclorama_uptime_seconds", "gauge", "Seconds since the process started");
+  each_present([&](const ProcessObservation& o) {
+    text.sample("cyclorama_uptime_seconds", process_label(o), o.status->uptime_s());
+  });
   text.family("cyclorama_stage_seconds", "summary", "One step on a frame's way from shutter to photon");
-  each_present([&](const Observation& o) { write_stages(o, &text); });
+  each_present([&](const ProcessObservation& o) { write_stages(o, &text); });
   text.family("cyclorama_dropped_frames_total", "counter", "Frames that were not shown, and why");
-  each_present([&](const Observation& o) { write_gauges(o, true, &text); });
+  each_present([&](const ProcessObservation& o) { write_gauges(o, true, &text); });
   text.family("cyclorama_gauge", "gauge", "A number that the process shows, with its unit in its name");
-  each_present([&](const Observation& o) { write_gauges(o, false, &text); });
+  each_present([&](const ProcessObservation& o) { write_gauges(o, false, &text); });
   return std::move(text).take();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

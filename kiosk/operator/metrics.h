@@ -6,7 +6,7 @@
 
 #include "kiosk/operator/observation.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Returns metrics in Prometheus' text format 0.0.4. Written here without a registry, since all numbers live elsewhere.
 ///
@@ -16,6 +16,6 @@ namespace cyclorama {
 ///   cyclorama_gauge{process,name}   every other gauge; its unit is in its name
 ///
 /// A process that is away has only cyclorama_up, so that no old number looks new.
-[[nodiscard]] std::string metrics_text(const std::vector<Observation>& observations);
+[[nodiscard]] std::string metrics_text(const std::vector<ProcessObservation>& observations);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

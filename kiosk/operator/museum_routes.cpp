@@ -13,7 +13,7 @@
 #include "kiosk/operator/status_json.h"
 #include "kiosk/provision/provisioning_report.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -37,16 +37,16 @@ class Turn {
 std::string dumped(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace); }
 
 Json schedule_json(const MuseumState& museum, std::chrono::system_clock::time_point now) {
-  const Schedule schedule = schedule_of(museum, now);
+  const OpeningSchedule schedule = schedule_of(museum, now);
   Json json{{"open", schedule.is_open}, {"lines", schedule.lines}, {"problem", schedule.problem},
             {"zone", schedule.zone},    {"override", nullptr},     {"override_problem", schedule.override_problem}};
   if (schedule.override) json["override"] = {{"open", schedule.override->is_open}, {"until", schedule.until}};
   return json;
 }
 
-std::string museum_json(const MuseumDesk& desk) {
-  const MuseumState& museum = desk.support.museum;
-  const Findings findings = findings_of(desk.watch->observations(), museum);
+std::string museum_json(const MuseumServices& services) {
+  const MuseumState& museum = services.support.museum;
+  const Findings findings = findings_of(services.watch->observations(), museum);
   const std::vector<Check> checks = checks_of(findings);
   Json json{{"level", to_text(worst_of(checks))},
             {"checks", Json::parse(checks_json(checks))},
@@ -57,54 +57,54 @@ std::string museum_json(const MuseumDesk& desk) {
             {"watched", nullptr},
             {"page",
              {{"version", CYCLORAMA_VERSION},
-              {"fingerprint", desk.fingerprint},
-              {"time", time_text(std::chrono::system_clock::to_time_t(findings.now))},
-              {"wishes", !desk.wishes.empty()},
-              {"has_pin", !desk.fingerprint.empty()}}}};
+              {"fingerprint", services.fingerprint},
+              {"time", provision::time_text(std::chrono::system_clock::to_time_t(findings.now))},
+              {"wishes", !services.requests.empty()},
+              {"has_pin", !services.fingerprint.empty()}}}};
   if (findings.is_museum) json["schedule"] = schedule_json(museum, findings.now);
-  if (findings.provisioning) json["provisioning"] = Json::parse(report_json(*findings.provisioning));
+  if (findings.provisioning) json["provisioning"] = Json::parse(provision::report_json(*findings.provisioning));
   if (findings.update) {
     json["update"] = {{"state", to_text(findings.update->state)},
                       {"version", findings.update->version},
                       {"available", findings.update->available},
                       {"at", findings.update->at}};
   }
-  if (desk.calibration != nullptr) json["calibration"] = Json::parse(desk.calibration->json());
-  if (desk.healing != nullptr) json["watched"] = Json::parse(desk.healing->json());
+  if (services.calibration != nullptr) json["calibration"] = Json::parse(services.calibration->json());
+  if (services.healing != nullptr) json["watched"] = Json::parse(services.healing->json());
   return dumped(json);
 }
 
-void serve_calibration(httplib::Server& server, MuseumDesk* desk) {
-  server.Get("/calibration.jpg", [desk](const httplib::Request&, httplib::Response& response) {
-    const std::string jpeg = desk->calibration == nullptr ? "" : desk->calibration->picture();
+void serve_calibration(httplib::Server& server, MuseumServices* services) {
+  server.Get("/calibration.jpg", [services](const httplib::Request&, httplib::Response& response) {
+    const std::string jpeg = services->calibration == nullptr ? "" : services->calibration->picture();
     if (jpeg.empty()) return answer_error(Error(ErrorCode::kNotFound, "there is no picture yet"), response);
     response.set_content(jpeg, "image/jpeg");
   });
-  server.Post("/calibration", [desk](const httplib::Request& request, httplib::Response& response) {
-    const auto wish = parse_calibration_wish(request.body);
-    if (!wish) return answer_error(wish.error(), response);
-    if (desk->calibration == nullptr) {
+  server.Post("/calibration", [services](const httplib::Request& request, httplib::Response& response) {
+    const auto wanted = parse_calibration_request(request.body);
+    if (!wanted) return answer_error(wanted.error(), response);
+    if (services->calibration == nullptr) {
       return answer_error(
           Error(ErrorCode::kNotFound, "no calibrator is named; start the page with --calibrator ADDRESS"), response);
     }
     response.status = 204;
-    switch (wish->kind) {
-      case CalibrationWish::Kind::kStart:
-        if (const Status started = desk->calibration->start(wish->order); !started)
+    switch (wanted->kind) {
+      case CalibrationRequest::Kind::kStart:
+        if (const Status started = services->calibration->start(wanted->order); !started)
           answer_error(started.error(), response);
         return;
-      case CalibrationWish::Kind::kPlaceCameras:
-        if (const Status started = desk->calibration->place_cameras(); !started)
+      case CalibrationRequest::Kind::kPlaceCameras:
+        if (const Status started = services->calibration->place_cameras(); !started)
           answer_error(started.error(), response);
         return;
-      case CalibrationWish::Kind::kAnswer:
-        if (const Status answered = desk->calibration->answer(wish->text); !answered)
+      case CalibrationRequest::Kind::kAnswer:
+        if (const Status answered = services->calibration->answer(wanted->text); !answered)
           answer_error(answered.error(), response);
         return;
-      case CalibrationWish::Kind::kCancel:
-        return desk->calibration->cancel();
-      case CalibrationWish::Kind::kRestore:
-        const auto date = desk->calibration->restore();
+      case CalibrationRequest::Kind::kCancel:
+        return services->calibration->cancel();
+      case CalibrationRequest::Kind::kRestore:
+        const auto date = services->calibration->restore();
         if (!date) return answer_error(date.error(), response);
         response.status = 200;
         response.set_content(dumped({{"date", *date}}), kJsonType);
@@ -112,67 +112,68 @@ void serve_calibration(httplib::Server& server, MuseumDesk* desk) {
   });
 }
 
-void serve_healing(httplib::Server& server, MuseumDesk* desk) {
-  server.Post("/realign", [desk](const httplib::Request&, httplib::Response& response) {
-    if (desk->healing == nullptr) {
+void serve_healing(httplib::Server& server, MuseumServices* services) {
+  server.Post("/realign", [services](const httplib::Request&, httplib::Response& response) {
+    if (services->healing == nullptr) {
       return answer_error(
           Error(ErrorCode::kNotFound, "no calibrator is named; start the page with --calibrator ADDRESS"), response);
     }
-    if (const Status told = desk->healing->realign(); !told) return answer_error(told.error(), response);
+    if (const Status told = services->healing->realign(); !told) return answer_error(told.error(), response);
     response.status = 204;
   });
-  server.Post("/realign/undo", [desk](const httplib::Request&, httplib::Response& response) {
-    if (desk->healing == nullptr) {
+  server.Post("/realign/undo", [services](const httplib::Request&, httplib::Response& response) {
+    if (services->healing == nullptr) {
       return answer_error(
           Error(ErrorCode::kNotFound, "no calibrator is named; start the page with --calibrator ADDRESS"), response);
     }
-    const auto undone = desk->healing->undo();
+    const auto undone = services->healing->undo();
     if (!undone) return answer_error(undone.error(), response);
     response.set_content(Json{{"undone", *undone}}.dump(), "application/json");
   });
 }
 
-void serve_support(httplib::Server& server, MuseumDesk* desk) {
-  server.Post("/network-test", [desk](const httplib::Request&, httplib::Response& response) {
-    const Turn turn(&desk->is_testing);
+void serve_support(httplib::Server& server, MuseumServices* services) {
+  server.Post("/network-test", [services](const httplib::Request&, httplib::Response& response) {
+    const Turn turn(&services->is_testing);
     if (!turn.is_ours()) return answer_error(Error(ErrorCode::kBusy, "a network test runs already"), response);
-    const MuseumState& museum = desk->support.museum;
+    const MuseumState& museum = services->support.museum;
     const auto checks = test_network(farm_of(museum), read_machine_facts(museum.root));
     response.set_content(dumped({{"checks", Json::parse(checks_json(checks))}}), kJsonType);
   });
-  server.Get("/support-bundle.zip", [desk](const httplib::Request&, httplib::Response& response) {
-    const Turn turn(&desk->is_bundling);
+  server.Get("/support-bundle.zip", [services](const httplib::Request&, httplib::Response& response) {
+    const Turn turn(&services->is_bundling);
     if (!turn.is_ours()) return answer_error(Error(ErrorCode::kBusy, "a bundle is being made already"), response);
-    const auto bundle = support_bundle(desk->support, status_json(desk->watch->observations()), museum_json(*desk));
+    const auto bundle =
+        support_bundle(services->support, status_json(services->watch->observations()), museum_json(*services));
     if (!bundle) return answer_error(bundle.error(), response);
     response.set_header("Content-Disposition", "attachment; filename=\"cyclorama-support.zip\"");
     response.set_content(*bundle, "application/zip");
   });
 }
 
-void serve_hours(httplib::Server& server, MuseumDesk* desk) {
-  server.Post("/hours", [desk](const httplib::Request& request, httplib::Response& response) {
-    const auto wish = parse_hours_wish(request.body);
-    if (!wish) return answer_error(wish.error(), response);
-    const Status set = set_hours(desk->support.museum, *wish, std::chrono::system_clock::now());
+void serve_hours(httplib::Server& server, MuseumServices* services) {
+  server.Post("/hours", [services](const httplib::Request& request, httplib::Response& response) {
+    const auto wanted = parse_hours_request(request.body);
+    if (!wanted) return answer_error(wanted.error(), response);
+    const Status set = set_hours(services->support.museum, *wanted, std::chrono::system_clock::now());
     if (!set) return answer_error(set.error(), response);
     response.status = 204;
   });
 }
 
-void serve_wishes(httplib::Server& server, MuseumDesk* desk) {
-  server.Post("/wish", [desk](const httplib::Request& request, httplib::Response& response) {
+void serve_requests(httplib::Server& server, MuseumServices* services) {
+  server.Post("/wish", [services](const httplib::Request& request, httplib::Response& response) {
     const Json json = Json::parse(request.body, nullptr, false);
-    const std::string wish =
+    const std::string wanted =
         json.is_object() && json.contains("wish") && json["wish"].is_string() ? json["wish"].get<std::string>() : "";
-    if (wish != "update" && wish != "factory-reset") {
+    if (wanted != "update" && wanted != "factory-reset") {
       return answer_error(Error(ErrorCode::kBadData, "'wish' must be update or factory-reset"), response);
     }
-    if (desk->wishes.empty()) {
+    if (services->requests.empty()) {
       return answer_error(Error(ErrorCode::kNotFound, "this computer's software is not kept by the museum image"),
                           response);
     }
-    const Status made = write_file_atomically(desk->wishes / wish, std::string_view("\n"));
+    const Status made = write_file_atomically(services->requests / wanted, std::string_view("\n"));
     if (!made) return answer_error(made.error(), response);
     response.status = 204;
   });
@@ -180,27 +181,27 @@ void serve_wishes(httplib::Server& server, MuseumDesk* desk) {
 
 }  // namespace
 
-Result<HoursWish> parse_hours_wish(const std::string& body) {
+Result<HoursRequest> parse_hours_request(const std::string& body) {
   const Json json = Json::parse(body, nullptr, false);
   const auto text = [&](const char* key) {
     return json.is_object() && json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : "";
   };
   const std::string kind = text("do");
-  if (kind == "open") return HoursWish{HoursWish::Kind::kOpen, text("until")};
-  if (kind == "closed") return HoursWish{HoursWish::Kind::kClosed};
-  if (kind == "settings") return HoursWish{HoursWish::Kind::kSettings};
+  if (kind == "open") return HoursRequest{HoursRequest::Kind::kOpen, text("until")};
+  if (kind == "closed") return HoursRequest{HoursRequest::Kind::kClosed};
+  if (kind == "settings") return HoursRequest{HoursRequest::Kind::kSettings};
   return Error(ErrorCode::kBadData, "'do' must be open, with 'until', or closed or settings");
 }
 
-void serve_museum(httplib::Server& server, MuseumDesk* desk) {
-  server.Get("/museum", [desk](const httplib::Request&, httplib::Response& response) {
-    response.set_content(museum_json(*desk), kJsonType);
+void serve_museum(httplib::Server& server, MuseumServices* services) {
+  server.Get("/museum", [services](const httplib::Request&, httplib::Response& response) {
+    response.set_content(museum_json(*services), kJsonType);
   });
-  serve_calibration(server, desk);
-  serve_healing(server, desk);
-  serve_support(server, desk);
-  serve_hours(server, desk);
-  serve_wishes(server, desk);
+  serve_calibration(server, services);
+  serve_healing(server, services);
+  serve_support(server, services);
+  serve_hours(server, services);
+  serve_requests(server, services);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -8,15 +8,15 @@
 ///   POST /realign                {}; aligns the projectors anew (healing_desk.h); 204
 ///   GET  /calibration.jpg        the calibration camera's newest picture
 ///   POST /hours                  {"do": "open", "until": "22:00"}, "closed" (for today) or "settings"; 204
-///   POST /wish                   {"wish": "update" | "factory-reset"}; 204
+///   POST /wanted                   {"wanted": "update" | "factory-reset"}; 204
 #pragma once
 
 #include <atomic>
 #include <filesystem>
 #include <string>
 
-#include "kiosk/operator/calibration_desk.h"
-#include "kiosk/operator/healing_desk.h"
+#include "kiosk/operator/calibration_controller.h"
+#include "kiosk/operator/healing_controller.h"
 #include "kiosk/operator/museum_state.h"
 #include "kiosk/operator/support_bundle.h"
 #include "kiosk/operator/watch.h"
@@ -25,24 +25,24 @@ namespace httplib {
 class Server;
 }
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Outlives the server. Borrowed pointers may be null; the page then reports that the feature is missing.
-struct MuseumDesk {
+struct MuseumServices {
   Watch* watch = nullptr;
-  CalibrationDesk* calibration = nullptr;
-  HealingDesk* healing = nullptr;
+  CalibrationController* calibration = nullptr;
+  HealingController* healing = nullptr;
   SupportOrder support;  ///< Includes the museum's state folder.
   /// Folder in which a file with the request's name triggers a systemd unit; empty: no requests.
-  std::filesystem::path wishes;
+  std::filesystem::path requests;
   std::string fingerprint;  ///< Fingerprint of the page's certificate; empty: none.
   std::atomic<bool> is_testing{false};
   std::atomic<bool> is_bundling{false};
 };
 
 /// Errors: kBadData for any other form.
-Result<HoursWish> parse_hours_wish(const std::string& json);
+Result<HoursRequest> parse_hours_request(const std::string& json);
 
-void serve_museum(httplib::Server& server, MuseumDesk* desk);
+void serve_museum(httplib::Server& server, MuseumServices* services);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

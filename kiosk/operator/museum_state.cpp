@@ -10,14 +10,14 @@
 #include "common/opening/opening_hours.h"
 #include "common/opening/wall_clock.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
-constexpr std::size_t kLargestFile = 256 * 1024;
+constexpr std::size_t kMaxFileBytes = 256 * 1024;
 }
 
-Schedule schedule_of(const MuseumState& museum, WallTime clock) {
+OpeningSchedule schedule_of(const MuseumState& museum, WallTime clock) {
   const WallTime now = wall_time(clock);
-  Schedule schedule;
+  OpeningSchedule schedule;
   auto config = Config::read(museum.site());
   const auto hours = read_opening_hours(museum.site());
   if (!config || !hours) {
@@ -40,17 +40,18 @@ Schedule schedule_of(const MuseumState& museum, WallTime clock) {
   return schedule;
 }
 
-Status set_hours(const MuseumState& museum, const HoursWish& wish, WallTime clock) {
+Status set_hours(const MuseumState& museum, const HoursRequest& wanted, WallTime clock) {
   const WallTime now = wall_time(clock);
   std::error_code failed;
-  if (wish.kind == HoursWish::Kind::kSettings) {
+  if (wanted.kind == HoursRequest::Kind::kSettings) {
     std::filesystem::remove(museum.hours_override(), failed);
     if (failed) return Error(ErrorCode::kSystem, "taking back what was said of the hours: " + failed.message());
     return Done{};
   }
   TRY_ASSIGN(const OpeningHours hours, read_opening_hours(museum.site()));
-  TRY_ASSIGN(const HoursOverride override,
-             wish.kind == HoursWish::Kind::kOpen ? open_until(hours, wish.until, now) : closed_for_today(hours, now));
+  TRY_ASSIGN(const HoursOverride override, wanted.kind == HoursRequest::Kind::kOpen
+                                               ? open_until(hours, wanted.until, now)
+                                               : closed_for_today(hours, now));
   // An error shows up in the write that follows.
   std::filesystem::create_directory(museum.hours_override().parent_path(), failed);
   return write_file_atomically(museum.hours_override(), std::string_view(to_text(override)));
@@ -62,20 +63,20 @@ std::vector<std::string> farm_of(const MuseumState& museum) {
   return config->root().table("farm").texts("heads", std::vector<std::string>{});
 }
 
-Findings findings_of(std::vector<Observation> processes, const MuseumState& museum) {
+Findings findings_of(std::vector<ProcessObservation> processes, const MuseumState& museum) {
   Findings findings;
   findings.processes = std::move(processes);
   findings.machine = read_machine_facts(museum.root);
   findings.now = std::chrono::system_clock::now();
   std::error_code failed;
   findings.is_museum = std::filesystem::is_directory(museum.root / "generations", failed);
-  if (const auto text = read_text_file(museum.root / kProvisioningReportFile, kLargestFile)) {
-    if (auto report = parse_report(*text)) findings.provisioning = *std::move(report);
+  if (const auto text = read_text_file(museum.root / provision::kProvisioningReportFile, kMaxFileBytes)) {
+    if (auto report = provision::parse_report(*text)) findings.provisioning = *std::move(report);
   }
-  if (const auto text = read_text_file(museum.root / kUpdateStatusFile, kLargestFile)) {
-    if (auto update = parse_update_status(*text)) findings.update = *std::move(update);
+  if (const auto text = read_text_file(museum.root / update::kUpdateStatusFile, kMaxFileBytes)) {
+    if (auto update = update::parse_update_status(*text)) findings.update = *std::move(update);
   }
   return findings;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

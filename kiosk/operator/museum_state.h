@@ -11,7 +11,7 @@
 #include "common/opening/hours_override.h"
 #include "kiosk/operator/checks.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// The folder "/var/lib/cyclorama", written by cyclorama-provision. A value; every call reads the disk anew.
 struct MuseumState {
@@ -23,7 +23,7 @@ struct MuseumState {
   [[nodiscard]] std::filesystem::path pin_file() const { return settings() / "operator-pin"; }
 };
 
-struct Schedule {
+struct OpeningSchedule {
   std::vector<std::string> lines;           ///< Copied from site.toml; none: always open.
   bool is_open = true;                      ///< Present state, including an override while it holds.
   std::string problem;                      ///< Reason why the hours are unknown; empty: they are known.
@@ -33,21 +33,21 @@ struct Schedule {
   std::string override_problem;  ///< Reason why the override is ignored; empty: nothing is wrong.
 };
 
-[[nodiscard]] Schedule schedule_of(const MuseumState& museum, WallTime clock);
+[[nodiscard]] OpeningSchedule schedule_of(const MuseumState& museum, WallTime clock);
 
 /// An operator's request to override the hours once.
-struct HoursWish {
+struct HoursRequest {
   enum class Kind { kOpen, kClosed, kSettings };
   Kind kind = Kind::kSettings;
   std::string until{};  ///< End of kOpen: "22:00".
 };
 /// Takes effect from the next second on, in every program that reads the hours. Errors: kInvalidArgument, kUnavailable
 /// as open_until(); kSystem if the override cannot be written; others if the settings cannot be read.
-Status set_hours(const MuseumState& museum, const HoursWish& wish, WallTime clock);
+Status set_hours(const MuseumState& museum, const HoursRequest& wanted, WallTime clock);
 
 /// Returns the addresses of the farm's coordinators in the settings in use; none if the settings cannot be read.
 [[nodiscard]] std::vector<std::string> farm_of(const MuseumState& museum);
 /// Gathers the present input for checks_of().
-[[nodiscard]] Findings findings_of(std::vector<Observation> processes, const MuseumState& museum);
+[[nodiscard]] Findings findings_of(std::vector<ProcessObservation> processes, const MuseumState& museum);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -21,7 +21,7 @@
 #include "common/base/text.h"
 #include "common/base/unique_fd.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr int kTries = 5;
@@ -85,12 +85,13 @@ const char* remedy_for(int error) {
   }
 }
 
-Check farm_check(const std::string& head, std::size_t number, Duration longest) {
-  Check check{fmt::format("farm-{}", number), fmt::format("Farm {}", printable(head, 100)), Level::kFault, "", ""};
-  const auto address = parse_address(head);
+Check farm_check(const std::string& coordinator, std::size_t number, Duration longest) {
+  Check check{fmt::format("farm-{}", number), fmt::format("Farm {}", printable(coordinator, 100)), CheckLevel::kFault,
+              "", ""};
+  const auto address = parse_address(coordinator);
   if (!address) {
     check.sentence = address.error().message();
-    check.remedy = "Correct [farm] heads in site.toml.";
+    check.remedy = "Correct [farm] coordinators in site.toml.";
     return check;
   }
   addrinfo hints{};
@@ -114,11 +115,12 @@ Check farm_check(const std::string& head, std::size_t number, Duration longest) 
     if (times_ms.size() < kTries) continue;
     std::sort(times_ms.begin(), times_ms.end());
     const double middle = times_ms[kTries / 2];
-    check.level = middle > kFarAway_ms ? Level::kWarning : Level::kOk;
+    check.level = middle > kFarAway_ms ? CheckLevel::kWarning : CheckLevel::kOk;
     check.sentence =
         fmt::format("It answers over {}, in {:.1f} ms ({:.1f} to {:.1f}).", to->ai_family == AF_INET6 ? "IPv6" : "IPv4",
                     middle, times_ms.front(), times_ms.back());
-    if (check.level != Level::kOk) check.remedy = "The way is long: turning is still smooth, but walking follows late.";
+    if (check.level != CheckLevel::kOk)
+      check.remedy = "The way is long: turning is still smooth, but walking follows late.";
     return check;
   }
   check.sentence = fmt::format("It cannot be reached: {}.", std::strerror(error));
@@ -131,24 +133,25 @@ Check farm_check(const std::string& head, std::size_t number, Duration longest) 
 std::vector<Check> test_network(const std::vector<std::string>& farm, const MachineFacts& machine, Duration longest) {
   std::vector<Check> checks;
   const std::string have = families();
-  const bool is_far = std::any_of(farm.begin(), farm.end(), [](const std::string& head) { return !is_loopback(head); });
-  checks.push_back({"address", "This computer's address", have.empty() && is_far ? Level::kFault : Level::kOk,
+  const bool is_far =
+      std::any_of(farm.begin(), farm.end(), [](const std::string& coordinator) { return !is_loopback(coordinator); });
+  checks.push_back({"address", "This computer's address", have.empty() && is_far ? CheckLevel::kFault : CheckLevel::kOk,
                     have.empty() ? "It has none on any network." : fmt::format("It has one of {}.", have),
                     have.empty() && is_far ? kCable : ""});
   for (std::size_t i = 0; i < farm.size(); ++i) {
     if (!is_unix_socket(farm[i])) checks.push_back(farm_check(farm[i], i + 1, longest));
   }
   if (farm.empty()) {
-    checks.push_back({"farm", "Farm", Level::kWarning, "No farm is named in the settings.",
-                      "Name it in site.toml: [farm] heads = [\"[2001:db8::1]:7401\"]."});
+    checks.push_back({"farm", "Farm", CheckLevel::kWarning, "No farm is named in the settings.",
+                      "Name it in site.toml: [farm] coordinators = [\"[2001:db8::1]:7401\"]."});
   }
   if (machine.is_clock_set) {
     const bool is_set = *machine.is_clock_set;
-    checks.push_back({"time", "Time server", is_set ? Level::kOk : Level::kWarning,
+    checks.push_back({"time", "Time server", is_set ? CheckLevel::kOk : CheckLevel::kWarning,
                       is_set ? "It has set the clock." : "None has set the clock since the start.",
                       is_set ? "" : "Ask the museum's network people to let time (NTP, port 123) through."});
   }
   return checks;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -8,7 +8,7 @@
 #include "common/base/clock.h"
 #include "kiosk/operator/checks.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Checks in this order: whether this computer has an outside address; whether the name server answers (if the farm has
 /// a name); whether each coordinator of the farm accepts a connection, and how long that takes; whether the clock is
@@ -17,4 +17,4 @@ namespace cyclorama {
 [[nodiscard]] std::vector<Check> test_network(const std::vector<std::string>& farm, const MachineFacts& machine,
                                               Duration longest = std::chrono::seconds(3));
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

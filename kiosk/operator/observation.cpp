@@ -3,10 +3,10 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
-Observation observe(const ProcessLink& link, const Observation& last) {
-  Observation now;
+ProcessObservation observe(const ProcessLink& link, const ProcessObservation& last) {
+  ProcessObservation now;
   now.endpoint = link.endpoint();
   now.asked = true;
   auto status = link.status();
@@ -35,4 +35,4 @@ std::string fact_of(const wire::ProcessStatus& status, std::string_view name) {
   return "";
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

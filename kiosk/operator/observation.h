@@ -8,9 +8,9 @@
 #include "common/wire/inspection.pb.h"
 #include "kiosk/operator/process_link.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
-struct Observation {
+struct ProcessObservation {
   Endpoint endpoint;
   bool asked = false;    ///< False until the first answer or the first failure.
   bool away = true;      ///< True when the last request failed.
@@ -21,10 +21,10 @@ struct Observation {
 };
 
 /// Queries the process; blocks as ProcessLink::status(). `last` supplies the status to keep while the process is away.
-[[nodiscard]] Observation observe(const ProcessLink& link, const Observation& last);
+[[nodiscard]] ProcessObservation observe(const ProcessLink& link, const ProcessObservation& last);
 
 /// Returns the newest value, or nothing.
 [[nodiscard]] std::optional<double> gauge_of(const wire::ProcessStatus& status, std::string_view name);
 [[nodiscard]] std::string fact_of(const wire::ProcessStatus& status, std::string_view name);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -14,7 +14,7 @@
 #include "kiosk/operator/page_certificate.h"
 #include "kiosk/operator/page_server.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 struct Options {
@@ -25,13 +25,14 @@ struct Options {
   std::optional<std::string> museum;
   std::optional<std::string> keep;
   std::optional<std::string> calibrator;
-  std::optional<std::string> wishes;
+  std::optional<std::string> requests;
 };
 
 void add_options(CLI::App& app, Options* options) {
   app.add_option("--listen", options->listen, "Address of the page")->capture_default_str();
-  app.add_option("--watch", options->watches,
-                 "NAME=ADDRESS of a process: tour, display, tracker, projectors, head, simulated-room; repeat it")
+  app.add_option(
+         "--watch", options->watches,
+         "NAME=ADDRESS of a process: tour, display, tracker, projectors, coordinator, simulated-room; repeat it")
       ->allow_extra_args(false);
   app.add_option("--endpoints", options->endpoints, "A file of [[watch]] tables, each with name and address");
   app.add_option("--museum", options->museum,
@@ -41,60 +42,60 @@ void add_options(CLI::App& app, Options* options) {
       app.add_flag("--no-pin", options->has_no_pin, "Serve HTTP without PIN and encryption, to this computer only");
   no_pin->excludes("--keep");
   app.add_option("--calibrator", options->calibrator, "HOST:PORT of the calibrator");
-  app.add_option("--wishes", options->wishes,
+  app.add_option("--wishes", options->requests,
                  "Folder for requests to the system: a file 'update' or 'factory-reset' triggers a systemd unit");
 }
 
 /// State of a page with a PIN; empty for a page without.
-struct Door {
+struct OperatorAccess {
   std::optional<PageCertificate> certificate;
   std::optional<HttpTls> tls;
   std::unique_ptr<Sessions> sessions;
 };
 
-Result<Door> make_door(const Options& options, const Clock& clock) {
-  Door door;
-  if (options.has_no_pin) return door;
+Result<OperatorAccess> make_access(const Options& options, const Clock& clock) {
+  OperatorAccess access;
+  if (options.has_no_pin) return access;
   if (!options.museum || !options.keep) {
     return Error(
         ErrorCode::kInvalidArgument,
         "the page asks for a PIN: say where it is with --museum FOLDER, and where the page's certificate may be "
         "kept with --keep FOLDER; or --no-pin for this computer alone");
   }
-  TRY_ASSIGN(door.certificate, page_certificate(*options.keep, std::time(nullptr)));
-  door.tls = HttpTls{door.certificate->certificate_pem, door.certificate->key_pem};
-  door.sessions = std::make_unique<Sessions>(clock, MuseumState{*options.museum}.pin_file());
-  return door;
+  TRY_ASSIGN(access.certificate, page_certificate(*options.keep, std::time(nullptr)));
+  access.tls = HttpTls{access.certificate->certificate_pem, access.certificate->key_pem};
+  access.sessions = std::make_unique<Sessions>(clock, MuseumState{*options.museum}.pin_file());
+  return access;
 }
 
 Status run(const Options& options, const StopSignal& stop) {
   TRY_ASSIGN(const std::vector<Endpoint> endpoints, gather_endpoints(options.watches, options.endpoints));
   TRY_ASSIGN(std::vector<ProcessLink> links, make_links(endpoints));
   const SteadyClock clock;
-  TRY_ASSIGN(const Door door, make_door(options, clock));
-  std::unique_ptr<CalibrationDesk> calibration;
-  std::unique_ptr<HealingDesk> healing;
+  TRY_ASSIGN(const OperatorAccess access, make_access(options, clock));
+  std::unique_ptr<CalibrationController> calibration;
+  std::unique_ptr<HealingController> healing;
   if (options.calibrator) {
-    TRY_ASSIGN(calibration, CalibrationDesk::make(*options.calibrator));
-    TRY_ASSIGN(healing, HealingDesk::make(*options.calibrator));
+    TRY_ASSIGN(calibration, CalibrationController::make(*options.calibrator));
+    TRY_ASSIGN(healing, HealingController::make(*options.calibrator));
   }
   Watch watch(std::move(links));
-  MuseumDesk museum;
+  MuseumServices museum;
   museum.watch = &watch;
   museum.calibration = calibration.get();
   museum.healing = healing.get();
   museum.support.museum.root = options.museum.value_or("");
-  museum.wishes = options.wishes.value_or("");
-  if (door.certificate) museum.fingerprint = door.certificate->fingerprint;
+  museum.requests = options.requests.value_or("");
+  if (access.certificate) museum.fingerprint = access.certificate->fingerprint;
   PageExtras extras;
   if (options.museum) extras.museum = &museum;
-  extras.sessions = door.sessions.get();
-  extras.tls = door.tls ? &*door.tls : nullptr;
+  extras.sessions = access.sessions.get();
+  extras.tls = access.tls ? &*access.tls : nullptr;
   TRY_ASSIGN(const std::unique_ptr<PageServer> page, PageServer::start(options.listen, &watch, extras));
   log(LogLevel::kNotice, fmt::format("the operator page listens on {} (port {})", options.listen, page->port()));
-  if (door.certificate) {
-    log(LogLevel::kInfo, fmt::format("its certificate is good until {}; SHA-256 {}", door.certificate->until,
-                                     door.certificate->fingerprint));
+  if (access.certificate) {
+    log(LogLevel::kInfo, fmt::format("its certificate is good until {}; SHA-256 {}", access.certificate->until,
+                                     access.certificate->fingerprint));
   }
   Notify notify;
   notify.ready();
@@ -105,7 +106,7 @@ Status run(const Options& options, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-operator",

@@ -14,12 +14,12 @@
 #include "common/base/file.h"
 #include "common/wire/openssl.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLargestPem = 64 * 1024;
+constexpr std::size_t kMaxPemBytes = 64 * 1024;
 // Phones refuse server certificates that are valid for more than 825 days.
 constexpr long kValidS = 820L * 86400;
 constexpr std::time_t kRenewBeforeS = 60L * 86400;
@@ -55,7 +55,7 @@ std::string pem_of(Write&& write) {
 }
 
 OpensslKey read_key(const fs::path& path) {
-  const auto pem = read_text_file(path, kLargestPem);
+  const auto pem = read_text_file(path, kMaxPemBytes);
   if (!pem) return nullptr;
   const auto no_pass_phrase = [](char*, int, int, void*) { return -1; };
   return OpensslKey(PEM_read_bio_PrivateKey(bio_of(*pem).get(), nullptr, no_pass_phrase, nullptr));
@@ -132,7 +132,7 @@ Result<PageCertificate> page_certificate(const fs::path& folder, std::time_t now
       [&](BIO* bio) { return PEM_write_bio_PKCS8PrivateKey(bio, key.get(), nullptr, nullptr, 0, nullptr, nullptr); });
   if (is_new_key) TRY(write_private(key_file, page.key_pem));
   OpensslCertificate certificate;
-  if (const auto pem = read_text_file(certificate_file, kLargestPem)) {
+  if (const auto pem = read_text_file(certificate_file, kMaxPemBytes)) {
     auto known = parse_certificate(*pem);
     if (known && is_good(known->get(), key.get(), now)) certificate = *std::move(known);
   }
@@ -147,4 +147,4 @@ Result<PageCertificate> page_certificate(const fs::path& folder, std::time_t now
   return page;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -8,7 +8,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 struct PageCertificate {
   std::string certificate_pem;
@@ -22,4 +22,4 @@ struct PageCertificate {
 /// folder cannot be written, or OpenSSL fails.
 Result<PageCertificate> page_certificate(const std::filesystem::path& folder, std::time_t now);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

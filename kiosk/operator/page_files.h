@@ -5,7 +5,7 @@
 
 #include "common/http/page_file.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Returns the files of kiosk/operator/page/.
 [[nodiscard]] std::span<const PageFile> page_files();
@@ -13,4 +13,4 @@ namespace cyclorama {
 /// Returns the files that need no PIN: "/login.html" and the files that it uses.
 [[nodiscard]] std::span<const PageFile> login_files();
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -11,7 +11,7 @@
 
 #include "common/http/http_server.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr std::string_view kCookie = "__Host-cyclorama=";
@@ -135,4 +135,4 @@ void guard(httplib::Server& server, Sessions* sessions, std::span<const PageFile
   serve_login(server, sessions, std::move(told));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

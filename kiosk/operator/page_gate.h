@@ -3,7 +3,7 @@
 ///
 ///   with a PIN (HTTPS):    POST /login {"pin"} ──▶ a cookie __Host-cyclorama (Secure, HttpOnly, SameSite=Strict)
 ///                          required by everything but the login page; POST /logout ends it
-///                          while there is no PIN yet, GET /door reports why (door_checks.h), and so does /login
+///                          while there is no PIN yet, GET /access reports why (login_checks.h), and so does /login
 ///   without (loopback):    open to everybody on this computer, but only under a loopback name, so that a foreign name
 ///                          that resolves to it (DNS rebinding) is refused
 ///
@@ -23,7 +23,7 @@ namespace httplib {
 class Server;
 }
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Must be called before the other routes are added. `sessions` is borrowed; null: no PIN. `login` lists the files that
 /// need no PIN and must include "/login.html". `told` returns public findings: nothing once there is a PIN. It is
@@ -31,4 +31,4 @@ namespace cyclorama {
 void guard(httplib::Server& server, Sessions* sessions, std::span<const PageFile> login,
            std::function<std::vector<Check>()> told);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -5,13 +5,13 @@
 
 #include "common/base/address.h"
 #include "common/base/text.h"
-#include "kiosk/operator/door_checks.h"
+#include "kiosk/operator/login_checks.h"
 #include "kiosk/operator/metrics.h"
 #include "kiosk/operator/page_files.h"
 #include "kiosk/operator/page_gate.h"
 #include "kiosk/operator/status_json.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 void serve_state(httplib::Server& server, Watch* watch) {
@@ -31,9 +31,9 @@ void serve_state(httplib::Server& server, Watch* watch) {
 
 void serve_steering(httplib::Server& server, Watch* watch) {
   server.Post("/steer", [watch](const httplib::Request& request, httplib::Response& response) {
-    const auto wish = parse_steer(request.body);
-    if (!wish) return answer_error(wish.error(), response);
-    if (const Status sent = watch->steer(*wish); !sent) return answer_error(sent.error(), response);
+    const auto wanted = parse_steer(request.body);
+    if (!wanted) return answer_error(wanted.error(), response);
+    if (const Status sent = watch->steer(*wanted); !sent) return answer_error(sent.error(), response);
     response.status = 204;
   });
 }
@@ -52,7 +52,7 @@ Result<std::unique_ptr<PageServer>> PageServer::start(const std::string& address
   }
   const auto routes = [&](httplib::Server& server) {
     guard(server, extras.sessions, login_files(), [museum = extras.museum]() -> std::vector<Check> {
-      return museum == nullptr ? std::vector<Check>{} : told_at_the_door(museum->support.museum);
+      return museum == nullptr ? std::vector<Check>{} : login_page_checks(museum->support.museum);
     });
     serve_page(server, page_files());
     serve_state(server, watch);
@@ -64,4 +64,4 @@ Result<std::unique_ptr<PageServer>> PageServer::start(const std::string& address
   return std::unique_ptr<PageServer>(new PageServer(std::move(server)));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

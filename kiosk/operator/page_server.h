@@ -5,7 +5,7 @@
 ///   GET  /status                     status_json.h
 ///   GET  /picture/PROCESS/NAME.jpg   the newest picture; NAME may hold '/' (encoded or not). 404: none (yet)
 ///   GET  /metrics                    metrics.h
-///   GET  /door                       {"checks": []}: why nobody can log in yet; needs no PIN (door_checks.h)
+///   GET  /access                       {"checks": []}: why nobody can log in yet; needs no PIN (login_checks.h)
 ///   POST /steer                      {"forward", "right", "turn"} as application/json; 204
 ///   and those of museum_routes.h.
 ///
@@ -22,11 +22,11 @@
 #include "kiosk/operator/sessions.h"
 #include "kiosk/operator/watch.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// A page's parts besides the watched processes. All are borrowed, and each may be null.
 struct PageExtras {
-  MuseumDesk* museum = nullptr;
+  MuseumServices* museum = nullptr;
   Sessions* sessions = nullptr;  ///< Null: no PIN; for this computer only.
   const HttpTls* tls = nullptr;
 };
@@ -49,4 +49,4 @@ class PageServer {
   std::unique_ptr<HttpServer> server_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

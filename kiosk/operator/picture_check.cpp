@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdlib>
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr int kNoiseLevels = 6;  // Above JPEG's noise at quality 92 on a still picture.
@@ -54,9 +54,9 @@ double changed_share(const RgbImage& before, const RgbImage& after) {
   const auto a = before.data();
   const auto b = after.data();
   for (std::size_t i = 0; i < a.size(); i += 3) {
-    int most = 0;
-    for (std::size_t c = i; c < i + 3; ++c) most = std::max(most, std::abs(int{a[c]} - int{b[c]}));
-    if (most > kNoiseLevels) ++changed;
+    int max = 0;
+    for (std::size_t c = i; c < i + 3; ++c) max = std::max(max, std::abs(int{a[c]} - int{b[c]}));
+    if (max > kNoiseLevels) ++changed;
   }
   return static_cast<double>(changed) / static_cast<double>(a.size() / 3);
 }
@@ -114,4 +114,4 @@ RgbImage contact_sheet(const std::vector<std::vector<RgbImage>>& rows, int cell_
   return sheet;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

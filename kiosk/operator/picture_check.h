@@ -5,7 +5,7 @@
 
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Returns true for an empty-looking picture: hardly any pixel differs from the median by more than a few levels.
 [[nodiscard]] bool is_blank(const RgbImage& picture);
@@ -20,4 +20,4 @@ namespace cyclorama {
 /// height; an empty picture leaves its cell dark.
 [[nodiscard]] RgbImage contact_sheet(const std::vector<std::vector<RgbImage>>& rows, int cell_width);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

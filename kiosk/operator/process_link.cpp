@@ -10,7 +10,7 @@
 #include "common/base/text.h"
 #include "common/wire/channel.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr auto kDeadline = std::chrono::seconds(2);
@@ -35,7 +35,7 @@ constexpr std::array<Absence, 6> kAbsences{{
     {"display", "cyclorama-display", "The projectors show nothing new."},
     {"tracker", "cyclorama-tracker", "The wand is not seen; keys still steer."},
     {"projectors", "cyclorama-projectors", "No projector is switched on or off by the opening hours."},
-    {"head", "cyclorama-farm", "No new pictures are ray traced."},
+    {"coordinator", "cyclorama-farm", "No new pictures are ray traced."},
     {"simulated-room", "cyclorama-simulated-room",
      "The picture of the wall is not made; a real wall does not need it."},
 }};
@@ -93,4 +93,4 @@ std::string away_sentence(const Endpoint& endpoint, const Error& error) {
   return fmt::format("It {} at {}. See that it runs and listens there.", how, printable(endpoint.address));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

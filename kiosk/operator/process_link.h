@@ -9,7 +9,7 @@
 #include "common/wire/museum.grpc.pb.h"
 #include "kiosk/operator/endpoint.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Connection to one watched process. The process may come and go; each call finds out. Every call blocks for at most
 /// two seconds (Inspection's deadline). Thread-safe.
@@ -39,4 +39,4 @@ Result<std::vector<ProcessLink>> make_links(const std::vector<Endpoint>& endpoin
 /// Explains an absent process and the remedy to people, in one or two sentences.
 [[nodiscard]] std::string away_sentence(const Endpoint& endpoint, const Error& error);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

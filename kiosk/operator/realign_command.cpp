@@ -9,9 +9,9 @@
 #include "common/wire/channel.h"
 #include "common/wire/show.grpc.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
-constexpr auto kToTell = std::chrono::seconds(5);
+constexpr auto kRequestTimeout = std::chrono::seconds(5);
 constexpr auto kToPlace = std::chrono::minutes(20);
 }  // namespace
 
@@ -34,7 +34,7 @@ Status RealignCommand::run() const {
   const auto stub = wire::Healing::NewStub(channel);
   grpc::ClientContext context;
   if (!places_cameras) {
-    context.set_deadline(std::chrono::system_clock::now() + kToTell);
+    context.set_deadline(std::chrono::system_clock::now() + kRequestTimeout);
     wire::RealignOrder order;
     order.set_undo(undoes);
     wire::RealignAnswer answer;
@@ -59,4 +59,4 @@ Status RealignCommand::run() const {
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -6,7 +6,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// cyclorama realign: aligns the projectors anew while the show goes on, locates the fixed cameras, or undoes the last
 /// correction.
@@ -20,4 +20,4 @@ struct RealignCommand {
   [[nodiscard]] Status run() const;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

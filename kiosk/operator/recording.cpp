@@ -7,10 +7,10 @@
 #include "common/image/image_file.h"
 #include "kiosk/operator/picture_check.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 constexpr int kOverTimeWidthPx = 480;
-constexpr std::size_t kMostPictures = 64;
+constexpr std::size_t kMaxPictures = 64;
 }  // namespace
 
 Recording::Recording(std::vector<ProcessLink> links) : links_(std::move(links)), processes_(links_.size()) {
@@ -25,7 +25,7 @@ void Recording::look_at(const ProcessLink& link, RecordedProcess* process, TimeP
   process->last = observe(link, process->last);
   if (process->last.away) {
     if (!process->away_since) process->away_since = now;
-    if (process->answered) process->longest_absence = std::max(process->longest_absence, now - *process->away_since);
+    if (process->answered) process->max_absence = std::max(process->max_absence, now - *process->away_since);
     return;
   }
   process->answered = true;
@@ -38,7 +38,7 @@ void Recording::take_picture(const ProcessLink& link, const std::string& name) {
   const auto named = pictures_.find(name);
   // The first process with a picture of this name uses the plain name as the key.
   const std::string key = named == pictures_.end() || named->second.process == process ? name : process + "/" + name;
-  if (!pictures_.contains(key) && pictures_.size() >= kMostPictures) return;
+  if (!pictures_.contains(key) && pictures_.size() >= kMaxPictures) return;
   RecordedPicture& picture = pictures_[key];
   picture.process = process;
   picture.name = name;
@@ -48,7 +48,7 @@ void Recording::take_picture(const ProcessLink& link, const std::string& name) {
   if (!decoded) return;
   picture.newest = *std::move(decoded);
   if (picture.first.empty()) picture.first = picture.newest;
-  picture.most_changed = std::max(picture.most_changed, changed_share(picture.first, picture.newest));
+  picture.max_changed = std::max(picture.max_changed, changed_share(picture.first, picture.newest));
 }
 
 void Recording::tick() {
@@ -56,10 +56,10 @@ void Recording::tick() {
 }
 
 void Recording::begin() {
-  for (RecordedProcess& process : processes_) process.longest_absence = {};
+  for (RecordedProcess& process : processes_) process.max_absence = {};
   for (auto& [key, picture] : pictures_) {
     picture.first = picture.newest;
-    picture.most_changed = 0.0;
+    picture.max_changed = 0.0;
   }
 }
 
@@ -75,4 +75,4 @@ double Recording::frames() const {
   return tour == nullptr ? 0.0 : gauge_of(*tour, "frames").value_or(0.0);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

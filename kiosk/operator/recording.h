@@ -12,22 +12,22 @@
 #include "common/image/jpeg.h"
 #include "kiosk/operator/observation.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Data of one picture.
 struct RecordedPicture {
   std::string process;
   std::string name;
   RgbImage newest;
-  double most_changed = 0.0;       ///< Maximum of changed_share() between any later picture and the first.
+  double max_changed = 0.0;        ///< Maximum of changed_share() between any later picture and the first.
   RgbImage first;                  ///< Empty until one arrives.
   std::vector<RgbImage> overtime;  ///< Shrunk copies of the newest picture at each tick().
 };
 
 /// Data of one process.
 struct RecordedProcess {
-  Observation last;
-  Duration longest_absence{};  ///< Maximum since its first answer.
+  ProcessObservation last;
+  Duration max_absence{};  ///< Maximum since its first answer.
   std::optional<TimePoint> away_since;
   bool answered = false;
 };
@@ -59,4 +59,4 @@ class Recording {
   JpegDecoder decoder_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

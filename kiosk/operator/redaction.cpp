@@ -7,16 +7,16 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kShortestSecret = 4;
+constexpr std::size_t kMinSecretLength = 4;
 constexpr std::size_t kLongSecret = 24;
 constexpr std::size_t kPiece = 16;
-constexpr std::size_t kLargestSecretFile = 256 * 1024;
-constexpr std::size_t kMostSecrets = 4000;
+constexpr std::size_t kMaxSecretFileBytes = 256 * 1024;
+constexpr std::size_t kMaxSecrets = 4000;
 constexpr std::array<std::string_view, 11> kSecretWords{
     "pin", "password", "passwords", "passwd", "secret", "secrets", "token", "phrase", "key", "credential", "auth"};
 // Settings that are no secrets, or name the file of one.
@@ -79,7 +79,7 @@ bool ends_pem(std::string_view line) { return line.find("-----END ") != std::str
 
 void Redaction::add_secret(std::string_view secret) {
   secret = trimmed(secret);
-  if (secret.size() < kShortestSecret || secrets_.size() >= kMostSecrets) return;
+  if (secret.size() < kMinSecretLength || secrets_.size() >= kMaxSecrets) return;
   const std::string one(secret);
   if (std::find(secrets_.begin(), secrets_.end(), one) != secrets_.end()) return;
   const auto longer = [](const std::string& a, const std::string& b) { return a.size() > b.size(); };
@@ -94,7 +94,7 @@ void Redaction::add_secrets_of(const fs::path& folder) {
     const std::string extension = lower(entry->path().extension().string());
     const bool is_open = std::find(kOpenFiles.begin(), kOpenFiles.end(), extension) != kOpenFiles.end();
     if (is_open || entry->path().filename().string().starts_with(".")) continue;
-    const auto text = read_text_file(entry->path(), kLargestSecretFile);
+    const auto text = read_text_file(entry->path(), kMaxSecretFileBytes);
     if (!text) continue;  // What this program may not read cannot get into its texts.
     for_each_line(*text, [&](std::string_view line) {
       if (!begins_pem(line) && !ends_pem(line)) add_secret(line);
@@ -116,7 +116,7 @@ std::string Redaction::without_pieces(const std::string& text) const {
     }
     std::size_t last = at;
     while (is_piece(last + 1)) ++last;
-    result += kTakenOut;
+    result += kRedacted;
     at = last + kPiece;
   }
   return result;
@@ -130,7 +130,7 @@ std::string Redaction::cleaned(std::string_view text) const {
     if (is_pem) {
       if (ends_pem(line)) {
         is_pem = false;
-        result += std::string(kTakenOut) + "\n";
+        result += std::string(kRedacted) + "\n";
       }
       return;
     }
@@ -138,17 +138,17 @@ std::string Redaction::cleaned(std::string_view text) const {
     if (value == std::string_view::npos) {
       result += std::string(line) + "\n";
     } else {
-      result += std::string(line.substr(0, value)) + " " + kTakenOut + "\n";
+      result += std::string(line.substr(0, value)) + " " + kRedacted + "\n";
     }
   });
-  if (is_pem) result += std::string(kTakenOut) + "\n";  // The block lacks its end because the text was cut.
+  if (is_pem) result += std::string(kRedacted) + "\n";  // The block lacks its end because the text was cut.
   for (const std::string& secret : secrets_) {
     for (std::size_t at = 0; (at = result.find(secret, at)) != std::string::npos;) {
-      result.replace(at, secret.size(), kTakenOut);
-      at += std::string_view(kTakenOut).size();
+      result.replace(at, secret.size(), kRedacted);
+      at += std::string_view(kRedacted).size();
     }
   }
   return without_pieces(result);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Removes the secrets of the settings in use: lines of private keys, words of password files, the PIN's hash. It also
 /// removes whatever looks like a secret: blocks of PEM, and the values of settings whose name has one of the words pin,
@@ -31,6 +31,6 @@ class Redaction {
   std::set<std::string, std::less<>> pieces_ = {};  ///< Parts of the long secrets.
 };
 
-inline constexpr const char* kTakenOut = "[taken out]";
+inline constexpr const char* kRedacted = "[taken out]";
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -12,12 +12,12 @@
 #include "common/base/file.h"
 #include "kiosk/provision/pin.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr std::size_t kTokenBytes = 32;
-constexpr std::size_t kLargestPinFile = 4096;
-constexpr std::size_t kMostNetworks = 1000;
+constexpr std::size_t kMaxPinFileBytes = 4096;
+constexpr std::size_t kMaxNetworks = 1000;
 constexpr auto kForgiveAfter = std::chrono::hours(1);
 
 Result<std::string> new_token() {
@@ -66,13 +66,13 @@ void Sessions::was_wrong(const std::string& network, TimePoint now) {
   wrong_of_all_.take(1.0, now);
   std::erase_if(tries_, [&](const auto& entry) { return now - entry.second.last_at > kForgiveAfter; });
   // The limit for all networks together still holds.
-  if (tries_.size() >= kMostNetworks) tries_.erase(tries_.begin());
+  if (tries_.size() >= kMaxNetworks) tries_.erase(tries_.begin());
   Tries& tries = tries_[network];
   ++tries.wrong;
   tries.last_at = now;
   if (tries.wrong < rules_.free_tries) return;
   const int doublings = std::min(tries.wrong - rules_.free_tries, 20);
-  tries.next_at = now + std::min(rules_.first_wait * (1 << doublings), rules_.longest_wait);
+  tries.next_at = now + std::min(rules_.first_wait * (1 << doublings), rules_.max_wait);
 }
 
 void Sessions::forget_old(TimePoint now) {
@@ -85,7 +85,7 @@ Result<std::string> Sessions::open(std::string_view pin, const std::string& from
   const std::lock_guard one(trying_);
   const std::string network = network_of(from);
   TRY(may_try(network, clock_.now()));
-  const auto hash = read_text_file(pin_file_, kLargestPinFile);
+  const auto hash = read_text_file(pin_file_, kMaxPinFileBytes);
   if (!hash && hash.error().code() == ErrorCode::kNotFound) {
     return Error(
         ErrorCode::kNotFound,
@@ -96,7 +96,7 @@ Result<std::string> Sessions::open(std::string_view pin, const std::string& from
   for (const char c : pin) {
     if (c != ' ') plain += c;  // Spaces are ignored, as in operator.toml: people write PINs in groups.
   }
-  TRY_ASSIGN(const bool is_right, is_pin(plain, *hash));
+  TRY_ASSIGN(const bool is_right, provision::is_pin(plain, *hash));
   const TimePoint now = clock_.now();
   if (!is_right) {
     was_wrong(network, now);
@@ -106,7 +106,7 @@ Result<std::string> Sessions::open(std::string_view pin, const std::string& from
   const std::lock_guard lock(mutex_);
   tries_.erase(network);
   forget_old(now);
-  if (sessions_.size() >= rules_.most) {
+  if (sessions_.size() >= rules_.max) {
     sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(),
                                      [](const auto& a, const auto& b) { return a.second.used_at < b.second.used_at; }));
   }
@@ -129,4 +129,4 @@ void Sessions::close(std::string_view token) {
   if (const auto found = sessions_.find(token); found != sessions_.end()) sessions_.erase(found);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

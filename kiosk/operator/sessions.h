@@ -12,16 +12,16 @@
 #include "common/base/result.h"
 #include "common/base/token_bucket.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 struct SessionRules {
   Duration longest = std::chrono::hours(12);
   /// Maximum time without a request; an open page sends some every second.
   Duration idle = std::chrono::minutes(30);
-  std::size_t most = 32;  ///< Maximum number of sessions; beyond it the one idle for longest is closed.
-  int free_tries = 3;     ///< Number of wrong PINs from one network before it has to wait.
-  Duration first_wait = std::chrono::seconds(2);  ///< Doubles with each further wrong PIN, up to longest_wait.
-  Duration longest_wait = std::chrono::minutes(10);
+  std::size_t max = 32;  ///< Maximum number of sessions; beyond it the one idle for longest is closed.
+  int free_tries = 3;    ///< Number of wrong PINs from one network before it has to wait.
+  Duration first_wait = std::chrono::seconds(2);  ///< Doubles with each further wrong PIN, up to max_wait.
+  Duration max_wait = std::chrono::minutes(10);
   double tries_per_minute = 10.0;  ///< Rate for all networks together: 10^6 PINs take two months.
   double tries_at_once = 30.0;     ///< Burst that the rate allows at first.
 };
@@ -69,4 +69,4 @@ class Sessions {
 /// Returns "192.0.2.7", or the first half of an IPv6 address, which one household or hall shares: "2001:db8:0:1".
 [[nodiscard]] std::string network_of(const std::string& address);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -10,7 +10,7 @@
 #include "common/base/text.h"
 #include "kiosk/operator/frame_stages.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -26,7 +26,7 @@ Json stage_json(const wire::Stage& stage) {
           {"p99_ms", stage.p99_ms()}};
 }
 
-Json process_json(const Observation& observation) {
+Json process_json(const ProcessObservation& observation) {
   Json json{{"name", observation.endpoint.name},
             {"address", observation.endpoint.address},
             {"asked", observation.asked},
@@ -65,11 +65,11 @@ Json flow_json(const wire::ProcessStatus& tour) {
 
 }  // namespace
 
-std::string status_json(const std::vector<Observation>& observations) {
+std::string status_json(const std::vector<ProcessObservation>& observations) {
   Json json{{"well", std::all_of(observations.begin(), observations.end(), [](const auto& o) { return o.is_well(); })},
             {"flow", Json::array()},
             {"processes", Json::array()}};
-  for (const Observation& observation : observations) {
+  for (const ProcessObservation& observation : observations) {
     json["processes"].push_back(process_json(observation));
     if (observation.endpoint.name == "tour" && observation.status) json["flow"] = flow_json(*observation.status);
   }
@@ -96,4 +96,4 @@ Result<wire::SteerRequest> parse_steer(std::string_view text) {
   return request;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -7,10 +7,10 @@
 
 #include "kiosk/operator/frame_stages.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
-const char* word_for(const Observation& observation) {
+const char* word_for(const ProcessObservation& observation) {
   if (observation.away) return "away";
   return observation.is_well() ? "well" : "needs you";
 }
@@ -28,26 +28,26 @@ void append_stages(const wire::ProcessStatus& tour, std::string* table) {
 
 }  // namespace
 
-std::string status_table(const std::vector<Observation>& observations) {
+std::string status_table(const std::vector<ProcessObservation>& observations) {
   std::string table;
-  for (const Observation& observation : observations) {
+  for (const ProcessObservation& observation : observations) {
     fmt::format_to(std::back_inserter(table), "{:<16}{:<10} {}\n", observation.endpoint.name, word_for(observation),
                    observation.sentence);
     if (observation.away || observation.status->pictures().empty()) continue;
     fmt::format_to(std::back_inserter(table), "{:<27}pictures: {}\n", "",
                    fmt::join(observation.status->pictures(), ", "));
   }
-  for (const Observation& observation : observations) {
+  for (const ProcessObservation& observation : observations) {
     if (observation.endpoint.name == "tour" && observation.status) append_stages(*observation.status, &table);
   }
   return table;
 }
 
 std::string status_table_of(const Recording& recording, const RecordedSpan& span) {
-  std::vector<Observation> observations;
+  std::vector<ProcessObservation> observations;
   for (const RecordedProcess& process : recording.processes()) observations.push_back(process.last);
   return fmt::format("{}\n{:.0f} frames in {:.1f} s: {:.1f} frames a second\n", status_table(observations), span.frames,
                      span.seconds, span.seconds > 0.0 ? span.frames / span.seconds : 0.0);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -13,14 +13,14 @@
 #include "kiosk/operator/frame_stages.h"
 #include "kiosk/operator/picture_check.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kDropped = "dropped: ";
 constexpr double kFrozenShare = 0.002;
-constexpr auto kLongestAbsence = std::chrono::seconds(3);
+constexpr auto kMaxAbsence = std::chrono::seconds(3);
 constexpr int kSheetCellPx = 480;
 
 bool is_watched(const Recording& recording, std::string_view name) {
@@ -41,8 +41,8 @@ void judge_processes(const Recording& recording, std::vector<std::string>* probl
       problems->push_back(fmt::format("{} is away. {}", name, process.last.sentence));
     } else if (!process.last.is_well()) {
       problems->push_back(fmt::format("{} is not well: {}", name, process.last.sentence));
-    } else if (process.longest_absence > kLongestAbsence) {
-      problems->push_back(fmt::format("{} did not answer for {:.1f} s", name, to_seconds(process.longest_absence)));
+    } else if (process.max_absence > kMaxAbsence) {
+      problems->push_back(fmt::format("{} did not answer for {:.1f} s", name, to_seconds(process.max_absence)));
     }
   }
 }
@@ -55,7 +55,7 @@ void judge_picture(const Recording& recording, const std::string& name, const ch
     problems->push_back(fmt::format("the picture '{}' of {} never came", name, process));
   } else if (is_blank(picture->newest)) {
     problems->push_back(fmt::format("the picture '{}' of {} is blank", name, picture->process));
-  } else if (moves && picture->most_changed < kFrozenShare) {
+  } else if (moves && picture->max_changed < kFrozenShare) {
     problems->push_back(fmt::format("the picture '{}' of {} is frozen: it did not change while it was recorded", name,
                                     picture->process));
   }
@@ -178,4 +178,4 @@ Status write_recording(const Recording& recording, const std::filesystem::path& 
   return write_file_atomically(folder / "summary.json", std::string_view(summary));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

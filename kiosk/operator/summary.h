@@ -10,7 +10,7 @@
 #include "common/base/result.h"
 #include "kiosk/operator/recording.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 struct RecordedSpan {
   double seconds = 0.0;
@@ -35,4 +35,4 @@ struct RecordedSpan {
 /// which is made if needed. Errors: kSystem if it cannot be written.
 Status write_recording(const Recording& recording, const std::filesystem::path& folder, const std::string& summary);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -13,14 +13,14 @@
 #include "common/process/child.h"
 #include "kiosk/operator/redaction.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLargestFile = 1 << 20;
-constexpr std::size_t kMostFiles = 100;
-constexpr std::size_t kMostJournalRead = std::size_t{64} << 20;
+constexpr std::size_t kMaxFileBytes = 1 << 20;
+constexpr std::size_t kMaxFiles = 100;
+constexpr std::size_t kMaxJournalRead = std::size_t{64} << 20;
 
 using Members = std::map<std::string, std::string>;
 
@@ -65,9 +65,9 @@ void add_files(const fs::path& folder, const std::string& within, const Redactio
   for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed)) {
     const std::string extension = entry->path().extension().string();
     if (extension != ".toml" && extension != ".json") continue;
-    if (members->size() >= kMostFiles) return;
+    if (members->size() >= kMaxFiles) return;
     const std::string name = within + entry->path().filename().string();
-    const auto text = read_text_file(entry->path(), kLargestFile);
+    const auto text = read_text_file(entry->path(), kMaxFileBytes);
     if (text) {
       (*members)[name] = redaction.cleaned(*text);
     } else {
@@ -81,12 +81,12 @@ std::string versions() {
   std::string text = fmt::format("cyclorama {}\n", CYCLORAMA_VERSION);
   utsname kernel{};
   if (::uname(&kernel) == 0) text += fmt::format("{} {} {}\n", kernel.sysname, kernel.release, kernel.machine);
-  if (const auto system = read_text_file("/usr/lib/os-release", kLargestFile)) text += *system;
+  if (const auto system = read_text_file("/usr/lib/os-release", kMaxFileBytes)) text += *system;
   return text;
 }
 
 void add_journal(const SupportOrder& order, const Redaction& redaction, Members* members, std::string* problems) {
-  const auto journal = run_child(order.journal, {order.longest, kMostJournalRead});
+  const auto journal = run_child(order.journal, {order.longest, kMaxJournalRead});
   if (!journal) {
     *problems += fmt::format("journal.txt: {}\n", journal.error().message());
     return;
@@ -95,9 +95,9 @@ void add_journal(const SupportOrder& order, const Redaction& redaction, Members*
   std::string text = journal->output;
   // Redacts before truncation, since half a secret would not be recognised.
   text = redaction.cleaned(text);
-  if (text.size() > order.most_journal_bytes) {
-    const std::size_t from = text.find('\n', text.size() - order.most_journal_bytes);
-    text.erase(0, from == std::string::npos ? text.size() - order.most_journal_bytes : from + 1);
+  if (text.size() > order.max_journal_bytes) {
+    const std::size_t from = text.find('\n', text.size() - order.max_journal_bytes);
+    text.erase(0, from == std::string::npos ? text.size() - order.max_journal_bytes : from + 1);
     text.insert(0, "[older lines were left out]\n");
   }
   (*members)["journal.txt"] = std::move(text);
@@ -124,4 +124,4 @@ Result<std::string> support_bundle(const SupportOrder& order, const std::string&
   return zipped(members);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -9,13 +9,13 @@
 #include "common/base/result.h"
 #include "kiosk/operator/museum_state.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 struct SupportOrder {
   MuseumState museum;
   std::vector<std::string> journal{"journalctl", "--no-pager", "--output=short-iso", "--lines=6000"};
-  std::size_t most_journal_bytes = std::size_t{4} << 20;  ///< Limit of the newest part; older lines are left out.
-  Duration longest = std::chrono::seconds(15);            ///< Timeout of the journal command.
+  std::size_t max_journal_bytes = std::size_t{4} << 20;  ///< Limit of the newest part; older lines are left out.
+  Duration longest = std::chrono::seconds(15);           ///< Timeout of the journal command.
 };
 
 /// Returns a ZIP: status.json, checks.json, versions.txt, every .toml and .json of the settings in use and of the state
@@ -24,4 +24,4 @@ struct SupportOrder {
 Result<std::string> support_bundle(const SupportOrder& order, const std::string& status_json,
                                    const std::string& checks_json);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -10,13 +10,13 @@
 #include "common/base/file.h"
 #include "kiosk/update/update_status.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 namespace fs = std::filesystem;
-using State = UpdateStatus::State;
+using State = update::UpdateStatus::State;
 
-constexpr std::size_t kLargestStatus = 64 * 1024;
+constexpr std::size_t kMaxStatusBytes = 64 * 1024;
 constexpr auto kBetweenLooks = std::chrono::milliseconds(500);
 
 }  // namespace
@@ -24,7 +24,8 @@ constexpr auto kBetweenLooks = std::chrono::milliseconds(500);
 void UpdateCommand::add_to(CLI::App* app) {
   CLI::App& command = *app->add_subcommand(
       "update", "Look for a newer version now, on a USB stick named CYCLORAMA or at the farm, and report the result");
-  command.add_option("--wishes", wishes, "Folder in which the museum image looks for requests")->capture_default_str();
+  command.add_option("--wishes", requests, "Folder in which the museum image looks for requests")
+      ->capture_default_str();
   command.add_option("--museum", museum, "The museum's state folder")->capture_default_str();
   command.add_option("--wait", wait_s, "Seconds to wait for the result; the update goes on all the same")
       ->check(CLI::Range(0.0, 86400.0))
@@ -33,27 +34,27 @@ void UpdateCommand::add_to(CLI::App* app) {
 
 Status UpdateCommand::run(const StopSignal& stop) const {
   std::error_code failed;
-  if (!fs::is_directory(wishes, failed)) {
+  if (!fs::is_directory(requests, failed)) {
     return Error(ErrorCode::kNotFound,
                  fmt::format("'{}' is not there: this computer's software is not kept by the museum image, or its "
                              "operator page does not run; install the newer packages instead",
-                             wishes));
+                             requests));
   }
-  const fs::path wish = fs::path(wishes) / "update", report = fs::path(museum) / kUpdateStatusFile;
-  const auto said = [&report]() -> Result<UpdateStatus> {
-    TRY_ASSIGN(const std::string text, read_text_file(report, kLargestStatus));
-    return parse_update_status(text);
+  const fs::path wanted = fs::path(requests) / "update", report = fs::path(museum) / update::kUpdateStatusFile;
+  const auto said = [&report]() -> Result<update::UpdateStatus> {
+    TRY_ASSIGN(const std::string text, read_text_file(report, kMaxStatusBytes));
+    return update::parse_update_status(text);
   };
   const auto before = said();
-  TRY(write_file_atomically(wish, std::string_view("\n")));
+  TRY(write_file_atomically(wanted, std::string_view("\n")));
   const SteadyClock clock;
   const TimePoint deadline = clock.now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(wait_s));
   // The updater has begun when the request file is gone, and is done when it reports any state but checking or loading.
   bool is_over = false;
-  UpdateStatus status;
+  update::UpdateStatus status;
   while (!is_over && clock.now() < deadline && !stop.wait_until(clock.now() + kBetweenLooks)) {
     const auto parsed = said();
-    if (!parsed || fs::exists(wish, failed)) continue;
+    if (!parsed || fs::exists(wanted, failed)) continue;
     status = *parsed;
     is_over =
         (!before || status.at != before->at) && status.state != State::kChecking && status.state != State::kLoading;
@@ -65,4 +66,4 @@ Status UpdateCommand::run(const StopSignal& stop) const {
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

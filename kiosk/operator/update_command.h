@@ -7,11 +7,11 @@
 #include "common/base/result.h"
 #include "common/process/stop_signal.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// cyclorama update: does the same as the operator page's button, and prints the result.
 struct UpdateCommand {
-  std::string wishes = "/run/cyclorama-wishes";
+  std::string requests = "/run/cyclorama-wishes";
   std::string museum = "/var/lib/cyclorama";
   double wait_s = 3600.0;
 
@@ -21,4 +21,4 @@ struct UpdateCommand {
   [[nodiscard]] Status run(const StopSignal& stop) const;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

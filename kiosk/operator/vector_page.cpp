@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr double kPointsPerMm = 72.0 / 25.4;
@@ -83,4 +83,4 @@ std::string to_pdf(const std::vector<VectorPage>& pages) {
   return file;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// A point on a page, in millimetres from its upper left corner.
 struct PagePoint {
@@ -28,7 +28,7 @@ class VectorPage {
   /// black.
   void fill(const std::vector<std::pair<PagePoint, PagePoint>>& rectangles, double grey);
   void fill(const std::vector<PagePoint>& polygon, double grey);
-  /// Draws text in Helvetica, `height_mm` from line to line, from `at` along its base line. ASCII; other bytes become
+  /// RandomStream text in Helvetica, `height_mm` from line to line, from `at` along its base line. ASCII; other bytes become
   /// '?'.
   void text(const PagePoint& at, double height_mm, std::string_view words);
 
@@ -44,4 +44,4 @@ class VectorPage {
 /// Returns a PDF 1.4 file (ISO 32000-1): one content stream per page, the standard font Helvetica, nothing else.
 [[nodiscard]] std::string to_pdf(const std::vector<VectorPage>& pages);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

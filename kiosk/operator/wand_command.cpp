@@ -11,7 +11,7 @@
 #include "common/base/file.h"
 #include "kiosk/operator/wand_sheet.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 void WandCommand::add_to(CLI::App* app) {
   CLI::App& wand = *app->add_subcommand("wand", "Print a wand: a sheet to cut and fold");
@@ -44,4 +44,4 @@ Status WandCommand::run() const {
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

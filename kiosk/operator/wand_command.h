@@ -7,7 +7,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// cyclorama wand: prints and describes a wand.
 struct WandCommand {
@@ -21,4 +21,4 @@ struct WandCommand {
   [[nodiscard]] Status run() const;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -8,7 +8,7 @@
 #include "common/base/check.h"
 #include "common/wand/tag_bitmap.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr double kCutMm = 0.25;
@@ -16,7 +16,7 @@ constexpr double kFoldMm = 0.2;
 constexpr double kFlapMm = 9.0;
 constexpr double kBarMm = 20.0;
 
-/// Draws the card's lines, in millimetres from the middle of the sheet.
+/// RandomStream the card's lines, in millimetres from the middle of the sheet.
 class CardDrawing {
  public:
   CardDrawing(const FoldedCard& card, VectorPage* page)
@@ -63,7 +63,7 @@ class CardDrawing {
     }
   }
 
-  /// Draws the scale bar beside the upper lid, where nothing is cut.
+  /// RandomStream the scale bar beside the upper lid, where nothing is cut.
   void draw_scale() {
     const double right = 3.0 * half_panel_;
     const double y = -half_height_ - lid_depth_ + 10.0;
@@ -92,7 +92,7 @@ class CardDrawing {
   VectorPage* page_;
 };
 
-/// Draws the folded card from above, as the instructions describe it.
+/// RandomStream the folded card from above, as the instructions describe it.
 void draw_folded(const FoldedCard& card, double scale, const PagePoint& middle, VectorPage* page) {
   const double half = scale * 500.0 * card.panel_width_m;
   const double depth = scale * 1e3 * card.lid_depth_m();
@@ -162,4 +162,4 @@ std::vector<VectorPage> wand_sheet(int number, const Paper& paper) {
   return {sheet, instructions(number, paper)};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -8,7 +8,7 @@
 #include "common/wand/folded_card.h"
 #include "kiosk/operator/vector_page.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// A paper size in landscape, and the scale of its card relative to FoldedCard's default.
 struct Paper {
@@ -26,4 +26,4 @@ struct Paper {
 /// Returns the card that a sheet of this paper gives.
 [[nodiscard]] FoldedCard card_on(const Paper& paper);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

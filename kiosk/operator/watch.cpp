@@ -3,16 +3,16 @@
 
 #include <fmt/format.h>
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 constexpr auto kBetweenQuestions = std::chrono::milliseconds(500);
 constexpr auto kPictureFresh = std::chrono::milliseconds(90);
-constexpr std::size_t kMostPictures = 64;
+constexpr std::size_t kMaxPictures = 64;
 }  // namespace
 
 Watch::Watch(std::vector<ProcessLink> links) : links_(std::move(links)) {
   for (const ProcessLink& link : links_) {
-    Observation unknown;
+    ProcessObservation unknown;
     unknown.endpoint = link.endpoint();
     unknown.sentence = "It has not been asked yet.";
     observations_.push_back(std::move(unknown));
@@ -30,7 +30,7 @@ Watch::~Watch() {
 }
 
 void Watch::look(std::size_t index) {
-  Observation last;
+  ProcessObservation last;
   for (;;) {
     last = observe(links_[index], last);
     std::unique_lock lock(mutex_);
@@ -39,7 +39,7 @@ void Watch::look(std::size_t index) {
   }
 }
 
-std::vector<Observation> Watch::observations() const {
+std::vector<ProcessObservation> Watch::observations() const {
   const std::lock_guard lock(mutex_);
   return observations_;
 }
@@ -70,7 +70,7 @@ Result<std::shared_ptr<const wire::Picture>> Watch::picture(const std::string& p
       lock.unlock();
       return answer.get();
     }
-    if (pictures_.size() >= kMostPictures) pictures_.clear();
+    if (pictures_.size() >= kMaxPictures) pictures_.clear();
     pictures_[key] = {promise.get_future().share(), now};
   }
   const auto ask = [&]() -> Picture {
@@ -88,4 +88,4 @@ Status Watch::steer(const wire::SteerRequest& request) const {
   return tour->steer(request);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

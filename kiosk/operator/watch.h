@@ -13,7 +13,7 @@
 #include "common/base/clock.h"
 #include "kiosk/operator/observation.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 
 /// Polls all processes, so that each gets two requests a second however many pages are open. Thread-safe. Threads: one
 /// per process, named after it, polling twice a second; a process that hangs delays no other.
@@ -25,7 +25,7 @@ class Watch {
   Watch& operator=(const Watch&) = delete;
 
   /// Returns the observations in the order of the links.
-  [[nodiscard]] std::vector<Observation> observations() const;
+  [[nodiscard]] std::vector<ProcessObservation> observations() const;
   /// Returns ProcessLink::picture(), with at most ten requests a second for one picture from all callers together.
   /// Errors: kNotFound also for a process that is not watched.
   Result<std::shared_ptr<const wire::Picture>> picture(const std::string& process, const std::string& name);
@@ -48,10 +48,10 @@ class Watch {
   mutable std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;
   bool stopping_ = false;
-  std::vector<Observation> observations_;
+  std::vector<ProcessObservation> observations_;
   std::map<std::string, Shown> pictures_;
 
   std::vector<std::thread> threads_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

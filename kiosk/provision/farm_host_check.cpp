@@ -7,7 +7,7 @@
 #include "common/config/config.h"
 #include "kiosk/provision/folder_check.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,14 +56,14 @@ class FarmHostChecker {
     check_file(root.text("museums_file", ""), "farm.toml museums_file", kGroup);  // Holds the keys of watermarks.
     if (root.has("tls")) {
       ConfigTable tls = root.table("tls");
-      check_.check_certificates(tls_of(tls), Role::kHead, "farm.toml [tls]", kGroup, "head NAME");
+      check_.check_certificates(tls_of(tls), Role::kCoordinator, "farm.toml [tls]", kGroup, "coordinator NAME");
       check_file(tls.text("revoked", ""), "farm.toml [tls] revoked");
     }
     if (root.has("watch")) {
       check_file(root.table("watch").text("token_file", ""), "farm.toml [watch] token_file", kGroup);
     }
     for (ConfigTable& scene : root.tables("scene")) {
-      if (scene.text("on", "nodes") == "head") check_scene(scene.text("name", ""), scene.text("path", ""));
+      if (scene.text("on", "nodes") == "coordinator") check_scene(scene.text("name", ""), scene.text("path", ""));
     }
   }
 
@@ -82,7 +82,7 @@ class FarmHostChecker {
     auto config = Config::read(check_.in("node.toml"));
     if (!config) return check_.problem(config.error().message());
     ConfigTable root = config->root();
-    check_.verdict().farm = root.texts("heads", std::vector<std::string>{});
+    check_.verdict().farm = root.texts("coordinators", std::vector<std::string>{});
     if (!root.has("tls")) return;
     ConfigTable tls = root.table("tls");
     check_.check_certificates(tls_of(tls), Role::kNode, "node.toml [tls]", "cyclorama-node", "node NAME");
@@ -97,4 +97,4 @@ SettingsVerdict check_farm_host(const fs::path& folder, const SettingsCheck& how
   return FarmHostChecker(folder, how).run();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

@@ -10,12 +10,12 @@
 #include "common/process/child.h"
 #include "common/wire/openssl.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 
 namespace fs = std::filesystem;
 
 namespace {
-constexpr std::size_t kLargestText = 1 << 20;
+constexpr std::size_t kMaxTextBytes = 1 << 20;
 /// Generous, so that only a program that hangs exceeds it: a computer that is busy with the show is slow, and that does
 /// not make its settings wrong.
 constexpr ChildLimits kCheckLimits{std::chrono::minutes(5)};
@@ -75,7 +75,7 @@ void FolderCheck::check_certificates(const TlsFiles& files, Role role, const std
     return problem(fmt::format("'{}' is the certificate of {}; a {} needs one that cyclorama-authority made with '{}'",
                                files.certificate.string(), to_text(*owner), to_text(role), words));
   }
-  const auto pem = read_text_file(files.certificate, kLargestText);
+  const auto pem = read_text_file(files.certificate, kMaxTextBytes);
   if (!pem) return problem(pem.error().message());
   const auto certificate = parse_certificate(*pem);
   if (!certificate) return;
@@ -98,4 +98,4 @@ void FolderCheck::ask(std::vector<std::string> command) {
   problem(fmt::format("{} refuses them: {}", name, printable(without_folder(said), 1000)));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

@@ -11,7 +11,7 @@
 #include "common/wire/tls.h"
 #include "kiosk/provision/settings_check.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 
 /// Collects the verdict on a folder. Sentences omit the folder's path, which means nothing to the reader. Thread-bound.
 class FolderCheck {
@@ -53,4 +53,4 @@ class FolderCheck {
 /// the coordinator the scenes that lie beside them.
 [[nodiscard]] SettingsVerdict check_farm_host(const std::filesystem::path& folder, const SettingsCheck& how);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

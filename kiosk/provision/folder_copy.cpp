@@ -18,11 +18,11 @@
 #include "common/base/unique_fd.h"
 #include "common/wire/openssl.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
-constexpr std::size_t kLongestName = 80;
-constexpr std::size_t kMostEntries = 2000;
+constexpr std::size_t kMaxNameLength = 80;
+constexpr std::size_t kMaxEntries = 2000;
 constexpr std::size_t kPartBytes = 64 * 1024;
 constexpr std::size_t kHexDigits = 64;
 constexpr std::array<std::string_view, 4> kNotOurs{"System Volume Information", "Thumbs.db", "desktop.ini",
@@ -78,7 +78,7 @@ Result<std::vector<std::string>> names_in(const UniqueFd& folder, const std::str
     if (entry == nullptr) break;
     const std::string_view one = entry->d_name;
     if (one == "." || one == "..") continue;
-    if (names.size() >= kMostEntries) return refused(name, "holds thousands of entries; it is no museum's settings");
+    if (names.size() >= kMaxEntries) return refused(name, "holds thousands of entries; it is no museum's settings");
     names.emplace_back(one);
   }
   std::sort(names.begin(), names.end());
@@ -120,15 +120,15 @@ class Copier {
     if (S_ISDIR(info.st_mode)) return copy_inner(entry, to, name, within);
     if (!S_ISREG(info.st_mode)) return refused(path, kNoFile);
     const auto bytes = static_cast<std::size_t>(info.st_size);
-    if (bytes > limits_.largest_bytes) {
-      return refused(path, fmt::format("has {} MB; a file may have {}", bytes >> 20, limits_.largest_bytes >> 20));
+    if (bytes > limits_.max_file_bytes) {
+      return refused(path, fmt::format("has {} MB; a file may have {}", bytes >> 20, limits_.max_file_bytes >> 20));
     }
-    if (copied_.files.size() >= limits_.most_files) {
-      return refused(path, fmt::format("is one file too many; there may be {}", limits_.most_files));
+    if (copied_.files.size() >= limits_.max_files) {
+      return refused(path, fmt::format("is one file too many; there may be {}", limits_.max_files));
     }
     bytes_ += bytes;
-    if (bytes_ > limits_.most_bytes) {
-      return refused(path, fmt::format("is too much; all files may have {} MB together", limits_.most_bytes >> 20));
+    if (bytes_ > limits_.max_bytes) {
+      return refused(path, fmt::format("is too much; all files may have {} MB together", limits_.max_bytes >> 20));
     }
     return copy_file(entry, bytes, to, name, path);
   }
@@ -213,7 +213,7 @@ bool is_plain_name(std::string_view name) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-' ||
            c == '_';
   };
-  return !name.empty() && name.size() <= kLongestName && name.front() != '.' && name.front() != '-' &&
+  return !name.empty() && name.size() <= kMaxNameLength && name.front() != '.' && name.front() != '-' &&
          std::all_of(name.begin(), name.end(), is_plain);
 }
 
@@ -221,7 +221,7 @@ FolderLimits within(std::uintmax_t available_bytes, FolderLimits limits) {
   constexpr std::uintmax_t kKeptFree = std::uintmax_t{256} << 20;
   constexpr std::uintmax_t kSettings = std::uintmax_t{1} << 20;
   const std::uintmax_t room = available_bytes > kKeptFree + kSettings ? available_bytes - kKeptFree : kSettings;
-  limits.most_bytes = std::min<std::uintmax_t>(limits.most_bytes, room);
+  limits.max_bytes = std::min<std::uintmax_t>(limits.max_bytes, room);
   return limits;
 }
 
@@ -260,7 +260,7 @@ Result<std::vector<CopiedFile>> parse_checksums(std::string_view text) {
     if (!is_sha256(line.substr(0, kHexDigits))) return bad("not 64 hexadecimal digits");
     if (!is_path_of_plain_names(name)) return bad("the name is not plain");
     if (!names.emplace(name).second) return bad(fmt::format("'{}' comes twice", name));
-    if (files.size() >= FolderLimits{}.most_files) return bad("too many files");
+    if (files.size() >= FolderLimits{}.max_files) return bad("too many files");
     files.push_back({std::string(name), 0, std::string(line.substr(0, kHexDigits))});
   }
   return files;
@@ -278,4 +278,4 @@ Result<std::string> sha256_of(std::string_view bytes) {
   return finished(digest);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

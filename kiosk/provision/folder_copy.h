@@ -12,12 +12,12 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 
 struct FolderLimits {
-  std::size_t most_files = 200;
-  std::size_t largest_bytes = std::size_t{64} << 20;  ///< Limit of one file; measured warps are the largest.
-  std::size_t most_bytes = std::size_t{256} << 20;    ///< Limit of all files together.
+  std::size_t max_files = 200;
+  std::size_t max_file_bytes = std::size_t{64} << 20;  ///< Limit of one file; measured warps are the largest.
+  std::size_t max_bytes = std::size_t{256} << 20;      ///< Limit of all files together.
 };
 
 /// Reduces the limits to the available space less 256 MiB for other programs; never below 1 MiB, enough for settings.
@@ -56,4 +56,4 @@ Result<std::vector<CopiedFile>> parse_checksums(std::string_view text);
 /// Returns the hash in hexadecimal. Errors: kSystem if OpenSSL fails.
 Result<std::string> sha256_of(std::string_view bytes);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

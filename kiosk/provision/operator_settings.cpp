@@ -6,7 +6,7 @@
 #include "common/config/config.h"
 #include "kiosk/provision/pin.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
 /// Removes what may quote the PIN: a TOML reader's message may quote the file, and everybody can read it on the page
@@ -49,4 +49,4 @@ Result<OperatorSettings> parse_operator_settings(std::string_view text, std::str
   return settings;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

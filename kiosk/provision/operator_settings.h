@@ -7,7 +7,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 
 /// operator.toml as it comes on a USB stick. It is never stored: the settings in use have the PIN's hash instead.
 ///
@@ -20,4 +20,4 @@ struct OperatorSettings {
 /// `name` stands for the file in errors, which never hold the PIN. Errors: as Config::read() and check_pin().
 Result<OperatorSettings> parse_operator_settings(std::string_view text, std::string name);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

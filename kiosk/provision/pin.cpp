@@ -13,14 +13,14 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
-constexpr std::size_t kShortest = 6;
-constexpr std::size_t kLongest = 64;
+constexpr std::size_t kMinPinLength = 6;
+constexpr std::size_t kMaxPinLength = 64;
 constexpr std::size_t kSaltBytes = 16;
 constexpr std::size_t kHashBytes = 32;
-constexpr std::uint64_t kMostMemory = 160 << 20;
+constexpr std::uint64_t kMaxMemory = 160 << 20;
 
 struct Cost {
   // 32 MiB with r = 8: 0.1 s on a museum's computer, so that 10^6 PINs take more than a day of one core.
@@ -57,7 +57,7 @@ std::optional<std::vector<unsigned char>> bytes_of(std::string_view text) {
 Result<std::vector<unsigned char>> derived(std::string_view pin, const std::vector<unsigned char>& salt, Cost cost) {
   std::vector<unsigned char> hash(kHashBytes);
   if (EVP_PBE_scrypt(pin.data(), pin.size(), salt.data(), salt.size(), std::uint64_t{1} << cost.log2_n,
-                     static_cast<std::uint64_t>(cost.r), static_cast<std::uint64_t>(cost.p), kMostMemory, hash.data(),
+                     static_cast<std::uint64_t>(cost.r), static_cast<std::uint64_t>(cost.p), kMaxMemory, hash.data(),
                      hash.size()) != 1) {
     return Error(ErrorCode::kSystem, "OpenSSL cannot hash a PIN with scrypt; is there enough memory?");
   }
@@ -73,9 +73,9 @@ Result<PinHash> parse(std::string_view text) {
     at = end + 1;
   }
   if (text.size() > 400 || parts.size() != 6 || parts[0] != "scrypt") return bad;
-  const auto number = [&](std::size_t part, long long most) {
+  const auto number = [&](std::size_t part, long long max) {
     const auto value = parse_integer(parts[part]);
-    return value && *value >= 1 && *value <= most ? static_cast<int>(*value) : 0;
+    return value && *value >= 1 && *value <= max ? static_cast<int>(*value) : 0;
   };
   PinHash hash;
   hash.cost = {number(1, 17), number(2, 8), number(3, 4)};
@@ -104,9 +104,10 @@ bool is_a_run(std::string_view pin) {
 
 Status check_pin(std::string_view pin) {
   const auto printable_ascii = [](char c) { return c >= ' ' && c <= '~'; };
-  if (pin.size() < kShortest || pin.size() > kLongest || !std::all_of(pin.begin(), pin.end(), printable_ascii)) {
+  if (pin.size() < kMinPinLength || pin.size() > kMaxPinLength ||
+      !std::all_of(pin.begin(), pin.end(), printable_ascii)) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("the PIN must have {} to {} digits or letters", kShortest, kLongest));
+                 fmt::format("the PIN must have {} to {} digits or letters", kMinPinLength, kMaxPinLength));
   }
   if (is_a_run(pin)) {
     return Error(ErrorCode::kInvalidArgument, "the PIN is one that anybody tries first; choose another");
@@ -128,9 +129,9 @@ Result<std::string> hashed_pin(std::string_view pin) {
 Result<bool> is_pin(std::string_view pin, std::string_view hash) {
   while (!hash.empty() && (hash.back() == '\n' || hash.back() == '\r')) hash.remove_suffix(1);
   TRY_ASSIGN(const PinHash known, parse(hash));
-  if (pin.size() > kLongest) return false;
+  if (pin.size() > kMaxPinLength) return false;
   TRY_ASSIGN(const std::vector<unsigned char> tried, derived(pin, known.salt, known.cost));
   return CRYPTO_memcmp(tried.data(), known.hash.data(), kHashBytes) == 0;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

@@ -7,7 +7,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 
 /// Errors: kInvalidArgument if the PIN is shorter than 6 or longer than 64 characters, not printable ASCII, or one that
 /// everybody tries first ("111111", "123456"). The message never holds the PIN.
@@ -21,4 +21,4 @@ Result<std::string> hashed_pin(std::string_view pin);
 /// same time for all wrong PINs. Errors: kBadData if `hash` is invalid or requires more than 128 MiB.
 Result<bool> is_pin(std::string_view pin, std::string_view hash);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

@@ -9,12 +9,12 @@
 #include "common/base/file.h"
 #include "kiosk/provision/pin.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLargestText = 256 * 1024;
+constexpr std::size_t kMaxTextBytes = 256 * 1024;
 constexpr const char* kPinGroup = "cyclorama-operator";
 
 const CopiedFile* find(const std::vector<CopiedFile>& files, std::string_view name) {
@@ -33,7 +33,7 @@ void forget(const fs::path& folder, const char* name, std::vector<CopiedFile>* f
 void compare_checksums(const fs::path& folder, const std::vector<CopiedFile>& files,
                        std::vector<std::string>* problems) {
   if (find(files, kChecksumsFile) == nullptr) return;
-  const auto text = read_text_file(folder / kChecksumsFile, kLargestText);
+  const auto text = read_text_file(folder / kChecksumsFile, kMaxTextBytes);
   const auto wanted = text ? parse_checksums(*text) : Result<std::vector<CopiedFile>>(text.error());
   if (!wanted) return problems->push_back(fmt::format("{}: {}", kChecksumsFile, wanted.error().message()));
   for (const CopiedFile& file : *wanted) {
@@ -53,7 +53,7 @@ Status keep_pin(const fs::path& folder, const SettingsStore& store, const std::o
                 std::vector<CopiedFile>* files) {
   forget(folder, kOperatorFile, files);
   if (!pin) return Done{};
-  const auto before = read_text_file(store.settings() / kPinFile, kLargestText);
+  const auto before = read_text_file(store.settings() / kPinFile, kMaxTextBytes);
   const auto same = before ? is_pin(*pin, *before) : Result<bool>(false);
   std::string hash;
   if (same && *same) {
@@ -105,10 +105,10 @@ Status look_at(const ProvisionOrder& order, const fs::path& folder, SettingsStor
   TRY(keep_pin(folder, *store, verdict.pin, &copied->files));
   verdict.secrets.push_back({kPinFile, kPinGroup});
   if (are_the_same(copied->files, store->contents())) {
-    report->verdict = Verdict::kUnchanged;
+    report->verdict = ProvisioningVerdict::kUnchanged;
   } else {
     if (!order.only_check) TRY(store->commit(std::move(copied->files), verdict.secrets));
-    report->verdict = Verdict::kInstalled;
+    report->verdict = ProvisioningVerdict::kInstalled;
   }
   return Done{};
 }
@@ -133,7 +133,7 @@ Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore
   TRY(Status(done));
   ProvisioningReport report;
   report.at = at;
-  report.verdict = Verdict::kRestored;
+  report.verdict = ProvisioningVerdict::kRestored;
   report.in_use = store->in_use();
   const SettingsVerdict verdict = check_settings(store->settings(), {{}, of});
   report.museum = verdict.museum;
@@ -146,4 +146,4 @@ Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore
   return report;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

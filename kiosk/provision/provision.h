@@ -10,7 +10,7 @@
 #include "kiosk/provision/settings_check.h"
 #include "kiosk/provision/settings_store.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 
 struct ProvisionOrder {
   std::filesystem::path from;
@@ -28,4 +28,4 @@ Result<ProvisioningReport> provision(const ProvisionOrder& order, SettingsStore*
 Result<ProvisioningReport> restore_settings(const std::string& at, SettingsStore* store,
                                             SettingsOf of = SettingsOf::kMuseum);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

@@ -14,7 +14,7 @@
 #include "common/process/program.h"
 #include "kiosk/provision/provision.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
 constexpr const char* kMuseum = "museum";
@@ -74,16 +74,17 @@ void say(const ProvisioningReport& report) {
 }
 
 Status publish(const Options& options, const ProvisioningReport& report) {
-  const bool is_new = report.verdict == Verdict::kInstalled || report.verdict == Verdict::kRestored;
+  const bool is_new =
+      report.verdict == ProvisioningVerdict::kInstalled || report.verdict == ProvisioningVerdict::kRestored;
   if (is_new && options.changed) TRY(write_file_atomically(*options.changed, report.in_use + "\n"));
   return write_file_atomically(std::filesystem::path(options.state) / kProvisioningReportFile, report_json(report));
 }
 
 Status run(const Options& options, const CLI::App& app) {
   if (app.got_subcommand("status")) {
-    constexpr std::size_t kLargest = 256 * 1024;
+    constexpr std::size_t kMaxReportBytes = 256 * 1024;
     TRY_ASSIGN(const std::string json,
-               read_text_file(std::filesystem::path(options.state) / kProvisioningReportFile, kLargest));
+               read_text_file(std::filesystem::path(options.state) / kProvisioningReportFile, kMaxReportBytes));
     TRY(parse_report(json));
     std::fputs(json.c_str(), stdout);
     return Done{};
@@ -119,11 +120,11 @@ Status run(const Options& options, const CLI::App& app) {
   say(*report);
   if (!order.only_check) TRY(publish(options, *report));
   switch (report->verdict) {
-    case Verdict::kInstalled:
+    case ProvisioningVerdict::kInstalled:
       log(LogLevel::kNotice, order.only_check ? "these settings are good, and differ from those in use"
                                               : fmt::format("the settings are in use, as {}", report->in_use));
       return Done{};
-    case Verdict::kUnchanged:
+    case ProvisioningVerdict::kUnchanged:
       log(LogLevel::kNotice, fmt::format("these settings are in use already, as {}", report->in_use));
       return Done{};
     default:
@@ -135,7 +136,7 @@ Status run(const Options& options, const CLI::App& app) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::provision
 
 int main(int argc, char** argv) {
   cyclorama::Program program(

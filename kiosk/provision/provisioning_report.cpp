@@ -10,34 +10,35 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLargestReport = 256 * 1024;
-constexpr std::size_t kMostSentences = 100;
-constexpr std::size_t kLongestSentence = 2000;
-constexpr std::array<std::pair<Verdict, std::string_view>, 4> kVerdicts{{{Verdict::kInstalled, "installed"},
-                                                                         {Verdict::kUnchanged, "unchanged"},
-                                                                         {Verdict::kRefused, "refused"},
-                                                                         {Verdict::kRestored, "restored"}}};
+constexpr std::size_t kMaxReportBytes = 256 * 1024;
+constexpr std::size_t kMaxSentences = 100;
+constexpr std::size_t kMaxSentenceLength = 2000;
+constexpr std::array<std::pair<ProvisioningVerdict, std::string_view>, 4> kVerdicts{
+    {{ProvisioningVerdict::kInstalled, "installed"},
+     {ProvisioningVerdict::kUnchanged, "unchanged"},
+     {ProvisioningVerdict::kRefused, "refused"},
+     {ProvisioningVerdict::kRestored, "restored"}}};
 
 /// Returns false where `key` is no text, or too long.
 bool read_text(const Json& json, const char* key, std::string* ret) {
   const auto found = json.find(key);
   if (found == json.end() || !found->is_string()) return false;
   *ret = found->get<std::string>();
-  return ret->size() <= kLongestSentence && printable(*ret, kLongestSentence) == *ret;
+  return ret->size() <= kMaxSentenceLength && printable(*ret, kMaxSentenceLength) == *ret;
 }
 
 bool read_texts(const Json& json, const char* key, std::vector<std::string>* ret) {
   const auto found = json.find(key);
-  if (found == json.end() || !found->is_array() || found->size() > kMostSentences) return false;
+  if (found == json.end() || !found->is_array() || found->size() > kMaxSentences) return false;
   return std::all_of(found->begin(), found->end(), [&](const Json& one) {
     if (!one.is_string()) return false;
     ret->push_back(one.get<std::string>());
-    return ret->back().size() <= kLongestSentence && printable(ret->back(), kLongestSentence) == ret->back();
+    return ret->back().size() <= kMaxSentenceLength && printable(ret->back(), kMaxSentenceLength) == ret->back();
   });
 }
 
@@ -45,14 +46,14 @@ std::vector<std::string> bounded(const std::vector<std::string>& sentences) {
   std::vector<std::string> some;
   for (const std::string& sentence : sentences) {
     // Leaves room for an ellipsis of three bytes.
-    if (some.size() < kMostSentences) some.push_back(printable(sentence, kLongestSentence - 3));
+    if (some.size() < kMaxSentences) some.push_back(printable(sentence, kMaxSentenceLength - 3));
   }
   return some;
 }
 
 }  // namespace
 
-std::string_view to_text(Verdict verdict) {
+std::string_view to_text(ProvisioningVerdict verdict) {
   for (const auto& [known, text] : kVerdicts) {
     if (known == verdict) return text;
   }
@@ -76,7 +77,7 @@ std::string report_json(const ProvisioningReport& report) {
 
 Result<ProvisioningReport> parse_report(std::string_view text) {
   const Error bad(ErrorCode::kBadData, "is no report of cyclorama-provision; plug the stick in again");
-  if (text.size() > kLargestReport) return bad;
+  if (text.size() > kMaxReportBytes) return bad;
   const Json json = Json::parse(text, nullptr, false);
   if (!json.is_object()) return bad;
   ProvisioningReport report;
@@ -107,4 +108,4 @@ std::string time_text(std::time_t time) {
                      parts.tm_hour, parts.tm_min, parts.tm_sec);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

@@ -9,11 +9,11 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 
 inline constexpr const char* kProvisioningReportFile = "provisioning.json";
 
-enum class Verdict {
+enum class ProvisioningVerdict {
   kInstalled,  ///< The new settings are in use.
   kUnchanged,  ///< The same settings are already in use.
   kRefused,    ///< `problems` has the reasons; the previous settings stay in use.
@@ -25,7 +25,7 @@ enum class Verdict {
 struct ProvisioningReport {
   std::string at;      ///< UTC by this computer's clock: "2026-11-22T16:04:05Z".
   std::string source;  ///< The folder.
-  Verdict verdict = Verdict::kRefused;
+  ProvisioningVerdict verdict = ProvisioningVerdict::kRefused;
   std::string in_use;  ///< Number of the settings in use now; empty: none.
   std::string museum;  ///< Its name at the farm. This and the following describe the settings that were checked.
   std::vector<std::string> farm;  ///< Addresses of the farm's coordinators.
@@ -38,7 +38,7 @@ struct ProvisioningReport {
   bool operator==(const ProvisioningReport&) const = default;
 };
 
-[[nodiscard]] std::string_view to_text(Verdict verdict);
+[[nodiscard]] std::string_view to_text(ProvisioningVerdict verdict);
 [[nodiscard]] std::string report_json(const ProvisioningReport& report);
 /// Errors: kBadData if the text is not such JSON.
 Result<ProvisioningReport> parse_report(std::string_view json);
@@ -46,4 +46,4 @@ Result<ProvisioningReport> parse_report(std::string_view json);
 /// Returns UTC: "2026-11-22T16:04:05Z".
 [[nodiscard]] std::string time_text(std::time_t time);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

@@ -18,12 +18,12 @@
 #include "kiosk/tour/session/tour_settings.h"
 #include "kiosk/update/update_settings.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLargestText = 1 << 20;
+constexpr std::size_t kMaxTextBytes = 1 << 20;
 constexpr const char* kTourGroup = "cyclorama-tour";
 constexpr const char* kProjectorsGroup = "cyclorama-projectors";
 
@@ -38,7 +38,7 @@ class MuseumChecker {
     check_wands();
     check_calibrator();
     check_operator();
-    ask_programs();
+    query_programs();
     return std::move(check_.verdict());
   }
 
@@ -53,21 +53,21 @@ class MuseumChecker {
     if (!is_there("site.toml")) return;
     const auto hours = read_opening_hours(check_.in("site.toml"));
     if (!hours) check_.problem(hours.error().message());
-    const auto settings = read_tour_settings(check_.in("site.toml"));
+    const auto settings = tour::read_tour_settings(check_.in("site.toml"));
     if (!settings) {
       if (!hours && hours.error().message() == settings.error().message()) return;  // Reports the same mistake once.
       return check_.problem(settings.error().message());
     }
-    const auto update = read_update_settings(check_.in("site.toml"));
+    const auto update = update::read_update_settings(check_.in("site.toml"));
     if (!update && hours) check_.problem(update.error().message());
     check_.verdict().museum = settings->museum;
-    check_.verdict().farm = settings->heads;
+    check_.verdict().farm = settings->coordinators;
     bool is_far = false;
-    for (const std::string& head : settings->heads) {
-      is_far = is_far || !is_loopback(head);
-      if (is_unix_socket(head)) continue;
-      const auto address = parse_address(head);
-      if (!address) check_.problem(fmt::format("site.toml [farm] heads: {}", address.error().message()));
+    for (const std::string& coordinator : settings->coordinators) {
+      is_far = is_far || !is_loopback(coordinator);
+      if (is_unix_socket(coordinator)) continue;
+      const auto address = parse_address(coordinator);
+      if (!address) check_.problem(fmt::format("site.toml [farm] coordinators: {}", address.error().message()));
     }
     if (settings->tls) {
       return check_.check_certificates(*settings->tls, Role::kMuseum, "site.toml [farm]", kTourGroup, "museum NAME");
@@ -167,14 +167,14 @@ class MuseumChecker {
       return check_.remark(
           "operator.toml is missing, so the operator page has no PIN and answers on this computer alone");
     }
-    const auto text = read_text_file(check_.in(kOperatorFile), kLargestText);
+    const auto text = read_text_file(check_.in(kOperatorFile), kMaxTextBytes);
     if (!text) return check_.problem(text.error().message());
     auto settings = parse_operator_settings(*text, kOperatorFile);
     if (!settings) return check_.problem(settings.error().message());
     check_.verdict().pin = std::move(settings->pin);
   }
 
-  void ask_programs() {
+  void query_programs() {
     check_.ask({"cyclorama-display", "--check", "--config", check_.in("site.toml").string(), "--installation",
                 check_.in("installation.toml").string(), "--tour", "[::1]:7403"});
     if (check_.has("tracker.toml")) {
@@ -195,4 +195,4 @@ SettingsVerdict check_settings(const fs::path& folder, const SettingsCheck& how)
   return how.of == SettingsOf::kFarmHost ? check_farm_host(folder, how) : MuseumChecker(folder, how).run();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

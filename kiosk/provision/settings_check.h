@@ -9,7 +9,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 
 inline constexpr const char* kPinFile = "operator-pin";
 inline constexpr const char* kOperatorFile = "operator.toml";
@@ -50,4 +50,4 @@ struct SettingsCheck {
 /// setting names must lie in the folder. `folder` must hold plain files only (copy_folder()); sentences omit its path.
 [[nodiscard]] SettingsVerdict check_settings(const std::filesystem::path& folder, const SettingsCheck& how);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

@@ -16,7 +16,7 @@
 #include "common/base/file.h"
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
 namespace fs = std::filesystem;
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr const char* kPreviousNote = ".previous";
 constexpr const char* kContentsNote = ".contents";
 constexpr std::size_t kDigits = 6;
-constexpr std::size_t kLargestNote = 256 * 1024;
+constexpr std::size_t kMaxNoteBytes = 256 * 1024;
 
 bool is_number(std::string_view name) {
   return name.size() == kDigits && std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
@@ -112,24 +112,24 @@ std::string SettingsStore::in_use() const {
 
 std::string SettingsStore::previous_of(const std::string& number) const {
   if (number.empty()) return "";
-  const auto text = read_text_file(generation(number) / kPreviousNote, kLargestNote);
+  const auto text = read_text_file(generation(number) / kPreviousNote, kMaxNoteBytes);
   std::error_code failed;
   return text && is_number(*text) && fs::is_directory(generation(*text), failed) ? *text : "";
 }
 
 std::string SettingsStore::next_number() const {
-  long long most = 0;
+  long long max = 0;
   std::error_code failed;
   for (fs::directory_iterator entry(root_ / "generations", failed), end; !failed && entry != end;
        entry.increment(failed)) {
     const std::string name = entry->path().filename().string();
-    if (is_number(name)) most = std::max(most, parse_integer(name).value_or(0));
+    if (is_number(name)) max = std::max(max, parse_integer(name).value_or(0));
   }
-  return fmt::format("{:0{}}", (most + 1) % 1'000'000, kDigits);
+  return fmt::format("{:0{}}", (max + 1) % 1'000'000, kDigits);
 }
 
 std::vector<CopiedFile> SettingsStore::contents() const {
-  const auto text = read_text_file(settings() / kContentsNote, kLargestNote);
+  const auto text = read_text_file(settings() / kContentsNote, kMaxNoteBytes);
   if (!text) return {};
   auto files = parse_checksums(*text);
   return files ? *std::move(files) : std::vector<CopiedFile>{};
@@ -227,4 +227,4 @@ void SettingsStore::prune() const {
   for (const fs::path& path : old) static_cast<void>(remove_tree(path));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

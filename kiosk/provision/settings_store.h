@@ -19,7 +19,7 @@
 #include "kiosk/provision/folder_copy.h"
 #include "kiosk/provision/settings_check.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 
 /// Called before each change of the disk; tests cut the power there.
 using StepHook = std::function<void(std::string_view step)>;
@@ -67,4 +67,4 @@ class SettingsStore {
   StepHook hook_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

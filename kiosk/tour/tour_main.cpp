@@ -19,7 +19,7 @@
 #include "kiosk/tour/session/tour.h"
 #include "kiosk/tour/session/tour_service.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 struct Options {
@@ -40,7 +40,7 @@ struct Options {
 void add_options(CLI::App& app, Options* options) {
   app.add_option("--listen", options->listen, "Address for displays, trackers and the operator")->capture_default_str();
   app.add_option("--config", options->config, "The museum's site.toml: [farm], [picture], [walk]");
-  app.add_option("--farm", options->farms, "Address of the farm's head; repeat it for a fallback")
+  app.add_option("--farm", options->farms, "Address of the farm's coordinator; repeat it for a fallback")
       ->allow_extra_args(false);
   app.add_option("--scene", options->scene, "Name of the scene to visit; else the farm's first");
   CLI::Option* const budget =
@@ -74,7 +74,7 @@ Result<TourSettings> settings_of(const Options& options) {
   if (options.config) {
     TRY_ASSIGN(settings, read_tour_settings(*options.config));
   }
-  if (!options.farms.empty()) settings.heads = options.farms;
+  if (!options.farms.empty()) settings.coordinators = options.farms;
   if (options.scene) settings.scene = *options.scene;
   if (options.samples || options.quality) settings.picture.frame_budget_ms = 0.0;
   if (options.budget_ms) settings.picture.frame_budget_ms = *options.budget_ms;
@@ -109,29 +109,29 @@ class RecordFile {
 };
 
 /// Saves the visitor's position. A folder that is full or gone loses the position, not the visit.
-class PlaceFile {
+class PositionFile {
  public:
-  explicit PlaceFile(const std::optional<std::string>& folder) {
-    if (folder) path_ = kept_place_path(*folder);
+  explicit PositionFile(const std::optional<std::string>& folder) {
+    if (folder) path_ = saved_position_path(*folder);
   }
   /// Returns nothing when there is no file, or a damaged one.
-  [[nodiscard]] std::optional<KeptPlace> read() const {
-    constexpr std::size_t kLargestBytes = 64 << 10;
+  [[nodiscard]] std::optional<SavedPosition> read() const {
+    constexpr std::size_t kMaxBytes = 64 << 10;
     if (path_.empty()) return std::nullopt;
-    const auto text = read_text_file(path_, kLargestBytes);
+    const auto text = read_text_file(path_, kMaxBytes);
     if (!text) return std::nullopt;
-    auto place = parse_kept_place(*text, path_.string());
-    if (!place) {
-      log(LogLevel::kWarning, place.error().message() + ", ignoring");
+    auto position = parse_saved_position(*text, path_.string());
+    if (!position) {
+      log(LogLevel::kWarning, position.error().message() + ", ignoring");
       return std::nullopt;
     }
-    return *std::move(place);
+    return *std::move(position);
   }
-  void write(const std::optional<KeptPlace>& place) {
-    if (path_.empty() || !place || place == kept_) return;
-    const Status written = write_file_atomically(path_, to_text(*place));
+  void write(const std::optional<SavedPosition>& position) {
+    if (path_.empty() || !position || position == kept_) return;
+    const Status written = write_file_atomically(path_, to_text(*position));
     if (written) {
-      kept_ = place;
+      kept_ = position;
     } else if (!std::exchange(warned_, true)) {
       log(LogLevel::kWarning, written.error().message() + ", ignoring");
     }
@@ -139,13 +139,13 @@ class PlaceFile {
 
  private:
   std::filesystem::path path_;
-  std::optional<KeptPlace> kept_;
+  std::optional<SavedPosition> kept_;
   bool warned_ = false;
 };
 
 Status replay(const std::string& path) {
-  constexpr std::size_t kLargestBytes = std::size_t{1} << 30;
-  TRY_ASSIGN(const std::string text, read_text_file(path, kLargestBytes));
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
+  TRY_ASSIGN(const std::string text, read_text_file(path, kMaxBytes));
   TRY_ASSIGN(const WalkRecord record, parse_walk_record(text, path));
   const WalkReplay walk = replayed(record);
   constexpr double kDegree = std::numbers::pi / 180.0;
@@ -170,8 +170,8 @@ Status run(const Options& options, const StopSignal& stop) {
     TRY_ASSIGN(record, RecordFile::open(*options.record));
   }
   settings.record = options.record.has_value();
-  PlaceFile place(options.state);
-  settings.resume = place.read();
+  PositionFile position(options.state);
+  settings.resume = position.read();
   InspectionService inspection("tour");
   TRY_ASSIGN(const std::unique_ptr<Tour> tour, Tour::start(std::move(settings), &inspection));
   TourService service(tour->displays(), tour.get());
@@ -185,7 +185,7 @@ Status run(const Options& options, const StopSignal& stop) {
     rounds = tour->rounds();
     notify.status(inspection.status().state());
     record.write(tour->take_recording());
-    place.write(tour->place());
+    position.write(tour->position());
   }
   notify.stopping();
   tour->stop();
@@ -195,7 +195,7 @@ Status run(const Options& options, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-tour",

@@ -11,7 +11,7 @@
 #include "kiosk/update/update_folder.h"
 #include "kiosk/update/update_signature.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 namespace {
 
 constexpr Duration kLook = std::chrono::milliseconds(50);
@@ -23,7 +23,7 @@ bool may_pass(const Error& error) {
 
 class Fetch {
  public:
-  Fetch(const FetchOrder& order, UpdateClient* farm, const std::function<bool()>& go_on)
+  Fetch(const FetchOrder& order, client::UpdateClient* farm, const std::function<bool()>& go_on)
       : order_(order), farm_(*farm), go_on_(go_on), retries_(order.retries) {}
 
   Result<FetchOutcome> run() {
@@ -74,12 +74,12 @@ class Fetch {
   }
 
   [[nodiscard]] Status check_sizes() const {
-    std::uint64_t left = order_.limits.most_bytes;
+    std::uint64_t left = order_.limits.max_bytes;
     for (const std::uint64_t bytes : bytes_) {
-      if (bytes > order_.limits.largest_bytes || bytes > left || bytes == 0) {
+      if (bytes > order_.limits.max_file_bytes || bytes > left || bytes == 0) {
         return Error(ErrorCode::kInvalidArgument,
                      fmt::format("the farm's {} has a file of {} bytes; a file may have {}, all of them {}", version_,
-                                 bytes, order_.limits.largest_bytes, order_.limits.most_bytes));
+                                 bytes, order_.limits.max_file_bytes, order_.limits.max_bytes));
       }
       left -= bytes;
     }
@@ -120,7 +120,7 @@ class Fetch {
   }
 
   const FetchOrder& order_;
-  UpdateClient& farm_;
+  client::UpdateClient& farm_;
   const std::function<bool()>& go_on_;
   int retries_;
   bool is_cut_ = false;
@@ -130,8 +130,9 @@ class Fetch {
 
 }  // namespace
 
-Result<FetchOutcome> fetch_update(const FetchOrder& order, UpdateClient* farm, const std::function<bool()>& go_on) {
+Result<FetchOutcome> fetch_update(const FetchOrder& order, client::UpdateClient* farm,
+                                  const std::function<bool()>& go_on) {
   return Fetch(order, farm, go_on).run();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::update

@@ -11,11 +11,11 @@
 #include "common/base/result.h"
 #include "renderfarm/client/update_client.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 
 struct UpdateLimits {
-  std::uint64_t largest_bytes = std::uint64_t{1} << 30;  ///< Limit of one file: the size of its partition.
-  std::uint64_t most_bytes = std::uint64_t{1536} << 20;  ///< Limit of all files together.
+  std::uint64_t max_file_bytes = std::uint64_t{1} << 30;  ///< Limit of one file: the size of its partition.
+  std::uint64_t max_bytes = std::uint64_t{1536} << 20;    ///< Limit of all files together.
   /// Disk space that stays free for the journal and the settings.
   std::uint64_t keep_free_bytes = std::uint64_t{256} << 20;
 };
@@ -48,6 +48,7 @@ struct FetchOutcome {
 /// Errors: kBadData if the version is not signed with our key, damaged, or not the announced one: nothing of it is
 /// used; kInvalidArgument if it exceeds the limits, or the farm has none for this museum; kSystem if the disk is full
 /// or broken; kUnavailable, kTimedOut or kBusy if the farm is away: the parts that have arrived stay.
-Result<FetchOutcome> fetch_update(const FetchOrder& order, UpdateClient* farm, const std::function<bool()>& go_on);
+Result<FetchOutcome> fetch_update(const FetchOrder& order, client::UpdateClient* farm,
+                                  const std::function<bool()>& go_on);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::update

@@ -17,12 +17,12 @@
 #include "kiosk/update/update_settings.h"
 #include "kiosk/update/update_status.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 namespace {
 
 constexpr const char* kNight = "night";
 constexpr const char* kNow = "now";
-constexpr std::size_t kLargestText = 64 * 1024;
+constexpr std::size_t kMaxTextBytes = 64 * 1024;
 
 struct Options {
   std::string config = "/etc/cyclorama/site.toml";
@@ -66,11 +66,11 @@ std::string value_of(const std::string& text, const std::string& key) {
 /// Returns the newest version that must not be fetched again: seen before, written already, or rolled back.
 std::string not_again(const Options& options) {
   const std::filesystem::path seen = std::filesystem::path(options.state) / "update-seen";
-  if (const auto line = read_text_file(seen, kLargestText)) {
+  if (const auto line = read_text_file(seen, kMaxTextBytes)) {
     const std::string version = line->substr(0, line->find('\n'));
     if (is_image_version(version)) return version;
   }
-  const auto text = read_text_file(std::filesystem::path(options.state) / kUpdateStatusFile, kLargestText);
+  const auto text = read_text_file(std::filesystem::path(options.state) / kUpdateStatusFile, kMaxTextBytes);
   const auto status = text ? parse_update_status(*text) : Result<UpdateStatus>(text.error());
   const bool counts =
       status && (status->state == UpdateStatus::State::kReady || status->state == UpdateStatus::State::kRolledBack);
@@ -84,8 +84,8 @@ Status tell(const Options& options, const std::string& word, const std::string& 
                                std::string_view(fmt::format("{} {}\n", word, sentence)));
 }
 
-Result<FetchOutcome> look(const Options& options, const TourSettings& tour, const std::function<bool()>& go_on) {
-  TRY_ASSIGN(const std::string release, read_text_file(options.release, kLargestText));
+Result<FetchOutcome> look(const Options& options, const tour::TourSettings& tour, const std::function<bool()>& go_on) {
+  TRY_ASSIGN(const std::string release, read_text_file(options.release, kMaxTextBytes));
   FetchOrder order{.image = value_of(release, "IMAGE_ID"), .version = value_of(release, "IMAGE_VERSION")};
   if (!is_image_name(order.image) || !is_image_version(order.version)) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("'{}' names no image of ours", options.release));
@@ -94,7 +94,7 @@ Result<FetchOutcome> look(const Options& options, const TourSettings& tour, cons
   order.key = options.key;
   order.folder = std::filesystem::path(options.folder) / "offer";
   if (options.when == kNow) order.retries = 2;  // An operator waits for the result.
-  TRY_ASSIGN(UpdateClient farm, UpdateClient::make(tour.heads, tour.tls));
+  TRY_ASSIGN(client::UpdateClient farm, client::UpdateClient::make(tour.coordinators, tour.tls));
   return fetch_update(order, &farm, go_on);
 }
 
@@ -109,9 +109,10 @@ Status run(const Options& options, const StopSignal& stop) {
   }
   const auto go_on = [&] { return !stop.requested() && (options.when == kNow || is_night()); };
   if (!go_on()) return tell(options, "later", "it is not the time for updates");
-  TRY_ASSIGN(const TourSettings tour, read_tour_settings(options.config));
-  const bool is_alone =
-      !tour.tls && std::ranges::all_of(tour.heads, [](const std::string& head) { return is_loopback(head); });
+  TRY_ASSIGN(const tour::TourSettings tour, tour::read_tour_settings(options.config));
+  const bool is_alone = !tour.tls && std::ranges::all_of(tour.coordinators, [](const std::string& coordinator) {
+    return is_loopback(coordinator);
+  });
   if (!settings.from_farm || is_alone) {
     return tell(options, "nothing",
                 is_alone ? "no farm is named in site.toml" : "site.toml says that updates come by stick");
@@ -130,7 +131,7 @@ Status run(const Options& options, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::update
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-fetch-update",

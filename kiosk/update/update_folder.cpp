@@ -12,13 +12,13 @@
 #include "common/base/unique_fd.h"
 #include "kiosk/update/update_signature.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 
 namespace fs = std::filesystem;
 
 Result<UpdateFolder> UpdateFolder::open(const fs::path& folder, const std::string& sums, const std::string& signature) {
   std::error_code failed;
-  const auto before = read_text_file(folder / kUpdateSums, kLargestUpdateText);
+  const auto before = read_text_file(folder / kUpdateSums, kMaxUpdateTextBytes);
   if (!before || *before != sums) fs::remove_all(folder, failed);
   if (!failed) fs::create_directories(folder, failed);
   if (failed) return Error(ErrorCode::kSystem, fmt::format("making '{}': {}", folder.string(), failed.message()));
@@ -79,4 +79,4 @@ void UpdateFolder::forget(const UpdateFile& file) {
   fs::remove(part(file), ignored);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::update

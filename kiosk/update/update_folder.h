@@ -10,7 +10,7 @@
 #include "common/base/result.h"
 #include "common/update/update_manifest.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 
 /// Collects the files of a version over several nights and power cuts: NAME once a file was verified, NAME.part before.
 /// A new version replaces an older one. Thread-bound; used by one program at a time.
@@ -38,4 +38,4 @@ class UpdateFolder {
   std::filesystem::path folder_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::update

@@ -8,7 +8,7 @@
 #include "common/base/text.h"
 #include "common/config/config.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 namespace {
 
 constexpr const char* kUsualNight = "02:00-05:00";
@@ -53,4 +53,4 @@ Result<UpdateSettings> parse_update_settings(std::string_view text, const std::s
   return settings_of(std::move(config));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::update

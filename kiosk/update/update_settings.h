@@ -14,7 +14,7 @@
 #include "common/base/result.h"
 #include "common/opening/hours_override.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 
 /// A value; reentrant.
 struct UpdateSettings {
@@ -32,4 +32,4 @@ struct UpdateSettings {
 Result<UpdateSettings> read_update_settings(const std::filesystem::path& site);
 Result<UpdateSettings> parse_update_settings(std::string_view text, const std::string& name);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::update

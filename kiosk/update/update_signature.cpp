@@ -15,10 +15,10 @@
 #include "common/base/file.h"
 #include "common/wire/openssl.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 namespace {
 
-constexpr std::size_t kLargestKey = 64 * 1024;
+constexpr std::size_t kMaxKeyBytes = 64 * 1024;
 constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
 using Context = std::unique_ptr<EVP_MD_CTX, OpensslFree<EVP_MD_CTX_free>>;
 
@@ -27,7 +27,7 @@ const unsigned char* bytes_of(std::string_view text) { return reinterpret_cast<c
 }  // namespace
 
 Status check_signature(std::string_view text, std::string_view signature, const std::filesystem::path& key) {
-  TRY_ASSIGN(const std::string pem, read_text_file(key, kLargestKey));
+  TRY_ASSIGN(const std::string pem, read_text_file(key, kMaxKeyBytes));
   const OpensslBio bio = bio_of(pem);
   const OpensslKey known(PEM_read_bio_PUBKEY(bio.get(), nullptr, nullptr, nullptr));
   if (!known) return Error(ErrorCode::kBadData, fmt::format("'{}' is no public key", key.string()));
@@ -63,4 +63,4 @@ Result<std::string> sha256_of_file(const std::filesystem::path& path) {
   return text;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::update

@@ -6,7 +6,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 
 /// Verifies that `signature` signs `text` with the private key that belongs to the public key, a PEM file at `key`
 /// (openssl dgst -sha256 -sign). Errors: kBadData if it does not; kNotFound or kSystem if the key cannot be read.
@@ -15,4 +15,4 @@ Status check_signature(std::string_view text, std::string_view signature, const 
 /// Returns a file's hash in hexadecimal. Errors: kNotFound or kSystem if it cannot be read.
 Result<std::string> sha256_of_file(const std::filesystem::path& path);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::update

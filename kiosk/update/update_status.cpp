@@ -8,13 +8,13 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 namespace {
 
 using Json = nlohmann::json;
 using State = UpdateStatus::State;
 
-constexpr std::size_t kLargestStatus = 64 * 1024;
+constexpr std::size_t kMaxStatusBytes = 64 * 1024;
 constexpr std::array<std::pair<State, std::string_view>, 6> kStates{{{State::kCurrent, "current"},
                                                                      {State::kChecking, "checking"},
                                                                      {State::kLoading, "loading"},
@@ -38,7 +38,7 @@ std::string_view to_text(State state) {
 
 Result<UpdateStatus> parse_update_status(std::string_view text) {
   const Error bad(ErrorCode::kBadData, "is no update status");
-  const Json json = text.size() <= kLargestStatus ? Json::parse(text, nullptr, false) : Json();
+  const Json json = text.size() <= kMaxStatusBytes ? Json::parse(text, nullptr, false) : Json();
   if (!json.is_object()) return bad;
   UpdateStatus status;
   const std::string state = text_of(json, "state", 40);
@@ -52,4 +52,4 @@ Result<UpdateStatus> parse_update_status(std::string_view text) {
   return status;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::update

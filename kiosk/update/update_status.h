@@ -7,7 +7,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 
 inline constexpr const char* kUpdateStatusFile = "update.json";
 
@@ -35,4 +35,4 @@ struct UpdateStatus {
 /// Errors: kBadData if the text is not such JSON.
 Result<UpdateStatus> parse_update_status(std::string_view json);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::update

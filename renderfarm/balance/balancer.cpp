@@ -6,7 +6,7 @@
 #include "renderfarm/balance/cost_map_balancer.h"
 #include "renderfarm/balance/tree_balancer.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 std::string_view name_of(BalanceStrategy strategy) {
   switch (strategy) {
@@ -55,4 +55,4 @@ double balance_efficiency(std::span<const double> loads) {
   return largest > 0.0 ? sum / (static_cast<double>(loads.size()) * largest) : 1.0;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -12,7 +12,7 @@
 #include "common/image/pixel_rect.h"
 #include "renderfarm/balance/work_grid.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 /// A picture to be divided.
 struct SplitRequest {
@@ -96,4 +96,4 @@ inline constexpr std::array kBalanceStrategies{BalanceStrategy::kEqual, BalanceS
 /// Returns mean load over largest load: 1 is perfect, 1/n means that one node does everything. 1 without any load.
 [[nodiscard]] double balance_efficiency(std::span<const double> loads);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -6,14 +6,14 @@
 
 #include "renderfarm/balance/tiles.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 /// Seconds per pixel before anything is measured: one or two samples on one core.
 constexpr double kFirstGuess = 1e-6;
 /// Lower bound of a cell's cost relative to the mean: a cell that cost nothing must not grow over the picture in the
 /// next frame.
-constexpr double kLeast = 0.01;
+constexpr double kMinRelativeCost = 0.01;
 constexpr double kStill_m = 1e-4;
 
 double usable(double value, double otherwise) { return std::isfinite(value) && value > 0.0 ? value : otherwise; }
@@ -47,12 +47,12 @@ Between between(double place, int cells) {
   return {first, std::min(first + 1, cells - 1), static_cast<float>(from - first)};
 }
 
-/// Raises each cell to at least kLeast of the mean, including NaN; returns false if there is no cost at all.
+/// Raises each cell to at least kMinRelativeCost of the mean, including NaN; returns false if there is no cost at all.
 bool mend(WorkGrid* cost) {
   const double mean = cost->total() / static_cast<double>(cost->cells().size());
   if (!(mean > 0.0 && std::isfinite(mean))) return false;
-  const auto least = static_cast<float>(kLeast * mean);
-  for (float& cell : cost->cells()) cell = std::max(cell, least);
+  const auto min = static_cast<float>(kMinRelativeCost * mean);
+  for (float& cell : cost->cells()) cell = std::max(cell, min);
   return true;
 }
 
@@ -161,11 +161,11 @@ void CostMap::watch_motion(const WorkGrid& measured, const Place& at, int stacke
   // it.
   constexpr double kParts[] = {-0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5};
   double best = part_of_turn_;
-  double least = difference(moved(turn_seen(at, best), measured.size(), stacked), measured);
+  double min = difference(moved(turn_seen(at, best), measured.size(), stacked), measured);
   for (const double part : kParts) {
     const double miss = difference(moved(turn_seen(at, part), measured.size(), stacked), measured);
-    if (miss < least) {
-      least = miss;
+    if (miss < min) {
+      min = miss;
       best = part;
     }
   }
@@ -207,4 +207,4 @@ void CostMap::learn(const MeasuredFrame& frame) {
   place_ = at;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -5,7 +5,7 @@
 #include "renderfarm/balance/balancer.h"
 #include "renderfarm/balance/work_grid.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 struct CostMapOptions {
   CellTimes times = CellTimes::kMeasured;
@@ -52,4 +52,4 @@ class CostMap {
   double part_of_turn_ = 1.0;      ///< Fraction by which the content moves when the eye moves too.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

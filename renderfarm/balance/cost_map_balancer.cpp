@@ -9,7 +9,7 @@
 #include "renderfarm/balance/levelling.h"
 #include "renderfarm/balance/node_speeds.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 /// Minimum work of a piece, in multiples of a block's overhead.
@@ -18,7 +18,7 @@ constexpr double kPieceWorth = 4.0;
 constexpr double kMoveWorth = 0.005;
 /// Number of smaller sets of nodes that are tried. Cuts lie on a grid, so one more node may yield a worse cut than one
 /// less.
-constexpr int kMostTries = 8;
+constexpr int kMaxTries = 8;
 
 double usable(double seconds) { return std::isfinite(seconds) ? std::max(seconds, 0.0) : 0.0; }
 
@@ -45,7 +45,7 @@ class CostMapBalancer final : public Balancer {
     double speed = 0.0;
     for (const std::size_t node : fastest) speed += speeds[node];
     Plan best = plan_for(fastest, fastest.size(), speeds, work);
-    for (std::size_t fewer = fastest.size() - 1, tries = kMostTries; fewer > 0 && tries > 0; --fewer, --tries) {
+    for (std::size_t fewer = fastest.size() - 1, tries = kMaxTries; fewer > 0 && tries > 0; --fewer, --tries) {
       speed -= speeds[fastest[fewer]];
       if (total / speed + block_overhead_ + node_overhead_ >= best.seconds) break;
       Plan plan = plan_for(fastest, fewer, speeds, work);
@@ -89,8 +89,8 @@ class CostMapBalancer final : public Balancer {
 
   /// `least` is the minimum work of a piece.
   [[nodiscard]] std::vector<PlannedBlock> pieces_of(const CellRect& part, std::size_t node, const WorkSums& work,
-                                                    std::vector<double> shares, double least) const {
-    while (shares.size() > 1 && shares.back() * work.of(part) < least) {
+                                                    std::vector<double> shares, double min) const {
+    while (shares.size() > 1 && shares.back() * work.of(part) < min) {
       shares[shares.size() - 2] += shares.back();
       shares.pop_back();
     }
@@ -103,7 +103,7 @@ class CostMapBalancer final : public Balancer {
 
   /// `worth` is the minimum expected saving, in seconds, before a piece moves to another node.
   void level_out(Plan* plan, const std::vector<std::size_t>& nodes, const std::vector<double>& speeds,
-                 double worth) const {
+                 double min_gain) const {
     std::vector<NodeQueue> queues;
     for (std::size_t i = 0; i < speeds.size(); ++i) {
       queues.push_back({speeds[i], {}, 0.0});
@@ -113,7 +113,7 @@ class CostMapBalancer final : public Balancer {
       }
       if (!queues[i].blocks.empty()) queues[i].blocks.front().work += begun_at * speeds[i];
     }
-    for (const Move& move : level(queues, worth)) {
+    for (const Move& move : level(queues, min_gain)) {
       PlannedBlock& block = plan->blocks[move.from][move.block];
       plan->blocks[move.to].push_back(block);
       plan->blocks[move.to].back().node = nodes[move.to];
@@ -140,4 +140,4 @@ std::unique_ptr<Balancer> make_cost_map_balancer(const CostMapBalancerOptions& o
   return std::make_unique<CostMapBalancer>(options);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -9,7 +9,7 @@
 #include "renderfarm/balance/balancer.h"
 #include "renderfarm/balance/cost_map.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 struct CostMapBalancerOptions {
   bool stealing = true;
@@ -20,4 +20,4 @@ struct CostMapBalancerOptions {
 
 [[nodiscard]] std::unique_ptr<Balancer> make_cost_map_balancer(const CostMapBalancerOptions& options);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

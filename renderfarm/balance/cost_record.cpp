@@ -14,14 +14,14 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 // Numbers are copied in their memory representation.
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::string_view kMark = "CYCOST1\n";
-constexpr int kLargestSidePx = 16384;
+constexpr int kMaxSidePx = 16384;
 constexpr std::size_t kFixedBytes = 2 * sizeof(std::uint32_t) + 6 * sizeof(double);
 
 bool is_work(float work) { return std::isfinite(work) && work >= 0.0f; }
@@ -29,7 +29,7 @@ bool is_work(float work) { return std::isfinite(work) && work >= 0.0f; }
 /// Returns the defect of a frame, or null.
 const char* fault_of(const RecordedFrame& frame) {
   const PictureSize size = frame.work.size();
-  if (size.width < 1 || size.height < 1 || size.width > kLargestSidePx || size.height > kLargestSidePx) {
+  if (size.width < 1 || size.height < 1 || size.width > kMaxSidePx || size.height > kMaxSidePx) {
     return "the picture is not 1 to 16384 pixels each way";
   }
   if (!std::isfinite(frame.heading_rad) || !std::ranges::all_of(frame.eye_m, [](double v) { return std::isfinite(v); }))
@@ -67,7 +67,7 @@ std::optional<const char*> parse_frame(std::span<const std::byte> bytes, Recorde
   Reader reader(bytes);
   const auto width = reader.take<std::uint32_t>();
   const auto height = reader.take<std::uint32_t>();
-  if (width < 1 || height < 1 || width > kLargestSidePx || height > kLargestSidePx)
+  if (width < 1 || height < 1 || width > kMaxSidePx || height > kMaxSidePx)
     return "the picture is not 1 to 16384 pixels each way";
   ret->heading_rad = reader.take<double>();
   ret->azimuth_span_rad = reader.take<double>();
@@ -114,7 +114,7 @@ Result<std::vector<RecordedFrame>> parse_cost_record(std::span<const std::byte> 
 }
 
 Result<std::vector<RecordedFrame>> read_cost_record(const std::filesystem::path& path) {
-  TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path, kMostRecordBytes));
+  TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path, kMaxRecordBytes));
   return parse_cost_record(bytes, path.string());
 }
 
@@ -135,7 +135,7 @@ Status CostRecorder::add(const RecordedFrame& frame) {
   }
   const std::span<const float> cells = frame.work.cells();
   const std::size_t length = kFixedBytes + cells.size_bytes();
-  if (written_ + sizeof(std::uint32_t) + length > kMostRecordBytes) {
+  if (written_ + sizeof(std::uint32_t) + length > kMaxRecordBytes) {
     return Error(ErrorCode::kUnavailable, fmt::format("'{}' is full: {} bytes", path_.string(), written_));
   }
   std::vector<std::byte> bytes;
@@ -178,4 +178,4 @@ Status CostRecorder::write(std::span<const std::byte> bytes) {
   return Error(ErrorCode::kSystem, fmt::format("writing '{}': the disk took only a part", path_.string()));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -20,7 +20,7 @@
 #include "common/base/unique_fd.h"
 #include "renderfarm/balance/work_grid.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 struct RecordedFrame {
   WorkGrid work;  ///< Finite; none negative.
@@ -30,12 +30,12 @@ struct RecordedFrame {
   double effort = 1.0;  ///< Same meaning as in SplitRequest.
 };
 
-inline constexpr std::size_t kMostRecordBytes = std::size_t{1} << 30;
+inline constexpr std::size_t kMaxRecordBytes = std::size_t{1} << 30;
 
 /// Returns all complete frames of a record; a truncated last one (the coordinator was killed) is omitted. Errors:
 /// kBadData, with reason and position, if it is no record or holds a frame that no recorder writes.
 Result<std::vector<RecordedFrame>> parse_cost_record(std::span<const std::byte> bytes, std::string_view name);
-/// Reads a record of at most kMostRecordBytes. Errors: also those of read_file().
+/// Reads a record of at most kMaxRecordBytes. Errors: also those of read_file().
 Result<std::vector<RecordedFrame>> read_cost_record(const std::filesystem::path& path);
 
 /// Writes one record. Each frame is written whole, with one call, so a killed process loses at most its last frame.
@@ -46,7 +46,7 @@ class CostRecorder {
   static Result<CostRecorder> create(const std::filesystem::path& path);
 
   /// Appends a frame. Errors: kInvalidArgument if the picture has no cells or more than 2^20, or if a value is not
-  /// finite, in which case nothing is written; kUnavailable if the file has reached kMostRecordBytes; kSystem if the
+  /// finite, in which case nothing is written; kUnavailable if the file has reached kMaxRecordBytes; kSystem if the
   /// disk is full or refuses.
   Status add(const RecordedFrame& frame);
   /// Appends a frame from the nodes' measurements; unmeasured cells count as no work.
@@ -61,4 +61,4 @@ class CostRecorder {
   std::size_t written_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 /// Additional cost per unit of aspect ratio: longer borders, which JPEG and the caches pay for.
@@ -111,4 +111,4 @@ std::vector<CellRect> cut_by_shares(const WorkSums& work, const CellRect& region
   return parts;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -6,7 +6,7 @@
 
 #include "renderfarm/balance/work_sums.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 /// Returns one rectangle per node; together they tile the picture. At each fork half of the nodes get a part. The cut,
 /// in either direction, is the one for which the slowest part two forks further down is expected to be done first.
@@ -20,4 +20,4 @@ namespace cyclorama {
 [[nodiscard]] std::vector<CellRect> cut_by_shares(const WorkSums& work, const CellRect& region,
                                                   std::span<const double> shares);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

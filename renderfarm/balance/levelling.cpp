@@ -5,9 +5,9 @@
 #include <optional>
 #include <set>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
-std::vector<Move> level(std::span<const NodeQueue> nodes, double worth_seconds) {
+std::vector<Move> level(std::span<const NodeQueue> nodes, double min_gain_seconds) {
   std::vector<Move> moves;
   std::vector<double> loads;
   std::set<std::pair<double, std::size_t>> by_load;
@@ -21,14 +21,14 @@ std::vector<Move> level(std::span<const NodeQueue> nodes, double worth_seconds) 
     const std::size_t to = by_load.begin()->second;
     const std::size_t from = by_load.rbegin()->second;
     std::optional<std::size_t> best;
-    double least = loads[from] - worth_seconds;
+    double min = loads[from] - min_gain_seconds;
     for (std::size_t b = 0; b < nodes[from].blocks.size(); ++b) {
       const QueuedBlock& block = nodes[from].blocks[b];
       if (!block.stealable || moved[from][b]) continue;
       const double later =
           std::max(loads[from] - block.work / nodes[from].speed, loads[to] + block.work / nodes[to].speed);
-      if (later > least) continue;
-      least = later;
+      if (later > min) continue;
+      min = later;
       best = b;
     }
     if (!best) break;
@@ -46,4 +46,4 @@ std::vector<Move> level(std::span<const NodeQueue> nodes, double worth_seconds) 
   return moves;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -6,7 +6,7 @@
 
 #include "renderfarm/balance/stealing.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 /// A block that gains from moving to another node before rendering starts.
 struct Move {
@@ -17,7 +17,7 @@ struct Move {
 
 /// Moves blocks to balance the nodes, because cuts on a grid cannot be exact. This works like stealing, but in advance:
 /// the node with the largest load gives a stealable block to the one with the smallest, as long as this reduces the
-/// larger of both loads by at least `worth_seconds`. No block moves twice. Reentrant; deterministic.
-[[nodiscard]] std::vector<Move> level(std::span<const NodeQueue> nodes, double worth_seconds);
+/// larger of both loads by at least `min_gain_seconds`. No block moves twice. Reentrant; deterministic.
+[[nodiscard]] std::vector<Move> level(std::span<const NodeQueue> nodes, double min_gain_seconds);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

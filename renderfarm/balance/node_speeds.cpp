@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 std::vector<double> usable_speeds(std::span<const double> speeds) {
   std::vector<double> out(speeds.begin(), speeds.end());
@@ -13,25 +13,25 @@ std::vector<double> usable_speeds(std::span<const double> speeds) {
   return out;
 }
 
-std::vector<std::size_t> nodes_that_help(std::span<const double> speeds, double work, std::size_t most,
+std::vector<std::size_t> nodes_that_help(std::span<const double> speeds, double work, std::size_t max,
                                          double node_overhead_seconds) {
   std::vector<std::size_t> fastest(speeds.size());
   std::iota(fastest.begin(), fastest.end(), std::size_t{0});
   std::ranges::stable_sort(fastest, std::greater(), [&](std::size_t i) { return speeds[i]; });
-  fastest.resize(std::min(most, fastest.size()));
+  fastest.resize(std::min(max, fastest.size()));
   const double overhead = std::isfinite(node_overhead_seconds) ? std::max(node_overhead_seconds, 0.0) : 0.0;
   double speed = 0.0;
-  double least = 0.0;
+  double min = 0.0;
   std::size_t best = 0;
   for (std::size_t i = 0; i < fastest.size(); ++i) {
     speed += speeds[fastest[i]];
     const double seconds = work / speed + overhead * static_cast<double>(i + 1);
-    if (i > 0 && !(seconds < least)) continue;
-    least = seconds;
+    if (i > 0 && !(seconds < min)) continue;
+    min = seconds;
     best = i + 1;
   }
   fastest.resize(best);
   return fastest;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 /// Replaces invalid speeds, which would yield invalid cuts: one that is not finite becomes 1, others are clamped to
 /// 1e-6..1e12.
@@ -14,7 +14,7 @@ namespace cyclorama {
 /// least time for a picture of `work` (seconds at speed 1, arbitrarily divisible), if each costs
 /// `node_overhead_seconds` serially. At most `most` of them; at least one if there are any. Precondition: usable
 /// speeds.
-[[nodiscard]] std::vector<std::size_t> nodes_that_help(std::span<const double> speeds, double work, std::size_t most,
+[[nodiscard]] std::vector<std::size_t> nodes_that_help(std::span<const double> speeds, double work, std::size_t max,
                                                        double node_overhead_seconds);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -6,7 +6,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 /// A fork changes direction when its region has become this much longer the other way. A value of at most 2 keeps a
@@ -53,16 +53,16 @@ void SplitTree::split(CellRect region, const WorkSums& work, std::span<const dou
   // Every leaf must get a cell. In a picture with almost as many leaves as cells, leaves change sides if no cut
   // suffices.
   const auto steps_for = [&](std::size_t leaves) { return static_cast<int>((leaves + row - 1) / row); };
-  const int least = std::min(steps_for(left), length - 1);
-  const int most = std::max(length - steps_for(speeds.size() - left), 1);
-  cut = least <= most ? std::clamp(cut, least, most) : least;
+  const int min = std::min(steps_for(left), length - 1);
+  const int max = std::max(length - steps_for(speeds.size() - left), 1);
+  cut = min <= max ? std::clamp(cut, min, max) : min;
   const std::size_t room_left = static_cast<std::size_t>(cut) * row;
   const std::size_t room_right = region.count() - room_left;
-  const std::size_t fewest_left = speeds.size() > room_right ? speeds.size() - room_right : 1;
-  left = std::clamp(left, fewest_left, std::min(room_left, speeds.size() - 1));
+  const std::size_t min_remaining = speeds.size() > room_right ? speeds.size() - room_right : 1;
+  left = std::clamp(left, min_remaining, std::min(room_left, speeds.size() - 1));
 
   split(before_cut(region, d, cut), work, speeds.first(left), fork + 1, ret_blocks.first(left));
   split(after_cut(region, d, cut), work, speeds.subspan(left), fork + left, ret_blocks.subspan(left));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -7,7 +7,7 @@
 
 #include "renderfarm/balance/work_sums.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 /// A balanced binary tree over the leaves, with a direction of cut at each fork. Splitting places the cuts such that at
 /// every fork the work is divided in proportion to the speeds of the leaves. A fork keeps its direction from frame to
@@ -35,4 +35,4 @@ class SplitTree {
   std::vector<Fork> cuts_;  ///< In depth-first order, left first.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
-constexpr double kLeastSpeed = 1e-9;
+constexpr double kMinSpeed = 1e-9;
 
 double usable(double value) { return std::isfinite(value) ? std::max(value, 0.0) : 0.0; }
-double usable_speed(double speed) { return std::max(usable(speed), kLeastSpeed); }
+double usable_speed(double speed) { return std::max(usable(speed), kMinSpeed); }
 
 /// Returns the ratio of elapsed to predicted time of the first block; 1 while it is on time.
 double lateness(const NodeQueue& node) {
@@ -42,12 +42,12 @@ std::optional<Steal> choose_steal(std::span<const NodeQueue> nodes, std::size_t 
   if (idle >= nodes.size()) return std::nullopt;
   const double overhead = usable(overhead_seconds);
   std::optional<Steal> best;
-  double most = 0.0;
+  double max = 0.0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const NodeQueue& victim = nodes[i];
     if (i == idle || victim.blocks.size() < 2) continue;
     const double remaining = victim.remaining_seconds();
-    if (remaining <= most) continue;
+    if (remaining <= max) continue;
     const double late = lateness(victim);
     double begins = first_seconds(victim);
     double gain = 0.0;
@@ -57,7 +57,7 @@ std::optional<Steal> choose_steal(std::span<const NodeQueue> nodes, std::size_t 
       const double gained = std::min(there, remaining - here);
       if (victim.blocks[b].stealable && begins >= overhead && gained > 0.0 && gained >= gain) {
         gain = gained;
-        most = remaining;
+        max = remaining;
         best = Steal{i, b};
       }
       begins += there;
@@ -66,4 +66,4 @@ std::optional<Steal> choose_steal(std::span<const NodeQueue> nodes, std::size_t 
   return best;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

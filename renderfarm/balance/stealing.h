@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 /// A block of one frame that its node has not finished.
 struct QueuedBlock {
@@ -42,4 +42,4 @@ struct Steal {
 [[nodiscard]] std::optional<Steal> choose_steal(std::span<const NodeQueue> nodes, std::size_t idle,
                                                 double overhead_seconds);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

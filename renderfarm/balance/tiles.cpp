@@ -3,14 +3,14 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 /// Returns the cuts of a side, from 0 to `length_px`.
 std::vector<int> cuts_of(int length_px) {
   const int cells = (length_px + kCutPx - 1) / kCutPx;
-  constexpr int kLargestCells = kLargestTilePx / kCutPx;
-  const int parts = (cells + kLargestCells - 1) / kLargestCells;
+  constexpr int kMaxTileCells = kMaxTilePx / kCutPx;
+  const int parts = (cells + kMaxTileCells - 1) / kMaxTileCells;
   std::vector<int> cuts;
   for (int i = 0; i <= parts; ++i) cuts.push_back(std::min(length_px, cells * i / parts * kCutPx));
   return cuts;
@@ -31,4 +31,4 @@ std::vector<PixelRect> tiles_of(const PixelRect& block) {
   return tiles;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

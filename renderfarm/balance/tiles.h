@@ -7,13 +7,13 @@
 #include "common/base/picture_cut.h"
 #include "common/image/pixel_rect.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 /// Measured with `./bench.sh jpeg`: smaller tiles cost bytes, larger ones arrive later.
-inline constexpr int kLargestTilePx = 256;
+inline constexpr int kMaxTilePx = 256;
 
 /// Returns tiles of nearly equal size that cover the block exactly, row by row from the top; none for an empty block.
 /// Cuts lie at multiples of kCutPx from the block's corner. A tile, divided again, yields itself.
 [[nodiscard]] std::vector<PixelRect> tiles_of(const PixelRect& block);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -5,7 +5,7 @@
 #include "renderfarm/balance/node_speeds.h"
 #include "renderfarm/balance/split_tree.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 /// Returns the blocks; leaf i belongs to node i % nodes.
@@ -64,4 +64,4 @@ std::unique_ptr<Balancer> make_pbt_balancer(std::size_t leaves_per_node) {
   return std::make_unique<PbtBalancer>(leaves_per_node);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

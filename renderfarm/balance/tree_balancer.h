@@ -6,7 +6,7 @@
 
 #include "renderfarm/balance/balancer.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 inline constexpr std::size_t kLeavesPerNode = 4;
 
@@ -15,4 +15,4 @@ inline constexpr std::size_t kLeavesPerNode = 4;
 /// blocks in several parts of the picture.
 [[nodiscard]] std::unique_ptr<Balancer> make_pbt_balancer(std::size_t leaves_per_node);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

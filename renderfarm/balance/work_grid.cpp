@@ -8,7 +8,7 @@
 
 #include "renderfarm/balance/tiles.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
@@ -20,7 +20,7 @@ bool lies_on_grid(const PixelRect& r, PictureSize size) {
          r.height <= size.height - r.y;
 }
 
-bool tells_of_cells(const MeasuredBlock& block, const CellRect& cells) {
+bool has_cell_times(const MeasuredBlock& block, const CellRect& cells) {
   return block.cell_cpu_seconds.size() == cells.count() &&
          std::ranges::all_of(block.cell_cpu_seconds, [](float s) { return is_measurement(s); });
 }
@@ -49,12 +49,12 @@ void add(const MeasuredBlock& block, CellTimes times, const WorkGrid* prior, Wor
     for (int x = cells.x; x < cells.x + cells.width; ++x) ret->at(x, y) = 0.0f;
   }
   double rest = block.cpu_seconds;
-  if (times == CellTimes::kMeasured && tells_of_cells(block, cells)) {
-    auto told = block.cell_cpu_seconds.begin();
+  if (times == CellTimes::kMeasured && has_cell_times(block, cells)) {
+    auto cell_seconds = block.cell_cpu_seconds.begin();
     for (int y = cells.y; y < cells.y + cells.height; ++y) {
-      for (int x = cells.x; x < cells.x + cells.width; ++x, ++told) {
-        ret->at(x, y) = as_work(*told * speed);
-        rest -= *told;
+      for (int x = cells.x; x < cells.x + cells.width; ++x, ++cell_seconds) {
+        ret->at(x, y) = as_work(*cell_seconds * speed);
+        rest -= *cell_seconds;
       }
     }
   } else if (times == CellTimes::kMeasured && prior != nullptr) {
@@ -103,4 +103,4 @@ WorkGrid work_of(PictureSize size, std::span<const MeasuredBlock> blocks, CellTi
   return work;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

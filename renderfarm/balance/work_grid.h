@@ -8,7 +8,7 @@
 
 #include "common/image/pixel_rect.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 struct PictureSize {
   int width = 0;
@@ -88,4 +88,4 @@ enum class CellTimes {
 [[nodiscard]] WorkGrid work_of(PictureSize size, std::span<const MeasuredBlock> blocks, CellTimes times,
                                const WorkGrid* prior);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 WorkSums::WorkSums(const WorkGrid& work) : size_(work.size()), columns_(work.columns()), rows_(work.rows()) {
   sums_.resize(static_cast<std::size_t>(columns_ + 1) * static_cast<std::size_t>(rows_ + 1));
@@ -38,4 +38,4 @@ int nearest_cut(const WorkSums& sums, const CellRect& r, CutDirection d, double 
   return cut > 1 && miss(cut - 1) < miss(cut) ? cut - 1 : cut;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -5,7 +5,7 @@
 
 #include "renderfarm/balance/work_grid.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 
 /// Summed-area table: returns the work of any rectangle of cells in four look-ups. A value; reentrant.
 class WorkSums {
@@ -61,4 +61,4 @@ enum class CutDirection : unsigned char { kAcross, kDown };
 /// 2.
 [[nodiscard]] int nearest_cut(const WorkSums& sums, const CellRect& r, CutDirection d, double work);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -10,17 +10,17 @@
 #include "common/wire/channel.h"
 #include "common/wire/farm.grpc.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::client {
 namespace {
 constexpr Duration kFirstRetry = std::chrono::milliseconds(100);
-constexpr Duration kSlowestRetry = std::chrono::seconds(2);
+constexpr Duration kMaxRetryDelay = std::chrono::seconds(2);
 }  // namespace
 
 /// One session's call. The farm thread reads from it, the views thread writes to it.
-class FarmClient::Visit {
+class FarmClient::Session {
  public:
-  explicit Visit(const std::shared_ptr<grpc::Channel>& channel)
-      : stub_(wire::Farm::NewStub(channel)), stream_(stub_->Visit(&context)) {}
+  explicit Session(const std::shared_ptr<grpc::Channel>& channel)
+      : stub_(wire::Farm::NewStub(channel)), stream_(stub_->Session(&context)) {}
   [[nodiscard]] auto& stream() { return *stream_; }
 
   grpc::ClientContext context;
@@ -29,14 +29,14 @@ class FarmClient::Visit {
 
  private:
   std::unique_ptr<wire::Farm::Stub> stub_;
-  std::unique_ptr<grpc::ClientReaderWriter<wire::VisitRequest, wire::VisitReply>> stream_;
+  std::unique_ptr<grpc::ClientReaderWriter<wire::SessionRequest, wire::SessionReply>> stream_;
 };
 
 Result<std::unique_ptr<FarmClient>> FarmClient::start(FarmClientOptions options, FarmListener& listener) {
-  if (options.heads.empty()) return Error(ErrorCode::kInvalidArgument, "no address of a farm is given");
+  if (options.coordinators.empty()) return Error(ErrorCode::kInvalidArgument, "no address of a farm is given");
   std::vector<std::shared_ptr<grpc::Channel>> channels;
-  for (const std::string& head : options.heads) {
-    TRY_ASSIGN(auto channel, make_channel(head, options.tls));
+  for (const std::string& coordinator : options.coordinators) {
+    TRY_ASSIGN(auto channel, make_channel(coordinator, options.tls));
     channels.push_back(std::move(channel));
   }
   return std::unique_ptr<FarmClient>(new FarmClient(std::move(options), std::move(channels), listener));
@@ -70,17 +70,17 @@ bool FarmClient::request(wire::View view) {
 
 void FarmClient::run() {
   Duration delay = kFirstRetry;
-  for (std::size_t head = 0;; head = (head + 1) % channels_.size()) {
+  for (std::size_t coordinator = 0;; coordinator = (coordinator + 1) % channels_.size()) {
     bool opened = false;
-    const Error reason = visit(channels_[head], &opened);
-    lose(std::move(Error(reason)).while_doing(options_.heads[head]));
+    const Error reason = session(channels_[coordinator], &opened);
+    lose(std::move(Error(reason)).while_doing(options_.coordinators[coordinator]));
     if (opened) {
       // The session had been open, so the same coordinator is tried first, after the shortest delay.
       delay = kFirstRetry;
-      head = (head + channels_.size() - 1) % channels_.size();
+      coordinator = (coordinator + channels_.size() - 1) % channels_.size();
     }
-    if (!wait_before_retry(delay, *channels_[(head + 1) % channels_.size()])) return;
-    if (!opened && head + 1 == channels_.size()) delay = std::min(2 * delay, kSlowestRetry);
+    if (!wait_before_retry(delay, *channels_[(coordinator + 1) % channels_.size()])) return;
+    if (!opened && coordinator + 1 == channels_.size()) delay = std::min(2 * delay, kMaxRetryDelay);
   }
 }
 
@@ -89,90 +89,90 @@ bool FarmClient::wait_before_retry(Duration delay, grpc::Channel& next) {
     const std::lock_guard lock(mutex_);
     return stopping_;
   };
-  wait_dialling(next, delay, is_stopping);
+  wait_until_connected(next, delay, is_stopping);
   return !is_stopping();
 }
 
-Error FarmClient::visit(const std::shared_ptr<grpc::Channel>& channel, bool* ret_opened) {
-  Visit visit(channel);
+Error FarmClient::session(const std::shared_ptr<grpc::Channel>& channel, bool* ret_opened) {
+  Session session(channel);
   {
     const std::lock_guard lock(mutex_);
-    if (stopping_) visit.context.TryCancel();
-    context_ = &visit.context;
+    if (stopping_) session.context.TryCancel();
+    context_ = &session.context;
     heard_at_ = SteadyClock().now();
   }
-  std::thread views([&] { write_views(visit); });
-  wire::VisitReply reply;
+  std::thread views([&] { write_views(session); });
+  wire::SessionReply reply;
   Status fine = Done{};
-  while (fine && visit.stream().Read(&reply)) fine = handle(reply, ret_opened);
-  if (!fine) visit.context.TryCancel();
+  while (fine && session.stream().Read(&reply)) fine = handle(reply, ret_opened);
+  if (!fine) session.context.TryCancel();
   {
     const std::lock_guard lock(mutex_);
-    visit.over = true;
+    session.over = true;
   }
   changed_.notify_all();
   views.join();
-  const grpc::Status status = finish_after_read(visit.context, [&] { return visit.stream().Finish(); });
+  const grpc::Status status = finish_after_read(session.context, [&] { return session.stream().Finish(); });
   const std::lock_guard lock(mutex_);
   context_ = nullptr;
   if (!fine) return std::move(fine).error();
-  if (visit.given_up) return *visit.given_up;
-  return status.ok() ? Error(ErrorCode::kUnavailable, "the farm ended the visit") : from_grpc(status, "visiting");
+  if (session.given_up) return *session.given_up;
+  return status.ok() ? Error(ErrorCode::kUnavailable, "the farm ended the session") : from_grpc(status, "visiting");
 }
 
-void FarmClient::write_views(Visit& visit) {
-  wire::VisitRequest request;
+void FarmClient::write_views(Session& session) {
+  wire::SessionRequest request;
   request.mutable_open()->set_scene(options_.scene);
   request.mutable_open()->set_museum(options_.museum);
   request.mutable_open()->set_frame_budget_ms(options_.frame_budget_ms);
   request.mutable_open()->set_reference_samples(static_cast<std::uint32_t>(options_.reference_samples));
-  bool alive = visit.stream().Write(request);
+  bool alive = session.stream().Write(request);
   std::unique_lock lock(mutex_);
-  while (alive && !visit.over) {
+  while (alive && !session.over) {
     if (window_.is_sendable()) {
       if (window_.in_flight() == 0) heard_at_ = SteadyClock().now();
       *request.mutable_view() = *window_.take_sendable();
       lock.unlock();
-      alive = visit.stream().Write(request);
+      alive = session.stream().Write(request);
       lock.lock();
       continue;
     }
-    const bool owes = !window_.is_opened() || window_.in_flight() > 0;
-    const TimePoint until = owes ? heard_at_ + options_.patience : SteadyClock().now() + options_.patience;
-    if (owes && SteadyClock().now() >= until) {
-      visit.given_up =
-          Error(ErrorCode::kTimedOut, fmt::format("the farm said nothing for {:.0f} s", to_seconds(options_.patience)));
-      visit.context.TryCancel();
+    const bool awaits_answer = !window_.is_opened() || window_.in_flight() > 0;
+    const TimePoint until = awaits_answer ? heard_at_ + options_.timeout : SteadyClock().now() + options_.timeout;
+    if (awaits_answer && SteadyClock().now() >= until) {
+      session.given_up =
+          Error(ErrorCode::kTimedOut, fmt::format("the farm said nothing for {:.0f} s", to_seconds(options_.timeout)));
+      session.context.TryCancel();
       return;
     }
     changed_.wait_until(lock, until);
   }
 }
 
-Status FarmClient::handle(const wire::VisitReply& reply, bool* ret_opened) {
+Status FarmClient::handle(const wire::SessionReply& reply, bool* ret_opened) {
   {
     const std::lock_guard lock(mutex_);
     heard_at_ = SteadyClock().now();
     TRY(window_.take(reply));
   }
   switch (reply.message_case()) {
-    case wire::VisitReply::kOpened:
+    case wire::SessionReply::kOpened:
       *ret_opened = true;
       last_reason_.clear();
       listener_.on_opened(reply.opened());
       changed_.notify_all();
       break;
-    case wire::VisitReply::kBegin:
+    case wire::SessionReply::kBegin:
       listener_.on_begin(reply.begin());
       break;
-    case wire::VisitReply::kTile:
+    case wire::SessionReply::kTile:
       listener_.on_tile(reply.tile());
       break;
-    case wire::VisitReply::kEnd:
+    case wire::SessionReply::kEnd:
       listener_.on_end(reply.end());
       changed_.notify_all();
       break;
-    case wire::VisitReply::MESSAGE_NOT_SET:
+    case wire::SessionReply::MESSAGE_NOT_SET:
       break;
   }
   return Done{};
@@ -197,4 +197,4 @@ void FarmClient::lose(const Error& reason) {
   listener_.on_lost(reason);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::client

@@ -21,17 +21,17 @@ class Channel;
 class ClientContext;
 }  // namespace grpc
 
-namespace cyclorama {
+namespace cyclorama::client {
 
 struct FarmClientOptions {
   /// Addresses of coordinators, such as "[::1]:7401"; tried in this order, cyclically.
-  std::vector<std::string> heads{};
+  std::vector<std::string> coordinators{};
   std::string scene{};            ///< Empty for the farm's first scene.
   std::string museum{};           ///< Shown to the farm's operator if no certificate states the name.
   std::optional<TlsFiles> tls{};  ///< Empty for an unencrypted connection to a coordinator on this machine.
   /// Timeout for a coordinator that owes an answer; longer than any tile takes to render.
-  Duration patience = std::chrono::seconds(30);
-  /// See wire::OpenVisit: with a budget, the farm chooses the quality and refines the picture until a new view is
+  Duration timeout = std::chrono::seconds(30);
+  /// See wire::OpenSession: with a budget, the farm chooses the quality and refines the picture until a new view is
   /// requested.
   double frame_budget_ms = 0.0;
   int reference_samples = 0;
@@ -86,12 +86,12 @@ class FarmClient {
   void stop();
 
  private:
-  class Visit;
+  class Session;
   FarmClient(FarmClientOptions options, std::vector<std::shared_ptr<grpc::Channel>> channels, FarmListener& listener);
   void run();
-  Error visit(const std::shared_ptr<grpc::Channel>& channel, bool* ret_opened);
-  void write_views(Visit& visit);
-  Status handle(const wire::VisitReply& reply, bool* ret_opened);
+  Error session(const std::shared_ptr<grpc::Channel>& channel, bool* ret_opened);
+  void write_views(Session& session);
+  Status handle(const wire::SessionReply& reply, bool* ret_opened);
   void lose(const Error& reason);
   bool wait_before_retry(Duration delay, grpc::Channel& next);
 
@@ -110,4 +110,4 @@ class FarmClient {
   std::thread farm_;  ///< Last member: started when all others exist.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::client

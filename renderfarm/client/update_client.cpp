@@ -8,7 +8,7 @@
 #include "common/wire/channel.h"
 #include "common/wire/updates.grpc.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::client {
 namespace {
 
 constexpr auto kOfferDeadline = std::chrono::seconds(10);
@@ -24,11 +24,12 @@ Error said_by(const grpc::Status& status) {
 
 }  // namespace
 
-Result<UpdateClient> UpdateClient::make(const std::vector<std::string>& heads, const std::optional<TlsFiles>& tls) {
-  if (heads.empty()) return Error(ErrorCode::kInvalidArgument, "no address of a farm is given");
+Result<UpdateClient> UpdateClient::make(const std::vector<std::string>& coordinators,
+                                        const std::optional<TlsFiles>& tls) {
+  if (coordinators.empty()) return Error(ErrorCode::kInvalidArgument, "no address of a farm is given");
   std::vector<std::shared_ptr<grpc::Channel>> channels;
-  for (const std::string& head : heads) {
-    TRY_ASSIGN(auto channel, make_channel(head, tls));
+  for (const std::string& coordinator : coordinators) {
+    TRY_ASSIGN(auto channel, make_channel(coordinator, tls));
     channels.push_back(std::move(channel));
   }
   return UpdateClient(std::move(channels));
@@ -78,4 +79,4 @@ Status UpdateClient::read(const std::string& image, const std::string& sha256, s
   return said_by(status);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::client

@@ -17,7 +17,7 @@ namespace grpc {
 class Channel;
 }  // namespace grpc
 
-namespace cyclorama {
+namespace cyclorama::client {
 
 /// Reads versions of an appliance's image from a farm. Verifies nothing: the caller checks the signature. Thread-bound.
 class UpdateClient {
@@ -26,7 +26,7 @@ class UpdateClient {
   using Sink = std::function<Status(std::span<const std::byte>)>;
 
   /// Does not connect yet. Errors as make_channel().
-  static Result<UpdateClient> make(const std::vector<std::string>& heads, const std::optional<TlsFiles>& tls);
+  static Result<UpdateClient> make(const std::vector<std::string>& coordinators, const std::optional<TlsFiles>& tls);
 
   /// Returns the offer of the first coordinator that answers; read() then uses that one. Blocks for at most 10 s per
   /// coordinator.
@@ -44,4 +44,4 @@ class UpdateClient {
   std::shared_ptr<grpc::Channel> answered_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::client

@@ -6,7 +6,7 @@
 #include "common/geometry/picture_place.h"
 #include "common/wire/convert.h"
 
-namespace cyclorama {
+namespace cyclorama::client {
 namespace {
 
 Error broken(const std::string& what) { return Error(ErrorCode::kBadData, "the farm " + what); }
@@ -25,20 +25,20 @@ Status check_shape(const Projection& asked, const Projection& begun) {
 
 }  // namespace
 
-Status ViewWindow::take(const wire::VisitReply& reply) {
+Status ViewWindow::take(const wire::SessionReply& reply) {
   if (reply.has_opened() == opened_) return broken("must describe the scene first, and once");
   switch (reply.message_case()) {
-    case wire::VisitReply::kOpened:
+    case wire::SessionReply::kOpened:
       TRY(validate(reply.opened()));
       opened_ = true;
       return Done{};
-    case wire::VisitReply::kBegin:
+    case wire::SessionReply::kBegin:
       return begin(reply.begin());
-    case wire::VisitReply::kTile:
+    case wire::SessionReply::kTile:
       return accept(reply.tile());
-    case wire::VisitReply::kEnd:
+    case wire::SessionReply::kEnd:
       return end(reply.end());
-    case wire::VisitReply::MESSAGE_NOT_SET:
+    case wire::SessionReply::MESSAGE_NOT_SET:
       break;
   }
   return broken("sent an unknown message");
@@ -116,4 +116,4 @@ std::optional<std::uint64_t> ViewWindow::lose() {
   return open_number;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::client

@@ -11,7 +11,7 @@
 #include "common/geometry/projection.h"
 #include "common/wire/farm.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::client {
 
 /// One slot for the waiting view, and the views that were sent and are not answered yet. Pure; thread-bound.
 ///
@@ -34,7 +34,7 @@ class ViewWindow {
   /// number was not requested, position, direction or field differ from the request, it has more pixels than requested,
   /// a tile lies outside or overlaps another, or a "complete" frame has holes. kInvalidArgument if the scene has no
   /// walkable area.
-  Status take(const wire::VisitReply& reply);
+  Status take(const wire::SessionReply& reply);
 
   /// True once the farm has described its scene.
   [[nodiscard]] bool is_opened() const { return opened_; }
@@ -62,4 +62,4 @@ class ViewWindow {
   std::uint32_t tiles_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::client

@@ -10,23 +10,23 @@
 #include "common/base/text.h"
 #include "common/wire/channel.h"
 #include "common/wire/inspection_service.h"
-#include "renderfarm/coordinator/coordinator_meters.h"
+#include "renderfarm/coordinator/coordinator_metrics.h"
 #include "renderfarm/coordinator/coordinator_services.h"
 #include "renderfarm/coordinator/cost_log.h"
 #include "renderfarm/coordinator/relay_times.h"
 #include "renderfarm/watch/farm_watch.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 constexpr Duration kTick = std::chrono::milliseconds(100);
 /// How long a stream that is told to end may take to drain.
 constexpr Duration kLinger = std::chrono::seconds(5);
 constexpr Duration kStopGrace = std::chrono::seconds(2);
-constexpr std::size_t kLongestSceneName = 64;
+constexpr std::size_t kMaxSceneNameBytes = 64;
 /// A museum sends views, each of some hundred bytes; a node sends tiles.
 constexpr int kMuseumMessageBytes = 64 << 10;
-/// Of one connection: a museum has a visit and asks for scenes; a node has its stream and fetches files.
+/// Of one connection: a museum has a session and asks for scenes; a node has its stream and fetches files.
 constexpr int kMuseumCalls = 16;
 constexpr int kNodeCalls = 32;
 
@@ -37,10 +37,10 @@ struct Open {
   std::optional<TimePoint> ends_by{};
 };
 
-std::vector<SceneLibrary::Source> handed_out(const std::vector<FarmScene>& scenes) {
-  std::vector<SceneLibrary::Source> sources;
+std::vector<scene_distribution::SceneLibrary::Source> handed_out(const std::vector<FarmScene>& scenes) {
+  std::vector<scene_distribution::SceneLibrary::Source> sources;
   for (const FarmScene& scene : scenes) {
-    if (scene.on_head) sources.push_back({scene.name, scene.path});
+    if (scene.on_coordinator) sources.push_back({scene.name, scene.path});
   }
   return sources;
 }
@@ -66,9 +66,9 @@ void cut_late_ones(std::map<std::uint64_t, Open<Stream>>& streams, TimePoint now
 }  // namespace
 
 /// The loop's thread and everything that lives on it.
-class Head::Loop final : private Peers {
+class Coordinator::Loop final : private CoordinatorDelegate {
  public:
-  Loop(HeadOptions options, Notice notice)
+  Loop(CoordinatorOptions options, Notice notice)
       : options_(std::move(options)),
         notice_(std::move(notice)),
         state_(options_.scenes, options_.strategy, options_.limits, clock_, *this),
@@ -79,7 +79,7 @@ class Head::Loop final : private Peers {
     if (!options_.record.empty()) {
       TRY_ASSIGN(cost_log_, CostLog::open(options_.record, say_));
     }
-    TRY_ASSIGN(gate_, Gatekeeper::open(options_.trust, clock_, say_));
+    TRY_ASSIGN(gate_, trust::Gatekeeper::open(options_.trust, clock_, say_));
     TRY(watch_.start(options_.watch, say_));
     thread_ = std::thread(
         [this] { run(); });  // Before the servers: every call that a server takes needs somebody to finish it.
@@ -93,7 +93,7 @@ class Head::Loop final : private Peers {
   }
 
   void stop() {
-    events_.post(StopAsked{});
+    events_.post(StopRequested{});
     files_.stop();
     const TimePoint last = clock_.now() + kStopGrace;  // For all together: each may have a peer that hangs.
     for (const auto& server : {museum_server_.get(), node_server_.get(), inspect_server_.get()}) {
@@ -135,7 +135,7 @@ class Head::Loop final : private Peers {
       alive_at_ = now.time_since_epoch().count();
       if (!stopping_) {
         state_.tick();
-        look_at_files();
+        check_files();
       }
       cut_late_ones(nodes_, now);
       cut_late_ones(museums_, now);
@@ -152,34 +152,35 @@ class Head::Loop final : private Peers {
             .calls_per_connection = museums ? kMuseumCalls : kNodeCalls};
   }
 
-  void visit_said(const MuseumSaid& e) {
-    const Status bearable = e.request.has_view() ? gate_->view_came(e.id) : Done{};
-    if (bearable) return state_.visit_asked(SessionId{e.id}, e.request, e.at);
-    state_.visit_gone(SessionId{e.id});
-    end_visit(SessionId{e.id}, bearable.error(), true);
+  void session_message(const MuseumMessage& e) {
+    const Status bearable = e.request.has_view() ? gate_->view_received(e.id) : Done{};
+    if (bearable) return state_.session_requested(SessionId{e.id}, e.request, e.at);
+    state_.session_disconnected(SessionId{e.id});
+    end_session(SessionId{e.id}, bearable.error(), true);
   }
 
   /// What museums with a limit of bytes took, when the limit lets the next frame go.
   void release(TimePoint now) {
     while (!held_.empty() && held_.begin()->first <= now) {
-      MuseumTook took = std::move(held_.begin()->second);
+      ReplyWritten reply_written = std::move(held_.begin()->second);
       held_.erase(held_.begin());
-      if (!stopping_) state_.written(SessionId{took.id}, took.reply);
-      VisitPictures* const pictures = watch_.pictures();
-      if (pictures != nullptr && museums_.contains(took.id)) pictures->taken(took.id, std::move(took.reply));
+      if (!stopping_) state_.written(SessionId{reply_written.id}, reply_written.reply);
+      watch::SessionPictures* const pictures = watch_.pictures();
+      if (pictures != nullptr && museums_.contains(reply_written.id))
+        pictures->taken(reply_written.id, std::move(reply_written.reply));
     }
   }
-  void look_at_files() {
-    const Gatekeeper::Leavers leavers = gate_->tick();
-    for (const auto& [id, reason] : leavers.visits) {
-      gate_->visit_ended(id, reason);
-      state_.visit_gone(SessionId{id});
+  void check_files() {
+    const trust::Gatekeeper::Leavers leavers = gate_->tick();
+    for (const auto& [id, reason] : leavers.sessions) {
+      gate_->session_ended(id, reason);
+      state_.session_disconnected(SessionId{id});
       send_away(museums_.at(id), reason);
     }
     if (leavers.changed) files_.cut([this](const Identity& who) { return gate_->is_revoked(who); });
     for (const auto& [id, reason] : leavers.nodes) {
-      gate_->node_gone(id, reason);
-      state_.node_gone(NodeId{id});
+      gate_->node_disconnected(id, reason);
+      state_.node_disconnected(NodeId{id});
       send_away(nodes_.at(id), reason);
     }
   }
@@ -188,15 +189,15 @@ class Head::Loop final : private Peers {
     end_stream(open, {grpc::StatusCode::PERMISSION_DENIED, reason}, true);
   }
 
-  void handle(NodeCame& e) {
+  void handle(NodeConnected& e) {
     nodes_.emplace(e.id, Open<NodeStream>{std::move(e.stream)});
     if (stopping_) return end_stream(nodes_.at(e.id), kStops, false);
-    gate_->node_came(e.id, e.who);
+    gate_->node_connected(e.id, e.who);
     node_names_[e.id] = e.who.name;
-    state_.node_came(NodeId{e.id});
+    state_.node_connected(NodeId{e.id});
   }
-  void handle(NodeTook& e) { state_.order_written(NodeId{e.id}, e.block, e.at); }
-  void handle(NodeSaid& e) {
+  void handle(OrderWritten& e) { state_.order_written(NodeId{e.id}, e.block, e.at); }
+  void handle(NodeMessage& e) {
     cause_at_ = e.at;
     if (const std::string& name = node_names_[e.id]; e.report.has_hello() && !name.empty()) {
       // Who it is, its certificate says; how its host calls it helps people where hosts share one.
@@ -207,8 +208,8 @@ class Head::Loop final : private Peers {
     nodes_.at(e.id).stream->read_next();
   }
   void handle(NodeClosed& e) {
-    if (!stopping_) state_.node_gone(NodeId{e.id});
-    gate_->node_gone(e.id, "");
+    if (!stopping_) state_.node_disconnected(NodeId{e.id});
+    gate_->node_disconnected(e.id, "");
     end_stream(nodes_.at(e.id), grpc::Status::OK, false);
   }
   void handle(NodeDone& e) {
@@ -216,43 +217,43 @@ class Head::Loop final : private Peers {
     node_names_.erase(e.id);
   }
 
-  void handle(MuseumCame& e) {
+  void handle(MuseumConnected& e) {
     museums_.emplace(e.id, Open<MuseumStream>{std::move(e.stream)});
     if (stopping_) return end_stream(museums_.at(e.id), kStops, false);
-    auto grant = gate_->visit_came(e.id, e.who);
+    auto grant = gate_->session_connected(e.id, e.who);
     if (!grant) {
-      watch_.metrics().visit_refused(grant.error().code());
+      watch_.metrics().session_refused(grant.error().code());
       return end_stream(museums_.at(e.id), to_grpc(grant.error()), false);
     }
-    state_.visit_came(SessionId{e.id}, *std::move(grant));
+    state_.session_connected(SessionId{e.id}, *std::move(grant));
   }
-  void handle(MuseumSaid& e) {
+  void handle(MuseumMessage& e) {
     cause_at_ = e.at;
-    if (!stopping_) visit_said(e);
+    if (!stopping_) session_message(e);
     museums_.at(e.id).stream->read_next();
   }
-  void handle(MuseumTook& e) {
+  void handle(ReplyWritten& e) {
     cause_at_ = e.at;
     const RelayTimes::Times times = relay_times_.taken(SessionId{e.id}, e.reply, e.at);
     if (times.relay_seconds) meters_.add_stage("relay", *times.relay_seconds);
     if (times.overhead_seconds) meters_.add_stage("overhead", *times.overhead_seconds);
-    if (e.reply.has_opened()) watch_.metrics().visit_opened(state_.museum_of(SessionId{e.id}));
-    const TimePoint due = gate_->took(e.id, e.reply);
+    if (e.reply.has_opened()) watch_.metrics().session_opened(state_.museum_of(SessionId{e.id}));
+    const TimePoint due = gate_->reply_written(e.id, e.reply);
     held_.emplace(due, std::move(e));
     release(clock_.now());
   }
   void handle(MuseumClosed& e) {
-    if (!stopping_) state_.visit_gone(SessionId{e.id});
-    gate_->visit_ended(e.id, "");
+    if (!stopping_) state_.session_disconnected(SessionId{e.id});
+    gate_->session_ended(e.id, "");
     end_stream(museums_.at(e.id), grpc::Status::OK, false);
   }
   void handle(MuseumDone& e) {
     museums_.erase(e.id);
-    relay_times_.visit_ended(SessionId{e.id});
-    if (VisitPictures* const pictures = watch_.pictures()) pictures->visit_ended(e.id);
+    relay_times_.session_ended(SessionId{e.id});
+    if (watch::SessionPictures* const pictures = watch_.pictures()) pictures->session_ended(e.id);
   }
 
-  void handle(ScenesAsked& e) {
+  void handle(ListScenesCall& e) {
     *e.reply = state_.scenes(gate_->grant_of(e.who));
     e.reactor->Finish(grpc::Status::OK);
   }
@@ -260,10 +261,10 @@ class Head::Loop final : private Peers {
     say_(e.news.sentence);
     if (!stopping_ && !e.news.digest.empty()) state_.scene_read(e.news.scene, e.news.digest);
   }
-  void handle(StopAsked&) {
+  void handle(StopRequested&) {
     stopping_ = true;
-    for (const auto& [id, open] : museums_) gate_->visit_ended(id, kStops.error_message());
-    for (const auto& [id, open] : nodes_) gate_->node_gone(id, kStops.error_message());
+    for (const auto& [id, open] : museums_) gate_->session_ended(id, kStops.error_message());
+    for (const auto& [id, open] : nodes_) gate_->node_disconnected(id, kStops.error_message());
     end_all(museums_, kStops);
     end_all(nodes_, kStops);
   }
@@ -271,20 +272,20 @@ class Head::Loop final : private Peers {
   void to_node(NodeId node, const wire::NodeCommand& command) override {
     nodes_.at(static_cast<std::uint64_t>(node)).stream->send(command);
   }
-  void to_museum(SessionId session, wire::VisitReply reply) override {
+  void to_museum(SessionId session, wire::SessionReply reply) override {
     const auto id = static_cast<std::uint64_t>(session);
-    if (reply.has_opened()) gate_->visit_opened(id, reply.opened().name());
+    if (reply.has_opened()) gate_->session_opened(id, reply.opened().name());
     relay_times_.sent(session, cause_at_);
     museums_.at(id).stream->send(std::move(reply));
   }
   void end_node(NodeId node, const Error& reason) override {
-    gate_->node_gone(static_cast<std::uint64_t>(node), reason.message());
+    gate_->node_disconnected(static_cast<std::uint64_t>(node), reason.message());
     watch_.metrics().node_sent_away();
     end_stream(nodes_.at(static_cast<std::uint64_t>(node)), to_grpc(reason), false);
   }
-  void end_visit(SessionId session, const Error& reason, bool at_once) override {
-    gate_->visit_ended(static_cast<std::uint64_t>(session), reason.message());
-    watch_.metrics().visit_refused(reason.code());
+  void end_session(SessionId session, const Error& reason, bool at_once) override {
+    gate_->session_ended(static_cast<std::uint64_t>(session), reason.message());
+    watch_.metrics().session_refused(reason.code());
     end_stream(museums_.at(static_cast<std::uint64_t>(session)), to_grpc(reason), at_once);
   }
   void frame_ended(const FrameReport& report) override {
@@ -294,34 +295,35 @@ class Head::Loop final : private Peers {
   }
   void notice(const std::string& sentence, const NoticeAbout& about) override { notice_(sentence, about); }
 
-  inline static const grpc::Status kStops{grpc::StatusCode::UNAVAILABLE, "the farm's head stops"};
+  inline static const grpc::Status kStops{grpc::StatusCode::UNAVAILABLE, "the farm's coordinator stops"};
 
-  const HeadOptions options_;
+  const CoordinatorOptions options_;
   const Notice notice_;
   /// Of nobody in particular.
   const std::function<void(const std::string&)> say_ = [this](const std::string& sentence) { notice_(sentence, {}); };
   const SteadyClock clock_;
   Events events_;
-  InspectionService inspection_{"head"};
-  FarmWatch watch_{inspection_};
-  HeadMeters meters_{inspection_, watch_.metrics()};
+  InspectionService inspection_{"coordinator"};
+  watch::FarmWatch watch_{inspection_};
+  CoordinatorMetrics meters_{inspection_, watch_.metrics()};
   RelayTimes relay_times_;
   TimePoint cause_at_{};  ///< When what is being handled arrived.
   std::unique_ptr<CostLog> cost_log_;
-  HeadState state_;
-  std::unique_ptr<Gatekeeper> gate_;
-  std::multimap<TimePoint, MuseumTook> held_;
+  CoordinatorState state_;
+  std::unique_ptr<trust::Gatekeeper> gate_;
+  std::multimap<TimePoint, ReplyWritten> held_;
   std::map<std::uint64_t, std::string> node_names_;  ///< As their certificates say.
   bool stopping_ = false;
   std::map<std::uint64_t, Open<NodeStream>> nodes_;
   std::map<std::uint64_t, Open<MuseumStream>> museums_;
   std::atomic<Duration::rep> alive_at_;
-  SceneLibrary library_{handed_out(options_.scenes), options_.distribution.digests,
-                        [this](SceneLibrary::News news) { events_.post(SceneRead{std::move(news)}); }};
+  scene_distribution::SceneLibrary library_{
+      handed_out(options_.scenes), options_.distribution.digests,
+      [this](scene_distribution::SceneLibrary::News news) { events_.post(SceneRead{std::move(news)}); }};
   FileServer files_{library_, options_.distribution.files};
   NodesService nodes_service_{events_, files_};
   FarmService farm_service_{events_};
-  UpdatesService updates_service_{UpdateShelf(options_.updates), files_,
+  UpdatesService updates_service_{UpdateStore(options_.updates), files_,
                                   [this](const Identity& who) { return gate_->may_update(who); }};
   std::unique_ptr<WireServer> node_server_;
   std::unique_ptr<WireServer> museum_server_;
@@ -329,7 +331,7 @@ class Head::Loop final : private Peers {
   std::thread thread_;
 };
 
-Status validate(const HeadOptions& options) {
+Status validate(const CoordinatorOptions& options) {
   const auto refuse = [](const std::string& what) { return Error(ErrorCode::kInvalidArgument, what); };
   if (options.scenes.empty())
     return refuse("no scene is given; write --scene NAME=PATH, or a [[scene]] with name and path in farm.toml");
@@ -338,9 +340,9 @@ Status validate(const HeadOptions& options) {
       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' ||
              c == '.';
     });
-    if (scene.name.empty() || scene.name.size() > kLongestSceneName || !plain) {
+    if (scene.name.empty() || scene.name.size() > kMaxSceneNameBytes || !plain) {
       return refuse(fmt::format("scene name '{}' must be 1 to {} letters, digits, '-', '_' or '.'",
-                                printable(scene.name), kLongestSceneName));
+                                printable(scene.name), kMaxSceneNameBytes));
     }
     if (scene.path.empty()) return refuse(fmt::format("scene '{}' has no path", scene.name));
     if (printable(scene.path, scene.path.size()) != scene.path) {
@@ -365,22 +367,22 @@ Status validate(const HeadOptions& options) {
   return validate(options.watch);
 }
 
-Result<std::unique_ptr<Head>> Head::start(HeadOptions options, Notice notice) {
+Result<std::unique_ptr<Coordinator>> Coordinator::start(CoordinatorOptions options, Notice notice) {
   TRY(validate(options));
   auto loop = std::make_unique<Loop>(std::move(options), std::move(notice));
   TRY(loop->start());
-  return std::unique_ptr<Head>(new Head(std::move(loop)));
+  return std::unique_ptr<Coordinator>(new Coordinator(std::move(loop)));
 }
 
-Head::Head(std::unique_ptr<Loop> loop) : loop_(std::move(loop)) {}
-Head::~Head() = default;
-int Head::museum_port() const { return loop_->museum_port(); }
-int Head::node_port() const { return loop_->node_port(); }
-int Head::inspect_port() const { return loop_->inspect_port(); }
-int Head::watch_port() const { return loop_->watch_port(); }
-std::uint64_t Head::sent_file_bytes() const { return loop_->sent_file_bytes(); }
-TimePoint Head::alive_at() const { return loop_->alive_at(); }
-std::string Head::state() const { return loop_->state(); }
-void Head::stop() { loop_->stop(); }
+Coordinator::Coordinator(std::unique_ptr<Loop> loop) : loop_(std::move(loop)) {}
+Coordinator::~Coordinator() = default;
+int Coordinator::museum_port() const { return loop_->museum_port(); }
+int Coordinator::node_port() const { return loop_->node_port(); }
+int Coordinator::inspect_port() const { return loop_->inspect_port(); }
+int Coordinator::watch_port() const { return loop_->watch_port(); }
+std::uint64_t Coordinator::sent_file_bytes() const { return loop_->sent_file_bytes(); }
+TimePoint Coordinator::alive_at() const { return loop_->alive_at(); }
+std::string Coordinator::state() const { return loop_->state(); }
+void Coordinator::stop() { loop_->stop(); }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -18,7 +18,7 @@
 #include "renderfarm/trust/gatekeeper.h"
 #include "renderfarm/watch/watch_options.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
 /// How scenes reach nodes that have no copy of them.
 struct DistributionOptions {
@@ -26,37 +26,37 @@ struct DistributionOptions {
   std::filesystem::path digests{};  ///< Where the digests of files are kept over restarts; empty: nowhere.
 };
 
-struct HeadOptions {
+struct CoordinatorOptions {
   std::vector<FarmScene> scenes{};     ///< At least one; the first is the default.
   std::string museums = "[::1]:7401";  ///< Where museums dial; port 0 takes a free one.
   std::string nodes = "[::1]:7402";    ///< Where nodes dial.
   std::string inspect{};               ///< Where the operator looks; empty: nowhere.
-  BalanceStrategy strategy = BalanceStrategy::kCostMapStealing;
-  HeadLimits limits{};
-  TrustOptions trust{};
-  WatchOptions watch{};
+  balance::BalanceStrategy strategy = balance::BalanceStrategy::kCostMapStealing;
+  CoordinatorLimits limits{};
+  trust::TrustOptions trust{};
+  watch::WatchOptions watch{};
   std::string record{};  ///< Folder for what frames cost, for cyclorama-bench-balance; empty: not kept.
   DistributionOptions distribution{};
-  std::filesystem::path updates{};  ///< Of appliances' images, as UpdateShelf; empty: none.
+  std::filesystem::path updates{};  ///< Of appliances' images, as UpdateStore; empty: none.
 };
 
 /// That names, paths and addresses can work, and that nothing listens to the world without TLS. kInvalidArgument names
 /// the culprit.
-Status validate(const HeadOptions& options);
+Status validate(const CoordinatorOptions& options);
 
-/// The farm's head as a running service: gRPC's streams around HeadState. Threads: `head` (the one loop that HeadState
-/// lives on), `scenes` (reads the scenes that the head hands out, at the start), `files` (reads what it sends of them),
+/// The farm's coordinator as a running service: gRPC's streams around CoordinatorState. Threads: `coordinator` (the one loop that CoordinatorState
+/// lives on), `scenes` (reads the scenes that the coordinator hands out, at the start), `files` (reads what it sends of them),
 /// `audit` (waits for the disk), and gRPC's own, which only carry messages. Thread-safe.
-class Head {
+class Coordinator {
  public:
   using Notice = std::function<void(const std::string& sentence, const NoticeAbout& about)>;
 
-  /// `notice` gets sentences for the log, on the head's thread and those of its files. kInvalidArgument, kBusy  as
+  /// `notice` gets sentences for the log, on the coordinator's thread and those of its files. kInvalidArgument, kBusy  as
   /// WireServer::start(). Else as Gatekeeper::open() and FarmWatch::start().
-  static Result<std::unique_ptr<Head>> start(HeadOptions options, Notice notice);
-  ~Head();
-  Head(const Head&) = delete;
-  Head& operator=(const Head&) = delete;
+  static Result<std::unique_ptr<Coordinator>> start(CoordinatorOptions options, Notice notice);
+  ~Coordinator();
+  Coordinator(const Coordinator&) = delete;
+  Coordinator& operator=(const Coordinator&) = delete;
 
   [[nodiscard]] int museum_port() const;
   [[nodiscard]] int node_port() const;
@@ -69,13 +69,13 @@ class Head {
   /// One sentence for the operator.
   [[nodiscard]] std::string state() const;
 
-  /// Tells everybody that the head stops (UNAVAILABLE), waits for them a moment, and joins. Idempotent.
+  /// Tells everybody that the coordinator stops (UNAVAILABLE), waits for them a moment, and joins. Idempotent.
   void stop();
 
  private:
   class Loop;
-  explicit Head(std::unique_ptr<Loop> loop);
+  explicit Coordinator(std::unique_ptr<Loop> loop);
   std::unique_ptr<Loop> loop_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -6,11 +6,11 @@
 #include "common/base/text.h"
 #include "common/config/config.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
-TrustOptions read_trust(ConfigTable& root, const std::filesystem::path& folder) {
-  TrustOptions trust;
+trust::TrustOptions read_trust(ConfigTable& root, const std::filesystem::path& folder) {
+  trust::TrustOptions trust;
   const auto file = [&](ConfigTable& table, const char* key, std::optional<std::string> fallback = std::nullopt) {
     const std::string text = table.text(key, std::move(fallback));
     return text.empty() ? std::filesystem::path() : folder / text;
@@ -26,19 +26,19 @@ TrustOptions read_trust(ConfigTable& root, const std::filesystem::path& folder) 
   return trust;
 }
 
-Result<HeadOptions> options_of(Config config, const std::string& name) {
+Result<CoordinatorOptions> options_of(Config config, const std::string& name) {
   ConfigTable root = config.root();
-  HeadOptions options;
+  CoordinatorOptions options;
   options.museums = root.text("museums");
   options.nodes = root.text("nodes");
   options.inspect = root.text("inspect", "");
-  options.strategy = *balance_strategy_of(
+  options.strategy = *balance::balance_strategy_of(
       root.choice("balance", {"cost-map-stealing", "cost-map", "pbt-leaves", "pbt", "equal"}, "cost-map-stealing"));
   for (ConfigTable& scene : root.tables("scene")) {
     FarmScene& added = options.scenes.emplace_back();
     added.name = scene.text("name");
     added.path = scene.text("path");
-    added.on_head = scene.choice("on", {"nodes", "head"}, "nodes") == "head";
+    added.on_coordinator = scene.choice("on", {"nodes", "coordinator"}, "nodes") == "coordinator";
   }
   if (root.has("distribution")) {
     constexpr double kBytesPerMbit = 1e6 / 8.0;
@@ -51,15 +51,15 @@ Result<HeadOptions> options_of(Config config, const std::string& name) {
   }
   if (root.has("updates")) options.updates = root.table("updates").text("folder");
   if (root.has("watch")) {
-    options.watch = read_watch_options(root.table("watch"), std::filesystem::path(name).parent_path());
+    options.watch = watch::read_watch_options(root.table("watch"), std::filesystem::path(name).parent_path());
   }
   if (root.has("limits")) {
-    const HeadLimits defaults;
+    const CoordinatorLimits defaults;
     ConfigTable limits = root.table("limits");
     options.limits.nodes =
         static_cast<std::size_t>(limits.integer("nodes", {1, 4096}, static_cast<int>(defaults.nodes)));
     options.limits.sessions =
-        static_cast<std::size_t>(limits.integer("visits", {1, 1024}, static_cast<int>(defaults.sessions)));
+        static_cast<std::size_t>(limits.integer("sessions", {1, 1024}, static_cast<int>(defaults.sessions)));
     options.limits.picture_px = static_cast<std::int64_t>(
         1e6 * limits.number("picture_megapixels", {0.01, 269.0}, 1e-6 * static_cast<double>(defaults.picture_px)));
   }
@@ -73,12 +73,12 @@ Result<HeadOptions> options_of(Config config, const std::string& name) {
 
 }  // namespace
 
-Result<HeadOptions> read_head_config(const std::filesystem::path& path) {
+Result<CoordinatorOptions> read_coordinator_config(const std::filesystem::path& path) {
   TRY_ASSIGN(Config config, Config::read(path));
   return options_of(std::move(config), path.string());
 }
 
-Result<HeadOptions> parse_head_config(std::string_view text, const std::string& name) {
+Result<CoordinatorOptions> parse_coordinator_config(std::string_view text, const std::string& name) {
   TRY_ASSIGN(Config config, Config::parse(text, name));
   return options_of(std::move(config), name);
 }
@@ -92,4 +92,4 @@ Result<FarmScene> parse_farm_scene(const std::string& text) {
   return FarmScene{text.substr(0, equals), text.substr(equals + 1)};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// HeadState's answer to nodes that are slow, silent or gone.
+// CoordinatorState's answer to nodes that are slow, silent or gone.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,28 +9,28 @@
 #include "renderfarm/balance/stealing.h"
 #include "renderfarm/coordinator/coordinator_state.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 /// How often a tile is given out before the frame is given up.
-constexpr int kMostAttempts = 4;
-/// Of the measure that a visit's frames keep: a node that has said nothing for so long is silent...
+constexpr int kMaxAttempts = 4;
+/// Of the measure that a session's frames keep: a node that has said nothing for so long is silent...
 constexpr double kSilent = 0.6;
 /// ... unless its block was expected to take longer, of which this many times are granted...
 constexpr double kExpected = 1.5;
 /// ... or the system may just have been busy for a moment.
-constexpr Duration kSilentLeast = std::chrono::milliseconds(10);
+constexpr Duration kMinSilenceTimeout = std::chrono::milliseconds(10);
 /// A picture at rest has no budget: the others' slowest block so many times, and at least half a second.
 constexpr double kAtRest = 4.0;
-constexpr Duration kAtRestLeast = std::chrono::milliseconds(500);
+constexpr Duration kMinAtRestTimeout = std::chrono::milliseconds(500);
 /// Of the measure: a frame that takes longer is given up for the next one.
 constexpr double kLate = 2.0;
-/// Until a block that was taken from a node is begun by another: a round trip and the head's turn.
+/// Until a block that was taken from a node is begun by another: a round trip and the coordinator's turn.
 constexpr double kStealSeconds = 0.001;
 /// A node whose blocks wait for its processors this much more than other nodes' is not just unlucky.
 constexpr double kSlowed = 0.5;
 /// A node that is late again and again is worth one line of the log in so long.
-constexpr Duration kTellLate = std::chrono::seconds(10);
+constexpr Duration kLateLogPeriod = std::chrono::seconds(10);
 /// A slowed node that was not measured for so long, since it got no block, is believed so many times as fast: it may
 /// have recovered, and of its little share it will be seen.
 constexpr Duration kForgotten = std::chrono::seconds(1);
@@ -41,30 +41,30 @@ Duration duration_of(double seconds) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
 }
 
-bool owes(const FrameAssembly::Block& block) { return !block.ended && block.wanted; }
+bool is_outstanding(const FrameAssembly::Block& block) { return !block.ended && block.wanted; }
 
 }  // namespace
 
-Duration HeadState::measure_of(const Session& session) {
+Duration CoordinatorState::measure_of(const Session& session) {
   const double budget = session.governed ? 1e-3 * session.governed->governor.budget_ms() : 0.0;
   return duration_of(std::max(budget, session.pace_seconds));
 }
 
-TimePoint HeadState::due_at(const Session& session, const FrameInFlight& frame,
-                            const FrameAssembly::Block& block) const {
+TimePoint CoordinatorState::due_at(const Session& session, const FrameInFlight& frame,
+                                   const FrameAssembly::Block& block) const {
   const auto node = nodes_.find(block.node);
   if (node == nodes_.end()) return TimePoint::max();
-  const TimePoint since = std::max(node->second.worked_at, frame.refines ? frame.planned_at : frame.front_since);
+  const TimePoint since = std::max(node->second.worked_at, frame.refines ? frame.planned_at : frame.foremost_since);
   if (frame.refines) {
-    return since + std::max(kAtRestLeast, duration_of(kAtRest * frame.assembly.summary().render_seconds));
+    return since + std::max(kMinAtRestTimeout, duration_of(kAtRest * frame.assembly.summary().render_seconds));
   }
   const double expected =
       session.costs_known ? block.forecast.seconds / wall_speed_of(node->second, session.scene) : 0.0;
-  return since + std::max({kSilentLeast, duration_of(kExpected * expected),
+  return since + std::max({kMinSilenceTimeout, duration_of(kExpected * expected),
                            duration_of(kSilent * to_seconds(measure_of(session)))});
 }
 
-TimePoint HeadState::next_deadline() const {
+TimePoint CoordinatorState::next_deadline() const {
   const TimePoint now = clock_.now();
   TimePoint next = TimePoint::max();
   for (const auto& [id, session] : sessions_) {
@@ -74,32 +74,33 @@ TimePoint HeadState::next_deadline() const {
   return next;
 }
 
-TimePoint HeadState::next_due(const Session& session) const {
+TimePoint CoordinatorState::next_due(const Session& session) const {
   TimePoint next = TimePoint::max();
   if (session.frames.empty()) return next;
   const TimePoint now = clock_.now();
   const FrameInFlight& frame = session.frames.front();
   const auto consider = [&](TimePoint at) { next = at > now ? std::min(next, at) : next; };
   for (const auto& [number, block] : frame.assembly.blocks()) {
-    if (owes(block)) consider(due_at(session, frame, block));
+    if (is_outstanding(block)) consider(due_at(session, frame, block));
   }
-  if (frame.begun && !frame.refines) consider(frame.front_since + duration_of(kLate * to_seconds(measure_of(session))));
+  if (frame.begun && !frame.refines)
+    consider(frame.foremost_since + duration_of(kLate * to_seconds(measure_of(session))));
   return next;
 }
 
-void HeadState::watch(SessionId id) {
+void CoordinatorState::watch(SessionId id) {
   meet_deadlines(id);
   const auto found = sessions_.find(id);
   if (found != sessions_.end()) found->second.next_due = next_due(found->second);
 }
 
-void HeadState::meet_deadlines(SessionId id) {
+void CoordinatorState::meet_deadlines(SessionId id) {
   const auto found = sessions_.find(id);
   if (found == sessions_.end() || found->second.frames.empty()) return;
   Session& session = found->second;
   FrameInFlight& frame = session.frames.front();
   if (!frame.begun && !frame.refines) return;
-  const double taken = to_seconds(clock_.now() - frame.front_since);
+  const double taken = to_seconds(clock_.now() - frame.foremost_since);
   const bool has_successor = session.views.is_waiting() || session.frames.size() > 1;
   if (!frame.refines && has_successor && taken >= kLate * to_seconds(measure_of(session))) {
     session.miss_pace();
@@ -112,51 +113,51 @@ void HeadState::meet_deadlines(SessionId id) {
   for (const NodeId node : silent_nodes(session, frame)) retire(node);
 }
 
-bool HeadState::has_idle_node(const Session& session, const FrameInFlight& frame) const {
+bool CoordinatorState::has_idle_node(const Session& session, const FrameInFlight& frame) const {
   return std::ranges::any_of(nodes_for(session.scene), [&](NodeId node) {
     return !nodes_.at(node).late && std::ranges::none_of(frame.assembly.blocks(), [&](const auto& entry) {
-      return entry.second.node == node && owes(entry.second);
+      return entry.second.node == node && is_outstanding(entry.second);
     });
   });
 }
 
-std::vector<NodeId> HeadState::silent_nodes(const Session& session, const FrameInFlight& frame) const {
+std::vector<NodeId> CoordinatorState::silent_nodes(const Session& session, const FrameInFlight& frame) const {
   std::set<NodeId> silent;
   if (!has_idle_node(session, frame)) return {};
   for (const auto& [number, block] : frame.assembly.blocks()) {
     const auto node = nodes_.find(block.node);
-    if (node == nodes_.end() || node->second.late || !owes(block)) continue;
+    if (node == nodes_.end() || node->second.late || !is_outstanding(block)) continue;
     if (clock_.now() >= due_at(session, frame, block)) silent.insert(block.node);
   }
   return {silent.begin(), silent.end()};
 }
 
-void HeadState::retire(NodeId id) {
+void CoordinatorState::retire(NodeId id) {
   Node& node = nodes_.at(id);
   if (std::exchange(node.late, true)) return;
-  tell_late(node);
-  const std::map<std::uint64_t, BlockPlace> blocks = node.blocks;  // A copy: what follows orders blocks.
+  log_late_node(node);
+  const std::map<std::uint64_t, BlockLocation> blocks = node.blocks;  // A copy: what follows orders blocks.
   for (const auto& [block, place] : blocks) {
     FrameInFlight* const frame = find_frame(place);
-    if (frame != nullptr && !frame->failure) frame->assembly.excuse(block);
+    if (frame != nullptr && !frame->failure) frame->assembly.forgive_attempt(block);
   }
   lose_blocks(blocks, id);
 }
 
-void HeadState::tell_late(Node& node) {
+void CoordinatorState::log_late_node(Node& node) {
   const TimePoint now = clock_.now();
-  if (node.late_told_at && now - *node.late_told_at < kTellLate) {
-    ++node.late_untold;
+  if (node.late_logged_at && now - *node.late_logged_at < kLateLogPeriod) {
+    ++node.late_unlogged;
     return;
   }
-  node.late_told_at = now;
-  const int untold = std::exchange(node.late_untold, 0);
+  node.late_logged_at = now;
+  const int untold = std::exchange(node.late_unlogged, 0);
   const std::string more = untold == 0 ? "" : fmt::format(" ({} times more since it was last said)", untold);
-  peers_.notice(fmt::format("node '{}' keeps a frame waiting; others take over{}", printable(node.name), more),
-                {.node = node.name, .is_trouble = true});
+  delegate_.notice(fmt::format("node '{}' keeps a frame waiting; others take over{}", printable(node.name), more),
+                   {.node = node.name, .is_trouble = true});
 }
 
-void HeadState::lose_blocks(const std::map<std::uint64_t, BlockPlace>& blocks, NodeId not_to) {
+void CoordinatorState::lose_blocks(const std::map<std::uint64_t, BlockLocation>& blocks, NodeId not_to) {
   std::map<std::pair<SessionId, std::uint64_t>, std::vector<PixelRect>> orphans;
   for (const auto& [block, place] : blocks) {
     FrameInFlight* const frame = find_frame(place);
@@ -167,20 +168,21 @@ void HeadState::lose_blocks(const std::map<std::uint64_t, BlockPlace>& blocks, N
   std::set<SessionId> touched;
   for (auto& [place, tiles] : orphans) {
     FrameInFlight* const frame = find_frame({place.first, place.second});
-    give_again(place.first, sessions_.at(place.first), *frame, std::move(tiles), not_to);
+    reassign(place.first, sessions_.at(place.first), *frame, std::move(tiles), not_to);
     touched.insert(place.first);
   }
   for (const SessionId id : touched) advance(id);
 }
 
-void HeadState::give_again(SessionId id, Session& session, FrameInFlight& frame, std::vector<PixelRect> tiles,
-                           NodeId not_to) {
+void CoordinatorState::reassign(SessionId id, Session& session, FrameInFlight& frame, std::vector<PixelRect> tiles,
+                                NodeId not_to) {
   if (tiles.empty()) return;
   const std::vector<NodeId> nodes = nodes_for(session.scene, not_to);
   if (nodes.empty()) return fail(frame, "no node is left that can render it", session);
   const auto busy = [&](NodeId node) {
-    return std::ranges::any_of(frame.assembly.blocks(),
-                               [&](const auto& entry) { return entry.second.node == node && owes(entry.second); });
+    return std::ranges::any_of(frame.assembly.blocks(), [&](const auto& entry) {
+      return entry.second.node == node && is_outstanding(entry.second);
+    });
   };
   const auto idle = static_cast<std::size_t>(std::ranges::count_if(nodes, [&](NodeId node) { return !busy(node); }));
   // So that all who are done help. A picture at rest stays in its tiles: its sums are kept by them.
@@ -192,19 +194,19 @@ void HeadState::give_again(SessionId id, Session& session, FrameInFlight& frame,
     tiles = std::move(parts);
   }
   for (const PixelRect& tile : tiles) {
-    if (frame.assembly.attempts(tile) >= kMostAttempts) {
-      return fail(frame, fmt::format("{} nodes failed at the same tile", kMostAttempts), session);
+    if (frame.assembly.attempts(tile) >= kMaxAttempts) {
+      return fail(frame, fmt::format("{} nodes failed at the same tile", kMaxAttempts), session);
     }
-    const NodeId node = idlest(nodes);
-    frame.assembly.plan_again(++last_block_, node, tile);
+    const NodeId node = least_loaded(nodes);
+    frame.assembly.replan(++last_block_, node, tile);
     order_block(id, session, frame, last_block_, node, tile);
   }
 }
 
-void HeadState::help_out(SessionId id, Session& session, FrameInFlight& frame, NodeId idle) {
+void CoordinatorState::move_block_to_idle(SessionId id, Session& session, FrameInFlight& frame, NodeId idle) {
   if (frame.refines || frame.failure) return;
   std::vector<NodeId> nodes;
-  std::vector<NodeQueue> queues;
+  std::vector<balance::NodeQueue> queues;
   std::vector<std::vector<std::uint64_t>> numbers;
   const auto index_of = [&](NodeId id_of) {
     const auto found = std::ranges::find(nodes, id_of);
@@ -217,7 +219,7 @@ void HeadState::help_out(SessionId id, Session& session, FrameInFlight& frame, N
   };
   const std::size_t taker = index_of(idle);
   for (const auto& [number, block] : frame.assembly.blocks()) {
-    if (!owes(block) || !nodes_.contains(block.node)) continue;
+    if (!is_outstanding(block) || !nodes_.contains(block.node)) continue;
     if (block.node == idle) return;
     const std::size_t i = index_of(block.node);
     queues[i].blocks.push_back({block.forecast.seconds, block.forecast.stealable && block.delivered == 0});
@@ -225,18 +227,18 @@ void HeadState::help_out(SessionId id, Session& session, FrameInFlight& frame, N
   }
   const Node& taking = nodes_.at(idle);
   if (taking.late || taking.status.draining()) return;
-  const auto steal = choose_steal(queues, taker, kStealSeconds + turn_seconds(taking, session.scene));
+  const auto steal = balance::choose_steal(queues, taker, kStealSeconds + turn_seconds(taking, session.scene));
   if (!steal) return;
   const std::uint64_t from = numbers[steal->from][steal->block];
   frame.assembly.move(from, ++last_block_, idle, taking.scenes.at(session.scene).speed);
   ++frame.moved;
   wire::NodeCommand cancel;
   cancel.mutable_cancel()->set_block(from);
-  peers_.to_node(nodes[steal->from], cancel);
+  delegate_.to_node(nodes[steal->from], cancel);
   order_block(id, session, frame, last_block_, idle, frame.assembly.blocks().at(last_block_).rect);
 }
 
-double HeadState::turn_seconds(const Node& node, const std::string& scene) const {
+double CoordinatorState::turn_seconds(const Node& node, const std::string& scene) const {
   if (node.blocks.empty()) return 0.0;
   const auto& [number, place] = *node.blocks.begin();
   const auto session = sessions_.find(place.session);
@@ -248,12 +250,12 @@ double HeadState::turn_seconds(const Node& node, const std::string& scene) const
   return kHalf * block.forecast.seconds / static_cast<double>(block.tiles.size()) / wall_speed_of(node, scene);
 }
 
-void HeadState::learn_utilisation(Node& node, const wire::BlockEnd& end) {
+void CoordinatorState::learn_utilisation(Node& node, const wire::BlockEnd& end) {
   constexpr double kKept = 0.9;
-  constexpr double kLongest = 1e6;
+  constexpr double kMaxSeconds = 1e6;
   const double possible = end.wall_seconds() * node.threads;
   const double used = end.render_cpu_seconds();
-  if (!(possible > 0.0 && possible < kLongest && used >= 0.0 && used < kLongest)) return;
+  if (!(possible > 0.0 && possible < kMaxSeconds && used >= 0.0 && used < kMaxSeconds)) return;
   // Of all the time, no mean of the blocks: most blocks of a node that is stopped now and then are as quick as ever.
   node.used_seconds = kKept * node.used_seconds + used;
   node.possible_seconds = kKept * node.possible_seconds + possible;
@@ -261,7 +263,7 @@ void HeadState::learn_utilisation(Node& node, const wire::BlockEnd& end) {
   node.measured_at = clock_.now();
 }
 
-void HeadState::compare_nodes() {
+void CoordinatorState::compare_nodes() {
   for (const FarmScene& scene : scenes_) {
     std::vector<double> utilisations;
     for (const auto& [id, node] : nodes_) {
@@ -281,7 +283,7 @@ void HeadState::compare_nodes() {
   }
 }
 
-double HeadState::speed_of(const Node& node, const std::string& scene) const {
+double CoordinatorState::speed_of(const Node& node, const std::string& scene) const {
   // Blocks that are small for many threads, and hosts that are shared, make all nodes wait: only one that waits far
   // more than the others is slowed.
   const auto usual = usual_utilisation_.find(scene);
@@ -290,9 +292,9 @@ double HeadState::speed_of(const Node& node, const std::string& scene) const {
   return node.threads * (known == node.scenes.end() ? 1.0 : known->second.speed) * (slowed < kSlowed ? slowed : 1.0);
 }
 
-double HeadState::wall_speed_of(const Node& node, const std::string& scene) const {
+double CoordinatorState::wall_speed_of(const Node& node, const std::string& scene) const {
   const auto usual = usual_utilisation_.find(scene);
   return speed_of(node, scene) * (usual == usual_utilisation_.end() ? 1.0 : usual->second);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

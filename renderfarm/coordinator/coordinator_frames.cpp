@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// HeadState's frames: from a view that waits to a frame that has ended.
+// CoordinatorState's frames: from a view that waits to a frame that has ended.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include "common/wire/convert.h"
 #include "renderfarm/coordinator/coordinator_state.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 /// What a block costs beside its pixels: one tile and its acknowledgement through gRPC with TLS.
@@ -18,7 +18,7 @@ constexpr double kBlockSeconds = 0.0003;
 /// Its tiles come while others render.
 constexpr double kNodeSeconds = 0.00005;
 /// Cpu-seconds: a frame that cost nothing still takes its turn.
-constexpr double kLeastCost = 1e-4;
+constexpr double kMinCpuSeconds = 1e-4;
 
 void add_stage(wire::FrameEnd* end, const char* name, double seconds) {
   wire::StageTime* const stage = end->add_stages();
@@ -26,7 +26,7 @@ void add_stage(wire::FrameEnd* end, const char* name, double seconds) {
   stage->set_seconds(seconds);
 }
 
-PictureSize size_of(const wire::View& view) {
+balance::PictureSize size_of(const wire::View& view) {
   return {static_cast<int>(view.panorama().width_px()), static_cast<int>(view.panorama().height_px())};
 }
 
@@ -45,7 +45,7 @@ double effort_of(const wire::View& view) { return view.samples(); }
 
 }  // namespace
 
-FrameInFlight* HeadState::find_frame(const BlockPlace& place) {
+FrameInFlight* CoordinatorState::find_frame(const BlockLocation& place) {
   const auto session = sessions_.find(place.session);
   if (session == sessions_.end()) return nullptr;
   auto& frames = session->second.frames;
@@ -53,7 +53,7 @@ FrameInFlight* HeadState::find_frame(const BlockPlace& place) {
   return frame == frames.end() ? nullptr : &*frame;
 }
 
-std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& view, bool whole_blocks) const {
+std::vector<AssignedBlock> CoordinatorState::split(Session& session, const wire::View& view, bool whole_blocks) const {
   const std::vector<NodeId> nodes = nodes_for(session.scene);
   std::vector<double> speeds;
   std::vector<double> thread_speeds;
@@ -62,46 +62,46 @@ std::vector<PlacedBlock> HeadState::split(Session& session, const wire::View& vi
     speeds.push_back(speed_of(node, session.scene));
     thread_speeds.push_back(node.scenes.at(session.scene).speed);
   }
-  SplitRequest request{size_of(view), speeds, view.heading_rad(), shifting_span(view)};
+  balance::SplitRequest request{size_of(view), speeds, view.heading_rad(), shifting_span(view)};
   request.eye_m = eye_of(view);
   request.effort = effort_of(view);
   request.stacked = stacked(view);
   request.block_overhead_seconds = kBlockSeconds;
   request.node_overhead_seconds = kNodeSeconds;
   request.whole_blocks = whole_blocks;
-  std::vector<PlacedBlock> blocks;
-  for (const PlannedBlock& block : session.balancer->split(request)) {
+  std::vector<AssignedBlock> blocks;
+  for (const balance::PlannedBlock& block : session.balancer->split(request)) {
     blocks.push_back(
         {nodes[block.node], block.rect, {block.predicted_seconds, thread_speeds[block.node], block.stealable}});
   }
   return blocks;
 }
 
-void HeadState::plan(SessionId id, Session& session) {
+void CoordinatorState::plan(SessionId id, Session& session) {
   FrameInFlight& frame = session.frames.emplace_back();
   frame.id = ++last_frame_;
   const ReceivedView* const next = session.views.send();
   frame.view = next->view;
   frame.received_at = next->received_at;
-  frame.turn_came_at = clock_.now();
+  frame.turn_began_at = clock_.now();
   frame.last_tile_at = clock_.now();
   frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
   if (session.governed) govern(*session.governed, &frame);
   frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
-  const std::vector<PlacedBlock> blocks = split(session, frame.view, frame.view.denoise());
+  const std::vector<AssignedBlock> blocks = split(session, frame.view, frame.view.denoise());
   const std::uint64_t first_block = last_block_ + 1;
-  for (const PlacedBlock& block : blocks) {
+  for (const AssignedBlock& block : blocks) {
     frame.assembly.plan(++last_block_, block.node, block.rect, block.forecast);
   }
   frame.last_planned = last_block_;
   frame.planned_at = clock_.now();
   // From here on it is the fan-out: the first order of a stream is written at once, on this thread.
   std::uint64_t number = first_block;
-  for (const PlacedBlock& block : blocks) order_block(id, session, frame, number++, block.node, block.rect);
+  for (const AssignedBlock& block : blocks) order_block(id, session, frame, number++, block.node, block.rect);
 }
 
-void HeadState::order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block,
-                            NodeId node_id, const PixelRect& rect) {
+void CoordinatorState::order_block(SessionId id, const Session& session, const FrameInFlight& frame,
+                                   std::uint64_t block, NodeId node_id, const PixelRect& rect) {
   Node& node = nodes_.at(node_id);
   if (node.blocks.empty()) node.worked_at = clock_.now();  // An idle node owes nothing for the time before.
   node.blocks[block] = {id, frame.id};
@@ -114,30 +114,30 @@ void HeadState::order_block(SessionId id, const Session& session, const FrameInF
   order->set_y_px(static_cast<std::uint32_t>(rect.y));
   order->set_width_px(static_cast<std::uint32_t>(rect.width));
   order->set_height_px(static_cast<std::uint32_t>(rect.height));
-  order->set_visit(static_cast<std::uint64_t>(id));
+  order->set_session(static_cast<std::uint64_t>(id));
   order->set_keep(frame.refines.has_value());
   order->set_rank(FairShare::rank_of(frame.fair_start, frame.refines.has_value()));
   order->set_watermark(session.watermark);
-  peers_.to_node(node_id, command);
+  delegate_.to_node(node_id, command);
 }
 
-NodeId HeadState::idlest(const std::vector<NodeId>& nodes) const {
+NodeId CoordinatorState::least_loaded(const std::vector<NodeId>& nodes) const {
   return *std::ranges::min_element(nodes, {}, [&](NodeId node) {
     return static_cast<double>(nodes_.at(node).blocks.size()) / nodes_.at(node).threads;
   });
 }
 
-void HeadState::cancel_blocks(const FrameInFlight& frame) {
+void CoordinatorState::cancel_blocks(const FrameInFlight& frame) {
   for (const auto& [number, block] : frame.assembly.blocks()) {
     const auto node = nodes_.find(block.node);
     if (block.ended || node == nodes_.end() || !node->second.blocks.contains(number)) continue;
     wire::NodeCommand command;
     command.mutable_cancel()->set_block(number);
-    peers_.to_node(block.node, command);
+    delegate_.to_node(block.node, command);
   }
 }
 
-void HeadState::fail(FrameInFlight& frame, const std::string& reason, Session& session) {
+void CoordinatorState::fail(FrameInFlight& frame, const std::string& reason, Session& session) {
   if (frame.failure) return;
   frame.failure = reason;
   for (const wire::Tile& tile : frame.held) session.bytes_waiting -= tile.jpeg().size();
@@ -145,7 +145,7 @@ void HeadState::fail(FrameInFlight& frame, const std::string& reason, Session& s
   cancel_blocks(frame);
 }
 
-void HeadState::advance(SessionId id) {
+void CoordinatorState::advance(SessionId id) {
   Session& session = sessions_.at(id);
   for (;;) {
     while (!session.frames.empty()) {
@@ -161,33 +161,33 @@ void HeadState::advance(SessionId id) {
     if (nodes_with(session.scene) == 0) break;
     plan(id, session);
   }
-  const Error reason = why_not(session.scene);
-  forget_visit(id);
-  peers_.end_visit(id, reason, false);
+  const Error reason = unavailable_reason(session.scene);
+  forget_session(id);
+  delegate_.end_session(id, reason, false);
 }
 
-void HeadState::begin(SessionId id, Session& session, FrameInFlight& frame) {
+void CoordinatorState::begin(SessionId id, Session& session, FrameInFlight& frame) {
   frame.begun = true;
-  frame.front_since = clock_.now();
-  wire::VisitReply reply;
+  frame.foremost_since = clock_.now();
+  wire::SessionReply reply;
   *reply.mutable_begin() = frame.view;
   send(id, session, std::move(reply));
   for (wire::Tile& tile : frame.held) relay(id, session, std::move(tile));
   frame.held.clear();
 }
 
-void HeadState::relay(SessionId id, Session& session, wire::Tile tile) {
-  wire::VisitReply reply;
+void CoordinatorState::relay(SessionId id, Session& session, wire::Tile tile) {
+  wire::SessionReply reply;
   *reply.mutable_tile() = std::move(tile);
   send(id, session, std::move(reply));
 }
 
-void HeadState::send(SessionId id, Session& session, wire::VisitReply reply) {
+void CoordinatorState::send(SessionId id, Session& session, wire::SessionReply reply) {
   if (session.messages_waiting++ == 0) session.taken_at = clock_.now();
-  peers_.to_museum(id, std::move(reply));
+  delegate_.to_museum(id, std::move(reply));
 }
 
-FrameReport HeadState::report_of(SessionId id, const FrameInFlight& frame) const {
+FrameReport CoordinatorState::report_of(SessionId id, const FrameInFlight& frame) const {
   const FrameAssembly::Summary sum = frame.assembly.summary();
   FrameReport report{id, sessions_.at(id).museum, !frame.failure, frame.failure.value_or("")};
   for (const auto& [node, cpu_seconds] : sum.loads) {
@@ -197,30 +197,30 @@ FrameReport HeadState::report_of(SessionId id, const FrameInFlight& frame) const
     report.nodes.push_back(node);
   }
   report.received_at = frame.received_at;
-  report.queue_seconds = to_seconds(frame.turn_came_at - frame.received_at);
-  report.plan_seconds = to_seconds(frame.planned_at - frame.turn_came_at);
+  report.queue_seconds = to_seconds(frame.turn_began_at - frame.received_at);
+  report.plan_seconds = to_seconds(frame.planned_at - frame.turn_began_at);
   report.fan_out_seconds = to_seconds(std::max(frame.fanned_out_at, frame.planned_at) - frame.planned_at);
   report.rays_seconds = sum.away_seconds;
   report.render_seconds = sum.render_seconds;
   report.encode_seconds = sum.encode_seconds;
   report.farm_seconds = to_seconds(clock_.now() - frame.received_at);
-  report.balance_efficiency = balance_efficiency(report.loads);
+  report.balance_efficiency = balance::balance_efficiency(report.loads);
   report.cpu_seconds = sum.cpu_seconds;
   report.rays = sum.rays;
   report.bytes = frame.bytes;
   report.refined = frame.refines.has_value();
   report.late = frame.late;
-  report.given_again = frame.assembly.was_given_again();
+  report.reassigned = frame.assembly.was_reassigned();
   report.moved = frame.moved;
   report.view = frame.view;
-  if (report.complete && !report.given_again) report.costs = sum.costs;
+  if (report.complete && !report.reassigned) report.costs = sum.costs;
   report.samples = static_cast<int>(frame.view.first_sample() + frame.view.samples());
   report.scale = std::sqrt(static_cast<double>(frame.view.panorama().width_px()) * frame.view.panorama().height_px() /
                            static_cast<double>(frame.asked_px));
   return report;
 }
 
-void HeadState::finish(SessionId id, Session& session, FrameInFlight& frame) {
+void CoordinatorState::finish(SessionId id, Session& session, FrameInFlight& frame) {
   if (!frame.failure) cancel_blocks(frame);  // Of stragglers, whose work others did.
   FrameReport report = report_of(id, frame);
   if (session.governed) report.budget_ms = session.governed->governor.budget_ms();
@@ -234,16 +234,16 @@ void HeadState::finish(SessionId id, Session& session, FrameInFlight& frame) {
                                effort_of(frame.view), stacked(frame.view)});
     }
     if (report.complete) {
-      session.frame_cpu_seconds = std::max(report.cpu_seconds, kLeastCost);
-      session.learn_pace(to_seconds(clock_.now() - frame.front_since));
+      session.frame_cpu_seconds = std::max(report.cpu_seconds, kMinCpuSeconds);
+      session.learn_pace(to_seconds(clock_.now() - frame.foremost_since));
     }
     end(id, session, frame, report);
   }
-  peers_.frame_ended(report);
+  delegate_.frame_ended(report);
 }
 
-void HeadState::end(SessionId id, Session& session, const FrameInFlight& frame, const FrameReport& report) {
-  wire::VisitReply reply;
+void CoordinatorState::end(SessionId id, Session& session, const FrameInFlight& frame, const FrameReport& report) {
+  wire::SessionReply reply;
   wire::FrameEnd* const end = reply.mutable_end();
   end->set_view_number(frame.view.number());
   end->set_tiles(frame.assembly.delivered());
@@ -263,10 +263,10 @@ void HeadState::end(SessionId id, Session& session, const FrameInFlight& frame, 
   end->set_samples(static_cast<std::uint32_t>(report.samples));
   if (session.governed) end->set_reference_samples(static_cast<std::uint32_t>(session.governed->reference_samples));
   session.unwritten_ends.push_back({frame.view.number(), frame.planned_at, frame.last_tile_at,
-                                    report.given_again || (!report.complete && !report.late), frame.point,
+                                    report.reassigned || (!report.complete && !report.late), frame.point,
                                     1e-6 * static_cast<double>(frame.asked_px),
                                     frame.refines ? frame.refines->end - frame.refines->first : 0});
   send(id, session, std::move(reply));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

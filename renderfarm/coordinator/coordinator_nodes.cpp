@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// HeadState's dealings with nodes.
+// CoordinatorState's dealings with nodes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,12 +9,12 @@
 #include "common/base/text.h"
 #include "common/wire/convert.h"
 #include "renderfarm/coordinator/coordinator_state.h"
-#include "renderfarm/governor/front_file.h"
+#include "renderfarm/governor/pareto_front_file.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
-constexpr std::uint32_t kMostThreads = 4096;
+constexpr std::uint32_t kMaxThreads = 4096;
 
 Error broken(const std::string& what) { return Error(ErrorCode::kInvalidArgument, what); }
 
@@ -37,9 +37,10 @@ std::optional<PixelRect> rect_of(const wire::Tile& tile) {
 
 }  // namespace
 
-void HeadState::node_came(NodeId id) {
+void CoordinatorState::node_connected(NodeId id) {
   if (nodes_.size() >= limits_.nodes) {
-    peers_.end_node(id, Error(ErrorCode::kBusy, fmt::format("this head takes {} nodes and has them", limits_.nodes)));
+    delegate_.end_node(
+        id, Error(ErrorCode::kBusy, fmt::format("this coordinator takes {} nodes and has them", limits_.nodes)));
     return;
   }
   Node node;
@@ -48,7 +49,7 @@ void HeadState::node_came(NodeId id) {
   nodes_.emplace(id, std::move(node));
 }
 
-void HeadState::node_reported(NodeId id, wire::NodeReport report) {
+void CoordinatorState::node_reported(NodeId id, wire::NodeReport report) {
   const auto found = nodes_.find(id);
   if (found == nodes_.end()) return;
   Node& node = found->second;
@@ -64,29 +65,29 @@ void HeadState::node_reported(NodeId id, wire::NodeReport report) {
   } else if (report.has_scene_loaded()) {
     fine = scene_loaded(node, report.scene_loaded());
   } else if (report.has_tile()) {
-    fine = tile_came(id, node, *report.mutable_tile());
+    fine = tile_received(id, node, *report.mutable_tile());
   } else if (report.has_end()) {
     fine = block_ended(id, node, report.end());
   } else if (report.has_status()) {
-    status_came(node, report.status());
+    status_received(node, report.status());
   } else if (report.has_scene_dropped()) {
     fine = scene_dropped(node, report.scene_dropped());
   } else {
     fine = broken("a message of unknown kind");
   }
   if (fine) return;
-  peers_.notice(fmt::format("{} is sent away: {}", to_text(node), fine.error().message()), trouble_with(node));
-  peers_.end_node(id, fine.error());
-  node_gone(id);
+  delegate_.notice(fmt::format("{} is sent away: {}", to_text(node), fine.error().message()), trouble_with(node));
+  delegate_.end_node(id, fine.error());
+  node_disconnected(id);
 }
 
-Status HeadState::hello(NodeId id, Node& node, const wire::Hello& hello) {
+Status CoordinatorState::hello(NodeId id, Node& node, const wire::Hello& hello) {
   if (hello.version() != CYCLORAMA_VERSION) {
-    return broken(fmt::format("this head is version {}, the node is '{}'; install the same on both", CYCLORAMA_VERSION,
-                              printable(hello.version())));
+    return broken(fmt::format("this coordinator is version {}, the node is '{}'; install the same on both",
+                              CYCLORAMA_VERSION, printable(hello.version())));
   }
-  if (hello.threads() < 1 || hello.threads() > kMostThreads) {
-    return broken(fmt::format("hello.threads is {}; it must be 1 to {}", hello.threads(), kMostThreads));
+  if (hello.threads() < 1 || hello.threads() > kMaxThreads) {
+    return broken(fmt::format("hello.threads is {}; it must be 1 to {}", hello.threads(), kMaxThreads));
   }
   node.name = printable(hello.name());
   node.threads = hello.threads();
@@ -98,28 +99,28 @@ Status HeadState::hello(NodeId id, Node& node, const wire::Hello& hello) {
     keep.insert(scene.name);
     order_scene(id, node, scene, keep);
   }
-  peers_.notice(fmt::format("{} came, with {} threads", to_text(node), hello.threads()), about(node));
+  delegate_.notice(fmt::format("{} came, with {} threads", to_text(node), hello.threads()), about(node));
   return Done{};
 }
 
-void HeadState::order_scene(NodeId id, Node& node, const FarmScene& scene, const std::set<std::string>& keep) {
+void CoordinatorState::order_scene(NodeId id, Node& node, const FarmScene& scene, const std::set<std::string>& keep) {
   if (!scene.is_ready()) return;  // scene_read() comes back to it.
   node.scenes[scene.name] = {};
   node.scenes[scene.name].asked_at = clock_.now();
   wire::NodeCommand command;
   command.mutable_load_scene()->set_scene(scene.name);
-  if (scene.on_head) {
+  if (scene.on_coordinator) {
     command.mutable_load_scene()->set_digest(scene.digest);
   } else {
     command.mutable_load_scene()->set_path(scene.path);
   }
   for (const std::string& name : keep) command.mutable_load_scene()->add_in_use(name);
-  peers_.to_node(id, command);
+  delegate_.to_node(id, command);
 }
 
-void HeadState::scene_read(const std::string& scene, const std::string& digest) {
+void CoordinatorState::scene_read(const std::string& scene, const std::string& digest) {
   const auto known = std::ranges::find(scenes_, scene, &FarmScene::name);
-  CHECK(known != scenes_.end() && known->on_head && known->digest.empty());
+  CHECK(known != scenes_.end() && known->on_coordinator && known->digest.empty());
   known->digest = digest;
   for (auto& [id, node] : nodes_) {
     if (node.threads <= 0.0) continue;
@@ -129,21 +130,21 @@ void HeadState::scene_read(const std::string& scene, const std::string& digest) 
   }
 }
 
-void HeadState::order_scene_anew(const std::string& name) {
-  constexpr auto kPatience = std::chrono::seconds(10);
+void CoordinatorState::order_scene_anew(const std::string& name) {
+  constexpr auto kRetryDelay = std::chrono::seconds(10);
   const auto scene = std::ranges::find(scenes_, name, &FarmScene::name);
   for (auto& [id, node] : nodes_) {
     const auto known = node.scenes.find(name);
     if (known == node.scenes.end()) continue;
     const bool is_dropped = known->second.state == Node::SceneState::kDropped;
     const bool has_failed = known->second.state == Node::SceneState::kFailed;
-    if (is_dropped || (has_failed && clock_.now() - known->second.asked_at > kPatience)) {
+    if (is_dropped || (has_failed && clock_.now() - known->second.asked_at > kRetryDelay)) {
       order_scene(id, node, *scene, scenes_in_use());
     }
   }
 }
 
-std::set<std::string> HeadState::scenes_in_use() const {
+std::set<std::string> CoordinatorState::scenes_in_use() const {
   std::set<std::string> names;
   for (const auto& [id, session] : sessions_) {
     if (!session.scene.empty()) names.insert(session.scene);
@@ -151,37 +152,37 @@ std::set<std::string> HeadState::scenes_in_use() const {
   return names;
 }
 
-void HeadState::status_came(Node& node, const wire::NodeStatus& status) {
+void CoordinatorState::status_received(Node& node, const wire::NodeStatus& status) {
   if (status.draining() && !node.status.draining()) {
-    peers_.notice(fmt::format("{} is about to stop; it gets no more blocks", to_text(node)), about(node));
+    delegate_.notice(fmt::format("{} is about to stop; it gets no more blocks", to_text(node)), about(node));
   }
   node.status = status;
 }
 
-Status HeadState::scene_dropped(Node& node, const wire::SceneDropped& dropped) {
+Status CoordinatorState::scene_dropped(Node& node, const wire::SceneDropped& dropped) {
   const auto known = node.scenes.find(dropped.scene());
   if (known == node.scenes.end()) {
     return broken(fmt::format("it dropped scene '{}', which nobody gave it", printable(dropped.scene())));
   }
   if (known->second.state == Node::SceneState::kLoaded) {
     known->second.state = Node::SceneState::kDropped;
-    peers_.notice(fmt::format("{} dropped scene '{}': its memory is short", to_text(node), dropped.scene()),
-                  about(node));
+    delegate_.notice(fmt::format("{} dropped scene '{}': its memory is short", to_text(node), dropped.scene()),
+                     about(node));
   }
   return Done{};
 }
 
-Status HeadState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
+Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
   const auto asked = node.scenes.find(loaded.scene());
   if (asked == node.scenes.end() || asked->second.state != Node::SceneState::kLoading) {
     return broken(fmt::format("it loaded scene '{}', which nobody asked for", printable(loaded.scene())));
   }
   if (!loaded.error().empty()) {
-    constexpr std::size_t kLongestError = 500;
+    constexpr std::size_t kMaxErrorBytes = 500;
     asked->second.state = Node::SceneState::kFailed;
-    asked->second.error = printable(loaded.error(), kLongestError);
-    peers_.notice(fmt::format("{} cannot load scene '{}': {}", to_text(node), loaded.scene(), asked->second.error),
-                  trouble_with(node));
+    asked->second.error = printable(loaded.error(), kMaxErrorBytes);
+    delegate_.notice(fmt::format("{} cannot load scene '{}': {}", to_text(node), loaded.scene(), asked->second.error),
+                     trouble_with(node));
     return Done{};
   }
   TRY(validate(loaded.description()));
@@ -190,12 +191,12 @@ Status HeadState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
   wire::SceneDescription& known = descriptions_[loaded.scene()];
   if (is_first) {
     known = loaded.description();
-    TRY(keep_front(loaded));
+    TRY(keep_pareto_front(loaded));
   } else if (!is_same_scene(known, loaded.description())) {
     // Pictures would be patched together from two scenes.
     asked->second.state = Node::SceneState::kFailed;
     asked->second.error = "its copy differs from the other nodes'";
-    peers_.notice(
+    delegate_.notice(
         fmt::format("{} has another scene '{}' than the other nodes: copy it anew; not used for it until then",
                     to_text(node), loaded.scene()),
         trouble_with(node));
@@ -203,32 +204,32 @@ Status HeadState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
   }
   asked->second.state = Node::SceneState::kLoaded;
   asked->second.speed = relative_speed(loaded);
-  peers_.notice(fmt::format("{} has scene '{}': {:.1f} M triangles, {:.2f} GiB, loaded in {:.1f} s", to_text(node),
-                            loaded.scene(), 1e-6 * static_cast<double>(loaded.description().triangles_seen()),
-                            static_cast<double>(loaded.memory_bytes()) / (1 << 30), loaded.load_seconds()),
-                about(node));
+  delegate_.notice(fmt::format("{} has scene '{}': {:.1f} M triangles, {:.2f} GiB, loaded in {:.1f} s", to_text(node),
+                               loaded.scene(), 1e-6 * static_cast<double>(loaded.description().triangles_seen()),
+                               static_cast<double>(loaded.memory_bytes()) / (1 << 30), loaded.load_seconds()),
+                   about(node));
   return Done{};
 }
 
-double HeadState::relative_speed(const wire::SceneLoaded& loaded) {
+double CoordinatorState::relative_speed(const wire::SceneLoaded& loaded) {
   // A probe trembles with whatever else its host does: hosts of one kind shall count as one kind.
   constexpr double kAlike = 0.12;
-  constexpr double kMost = 100.0;
+  constexpr double kMaxSpeedRatio = 100.0;
   const double seconds = loaded.probe_cpu_seconds();
   if (!std::isfinite(seconds) || seconds <= 0.0) return 1.0;
   const double speed = probes_.emplace(loaded.scene(), seconds).first->second / seconds;
-  return std::abs(speed - 1.0) <= kAlike ? 1.0 : std::clamp(speed, 1.0 / kMost, kMost);
+  return std::abs(speed - 1.0) <= kAlike ? 1.0 : std::clamp(speed, 1.0 / kMaxSpeedRatio, kMaxSpeedRatio);
 }
 
-Status HeadState::keep_front(const wire::SceneLoaded& loaded) {
-  fronts_.erase(loaded.scene());
+Status CoordinatorState::keep_pareto_front(const wire::SceneLoaded& loaded) {
+  pareto_fronts_.erase(loaded.scene());
   if (loaded.front().empty()) return Done{};
-  TRY_ASSIGN(const Front front, parse_front(loaded.front(), "front.toml"));
-  fronts_.emplace(loaded.scene(), front);
+  TRY_ASSIGN(const governor::ParetoFront front, governor::parse_pareto_front(loaded.front(), "front.toml"));
+  pareto_fronts_.emplace(loaded.scene(), front);
   return Done{};
 }
 
-Status HeadState::tile_came(NodeId, Node& node, wire::BlockTile& message) {
+Status CoordinatorState::tile_received(NodeId, Node& node, wire::BlockTile& message) {
   const auto place = node.blocks.find(message.block());
   if (place == node.blocks.end())
     return broken(fmt::format("it sent a tile of block {}, not its own", message.block()));
@@ -259,10 +260,10 @@ Status HeadState::tile_came(NodeId, Node& node, wire::BlockTile& message) {
   return Done{};
 }
 
-Status HeadState::block_ended(NodeId id, Node& node, const wire::BlockEnd& end) {
+Status CoordinatorState::block_ended(NodeId id, Node& node, const wire::BlockEnd& end) {
   const auto found = node.blocks.find(end.block());
   if (found == node.blocks.end()) return broken(fmt::format("it ended block {}, not its own", end.block()));
-  const BlockPlace place = found->second;
+  const BlockLocation place = found->second;
   node.blocks.erase(found);
   learn_utilisation(node, end);
   FrameInFlight* const frame = find_frame(place);
@@ -271,36 +272,36 @@ Status HeadState::block_ended(NodeId id, Node& node, const wire::BlockEnd& end) 
   frame->assembly.end(end.block(), end);
   const std::vector<PixelRect> orphans = frame->assembly.give_up(end.block());
   if (!orphans.empty()) {
-    peers_.notice(fmt::format("{} did not finish a block: {}; others take over", to_text(node),
-                              end.error().empty() ? "it gave no reason" : printable(end.error(), 200)),
-                  trouble_with(node));
-    give_again(place.session, session, *frame, orphans, id);
+    delegate_.notice(fmt::format("{} did not finish a block: {}; others take over", to_text(node),
+                                 end.error().empty() ? "it gave no reason" : printable(end.error(), 200)),
+                     trouble_with(node));
+    reassign(place.session, session, *frame, orphans, id);
   }
-  help_out(place.session, session, *frame, id);
+  move_block_to_idle(place.session, session, *frame, id);
   advance(place.session);
   watch(place.session);
   return Done{};
 }
 
-void HeadState::node_gone(NodeId id) {
+void CoordinatorState::node_disconnected(NodeId id) {
   const auto found = nodes_.find(id);
   if (found == nodes_.end()) return;
   const Node node = std::move(found->second);
   nodes_.erase(found);  // First, so that its blocks are not given to it again.
   if (node.threads > 0.0)
-    peers_.notice(fmt::format("{} is gone; {} left", to_text(node), nodes_.size()), trouble_with(node));
+    delegate_.notice(fmt::format("{} is gone; {} left", to_text(node), nodes_.size()), trouble_with(node));
   lose_blocks(node.blocks, id);
 }
 
-void HeadState::tick_nodes() {
+void CoordinatorState::tick_nodes() {
   std::vector<NodeId> silent;
   for (const auto& [id, node] : nodes_) {
     if (node.threads <= 0.0 && clock_.now() - node.arrived_at > limits_.silence) silent.push_back(id);
   }
   for (const NodeId id : silent) {
-    peers_.end_node(id, broken("it did not say hello in time"));
-    node_gone(id);
+    delegate_.end_node(id, broken("it did not say hello in time"));
+    node_disconnected(id);
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

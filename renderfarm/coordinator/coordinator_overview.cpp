@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What HeadState tells of itself, for those who watch.
+// What CoordinatorState tells of itself, for those who watch.
 #include <algorithm>
 
 #include "renderfarm/coordinator/coordinator_state.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 std::string state_of(const Node& node) {
@@ -19,7 +19,7 @@ std::string state_of(const Node& node) {
 
 }  // namespace
 
-void HeadState::order_written(NodeId id, std::uint64_t block, TimePoint at) {
+void CoordinatorState::order_written(NodeId id, std::uint64_t block, TimePoint at) {
   const auto node = nodes_.find(id);
   if (node == nodes_.end()) return;
   const auto place = node->second.blocks.find(block);
@@ -27,25 +27,25 @@ void HeadState::order_written(NodeId id, std::uint64_t block, TimePoint at) {
   if (frame != nullptr && block <= frame->last_planned) frame->fanned_out_at = std::max(frame->fanned_out_at, at);
 }
 
-std::string HeadState::museum_of(SessionId id) const {
+std::string CoordinatorState::museum_of(SessionId id) const {
   const auto session = sessions_.find(id);
   return session == sessions_.end() ? "" : session->second.museum;
 }
 
-FarmOverview HeadState::overview() const {
-  FarmOverview farm;
+watch::FarmOverview CoordinatorState::overview() const {
+  watch::FarmOverview farm;
   for (const FarmScene& scene : scenes_) farm.scene_nodes[scene.name] = nodes_with(scene.name);
   for (const auto& [id, session] : sessions_) {
     if (session.scene.empty()) continue;
-    WatchedVisit& visit = farm.visits.emplace_back();
-    visit.id = static_cast<std::uint64_t>(id);
-    visit.museum = session.museum;
-    visit.scene = session.scene;
-    visit.budget_ms = session.governed ? session.governed->governor.budget_ms() : 0.0;
+    watch::WatchedSession& watched = farm.sessions.emplace_back();
+    watched.id = static_cast<std::uint64_t>(id);
+    watched.museum = session.museum;
+    watched.scene = session.scene;
+    watched.budget_ms = session.governed ? session.governed->governor.budget_ms() : 0.0;
   }
   for (const auto& [id, node] : nodes_) {
     if (node.threads <= 0.0) continue;
-    WatchedNode& watched = farm.nodes.emplace_back();
+    watch::WatchedNode& watched = farm.nodes.emplace_back();
     watched.id = static_cast<std::uint64_t>(id);
     watched.name = node.name;
     watched.state = state_of(node);
@@ -63,4 +63,4 @@ FarmOverview HeadState::overview() const {
   return farm;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

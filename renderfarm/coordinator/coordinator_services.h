@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The head's gRPC services. They live on gRPC's threads and only post events to the loop, or hand out files.
+/// The coordinator's gRPC services. They live on gRPC's threads and only post events to the loop, or hand out files.
 #pragma once
 
 #include <fmt/format.h>
@@ -21,26 +21,26 @@
 #include "renderfarm/coordinator/event_queue.h"
 #include "renderfarm/coordinator/file_server.h"
 #include "renderfarm/coordinator/peer_stream.h"
-#include "renderfarm/coordinator/update_shelf.h"
+#include "renderfarm/coordinator/update_store.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
 using NodeStream = PeerStream<wire::NodeReport, wire::NodeCommand>;
-using MuseumStream = PeerStream<wire::VisitRequest, wire::VisitReply>;
+using MuseumStream = PeerStream<wire::SessionRequest, wire::SessionReply>;
 
 // What gRPC's threads tell the loop.
-struct NodeCame {
+struct NodeConnected {
   std::uint64_t id;
   std::shared_ptr<NodeStream> stream;
   Identity who;
 };
-struct NodeSaid {
+struct NodeMessage {
   std::uint64_t id;
   wire::NodeReport report;
   TimePoint at;
 };
 /// An order for a block is on the wire.
-struct NodeTook {
+struct OrderWritten {
   std::uint64_t id;
   std::uint64_t block;
   TimePoint at;
@@ -51,19 +51,19 @@ struct NodeClosed {
 struct NodeDone {
   std::uint64_t id;
 };
-struct MuseumCame {
+struct MuseumConnected {
   std::uint64_t id;
   std::shared_ptr<MuseumStream> stream;
   Identity who;
 };
-struct MuseumSaid {
+struct MuseumMessage {
   std::uint64_t id;
-  wire::VisitRequest request;
+  wire::SessionRequest request;
   TimePoint at;
 };
-struct MuseumTook {
+struct ReplyWritten {
   std::uint64_t id;
-  wire::VisitReply reply;
+  wire::SessionReply reply;
   TimePoint at;
 };
 struct MuseumClosed {
@@ -72,17 +72,18 @@ struct MuseumClosed {
 struct MuseumDone {
   std::uint64_t id;
 };
-struct ScenesAsked {
+struct ListScenesCall {
   wire::ListScenesReply* reply;
   grpc::ServerUnaryReactor* reactor;
   Identity who;
 };
 struct SceneRead {
-  SceneLibrary::News news;
+  scene_distribution::SceneLibrary::News news;
 };
-struct StopAsked {};
-using Event = std::variant<NodeCame, NodeSaid, NodeTook, NodeClosed, NodeDone, MuseumCame, MuseumSaid, MuseumTook,
-                           MuseumClosed, MuseumDone, ScenesAsked, SceneRead, StopAsked>;
+struct StopRequested {};
+using Event =
+    std::variant<NodeConnected, NodeMessage, OrderWritten, NodeClosed, NodeDone, MuseumConnected, MuseumMessage,
+                 ReplyWritten, MuseumClosed, MuseumDone, ListScenesCall, SceneRead, StopRequested>;
 using Events = EventQueue<Event>;
 
 class NodesService final : public wire::Nodes::CallbackService,
@@ -95,7 +96,7 @@ class NodesService final : public wire::Nodes::CallbackService,
     const std::uint64_t id = ++last_id_;
     auto stream = NodeStream::open(id, context, *this);
     NodeStream* const reactor = stream.get();
-    events_.post(NodeCame{id, std::move(stream), identity_of(*context)});
+    events_.post(NodeConnected{id, std::move(stream), identity_of(*context)});
     reactor->read_next();
     return reactor;
   }
@@ -108,10 +109,10 @@ class NodesService final : public wire::Nodes::CallbackService,
     return files_.fetch(context, *request);
   }
   void on_read(std::uint64_t id, wire::NodeReport message) override {
-    events_.post(NodeSaid{id, std::move(message), SteadyClock().now()});
+    events_.post(NodeMessage{id, std::move(message), SteadyClock().now()});
   }
   void on_written(std::uint64_t id, wire::NodeCommand message) override {
-    if (message.has_render()) events_.post(NodeTook{id, message.render().block(), SteadyClock().now()});
+    if (message.has_render()) events_.post(OrderWritten{id, message.render().block(), SteadyClock().now()});
   }
   void on_closed(std::uint64_t id) override { events_.post(NodeClosed{id}); }
   void on_done(std::uint64_t id) override { events_.post(NodeDone{id}); }
@@ -122,32 +123,33 @@ class NodesService final : public wire::Nodes::CallbackService,
 };
 
 class FarmService final : public wire::Farm::CallbackService,
-                          private PeerStreamEvents<wire::VisitRequest, wire::VisitReply> {
+                          private PeerStreamEvents<wire::SessionRequest, wire::SessionReply> {
  public:
   explicit FarmService(Events& events) : events_(events) {}
 
  private:
-  grpc::ServerBidiReactor<wire::VisitRequest, wire::VisitReply>* Visit(grpc::CallbackServerContext* context) override {
+  grpc::ServerBidiReactor<wire::SessionRequest, wire::SessionReply>* Session(
+      grpc::CallbackServerContext* context) override {
     const std::uint64_t id = ++last_id_;
     auto stream = MuseumStream::open(id, context, *this);
     MuseumStream* const reactor = stream.get();
-    events_.post(MuseumCame{id, std::move(stream), identity_of(*context)});
+    events_.post(MuseumConnected{id, std::move(stream), identity_of(*context)});
     reactor->read_next();
     return reactor;
   }
   grpc::ServerUnaryReactor* ListScenes(grpc::CallbackServerContext* context, const wire::ListScenesRequest*,
                                        wire::ListScenesReply* reply) override {
     grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-    if (!events_.post(ScenesAsked{reply, reactor, identity_of(*context)})) {
-      reactor->Finish({grpc::StatusCode::UNAVAILABLE, "the farm's head stops"});
+    if (!events_.post(ListScenesCall{reply, reactor, identity_of(*context)})) {
+      reactor->Finish({grpc::StatusCode::UNAVAILABLE, "the farm's coordinator stops"});
     }
     return reactor;
   }
-  void on_read(std::uint64_t id, wire::VisitRequest message) override {
-    events_.post(MuseumSaid{id, std::move(message), SteadyClock().now()});
+  void on_read(std::uint64_t id, wire::SessionRequest message) override {
+    events_.post(MuseumMessage{id, std::move(message), SteadyClock().now()});
   }
-  void on_written(std::uint64_t id, wire::VisitReply message) override {
-    events_.post(MuseumTook{id, std::move(message), SteadyClock().now()});
+  void on_written(std::uint64_t id, wire::SessionReply message) override {
+    events_.post(ReplyWritten{id, std::move(message), SteadyClock().now()});
   }
   void on_closed(std::uint64_t id) override { events_.post(MuseumClosed{id}); }
   void on_done(std::uint64_t id) override { events_.post(MuseumDone{id}); }
@@ -159,8 +161,8 @@ class FarmService final : public wire::Farm::CallbackService,
 /// What museums keep themselves up to date with. `may` is asked on gRPC's threads.
 class UpdatesService final : public wire::Updates::CallbackService {
  public:
-  UpdatesService(UpdateShelf shelf, FileServer& files, std::function<bool(const Identity&)> may)
-      : shelf_(std::move(shelf)), files_(files), may_(std::move(may)) {}
+  UpdatesService(UpdateStore store, FileServer& files, std::function<bool(const Identity&)> may)
+      : store_(std::move(store)), files_(files), may_(std::move(may)) {}
 
  private:
   [[nodiscard]] Status admit(const grpc::CallbackServerContext& context) const {
@@ -174,7 +176,7 @@ class UpdatesService final : public wire::Updates::CallbackService {
                                   wire::UpdateOffer* reply) override {
     grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
     const Status admitted = admit(*context);
-    auto offer = admitted ? shelf_.offer(request->image()) : Result<wire::UpdateOffer>(admitted.error());
+    auto offer = admitted ? store_.offer(request->image()) : Result<wire::UpdateOffer>(admitted.error());
     if (offer) *reply = *std::move(offer);
     reactor->Finish(offer ? grpc::Status::OK : to_grpc(offer.error()));
     return reactor;
@@ -182,14 +184,15 @@ class UpdatesService final : public wire::Updates::CallbackService {
   grpc::ServerWriteReactor<wire::FileChunk>* Fetch(grpc::CallbackServerContext* context,
                                                    const wire::FetchUpdateRequest* request) override {
     const Status admitted = admit(*context);
-    return files_.send(
-        context, admitted ? shelf_.open(request->image(), request->sha256()) : Result<StampedFile>(admitted.error()),
-        request->offset());
+    return files_.send(context,
+                       admitted ? store_.open(request->image(), request->sha256())
+                                : Result<scene_distribution::StampedFile>(admitted.error()),
+                       request->offset());
   }
 
-  const UpdateShelf shelf_;
+  const UpdateStore store_;
   FileServer& files_;
   const std::function<bool(const Identity&)> may_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

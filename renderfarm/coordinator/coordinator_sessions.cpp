@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// HeadState's dealings with museums.
+// CoordinatorState's dealings with museums.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,12 +8,12 @@
 #include "common/wire/convert.h"
 #include "renderfarm/coordinator/coordinator_state.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
-void HeadState::visit_came(SessionId id, Grant grant) {
+void CoordinatorState::session_connected(SessionId id, trust::Grant grant) {
   if (sessions_.size() >= limits_.sessions) {
-    peers_.end_visit(
-        id, Error(ErrorCode::kBusy, fmt::format("this farm takes {} visits at once and has them", limits_.sessions)),
+    delegate_.end_session(
+        id, Error(ErrorCode::kBusy, fmt::format("this farm takes {} sessions at once and has them", limits_.sessions)),
         false);
     return;
   }
@@ -22,21 +22,21 @@ void HeadState::visit_came(SessionId id, Grant grant) {
   session.watermark = grant.watermark;
   session.grant = std::move(grant);
   session.arrived_at = clock_.now();
-  session.balancer = make_balancer(strategy_);
+  session.balancer = balance::make_balancer(strategy_);
   sessions_.emplace(id, std::move(session));
 }
 
-void HeadState::visit_asked(SessionId id, const wire::VisitRequest& request, TimePoint received_at) {
+void CoordinatorState::session_requested(SessionId id, const wire::SessionRequest& request, TimePoint received_at) {
   const auto found = sessions_.find(id);
   if (found == sessions_.end()) return;
   Session& session = found->second;
   Status fine = Done{};
   if (request.has_open() != session.scene.empty()) {
-    fine = Error(ErrorCode::kInvalidArgument, "a visit must be opened first, and once");
+    fine = Error(ErrorCode::kInvalidArgument, "a session must be opened first, and once");
   } else if (request.has_open()) {
     fine = open(id, session, request.open());
   } else if (request.has_view()) {
-    fine = ask(session, request.view(), received_at);
+    fine = request_view(session, request.view(), received_at);
   } else {
     fine = Error(ErrorCode::kInvalidArgument, "a message of unknown kind");
   }
@@ -45,35 +45,39 @@ void HeadState::visit_asked(SessionId id, const wire::VisitRequest& request, Tim
     watch(id);
     return;
   }
-  const std::string refusal = fmt::format("the visit of '{}' is refused: {}", session.museum, fine.error().message());
+  const std::string refusal = fmt::format("the session of '{}' is refused: {}", session.museum, fine.error().message());
   // A museum that waits for a scene to be loaded dials again and again: once is enough for the log.
-  if (refusal != last_refusal_) peers_.notice(refusal, {.museum = session.museum, .visit = id, .is_trouble = true});
+  if (refusal != last_refusal_)
+    delegate_.notice(refusal, {.museum = session.museum, .session = id, .is_trouble = true});
   last_refusal_ = refusal;
-  forget_visit(id);
-  peers_.end_visit(id, fine.error(), false);
+  forget_session(id);
+  delegate_.end_session(id, fine.error(), false);
 }
 
-Result<std::unique_ptr<Governed>> HeadState::governed_by(const wire::OpenVisit& open, const std::string& scene) const {
-  constexpr double kLongestMs = 60000.0;
+Result<std::unique_ptr<GovernorState>> CoordinatorState::governed_by(const wire::OpenSession& open,
+                                                                     const std::string& scene) const {
+  constexpr double kMaxBudgetMs = 60000.0;
   constexpr std::uint32_t kUsualReference = 1024;
-  constexpr std::uint32_t kMostReference = 4096;
+  constexpr std::uint32_t kMaxReferenceSamples = 4096;
   const double budget_ms = open.frame_budget_ms();
-  if (budget_ms == 0.0) return std::unique_ptr<Governed>();
-  if (!(budget_ms > 0.0 && budget_ms <= kLongestMs)) {
+  if (budget_ms == 0.0) return std::unique_ptr<GovernorState>();
+  if (!(budget_ms > 0.0 && budget_ms <= kMaxBudgetMs)) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("open.frame_budget_ms is {}; it must be 0 to {}", budget_ms, kLongestMs));
+                 fmt::format("open.frame_budget_ms is {}; it must be 0 to {}", budget_ms, kMaxBudgetMs));
   }
-  if (open.reference_samples() > kMostReference) {
+  if (open.reference_samples() > kMaxReferenceSamples) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("open.reference_samples is {}; it must be at most {}",
-                                                          open.reference_samples(), kMostReference));
+                                                          open.reference_samples(), kMaxReferenceSamples));
   }
   const std::uint32_t samples = open.reference_samples() == 0 ? kUsualReference : open.reference_samples();
-  const auto measured = fronts_.find(scene);
-  return std::make_unique<Governed>(
-      Governor(measured == fronts_.end() ? Front::standard() : measured->second, budget_ms), static_cast<int>(samples));
+  const auto measured = pareto_fronts_.find(scene);
+  return std::make_unique<GovernorState>(
+      governor::Governor(measured == pareto_fronts_.end() ? governor::ParetoFront::standard() : measured->second,
+                         budget_ms),
+      static_cast<int>(samples));
 }
 
-Status HeadState::open(SessionId id, Session& session, const wire::OpenVisit& open) {
+Status CoordinatorState::open(SessionId id, Session& session, const wire::OpenSession& open) {
   session.museum = session.grant.museum.empty() ? printable(open.museum()) : session.grant.museum;
   const std::string& wanted = open.scene();  // Empty: the first.
   const auto scene = std::ranges::find_if(scenes_, [&](const FarmScene& known) {
@@ -88,19 +92,19 @@ Status HeadState::open(SessionId id, Session& session, const wire::OpenVisit& op
   }
   if (nodes_with(scene->name) == 0) {
     order_scene_anew(scene->name);
-    return why_not(scene->name);
+    return unavailable_reason(scene->name);
   }
   TRY_ASSIGN(session.governed, governed_by(open, scene->name));
   session.scene = scene->name;
-  wire::VisitReply reply;
+  wire::SessionReply reply;
   *reply.mutable_opened() = descriptions_.at(scene->name);
   send(id, session, std::move(reply));
-  peers_.notice(fmt::format("'{}' visits scene '{}'", session.museum, scene->name),
-                {.museum = session.museum, .visit = id});
+  delegate_.notice(fmt::format("'{}' opened scene '{}'", session.museum, scene->name),
+                   {.museum = session.museum, .session = id});
   return Done{};
 }
 
-Status HeadState::ask(Session& session, const wire::View& view, TimePoint received_at) {
+Status CoordinatorState::request_view(Session& session, const wire::View& view, TimePoint received_at) {
   TRY(validate(view));
   const std::int64_t px = std::int64_t{view.panorama().width_px()} * view.panorama().height_px();
   if (px > limits_.picture_px) {
@@ -116,13 +120,13 @@ Status HeadState::ask(Session& session, const wire::View& view, TimePoint receiv
   }
   session.newest_view = view.number();
   session.views.put(view.number(), {view, received_at});
-  if (session.governed) stir(session);
+  if (session.governed) leave_rest(session);
   return Done{};
 }
 
-Error HeadState::why_not(const std::string& scene) const {
+Error CoordinatorState::unavailable_reason(const std::string& scene) const {
   if (!std::ranges::find(scenes_, scene, &FarmScene::name)->is_ready()) {
-    return Error(ErrorCode::kUnavailable, fmt::format("scene '{}': the head is still reading its files", scene));
+    return Error(ErrorCode::kUnavailable, fmt::format("scene '{}': the coordinator is still reading its files", scene));
   }
   std::size_t loading = 0;
   std::string failure;
@@ -140,28 +144,28 @@ Error HeadState::why_not(const std::string& scene) const {
   return Error(ErrorCode::kUnavailable, fmt::format("scene '{}': {}", scene, why));
 }
 
-void HeadState::visit_gone(SessionId id) {
+void CoordinatorState::session_disconnected(SessionId id) {
   const auto found = sessions_.find(id);
   if (found == sessions_.end()) return;
   if (!found->second.scene.empty())
-    peers_.notice(fmt::format("'{}' left", found->second.museum), {.museum = found->second.museum, .visit = id});
-  forget_visit(id);
+    delegate_.notice(fmt::format("'{}' left", found->second.museum), {.museum = found->second.museum, .session = id});
+  forget_session(id);
 }
 
-void HeadState::forget_visit(SessionId id) {
+void CoordinatorState::forget_session(SessionId id) {
   const auto found = sessions_.find(id);
   for (const FrameInFlight& frame : found->second.frames) {
     if (!frame.failure) cancel_blocks(frame);
   }
   wire::NodeCommand forget;
-  forget.mutable_forget_visit()->set_visit(static_cast<std::uint64_t>(id));
+  forget.mutable_forget_session()->set_session(static_cast<std::uint64_t>(id));
   for (const auto& [node, known] : nodes_) {
-    if (known.has(found->second.scene)) peers_.to_node(node, forget);
+    if (known.has(found->second.scene)) delegate_.to_node(node, forget);
   }
   sessions_.erase(found);
 }
 
-void HeadState::written(SessionId id, const wire::VisitReply& reply) {
+void CoordinatorState::written(SessionId id, const wire::SessionReply& reply) {
   const auto found = sessions_.find(id);
   if (found == sessions_.end()) return;
   Session& session = found->second;
@@ -178,11 +182,11 @@ void HeadState::written(SessionId id, const wire::VisitReply& reply) {
   watch(id);
 }
 
-void HeadState::tick_visits() {
+void CoordinatorState::tick_sessions() {
   std::vector<std::pair<SessionId, Error>> lost;
   for (auto& [id, session] : sessions_) {
     if (session.scene.empty() && clock_.now() - session.arrived_at > limits_.silence) {
-      lost.emplace_back(id, Error(ErrorCode::kTimedOut, "the visit was not opened in time"));
+      lost.emplace_back(id, Error(ErrorCode::kTimedOut, "the session was not opened in time"));
     } else if (session.messages_waiting > 0 && clock_.now() - session.taken_at > limits_.stall) {
       lost.emplace_back(id, Error(ErrorCode::kTimedOut,
                                   fmt::format("the museum took nothing for {:.0f} s", to_seconds(limits_.stall))));
@@ -190,14 +194,14 @@ void HeadState::tick_visits() {
     refine(id, session);
   }
   for (const auto& [id, reason] : lost) {
-    peers_.notice(fmt::format("the visit of '{}' is ended: {}", sessions_.at(id).museum, reason.message()),
-                  {.museum = sessions_.at(id).museum, .visit = id, .is_trouble = true});
-    forget_visit(id);
-    peers_.end_visit(id, reason, true);
+    delegate_.notice(fmt::format("the session of '{}' is ended: {}", sessions_.at(id).museum, reason.message()),
+                     {.museum = sessions_.at(id).museum, .session = id, .is_trouble = true});
+    forget_session(id);
+    delegate_.end_session(id, reason, true);
   }
-  std::vector<SessionId> watched;  // Watching may end a visit.
+  std::vector<SessionId> watched;  // Watching may end a session.
   for (const auto& [id, session] : sessions_) watched.push_back(id);
   for (const SessionId id : watched) watch(id);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

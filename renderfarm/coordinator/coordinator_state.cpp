@@ -5,21 +5,21 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
-HeadState::HeadState(std::vector<FarmScene> scenes, BalanceStrategy strategy, HeadLimits limits, const Clock& clock,
-                     Peers& peers)
-    : scenes_(std::move(scenes)), strategy_(strategy), limits_(limits), clock_(clock), peers_(peers) {
+CoordinatorState::CoordinatorState(std::vector<FarmScene> scenes, balance::BalanceStrategy strategy,
+                                   CoordinatorLimits limits, const Clock& clock, CoordinatorDelegate& delegate)
+    : scenes_(std::move(scenes)), strategy_(strategy), limits_(limits), clock_(clock), delegate_(delegate) {
   CHECK(!scenes_.empty());
 }
 
-void HeadState::tick() {
+void CoordinatorState::tick() {
   compare_nodes();
   tick_nodes();
-  tick_visits();
+  tick_sessions();
 }
 
-wire::ListScenesReply HeadState::scenes(const Grant& grant) const {
+wire::ListScenesReply CoordinatorState::scenes(const trust::Grant& grant) const {
   wire::ListScenesReply reply;
   for (const FarmScene& scene : scenes_) {
     if (!grant.allows(scene.name)) continue;
@@ -31,12 +31,12 @@ wire::ListScenesReply HeadState::scenes(const Grant& grant) const {
   return reply;
 }
 
-const wire::SceneDescription* HeadState::description(const std::string& scene) const {
+const wire::SceneDescription* CoordinatorState::description(const std::string& scene) const {
   const auto known = descriptions_.find(scene);
   return known == descriptions_.end() ? nullptr : &known->second;
 }
 
-std::vector<NodeId> HeadState::nodes_for(const std::string& scene, NodeId not_to) const {
+std::vector<NodeId> CoordinatorState::nodes_for(const std::string& scene, NodeId not_to) const {
   std::vector<NodeId> all;
   std::vector<NodeId> prompt;
   for (const auto& [id, node] : nodes_) {
@@ -47,17 +47,17 @@ std::vector<NodeId> HeadState::nodes_for(const std::string& scene, NodeId not_to
   return prompt.empty() ? all : prompt;
 }
 
-std::size_t HeadState::nodes_with(const std::string& scene) const {
+std::size_t CoordinatorState::nodes_with(const std::string& scene) const {
   return static_cast<std::size_t>(
       std::ranges::count_if(nodes_, [&](const auto& entry) { return entry.second.has(scene); }));
 }
 
-std::string HeadState::summary() const {
+std::string CoordinatorState::summary() const {
   if (nodes_.empty()) return "no node is connected; start cyclorama-node on the render hosts";
   for (const FarmScene& scene : scenes_) {
-    if (nodes_with(scene.name) == 0) return why_not(scene.name).message();
+    if (nodes_with(scene.name) == 0) return unavailable_reason(scene.name).message();
   }
-  std::string sentence = fmt::format("{} visits on {} nodes", sessions_.size(), nodes_.size());
+  std::string sentence = fmt::format("{} sessions on {} nodes", sessions_.size(), nodes_.size());
   if (sessions_.size() == 1) {
     if (const std::string quality = quality_summary(sessions_.begin()->second); !quality.empty()) {
       sentence += "; " + quality;
@@ -66,4 +66,4 @@ std::string HeadState::summary() const {
   return sentence;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -7,10 +7,10 @@
 #include <system_error>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
-/// Two seconds of three visits.
-constexpr std::size_t kMostWaiting = 128;
+/// Two seconds of three sessions.
+constexpr std::size_t kMaxWaiting = 128;
 }  // namespace
 
 Result<std::unique_ptr<CostLog>> CostLog::open(std::filesystem::path folder,
@@ -53,7 +53,7 @@ void CostLog::add(const FrameReport& report) {
   waiting.costs = report.costs;
   {
     const std::lock_guard lock(mutex_);
-    if (waiting_.size() >= kMostWaiting) return;
+    if (waiting_.size() >= kMaxWaiting) return;
     waiting_.push_back(std::move(waiting));
   }
   changed_.notify_all();
@@ -76,13 +76,13 @@ void CostLog::run() {
 void CostLog::write(const Waiting& waiting) {
   const auto [record, is_new] = records_.try_emplace(waiting.session);
   if (is_new) {
-    // Visits are numbered anew by every head: the time tells them apart.
+    // Sessions are numbered anew by every coordinator: the time tells them apart.
     const auto now =
         std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch());
-    auto created = CostRecorder::create(
-        folder_ / fmt::format("{}-visit-{}.costs", now.count(), static_cast<std::uint64_t>(waiting.session)));
+    auto created = balance::CostRecorder::create(
+        folder_ / fmt::format("{}-session-{}.costs", now.count(), static_cast<std::uint64_t>(waiting.session)));
     if (created) {
-      record->second = std::make_unique<CostRecorder>(*std::move(created));
+      record->second = std::make_unique<balance::CostRecorder>(*std::move(created));
     } else {
       notice_(created.error().message());
     }
@@ -94,4 +94,4 @@ void CostLog::write(const Waiting& waiting) {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -14,12 +14,12 @@
 
 #include "common/base/result.h"
 #include "renderfarm/balance/cost_record.h"
-#include "renderfarm/coordinator/peers.h"
+#include "renderfarm/coordinator/delegate.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
-/// Writes what frames cost, one record per visit, for cyclorama-bench-balance. A slow disk costs frames of
-/// the record, never time of the head. Thread-safe; one thread of its own.
+/// Writes what frames cost, one record per session, for cyclorama-bench-balance. A slow disk costs frames of
+/// the record, never time of the coordinator. Thread-safe; one thread of its own.
 class CostLog {
  public:
   /// Makes the folder. `notice` gets a sentence when a record cannot go on, on the log's thread.
@@ -38,16 +38,16 @@ class CostLog {
   CostLog(std::filesystem::path folder, std::function<void(const std::string&)> notice);
   struct Waiting {
     SessionId session{};
-    RecordedFrame frame;
-    PictureSize size;
-    std::vector<MeasuredBlock> costs{};
+    balance::RecordedFrame frame;
+    balance::PictureSize size;
+    std::vector<balance::MeasuredBlock> costs{};
   };
   void run();
   void write(const Waiting& frame);
 
   const std::filesystem::path folder_;
   const std::function<void(const std::string&)> notice_;
-  std::map<SessionId, std::unique_ptr<CostRecorder>> records_;  ///< The thread's; null: it cannot be written.
+  std::map<SessionId, std::unique_ptr<balance::CostRecorder>> records_;  ///< The thread's; null: it cannot be written.
 
   std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;
@@ -57,4 +57,4 @@ class CostLog {
   std::thread thread_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -8,9 +8,9 @@
 
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
-/// Many threads post, one loop takes. Not bounded by itself: the head's streams each have at most one message and one
+/// Many threads post, one loop takes. Not bounded by itself: the coordinator's streams each have at most one message and one
 /// finished write in it. Thread-safe.
 template <typename Event>
 class EventQueue {
@@ -50,4 +50,4 @@ class EventQueue {
   bool closed_ = false;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -5,7 +5,7 @@
 
 #include "common/wire/rank.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
 double FairShare::start(Flow& flow, double cost) {
   const double start = std::max(now_, flow.finish);
@@ -17,8 +17,8 @@ void FairShare::served(double start) { now_ = std::max(now_, start); }
 
 std::uint64_t FairShare::rank_of(double start, bool at_rest) {
   constexpr double kPerSecond = 1e6;
-  constexpr double kLargest = 4e18;  // Below kRankAtRest: a hundred thousand years of cpu time.
-  return static_cast<std::uint64_t>(std::clamp(start * kPerSecond, 0.0, kLargest)) + (at_rest ? kRankAtRest : 0);
+  constexpr double kMaxScaledStart = 4e18;  // Below kRankAtRest: a hundred thousand years of cpu time.
+  return static_cast<std::uint64_t>(std::clamp(start * kPerSecond, 0.0, kMaxScaledStart)) + (at_rest ? kRankAtRest : 0);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -3,14 +3,14 @@
 
 #include <cstdint>
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
-/// In which order the farm renders frames of several visits, so that each gets nodes in proportion to its weight while
+/// In which order the farm renders frames of several sessions, so that each gets nodes in proportion to its weight while
 /// it wants them, and nothing is kept for it while it does not. Start-time fair queueing: Goyal, Vin, Cheng,
-/// "Start-time Fair Queuing", 1996. Costs are cpu-seconds, predicted by the visit's last frame. Pure; thread-bound.
+/// "Start-time Fair Queuing", 1996. Costs are cpu-seconds, predicted by the session's last frame. Pure; thread-bound.
 class FairShare {
  public:
-  /// One visit's place in the order.
+  /// One session's place in the order.
   struct Flow {
     double weight = 1.0;  ///< Above 0.
     double finish = 0.0;  ///< Virtual time at which its last frame is served.
@@ -27,4 +27,4 @@ class FairShare {
   double now_ = 0.0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

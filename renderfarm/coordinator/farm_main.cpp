@@ -10,7 +10,7 @@
 #include "renderfarm/coordinator/coordinator_config.h"
 #include "renderfarm/watch/top_command.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 struct Arguments {
@@ -28,103 +28,107 @@ struct Arguments {
 
 struct TopArguments {
   std::string config{};
-  TopOptions top{};
+  watch::TopOptions top{};
 };
 
-/// Where the head shows itself: as the command line says, else as the file, else as the package's own file.
+/// Where the coordinator shows itself: as the command line says, else as the file, else as the package's own file.
 Status run_top_command(TopArguments arguments, const StopSignal& stop) {
   if (arguments.top.inspect.empty() && !arguments.config.empty()) {
-    TRY_ASSIGN(const HeadOptions head, read_head_config(arguments.config));
-    arguments.top.inspect = head.inspect;
-    if (head.inspect.empty()) {
-      return Error(ErrorCode::kInvalidArgument, arguments.config + " says no inspect, so nobody can look at that head");
+    TRY_ASSIGN(const CoordinatorOptions coordinator, read_coordinator_config(arguments.config));
+    arguments.top.inspect = coordinator.inspect;
+    if (coordinator.inspect.empty()) {
+      return Error(ErrorCode::kInvalidArgument,
+                   arguments.config + " says no inspect, so nobody can look at that coordinator");
     }
   }
-  return run_top(arguments.top, stop);
+  return watch::run_top(arguments.top, stop);
 }
 
 void add_top(CLI::App& app, TopArguments* arguments) {
-  CLI::App* const top = app.add_subcommand("top", "Show the farm that runs: visits, nodes and the steps of a frame");
-  top->add_option("--config", arguments->config, "Ask the head that runs with this farm.toml")
+  CLI::App* const top = app.add_subcommand("top", "Show the farm that runs: sessions, nodes and the steps of a frame");
+  top->add_option("--config", arguments->config, "Ask the coordinator that runs with this farm.toml")
       ->check(CLI::ExistingFile);
   top->add_option("--inspect", arguments->top.inspect,
-                  fmt::format("Where the head shows itself (default {})", kPackagedInspect));
+                  fmt::format("Where the coordinator shows itself (default {})", watch::kPackagedInspect));
   top->add_flag("--once", arguments->top.once, "Show it once and end; so it is too when the output is no terminal");
   top->add_flag("--json", arguments->top.json, "Show it once, as JSON");
 }
 
 /// The file first; what the command line says overrules it.
-Result<HeadOptions> options_from(const Arguments& arguments) {
-  HeadOptions options;
+Result<CoordinatorOptions> options_from(const Arguments& arguments) {
+  CoordinatorOptions options;
   if (!arguments.config.empty()) {
-    TRY_ASSIGN(options, read_head_config(arguments.config));
+    TRY_ASSIGN(options, read_coordinator_config(arguments.config));
   }
   if (!arguments.scenes.empty() || !arguments.own_scenes.empty()) options.scenes.clear();
   for (const auto* const texts : {&arguments.scenes, &arguments.own_scenes}) {
     for (const std::string& text : *texts) {
       TRY_ASSIGN(FarmScene scene, parse_farm_scene(text));
-      scene.on_head = texts == &arguments.own_scenes;
+      scene.on_coordinator = texts == &arguments.own_scenes;
       options.scenes.push_back(std::move(scene));
     }
   }
   if (!arguments.museums.empty()) options.museums = arguments.museums;
   if (!arguments.nodes.empty()) options.nodes = arguments.nodes;
   if (!arguments.inspect.empty()) options.inspect = arguments.inspect;
-  if (!arguments.balance.empty()) options.strategy = *balance_strategy_of(arguments.balance);
+  if (!arguments.balance.empty()) options.strategy = *balance::balance_strategy_of(arguments.balance);
   options.trust.insecure = options.trust.insecure || arguments.insecure;
   options.record = arguments.record;
   return options;
 }
 
 void log_notice(const std::string& sentence, const NoticeAbout& about) {
-  const bool has_visit = about.visit != SessionId{};
+  const bool has_session = about.session != SessionId{};
   const std::array<LogField, 3> fields{
       {{"CYCLORAMA_NODE", about.node},
        {"CYCLORAMA_MUSEUM", about.museum},
-       {"CYCLORAMA_VISIT", has_visit ? fmt::format("{}", static_cast<std::uint64_t>(about.visit)) : ""}}};
+       {"CYCLORAMA_SESSION", has_session ? fmt::format("{}", static_cast<std::uint64_t>(about.session)) : ""}}};
   log(about.is_trouble ? LogLevel::kWarning : LogLevel::kInfo, sentence, fields);
 }
 
 Status run(const Arguments& arguments, const StopSignal& stop) {
-  TRY_ASSIGN(HeadOptions options, options_from(arguments));
+  TRY_ASSIGN(CoordinatorOptions options, options_from(arguments));
   if (arguments.is_check) return validate(options);
-  TRY_ASSIGN(const auto head, Head::start(std::move(options), log_notice));
+  TRY_ASSIGN(const auto coordinator, Coordinator::start(std::move(options), log_notice));
   log(LogLevel::kNotice,
-      fmt::format("museums dial port {}, nodes dial port {}", head->museum_port(), head->node_port()));
+      fmt::format("museums dial port {}, nodes dial port {}", coordinator->museum_port(), coordinator->node_port()));
   Notify notify;
   notify.ready();
-  std::string told;
+  std::string last_state;
   constexpr auto kPeriod = std::chrono::milliseconds(500);
   constexpr auto kHung = std::chrono::seconds(5);
   const SteadyClock clock;
   while (!stop.wait_until(clock.now() + kPeriod)) {
-    if (clock.now() - head->alive_at() < kHung) notify.keep_alive(clock.now());
-    if (std::string state = head->state(); state != told) {
+    if (clock.now() - coordinator->alive_at() < kHung) notify.keep_alive(clock.now());
+    if (std::string state = coordinator->state(); state != last_state) {
       notify.status(state);
-      told = std::move(state);
+      last_state = std::move(state);
     }
   }
   notify.stopping();
-  head->stop();
-  if (head->sent_file_bytes() > 0) {
-    log(LogLevel::kInfo, fmt::format("gave nodes {} bytes of scenes' files", head->sent_file_bytes()));
+  coordinator->stop();
+  if (coordinator->sent_file_bytes() > 0) {
+    log(LogLevel::kInfo, fmt::format("gave nodes {} bytes of scenes' files", coordinator->sent_file_bytes()));
   }
   return Done{};
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator
 
 int main(int argc, char** argv) {
   using namespace cyclorama;
-  Program program("cyclorama-farm",
-                  "The render farm's head: museums and nodes dial it, and it splits each picture among the nodes.");
+  using namespace cyclorama::coordinator;
+  Program program(
+      "cyclorama-farm",
+      "The render farm's coordinator: museums and nodes dial it, and it splits each picture among the nodes.");
   Arguments arguments;
   CLI::App& app = program.options();
   app.add_option("--config", arguments.config, "Read this farm.toml; the other options overrule it")
       ->check(CLI::ExistingFile);
   app.add_option("--scene", arguments.scenes, "NAME=PATH of a scene on the nodes' disks; the first is the default");
-  app.add_option("--scene-on-head", arguments.own_scenes, "NAME=PATH of a scene on this disk, which nodes fetch");
+  app.add_option("--scene-on-coordinator", arguments.own_scenes,
+                 "NAME=PATH of a scene on this disk, which nodes fetch");
   app.add_option("--museums", arguments.museums, "Where museums dial (default [::1]:7401)");
   app.add_option("--nodes", arguments.nodes, "Where nodes dial (default [::1]:7402)");
   app.add_option("--inspect", arguments.inspect, "Where `cyclorama-farm top` and the operator look (default: nowhere)");

@@ -10,7 +10,7 @@
 #include "common/base/token_bucket.h"
 #include "common/wire/channel.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 constexpr std::size_t kPieceBytes = std::size_t{512} << 10;
@@ -18,7 +18,7 @@ constexpr Duration kLook = std::chrono::seconds(1);
 /// A node that takes nothing for so long has no use for a place among the streams.
 constexpr Duration kStall = std::chrono::seconds(60);
 
-const grpc::Status kStops(grpc::StatusCode::UNAVAILABLE, "the farm's head stops");
+const grpc::Status kStops(grpc::StatusCode::UNAVAILABLE, "the farm's coordinator stops");
 
 /// A call that ends as it begins.
 class Refusal final : public grpc::ServerWriteReactor<wire::FileChunk> {
@@ -34,7 +34,8 @@ class Refusal final : public grpc::ServerWriteReactor<wire::FileChunk> {
 /// in a way that a sanitizer sees.
 class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk> {
  public:
-  Stream(FileServer& server, grpc::CallbackServerContext* context, StampedFile file, std::uint64_t offset)
+  Stream(FileServer& server, grpc::CallbackServerContext* context, scene_distribution::StampedFile file,
+         std::uint64_t offset)
       : server_(server), context_(context), who_(identity_of(*context)), file_(std::move(file)), offset_(offset) {
     const std::lock_guard handed_over(hand_over_);
   }
@@ -48,7 +49,8 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
   std::uint64_t send_next() {
     const auto want = std::min<std::uint64_t>(kPieceBytes, file_.stamp.bytes - offset_);
     if (!read_next(want)) {
-      end(to_grpc(Error(ErrorCode::kNotFound, "the file was changed on the head, or its disk fails; look there")));
+      end(to_grpc(
+          Error(ErrorCode::kNotFound, "the file was changed on the coordinator, or its disk fails; look there")));
       return 0;
     }
     StartWrite(&chunk_);
@@ -96,14 +98,14 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
   FileServer& server_;
   grpc::CallbackServerContext* const context_;  ///< gRPC's; gone after OnDone().
   const Identity who_;
-  const StampedFile file_;
+  const scene_distribution::StampedFile file_;
   std::uint64_t offset_;
   wire::FileChunk chunk_;
   std::mutex hand_over_;
   std::atomic<Duration::rep> writing_since_ = 0;  ///< TimePoint's count; 0: nothing is being written.
 };
 
-FileServer::FileServer(const SceneLibrary& library, Options options)
+FileServer::FileServer(const scene_distribution::SceneLibrary& library, Options options)
     : library_(library), options_(options), thread_([this] { run(); }) {}
 
 FileServer::~FileServer() {
@@ -118,7 +120,7 @@ grpc::ServerUnaryReactor* FileServer::list(grpc::CallbackServerContext* context,
   const auto files = library_.find(request.digest());
   grpc::Status status;
   if (files != nullptr) {
-    *reply = to_wire(*files);
+    *reply = scene_distribution::to_wire(*files);
   } else {
     status = to_grpc(may_come ? Error(ErrorCode::kUnavailable, "it is still reading its scenes")
                               : Error(ErrorCode::kNotFound, "this farm has no such scene (any more)"));
@@ -133,7 +135,8 @@ grpc::ServerWriteReactor<wire::FileChunk>* FileServer::fetch(grpc::CallbackServe
 }
 
 grpc::ServerWriteReactor<wire::FileChunk>* FileServer::send(grpc::CallbackServerContext* context,
-                                                            Result<StampedFile> file, std::uint64_t offset) {
+                                                            Result<scene_distribution::StampedFile> file,
+                                                            std::uint64_t offset) {
   if (!file) return new Refusal(to_grpc(file.error()));
   if (offset > file->stamp.bytes) {
     return new Refusal(to_grpc(Error(ErrorCode::kInvalidArgument, "the offset is beyond the file's end")));
@@ -238,4 +241,4 @@ void FileServer::run() {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -19,11 +19,11 @@
 #include "common/wire/nodes.pb.h"
 #include "renderfarm/scene_distribution/scene_library.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
 /// Answers Nodes.ListFiles and Nodes.FetchFile: files of the library's scenes, to many nodes at once, piece by piece in
 /// turn; and gives museums their updates. Its thread (`files`) reads the disk and keeps the rate, so that neither waits
-/// in gRPC's threads nor in the head's loop. Whoever it serves was let in before. Thread-safe.
+/// in gRPC's threads nor in the coordinator's loop. Whoever it serves was let in before. Thread-safe.
 class FileServer {
  public:
   struct Options {
@@ -32,7 +32,7 @@ class FileServer {
     std::size_t streams = 64;
   };
   /// The library is borrowed.
-  FileServer(const SceneLibrary& library, Options options);
+  FileServer(const scene_distribution::SceneLibrary& library, Options options);
   /// Every stream must be gone: the gRPC server is stopped first.
   ~FileServer();
   FileServer(const FileServer&) = delete;
@@ -43,8 +43,8 @@ class FileServer {
   grpc::ServerWriteReactor<wire::FileChunk>* fetch(grpc::CallbackServerContext* context,
                                                    const wire::FetchFileRequest& request);
   /// The same of any file that the caller may give away, from `offset` on; an error is what the peer gets.
-  grpc::ServerWriteReactor<wire::FileChunk>* send(grpc::CallbackServerContext* context, Result<StampedFile> file,
-                                                  std::uint64_t offset);
+  grpc::ServerWriteReactor<wire::FileChunk>* send(grpc::CallbackServerContext* context,
+                                                  Result<scene_distribution::StampedFile> file, std::uint64_t offset);
   /// Cuts the streams of those.
   void cut(const std::function<bool(const Identity& who)>& whom);
   /// Ends all streams (UNAVAILABLE), and those that come. Idempotent.
@@ -62,7 +62,7 @@ class FileServer {
   /// Out of the queue: their turn may be long in coming, and they hold a place.
   std::vector<Stream*> take_cancelled();
 
-  const SceneLibrary& library_;
+  const scene_distribution::SceneLibrary& library_;
   const Options options_;
   const SteadyClock clock_;
   std::atomic<std::uint64_t> sent_bytes_ = 0;
@@ -75,4 +75,4 @@ class FileServer {
   std::thread thread_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -7,14 +7,14 @@
 #include "common/base/check.h"
 #include "renderfarm/balance/tiles.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 /// What a node says about itself is not believed beyond reason: it goes into the next frame's plan.
 double measured(double seconds) { return std::isfinite(seconds) ? std::clamp(seconds, 0.0, 1e6) : 0.0; }
 
 /// A part renders as many pixels more around it as its JPEG has blocks less to share.
-constexpr int kLeastPartPx = 64;
+constexpr int kMinPartPx = 64;
 
 /// None, unless they are one for each cell that the block touches.
 std::vector<float> measured_cells(const wire::BlockEnd& end, const PixelRect& rect) {
@@ -29,7 +29,7 @@ std::vector<float> measured_cells(const wire::BlockEnd& end, const PixelRect& re
 }  // namespace
 
 void FrameAssembly::plan(std::uint64_t block, NodeId node, const PixelRect& rect, const BlockForecast& forecast) {
-  const std::vector<PixelRect> tiles = tiles_of(rect);
+  const std::vector<PixelRect> tiles = balance::tiles_of(rect);
   for (const PixelRect& tile : tiles) {
     ++attempts_[tile];
     ++missing_[tile];
@@ -37,9 +37,9 @@ void FrameAssembly::plan(std::uint64_t block, NodeId node, const PixelRect& rect
   CHECK(blocks_.emplace(block, Block{node, rect, forecast, tiles}).second);
 }
 
-void FrameAssembly::plan_again(std::uint64_t block, NodeId node, const PixelRect& tile) {
+void FrameAssembly::replan(std::uint64_t block, NodeId node, const PixelRect& tile) {
   CHECK(missing_.contains(tile));
-  given_again_ = true;
+  reassigned_ = true;
   plan(block, node, tile);
 }
 
@@ -48,8 +48,8 @@ std::vector<PixelRect> FrameAssembly::cut(const PixelRect& tile, std::size_t par
   CHECK(missing != missing_.end() && missing->second == 0);
   const bool across = tile.width >= tile.height;
   const int length = across ? tile.width : tile.height;
-  const int most = std::max(1, length / kLeastPartPx);
-  const int count = static_cast<int>(std::min<std::size_t>(parts, static_cast<std::size_t>(most)));
+  const int max = std::max(1, length / kMinPartPx);
+  const int count = static_cast<int>(std::min<std::size_t>(parts, static_cast<std::size_t>(max)));
   if (count < 2) return {tile};
   std::vector<PixelRect> out;
   const int cells = (length + kCutPx - 1) / kCutPx;
@@ -123,7 +123,7 @@ std::vector<PixelRect> FrameAssembly::give_up(std::uint64_t block) {
   return orphans;
 }
 
-void FrameAssembly::excuse(std::uint64_t block) {
+void FrameAssembly::forgive_attempt(std::uint64_t block) {
   for (const PixelRect& tile : blocks_.at(block).tiles) {
     if (missing_.contains(tile)) --attempts_[tile];
   }
@@ -137,7 +137,7 @@ int FrameAssembly::attempts(const PixelRect& tile) const {
 bool FrameAssembly::is_complete() const {
   if (!missing_.empty()) return false;
   // The times are wanted too, but not from a race that somebody else has won.
-  return given_again_ ||
+  return reassigned_ ||
          std::ranges::all_of(blocks_, [](const auto& entry) { return entry.second.ended || !entry.second.wanted; });
 }
 
@@ -161,4 +161,4 @@ FrameAssembly::Summary FrameAssembly::summary() const {
   return sum;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

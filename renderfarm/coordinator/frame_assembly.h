@@ -12,7 +12,7 @@
 #include "renderfarm/balance/work_grid.h"
 #include "renderfarm/coordinator/ids.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
 /// What the balance thought of a block.
 struct BlockForecast {
@@ -48,8 +48,8 @@ class FrameAssembly {
   /// A block of the first plan. Numbers never come again.
   void plan(std::uint64_t block, NodeId node, const PixelRect& rect, const BlockForecast& forecast = {});
   /// A missing tile that nobody is to make, given to another node.
-  void plan_again(std::uint64_t block, NodeId node, const PixelRect& tile);
-  /// Cuts a missing tile that nobody is to make into at most `parts` of kLeastPartPx or more. Returns them.
+  void replan(std::uint64_t block, NodeId node, const PixelRect& tile);
+  /// Cuts a missing tile that nobody is to make into at most `parts` of kMinPartPx or more. Returns them.
   std::vector<PixelRect> cut(const PixelRect& tile, std::size_t parts);
   /// The block goes to another node, under another number. Precondition: it is wanted, and no tile of it came.
   void move(std::uint64_t from, std::uint64_t block, NodeId node, double speed);
@@ -60,7 +60,7 @@ class FrameAssembly {
   std::vector<PixelRect> give_up(std::uint64_t block);
 
   /// The block's node is only slow: what it has not delivered counts no attempt.
-  void excuse(std::uint64_t block);
+  void forgive_attempt(std::uint64_t block);
 
   [[nodiscard]] bool has(std::uint64_t block) const { return blocks_.contains(block); }
   [[nodiscard]] const std::map<std::uint64_t, Block>& blocks() const { return blocks_; }
@@ -70,7 +70,7 @@ class FrameAssembly {
   [[nodiscard]] bool is_complete() const;
   [[nodiscard]] bool is_missing_tiles() const { return !missing_.empty(); }
   [[nodiscard]] std::uint32_t delivered() const { return delivered_; }
-  [[nodiscard]] bool was_given_again() const { return given_again_; }
+  [[nodiscard]] bool was_reassigned() const { return reassigned_; }
 
   struct Summary {
     double render_seconds = 0.0;  ///< Wall time of the rays, of the node that took longest.
@@ -78,8 +78,8 @@ class FrameAssembly {
     double encode_seconds = 0.0;  ///< Thread time, of the block with the most.
     double cpu_seconds = 0.0;
     std::uint64_t rays = 0;
-    std::vector<MeasuredBlock> costs{};  ///< Of the blocks that their node finished.
-    std::map<NodeId, double> loads{};    ///< Thread time of the rays, by node.
+    std::vector<balance::MeasuredBlock> costs{};  ///< Of the blocks that their node finished.
+    std::map<NodeId, double> loads{};             ///< Thread time of the rays, by node.
   };
   /// Of the blocks that have ended.
   [[nodiscard]] Summary summary() const;
@@ -94,7 +94,7 @@ class FrameAssembly {
   std::map<PixelRect, int> missing_;                   ///< And how many wanted blocks will bring it.
   std::map<PixelRect, std::vector<PixelRect>> parts_;  ///< Of tiles that were cut; the parts are missing_ or delivered.
   std::uint32_t delivered_ = 0;
-  bool given_again_ = false;
+  bool reassigned_ = false;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

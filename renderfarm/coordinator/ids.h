@@ -3,10 +3,10 @@
 
 #include <cstdint>
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
-/// A node's or a museum's stream; counts from 1 and never comes again while the head runs.
+/// A node's or a museum's stream; counts from 1 and never comes again while the coordinator runs.
 enum class NodeId : std::uint64_t {};
 enum class SessionId : std::uint64_t {};
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

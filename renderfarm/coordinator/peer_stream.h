@@ -10,7 +10,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 
 /// What a stream tells its owner. Called on gRPC's threads; must return at once.
 template <typename In, typename Out>
@@ -132,4 +132,4 @@ class PeerStream final : public grpc::ServerBidiReactor<In, Out> {
   std::shared_ptr<PeerStream> self_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

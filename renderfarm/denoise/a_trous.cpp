@@ -7,7 +7,7 @@
 
 #include "common/base/vector_clones.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 namespace {
 
 constexpr int kChunk = 256;  ///< Pixels per chunk, such that their sums fit into the L1 cache.
@@ -155,4 +155,4 @@ void filter_level(const Guide& guide, const LightPlanes& light, int step, Plane*
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

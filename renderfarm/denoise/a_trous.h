@@ -3,7 +3,7 @@
 
 #include "renderfarm/denoise/guide.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 
 /// Applies one level of the edge-avoiding à-trous wavelet filter: each pixel becomes the mean of nine pixels spaced
 /// `step` apart around it, weighted by the similarity of their light and surface. Variances are propagated with the
@@ -12,4 +12,4 @@ namespace cyclorama {
 /// Reentrant.
 void filter_level(const Guide& guide, const LightPlanes& light, int step, Plane* scratch, LightPlanes* ret);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

@@ -5,7 +5,7 @@
 
 #include "common/base/vector_clones.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 namespace {
 
 CYCLORAMA_VECTOR_CLONES
@@ -36,4 +36,4 @@ void box_sum(const Plane& plane, int radius, Plane* scratch, Plane* ret_sum) {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

@@ -6,13 +6,13 @@
 
 #include "renderfarm/denoise/a_trous.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 namespace {
 
 constexpr int kSteps[] = {1, 2, 4};
 
 /// Returns `rect` extended by `px` on each side, clipped to the film.
-PixelRect grown(const PixelRect& rect, int px, const Film& film) {
+PixelRect grown(const PixelRect& rect, int px, const render::Film& film) {
   const int left = std::max(0, rect.x - px);
   const int top = std::max(0, rect.y - px);
   return {left, top, std::min(film.width(), rect.x + rect.width + px) - left,
@@ -27,7 +27,8 @@ int Denoiser::halo_px() {
   return reach;
 }
 
-void Denoiser::denoise(const Film& film, const PixelRays& rays, const PixelRect& part, RadianceImage* ret_picture) {
+void Denoiser::denoise(const render::Film& film, const PixelRays& rays, const PixelRect& part,
+                       RadianceImage* ret_picture) {
   CHECK(part.x >= 0 && part.y >= 0 && part.width <= film.width() - part.x && part.height <= film.height() - part.y);
   CHECK(ret_picture->width() == film.width() && ret_picture->height() == film.height());
   if (part.empty()) return;
@@ -41,10 +42,10 @@ void Denoiser::denoise(const Film& film, const PixelRays& rays, const PixelRect&
              part.y, ret_picture);
 }
 
-RadianceImage denoised(const Film& film, const PixelRays& rays) {
+RadianceImage denoised(const render::Film& film, const PixelRays& rays) {
   RadianceImage picture(film.width(), film.height());
   Denoiser().denoise(film, rays, {0, 0, film.width(), film.height()}, &picture);
   return picture;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

@@ -9,7 +9,7 @@
 
 #include "renderfarm/denoise/guide.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 
 /// Denoises films. Keeps its memory from one picture to the next. Thread-bound.
 class Denoiser {
@@ -22,7 +22,7 @@ class Denoiser {
   /// the film up to halo_px() around the part. The result is always finite; it is black where there are no finite
   /// samples. Several denoisers may process parts concurrently. Precondition: the film has features, `rays` and
   /// `ret_picture` have its size, and the part lies inside.
-  void denoise(const Film& film, const PixelRays& rays, const PixelRect& part, RadianceImage* ret_picture);
+  void denoise(const render::Film& film, const PixelRays& rays, const PixelRect& part, RadianceImage* ret_picture);
 
  private:
   GuideMaker maker_;
@@ -32,6 +32,6 @@ class Denoiser {
 };
 
 /// Denoises all of `film` on the calling thread.
-[[nodiscard]] RadianceImage denoised(const Film& film, const PixelRays& rays);
+[[nodiscard]] RadianceImage denoised(const render::Film& film, const PixelRays& rays);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

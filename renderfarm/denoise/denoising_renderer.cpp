@@ -18,11 +18,11 @@
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 namespace {
 
 /// Minimum height of a strip: each has margins of its own, which are filtered twice.
-constexpr int kLeastStripPx = 64;
+constexpr int kMinStripPx = 64;
 
 /// Returns `rect` extended by `px` on each side, clipped to the picture.
 PixelRect grown(const PixelRect& rect, int px, const PixelRect& picture) {
@@ -39,7 +39,7 @@ PixelRect rows_within(const PixelRect& rect, const PixelRect& bounds) {
   return {rect.x, top, rect.width, std::max(bottom - top, 0)};
 }
 
-void add(const RenderCost& part, RenderCost* sum) {
+void add(const render::RenderCost& part, render::RenderCost* sum) {
   sum->cpu_seconds += part.cpu_seconds;
   sum->wall_seconds += part.wall_seconds;
   sum->rays += part.rays;
@@ -50,7 +50,7 @@ void add(const RenderCost& part, RenderCost* sum) {
 
 /// Returns a film's cost for the cells that `rect` touches. The cost of the margin and of denoising is spread evenly
 /// over all cells, because other cuts have their margins elsewhere.
-RenderCost told_of(RenderCost cost, const PixelRect& wide, const PixelRect& rect) {
+render::RenderCost has_cell_times(render::RenderCost cost, const PixelRect& wide, const PixelRect& rect) {
   const PixelRect from = cells_touched(wide);
   const PixelRect cells = cells_touched(rect);
   std::vector<float> inside;
@@ -68,7 +68,7 @@ RenderCost told_of(RenderCost cost, const PixelRect& wide, const PixelRect& rect
 
 }  // namespace
 
-Status check_denoisable(const PanoramaView& view) {
+Status check_denoisable(const render::PanoramaView& view) {
   const Projection picture = view.picture();
   if (picture.stacked() == 1 || height_px(picture.shape) % kCutPx == 0) return Done{};
   return Error(ErrorCode::kInvalidArgument,
@@ -76,20 +76,21 @@ Status check_denoisable(const PanoramaView& view) {
                            height_px(picture.shape), kCutPx));
 }
 
-DenoisingRenderer::DenoisingRenderer(const Renderer& renderer, int threads)
+DenoisingRenderer::DenoisingRenderer(const render::Renderer& renderer, int threads)
     : renderer_(renderer),
       denoisers_(static_cast<std::size_t>(threads > 0 ? threads : tbb::this_task_arena::max_concurrency())) {}
 
-RenderCost DenoisingRenderer::render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                                     const std::function<bool()>& cancelled) {
+render::RenderCost DenoisingRenderer::render(const render::PanoramaView& view, const PixelRect& rect,
+                                             RgbImage* ret_pixels, const std::function<bool()>& cancelled) {
   RadianceImage light;
-  const RenderCost cost = render_radiance(view, rect, &light, cancelled);
-  *ret_pixels = developed(light, renderer_.scene().tone);
+  const render::RenderCost cost = render_radiance(view, rect, &light, cancelled);
+  *ret_pixels = render::developed(light, renderer_.scene().tone);
   return cost;
 }
 
-RenderCost DenoisingRenderer::render_radiance(const PanoramaView& view, const PixelRect& rect,
-                                              RadianceImage* ret_pixels, const std::function<bool()>& cancelled) {
+render::RenderCost DenoisingRenderer::render_radiance(const render::PanoramaView& view, const PixelRect& rect,
+                                                      RadianceImage* ret_pixels,
+                                                      const std::function<bool()>& cancelled) {
   CHECK(check_denoisable(view).has_value());
   const Projection picture = view.picture();
   const int height = height_px(picture.shape);
@@ -100,7 +101,7 @@ RenderCost DenoisingRenderer::render_radiance(const PanoramaView& view, const Pi
   if (picture.stacked() == 1 || lower.empty()) return render_within(view, first, rect, ret_pixels, cancelled);
   if (upper.empty()) return render_within(view, second, rect, ret_pixels, cancelled);
   RadianceImage part;
-  RenderCost cost = render_within(view, first, upper, ret_pixels, cancelled);
+  render::RenderCost cost = render_within(view, first, upper, ret_pixels, cancelled);
   add(render_within(view, second, lower, &part, cancelled), &cost);
   const RadianceImage above = std::exchange(*ret_pixels, RadianceImage(rect.width, rect.height));
   std::ranges::copy(above.data(), ret_pixels->data().begin());
@@ -108,13 +109,14 @@ RenderCost DenoisingRenderer::render_radiance(const PanoramaView& view, const Pi
   return cost;
 }
 
-RenderCost DenoisingRenderer::render_within(const PanoramaView& view, const PixelRect& bounds, const PixelRect& rect,
-                                            RadianceImage* ret_pixels, const std::function<bool()>& cancelled) {
+render::RenderCost DenoisingRenderer::render_within(const render::PanoramaView& view, const PixelRect& bounds,
+                                                    const PixelRect& rect, RadianceImage* ret_pixels,
+                                                    const std::function<bool()>& cancelled) {
   const PixelRect wide = rect.empty() ? rect : grown(rect, Denoiser::halo_px(), bounds);
-  RenderCost cost = renderer_.render_film(view, wide, true, &film_, cancelled);
+  render::RenderCost cost = renderer_.render_film(view, wide, true, &film_, cancelled);
   if (rect.empty() || (cancelled && cancelled())) {
     *ret_pixels = RadianceImage(rect.width, rect.height);
-    return told_of(std::move(cost), wide, rect);
+    return has_cell_times(std::move(cost), wide, rect);
   }
   const TimePoint start = SteadyClock().now();
   const double cpu_start = thread_cpu_seconds();
@@ -122,7 +124,7 @@ RenderCost DenoisingRenderer::render_within(const PanoramaView& view, const Pixe
   if (wide_.width() != wide.width || wide_.height() != wide.height) wide_ = RadianceImage(wide.width, wide.height);
   const PixelRect part{rect.x - wide.x, rect.y - wide.y, rect.width, rect.height};
   const int threads = static_cast<int>(denoisers_.size());
-  const int strips = std::clamp(rect.height / kLeastStripPx, 1, threads);
+  const int strips = std::clamp(rect.height / kMinStripPx, 1, threads);
   std::atomic<double> cpu_seconds = thread_cpu_seconds() - cpu_start;
   const auto strip = [&](int index) {
     const double before = thread_cpu_seconds();
@@ -140,7 +142,7 @@ RenderCost DenoisingRenderer::render_within(const PanoramaView& view, const Pixe
   *ret_pixels = cropped(wide_, part);
   cost.cpu_seconds += cpu_seconds;
   cost.wall_seconds += to_seconds(SteadyClock().now() - start);
-  return told_of(std::move(cost), wide, rect);
+  return has_cell_times(std::move(cost), wide, rect);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

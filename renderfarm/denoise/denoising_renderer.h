@@ -11,35 +11,35 @@
 #include "renderfarm/denoise/denoise.h"
 #include "renderfarm/render/renderer.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 
 /// Errors: kInvalidArgument, in one sentence, for a stereo picture whose eyes are not separated at a multiple of kCutPx
 /// pixels.
-[[nodiscard]] Status check_denoisable(const PanoramaView& view);
+[[nodiscard]] Status check_denoisable(const render::PanoramaView& view);
 
 /// Renders and denoises. Keeps its memory from one picture to the next, and a reference to the renderer, which must
 /// outlive it. Thread-bound.
 class DenoisingRenderer {
  public:
   /// Denoises with `threads` threads (0: one per core); pixels do not depend on their number.
-  DenoisingRenderer(const Renderer& renderer, int threads);
+  DenoisingRenderer(const render::Renderer& renderer, int threads);
 
   /// Like the Renderer functions of the same name; the cost includes the margin and the filter. Precondition:
   /// check_view() and check_denoisable().
-  RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                    const std::function<bool()>& cancelled);
-  RenderCost render_radiance(const PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,
-                             const std::function<bool()>& cancelled);
+  render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                            const std::function<bool()>& cancelled);
+  render::RenderCost render_radiance(const render::PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,
+                                     const std::function<bool()>& cancelled);
 
  private:
   /// Precondition: `rect` lies inside `bounds`, to which the margin is clipped.
-  RenderCost render_within(const PanoramaView& view, const PixelRect& bounds, const PixelRect& rect,
-                           RadianceImage* ret_pixels, const std::function<bool()>& cancelled);
+  render::RenderCost render_within(const render::PanoramaView& view, const PixelRect& bounds, const PixelRect& rect,
+                                   RadianceImage* ret_pixels, const std::function<bool()>& cancelled);
 
-  const Renderer& renderer_;
+  const render::Renderer& renderer_;
   std::vector<Denoiser> denoisers_;  ///< One per thread.
-  Film film_;
+  render::Film film_;
   RadianceImage wide_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

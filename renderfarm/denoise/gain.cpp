@@ -5,9 +5,9 @@
 
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 
-Result<DenoiseGain> measure_gain(const RadianceImage& reference, std::span<const Film> films,
+Result<DenoiseGain> measure_gain(const RadianceImage& reference, std::span<const render::Film> films,
                                  const DenoiseFilm& denoise) {
   const auto refuse = [](std::string why) { return Error(ErrorCode::kInvalidArgument, std::move(why)); };
   if (films.size() < 2) return refuse(fmt::format("bias takes at least 2 films, not {}", films.size()));
@@ -20,7 +20,7 @@ Result<DenoiseGain> measure_gain(const RadianceImage& reference, std::span<const
   DenoiseGain gain;
   std::vector<double> mean(truth.size());
   std::vector<double> square(truth.size());
-  for (const Film& film : films) {
+  for (const render::Film& film : films) {
     if (film.width() != reference.width() || film.height() != reference.height()) {
       return refuse("the films and the reference differ in size");
     }
@@ -44,4 +44,4 @@ Result<DenoiseGain> measure_gain(const RadianceImage& reference, std::span<const
   return gain;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

@@ -8,7 +8,7 @@
 #include "common/base/result.h"
 #include "renderfarm/render/film.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 
 /// Mean squared errors over pixels and channels, each divided by (reference^2 + 0.01), as in relMSE. A value.
 struct DenoiseGain {
@@ -22,11 +22,11 @@ struct DenoiseGain {
   [[nodiscard]] double bias_share() const { return bias2 / mse_after; }
 };
 
-using DenoiseFilm = std::function<RadianceImage(const Film&)>;
+using DenoiseFilm = std::function<RadianceImage(const render::Film&)>;
 
 /// Measures the gain from independent films (of different seeds) of one view. `denoise` is called once for each.
 /// Errors: kInvalidArgument if there are fewer than two films, or if sizes differ.
-[[nodiscard]] Result<DenoiseGain> measure_gain(const RadianceImage& reference, std::span<const Film> films,
+[[nodiscard]] Result<DenoiseGain> measure_gain(const RadianceImage& reference, std::span<const render::Film> films,
                                                const DenoiseFilm& denoise);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

@@ -7,17 +7,17 @@
 #include "common/base/vector_clones.h"
 #include "renderfarm/denoise/box_sum.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 namespace {
 
 // These bounds keep squares, and sums of them, within the range of float.
-constexpr float kMostRadiance = 1e12f;
-constexpr float kMostVariance = 1e30f;
-constexpr float kMostDistance = 1e15f;
-constexpr float kLeastFootprint = 1e-20f;
+constexpr float kMaxRadiance = 1e12f;
+constexpr float kMaxVariance = 1e30f;
+constexpr float kMaxDistance = 1e15f;
+constexpr float kMinFootprint = 1e-20f;
 
 /// Lower bound of the albedo that divides light, so that black surfaces do not amplify it excessively.
-constexpr float kLeastAlbedo = 0.01f;
+constexpr float kMinAlbedo = 0.01f;
 
 constexpr int kFireflyRadius = 2;
 constexpr int kVarianceRadius = 1;
@@ -34,15 +34,15 @@ constexpr float kTolerance = 64.0f;
 constexpr float kToleranceHalved = 8.0f;
 
 /// Clamps to [-most, most]; NaN and infinities give 0.
-inline float finite(float value, float most) {
-  const float cut = value < most ? value : most;
-  const float whole = cut > -most ? cut : -most;
+inline float finite(float value, float max) {
+  const float cut = value < max ? value : max;
+  const float whole = cut > -max ? cut : -max;
   return value - value == 0.0f ? whole : 0.0f;
 }
 
 inline float divisor(float albedo) {
-  const float a = finite(albedo, kMostRadiance);
-  return a > kLeastAlbedo ? a : kLeastAlbedo;
+  const float a = finite(albedo, kMaxRadiance);
+  return a > kMinAlbedo ? a : kMinAlbedo;
 }
 
 /// Three planes of one row of an interleaved image.
@@ -76,7 +76,7 @@ CYCLORAMA_VECTOR_CLONES
 void demodulate(int count, const float* __restrict per_sample, const float* __restrict albedo, float share,
                 float* __restrict light, float* __restrict raw_luminance, float* __restrict luminance) {
   for (int i = 0; i < count; ++i) {
-    const float raw = per_sample[i] > 0.0f ? finite(light[i] * per_sample[i], kMostRadiance) : 0.0f;
+    const float raw = per_sample[i] > 0.0f ? finite(light[i] * per_sample[i], kMaxRadiance) : 0.0f;
     light[i] = raw / divisor(albedo[i]);
     raw_luminance[i] += share * raw;
     luminance[i] += share * light[i];
@@ -88,28 +88,28 @@ CYCLORAMA_VECTOR_CLONES
 void sample_variance(int count, const float* __restrict per_sample, const float* __restrict square,
                      const float* __restrict raw, const float* __restrict luminance, float* __restrict variance) {
   for (int i = 0; i < count; ++i) {
-    const float spread = finite(square[i] * per_sample[i], kMostVariance) - raw[i] * raw[i];
+    const float spread = finite(square[i] * per_sample[i], kMaxVariance) - raw[i] * raw[i];
     const float ratio = luminance[i] / (raw[i] > 1e-20f ? raw[i] : 1e-20f);
     const float of_mean = spread > 0.0f ? spread * per_sample[i] / (1.0f - per_sample[i]) * ratio * ratio : 0.0f;
-    variance[i] = per_sample[i] < 1.0f ? finite(of_mean, kMostVariance) : 0.0f;
+    variance[i] = per_sample[i] < 1.0f ? finite(of_mean, kMaxVariance) : 0.0f;
   }
 }
 
 CYCLORAMA_VECTOR_CLONES
-void sanitise(int count, float most, float* values) {
-  for (int i = 0; i < count; ++i) values[i] = finite(values[i], most);
+void sanitise(int count, float max, float* values) {
+  for (int i = 0; i < count; ++i) values[i] = finite(values[i], max);
 }
 
 CYCLORAMA_VECTOR_CLONES
 void put_at_distance(int count, float radians_per_px, const float* __restrict distance, float* __restrict x,
                      float* __restrict y, float* __restrict z, float* __restrict per_footprint) {
   for (int i = 0; i < count; ++i) {
-    const float d = finite(distance[i], kMostDistance);
+    const float d = finite(distance[i], kMaxDistance);
     const float footprint = d * radians_per_px;
     x[i] *= d;
     y[i] *= d;
     z[i] *= d;
-    per_footprint[i] = 1.0f / (footprint > kLeastFootprint ? footprint : kLeastFootprint);
+    per_footprint[i] = 1.0f / (footprint > kMinFootprint ? footprint : kMinFootprint);
   }
 }
 
@@ -119,7 +119,7 @@ void dot(int count, const float* __restrict ax, const float* __restrict ay, cons
   for (int i = 0; i < count; ++i) ret[i] = ax[i] * bx[i] + ay[i] * by[i] + az[i] * bz[i];
 }
 
-void split_surfaces(const Film& film, const PixelRays& rays, const PixelRect& part, Guide* ret) {
+void split_surfaces(const render::Film& film, const PixelRays& rays, const PixelRect& part, Guide* ret) {
   const int width = part.width;
   const auto radians_per_px = static_cast<float>(rays.radians_per_px);
   for (int y = 0; y < part.height; ++y) {
@@ -206,7 +206,7 @@ void Guide::reshape(int width, int height) {
   }
 }
 
-void GuideMaker::make(const Film& film, const PixelRays& rays, const PixelRect& part, Guide* ret) {
+void GuideMaker::make(const render::Film& film, const PixelRays& rays, const PixelRect& part, Guide* ret) {
   CHECK(film.features.albedo.width() == film.width() && film.features.albedo.height() == film.height());
   CHECK(rays.directions.width() == film.width() && rays.directions.height() == film.height());
   ret->reshape(part.width, part.height);
@@ -216,7 +216,7 @@ void GuideMaker::make(const Film& film, const PixelRays& rays, const PixelRect& 
   pool_variance(ret);
 }
 
-void GuideMaker::split_light(const Film& film, const PixelRect& part, Guide* ret) {
+void GuideMaker::split_light(const render::Film& film, const PixelRect& part, Guide* ret) {
   const int width = part.width;
   Row3 albedo(width);
   std::vector<float> raw(static_cast<std::size_t>(width));
@@ -285,4 +285,4 @@ void remodulate(const LightPlanes& light, const PixelRect& part, const RadianceI
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

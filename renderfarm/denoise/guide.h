@@ -7,7 +7,7 @@
 #include "renderfarm/denoise/plane.h"
 #include "renderfarm/render/film.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 
 /// The light to be filtered, one plane per value.
 struct LightPlanes {
@@ -45,7 +45,7 @@ class GuideMaker {
   /// The variance is that of the pixel's own samples, averaged over its neighbours, which have different samples but a
   /// similar spread. With one sample per pixel only the scatter among neighbours is available, which includes edges.
   /// Precondition: the film has features, `rays` has its size, and the part lies inside.
-  void make(const Film& film, const PixelRays& rays, const PixelRect& part, Guide* ret);
+  void make(const render::Film& film, const PixelRays& rays, const PixelRect& part, Guide* ret);
 
  private:
   /// Sums over each pixel's neighbourhood.
@@ -53,7 +53,7 @@ class GuideMaker {
     Plane count, sum, square;
   };
 
-  void split_light(const Film& film, const PixelRect& part, Guide* ret);
+  void split_light(const render::Film& film, const PixelRect& part, Guide* ret);
   void tame_fireflies(Guide* guide);
   void pool_variance(Guide* guide);
   void sum_moments(const Guide& guide, int radius);
@@ -70,4 +70,4 @@ class GuideMaker {
 void remodulate(const LightPlanes& light, const PixelRect& part, const RadianceImage& albedo, int to_x, int to_y,
                 RadianceImage* ret_picture);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

@@ -9,7 +9,7 @@
 
 #include "common/geometry/picture_place.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 namespace {
 
 double radians_per_px(const PictureShape& shape) {
@@ -71,4 +71,4 @@ PixelRays picture_rays(const Projection& picture, double heading_rad, const Pixe
   });
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

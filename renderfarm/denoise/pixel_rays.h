@@ -6,7 +6,7 @@
 #include "common/image/pixel_rect.h"
 #include "renderfarm/render/film.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 
 /// Directions of the pixels in a rectangle. A value.
 struct PixelRays {
@@ -23,4 +23,4 @@ struct PixelRays {
 /// within the filter's radius it moves by less than a millimetre.
 [[nodiscard]] PixelRays picture_rays(const Projection& picture, double heading_rad, const PixelRect& rect);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

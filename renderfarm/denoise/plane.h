@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 
 /// One value per pixel, rows from the top. Unlike an Image, it keeps its memory when it is resized. A value.
 class Plane {
@@ -33,4 +33,4 @@ class Plane {
   std::vector<float> values_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

@@ -12,7 +12,7 @@
 namespace cyclorama::grotto {
 namespace {
 
-constexpr auto kAskEvery = std::chrono::milliseconds(100);
+constexpr auto kPollPeriod = std::chrono::milliseconds(100);
 
 /// Distributes parts, largest first, among the threads. Each file is written by one thread, in a fixed order.
 class Workshop {
@@ -40,7 +40,7 @@ class Workshop {
   /// Reports progress until `threads` threads have finished.
   void watch(int threads, const KeepGoing& keep_going) {
     std::unique_lock lock(mutex_);
-    while (!changed_.wait_for(lock, kAskEvery, [&] { return gone_ == threads; })) {
+    while (!changed_.wait_for(lock, kPollPeriod, [&] { return gone_ == threads; })) {
       lock.unlock();
       const double fraction = static_cast<double>(done_.load(std::memory_order_relaxed)) / static_cast<double>(all_);
       if (!keep_going(fraction)) stop_.store(true, std::memory_order_relaxed);

@@ -15,8 +15,8 @@
 
 namespace cyclorama::grotto {
 
-inline constexpr std::uint64_t kFewestTriangles = 10'000;
-inline constexpr std::uint64_t kMostTriangles = 60'000'000;
+inline constexpr std::uint64_t kMinTriangles = 10'000;
+inline constexpr std::uint64_t kMaxTriangles = 60'000'000;
 
 enum class Kind { kGrotto, kInterior, kRelic };
 
@@ -29,7 +29,7 @@ struct Grotto {
   [[nodiscard]] GeometryCounts counts() const;
 };
 
-/// Errors: kInvalidArgument outside [kFewestTriangles, kMostTriangles].
+/// Errors: kInvalidArgument outside [kMinTriangles, kMaxTriangles].
 Status check_triangles(std::uint64_t triangles);
 
 /// Plans at most `triangles` triangles, and at least 98 % of them. The seed determines where the rock is broken and

@@ -10,7 +10,8 @@
 #include "renderfarm/generator/package.h"
 
 int main(int argc, char** argv) {
-  using namespace cyclorama;  // NOLINT(google-build-using-namespace)
+  using namespace cyclorama;
+  using namespace cyclorama::generator;  // NOLINT(google-build-using-namespace)
   Program program(
       "cyclorama-grotto",
       "Makes a painted cave temple, a museum hall or a relic, of any number of triangles, as a scene package.");
@@ -23,10 +24,10 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"grotto", "interior", "relic"}))
       ->capture_default_str();
   options.add_option("--lamps", order.lamps, "Of an interior; all together give the same light")
-      ->check(CLI::Range(1, grotto::kMostInteriorLamps))
+      ->check(CLI::Range(1, grotto::kMaxInteriorLamps))
       ->capture_default_str();
   options.add_option("--triangles", order.triangles, "About this many, never more")
-      ->check(CLI::Range(grotto::kFewestTriangles, grotto::kMostTriangles))
+      ->check(CLI::Range(grotto::kMinTriangles, grotto::kMaxTriangles))
       ->capture_default_str();
   options.add_option("--seed", order.seed, "Decides rock, damage and who stands where")->capture_default_str();
   options.add_option("--out", order.folder, "The scene package: a folder that does not exist yet")->required();

@@ -279,9 +279,9 @@ std::vector<Lamp> lamp_grid(int count) {
 
 Result<Grotto> plan_interior(std::uint64_t triangles, std::uint32_t seed, int lamps) {
   TRY(check_triangles(triangles));
-  if (lamps < 1 || lamps > kMostInteriorLamps) {
+  if (lamps < 1 || lamps > kMaxInteriorLamps) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("{} lamps: an interior has 1 to {}", lamps, kMostInteriorLamps));
+                 fmt::format("{} lamps: an interior has 1 to {}", lamps, kMaxInteriorLamps));
   }
   Grotto hall;
   hall.kind = Kind::kInterior;

@@ -61,9 +61,9 @@ GeometryCounts Grotto::counts() const {
 }
 
 Status check_triangles(std::uint64_t triangles) {
-  if (triangles < kFewestTriangles || triangles > kMostTriangles) {
+  if (triangles < kMinTriangles || triangles > kMaxTriangles) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("{} triangles: a grotto has {} to {}", triangles, kFewestTriangles, kMostTriangles));
+                 fmt::format("{} triangles: a grotto has {} to {}", triangles, kMinTriangles, kMaxTriangles));
   }
   return Done{};
 }

@@ -52,10 +52,10 @@ class Grid {
 
 /// Steps from outside towards the axis until it meets the solid.
 float outermost(const Sculpture& s, const Outlook& look) {
-  constexpr int kMostSteps = 48;
+  constexpr int kMaxSteps = 48;
   const float close = 2e-4f * s.reach;
   float t = s.reach;
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     const float gap = s.distance(look.origin + t * look.direction);
     if (gap < close) break;
     t -= 0.92f * gap;

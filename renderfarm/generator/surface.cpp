@@ -8,7 +8,7 @@
 namespace cyclorama::grotto {
 namespace {
 
-constexpr int kFewestQuads = 4;  ///< Along either side of a patch; an arch or a head is still recognisable with these.
+constexpr int kMinQuads = 4;  ///< Along either side of a patch; an arch or a head is still recognisable with these.
 
 std::uint64_t triangles_of(const Patch& patch) {
   return 2u * static_cast<std::uint64_t>(patch.columns) * static_cast<std::uint64_t>(patch.rows);
@@ -19,7 +19,7 @@ std::uint64_t vertices_of(const Patch& patch) {
 }
 
 int quads(double length_m, double density, double scale) {
-  return std::max(kFewestQuads, static_cast<int>(std::lround(length_m * density * scale)));
+  return std::max(kMinQuads, static_cast<int>(std::lround(length_m * density * scale)));
 }
 
 std::uint64_t set_resolution(std::vector<Part>& parts, double scale) {

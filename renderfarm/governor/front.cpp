@@ -7,27 +7,27 @@
 #include <cmath>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::governor {
 
-Result<Front> Front::make(std::vector<FrontPoint> points) {
-  for (const FrontPoint& point : points) {
-    TRY(validate(point.quality));
+Result<ParetoFront> ParetoFront::make(std::vector<ParetoPoint> points) {
+  for (const ParetoPoint& point : points) {
+    TRY(render::validate(point.quality));
     if (!(point.cost > 0.0 && std::isfinite(point.cost) && point.error >= 0.0 && std::isfinite(point.error))) {
       return Error(ErrorCode::kInvalidArgument,
                    fmt::format("a point costs {} and has an error of {}; the cost must be above 0, the error not below",
                                point.cost, point.error));
     }
   }
-  std::ranges::sort(points, {}, [](const FrontPoint& point) { return std::pair(point.cost, point.error); });
-  std::vector<FrontPoint> kept;
-  for (FrontPoint& point : points) {
+  std::ranges::sort(points, {}, [](const ParetoPoint& point) { return std::pair(point.cost, point.error); });
+  std::vector<ParetoPoint> kept;
+  for (ParetoPoint& point : points) {
     if (kept.empty() || point.error < kept.back().error) kept.push_back(std::move(point));
   }
   if (kept.empty()) return Error(ErrorCode::kInvalidArgument, "a front without points leaves no choice");
-  return Front(std::move(kept));
+  return ParetoFront(std::move(kept));
 }
 
-Front Front::standard() {
+ParetoFront ParetoFront::standard() {
   // Measured with cyclorama-bench-render trade GROTTO --size 320x120 --reference-samples 512, for the generated grotto of
   // 1 M triangles; the quicker of two runs. Points are kept if both their relMSE and their FLIP are smaller than those of
   // all cheaper points. Denoising is beneficial up to 16 samples.
@@ -44,9 +44,9 @@ Front Front::standard() {
       {0.5, 2, 1, true, 1.03, 0.0263},  {0.5, 4, 1, true, 2.02, 0.0199},    {0.71, 2, 4, true, 3.35, 0.0166},
       {1.0, 2, 4, true, 6.95, 0.0111},  {1.0, 4, 4, true, 14.5, 0.0049},    {1.0, 8, 4, true, 26.9, 0.0025},
       {1.0, 16, 4, true, 46.7, 0.0013}, {1.0, 128, 4, false, 371.0, 0.0006}};
-  std::vector<FrontPoint> points;
+  std::vector<ParetoPoint> points;
   for (const Row& row : kRows) {
-    FrontPoint point;
+    ParetoPoint point;
     point.quality.scale = row.scale;
     point.quality.denoise = row.denoise;
     point.quality.render.samples = row.samples;
@@ -58,4 +58,4 @@ Front Front::standard() {
   return *make(std::move(points));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::governor

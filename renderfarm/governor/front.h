@@ -8,30 +8,30 @@
 #include "common/base/result.h"
 #include "renderfarm/render/picture_quality.h"
 
-namespace cyclorama {
+namespace cyclorama::governor {
 
-struct FrontPoint {
-  PictureQuality quality;
+struct ParetoPoint {
+  render::PictureQuality quality;
   double cost = 1.0;   ///< Per displayed pixel, in any unit; only ratios matter.
   double error = 1.0;  ///< Against the reference; the same measure for the whole front.
 };
 
 /// A Pareto front: costs increase from point to point and errors decrease. A value, never empty.
-class Front {
+class ParetoFront {
  public:
   /// Omits points that cost as much as a better one or more. Errors: kInvalidArgument if there are no points, if a
   /// quality is out of range, or unless costs are above zero and errors at least zero.
-  static Result<Front> make(std::vector<FrontPoint> points);
+  static Result<ParetoFront> make(std::vector<ParetoPoint> points);
   /// Returns the Pareto front for scenes that have not been measured.
-  static Front standard();
+  static ParetoFront standard();
 
   [[nodiscard]] std::size_t size() const { return points_.size(); }
-  [[nodiscard]] const FrontPoint& operator[](std::size_t i) const { return points_[i]; }
-  [[nodiscard]] const FrontPoint& best() const { return points_.back(); }
+  [[nodiscard]] const ParetoPoint& operator[](std::size_t i) const { return points_[i]; }
+  [[nodiscard]] const ParetoPoint& best() const { return points_.back(); }
 
  private:
-  explicit Front(std::vector<FrontPoint> points) : points_(std::move(points)) {}
-  std::vector<FrontPoint> points_;
+  explicit ParetoFront(std::vector<ParetoPoint> points) : points_(std::move(points)) {}
+  std::vector<ParetoPoint> points_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::governor

@@ -6,20 +6,20 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::governor {
 namespace {
 
 constexpr double kFillAfterStepDown = 0.9;
 constexpr double kFillAfterStepUp = 0.8;
-constexpr int kFirstPatience = 10;
-constexpr int kLongestPatience = 160;
+constexpr int kInitialStepUpFrames = 10;
+constexpr int kMaxStepUpFrames = 160;
 constexpr double kForgetting = 0.125;
 constexpr double kJump = 1.5;
 
 }  // namespace
 
-Governor::Governor(Front front, double budget_ms)
-    : front_(std::move(front)), budget_ms_(budget_ms), patience_(kFirstPatience) {
+Governor::Governor(ParetoFront front, double budget_ms)
+    : front_(std::move(front)), budget_ms_(budget_ms), step_up_frames_(kInitialStepUpFrames) {
   CHECK(budget_ms > 0.0);
 }
 
@@ -36,19 +36,19 @@ std::size_t Governor::best_within(double milliseconds, double megapixels) const 
 
 std::size_t Governor::choose(double megapixels) {
   if (!rate_) return point_;
-  if (since_step_up_ && ++*since_step_up_ > patience_) {
+  if (since_step_up_ && ++*since_step_up_ > step_up_frames_) {
     since_step_up_.reset();
-    patience_ = kFirstPatience;
+    step_up_frames_ = kInitialStepUpFrames;
   }
   if (*predicted_ms(point_, megapixels) > budget_ms_) {
-    if (since_step_up_) patience_ = std::min(2 * patience_, kLongestPatience);
+    if (since_step_up_) step_up_frames_ = std::min(2 * step_up_frames_, kMaxStepUpFrames);
     since_step_up_.reset();
     frames_up_possible_ = 0;
     return point_ = std::min(point_, best_within(kFillAfterStepDown * budget_ms_, megapixels));
   }
   const std::size_t up = best_within(kFillAfterStepUp * budget_ms_, megapixels);
   frames_up_possible_ = up > point_ ? frames_up_possible_ + 1 : 0;
-  if (frames_up_possible_ > patience_) {
+  if (frames_up_possible_ > step_up_frames_) {
     frames_up_possible_ = 0;
     since_step_up_ = 0;
     point_ = up;
@@ -68,4 +68,4 @@ void Governor::measured(std::size_t point, double megapixels, double millisecond
   rate_ = both > kJump * *rate_ ? both : *rate_ + kForgetting * (std::min(rate, kJump * *rate_) - *rate_);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::governor

@@ -6,7 +6,7 @@
 
 #include "renderfarm/governor/front.h"
 
-namespace cyclorama {
+namespace cyclorama::governor {
 
 /// Estimates what the front's points cost on this farm, in this scene, at present, in milliseconds per unit of cost and
 /// megapixel, and chooses the best point that is predicted to fit. Used by the coordinator, one per session.
@@ -25,7 +25,7 @@ namespace cyclorama {
 class Governor {
  public:
   /// Precondition: the budget is above 0.
-  Governor(Front front, double budget_ms);
+  Governor(ParetoFront front, double budget_ms);
 
   /// Returns the point for the next frame of `megapixels` (as displayed, whatever the point's scale). Called once per
   /// frame.
@@ -33,7 +33,7 @@ class Governor {
   /// Records how long a frame occupied the farm. Invalid times (NaN, infinite, not above 0) are ignored.
   void measured(std::size_t point, double megapixels, double milliseconds);
 
-  [[nodiscard]] const Front& front() const { return front_; }
+  [[nodiscard]] const ParetoFront& front() const { return front_; }
   [[nodiscard]] double budget_ms() const { return budget_ms_; }
   /// Null before the first measurement.
   [[nodiscard]] std::optional<double> predicted_ms(std::size_t point, double megapixels) const;
@@ -41,14 +41,14 @@ class Governor {
  private:
   [[nodiscard]] std::size_t best_within(double milliseconds, double megapixels) const;
 
-  const Front front_;
+  const ParetoFront front_;
   const double budget_ms_;
   std::size_t point_ = 0;
   std::optional<double> rate_;        ///< Milliseconds per cost and megapixel.
   double last_rate_ = 0.0;            ///< The rate of the last frame alone.
   int frames_up_possible_ = 0;        ///< Consecutive frames with room for a step up.
-  int patience_;                      ///< Frames before a step up.
+  int step_up_frames_;                ///< Frames before a step up.
   std::optional<int> since_step_up_;  ///< Frames since the last step up, during its trial.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::governor

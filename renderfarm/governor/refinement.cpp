@@ -8,11 +8,11 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::governor {
 namespace {
 
 constexpr int kPiece = 64;
-constexpr double kLongestPictureMs = 1000.0;
+constexpr double kMaxPictureMs = 1000.0;
 /// At most a dozen pictures are sent per rest, so their size does not matter.
 constexpr int kReferenceJpegQuality = 95;
 
@@ -23,18 +23,18 @@ int cut_after(int samples) {
 }
 
 /// Returns the first cut that is not below `samples`.
-int cut_at_least(double samples, int most) {
+int cut_at_least(double samples, int max) {
   int cut = 1;
-  while (cut < most && cut < samples) cut = cut_after(cut);
-  return std::min(cut, most);
+  while (cut < max && cut < samples) cut = cut_after(cut);
+  return std::min(cut, max);
 }
 
 /// Returns the number of samples, at full size without denoiser, with an error of at most `moving`. The error is
 /// assumed to be inversely proportional to the samples, starting from the front's most efficient point of that kind.
-double samples_as_good_as(const Front& front, const FrontPoint& moving) {
+double samples_as_good_as(const ParetoFront& front, const ParetoPoint& moving) {
   double error_of_one = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < front.size(); ++i) {
-    const PictureQuality& quality = front[i].quality;
+    const render::PictureQuality& quality = front[i].quality;
     if (quality.scale < 1.0 || quality.denoise) continue;
     error_of_one = std::min(error_of_one, front[i].error * quality.render.samples);
   }
@@ -55,9 +55,9 @@ std::vector<SampleRange> cut_samples(const SampleRange& range) {
   return pieces;
 }
 
-Refinement::Refinement(const Front& front, const FrontPoint& moving, int reference_samples)
+Refinement::Refinement(const ParetoFront& front, const ParetoPoint& moving, int reference_samples)
     : quality_(front.best().quality) {
-  CHECK(reference_samples >= 1 && reference_samples <= kMostSamples);
+  CHECK(reference_samples >= 1 && reference_samples <= render::kMaxSamples);
   quality_.scale = 1.0;
   quality_.denoise = false;
   quality_.jpeg_quality = std::max(quality_.jpeg_quality, kReferenceJpegQuality);
@@ -71,7 +71,7 @@ Refinement::Refinement(const Front& front, const FrontPoint& moving, int referen
 std::optional<SampleRange> Refinement::next(double ms_per_sample) const {
   if (rests()) return std::nullopt;
   if (samples_ == 0) return SampleRange{0, first_picture_};
-  const double affordable = ms_per_sample > 0.0 ? kLongestPictureMs / ms_per_sample : kPiece;
+  const double affordable = ms_per_sample > 0.0 ? kMaxPictureMs / ms_per_sample : kPiece;
   const double wanted = samples_ + std::min<double>(samples_, affordable);
   return SampleRange{samples_, std::max(cut_at_least(wanted, reference_samples()),
                                         std::min(cut_after(samples_), reference_samples()))};
@@ -82,4 +82,4 @@ void Refinement::done(const SampleRange& range) {
   samples_ = range.end;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::governor

@@ -7,7 +7,7 @@
 
 #include "renderfarm/governor/front.h"
 
-namespace cyclorama {
+namespace cyclorama::governor {
 
 /// A range of samples [first, end). cut_samples() divides a range into the pieces in which samples are rendered and
 /// added, with cuts at 1, 2, 4, 8, 16, 32 and each multiple of 64; an empty range gives none. Float sums depend on
@@ -33,8 +33,8 @@ class Refinement {
   /// Uses the front's best quality without what would bias a reference: no denoiser, no firefly limit, no adaptive
   /// sampling, full size, no chroma subsampling, JPEG quality of at least 95. `moving` is the point of the previous
   /// picture, taken from the front; its error determines the number of samples of the first picture. Precondition: 1 <=
-  /// reference_samples <= kMostSamples.
-  Refinement(const Front& front, const FrontPoint& moving, int reference_samples);
+  /// reference_samples <= kMaxSamples.
+  Refinement(const ParetoFront& front, const ParetoPoint& moving, int reference_samples);
 
   /// Returns the next samples; null once the reference is reached. `ms_per_sample` applies to the whole picture and
   /// comes from an earlier rest; 0 if unknown.
@@ -42,15 +42,15 @@ class Refinement {
   /// Records that the picture of the samples up to `range.end` is displayed. Precondition: next() returned `range`.
   void done(const SampleRange& range);
 
-  [[nodiscard]] const PictureQuality& quality() const { return quality_; }
+  [[nodiscard]] const render::PictureQuality& quality() const { return quality_; }
   [[nodiscard]] int samples() const { return samples_; }
   [[nodiscard]] int reference_samples() const { return quality_.render.sequence; }
   [[nodiscard]] bool rests() const { return samples_ == reference_samples(); }
 
  private:
-  PictureQuality quality_;
+  render::PictureQuality quality_;
   int first_picture_ = 1;
   int samples_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::governor

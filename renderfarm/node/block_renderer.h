@@ -15,26 +15,27 @@
 #include "renderfarm/render/film.h"
 #include "renderfarm/render/renderer.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 
 /// One loaded scene. The same view gives the same pixels, on any node and however it is cut. Thread-bound.
 class BlockRenderer {
  public:
   virtual ~BlockRenderer() = default;
   /// As Renderer::render(): `ret_pixels` is resized to `rect`; `cancelled` is asked often, from any thread.
-  virtual RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                            const std::function<bool()>& cancelled) = 0;
+  virtual render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                                    const std::function<bool()>& cancelled) = 0;
   /// The same with the noise taken out. It looks around the rect: one for a block costs less than one for each tile.
-  virtual RenderCost render_denoised(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                                     const std::function<bool()>& cancelled) = 0;
+  virtual render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect,
+                                             RgbImage* ret_pixels, const std::function<bool()>& cancelled) = 0;
   /// Only these samples of the view, whatever number of samples it asks for, into `film`, of the rect's size and
   /// without features. Cells that have samples stay as they are: a film that was cancelled is gone on with. Sums of
   /// films of the ranges of cut_samples(), added in that order, are bit-identical on any node.
-  virtual RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples,
-                                 Film* film, const std::function<bool()>& cancelled) = 0;
+  virtual render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
+                                         const governor::SampleRange& samples, render::Film* film,
+                                         const std::function<bool()>& cancelled) = 0;
   /// What render() makes of a film, to the last bit.
-  [[nodiscard]] virtual RgbImage developed(const Film& film) const = 0;
-  /// All but the name, which the head gives.
+  [[nodiscard]] virtual RgbImage developed(const render::Film& film) const = 0;
+  /// All but the name, which the coordinator gives.
   [[nodiscard]] virtual wire::SceneDescription description() const = 0;
   [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;
   /// Thread time per megapixel of a small fixed picture from the scene's start: how fast this host is with it.
@@ -51,4 +52,4 @@ class BlockRenderer {
 using SceneLoader = std::function<Result<std::unique_ptr<BlockRenderer>>(const std::string& path,
                                                                          const std::function<void(double)>& progress)>;
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -3,12 +3,12 @@
 
 #include "common/wire/convert.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 /// Precondition: validate(view).
-RenderQuality quality_of(const wire::View& view) {
-  RenderQuality quality;
+render::RenderQuality quality_of(const wire::View& view) {
+  render::RenderQuality quality;
   quality.samples = static_cast<int>(view.samples());
   quality.first_sample = static_cast<int>(view.first_sample());
   quality.sequence = static_cast<int>(view.sequence());
@@ -22,7 +22,7 @@ RenderQuality quality_of(const wire::View& view) {
 
 }  // namespace
 
-Result<PanoramaView> view_of(const wire::RenderBlock& block) {
+Result<render::PanoramaView> view_of(const wire::RenderBlock& block) {
   TRY(validate(block.view()));
   TRY_ASSIGN(const Projection picture, from_wire(block.view().panorama()));
   wire::Tile whole;
@@ -32,7 +32,7 @@ Result<PanoramaView> view_of(const wire::RenderBlock& block) {
   whole.set_height_px(block.height_px());
   TRY(validate(whole, picture.width_px(), picture.height_px()));
   // A view's own number is the seed: noise changes from frame to frame and is the same on every node.
-  PanoramaView view;
+  render::PanoramaView view;
   view.eye = from_wire(block.view().eye_m());
   view.heading_rad = block.view().heading_rad();
   view.quality = quality_of(block.view());
@@ -62,4 +62,4 @@ std::string picture_name_of(const wire::RenderBlock& block) {
   return block.scene() + '\n' + view.SerializeAsString();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

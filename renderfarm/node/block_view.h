@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a RenderBlock from the wire asks for. The head checked it too; a node believes nobody.
+/// What a RenderBlock from the wire asks for. The coordinator checked it too; a node believes nobody.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 #include "common/wire/nodes.pb.h"
 #include "renderfarm/render/renderer.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 
 /// The picture to be rendered, a part of which the block is. kInvalidArgument names the field.
-Result<PanoramaView> view_of(const wire::RenderBlock& block);
+Result<render::PanoramaView> view_of(const wire::RenderBlock& block);
 
 // Precondition of the following: view_of() took the block.
 
@@ -22,4 +22,4 @@ Result<PanoramaView> view_of(const wire::RenderBlock& block);
 /// Names all that decides the samples of the picture, for FilmStore.
 [[nodiscard]] std::string picture_name_of(const wire::RenderBlock& block);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

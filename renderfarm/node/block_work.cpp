@@ -13,18 +13,18 @@
 #include "renderfarm/balance/tiles.h"
 #include "renderfarm/node/block_view.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 
 Result<BlockWork> BlockWork::begin(std::shared_ptr<const BlockOrder> order) {
-  TRY_ASSIGN(const PanoramaView view, view_of(order->block));
+  TRY_ASSIGN(const render::PanoramaView view, view_of(order->block));
   if (order->renderer == nullptr) {
     return Error(ErrorCode::kNotFound, fmt::format("scene '{}' is not loaded", order->block.scene()));
   }
   return BlockWork(std::move(order), view);
 }
 
-BlockWork::BlockWork(std::shared_ptr<const BlockOrder> order, const PanoramaView& view)
-    : order_(std::move(order)), view_(view), tiles_(tiles_of(rect_of(block()))) {
+BlockWork::BlockWork(std::shared_ptr<const BlockOrder> order, const render::PanoramaView& view)
+    : order_(std::move(order)), view_(view), tiles_(balance::tiles_of(rect_of(block()))) {
   cost_.cell_cpu_seconds.resize(static_cast<std::size_t>(cells_touched(rect_of(block())).area()));
 }
 
@@ -55,22 +55,23 @@ RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Inter
   if (!refining_) {
     const int wanted = static_cast<int>(block().view().first_sample() + block().view().samples());
     refining_.emplace();
-    refining_->kept = films.take({order_->link, block().visit()}, picture, tile);
+    refining_->kept = films.take({order_->link, block().session()}, picture, tile);
     FilmStore::Kept& kept = refining_->kept;
-    // Beyond what is wanted: the head asks for an earlier picture again.
-    if (kept.samples == 0 || kept.samples > wanted) kept = {Film(tile.width, tile.height, false), 0};
-    for (const SampleRange& range : cut_samples({kept.samples, wanted})) refining_->ranges.push_back(range);
+    // Beyond what is wanted: the coordinator asks for an earlier picture again.
+    if (kept.samples == 0 || kept.samples > wanted) kept = {render::Film(tile.width, tile.height, false), 0};
+    for (const governor::SampleRange& range : governor::cut_samples({kept.samples, wanted}))
+      refining_->ranges.push_back(range);
     kept.samples = wanted;
   }
   // Once it has stopped a cell, it stays: else a film with holes would be taken for a whole one.
   std::atomic<bool> stopped = false;
   const auto stop = [&] {
-    if (!stopped && (interrupts.cancelled() || interrupts.gives_way())) stopped = true;
+    if (!stopped && (interrupts.cancelled() || interrupts.preempted())) stopped = true;
     return stopped.load();
   };
   while (!refining_->ranges.empty()) {
-    Film& part = refining_->part;
-    if (part.width() == 0) part = Film(tile.width, tile.height, false);
+    render::Film& part = refining_->part;
+    if (part.width() == 0) part = render::Film(tile.width, tile.height, false);
     add_cost(order_->renderer->render_film(view_, tile, refining_->ranges.front(), &part, stop), tile);
     if (stopped) return {};
     refining_->kept.film.add(part);
@@ -78,12 +79,12 @@ RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Inter
     refining_->ranges.pop_front();
   }
   RgbImage pixels = order_->renderer->developed(refining_->kept.film);
-  films.put({order_->link, block().visit()}, picture, tile, std::move(refining_->kept));
+  films.put({order_->link, block().session()}, picture, tile, std::move(refining_->kept));
   refining_.reset();
   return pixels;
 }
 
-void BlockWork::add_cost(const RenderCost& cost, const PixelRect& rect) {
+void BlockWork::add_cost(const render::RenderCost& cost, const PixelRect& rect) {
   cost_.cpu_seconds += cost.cpu_seconds;
   cost_.wall_seconds += cost.wall_seconds;
   cost_.rays += cost.rays;
@@ -98,4 +99,4 @@ void BlockWork::add_cost(const RenderCost& cost, const PixelRect& rect) {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

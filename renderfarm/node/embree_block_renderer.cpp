@@ -9,7 +9,7 @@
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 /// Of the time from the first byte to the first ray, reading takes about this much; the rest builds the BVH.
@@ -17,33 +17,34 @@ constexpr double kReadingShare = 0.6;
 
 class EmbreeBlockRenderer final : public BlockRenderer {
  public:
-  EmbreeBlockRenderer(std::unique_ptr<Renderer> renderer, int threads)
+  EmbreeBlockRenderer(std::unique_ptr<render::Renderer> renderer, int threads)
       : renderer_(std::move(renderer)), denoising_(*renderer_, threads) {}
 
-  RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                    const std::function<bool()>& cancelled) override {
+  render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                            const std::function<bool()>& cancelled) override {
     return renderer_->render(view, rect, ret_pixels, cancelled);
   }
 
-  RenderCost render_denoised(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                             const std::function<bool()>& cancelled) override {
+  render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                                     const std::function<bool()>& cancelled) override {
     return denoising_.render(view, rect, ret_pixels, cancelled);
   }
 
-  RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples, Film* film,
-                         const std::function<bool()>& cancelled) override {
-    PanoramaView part = view;
+  render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
+                                 const governor::SampleRange& samples, render::Film* film,
+                                 const std::function<bool()>& cancelled) override {
+    render::PanoramaView part = view;
     part.quality.first_sample = samples.first;
     part.quality.samples = samples.end - samples.first;
     return renderer_->finish_film(part, rect, film, cancelled);
   }
 
-  [[nodiscard]] RgbImage developed(const Film& film) const override {
-    return cyclorama::developed(film.mean(), renderer_->scene().tone);
+  [[nodiscard]] RgbImage developed(const render::Film& film) const override {
+    return cyclorama::render::developed(film.mean(), renderer_->scene().tone);
   }
 
   [[nodiscard]] wire::SceneDescription description() const override {
-    const Scene& scene = renderer_->scene();
+    const scene::Scene& scene = renderer_->scene();
     wire::SceneDescription out;
     out.set_title(scene.info.title);
     out.set_credits(scene.info.credits);
@@ -66,7 +67,7 @@ class EmbreeBlockRenderer final : public BlockRenderer {
         point->set_z_m(corner.y());
       }
     }
-    for (const SceneTourStop& stop : scene.info.stops) {
+    for (const scene::SceneTourStop& stop : scene.info.stops) {
       wire::TourStop* const out_stop = out.add_stops();
       out_stop->set_title(stop.title);
       to_wire(stop.eye, out_stop->mutable_eye_m());
@@ -80,23 +81,23 @@ class EmbreeBlockRenderer final : public BlockRenderer {
   }
 
   [[nodiscard]] double probe_cpu_seconds() override {
-    PanoramaView view;
+    render::PanoramaView view;
     view.eye = renderer_->scene().info.start_eye;
     view.heading_rad = renderer_->scene().info.start_heading_rad;
     view.panorama = {64, 32, 2.0, 0.5, -0.5};
     view.quality.samples = 1;
     const PixelRect whole{0, 0, view.panorama.width_px, view.panorama.height_px};
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {  // The first one warms the caches; whatever else the host does makes one slower.
       RgbImage picture;
-      least = std::min(least, renderer_->render(view, whole, &picture, nullptr).cpu_seconds);
+      min = std::min(min, renderer_->render(view, whole, &picture, nullptr).cpu_seconds);
     }
-    return least / (1e-6 * static_cast<double>(whole.area()));
+    return min / (1e-6 * static_cast<double>(whole.area()));
   }
 
  private:
-  const std::unique_ptr<Renderer> renderer_;
-  DenoisingRenderer denoising_;
+  const std::unique_ptr<render::Renderer> renderer_;
+  denoise::DenoisingRenderer denoising_;
 };
 
 }  // namespace
@@ -104,12 +105,13 @@ class EmbreeBlockRenderer final : public BlockRenderer {
 SceneLoader embree_scene_loader(int threads) {
   return [threads](const std::string& path,
                    const std::function<void(double)>& progress) -> Result<std::unique_ptr<BlockRenderer>> {
-    TRY_ASSIGN(Scene scene, load_scene(path, ImportLimits{}, [&](double done) { progress(kReadingShare * done); }));
-    TRY_ASSIGN(auto renderer, Renderer::build(std::move(scene), threads, [&](double done) {
+    TRY_ASSIGN(scene::Scene scene,
+               scene::load_scene(path, scene::ImportLimits{}, [&](double done) { progress(kReadingShare * done); }));
+    TRY_ASSIGN(auto renderer, render::Renderer::build(std::move(scene), threads, [&](double done) {
                  progress(kReadingShare + (1.0 - kReadingShare) * done);
                }));
     return std::unique_ptr<BlockRenderer>(std::make_unique<EmbreeBlockRenderer>(std::move(renderer), threads));
   };
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -3,9 +3,9 @@
 
 #include "renderfarm/node/block_renderer.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 
 /// Loads scenes from disk and ray traces them with `threads` threads.
 [[nodiscard]] SceneLoader embree_scene_loader(int threads);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -8,9 +8,9 @@
 
 #include "common/base/give_way.h"
 #include "common/wire/channel.h"
-#include "renderfarm/node/head_dialler.h"
+#include "renderfarm/node/coordinator_connection.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 /// Of nice: threads that render fill all processors, and an order or a tile must not wait for one of them to be free.
@@ -19,11 +19,11 @@ constexpr int kRaysGiveWay = 5;
 }  // namespace
 
 Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options, SceneLoader loader) {
-  if (options.heads.empty()) return Error(ErrorCode::kInvalidArgument, "a node needs a head");
-  std::vector<HeadDialler::Channels> channels;
-  for (const std::string& head : options.heads) {
-    TRY_ASSIGN(auto work, make_channel(head, options.tls));
-    TRY_ASSIGN(auto files, make_channel(head, options.tls));
+  if (options.coordinators.empty()) return Error(ErrorCode::kInvalidArgument, "a node needs a coordinator");
+  std::vector<CoordinatorConnection::Channels> channels;
+  for (const std::string& coordinator : options.coordinators) {
+    TRY_ASSIGN(auto work, make_channel(coordinator, options.tls));
+    TRY_ASSIGN(auto files, make_channel(coordinator, options.tls));
     channels.push_back({std::move(work), std::move(files)});
   }
   wire::NodeReport hello;
@@ -33,49 +33,50 @@ Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options
   hello.mutable_hello()->set_memory_limit_bytes(options.memory_limit_bytes);
   auto node = std::unique_ptr<FarmNode>(new FarmNode(options, std::move(loader)));
   for (std::size_t i = 0; i < channels.size(); ++i) {
-    node->heads_.push_back(std::make_unique<HeadDialler>(options.heads[i], channels[i], hello, node->desk_));
+    node->coordinators_.push_back(
+        std::make_unique<CoordinatorConnection>(options.coordinators[i], channels[i], hello, node->controller_));
   }
   return node;
 }
 
 FarmNode::FarmNode(const FarmNodeOptions& options, SceneLoader loader)
-    : desk_(std::move(loader), options.memory_limit_bytes, options.cache),
+    : controller_(std::move(loader), options.memory_limit_bytes, options.cache),
       render_thread_([this] {
         give_way(kRaysGiveWay);
-        while (desk_.renders().wait()) desk_.renders().work();
+        while (controller_.renders().wait()) controller_.renders().work();
       }),
       load_thread_([this] {
         give_way(kRaysGiveWay);
-        while (desk_.loads().wait()) desk_.loads().work();
+        while (controller_.loads().wait()) controller_.loads().work();
       }) {}
 
 FarmNode::~FarmNode() { stop(); }
 
 void FarmNode::drain(Duration limit) {
-  // A head that has not heard yet may have sent one more block.
+  // A coordinator that has not heard yet may have sent one more block.
   constexpr Duration kQuiet = std::chrono::milliseconds(250);
   constexpr Duration kForSending = std::chrono::seconds(1);
   const TimePoint deadline = SteadyClock().now() + limit;
-  desk_.drain();
-  desk_.renders().wait_until_idle(deadline, std::min(kQuiet, limit));
-  for (const auto& head : heads_) head->finish();
+  controller_.drain();
+  controller_.renders().wait_until_idle(deadline, std::min(kQuiet, limit));
+  for (const auto& coordinator : coordinators_) coordinator->finish();
   const TimePoint sent = SteadyClock().now() + std::min(kForSending, limit);
-  for (const auto& head : heads_) head->wait_until_ended(sent);
+  for (const auto& coordinator : coordinators_) coordinator->wait_until_ended(sent);
 }
 
 void FarmNode::stop() {
-  for (const auto& head : heads_) head->stop();
-  desk_.renders().stop();
-  desk_.loads().stop();
+  for (const auto& coordinator : coordinators_) coordinator->stop();
+  controller_.renders().stop();
+  controller_.loads().stop();
   if (render_thread_.joinable()) render_thread_.join();
   if (load_thread_.joinable()) load_thread_.join();
 }
 
 std::string FarmNode::state() const {
   std::string sentences;
-  for (const auto& head : heads_) sentences += (sentences.empty() ? "" : "; ") + head->state();
-  if (const std::string loads = desk_.loads().state(); !loads.empty()) sentences += "; " + loads;
+  for (const auto& coordinator : coordinators_) sentences += (sentences.empty() ? "" : "; ") + coordinator->state();
+  if (const std::string loads = controller_.loads().state(); !loads.empty()) sentences += "; " + loads;
   return sentences;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

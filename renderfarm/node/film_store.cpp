@@ -4,18 +4,18 @@
 #include <algorithm>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
-std::size_t bytes_of(const Film& film) {
+std::size_t bytes_of(const render::Film& film) {
   return film.sum.data().size_bytes() + film.square.data().size_bytes() + film.samples.data().size_bytes();
 }
 
 }  // namespace
 
-FilmStore::Kept FilmStore::take(const Visit& visit, const std::string& picture, const PixelRect& tile) {
-  const auto found = visits_.find(visit);
-  if (found == visits_.end() || found->second.name != picture) return {};
+FilmStore::Kept FilmStore::take(const Session& session, const std::string& picture, const PixelRect& tile) {
+  const auto found = sessions_.find(session);
+  if (found == sessions_.end() || found->second.name != picture) return {};
   const auto kept = found->second.tiles.find(tile);
   if (kept == found->second.tiles.end()) return {};
   Kept taken = std::move(kept->second);
@@ -24,17 +24,17 @@ FilmStore::Kept FilmStore::take(const Visit& visit, const std::string& picture, 
   return taken;
 }
 
-void FilmStore::put(const Visit& visit, const std::string& picture, const PixelRect& tile, Kept kept) {
-  auto place = visits_.try_emplace(visit).first;
+void FilmStore::put(const Session& session, const std::string& picture, const PixelRect& tile, Kept kept) {
+  auto place = sessions_.try_emplace(session).first;
   if (place->second.name != picture) {
     drop(place);
-    place = visits_.try_emplace(visit).first;
+    place = sessions_.try_emplace(session).first;
     place->second.name = picture;
   }
   place->second.used = ++uses_;
   const std::size_t bytes = bytes_of(kept.film);
-  while (bytes_ + bytes > most_bytes_) {
-    const auto oldest = std::ranges::min_element(visits_, {}, [](const auto& entry) { return entry.second.used; });
+  while (bytes_ + bytes > max_bytes_) {
+    const auto oldest = std::ranges::min_element(sessions_, {}, [](const auto& entry) { return entry.second.used; });
     if (oldest == place) return;
     drop(oldest);
   }
@@ -43,19 +43,19 @@ void FilmStore::put(const Visit& visit, const std::string& picture, const PixelR
   slot = std::move(kept);
 }
 
-void FilmStore::forget(const Visit& visit) {
-  if (const auto found = visits_.find(visit); found != visits_.end()) drop(found);
+void FilmStore::forget(const Session& session) {
+  if (const auto found = sessions_.find(session); found != sessions_.end()) drop(found);
 }
 
 void FilmStore::forget_link(LinkId link) {
-  for (auto visit = visits_.lower_bound({link, 0}); visit != visits_.end() && visit->first.link == link;) {
-    visit = drop(visit);
+  for (auto session = sessions_.lower_bound({link, 0}); session != sessions_.end() && session->first.link == link;) {
+    session = drop(session);
   }
 }
 
-FilmStore::Pictures::iterator FilmStore::drop(Pictures::iterator visit) {
-  for (const auto& [tile, kept] : visit->second.tiles) bytes_ -= bytes_of(kept.film);
-  return visits_.erase(visit);
+FilmStore::Pictures::iterator FilmStore::drop(Pictures::iterator session) {
+  for (const auto& [tile, kept] : session->second.tiles) bytes_ -= bytes_of(kept.film);
+  return sessions_.erase(session);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-namespace cyclorama {
+namespace cyclorama::node {
 
-/// One stream to a head, for as long as the process lives: heads number their blocks and visits each for itself.
+/// One stream to a coordinator, for as long as the process lives: coordinators number their blocks and sessions each for itself.
 using LinkId = std::uint64_t;
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

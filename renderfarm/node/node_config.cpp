@@ -11,7 +11,7 @@
 
 #include "common/config/config.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 std::string host_name() {
@@ -27,18 +27,18 @@ TlsFiles read_tls(ConfigTable tls, const std::filesystem::path& folder) {
 Result<FarmNodeOptions> options_of(Config config, const std::filesystem::path& folder) {
   ConfigTable root = config.root();
   FarmNodeOptions options;
-  options.heads = root.texts("heads", std::vector<std::string>{});
-  if (root.has("head")) {
-    if (root.has("heads")) root.refuse("head", "stands beside 'heads'; write all of them there");
-    options.heads = {root.text("head")};
+  options.coordinators = root.texts("coordinators", std::vector<std::string>{});
+  if (root.has("coordinator")) {
+    if (root.has("coordinators")) root.refuse("coordinator", "stands beside 'coordinators'; write all of them there");
+    options.coordinators = {root.text("coordinator")};
   }
   options.name = root.text("name", "");
-  options.threads = root.integer("threads", {0, kMostNodeThreads}, 0);
+  options.threads = root.integer("threads", {0, kMaxNodeThreads}, 0);
   if (root.has("memory_gib")) {
-    options.memory_limit_bytes = bytes_of_gib(root.number("memory_gib", {kLeastMemoryGib, kMostMemoryGib}));
+    options.memory_limit_bytes = bytes_of_gib(root.number("memory_gib", {kMinMemoryGib, kMaxMemoryGib}));
   }
   options.cache.folder = root.text("cache", "");
-  options.cache.limit_bytes = bytes_of_gib(root.number("cache_gib", {0.0, kMostCacheGib}, 0.0));
+  options.cache.limit_bytes = bytes_of_gib(root.number("cache_gib", {0.0, kMaxCacheGib}, 0.0));
   if (root.has("tls")) options.tls = read_tls(root.table("tls"), folder);
   TRY(config.finish());
   return options;
@@ -57,8 +57,9 @@ Result<FarmNodeOptions> parse_node_config(std::string_view text, const std::stri
 }
 
 Result<FarmNodeOptions> complete(FarmNodeOptions options) {
-  if (options.heads.empty()) {
-    return Error(ErrorCode::kInvalidArgument, "no head is given; write --head [::1]:7402, or 'heads' in node.toml");
+  if (options.coordinators.empty()) {
+    return Error(ErrorCode::kInvalidArgument,
+                 "no coordinator is given; write --coordinator [::1]:7402, or 'coordinators' in node.toml");
   }
   if (options.name.empty()) options.name = host_name();
   if (options.threads == 0) options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -67,4 +68,4 @@ Result<FarmNodeOptions> complete(FarmNodeOptions options) {
 
 std::uint64_t bytes_of_gib(double gib) { return static_cast<std::uint64_t>(std::llround(gib * (1 << 30))); }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -9,12 +9,12 @@
 #include "common/base/result.h"
 #include "renderfarm/node/farm_node.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 
-inline constexpr int kMostNodeThreads = 4096;
-inline constexpr double kLeastMemoryGib = 0.25;
-inline constexpr double kMostMemoryGib = 65536.0;
-inline constexpr double kMostCacheGib = 1e6;
+inline constexpr int kMaxNodeThreads = 4096;
+inline constexpr double kMinMemoryGib = 0.25;
+inline constexpr double kMaxMemoryGib = 65536.0;
+inline constexpr double kMaxCacheGib = 1e6;
 
 /// What the file says; what it does not say is empty or 0, and complete() fills it in.
 /// kNotFound, kSystem, kBadData  as Config: file, line, remedy.
@@ -22,9 +22,9 @@ Result<FarmNodeOptions> read_node_config(const std::filesystem::path& path);
 /// The same of a text; `name` stands in errors for the file's.
 Result<FarmNodeOptions> parse_node_config(std::string_view text, const std::string& name);
 
-/// The host's name and all of its threads where nothing is said. kInvalidArgument  there is no head.
+/// The host's name and all of its threads where nothing is said. kInvalidArgument  there is no coordinator.
 Result<FarmNodeOptions> complete(FarmNodeOptions options);
 
 [[nodiscard]] std::uint64_t bytes_of_gib(double gib);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

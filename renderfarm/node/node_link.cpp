@@ -3,10 +3,10 @@
 
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 /// Enough that rendering never waits for an encoder that keeps up; few, so that a slow network stops the rays.
-constexpr std::size_t kMostOutgoing = 4;
+constexpr std::size_t kMaxOutgoing = 4;
 }  // namespace
 
 void NodeLink::push(Outgoing item) {
@@ -20,7 +20,7 @@ void NodeLink::push(Outgoing item) {
 
 bool NodeLink::takes_tiles() const {
   const std::lock_guard lock(mutex_);
-  return outgoing_.size() < kMostOutgoing;
+  return outgoing_.size() < kMaxOutgoing;
 }
 
 std::optional<NodeLink::Outgoing> NodeLink::pop(TimePoint deadline) {
@@ -54,4 +54,4 @@ bool NodeLink::is_finished() const {
   return closed_ || (finishing_ && outgoing_.empty());
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the node's threads share while one stream to a head is open.
+/// What the node's threads share while one stream to a coordinator is open.
 #pragma once
 
 #include <atomic>
@@ -23,7 +23,7 @@ namespace grpc {
 class Channel;
 }  // namespace grpc
 
-namespace cyclorama {
+namespace cyclorama::node {
 
 /// Pixels on their way to the encoder.
 struct RenderedTile {
@@ -36,12 +36,12 @@ struct RenderedTile {
 /// After the last tile of a block.
 struct RenderedBlock {
   std::uint64_t block = 0;
-  RenderCost cost;
+  render::RenderCost cost;
   std::string error{};
   double waited_seconds = 0.0;  ///< For rays of other blocks.
 };
 
-/// What is on its way to one head. One per stream; the sender takes what the others push.
+/// What is on its way to one coordinator. One per stream; the sender takes what the others push.
 ///
 ///   open ──finish()──► finishing: what is there is still sent ──close()──► closed: all who work for it stop
 ///     └───────────────────────────────close()───────────────────────────────┘
@@ -51,7 +51,7 @@ class NodeLink {
  public:
   using Outgoing = std::variant<wire::NodeReport, RenderedTile, RenderedBlock>;
 
-  /// `files` is where the head hands files out; null: nowhere.
+  /// `files` is where the coordinator hands files out; null: nowhere.
   explicit NodeLink(LinkId id, std::shared_ptr<grpc::Channel> files = nullptr) : id_(id), files_(std::move(files)) {}
   [[nodiscard]] LinkId id() const { return id_; }
   [[nodiscard]] const std::shared_ptr<grpc::Channel>& files() const { return files_; }
@@ -78,4 +78,4 @@ class NodeLink {
   std::atomic<bool> closed_ = false;  ///< Written under mutex_; read without it from the render threads.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

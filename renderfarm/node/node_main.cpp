@@ -9,7 +9,7 @@
 #include "renderfarm/node/farm_node.h"
 #include "renderfarm/node/node_config.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 struct Arguments {
@@ -25,7 +25,7 @@ Result<FarmNodeOptions> options_from(const Arguments& arguments) {
   said.memory_limit_bytes = bytes_of_gib(arguments.memory_gib);
   if (!arguments.config.empty()) {
     TRY_ASSIGN(const FarmNodeOptions file, read_node_config(arguments.config));
-    if (said.heads.empty()) said.heads = file.heads;
+    if (said.coordinators.empty()) said.coordinators = file.coordinators;
     if (said.name.empty()) said.name = file.name;
     if (said.threads == 0) said.threads = file.threads;
     if (said.memory_limit_bytes == 0) said.memory_limit_bytes = file.memory_limit_bytes;
@@ -42,16 +42,16 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
   TRY_ASSIGN(const auto node, FarmNode::start(options, embree_scene_loader(options.threads)));
   Notify notify;
   notify.ready();
-  std::string told;
+  std::string last_state;
   constexpr auto kPeriod = std::chrono::milliseconds(500);
   constexpr auto kHung = std::chrono::seconds(60);  // A cell of 16 x 16 pixels at 4096 samples takes seconds.
   const SteadyClock clock;
   while (!stop.wait_until(clock.now() + kPeriod)) {
     if (node->has_moved_since(clock.now() - kHung)) notify.keep_alive(clock.now());
-    if (std::string state = node->state(); state != told) {
+    if (std::string state = node->state(); state != last_state) {
       notify.status(state);
       log(LogLevel::kInfo, state);
-      told = std::move(state);
+      last_state = std::move(state);
     }
   }
   notify.stopping();
@@ -67,24 +67,27 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::node
 
 int main(int argc, char** argv) {
   using namespace cyclorama;
-  Program program("cyclorama-node",
-                  "Ray traces for a render farm: dials its head, loads the scenes it is told to, renders blocks.");
+  using namespace cyclorama::node;
+  Program program(
+      "cyclorama-node",
+      "Ray traces for a render farm: dials its coordinator, loads the scenes it is told to, renders blocks.");
   Arguments arguments;
   CLI::App& app = program.options();
   app.add_option("--config", arguments.config, "Read this node.toml; the other options overrule it")
       ->check(CLI::ExistingFile);
   FarmNodeOptions& options = arguments.options;
-  app.add_option("--head", options.heads, "A farm's head, such as [::1]:7402; given again, all are served at once");
+  app.add_option("--coordinator", options.coordinators,
+                 "A farm's coordinator, such as [::1]:7402; given again, all are served at once");
   app.add_option("--threads", options.threads, "Threads that render (default: all)")
-      ->check(CLI::Range(1, kMostNodeThreads));
+      ->check(CLI::Range(1, kMaxNodeThreads));
   app.add_option("--memory-gib", arguments.memory_gib,
                  "What scenes and pictures at rest may take together (default: scenes are not limited)")
-      ->check(CLI::Range(kLeastMemoryGib, kMostMemoryGib));
-  app.add_option("--cache", options.cache.folder, "Folder for scenes that heads hand out (default: takes none)");
+      ->check(CLI::Range(kMinMemoryGib, kMaxMemoryGib));
+  app.add_option("--cache", options.cache.folder, "Folder for scenes that coordinators hand out (default: takes none)");
   app.add_flag("--check", arguments.is_check, "Read the settings and end: 0 if they are good");
   app.add_option("--name", options.name, "How people call this node (default: the host's name)");
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });

@@ -5,22 +5,22 @@
 
 #include "common/wire/rank.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
-/// As many as the tiles of the largest picture, which a head may send one by one after it lost a node.
-constexpr std::size_t kMostOfLink = 8192;
+/// As many as the tiles of the largest picture, which a coordinator may send one by one after it lost a node.
+constexpr std::size_t kMaxBlocksPerLink = 8192;
 }  // namespace
 
 bool RenderQueue::add(std::shared_ptr<BlockOrder> order) {
   Lanes& lanes = lanes_[order->link];
   const Name name{order->link, order->block.block()};
-  if (lanes[0].blocks + lanes[1].blocks >= kMostOfLink || places_.contains(name)) return false;
+  if (lanes[0].blocks + lanes[1].blocks >= kMaxBlocksPerLink || places_.contains(name)) return false;
   const bool at_rest = order->block.rank() >= kRankAtRest;
   const auto rank = static_cast<double>(at_rest ? order->block.rank() - kRankAtRest : order->block.rank());
   Lane& lane = lanes[at_rest];
   if (lane.blocks == 0) lane.shift = now_[at_rest] - rank;
   ++lane.blocks;
-  const Place place{true, at_rest, rank + lane.shift, came_++};
+  const Place place{true, at_rest, rank + lane.shift, arrivals_++};
   places_.emplace(name, place);
   waiting_.emplace(place, std::move(order));
   return true;
@@ -39,7 +39,7 @@ void RenderQueue::cancel(LinkId link, std::uint64_t block) {
 void RenderQueue::remove(LinkId link, std::uint64_t block) {
   const auto found = places_.find({link, block});
   if (found == places_.end()) return;
-  const auto& [is_wanted, at_rest, rank, came] = found->second;
+  const auto& [is_wanted, at_rest, rank, arrival] = found->second;
   if (is_wanted) now_[at_rest] = std::max(now_[at_rest], rank);
   --lanes_.at(link)[at_rest].blocks;
   waiting_.erase(found->second);
@@ -64,4 +64,4 @@ std::shared_ptr<const BlockOrder> RenderQueue::next(const std::function<bool(Lin
   return nullptr;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

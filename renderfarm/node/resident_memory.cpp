@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-namespace cyclorama {
+namespace cyclorama::node {
 
 std::uint64_t resident_memory_bytes() {
   std::ifstream statm("/proc/self/statm");  // Pages: size, resident, ... (proc(5)).
@@ -15,4 +15,4 @@ std::uint64_t resident_memory_bytes() {
   return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

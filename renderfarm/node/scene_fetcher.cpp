@@ -18,13 +18,13 @@
 #include "common/wire/nodes.grpc.pb.h"
 #include "renderfarm/scene_distribution/sha256.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 constexpr Duration kFirstRetry = std::chrono::milliseconds(100);
-constexpr Duration kSlowestRetry = std::chrono::seconds(2);
+constexpr Duration kMaxRetryDelay = std::chrono::seconds(2);
 constexpr Duration kLook = std::chrono::milliseconds(50);
-/// A head that gives files to many at a low rate may take some time for each piece.
+/// A coordinator that gives files to many at a low rate may take some time for each piece.
 constexpr Duration kSilence = std::chrono::seconds(60);
 constexpr auto kListDeadline = std::chrono::seconds(10);
 
@@ -74,13 +74,13 @@ class Watched {
   CallWatch& watch_;
 };
 
-/// The head, as a source of files.
-class HeadSource final : public FileSource {
+/// The coordinator, as a source of files.
+class CoordinatorFileSource final : public scene_distribution::FileSource {
  public:
-  HeadSource(const std::shared_ptr<grpc::Channel>& channel, CallWatch& watch)
+  CoordinatorFileSource(const std::shared_ptr<grpc::Channel>& channel, CallWatch& watch)
       : stub_(wire::Nodes::NewStub(channel)), watch_(watch) {}
 
-  Result<SceneFiles> list(const std::string& digest) {
+  Result<scene_distribution::SceneFiles> list(const std::string& digest) {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + kListDeadline);
     const Watched watched(watch_, context);
@@ -88,9 +88,9 @@ class HeadSource final : public FileSource {
     request.set_digest(digest);
     wire::SceneFiles reply;
     if (const grpc::Status status = stub_->ListFiles(&context, request, &reply); !status.ok()) {
-      return from_grpc(status, "asking the head for its files");
+      return from_grpc(status, "asking the coordinator for its files");
     }
-    return from_wire(reply, digest);
+    return scene_distribution::from_wire(reply, digest);
   }
 
   Status read(const std::string& sha256, std::uint64_t offset, const Sink& sink) override {
@@ -105,13 +105,13 @@ class HeadSource final : public FileSource {
     while (fine && stream->Read(&chunk)) {
       watch_.heard();
       fine = chunk.offset() == offset ? sink(std::as_bytes(std::span(chunk.data())))
-                                      : Error(ErrorCode::kBadData, "the head sent its pieces out of order");
+                                      : Error(ErrorCode::kBadData, "the coordinator sent its pieces out of order");
       offset += chunk.data().size();
     }
     if (!fine) context.TryCancel();
     const grpc::Status status = finish_after_read(context, [&] { return stream->Finish(); });
     if (!fine) return fine;
-    if (!status.ok()) return from_grpc(status, "the head");
+    if (!status.ok()) return from_grpc(status, "the coordinator");
     return Done{};
   }
 
@@ -135,48 +135,49 @@ bool wait(Duration delay, const std::function<bool()>& cancelled) {
 
 }  // namespace
 
-std::optional<SceneCache::Held> SceneFetcher::found_before(const wire::LoadScene& order) const {
+std::optional<scene_distribution::SceneCache::Held> SceneFetcher::found_before(const wire::LoadScene& order) const {
   const auto known = found_.find(order.digest());
   if (!order.path().empty() || known == found_.end()) return std::nullopt;
-  SceneCache::Held found;
+  scene_distribution::SceneCache::Held found;
   found.path = known->second;
   return found;
 }
 
-Result<SceneCache::Held> SceneFetcher::find(const wire::LoadScene& order, const std::shared_ptr<grpc::Channel>& head,
-                                            const std::function<void(std::string)>& tell,
-                                            const std::function<bool()>& cancelled) {
+Result<scene_distribution::SceneCache::Held> SceneFetcher::find(const wire::LoadScene& order,
+                                                                const std::shared_ptr<grpc::Channel>& coordinator,
+                                                                const std::function<void(std::string)>& report_progress,
+                                                                const std::function<bool()>& cancelled) {
   if (!order.path().empty()) {
-    SceneCache::Held on_disk;
+    scene_distribution::SceneCache::Held on_disk;
     on_disk.path = order.path();
     return on_disk;
   }
-  if (head == nullptr || !is_sha256(order.digest()))
-    return Error(ErrorCode::kBadData, "the head gave neither a path nor a digest");
+  if (coordinator == nullptr || !scene_distribution::is_sha256(order.digest()))
+    return Error(ErrorCode::kBadData, "the coordinator gave neither a path nor a digest");
   if (options_.folder.empty()) {
     return Error(ErrorCode::kInvalidArgument,
-                 "the head hands this scene out, and this node has no place for it; write "
+                 "the coordinator hands this scene out, and this node has no place for it; write "
                  "'cache' in node.toml, or --cache FOLDER");
   }
   if (!cache_) {
-    TRY_ASSIGN(cache_, SceneCache::open(options_));
+    TRY_ASSIGN(cache_, scene_distribution::SceneCache::open(options_));
   }
   CallWatch watch(cancelled);
-  HeadSource source(head, watch);
+  CoordinatorFileSource source(coordinator, watch);
   const std::string scene = printable(order.scene());
   const auto progress = [&](const char* doing, double fraction) {
-    tell(fmt::format("{} scene '{}': {:.0f} %", doing, scene, 100.0 * fraction));
+    report_progress(fmt::format("{} scene '{}': {:.0f} %", doing, scene, 100.0 * fraction));
     return !cancelled();
   };
-  for (Duration delay = kFirstRetry;; delay = std::min(2 * delay, kSlowestRetry)) {
+  for (Duration delay = kFirstRetry;; delay = std::min(2 * delay, kMaxRetryDelay)) {
     const auto files = source.list(order.digest());
     auto held = files ? cache_->bring(*files, source, progress) : Error(files.error());
     if (held) found_[order.digest()] = held->path;
     if (held || !may_pass(held.error())) return held;
-    tell(fmt::format("fetching scene '{}': {}; trying again", scene, held.error().message()));
+    report_progress(fmt::format("fetching scene '{}': {}; trying again", scene, held.error().message()));
     if (!wait(delay, cancelled))
-      return Error(ErrorCode::kUnavailable, "given up: the head is gone, or wants it no more");
+      return Error(ErrorCode::kUnavailable, "given up: the coordinator is gone, or wants it no more");
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -16,31 +16,33 @@ namespace grpc {
 class Channel;
 }  // namespace grpc
 
-namespace cyclorama {
+namespace cyclorama::node {
 
-/// Finds the scenes that a node is told to load: on its own disk, or, where the head hands them out, in the node's
+/// Finds the scenes that a node is told to load: on its own disk, or, where the coordinator hands them out, in the node's
 /// cache, after fetching what that lacks. Thread-bound.
 class SceneFetcher {
  public:
   /// A cache without a folder is none.
-  explicit SceneFetcher(SceneCacheOptions cache) : options_(std::move(cache)) {}
+  explicit SceneFetcher(scene_distribution::SceneCacheOptions cache) : options_(std::move(cache)) {}
 
   /// Where an order's scene was found last, not held; nothing for what comes from the node's own disk.
-  [[nodiscard]] std::optional<SceneCache::Held> found_before(const wire::LoadScene& order) const;
+  [[nodiscard]] std::optional<scene_distribution::SceneCache::Held> found_before(const wire::LoadScene& order) const;
 
-  /// `head` should be a connection of its own, or null if it hands nothing out. `tell` gets sentences for people;
-  /// `cancelled` is asked often, from a thread of the call's own as well. While the head cannot be reached, or is busy,
+  /// `coordinator` should be a connection of its own, or null if it hands nothing out. `tell` gets sentences for people;
+  /// `cancelled` is asked often, from a thread of the call's own as well. While the coordinator cannot be reached, or is busy,
   /// it tries again until cancelled. Blocks.
   ///
-  /// kUnavailable  cancelled. Else as SceneCache::bring(), and what the head answers: a sentence that names scene, file
+  /// kUnavailable  cancelled. Else as SceneCache::bring(), and what the coordinator answers: a sentence that names scene, file
   /// and remedy.
-  Result<SceneCache::Held> find(const wire::LoadScene& order, const std::shared_ptr<grpc::Channel>& head,
-                                const std::function<void(std::string)>& tell, const std::function<bool()>& cancelled);
+  Result<scene_distribution::SceneCache::Held> find(const wire::LoadScene& order,
+                                                    const std::shared_ptr<grpc::Channel>& coordinator,
+                                                    const std::function<void(std::string)>& report_progress,
+                                                    const std::function<bool()>& cancelled);
 
  private:
-  const SceneCacheOptions options_;
-  std::optional<SceneCache> cache_;                     ///< Once it was needed.
-  std::map<std::string, std::filesystem::path> found_;  ///< By digest.
+  const scene_distribution::SceneCacheOptions options_;
+  std::optional<scene_distribution::SceneCache> cache_;  ///< Once it was needed.
+  std::map<std::string, std::filesystem::path> found_;   ///< By digest.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -12,20 +12,20 @@
 #include "common/base/file.h"
 #include "common/base/text.h"
 #include "common/wire/convert.h"
-#include "renderfarm/governor/front_file.h"
+#include "renderfarm/governor/pareto_front_file.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
-constexpr std::size_t kLongestError = 1000;
+constexpr std::size_t kMaxErrorBytes = 1000;
 
 /// What the scene's own front says, checked; empty without one.
 Result<std::string> front_of(const std::filesystem::path& scene) {
-  constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
   const std::filesystem::path file = scene / "front.toml";
   std::error_code none;
   if (!std::filesystem::exists(file, none)) return std::string();
-  TRY_ASSIGN(std::string text, read_text_file(file, kMostBytes));
-  TRY(parse_front(text, file.string()));
+  TRY_ASSIGN(std::string text, read_text_file(file, kMaxBytes));
+  TRY(governor::parse_pareto_front(text, file.string()));
   return text;
 }
 
@@ -50,7 +50,7 @@ double gibibytes(std::uint64_t bytes) { return static_cast<double>(bytes) / stat
 wire::SceneLoaded failed(const wire::LoadScene& order, const std::string& why) {
   wire::SceneLoaded answer;
   answer.set_scene(order.scene());
-  answer.set_error(printable(why, kLongestError));  // May quote a file's bytes.
+  answer.set_error(printable(why, kMaxErrorBytes));  // May quote a file's bytes.
   return answer;
 }
 
@@ -74,7 +74,7 @@ wire::SceneLoaded SceneStore::load(LinkId link, const wire::LoadScene& order, co
     if (const auto known = scenes_.find(path); known != scenes_.end()) return named(known->second);
     rename(name, &leaving);
   }
-  const std::uint64_t guess = most_bytes_ > 0 ? bytes_on_disk(path) : 0;
+  const std::uint64_t guess = max_bytes_ > 0 ? bytes_on_disk(path) : 0;
   {
     const std::lock_guard lock(mutex_);
     make_room(guess, &leaving);
@@ -88,8 +88,8 @@ wire::SceneLoaded SceneStore::load(LinkId link, const wire::LoadScene& order, co
   if (!loaded) return failed(order, loaded.error().message());
   if (!fits) {
     return failed(order, fmt::format("'{}' takes {:.2f} GiB of memory, and this node may use {:.2f} GiB for scenes, of "
-                                     "which {:.2f} GiB are in use; give it more (memory_gib), or end other visits",
-                                     path, gibibytes(needed), gibibytes(most_bytes_), gibibytes(bytes_in_use())));
+                                     "which {:.2f} GiB are in use; give it more (memory_gib), or end other sessions",
+                                     path, gibibytes(needed), gibibytes(max_bytes_), gibibytes(bytes_in_use())));
   }
   return named(scenes_.emplace(path, *std::move(loaded)).first->second);
 }
@@ -157,9 +157,9 @@ Result<SceneStore::Loaded> SceneStore::loaded_from(const std::string& name, cons
 }
 
 bool SceneStore::make_room(std::uint64_t needed, Leaving* ret_leaving) {
-  if (most_bytes_ == 0) return true;
-  if (bytes_in_use() + needed > most_bytes_) return false;  // Nobody leaves for nothing.
-  while (bytes() + needed > most_bytes_) {
+  if (max_bytes_ == 0) return true;
+  if (bytes_in_use() + needed > max_bytes_) return false;  // Nobody leaves for nothing.
+  while (bytes() + needed > max_bytes_) {
     auto oldest = scenes_.end();
     for (auto scene = scenes_.begin(); scene != scenes_.end(); ++scene) {
       if (!may_leave(*scene)) continue;
@@ -200,4 +200,4 @@ std::uint64_t SceneStore::bytes() const {
   return sum;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

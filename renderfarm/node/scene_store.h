@@ -15,15 +15,15 @@
 #include "renderfarm/node/block_renderer.h"
 #include "renderfarm/node/link_id.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 
-/// The scenes that a node has in memory, each once, whichever heads know it and however they call it. They stay when a
-/// head goes away, so that it need not wait when it comes back. When memory is short, the scene that was used longest
-/// ago leaves, but none that a head said is in use and none that blocks wait for.
+/// The scenes that a node has in memory, each once, whichever coordinators know it and however they call it. They stay when a
+/// coordinator goes away, so that it need not wait when it comes back. When memory is short, the scene that was used longest
+/// ago leaves, but none that a coordinator said is in use and none that blocks wait for.
 /// Thread-safe; one load() at a time, which holds nobody else up.
 class SceneStore {
  public:
-  /// A scene as one head calls it.
+  /// A scene as one coordinator calls it.
   struct Name {
     LinkId link = 0;
     std::string scene;
@@ -32,19 +32,19 @@ class SceneStore {
 
   /// `most_bytes`: what the scenes may take together; 0: not limited. While a scene is being loaded it cannot be known,
   /// so for that time they may take more.
-  explicit SceneStore(SceneLoader loader, std::uint64_t most_bytes = 0)
-      : loader_(std::move(loader)), most_bytes_(most_bytes) {}
+  explicit SceneStore(SceneLoader loader, std::uint64_t max_bytes = 0)
+      : loader_(std::move(loader)), max_bytes_(max_bytes) {}
 
-  /// Loads from `path` what the head calls order.scene(), or finds that it is loaded from there, and says what the head
+  /// Loads from `path` what the coordinator calls order.scene(), or finds that it is loaded from there, and says what the coordinator
   /// must hear. A load that fails for whatever reason, memory included, is an answer with `error`; it is tried again
-  /// when it is asked for again. `ret_left`: what had to leave; their heads must hear of it, too.
+  /// when it is asked for again. `ret_left`: what had to leave; their coordinators must hear of it, too.
   wire::SceneLoaded load(LinkId link, const wire::LoadScene& order, const std::string& path,
                          const std::function<void(double)>& progress, std::vector<Name>* ret_left);
   /// Whether what is at `path` is loaded.
   [[nodiscard]] bool has(const std::string& path) const;
   /// Null when it is not loaded. It stays as long as somebody holds it.
   [[nodiscard]] std::shared_ptr<BlockRenderer> find(LinkId link, const std::string& scene);
-  /// The head has gone: what it calls its scenes is forgotten, not they.
+  /// The coordinator has gone: what it calls its scenes is forgotten, not they.
   void forget_link(LinkId link);
 
  private:
@@ -73,7 +73,7 @@ class SceneStore {
   [[nodiscard]] std::uint64_t bytes_in_use() const;
 
   const SceneLoader loader_;
-  const std::uint64_t most_bytes_;
+  const std::uint64_t max_bytes_;
 
   mutable std::mutex mutex_;  ///< Guards the following.
   Scenes scenes_;
@@ -82,4 +82,4 @@ class SceneStore {
   std::uint64_t uses_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

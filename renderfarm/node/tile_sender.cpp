@@ -5,7 +5,7 @@
 
 #include "common/base/cpu_time.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 
 wire::NodeReport TileSender::report_of(NodeLink::Outgoing item) {
   if (auto* const report = std::get_if<wire::NodeReport>(&item)) return std::move(*report);
@@ -27,7 +27,8 @@ wire::NodeReport TileSender::encoded(const RenderedTile& tile) {
   if (const auto jpeg = encoder_.encode(tile.pixels, tile.options)) {
     message->mutable_tile()->set_jpeg(jpeg->data(), jpeg->size());
   } else {
-    encoding.error = jpeg.error().message();  // The head refuses an empty tile; the block's end says why it is empty.
+    encoding.error =
+        jpeg.error().message();  // The coordinator refuses an empty tile; the block's end says why it is empty.
   }
   encoding.cpu_seconds += thread_cpu_seconds() - begun;
   return report;
@@ -48,4 +49,4 @@ wire::NodeReport TileSender::end_of(const RenderedBlock& block) {
   return report;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -9,7 +9,7 @@
 #include "common/image/jpeg.h"
 #include "renderfarm/node/node_link.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 
 /// Turns what was rendered into what is sent, and adds up what the encoding costs. Thread-bound: the send thread's,
 /// which encodes one tile while the render thread makes the next.
@@ -31,4 +31,4 @@ class TileSender {
   std::map<std::uint64_t, Encoding> blocks_;  ///< Whose end has not come: tiles of several may come by turns.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::node

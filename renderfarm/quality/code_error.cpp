@@ -9,7 +9,7 @@
 #include "renderfarm/quality/comparable.h"
 #include "renderfarm/quality/separable_filter.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 namespace {
 
 /// Double, because a variance is a small difference of large means of squares.
@@ -77,4 +77,4 @@ Result<double> ssim(const RgbImage& picture, const RgbImage& reference) {
   return sum / (static_cast<double>(x.width() - 2 * kRadius) * (x.height() - 2 * kRadius));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

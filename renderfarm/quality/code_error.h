@@ -6,7 +6,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 
 /// Returns the peak signal-to-noise ratio in decibels: 10 log10(255² / mean over pixels and channels of (p - r)²).
 /// Infinite for equal pictures.
@@ -20,4 +20,4 @@ inline constexpr int kSsimWindowPx = 11;
 /// Also returns kInvalidArgument if a side is below kSsimWindowPx.
 Result<double> ssim(const RgbImage& picture, const RgbImage& reference);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

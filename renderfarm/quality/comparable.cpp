@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::quality {
 
 Status check_same_size(int width, int height, int reference_width, int reference_height) {
   if (width == reference_width && height == reference_height && width > 0 && height > 0) return Done{};
@@ -31,4 +31,4 @@ Status check_comparable(const RadianceImage& picture, const RadianceImage& refer
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

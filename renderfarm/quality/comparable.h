@@ -5,7 +5,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 
 /// Errors: kInvalidArgument, with both sizes, unless they are equal and not empty.
 Status check_same_size(int width, int height, int reference_width, int reference_height);
@@ -17,4 +17,4 @@ Status check_finite(const RadianceImage& picture);
 /// Checks the sizes, then both pictures.
 Status check_comparable(const RadianceImage& picture, const RadianceImage& reference);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

@@ -7,7 +7,7 @@
 
 #include "common/image/colour.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 namespace {
 
 /// The two pixels of a row or column between which a pixel of the larger picture lies, and its fraction from the first.
@@ -64,4 +64,4 @@ RgbImage enlarged(const RgbImage& picture, int width, int height) {
   return result;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

@@ -4,7 +4,7 @@
 
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 
 /// Interpolates bilinearly between pixel centres, in linear light like the display; beyond the outermost centres, the
 /// outermost pixels are repeated. Precondition: the picture is not empty; `width` and `height` are above 0.
@@ -12,4 +12,4 @@ namespace cyclorama {
 /// Converts code values to linear light and back.
 [[nodiscard]] RgbImage enlarged(const RgbImage& picture, int width, int height);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

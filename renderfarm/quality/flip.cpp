@@ -13,7 +13,7 @@
 #include "renderfarm/quality/comparable.h"
 #include "renderfarm/quality/separable_filter.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 namespace {
 
 using Eigen::Vector3f;
@@ -38,7 +38,7 @@ constexpr std::array<std::array<Lobe, 2>, 3> kSensitivity = {{
     {{{1.0, 0.0053}, {0.0, 0.0053}}},  // Red to green.
     {{{34.1, 0.04}, {13.5, 0.025}}},   // Blue to yellow.
 }};
-constexpr double kWidestLobe = 0.04;
+constexpr double kMaxLobeWidthDeg = 0.04;
 
 /// Linear sRGB to XYZ with the coefficients of the authors' own programs; XYZ is divided by its white (D65), so each
 /// row sums to 1.
@@ -106,7 +106,7 @@ Planes opponent_of(const RgbImage& picture, const ColourSpace& space) {
 /// Filters a plane to what the eye resolves (section 4.1.1).
 Plane seen(const Plane& plane, const std::array<Lobe, 2>& lobes, double pixels_per_degree) {
   const auto sigma_px = [&](double b) { return std::sqrt(b / 2.0) / std::numbers::pi * pixels_per_degree; };
-  const int radius = static_cast<int>(std::ceil(3.0 * sigma_px(kWidestLobe)));
+  const int radius = static_cast<int>(std::ceil(3.0 * sigma_px(kMaxLobeWidthDeg)));
   std::array<Kernel, 2> kernels;
   std::array<double, 2> weights{};
   for (std::size_t i = 0; i < lobes.size(); ++i) {
@@ -180,10 +180,10 @@ Plane achromatic_of(const Planes& opponent) {
 
 /// Maps an error to [0, 1], most of it for differences below the knee (section 4.1.3). `most` is the maximum of any two
 /// colours.
-float redistributed(float power, float most) {
-  const float knee = kColourKnee * most;
+float redistributed(float power, float max) {
+  const float knee = kColourKnee * max;
   if (power < knee) return kErrorAtKnee / knee * power;
-  return kErrorAtKnee + (power - knee) / (most - knee) * (1.0f - kErrorAtKnee);
+  return kErrorAtKnee + (power - knee) / (max - knee) * (1.0f - kErrorAtKnee);
 }
 
 }  // namespace
@@ -201,12 +201,12 @@ Result<Flip> flip(const RgbImage& picture, const RgbImage& reference, double pix
   const Planes perceived_b = perceived(opponent_b, space, pixels_per_degree);
   const Features features_a = features_of(achromatic_of(opponent_a), pixels_per_degree);
   const Features features_b = features_of(achromatic_of(opponent_b), pixels_per_degree);
-  const float most = std::pow(
+  const float max = std::pow(
       distance(hunt_lab_of_xyz(space.xyz_of_rgb.col(1)), hunt_lab_of_xyz(space.xyz_of_rgb.col(2))), kColourExponent);
   Flip result{0.0, Plane(picture.width(), picture.height())};
   for (std::size_t i = 0; i < result.each.data().size(); ++i) {
     const float colour =
-        redistributed(std::pow(distance(pixel_of(perceived_a, i), pixel_of(perceived_b, i)), kColourExponent), most);
+        redistributed(std::pow(distance(pixel_of(perceived_a, i), pixel_of(perceived_b, i)), kColourExponent), max);
     const float feature = std::max(std::abs(features_a.edge.data()[i] - features_b.edge.data()[i]),
                                    std::abs(features_a.point.data()[i] - features_b.point.data()[i]));
     const float strength = std::min(1.0f, std::pow(feature / std::numbers::sqrt2_v<float>, kFeatureExponent));
@@ -218,4 +218,4 @@ Result<Flip> flip(const RgbImage& picture, const RgbImage& reference, double pix
   return result;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

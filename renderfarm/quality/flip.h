@@ -7,7 +7,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 
 /// A display 0.7 m wide with 3840 pixels, seen from 0.7 m, as in the paper.
 inline constexpr double kFlipPixelsPerDegree = 67.0206;
@@ -21,4 +21,4 @@ struct Flip {
 /// unless `pixels_per_degree` is 1 to 1000.
 Result<Flip> flip(const RgbImage& picture, const RgbImage& reference, double pixels_per_degree = kFlipPixelsPerDegree);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

@@ -3,7 +3,7 @@
 
 #include "renderfarm/quality/comparable.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 namespace {
 
 template <typename Weight>
@@ -30,4 +30,4 @@ Result<double> relative_squared_error(const RadianceImage& picture, const Radian
   return weighted_mean(picture, reference, [floor](double r) { return 1.0 / (r * r + floor); });
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

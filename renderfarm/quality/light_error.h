@@ -6,7 +6,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 
 /// Floor of the denominator, which keeps dark pixels from dominating; the value that published comparisons of renderers
 /// use.
@@ -20,4 +20,4 @@ Result<double> mean_squared_error(const RadianceImage& picture, const RadianceIm
 Result<double> relative_squared_error(const RadianceImage& picture, const RadianceImage& reference,
                                       double floor = kRelativeErrorFloor);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace cyclorama {
+namespace cyclorama::quality {
 namespace {
 
 int radius_of(const Kernel& kernel) {
@@ -75,4 +75,4 @@ template Image<float, 1> filtered_along_columns(const Image<float, 1>&, const Ke
 template Image<double, 1> filtered_along_rows(const Image<double, 1>&, const Kernel&);
 template Image<double, 1> filtered_along_columns(const Image<double, 1>&, const Kernel&);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

@@ -7,7 +7,7 @@
 
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 
 /// An odd number of weights; the middle one applies to the pixel itself.
 using Kernel = std::vector<double>;
@@ -36,4 +36,4 @@ extern template Image<float, 1> filtered_along_columns(const Image<float, 1>&, c
 extern template Image<double, 1> filtered_along_rows(const Image<double, 1>&, const Kernel&);
 extern template Image<double, 1> filtered_along_columns(const Image<double, 1>&, const Kernel&);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

@@ -4,7 +4,7 @@
 #include "renderfarm/quality/code_error.h"
 #include "renderfarm/quality/flip.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 
 Result<ShownError> shown_error(const RgbImage& picture, const RgbImage& reference) {
   ShownError error;
@@ -15,4 +15,4 @@ Result<ShownError> shown_error(const RgbImage& picture, const RgbImage& referenc
   return error;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

@@ -5,7 +5,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 
 struct ShownError {
   double psnr_db = 0.0;  ///< Infinite for equal pictures.
@@ -16,4 +16,4 @@ struct ShownError {
 /// Computes psnr(), ssim() and flip() together; errors are theirs.
 Result<ShownError> shown_error(const RgbImage& picture, const RgbImage& reference);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

@@ -13,7 +13,7 @@
 #include "renderfarm/render/memory.h"
 #include "renderfarm/render/requirements.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Returns false for a flattened placement, which has no inside that a ray could enter, and Embree cannot invert it.
@@ -24,7 +24,7 @@ bool is_placeable(const Placement& placement) {
 
 }  // namespace
 
-Result<std::unique_ptr<Accelerator>> Accelerator::build(Scene& scene, int threads,
+Result<std::unique_ptr<Accelerator>> Accelerator::build(scene::Scene& scene, int threads,
                                                         const std::function<void(double)>& progress,
                                                         TraceScene* ret_traced) {
   std::unique_ptr<Accelerator> accelerator(new Accelerator());
@@ -37,7 +37,7 @@ Result<std::unique_ptr<Accelerator>> Accelerator::build(Scene& scene, int thread
     return Error(ErrorCode::kInvalidArgument, "the scene has no triangles, so there is nothing to render");
   }
   RenderNeed need{triangles, scene.model.instances.size(), 0};
-  for (const Texture& texture : scene.model.textures) need.mip_bytes += mip_bytes(texture);
+  for (const scene::Texture& texture : scene.model.textures) need.mip_bytes += mip_bytes(texture);
   if (const std::optional<std::size_t> available = available_memory()) {
     TRY(check_render_memory(scene.info.title, need, *available));
     accelerator->limit_bytes_ = static_cast<std::int64_t>(memory_for_bvh(*available - need.mip_bytes)) -
@@ -100,7 +100,7 @@ Status Accelerator::check(const char* doing) const {
   }
 }
 
-RTCGeometry Accelerator::make_triangles(const Mesh& mesh, SurfaceMesh* traced) {
+RTCGeometry Accelerator::make_triangles(const scene::Mesh& mesh, SurfaceMesh* traced) {
   const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh.positions.data(), 0,
                              sizeof(mesh.positions[0]), mesh.positions.size());
@@ -115,7 +115,7 @@ RTCGeometry Accelerator::make_triangles(const Mesh& mesh, SurfaceMesh* traced) {
   return geometry;
 }
 
-void Accelerator::add_mesh(const Model& model, Mesh& mesh, int uses, TraceScene* ret_traced) {
+void Accelerator::add_mesh(const scene::Model& model, scene::Mesh& mesh, int uses, TraceScene* ret_traced) {
   // Embree reads the last vertex with a 16-byte load, so the four bytes after it must be readable.
   mesh.positions.reserve(mesh.positions.size() + 1);
   ret_traced->meshes.push_back(trace_mesh(mesh));
@@ -138,10 +138,10 @@ void Accelerator::add_mesh(const Model& model, Mesh& mesh, int uses, TraceScene*
   parts_.push_back({part, mesh.triangles.size()});
 }
 
-void Accelerator::add_instance(Model& model, Instance& instance, const Eigen::Vector3d& origin,
+void Accelerator::add_instance(scene::Model& model, scene::Instance& instance, const Eigen::Vector3d& origin,
                                TraceScene* ret_traced) {
   const auto index = static_cast<std::size_t>(instance.mesh);
-  Mesh& mesh = model.meshes[index];
+  scene::Mesh& mesh = model.meshes[index];
   SurfaceMesh& traced = ret_traced->meshes[index];
   if (mesh.triangles.empty()) return;
   Placement placement;
@@ -168,24 +168,24 @@ void Accelerator::add_instance(Model& model, Instance& instance, const Eigen::Ve
   ret_traced->placements.push_back(placement);
 }
 
-Status Accelerator::add_meshes(Scene& scene, TraceScene* ret_traced) {
-  Model& model = scene.model;
+Status Accelerator::add_meshes(scene::Scene& scene, TraceScene* ret_traced) {
+  scene::Model& model = scene.model;
   const Eigen::Vector3d origin = render_origin(scene);
   const std::vector<int> uses = uses_of_meshes(model);
   see_through_ = see_through_textures(model);
   // Reserved because the tables point at each other. A material that blends on some meshes only is stored twice.
   ret_traced->materials.reserve(model.materials.size() + model.meshes.size());
   ret_traced->meshes.reserve(model.meshes.size());
-  for (const Material& material : model.materials) {
+  for (const scene::Material& material : model.materials) {
     ret_traced->materials.push_back(trace_material(model, material, &ret_traced->textures));
   }
   for (std::size_t i = 0; i < model.meshes.size(); ++i) add_mesh(model, model.meshes[i], uses[i], ret_traced);
-  for (Instance& instance : model.instances) add_instance(model, instance, origin, ret_traced);
+  for (scene::Instance& instance : model.instances) add_instance(model, instance, origin, ret_traced);
   ret_traced->top = top_;
   return check("adding the scene's meshes");
 }
 
-Status Accelerator::add_lights(const Scene& scene, TraceScene* ret_traced) {
+Status Accelerator::add_lights(const scene::Scene& scene, TraceScene* ret_traced) {
   ret_traced->lights =
       LightSet(scene.model.lights, render_origin(scene), ret_traced->placements, scene.sky, scene.environment);
   ret_traced->lamps =
@@ -225,4 +225,4 @@ Status Accelerator::commit(const std::function<void(double)>& progress) {
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -11,7 +11,7 @@
 #include "common/base/result.h"
 #include "renderfarm/render/trace_scene.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Owns Embree's device and scenes. Borrows the vertex and index arrays of the scene it was built for, which must
 /// outlive it and not change. Thread-safe once built.
@@ -20,7 +20,7 @@ class Accelerator {
   /// Bakes the meshes of `scene` that are used once, and fills `ret_traced` with tables that point into the scene.
   /// Errors: kInvalidArgument if there are no triangles; kSystem if the scene would not fit into memory or Embree
   /// fails.
-  static Result<std::unique_ptr<Accelerator>> build(Scene& scene, int threads,
+  static Result<std::unique_ptr<Accelerator>> build(scene::Scene& scene, int threads,
                                                     const std::function<void(double)>& progress,
                                                     TraceScene* ret_traced);
   ~Accelerator();
@@ -34,13 +34,14 @@ class Accelerator {
   Status open_device(int threads);
   /// Returns Embree's error since the last call as one sentence, prefixed with `doing`.
   Status check(const char* doing) const;
-  Status add_meshes(Scene& scene, TraceScene* ret_traced);
+  Status add_meshes(scene::Scene& scene, TraceScene* ret_traced);
   /// Adds a mesh. One that is used more than once gets a BVH of its own, which its instances share.
-  void add_mesh(const Model& model, Mesh& mesh, int uses, TraceScene* ret_traced);
+  void add_mesh(const scene::Model& model, scene::Mesh& mesh, int uses, TraceScene* ret_traced);
   /// Adds an instance; bakes its mesh if that is used once.
-  void add_instance(Model& model, Instance& instance, const Eigen::Vector3d& origin, TraceScene* ret_traced);
-  Status add_lights(const Scene& scene, TraceScene* ret_traced);
-  RTCGeometry make_triangles(const Mesh& mesh, SurfaceMesh* traced);
+  void add_instance(scene::Model& model, scene::Instance& instance, const Eigen::Vector3d& origin,
+                    TraceScene* ret_traced);
+  Status add_lights(const scene::Scene& scene, TraceScene* ret_traced);
+  RTCGeometry make_triangles(const scene::Mesh& mesh, SurfaceMesh* traced);
   Status commit(const std::function<void(double)>& progress);
   static bool count_memory(void* self, ssize_t bytes, bool post);
 
@@ -58,4 +59,4 @@ class Accelerator {
   std::int64_t limit_bytes_ = std::numeric_limits<std::int64_t>::max();
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -4,7 +4,7 @@
 #include "renderfarm/render/sampler.h"
 #include "renderfarm/render/surface.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Returns true if the ray of `lane` passes through at this hit. The ray's id is the index of the sample; each surface
@@ -35,4 +35,4 @@ void alpha_filter(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

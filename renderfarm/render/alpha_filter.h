@@ -3,10 +3,10 @@
 
 #include "renderfarm/render/embree.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Embree's filter function: rejects a hit in a hole of a cut-out material, and rejects it at random, by the ray's id,
 /// where a material is partly transparent. The geometry's user data is its SurfaceMesh. Reentrant.
 void alpha_filter(const RTCFilterFunctionNArguments* arguments);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -3,21 +3,21 @@
 
 #include "renderfarm/render/vectors.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
-Eigen::Vector3d render_origin(const Scene& scene) {
+Eigen::Vector3d render_origin(const scene::Scene& scene) {
   if (scene.bounds.contains(scene.info.start_eye)) return scene.info.start_eye;
   const Eigen::Vector3d centre = scene.bounds.center();
   return !scene.bounds.isEmpty() && centre.allFinite() ? centre : Eigen::Vector3d(Eigen::Vector3d::Zero());
 }
 
-std::vector<int> uses_of_meshes(const Model& model) {
+std::vector<int> uses_of_meshes(const scene::Model& model) {
   std::vector<int> uses(model.meshes.size(), 0);
-  for (const Instance& instance : model.instances) ++uses[static_cast<std::size_t>(instance.mesh)];
+  for (const scene::Instance& instance : model.instances) ++uses[static_cast<std::size_t>(instance.mesh)];
   return uses;
 }
 
-void bake(Mesh& mesh, const Eigen::Affine3d& T_scene_mesh, const Eigen::Vector3d& new_origin) {
+void bake(scene::Mesh& mesh, const Eigen::Affine3d& T_scene_mesh, const Eigen::Vector3d& new_origin) {
   // A single transform for all vertices keeps equal corners equal, so that no cracks open.
   const Eigen::Matrix3d linear = T_scene_mesh.linear();
   const Eigen::Vector3d offset = T_scene_mesh * mesh.origin - new_origin;
@@ -44,4 +44,4 @@ void bake(Mesh& mesh, const Eigen::Affine3d& T_scene_mesh, const Eigen::Vector3d
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

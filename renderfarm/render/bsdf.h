@@ -10,7 +10,7 @@
 #include "renderfarm/render/bsdf/layered.h"
 #include "renderfarm/render/bsdf/scattering.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Returns `normal`, bent just enough for the mirror direction to lie above the geometric surface, whose side is
 /// `facing`. Without this, smooth normals on coarse meshes reflect the inside, which shows as black rings. All unit
@@ -25,4 +25,4 @@ namespace cyclorama {
   return normalized_or(wo + lifted, facing);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

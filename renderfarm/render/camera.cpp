@@ -8,11 +8,11 @@
 #include "common/base/check.h"
 #include "common/base/vector_clones.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
-using Setup = Camera::Setup;
-using Kind = Camera::Kind;
+using Setup = RayCamera::Setup;
+using Kind = RayCamera::Kind;
 
 #define CYCLORAMA_INLINE [[gnu::always_inline]] inline
 
@@ -212,9 +212,9 @@ double set_up(const Equirectangular& p, Setup* ret) {
 
 }  // namespace
 
-Camera::Camera() : Camera(Projection{Panorama{1, 1, 1.0, 0.5, -0.5}, {}}, 0.0) {}
+RayCamera::RayCamera() : RayCamera(Projection{Panorama{1, 1, 1.0, 0.5, -0.5}, {}}, 0.0) {}
 
-Camera::Camera(const Projection& projection, double heading_rad) {
+RayCamera::RayCamera(const Projection& projection, double heading_rad) {
   CHECK(projection.validate().has_value());
   const double tilt = std::visit([&](const auto& shape) { return set_up(shape, &s_); }, projection.shape);
   const int height = height_px(projection.shape);
@@ -244,7 +244,7 @@ Camera::Camera(const Projection& projection, double heading_rad) {
   }
 }
 
-int Camera::rays(int count, const float* x, const float* y, const CameraRays& ret) const {
+int RayCamera::rays(int count, const float* x, const float* y, const CameraRays& ret) const {
   switch (s_.kind) {
     case Kind::kPanorama:
       trace_panorama(s_, count, x, y, ret);
@@ -264,7 +264,7 @@ int Camera::rays(int count, const float* x, const float* y, const CameraRays& re
   return count;
 }
 
-bool Camera::ray(float x, float y, CameraRay* ret) const {
+bool RayCamera::ray(float x, float y, CameraRay* ret) const {
   std::uint8_t exists = 0;
   rays(1, &x, &y,
        {&ret->origin.x(), &ret->origin.y(), &ret->origin.z(), &ret->direction.x(), &ret->direction.y(),
@@ -272,4 +272,4 @@ bool Camera::ray(float x, float y, CameraRay* ret) const {
   return exists != 0;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

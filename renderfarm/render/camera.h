@@ -11,7 +11,7 @@
 #include "common/geometry/projection.h"
 #include "renderfarm/render/vectors.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Output arrays of Camera, with as many elements as there are rays; they must not overlap. Borrowed.
 struct CameraRays {
@@ -32,12 +32,12 @@ struct CameraRay {
 };
 
 /// The rays of one picture. A value; reentrant.
-class Camera {
+class RayCamera {
  public:
   /// Creates the camera of a panorama of one pixel.
-  Camera();
+  RayCamera();
   /// Precondition: projection.validate(). `heading_rad` is the heading of the Eye frame in the render frame.
-  Camera(const Projection& projection, double heading_rad);
+  RayCamera(const Projection& projection, double heading_rad);
 
   /// False if all origins are zero.
   [[nodiscard]] bool moves_eye() const { return s_.moves; }
@@ -77,4 +77,4 @@ class Camera {
   Setup s_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -7,7 +7,7 @@
 #include "common/image/colour.h"
 #include "renderfarm/render/tone.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Samples per pixel between two checks of the error.
@@ -69,4 +69,4 @@ std::uint64_t sample_cell(const TraceScene& scene, ShadeStage shade, const Trace
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -3,7 +3,7 @@
 
 #include "renderfarm/render/kernel.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Adds to `film` all samples of a cell that the view's quality requests. With adaptive sampling, a pixel stops once
 /// the estimated error is small enough: the standard error of displayed luminance, at its maximum over the pixel and
@@ -15,4 +15,4 @@ std::uint64_t sample_cell(const TraceScene& scene, ShadeStage shade, const Trace
 /// Marks in film.active the pixels of the cell that need more samples. Returns whether there are any.
 bool find_active(const TraceView& view, const TraceCell& cell, CellFilm& film);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

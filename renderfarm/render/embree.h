@@ -9,7 +9,7 @@
 #include <embree3/rtcore.h>
 #endif
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Hint for the traversal: camera rays of one pixel are coherent, scattered rays are not.
 enum class Coherence { kCoherent, kIncoherent };
@@ -53,4 +53,4 @@ class Query {
 #endif
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

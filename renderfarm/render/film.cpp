@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 template <typename Pixels>
@@ -74,4 +74,4 @@ ScalarImage Film::variance() const {
   return variance;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -7,7 +7,7 @@
 
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 using ScalarImage = Image<float, 1>;
 
@@ -39,4 +39,4 @@ struct Film {
   [[nodiscard]] ScalarImage variance() const;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -5,7 +5,7 @@
 #include <immintrin.h>
 #endif
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Flushes denormal numbers to zero in this thread during its lifetime. Embree expects this, and arithmetic on
 /// denormals is a hundred times slower. Thread-bound.
@@ -28,4 +28,4 @@ class FlushDenormals {
 #endif
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -9,14 +9,14 @@
 #include "renderfarm/render/sampler.h"
 #include "renderfarm/render/shade.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 /// Excludes only the distance 0, so that an eye exactly in a lamp's plane does not see the lamp's black back.
 constexpr float kNotAtTheEye = 1e-30f;
 /// Samples of a pixel that are traced together: one packet.
-constexpr int kMostTogether = kPacketRays;
+constexpr int kMaxPacketSamples = kPacketRays;
 
 constexpr std::uint32_t even_bits(std::uint32_t v) {
   v &= 0x55555555u;
@@ -53,16 +53,16 @@ void add_path(const TraceView& view, const TraceCell& cell, CellPlace place, int
 }
 
 /// Generates the camera rays of the paths. Pixels that see nothing have none.
-void look(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
-  SurfaceLots& lots = batch.lots;
-  sample_pairs(batch.paths, batch.index_reversed.data(), batch.seed.data(), kPixelPlace, lots.place_u.data(),
-               lots.place_v.data());
+void generate_camera_rays(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
+  SurfaceRandomNumbers& random_numbers = batch.random_numbers;
+  sample_pairs(batch.paths, batch.index_reversed.data(), batch.seed.data(), kPixelPlace, random_numbers.place_u.data(),
+               random_numbers.place_v.data());
   for (std::size_t i = 0; i < static_cast<std::size_t>(batch.paths); ++i) {
-    lots.place_u[i] += static_cast<float>(cell.x + batch.path[i].pixel % kCellPx);
-    lots.place_v[i] += static_cast<float>(cell.y + batch.path[i].pixel / kCellPx);
+    random_numbers.place_u[i] += static_cast<float>(cell.x + batch.path[i].pixel % kCellPx);
+    random_numbers.place_v[i] += static_cast<float>(cell.y + batch.path[i].pixel / kCellPx);
   }
   EyeRays& eyes = batch.eye_rays;
-  view.camera.rays(batch.paths, lots.place_u.data(), lots.place_v.data(),
+  view.camera.rays(batch.paths, random_numbers.place_u.data(), random_numbers.place_v.data(),
                    {eyes.origin[0].data(), eyes.origin[1].data(), eyes.origin[2].data(), eyes.direction[0].data(),
                     eyes.direction[1].data(), eyes.direction[2].data(), eyes.cone.data(), eyes.exists.data()});
   // The footprint of each sample is the pixel's over the square root of their number: many samples see textures at full
@@ -78,7 +78,7 @@ void look(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
     ray.cone_spread = share * eyes.cone[i];
     stage.rays.add(view.eye + Vec3(eyes.origin[0][i], eyes.origin[1][i], eyes.origin[2][i]),
                    {eyes.direction[0][i], eyes.direction[1][i], eyes.direction[2][i]}, kFar,
-                   veil_lot(batch.path[i].index_reversed, batch.path[i].seed, 0));
+                   alpha_random_number(batch.path[i].index_reversed, batch.path[i].seed, 0));
     stage.rays.packet(slot).ray.tnear[slot % kPacketRays] = kNotAtTheEye;
   }
 }
@@ -115,12 +115,12 @@ void collect(const TraceView& view, const PathBatch& batch, CellFilm& film) {
 
 void trace_batch(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
                  PathBatch& batch, CellFilm& film) {
-  look(view, cell, batch);
+  generate_camera_rays(view, cell, batch);
   for (bool first = true; batch.current().rays.count() > 0; first = false) {
     RayQueue<RTCRayHit16>& rays = batch.current().rays;
     trace_nearest(scene.top, first ? Coherence::kCoherent : Coherence::kIncoherent, rays);
     batch.rays_traced += static_cast<std::uint64_t>(rays.count());
-    draw_lots(batch);
+    draw_random_numbers(batch);
     shade(scene, view, batch, film);
     rays.clear();
     batch.stage = 1 - batch.stage;
@@ -151,13 +151,13 @@ std::uint64_t trace_cell(const TraceScene& scene, ShadeStage shade, const TraceV
   batch.shadow_rays.clear();
   batch.rays_traced = 0;
   const int end = cell.first_sample + cell.samples;
-  for (int sample = cell.first_sample; sample < end; sample += kMostTogether) {
-    const int together = std::min(kMostTogether, end - sample);
+  for (int sample = cell.first_sample; sample < end; sample += kMaxPacketSamples) {
+    const int together = std::min(kMaxPacketSamples, end - sample);
     for (int i = 0; i < kCellPixels; ++i) {
       const CellPlace place = place_in_order(i);
       const auto pixel = static_cast<std::size_t>(place.y * kCellPx + place.x);
       if (place.x >= cell.width || place.y >= cell.height || !film.active[pixel]) continue;
-      if (batch.paths + together > kMostRays) trace_batch(scene, shade, view, cell, batch, film);
+      if (batch.paths + together > kMaxRays) trace_batch(scene, shade, view, cell, batch, film);
       for (int s = 0; s < together; ++s) add_path(view, cell, place, sample + s, batch);
     }
     trace_batch(scene, shade, view, cell, batch, film);
@@ -165,4 +165,4 @@ std::uint64_t trace_cell(const TraceScene& scene, ShadeStage shade, const TraceV
   return batch.rays_traced;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -13,7 +13,7 @@
 #include "renderfarm/render/requirements.h"
 #include "renderfarm/render/trace_scene.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Cells are squares of this many pixels, aligned to the picture, so the content of a cell never depends on the tiling.
 inline constexpr int kCellPx = 16;
@@ -22,11 +22,11 @@ inline constexpr int kCellPixels = kCellPx * kCellPx;
 /// A PanoramaView, converted to the render frame.
 struct TraceView {
   Vec3 eye = Vec3::Zero();
-  Camera camera;
+  RayCamera camera;
   std::uint64_t seed = 0;
   RenderQuality quality;
   float exposure = 1.0f;
-  ToneCurve tone = ToneCurve::kShoulder;
+  scene::ToneCurve tone = scene::ToneCurve::kShoulder;
   bool features = false;
 };
 
@@ -62,7 +62,7 @@ using ShadeStage = void (*)(const TraceScene& scene, const TraceView& view, Path
 /// Returns the stage compiled for the fewest needs that include all of `needs`.
 [[nodiscard]] ShadeStage shade_stage_for(const SceneNeeds& needs);
 
-/// Upper bound of a sample's exposed radiance, such that the sum of kMostSamples of its squares is finite in float. The
+/// Upper bound of a sample's exposed radiance, such that the sum of kMaxSamples of its squares is finite in float. The
 /// sun's disc has 2e9 cd/m^2.
 inline constexpr float kBrightest = 1e16f;
 
@@ -71,4 +71,4 @@ inline constexpr float kBrightest = 1e16f;
 std::uint64_t trace_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
                          PathBatch& batch, CellFilm& film);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

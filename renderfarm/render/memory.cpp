@@ -8,7 +8,7 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Peak memory of the BVH while it is built, plus 64 bytes of TriangleRecord. Measured: 110 bytes with Embree 3.13 on
@@ -59,4 +59,4 @@ std::string describe_bytes(std::size_t bytes) {
   return fmt::format("{:.1f} kB", value / 1e3);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

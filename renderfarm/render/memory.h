@@ -8,7 +8,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Returns the bytes that can be allocated before the machine swaps, from the text of /proc/meminfo; null if it lacks
 /// them.
@@ -34,4 +34,4 @@ Status check_render_memory(std::string_view title, const RenderNeed& need, std::
 /// Formats a size, such as "3.4 GB".
 [[nodiscard]] std::string describe_bytes(std::size_t bytes);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

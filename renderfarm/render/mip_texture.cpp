@@ -13,7 +13,7 @@
 #include "common/image/colour.h"
 #include "renderfarm/render/texture_lookup.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 constexpr int kTexelsPerTask = 1 << 14;
@@ -115,7 +115,7 @@ void shrink(const MipTexture::Level& from, int width, int height, TextureContent
 
 }  // namespace
 
-MipTexture::MipTexture(const Texture& source, TextureContent content)
+MipTexture::MipTexture(const scene::Texture& source, TextureContent content)
     : smaller_(mip_bytes(source)), wrap_u_(source.wrap_u), wrap_v_(source.wrap_v), nearest_(source.nearest) {
   if (source.pixels.empty()) return;
   if (content == TextureContent::kColourWithAlpha && !has_transparency(source)) content = TextureContent::kColour;
@@ -130,7 +130,7 @@ MipTexture::MipTexture(const Texture& source, TextureContent content)
   }
 }
 
-std::size_t mip_bytes(const Texture& texture) {
+std::size_t mip_bytes(const scene::Texture& texture) {
   std::size_t bytes = 0;
   int width = texture.pixels.width();
   int height = texture.pixels.height();
@@ -143,11 +143,12 @@ std::size_t mip_bytes(const Texture& texture) {
   return bytes;
 }
 
-const MipTexture* MipTextures::request(const Model& model, const TextureUse& use, TextureContent content) {
+const MipTexture* MipTextures::request(const scene::Model& model, const scene::TextureUse& use,
+                                       TextureContent content) {
   if (use.texture < 0) return nullptr;
-  const Texture& source = model.textures[static_cast<std::size_t>(use.texture)];
+  const scene::Texture& source = model.textures[static_cast<std::size_t>(use.texture)];
   std::unique_ptr<MipTexture>& made = made_[{&source, content}];
-  if (made == nullptr) made = std::make_unique<MipTexture>(Texture{}, content);
+  if (made == nullptr) made = std::make_unique<MipTexture>(scene::Texture{}, content);
   return made.get();
 }
 
@@ -167,4 +168,4 @@ std::size_t MipTextures::bytes() const {
   return sum;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

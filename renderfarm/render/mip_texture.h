@@ -16,7 +16,7 @@
 
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Kind of values that a texture holds, which determines how they are averaged.
 enum class TextureContent : std::uint8_t {
@@ -39,14 +39,14 @@ class MipTexture {
   };
 
   /// Uses the threads of the TBB arena in which it is called.
-  MipTexture(const Texture& source, TextureContent content);
+  MipTexture(const scene::Texture& source, TextureContent content);
   MipTexture(MipTexture&&) noexcept = default;
   MipTexture& operator=(MipTexture&&) noexcept = default;
 
   /// Empty for a texture without pixels.
   [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
-  [[nodiscard]] WrapMode wrap_u() const { return wrap_u_; }
-  [[nodiscard]] WrapMode wrap_v() const { return wrap_v_; }
+  [[nodiscard]] scene::WrapMode wrap_u() const { return wrap_u_; }
+  [[nodiscard]] scene::WrapMode wrap_v() const { return wrap_v_; }
   [[nodiscard]] bool nearest() const { return nearest_; }
   /// Returns the memory besides the scene's own image.
   [[nodiscard]] std::size_t bytes() const { return smaller_.size(); }
@@ -54,26 +54,26 @@ class MipTexture {
  private:
   std::vector<Level> levels_;
   std::vector<std::uint8_t> smaller_;  ///< Levels 1 and up.
-  WrapMode wrap_u_;
-  WrapMode wrap_v_;
+  scene::WrapMode wrap_u_;
+  scene::WrapMode wrap_v_;
   bool nearest_;
 };
 
 /// Returns MipTexture::bytes() of `texture` without creating it.
-[[nodiscard]] std::size_t mip_bytes(const Texture& texture);
+[[nodiscard]] std::size_t mip_bytes(const scene::Texture& texture);
 
 /// The textures of one model as its materials use them; each is created once per content. Thread-bound until built,
 /// then thread-safe to read.
 class MipTextures {
  public:
   /// Returns null if the use has no texture. The pointer stays valid; the texture may be read after build().
-  const MipTexture* request(const Model& model, const TextureUse& use, TextureContent content);
+  const MipTexture* request(const scene::Model& model, const scene::TextureUse& use, TextureContent content);
   /// Creates the requested textures with `threads` threads (0: all of them).
   void build(int threads);
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  std::map<std::pair<const Texture*, TextureContent>, std::unique_ptr<MipTexture>> made_;
+  std::map<std::pair<const scene::Texture*, TextureContent>, std::unique_ptr<MipTexture>> made_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

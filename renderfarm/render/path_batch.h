@@ -8,7 +8,7 @@
 
 #include "renderfarm/render/ray_queue.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// One sample of one pixel, starting at the eye.
 struct Path {
@@ -23,7 +23,7 @@ struct Path {
 struct PathRay {
   Vec3 throughput = Vec3::Ones();
   /// Per solid angle, of its direction; 0 for a direction that could not be sampled otherwise (camera ray, mirror).
-  float density = 0.0f;
+  float pdf = 0.0f;
   Vec3 from_normal = Vec3::Zero();  ///< Normal at its start; with `density`, for weighting against light sampling.
   float cone_width = 0.0f;          ///< Width of the sample's cone at its start, in metres.
   Vec3 absorption = Vec3::Zero();   ///< Per metre, of the medium that it crosses.
@@ -42,8 +42,8 @@ struct ShadowedLight {
 };
 
 /// Random numbers of every ray in flight, for one surface.
-struct SurfaceLots {
-  using Values = std::array<float, kMostRays>;
+struct SurfaceRandomNumbers {
+  using Values = std::array<float, kMaxRays>;
   Values light, through;        ///< Choice of the light, and Russian roulette.
   Values place_u, place_v;      ///< Position on the light.
   Values scatter_u, scatter_v;  ///< Direction of the next ray.
@@ -52,29 +52,29 @@ struct SurfaceLots {
 
 /// Output of Camera.
 struct EyeRays {
-  std::array<std::array<float, kMostRays>, 3> origin;
-  std::array<std::array<float, kMostRays>, 3> direction;
-  std::array<float, kMostRays> cone;
-  std::array<std::uint8_t, kMostRays> exists;
+  std::array<std::array<float, kMaxRays>, 3> origin;
+  std::array<std::array<float, kMaxRays>, 3> direction;
+  std::array<float, kMaxRays> cone;
+  std::array<std::uint8_t, kMaxRays> exists;
 };
 
 /// The rays of all active paths, each with its state.
 struct RayStage {
   RayQueue<RTCRayHit16> rays;
-  std::array<PathRay, kMostRays> state;
+  std::array<PathRay, kMaxRays> state;
 };
 
 /// Working memory of one thread, about 500 kB, kept between cells. Thread-bound.
 struct PathBatch {
   int paths = 0;
-  std::array<Path, kMostRays> path;
+  std::array<Path, kMaxRays> path;
   std::array<RayStage, 2> stages;
   int stage = 0;  ///< Index of the stage in flight; the next rays are collected in the other.
   RayQueue<RTCRay16> shadow_rays;
-  std::array<ShadowedLight, kMostRays> shadowed;
-  std::array<std::uint32_t, kMostRays> index_reversed;  ///< For the path of every ray.
-  std::array<std::uint32_t, kMostRays> seed;
-  SurfaceLots lots;
+  std::array<ShadowedLight, kMaxRays> shadowed;
+  std::array<std::uint32_t, kMaxRays> index_reversed;  ///< For the path of every ray.
+  std::array<std::uint32_t, kMaxRays> seed;
+  SurfaceRandomNumbers random_numbers;
   EyeRays eye_rays;
   std::uint64_t rays_traced = 0;
 
@@ -82,4 +82,4 @@ struct PathBatch {
   [[nodiscard]] RayStage& next() { return stages[static_cast<std::size_t>(1 - stage)]; }
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

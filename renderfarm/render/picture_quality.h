@@ -6,13 +6,13 @@
 #include "common/base/result.h"
 #include "renderfarm/render/quality.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
-inline constexpr double kLeastScale = 0.125;
+inline constexpr double kMinScale = 0.125;
 
 struct PictureQuality {
   RenderQuality render;
-  double scale = 1.0;            ///< Rendered pixels per displayed pixel, along each axis: kLeastScale to 1.
+  double scale = 1.0;            ///< Rendered pixels per displayed pixel, along each axis: kMinScale to 1.
   bool denoise = false;          ///< Applied before tone mapping.
   int jpeg_quality = 85;         ///< 1 to 100.
   bool subsample_chroma = true;  ///< True for 4:2:0, false for 4:4:4.
@@ -23,4 +23,4 @@ struct PictureQuality {
 /// Errors: like validate(RenderQuality).
 [[nodiscard]] Status validate(const PictureQuality& quality);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -4,12 +4,12 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
-inline constexpr int kMostSamples = 1 << 16;
-inline constexpr int kMostBounces = 64;
-inline constexpr int kMostLightSamples = 16;
-inline constexpr double kMostLight = 1e9;  ///< Upper bound of a firefly limit or an adaptive error.
+inline constexpr int kMaxSamples = 1 << 16;
+inline constexpr int kMaxBounces = 64;
+inline constexpr int kMaxLightSamples = 16;
+inline constexpr double kMaxRadianceLimit = 1e9;  ///< Upper bound of a firefly limit or an adaptive error.
 
 /// Quality of the samples. A value; the default is the cheapest picture with direct light.
 struct RenderQuality {
@@ -34,6 +34,6 @@ struct RenderQuality {
 /// Errors: kInvalidArgument, naming the parameter and its range.
 [[nodiscard]] Status validate(const RenderQuality& quality);
 /// Checks one parameter in the same way; NaN is outside every range.
-[[nodiscard]] Status check_knob(const char* knob, double value, double least, double most);
+[[nodiscard]] Status check_knob(const char* knob, double value, double min, double max);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 using Lanes = std::array<int, kPacketRays>;
@@ -32,4 +32,4 @@ void trace_any(RTCScene scene, RayQueue<RTCRay16>& rays) {
   for_packets(rays, [&](const int* valid, RTCRay16& packet) { query.any(scene, valid, &packet); });
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -8,23 +8,23 @@
 #include "renderfarm/render/embree.h"
 #include "renderfarm/render/vectors.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Upper bound of the rays of one batch.
-inline constexpr int kMostRays = 1024;
-static_assert(kMostRays % kPacketRays == 0);
+inline constexpr int kMaxRays = 1024;
+static_assert(kMaxRays % kPacketRays == 0);
 
-/// Up to kMostRays rays, numbered in the order in which they were added. `Packet` is RTCRay16 or RTCRayHit16.
+/// Up to kMaxRays rays, numbered in the order in which they were added. `Packet` is RTCRay16 or RTCRayHit16.
 /// Thread-bound.
 template <typename Packet>
 class RayQueue {
  public:
   [[nodiscard]] int count() const { return count_; }
-  [[nodiscard]] bool full() const { return count_ == kMostRays; }
+  [[nodiscard]] bool full() const { return count_ == kMaxRays; }
   void clear() { count_ = 0; }
 
   /// Adds a ray. `lot` seeds the random numbers for half-transparent surfaces on its way. Precondition: not full.
-  void add(const Vec3& origin, const Vec3& direction, float far, std::uint32_t lot) {
+  void add(const Vec3& origin, const Vec3& direction, float far, std::uint32_t random_number) {
     RTCRay16& ray = rays_of(packet(count_));
     const int lane = lane_of(count_++);
     ray.org_x[lane] = origin.x();
@@ -37,7 +37,7 @@ class RayQueue {
     ray.time[lane] = 0.0f;
     ray.tfar[lane] = far;
     ray.mask[lane] = ~0u;
-    ray.id[lane] = lot;
+    ray.id[lane] = random_number;
     ray.flags[lane] = 0;
     if constexpr (kFindsHits) {
       packet(count_ - 1).hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
@@ -84,7 +84,7 @@ class RayQueue {
   static const RTCRay16& rays_of(const RTCRayHit16& packet) { return packet.ray; }
 
   int count_ = 0;
-  std::array<Packet, kMostRays / kPacketRays> packets_;
+  std::array<Packet, kMaxRays / kPacketRays> packets_;
 };
 
 /// Finds the nearest hit of each ray. Reentrant.
@@ -92,4 +92,4 @@ void trace_nearest(RTCScene scene, Coherence coherence, RayQueue<RTCRayHit16>& r
 /// Tests each ray for occlusion; the distance() of an occluded ray is below zero. Reentrant.
 void trace_any(RTCScene scene, RayQueue<RTCRay16>& rays);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -21,7 +21,7 @@
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// The part of a cell that lies in the requested rect, in the picture's pixels.
@@ -54,7 +54,7 @@ struct Workspace {
 }  // namespace
 
 struct Renderer::State {
-  Scene scene;
+  scene::Scene scene;
   TraceScene traced;
   std::unique_ptr<Accelerator> accelerator;
   SceneNeeds needs;
@@ -68,7 +68,7 @@ struct Renderer::State {
                  const Output& output) const;
 };
 
-static_assert(kMostSceneBounces <= kMostBounces, "what a scene asks for can be rendered");
+static_assert(scene::kMaxSceneBounces <= kMaxBounces, "what a scene asks for can be rendered");
 static_assert(kCellPx == kCostCellPx, "what is measured is what is told");
 
 Status check_view(const PanoramaView& view, const PixelRect& rect) {
@@ -88,13 +88,13 @@ Status check_view(const PanoramaView& view, const PixelRect& rect) {
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Renderer::~Renderer() = default;
 
-Result<std::unique_ptr<Renderer>> Renderer::build(Scene scene, int threads,
+Result<std::unique_ptr<Renderer>> Renderer::build(scene::Scene scene, int threads,
                                                   const std::function<void(double)>& progress) {
   const SteadyClock clock;
   const TimePoint start = clock.now();
   auto state = std::make_unique<State>();
   state->scene = std::move(scene);
-  Scene& held = state->scene;
+  scene::Scene& held = state->scene;
   state->arena.initialize(threads > 0 ? threads : tbb::task_arena::automatic);
   state->origin = render_origin(held);
   state->needs = needs_of(held);
@@ -116,7 +116,7 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
   const TimePoint start = clock.now();
   TraceView traced_view;
   traced_view.eye = (view.eye - origin).cast<float>();
-  traced_view.camera = Camera(view.picture(), view.heading_rad);
+  traced_view.camera = RayCamera(view.picture(), view.heading_rad);
   traced_view.seed = view.seed;
   traced_view.quality = view.quality;
   traced_view.exposure = static_cast<float>(scene.exposure);
@@ -226,7 +226,7 @@ RenderCost Renderer::render_radiance(const PanoramaView& view, const PixelRect& 
   return cost;
 }
 
-const Scene& Renderer::scene() const { return state_->scene; }
+const scene::Scene& Renderer::scene() const { return state_->scene; }
 const LightSet& Renderer::lights() const { return state_->traced.lights; }
 double Renderer::build_seconds() const { return state_->build_seconds; }
 std::size_t Renderer::bvh_bytes() const { return state_->accelerator->bytes(); }
@@ -237,4 +237,4 @@ std::size_t Renderer::shading_bytes() const {
 }
 std::size_t Renderer::mip_bytes() const { return state_->traced.textures.bytes(); }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

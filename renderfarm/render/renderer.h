@@ -16,10 +16,13 @@
 #include "renderfarm/render/film.h"
 #include "renderfarm/render/quality.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
+struct Scene;
+}  // namespace cyclorama::scene
+
+namespace cyclorama::render {
 
 class LightSet;
-struct Scene;
 struct SceneNeeds;
 
 /// The picture to render: position of the eye, its heading, shape and quality. Scene frame.
@@ -58,7 +61,8 @@ class Renderer {
   /// Takes the scene and builds the BVH with `threads` threads (0: all of them). `progress` may be null.
   /// Errors: kInvalidArgument if the scene has no triangles; kSystem if it would not fit into memory, which is checked
   /// before the machine swaps.
-  static Result<std::unique_ptr<Renderer>> build(Scene scene, int threads, const std::function<void(double)>& progress);
+  static Result<std::unique_ptr<Renderer>> build(scene::Scene scene, int threads,
+                                                 const std::function<void(double)>& progress);
   ~Renderer();
   /// Selects the kernel that is compiled for the needs of the scene and those of `more`, although nothing uses the
   /// latter; this measures what they cost. Must not be called while a picture is rendered.
@@ -82,7 +86,7 @@ class Renderer {
   RenderCost render_radiance(const PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,
                              const std::function<bool()>& cancelled) const;
 
-  [[nodiscard]] const Scene& scene() const;
+  [[nodiscard]] const scene::Scene& scene() const;
   [[nodiscard]] const LightSet& lights() const;  ///< Render frame.
   [[nodiscard]] double build_seconds() const;
   [[nodiscard]] std::size_t bvh_bytes() const;
@@ -96,4 +100,4 @@ class Renderer {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -9,32 +9,32 @@
 #include "renderfarm/render/sky.h"
 #include "renderfarm/render/texture_lookup.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
-SurfaceLevel surface_level_of(const Material& material) {
+SurfaceLevel surface_level_of(const scene::Material& material) {
   const bool has_metal_only = material.metallic == 1.0f && material.metallic_roughness_texture.texture < 0;
   const bool transmits = material.transmission > 0.0f && !has_metal_only;
   if (material.clearcoat > 0.0f || transmits) return SurfaceLevel::kLayered;
   if (material.metallic > 0.0f) return SurfaceLevel::kGlossy;
-  const Material plain;
+  const scene::Material plain;
   const bool mirrors = material.specular > 0.0f && material.ior > 1.0f;
   const bool shines_specially = material.ior > plain.ior || material.specular_colour.maxCoeff() > 1.0f;
   const bool is_glossy = mirrors && (material.roughness < 1.0f || shines_specially);
   return is_glossy ? SurfaceLevel::kGlossy : SurfaceLevel::kMatte;
 }
 
-std::vector<bool> see_through_textures(const Model& model) {
+std::vector<bool> see_through_textures(const scene::Model& model) {
   std::vector<bool> used(model.textures.size(), false);
-  for (const Material& material : model.materials) {
+  for (const scene::Material& material : model.materials) {
     const int texture = material.base_colour_texture.texture;
-    if (material.alpha_mode == AlphaMode::kBlend && texture >= 0) used[static_cast<std::size_t>(texture)] = true;
+    if (material.alpha_mode == scene::AlphaMode::kBlend && texture >= 0) used[static_cast<std::size_t>(texture)] = true;
   }
   for (std::size_t i = 0; i < used.size(); ++i) used[i] = used[i] && has_transparency(model.textures[i]);
   return used;
 }
 
-bool blends(const Material& material, const Mesh& mesh, const std::vector<bool>& see_through) {
-  if (material.alpha_mode != AlphaMode::kBlend) return false;
+bool blends(const scene::Material& material, const scene::Mesh& mesh, const std::vector<bool>& see_through) {
+  if (material.alpha_mode != scene::AlphaMode::kBlend) return false;
   if (material.base_colour.w() < 1.0f) return true;
   const auto sees_through = [](const std::array<std::uint8_t, 4>& colour) { return colour[3] != 255; };
   if (std::any_of(mesh.colours.begin(), mesh.colours.end(), sees_through)) return true;
@@ -42,22 +42,23 @@ bool blends(const Material& material, const Mesh& mesh, const std::vector<bool>&
   return texture >= 0 && see_through[static_cast<std::size_t>(texture)];
 }
 
-SceneNeeds needs_of(const Scene& scene) {
-  const Model& model = scene.model;
+SceneNeeds needs_of(const scene::Scene& scene) {
+  const scene::Model& model = scene.model;
   SceneNeeds needs;
   std::vector<bool> used(model.meshes.size(), false);
-  for (const Instance& instance : model.instances) used[static_cast<std::size_t>(instance.mesh)] = true;
+  for (const scene::Instance& instance : model.instances) used[static_cast<std::size_t>(instance.mesh)] = true;
   for (std::size_t i = 0; i < used.size(); ++i) {
-    const Mesh& mesh = model.meshes[i];
+    const scene::Mesh& mesh = model.meshes[i];
     if (!used[i] || mesh.triangles.empty()) continue;
-    const Material& material = model.materials[static_cast<std::size_t>(mesh.material)];
+    const scene::Material& material = model.materials[static_cast<std::size_t>(mesh.material)];
     needs.normal_maps |= material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0;
-    for (TextureUse Material::*const at : texture_places()) needs.textures |= (material.*at).texture >= 0;
+    for (scene::TextureUse scene::Material::*const at : scene::texture_places())
+      needs.textures |= (material.*at).texture >= 0;
     needs.surface = std::max(needs.surface, surface_level_of(material));
     needs.lights |= material.emissive.maxCoeff() > 0.0f;
   }
   needs.lights |= std::any_of(model.lights.begin(), model.lights.end(),
-                              [](const Light& light) { return light.intensity.maxCoeff() > 0.0f; });
+                              [](const scene::Light& light) { return light.intensity.maxCoeff() > 0.0f; });
   needs.environment = scene.environment != nullptr || shines(scene.sky);
   return needs;
 }
@@ -84,4 +85,4 @@ std::string describe(const SceneNeeds& needs) {
   return names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", "));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -9,7 +9,7 @@
 #include "renderfarm/render/surface_level.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 struct SceneNeeds {
   bool textures = false;
@@ -22,7 +22,7 @@ struct SceneNeeds {
 };
 
 /// Derives the needs from what is used: a material without triangles needs nothing. Reentrant.
-[[nodiscard]] SceneNeeds needs_of(const Scene& scene);
+[[nodiscard]] SceneNeeds needs_of(const scene::Scene& scene);
 
 /// Returns the union of both.
 [[nodiscard]] SceneNeeds operator|(const SceneNeeds& a, const SceneNeeds& b);
@@ -36,10 +36,11 @@ struct SceneNeeds {
 
 /// Returns the lowest level that renders the material correctly, whatever its textures hold. A dielectric of roughness
 /// 1, which scans without a material have, is purely Lambertian.
-[[nodiscard]] SurfaceLevel surface_level_of(const Material& material);
+[[nodiscard]] SurfaceLevel surface_level_of(const scene::Material& material);
 /// Returns for each texture whether it has texels that are not opaque; checked only if a material blends by it.
-[[nodiscard]] std::vector<bool> see_through_textures(const Model& model);
+[[nodiscard]] std::vector<bool> see_through_textures(const scene::Model& model);
 /// Returns true if any of `mesh` is transparent: many files specify AlphaMode::kBlend with only opaque texels.
-[[nodiscard]] bool blends(const Material& material, const Mesh& mesh, const std::vector<bool>& see_through);
+[[nodiscard]] bool blends(const scene::Material& material, const scene::Mesh& mesh,
+                          const std::vector<bool>& see_through);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

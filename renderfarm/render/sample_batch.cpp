@@ -4,7 +4,7 @@
 #include "common/base/vector_clones.h"
 #include "renderfarm/render/sampler.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 CYCLORAMA_VECTOR_CLONES
 void sample_pairs(int count, const std::uint32_t* __restrict index_reversed, const std::uint32_t* __restrict seed,
@@ -16,4 +16,4 @@ void sample_pairs(int count, const std::uint32_t* __restrict index_reversed, con
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -13,7 +13,7 @@
 
 #include "renderfarm/render/vectors.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Hashes 32 bits. Source: Wellons, "Prospecting for Hash Functions", 2018 (nullprogram.com).
 [[nodiscard]] constexpr std::uint32_t mix_bits(std::uint32_t x) {
@@ -123,4 +123,4 @@ class SampleSequence {
   std::uint32_t seed_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -3,9 +3,9 @@
 
 #include "renderfarm/render/shade_stages.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
-void draw_lots(PathBatch& batch) {
+void draw_random_numbers(PathBatch& batch) {
   const int count = batch.current().rays.count();
   // The rays of one batch have all met the same number of surfaces.
   const std::uint32_t first = kFirstSurface + kSurfaceDimensions * batch.current().state[0].surfaces;
@@ -14,14 +14,14 @@ void draw_lots(PathBatch& batch) {
     batch.index_reversed[i] = path.index_reversed;
     batch.seed[i] = path.seed;
   }
-  SurfaceLots& lots = batch.lots;
-  const auto draw = [&](std::uint32_t dimension, SurfaceLots::Values& u, SurfaceLots::Values& v) {
+  SurfaceRandomNumbers& random_numbers = batch.random_numbers;
+  const auto draw = [&](std::uint32_t dimension, SurfaceRandomNumbers::Values& u, SurfaceRandomNumbers::Values& v) {
     sample_pairs(count, batch.index_reversed.data(), batch.seed.data(), first + dimension, u.data(), v.data());
   };
-  draw(kLight, lots.light, lots.through);
-  draw(kLightPlace, lots.place_u, lots.place_v);
-  draw(kScatter, lots.scatter_u, lots.scatter_v);
-  draw(kLobe, lots.lobe, lots.spare);
+  draw(kLight, random_numbers.light, random_numbers.through);
+  draw(kLightPlace, random_numbers.place_u, random_numbers.place_v);
+  draw(kScatter, random_numbers.scatter_u, random_numbers.scatter_v);
+  draw(kLobe, random_numbers.lobe, random_numbers.spare);
 }
 
 void trace_shadows(const TraceScene& scene, PathBatch& batch) {
@@ -44,4 +44,4 @@ ShadeStage shade_stage_for(const SceneNeeds& needs) {
   return plain_stage(needs);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -15,7 +15,7 @@
 #include "renderfarm/render/sampler.h"
 #include "renderfarm/render/shading.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Dimensions of SampleSequence: those of the pixel, then those of each surface.
 inline constexpr std::uint32_t kPixelPlace = 0;
@@ -27,14 +27,15 @@ enum SurfaceDimension : std::uint32_t { kLight, kLightPlace, kScatter, kLobe, kS
 /// less than without roulette (1: more than without).
 inline constexpr float kRouletteChance = 3.0f;
 /// Number of mirrors and clear surfaces that a path may meet in addition to its bounces; then it ends.
-inline constexpr int kMostPassages = 16;
+inline constexpr int kMaxPassages = 16;
 
-/// Draws the random numbers of one surface for every ray in flight.
-void draw_lots(PathBatch& batch);
+/// RandomStream the random numbers of one surface for every ray in flight.
+void draw_random_numbers(PathBatch& batch);
 /// Returns the seed for decisions at half-transparent surfaces along a ray that starts at the path's surface number
 /// `surfaces`, counted from 1; that of a camera ray is 0. A path that meets the same surface twice draws a new number
 /// each time. The Owen scramble keeps the samples of a pixel evenly distributed.
-[[nodiscard]] inline std::uint32_t veil_lot(std::uint32_t index_reversed, std::uint32_t seed, std::uint32_t surfaces) {
+[[nodiscard]] inline std::uint32_t alpha_random_number(std::uint32_t index_reversed, std::uint32_t seed,
+                                                       std::uint32_t surfaces) {
   return scrambled_reversed(index_reversed, mix_bits(seed ^ mix_bits(surfaces + 1)));
 }
 /// Traces the queued batch.shadow_rays and adds the light that arrives to their paths.
@@ -42,9 +43,9 @@ void trace_shadows(const TraceScene& scene, PathBatch& batch);
 
 /// Returns the power-heuristic weight of the technique with `density` against `other`, for the same light. A `density`
 /// of 0 means that there is only one technique.
-[[nodiscard]] inline float share_of(float density, float other) {
-  if (density == 0.0f) return 1.0f;
-  const float ratio = other / density;
+[[nodiscard]] inline float share_of(float pdf, float other) {
+  if (pdf == 0.0f) return 1.0f;
+  const float ratio = other / pdf;
   return 1.0f / (1.0f + ratio * ratio);
 }
 
@@ -121,10 +122,10 @@ class Shade {
       const Vec3 light = scene_.lights.environment(direction);
       if (!light.isZero(0.0f)) {
         const float aimed =
-            ray.density > 0.0f ? scene_.lights.environment_density(rays_.origin(i), ray.from_normal, direction) : 0.0f;
+            ray.pdf > 0.0f ? scene_.lights.environment_pdf(rays_.origin(i), ray.from_normal, direction) : 0.0f;
         // A body that is open on this side is infinitely thick: any channel that it absorbs is black.
         const Vec3 left = (ray.absorption.array() > 0.0f).select(Vec3::Zero(), light);
-        found(ray, left * share_of(ray.density, aims_from_start_of(ray) * aimed));
+        found(ray, left * share_of(ray.pdf, aims_from_start_of(ray) * aimed));
       }
     }
     if (view_.features && ray.surfaces == 0) film_.albedo[pixel_of(ray)] += Vec3::Ones();
@@ -148,10 +149,10 @@ class Shade {
 
   /// Returns the weight of light that the ray hit, given that light sampling might have found it as well.
   [[nodiscard]] float share_of_met(int i, const PathRay& ray, LightIndex light) const {
-    if (ray.density == 0.0f || light == kNoLight) return 1.0f;
+    if (ray.pdf == 0.0f || light == kNoLight) return 1.0f;
     const float aimed =
-        scene_.lights.density(rays_.origin(i), ray.from_normal, light, rays_.direction(i), rays_.distance(i));
-    return share_of(ray.density, aims_from_start_of(ray) * aimed);
+        scene_.lights.pdf(rays_.origin(i), ray.from_normal, light, rays_.direction(i), rays_.distance(i));
+    return share_of(ray.pdf, aims_from_start_of(ray) * aimed);
   }
 
   void at_lamp(int i, const PathRay& ray, LightIndex light) {
@@ -184,9 +185,9 @@ class Shade {
     // Light from behind counts if the surface transmits it.
     const Vec3 side = shading.one_sided ? shading.normal : Vec3(Vec3::Zero());
     const bool last = ray.scatterings >= view_.quality.bounces;
-    const bool goes_on = (!last || shading.sharp) && ray.surfaces < view_.quality.bounces + kMostPassages;
-    if constexpr (kAims) aim_at_lights(i, ray, point, shading.normal, side, scattering, goes_on);
-    if (goes_on) go_on(i, ray, point, shading, side, scattering, footprint.width, last);
+    const bool continues = (!last || shading.sharp) && ray.surfaces < view_.quality.bounces + kMaxPassages;
+    if constexpr (kAims) aim_at_lights(i, ray, point, shading.normal, side, scattering, continues);
+    if (continues) should_continue(i, ray, point, shading, side, scattering, footprint.width, last);
   }
 
   void keep_features(int i, const PathRay& ray, const Shading& shading, const Vec3& albedo) {
@@ -210,27 +211,27 @@ class Shade {
   /// Adds the eye lamp's light. From the eye, its shadows are hidden behind the objects that cast them, so camera rays
   /// need no shadow ray.
   void shine_eye_lamp(int i, const PathRay& ray, const SurfacePoint& point, const Scatter& scattering, const Vec3& wo) {
-    constexpr float kLeastDistance2 = 0.05f * 0.05f;  // The lamp is beside the eye, not in it.
+    constexpr float kMinDistance2 = 0.05f * 0.05f;  // The lamp is beside the eye, not in it.
     if (scene_.eye_lamp.isZero(0.0f)) return;
     const Vec3 offset = view_.eye - point.position;
-    const float distance2 = std::max(offset.squaredNorm(), kLeastDistance2);
+    const float distance2 = std::max(offset.squaredNorm(), kMinDistance2);
     const Vec3 direction = ray.surfaces == 0 ? wo : normalized_or(offset, wo);
     const Vec3 light =
         ray.throughput.cwiseProduct(scattering.evaluate(direction)).cwiseProduct(scene_.eye_lamp) / distance2;
     if (ray.surfaces == 0) return reflected(ray, light);
     if (point.facing.dot(direction) > 0.0f)
-      shadow(veil_lot_from(i, ray), ray, point, direction, std::sqrt(distance2), light);
+      shadow(alpha_random_number_of(i, ray), ray, point, direction, std::sqrt(distance2), light);
   }
 
   void aim_at_lights(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& normal, const Vec3& side,
-                     const Scatter& scattering, bool goes_on) {
+                     const Scatter& scattering, bool continues) {
     const auto slot = static_cast<std::size_t>(i);
     if (ray.surfaces > 0 || view_.quality.light_samples == 1) {
-      return aim_at_light({batch_.lots.light[slot],
-                           {batch_.lots.place_u[slot], batch_.lots.place_v[slot]},
+      return aim_at_light({batch_.random_numbers.light[slot],
+                           {batch_.random_numbers.place_u[slot], batch_.random_numbers.place_v[slot]},
                            1.0f,
-                           veil_lot_from(i, ray)},
-                          ray, point, normal, side, scattering, goes_on);
+                           alpha_random_number_of(i, ray)},
+                          ray, point, normal, side, scattering, continues);
     }
     const auto parts = static_cast<std::uint32_t>(view_.quality.light_samples);
     int bits = 0;
@@ -241,31 +242,33 @@ class Shade {
       const std::uint32_t seed = batch_.seed[slot] ^ mix_bits(batch_.index_reversed[slot] & ((1u << bits) - 1u));
       const SobolPoint light = sobol_point(index, seed, kFirstSurface + kLight);
       const SobolPoint place = sobol_point(index, seed, kFirstSurface + kLightPlace);
-      aim_at_light({light.u, {place.u, place.v}, static_cast<float>(parts), veil_lot(index, seed, ray.surfaces + 1u)},
-                   ray, point, normal, side, scattering, goes_on);
+      aim_at_light(
+          {light.u, {place.u, place.v}, static_cast<float>(parts), alpha_random_number(index, seed, ray.surfaces + 1u)},
+          ray, point, normal, side, scattering, continues);
     }
   }
 
   /// The random numbers of one of `parts` light samples.
-  struct AimLots {
+  struct AimRandomNumbers {
     float choice = 0.0f;
     Vec2 place = Vec2::Zero();
     float parts = 1.0f;
     std::uint32_t veil = 0;
   };
 
-  void aim_at_light(const AimLots& lots, const PathRay& ray, const SurfacePoint& point, const Vec3& normal,
-                    const Vec3& side, const Scatter& scattering, bool goes_on) {
+  void aim_at_light(const AimRandomNumbers& random_numbers, const PathRay& ray, const SurfacePoint& point,
+                    const Vec3& normal, const Vec3& side, const Scatter& scattering, bool continues) {
     LightSample aim;
     const Vec3 start = start_off_surface(point, point.facing);
-    if (!scene_.lights.sample(start, side, lots.choice, lots.place, &aim)) return;
-    // The same test as in go_on(): light must not leak through the triangle where its normal and the shading normal
+    if (!scene_.lights.sample(start, side, random_numbers.choice, random_numbers.place, &aim)) return;
+    // The same test as in go_on(): light must not black_level through the triangle where its normal and the shading normal
     // disagree.
     if ((point.facing.dot(aim.direction) > 0.0f) != (normal.dot(aim.direction) > 0.0f)) return;
-    Vec3 light = scattering.evaluate(aim.direction).cwiseProduct(aim.radiance_over_density);
+    Vec3 light = scattering.evaluate(aim.direction).cwiseProduct(aim.radiance_over_pdf);
     if (light.isZero(0.0f)) return;
-    if (goes_on && aim.density > 0.0f) light *= share_of(lots.parts * aim.density, scattering.density(aim.direction));
-    shadow(lots.veil, ray, point, aim.direction, aim.distance, ray.throughput.cwiseProduct(light) / lots.parts);
+    if (continues && aim.pdf > 0.0f) light *= share_of(random_numbers.parts * aim.pdf, scattering.pdf(aim.direction));
+    shadow(random_numbers.veil, ray, point, aim.direction, aim.distance,
+           ray.throughput.cwiseProduct(light) / random_numbers.parts);
   }
 
   void shadow(std::uint32_t veil, const PathRay& ray, const SurfacePoint& point, const Vec3& direction, float distance,
@@ -277,22 +280,23 @@ class Shade {
     batch_.shadow_rays.add(start_off_surface(point, side), direction, distance, veil);
   }
 
-  void go_on(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& side,
-             const Scatter& scattering, float cone_width, bool last) {
+  void should_continue(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& side,
+                       const Scatter& scattering, float cone_width, bool last) {
     const auto slot = static_cast<std::size_t>(i);
     const ScatterSample sample =
-        scattering.sample({batch_.lots.scatter_u[slot], batch_.lots.scatter_v[slot]}, batch_.lots.lobe[slot]);
+        scattering.sample({batch_.random_numbers.scatter_u[slot], batch_.random_numbers.scatter_v[slot]},
+                          batch_.random_numbers.lobe[slot]);
     if (sample.weight.isZero(0.0f)) return;
-    // Light must not leak through the triangle where its normal and the shading normal disagree.
+    // Light must not black_level through the triangle where its normal and the shading normal disagree.
     if ((point.facing.dot(sample.wi) > 0.0f) == sample.through) return;
 
     PathRay next = ray;
     next.throughput = ray.throughput.cwiseProduct(sample.weight);
-    next.density = sample.density;
+    next.pdf = sample.pdf;
     next.from_normal = side;
     next.cone_width = cone_width;
     ++next.surfaces;
-    const bool mirror = sample.density == 0.0f;
+    const bool mirror = sample.pdf == 0.0f;
     if (!mirror && !sample.through) {
       ++next.scatterings;
       next.only_light = last;
@@ -304,19 +308,19 @@ class Shade {
     }
     const float chance = kRouletteChance * next.throughput.maxCoeff();
     if (chance < 1.0f) {
-      if (!(batch_.lots.through[slot] < chance)) return;
+      if (!(batch_.random_numbers.through[slot] < chance)) return;
       next.throughput /= chance;
     }
     RayStage& stage = batch_.next();
     stage.state[static_cast<std::size_t>(stage.rays.count())] = next;
     stage.rays.add(start_off_surface(point, sample.through ? Vec3(-point.facing) : point.facing), sample.wi,
-                   std::numeric_limits<float>::infinity(), veil_lot_from(i, ray));
+                   std::numeric_limits<float>::infinity(), alpha_random_number_of(i, ray));
   }
 
   /// Returns the seed for rays that start at the hit.
-  [[nodiscard]] std::uint32_t veil_lot_from(int i, const PathRay& ray) const {
+  [[nodiscard]] std::uint32_t alpha_random_number_of(int i, const PathRay& ray) const {
     const auto slot = static_cast<std::size_t>(i);
-    return veil_lot(batch_.index_reversed[slot], batch_.seed[slot], ray.surfaces + 1u);
+    return alpha_random_number(batch_.index_reversed[slot], batch_.seed[slot], ray.surfaces + 1u);
   }
 
   const TraceScene& scene_;
@@ -331,4 +335,4 @@ void shade(const TraceScene& scene, const TraceView& view, PathBatch& batch, Cel
   Shade<kNeeds>(scene, view, batch, film).run();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

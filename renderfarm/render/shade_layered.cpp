@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/render/shade_stages.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 ShadeStage layered_stage(const SceneNeeds& needs) {
   if (needs.normal_maps) return &shade<SceneNeeds{true, true, SurfaceLevel::kLayered, true, true}>;
@@ -9,4 +9,4 @@ ShadeStage layered_stage(const SceneNeeds& needs) {
   return &shade<SceneNeeds{false, false, SurfaceLevel::kLayered, true, true}>;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -11,7 +11,7 @@
 
 #include "renderfarm/render/shade.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Returns the stage for opaque surfaces, given its textures and normal maps.
 template <bool kTextures, bool kNormalMaps>
@@ -33,4 +33,4 @@ template <bool kTextures, bool kNormalMaps>
 // All surfaces.
 [[nodiscard]] ShadeStage layered_stage(const SceneNeeds& needs);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

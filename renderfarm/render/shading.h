@@ -7,7 +7,7 @@
 #include "renderfarm/render/surface.h"
 #include "renderfarm/render/texture_lookup.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Scattering and emission at a point of a surface.
 struct Shading {
@@ -25,7 +25,7 @@ struct Shading {
 class TexelReader {
  public:
   TexelReader(const TriangleHit& hit, const Footprint& footprint) : hit_(hit), footprint_(footprint) {}
-  [[nodiscard]] Eigen::Vector4f at(const MipTexture* texture, const TextureUse& use, Coding coding) const {
+  [[nodiscard]] Eigen::Vector4f at(const MipTexture* texture, const scene::TextureUse& use, Coding coding) const {
     if (texture == nullptr) return Eigen::Vector4f::Ones();
     return lookup(*texture, texcoord_at(hit_, use), coding, lod_of(hit_, use, *texture, footprint_));
   }
@@ -38,7 +38,7 @@ class TexelReader {
 /// Multiplies the textures into `texels`. Precondition: `texels` holds ones.
 template <SurfaceLevel kLevel>
 void read_texels(const SurfaceMaterial& material, const TexelReader& reader, SurfaceTexels* texels) {
-  const Material& source = *material.source;
+  const scene::Material& source = *material.source;
   const Eigen::Vector4f base = reader.at(material.base_colour, source.base_colour_texture, Coding::kSrgb);
   texels->base_colour = texels->base_colour.cwiseProduct(base.head<3>());
   if constexpr (kLevel != SurfaceLevel::kMatte) {
@@ -63,7 +63,7 @@ Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3
   /// Light sampling serves wider highlights just as well.
   constexpr float kSharpAlpha = 0.3f;
   const SurfaceMaterial& material = *hit.mesh->material;
-  const Material& source = *material.source;
+  const scene::Material& source = *material.source;
   SurfaceTexels texels;
   texels.base_colour = point.colour;
   Shading shading;
@@ -97,4 +97,4 @@ Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3
   return shading;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

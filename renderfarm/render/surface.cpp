@@ -7,7 +7,7 @@
 
 #include "renderfarm/render/texture_lookup.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 constexpr float kUnit = 0.5f * std::numeric_limits<float>::epsilon();
@@ -93,7 +93,7 @@ TangentPlane tangent_plane(const TriangleHit& hit, int set) {
 }
 
 /// Returns the point's normal perturbed by a normal map. `map` may be null.
-Vec3 bent_normal(const TriangleHit& hit, const SurfacePoint& point, const MipTexture* map, const TextureUse& use,
+Vec3 bent_normal(const TriangleHit& hit, const SurfacePoint& point, const MipTexture* map, const scene::TextureUse& use,
                  float scale, const Footprint& footprint) {
   if (map == nullptr) return point.normal;
   const Eigen::Vector4f texel = lookup(*map, texcoord_at(hit, use), Coding::kLinear, lod_of(hit, use, *map, footprint));
@@ -167,7 +167,7 @@ SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction) {
   return point;
 }
 
-Vec2 texcoord_at(const TriangleHit& hit, const TextureUse& use) {
+Vec2 texcoord_at(const TriangleHit& hit, const scene::TextureUse& use) {
   const std::array<float, 2>* const uv = hit.mesh->texcoords[static_cast<std::size_t>(use.texcoord)];
   if (uv == nullptr) return Vec2::Zero();
   const Vec2 at = hit.weights[0] * to_vec2(uv[hit.corners[0]]) + hit.weights[1] * to_vec2(uv[hit.corners[1]]) +
@@ -175,7 +175,8 @@ Vec2 texcoord_at(const TriangleHit& hit, const TextureUse& use) {
   return use.transform.leftCols<2>() * at + use.transform.col(2);
 }
 
-float lod_of(const TriangleHit& hit, const TextureUse& use, const MipTexture& texture, const Footprint& footprint) {
+float lod_of(const TriangleHit& hit, const scene::TextureUse& use, const MipTexture& texture,
+             const Footprint& footprint) {
   const std::array<float, 2>* const uv = hit.mesh->texcoords[static_cast<std::size_t>(use.texcoord)];
   if (uv == nullptr || texture.levels().empty() || !(footprint.width > 0.0f)) return 0.0f;
   const Vec2 uv0 = to_vec2(uv[hit.corners[0]]);
@@ -230,4 +231,4 @@ Vec3 start_off_surface(const SurfacePoint& point, const Vec3& side) {
   return start;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -4,7 +4,7 @@
 
 #include "renderfarm/render/trace_scene.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// A ray's hit on a triangle: barycentric weights and vertices of its corners.
 struct TriangleHit {
@@ -46,11 +46,11 @@ struct Footprint {
 /// Returns the level of `texture` for lookup() whose texels are as large as `footprint` on the triangle, measured along
 /// its longer side. Independent of the scene's scale and units. Not above 0 if the texture has no extent; infinite (the
 /// coarsest level) if the triangle has none.
-[[nodiscard]] float lod_of(const TriangleHit& hit, const TextureUse& use, const MipTexture& texture,
+[[nodiscard]] float lod_of(const TriangleHit& hit, const scene::TextureUse& use, const MipTexture& texture,
                            const Footprint& footprint);
 
 /// Returns the texture coordinates that `use` selects, transformed; zero if the mesh has none.
-[[nodiscard]] Vec2 texcoord_at(const TriangleHit& hit, const TextureUse& use);
+[[nodiscard]] Vec2 texcoord_at(const TriangleHit& hit, const scene::TextureUse& use);
 
 /// Returns the shading normal perturbed by the material's normal map, on the same side as before; `point.normal` if the
 /// mesh defines no tangents for the map.
@@ -66,4 +66,4 @@ struct Footprint {
 /// Source: Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th edition, section 6.8.
 [[nodiscard]] Vec3 start_off_surface(const SurfacePoint& point, const Vec3& side);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 enum class SurfaceLevel : std::uint8_t {
   kMatte,    ///< Lambertian reflection only.
@@ -12,4 +12,4 @@ enum class SurfaceLevel : std::uint8_t {
   kLayered,  ///< Adds a clear coat and transmission: thin sheets and bodies of glass.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -6,27 +6,27 @@
 
 #include "common/image/colour.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Upper bound of coordinates: beyond it, float cannot resolve positions inside one repeat.
-constexpr float kLargestCoordinate = 1e6f;
+constexpr float kMaxCoordinate = 1e6f;
 
-/// Equals std::floor() without the function call, for values below kLargestCoordinate.
+/// Equals std::floor() without the function call, for values below kMaxCoordinate.
 float floor_of(float value) {
   const auto towards_zero = static_cast<float>(static_cast<int>(value));
   return towards_zero - static_cast<float>(towards_zero > value);  // Branch-free, because signs are random.
 }
 
 /// Returns the coordinate reduced to [0, 1], or to [0, 2] for mirrored wrapping.
-float reduced(float coordinate, WrapMode mode) {
-  if (!(std::abs(coordinate) < kLargestCoordinate)) return 0.0f;
+float reduced(float coordinate, scene::WrapMode mode) {
+  if (!(std::abs(coordinate) < kMaxCoordinate)) return 0.0f;
   switch (mode) {
-    case WrapMode::kClamp:
+    case scene::WrapMode::kClamp:
       return std::clamp(coordinate, 0.0f, 1.0f);
-    case WrapMode::kRepeat:
+    case scene::WrapMode::kRepeat:
       return coordinate - floor_of(coordinate);
-    case WrapMode::kMirror:
+    case scene::WrapMode::kMirror:
       return coordinate - 2.0f * floor_of(0.5f * coordinate);
   }
   return 0.0f;
@@ -34,9 +34,9 @@ float reduced(float coordinate, WrapMode mode) {
 
 /// Returns the index of a texel wrapped into range. Precondition: it belongs to a reduced() coordinate, so that one
 /// step suffices.
-int wrapped(int texel, int count, WrapMode mode) {
-  if (mode == WrapMode::kRepeat) return texel + (texel < 0 ? count : 0) - (texel >= count ? count : 0);
-  if (mode == WrapMode::kMirror && texel >= count) texel = 2 * count - 1 - texel;
+int wrapped(int texel, int count, scene::WrapMode mode) {
+  if (mode == scene::WrapMode::kRepeat) return texel + (texel < 0 ? count : 0) - (texel >= count ? count : 0);
+  if (mode == scene::WrapMode::kMirror && texel >= count) texel = 2 * count - 1 - texel;
   return std::min(std::max(texel, 0), count - 1);
 }
 
@@ -47,13 +47,13 @@ struct Pair {
   float between;
 };
 
-Pair pair_at(float reduced_place, int count, WrapMode mode) {
+Pair pair_at(float reduced_place, int count, scene::WrapMode mode) {
   const float place = reduced_place * static_cast<float>(count) - 0.5f;
   const int first = static_cast<int>(place + 1.0f) - 1;  // Rounds down, because the argument is above 0.
   return {wrapped(first, count, mode), wrapped(first + 1, count, mode), place - static_cast<float>(first)};
 }
 
-int nearest_at(float reduced_place, int count, WrapMode mode) {
+int nearest_at(float reduced_place, int count, scene::WrapMode mode) {
   return wrapped(static_cast<int>(reduced_place * static_cast<float>(count)), count, mode);
 }
 
@@ -110,7 +110,7 @@ Eigen::Vector4f lookup(const MipTexture& texture, const Vec2& uv, Coding coding,
 
 float lookup_alpha(const MipTexture& texture, const Vec2& uv) { return lookup(texture, uv, Coding::kLinear, 0.0f).w(); }
 
-bool has_transparency(const Texture& texture) {
+bool has_transparency(const scene::Texture& texture) {
   const std::span<const std::uint8_t> values = texture.pixels.data();
   for (std::size_t i = 3; i < values.size(); i += 4) {
     if (values[i] != 255) return true;
@@ -118,4 +118,4 @@ bool has_transparency(const Texture& texture) {
   return false;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -7,7 +7,7 @@
 #include "renderfarm/render/mip_texture.h"
 #include "renderfarm/render/vectors.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Table from code values 0..255 to linear light.
 [[nodiscard]] const std::array<float, 256>& srgb_table();
@@ -30,6 +30,6 @@ enum class Coding { kSrgb, kLinear };
 [[nodiscard]] float lookup_alpha(const MipTexture& texture, const Vec2& uv);
 
 /// Returns true if any texel is not opaque.
-[[nodiscard]] bool has_transparency(const Texture& texture);
+[[nodiscard]] bool has_transparency(const scene::Texture& texture);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

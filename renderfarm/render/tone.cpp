@@ -6,12 +6,12 @@
 
 #include "common/image/colour.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Returns the bits of the smallest positive float whose code is at least `code`. The bits of positive floats are
 /// ordered like the floats.
-std::uint32_t least_bits(ToneCurve curve, int code) {
+std::uint32_t min_bits(scene::ToneCurve curve, int code) {
   std::uint32_t dark = 0;
   std::uint32_t bright = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::infinity());
   while (bright - dark > 1) {
@@ -24,28 +24,28 @@ std::uint32_t least_bits(ToneCurve curve, int code) {
 
 }  // namespace
 
-ToneTable::ToneTable(ToneCurve curve) {
-  std::array<std::uint32_t, 256> least{};
+ToneTable::ToneTable(scene::ToneCurve curve) {
+  std::array<std::uint32_t, 256> min{};
   for (int code = 1; code < 256; ++code) {
-    least[static_cast<std::size_t>(code)] = least_bits(curve, code);
-    least_[static_cast<std::size_t>(code)] = std::bit_cast<float>(least[static_cast<std::size_t>(code)]);
+    min[static_cast<std::size_t>(code)] = min_bits(curve, code);
+    min_[static_cast<std::size_t>(code)] = std::bit_cast<float>(min[static_cast<std::size_t>(code)]);
   }
-  least_[256] = std::numeric_limits<float>::quiet_NaN();  // No light exceeds NaN.
+  min_[256] = std::numeric_limits<float>::quiet_NaN();  // No light exceeds NaN.
   std::size_t code = 0;
   for (std::size_t i = 0; i < first_.size(); ++i) {
-    while (code < 255 && (i << kShift) >= least[code + 1]) ++code;
+    while (code < 255 && (i << kShift) >= min[code + 1]) ++code;
     first_[i] = static_cast<std::uint8_t>(code);
   }
 }
 
-const ToneTable& tone_table(ToneCurve curve) {
-  static const ToneTable shoulder(ToneCurve::kShoulder);
-  static const ToneTable linear(ToneCurve::kLinear);
-  static const ToneTable filmic(ToneCurve::kFilmic);
-  return curve == ToneCurve::kLinear ? linear : curve == ToneCurve::kFilmic ? filmic : shoulder;
+const ToneTable& tone_table(scene::ToneCurve curve) {
+  static const ToneTable shoulder(scene::ToneCurve::kShoulder);
+  static const ToneTable linear(scene::ToneCurve::kLinear);
+  static const ToneTable filmic(scene::ToneCurve::kFilmic);
+  return curve == scene::ToneCurve::kLinear ? linear : curve == scene::ToneCurve::kFilmic ? filmic : shoulder;
 }
 
-RgbImage developed(const RadianceImage& exposed, ToneCurve curve) {
+RgbImage developed(const RadianceImage& exposed, scene::ToneCurve curve) {
   const ToneTable& table = tone_table(curve);
   RgbImage codes(exposed.width(), exposed.height());
   std::transform(exposed.data().begin(), exposed.data().end(), codes.data().begin(),
@@ -53,4 +53,4 @@ RgbImage developed(const RadianceImage& exposed, ToneCurve curve) {
   return codes;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -10,24 +10,24 @@
 #include "common/image/image.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Converts exposed radiance to display light in [0, 1], monotonically; NaN and negative light give 0.
 ///   shoulder  identity up to one half, so that measured and painted values are kept, then an exponential with the
 ///             same slope that ends at 1
 ///   linear    identity up to 1, then clipped
 ///   filmic    the S-curve of film, white from 7.25 on: Narkowicz, "ACES Filmic Tone Mapping Curve", 2016, per channel
-[[nodiscard]] inline float tone_mapped(float exposed, ToneCurve curve = ToneCurve::kShoulder) {
+[[nodiscard]] inline float tone_mapped(float exposed, scene::ToneCurve curve = scene::ToneCurve::kShoulder) {
   constexpr float kKnee = 0.5f;
   constexpr float kFilmicWhite = 7.25f;  // The fit reaches 1 here; far beyond, it would overflow.
   if (!(exposed > 0.0f)) return 0.0f;
   switch (curve) {
-    case ToneCurve::kLinear:
+    case scene::ToneCurve::kLinear:
       return std::fmin(exposed, 1.0f);
-    case ToneCurve::kFilmic:
+    case scene::ToneCurve::kFilmic:
       if (exposed >= kFilmicWhite) return 1.0f;
       return std::fmin(exposed * (2.51f * exposed + 0.03f) / (exposed * (2.43f * exposed + 0.59f) + 0.14f), 1.0f);
-    case ToneCurve::kShoulder:
+    case scene::ToneCurve::kShoulder:
       break;
   }
   if (exposed <= kKnee) return exposed;
@@ -37,11 +37,11 @@ namespace cyclorama {
 /// Equals linear_to_srgb8(tone_mapped()) to the code value, by a table that is many times faster.
 class ToneTable {
  public:
-  explicit ToneTable(ToneCurve curve);
+  explicit ToneTable(scene::ToneCurve curve);
   [[nodiscard]] std::uint8_t code(float exposed) const {
     if (!(exposed > 0.0f)) return 0;  // Includes NaN.
     std::uint8_t code = first_[std::bit_cast<std::uint32_t>(exposed) >> kShift];
-    while (exposed >= least_[code + std::size_t{1}]) ++code;
+    while (exposed >= min_[code + std::size_t{1}]) ++code;
     return code;
   }
 
@@ -49,13 +49,13 @@ class ToneTable {
   static constexpr int kShift = 16;  // Steps of 1/128 of the light, which contain one or two codes each.
   /// The code of the darkest light with these leading bits.
   std::array<std::uint8_t, std::size_t{1} << (31 - kShift)> first_{};
-  std::array<float, 257> least_{};  ///< Darkest light of each code, then NaN.
+  std::array<float, 257> min_{};  ///< Darkest light of each code, then NaN.
 };
 
 /// Returns the curve's table, which is created once. Thread-safe.
-[[nodiscard]] const ToneTable& tone_table(ToneCurve curve);
+[[nodiscard]] const ToneTable& tone_table(scene::ToneCurve curve);
 
 /// Converts exposed light (a film's means) to code values, as Renderer::render() does.
-[[nodiscard]] RgbImage developed(const RadianceImage& exposed, ToneCurve curve);
+[[nodiscard]] RgbImage developed(const RadianceImage& exposed, scene::ToneCurve curve);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

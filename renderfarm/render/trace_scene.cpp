@@ -4,7 +4,7 @@
 #include "renderfarm/render/bsdf/bsdf.h"
 #include "renderfarm/render/requirements.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 template <typename T>
@@ -14,8 +14,8 @@ const T* data_or_null(const std::vector<T>& values) {
 
 }  // namespace
 
-SurfaceMaterial trace_material(const Model& model, const Material& source, MipTextures* textures) {
-  const bool sees_through = source.alpha_mode != AlphaMode::kOpaque;
+SurfaceMaterial trace_material(const scene::Model& model, const scene::Material& source, MipTextures* textures) {
+  const bool sees_through = source.alpha_mode != scene::AlphaMode::kOpaque;
   const TextureContent base = sees_through ? TextureContent::kColourWithAlpha : TextureContent::kColour;
   SurfaceMaterial material;
   material.source = &source;
@@ -31,11 +31,11 @@ SurfaceMaterial trace_material(const Model& model, const Material& source, MipTe
   material.transmission = textures->request(model, source.transmission_texture, TextureContent::kData);
   material.absorption = absorption_of(source);
   material.level = surface_level_of(source);
-  material.cut_out = source.alpha_mode == AlphaMode::kMask;
+  material.cut_out = source.alpha_mode == scene::AlphaMode::kMask;
   return material;
 }
 
-SurfaceMesh trace_mesh(const Mesh& mesh) {
+SurfaceMesh trace_mesh(const scene::Mesh& mesh) {
   SurfaceMesh traced;
   traced.positions = mesh.positions.data();
   traced.triangles = mesh.triangles.data();
@@ -57,4 +57,4 @@ Placement place(const SurfaceMesh& mesh, const Eigen::Affine3d& T_render_mesh) {
   return placement;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -15,11 +15,11 @@
 #include "renderfarm/render/vectors.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// A material with its resolved textures.
 struct SurfaceMaterial {
-  const Material* source = nullptr;
+  const scene::Material* source = nullptr;
   const MipTexture* base_colour = nullptr;  ///< Null if there is none, like the others.
   const MipTexture* metallic_roughness = nullptr;
   const MipTexture* normal = nullptr;
@@ -73,10 +73,11 @@ struct TraceScene {
 };
 
 /// Returns `source` with its textures requested; they exist once `textures` is built. Borrows all three.
-[[nodiscard]] SurfaceMaterial trace_material(const Model& model, const Material& source, MipTextures* textures);
+[[nodiscard]] SurfaceMaterial trace_material(const scene::Model& model, const scene::Material& source,
+                                             MipTextures* textures);
 /// Returns the mesh without its material. Borrows the arrays of `mesh`.
-[[nodiscard]] SurfaceMesh trace_mesh(const Mesh& mesh);
+[[nodiscard]] SurfaceMesh trace_mesh(const scene::Mesh& mesh);
 /// Returns an instance of a mesh that is not baked.
 [[nodiscard]] Placement place(const SurfaceMesh& mesh, const Eigen::Affine3d& T_render_mesh);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

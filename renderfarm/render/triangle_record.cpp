@@ -8,14 +8,14 @@
 #include <bit>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 std::int16_t packed(float part) {
   return static_cast<std::int16_t>(std::lround(std::clamp(part, -1.0f, 1.0f) * 32767.0f));
 }
 
-TriangleRecord record_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+TriangleRecord record_of(const scene::Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
   TriangleRecord record{};
   for (std::size_t i = 0; i < 3; ++i) {
     const std::uint32_t vertex = triangle[i];
@@ -40,7 +40,7 @@ void ask_for_huge_pages(void* data, std::size_t bytes) {
 
 }  // namespace
 
-std::vector<TriangleRecord> make_triangle_records(const Mesh& mesh) {
+std::vector<TriangleRecord> make_triangle_records(const scene::Mesh& mesh) {
   std::vector<TriangleRecord> records;
   records.reserve(mesh.triangles.size());
   ask_for_huge_pages(records.data(), records.capacity() * sizeof(TriangleRecord));
@@ -50,4 +50,4 @@ std::vector<TriangleRecord> make_triangle_records(const Mesh& mesh) {
   return records;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

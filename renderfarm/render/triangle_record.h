@@ -8,7 +8,7 @@
 #include "renderfarm/render/vectors.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// All data of a triangle that matte surfaces need, in one cache line. Scattered rays hit triangles all over the scene;
 /// ten memory accesses for each took a quarter of the render time.
@@ -28,6 +28,6 @@ static_assert(sizeof(TriangleRecord) == 64);
 
 /// Returns one record per triangle, with zeros for arrays that the mesh lacks. Uses the threads of the TBB arena in
 /// which it is called.
-[[nodiscard]] std::vector<TriangleRecord> make_triangle_records(const Mesh& mesh);
+[[nodiscard]] std::vector<TriangleRecord> make_triangle_records(const scene::Mesh& mesh);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 using Vec2 = Eigen::Vector2f;
 using Vec3 = Eigen::Vector3f;
@@ -72,4 +72,4 @@ inline constexpr float kPi = 3.14159265358979323846f;
   return {radius * std::cos(angle), radius * std::sin(angle), 1.0f - height};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Area of the polygon by the shoelace formula; never negative. Parts that overlap with opposite orientation cancel.
 [[nodiscard]] inline double area_of(const std::vector<Eigen::Vector2d>& corners) {
@@ -32,4 +32,4 @@ namespace cyclorama {
   return inside;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

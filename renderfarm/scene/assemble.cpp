@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 template <typename T>
@@ -83,15 +83,15 @@ void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_w
 }
 
 void free_lamps(Model* model) {
-  constexpr double kLargestGlobeM = 2.0;  // A larger emissive mesh is a glowing room.
-  constexpr std::size_t kMostCorners = 100'000;
+  constexpr double kMaxGlobeM = 2.0;  // A larger emissive mesh is a glowing room.
+  constexpr std::size_t kMaxCorners = 100'000;
   for (const Instance& instance : model->instances) {
     const Mesh& mesh = model->meshes[static_cast<std::size_t>(instance.mesh)];
     const Material& material = model->materials[static_cast<std::size_t>(mesh.material)];
-    if (!(material.emissive.maxCoeff() > 0.0f) || mesh.positions.size() > kMostCorners) continue;
+    if (!(material.emissive.maxCoeff() > 0.0f) || mesh.positions.size() > kMaxCorners) continue;
     Eigen::AlignedBox3d box;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) box.extend(instance.T_model_mesh * corner_of(mesh, i));
-    if (box.isEmpty() || box.sizes().maxCoeff() > kLargestGlobeM) continue;
+    if (box.isEmpty() || box.sizes().maxCoeff() > kMaxGlobeM) continue;
     for (Light& light : model->lights) {
       const bool is_bulb = light.kind == LightKind::kPoint || light.kind == LightKind::kSpot;
       if (!is_bulb || !box.contains(light.position)) continue;
@@ -122,4 +122,4 @@ Eigen::AlignedBox3d bounds_of(const Model& model) {
   return bounds;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

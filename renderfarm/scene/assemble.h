@@ -7,7 +7,7 @@
 
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Transform from a file's own axes and unit to metres with y up.
 [[nodiscard]] Eigen::Affine3d T_part_file(double unit_m, bool z_up);
@@ -24,4 +24,4 @@ void free_lamps(Model* model);
 /// Bounds of the corners of all triangles, in the model's frame; empty if there are none.
 [[nodiscard]] Eigen::AlignedBox3d bounds_of(const Model& model);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

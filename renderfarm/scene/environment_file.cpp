@@ -11,7 +11,7 @@
 #include "common/base/text.h"
 #include "common/image/radiance_file.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 /// Solid angle of a texel of row `y`, up to a factor that all rows share.
@@ -69,7 +69,7 @@ Result<RadianceImage> read_environment(const std::filesystem::path& file, const 
                              "wide as high",
                              file.string(), width, height));
   }
-  while (pixels.width() > kWidestEnvironmentPx) pixels = halved_environment(pixels);
+  while (pixels.width() > kMaxEnvironmentWidthPx) pixels = halved_environment(pixels);
   if (pixels.width() != width) {
     ret_notes->push_back(fmt::format("the environment '{}' of {}x{} pixels is taken as {}x{}",
                                      printable(file.filename().string()), width, height, pixels.width(),
@@ -78,4 +78,4 @@ Result<RadianceImage> read_environment(const std::filesystem::path& file, const 
   return pixels;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -4,7 +4,7 @@
 
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// An equirectangular picture of linear radiance. Rows run from straight up (+y) to straight down,
 /// columns to the right over a full turn, so that at rotation 0
@@ -22,4 +22,4 @@ struct EnvironmentMap {
   float strength = 1.0f;      ///< Multiplies the radiance.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -11,12 +11,12 @@
 #include "renderfarm/scene/ground.h"
 #include "renderfarm/scene/space_grid.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr double kEyeHeightM = 1.6;
-constexpr double kLeastPlaceM = 2.2;  ///< In all three directions; a smaller model is an object.
-constexpr double kLeastSiteM = 6.0;
+constexpr double kMinPlaceM = 2.2;  ///< In all three directions; a smaller model is an object.
+constexpr double kMinSiteM = 6.0;
 constexpr int kDirections = 32;
 
 /// Direction of a heading: 0 looks along -z, positive turns to the right.
@@ -195,7 +195,7 @@ Eigen::Vector3d irradiance(const Light& light, const Eigen::Vector3d& p) {
 FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bounds,
                             const std::optional<Eigen::Vector3d>& eye) {
   const Eigen::Vector3d size = bounds.sizes();
-  if (size.minCoeff() < kLeastPlaceM && std::min(size.x(), size.z()) < kLeastSiteM) return before_object(bounds, eye);
+  if (size.minCoeff() < kMinPlaceM && std::min(size.x(), size.z()) < kMinSiteM) return before_object(bounds, eye);
   const SpaceGrid grid(model, bounds);
   if (eye && bounds.contains(*eye)) {
     const Place place = look_around(grid, stand_at(grid, *eye));
@@ -206,7 +206,7 @@ FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bound
   if (best.room) return standing_at(grid, *best.room, SceneKind::kRoom);
   // Where nothing rises to the eye's height, the surface may be the top of an object; only a plain is open everywhere.
   const double flatness = best.site && best.site->walls > 0 ? 0.7 : 2.0;
-  const bool is_wide = std::min(size.x(), size.z()) >= std::max(kLeastSiteM, flatness * size.y());
+  const bool is_wide = std::min(size.x(), size.z()) >= std::max(kMinSiteM, flatness * size.y());
   if (best.site && is_wide) return standing_at(grid, *best.site, SceneKind::kSite);
   return before_object(bounds, std::nullopt);
 }
@@ -219,9 +219,9 @@ void add_light(const FoundSettings& found, Scene* scene) {
     scene->ambient.setConstant(0.08f);
     // Keeps the lamp well below a low ceiling and limits its light there; otherwise the white spot above it would
     // dominate.
-    constexpr double kLeastDropM = 0.8;
+    constexpr double kMinDropM = 0.8;
     constexpr double kBrightestLux = 4.0;
-    const double drop = std::max(0.5 * found.ceiling_m, kLeastDropM);
+    const double drop = std::max(0.5 * found.ceiling_m, kMinDropM);
     Light hanging;  // Gives shapes shadows, which a lamp at the eye does not.
     hanging.name = "hanging";
     hanging.position = found.eye + (found.ceiling_m - drop) * Eigen::Vector3d::UnitY() +
@@ -266,4 +266,4 @@ double find_exposure(const FoundSettings& found, const Scene& scene) {
   return std::clamp(kMiddle / radiance, 1e-6, 1e6);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

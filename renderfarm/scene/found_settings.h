@@ -14,7 +14,7 @@
 
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 enum class SceneKind : std::uint8_t { kRoom, kSite, kObject };
 
@@ -44,4 +44,4 @@ void add_light(const FoundSettings& found, Scene* scene);
 /// shadows. Returns 1 if there is no light.
 [[nodiscard]] double find_exposure(const FoundSettings& found, const Scene& scene);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

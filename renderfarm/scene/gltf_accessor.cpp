@@ -12,7 +12,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 Result<GltfComponent> read_component(const GltfObject& object) {
@@ -122,7 +122,7 @@ Result<GltfAccessorShape> read_shape(const GltfObject& object) {
 
 /// Returns the accessor with its data in the file; null data means zeros, if the file leaves them out.
 Result<GltfAccessor> locate(GltfDocument* document, const GltfObject& object) {
-  constexpr std::uint64_t kMostZeros = std::uint64_t{1} << 22;
+  constexpr std::uint64_t kMaxZeros = std::uint64_t{1} << 22;
   TRY_ASSIGN(GltfAccessorShape shape, read_shape(object));
   const std::size_t element_bytes = component_bytes(shape.component) * static_cast<std::size_t>(shape.width);
   GltfAccessor accessor;
@@ -143,7 +143,7 @@ Result<GltfAccessor> locate(GltfDocument* document, const GltfObject& object) {
     }
     TRY(check_fit(object, view, offset.value_or(0), accessor.count, element_bytes, accessor.stride));
     if (accessor.count > 0) accessor.data = view.bytes.data() + offset.value_or(0);
-  } else if (accessor.count > kMostZeros) {
+  } else if (accessor.count > kMaxZeros) {
     return object.damaged("count", fmt::format("{} elements, and no bufferView holds them", accessor.count));
   }
   return accessor;
@@ -284,4 +284,4 @@ void read_indices(const GltfAccessor& accessor, std::span<std::uint32_t> indices
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

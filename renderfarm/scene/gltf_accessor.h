@@ -13,7 +13,7 @@
 #include "common/base/result.h"
 #include "renderfarm/scene/gltf_document.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// The values are glTF's componentType.
 enum class GltfComponent : std::uint16_t { kI8 = 5120, kU8 = 5121, kI16 = 5122, kU16 = 5123, kU32 = 5125, kF32 = 5126 };
@@ -82,4 +82,4 @@ extern template std::vector<std::array<float, 4>> read_floats(const GltfAccessor
 /// Writes the first `indices.size()` elements. Precondition: an unsigned component of width 1, and enough elements.
 void read_indices(const GltfAccessor& accessor, std::span<std::uint32_t> indices);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -10,7 +10,7 @@
 #include "common/base/text.h"
 #include "renderfarm/scene/gltf_json.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 12;
@@ -118,14 +118,14 @@ Status parse_gltf_json(std::string_view text, GltfBudget* budget, nlohmann::json
   try {
     *ret_root = nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& e) {
-    constexpr std::size_t kLongestReason = 200;
+    constexpr std::size_t kMaxReasonBytes = 200;
     std::string_view reason = e.what();
     // The library's own prefix, "[json.exception.parse_error.101] ", does not help the reader.
     if (const std::size_t prefix = reason.find("] "); prefix != std::string_view::npos)
       reason.remove_prefix(prefix + 2);
-    return damaged(fmt::format("the JSON cannot be read: {}", printable(reason, kLongestReason)));
+    return damaged(fmt::format("the JSON cannot be read: {}", printable(reason, kMaxReasonBytes)));
   }
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -11,7 +11,7 @@
 #include "common/base/result.h"
 #include "renderfarm/scene/gltf_context.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Borrows the file's bytes.
 struct GltfChunks {
@@ -26,4 +26,4 @@ Result<GltfChunks> split_gltf(std::span<const std::byte> bytes);
 /// anything is built.
 Status parse_gltf_json(std::string_view text, GltfBudget* budget, nlohmann::json* ret_root);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

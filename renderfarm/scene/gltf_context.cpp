@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
-constexpr std::size_t kMostNotes = 60;  // About a page; a longer list would hide what matters.
+constexpr std::size_t kMaxNotes = 60;  // About a page; a longer list would hide what matters.
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void GltfNotes::add(const std::string& sentence, std::string_view place) {
   const auto known = notes_.find(sentence);
   if (known != notes_.end()) {
     ++known->second.count;
-  } else if (notes_.size() < kMostNotes) {
+  } else if (notes_.size() < kMaxNotes) {
     notes_.emplace(sentence, Occurrence{notes_.size(), 1, std::string(place)});
   } else {
     ++left_out_;
@@ -56,4 +56,4 @@ std::vector<std::string> GltfNotes::sentences() const {
   return sentences;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

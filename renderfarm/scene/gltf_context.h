@@ -13,7 +13,7 @@
 #include "common/base/result.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Memory budget, charged before memory is taken for anything whose size a file decides. Up to 4 GiB of the limit are
 /// available from the start; the rest is released in proportion to the stored bytes, so that a small file cannot claim
@@ -67,4 +67,4 @@ struct GltfContext {
   GltfNotes notes;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

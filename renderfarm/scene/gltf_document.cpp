@@ -13,7 +13,7 @@
 #include "renderfarm/scene/gltf_extensions.h"
 #include "renderfarm/scene/gltf_uri.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 Status check_version(const GltfObject& root) {
@@ -21,11 +21,11 @@ Status check_version(const GltfObject& root) {
   if (!asset) return root.damaged("asset", "is missing");
   TRY_ASSIGN(const std::optional<std::string> version, asset->text("version"));
   if (!version) return asset->damaged("version", "is missing");
-  TRY_ASSIGN(const std::optional<std::string> least, asset->text("minVersion"));
+  TRY_ASSIGN(const std::optional<std::string> min, asset->text("minVersion"));
   // A later 2.x may be read as 2.0, unless minVersion forbids it.
-  if (version->substr(0, 2) != "2." || (least && *least != "2.0")) {
+  if (version->substr(0, 2) != "2." || (min && *min != "2.0")) {
     return Error(ErrorCode::kBadData, fmt::format("{}/version: this is glTF '{}'; export the scene as glTF 2.0",
-                                                  asset->place(), printable(least ? *least : *version)));
+                                                  asset->place(), printable(min ? *min : *version)));
   }
   return Done{};
 }
@@ -166,4 +166,4 @@ Result<std::span<const std::byte>> GltfDocument::resource(const GltfObject& from
   return state_->files.back().bytes();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

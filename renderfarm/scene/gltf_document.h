@@ -15,7 +15,7 @@
 #include "renderfarm/scene/gltf_context.h"
 #include "renderfarm/scene/gltf_json.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 struct GltfBufferView {
   std::span<const std::byte> bytes;
@@ -59,4 +59,4 @@ class GltfDocument {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -13,7 +13,7 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 // The only bitstream version that the extension allows.
@@ -173,4 +173,4 @@ Result<std::optional<GltfAccessor>> GltfDracoMesh::attribute(const char* semanti
   return std::optional(std::move(accessor));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -10,7 +10,7 @@
 #include "renderfarm/scene/gltf_accessor.h"
 #include "renderfarm/scene/gltf_triangles.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Sizes from the uncompressed accessors; data that announces other sizes is refused before it is decoded.
 struct GltfDracoPromise {
@@ -41,4 +41,4 @@ class GltfDracoMesh {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -9,7 +9,7 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr std::array<std::string_view, 13> kSupported = {
@@ -45,7 +45,7 @@ bool contains(const List& list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();
 }
 
-bool changes_look_only(std::string_view name) {
+bool is_cosmetic(std::string_view name) {
   constexpr std::string_view kMaterials = "KHR_materials_";
   return name.substr(0, kMaterials.size()) == kMaterials || contains(kLookOnly, name);
 }
@@ -62,7 +62,7 @@ Result<std::set<std::string, std::less<>>> check_gltf_extensions(const GltfObjec
   TRY_ASSIGN(const GltfArray required, root.array("extensionsRequired"));
   for (std::size_t i = 0; i < required.size(); ++i) {
     TRY_ASSIGN(std::string name, required.text(i));
-    if (!contains(kSupported, name) && !changes_look_only(name)) {
+    if (!contains(kSupported, name) && !is_cosmetic(name)) {
       return Error(ErrorCode::kBadData, fmt::format("{}: {} is required and not supported; export the scene without it",
                                                     required.place_of(i), printable(name)));
     }
@@ -74,4 +74,4 @@ Result<std::set<std::string, std::less<>>> check_gltf_extensions(const GltfObjec
   return names;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -9,10 +9,10 @@
 #include "renderfarm/scene/gltf_context.h"
 #include "renderfarm/scene/gltf_json.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Returns the names in extensionsUsed and notes each unsupported one once. Errors: kBadData if an unsupported
 /// extension is required and the picture would be wrong without it, not just slightly different.
 Result<std::set<std::string, std::less<>>> check_gltf_extensions(const GltfObject& root, GltfNotes* notes);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

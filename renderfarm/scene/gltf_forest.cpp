@@ -5,7 +5,7 @@
 
 #include "renderfarm/scene/gltf_node.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using Parents = std::vector<std::optional<std::size_t>>;
@@ -94,4 +94,4 @@ Result<GltfForest> read_gltf_forest(const GltfDocument& document) {
   return forest;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

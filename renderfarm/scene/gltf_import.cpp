@@ -13,7 +13,7 @@
 #include "renderfarm/scene/gltf_mesh.h"
 #include "renderfarm/scene/gltf_node.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 Result<Model> import_checked(std::span<const std::byte> bytes, const std::optional<std::filesystem::path>& folder,
@@ -55,4 +55,4 @@ Result<Model> import_gltf(const std::filesystem::path& path, const ImportLimits&
   return model;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -9,7 +9,7 @@
 #include "renderfarm/scene/gltf_accessor.h"
 #include "renderfarm/scene/gltf_transform.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 /// Returns nothing if the attribute is absent. All attributes have the same length, which the first one stores in
@@ -68,4 +68,4 @@ Result<std::vector<Eigen::Affine3d>> read_instancing(GltfDocument* document, con
   return copies;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -9,10 +9,10 @@
 #include "renderfarm/scene/gltf_context.h"
 #include "renderfarm/scene/gltf_document.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Returns T_node_mesh of each copy. `extension` is the node's EXT_mesh_gpu_instancing object.
 Result<std::vector<Eigen::Affine3d>> read_instancing(GltfDocument* document, const GltfObject& extension,
                                                      GltfContext* context);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -9,16 +9,16 @@
 #include "common/base/check.h"
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
-constexpr double kLargestExactInteger = 9007199254740992.0;  // 2^53
+constexpr double kMaxExactInteger = 9007199254740992.0;  // 2^53
 
 std::optional<std::uint64_t> whole_number(const nlohmann::json& value) {
   if (value.is_number_unsigned()) return *value.get_ptr<const nlohmann::json::number_unsigned_t*>();
   if (!value.is_number_float()) return std::nullopt;
   const double number = *value.get_ptr<const nlohmann::json::number_float_t*>();
-  if (!(number >= 0.0 && number <= kLargestExactInteger) || number != std::floor(number)) return std::nullopt;
+  if (!(number >= 0.0 && number <= kMaxExactInteger) || number != std::floor(number)) return std::nullopt;
   return static_cast<std::uint64_t>(number);
 }
 
@@ -173,4 +173,4 @@ Result<std::string> GltfArray::text(std::size_t index) const {
   return *text;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -13,7 +13,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 class GltfArray;
 
@@ -80,4 +80,4 @@ class GltfArray {
   std::string place_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

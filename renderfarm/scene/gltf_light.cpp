@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr const char* kExtension = "KHR_lights_punctual";
@@ -30,10 +30,10 @@ Status read_cone(const GltfObject& object, Light* ret_light) {
   if (!spot) return object.damaged("spot", "is missing");
   TRY_ASSIGN(const std::optional<double> inner, spot->number("innerConeAngle"));
   TRY_ASSIGN(const std::optional<double> outer, spot->number("outerConeAngle"));
-  constexpr double kWidest = 1.5707963267948966;
+  constexpr double kMaxConeRad = 1.5707963267948966;
   ret_light->outer_cone_rad = outer.value_or(ret_light->outer_cone_rad);
   ret_light->inner_cone_rad = inner.value_or(0.0);
-  if (!(ret_light->outer_cone_rad > 0.0 && ret_light->outer_cone_rad <= kWidest)) {
+  if (!(ret_light->outer_cone_rad > 0.0 && ret_light->outer_cone_rad <= kMaxConeRad)) {
     return spot->damaged("outerConeAngle", "an angle over 0 and up to pi/2 is needed here");
   }
   if (!(ret_light->inner_cone_rad >= 0.0 && ret_light->inner_cone_rad <= ret_light->outer_cone_rad)) {
@@ -87,4 +87,4 @@ Result<std::optional<Light>> read_node_light(const GltfDocument& document, const
   return std::optional(std::move(light));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -10,10 +10,10 @@
 #include "renderfarm/scene/gltf_document.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Returns the light that `node` carries, in the model's frame, or nothing. Notes lights of unknown kinds.
 Result<std::optional<Light>> read_node_light(const GltfDocument& document, const GltfObject& node,
                                              const Eigen::Affine3d& T_model_node, GltfNotes* notes);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

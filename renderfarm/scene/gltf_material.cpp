@@ -7,7 +7,7 @@
 #include "renderfarm/scene/gltf_specular_glossiness.h"
 #include "renderfarm/scene/gltf_texture_use.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 Status read_metallic_roughness(const GltfDocument& document, const GltfObject& object, GltfNotes* notes,
@@ -118,4 +118,4 @@ Result<int> GltfMaterials::load_new(std::optional<std::size_t> index, const std:
   return static_cast<int>(model_->materials.size()) - 1;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -16,7 +16,7 @@
 #include "renderfarm/scene/gltf_texture.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Reads one material. Its TextureUses hold checked indices into glTF's textures, not into Model's. Texture coordinates
 /// beyond the second set are dropped with a note.
@@ -44,4 +44,4 @@ class GltfMaterials {
   std::map<std::tuple<std::optional<std::size_t>, bool, bool>, int> loaded_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

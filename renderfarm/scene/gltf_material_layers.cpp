@@ -7,7 +7,7 @@
 
 #include "renderfarm/scene/gltf_texture_use.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 Result<Eigen::Vector3f> read_unit_colour(const GltfObject& from, const char* key) {
@@ -22,8 +22,8 @@ Status read_ior(const GltfObject& object, GltfNotes* notes, Material* ret_materi
   TRY_ASSIGN(const std::optional<double> ior, extension->number("ior"));
   if (!ior) return Done{};
   if (*ior < 1.0 && *ior != 0.0) notes->add("an index of refraction below 1 is taken as 1", extension->place());
-  constexpr double kMost = double{kLargestIor};
-  ret_material->ior = *ior == 0.0 ? kLargestIor : static_cast<float>(std::clamp(*ior, 1.0, kMost));
+  constexpr double kMaxValue = double{kMaxIor};
+  ret_material->ior = *ior == 0.0 ? kMaxIor : static_cast<float>(std::clamp(*ior, 1.0, kMaxValue));
   return Done{};
 }
 
@@ -75,13 +75,13 @@ Status read_transmission(const GltfDocument& document, const GltfObject& object,
 Status read_volume(const GltfObject& object, GltfNotes* notes, Material* ret_material) {
   TRY_ASSIGN(const std::optional<GltfObject> extension, object.extension("KHR_materials_volume"));
   if (!extension) return Done{};
-  constexpr double kMost = double{std::numeric_limits<float>::max()};
-  TRY_ASSIGN(ret_material->thickness, read_factor(*extension, "thicknessFactor", 0.0, kMost, notes));
+  constexpr double kMaxValue = double{std::numeric_limits<float>::max()};
+  TRY_ASSIGN(ret_material->thickness, read_factor(*extension, "thicknessFactor", 0.0, kMaxValue, notes));
   TRY_ASSIGN(ret_material->attenuation_colour, read_unit_colour(*extension, "attenuationColor"));
   TRY_ASSIGN(const std::optional<double> distance, extension->number("attenuationDistance"));
   if (!distance) return Done{};
   if (!(*distance > 0.0)) notes->add("an attenuationDistance of 0 absorbs nothing", extension->place());
-  ret_material->attenuation_distance = static_cast<float>(std::clamp(*distance, 0.0, kMost));
+  ret_material->attenuation_distance = static_cast<float>(std::clamp(*distance, 0.0, kMaxValue));
   return Done{};
 }
 
@@ -96,4 +96,4 @@ Status read_material_layers(const GltfDocument& document, const GltfObject& obje
   return read_volume(object, notes, ret_material);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

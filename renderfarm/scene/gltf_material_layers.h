@@ -7,11 +7,11 @@
 #include "renderfarm/scene/gltf_document.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Reads KHR_materials_ior, _specular, _clearcoat, _transmission and _volume of the material `object`. Each TextureUse
 /// holds a checked index into glTF's textures.
 Status read_material_layers(const GltfDocument& document, const GltfObject& object, GltfNotes* notes,
                             Material* ret_material);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -7,7 +7,7 @@
 #include "renderfarm/scene/gltf_triangles.h"
 #include "renderfarm/scene/gltf_vertices.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr std::array<const char*, 2> kTexcoords = {"TEXCOORD_0", "TEXCOORD_1"};
@@ -87,4 +87,4 @@ Result<std::optional<Mesh>> GltfMeshes::read_primitive(const GltfObject& object)
   return std::optional(std::move(mesh));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -13,7 +13,7 @@
 #include "renderfarm/scene/gltf_material.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Loads each glTF mesh when a node first uses it. Borrows its arguments. Thread-bound.
 class GltfMeshes {
@@ -35,4 +35,4 @@ class GltfMeshes {
   std::map<std::size_t, std::vector<int>> loaded_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -8,7 +8,7 @@
 #include "renderfarm/scene/gltf_light.h"
 #include "renderfarm/scene/gltf_transform.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 struct Stage {
@@ -102,4 +102,4 @@ Status show_gltf_scene(GltfDocument* document, GltfContext* context, GltfMeshes*
   return show_nodes(stage, forest);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -11,7 +11,7 @@
 #include "renderfarm/scene/gltf_mesh.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Nodes as a forest, checked to be free of loops.
 struct GltfForest {
@@ -26,4 +26,4 @@ Result<GltfForest> read_gltf_forest(const GltfDocument& document);
 /// shows each mesh once.
 Status show_gltf_scene(GltfDocument* document, GltfContext* context, GltfMeshes* meshes, Model* ret_model);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr const char* kPosition = "POSITION";
@@ -90,4 +90,4 @@ Result<std::optional<GltfAccessor>> GltfPrimitive::attribute(const char* semanti
   return accessor;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -11,7 +11,7 @@
 #include "renderfarm/scene/gltf_triangles.h"
 #include "renderfarm/scene/gltf_vertices.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Borrows document and context. Thread-bound.
 class GltfPrimitive {
@@ -42,4 +42,4 @@ class GltfPrimitive {
   std::optional<GltfDracoMesh> draco_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

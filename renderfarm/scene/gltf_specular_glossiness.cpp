@@ -7,7 +7,7 @@
 
 #include "renderfarm/scene/gltf_texture_use.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr float kDielectricSpecular = 0.04f;
@@ -71,4 +71,4 @@ Status read_specular_glossiness(const GltfDocument& document, const GltfObject& 
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -7,11 +7,11 @@
 #include "renderfarm/scene/gltf_document.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Replaces the metallic-roughness part of `ret_material`. Converts the factors; leaves out the texture of specular
 /// colour and glossiness with a note.
 Status read_specular_glossiness(const GltfDocument& document, const GltfObject& extension, GltfNotes* notes,
                                 Material* ret_material);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

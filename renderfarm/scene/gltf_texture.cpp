@@ -12,7 +12,7 @@
 #include "common/base/text.h"
 #include "common/image/image_file.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr std::size_t kPixelBytes = 4;
@@ -108,4 +108,4 @@ Result<RgbaImage> GltfTextures::decode(const GltfObject& image) {
   return decode_image(bytes, std::min(context_->limits.texture_px, affordable_px));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

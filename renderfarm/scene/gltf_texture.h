@@ -12,7 +12,7 @@
 #include "renderfarm/scene/gltf_document.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Loads each texture when a visible material first needs it. Borrows its arguments. Thread-bound.
 class GltfTextures {
@@ -39,4 +39,4 @@ class GltfTextures {
   std::map<std::tuple<std::size_t, WrapMode, WrapMode, bool>, int> decoded_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

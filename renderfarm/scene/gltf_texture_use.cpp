@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 Status read_texture_transform(const GltfObject& texture_info, TextureUse* ret_use, std::uint64_t* ret_texcoord) {
@@ -56,13 +56,13 @@ Result<TextureUse> read_texture_use(const GltfDocument& document, const GltfObje
   return use;
 }
 
-Result<float> read_factor(const GltfObject& from, const char* key, double fallback, double most, GltfNotes* notes) {
+Result<float> read_factor(const GltfObject& from, const char* key, double fallback, double max, GltfNotes* notes) {
   TRY_ASSIGN(const std::optional<double> number, from.number(key));
   const double value = number.value_or(fallback);
-  if (value < 0.0 || value > most) {
-    notes->add(fmt::format("{} is outside [0, {}]: clipped", key, most), from.place());
+  if (value < 0.0 || value > max) {
+    notes->add(fmt::format("{} is outside [0, {}]: clipped", key, max), from.place());
   }
-  return static_cast<float>(std::clamp(value, 0.0, most));
+  return static_cast<float>(std::clamp(value, 0.0, max));
 }
 
 Result<float> read_normal_scale(const GltfObject& from, const char* key) {
@@ -72,4 +72,4 @@ Result<float> read_normal_scale(const GltfObject& from, const char* key) {
   return static_cast<float>(std::clamp(scale.value_or(1.0), -1e6, 1e6));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

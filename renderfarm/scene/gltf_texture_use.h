@@ -9,7 +9,7 @@
 #include "renderfarm/scene/gltf_document.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Clips each component to [0, 1].
 [[nodiscard]] Eigen::Vector4f unit_colour(const std::array<double, 4>& colour);
@@ -19,9 +19,9 @@ Result<TextureUse> read_texture_use(const GltfDocument& document, const GltfObje
                                     GltfNotes* notes);
 
 /// Returns from.key, or `fallback` if absent, clipped to [0, most] with a note.
-Result<float> read_factor(const GltfObject& from, const char* key, double fallback, double most, GltfNotes* notes);
+Result<float> read_factor(const GltfObject& from, const char* key, double fallback, double max, GltfNotes* notes);
 
 /// Returns from.key.scale of a normal map; 1 if absent.
 Result<float> read_normal_scale(const GltfObject& from, const char* key);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 Result<Eigen::Affine3d> from_matrix(const GltfObject& node, const std::array<double, 16>& columns) {
@@ -65,4 +65,4 @@ bool is_invertible(const Eigen::Affine3d& transform) {
   return std::abs(m.determinant()) > kFlattest * volume;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

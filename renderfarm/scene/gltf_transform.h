@@ -9,7 +9,7 @@
 #include "renderfarm/scene/gltf_context.h"
 #include "renderfarm/scene/gltf_json.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Reads T_parent_node from `matrix` or from translation, rotation and scale. Errors: kBadData if both are given or the
 /// transform is not affine.
@@ -22,4 +22,4 @@ std::optional<Eigen::Affine3d> compose_transform(const Eigen::Vector3d& translat
 /// True if the transform is finite and not so flat that it cannot be inverted, as a ray tracer requires of an instance.
 bool is_invertible(const Eigen::Affine3d& transform);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <span>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 bool repeats_a_corner(const std::array<std::uint32_t, 3>& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
@@ -94,4 +94,4 @@ GltfSelection select_vertices(GltfTriangles* triangles, std::size_t vertex_count
   return GltfSelection::some(std::move(used));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -12,7 +12,7 @@
 #include "renderfarm/scene/gltf_accessor.h"
 #include "renderfarm/scene/gltf_context.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 using GltfTriangles = std::vector<std::array<std::uint32_t, 3>>;
 
@@ -31,4 +31,4 @@ Status check_corners(const GltfTriangles& triangles, std::size_t vertex_count, s
 /// list. Selects all if there are at least as many corners as vertices. Precondition: check_corners().
 GltfSelection select_vertices(GltfTriangles* triangles, std::size_t vertex_count);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

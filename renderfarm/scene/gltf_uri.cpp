@@ -11,7 +11,7 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr std::string_view kDataScheme = "data:";
@@ -115,4 +115,4 @@ Result<std::filesystem::path> resolve_relative_uri(const std::filesystem::path& 
   return folder / relative;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -9,7 +9,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 [[nodiscard]] bool is_data_uri(std::string_view uri);
 /// Upper bound of the bytes that decode_data_uri() returns and needs.
@@ -22,4 +22,4 @@ Result<std::vector<std::byte>> decode_data_uri(std::string_view uri);
 /// absolute path, or a path that leaves `folder`: a scene reads only what was delivered with it.
 Result<std::filesystem::path> resolve_relative_uri(const std::filesystem::path& folder, std::string_view uri);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

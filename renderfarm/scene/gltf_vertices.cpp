@@ -9,7 +9,7 @@
 #include "common/image/colour.h"
 #include "renderfarm/scene/mesh_repair.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using Float3 = std::array<float, 3>;
@@ -18,7 +18,7 @@ using Float3 = std::array<float, 3>;
 template <std::size_t N>
 bool is_usable_number(const std::array<float, N>& values) {
   bool usable = true;  // Without a branch, since most data is valid and this runs for every vertex.
-  for (const float v : values) usable &= std::abs(v) < static_cast<float>(kFarthest);
+  for (const float v : values) usable &= std::abs(v) < static_cast<float>(kMaxCoordinate);
   return usable;
 }
 
@@ -179,4 +179,4 @@ Status read_colours(const GltfAccessor& accessor, const GltfSelection& selection
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

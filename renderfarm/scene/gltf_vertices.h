@@ -7,7 +7,7 @@
 #include "renderfarm/scene/gltf_context.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Checks that `accessor` has a width and a component type that the specification allows for this kind of data, with or
 /// without KHR_mesh_quantization (`quantized`). Sources: glTF 2.0, table 3.7.2.1; KHR_mesh_quantization, "Extending".
@@ -29,4 +29,4 @@ Status read_texcoords(const GltfAccessor& accessor, const GltfSelection& selecti
 /// Converts linear values, clipped to [0, 1], to sRGB; alpha is 1 if absent.
 Status read_colours(const GltfAccessor& accessor, const GltfSelection& selection, GltfContext* context, Mesh* mesh);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -7,20 +7,20 @@
 #include "renderfarm/scene/area.h"
 #include "renderfarm/scene/outline.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr double kHeadroomM = 0.15;
 constexpr double kStepOver = 0.25;  // Part of the eye's height; lower obstacles do not stop a visitor.
 constexpr double kUneven = 0.4;     // Part of the eye's height; ground that lies at most this much lower is walkable.
 constexpr double kWallDistanceM = 0.3;
-constexpr std::size_t kMostCorners = 512;
+constexpr std::size_t kMaxCorners = 512;
 
 bool has_ground(const SpaceGrid& grid, int x, int z, const Standing& standing) {
-  const Eigen::Vector3d least(0, standing.floor - kUneven * standing.eye_height_m(), 0);
-  const Eigen::Vector3d most(0, standing.floor + kStepOver * standing.eye_height_m(), 0);
-  const int last = grid.cell_of(most).y();
-  for (Eigen::Vector3i cell(x, grid.cell_of(least).y(), z); cell.y() <= last; ++cell.y()) {
+  const Eigen::Vector3d min(0, standing.floor - kUneven * standing.eye_height_m(), 0);
+  const Eigen::Vector3d max(0, standing.floor + kStepOver * standing.eye_height_m(), 0);
+  const int last = grid.cell_of(max).y();
+  for (Eigen::Vector3i cell(x, grid.cell_of(min).y(), z); cell.y() <= last; ++cell.y()) {
     if (grid.is_solid(cell)) return true;
   }
   return false;
@@ -92,11 +92,11 @@ std::vector<Eigen::Vector2d> walkable_outline(const SpaceGrid& grid, const Stand
   // eye's cell stays inside.
   for (double tolerance = 0.75; tolerance < 64.0; tolerance *= 2.0) {
     const std::vector<Eigen::Vector2d> simple = simplified(corners, tolerance * grid.cell_m());
-    if (simple.size() <= kMostCorners && is_inside(simple, {standing.eye.x(), standing.eye.z()})) return simple;
+    if (simple.size() <= kMaxCorners && is_inside(simple, {standing.eye.x(), standing.eye.z()})) return simple;
   }
   std::vector<Eigen::Vector2d> exact = simplified(corners, 0.4 * grid.cell_m());
-  if (exact.size() > kMostCorners || !is_inside(exact, {standing.eye.x(), standing.eye.z()})) exact.clear();
+  if (exact.size() > kMaxCorners || !is_inside(exact, {standing.eye.x(), standing.eye.z()})) exact.clear();
   return exact;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -7,7 +7,7 @@
 
 #include "renderfarm/scene/space_grid.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Position of an eye, and the height of the ground below it.
 struct Standing {
@@ -24,4 +24,4 @@ struct Standing {
 /// corners, at most 512, the eye inside. Columns within it are not cut out. Empty if the visitor cannot take a step.
 [[nodiscard]] std::vector<Eigen::Vector2d> walkable_outline(const SpaceGrid& grid, const Standing& standing);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

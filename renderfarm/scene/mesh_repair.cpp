@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using Float3 = std::array<float, 3>;
@@ -47,4 +47,4 @@ void repair_normals(Mesh* mesh) {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

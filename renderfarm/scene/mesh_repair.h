@@ -9,12 +9,12 @@
 
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Coordinates beyond this, in the file's unit, count as not finite: their squares would overflow in float.
-inline constexpr double kFarthest = 1e15;
+inline constexpr double kMaxCoordinate = 1e15;
 
-[[nodiscard]] inline bool is_usable(const Eigen::Vector3d& p) { return (p.array().abs() < kFarthest).all(); }
+[[nodiscard]] inline bool is_usable(const Eigen::Vector3d& p) { return (p.array().abs() < kMaxCoordinate).all(); }
 
 /// Returns the origin for a mesh with corner `p`: zero near the file's own origin, so that the file's numbers are kept;
 /// otherwise whole units near `p`.
@@ -30,11 +30,11 @@ inline constexpr double kFarthest = 1e15;
 
 /// For texture coordinates and normals: an unusable value becomes 0.
 [[nodiscard]] inline float finite_float(double value) {
-  return std::abs(value) < kFarthest ? static_cast<float>(value) : 0.0f;
+  return std::abs(value) < kMaxCoordinate ? static_cast<float>(value) : 0.0f;
 }
 
 /// Makes every normal unit length; a normal that is zero or not finite becomes the mean of its triangles' normals.
 /// Precondition: as many normals as positions, indices in range. Reentrant.
 void repair_normals(Mesh* mesh);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -13,7 +13,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 enum class WrapMode : std::uint8_t { kRepeat, kMirror, kClamp };
 
@@ -51,7 +51,7 @@ struct Material {
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
 
-  float ior = 1.5f;                                           ///< Index of refraction, from 1 to kLargestIor.
+  float ior = 1.5f;                                           ///< Index of refraction, from 1 to kMaxIor.
   float specular = 1.0f;                                      ///< Strength of a dielectric's specular reflection.
   Eigen::Vector3f specular_colour = Eigen::Vector3f::Ones();  ///< Tints the specular reflection at normal incidence.
   TextureUse specular_texture;                                ///< Linear, in A.
@@ -72,7 +72,7 @@ struct Material {
   float attenuation_distance = 0.0f;                             ///< In the scene's metres; 0 disables absorption.
 };
 
-inline constexpr float kLargestIor = 1e6f;  ///< Reflects all light; glTF writes 0.
+inline constexpr float kMaxIor = 1e6f;  ///< Reflects all light; glTF writes 0.
 
 /// Every texture of a Material.
 [[nodiscard]] constexpr auto texture_places() {
@@ -174,4 +174,4 @@ Result<Model> import_ply(const std::filesystem::path& path, const ImportLimits& 
 /// Wavefront OBJ with its MTL files.
 Result<Model> import_obj(const std::filesystem::path& path, const ImportLimits& limits);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -14,7 +14,7 @@
 #include "common/geometry/obj_text.h"
 #include "common/image/image_file.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr std::size_t kMtlLimitBytes = std::size_t{64} << 20;
@@ -31,17 +31,17 @@ Material plain(std::string name) {
   return material;
 }
 
-std::optional<float> number(std::string_view* rest, float least, float most) {
+std::optional<float> number(std::string_view* rest, float min, float max) {
   const auto value = number_in(next_word(rest), nullptr);
   if (!value || std::isnan(*value)) return std::nullopt;
-  return std::clamp(static_cast<float>(std::clamp(*value, -1e30, 1e30)), least, most);
+  return std::clamp(static_cast<float>(std::clamp(*value, -1e30, 1e30)), min, max);
 }
 
 /// Reads a colour; one number stands for all three.
-std::optional<Eigen::Vector3f> colour(std::string_view rest, float most) {
+std::optional<Eigen::Vector3f> colour(std::string_view rest, float max) {
   Eigen::Vector3f rgb;
   for (int i = 0; i < 3; ++i) {
-    const auto value = number(&rest, 0.0f, most);
+    const auto value = number(&rest, 0.0f, max);
     if (!value && i == 0) return std::nullopt;
     rgb[i] = value.value_or(rgb[0]);
   }
@@ -52,15 +52,15 @@ std::optional<Eigen::Vector3f> colour(std::string_view rest, float most) {
 std::string file_of_map(std::string_view rest) {
   while (rest.starts_with('-')) {
     const std::string_view option = next_word(&rest);
-    std::size_t least = 1;
-    std::size_t most = 1;
-    if (option == "-o" || option == "-s" || option == "-t") most = 3;
-    if (option == "-mm") least = most = 2;
-    for (std::size_t i = 0; i < most; ++i) {
+    std::size_t min = 1;
+    std::size_t max = 1;
+    if (option == "-o" || option == "-s" || option == "-t") max = 3;
+    if (option == "-mm") min = max = 2;
+    for (std::size_t i = 0; i < max; ++i) {
       std::string_view ahead = rest;
       const std::string_view word = next_word(&ahead);
       bool whole = false;
-      if (i >= least && !(number_in(word, &whole) && whole)) break;
+      if (i >= min && !(number_in(word, &whole) && whole)) break;
       rest = ahead;
     }
     rest = trimmed(rest);
@@ -222,4 +222,4 @@ void MtlLibrary::finish(Model* model) && {
   model->notes.insert(model->notes.end(), notes_.begin(), notes_.end());
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -22,7 +22,7 @@
 #include "common/base/result.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Materials of one OBJ file and their pictures. Thread-bound.
 class MtlLibrary {
@@ -65,4 +65,4 @@ class MtlLibrary {
   std::vector<std::string> notes_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -18,7 +18,7 @@
 #include "renderfarm/scene/mtl.h"
 #include "renderfarm/scene/obj_mesh.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 /// Counts of file features that were not used.
@@ -240,4 +240,4 @@ Result<Model> import_obj(const std::filesystem::path& path, const ImportLimits& 
   return model;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -5,7 +5,7 @@
 
 #include "renderfarm/scene/mesh_repair.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 std::uint64_t hash_of(const ObjCorner& corner) {
@@ -92,4 +92,4 @@ Mesh ObjMesh::finish(const ObjLists& lists) && {
   return mesh;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

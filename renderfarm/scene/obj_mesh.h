@@ -10,7 +10,7 @@
 
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Zero-based indices of a face's corner into the lists.
 struct ObjCorner {
@@ -54,4 +54,4 @@ class ObjMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 double distance_to_line(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -102,4 +102,4 @@ std::vector<Eigen::Vector2d> simplified(const std::vector<Eigen::Vector2d>& corn
   return simple;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

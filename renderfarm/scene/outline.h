@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// One bit for each cell of a grid seen from above.
 class CellSet {
@@ -42,4 +42,4 @@ class CellSet {
 /// result.
 [[nodiscard]] std::vector<Eigen::Vector2d> simplified(const std::vector<Eigen::Vector2d>& corners, double tolerance);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

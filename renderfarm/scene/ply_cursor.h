@@ -17,7 +17,7 @@
 #include "common/base/text_lines.h"
 #include "renderfarm/scene/ply_header.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 template <bool kSwapped>
 class PlyBinaryCursor {
@@ -112,4 +112,4 @@ class PlyTextCursor {
   const char* what_ = "";
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

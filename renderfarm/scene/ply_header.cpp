@@ -9,7 +9,7 @@
 #include "common/base/text.h"
 #include "common/base/text_lines.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr std::size_t kHeaderLimitBytes = std::size_t{1} << 20;
@@ -125,16 +125,16 @@ Status check_counts(const PlyHeader& header, std::size_t body_bytes) {
     if (element.properties.empty()) {
       return Error(ErrorCode::kBadData, fmt::format("the PLY element '{}' has no properties", printable(element.name)));
     }
-    const std::size_t least = element.least_row_bytes(header.encoding);
+    const std::size_t min = element.min_row_bytes(header.encoding);
     // + 1: the last line may lack its line end.
-    if (element.count > left / least + 1 || element.count * least > left + 1) {
+    if (element.count > left / min + 1 || element.count * min > left + 1) {
       return Error(
           ErrorCode::kBadData,
           fmt::format("the header announces {} rows of '{}', but the file ends {} bytes after the header: it is "
                       "cut short; copy it again",
                       element.count, printable(element.name), body_bytes));
     }
-    left -= std::min(left, static_cast<std::size_t>(element.count) * least);
+    left -= std::min(left, static_cast<std::size_t>(element.count) * min);
   }
   return Done{};
 }
@@ -159,7 +159,7 @@ std::size_t size_of(PlyType type) {
   return 1;
 }
 
-std::size_t PlyElement::least_row_bytes(PlyEncoding encoding) const {
+std::size_t PlyElement::min_row_bytes(PlyEncoding encoding) const {
   if (encoding == PlyEncoding::kAscii) return 2 * properties.size();  // One digit and one separator.
   std::size_t bytes = 0;
   for (const PlyProperty& property : properties) bytes += size_of(property.count_type.value_or(property.type));
@@ -189,4 +189,4 @@ Result<PlyHeader> parse_ply_header(std::span<const std::byte> file) {
   return Error(ErrorCode::kBadData, "the PLY header has no end ('end_header'): the file is cut short or damaged");
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -15,7 +15,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 enum class PlyType : std::uint8_t { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 enum class PlyEncoding : std::uint8_t { kAscii, kLittleEndian, kBigEndian };
@@ -35,7 +35,7 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   /// Minimum size in bytes of one row in the file, with empty lists.
-  [[nodiscard]] std::size_t least_row_bytes(PlyEncoding encoding) const;
+  [[nodiscard]] std::size_t min_row_bytes(PlyEncoding encoding) const;
 };
 
 struct PlyHeader {
@@ -50,4 +50,4 @@ struct PlyHeader {
 /// Errors: kBadData, with the line, if this is no PLY header or it announces more rows than `file` can hold.
 Result<PlyHeader> parse_ply_header(std::span<const std::byte> file);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

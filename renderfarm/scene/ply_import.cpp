@@ -12,7 +12,7 @@
 #include "renderfarm/scene/ply_header.h"
 #include "renderfarm/scene/ply_mesh.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 template <typename Cursor>
@@ -134,4 +134,4 @@ Result<Model> import_ply(const std::filesystem::path& path, const ImportLimits& 
   return model;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -11,7 +11,7 @@
 #include "common/geometry/polygon.h"
 #include "renderfarm/scene/mesh_repair.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 struct RoleName {
@@ -221,4 +221,4 @@ Result<Model> PlyMesh::finish() && {
   return model;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

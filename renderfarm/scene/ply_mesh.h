@@ -13,7 +13,7 @@
 #include "renderfarm/scene/model.h"
 #include "renderfarm/scene/ply_header.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Meaning of a vertex property.
 enum PlyRole : std::size_t { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kRed, kGreen, kBlue, kAlpha, kRoleCount, kNoRole };
@@ -76,4 +76,4 @@ class PlyMesh {
   std::vector<std::array<std::uint32_t, 3>> pieces_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -17,7 +17,7 @@
 #include "renderfarm/scene/found_settings.h"
 #include "renderfarm/scene/scene_package.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr std::size_t kPackageLimitBytes = std::size_t{1} << 20;
@@ -73,15 +73,15 @@ bool has_light(const Scene& scene) {
 void light(const ScenePackage& package, const FoundSettings& found, Scene* scene) {
   constexpr float kShadow = 0.04f;  // Part of white; in reality, areas that no lamp reaches directly are not black.
   scene->tone = package.tone;
-  const bool package_says =
+  const bool in_package =
       package.sky || package.environment || package.ambient || package.eye_lamp || !package.lamps.empty();
-  if (!package_says && !has_light(*scene)) {
+  if (!in_package && !has_light(*scene)) {
     add_light(found, scene);
     scene->exposure = package.exposure.value_or(1.0);
     return;
   }
   scene->exposure = package.exposure ? *package.exposure : find_exposure(found, *scene);
-  if (!package_says) scene->ambient.setConstant(kShadow / static_cast<float>(scene->exposure));
+  if (!in_package) scene->ambient.setConstant(kShadow / static_cast<float>(scene->exposure));
 }
 
 /// Heading of a camera; 0 if it looks straight down.
@@ -227,4 +227,4 @@ std::size_t Scene::memory_bytes() const {
   return bytes;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -13,7 +13,7 @@
 #include "renderfarm/scene/environment_map.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Light from all directions where no triangle hides it: a vertical gradient of linear radiance.
 struct Sky {
@@ -26,7 +26,7 @@ struct Sky {
 enum class ToneCurve { kShoulder, kLinear, kFilmic };
 
 inline constexpr int kUsualBounces = 4;
-inline constexpr int kMostSceneBounces = 64;
+inline constexpr int kMaxSceneBounces = 64;
 
 struct SceneTourStop {
   std::string title;
@@ -76,4 +76,4 @@ using LoadProgress = std::function<void(double)>;
 /// Errors as the importers' and Config's; kNotFound if `path` does not exist; kSystem also if memory runs out.
 Result<Scene> load_scene(const std::filesystem::path& path, const ImportLimits& limits, const LoadProgress& progress);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

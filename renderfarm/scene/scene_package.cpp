@@ -12,7 +12,7 @@
 #include "common/config/config.h"
 #include "renderfarm/scene/area.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -22,7 +22,7 @@ constexpr Range kLight{0.0, 1e9};
 constexpr Range kLampSize{1e-6, 1e4};
 constexpr Range kUnit{1e-6, 1e6};
 constexpr Range kScale{1e-6, 1e6};
-constexpr std::size_t kMostCorners = 1024;  // Limit of the visitor's navigation.
+constexpr std::size_t kMaxCorners = 1024;  // Limit of the visitor's navigation.
 
 Eigen::Vector3d vector_of(const std::vector<double>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
 
@@ -225,9 +225,9 @@ void read_visitor(ConfigTable table, ScenePackage* package) {
     package->walkable.emplace_back(corner[0], corner[1]);
   }
   const std::size_t corners = read_holes(&table, package);
-  if (corners > kMostCorners) {
+  if (corners > kMaxCorners) {
     table.refuse("walkable_m",
-                 fmt::format("has {} corners with its holes; at most {} are accepted", corners, kMostCorners));
+                 fmt::format("has {} corners with its holes; at most {} are accepted", corners, kMaxCorners));
   } else if (table.has("walkable_m") && !(area_of(package->walkable) > 0.0)) {
     table.refuse("walkable_m", "must be the [x, z] corners of an area: three or more, not all on a line");
   } else if (table.has("walkable_m") && !package->start_eye) {
@@ -250,7 +250,7 @@ Result<ScenePackage> parse_scene_package(std::string_view text, std::string name
   const bool z_up = is_z_up(&root, false);
   package.exposure = number_if_given(&root, "exposure", {1e-6, 1e6});
   package.tone = read_tone(root.table("tone"));
-  package.bounces = root.integer("bounces", {0, kMostSceneBounces}, kUsualBounces);
+  package.bounces = root.integer("bounces", {0, kMaxSceneBounces}, kUsualBounces);
 
   ConfigTable start = root.table("start");
   if (start.has("eye_m")) package.start_eye = vector_of(start.numbers("eye_m", 3, kMetres));
@@ -276,4 +276,4 @@ Result<ScenePackage> parse_scene_package(std::string_view text, std::string name
   return package;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

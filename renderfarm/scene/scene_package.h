@@ -12,7 +12,7 @@
 #include "common/base/result.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// One geometry file and its placements; stored once.
 struct PackageGeometry {
@@ -55,4 +55,4 @@ struct ScenePackage {
 /// as "scene.toml:7: ...". Reentrant.
 Result<ScenePackage> parse_scene_package(std::string_view text, std::string name, const std::filesystem::path& folder);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

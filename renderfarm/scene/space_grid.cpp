@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
-constexpr double kCellsAlongLongest = 96.0;
+constexpr double kCellsAlongLongestAxis = 96.0;
 constexpr std::size_t kMarksLimit = 40'000'000;  // Takes about a second.
 constexpr double kTrianglesPerCellFace = 64.0;   // More triangles of one mesh add no information about a cell.
 
@@ -26,8 +26,8 @@ double diagonal_of(const Mesh& mesh, const Eigen::Affine3d& T) {
 }  // namespace
 
 SpaceGrid::SpaceGrid(const Model& model, const Eigen::AlignedBox3d& bounds) : marks_left_(kMarksLimit) {
-  cell_m_ = std::max(bounds.sizes().maxCoeff() / kCellsAlongLongest, 1e-9);
-  least_ = bounds.min().array() - 0.5 * cell_m_;
+  cell_m_ = std::max(bounds.sizes().maxCoeff() / kCellsAlongLongestAxis, 1e-9);
+  min_ = bounds.min().array() - 0.5 * cell_m_;
   cells_ = (bounds.sizes() / cell_m_).array().floor().cast<int>() + 2;
   data_.resize(static_cast<std::size_t>(cells_.cast<std::int64_t>().prod()));
   for (const Instance& instance : model.instances) {
@@ -53,7 +53,7 @@ void SpaceGrid::mark_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b
   const Eigen::Vector3d v = c - a;
   const Eigen::Vector3f normal = u.cross(v).normalized().cast<float>();
   const double longest = std::sqrt(std::max({u.squaredNorm(), v.squaredNorm(), (c - b).squaredNorm()}));
-  const auto steps = static_cast<std::size_t>(std::min(longest / (0.7 * cell_m_), 2.0 * kCellsAlongLongest)) + 1;
+  const auto steps = static_cast<std::size_t>(std::min(longest / (0.7 * cell_m_), 2.0 * kCellsAlongLongestAxis)) + 1;
   const std::size_t marks = steps * (steps + 1) / 2;
   if (steps == 1 || marks > marks_left_) return mark((a + b + c) / 3.0, normal);
   marks_left_ -= marks;
@@ -93,4 +93,4 @@ SpaceGrid::Ray SpaceGrid::cast(const Eigen::Vector3d& from, const Eigen::Vector3
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -7,7 +7,7 @@
 
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Cubic cells over the bounds, 96 along the longest side. Immutable once made; reentrant.
 class SpaceGrid {
@@ -19,11 +19,11 @@ class SpaceGrid {
   [[nodiscard]] double cell_m() const { return cell_m_; }
   [[nodiscard]] const Eigen::Vector3i& cells() const { return cells_; }
   [[nodiscard]] Eigen::Vector3d centre_of(const Eigen::Vector3i& cell) const {
-    return least_ + (cell.cast<double>().array() + 0.5).matrix() * cell_m_;
+    return min_ + (cell.cast<double>().array() + 0.5).matrix() * cell_m_;
   }
   /// The cell may lie outside the grid.
   [[nodiscard]] Eigen::Vector3i cell_of(const Eigen::Vector3d& p) const {
-    return ((p - least_) / cell_m_).array().floor().cast<int>();
+    return ((p - min_) / cell_m_).array().floor().cast<int>();
   }
   [[nodiscard]] bool contains(const Eigen::Vector3i& cell) const {
     return (cell.array() >= 0).all() && (cell.array() < cells_.array()).all();
@@ -53,11 +53,11 @@ class SpaceGrid {
   void mark_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
   void mark_instance(const Mesh& mesh, const Instance& instance);
 
-  Eigen::Vector3d least_;
+  Eigen::Vector3d min_;
   double cell_m_ = 1.0;
   Eigen::Vector3i cells_;
   std::vector<Cell> data_;
   std::size_t marks_left_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

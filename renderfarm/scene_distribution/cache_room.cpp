@@ -13,7 +13,7 @@
 #include "common/base/unique_fd.h"
 #include "renderfarm/scene_distribution/sha256.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 namespace {
 
 namespace fs = std::filesystem;
@@ -102,12 +102,12 @@ double gib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 30);
 }  // namespace
 
 void drop_folder(const fs::path& folder) {
-  fs::path gone = folder;
-  gone += ".old";
+  fs::path doomed = folder;
+  doomed += ".old";
   std::error_code ignored;
-  fs::remove_all(gone, ignored);
-  fs::rename(folder, gone, ignored);
-  fs::remove_all(gone, ignored);
+  fs::remove_all(doomed, ignored);
+  fs::rename(folder, doomed, ignored);
+  fs::remove_all(doomed, ignored);
 }
 
 Status make_room(const fs::path& cache, std::uint64_t limit_bytes, const CacheNeeds& needs) {
@@ -126,4 +126,4 @@ Status make_room(const fs::path& cache, std::uint64_t limit_bytes, const CacheNe
                            gib(needs.bytes), cache.string(), limit));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

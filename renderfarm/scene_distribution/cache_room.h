@@ -8,7 +8,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 
 /// Contents of a scene cache that must stay while room is made.
 struct CacheNeeds {
@@ -25,4 +25,4 @@ Status make_room(const std::filesystem::path& cache, std::uint64_t limit_bytes, 
 /// Renames the folder before removing its content, so that no scene is ever incomplete.
 void drop_folder(const std::filesystem::path& folder);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -9,10 +9,10 @@
 #include "common/base/file.h"
 #include "renderfarm/scene_distribution/sha256.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
 /// Upper bound for the resolution of file systems' clocks; FAT's is two seconds.
 constexpr std::int64_t kTick_ns = 2'000'000'000;
 
@@ -25,7 +25,7 @@ std::int64_t wall_clock_ns() {
 
 DigestMemory::DigestMemory(std::filesystem::path file) : file_(std::move(file)) {
   if (file_.empty()) return;
-  const auto text = read_text_file(file_, kMostBytes);
+  const auto text = read_text_file(file_, kMaxBytes);
   if (!text) return;
   std::istringstream lines(*text);
   for (std::string line; std::getline(lines, line);) {
@@ -64,4 +64,4 @@ Status DigestMemory::save() {
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -9,7 +9,7 @@
 #include "common/base/result.h"
 #include "renderfarm/scene_distribution/file_stamp.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 
 /// Digests of files read earlier, so that a restarted coordinator need not read all scenes again. A file counts as
 /// unchanged while its stamp is; a file changed just before it was read is not remembered. Thread-bound.
@@ -29,4 +29,4 @@ class DigestMemory {
   bool changed_ = false;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -10,7 +10,7 @@
 
 #include "renderfarm/scene_distribution/sha256.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 namespace {
 
 std::int64_t nanoseconds_of(const timespec& time) {
@@ -37,7 +37,7 @@ Result<StampedFile> open_stamped(const std::filesystem::path& path) {
   return StampedFile{std::move(fd), stamp};
 }
 
-Result<HashedFile> hash_file(const std::filesystem::path& path, const GoOn& go_on) {
+Result<HashedFile> hash_file(const std::filesystem::path& path, const ContinueCheck& should_continue) {
   TRY_ASSIGN(const StampedFile file, open_stamped(path));
   Sha256 sum;
   std::vector<std::byte> piece(std::size_t{1} << 20);
@@ -49,7 +49,7 @@ Result<HashedFile> hash_file(const std::filesystem::path& path, const GoOn& go_o
     if (n == 0) break;
     sum.add(std::span(piece).first(static_cast<std::size_t>(n)));
     done += static_cast<std::uint64_t>(n);
-    if (!go_on(static_cast<std::uint64_t>(n))) return Error(ErrorCode::kUnavailable, "given up");
+    if (!should_continue(static_cast<std::uint64_t>(n))) return Error(ErrorCode::kUnavailable, "given up");
   }
   TRY_ASSIGN(const FileStamp after, stamp_of(file.fd.get(), path));
   if (after != file.stamp || done != after.bytes) {
@@ -58,4 +58,4 @@ Result<HashedFile> hash_file(const std::filesystem::path& path, const GoOn& go_o
   return HashedFile{after, sum.hexadecimal()};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

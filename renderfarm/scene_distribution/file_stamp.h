@@ -10,7 +10,7 @@
 #include "common/base/result.h"
 #include "common/base/unique_fd.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 
 /// A file with the same stamp has the same bytes, unless it was written within one tick of the file system's clock.
 struct FileStamp {
@@ -33,9 +33,9 @@ struct HashedFile {
   std::string sha256;
 };
 /// Receives the number of further bytes done; returns false to give up.
-using GoOn = std::function<bool(std::uint64_t bytes)>;
+using ContinueCheck = std::function<bool(std::uint64_t bytes)>;
 /// Blocks. Errors: kBusy if the file changed while it was read (try again); kUnavailable if given up; otherwise as
 /// open_stamped().
-Result<HashedFile> hash_file(const std::filesystem::path& path, const GoOn& go_on);
+Result<HashedFile> hash_file(const std::filesystem::path& path, const ContinueCheck& should_continue);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

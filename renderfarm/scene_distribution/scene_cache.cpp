@@ -17,7 +17,7 @@
 #include "renderfarm/scene_distribution/cache_room.h"
 #include "renderfarm/scene_distribution/sha256.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,9 +64,9 @@ struct SceneCache::Count {
 
   bool add(const char* doing, std::uint64_t bytes) {
     done += bytes;
-    return tell(doing);
+    return report_progress(doing);
   }
-  [[nodiscard]] bool tell(const char* doing) const {
+  [[nodiscard]] bool report_progress(const char* doing) const {
     return progress(doing, all == 0 ? 1.0 : std::min(1.0, static_cast<double>(done) / static_cast<double>(all)));
   }
 };
@@ -133,8 +133,8 @@ Result<SceneCache::Held> SceneCache::bring(const SceneFiles& files, FileSource& 
     missing.push_back(wanted);
     needs.bytes += wanted.bytes;
     std::error_code none;
-    const std::uint64_t came = fs::file_size(part(wanted.sha256), none);
-    if (!none && came <= wanted.bytes) needs.bytes -= came;
+    const std::uint64_t cached = fs::file_size(part(wanted.sha256), none);
+    if (!none && cached <= wanted.bytes) needs.bytes -= cached;
   }
   TRY(make_room(options_.folder, options_.limit_bytes, needs));
   for (const SceneFile& wanted : missing) {
@@ -195,9 +195,10 @@ Status SceneCache::fetch(const SceneFile& wanted, FileSource& source, Count& cou
     if (::ftruncate(fd.get(), 0) != 0) return Error::from_errno(fmt::format("emptying '{}'", path.string()));
     // A crash may have damaged the earlier part: try once more from the beginning.
     if (have == 0) {
-      return Error(ErrorCode::kBadData, fmt::format("the head sent other bytes for '{}' than its list says; if the "
-                                                    "file was changed there, restart the head",
-                                                    wanted.path));
+      return Error(ErrorCode::kBadData,
+                   fmt::format("the coordinator sent other bytes for '{}' than its list says; if the "
+                               "file was changed there, restart the coordinator",
+                               wanted.path));
     }
   }
   if (::fchmod(fd.get(), 0400) != 0 || ::fsync(fd.get()) != 0 ||
@@ -220,11 +221,12 @@ Status SceneCache::append(const SceneFile& wanted, int fd, std::uint64_t have, F
     done += static_cast<std::uint64_t>(n);
     if (!count.add("checking", static_cast<std::uint64_t>(n))) return given_up();
   }
-  if (!count.tell("fetching")) return given_up();
+  if (!count.report_progress("fetching")) return given_up();
   std::optional<Error> mine;  // Failure here, as opposed to one of the source.
   const auto sink = [&](std::span<const std::byte> bytes) -> Status {
     if (bytes.size() > wanted.bytes - have) {
-      mine = Error(ErrorCode::kBadData, fmt::format("the head sent more of '{}' than its list says", wanted.path));
+      mine =
+          Error(ErrorCode::kBadData, fmt::format("the coordinator sent more of '{}' than its list says", wanted.path));
     } else if (const Status written = write_at(fd, have, bytes); !written) {
       mine = write_error(wanted, written.error());
     } else {
@@ -242,7 +244,7 @@ Status SceneCache::append(const SceneFile& wanted, int fd, std::uint64_t have, F
     if (!read) return Error(read.error()).while_doing(fmt::format("fetching '{}'", wanted.path));
   }
   if (have < wanted.bytes) {
-    return Error(ErrorCode::kBadData, fmt::format("the head sent less of '{}' than its list says", wanted.path));
+    return Error(ErrorCode::kBadData, fmt::format("the coordinator sent less of '{}' than its list says", wanted.path));
   }
   *ret_sha256 = sum.hexadecimal();
   return Done{};
@@ -282,4 +284,4 @@ Status SceneCache::link_scene(const SceneFiles& files, const fs::path& folder) c
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

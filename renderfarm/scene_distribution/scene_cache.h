@@ -13,7 +13,7 @@
 #include "renderfarm/scene_distribution/file_stamp.h"
 #include "renderfarm/scene_distribution/scene_files.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 
 /// Source of the files that a cache lacks.
 class FileSource {
@@ -91,4 +91,4 @@ class SceneCache {
   std::map<std::string, FileStamp> verified_;  ///< Keyed by SHA-256.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

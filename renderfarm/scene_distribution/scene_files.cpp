@@ -10,12 +10,12 @@
 #include "common/base/text.h"
 #include "renderfarm/scene_distribution/sha256.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 namespace {
 
-constexpr std::size_t kLongestPath = 1024;
-constexpr std::size_t kLongestPart = 255;  // Limit of Linux' file systems.
-constexpr std::ptrdiff_t kMostParts = 16;
+constexpr std::size_t kMaxPathBytes = 1024;
+constexpr std::size_t kMaxPathPartBytes = 255;  // Limit of Linux' file systems.
+constexpr std::ptrdiff_t kMaxPathParts = 16;
 
 Error bad(const std::string& what) { return Error(ErrorCode::kBadData, what); }
 
@@ -30,9 +30,9 @@ Status check_parts(std::string_view path) {
   for (std::size_t begin = 0; begin <= path.size();) {
     const std::size_t end = std::min(path.find('/', begin), path.size());
     const std::string_view part = path.substr(begin, end - begin);
-    if (part.empty() || part.size() > kLongestPart || part.front() == '.') {
+    if (part.empty() || part.size() > kMaxPathPartBytes || part.front() == '.') {
       return bad(fmt::format("'{}' has a part that is empty, begins with a dot or is longer than {} bytes; rename it",
-                             printable(path, 200), kLongestPart));
+                             printable(path, 200), kMaxPathPartBytes));
     }
     begin = end + 1;
   }
@@ -42,9 +42,9 @@ Status check_parts(std::string_view path) {
 }  // namespace
 
 Status check_scene_path(std::string_view path) {
-  if (path.empty() || path.size() > kLongestPath || std::ranges::count(path, '/') >= kMostParts) {
+  if (path.empty() || path.size() > kMaxPathBytes || std::ranges::count(path, '/') >= kMaxPathParts) {
     return bad(fmt::format("'{}': a path has 1 to {} bytes and at most {} folders; rename it", printable(path, 200),
-                           kLongestPath, kMostParts - 1));
+                           kMaxPathBytes, kMaxPathParts - 1));
   }
   if (printable(path, path.size()) != path) {
     return bad(fmt::format("'{}' is not UTF-8, or has control characters; rename it", printable(path, 200)));
@@ -54,10 +54,10 @@ Status check_scene_path(std::string_view path) {
 
 Status validate(const SceneFiles& files) {
   if (files.empty()) return bad("a scene has no files");
-  if (files.size() > kMostSceneFiles) {
-    return bad(fmt::format("a scene has {} files; at most {} are taken", files.size(), kMostSceneFiles));
+  if (files.size() > kMaxSceneFiles) {
+    return bad(fmt::format("a scene has {} files; at most {} are taken", files.size(), kMaxSceneFiles));
   }
-  std::uint64_t left = kMostSceneBytes;
+  std::uint64_t left = kMaxSceneBytes;
   std::map<std::string, std::uint64_t> sizes;
   std::set<std::string> names;    // In lower case.
   std::set<std::string> folders;  // In lower case.
@@ -65,7 +65,7 @@ Status validate(const SceneFiles& files) {
   for (const SceneFile& file : files) {
     TRY(check_scene_path(file.path));
     if (!is_sha256(file.sha256)) return bad(fmt::format("'{}' has no SHA-256", file.path));
-    if (file.bytes > left) return bad(fmt::format("a scene has more than {} GiB", kMostSceneBytes >> 30));
+    if (file.bytes > left) return bad(fmt::format("a scene has more than {} GiB", kMaxSceneBytes >> 30));
     left -= file.bytes;
     if (sizes.emplace(file.sha256, file.bytes).first->second != file.bytes) {
       return bad(fmt::format("'{}' has the SHA-256 of a file of another size", file.path));
@@ -120,4 +120,4 @@ Result<SceneFiles> from_wire(const wire::SceneFiles& message, std::string_view d
   return files;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

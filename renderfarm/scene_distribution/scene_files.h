@@ -10,7 +10,7 @@
 #include "common/base/result.h"
 #include "common/wire/nodes.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 
 struct SceneFile {
   std::string path;  ///< Path inside the scene; see check_scene_path().
@@ -24,8 +24,8 @@ struct SceneFile {
 using SceneFiles = std::vector<SceneFile>;
 
 /// A list of this many paths of maximum length still fits into one gRPC message.
-inline constexpr std::size_t kMostSceneFiles = 10'000;
-inline constexpr std::uint64_t kMostSceneBytes = std::uint64_t{1} << 40;
+inline constexpr std::size_t kMaxSceneFiles = 10'000;
+inline constexpr std::uint64_t kMaxSceneBytes = std::uint64_t{1} << 40;
 
 /// Checks that a path is relative UTF-8 of at most 1024 bytes, with at most 16 parts of 1 to 255 bytes separated by
 /// '/', without control characters; no part begins with a dot, which excludes '.', '..' and hidden files. Errors:
@@ -46,4 +46,4 @@ Status validate(const SceneFiles& files);
 /// Returns a sorted and validated list. Errors: kBadData if it is invalid or `digest` is not its digest.
 Result<SceneFiles> from_wire(const wire::SceneFiles& message, std::string_view digest);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -5,16 +5,17 @@
 
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 namespace {
 
-constexpr Duration kTellEvery = std::chrono::seconds(5);
+constexpr Duration kProgressPeriod = std::chrono::seconds(5);
 constexpr Duration kTryAgainAfter = std::chrono::seconds(2);
 
 }  // namespace
 
-SceneLibrary::SceneLibrary(std::vector<Source> sources, std::filesystem::path digests, std::function<void(News)> tell)
-    : tell_(std::move(tell)) {
+SceneLibrary::SceneLibrary(std::vector<Source> sources, std::filesystem::path digests,
+                           std::function<void(News)> on_news)
+    : on_news_(std::move(on_news)) {
   is_reading_ = !sources.empty();
   if (sources.empty()) return;
   thread_ = std::jthread([this, sources = std::move(sources),
@@ -36,7 +37,7 @@ Result<StampedFile> SceneLibrary::open(const std::string& sha256) const {
     const std::lock_guard lock(mutex_);
     if (const auto found = places_.find(sha256); found != places_.end()) places = found->second;
   }
-  Error reason = may_come ? Error(ErrorCode::kUnavailable, "the head is still reading its scenes")
+  Error reason = may_come ? Error(ErrorCode::kUnavailable, "the coordinator is still reading its scenes")
                           : Error(ErrorCode::kNotFound, "no scene of this farm has that file");
   for (const SceneListing::Place& place : places) {
     auto file = open_stamped(place.path);
@@ -44,17 +45,18 @@ Result<StampedFile> SceneLibrary::open(const std::string& sha256) const {
     if (file && file->stamp.bytes == place.stamp.bytes && file->stamp.modified_ns == place.stamp.modified_ns) {
       return file;
     }
-    reason = Error(ErrorCode::kNotFound, fmt::format("'{}' was changed on the head since it read it; restart the head",
-                                                     place.path.filename().string()));
+    reason = Error(ErrorCode::kNotFound,
+                   fmt::format("'{}' was changed on the coordinator since it read it; restart the coordinator",
+                               place.path.filename().string()));
   }
   return reason;
 }
 
 void SceneLibrary::run(const std::stop_token& stop, std::vector<Source> sources, const std::filesystem::path& digests) {
   DigestMemory memory(digests);
-  std::map<std::string, std::string> last_told;  // Keyed by scene; a repeated failure is not reported again.
-  const auto tell = [&](News news) {
-    if (std::exchange(last_told[news.scene], news.sentence) != news.sentence) tell_(std::move(news));
+  std::map<std::string, std::string> last_reported;  // Keyed by scene; a repeated failure is not reported again.
+  const auto on_news = [&](News news) {
+    if (std::exchange(last_reported[news.scene], news.sentence) != news.sentence) on_news_(std::move(news));
   };
   for (std::size_t unread = sources.size(); !sources.empty();) {
     std::vector<Source> failed;
@@ -63,11 +65,11 @@ void SceneLibrary::run(const std::stop_token& stop, std::vector<Source> sources,
       if (stop.stop_requested()) return;
       if (unread > 0 && --unread == 0) is_reading_ = false;
       if (news.digest.empty()) failed.push_back(std::move(source));
-      tell(std::move(news));
+      on_news(std::move(news));
     }
     sources = std::move(failed);
     if (const Status saved = memory.save(); !saved) {
-      tell({"", "", fmt::format("the scenes' digests cannot be kept: {}, ignoring", saved.error().message())});
+      on_news({"", "", fmt::format("the scenes' digests cannot be kept: {}, ignoring", saved.error().message())});
     }
     std::unique_lock lock(mutex_);
     if (!sources.empty()) stopped_.wait_for(lock, stop, kTryAgainAfter, [] { return false; });
@@ -77,11 +79,11 @@ void SceneLibrary::run(const std::stop_token& stop, std::vector<Source> sources,
 SceneLibrary::News SceneLibrary::read(const std::stop_token& stop, const Source& source, DigestMemory& memory) {
   const SteadyClock clock;
   const TimePoint begun = clock.now();
-  TimePoint told = begun;
+  TimePoint reported_at = begun;
   auto listing = list_scene(source.path, memory, [&](double done) {
-    if (clock.now() - told > kTellEvery) {
-      told = clock.now();
-      tell_({source.name, "", fmt::format("reading the files of scene '{}': {:.0f} %", source.name, 100.0 * done)});
+    if (clock.now() - reported_at > kProgressPeriod) {
+      reported_at = clock.now();
+      on_news_({source.name, "", fmt::format("reading the files of scene '{}': {:.0f} %", source.name, 100.0 * done)});
     }
     return !stop.stop_requested();
   });
@@ -106,4 +108,4 @@ void SceneLibrary::add(SceneListing listing) {
   scenes_.emplace(std::move(digest), std::make_shared<const SceneFiles>(std::move(listing.files)));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

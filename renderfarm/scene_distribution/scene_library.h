@@ -17,7 +17,7 @@
 #include "common/base/result.h"
 #include "renderfarm/scene_distribution/scene_listing.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 
 /// The scenes on this machine's disk that nodes may fetch, by digest. Reads each scene once, in a thread of its own
 /// (`scenes`), one after the other; retries an unreadable one every few seconds. Later changes are not noticed: a scene
@@ -34,7 +34,7 @@ class SceneLibrary {
     std::string sentence;  ///< For the log.
   };
   /// Starts reading. `tell` is called on the thread; `digests` is DigestMemory's file, or empty.
-  SceneLibrary(std::vector<Source> sources, std::filesystem::path digests, std::function<void(News)> tell);
+  SceneLibrary(std::vector<Source> sources, std::filesystem::path digests, std::function<void(News)> on_news);
   ~SceneLibrary();
   SceneLibrary(const SceneLibrary&) = delete;
   SceneLibrary& operator=(const SceneLibrary&) = delete;
@@ -53,7 +53,7 @@ class SceneLibrary {
   News read(const std::stop_token& stop, const Source& source, DigestMemory& memory);
   void add(SceneListing listing);
 
-  const std::function<void(News)> tell_;
+  const std::function<void(News)> on_news_;
   std::atomic<bool> is_reading_ = true;
   mutable std::mutex mutex_;  ///< Guards the following.
   std::condition_variable_any stopped_;
@@ -62,4 +62,4 @@ class SceneLibrary {
   std::jthread thread_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <system_error>
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,9 +37,9 @@ Result<std::vector<std::string>> names_in(const fs::path& folder) {
       return bad(fmt::format("'{}' is a link or no regular file; put the file itself there", at->path().string()));
     }
     names.push_back(name);
-    if (names.size() > kMostSceneFiles) {
+    if (names.size() > kMaxSceneFiles) {
       return bad(
-          fmt::format("'{}' has more than {} files; keep only the scene's there", folder.string(), kMostSceneFiles));
+          fmt::format("'{}' has more than {} files; keep only the scene's there", folder.string(), kMaxSceneFiles));
     }
   }
   if (error) return system_error(folder, error);
@@ -75,7 +75,8 @@ Result<Found> find_files(const fs::path& path) {
 
 }  // namespace
 
-Result<SceneListing> list_scene(const fs::path& path, DigestMemory& memory, const std::function<bool(double)>& go_on) {
+Result<SceneListing> list_scene(const fs::path& path, DigestMemory& memory,
+                                const std::function<bool(double)>& should_continue) {
   TRY_ASSIGN(const Found found, find_files(path));
   SceneListing listing;
   std::uint64_t all = 0;
@@ -88,7 +89,8 @@ Result<SceneListing> list_scene(const fs::path& path, DigestMemory& memory, cons
   std::uint64_t done = 0;
   const auto count = [&](std::uint64_t bytes) {
     done += bytes;
-    return go_on(std::min(1.0, static_cast<double>(done) / static_cast<double>(std::max<std::uint64_t>(all, 1))));
+    return should_continue(
+        std::min(1.0, static_cast<double>(done) / static_cast<double>(std::max<std::uint64_t>(all, 1))));
   };
   for (std::size_t i = 0; i < found.names.size(); ++i) {
     SceneListing::Place& place = listing.places[i];
@@ -107,4 +109,4 @@ Result<SceneListing> list_scene(const fs::path& path, DigestMemory& memory, cons
   return listing;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -9,7 +9,7 @@
 #include "renderfarm/scene_distribution/digest_memory.h"
 #include "renderfarm/scene_distribution/scene_files.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 
 /// A scene on this machine's disk, by its files' digests.
 struct SceneListing {
@@ -31,6 +31,6 @@ struct SceneListing {
 /// kBusy         a file was changed meanwhile: try again.
 /// kUnavailable  given up.
 Result<SceneListing> list_scene(const std::filesystem::path& path, DigestMemory& memory,
-                                const std::function<bool(double)>& go_on);
+                                const std::function<bool(double)>& should_continue);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -9,7 +9,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 
 void Sha256::Free::operator()(evp_md_ctx_st* context) const { EVP_MD_CTX_free(context); }
 
@@ -38,4 +38,4 @@ bool is_sha256(std::string_view text) {
          std::ranges::all_of(text, [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -9,7 +9,7 @@
 
 struct evp_md_ctx_st;
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 
 /// SHA-256 (FIPS 180-4) of bytes that come in pieces, by OpenSSL. Thread-bound.
 class Sha256 {
@@ -31,4 +31,4 @@ class Sha256 {
 /// True for 64 hexadecimal digits in lower case, which are also safe as a file name.
 [[nodiscard]] bool is_sha256(std::string_view text);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -66,4 +66,4 @@ Result<Projection> projection_of(const CameraOptions& options, int width_px, int
   return projection;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

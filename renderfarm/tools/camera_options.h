@@ -9,7 +9,7 @@
 #include "common/base/result.h"
 #include "common/geometry/projection.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 
 struct CameraOptions {
   std::string camera = "panorama";
@@ -26,4 +26,4 @@ void add_camera_options(CLI::App* command, CameraOptions* options);
 /// sentence, if an option is wrong or does not belong to the camera.
 Result<Projection> projection_of(const CameraOptions& options, int width_px, int height_px);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

@@ -13,7 +13,7 @@
 #include "renderfarm/quality/light_error.h"
 #include "renderfarm/render/tone.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 constexpr std::size_t kLimitBytes = std::size_t{1} << 30;
@@ -32,8 +32,8 @@ Result<Picture> decode(std::span<const std::byte> bytes) {
     return picture;
   }
   TRY_ASSIGN(picture.light, decode_pfm(bytes, kPhotoLimitPx));
-  TRY(check_finite(*picture.light));
-  picture.codes = developed(*picture.light, ToneCurve::kShoulder);
+  TRY(quality::check_finite(*picture.light));
+  picture.codes = render::developed(*picture.light, scene::ToneCurve::kShoulder);
   return picture;
 }
 
@@ -72,11 +72,11 @@ Result<Comparison> compare_files(const std::filesystem::path& picture_path,
   TRY_ASSIGN(const Picture picture, read(picture_path));
   TRY_ASSIGN(const Picture reference, read(reference_path));
   Comparison comparison;
-  TRY_ASSIGN(comparison.shown, shown_error(picture.codes, reference.codes));
+  TRY_ASSIGN(comparison.shown, quality::shown_error(picture.codes, reference.codes));
   if (picture.light && reference.light) {
     LightErrors light;
-    TRY_ASSIGN(light.mse, mean_squared_error(*picture.light, *reference.light));
-    TRY_ASSIGN(light.relmse, relative_squared_error(*picture.light, *reference.light));
+    TRY_ASSIGN(light.mse, quality::mean_squared_error(*picture.light, *reference.light));
+    TRY_ASSIGN(light.relmse, quality::relative_squared_error(*picture.light, *reference.light));
     comparison.light = light;
   }
   return comparison;
@@ -91,4 +91,4 @@ RenderCommand add_compare_command(CLI::App* program) {
   return {parser, [options](const StopSignal&) { return compare(*options); }};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

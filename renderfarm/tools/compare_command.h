@@ -7,7 +7,7 @@
 #include "renderfarm/quality/shown_error.h"
 #include "renderfarm/tools/render_command.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 
 struct LightErrors {
   double mse = 0.0;
@@ -16,7 +16,7 @@ struct LightErrors {
 
 struct Comparison {
   std::optional<LightErrors> light;  ///< Only for two PFM files: code values have lost the light above white.
-  ShownError shown;
+  quality::ShownError shown;
 };
 
 /// Compares PFM, PNG or JPEG files, detected by their first bytes. Light is tone mapped with the standard curve before
@@ -26,4 +26,4 @@ Result<Comparison> compare_files(const std::filesystem::path& picture, const std
 /// `cyclorama-render compare PICTURE REFERENCE`: the errors between two pictures.
 [[nodiscard]] RenderCommand add_compare_command(CLI::App* program);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

@@ -13,7 +13,7 @@
 #include "renderfarm/render/requirements.h"
 #include "renderfarm/tools/scene_need.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -21,25 +21,25 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 std::string text_of(const Eigen::Vector3d& v) { return fmt::format("({:.2f}, {:.2f}, {:.2f})", v.x(), v.y(), v.z()); }
 std::string text_of(const Eigen::Vector3f& v) { return fmt::format("({:.3g}, {:.3g}, {:.3g})", v.x(), v.y(), v.z()); }
 
-const char* name_of(LightKind kind) {
+const char* name_of(scene::LightKind kind) {
   switch (kind) {
-    case LightKind::kPoint:
+    case scene::LightKind::kPoint:
       return "point";
-    case LightKind::kSpot:
+    case scene::LightKind::kSpot:
       return "spot";
-    case LightKind::kDirectional:
+    case scene::LightKind::kDirectional:
       return "directional";
-    case LightKind::kRectangle:
+    case scene::LightKind::kRectangle:
       return "rectangle";
-    case LightKind::kDisk:
+    case scene::LightKind::kDisk:
       return "disk";
   }
   return "";
 }
 
-void print_light(const Scene& scene) {
-  for (const Light& light : scene.model.lights) {
-    const std::string size = light.kind == LightKind::kRectangle
+void print_light(const scene::Scene& scene) {
+  for (const scene::Light& light : scene.model.lights) {
+    const std::string size = light.kind == scene::LightKind::kRectangle
                                  ? fmt::format("size {:.3f} x {:.3f}", light.size_m.x(), light.size_m.y())
                                  : fmt::format("radius {:.3f}", light.radius_m);
     fmt::print("  {} light '{}' at {}, intensity {}, {}\n", name_of(light.kind), printable(light.name),
@@ -51,19 +51,19 @@ void print_light(const Scene& scene) {
              scene.exposure);
 }
 
-const char* name_of(ToneCurve curve) {
+const char* name_of(scene::ToneCurve curve) {
   switch (curve) {
-    case ToneCurve::kShoulder:
+    case scene::ToneCurve::kShoulder:
       return "shoulder";
-    case ToneCurve::kLinear:
+    case scene::ToneCurve::kLinear:
       return "linear";
-    case ToneCurve::kFilmic:
+    case scene::ToneCurve::kFilmic:
       return "filmic";
   }
   return "";
 }
 
-void print_needs(const Scene& scene) {
+void print_needs(const scene::Scene& scene) {
   const std::vector<NamedNeed> needs = named_needs(scene);
   const char* heading = "needs";
   for (const NamedNeed& need : needs) {
@@ -76,39 +76,39 @@ void print_needs(const Scene& scene) {
   fmt::print("left out    {}\n", left_out.empty() ? "nothing" : fmt::format("{}", fmt::join(left_out, ", ")));
 }
 
-void print_kernel(const Scene& scene) {
-  const SceneNeeds kernel = kernel_for(needs_of(scene));
+void print_kernel(const scene::Scene& scene) {
+  const render::SceneNeeds kernel = render::kernel_for(render::needs_of(scene));
   std::vector<std::string> without;
-  for (const SceneNeeds& need : kEachNeed) {
-    if ((kernel | need) != kernel) without.push_back(describe(need));
+  for (const render::SceneNeeds& need : kEachNeed) {
+    if ((kernel | need) != kernel) without.push_back(render::describe(need));
   }
-  fmt::print("kernel      compiled for: {}\n", describe(kernel));
+  fmt::print("kernel      compiled for: {}\n", render::describe(kernel));
   fmt::print("            without: {}\n", without.empty() ? "nothing" : fmt::format("{}", fmt::join(without, ", ")));
 }
 
 /// Prints the facts that are available once the scene is ready to be traced.
-void print_traced(const Renderer& renderer) {
-  const LightSet& lights = renderer.lights();
+void print_traced(const render::Renderer& renderer) {
+  const render::LightSet& lights = renderer.lights();
   fmt::print("aimed at    {} lamps, {} flat lights, {} glowing triangles, {} suns{}; chosen by {}\n",
              lights.lamps().size(), lights.flats().size(), lights.triangles(), lights.suns().size(),
              lights.has_environment() ? ", the environment" : "", lights.chooses_by_tree() ? "a tree" : "a list");
   fmt::print("memory      {} with the BVH ({}) and what shading reads ({})\n",
-             describe_bytes(renderer.scene().memory_bytes() + renderer.bvh_bytes() + renderer.shading_bytes()),
-             describe_bytes(renderer.bvh_bytes()), describe_bytes(renderer.shading_bytes()));
+             render::describe_bytes(renderer.scene().memory_bytes() + renderer.bvh_bytes() + renderer.shading_bytes()),
+             render::describe_bytes(renderer.bvh_bytes()), render::describe_bytes(renderer.shading_bytes()));
 }
 
 Status inspect(const SceneOptions& options) {
   TRY_ASSIGN(LoadedScene loaded, load_with_progress(options));
-  const Scene& scene = loaded.scene;
-  const Model& model = scene.model;
+  const scene::Scene& scene = loaded.scene;
+  const scene::Model& model = scene.model;
   std::size_t texels = 0;
-  for (const Texture& texture : model.textures) texels += texture.pixels.data().size() / 4;
+  for (const scene::Texture& texture : model.textures) texels += texture.pixels.data().size() / 4;
   fmt::print("title       {}\ncredits     {}\n", printable(scene.info.title, 200), printable(scene.info.credits, 400));
   fmt::print("triangles   {} stored, {} seen\n", scene.triangles_stored(), scene.triangles_seen());
   fmt::print("parts       {} meshes, {} instances, {} materials, {} textures ({:.1f} million texels)\n",
              model.meshes.size(), model.instances.size(), model.materials.size(), model.textures.size(),
              static_cast<double>(texels) / 1e6);
-  fmt::print("memory      {} without the BVH\n", describe_bytes(scene.memory_bytes()));
+  fmt::print("memory      {} without the BVH\n", render::describe_bytes(scene.memory_bytes()));
   fmt::print("bounds      {} to {} m\n", text_of(Eigen::Vector3d(scene.bounds.min())),
              text_of(Eigen::Vector3d(scene.bounds.max())));
   fmt::print("start       {}, heading {:.1f} degrees, eye height {:.2f} m, {} corners to walk in, {} tour stops\n",
@@ -120,7 +120,7 @@ Status inspect(const SceneOptions& options) {
   print_needs(scene);
   print_kernel(scene);
   for (const std::string& note : model.notes) fmt::print("note        {}\n", printable(note, 400));
-  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options));
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer, build_with_progress(std::move(loaded.scene), options));
   print_traced(*renderer);
   return Done{};
 }
@@ -134,4 +134,4 @@ RenderCommand add_inspect_command(CLI::App* program) {
   return {parser, [options](const StopSignal&) { return inspect(*options); }};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

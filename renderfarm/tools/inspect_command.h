@@ -3,9 +3,9 @@
 
 #include "renderfarm/tools/render_command.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 
 /// `cyclorama-render inspect SCENE`: the content of a scene, and its kernel.
 [[nodiscard]] RenderCommand add_inspect_command(CLI::App* program);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

@@ -8,7 +8,7 @@
 
 #include "renderfarm/render/memory.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 struct LoadOptions {
@@ -29,7 +29,8 @@ Status measure_load(const LoadOptions& options, const StopSignal& stop) {
   const std::uint64_t stored = loaded.scene.triangles_stored();
   const std::uint64_t seen = loaded.scene.triangles_seen();
   const std::size_t scene_bytes = loaded.scene.memory_bytes();
-  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             build_with_progress(std::move(loaded.scene), options.scene));
   const auto per_triangle = [&](std::size_t bytes) { return static_cast<double>(bytes) / static_cast<double>(stored); };
   const double bvh_seconds = renderer->build_seconds();
   const std::size_t bvh_bytes = renderer->bvh_bytes();
@@ -38,7 +39,7 @@ Status measure_load(const LoadOptions& options, const StopSignal& stop) {
              bvh_seconds);
   fmt::print("{:.1f} bytes per triangle, {:.1f} more for shading and {:.1f} for the BVH; {} at most\n",
              per_triangle(scene_bytes), per_triangle(shading_bytes), per_triangle(bvh_bytes),
-             describe_bytes(peak_memory()));
+             render::describe_bytes(peak_memory()));
   if (options.json.empty()) return Done{};
   return write_json(options.json, {{"triangles", stored},
                                    {"triangles_seen", seen},
@@ -64,4 +65,4 @@ RenderCommand add_load_command(CLI::App* program) {
   return {parser, [options](const StopSignal& stop) { return measure_load(*options, stop); }};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

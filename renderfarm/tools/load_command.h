@@ -3,9 +3,9 @@
 
 #include "renderfarm/tools/render_command.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 
 /// `cyclorama-render load SCENE`: time and memory of loading and of the BVH.
 [[nodiscard]] RenderCommand add_load_command(CLI::App* program);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

@@ -11,7 +11,7 @@
 #include "renderfarm/denoise/denoising_renderer.h"
 #include "renderfarm/tools/view_options.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 constexpr int kBandPx = 64;  ///< Rows rendered between two updates of the progress bar.
@@ -21,21 +21,21 @@ struct PictureOptions {
   std::string json;
   std::string out;
   ViewOptions view;
-  RenderQuality quality;
+  render::RenderQuality quality;
   bool denoise = false;
   std::optional<int> bounces;
 };
 
 /// Calls `render` for each band of `band_px` rows and adds up the costs that it returns.
 template <typename Image, typename Render>
-Result<Image> in_bands(const PanoramaView& view, int band_px, const StopSignal& stop, RenderCost* ret_cost,
-                       Render render) {
+Result<Image> in_bands(const render::PanoramaView& view, int band_px, const StopSignal& stop,
+                       render::RenderCost* ret_cost, Render render) {
   Image image(view.picture().width_px(), view.picture().height_px());
   Progress progress("rendering");
   for (int y = 0; y < image.height(); y += band_px) {
     const PixelRect band{0, y, image.width(), std::min(band_px, image.height() - y)};
     Image pixels;
-    const RenderCost part = render(band, &pixels);
+    const render::RenderCost part = render(band, &pixels);
     if (stop.requested()) return stopped();
     std::copy(pixels.data().begin(), pixels.data().end(), image.at(0, y));
     ret_cost->cpu_seconds += part.cpu_seconds;
@@ -48,17 +48,18 @@ Result<Image> in_bands(const PanoramaView& view, int band_px, const StopSignal& 
 
 Status picture(const PictureOptions& options, const StopSignal& stop) {
   TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
-  TRY_ASSIGN(PanoramaView view, view_of(options.view, loaded.scene.info));
+  TRY_ASSIGN(render::PanoramaView view, view_of(options.view, loaded.scene.info));
   view.quality = options.quality;
   view.quality.bounces = options.bounces.value_or(loaded.scene.bounces);
-  TRY(check_view(view, {}));
-  if (options.denoise) TRY(check_denoisable(view));
+  TRY(render::check_view(view, {}));
+  if (options.denoise) TRY(denoise::check_denoisable(view));
   if (stop.requested()) return stopped();
-  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
-  DenoisingRenderer denoising(*renderer, options.scene.threads);
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             build_with_progress(std::move(loaded.scene), options.scene));
+  denoise::DenoisingRenderer denoising(*renderer, options.scene.threads);
   // Each denoised band would need a margin, so there is only one.
   const int band_px = options.denoise ? view.picture().height_px() : kBandPx;
-  RenderCost cost;
+  render::RenderCost cost;
   const auto cancelled = [&] { return stop.requested(); };
   if (std::filesystem::path(options.out).extension() == ".pfm") {
     TRY_ASSIGN(const RadianceImage image,
@@ -106,4 +107,4 @@ RenderCommand add_picture_command(CLI::App* program) {
   return {parser, [options](const StopSignal& stop) { return picture(*options, stop); }};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

@@ -3,9 +3,9 @@
 
 #include "renderfarm/tools/render_command.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 
 /// `cyclorama-render picture SCENE --out FILE`: renders one picture into a PNG and prints its cost.
 [[nodiscard]] RenderCommand add_picture_command(CLI::App* program);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

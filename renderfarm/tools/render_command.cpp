@@ -8,7 +8,7 @@
 #include "common/process/progress.h"
 #include "renderfarm/render/memory.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 
 void add_scene_options(CLI::App* command, SceneOptions* options) {
   command->add_option("scene", options->scene, "A scene package, or one .glb, .gltf, .ply or .obj file")->required();
@@ -19,15 +19,17 @@ Result<LoadedScene> load_with_progress(const SceneOptions& options) {
   const SteadyClock clock;
   const TimePoint start = clock.now();
   Progress progress("loading");
-  ImportLimits limits;
-  limits.memory_bytes = available_memory().value_or(limits.memory_bytes);
-  TRY_ASSIGN(Scene scene, load_scene(options.scene, limits, [&](double fraction) { progress.update(fraction); }));
+  scene::ImportLimits limits;
+  limits.memory_bytes = render::available_memory().value_or(limits.memory_bytes);
+  TRY_ASSIGN(scene::Scene scene,
+             scene::load_scene(options.scene, limits, [&](double fraction) { progress.update(fraction); }));
   return LoadedScene{std::move(scene), to_seconds(clock.now() - start)};
 }
 
-Result<std::unique_ptr<Renderer>> build_with_progress(Scene scene, const SceneOptions& options) {
+Result<std::unique_ptr<render::Renderer>> build_with_progress(scene::Scene scene, const SceneOptions& options) {
   Progress progress("building the BVH");
-  return Renderer::build(std::move(scene), options.threads, [&](double fraction) { progress.update(fraction); });
+  return render::Renderer::build(std::move(scene), options.threads,
+                                 [&](double fraction) { progress.update(fraction); });
 }
 
 Error stopped() { return Error(ErrorCode::kUnavailable, "stopped before it was done"); }
@@ -36,4 +38,4 @@ Status write_json(const std::string& path, const nlohmann::json& values) {
   return write_file_atomically(path, std::string_view(values.dump(2) + "\n"));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

@@ -13,7 +13,7 @@
 #include "renderfarm/render/renderer.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 
 /// One sub-command. Each has a function `RenderCommand add_x_command(CLI::App* program)` in x_command.h;
 /// render_main.cpp runs the one that was parsed.
@@ -31,13 +31,13 @@ struct SceneOptions {
 void add_scene_options(CLI::App* command, SceneOptions* options);
 
 struct LoadedScene {
-  Scene scene;
+  scene::Scene scene;
   double seconds = 0.0;
 };
 
 /// load_scene() within the available memory, and Renderer::build(), with a progress bar.
 Result<LoadedScene> load_with_progress(const SceneOptions& options);
-Result<std::unique_ptr<Renderer>> build_with_progress(Scene scene, const SceneOptions& options);
+Result<std::unique_ptr<render::Renderer>> build_with_progress(scene::Scene scene, const SceneOptions& options);
 
 /// Returned by a command that was ended by StopSignal.
 [[nodiscard]] Error stopped();
@@ -45,4 +45,4 @@ Result<std::unique_ptr<Renderer>> build_with_progress(Scene scene, const SceneOp
 /// Writes indented JSON; the file is replaced completely or not at all.
 Status write_json(const std::string& path, const nlohmann::json& values);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

@@ -10,7 +10,8 @@
 #include "renderfarm/tools/watermark_command.h"
 
 int main(int argc, char** argv) {
-  using namespace cyclorama;  // NOLINT(google-build-using-namespace)
+  using namespace cyclorama;
+  using namespace cyclorama::tools;  // NOLINT(google-build-using-namespace)
   Program program("cyclorama-render", "Pictures and facts of a scene, without a farm.");
   CLI::App* const options = &program.options();
   options->require_subcommand(1);

@@ -11,7 +11,7 @@
 #include "renderfarm/render/requirements.h"
 #include "renderfarm/render/sky.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 /// Visible materials, and for each whether any of its meshes is partly transparent.
@@ -20,12 +20,12 @@ struct SeenMaterials {
   std::vector<bool> blends;
 };
 
-SeenMaterials seen_materials(const Model& model) {
+SeenMaterials seen_materials(const scene::Model& model) {
   SeenMaterials found{std::vector<bool>(model.materials.size()), std::vector<bool>(model.materials.size())};
-  const std::vector<int> uses = uses_of_meshes(model);
-  const std::vector<bool> see_through = see_through_textures(model);
+  const std::vector<int> uses = render::uses_of_meshes(model);
+  const std::vector<bool> see_through = render::see_through_textures(model);
   for (std::size_t i = 0; i < model.meshes.size(); ++i) {
-    const Mesh& mesh = model.meshes[i];
+    const scene::Mesh& mesh = model.meshes[i];
     if (uses[i] == 0 || mesh.triangles.empty()) continue;
     const auto material = static_cast<std::size_t>(mesh.material);
     found.seen[material] = true;
@@ -37,7 +37,7 @@ SeenMaterials seen_materials(const Model& model) {
 /// "2 materials: 'gold' (metal), 'tile'".
 class MaterialList {
  public:
-  void add(const Material& material, const char* why = "") {
+  void add(const scene::Material& material, const char* why = "") {
     constexpr int kNamed = 3;
     ++count_;
     if (count_ > kNamed + 1) return;
@@ -59,22 +59,24 @@ class MaterialList {
   std::string text_;
 };
 
-const char* why_glossy(const Material& material) { return material.metallic > 0.0f ? "metal" : "dielectric's gloss"; }
+const char* why_glossy(const scene::Material& material) {
+  return material.metallic > 0.0f ? "metal" : "dielectric's gloss";
+}
 
-const char* why_layered(const Material& material) {
+const char* why_layered(const scene::Material& material) {
   if (material.clearcoat > 0.0f && material.transmission > 0.0f) return "clear coat, transmission";
   return material.clearcoat > 0.0f ? "clear coat" : "transmission";
 }
 
-std::vector<NamedNeed> material_needs(const Model& model) {
+std::vector<NamedNeed> material_needs(const scene::Model& model) {
   const SeenMaterials found = seen_materials(model);
   std::set<int> textures;
   MaterialList textured, normal_mapped, glossy, layered, volumes, cut_outs, blended, emitters;
   for (std::size_t i = 0; i < model.materials.size(); ++i) {
     if (!found.seen[i]) continue;
-    const Material& material = model.materials[i];
+    const scene::Material& material = model.materials[i];
     bool has_texture = false;
-    for (TextureUse Material::*const at : texture_places()) {
+    for (scene::TextureUse scene::Material::*const at : scene::texture_places()) {
       if ((material.*at).texture < 0) continue;
       has_texture = true;
       textures.insert((material.*at).texture);
@@ -83,13 +85,13 @@ std::vector<NamedNeed> material_needs(const Model& model) {
     if (material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0) {
       normal_mapped.add(material);
     }
-    const SurfaceLevel level = surface_level_of(material);
-    if (level == SurfaceLevel::kGlossy) glossy.add(material, why_glossy(material));
-    if (level == SurfaceLevel::kLayered) layered.add(material, why_layered(material));
-    if (level == SurfaceLevel::kLayered && material.thickness > 0.0f && material.transmission > 0.0f) {
+    const render::SurfaceLevel level = render::surface_level_of(material);
+    if (level == render::SurfaceLevel::kGlossy) glossy.add(material, why_glossy(material));
+    if (level == render::SurfaceLevel::kLayered) layered.add(material, why_layered(material));
+    if (level == render::SurfaceLevel::kLayered && material.thickness > 0.0f && material.transmission > 0.0f) {
       volumes.add(material, material.attenuation_distance > 0.0f ? "absorbs" : "clear");
     }
-    if (material.alpha_mode == AlphaMode::kMask) cut_outs.add(material);
+    if (material.alpha_mode == scene::AlphaMode::kMask) cut_outs.add(material);
     if (found.blends[i]) blended.add(material);
     if (material.emissive.maxCoeff() > 0.0f) emitters.add(material);
   }
@@ -102,23 +104,24 @@ std::vector<NamedNeed> material_needs(const Model& model) {
 
 std::string counted(std::ptrdiff_t count) { return count == 0 ? "" : fmt::format("{}", count); }
 
-std::vector<NamedNeed> light_needs(const Scene& scene) {
+std::vector<NamedNeed> light_needs(const scene::Scene& scene) {
   const auto count = [&](const auto& is_such) {
-    return counted(std::ranges::count_if(
-        scene.model.lights, [&](const Light& light) { return light.intensity.maxCoeff() > 0.0f && is_such(light); }));
+    return counted(std::ranges::count_if(scene.model.lights, [&](const scene::Light& light) {
+      return light.intensity.maxCoeff() > 0.0f && is_such(light);
+    }));
   };
-  const auto is_sun = [](const Light& light) { return light.kind == LightKind::kDirectional; };
-  const auto has_area = [&](const Light& light) {
-    return !is_sun(light) && (is_flat(light.kind) || light.radius_m > 0.0);
+  const auto is_sun = [](const scene::Light& light) { return light.kind == scene::LightKind::kDirectional; };
+  const auto has_area = [&](const scene::Light& light) {
+    return !is_sun(light) && (scene::is_flat(light.kind) || light.radius_m > 0.0);
   };
   std::string environment;
   if (scene.environment != nullptr) {
     environment =
         fmt::format("a picture of {}x{}", scene.environment->pixels.width(), scene.environment->pixels.height());
-  } else if (shines(scene.sky)) {
+  } else if (render::shines(scene.sky)) {
     environment = "a gradient";
   }
-  return {{"lamps without size", count([&](const Light& light) { return !is_sun(light) && !has_area(light); })},
+  return {{"lamps without size", count([&](const scene::Light& light) { return !is_sun(light) && !has_area(light); })},
           {"lamps with a size", count(has_area)},
           {"suns", count(is_sun)},
           {"environment", environment},
@@ -126,10 +129,10 @@ std::vector<NamedNeed> light_needs(const Scene& scene) {
           {"eye lamp", scene.eye_lamp.isZero() ? "" : "at the eye"}};
 }
 
-std::string instancing(const Model& model) {
+std::string instancing(const scene::Model& model) {
   std::size_t meshes = 0;
   int times = 0;
-  for (const int uses : uses_of_meshes(model)) {
+  for (const int uses : render::uses_of_meshes(model)) {
     if (uses < 2) continue;
     ++meshes;
     times += uses;
@@ -139,7 +142,7 @@ std::string instancing(const Model& model) {
 
 }  // namespace
 
-std::vector<NamedNeed> named_needs(const Scene& scene) {
+std::vector<NamedNeed> named_needs(const scene::Scene& scene) {
   std::vector<NamedNeed> needs = material_needs(scene.model);
   for (NamedNeed& need : light_needs(scene)) needs.push_back(std::move(need));
   needs.push_back({"instancing", instancing(scene.model)});
@@ -147,4 +150,4 @@ std::vector<NamedNeed> named_needs(const Scene& scene) {
   return needs;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

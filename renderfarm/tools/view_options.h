@@ -10,7 +10,7 @@
 #include "renderfarm/scene/scene.h"
 #include "renderfarm/tools/camera_options.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 
 /// Eye, camera and size of a command's picture.
 struct ViewOptions {
@@ -25,9 +25,9 @@ void add_view_options(CLI::App* command, ViewOptions* options);
 
 /// Absent values are the scene's start; the quality is the default one. Errors: kInvalidArgument, which names the
 /// option.
-Result<PanoramaView> view_of(const ViewOptions& options, const SceneInfo& info);
+Result<render::PanoramaView> view_of(const ViewOptions& options, const scene::SceneInfo& info);
 
 /// Same contract as view_of(), for commands that support only panoramas; other cameras are refused.
-Result<PanoramaView> panorama_view_of(const ViewOptions& options, const SceneInfo& info);
+Result<render::PanoramaView> panorama_view_of(const ViewOptions& options, const scene::SceneInfo& info);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

@@ -18,11 +18,11 @@
 #include "common/wire/convert.h"
 #include "renderfarm/client/farm_client.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 struct Arguments {
-  FarmClientOptions farm{};
+  client::FarmClientOptions farm{};
   int frames = 100;
   int width = 1920;
   int height = 480;
@@ -35,11 +35,11 @@ struct Arguments {
 };
 
 /// Requests the next view whenever a frame begins, so that the farm always has work, and counts.
-class Visitor final : public FarmListener {
+class Visitor final : public client::FarmListener {
  public:
   explicit Visitor(const Arguments& arguments) : arguments_(arguments), picture_(arguments.width, arguments.height) {}
 
-  void set_client(FarmClient& client) { client_.put(&client); }
+  void set_client(client::FarmClient& client) { client_.put(&client); }
   /// Returns false if the session took too long or a stop was requested.
   [[nodiscard]] bool wait(const StopSignal& stop, TimePoint deadline) {
     constexpr auto kPeriod = std::chrono::milliseconds(200);
@@ -55,12 +55,12 @@ class Visitor final : public FarmListener {
     scene_ = scene;
     if (client_now_ == nullptr)
       client_now_ = client_.take_before(SteadyClock().now() + std::chrono::seconds(1)).value_or(nullptr);
-    ask();
+    request_view();
   }
   void on_lost(const Error& reason) override { log(LogLevel::kWarning, reason.message()); }
   void on_begin(const wire::View&) override {
     bytes_ = 0;
-    ask();
+    request_view();
   }
   void on_tile(wire::Tile tile) override {
     bytes_ += tile.jpeg().size();
@@ -108,7 +108,7 @@ class Visitor final : public FarmListener {
   [[nodiscard]] const RgbImage& picture() const { return whole_; }
 
  private:
-  void ask() {
+  void request_view() {
     if (client_now_ == nullptr) return;
     constexpr double kDegree = std::numbers::pi / 180.0;
     wire::View view;
@@ -130,10 +130,10 @@ class Visitor final : public FarmListener {
   }
 
   const Arguments& arguments_;
-  LatestValue<FarmClient*> client_;
+  LatestValue<client::FarmClient*> client_;
   LatestValue<bool> done_;
   // Used only by the client's thread until the client was stopped.
-  FarmClient* client_now_ = nullptr;
+  client::FarmClient* client_now_ = nullptr;
   wire::SceneDescription scene_;
   std::uint64_t asked_ = 0;
   int frames_ = 0;
@@ -150,7 +150,7 @@ class Visitor final : public FarmListener {
 
 Status run(const Arguments& arguments, const StopSignal& stop) {
   Visitor visitor(arguments);
-  TRY_ASSIGN(const auto client, FarmClient::start(arguments.farm, visitor));
+  TRY_ASSIGN(const auto client, client::FarmClient::start(arguments.farm, visitor));
   visitor.set_client(*client);
   const auto limit = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(arguments.limit_s));
   const bool done = visitor.wait(stop, SteadyClock().now() + limit);
@@ -164,24 +164,26 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tools
 
 int main(int argc, char** argv) {
   using namespace cyclorama;
+  using namespace cyclorama::tools;
   Program program("cyclorama-visit",
                   "Visits a render farm without a museum: asks for views that turn, and prints how fast they come.");
   Arguments arguments;
   CLI::App& app = program.options();
-  constexpr int kLargestPx = 16384;
-  app.add_option("--farm", arguments.farm.heads, "The farm's head, such as [::1]:7401; several are tried in turn")
+  constexpr int kMaxSidePx = 16384;
+  app.add_option("--farm", arguments.farm.coordinators,
+                 "The farm's coordinator, such as [::1]:7401; several are tried in turn")
       ->required();
   app.add_option("--scene", arguments.farm.scene, "Which scene (default: the farm's first)");
   app.add_option("--frames", arguments.frames, "How many")->check(CLI::Range(1, 1000000))->capture_default_str();
   app.add_option("--width", arguments.width, "Of the picture, in pixels")
-      ->check(CLI::Range(1, kLargestPx))
+      ->check(CLI::Range(1, kMaxSidePx))
       ->capture_default_str();
   app.add_option("--height", arguments.height, "Of the picture, in pixels")
-      ->check(CLI::Range(1, kLargestPx))
+      ->check(CLI::Range(1, kMaxSidePx))
       ->capture_default_str();
   app.add_option("--samples", arguments.samples, "Per pixel")->check(CLI::Range(1, 4096))->capture_default_str();
   app.add_option("--quality", arguments.quality, "Of the JPEG")->check(CLI::Range(1, 100))->capture_default_str();

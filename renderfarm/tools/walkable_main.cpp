@@ -16,7 +16,7 @@
 #include "renderfarm/walkable/walkable_file.h"
 #include "renderfarm/walkable/walkable_picture.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 struct Options {
@@ -24,7 +24,7 @@ struct Options {
   bool save = false;
   std::filesystem::path picture;
   std::filesystem::path json;
-  GroundOptions ground;
+  walkable::GroundOptions ground;
 };
 
 void add_options(CLI::App& app, Options* options) {
@@ -41,15 +41,15 @@ void add_options(CLI::App& app, Options* options) {
       ->capture_default_str();
 }
 
-bool holds(const WalkableGround& ground, const Eigen::Vector3d& eye) {
+bool holds(const walkable::WalkableGround& ground, const Eigen::Vector3d& eye) {
   const Eigen::Vector2d place(eye.x(), eye.z());
   for (const auto& hole : ground.holes) {
-    if (is_inside(hole, place)) return false;
+    if (scene::is_inside(hole, place)) return false;
   }
-  return is_inside(ground.outline, place);
+  return scene::is_inside(ground.outline, place);
 }
 
-Status save(const std::filesystem::path& scene, const WalkableGround& ground, const SceneInfo& info) {
+Status save(const std::filesystem::path& scene, const walkable::WalkableGround& ground, const scene::SceneInfo& info) {
   constexpr std::size_t kLimitBytes = std::size_t{1} << 20;
   const std::filesystem::path file = std::filesystem::is_directory(scene) ? scene / "scene.toml" : scene;
   if (file.extension() != ".toml") {
@@ -59,15 +59,15 @@ Status save(const std::filesystem::path& scene, const WalkableGround& ground, co
                              scene.string()));
   }
   TRY_ASSIGN(const std::string text, read_text_file(file, kLimitBytes));
-  TRY_ASSIGN(const std::string changed, with_walkable(text, file.string(), ground, info.start_eye));
+  TRY_ASSIGN(const std::string changed, walkable::with_walkable(text, file.string(), ground, info.start_eye));
   // The written text must parse as a scene package.
-  TRY(parse_scene_package(changed, file.string(), file.parent_path()));
+  TRY(scene::parse_scene_package(changed, file.string(), file.parent_path()));
   TRY(write_file_atomically(file, changed));
   fmt::print("saved to '{}'\n", file.string());
   return Done{};
 }
 
-Status write_json(const Options& options, const WalkableGround& ground, double seconds, int stops_outside) {
+Status write_json(const Options& options, const walkable::WalkableGround& ground, double seconds, int stops_outside) {
   std::size_t corners = ground.outline.size();
   for (const auto& hole : ground.holes) corners += hole.size();
   const nlohmann::json figures = {
@@ -78,28 +78,30 @@ Status write_json(const Options& options, const WalkableGround& ground, double s
 
 Status run(const Options& options) {
   Progress progress("loading");
-  TRY_ASSIGN(const Scene scene, load_scene(options.scene, ImportLimits{}, [&](double done) { progress.update(done); }));
+  TRY_ASSIGN(const scene::Scene scene,
+             scene::load_scene(options.scene, scene::ImportLimits{}, [&](double done) { progress.update(done); }));
   const TimePoint began = SteadyClock().now();
-  TRY_ASSIGN(const RayProbe probe, RayProbe::build(scene, scene.info.start_eye));
-  TRY_ASSIGN(const WalkableGround ground, find_walkable(probe, scene.info, scene.bounds, options.ground));
+  TRY_ASSIGN(const walkable::RayProbe probe, walkable::RayProbe::build(scene, scene.info.start_eye));
+  TRY_ASSIGN(const walkable::WalkableGround ground,
+             walkable::find_walkable(probe, scene.info, scene.bounds, options.ground));
   const double seconds = to_seconds(SteadyClock().now() - began);
-  if (!options.save) fmt::print("[visitor]\n{}\n{}", walkable_key(ground), hole_tables(ground));
+  if (!options.save) fmt::print("[visitor]\n{}\n{}", walkable::walkable_key(ground), walkable::hole_tables(ground));
   fmt::print("{:.1f} m2 to walk on, around {} holes, {:.2f} m from everything, found in {:.1f} s\n", ground.area_m2,
              ground.holes.size(), ground.radius_m, seconds);
   int stops_outside = 0;
-  for (const SceneTourStop& stop : scene.info.stops) {
+  for (const scene::SceneTourStop& stop : scene.info.stops) {
     if (holds(ground, stop.eye)) continue;
     ++stops_outside;
     fmt::print("the stop '{}' is not in it: the tour goes to the place in it that is nearest\n", stop.title);
   }
-  if (!options.picture.empty()) TRY(write_png(options.picture, walkable_picture(ground, scene.info)));
+  if (!options.picture.empty()) TRY(write_png(options.picture, walkable::walkable_picture(ground, scene.info)));
   if (!options.json.empty()) TRY(write_json(options, ground, seconds, stops_outside));
   if (options.save) TRY(save(options.scene, ground, scene.info));
   return Done{};
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tools
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-walkable",

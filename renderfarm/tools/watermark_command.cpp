@@ -10,7 +10,7 @@
 #include "common/base/text.h"
 #include "common/image/image_file.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 constexpr std::size_t kMuseumsLimitBytes = std::size_t{1} << 20;
@@ -29,7 +29,7 @@ struct WatermarkOptions {
 Status detect(const WatermarkOptions& options) {
   TRY_ASSIGN(const RgbImage picture, read_picture(options.picture));
   TRY_ASSIGN(const std::string text, read_text_file(options.museums, kMuseumsLimitBytes));
-  TRY_ASSIGN(const Grants grants, Grants::parse(text, options.museums));
+  TRY_ASSIGN(const trust::Grants grants, trust::Grants::parse(text, options.museums));
   nlohmann::json values = nlohmann::json::array();
   fmt::print("{:>7}  {:<24} where\n", "score", "museum");
   const std::vector<WatermarkVerdict> verdicts = find_museum(picture, grants);
@@ -47,7 +47,7 @@ Status detect(const WatermarkOptions& options) {
 
 }  // namespace
 
-std::vector<WatermarkVerdict> find_museum(const RgbImage& picture, const Grants& grants) {
+std::vector<WatermarkVerdict> find_museum(const RgbImage& picture, const trust::Grants& grants) {
   const WatermarkDetector full(picture);
   const WatermarkDetector half(picture, kWatermarkCellPx / 2);
   std::vector<WatermarkVerdict> verdicts;
@@ -73,4 +73,4 @@ RenderCommand add_watermark_command(CLI::App* program) {
   return {parser, [options](const StopSignal&) { return detect(*options); }};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

@@ -8,7 +8,7 @@
 #include "renderfarm/tools/render_command.h"
 #include "renderfarm/trust/grants.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 
 struct WatermarkVerdict {
   std::string museum;
@@ -18,9 +18,9 @@ struct WatermarkVerdict {
 
 /// Returns the best score of every museum that has a key, highest first, over all offsets, in full and in half size.
 /// Reentrant.
-std::vector<WatermarkVerdict> find_museum(const RgbImage& picture, const Grants& grants);
+std::vector<WatermarkVerdict> find_museum(const RgbImage& picture, const trust::Grants& grants);
 
 /// `cyclorama-render watermark PICTURE --museums FILE`: finds the museum for which a picture was made.
 [[nodiscard]] RenderCommand add_watermark_command(CLI::App* program);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

@@ -15,10 +15,10 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 namespace {
 
-constexpr std::size_t kLongestText = 500;
+constexpr std::size_t kMaxTextBytes = 500;
 constexpr Duration kSyncEvery = std::chrono::milliseconds(500);
 
 std::string time_text() {
@@ -31,7 +31,7 @@ std::string time_text() {
 std::string line_of(const AuditEvent& event) {
   nlohmann::ordered_json line;
   const auto add = [&](const char* key, std::string_view text) {
-    if (!text.empty()) line[key] = printable(text, kLongestText);
+    if (!text.empty()) line[key] = printable(text, kMaxTextBytes);
   };
   add("time", time_text());
   add("event", event.event);
@@ -41,10 +41,10 @@ std::string line_of(const AuditEvent& event) {
   add("address", event.who.address);
   add("scene", event.scene);
   add("reason", event.reason);
-  if (event.visit) {
-    line["seconds"] = std::round(1000.0 * event.visit->seconds) / 1000.0;
-    line["frames"] = event.visit->frames;
-    line["bytes"] = event.visit->bytes;
+  if (event.session) {
+    line["seconds"] = std::round(1000.0 * event.session->seconds) / 1000.0;
+    line["frames"] = event.session->frames;
+    line["bytes"] = event.session->bytes;
   }
   return line.dump() + "\n";
 }
@@ -63,15 +63,15 @@ Status sync(const std::vector<std::shared_ptr<const UniqueFd>>& files, const std
 
 }  // namespace
 
-Result<std::unique_ptr<AuditLog>> AuditLog::open(std::filesystem::path path, std::uint64_t most_bytes) {
-  std::unique_ptr<AuditLog> log(new AuditLog(std::move(path), most_bytes));
+Result<std::unique_ptr<AuditLog>> AuditLog::open(std::filesystem::path path, std::uint64_t max_bytes) {
+  std::unique_ptr<AuditLog> log(new AuditLog(std::move(path), max_bytes));
   const std::lock_guard lock(log->mutex_);
   TRY(log->open_file());
   return log;
 }
 
-AuditLog::AuditLog(std::filesystem::path path, std::uint64_t most_bytes)
-    : path_(std::move(path)), most_bytes_(most_bytes), thread_([this] { run(); }) {}
+AuditLog::AuditLog(std::filesystem::path path, std::uint64_t max_bytes)
+    : path_(std::move(path)), max_bytes_(max_bytes), thread_([this] { run(); }) {}
 
 AuditLog::~AuditLog() {
   {
@@ -101,7 +101,7 @@ Status AuditLog::make_room(std::uint64_t bytes) {
   struct ::stat now {};
   if (::fstat(file_->get(), &now) != 0 || !S_ISREG(now.st_mode)) return Done{};
   const auto size = static_cast<std::uint64_t>(now.st_size);
-  if (size == 0 || size + bytes <= most_bytes_) return Done{};
+  if (size == 0 || size + bytes <= max_bytes_) return Done{};
   if (::rename(path_.c_str(), (path_.string() + ".1").c_str()) != 0) {
     return Error::from_errno(fmt::format("moving the full audit log '{}' away", path_.string()));
   }
@@ -158,4 +158,4 @@ void AuditLog::run() {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

@@ -16,10 +16,10 @@
 #include "common/base/unique_fd.h"
 #include "common/wire/identity.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 
 /// Statistics of a session.
-struct VisitSummary {
+struct SessionSummary {
   double seconds = 0.0;
   std::uint64_t frames = 0;  ///< Complete frames that the museum received.
   std::uint64_t bytes = 0;   ///< Bytes of the tiles that it received.
@@ -27,16 +27,16 @@ struct VisitSummary {
 
 /// One line of the log. Empty texts are omitted.
 struct AuditEvent {
-  std::string event{};  ///< "visit opened", "visit refused", "visit ended", "node came", "grants read" ...
+  std::string event{};  ///< "session opened", "session refused", "session ended", "node came", "grants read" ...
   Identity who{};
   std::string scene{};
   std::string reason{};
-  std::optional<VisitSummary> visit{};
+  std::optional<SessionSummary> session{};
 };
 
 /// Log of sessions, nodes and refusals: a file of JSON lines in order of time:
 ///
-///   {"time":"2026-11-22T01:02:03.456Z","event":"visit ended","role":"museum","name":"hall-3","serial":"4C97...",
+///   {"time":"2026-11-22T01:02:03.456Z","event":"session ended","role":"museum","name":"hall-3","serial":"4C97...",
 ///    "address":"ipv6:[::1]:40112","scene":"grotto","seconds":12.5,"frames":240,"bytes":151000000}
 ///
 /// Each line is one write to a file opened for appending, so that neither a crash of the coordinator nor a full disk
@@ -47,10 +47,10 @@ struct AuditEvent {
 class AuditLog {
  public:
   /// About 200 000 lines.
-  static constexpr std::uint64_t kMostBytes = std::uint64_t{64} << 20;
+  static constexpr std::uint64_t kMaxBytes = std::uint64_t{64} << 20;
 
   /// Errors: kNotFound, kSystem if it cannot be opened.
-  static Result<std::unique_ptr<AuditLog>> open(std::filesystem::path path, std::uint64_t most_bytes = kMostBytes);
+  static Result<std::unique_ptr<AuditLog>> open(std::filesystem::path path, std::uint64_t max_bytes = kMaxBytes);
   /// Waits for the disk.
   ~AuditLog();
   AuditLog(const AuditLog&) = delete;
@@ -64,7 +64,7 @@ class AuditLog {
 
  private:
   using File = std::shared_ptr<const UniqueFd>;
-  AuditLog(std::filesystem::path path, std::uint64_t most_bytes);
+  AuditLog(std::filesystem::path path, std::uint64_t max_bytes);
   Status open_file();
   [[nodiscard]] bool was_moved() const;
   Status make_room(std::uint64_t bytes);
@@ -72,7 +72,7 @@ class AuditLog {
   void run();
 
   const std::filesystem::path path_;
-  const std::uint64_t most_bytes_;
+  const std::uint64_t max_bytes_;
   std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;
   File file_;  ///< Null if none could be opened.
@@ -83,4 +83,4 @@ class AuditLog {
   std::thread thread_;  ///< Last member: started when all others exist.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

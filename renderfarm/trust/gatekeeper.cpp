@@ -9,15 +9,15 @@
 #include "common/base/file.h"
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 namespace {
 
 constexpr Duration kLookEvery = std::chrono::milliseconds(500);
 constexpr Duration kSameRefusal = std::chrono::minutes(1);
-constexpr std::size_t kMostRefusals = 1000;
+constexpr std::size_t kMaxRefusals = 1000;
 /// Ensures that a museum whose pictures exceed its limit still gets one occasionally.
-constexpr Duration kLongestWait = std::chrono::seconds(10);
-constexpr std::size_t kLargestAuthority = 1 << 20;
+constexpr Duration kMaxDelay = std::chrono::seconds(10);
+constexpr std::size_t kMaxAuthorityBytes = 1 << 20;
 
 /// A grant without scenes, for a museum that museums.toml does not name.
 Grant nothing_for(const std::string& museum) { return {.museum = museum, .scenes = {}}; }
@@ -75,14 +75,14 @@ Result<bool> Gatekeeper::read_revocations() {
   auto changed = revocations_file_.changed();
   if (!changed) return false;
   TRY_ASSIGN(const std::string text, *std::move(changed));
-  TRY_ASSIGN(const std::string authority, read_text_file(options_.tls->authority, kLargestAuthority));
+  TRY_ASSIGN(const std::string authority, read_text_file(options_.tls->authority, kMaxAuthorityBytes));
   auto read = Revocations::parse(text, authority);
   if (!read) {
     return Error(ErrorCode::kBadData, fmt::format("'{}' {}", options_.revoked.string(), read.error().message()));
   }
   notice_(fmt::format("'{}' was read: {} certificates are revoked", options_.revoked.string(), read->size()));
   record({.event = "revocations read", .reason = fmt::format("{} certificates", read->size())});
-  told_out_of_date_ = false;
+  logged_out_of_date_ = false;
   const std::lock_guard lock(mutex_);
   revocations_ = *std::move(read);
   return true;
@@ -119,10 +119,10 @@ Grant Gatekeeper::grant_of(const Identity& who) const {
   return found == nullptr ? nothing_for(who.name) : *found;
 }
 
-Result<Grant> Gatekeeper::visit_came(std::uint64_t id, const Identity& who) {
+Result<Grant> Gatekeeper::session_connected(std::uint64_t id, const Identity& who) {
   const Grant grant = grant_of(who);
   const auto refuse = [&](ErrorCode code, const std::string& reason) {
-    record_refusal({.event = "visit refused", .who = who, .reason = reason});
+    record_refusal({.event = "session refused", .who = who, .reason = reason});
     return Error(code, reason);
   };
   if (grant.scenes.empty()) {
@@ -130,84 +130,88 @@ Result<Grant> Gatekeeper::visit_came(std::uint64_t id, const Identity& who) {
                   fmt::format("the farm has nothing for '{}'; its operator names it in museums.toml", who.name));
   }
   if (who.role != Role::kNobody) {
-    const auto open = std::ranges::count_if(visits_, [&](const auto& v) { return v.second.who.name == who.name; });
-    if (open >= grant.visits) {
-      return refuse(ErrorCode::kBusy, fmt::format("'{}' may have {} visits at once and has them", who.name, open));
+    const auto open = std::ranges::count_if(sessions_, [&](const auto& v) { return v.second.who.name == who.name; });
+    if (open >= grant.sessions) {
+      return refuse(ErrorCode::kBusy, fmt::format("'{}' may have {} sessions at once and has them", who.name, open));
     }
   }
-  visits_.insert_or_assign(id, Visit{.who = who, .grant = grant, .views = {options_.most_views_per_second, 1000.0}});
+  sessions_.insert_or_assign(id, Session{.who = who, .grant = grant, .views = {options_.max_views_per_second, 1000.0}});
   return grant;
 }
 
-void Gatekeeper::visit_opened(std::uint64_t id, const std::string& scene) {
-  const auto found = visits_.find(id);
-  if (found == visits_.end()) return;
+void Gatekeeper::session_opened(std::uint64_t id, const std::string& scene) {
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end()) return;
   found->second.scene = scene;
   found->second.opened_at = clock_.now();
-  record({.event = "visit opened", .who = found->second.who, .scene = scene});
+  record({.event = "session opened", .who = found->second.who, .scene = scene});
 }
 
-Status Gatekeeper::view_came(std::uint64_t id) {
-  const auto found = visits_.find(id);
+Status Gatekeeper::view_received(std::uint64_t id) {
+  const auto found = sessions_.find(id);
   const TimePoint now = clock_.now();
-  if (found == visits_.end() || found->second.views.take(1.0, now) <= now) return Done{};
+  if (found == sessions_.end() || found->second.views.take(1.0, now) <= now) return Done{};
   return Error(ErrorCode::kInvalidArgument,
-               fmt::format("more than {:.0f} views per second were asked for", options_.most_views_per_second));
+               fmt::format("more than {:.0f} views per second were asked for", options_.max_views_per_second));
 }
 
-TimePoint Gatekeeper::took(std::uint64_t id, const wire::VisitReply& reply) {
+TimePoint Gatekeeper::reply_written(std::uint64_t id, const wire::SessionReply& reply) {
   const TimePoint now = clock_.now();
-  const auto found = visits_.find(id);
-  if (found == visits_.end()) return now;
-  Visit& visit = found->second;
-  if (reply.has_end() && reply.end().complete()) ++visit.summary.frames;
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end()) return now;
+  Session& session = found->second;
+  if (reply.has_end() && reply.end().complete()) ++session.summary.frames;
   const std::size_t bytes = reply.has_tile() ? reply.tile().jpeg().size() : 0;
-  visit.summary.bytes += bytes;
-  const double limit = visit.grant.bytes_per_second;
+  session.summary.bytes += bytes;
+  const double limit = session.grant.bytes_per_second;
   if (limit <= 0.0) return now;
-  const auto bucket = bytes_.try_emplace(visit.who.name, limit, limit).first;
+  const auto bucket = bytes_.try_emplace(session.who.name, limit, limit).first;
   const TimePoint due = bucket->second.take(static_cast<double>(bytes), now);
   // Only the end of a frame delays the next one.
-  return reply.has_end() ? std::min(due, now + kLongestWait) : now;
+  return reply.has_end() ? std::min(due, now + kMaxDelay) : now;
 }
 
-void Gatekeeper::visit_ended(std::uint64_t id, const std::string& reason) {
-  const auto found = visits_.find(id);
-  if (found == visits_.end()) return;
-  Visit visit = std::move(found->second);
-  visits_.erase(found);
-  if (visit.scene.empty()) {
-    if (!reason.empty()) record_refusal({.event = "visit refused", .who = visit.who, .reason = reason});
+void Gatekeeper::session_ended(std::uint64_t id, const std::string& reason) {
+  const auto found = sessions_.find(id);
+  if (found == sessions_.end()) return;
+  Session session = std::move(found->second);
+  sessions_.erase(found);
+  if (session.scene.empty()) {
+    if (!reason.empty()) record_refusal({.event = "session refused", .who = session.who, .reason = reason});
     return;
   }
-  visit.summary.seconds = to_seconds(clock_.now() - visit.opened_at);
-  record({.event = "visit ended", .who = visit.who, .scene = visit.scene, .reason = reason, .visit = visit.summary});
+  session.summary.seconds = to_seconds(clock_.now() - session.opened_at);
+  record({.event = "session ended",
+          .who = session.who,
+          .scene = session.scene,
+          .reason = reason,
+          .session = session.summary});
 }
 
-void Gatekeeper::node_came(std::uint64_t id, const Identity& who) {
+void Gatekeeper::node_connected(std::uint64_t id, const Identity& who) {
   record({.event = "node came", .who = who});
   nodes_.insert_or_assign(id, who);
 }
 
-void Gatekeeper::node_gone(std::uint64_t id, const std::string& reason) {
+void Gatekeeper::node_disconnected(std::uint64_t id, const std::string& reason) {
   const auto found = nodes_.find(id);
   if (found == nodes_.end()) return;
   record({.event = "node gone", .who = found->second, .reason = reason});
   nodes_.erase(found);
 }
 
-std::optional<std::string> Gatekeeper::why_leave(const Visit& visit) const {
-  if (is_revoked(visit.who)) return "its certificate was revoked";
-  const Grant now = grant_of(visit.who);
+std::optional<std::string> Gatekeeper::why_leave(const Session& session) const {
+  if (is_revoked(session.who)) return "its certificate was revoked";
+  const Grant now = grant_of(session.who);
   if (now.scenes.empty()) return "the farm has nothing for it any more";
-  if (!visit.scene.empty() && !now.allows(visit.scene))
-    return fmt::format("scene '{}' is not granted any more", visit.scene);
+  if (!session.scene.empty() && !now.allows(session.scene))
+    return fmt::format("scene '{}' is not granted any more", session.scene);
   return std::nullopt;
 }
 
 Gatekeeper::Leavers Gatekeeper::tick() {
-  if (clock_.now() < next_look_) return {};
-  next_look_ = clock_.now() + kLookEvery;
+  if (clock_.now() < next_check_) return {};
+  next_check_ = clock_.now() + kLookEvery;
   bool changed = false;
   for (const Result<bool>& read : {read_grants(), read_revocations()}) {
     if (read) {
@@ -220,22 +224,22 @@ Gatekeeper::Leavers Gatekeeper::tick() {
   }
   {
     const std::lock_guard lock(mutex_);
-    if (!told_out_of_date_ && revocations_.is_out_of_date()) {
+    if (!logged_out_of_date_ && revocations_.is_out_of_date()) {
       notice_(fmt::format("'{}' should have been replaced by {}; make a new one with cyclorama-authority refresh",
                           options_.revoked.string(), revocations_.next_update()));
-      told_out_of_date_ = true;
+      logged_out_of_date_ = true;
     }
     if (const auto failure = std::exchange(audit_failure_, std::nullopt);
-        failure && !std::exchange(told_audit_fails_, true)) {
-      notice_(*failure + "; visits go on without it");
+        failure && !std::exchange(logged_audit_failure_, true)) {
+      notice_(*failure + "; sessions go on without it");
     }
   }
   if (!changed) return {};
   Leavers leavers{.changed = true};
-  for (const auto& [id, visit] : visits_) {
-    if (const auto reason = why_leave(visit)) {
-      notice_(fmt::format("'{}' must leave: {}", visit.who.name, *reason));
-      leavers.visits.push_back({id, *reason});
+  for (const auto& [id, session] : sessions_) {
+    if (const auto reason = why_leave(session)) {
+      notice_(fmt::format("'{}' must leave: {}", session.who.name, *reason));
+      leavers.sessions.push_back({id, *reason});
     }
   }
   for (const auto& [id, who] : nodes_) {
@@ -257,7 +261,7 @@ void Gatekeeper::record(const AuditEvent& event) {
 void Gatekeeper::record_refusal(const AuditEvent& event) {
   {
     const std::lock_guard lock(mutex_);
-    if (refused_at_.size() > kMostRefusals) refused_at_.clear();
+    if (refused_at_.size() > kMaxRefusals) refused_at_.clear();
     TimePoint& last = refused_at_[fmt::format("{} {} {}", event.event, event.who.name, event.reason)];
     if (last != TimePoint{} && clock_.now() - last < kSameRefusal) return;
     last = clock_.now();
@@ -265,4 +269,4 @@ void Gatekeeper::record_refusal(const AuditEvent& event) {
   record(event);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

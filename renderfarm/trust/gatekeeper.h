@@ -21,15 +21,15 @@
 #include "renderfarm/trust/revocations.h"
 #include "renderfarm/trust/watched_file.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 
 struct TrustOptions {
-  std::optional<TlsFiles> tls{};          ///< Without it, every peer may do everything.
-  std::filesystem::path revoked{};        ///< The authority's crl.pem. Empty: no certificate is revoked.
-  std::filesystem::path museums{};        ///< museums.toml. Empty: every museum may do everything.
-  std::filesystem::path audit{};          ///< Empty: no audit log.
-  bool insecure = false;                  ///< Allows ports that other machines can reach, without TLS.
-  double most_views_per_second = 1000.0;  ///< For each session, with bursts of up to a thousand.
+  std::optional<TlsFiles> tls{};         ///< Without it, every peer may do everything.
+  std::filesystem::path revoked{};       ///< The authority's crl.pem. Empty: no certificate is revoked.
+  std::filesystem::path museums{};       ///< museums.toml. Empty: every museum may do everything.
+  std::filesystem::path audit{};         ///< Empty: no audit log.
+  bool insecure = false;                 ///< Allows ports that other machines can reach, without TLS.
+  double max_views_per_second = 1000.0;  ///< For each session, with bursts of up to a thousand.
 };
 
 /// Decides who may connect, what they may do and when they must leave, and records it. The coordinator's loop uses it
@@ -50,7 +50,7 @@ class Gatekeeper {
   };
   struct Leavers {
     bool changed = false;  ///< A file was read, so is_revoked() may have changed.
-    std::vector<Leaver> visits{};
+    std::vector<Leaver> sessions{};
     std::vector<Leaver> nodes{};
   };
 
@@ -73,28 +73,28 @@ class Gatekeeper {
 
   /// Registers a session's call and returns its grant. Errors: kNotFound if the museum has no grant; kBusy if it has
   /// reached its number of sessions.
-  Result<Grant> visit_came(std::uint64_t id, const Identity& who);
-  void visit_opened(std::uint64_t id, const std::string& scene);
+  Result<Grant> session_connected(std::uint64_t id, const Identity& who);
+  void session_opened(std::uint64_t id, const std::string& scene);
   /// Errors: kInvalidArgument if the session requests more views per second than any visitor could see.
-  Status view_came(std::uint64_t id);
+  Status view_received(std::uint64_t id);
   /// Records that the museum received `reply`. Returns when its byte limit allows the next one: now or later.
-  TimePoint took(std::uint64_t id, const wire::VisitReply& reply);
+  TimePoint reply_written(std::uint64_t id, const wire::SessionReply& reply);
   /// An empty `reason` means that the museum left. Does nothing for an unknown session.
-  void visit_ended(std::uint64_t id, const std::string& reason);
+  void session_ended(std::uint64_t id, const std::string& reason);
 
-  void node_came(std::uint64_t id, const Identity& who);
-  void node_gone(std::uint64_t id, const std::string& reason);
+  void node_connected(std::uint64_t id, const Identity& who);
+  void node_disconnected(std::uint64_t id, const std::string& reason);
 
-  /// Checks the files about twice a second. Returns who must leave now; visit_ended() and node_gone() follow.
+  /// Checks the files about twice a second. Returns who must leave now; session_ended() and node_disconnected() follow.
   Leavers tick();
 
  private:
-  struct Visit {
+  struct Session {
     Identity who{};
     Grant grant{};
     std::string scene{};  ///< Empty until the session is opened.
     TimePoint opened_at{};
-    VisitSummary summary{};
+    SessionSummary summary{};
     TokenBucket views;
   };
   Gatekeeper(TrustOptions options, const Clock& clock, Notice notice);
@@ -102,7 +102,7 @@ class Gatekeeper {
   /// Each returns true if something new was read.
   Result<bool> read_grants();
   Result<bool> read_revocations();
-  [[nodiscard]] std::optional<std::string> why_leave(const Visit& visit) const;
+  [[nodiscard]] std::optional<std::string> why_leave(const Session& session) const;
   void record(const AuditEvent& event);
   /// Records a refusal that a peer may repeat endlessly, at most once a minute.
   void record_refusal(const AuditEvent& event);
@@ -114,12 +114,12 @@ class Gatekeeper {
   WatchedFile grants_file_;
   WatchedFile revocations_file_;
   std::optional<Grants> grants_;  ///< Empty: every museum may do everything.
-  std::map<std::uint64_t, Visit> visits_;
+  std::map<std::uint64_t, Session> sessions_;
   std::map<std::uint64_t, Identity> nodes_;
   std::map<std::string, TokenBucket> bytes_;  ///< Museums with a byte limit.
-  TimePoint next_look_{};
-  bool told_out_of_date_ = false;
-  bool told_audit_fails_ = false;
+  TimePoint next_check_{};
+  bool logged_out_of_date_ = false;
+  bool logged_audit_failure_ = false;
 
   mutable std::mutex mutex_;  ///< Guards the following.
   Revocations revocations_;
@@ -128,4 +128,4 @@ class Gatekeeper {
   std::optional<std::string> audit_failure_;                   ///< Not reported yet.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

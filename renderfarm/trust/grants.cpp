@@ -7,10 +7,10 @@
 
 #include "common/config/config.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 namespace {
 
-constexpr int kUsualVisits = 4;
+constexpr int kUsualSessions = 4;
 
 /// Returns 0 for an invalid key.
 std::uint64_t parse_watermark(std::string_view text) {
@@ -25,7 +25,7 @@ Grant read_grant(ConfigTable& table) {
   grant.museum = table.text("name");
   grant.scenes = table.texts("scenes");
   grant.weight = table.number("weight", {0.01, 100.0}, 1.0);
-  grant.visits = table.integer("visits", {1, 1024}, kUsualVisits);
+  grant.sessions = table.integer("sessions", {1, 1024}, kUsualSessions);
   if (table.has("megabytes_per_s")) grant.bytes_per_second = 1e6 * table.number("megabytes_per_s", {0.1, 1e5});
   if (table.has("watermark")) {
     grant.watermark = parse_watermark(table.text("watermark"));
@@ -64,4 +64,4 @@ const Grant* Grants::find(std::string_view museum) const {
   return found == grants_.end() ? nullptr : &found->second;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

@@ -9,14 +9,14 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 
 /// Rights of one museum. A value. The default is that of a farm without grants: everything.
 struct Grant {
   std::string museum{};                  ///< Common name of its certificate; empty if it states its own name.
   std::vector<std::string> scenes{"*"};  ///< "*" alone means all.
   double weight = 1.0;                   ///< Its share of the nodes, relative to other museums.
-  int visits = 64;                       ///< Maximum number of simultaneous sessions.
+  int sessions = 64;                     ///< Maximum number of simultaneous sessions.
   double bytes_per_second = 0.0;         ///< For all its sessions together; 0: not limited.
   std::uint64_t watermark = 0;           ///< Key of the watermark in its pictures; 0: none.
   bool updates = true;                   ///< May fetch versions of its image.
@@ -32,7 +32,7 @@ struct Grant {
 ///   name = "hall-3"                  # As in its certificate.
 ///   scenes = ["grotto", "relic"]     # Or ["*"].
 ///   weight = 2.0                     # Left out: 1. From 0.01 to 100.
-///   visits = 4                       # Left out: 4. At once.
+///   sessions = 4                       # Left out: 4. At once.
 ///   megabytes_per_s = 20             # Left out: not limited. From 0.1.
 ///   updates = false                  # Left out: true. Whether it gets versions of its image from here.
 ///   watermark = "9e1f2bad2af9ea4e"   # Left out: none. 16 hexadecimal digits, not all 0.
@@ -52,4 +52,4 @@ class Grants {
   std::map<std::string, Grant, std::less<>> grants_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

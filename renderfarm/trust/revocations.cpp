@@ -5,7 +5,7 @@
 
 #include "common/wire/openssl.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 
 Result<Revocations> Revocations::parse(std::string_view pem, std::string_view authority_pem) {
   TRY_ASSIGN(const OpensslCertificate authority, parse_certificate(authority_pem));
@@ -30,4 +30,4 @@ Result<Revocations> Revocations::parse(std::string_view pem, std::string_view au
 
 bool Revocations::is_out_of_date() const { return std::chrono::system_clock::now() > good_until_; }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

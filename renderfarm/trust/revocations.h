@@ -8,7 +8,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 
 /// Certificates that an authority has revoked: its list (CRL, RFC 5280), crl.pem. A value; thread-bound.
 class Revocations {
@@ -32,4 +32,4 @@ class Revocations {
   std::chrono::system_clock::time_point good_until_ = std::chrono::system_clock::time_point::max();
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

@@ -3,10 +3,10 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 namespace {
 
-constexpr std::size_t kLargest = 4 << 20;
+constexpr std::size_t kMaxBytes = 4 << 20;
 
 bool is_same(const timespec& a, const timespec& b) { return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec; }
 
@@ -25,7 +25,7 @@ std::optional<Result<std::string>> WatchedFile::changed() {
   if (asked_ && same) return std::nullopt;
   asked_ = true;
   seen_ = seen;
-  return read_text_file(path_, kLargest);
+  return read_text_file(path_, kMaxBytes);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

@@ -9,7 +9,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 
 /// A small text file that may be replaced while the program runs. Thread-bound.
 class WatchedFile {
@@ -28,4 +28,4 @@ class WatchedFile {
   std::optional<struct ::stat> seen_;  ///< Empty while the file is missing.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

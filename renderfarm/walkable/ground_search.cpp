@@ -12,42 +12,43 @@
 
 #include "renderfarm/scene/area.h"
 
-namespace cyclorama {
+namespace cyclorama::walkable {
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector2i;
 
-constexpr int kRings = 8;               // Number of heights at which horizontal rays are traced.
-constexpr double kLeastRadiusM = 0.05;  // Minimum clearance, for an eye at 1.6 m.
+constexpr int kRings = 8;             // Number of heights at which horizontal rays are traced.
+constexpr double kMinRadiusM = 0.05;  // Minimum clearance, for an eye at 1.6 m.
 constexpr double kSlopeSpanM = 0.6;
-constexpr int kMostCells = 2048;            // Per side.
-constexpr std::size_t kMostCorners = 1000;  // Less than navigation accepts.
-constexpr double kLeastHole = 4.0;          // In cells.
+constexpr int kMaxCells = 2048;            // Per side.
+constexpr std::size_t kMaxCorners = 1000;  // Less than navigation accepts.
+constexpr double kMinHoleCells = 4.0;      // In cells.
 constexpr std::array<std::array<int, 2>, 4> kBeside = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
 constexpr double kNowhere = -std::numeric_limits<double>::infinity();
 
 /// A grid of cells around the start with the state of each.
 class Ground {
  public:
-  Ground(const RayProbe& probe, const SceneInfo& info, const BodySize& body, double floor, double cell, int half_cells)
+  Ground(const RayProbe& probe, const scene::SceneInfo& info, const BodySize& body, double floor, double cell,
+         int half_cells)
       : probe_(probe),
         body_(body),
         eye_y_(info.start_eye.y()),
         floor_(floor),
         cell_(cell),
         size_(2 * half_cells + 1),
-        least_(Vector2d(info.start_eye.x(), info.start_eye.z()).array() - (half_cells + 0.5) * cell),
+        min_(Vector2d(info.start_eye.x(), info.start_eye.z()).array() - (half_cells + 0.5) * cell),
         heights_(count(), kNowhere),
         state_(count(), kUnknown) {}
 
   [[nodiscard]] int size() const { return size_; }
-  [[nodiscard]] const Vector2d& least() const { return least_; }
+  [[nodiscard]] const Vector2d& min() const { return min_; }
   [[nodiscard]] bool contains(const Vector2i& c) const {
     return c.x() >= 0 && c.y() >= 0 && c.x() < size_ && c.y() < size_;
   }
   [[nodiscard]] Vector2d centre_of(const Vector2i& c) const {
-    return least_ + cell_ * (c.cast<double>().array() + 0.5).matrix();
+    return min_ + cell_ * (c.cast<double>().array() + 0.5).matrix();
   }
   /// Traces rays down in those cells that have not been probed yet.
   void look_down(const std::vector<Vector2i>& cells);
@@ -75,7 +76,7 @@ class Ground {
   const double floor_;
   const double cell_;
   const int size_;
-  const Vector2d least_;
+  const Vector2d min_;
   std::vector<double> heights_;
   std::vector<std::uint8_t> state_;
 };
@@ -106,11 +107,11 @@ void Ground::look_down(const std::vector<Vector2i>& cells) {
 double Ground::height(const Vector2i& c) const {
   const double own = seen_height(c);
   if (std::isfinite(own) || !contains(c) || state_[index_of(c)] != kGap) return own;
-  const int most = gap_cells() + 1;  // From ground to ground, across the whole gap.
+  const int max = gap_cells() + 1;  // From ground to ground, across the whole gap.
   for (const Vector2i& way : {Vector2i(1, 0), Vector2i(0, 1), Vector2i(1, 1), Vector2i(1, -1)}) {
-    for (int back = 1; back < most; ++back) {
+    for (int back = 1; back < max; ++back) {
       const double one = seen_height(c - back * way);
-      for (int forth = 1; forth <= most - back; ++forth) {
+      for (int forth = 1; forth <= max - back; ++forth) {
         const double other = seen_height(c + forth * way);
         if (std::isfinite(one) && std::isfinite(other) && std::abs(one - other) <= body_.step_m)
           return 0.5 * (one + other);
@@ -235,19 +236,19 @@ class Flood {
 
 /// Converts the cells to polygons, simplified with increasing tolerance until they have few enough corners and the
 /// start is still inside.
-Status make_polygons(const CellSet& cells, const Vector2d& least, double cell, const Vector2d& start,
+Status make_polygons(const scene::CellSet& cells, const Vector2d& min, double cell, const Vector2d& start,
                      WalkableGround* ret) {
-  const auto borders = borders_of(cells);
+  const auto borders = scene::borders_of(cells);
   for (double tolerance = 0.75; tolerance < 100.0; tolerance *= 1.5) {
     ret->outline.clear();
     ret->holes.clear();
     std::size_t corners = 0;
     for (const std::vector<Vector2i>& border : borders) {
       std::vector<Vector2d> exact;
-      for (const Vector2i& c : border) exact.push_back(least + cell * c.cast<double>());
-      std::vector<Vector2d> polygon = simplified(exact, tolerance * cell);
+      for (const Vector2i& c : border) exact.push_back(min + cell * c.cast<double>());
+      std::vector<Vector2d> polygon = scene::simplified(exact, tolerance * cell);
       const bool is_outline = &border == &borders.front();
-      if (!is_outline && (polygon.size() < 3 || area_of(polygon) < kLeastHole * cell * cell)) continue;
+      if (!is_outline && (polygon.size() < 3 || scene::area_of(polygon) < kMinHoleCells * cell * cell)) continue;
       corners += polygon.size();
       if (is_outline) {
         ret->outline = std::move(polygon);
@@ -255,8 +256,9 @@ Status make_polygons(const CellSet& cells, const Vector2d& least, double cell, c
         ret->holes.push_back(std::move(polygon));
       }
     }
-    if (ret->outline.size() >= 3 && corners <= kMostCorners && is_inside(ret->outline, start) &&
-        std::none_of(ret->holes.begin(), ret->holes.end(), [&](const auto& hole) { return is_inside(hole, start); }))
+    if (ret->outline.size() >= 3 && corners <= kMaxCorners && scene::is_inside(ret->outline, start) &&
+        std::none_of(ret->holes.begin(), ret->holes.end(),
+                     [&](const auto& hole) { return scene::is_inside(hole, start); }))
       return Done{};
   }
   return Error(
@@ -267,26 +269,26 @@ Status make_polygons(const CellSet& cells, const Vector2d& least, double cell, c
 
 /// Returns the largest tried clearance, up to the body's radius, for which the start is clear.
 Result<double> radius_at(const Ground& ground, const Vector2i& start, double floor, const BodySize& body) {
-  for (double radius = body.radius_m; radius >= kLeastRadiusM * body.eye_m / 1.6; radius *= 0.75) {
+  for (double radius = body.radius_m; radius >= kMinRadiusM * body.eye_m / 1.6; radius *= 0.75) {
     if (ground.is_clear(start, floor, radius)) return radius;
   }
   return Error(ErrorCode::kInvalidArgument,
                fmt::format("something is within {:.2f} m of the start, so nobody can stand there; move [start] eye_m",
-                           kLeastRadiusM * body.eye_m / 1.6));
+                           kMinRadiusM * body.eye_m / 1.6));
 }
 
 }  // namespace
 
-Result<WalkableGround> find_walkable(const RayProbe& probe, const SceneInfo& info, const Eigen::AlignedBox3d& bounds,
-                                     const GroundOptions& options) {
+Result<WalkableGround> find_walkable(const RayProbe& probe, const scene::SceneInfo& info,
+                                     const Eigen::AlignedBox3d& bounds, const GroundOptions& options) {
   const Eigen::Vector3d& eye = info.start_eye;
-  constexpr double kMostEyeHeights = 3.0;
-  const auto below = probe.distance(eye, -Eigen::Vector3d::UnitY(), kMostEyeHeights * info.eye_height_m);
+  constexpr double kMaxEyeHeights = 3.0;
+  const auto below = probe.distance(eye, -Eigen::Vector3d::UnitY(), kMaxEyeHeights * info.eye_height_m);
   if (!below) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("there is no ground within {:.2f} m below the start at ({:.2f}, {:.2f}, {:.2f}); correct "
                              "[start] eye_m or [visitor] eye_height_m",
-                             kMostEyeHeights * info.eye_height_m, eye.x(), eye.y(), eye.z()));
+                             kMaxEyeHeights * info.eye_height_m, eye.x(), eye.y(), eye.z()));
   }
   if (*below < 0.5 * info.eye_height_m) {
     return Error(
@@ -300,7 +302,7 @@ Result<WalkableGround> find_walkable(const RayProbe& probe, const SceneInfo& inf
   WalkableGround found;
   found.floor_m = eye.y() - *below;
   const double reach = std::min(options.reach_m * by, std::max(bounds.sizes().x(), bounds.sizes().z()) + 1.0 * by);
-  found.cell_m = std::max(options.cell_m * by, 2.0 * reach / kMostCells);
+  found.cell_m = std::max(options.cell_m * by, 2.0 * reach / kMaxCells);
   const int half = static_cast<int>(std::ceil(reach / found.cell_m));
   Ground ground(probe, info, body, found.floor_m, found.cell_m, half);
   const Vector2i start(half, half);
@@ -313,9 +315,9 @@ Result<WalkableGround> find_walkable(const RayProbe& probe, const SceneInfo& inf
   Flood flood(&ground, body, found.radius_m);
   flood.run(start);
   found.width = found.depth = ground.size();
-  found.least = ground.least();
+  found.min = ground.min();
   found.kinds = flood.kinds();
-  CellSet cells(found.width, found.depth);
+  scene::CellSet cells(found.width, found.depth);
   for (int z = 0; z < found.depth; ++z) {
     for (int x = 0; x < found.width; ++x) {
       const auto index =
@@ -325,8 +327,8 @@ Result<WalkableGround> find_walkable(const RayProbe& probe, const SceneInfo& inf
       found.area_m2 += found.cell_m * found.cell_m;
     }
   }
-  TRY(make_polygons(cells, found.least, found.cell_m, {eye.x(), eye.z()}, &found));
+  TRY(make_polygons(cells, found.min, found.cell_m, {eye.x(), eye.z()}, &found));
   return found;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::walkable

@@ -22,7 +22,7 @@
 #include "renderfarm/scene/scene.h"
 #include "renderfarm/walkable/ray_probe.h"
 
-namespace cyclorama {
+namespace cyclorama::walkable {
 
 /// Dimensions of a person whose eyes are 1.6 m above the ground; they scale with the eye height of a scene's visitor.
 struct BodySize {
@@ -56,13 +56,13 @@ struct WalkableGround {
   // For pictures: cell (x, z) is kinds[z * width + x]; its lowest corner is `least + cell_m * (x, z)`.
   int width = 0;
   int depth = 0;
-  Eigen::Vector2d least = Eigen::Vector2d::Zero();
+  Eigen::Vector2d min = Eigen::Vector2d::Zero();
   std::vector<GroundKind> kinds;
 };
 
 /// Searches from the start of the scene. Takes seconds for a site of some hundred square metres. Reentrant. Errors:
 /// kInvalidArgument if there is no ground below the start or no room to stand; the message names the obstacle.
-Result<WalkableGround> find_walkable(const RayProbe& probe, const SceneInfo& info, const Eigen::AlignedBox3d& bounds,
-                                     const GroundOptions& options);
+Result<WalkableGround> find_walkable(const RayProbe& probe, const scene::SceneInfo& info,
+                                     const Eigen::AlignedBox3d& bounds, const GroundOptions& options);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::walkable

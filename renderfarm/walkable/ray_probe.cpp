@@ -13,10 +13,10 @@
 
 #include "renderfarm/render/embree.h"
 
-namespace cyclorama {
+namespace cyclorama::walkable {
 namespace {
 
-static_assert(RayProbe::kBatch == kPacketRays);
+static_assert(RayProbe::kBatch == render::kPacketRays);
 
 struct ReleaseDevice {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
@@ -27,8 +27,8 @@ struct ReleaseScene {
 using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
 using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
 
-bool is_solid(const Model& model, const Mesh& mesh) {
-  return model.materials[static_cast<std::size_t>(mesh.material)].alpha_mode != AlphaMode::kBlend &&
+bool is_solid(const scene::Model& model, const scene::Mesh& mesh) {
+  return model.materials[static_cast<std::size_t>(mesh.material)].alpha_mode != scene::AlphaMode::kBlend &&
          !mesh.triangles.empty();
 }
 
@@ -52,7 +52,7 @@ struct RayProbe::Embree {
                  fmt::format("Embree gave up on the scene (code {}); {}", static_cast<int>(code),
                              code == RTC_ERROR_OUT_OF_MEMORY ? "it needs more memory" : "report this"));
   }
-  [[nodiscard]] EmbreeScene mesh_scene(const Mesh& mesh) const {
+  [[nodiscard]] EmbreeScene mesh_scene(const scene::Mesh& mesh) const {
     EmbreeScene scene(rtcNewScene(device.get()));
     rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -84,7 +84,7 @@ RayProbe::RayProbe(RayProbe&&) noexcept = default;
 RayProbe& RayProbe::operator=(RayProbe&&) noexcept = default;
 RayProbe::~RayProbe() = default;
 
-Result<RayProbe> RayProbe::build(const Scene& scene, const Eigen::Vector3d& near) {
+Result<RayProbe> RayProbe::build(const scene::Scene& scene, const Eigen::Vector3d& near) {
   auto embree = std::make_unique<Embree>();
   embree->device.reset(rtcNewDevice(""));
   embree->origin = near;
@@ -92,9 +92,9 @@ Result<RayProbe> RayProbe::build(const Scene& scene, const Eigen::Vector3d& near
   embree->top.reset(rtcNewScene(embree->device.get()));
   rtcSetSceneFlags(embree->top.get(), RTC_SCENE_FLAG_ROBUST);
   embree->meshes.resize(scene.model.meshes.size());
-  for (const Instance& instance : scene.model.instances) {
+  for (const scene::Instance& instance : scene.model.instances) {
     const auto index = static_cast<std::size_t>(instance.mesh);
-    const Mesh& mesh = scene.model.meshes[index];
+    const scene::Mesh& mesh = scene.model.meshes[index];
     const Eigen::Affine3d T_near_mesh =
         Eigen::Translation3d(-near) * instance.T_model_mesh * Eigen::Translation3d(mesh.origin);
     const Eigen::Affine3f T(T_near_mesh.matrix().cast<float>());
@@ -122,7 +122,7 @@ std::vector<double> RayProbe::heights(const std::vector<Eigen::Vector2d>& places
     rays.ray.mask[i] = ~0u;
     rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
   }
-  Query query(Coherence::kCoherent);
+  render::Query query(render::Coherence::kCoherent);
   query.nearest(embree_->top.get(), valid.data(), &rays);
   std::vector<double> heights(places.size(), -std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -146,7 +146,7 @@ bool RayProbe::is_clear_around(const Eigen::Vector3d& from, double length) const
     rays.tfar[i] = static_cast<float>(length);
     rays.mask[i] = ~0u;
   }
-  Query query(Coherence::kIncoherent);
+  render::Query query(render::Coherence::kIncoherent);
   query.any(embree_->top.get(), valid.data(), &rays);
   return std::all_of(std::begin(rays.tfar), std::end(rays.tfar), [](float end) { return end >= 0.0f; });
 }
@@ -167,10 +167,10 @@ std::optional<double> RayProbe::distance(const Eigen::Vector3d& from, const Eige
   rays.ray.tfar[0] = static_cast<float>(length);
   rays.ray.mask[0] = ~0u;
   rays.hit.geomID[0] = RTC_INVALID_GEOMETRY_ID;
-  Query query(Coherence::kIncoherent);
+  render::Query query(render::Coherence::kIncoherent);
   query.nearest(embree_->top.get(), valid.data(), &rays);
   if (rays.hit.geomID[0] == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   return static_cast<double>(rays.ray.tfar[0]);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::walkable

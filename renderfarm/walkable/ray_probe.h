@@ -10,7 +10,7 @@
 #include "common/base/result.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::walkable {
 
 /// Traces rays through a scene's geometry to find positions of surfaces, not their appearance. The answers are exact,
 /// unlike those of SpaceGrid, which are coarse. Blending materials (light shafts, fog, panes modelled in that way) are
@@ -21,7 +21,7 @@ class RayProbe {
  public:
   /// `near` is where rays are most precise; all geometry is placed relative to it. Errors: kSystem if Embree fails, for
   /// example for lack of memory.
-  static Result<RayProbe> build(const Scene& scene, const Eigen::Vector3d& near);
+  static Result<RayProbe> build(const scene::Scene& scene, const Eigen::Vector3d& near);
   RayProbe(RayProbe&&) noexcept;
   RayProbe& operator=(RayProbe&&) noexcept;
   ~RayProbe();
@@ -44,4 +44,4 @@ class RayProbe {
   std::unique_ptr<Embree> embree_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::walkable

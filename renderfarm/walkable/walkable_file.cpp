@@ -10,7 +10,7 @@
 
 #include "common/base/text_lines.h"
 
-namespace cyclorama {
+namespace cyclorama::walkable {
 namespace {
 
 constexpr std::size_t kPointsPerLine = 8;
@@ -157,4 +157,4 @@ Result<std::string> with_walkable(std::string_view text, const std::string& name
   return out;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::walkable

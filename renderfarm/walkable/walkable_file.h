@@ -8,7 +8,7 @@
 #include "common/base/result.h"
 #include "renderfarm/walkable/ground_search.h"
 
-namespace cyclorama {
+namespace cyclorama::walkable {
 
 /// Format the key walkable_m and the [[visitor.hole]] tables of scene.toml; the latter end with a blank line.
 [[nodiscard]] std::string walkable_key(const WalkableGround& ground);
@@ -21,4 +21,4 @@ namespace cyclorama {
 Result<std::string> with_walkable(std::string_view text, const std::string& name, const WalkableGround& ground,
                                   const Eigen::Vector3d& start_eye);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::walkable

@@ -10,7 +10,7 @@
 #include "common/base/address.h"
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 
 std::array<unsigned char, 32> sha256(const std::string& text) {
@@ -37,18 +37,18 @@ Access::Access(const std::string& token)
     : accepted_{sha256("Bearer " + token), sha256("Basic " + base64(std::string(kUser) + ":" + token))} {}
 
 Result<Access> Access::read(const std::filesystem::path& token_file) {
-  constexpr std::size_t kMostBytes = 4096;
-  TRY_ASSIGN(const std::string text, read_text_file(token_file, kMostBytes));
+  constexpr std::size_t kMaxBytes = 4096;
+  TRY_ASSIGN(const std::string text, read_text_file(token_file, kMaxBytes));
   std::string token = text.substr(0, text.find('\n'));
   token.erase(token.find_last_not_of(" \t\r") + 1);
   token.erase(0, token.find_first_not_of(" \t"));
   const bool plain = std::ranges::all_of(token, [](char c) { return c > ' ' && c < 0x7f; });
-  if (!plain || token.size() < kShortestToken) {
+  if (!plain || token.size() < kMinTokenLength) {
     return Error(
         ErrorCode::kBadData,
         fmt::format("the first line of '{}' must be a token of {} characters or more, without blanks; make one "
                     "with: openssl rand -base64 24",
-                    token_file.string(), kShortestToken));
+                    token_file.string(), kMinTokenLength));
   }
   return Access(token);
 }
@@ -61,4 +61,4 @@ bool Access::admits(const std::string& authorization, const std::string& host) c
   return matches > 0;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -9,7 +9,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 /// Decides who may watch. With a token: requests that send it, as `Authorization: Bearer TOKEN` or as the password of
 /// the user "operator" (which browsers prompt for). Without one: only requests that name this machine as their host, so
@@ -17,12 +17,12 @@ namespace cyclorama {
 class Access {
  public:
   static constexpr const char* kUser = "operator";
-  static constexpr std::size_t kShortestToken = 16;
+  static constexpr std::size_t kMinTokenLength = 16;
 
   /// Access without a token.
   Access() = default;
   /// Reads the token: the file's first line, without surrounding blanks. Errors: kBadData if it is shorter than
-  /// kShortestToken or not printable ASCII; otherwise as read_text_file().
+  /// kMinTokenLength or not printable ASCII; otherwise as read_text_file().
   static Result<Access> read(const std::filesystem::path& token_file);
   explicit Access(const std::string& token);
 
@@ -35,4 +35,4 @@ class Access {
   std::vector<Digest> accepted_;  ///< SHA-256 of each accepted header.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

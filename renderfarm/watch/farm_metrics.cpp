@@ -13,7 +13,7 @@
 #include <mutex>
 #include <set>
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 
 using prometheus::ClientMetric;
@@ -112,16 +112,16 @@ struct FarmMetrics::Series {
   Family<Counter>& given_up =
       counter(registry, "cyclorama_frames_given_up_total", "Frames given up for another reason than the deadline");
   Family<Counter>& bytes = counter(registry, "cyclorama_frame_bytes_total", "JPEG bytes of all frames");
-  Family<Counter>& visits = counter(registry, "cyclorama_visits_opened_total", "Visits that were opened");
+  Family<Counter>& sessions = counter(registry, "cyclorama_sessions_opened_total", "Sessions that were opened");
   Family<Counter>& refusals =
-      counter(registry, "cyclorama_visits_refused_total", "Visits refused or ended by the farm, and why");
+      counter(registry, "cyclorama_sessions_refused_total", "Sessions refused or ended by the farm, and why");
   Counter& rays = counter(registry, "cyclorama_rays_total", "Rays traced for frames").Add({});
-  Counter& given_again =
+  Counter& reassigned =
       counter(registry, "cyclorama_frames_given_again_total", "Frames of which others made what a node owed").Add({});
   Counter& moved =
       counter(registry, "cyclorama_blocks_moved_total", "Blocks that a node that was done took from another").Add({});
   Counter& sent_away =
-      counter(registry, "cyclorama_nodes_sent_away_total", "Nodes whose stream the head ended").Add({});
+      counter(registry, "cyclorama_nodes_sent_away_total", "Nodes whose stream the coordinator ended").Add({});
   Counter& scene_bytes =
       counter(registry, "cyclorama_scene_bytes_sent_total", "Bytes of scenes' files that nodes were given").Add({});
   Family<Histogram>& stages = prometheus::BuildHistogram()
@@ -142,38 +142,39 @@ struct FarmMetrics::Series {
   std::string label_while_locked(const std::string& museum) {
     const std::string name = museum.empty() ? "(unnamed)" : museum;
     if (museums.contains(name)) return name;
-    if (museums.size() >= kMostMuseums) return kOthers;
+    if (museums.size() >= kMaxMuseums) return kOthers;
     return *museums.insert(name).first;
   }
 
-  void add_visits(Gauges* gauges) {
-    std::map<std::string, std::vector<const WatchedVisit*>> by_museum;
-    for (const WatchedVisit& visit : overview.visits) by_museum[label_while_locked(visit.museum)].push_back(&visit);
-    gauges->add("cyclorama_visits", "Visits that are open");
-    for (const auto& [museum, visits_of] : by_museum) {
-      gauges->sample({{"museum", museum}}, static_cast<double>(visits_of.size()));
+  void add_sessions(Gauges* gauges) {
+    std::map<std::string, std::vector<const WatchedSession*>> by_museum;
+    for (const WatchedSession& session : overview.sessions)
+      by_museum[label_while_locked(session.museum)].push_back(&session);
+    gauges->add("cyclorama_sessions", "Sessions that are open");
+    for (const auto& [museum, sessions_of] : by_museum) {
+      gauges->sample({{"museum", museum}}, static_cast<double>(sessions_of.size()));
     }
     // Shows the worst of several sessions of one museum, which an alert should see.
-    const auto worst = [&](const char* name, const char* help, bool least,
-                           const std::function<double(const WatchedVisit&)>& value) {
+    const auto worst = [&](const char* name, const char* help, bool min,
+                           const std::function<double(const WatchedSession&)>& value) {
       gauges->add(name, help);
-      for (const auto& [museum, visits_of] : by_museum) {
+      for (const auto& [museum, sessions_of] : by_museum) {
         std::vector<double> values;
-        for (const WatchedVisit* const visit : visits_of) values.push_back(value(*visit));
-        gauges->sample({{"museum", museum}}, least ? std::ranges::min(values) : std::ranges::max(values));
+        for (const WatchedSession* const session : sessions_of) values.push_back(value(*session));
+        gauges->sample({{"museum", museum}}, min ? std::ranges::min(values) : std::ranges::max(values));
       }
     };
-    worst("cyclorama_visit_samples_per_pixel", "Of the last frame, in all", true,
+    worst("cyclorama_session_samples_per_pixel", "Of the last frame, in all", true,
           [](const auto& v) { return v.samples_per_pixel; });
-    worst("cyclorama_visit_scale_ratio", "Rendered over asked width of the last frame", true,
+    worst("cyclorama_session_scale_ratio", "Rendered over asked width of the last frame", true,
           [](const auto& v) { return v.scale; });
-    worst("cyclorama_visit_budget_seconds", "Time per frame that the visit asked for; 0: it sets its own quality", true,
-          [](const auto& v) { return 1e-3 * v.budget_ms; });
-    worst("cyclorama_visit_frame_seconds", "Of the last frame, from the view's arrival to its end", false,
+    worst("cyclorama_session_budget_seconds", "Time per frame that the session asked for; 0: it sets its own quality",
+          true, [](const auto& v) { return 1e-3 * v.budget_ms; });
+    worst("cyclorama_session_frame_seconds", "Of the last frame, from the view's arrival to its end", false,
           [](const auto& v) { return 1e-3 * v.frame_ms; });
-    worst("cyclorama_visit_frame_bytes", "JPEG bytes of the last frame", false,
+    worst("cyclorama_session_frame_bytes", "JPEG bytes of the last frame", false,
           [](const auto& v) { return v.bytes_per_frame; });
-    worst("cyclorama_visit_balance_efficiency_ratio", "Mean load over largest load of the nodes in the last frame",
+    worst("cyclorama_session_balance_efficiency_ratio", "Mean load over largest load of the nodes in the last frame",
           true, [](const auto& v) { return v.balance_efficiency; });
   }
 };
@@ -199,7 +200,7 @@ void FarmMetrics::add(const FrameFigures& frame) {
   }
   series_->bytes.Add(museum).Increment(static_cast<double>(frame.bytes));
   series_->rays.Increment(static_cast<double>(frame.rays));
-  if (frame.given_again) series_->given_again.Increment();
+  if (frame.reassigned) series_->reassigned.Increment();
   series_->moved.Increment(frame.moved);
 }
 
@@ -207,16 +208,18 @@ void FarmMetrics::add_stage(const std::string& stage, double seconds) {
   series_->stages.Add({{"stage", stage}}, kSeconds).Observe(seconds);
 }
 
-void FarmMetrics::visit_opened(const std::string& museum) {
+void FarmMetrics::session_opened(const std::string& museum) {
   const prometheus::Labels labels{{"museum", series_->label_of(museum)}};
-  series_->visits.Add(labels).Increment();
+  series_->sessions.Add(labels).Increment();
   // Rates need a first value, so a counter starts at 0 instead of being absent.
   for (Family<Counter>* const family : {&series_->frames, &series_->refined, &series_->late, &series_->given_up}) {
     family->Add(labels);
   }
 }
 
-void FarmMetrics::visit_refused(ErrorCode reason) { series_->refusals.Add({{"reason", word_for(reason)}}).Increment(); }
+void FarmMetrics::session_refused(ErrorCode reason) {
+  series_->refusals.Add({{"reason", word_for(reason)}}).Increment();
+}
 void FarmMetrics::node_sent_away() { series_->sent_away.Increment(); }
 void FarmMetrics::scene_bytes_sent(std::uint64_t so_far) {
   series_->scene_bytes.Increment(static_cast<double>(so_far) - series_->scene_bytes.Value());
@@ -235,7 +238,7 @@ std::string FarmMetrics::text() const {
     const FarmOverview& farm = series_->overview;
     gauges.add("cyclorama_build_info", "Which version runs");
     gauges.sample({{"version", CYCLORAMA_VERSION}}, 1.0);
-    gauges.add("cyclorama_healthy", "1 when every visit finds nodes that have its scene");
+    gauges.add("cyclorama_healthy", "1 when every session finds nodes that have its scene");
     gauges.sample({}, farm.healthy ? 1.0 : 0.0);
     gauges.add("cyclorama_nodes", "Nodes connected");
     gauges.sample({}, static_cast<double>(farm.nodes.size()));
@@ -243,7 +246,7 @@ std::string FarmMetrics::text() const {
     for (const auto& [scene, nodes] : farm.scene_nodes) {
       gauges.sample({{"scene", scene}}, static_cast<double>(nodes));
     }
-    series_->add_visits(&gauges);
+    series_->add_sessions(&gauges);
     add_nodes(farm.nodes, &gauges);
   }
   std::vector<MetricFamily> made = std::move(gauges).take();
@@ -253,4 +256,4 @@ std::string FarmMetrics::text() const {
   return prometheus::TextSerializer().Serialize(families);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -7,7 +7,7 @@
 #include "common/base/error.h"
 #include "renderfarm/watch/farm_overview.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 /// Figures of one frame for the counters.
 struct FrameFigures {
@@ -16,17 +16,17 @@ struct FrameFigures {
   Outcome outcome = Outcome::kWhole;
   std::size_t bytes = 0;
   std::uint64_t rays = 0;
-  bool given_again = false;  ///< Another node rendered what one node failed to deliver.
-  int moved = 0;             ///< Blocks that an idle node took from others.
+  bool reassigned = false;  ///< Another node rendered what one node failed to deliver.
+  int moved = 0;            ///< Blocks that an idle node took from others.
 };
 
 /// The farm's metrics in Prometheus' text format 0.0.4, by prometheus-cpp. docs/reference/metrics.md lists them.
 ///
-/// The number of series is bounded: museums beyond the first kMostMuseums names count as "(others)", only the worst of
+/// The number of series is bounded: museums beyond the first kMaxMuseums names count as "(others)", only the worst of
 /// several sessions of one museum is shown, and nodes of one name are numbered. Thread-safe.
 class FarmMetrics {
  public:
-  static constexpr std::size_t kMostMuseums = 64;
+  static constexpr std::size_t kMaxMuseums = 64;
 
   FarmMetrics();
   ~FarmMetrics();
@@ -36,8 +36,8 @@ class FarmMetrics {
   void add(const FrameFigures& frame);
   /// Adds the duration of one step of a frame; see docs/reference/frame-timing.md.
   void add_stage(const std::string& stage, double seconds);
-  void visit_opened(const std::string& museum);
-  void visit_refused(ErrorCode reason);
+  void session_opened(const std::string& museum);
+  void session_refused(ErrorCode reason);
   void node_sent_away();
   /// Bytes of scene files sent to nodes since the coordinator's start. Called by one thread.
   void scene_bytes_sent(std::uint64_t so_far);
@@ -53,4 +53,4 @@ class FarmMetrics {
 
 inline constexpr const char* kMetricsType = "text/plain; version=0.0.4; charset=utf-8";
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

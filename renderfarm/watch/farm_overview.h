@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
-struct WatchedVisit {
+struct WatchedSession {
   std::uint64_t id = 0;  ///< Unique while the coordinator runs.
   std::string museum{};
   std::string scene{};
@@ -44,10 +44,10 @@ struct WatchedNode {
 };
 
 struct FarmOverview {
-  std::vector<WatchedVisit> visits{};
+  std::vector<WatchedSession> sessions{};
   std::vector<WatchedNode> nodes{};
   std::map<std::string, std::size_t> scene_nodes{};  ///< Number of nodes that have each of the farm's scenes.
   bool healthy = false;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

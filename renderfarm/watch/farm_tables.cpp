@@ -5,7 +5,7 @@
 
 #include <string_view>
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 
 /// Fills one row after the other, so that each column's name stands next to its value.
@@ -29,26 +29,26 @@ class TableWriter {
 
 }  // namespace
 
-wire::Table visits_table(const FarmOverview& farm) {
-  TableWriter writer("visits");
-  for (const WatchedVisit& visit : farm.visits) {
+wire::Table sessions_table(const FarmOverview& farm) {
+  TableWriter writer("sessions");
+  for (const WatchedSession& session : farm.sessions) {
     writer.next_row();
-    writer.count("id", visit.id);
-    writer.text("museum", visit.museum);
-    writer.text("scene", visit.scene);
-    writer.number("frames_per_second", visit.frames_per_second);
-    writer.number("samples_per_pixel", visit.samples_per_pixel);
-    writer.number("scale", visit.scale);
-    writer.number("width_px", visit.width_px);
-    writer.number("height_px", visit.height_px);
-    writer.number("budget_ms", visit.budget_ms);
-    writer.number("frame_ms", visit.frame_ms);
-    writer.number("bytes_per_frame", visit.bytes_per_frame);
-    writer.number("balance_efficiency", visit.balance_efficiency);
-    writer.count("frames", visit.frames);
-    writer.count("refined_frames", visit.refined);
-    writer.count("late_frames", visit.late);
-    writer.count("given_up_frames", visit.given_up);
+    writer.count("id", session.id);
+    writer.text("museum", session.museum);
+    writer.text("scene", session.scene);
+    writer.number("frames_per_second", session.frames_per_second);
+    writer.number("samples_per_pixel", session.samples_per_pixel);
+    writer.number("scale", session.scale);
+    writer.number("width_px", session.width_px);
+    writer.number("height_px", session.height_px);
+    writer.number("budget_ms", session.budget_ms);
+    writer.number("frame_ms", session.frame_ms);
+    writer.number("bytes_per_frame", session.bytes_per_frame);
+    writer.number("balance_efficiency", session.balance_efficiency);
+    writer.count("frames", session.frames);
+    writer.count("refined_frames", session.refined);
+    writer.count("late_frames", session.late);
+    writer.count("given_up_frames", session.given_up);
   }
   return std::move(writer).take();
 }
@@ -71,4 +71,4 @@ wire::Table nodes_table(const FarmOverview& farm) {
   return std::move(writer).take();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -4,10 +4,10 @@
 #include "common/wire/inspection.pb.h"
 #include "renderfarm/watch/farm_overview.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
-/// The tables "visits" and "nodes" of the inspection service, shown by `cyclorama-farm top` and the page.
-[[nodiscard]] wire::Table visits_table(const FarmOverview& farm);
+/// The tables "sessions" and "nodes" of the inspection service, shown by `cyclorama-farm top` and the page.
+[[nodiscard]] wire::Table sessions_table(const FarmOverview& farm);
 [[nodiscard]] wire::Table nodes_table(const FarmOverview& farm);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/watch/farm_watch.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 Status FarmWatch::start(const WatchOptions& options, const std::function<void(const std::string&)>& notice) {
   TRY(validate(options));
@@ -23,4 +23,4 @@ void FarmWatch::stop() {
   file_ = nullptr;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -10,7 +10,7 @@
 #include "renderfarm/watch/watch_options.h"
 #include "renderfarm/watch/watch_server.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 /// The coordinator's metrics and pictures, by HTTP and as a file, as far as the options enable them. Thread-bound,
 /// except for the objects that it returns.
@@ -26,15 +26,15 @@ class FarmWatch {
 
   [[nodiscard]] FarmMetrics& metrics() { return metrics_; }
   /// Null if nobody can watch; then pictures need not be kept.
-  [[nodiscard]] VisitPictures* pictures() { return server_ ? &pictures_ : nullptr; }
+  [[nodiscard]] SessionPictures* pictures() { return server_ ? &pictures_ : nullptr; }
   [[nodiscard]] int port() const { return server_ ? server_->port() : 0; }
 
  private:
   InspectionService& inspection_;
   FarmMetrics metrics_;
-  VisitPictures pictures_;
+  SessionPictures pictures_;
   std::unique_ptr<MetricsFile> file_;
   std::unique_ptr<WatchServer> server_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -5,7 +5,7 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 Result<std::unique_ptr<MetricsFile>> MetricsFile::start(std::filesystem::path path, const FarmMetrics& metrics,
                                                         std::function<void(const std::string&)> notice,
@@ -43,4 +43,4 @@ void MetricsFile::run() {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -13,7 +13,7 @@
 #include "common/base/result.h"
 #include "renderfarm/watch/farm_metrics.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 /// Writes the metrics into a file for node_exporter's textfile collector, for farms without a listener. A reader sees
 /// the old text or the new one, never a part; the destructor removes the file. Thread: `metrics`, which alone accesses
@@ -46,4 +46,4 @@ class MetricsFile {
   std::thread thread_;     ///< Last member: started when all others exist.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -5,7 +5,7 @@
 
 #include <iterator>
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 constexpr const char* kBoundary = "--cyclorama-picture\r\n";
 }
@@ -22,4 +22,4 @@ std::string mjpeg_part(std::span<const std::byte> jpeg) {
   return part;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 inline constexpr const char* kMjpegType = "multipart/x-mixed-replace; boundary=cyclorama-picture";
 
@@ -16,4 +16,4 @@ inline constexpr const char* kMjpegType = "multipart/x-mixed-replace; boundary=c
 /// Returns one picture, including the boundary after it, since browsers show a picture once they see its end.
 [[nodiscard]] std::string mjpeg_part(std::span<const std::byte> jpeg);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -60,4 +60,4 @@ std::string table_json(const wire::ProcessStatus& status, const std::string& nam
   return dumped(Json::array());
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

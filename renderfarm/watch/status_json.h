@@ -5,7 +5,7 @@
 
 #include "common/wire/inspection.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 /// Returns JSON:
 ///
@@ -18,4 +18,4 @@ namespace cyclorama {
 /// Returns one table of the status as a list; empty if there is no table of that name.
 [[nodiscard]] std::string table_json(const wire::ProcessStatus& status, const std::string& table);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

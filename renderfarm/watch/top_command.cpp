@@ -12,19 +12,19 @@
 #include "renderfarm/watch/status_json.h"
 #include "renderfarm/watch/top_text.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 
 constexpr auto kPeriod = std::chrono::seconds(1);
 constexpr auto kDeadline = std::chrono::seconds(2);
 constexpr int kPlainColumns = 160;
 
-Result<wire::ProcessStatus> ask(wire::Inspection::Stub& stub, const std::string& address) {
+Result<wire::ProcessStatus> request_status(wire::Inspection::Stub& stub, const std::string& address) {
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + kDeadline);
   wire::ProcessStatus status;
   const grpc::Status answer = stub.GetStatus(&context, {}, &status);
-  if (!answer.ok()) return from_grpc(answer, fmt::format("asking the head at {}", address));
+  if (!answer.ok()) return from_grpc(answer, fmt::format("asking the coordinator at {}", address));
   return status;
 }
 
@@ -54,7 +54,7 @@ Status run_top(const TopOptions& options, const StopSignal& stop) {
   const std::string address = options.inspect.empty() ? kPackagedInspect : options.inspect;
   TRY_ASSIGN(const auto channel, make_channel(address));
   const auto stub = wire::Inspection::NewStub(channel);
-  TRY_ASSIGN(wire::ProcessStatus status, ask(*stub, address));
+  TRY_ASSIGN(wire::ProcessStatus status, request_status(*stub, address));
   if (options.json || options.once || ::isatty(STDOUT_FILENO) == 0) {
     print(options.json ? status_json(status) : top_text(status, kPlainColumns));
     return Done{};
@@ -64,10 +64,10 @@ Status run_top(const TopOptions& options, const StopSignal& stop) {
   do {
     OtherPage::show(top_text(status, terminal_columns()) + trouble);
     if (stop.wait_until(SteadyClock().now() + kPeriod)) return Done{};
-    auto answer = ask(*stub, address);
+    auto answer = request_status(*stub, address);
     trouble = answer ? "" : fmt::format("\n{}; what is above is old\n", answer.error().message());
     if (answer) status = *std::move(answer);
   } while (true);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

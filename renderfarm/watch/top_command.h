@@ -6,7 +6,7 @@
 #include "common/base/result.h"
 #include "common/process/stop_signal.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 /// Setting of the packaged farm.toml: no port listens; the file's permissions decide who may watch.
 inline constexpr const char* kPackagedInspect = "unix:/run/cyclorama-farm/inspect.sock";
@@ -22,4 +22,4 @@ struct TopOptions {
 /// kTimedOut if the coordinator does not answer; on a terminal it keeps trying once it has had an answer.
 Status run_top(const TopOptions& options, const StopSignal& stop);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -12,7 +12,7 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 
 struct Column {
@@ -24,18 +24,18 @@ struct Column {
 };
 
 constexpr int kText = -1;
-constexpr std::array<Column, 12> kVisits{{{"museum", "museum", 24, kText},
-                                          {"scene", "scene", 16, kText},
-                                          {"frames_per_second", "frames/s", 9, 1},
-                                          {"samples_per_pixel", "samples", 8, 0},
-                                          {"scale", "scale", 6, 2},
-                                          {"budget_ms", "budget ms", 10, 0},
-                                          {"frame_ms", "frame ms", 9, 1},
-                                          {"bytes_per_frame", "kB/frame", 9, 0, 1e3},
-                                          {"balance_efficiency", "balance", 8, 2},
-                                          {"late_frames", "late", 7, 0},
-                                          {"given_up_frames", "given up", 9, 0},
-                                          {"frames", "frames", 10, 0}}};
+constexpr std::array<Column, 12> kSessions{{{"museum", "museum", 24, kText},
+                                            {"scene", "scene", 16, kText},
+                                            {"frames_per_second", "frames/s", 9, 1},
+                                            {"samples_per_pixel", "samples", 8, 0},
+                                            {"scale", "scale", 6, 2},
+                                            {"budget_ms", "budget ms", 10, 0},
+                                            {"frame_ms", "frame ms", 9, 1},
+                                            {"bytes_per_frame", "kB/frame", 9, 0, 1e3},
+                                            {"balance_efficiency", "balance", 8, 2},
+                                            {"late_frames", "late", 7, 0},
+                                            {"given_up_frames", "given up", 9, 0},
+                                            {"frames", "frames", 10, 0}}};
 constexpr std::array<Column, 10> kNodes{{{"name", "node", 24, kText},
                                          {"state", "state", 16, kText},
                                          {"threads", "threads", 9, 0},
@@ -146,10 +146,10 @@ std::string top_text(const wire::ProcessStatus& status, int columns) {
                         status.healthy() ? "" : "NOT WELL: ", status.state()));
   lines.add(fmt::format("{:.1f} frames/s, {:.2f} M rays/s", gauge_of(status, "frames_per_second").value_or(0.0),
                         1e-6 * gauge_of(status, "rays_per_second").value_or(0.0)));
-  add_table(status, "visits", kVisits, &lines);
+  add_table(status, "sessions", kSessions, &lines);
   add_table(status, "nodes", kNodes, &lines);
   add_stages(status, &lines);
   return std::move(lines).take();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -5,10 +5,10 @@
 
 #include "common/wire/inspection.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 /// The farm as a table for a terminal: its state, sessions, nodes and the steps of a frame. Lines have at most
 /// `columns` characters, however long a museum's name is. Pure.
 [[nodiscard]] std::string top_text(const wire::ProcessStatus& status, int columns);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

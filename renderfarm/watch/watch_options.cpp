@@ -5,7 +5,7 @@
 
 #include "common/base/address.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 WatchOptions read_watch_options(ConfigTable table, const std::filesystem::path& folder) {
   const auto file = [&](const char* key) {
@@ -27,4 +27,4 @@ Status validate(const WatchOptions& options) {
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -7,7 +7,7 @@
 #include "common/base/result.h"
 #include "common/config/config.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 /// Ways to watch the farm; all are off by default.
 struct WatchOptions {
@@ -23,4 +23,4 @@ struct WatchOptions {
 /// Errors: kInvalidArgument for a malformed address, or one that others can reach while there is no token.
 Status validate(const WatchOptions& options);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

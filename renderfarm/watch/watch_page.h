@@ -5,9 +5,9 @@
 
 #include "common/http/page_file.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
 /// Returns the files of renderfarm/watch/page/.
 [[nodiscard]] std::span<const PageFile> watch_page_files();
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -12,7 +12,7 @@
 #include "renderfarm/watch/status_json.h"
 #include "renderfarm/watch/watch_page.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 
 constexpr HttpLimits kLimits{.threads = 12};
@@ -22,7 +22,7 @@ constexpr Duration kPeriod = std::chrono::milliseconds(100);
 /// connected.
 constexpr Duration kAgain = std::chrono::seconds(4);
 /// Maximum time that a handler waits in one call, so that a stop is noticed.
-constexpr Duration kPatience = std::chrono::seconds(1);
+constexpr Duration kWaitTimeout = std::chrono::seconds(1);
 constexpr JpegOptions kJpeg{80, true};
 
 Result<std::vector<std::byte>> encoded(const FramePicture& frame, bool half) {
@@ -30,15 +30,15 @@ Result<std::vector<std::byte>> encoded(const FramePicture& frame, bool half) {
   return JpegEncoder().encode(half ? halved(picture) : picture, kJpeg);
 }
 
-Error no_such_visit(std::uint64_t visit) {
-  return Error(ErrorCode::kNotFound, fmt::format("visit {} is not open, or has no picture yet", visit));
+Error no_such_session(std::uint64_t session) {
+  return Error(ErrorCode::kNotFound, fmt::format("session {} is not open, or has no picture yet", session));
 }
 
 /// One watcher of one session; sends the next picture at each call.
 class Watcher {
  public:
-  Watcher(const VisitPictures& pictures, std::uint64_t visit, bool half, std::atomic<int>& watchers)
-      : pictures_(pictures), visit_(visit), half_(half), watchers_(watchers) {}
+  Watcher(const SessionPictures& pictures, std::uint64_t session, bool half, std::atomic<int>& watchers)
+      : pictures_(pictures), session_(session), half_(half), watchers_(watchers) {}
   ~Watcher() { --watchers_; }
   Watcher(const Watcher&) = delete;
   Watcher& operator=(const Watcher&) = delete;
@@ -50,10 +50,11 @@ class Watcher {
     clock.wait_until(sent_at_ + kPeriod);
     const TimePoint again = last_ == nullptr ? TimePoint::max() : sent_at_ + kAgain;
     std::shared_ptr<const FramePicture> next;
-    while (next == nullptr && clock.now() < again && pictures_.is_open(visit_)) {
-      next = pictures_.newest(visit_, last_ == nullptr ? 0 : last_->serial, std::min(again, clock.now() + kPatience));
+    while (next == nullptr && clock.now() < again && pictures_.is_open(session_)) {
+      next =
+          pictures_.newest(session_, last_ == nullptr ? 0 : last_->serial, std::min(again, clock.now() + kWaitTimeout));
     }
-    if (!pictures_.is_open(visit_)) {
+    if (!pictures_.is_open(session_)) {
       sink.done();
       return true;
     }
@@ -72,8 +73,8 @@ class Watcher {
     return sink.write(bytes.data(), bytes.size());
   }
 
-  const VisitPictures& pictures_;
-  const std::uint64_t visit_;
+  const SessionPictures& pictures_;
+  const std::uint64_t session_;
   const bool half_;
   std::atomic<int>& watchers_;
   std::shared_ptr<const FramePicture> last_{};
@@ -112,21 +113,21 @@ bool WatchServer::turn_away(const httplib::Request& request, httplib::Response& 
   return true;
 }
 
-void WatchServer::answer_picture(std::uint64_t visit, bool half, httplib::Response& response) const {
-  const auto frame = sources_.pictures.newest(visit, 0, SteadyClock().now());
-  if (frame == nullptr) return answer_error(no_such_visit(visit), response);
+void WatchServer::answer_picture(std::uint64_t session, bool half, httplib::Response& response) const {
+  const auto frame = sources_.pictures.newest(session, 0, SteadyClock().now());
+  if (frame == nullptr) return answer_error(no_such_session(session), response);
   const auto jpeg = encoded(*frame, half);
   if (!jpeg) return answer_error(jpeg.error(), response);
   response.set_content(reinterpret_cast<const char*>(jpeg->data()), jpeg->size(), "image/jpeg");
 }
 
-void WatchServer::answer_pictures(std::uint64_t visit, bool half, httplib::Response& response) {
-  if (!sources_.pictures.is_open(visit)) return answer_error(no_such_visit(visit), response);
-  if (++watchers_ > kMostWatchers) {
+void WatchServer::answer_pictures(std::uint64_t session, bool half, httplib::Response& response) {
+  if (!sources_.pictures.is_open(session)) return answer_error(no_such_session(session), response);
+  if (++watchers_ > kMaxWatchers) {
     --watchers_;
-    return answer_error(Error(ErrorCode::kBusy, fmt::format("{} watch already; close one", kMostWatchers)), response);
+    return answer_error(Error(ErrorCode::kBusy, fmt::format("{} watch already; close one", kMaxWatchers)), response);
   }
-  const auto watcher = std::make_shared<Watcher>(sources_.pictures, visit, half, watchers_);
+  const auto watcher = std::make_shared<Watcher>(sources_.pictures, session, half, watchers_);
   // HEAD requests and broken connections never call it; the end of the response destroys it in any case.
   response.set_chunked_content_provider(
       kMjpegType, [watcher](std::size_t, httplib::DataSink& sink) { return watcher->send_next(sink); });
@@ -141,8 +142,8 @@ void WatchServer::add_routes(httplib::Server& server) {
   server.Get("/status", [this](const httplib::Request&, httplib::Response& response) {
     response.set_content(status_json(sources_.status()), kJsonType);
   });
-  server.Get("/visits", [this](const httplib::Request&, httplib::Response& response) {
-    response.set_content(table_json(sources_.status(), "visits"), kJsonType);
+  server.Get("/sessions", [this](const httplib::Request&, httplib::Response& response) {
+    response.set_content(table_json(sources_.status(), "sessions"), kJsonType);
   });
   server.Get("/metrics", [this](const httplib::Request&, httplib::Response& response) {
     response.set_content(sources_.metrics.text(), kMetricsType);
@@ -152,13 +153,13 @@ void WatchServer::add_routes(httplib::Server& server) {
     response.status = healthy ? 200 : 503;
     response.set_content(healthy ? "{\"healthy\": true}\n" : "{\"healthy\": false}\n", kJsonType);
   });
-  server.Get(R"(/visits/(\d{1,18})\.(mjpeg|jpg))",
+  server.Get(R"(/sessions/(\d{1,18})\.(mjpeg|jpg))",
              [this](const httplib::Request& request, httplib::Response& response) {
-               const auto visit = static_cast<std::uint64_t>(parse_integer(request.matches[1].str()).value_or(0));
+               const auto session = static_cast<std::uint64_t>(parse_integer(request.matches[1].str()).value_or(0));
                const bool half = request.has_param("half");
-               if (request.matches[2] == "jpg") return answer_picture(visit, half, response);
-               answer_pictures(visit, half, response);
+               if (request.matches[2] == "jpg") return answer_picture(session, half, response);
+               answer_pictures(session, half, response);
              });
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -3,9 +3,9 @@
 ///
 ///   GET /                  the page; its parts are /page.css, /page.js, /icon.svg
 ///   GET /status            status_json.h
-///   GET /visits            the open sessions: [ { id, museum, scene, frames_per_second, … } ]
-///   GET /visits/ID.mjpeg   the session's pictures while it lasts, at most ten per second; `?half` halves their sides
-///   GET /visits/ID.jpg     its newest picture; 404 if it has none yet
+///   GET /sessions            the open sessions: [ { id, museum, scene, frames_per_second, … } ]
+///   GET /sessions/ID.mjpeg   the session's pictures while it lasts, at most ten per second; `?half` halves their sides
+///   GET /sessions/ID.jpg     its newest picture; 404 if it has none yet
 ///   GET /metrics           Prometheus
 ///   GET /health            {"healthy": …} with 200 or 503; the only one that needs no token
 ///
@@ -22,25 +22,25 @@
 #include "common/wire/inspection.pb.h"
 #include "renderfarm/watch/access.h"
 #include "renderfarm/watch/farm_metrics.h"
-#include "renderfarm/watch/visit_pictures.h"
+#include "renderfarm/watch/session_pictures.h"
 
 namespace httplib {
 struct Request;
 struct Response;
 }  // namespace httplib
 
-namespace cyclorama {
+namespace cyclorama::watch {
 
-/// Threads: those of HttpServer, of which watchers occupy at most kMostWatchers. Thread-bound.
+/// Threads: those of HttpServer, of which watchers occupy at most kMaxWatchers. Thread-bound.
 class WatchServer {
  public:
-  static constexpr int kMostWatchers = 4;
+  static constexpr int kMaxWatchers = 4;
 
   /// Sources of the content; borrowed, thread-safe.
   struct Sources {
     std::function<wire::ProcessStatus()> status;
     const FarmMetrics& metrics;
-    VisitPictures& pictures;  ///< Closed by stop().
+    SessionPictures& pictures;  ///< Closed by stop().
   };
   /// Errors as HttpServer::start().
   static Result<std::unique_ptr<WatchServer>> start(const std::string& address, Access access, Sources sources);
@@ -57,8 +57,8 @@ class WatchServer {
   void add_routes(httplib::Server& server);
   /// Answers a request that is not admitted; returns true if it did.
   bool turn_away(const httplib::Request& request, httplib::Response& response) const;
-  void answer_picture(std::uint64_t visit, bool half, httplib::Response& response) const;
-  void answer_pictures(std::uint64_t visit, bool half, httplib::Response& response);
+  void answer_picture(std::uint64_t session, bool half, httplib::Response& response) const;
+  void answer_pictures(std::uint64_t session, bool half, httplib::Response& response);
 
   const Access access_;
   const Sources sources_;
@@ -66,4 +66,4 @@ class WatchServer {
   std::unique_ptr<HttpServer> http_{};
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

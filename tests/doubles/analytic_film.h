@@ -30,7 +30,7 @@ struct AnalyticScene {
     bool noisy = false;
   };
 
-  [[nodiscard]] Hit look(const Eigen::Vector3d& direction) const {
+  [[nodiscard]] Hit intersect(const Eigen::Vector3d& direction) const {
     const Eigen::Vector3d d = direction.normalized();
     double nearest = 1e9;
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
@@ -92,8 +92,8 @@ struct AnalyticScene {
   }
 
   /// Of the whole panorama.
-  [[nodiscard]] Film film(int samples, std::uint64_t seed) const {
-    Film film(panorama.width_px, panorama.height_px, true);
+  [[nodiscard]] render::Film film(int samples, std::uint64_t seed) const {
+    render::Film film(panorama.width_px, panorama.height_px, true);
     std::mt19937 generator(seed * 7919 + 1);
     std::uniform_real_distribution<double> uniform;
     for (int y = 0; y < film.height(); ++y) {
@@ -101,7 +101,7 @@ struct AnalyticScene {
         Hit mean{.albedo = Eigen::Vector3f::Zero()};
         Eigen::Vector3f sum = Eigen::Vector3f::Zero();
         for (int i = 0; i < samples; ++i) {
-          const Hit hit = look(direction_at(x + uniform(generator), y + uniform(generator)));
+          const Hit hit = intersect(direction_at(x + uniform(generator), y + uniform(generator)));
           const Eigen::Vector3f radiance =
               hit.albedo.cwiseProduct(hit.light) * static_cast<float>(hit.noisy ? factor(generator, i, samples) : 1.0);
           const float scale = 1.0f / static_cast<float>(samples);
@@ -140,7 +140,7 @@ struct AnalyticScene {
       for (int x = 0; x < image.width(); ++x) {
         Eigen::Vector3f sum = Eigen::Vector3f::Zero();
         for (int i = 0; i < side * side; ++i) {
-          const Hit hit = look(direction_at(x + (i % side + 0.5) / side, y + (i / side + 0.5) / side));
+          const Hit hit = intersect(direction_at(x + (i % side + 0.5) / side, y + (i / side + 0.5) / side));
           sum += hit.albedo.cwiseProduct(hit.light);
         }
         Eigen::Vector3f::Map(image.at(x, y)) = sum / static_cast<float>(side * side);
@@ -149,8 +149,8 @@ struct AnalyticScene {
     return image;
   }
 
-  [[nodiscard]] PixelRays rays() const {
-    return panorama_rays(panorama, heading_rad, {0, 0, panorama.width_px, panorama.height_px});
+  [[nodiscard]] denoise::PixelRays rays() const {
+    return denoise::panorama_rays(panorama, heading_rad, {0, 0, panorama.width_px, panorama.height_px});
   }
 };
 

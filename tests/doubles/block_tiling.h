@@ -12,9 +12,9 @@ namespace cyclorama {
 
 /// That a plan keeps all that Balancer::split() promises: its blocks tile the picture, on the grid, in the order of the
 /// nodes, for each node stealable ones last.
-inline testing::AssertionResult is_whole_plan(PictureSize size, std::size_t nodes,
-                                              const std::vector<PlannedBlock>& plan) {
-  WorkGrid taken(size);
+inline testing::AssertionResult is_whole_plan(balance::PictureSize size, std::size_t nodes,
+                                              const std::vector<balance::PlannedBlock>& plan) {
+  balance::WorkGrid taken(size);
   std::int64_t area = 0;
   for (std::size_t i = 0; i < plan.size(); ++i) {
     const PixelRect& b = plan[i].rect;
@@ -35,7 +35,7 @@ inline testing::AssertionResult is_whole_plan(PictureSize size, std::size_t node
       return testing::AssertionFailure() << "block " << i << " is off the grid";
     }
     area += b.area();
-    const CellRect cells = cells_of(b);
+    const balance::CellRect cells = balance::cells_of(b);
     for (int y = cells.y; y < cells.y + cells.height; ++y) {
       for (int x = cells.x; x < cells.x + cells.width; ++x) {
         if (taken.at(x, y)++ > 0.0f) return testing::AssertionFailure() << "overlap at cell " << x << ", " << y;

@@ -15,12 +15,12 @@ constexpr double kWhite = 225.0;
 constexpr double kTable = 110.0;
 }  // namespace
 
-BoardPhotographer::BoardPhotographer(const TagBoard& board, const BrownLens& lens)
+BoardPhotographer::BoardPhotographer(const TagBoard& board, const calibration::BrownLens& lens)
     : board_(board), width_px_(lens.parameters().width_px), height_px_(lens.parameters().height_px) {
   for (int y = 0; y < kRays * height_px_; ++y) {
     for (int x = 0; x < kRays * width_px_; ++x) {
-      const SlopeAnswer answer = lens.slope_at({(x + 0.5) / kRays, (y + 0.5) / kRays});
-      CHECK(answer.refusal == LensRefusal::kNone);
+      const calibration::SlopeAnswer answer = lens.slope_at({(x + 0.5) / kRays, (y + 0.5) / kRays});
+      CHECK(answer.refusal == calibration::LensRefusal::kNone);
       slopes_.push_back(answer.slope);
     }
   }

@@ -16,7 +16,7 @@ namespace cyclorama {
 class BoardPhotographer {
  public:
   /// Precondition: the lens covers its picture.
-  BoardPhotographer(const TagBoard& board, const BrownLens& lens);
+  BoardPhotographer(const TagBoard& board, const calibration::BrownLens& lens);
 
   /// `R` and `t` bring a point of the board (its origin at the first corner) before the camera.
   [[nodiscard]] GreyImage photograph(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) const;

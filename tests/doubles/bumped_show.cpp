@@ -17,7 +17,7 @@ constexpr int kGrid_px = 16;
 constexpr int kScoredColumns = 32;
 constexpr int kScoredRows = 18;
 
-BrownParameters parameters_of(const TrueLens& lens) {
+calibration::BrownParameters parameters_of(const simulated::TrueLens& lens) {
   const Pinhole& p = lens.pinhole();
   return {p.width_px,           p.height_px,          p.focal_px,       p.pixel_aspect * p.focal_px,
           p.centre_u_px,        p.centre_v_px,        lens.radial()[0], lens.radial()[1],
@@ -25,18 +25,19 @@ BrownParameters parameters_of(const TrueLens& lens) {
 }
 
 /// Beside each projector, and looking where it does.
-std::vector<FixedCamera> fixed_cameras(const Preset& preset, const BumpedShowOptions& options) {
-  std::vector<FixedCamera> cameras;
-  for (const TrueProjector& projector : preset.truth.projectors) {
-    FixedCamera camera;
+std::vector<simulated::FixedCamera> fixed_cameras(const simulated::Preset& preset, const BumpedShowOptions& options) {
+  std::vector<simulated::FixedCamera> cameras;
+  for (const simulated::TrueProjector& projector : preset.truth.projectors) {
+    simulated::FixedCamera camera;
     camera.optics = preset.truth.camera;
     const int height = static_cast<int>(std::lround(std::sqrt(1e6 * options.camera_megapixels / (4.0 / 3.0))));
     Pinhole lens = Pinhole::from_field_of_view(height * 4 / 3, height, options.camera_field_deg * kDegree);
-    const TrueLens& drawn = preset.truth.camera.lens;
-    camera.optics.lens = TrueLens(lens, drawn.radial(), drawn.tangential());
+    const simulated::TrueLens& drawn = preset.truth.camera.lens;
+    camera.optics.lens = simulated::TrueLens(lens, drawn.radial(), drawn.tangential());
     camera.optics.bits = 8;
     const bool is_together = options.camera_apart_m > 0.0;
-    const TrueProjector& near = is_together ? preset.truth.projectors[preset.truth.projectors.size() / 2] : projector;
+    const simulated::TrueProjector& near =
+        is_together ? preset.truth.projectors[preset.truth.projectors.size() / 2] : projector;
     const double across = 0.12 + options.camera_apart_m * static_cast<double>(cameras.size());
     const Eigen::Vector3d beside = near.T_room_projector.rotation() * Eigen::Vector3d(across, 0.1, 0.0);
     camera.T_room_camera = {projector.T_room_projector.rotation(), near.T_room_projector.translation() + beside};
@@ -46,34 +47,35 @@ std::vector<FixedCamera> fixed_cameras(const Preset& preset, const BumpedShowOpt
 }
 
 /// The truth in the words of a calibration, but for light, whose responses are assumed as the calibrator does.
-ShowCalibration true_room(const Preset& preset, const std::vector<FixedCamera>& cameras) {
-  ShowCalibration made;
+calibration::ShowCalibration true_room(const simulated::Preset& preset,
+                                       const std::vector<simulated::FixedCamera>& cameras) {
+  calibration::ShowCalibration made;
   made.wall = preset.truth.wall;
   made.sweet_spot = preset.installation.sweet_spot;
   for (std::size_t i = 0; i < preset.truth.projectors.size(); ++i) {
-    ShowProjector projector;
+    calibration::ShowProjector projector;
     projector.name = preset.installation.projectors[i].name;
     projector.lens = parameters_of(preset.truth.projectors[i].lens);
     projector.T_room_projector = preset.truth.projectors[i].T_room_projector;
-    projector.light.fill(gamma_light(2.2));
+    projector.light.fill(calibration::gamma_light(2.2));
     made.projectors.push_back(projector);
   }
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     made.cameras.push_back({"camera " + std::to_string(i + 1), parameters_of(cameras[i].optics.lens),
-                            cameras[i].T_room_camera, gamma_light(1.0)});
+                            cameras[i].T_room_camera, calibration::gamma_light(1.0)});
   }
   return made;
 }
 
-Eigen::Vector2d grid_pixel(int index, const BrownParameters& lens) {
+Eigen::Vector2d grid_pixel(int index, const calibration::BrownParameters& lens) {
   return {(index % kScoredColumns + 0.5) / kScoredColumns * lens.width_px,
           (index / kScoredColumns + 0.5) / kScoredRows * lens.height_px};
 }
 
 double noise_at(std::uint32_t seed, int x, int y) {
-  std::uint64_t h =
-      mixed(seed * 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) * 73856093u);
-  h = mixed(h ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) * 19349663u);
+  std::uint64_t h = simulated::mixed(seed * 0x9e3779b97f4a7c15u +
+                                     static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) * 73856093u);
+  h = simulated::mixed(h ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) * 19349663u);
   return static_cast<double>(h >> 11) * 0x1p-53;
 }
 
@@ -128,23 +130,24 @@ Result<ShowContent> read_content(const std::string& path, double tan_top, double
   return made;
 }
 
-BumpedShow::BumpedShow(const BumpedShowOptions& options, ShowContent content, SimulatedShow room,
-                       ContinuousCalibrator calibrator, ShowCalibration truth, std::string installation_text)
+BumpedShow::BumpedShow(const BumpedShowOptions& options, ShowContent content, simulated::SimulatedShow room,
+                       healing::ContinuousCalibrator calibrator, calibration::ShowCalibration truth,
+                       std::string installation_text)
     : options_(options),
       content_(std::move(content)),
       truth_(std::move(truth)),
-      room_(std::make_unique<SimulatedShow>(std::move(room))),
-      calibrator_(std::make_unique<ContinuousCalibrator>(std::move(calibrator))),
+      room_(std::make_unique<simulated::SimulatedShow>(std::move(room))),
+      calibrator_(std::make_unique<healing::ContinuousCalibrator>(std::move(calibrator))),
       heads_(calibrator_->applied().projectors.size()),
       is_on_(heads_.size(), true),
       is_moved_(heads_.size(), false),
       installation_text_(std::move(installation_text)) {
-  for (const ShowProjector& projector : calibrator_->applied().projectors)
+  for (const calibration::ShowProjector& projector : calibrator_->applied().projectors)
     draws_for_.push_back(projector.T_room_projector);
   // A display draws by the measured map, which knows what the model does not; the map's own errors stay.
-  Draws draws = Draws(options.seed).stream("map");
+  simulated::RandomStream draws = simulated::RandomStream(options.seed).stream("map");
   for (std::size_t i = 0; i < heads_.size(); ++i) {
-    const ShowProjector& projector = calibrator_->applied().projectors[i];
+    const calibration::ShowProjector& projector = calibrator_->applied().projectors[i];
     const double error_px = 1.7 * options.left_over.map_px * projector.lens.width_px / 1920.0;
     std::vector<Eigen::Vector2d>& left = left_over_px_.emplace_back();
     for (int k = 0; k < kScoredColumns * kScoredRows; ++k) {
@@ -157,27 +160,28 @@ BumpedShow::BumpedShow(const BumpedShowOptions& options, ShowContent content, Si
 }
 
 Result<BumpedShow> BumpedShow::make(const BumpedShowOptions& options, ShowContent content) {
-  PresetOptions wanted;
+  simulated::PresetOptions wanted;
   wanted.projectors = options.projectors;
   wanted.projector_width_px = options.projector_width_px;
   wanted.projector_height_px = options.projector_height_px;
   wanted.camera_megapixels = options.camera_megapixels;
-  TRY_ASSIGN(Preset preset, make_preset(options.museum, options.seed, wanted));
+  TRY_ASSIGN(simulated::Preset preset, simulated::make_preset(options.museum, options.seed, wanted));
   preset.truth.cells = options.wall_cells;
-  const std::vector<FixedCamera> cameras = fixed_cameras(preset, options);
-  ShowCalibration truth = true_room(preset, cameras);
-  TRY_ASSIGN(const ShowCalibration known,
-             calibrated(truth, options.left_over, Draws(options.seed).stream("calibration")));
-  TRY_ASSIGN(ContinuousCalibrator calibrator, ContinuousCalibrator::make(known, options.calibrator));
-  TRY_ASSIGN(SimulatedShow room, SimulatedShow::make(preset.installation, preset.truth, cameras, options.threads));
+  const std::vector<simulated::FixedCamera> cameras = fixed_cameras(preset, options);
+  calibration::ShowCalibration truth = true_room(preset, cameras);
+  TRY_ASSIGN(const calibration::ShowCalibration known,
+             calibrated(truth, options.left_over, simulated::RandomStream(options.seed).stream("calibration")));
+  TRY_ASSIGN(healing::ContinuousCalibrator calibrator, healing::ContinuousCalibrator::make(known, options.calibrator));
+  TRY_ASSIGN(simulated::SimulatedShow room,
+             simulated::SimulatedShow::make(preset.installation, preset.truth, cameras, options.threads));
   return BumpedShow(options, std::move(content), std::move(room), std::move(calibrator), std::move(truth),
                     preset.installation_text);
 }
 
 RgbImage BumpedShow::draw(std::size_t index) const {
-  ShowCalibration room = calibrator_->applied();
+  calibration::ShowCalibration room = calibrator_->applied();
   for (std::size_t i = 0; i < draws_for_.size(); ++i) room.projectors[i].T_room_projector = draws_for_[i];
-  const ShowProjector& projector = room.projectors[index];
+  const calibration::ShowProjector& projector = room.projectors[index];
   const int width = projector.lens.width_px;
   const int height = projector.lens.height_px;
   struct Node {
@@ -188,7 +192,7 @@ RgbImage BumpedShow::draw(std::size_t index) const {
   const int columns = width / kGrid_px + 2;
   const int rows = height / kGrid_px + 2;
   std::vector<Node> nodes;
-  const auto inwardness = [](const BrownParameters& lens, const Eigen::Vector2d& p) {
+  const auto inwardness = [](const calibration::BrownParameters& lens, const Eigen::Vector2d& p) {
     if (!contains(lens, p)) return 0.0;
     const double w = lens.width_px;
     const double h = lens.height_px;
@@ -199,14 +203,14 @@ RgbImage BumpedShow::draw(std::size_t index) const {
     for (int column = 0; column < columns; ++column) {
       Node& node = nodes.emplace_back();
       const Eigen::Vector2d pixel(column * kGrid_px, row * kGrid_px);
-      const auto wall = wall_lit_at(room, projector, pixel);
+      const auto wall = calibration::wall_lit_at(room, projector, pixel);
       if (!wall) continue;
       const PanoramaPixel at = content_.shape.pixel_of(Eigen::AngleAxisd(-heading_rad_, Eigen::Vector3d::UnitY()) *
                                                        (*wall - room.sweet_spot.xyz));
       node.u = static_cast<float>(at.u);
       node.v = static_cast<float>(at.v);
       double sum = 0.0;
-      for (const ShowProjector& other : room.projectors) {
+      for (const calibration::ShowProjector& other : room.projectors) {
         const auto there = pixel_of(other.lens, (other.T_room_projector.inverse() * Point<frame::Room>{*wall}).xyz);
         if (there && &other != &projector) sum += inwardness(other.lens, *there);
       }
@@ -261,30 +265,30 @@ RgbImage BumpedShow::draw(std::size_t index) const {
   return head;
 }
 
-Result<ShowReport> BumpedShow::step() {
+Result<healing::ShowReport> BumpedShow::step() {
   for (std::size_t i = 0; i < draws_for_.size(); ++i)
     draws_for_[i] = calibrator_->applied().projectors[i].T_room_projector;
-  TRY_ASSIGN(ShowMoment moment, look());
+  TRY_ASSIGN(healing::ShowMoment moment, look());
   const double begun = thread_cpu_seconds();
-  ShowReport report = calibrator_->step(moment);
+  healing::ShowReport report = calibrator_->step(moment);
   cpu_s_ += thread_cpu_seconds() - begun;
   moment_ = std::move(moment);
   return report;
 }
 
-Result<ShowMoment> BumpedShow::look() {
+Result<healing::ShowMoment> BumpedShow::look() {
   now_ += options_.period;
   heading_rad_ += options_.turn_rad_s * std::chrono::duration<double>(options_.period).count();
-  ShowMoment moment;
+  healing::ShowMoment moment;
   const Duration exposure = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options_.exposure_s));
   bool is_same = !is_changed_ && heading_rad_ == drawn_heading_rad_ && drawn_for_.size() == draws_for_.size();
   for (std::size_t i = 0; is_same && i < draws_for_.size(); ++i)
-    is_same = step_between(drawn_for_[i], draws_for_[i]).norm() == 0.0;
+    is_same = calibration::step_between(drawn_for_[i], draws_for_[i]).norm() == 0.0;
   if (!is_same) {
     // The show turns shortly before the cameras look; all else changed some time before. Who has only begun to listen
     // is told what has stood for long.
     Duration before = options_.period / 3;
-    if (is_untold_) before = ShowTimeline::kKept;
+    if (is_untold_) before = healing::ShowTimeline::kKept;
     if (heading_rad_ != drawn_heading_rad_) before = std::chrono::milliseconds(5);
     is_untold_ = false;
     drawn_for_ = draws_for_;
@@ -317,24 +321,25 @@ Result<ShowMoment> BumpedShow::look() {
 }
 
 Status BumpedShow::restart() {
-  const ShowCalibration applied = calibrator_->applied();
+  const calibration::ShowCalibration applied = calibrator_->applied();
   const auto learned = calibrator_->learned();
-  TRY_ASSIGN(ContinuousCalibrator anew, learned ? ContinuousCalibrator::resume(applied, *learned, options_.calibrator)
-                                                : ContinuousCalibrator::make(applied, options_.calibrator));
+  TRY_ASSIGN(healing::ContinuousCalibrator anew,
+             learned ? healing::ContinuousCalibrator::resume(applied, *learned, options_.calibrator)
+                     : healing::ContinuousCalibrator::make(applied, options_.calibrator));
   *calibrator_ = std::move(anew);
   forget_told();  // It knows nothing of what is being shown.
   return Done{};
 }
 
-void BumpedShow::bump(std::size_t projector, const PoseStep& step) {
-  const auto moved =
-      room_->move_projector(projector, stepped(room_->truth().truth().projectors[projector].T_room_projector, step));
+void BumpedShow::bump(std::size_t projector, const calibration::PoseStep& step) {
+  const auto moved = room_->move_projector(
+      projector, calibration::stepped(room_->truth().truth().projectors[projector].T_room_projector, step));
   CHECK(moved);
   is_moved_[projector] = true;
 }
 
-void BumpedShow::bump_camera(std::size_t camera, const PoseStep& step) {
-  room_->move_camera(camera, stepped(room_->cameras()[camera].T_room_camera, step));
+void BumpedShow::bump_camera(std::size_t camera, const calibration::PoseStep& step) {
+  room_->move_camera(camera, calibration::stepped(room_->cameras()[camera].T_room_camera, step));
 }
 
 double BumpedShow::error_px(std::size_t projector, double percentile) const {
@@ -342,21 +347,21 @@ double BumpedShow::error_px(std::size_t projector, double percentile) const {
 }
 
 double BumpedShow::drawn_error_px(std::size_t projector, double percentile) const {
-  ShowProjector drawn_for = calibrator_->applied().projectors[projector];
+  calibration::ShowProjector drawn_for = calibrator_->applied().projectors[projector];
   drawn_for.T_room_projector = draws_for_[projector];
   return off_px(projector, drawn_for, percentile);
 }
 
-std::optional<Eigen::Vector2d> BumpedShow::drawn_at(std::size_t projector, const ShowProjector& drawn_for,
+std::optional<Eigen::Vector2d> BumpedShow::drawn_at(std::size_t projector, const calibration::ShowProjector& drawn_for,
                                                     const Eigen::Vector2d& pixel) const {
   const auto at = room_->truth().wall_at(projector, pixel.x(), pixel.y());
   if (!at) return std::nullopt;
-  const auto place = believed_place(truth_, calibrator_->applied(), at->point.xyz);
-  if (!place) return std::nullopt;
-  return pixel_of(drawn_for.lens, (drawn_for.T_room_projector.inverse() * Point<frame::Room>{*place}).xyz);
+  const auto position = believed_position(truth_, calibrator_->applied(), at->point.xyz);
+  if (!position) return std::nullopt;
+  return pixel_of(drawn_for.lens, (drawn_for.T_room_projector.inverse() * Point<frame::Room>{*position}).xyz);
 }
 
-double BumpedShow::off_px(std::size_t projector, const ShowProjector& drawn_for, double percentile) const {
+double BumpedShow::off_px(std::size_t projector, const calibration::ShowProjector& drawn_for, double percentile) const {
   std::vector<double> errors;
   for (int i = 0; i < kScoredColumns * kScoredRows; ++i) {
     const Eigen::Vector2d pixel = grid_pixel(i, drawn_for.lens);
@@ -369,12 +374,10 @@ double BumpedShow::off_px(std::size_t projector, const ShowProjector& drawn_for,
   return errors[std::min(errors.size() - 1, static_cast<std::size_t>(percentile * static_cast<double>(errors.size())))];
 }
 
-PoseStep drawn_bump(Draws* draws) {
+calibration::PoseStep drawn_bump(simulated::RandomStream* draws) {
   // Evenly in the logarithm: 0.05 to 5 degrees, 1 to 100 mm.
-  const auto log_between = [&](double least, double most) {
-    return least * std::pow(most / least, draws->between(0.0, 1.0));
-  };
-  PoseStep step = PoseStep::Zero();
+  const auto log_between = [&](double min, double max) { return min * std::pow(max / min, draws->between(0.0, 1.0)); };
+  calibration::PoseStep step = calibration::PoseStep::Zero();
   const int kind = static_cast<int>(draws->between(0.0, 7.0));
   const double turn = log_between(0.05, 5.0) * kDegree;
   const double shift = log_between(0.001, 0.1);

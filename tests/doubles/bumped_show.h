@@ -41,7 +41,7 @@ struct BumpedShowOptions {
   Duration period = std::chrono::milliseconds(250);  ///< From one step to the next.
   double turn_rad_s = 0.0;                           ///< The visitor's.
   LeftOver left_over = {};                           ///< Of the calibration that the show goes on from.
-  ContinuousOptions calibrator = {};
+  healing::ContinuousOptions calibrator = {};
   int threads = 1;
 };
 
@@ -51,9 +51,9 @@ class BumpedShow {
   static Result<BumpedShow> make(const BumpedShowOptions& options, ShowContent content);
 
   /// One period: the displays draw for where projectors are believed to be, cameras look, the calibration steps.
-  Result<ShowReport> step();
+  Result<healing::ShowReport> step();
   /// The same for a calibration that somebody else makes: what it is to be told.
-  Result<ShowMoment> look();
+  Result<healing::ShowMoment> look();
   /// From the next look on.
   void draw_for(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& pose) {
     draws_for_[projector] = pose;
@@ -64,18 +64,18 @@ class BumpedShow {
 
   /// As a calibrator's process that was killed, and came back with what it had kept.
   Status restart();
-  void bump(std::size_t projector, const PoseStep& step);
-  void bump_camera(std::size_t camera, const PoseStep& step);
-  SimulatedShow& room() { return *room_; }
+  void bump(std::size_t projector, const calibration::PoseStep& step);
+  void bump_camera(std::size_t camera, const calibration::PoseStep& step);
+  simulated::SimulatedShow& room() { return *room_; }
   /// What the last step gave the calibration.
-  [[nodiscard]] const ShowMoment& last_moment() const { return moment_; }
-  [[nodiscard]] ContinuousCalibrator& calibrator() { return *calibrator_; }
+  [[nodiscard]] const healing::ShowMoment& last_moment() const { return moment_; }
+  [[nodiscard]] healing::ContinuousCalibrator& calibrator() { return *calibrator_; }
   void set_content(ShowContent content) {
     content_ = std::move(content);
     is_changed_ = true;
   }
   /// Changes what the calibration is told of each moment: clocks that are wrong, reports that are lost.
-  void set_teller(std::function<void(ShowMoment*)> teller) { teller_ = std::move(teller); }
+  void set_teller(std::function<void(healing::ShowMoment*)> teller) { teller_ = std::move(teller); }
   void set_turn(double turn_rad_s) { options_.turn_rad_s = turn_rad_s; }
   void set_period(Duration period) { options_.period = period; }
   void set_lamp(std::size_t projector, bool is_on) {
@@ -96,20 +96,23 @@ class BumpedShow {
   [[nodiscard]] const RgbImage& head(std::size_t projector) const { return *heads_[projector]; }
 
  private:
-  BumpedShow(const BumpedShowOptions& options, ShowContent content, SimulatedShow room, ContinuousCalibrator calibrator,
-             ShowCalibration truth, std::string installation_text);
+  BumpedShow(const BumpedShowOptions& options, ShowContent content, simulated::SimulatedShow room,
+             healing::ContinuousCalibrator calibrator, calibration::ShowCalibration truth,
+             std::string installation_text);
   [[nodiscard]] RgbImage draw(std::size_t projector) const;
-  [[nodiscard]] double off_px(std::size_t projector, const ShowProjector& drawn_for, double percentile) const;
+  [[nodiscard]] double off_px(std::size_t projector, const calibration::ShowProjector& drawn_for,
+                              double percentile) const;
   /// The pixel by which the model draws what a pixel lights; nothing beside the wall.
-  [[nodiscard]] std::optional<Eigen::Vector2d> drawn_at(std::size_t projector, const ShowProjector& drawn_for,
+  [[nodiscard]] std::optional<Eigen::Vector2d> drawn_at(std::size_t projector,
+                                                        const calibration::ShowProjector& drawn_for,
                                                         const Eigen::Vector2d& pixel) const;
 
   BumpedShowOptions options_;
   ShowContent content_;
-  ShowCalibration truth_;                                   ///< As it began.
+  calibration::ShowCalibration truth_;                      ///< As it began.
   std::vector<std::vector<Eigen::Vector2d>> left_over_px_;  ///< Per projector, at each scored pixel.
-  std::unique_ptr<SimulatedShow> room_;
-  std::unique_ptr<ContinuousCalibrator> calibrator_;
+  std::unique_ptr<simulated::SimulatedShow> room_;
+  std::unique_ptr<healing::ContinuousCalibrator> calibrator_;
   std::vector<std::shared_ptr<const RgbImage>> heads_;
   std::vector<bool> is_on_;
   std::vector<bool> is_moved_;  ///< Since the last look.
@@ -120,14 +123,14 @@ class BumpedShow {
   bool is_changed_ = true;  ///< What is to be drawn, or which lamps are on.
   TimePoint now_ = TimePoint{} + std::chrono::seconds(100);
   double heading_rad_ = 0.0;
-  ShowMoment moment_;
+  healing::ShowMoment moment_;
   bool is_untold_ = true;
   std::uint64_t number_ = 0;  ///< Of pictures that each head showed.
-  std::function<void(ShowMoment*)> teller_;
+  std::function<void(healing::ShowMoment*)> teller_;
   double cpu_s_ = 0.0;
 };
 
 /// A bump of one of six degrees, or of all, whose pixels move by about so many.
-[[nodiscard]] PoseStep drawn_bump(Draws* draws);
+[[nodiscard]] calibration::PoseStep drawn_bump(simulated::RandomStream* draws);
 
 }  // namespace cyclorama

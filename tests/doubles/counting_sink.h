@@ -13,46 +13,47 @@ namespace cyclorama::grotto {
 
 /// What arrived in one file, summed up: a grotto of any size can be checked without keeping it.
 struct CountedFile {
-  GeometryCounts promised;
-  GeometryCounts arrived;
+  generator::GeometryCounts promised;
+  generator::GeometryCounts arrived;
   std::uint64_t digest = 14695981039346656037u;  ///< FNV-1a over positions, normals, colours and indices, in order.
   std::uint64_t bad_numbers = 0;                 ///< Vertices that are not finite, or whose normal has not length 1.
   std::uint64_t bad_indices = 0;                 ///< Triangles that name a vertex twice or one that does not exist.
-  std::size_t longest_call = 0;                  ///< Vertices or triangles given at once.
+  std::size_t max_call = 0;                      ///< Vertices or triangles given at once.
   std::array<float, 3> low{1e9f, 1e9f, 1e9f};
   std::array<float, 3> high{-1e9f, -1e9f, -1e9f};
   bool finished = false;
 };
 
 /// A geometry sink that counts and checks, and keeps nothing. Thread-safe.
-class CountingSink final : public GeometrySink {
+class CountingSink final : public generator::GeometrySink {
  public:
-  Result<std::unique_ptr<GeometryFile>> open(const std::string& name, const GeometryCounts& counts) override {
+  Result<std::unique_ptr<generator::GeometryFile>> open(const std::string& name,
+                                                        const generator::GeometryCounts& counts) override {
     const std::lock_guard lock(mutex_);
     CountedFile& file = files_[name];  // A map's elements stay where they are.
     file.promised = counts;
-    return std::unique_ptr<GeometryFile>(std::make_unique<File>(file));
+    return std::unique_ptr<generator::GeometryFile>(std::make_unique<File>(file));
   }
 
   /// Once all files are finished.
   [[nodiscard]] const std::map<std::string, CountedFile>& files() const { return files_; }
 
  private:
-  class File final : public GeometryFile {
+  class File final : public generator::GeometryFile {
    public:
     explicit File(CountedFile& counted) : counted_(counted) {}
 
-    Status add_vertices(std::span<const Vertex> vertices) override {
+    Status add_vertices(std::span<const generator::Vertex> vertices) override {
       counted_.arrived.vertices += vertices.size();
-      counted_.longest_call = std::max(counted_.longest_call, vertices.size());
-      for (const Vertex& vertex : vertices) add(vertex);
+      counted_.max_call = std::max(counted_.max_call, vertices.size());
+      for (const generator::Vertex& vertex : vertices) add(vertex);
       return Done{};
     }
 
-    Status add_triangles(std::span<const Triangle> triangles) override {
+    Status add_triangles(std::span<const generator::Triangle> triangles) override {
       counted_.arrived.triangles += triangles.size();
-      counted_.longest_call = std::max(counted_.longest_call, triangles.size());
-      for (const Triangle& t : triangles) {
+      counted_.max_call = std::max(counted_.max_call, triangles.size());
+      for (const generator::Triangle& t : triangles) {
         const bool bad = *std::max_element(t.begin(), t.end()) >= counted_.promised.vertices || t[0] == t[1] ||
                          t[1] == t[2] || t[2] == t[0];
         counted_.bad_indices += bad ? 1u : 0u;
@@ -67,7 +68,7 @@ class CountingSink final : public GeometrySink {
     }
 
    private:
-    void add(const Vertex& vertex) {
+    void add(const generator::Vertex& vertex) {
       float length = 0.0f;
       bool finite = true;
       for (std::size_t axis = 0; axis < 3; ++axis) {

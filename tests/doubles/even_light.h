@@ -17,8 +17,9 @@
 namespace cyclorama {
 
 /// A projector on a wall at infinity: its pixels are directions, `pan_rad` to the right.
-inline MeasuredMap far_map(int width_px, int height_px, double field_rad, double pan_rad, int cell_px = 20) {
-  MeasuredMap map;
+inline calibration::MeasuredMap far_map(int width_px, int height_px, double field_rad, double pan_rad,
+                                        int cell_px = 20) {
+  calibration::MeasuredMap map;
   map.width_px = width_px;
   map.height_px = height_px;
   map.cells_x = width_px / cell_px;
@@ -46,7 +47,7 @@ struct EvenLight {
   Curve camera = [](double light) { return light; };  ///< Code for light in parts of full scale.
   double pedestal = 0.01;
   double brightness = 0.24;  ///< Of each light in the camera's own channel, at the first exposure.
-  double leak = 5e-4;
+  double black_level = 5e-4;
   double ambient = 2e-3;
   double noise = 0.0;  ///< Of a cell's mean.
   int bits = 0;        ///< 0: codes are not rounded.
@@ -61,11 +62,11 @@ struct EvenLight {
 /// Of a place in a projector's picture, 0 to 1 each way: brighter in its middle.
 inline double gain_at(double u, double v) { return 1.0 - 0.8 * ((u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5)); }
 
-/// Adds a view of a projector of 12 * 8 cells, and its ramps. The others stand at black, and leak.
-inline void add_view(const std::vector<EvenLight>& lights, std::size_t projector, PhotometryInput* input) {
+/// Adds a view of a projector of 12 * 8 cells, and its ramps. The others stand at black, and black_level.
+inline void add_view(const std::vector<EvenLight>& lights, std::size_t projector, photometry::PhotometryInput* input) {
   const EvenLight& light = lights[projector];
-  const MeasuredMap& map = input->projectors[projector].map;
-  ProjectorView view;
+  const calibration::MeasuredMap& map = input->projectors[projector].map;
+  photometry::ProjectorView view;
   view.projector = projector;
   view.cells.width_px = map.width_px;
   view.cells.height_px = map.height_px;
@@ -74,13 +75,14 @@ inline void add_view(const std::vector<EvenLight>& lights, std::size_t projector
   view.cells.cell_of = Image<std::int32_t, 1>(input->camera_width_px, input->camera_height_px, -1);
   std::vector<double> gains;
   std::vector<std::array<double, 3>> leaks;  // Of the others, per channel.
-  std::vector<InverseMap> inverses;
-  for (const PhotometricProjector& other : input->projectors) inverses.push_back(*InverseMap::make(other.map));
+  std::vector<photometry::InverseMap> inverses;
+  for (const photometry::PhotometricProjector& other : input->projectors)
+    inverses.push_back(*photometry::InverseMap::make(other.map));
   for (int y = 0; y < 8; ++y) {
     for (int x = 0; x < 12; ++x) {
       const double u = (x + 0.5) / 12.0;
       const double v = (y + 0.5) / 8.0;
-      CameraCells::Cell cell;
+      photometry::CameraCells::Cell cell;
       cell.pixels = 100;
       cell.projector_px = {u * map.width_px, v * map.height_px};
       cell.camera_px = {(0.1 + 0.8 * u) * input->camera_width_px, (0.1 + 0.8 * v) * input->camera_height_px};
@@ -93,30 +95,33 @@ inline void add_view(const std::vector<EvenLight>& lights, std::size_t projector
         if (!pixel) continue;
         const double gain = gain_at(pixel->x() / map.width_px, pixel->y() / map.height_px);
         for (std::size_t c = 0; c < 3; ++c)
-          leaks.back().at(c) += gain * lights[p].brightness * lights[p].channel_light.at(c) * lights[p].leak;
+          leaks.back().at(c) += gain * lights[p].brightness * lights[p].channel_light.at(c) * lights[p].black_level;
       }
     }
   }
   std::mt19937 random(light.seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> even;
-  const auto read = [&](PatternLight which, double level, double exposure) {
-    LightReading reading;
+  const auto read = [&](structured_light::PatternLight which, double level, double exposure) {
+    photometry::LightReading reading;
     reading.light = which;
     reading.level = level;
     reading.exposure_s = 0.02 * exposure;
     for (std::size_t cell = 0; cell < gains.size(); ++cell) {
       const double gain = gains[cell];
-      CellCode code;
+      photometry::CellCode code;
       const double shade = even(random) < light.disturbed ? 0.5 : 1.0;
       for (std::size_t k = 0; k < 3; ++k) {
         double seen = light.ambient;
         for (std::size_t c = 0; c < 3; ++c) {
-          const bool is_on = which == PatternLight::kAll || (which == PatternLight::kRed && c == 0) ||
-                             (which == PatternLight::kGreen && c == 1) || (which == PatternLight::kBlue && c == 2);
+          const bool is_on = which == structured_light::PatternLight::kAll ||
+                             (which == structured_light::PatternLight::kRed && c == 0) ||
+                             (which == structured_light::PatternLight::kGreen && c == 1) ||
+                             (which == structured_light::PatternLight::kBlue && c == 2);
           const double share = (k == c ? 1.0 : 0.1) * light.brightness * light.channel_light.at(c);
           const double shone = is_on ? light.projector.at(c)(level) : 0.0;
-          seen += gain * share * (light.leak + (1.0 - light.leak) * shone) + (k == c ? 1.0 : 0.1) * leaks[cell].at(c);
+          seen += gain * share * (light.black_level + (1.0 - light.black_level) * shone) +
+                  (k == c ? 1.0 : 0.1) * leaks[cell].at(c);
         }
         double value = light.camera(std::min(1.0, shade * seen * exposure + light.pedestal));
         value += light.noise * normal(random);
@@ -130,19 +135,22 @@ inline void add_view(const std::vector<EvenLight>& lights, std::size_t projector
     }
     view.readings.push_back(std::move(reading));
   };
-  for (const double exposure : light.black_exposures) read(PatternLight::kAll, 0.0, exposure);
+  for (const double exposure : light.black_exposures) read(structured_light::PatternLight::kAll, 0.0, exposure);
   for (const double exposure : light.exposures) {
-    read(PatternLight::kAll, 1.0, exposure);
-    for (const PatternLight which : {PatternLight::kRed, PatternLight::kGreen, PatternLight::kBlue}) {
-      for (int i = 1; i < light.steps; ++i) read(which, as_shown(static_cast<double>(i) / (light.steps - 1)), exposure);
+    read(structured_light::PatternLight::kAll, 1.0, exposure);
+    for (const structured_light::PatternLight which :
+         {structured_light::PatternLight::kRed, structured_light::PatternLight::kGreen,
+          structured_light::PatternLight::kBlue}) {
+      for (int i = 1; i < light.steps; ++i)
+        read(which, photometry::as_shown(static_cast<double>(i) / (light.steps - 1)), exposure);
     }
   }
   input->views.push_back(std::move(view));
 }
 
 /// One projector, or two side by side whose pictures overlap by 10 of 40 degrees.
-inline PhotometryInput even_light(const std::vector<EvenLight>& lights) {
-  PhotometryInput input;
+inline photometry::PhotometryInput even_light(const std::vector<EvenLight>& lights) {
+  photometry::PhotometryInput input;
   input.camera_width_px = 400;
   input.camera_height_px = 300;
   input.code_step = 1.0 / 4095.0;

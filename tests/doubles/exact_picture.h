@@ -33,43 +33,44 @@ class ExactPicture {
 
   /// Linear light at the head's pixel before the mask; nothing in what is left out. The place in the picture is moved
   /// by `off_u`, `off_v` pixels.
-  [[nodiscard]] std::optional<Eigen::Vector3d> light_at(const Warp& warp, int x, int y, double off_u = 0.0,
+  [[nodiscard]] std::optional<Eigen::Vector3d> light_at(const warp::Warp& warp, int x, int y, double off_u = 0.0,
                                                         double off_v = 0.0) const {
-    const auto place = among_centres(warp, x, y);
-    if (!place) return std::nullopt;
-    const double u = place->x() + off_u;
-    const double v = place->y() + off_v;
+    const auto position = among_centres(warp, x, y);
+    if (!position) return std::nullopt;
+    const double u = position->x() + off_u;
+    const double v = position->y() + off_v;
     return Eigen::Vector3d(light(u, v, 0), light(u, v, 1), light(u, v, 2));
   }
   /// From a head's pixel's place in the picture to the nearest pixel's centre there, in pixels: the light has its
   /// extremes at centres. Zero in what is left out.
-  [[nodiscard]] Eigen::Vector2d to_centre(const Warp& warp, int x, int y) const {
-    const auto place = among_centres(warp, x, y);
-    return place ? Eigen::Vector2d(place->array().round() - place->array()) : Eigen::Vector2d(0.0, 0.0);
+  [[nodiscard]] Eigen::Vector2d to_centre(const warp::Warp& warp, int x, int y) const {
+    const auto position = among_centres(warp, x, y);
+    return position ? Eigen::Vector2d(position->array().round() - position->array()) : Eigen::Vector2d(0.0, 0.0);
   }
   /// Code values in [0, 1], not rounded; black in what is left out. Every light that goes into the head's colours is
   /// off by `error` of itself, in the direction that does most.
-  [[nodiscard]] Eigen::Vector3d code_at(const HeadPlan& plan, int x, int y, double off_u = 0.0, double off_v = 0.0,
-                                        double error = 0.0) const {
+  [[nodiscard]] Eigen::Vector3d code_at(const display::HeadPlan& plan, int x, int y, double off_u = 0.0,
+                                        double off_v = 0.0, double error = 0.0) const {
     const auto seen = light_at(plan.warp, x, y, off_u, off_v);
     if (!seen) return Eigen::Vector3d::Zero();
-    const double lift = plan.colour.lift ? static_cast<double>(*plan.colour.lift->at(x, y)) : 0.0;
+    const double black_lift = plan.colour.black_lift ? static_cast<double>(*plan.colour.black_lift->at(x, y)) : 0.0;
     const double weight = static_cast<double>(*plan.mask.at(x, y));
-    if (weight == 0.0 && lift == 0.0) return Eigen::Vector3d::Zero();
+    if (weight == 0.0 && black_lift == 0.0) return Eigen::Vector3d::Zero();
     const Eigen::Vector3d light = *seen * weight;
-    Eigen::Vector3d most = light;
-    if (plan.colour.matrix) most = plan.colour.matrix->cwiseAbs() * light;
-    return codes_of(plan.colour, shone_light(plan.colour, light, lift) + error * (most + lift * plan.colour.black));
+    Eigen::Vector3d max = light;
+    if (plan.colour.matrix) max = plan.colour.matrix->cwiseAbs() * light;
+    return warp::codes_of(plan.colour, warp::shone_light(plan.colour, light, black_lift) +
+                                           error * (max + black_lift * plan.colour.black));
   }
 
   /// Whether nothing is drawn there.
-  [[nodiscard]] bool is_black(const HeadPlan& plan, int x, int y) const {
-    const double lift = plan.colour.lift ? static_cast<double>(*plan.colour.lift->at(x, y)) : 0.0;
-    return (*plan.mask.at(x, y) == 0.0f && lift == 0.0) || !light_at(plan.warp, x, y);
+  [[nodiscard]] bool is_black(const display::HeadPlan& plan, int x, int y) const {
+    const double black_lift = plan.colour.black_lift ? static_cast<double>(*plan.colour.black_lift->at(x, y)) : 0.0;
+    return (*plan.mask.at(x, y) == 0.0f && black_lift == 0.0) || !light_at(plan.warp, x, y);
   }
   /// What dithering adds to a pixel's code values in [0, 1]: the least and the most, for where its pattern leaps from
   /// one end to the other, it may leap at this pixel or at the next.
-  [[nodiscard]] static std::pair<double, double> dither_at(const HeadPlan& plan, int x, int y) {
+  [[nodiscard]] static std::pair<double, double> dither_at(const display::HeadPlan& plan, int x, int y) {
     if (!plan.is_dithered) return {0.0, 0.0};
     constexpr double kLeap = 2e-3;  // Of a pattern that is counted in floats, up to some thousands.
     const double phase = (x + 0.5) * 0.7548776662 + (height_px(plan.warp) - y - 0.5) * 0.5698402910;
@@ -113,13 +114,14 @@ class ExactPicture {
            fy * ((1 - fx) * at(x, y + 1) + fx * at(x + 1, y + 1));
   }
   /// A head's pixel's place in the picture; pixels' centres are whole numbers.
-  [[nodiscard]] std::optional<Eigen::Vector2d> among_centres(const Warp& warp, int x, int y) const {
+  [[nodiscard]] std::optional<Eigen::Vector2d> among_centres(const warp::Warp& warp, int x, int y) const {
     const auto seen = direction_at(warp, x, y);
     if (!seen) return std::nullopt;
-    auto place = turned(shape_, {seen->azimuth_rad, seen->tan_elevation}, yaw_shift_rad_);
-    if (!place) return std::nullopt;
-    if (wraps()) place->across -= 2.0 * std::numbers::pi * std::floor(place->across / (2.0 * std::numbers::pi) + 0.5);
-    const PanoramaPixel pixel = std::visit([&](const auto& shape) { return pixel_at(shape, *place); }, shape_);
+    auto position = turned(shape_, {seen->azimuth_rad, seen->tan_elevation}, yaw_shift_rad_);
+    if (!position) return std::nullopt;
+    if (wraps())
+      position->across -= 2.0 * std::numbers::pi * std::floor(position->across / (2.0 * std::numbers::pi) + 0.5);
+    const PanoramaPixel pixel = std::visit([&](const auto& shape) { return pixel_at(shape, *position); }, shape_);
     return Eigen::Vector2d(pixel.u - 0.5, pixel.v - 0.5);
   }
   [[nodiscard]] bool wraps() const {

@@ -67,14 +67,14 @@ class FakeRendering {
   int rects_left_ = -1;
 };
 
-/// Draws a pattern that depends on the pixel and on every field of the view, and on nothing else.
-class FakeBlockRenderer final : public BlockRenderer {
+/// RandomStream a pattern that depends on the pixel and on every field of the view, and on nothing else.
+class FakeBlockRenderer final : public node::BlockRenderer {
  public:
   explicit FakeBlockRenderer(std::shared_ptr<FakeRendering> shared, std::uint64_t memory_bytes = 1000)
       : shared_(std::move(shared)), memory_bytes_(memory_bytes) {}
 
-  RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                    const std::function<bool()>& cancelled) override {
+  render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                            const std::function<bool()>& cancelled) override {
     *ret_pixels = RgbImage(rect.width, rect.height);
     if (!shared_->pass_gate(cancelled)) return {};
     for (int y = 0; y < rect.height; ++y) {
@@ -84,16 +84,17 @@ class FakeBlockRenderer final : public BlockRenderer {
     return cost_of(rect, std::vector<float>(static_cast<std::size_t>(cells_touched(rect).area()), kCellSeconds));
   }
   /// The negative of the pattern.
-  RenderCost render_denoised(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                             const std::function<bool()>& cancelled) override {
-    const RenderCost cost = render(view, rect, ret_pixels, cancelled);
+  render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
+                                     const std::function<bool()>& cancelled) override {
+    const render::RenderCost cost = render(view, rect, ret_pixels, cancelled);
     for (std::uint8_t& value : ret_pixels->data()) value = static_cast<std::uint8_t>(255 - value);
     return cost;
   }
   /// Every range has a pattern of its own, in sums that are not exact. Asks before each cell, as the real one does.
-  RenderCost render_film(const PanoramaView& view, const PixelRect& rect, const SampleRange& samples, Film* film,
-                         const std::function<bool()>& cancelled) override {
-    PanoramaView one = view;
+  render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
+                                 const governor::SampleRange& samples, render::Film* film,
+                                 const std::function<bool()>& cancelled) override {
+    render::PanoramaView one = view;
     one.quality.samples = 1;
     const PixelRect cells = cells_touched(rect);
     std::vector<float> seconds(static_cast<std::size_t>(cells.area()));
@@ -117,7 +118,7 @@ class FakeBlockRenderer final : public BlockRenderer {
     }
     return cost_of(rect, seconds);
   }
-  [[nodiscard]] RgbImage developed(const Film& film) const override {
+  [[nodiscard]] RgbImage developed(const render::Film& film) const override {
     const RadianceImage mean = film.mean();
     RgbImage picture(film.width(), film.height());
     std::ranges::transform(mean.data(), picture.data().begin(),
@@ -133,16 +134,16 @@ class FakeBlockRenderer final : public BlockRenderer {
   static constexpr float kCellSeconds = 0x1p-15f;
 
  private:
-  static RenderCost cost_of(const PixelRect& rect, std::vector<float> seconds) {
-    RenderCost cost;
+  static render::RenderCost cost_of(const PixelRect& rect, std::vector<float> seconds) {
+    render::RenderCost cost;
     cost.rays = static_cast<std::uint64_t>(rect.area());
     for (const float cell : seconds) cost.cpu_seconds += static_cast<double>(cell);
     cost.wall_seconds = cost.cpu_seconds;
     cost.cell_cpu_seconds = std::move(seconds);
     return cost;
   }
-  static void add_samples(const PanoramaView& view, const PixelRect& rect, const PixelRect& cell,
-                          const SampleRange& samples, Film* film) {
+  static void add_samples(const render::PanoramaView& view, const PixelRect& rect, const PixelRect& cell,
+                          const governor::SampleRange& samples, render::Film* film) {
     for (int y = std::max(cell.y, rect.y); y < std::min(cell.y + cell.height, rect.y + rect.height); ++y) {
       for (int x = std::max(cell.x, rect.x); x < std::min(cell.x + cell.width, rect.x + rect.width); ++x) {
         for (int sample = samples.first; sample < samples.end; ++sample) {
@@ -155,7 +156,7 @@ class FakeBlockRenderer final : public BlockRenderer {
       }
     }
   }
-  static void colour(const PanoramaView& view, int x, int y, std::uint8_t* ret_rgb) {
+  static void colour(const render::PanoramaView& view, int x, int y, std::uint8_t* ret_rgb) {
     const int turn = static_cast<int>(view.heading_rad * 100.0 + view.eye.sum() * 10.0) + view.quality.samples;
     ret_rgb[0] = static_cast<std::uint8_t>(x / 2 + turn);
     ret_rgb[1] = static_cast<std::uint8_t>(y + static_cast<int>(view.seed) * 7);
@@ -166,13 +167,13 @@ class FakeBlockRenderer final : public BlockRenderer {
 };
 
 /// Loads everything but what is called "missing" or "huge".
-inline SceneLoader fake_loader(std::shared_ptr<FakeRendering> shared = std::make_shared<FakeRendering>()) {
+inline node::SceneLoader fake_loader(std::shared_ptr<FakeRendering> shared = std::make_shared<FakeRendering>()) {
   return [shared](const std::string& path,
-                  const std::function<void(double)>& progress) -> Result<std::unique_ptr<BlockRenderer>> {
+                  const std::function<void(double)>& progress) -> Result<std::unique_ptr<node::BlockRenderer>> {
     progress(0.5);
     if (path == "missing") return Error(ErrorCode::kNotFound, "no such file: 'missing'");
     if (path == "huge") throw std::bad_alloc();
-    return std::unique_ptr<BlockRenderer>(std::make_unique<FakeBlockRenderer>(shared));
+    return std::unique_ptr<node::BlockRenderer>(std::make_unique<FakeBlockRenderer>(shared));
   };
 }
 

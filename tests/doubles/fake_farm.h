@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A render farm without one: a head on [::1] that answers every view with tiles of one plain colour, as it is told to.
+/// A render farm without one: a coordinator on [::1] that answers every view with tiles of one plain colour, as it is told to.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -47,23 +47,23 @@ class FakeFarm final : public wire::Farm::Service {
     change([&] { gate_open_ = open; });
   }
   /// From now on each frame takes so long, picked evenly.
-  void set_frame_time(Duration least, Duration most) {
-    change([&] { frame_time_ = {least, most}; });
+  void set_frame_time(Duration min, Duration max) {
+    change([&] { frame_time_ = {min, max}; });
   }
   /// From now on pictures are not plain: upright stripes that stand still in the scene, so that only a turn, and not a
   /// new frame, changes what is seen. Of cylinders.
   void set_striped(bool striped) {
     change([&] { striped_ = striped; });
   }
-  /// The next visits are refused with this; OK ends that.
-  void refuse_visits(grpc::Status status) {
+  /// The next sessions are refused with this; OK ends that.
+  void refuse_sessions(grpc::Status status) {
     change([&] { refusal_ = std::move(status); });
   }
   /// The next frame gets its `begin`, this many tiles, and then the stream breaks.
   void break_next_frame_after(int tiles) {
     change([&] { break_after_ = tiles; });
   }
-  /// Cancels every visit and listens no more.
+  /// Cancels every session and listens no more.
   void stop() {
     change([&] { stopping_ = true; });
     server_->stop(Duration::zero());
@@ -75,15 +75,15 @@ class FakeFarm final : public wire::Farm::Service {
     const std::lock_guard lock(mutex_);
     return views_;
   }
-  [[nodiscard]] int visits() const {
+  [[nodiscard]] int sessions() const {
     const std::lock_guard lock(mutex_);
-    return visits_;
+    return sessions_;
   }
-  [[nodiscard]] wire::OpenVisit last_open() const {
+  [[nodiscard]] wire::OpenSession last_open() const {
     const std::lock_guard lock(mutex_);
     return last_open_;
   }
-  /// Waits until that many views have come, in all visits together; false at the deadline.
+  /// Waits until that many views have come, in all sessions together; false at the deadline.
   bool wait_for_views(std::size_t count, Duration limit = std::chrono::seconds(10)) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, limit, [&] { return views_.size() >= count; });
@@ -95,7 +95,7 @@ class FakeFarm final : public wire::Farm::Service {
   }
 
  private:
-  using Stream = grpc::ServerReaderWriter<wire::VisitReply, wire::VisitRequest>;
+  using Stream = grpc::ServerReaderWriter<wire::SessionReply, wire::SessionRequest>;
   struct Inbox {
     std::vector<wire::View> waiting;
     bool closed = false;
@@ -116,17 +116,17 @@ class FakeFarm final : public wire::Farm::Service {
     return grpc::Status::OK;
   }
 
-  grpc::Status Visit(grpc::ServerContext* context, Stream* stream) override {
-    wire::VisitRequest first;
+  grpc::Status Session(grpc::ServerContext* context, Stream* stream) override {
+    wire::SessionRequest first;
     if (!stream->Read(&first) || !first.has_open()) return {grpc::StatusCode::INVALID_ARGUMENT, "open comes first"};
     {
       const std::lock_guard lock(mutex_);
-      ++visits_;
+      ++sessions_;
       last_open_ = first.open();
       if (!refusal_.ok()) return refusal_;
     }
     changed_.notify_all();
-    wire::VisitReply opened;
+    wire::SessionReply opened;
     *opened.mutable_opened() = scene_;
     stream->Write(opened);
     Inbox inbox;
@@ -138,7 +138,7 @@ class FakeFarm final : public wire::Farm::Service {
   }
 
   void read_views(Stream& stream, Inbox* inbox) {
-    wire::VisitRequest request;
+    wire::SessionRequest request;
     while (stream.Read(&request)) {
       change([&] {
         views_.push_back(request.view());
@@ -174,7 +174,7 @@ class FakeFarm final : public wire::Farm::Service {
 
   static bool send_frame(Stream& stream, const wire::View& view, int break_after, bool striped) {
     constexpr std::uint32_t kTilePx = 256;
-    wire::VisitReply reply;
+    wire::SessionReply reply;
     *reply.mutable_begin() = view;
     bool sent = stream.Write(reply);
     std::uint32_t tiles = 0;
@@ -242,8 +242,8 @@ class FakeFarm final : public wire::Farm::Service {
   std::mt19937 random_{1};
   grpc::Status refusal_;
   std::vector<wire::View> views_;
-  int visits_ = 0;
-  wire::OpenVisit last_open_;
+  int sessions_ = 0;
+  wire::OpenSession last_open_;
 
   std::unique_ptr<WireServer> server_;
 };

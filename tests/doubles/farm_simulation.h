@@ -13,8 +13,8 @@
 #include "renderfarm/balance/tiles.h"
 #include "renderfarm/client/view_window.h"
 #include "renderfarm/coordinator/coordinator_state.h"
+#include "tests/doubles/fake_delegate.h"
 #include "tests/doubles/fake_farm.h"
-#include "tests/doubles/fake_peers.h"
 
 namespace cyclorama {
 
@@ -34,20 +34,21 @@ inline wire::View view_of(std::uint64_t number, std::uint32_t width = 1024, std:
 /// A farm whose nodes and museums are moved by hand.
 class FarmSimulation {
  public:
-  explicit FarmSimulation(HeadLimits limits = {})
-      : state({{"grotto", "path"}}, BalanceStrategy::kCostMapStealing, limits, clock, peers) {}
+  explicit FarmSimulation(coordinator::CoordinatorLimits limits = {})
+      : state({{"grotto", "path"}}, balance::BalanceStrategy::kCostMapStealing, limits, clock, delegate) {}
 
   FakeClock clock;
-  FakePeers peers;
-  HeadState state;
-  std::map<SessionId, ViewWindow> windows;  ///< What a client believes; refuses what breaks farm.proto.
-  std::map<SessionId, std::uint64_t> answered;
+  FakeDelegate delegate;
+  coordinator::CoordinatorState state;
+  std::map<coordinator::SessionId, client::ViewWindow>
+      windows;  ///< What a client believes; refuses what breaks farm.proto.
+  std::map<coordinator::SessionId, std::uint64_t> answered;
   int complete = 0;
   int given_up = 0;
 
-  NodeId add_node(std::uint32_t threads = 1) {
-    const NodeId id{++last_id_};
-    state.node_came(id);
+  coordinator::NodeId add_node(std::uint32_t threads = 1) {
+    const coordinator::NodeId id{++last_id_};
+    state.node_connected(id);
     wire::NodeReport report;
     report.mutable_hello()->set_version(CYCLORAMA_VERSION);
     report.mutable_hello()->set_threads(threads);
@@ -56,40 +57,40 @@ class FarmSimulation {
     report.mutable_scene_loaded()->set_scene("grotto");
     *report.mutable_scene_loaded()->mutable_description() = fake_scene("grotto");
     state.node_reported(id, report);
-    peers.commands[id].clear();
+    delegate.commands[id].clear();
     return id;
   }
-  void kill(NodeId id) {
-    peers.commands.erase(id);
+  void kill(coordinator::NodeId id) {
+    delegate.commands.erase(id);
     work_.erase(id);
-    state.node_gone(id);
+    state.node_disconnected(id);
   }
-  SessionId add_visit(double frame_budget_ms = 0.0, std::uint32_t reference_samples = 0) {
-    const SessionId id{++last_id_};
-    state.visit_came(id);
-    wire::VisitRequest request;
+  coordinator::SessionId add_session(double frame_budget_ms = 0.0, std::uint32_t reference_samples = 0) {
+    const coordinator::SessionId id{++last_id_};
+    state.session_connected(id);
+    wire::SessionRequest request;
     request.mutable_open()->set_museum("museum");
     request.mutable_open()->set_frame_budget_ms(frame_budget_ms);
     request.mutable_open()->set_reference_samples(reference_samples);
-    state.visit_asked(id, request, clock.now());
-    ViewWindow& window = windows[id];
+    state.session_requested(id, request, clock.now());
+    client::ViewWindow& window = windows[id];
     // The client may ask at once, while the reply still waits to be taken.
-    if (!peers.replies[id].empty()) {
-      EXPECT_TRUE(window.take(peers.replies[id].front()));
+    if (!delegate.replies[id].empty()) {
+      EXPECT_TRUE(window.take(delegate.replies[id].front()));
     }
     return id;
   }
-  void ask(SessionId id, const wire::View& view) {
+  void request_view(coordinator::SessionId id, const wire::View& view) {
     windows.at(id).put(view);
     send_views(id);
   }
   /// The museum takes one message; false when none waits.
-  bool take(SessionId id) {
-    auto& queue = peers.replies[id];
+  bool take(coordinator::SessionId id) {
+    auto& queue = delegate.replies[id];
     if (queue.empty()) return false;
-    const wire::VisitReply reply = std::move(queue.front());
+    const wire::SessionReply reply = std::move(queue.front());
     queue.pop_front();
-    ViewWindow& window = windows.at(id);
+    client::ViewWindow& window = windows.at(id);
     const Status fine = reply.has_opened() ? Status(Done{}) : window.take(reply);
     if (reply.has_begin()) begun.push_back(reply.begin());
     if (reply.has_end()) {
@@ -103,8 +104,8 @@ class FarmSimulation {
     return true;
   }
   /// The node does one thing: a tile, or a block's end; false when it has nothing to do.
-  bool work(NodeId id, const std::string& error = "") {
-    auto& queue = peers.commands[id];
+  bool work(coordinator::NodeId id, const std::string& error = "") {
+    auto& queue = delegate.commands[id];
     for (const wire::NodeCommand& command : queue) {
       if (command.has_cancel()) cancelled_.insert(command.cancel().block());
     }
@@ -114,8 +115,8 @@ class FarmSimulation {
     orders[order.block()] = {id, order};
     Work& now = work_[id];
     if (now.block != order.block()) {
-      const auto cut = tiles_of({static_cast<int>(order.x_px()), static_cast<int>(order.y_px()),
-                                 static_cast<int>(order.width_px()), static_cast<int>(order.height_px())});
+      const auto cut = balance::tiles_of({static_cast<int>(order.x_px()), static_cast<int>(order.y_px()),
+                                          static_cast<int>(order.width_px()), static_cast<int>(order.height_px())});
       now = {order.block(), {cut.begin(), cut.end()}};
     }
     if (!error.empty()) return end(id, order, error);
@@ -136,38 +137,39 @@ class FarmSimulation {
     return true;
   }
   /// Until nothing moves any more.
-  void settle(const std::vector<NodeId>& nodes) {
+  void settle(const std::vector<coordinator::NodeId>& nodes) {
     for (bool moved = true; moved;) {
       moved = false;
-      for (const NodeId node : nodes) moved = work(node) || moved;
+      for (const coordinator::NodeId node : nodes) moved = work(node) || moved;
       for (auto& [id, window] : windows) {
-        if (!peers.ended_visits.count(id)) moved = take(id) || moved;
+        if (!delegate.ended_sessions.count(id)) moved = take(id) || moved;
       }
     }
   }
   wire::FrameEnd last_end;
-  std::vector<wire::View> begun;                                         ///< Of all frames that museums took.
-  std::map<std::uint64_t, std::pair<NodeId, wire::RenderBlock>> orders;  ///< Those that nodes have begun, by block.
+  std::vector<wire::View> begun;  ///< Of all frames that museums took.
+  std::map<std::uint64_t, std::pair<coordinator::NodeId, wire::RenderBlock>>
+      orders;  ///< Those that nodes have begun, by block.
   std::size_t tile_bytes = 10;
-  std::map<NodeId, double> slowed;  ///< So many times, by what else is done on the node's host.
+  std::map<coordinator::NodeId, double> slowed;  ///< So many times, by what else is done on the node's host.
 
  private:
-  bool end(NodeId id, const wire::RenderBlock& order, const std::string& error) {
+  bool end(coordinator::NodeId id, const wire::RenderBlock& order, const std::string& error) {
     wire::NodeReport report;
     report.mutable_end()->set_block(order.block());
     const double seconds = 1e-7 * order.width_px() * order.height_px();
     report.mutable_end()->set_render_cpu_seconds(seconds);
     report.mutable_end()->set_wall_seconds(seconds * (slowed.contains(id) ? slowed.at(id) : 1.0));
     report.mutable_end()->set_error(error);
-    peers.commands[id].pop_front();
+    delegate.commands[id].pop_front();
     state.node_reported(id, report);
     return true;
   }
-  void send_views(SessionId id) {
+  void send_views(coordinator::SessionId id) {
     while (const auto view = windows.at(id).take_sendable()) {
-      wire::VisitRequest request;
+      wire::SessionRequest request;
       *request.mutable_view() = *view;
-      state.visit_asked(id, request, clock.now());
+      state.session_requested(id, request, clock.now());
     }
   }
   std::uint64_t last_id_ = 0;
@@ -175,16 +177,16 @@ class FarmSimulation {
     std::uint64_t block = 0;
     std::deque<PixelRect> tiles{};
   };
-  std::map<NodeId, Work> work_;
+  std::map<coordinator::NodeId, Work> work_;
   std::set<std::uint64_t> cancelled_;
 };
 
-inline void drain_opened(FarmSimulation& s, SessionId visit) {
-  ASSERT_FALSE(s.peers.replies[visit].empty());
-  const auto opened = s.peers.replies[visit].front();
+inline void drain_opened(FarmSimulation& s, coordinator::SessionId session) {
+  ASSERT_FALSE(s.delegate.replies[session].empty());
+  const auto opened = s.delegate.replies[session].front();
   ASSERT_TRUE(opened.has_opened());
-  s.peers.replies[visit].pop_front();
-  s.state.written(visit, opened);
+  s.delegate.replies[session].pop_front();
+  s.state.written(session, opened);
 }
 
 }  // namespace cyclorama

@@ -16,8 +16,8 @@ double gauss(std::mt19937* random) {
   std::normal_distribution<double> normal;
   return normal(*random);
 }
-double uniform(std::mt19937* random, double least, double most) {
-  return std::uniform_real_distribution<double>(least, most)(*random);
+double uniform(std::mt19937* random, double min, double max) {
+  return std::uniform_real_distribution<double>(min, max)(*random);
 }
 
 std::function<double(const Eigen::Vector3d&)> wall_of(const RoomPlan& plan, std::mt19937* random) {
@@ -178,16 +178,16 @@ void GeneratedRoom::place_projectors(std::mt19937* random) {
       const Eigen::Vector3d towards = back.dot(aim) > 0.0 ? Eigen::Vector3d(-back) : back;
       const double away = plan_.throw_ratio * (right - left).norm();
       const Eigen::Vector3d aside = plan_.aim_off_rad * away * (right - left).normalized();
-      device.place = aim + away * towards + aside + Eigen::Vector3d(0.0, 0.12 * away, 0.0);
+      device.position = aim + away * towards + aside + Eigen::Vector3d(0.0, 0.12 * away, 0.0);
     } else {
       const Eigen::Vector3d d = aim.normalized();
-      device.place = -0.3 * d + Eigen::Vector3d(-0.8 * d.z() * uniform(random, 0.6, 1.0), uniform(random, 0.9, 1.4),
-                                                0.8 * d.x() * uniform(random, 0.6, 1.0));
+      device.position = -0.3 * d + Eigen::Vector3d(-0.8 * d.z() * uniform(random, 0.6, 1.0), uniform(random, 0.9, 1.4),
+                                                   0.8 * d.x() * uniform(random, 0.6, 1.0));
     }
-    device.axes = axes_towards(aim - device.place, uniform(random, -0.02, 0.02));
+    device.axes = axes_towards(aim - device.position, uniform(random, -0.02, 0.02));
     double widest = 0.0;
     for (const Eigen::Vector3d& edge : {left, right}) {
-      const Eigen::Vector3d seen = device.axes.transpose() * (edge - device.place);
+      const Eigen::Vector3d seen = device.axes.transpose() * (edge - device.position);
       widest = std::max(widest, std::abs(seen.x()) / std::max(0.02, seen.z()));
     }
     device.lens = {0.5 * kWidth_px / widest, 0.5 * kWidth_px + uniform(random, -15.0, 15.0),
@@ -242,7 +242,7 @@ std::optional<Eigen::Vector3d> GeneratedRoom::hit(const Eigen::Vector3d& from, c
 
 std::optional<Eigen::Vector3d> GeneratedRoom::wall_point_of(std::size_t projector, const Eigen::Vector2d& pixel) const {
   const Device& device = projectors_[projector];
-  const auto point = hit(device.place, device.axes * ray_of(device.lens, pixel));
+  const auto point = hit(device.position, device.axes * ray_of(device.lens, pixel));
   if (!point || std::abs(point->y()) > plan_.half_height_m) return std::nullopt;
   const double azimuth = std::atan2(point->x(), -point->z());
   constexpr double kMargin_rad = 0.02;
@@ -250,7 +250,8 @@ std::optional<Eigen::Vector3d> GeneratedRoom::wall_point_of(std::size_t projecto
   return point;
 }
 
-std::optional<Eigen::Vector3d> GeneratedRoom::sight_of(std::size_t projector, const Eigen::Vector2d& pixel) const {
+std::optional<Eigen::Vector3d> GeneratedRoom::view_direction_of(std::size_t projector,
+                                                                const Eigen::Vector2d& pixel) const {
   const auto point = wall_point_of(projector, pixel);
   if (!point) return std::nullopt;
   return point->normalized();
@@ -259,7 +260,7 @@ std::optional<Eigen::Vector3d> GeneratedRoom::sight_of(std::size_t projector, co
 std::optional<Eigen::Vector2d> GeneratedRoom::pixel_lighting(std::size_t projector,
                                                              const Eigen::Vector3d& point) const {
   const Device& device = projectors_[projector];
-  const Eigen::Vector3d seen = device.axes.transpose() * (point - device.place);
+  const Eigen::Vector3d seen = device.axes.transpose() * (point - device.position);
   if (!(seen.z() > 0.05)) return std::nullopt;
   const Eigen::Vector2d pixel = through(device.lens, seen);
   if (!(pixel.x() >= 0.0 && pixel.x() <= kWidth_px && pixel.y() >= 0.0 && pixel.y() <= kHeight_px)) return std::nullopt;
@@ -274,7 +275,7 @@ GeneratedRoom::Device GeneratedRoom::camera_at(double angle_rad) const {
   const Eigen::Vector3d right(std::cos(angle_rad), 0.0, std::sin(angle_rad));
   const Eigen::Vector3d up = Eigen::Vector3d::UnitY();
   Device device;
-  device.place = plan_.camera_offset_m.x() * right + plan_.camera_offset_m.z() * heading;
+  device.position = plan_.camera_offset_m.x() * right + plan_.camera_offset_m.z() * heading;
   const Eigen::Vector3d forward = std::cos(pitch_) * heading + std::sin(pitch_) * up;
   const Eigen::Vector3d upwards = right.cross(forward);
   // Rolled: the camera's right axis moves towards up... seen by the camera, its picture turns the other way.
@@ -284,10 +285,10 @@ GeneratedRoom::Device GeneratedRoom::camera_at(double angle_rad) const {
   return device;
 }
 
-Measurements GeneratedRoom::measurements() const {
+solve::Measurements GeneratedRoom::measurements() const {
   std::mt19937 random(plan_.seed * 104729U + 13U);
-  Measurements measured;
-  measured.camera = MeasuredLens::from_focal(camera_width_px_, camera_height_px_, camera_lens_.focal_px);
+  solve::Measurements measured;
+  measured.camera = calibration::MeasuredLens::from_focal(camera_width_px_, camera_height_px_, camera_lens_.focal_px);
   // What a good chessboard calibration leaves.
   const double sigmas[] = {0.7, 0.7, 0.7, 5e-4, 5e-4, 1e-6, 1e-5, 1e-5};
   const double truth[] = {camera_lens_.focal_px,
@@ -309,14 +310,16 @@ Measurements GeneratedRoom::measurements() const {
   const Eigen::Matrix3d eye_axes = Eigen::Matrix3d::Identity();
   for (std::size_t p = 0; p < projectors_.size(); ++p) {
     const Device& device = projectors_[p];
-    ProjectorPlace place;
-    place.lens = MeasuredLens::from_focal(kWidth_px, kHeight_px, device.lens.focal_px * uniform(&random, 0.97, 1.03));
+    solve::ProjectorPosePrior position;
+    position.lens = calibration::MeasuredLens::from_focal(kWidth_px, kHeight_px,
+                                                          device.lens.focal_px * uniform(&random, 0.97, 1.03));
     const Eigen::Matrix3d off =
         Eigen::AngleAxisd(0.03, Eigen::Vector3d(gauss(&random), gauss(&random), gauss(&random)).normalized())
             .toRotationMatrix();
-    place.T_eye_projector = {Eigen::Quaterniond(eye_axes * off * device.axes),
-                             device.place + 0.1 * Eigen::Vector3d(gauss(&random), gauss(&random), gauss(&random))};
-    measured.projectors.push_back({"projector " + std::to_string(p + 1), kWidth_px, kHeight_px, place});
+    position.T_eye_projector = {
+        Eigen::Quaterniond(eye_axes * off * device.axes),
+        device.position + 0.1 * Eigen::Vector3d(gauss(&random), gauss(&random), gauss(&random))};
+    measured.projectors.push_back({"projector " + std::to_string(p + 1), kWidth_px, kHeight_px, position});
   }
   std::vector<Device> cameras;
   for (std::size_t d = 0; d < told_angles_.size(); ++d) {
@@ -331,7 +334,7 @@ Measurements GeneratedRoom::measurements() const {
         const auto point = pixel.x() < kWidth_px && pixel.y() < kHeight_px ? wall_point_of(p, pixel) : std::nullopt;
         if (!point) continue;
         for (std::size_t d = 0; d < cameras.size(); ++d) {
-          const Eigen::Vector3d seen = cameras[d].axes.transpose() * (*point - cameras[d].place);
+          const Eigen::Vector3d seen = cameras[d].axes.transpose() * (*point - cameras[d].position);
           if (!(seen.z() > 0.05) || seen.head<2>().norm() > 1.2 * seen.z()) continue;
           const Eigen::Vector2d camera_px = through(cameras[d].lens, seen);
           if (!(camera_px.x() >= 0.0 && camera_px.x() < camera_width_px_ && camera_px.y() >= 0.0 &&
@@ -369,15 +372,15 @@ RegistrationScore registration_score(const GeneratedRoom& room, const DirectionO
     Eigen::Matrix<double, 3, 2> slope;
   };
   RegistrationScore score;
-  std::vector<Place> places;
+  std::vector<Place> correspondences;
   Eigen::Matrix3d together = Eigen::Matrix3d::Zero();
   constexpr int kStep_px = 24;
   const auto slope_at = [&](std::size_t p, const Eigen::Vector2d& pixel) -> std::optional<Eigen::Matrix<double, 3, 2>> {
     Eigen::Matrix<double, 3, 2> slope;
     for (int axis = 0; axis < 2; ++axis) {
       const Eigen::Vector2d step = Eigen::Vector2d::Unit(axis);
-      const auto a = room.sight_of(p, pixel - 0.5 * step);
-      const auto b = room.sight_of(p, pixel + 0.5 * step);
+      const auto a = room.view_direction_of(p, pixel - 0.5 * step);
+      const auto b = room.view_direction_of(p, pixel + 0.5 * step);
       if (!a || !b) return std::nullopt;
       slope.col(axis) = *b - *a;
     }
@@ -399,28 +402,28 @@ RegistrationScore registration_score(const GeneratedRoom& room, const DirectionO
           ++score.missing;
           continue;
         }
-        places.push_back({p, pixel, *point, point->normalized(), *found, *slope});
+        correspondences.push_back({p, pixel, *point, point->normalized(), *found, *slope});
         together += *found * point->normalized().transpose();
       }
     }
   }
-  if (places.empty()) return score;
+  if (correspondences.empty()) return score;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(together, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d signs(1.0, 1.0, (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0 ? -1.0 : 1.0);
   const Eigen::Matrix3d turn = svd.matrixV() * signs.asDiagonal() * svd.matrixU().transpose();
   std::vector<double> relative;
   std::vector<double> absolute;
-  for (const Place& place : places) {
-    absolute.push_back(in_pixels(place.slope, turn * place.found - place.truth));
-    for (std::size_t other = place.projector + 1; other < room.projectors(); ++other) {
-      const auto pixel = room.pixel_lighting(other, place.point);
+  for (const Place& position : correspondences) {
+    absolute.push_back(in_pixels(position.slope, turn * position.found - position.truth));
+    for (std::size_t other = position.projector + 1; other < room.projectors(); ++other) {
+      const auto pixel = room.pixel_lighting(other, position.point);
       const auto slope = pixel ? slope_at(other, *pixel) : std::nullopt;
       const auto found = pixel ? mapped(other, *pixel) : std::nullopt;
       if (!slope || !found) continue;
-      relative.push_back(in_pixels(*slope, place.found - *found));
+      relative.push_back(in_pixels(*slope, position.found - *found));
     }
   }
-  score.places = relative.size();
+  score.correspondences = relative.size();
   score.mean_px = mean_of(relative);
   score.p95_px = at_fraction(&relative, 0.95);
   score.max_px = relative.empty() ? 0.0 : relative.back();

@@ -50,9 +50,10 @@ class GeneratedRoom {
   explicit GeneratedRoom(const RoomPlan& plan);
 
   /// What the solver gets; the same for the same plan.
-  [[nodiscard]] Measurements measurements() const;
+  [[nodiscard]] solve::Measurements measurements() const;
   /// What the eye at the sweet spot sees where a projector's pixel lands; a unit vector. Nothing beside the wall.
-  [[nodiscard]] std::optional<Eigen::Vector3d> sight_of(std::size_t projector, const Eigen::Vector2d& pixel) const;
+  [[nodiscard]] std::optional<Eigen::Vector3d> view_direction_of(std::size_t projector,
+                                                                 const Eigen::Vector2d& pixel) const;
   [[nodiscard]] std::optional<Eigen::Vector3d> wall_point_of(std::size_t projector, const Eigen::Vector2d& pixel) const;
   /// The pixel of a projector that lights a point; nothing outside of its picture.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_lighting(std::size_t projector,
@@ -74,7 +75,7 @@ class GeneratedRoom {
   struct Device {
     Lens lens;
     Eigen::Matrix3d axes;  ///< Columns: right, down, forward.
-    Eigen::Vector3d place;
+    Eigen::Vector3d position;
   };
   static Eigen::Vector2d through(const Lens& lens, const Eigen::Vector3d& point);
   static Eigen::Vector3d ray_of(const Lens& lens, const Eigen::Vector2d& pixel);
@@ -101,7 +102,7 @@ struct RegistrationScore {
   double mean_px = 0.0;
   double p95_px = 0.0;
   double max_px = 0.0;
-  std::size_t places = 0;  ///< In overlaps.
+  std::size_t correspondences = 0;  ///< In overlaps.
   double true_mean_px = 0.0;
   double true_p95_px = 0.0;
   double true_max_px = 0.0;

@@ -18,8 +18,8 @@ class GeneratedWarps {
   explicit GeneratedWarps(std::uint32_t seed) : random_(seed) {}
 
   /// Smooth, bent, and NaN in a corner: flat within 0 to 1, or some metres around the eye.
-  WarpMap map(int width, int height, bool flat) {
-    WarpMap map(width, height);
+  interchange::WarpMap map(int width, int height, bool flat) {
+    interchange::WarpMap map(width, height);
     const double bend = number(0.0, 0.1);
     const double phase = number(0.0, 6.0);
     for (int y = 0; y < height; ++y) {
@@ -44,31 +44,33 @@ class GeneratedWarps {
     return map;
   }
 
-  MaskMap mask(int width, int height) {
-    MaskMap mask(width, height, count(0, 1) == 0 ? 1 : 3, count(0, 1) == 0 ? 8 : 16);
+  interchange::MaskMap mask(int width, int height) {
+    interchange::MaskMap mask(width, height, count(0, 1) == 0 ? 1 : 3, count(0, 1) == 0 ? 8 : 16);
     for (std::uint16_t& sample : mask.samples) sample = static_cast<std::uint16_t>(count(0, mask.largest()));
     mask.gamma = count(0, 1) == 0 ? 1.0 : 2.2;
     return mask;
   }
 
-  WarpRegion region(WarpProfile profile, const std::string& id) {
-    const bool in_space = profile == WarpProfile::kAdvanced3d || profile == WarpProfile::kShaderLamps;
-    WarpRegion region;
+  interchange::WarpRegion region(interchange::WarpProfile profile, const std::string& id) {
+    const bool in_space =
+        profile == interchange::WarpProfile::kAdvanced3d || profile == interchange::WarpProfile::kShaderLamps;
+    interchange::WarpRegion region;
     region.id = id;
     region.width_px = count(1, 80);
     region.height_px = count(1, 50);
     region.map = map(region.width_px, region.height_px, !in_space);
-    region.interpolation = WarpInterpolation::kLinear;
+    region.interpolation = interchange::WarpInterpolation::kLinear;
     if (in_space) {
-      region.unit = count(0, 1) == 0 ? LengthUnit::kMetre : LengthUnit::kMillimetre;
-      region.origin = profile == WarpProfile::kShaderLamps ? DataOrigin::kFloorCentre : DataOrigin::kIdealEyePoint;
+      region.unit = count(0, 1) == 0 ? interchange::LengthUnit::kMetre : interchange::LengthUnit::kMillimetre;
+      region.origin = profile == interchange::WarpProfile::kShaderLamps ? interchange::DataOrigin::kFloorCentre
+                                                                        : interchange::DataOrigin::kIdealEyePoint;
     }
-    if (profile == WarpProfile::k3d || profile == WarpProfile::kShaderLamps) {
-      region.frustum = WarpFrustum{number(-180, 180), number(-80, 80), number(-30, 30), number(5, 60),
-                                   number(-60, -5),   number(5, 40),   number(-40, -5)};
+    if (profile == interchange::WarpProfile::k3d || profile == interchange::WarpProfile::kShaderLamps) {
+      region.frustum = interchange::WarpFrustum{number(-180, 180), number(-80, 80), number(-30, 30), number(5, 60),
+                                                number(-60, -5),   number(5, 40),   number(-40, -5)};
     }
-    if (profile == WarpProfile::kShaderLamps) {
-      WarpCoordinateFrame frame;
+    if (profile == interchange::WarpProfile::kShaderLamps) {
+      interchange::WarpCoordinateFrame frame;
       for (double& p : frame.position) p = number(-3.0, 3.0);
       region.coordinate_frame = frame;
       region.distortion = map(count(2, 20), count(2, 20), true);
@@ -78,17 +80,17 @@ class GeneratedWarps {
     return region;
   }
 
-  WarpSet set(WarpProfile profile, MpcdiVersion version) {
-    WarpSet set;
+  interchange::WarpSet set(interchange::WarpProfile profile, interchange::MpcdiVersion version) {
+    interchange::WarpSet set;
     set.profile = profile;
     set.version = version;
     set.date = "2024-05-06 07:08:09";
     set.level = count(1, 4);
-    set.colour_level = version == MpcdiVersion::k1_0 ? 1 : count(1, 3);
-    WarpBuffer buffer{"wall <& \"round\">", count(0, 4000), count(0, 2000), {}};
+    set.colour_level = version == interchange::MpcdiVersion::k1_0 ? 1 : count(1, 3);
+    interchange::WarpBuffer buffer{"wall <& \"round\">", count(0, 4000), count(0, 2000), {}};
     const int regions = count(1, 3);
     for (int i = 0; i < regions; ++i) {
-      WarpRegion made = region(profile, "Strahler/" + std::to_string(i) + " <ä&>");
+      interchange::WarpRegion made = region(profile, "Strahler/" + std::to_string(i) + " <ä&>");
       made.rect = {static_cast<double>(i) / regions, 0.0, 1.0 / regions, number(0.1, 1.0)};
       buffer.regions.push_back(std::move(made));
     }
@@ -97,14 +99,14 @@ class GeneratedWarps {
   }
 
   /// A bent grid with dimmed nodes and some that are not drawn, in 7 decimals.
-  WarpNet grid() {
-    WarpNet net;
+  interchange::WarpNet grid() {
+    interchange::WarpNet net;
     net.columns = count(2, 30);
     net.rows = count(2, 20);
     for (int j = 0; j < net.rows; ++j) {
       for (int i = 0; i < net.columns; ++i) {
-        WarpNode node{static_cast<double>(i) / (net.columns - 1), static_cast<double>(j) / (net.rows - 1),
-                      number(-0.1, 1.1), number(-0.1, 1.1), count(0, 9) == 0 ? -1.0 : number(0.0, 1.0)};
+        interchange::WarpNode node{static_cast<double>(i) / (net.columns - 1), static_cast<double>(j) / (net.rows - 1),
+                                   number(-0.1, 1.1), number(-0.1, 1.1), count(0, 9) == 0 ? -1.0 : number(0.0, 1.0)};
         node.x += number(-0.01, 0.01);
         net.nodes.push_back(node);
       }
@@ -113,9 +115,9 @@ class GeneratedWarps {
   }
 
   /// The same without its grid: triangles, and full light.
-  WarpNet triangles() {
-    WarpNet net = grid();
-    for (WarpNode& node : net.nodes) node.light = 1.0;
+  interchange::WarpNet triangles() {
+    interchange::WarpNet net = grid();
+    for (interchange::WarpNode& node : net.nodes) node.light = 1.0;
     net.triangles = net.drawn();
     net.columns = net.rows = 0;
     return net;

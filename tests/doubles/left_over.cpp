@@ -12,8 +12,10 @@ namespace {
 constexpr int kCell_px = 60;  // About what a map's smoothness leaves of independent errors.
 constexpr double kFullWidth_px = 1920.0;
 
-MeasuredMap measured(const ShowCalibration& truth, const ShowProjector& projector, double sigma_px, Draws* draws) {
-  MeasuredMap map;
+calibration::MeasuredMap measured(const calibration::ShowCalibration& truth,
+                                  const calibration::ShowProjector& projector, double sigma_px,
+                                  simulated::RandomStream* draws) {
+  calibration::MeasuredMap map;
   map.width_px = projector.lens.width_px;
   map.height_px = projector.lens.height_px;
   const double scale = map.width_px / kFullWidth_px;
@@ -25,9 +27,9 @@ MeasuredMap measured(const ShowCalibration& truth, const ShowProjector& projecto
       const Eigen::Vector2d off(draws->about_zero(1.7 * sigma_px * scale), draws->about_zero(1.7 * sigma_px * scale));
       const Eigen::Vector2d pixel(static_cast<double>(x) / map.cells_x * map.width_px,
                                   static_cast<double>(y) / map.cells_y * map.height_px);
-      const auto place = wall_lit_at(truth, projector, pixel + off);
-      map.directions.push_back(place ? (*place - truth.sweet_spot.xyz).normalized().eval()
-                                     : Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()).eval());
+      const auto position = calibration::wall_lit_at(truth, projector, pixel + off);
+      map.directions.push_back(position ? (*position - truth.sweet_spot.xyz).normalized().eval()
+                                        : Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()).eval());
       map.sigma_px.push_back(sigma_px);
     }
   }
@@ -36,51 +38,53 @@ MeasuredMap measured(const ShowCalibration& truth, const ShowProjector& projecto
 
 }  // namespace
 
-std::optional<Eigen::Vector3d> believed_place(const ShowCalibration& truth, const ShowCalibration& room,
-                                              const Eigen::Vector3d& place) {
-  const auto hit = endless_hit(room.wall, {{room.sweet_spot.xyz}, (place - truth.sweet_spot.xyz).normalized()});
+std::optional<Eigen::Vector3d> believed_position(const calibration::ShowCalibration& truth,
+                                                 const calibration::ShowCalibration& room,
+                                                 const Eigen::Vector3d& position) {
+  const auto hit = hit_extended(room.wall, {{room.sweet_spot.xyz}, (position - truth.sweet_spot.xyz).normalized()});
   if (!hit) return std::nullopt;
   return hit->xyz;
 }
 
-Result<ShowCalibration> calibrated(const ShowCalibration& truth, const LeftOver& left, Draws draws) {
-  ShowCalibration room = truth;
+Result<calibration::ShowCalibration> calibrated(const calibration::ShowCalibration& truth, const LeftOver& left,
+                                                simulated::RandomStream draws) {
+  calibration::ShowCalibration room = truth;
   for (int i = 0; i < 3; ++i) room.sweet_spot.xyz[i] += draws.about_zero(left.sweet_spot_m);
-  for (ShowProjector& projector : room.projectors) {
-    const MeasuredMap map = measured(truth, projector, left.map_px, &draws);
-    TRY_ASSIGN(const auto fitted, fit_projector(map, room.wall, room.sweet_spot, projector));
+  for (calibration::ShowProjector& projector : room.projectors) {
+    const calibration::MeasuredMap map = measured(truth, projector, left.map_px, &draws);
+    TRY_ASSIGN(const auto fitted, healing::fit_projector(map, room.wall, room.sweet_spot, projector));
     projector.lens = fitted.lens;
     projector.T_room_projector = fitted.pose;
   }
   for (std::size_t i = 0; i < room.cameras.size(); ++i) {
-    ShowCamera& camera = room.cameras[i];
+    calibration::ShowCamera& camera = room.cameras[i];
     const double focal = 1.0 + draws.about_zero(left.camera_focal);
     camera.lens.focal_u_px *= focal;
     camera.lens.focal_v_px *= focal;
     camera.lens.centre_u_px += draws.about_zero(left.camera_centre_px);
     camera.lens.centre_v_px += draws.about_zero(left.camera_centre_px);
-    std::vector<PlacedPixel> pixels;
+    std::vector<healing::WallCorrespondence> pixels;
     constexpr int kAcross = 40;
     constexpr int kDown = 30;
     for (int k = 0; k < kAcross * kDown; ++k) {
       const Eigen::Vector2d pixel((k % kAcross + 0.5) / kAcross * camera.lens.width_px,
                                   (k / kAcross + 0.5) / kDown * camera.lens.height_px);
-      const auto place = wall_seen_at(truth, truth.cameras[i], pixel);
-      if (!place) continue;
+      const auto position = calibration::wall_seen_at(truth, truth.cameras[i], pixel);
+      if (!position) continue;
       // Only what a projector lights is known.
       bool is_lit = false;
-      for (const ShowProjector& projector : truth.projectors) {
+      for (const calibration::ShowProjector& projector : truth.projectors) {
         const auto at =
-            pixel_of(projector.lens, (projector.T_room_projector.inverse() * Point<frame::Room>{*place}).xyz);
+            pixel_of(projector.lens, (projector.T_room_projector.inverse() * Point<frame::Room>{*position}).xyz);
         is_lit = is_lit || (at && contains(projector.lens, *at));
       }
-      const auto known = is_lit ? believed_place(truth, room, *place) : std::nullopt;
+      const auto known = is_lit ? believed_position(truth, room, *position) : std::nullopt;
       if (!known) continue;
-      const Eigen::Vector2d noise(draws.about_zero(1.7 * left.camera_place_px),
-                                  draws.about_zero(1.7 * left.camera_place_px));
+      const Eigen::Vector2d noise(draws.about_zero(1.7 * left.camera_pixel_px),
+                                  draws.about_zero(1.7 * left.camera_pixel_px));
       pixels.push_back({pixel + noise, *known});
     }
-    TRY_ASSIGN(const auto placed, place_camera(camera.lens, pixels));
+    TRY_ASSIGN(const auto placed, healing::place_camera(camera.lens, pixels));
     camera.T_room_camera = placed.pose;
   }
   return room;

@@ -14,15 +14,17 @@ struct LeftOver {
   double sweet_spot_m = 2e-3;     ///< The eye is not quite where installation.toml says, each axis, at most.
   double camera_focal = 2e-4;     ///< Part of it, at most: what cyclorama-calibrate-camera leaves.
   double camera_centre_px = 0.3;  ///< At most.
-  double camera_place_px = 0.1;   ///< Of each place by which a camera is placed, in its pixels, each way.
+  double camera_pixel_px = 0.1;   ///< Of each place by which a camera is placed, in its pixels, each way.
 };
 
 /// `truth` in the words of a calibration; the answer is what a calibration knows of it. Errors as those of
 /// fit_projector() and place_camera().
-Result<ShowCalibration> calibrated(const ShowCalibration& truth, const LeftOver& left, Draws draws);
+Result<calibration::ShowCalibration> calibrated(const calibration::ShowCalibration& truth, const LeftOver& left,
+                                                simulated::RandomStream draws);
 
 /// Where `room` takes a true place on the wall to be, as seen from the sweet spot of `truth`.
-[[nodiscard]] std::optional<Eigen::Vector3d> believed_place(const ShowCalibration& truth, const ShowCalibration& room,
-                                                            const Eigen::Vector3d& place);
+[[nodiscard]] std::optional<Eigen::Vector3d> believed_position(const calibration::ShowCalibration& truth,
+                                                               const calibration::ShowCalibration& room,
+                                                               const Eigen::Vector3d& position);
 
 }  // namespace cyclorama

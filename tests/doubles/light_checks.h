@@ -15,16 +15,16 @@ namespace cyclorama {
 
 /// Mean over many aims of light times cosine. `sample(choice, u, &LightSample)`; the red channel counts.
 template <typename Sample>
-[[nodiscard]] double sampled_irradiance(const Sample& sample, const Vec3& n, int samples = 1 << 14) {
+[[nodiscard]] double sampled_irradiance(const Sample& sample, const render::Vec3& n, int samples = 1 << 14) {
   double sum = 0.0;
   for (int i = 0; i < samples; ++i) {
-    const SampleSequence sequence(1, 0, 0, i, samples);
-    LightSample aim;
+    const render::SampleSequence sequence(1, 0, 0, i, samples);
+    render::LightSample aim;
     if (!sample(sequence.pair(1).x(), sequence.pair(0), &aim)) continue;
     EXPECT_NEAR(aim.direction.norm(), 1.0f, 1e-4f);
-    EXPECT_TRUE(is_finite(aim.radiance_over_density));
+    EXPECT_TRUE(render::is_finite(aim.radiance_over_pdf));
     EXPECT_GE(aim.distance, 0.0f);
-    sum += static_cast<double>(aim.radiance_over_density.x() * std::max(0.0f, n.dot(aim.direction)));
+    sum += static_cast<double>(aim.radiance_over_pdf.x() * std::max(0.0f, n.dot(aim.direction)));
   }
   return sum / samples;
 }

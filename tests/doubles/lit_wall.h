@@ -22,7 +22,7 @@ struct LitWall {
   int camera_width_px = 160;
   int camera_height_px = 120;
   /// Where a camera's place (first pixel's centre at (0.5, 0.5)) shines on the projector.
-  std::function<Eigen::Vector2d(double u, double v)> projector_place = [](double u, double v) {
+  std::function<Eigen::Vector2d(double u, double v)> projector_pixel_at = [](double u, double v) {
     return Eigen::Vector2d(0.6 * u, 0.6 * v);
   };
   double blur_px = 0.7;   ///< Gaussian, deviation in projector pixels.
@@ -38,24 +38,24 @@ struct LitWall {
   std::function<double(int u, int v, std::size_t i, double light)> disturbance = [](int, int, std::size_t,
                                                                                     double light) { return light; };
 
-  [[nodiscard]] Eigen::Vector2d truth(int u, int v) const { return projector_place(u + 0.5, v + 0.5); }
+  [[nodiscard]] Eigen::Vector2d truth(int u, int v) const { return projector_pixel_at(u + 0.5, v + 0.5); }
 
-  [[nodiscard]] Photo photograph(const PatternSet& set, std::size_t number) const {
-    const PatternPicture& picture = set.pictures.at(number);
-    const bool is_columns = picture.axis == PatternAxis::kColumns;
+  [[nodiscard]] structured_light::Photo photograph(const structured_light::PatternSet& set, std::size_t number) const {
+    const structured_light::PatternPicture& picture = set.pictures.at(number);
+    const bool is_columns = picture.axis == structured_light::PatternAxis::kColumns;
     const int extent = is_columns ? set.width_px : set.height_px;
     const Profile profile(set, picture, extent, blur_px);
-    Photo photo(camera_width_px, camera_height_px);
+    structured_light::Photo photo(camera_width_px, camera_height_px);
     // A table, read in another order for every photograph: a camera of 20 megapixels asks for a billion of these.
     const std::vector<float>& errors = normal_errors();
     auto place_in_table = static_cast<std::uint32_t>(7919 * (number + 1));
     for (int v = 0; v < camera_height_px; ++v) {
       for (int u = 0; u < camera_width_px; ++u) {
         place_in_table = 1664525U * place_in_table + 1013904223U;
-        const Eigen::Vector2d place = truth(u, v);
+        const Eigen::Vector2d position = truth(u, v);
         const bool is_on =
-            place.x() >= 0.0 && place.x() < set.width_px && place.y() >= 0.0 && place.y() < set.height_px;
-        const double at = is_columns ? place.x() : place.y();
+            position.x() >= 0.0 && position.x() < set.width_px && position.y() >= 0.0 && position.y() < set.height_px;
+        const double at = is_columns ? position.x() : position.y();
         double light = ambient + (is_on ? direct(u, v) * profile.at(at) : 0.0);
         light += global(u, v) * profile.mean_of_half(at < 0.5 * extent);
         light = disturbance(u, v, number, light) +
@@ -67,8 +67,9 @@ struct LitWall {
     return photo;
   }
 
-  [[nodiscard]] Decoder decoder(const PatternSet& set, const DecodeSettings& settings = {}) const {
-    auto decoder = Decoder::from(set, settings, camera_width_px, camera_height_px);
+  [[nodiscard]] structured_light::Decoder decoder(const structured_light::PatternSet& set,
+                                                  const structured_light::DecodeSettings& settings = {}) const {
+    auto decoder = structured_light::Decoder::from(set, settings, camera_width_px, camera_height_px);
     CHECK(decoder.has_value());
     for (std::size_t i = 0; i < set.pictures.size(); ++i) CHECK(decoder->add(photograph(set, i)).has_value());
     return *std::move(decoder);
@@ -89,12 +90,15 @@ struct LitWall {
   /// One line across a picture's stripes, blurred, eight values a pixel.
   class Profile {
    public:
-    Profile(const PatternSet& set, const PatternPicture& picture, int extent, double blur_px) : extent_(extent) {
+    Profile(const structured_light::PatternSet& set, const structured_light::PatternPicture& picture, int extent,
+            double blur_px)
+        : extent_(extent) {
       std::vector<double> sharp(static_cast<std::size_t>(extent * kFine));
       for (int i = 0; i < extent * kFine; ++i) {
-        const int place = i / kFine;
-        const bool is_columns = picture.axis == PatternAxis::kColumns;
-        sharp[static_cast<std::size_t>(i)] = level_at(set, picture, is_columns ? place : 0, is_columns ? 0 : place);
+        const int position = i / kFine;
+        const bool is_columns = picture.axis == structured_light::PatternAxis::kColumns;
+        sharp[static_cast<std::size_t>(i)] =
+            structured_light::level_at(set, picture, is_columns ? position : 0, is_columns ? 0 : position);
         half_means_[i < extent * kFine / 2 ? 0 : 1] += 2.0 * sharp[static_cast<std::size_t>(i)] / (extent * kFine);
       }
       const int reach = static_cast<int>(std::ceil(4.0 * blur_px * kFine));
@@ -110,8 +114,8 @@ struct LitWall {
         values_[static_cast<std::size_t>(i)] = sum / weights;
       }
     }
-    [[nodiscard]] double at(double place) const {
-      const double fine = std::clamp(place * kFine - 0.5, 0.0, static_cast<double>(extent_ * kFine - 1));
+    [[nodiscard]] double at(double position) const {
+      const double fine = std::clamp(position * kFine - 0.5, 0.0, static_cast<double>(extent_ * kFine - 1));
       const auto i = std::min(static_cast<std::size_t>(fine), values_.size() - 1);
       const double share = fine - static_cast<double>(i);
       return (1.0 - share) * values_[i] + share * values_[std::min(i + 1, values_.size() - 1)];
@@ -135,16 +139,17 @@ struct WallErrors {
   double mean_square_of_sigmas = 0.0;  ///< Of the errors in units of their sigmas; 1 when these are honest.
 };
 
-inline WallErrors errors_of(const LitWall& wall, const Decoded& decoded) {
+inline WallErrors errors_of(const LitWall& wall, const structured_light::Decoded& decoded) {
   WallErrors errors;
   std::vector<double> distances;
   for (int v = 0; v < decoded.fate.height(); ++v) {
     for (int u = 0; u < decoded.fate.width(); ++u) {
-      const float* const place = decoded.position_px.at(u, v);
+      const float* const position = decoded.position_px.at(u, v);
       const float* const sigma = decoded.sigma_px.at(u, v);
-      CHECK(std::isfinite(place[0]) && std::isfinite(place[1]) && std::isfinite(sigma[0]) && std::isfinite(sigma[1]));
-      if (*decoded.fate.at(u, v) != PixelFate::kDecoded) continue;
-      const Eigen::Vector2d off = Eigen::Vector2d(place[0], place[1]) - wall.truth(u, v);
+      CHECK(std::isfinite(position[0]) && std::isfinite(position[1]) && std::isfinite(sigma[0]) &&
+            std::isfinite(sigma[1]));
+      if (*decoded.fate.at(u, v) != structured_light::PixelFate::kDecoded) continue;
+      const Eigen::Vector2d off = Eigen::Vector2d(position[0], position[1]) - wall.truth(u, v);
       distances.push_back(off.norm());
       errors.gross += off.norm() > 2.0 ? 1 : 0;
       for (int a = 0; a < 2; ++a)

@@ -11,11 +11,11 @@ namespace cyclorama {
 /// outlives its outputs.
 class LosableOutputs {
  public:
-  Result<std::unique_ptr<Output>> open(const HeadlessOptions& options, const Clock& clock) {
+  Result<std::unique_ptr<output::Output>> open(const output::HeadlessOptions& options, const Clock& clock) {
     ++attempts_;
     TRY(state());
-    TRY_ASSIGN(std::unique_ptr<Output> real, open_headless_output(options, clock));
-    return std::unique_ptr<Output>(std::make_unique<Losable>(*this, std::move(real)));
+    TRY_ASSIGN(std::unique_ptr<output::Output> real, output::open_headless_output(options, clock));
+    return std::unique_ptr<output::Output>(std::make_unique<Losable>(*this, std::move(real)));
   }
   void lose() { is_lost_ = true; }
   void find() { is_lost_ = false; }
@@ -32,10 +32,10 @@ class LosableOutputs {
   }
 
  private:
-  class Losable final : public Output {
+  class Losable final : public output::Output {
    public:
-    Losable(LosableOutputs& all, std::unique_ptr<Output> real) : all_(all), real_(std::move(real)) {}
-    [[nodiscard]] const std::vector<HeadMode>& heads() const override { return real_->heads(); }
+    Losable(LosableOutputs& all, std::unique_ptr<output::Output> real) : all_(all), real_(std::move(real)) {}
+    [[nodiscard]] const std::vector<output::HeadMode>& heads() const override { return real_->heads(); }
     [[nodiscard]] double refresh_hz() const override { return real_->refresh_hz(); }
     [[nodiscard]] std::string kind() const override { return real_->kind(); }
     [[nodiscard]] const Gl& gl() const override { return real_->gl(); }
@@ -48,16 +48,16 @@ class LosableOutputs {
       return real_->wait_for_refresh();
     }
     Status draw_to(std::size_t head) override { return real_->draw_to(head); }
-    Result<Presented> present() override {
+    Result<output::Presented> present() override {
       TRY(all_.state());
       return real_->present();
     }
 
-    [[nodiscard]] const std::vector<HeadShown>& shown() const override { return real_->shown(); }
+    [[nodiscard]] const std::vector<output::HeadShown>& shown() const override { return real_->shown(); }
 
    private:
     LosableOutputs& all_;
-    std::unique_ptr<Output> real_;
+    std::unique_ptr<output::Output> real_;
   };
 
   [[nodiscard]] Status state() const {

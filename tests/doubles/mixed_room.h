@@ -6,16 +6,16 @@
 
 namespace cyclorama {
 
-inline Material white_material(float roughness, float metallic) {
-  Material material;
+inline scene::Material white_material(float roughness, float metallic) {
+  scene::Material material;
   material.roughness = roughness;
   material.metallic = metallic;
   return material;
 }
 
 /// A room with a lamp of each kind, and surfaces of each level.
-inline Scene mixed_room(float scale = 1.0f) {
-  Scene scene = scene_of(sphere_mesh(3.0f, 12), {0.7f, 0.6f, 0.5f});
+inline scene::Scene mixed_room(float scale = 1.0f) {
+  scene::Scene scene = scene_of(sphere_mesh(3.0f, 12), {0.7f, 0.6f, 0.5f});
   scene.model.materials.push_back(white_material(0.3f, 1.0f));
   scene.model.materials.push_back(white_material(0.0f, 0.0f));
   scene.model.materials[2].transmission = 1.0f;
@@ -25,8 +25,8 @@ inline Scene mixed_room(float scale = 1.0f) {
   add_mesh(scene, sphere_mesh(0.6f, 8, 1), Eigen::Affine3d(Eigen::Translation3d(0.9, -0.6, -1.6)));
   add_mesh(scene, sphere_mesh(0.5f, 8, 2), Eigen::Affine3d(Eigen::Translation3d(-0.8, -0.5, -1.4)));
   add_mesh(scene, square_mesh(0.5f, 3), Eigen::Affine3d(Eigen::Translation3d(0.0, -1.2, -1.0)));
-  Light rectangle;
-  rectangle.kind = LightKind::kRectangle;
+  scene::Light rectangle;
+  rectangle.kind = scene::LightKind::kRectangle;
   rectangle.position = {0.0, 1.8, -0.5};
   rectangle.size_m = {1.0, 0.6};
   rectangle.intensity.setConstant(5.0f * scale);
@@ -35,8 +35,8 @@ inline Scene mixed_room(float scale = 1.0f) {
   return scene;
 }
 
-inline PanoramaView room_view(int bounces, int samples) {
-  PanoramaView view = view_from({0, 0, 0.5}, 16, 12, 0.8, -0.8);
+inline render::PanoramaView room_view(int bounces, int samples) {
+  render::PanoramaView view = view_from({0, 0, 0.5}, 16, 12, 0.8, -0.8);
   view.panorama.azimuth_span_rad = 2.0;
   view.quality.bounces = bounces;
   view.quality.samples = samples;

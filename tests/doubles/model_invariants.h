@@ -22,7 +22,7 @@ bool all_finite(const Vectors& vectors) {
 }
 
 /// Empty when `mesh` keeps its promises; else the first that it breaks.
-inline std::string broken_promise(const Mesh& mesh, const Model& model) {
+inline std::string broken_promise(const scene::Mesh& mesh, const scene::Model& model) {
   const std::size_t n = mesh.positions.size();
   const auto fits = [&](const auto& vector) { return vector.empty() || vector.size() == n; };
   if (mesh.material < 0 || static_cast<std::size_t>(mesh.material) >= model.materials.size()) return "material index";
@@ -45,13 +45,13 @@ inline std::string broken_promise(const Mesh& mesh, const Model& model) {
   return "";
 }
 
-inline std::string broken_promise(const Model& model) {
+inline std::string broken_promise(const scene::Model& model) {
   if (model.materials.empty()) return "at least one material";
-  const auto has_texture = [&](const TextureUse& use) {
+  const auto has_texture = [&](const scene::TextureUse& use) {
     return use.texture >= -1 && use.texture < static_cast<int>(model.textures.size());
   };
-  for (const Material& m : model.materials) {
-    for (TextureUse Material::*const at : texture_places()) {
+  for (const scene::Material& m : model.materials) {
+    for (scene::TextureUse scene::Material::*const at : scene::texture_places()) {
       if (!has_texture(m.*at)) return "texture index";
     }
     const std::vector<std::array<float, 9>> factors = {{m.metallic, m.roughness, m.ior, m.specular, m.clearcoat,
@@ -62,10 +62,10 @@ inline std::string broken_promise(const Model& model) {
       return "finite material";
     }
   }
-  for (const Mesh& mesh : model.meshes) {
+  for (const scene::Mesh& mesh : model.meshes) {
     if (const std::string broken = broken_promise(mesh, model); !broken.empty()) return broken;
   }
-  for (const Instance& instance : model.instances) {
+  for (const scene::Instance& instance : model.instances) {
     if (instance.mesh < 0 || static_cast<std::size_t>(instance.mesh) >= model.meshes.size()) return "mesh index";
     if (!instance.T_model_mesh.matrix().allFinite()) return "finite transforms";
   }

@@ -23,7 +23,7 @@ double at_fraction(std::vector<double>* values, double fraction) {
 
 }  // namespace
 
-MuseumScore museum_score(const TrueMuseum& truth, const DirectionOfPixel& mapped) {
+MuseumScore museum_score(const simulated::TrueMuseum& truth, const DirectionOfPixel& mapped) {
   struct Place {
     Eigen::Vector3d true_direction;
     Eigen::Vector3d found;
@@ -42,7 +42,7 @@ MuseumScore museum_score(const TrueMuseum& truth, const DirectionOfPixel& mapped
     return slope;
   };
   MuseumScore score;
-  std::vector<Place> places;
+  std::vector<Place> correspondences;
   std::vector<double> apart;
   Eigen::Matrix3d together = Eigen::Matrix3d::Zero();
   const auto& projectors = truth.truth().projectors;
@@ -62,7 +62,7 @@ MuseumScore museum_score(const TrueMuseum& truth, const DirectionOfPixel& mapped
           ++score.missing;
           continue;
         }
-        places.push_back({*direction, *found, *slope});
+        correspondences.push_back({*direction, *found, *slope});
         together += *found * direction->transpose();
         for (std::size_t other = p + 1; other < projectors.size(); ++other) {
           const auto lights = truth.projector_pixel(other, *at);
@@ -76,16 +76,17 @@ MuseumScore museum_score(const TrueMuseum& truth, const DirectionOfPixel& mapped
       }
     }
   }
-  score.places = apart.size();
+  score.correspondences = apart.size();
   for (const double error : apart) score.mean_px += error / static_cast<double>(apart.size());
   score.p95_px = at_fraction(&apart, 0.95);
   score.max_px = apart.empty() ? 0.0 : apart.back();
-  if (places.empty()) return score;
+  if (correspondences.empty()) return score;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(together, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const double sign = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
   const Eigen::Matrix3d turn = svd.matrixV() * Eigen::Vector3d(1.0, 1.0, sign).asDiagonal() * svd.matrixU().transpose();
   std::vector<double> off;
-  for (const Place& place : places) off.push_back(in_pixels(place.slope, turn * place.found - place.true_direction));
+  for (const Place& position : correspondences)
+    off.push_back(in_pixels(position.slope, turn * position.found - position.true_direction));
   score.true_p95_px = at_fraction(&off, 0.95);
   score.true_max_px = off.back();
   return score;

@@ -15,7 +15,7 @@ struct MuseumScore {
   double mean_px = 0.0;  ///< Between two projectors: how far apart they draw one place of the wall.
   double p95_px = 0.0;
   double max_px = 0.0;
-  std::size_t places = 0;  ///< In overlaps.
+  std::size_t correspondences = 0;  ///< In overlaps.
   double true_p95_px =
       0.0;  ///< Against what an eye in the plate's turning point sees, once heading and tilt, which are
   double true_max_px = 0.0;  ///< the plate's own, are turned onto it.
@@ -25,6 +25,6 @@ struct MuseumScore {
 
 using DirectionOfPixel =
     std::function<std::optional<Eigen::Vector3d>(std::size_t projector, const Eigen::Vector2d& pixel)>;
-[[nodiscard]] MuseumScore museum_score(const TrueMuseum& truth, const DirectionOfPixel& mapped);
+[[nodiscard]] MuseumScore museum_score(const simulated::TrueMuseum& truth, const DirectionOfPixel& mapped);
 
 }  // namespace cyclorama

@@ -68,10 +68,11 @@ class MuseumStick {
     return text ? *text : "";
   }
   /// CHECKs only what is the machine's fault.
-  [[nodiscard]] ProvisioningReport install(StepHook hook = {}, const FolderLimits& limits = {}) const {
-    auto store = SettingsStore::open(root(), std::move(hook));
+  [[nodiscard]] provision::ProvisioningReport install(provision::StepHook hook = {},
+                                                      const provision::FolderLimits& limits = {}) const {
+    auto store = provision::SettingsStore::open(root(), std::move(hook));
     CHECK(store);
-    auto report = provision({stick(), {}, limits, false, "2026-11-22T16:04:05Z"}, &*store);
+    auto report = provision::provision({stick(), {}, limits, false, "2026-11-22T16:04:05Z"}, &*store);
     CHECK(report);
     return *std::move(report);
   }

@@ -14,28 +14,29 @@
 namespace cyclorama {
 
 struct MuseumLightOptions {
-  int ramp_steps = kRampSteps;
-  std::vector<double> exposures{kRampExposures.begin(), kRampExposures.end()};  ///< In parts of white's.
-  double black_exposure = kBlackExposure;                                       ///< Likewise.
+  int ramp_steps = photometry::kRampSteps;
+  std::vector<double> exposures{photometry::kRampExposures.begin(),
+                                photometry::kRampExposures.end()};  ///< In parts of white's.
+  double black_exposure = photometry::kBlackExposure;               ///< Likewise.
   std::vector<double> angles_deg{-44.0, -22.0, 0.0, 22.0, 44.0};
   int map_cell_px = 8;
   int cell_px = 32;
 };
 
 /// Each projector's map as the truth has it, continued a little past the wall's rim as a measured one is.
-MeasuredMap true_map(const TrueMuseum& museum, std::size_t projector, int cell_px);
+calibration::MeasuredMap true_map(const simulated::TrueMuseum& museum, std::size_t projector, int cell_px);
 
 struct MuseumLight {
-  PhotometryInput input;
+  photometry::PhotometryInput input;
   int photographs = 0;
   double white_exposure_s = 0.0;
 };
 /// Black, white and ramps, as scan_light() of appliance/scan photographs them.
-Result<MuseumLight> photograph_light(SimulatedMuseum* museum, const MuseumLightOptions& scan = {});
+Result<MuseumLight> photograph_light(simulated::SimulatedMuseum* museum, const MuseumLightOptions& scan = {});
 
 /// Of every projector, channel and code of 8 bits, above black, in parts of full scale: the worst channel's root mean
 /// square.
-double response_rms(const TrueMuseum& museum, const Photometry& photometry);
+double response_rms(const simulated::TrueMuseum& museum, const photometry::Photometry& photometry);
 
 /// Of a wall of one colour, seen from the sweet spot. Lines of sight of even elevation and of even azimuth are walked
 /// in steps of 0.1 degrees; a border is where the set of projectors changes whose pictures hold the place.
@@ -82,12 +83,12 @@ struct SeamScore {
 };
 /// `uses_photometry` false: what the wall looks like without: no mask, sRGB.
 /// 0.2 degrees are eight pixels of full HD.
-SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, bool uses_photometry = true,
-                     double rim_deg = 0.2);
+SeamScore seam_score(const simulated::TrueMuseum& museum, const photometry::Photometry& photometry,
+                     bool uses_photometry = true, double rim_deg = 0.2);
 
 /// The wall with one linear grey on it, as an eye at the sweet spot sees it: sRGB, azimuths of 65 degrees to either
 /// side and elevations from -20 to 20, ten pixels a degree; `white_nits` is as bright as sRGB goes.
-RgbImage seen_wall(const TrueMuseum& museum, const Photometry& photometry, double content, double white_nits,
-                   bool uses_photometry);
+RgbImage seen_wall(const simulated::TrueMuseum& museum, const photometry::Photometry& photometry, double content,
+                   double white_nits, bool uses_photometry);
 
 }  // namespace cyclorama

@@ -13,11 +13,11 @@
 namespace cyclorama {
 
 /// All six sides, between two corners.
-inline Mesh box_mesh(const Eigen::Vector3f& least, const Eigen::Vector3f& most) {
-  Mesh mesh;
+inline scene::Mesh box_mesh(const Eigen::Vector3f& min, const Eigen::Vector3f& max) {
+  scene::Mesh mesh;
   for (int i = 0; i < 8; ++i) {
-    mesh.positions.push_back({(i & 1) != 0 ? most.x() : least.x(), (i & 2) != 0 ? most.y() : least.y(),
-                              (i & 4) != 0 ? most.z() : least.z()});
+    mesh.positions.push_back(
+        {(i & 1) != 0 ? max.x() : min.x(), (i & 2) != 0 ? max.y() : min.y(), (i & 4) != 0 ? max.z() : min.z()});
   }
   const auto side = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
     mesh.triangles.push_back({a, b, c});
@@ -33,9 +33,9 @@ inline Mesh box_mesh(const Eigen::Vector3f& least, const Eigen::Vector3f& most) 
 }
 
 /// Four corners, all of whose triangles are seen from both sides.
-inline Mesh quad_mesh(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c,
-                      const Eigen::Vector3f& d) {
-  Mesh mesh;
+inline scene::Mesh quad_mesh(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c,
+                             const Eigen::Vector3f& d) {
+  scene::Mesh mesh;
   for (const Eigen::Vector3f& p : {a, b, c, d}) mesh.positions.push_back({p.x(), p.y(), p.z()});
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   return mesh;
@@ -43,15 +43,15 @@ inline Mesh quad_mesh(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const 
 
 /// A floor at height 0 from (-half, -half) to (half, half), four walls and a ceiling at 3 m. The visitor starts at
 /// (0, 1.6, 0).
-inline Scene plain_room(float half) {
-  Scene scene = scene_of(box_mesh({-half, 0, -half}, {half, 3, half}));
+inline scene::Scene plain_room(float half) {
+  scene::Scene scene = scene_of(box_mesh({-half, 0, -half}, {half, 3, half}));
   scene.info.start_eye = {0, 1.6, 0};
   scene.info.eye_height_m = 1.6;
   return scene;
 }
 
-inline void add_box(Scene& scene, const Eigen::Vector3f& least, const Eigen::Vector3f& most) {
-  add_mesh(scene, box_mesh(least, most));
+inline void add_box(scene::Scene& scene, const Eigen::Vector3f& min, const Eigen::Vector3f& max) {
+  add_mesh(scene, box_mesh(min, max));
 }
 
 }  // namespace cyclorama

@@ -24,7 +24,7 @@ class RandomHand {
   RandomHand(std::uint64_t seed, const Habits& habits) : random_(seed), habits_(habits) {}
 
   /// What the picture that is taken `step` after the last one shows.
-  PoseSeen next(Duration step) {
+  tour::PoseSeen next(Duration step) {
     const double seconds = to_seconds(step);
     ++sequence_;
     shutter_ns_ += std::chrono::duration_cast<std::chrono::nanoseconds>(step).count();
@@ -32,7 +32,7 @@ class RandomHand {
     if (chance(0.5 * seconds)) aim_ = {normal(0.4), 1.0 + normal(0.4), normal(0.7)};
     for (std::size_t i = 0; i < aim_.size(); ++i) at_[i] += (aim_[i] - at_[i]) * std::min(1.0, 3.0 * seconds);
     lost_s_ -= seconds;
-    PoseSeen seen;
+    tour::PoseSeen seen;
     seen.tracker = chance(0.01) ? 2 : 1;
     seen.sequence = sequence_;
     seen.shutter_ns = habits_.odd_stamps ? odd_stamp() : shutter_ns_;

@@ -13,18 +13,20 @@
 namespace cyclorama {
 
 /// Columns, rows, white, black: as expected.json's "order" says.
-inline PatternSet real_pattern_set() {
-  PatternSet set;
+inline structured_light::PatternSet real_pattern_set() {
+  structured_light::PatternSet set;
   set.width_px = 1024;
   set.height_px = 768;
-  for (const PatternAxis axis : {PatternAxis::kColumns, PatternAxis::kRows}) {
+  for (const structured_light::PatternAxis axis :
+       {structured_light::PatternAxis::kColumns, structured_light::PatternAxis::kRows}) {
     for (int bit = 9; bit >= 0; --bit) {
-      set.pictures.push_back({.kind = PatternKind::kBit, .axis = axis, .bit = bit});
-      set.pictures.push_back({.kind = PatternKind::kBit, .axis = axis, .bit = bit, .is_inverse = true});
+      set.pictures.push_back({.kind = structured_light::PatternKind::kBit, .axis = axis, .bit = bit});
+      set.pictures.push_back(
+          {.kind = structured_light::PatternKind::kBit, .axis = axis, .bit = bit, .is_inverse = true});
     }
   }
-  set.pictures.push_back({.kind = PatternKind::kWhite});
-  set.pictures.push_back({.kind = PatternKind::kBlack, .level = 0.0});
+  set.pictures.push_back({.kind = structured_light::PatternKind::kWhite});
+  set.pictures.push_back({.kind = structured_light::PatternKind::kBlack, .level = 0.0});
   return set;
 }
 
@@ -37,14 +39,15 @@ inline Result<GreyImage> real_photo(const std::filesystem::path& folder, int cap
 }
 
 /// A decoder that has seen all photographs of a capture.
-inline Result<Decoder> real_decoder(const std::filesystem::path& folder, int capture,
-                                    const DecodeSettings& settings = {}) {
-  const PatternSet set = real_pattern_set();
+inline Result<structured_light::Decoder> real_decoder(const std::filesystem::path& folder, int capture,
+                                                      const structured_light::DecodeSettings& settings = {}) {
+  const structured_light::PatternSet set = real_pattern_set();
   TRY_ASSIGN(const GreyImage first, real_photo(folder, capture, 0));
-  TRY_ASSIGN(Decoder decoder, Decoder::from(set, settings, first.width(), first.height()));
+  TRY_ASSIGN(structured_light::Decoder decoder,
+             structured_light::Decoder::from(set, settings, first.width(), first.height()));
   for (int i = 0; i < static_cast<int>(set.pictures.size()); ++i) {
     TRY_ASSIGN(const GreyImage photo, real_photo(folder, capture, i));
-    TRY(decoder.add(photo_of(photo)));
+    TRY(decoder.add(structured_light::photo_of(photo)));
   }
   return decoder;
 }

@@ -12,7 +12,7 @@
 namespace cyclorama {
 
 /// Keeps all that a farm says. Thread-safe.
-class RecordingFarmListener final : public FarmListener {
+class RecordingFarmListener final : public client::FarmListener {
  public:
   struct Frame {
     wire::View view;

@@ -73,10 +73,10 @@ double distance_to(const Capsule& capsule, const Vector3d& ray) {
   return nearest;
 }
 
-float grey_of(const RenderedVisitor& visitor, const Capsule& capsule, const Vector3d& place) {
+float grey_of(const RenderedVisitor& visitor, const Capsule& capsule, const Vector3d& position) {
   const Vector3d axis = capsule.b - capsule.a;
-  const double u = std::clamp((place - capsule.a).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
-  const Vector3d normal = (place - capsule.a - u * axis).normalized();
+  const double u = std::clamp((position - capsule.a).dot(axis) / axis.squaredNorm(), 0.0, 1.0);
+  const Vector3d normal = (position - capsule.a - u * axis).normalized();
   const double lit = 0.62 + 0.38 * std::max(0.0, normal.dot(Vector3d(-0.35, -0.6, -0.72).normalized()));
   double grey = 90.0;
   switch (capsule.cloth) {
@@ -87,10 +87,11 @@ float grey_of(const RenderedVisitor& visitor, const Capsule& capsule, const Vect
       // Hair on top and at the sides, a face between.
       grey = u > 0.75 || std::abs(normal.x()) > 0.8
                  ? visitor.hair_grey
-                 : visitor.skin_grey * (1.0 - 0.25 * (std::sin(40.0 * place.y()) > 0.8));
+                 : visitor.skin_grey * (1.0 - 0.25 * (std::sin(40.0 * position.y()) > 0.8));
       break;
     case Cloth::kShirt:
-      grey = visitor.shirt_grey * (1.0 + 0.35 * std::sin(70.0 * (place.y() - visitor.depth_m) + visitor.pattern_phase));
+      grey =
+          visitor.shirt_grey * (1.0 + 0.35 * std::sin(70.0 * (position.y() - visitor.depth_m) + visitor.pattern_phase));
       break;
     case Cloth::kTrousers:
       grey = 45.0;

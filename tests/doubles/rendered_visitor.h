@@ -46,7 +46,7 @@ class VisitorRoom {
  private:
   Pinhole lens_;
   Image<float, 1> room_;
-  Sensor sensor_;
+  simulated::Sensor sensor_;
 };
 
 }  // namespace cyclorama

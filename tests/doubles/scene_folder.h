@@ -21,9 +21,9 @@ namespace cyclorama {
 /// Path and bytes of each of a scene's files.
 using SceneBytes = std::map<std::string, std::string>;
 
-inline SceneFiles files_of(const SceneBytes& scene) {
-  SceneFiles files;
-  for (const auto& [path, bytes] : scene) files.push_back({path, bytes.size(), sha256_of(bytes)});
+inline scene_distribution::SceneFiles files_of(const SceneBytes& scene) {
+  scene_distribution::SceneFiles files;
+  for (const auto& [path, bytes] : scene) files.push_back({path, bytes.size(), scene_distribution::sha256_of(bytes)});
   return files;
 }
 
@@ -61,10 +61,10 @@ inline SceneBytes scene_in(const std::filesystem::path& folder) {
 }
 
 /// Gives what it was told to, in small pieces, and counts.
-class ScriptedSource final : public FileSource {
+class ScriptedSource final : public scene_distribution::FileSource {
  public:
   explicit ScriptedSource(const SceneBytes& scene) {
-    for (const auto& [path, bytes] : scene) content[sha256_of(bytes)] = bytes;
+    for (const auto& [path, bytes] : scene) content[scene_distribution::sha256_of(bytes)] = bytes;
   }
   Status read(const std::string& sha256, std::uint64_t offset, const Sink& sink) override {
     ++reads;

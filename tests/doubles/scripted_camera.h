@@ -10,15 +10,15 @@
 namespace cyclorama {
 
 /// Gives what the test wrote down, one after the other, without waiting; then times out for ever.
-class ScriptedCamera final : public Camera {
+class ScriptedCamera final : public camera::Camera {
  public:
-  using Step = Result<std::shared_ptr<const Frame>>;
+  using Step = Result<std::shared_ptr<const camera::CameraFrame>>;
   explicit ScriptedCamera(std::deque<Step> steps, Status start = Done{})
       : steps_(std::move(steps)), start_(std::move(start)) {}
 
   [[nodiscard]] const std::string& id() const override { return id_; }
   Status start() override { return start_; }
-  Result<std::shared_ptr<const Frame>> next_frame(TimePoint deadline) override {
+  Result<std::shared_ptr<const camera::CameraFrame>> next_frame(TimePoint deadline) override {
     if (steps_.empty()) {
       SteadyClock().wait_until(deadline);
       return Error(ErrorCode::kTimedOut, "the script has ended");

@@ -18,7 +18,7 @@ constexpr double kMaskGoal = 0.005;
 constexpr std::array<double, 4> kContents = {1.0, 0.2, 0.02, 0.0};
 const Eigen::Vector3d kLuminance{0.2126, 0.7152, 0.0722};  // ITU-R BT.709.
 
-Eigen::Vector3d as_vector(const RoomColour& colour) { return {colour[0], colour[1], colour[2]}; }
+Eigen::Vector3d as_vector(const simulated::RoomColour& colour) { return {colour[0], colour[1], colour[2]}; }
 
 template <int Channels>
 std::array<double, std::size_t{Channels}> bilinear(const Image<float, Channels>& image, const Eigen::Vector2d& pixel) {
@@ -38,21 +38,23 @@ std::array<double, std::size_t{Channels}> bilinear(const Image<float, Channels>&
 /// The wall with one linear grey on it, as its heads show it: code values with fractions, which dithering makes.
 class ShownWall {
  public:
-  ShownWall(const TrueMuseum& museum, const Photometry& photometry, double content, bool uses_photometry)
+  ShownWall(const simulated::TrueMuseum& museum, const photometry::Photometry& photometry, double content,
+            bool uses_photometry)
       : museum_(museum) {
     std::vector<RgbImage> rounded;
-    for (const PhotometricHead& head : photometry.heads) {
-      const MaskImage all(head.mask.width(), head.mask.height(), 1.0f);
-      const MaskImage& mask = uses_photometry ? head.mask : all;
-      const HeadColour plain;
-      const HeadColour& colour = uses_photometry ? head.colour : plain;
+    for (const photometry::PhotometricHead& head : photometry.heads) {
+      const warp::MaskImage all(head.mask.width(), head.mask.height(), 1.0f);
+      const warp::MaskImage& mask = uses_photometry ? head.mask : all;
+      const warp::HeadColour plain;
+      const warp::HeadColour& colour = uses_photometry ? head.colour : plain;
       Image<float, 3> codes(mask.width(), mask.height());
       RgbImage whole(mask.width(), mask.height());
       for (int y = 0; y < mask.height(); ++y) {
         for (int x = 0; x < mask.width(); ++x) {
-          const double lift = colour.lift ? static_cast<double>(*colour.lift->at(x, y)) : 0.0;
+          const double black_lift = colour.black_lift ? static_cast<double>(*colour.black_lift->at(x, y)) : 0.0;
           const double masked = content * static_cast<double>(*mask.at(x, y));
-          const Eigen::Vector3d code = codes_of(colour, shone_light(colour, Eigen::Vector3d::Constant(masked), lift));
+          const Eigen::Vector3d code =
+              warp::codes_of(colour, warp::shone_light(colour, Eigen::Vector3d::Constant(masked), black_lift));
           for (int c = 0; c < 3; ++c) {
             codes.at(x, y)[c] = static_cast<float>(255.0 * code[c]);
             whole.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(255.0 * code[c]));
@@ -66,7 +68,7 @@ class ShownWall {
   }
 
   /// Radiance towards the eye, linear room colour.
-  [[nodiscard]] Eigen::Vector3d at(const TrueWall::Hit& hit) const {
+  [[nodiscard]] Eigen::Vector3d at(const simulated::TrueWall::Hit& hit) const {
     Eigen::Vector3d lux = as_vector(museum_.truth().ambient_lux);
     for (std::size_t p = 0; p < codes_.size(); ++p) {
       const auto pixel = museum_.projector_pixel(p, hit);
@@ -83,7 +85,7 @@ class ShownWall {
       lux += museum_.gain_lux(p, hit) * colour;
     }
     if (!indirect_.empty()) {
-      const WallCells::Share share = museum_.cells().share(hit.place);
+      const simulated::WallCells::Share share = museum_.cells().share(hit.position);
       for (std::size_t k = 0; k < 4; ++k) lux += share.weights.at(k) * as_vector(indirect_[share.cells.at(k)]);
     }
     return lux.cwiseProduct(as_vector(museum_.truth().albedo)) / std::numbers::pi;
@@ -91,9 +93,9 @@ class ShownWall {
 
  private:
   void add_indirect(const std::vector<RgbImage>& pictures) {
-    const InterReflection* const walls = museum_.inter_reflection();
+    const simulated::InterReflection* const walls = museum_.inter_reflection();
     if (walls == nullptr) return;
-    InterReflection::Light light(museum_.cells().count(), museum_.truth().ambient_lux);
+    simulated::InterReflection::Light light(museum_.cells().count(), museum_.truth().ambient_lux);
     for (std::size_t p = 0; p < pictures.size(); ++p) {
       const auto direct = museum_.direct_light(p, pictures[p]);
       for (std::size_t k = 0; k < light.size(); ++k) {
@@ -103,9 +105,9 @@ class ShownWall {
     indirect_ = walls->indirect(light);
   }
 
-  const TrueMuseum& museum_;
+  const simulated::TrueMuseum& museum_;
   std::vector<Image<float, 3>> codes_;
-  InterReflection::Light indirect_;
+  simulated::InterReflection::Light indirect_;
 };
 
 /// CIE 1976 L*a*b* of linear BT.709 light, against a white of the same kind.
@@ -130,8 +132,8 @@ double mean(const std::vector<double>& values) {
 }
 
 /// A place on a line of sights, and whose pictures hold it.
-struct Sight {
-  std::optional<TrueWall::Hit> hit;
+struct SeamSample {
+  std::optional<simulated::TrueWall::Hit> hit;
   unsigned projectors = 0;
   double weights = 0.0;  ///< Of all of them.
   Eigen::Vector2d at_deg = Eigen::Vector2d::Zero();
@@ -139,23 +141,23 @@ struct Sight {
 
 /// The places of a line that one side of a border is continued through, and how far from it they are.
 struct Side {
-  std::vector<TrueWall::Hit> hits;
+  std::vector<simulated::TrueWall::Hit> hits;
   std::vector<double> from_deg;
 };
 
 struct Pairs {
-  std::vector<std::pair<TrueWall::Hit, TrueWall::Hit>> borders;
+  std::vector<std::pair<simulated::TrueWall::Hit, simulated::TrueWall::Hit>> borders;
   std::vector<std::pair<Side, Side>> sides;
   std::vector<SeamScore::Border> told;
   struct Bump {
-    TrueWall::Hit before, middle, behind;
+    simulated::TrueWall::Hit before, middle, behind;
     double part;
   };
   std::vector<Bump> bumps;
 };
 
 /// From the border's neighbour on, `way` 1 or -1; all of them see the same projectors.
-Side side_of(const std::vector<Sight>& line, std::size_t neighbour, int way) {
+Side side_of(const std::vector<SeamSample>& line, std::size_t neighbour, int way) {
   const auto at = [&](int step) { return static_cast<std::size_t>(static_cast<int>(neighbour) + way * step); };
   const auto is_same = [&](int step) {
     return at(step) < line.size() && line[at(step)].hit && line[at(step)].projectors == line[neighbour].projectors;
@@ -187,7 +189,7 @@ Continued continued(const Side& side, const std::vector<double>& values) {
   return {y - over / under * x, over / under};
 }
 
-void add_line(const std::vector<Sight>& line, bool is_upwards, Pairs* pairs) {
+void add_line(const std::vector<SeamSample>& line, bool is_upwards, Pairs* pairs) {
   const auto is_even = [&line](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i <= last; ++i) {
       if (!line[i].hit || line[i].projectors != line[first].projectors || line[i].projectors == 0) return false;
@@ -217,17 +219,18 @@ void add_line(const std::vector<Sight>& line, bool is_upwards, Pairs* pairs) {
 
 }  // namespace
 
-SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, bool uses_photometry, double rim_deg) {
+SeamScore seam_score(const simulated::TrueMuseum& museum, const photometry::Photometry& photometry,
+                     bool uses_photometry, double rim_deg) {
   SeamScore score;
   std::size_t shared = 0;
   std::size_t off = 0;
   Pairs pairs;
-  const auto sight_of = [&](double azimuth_deg, double elevation_deg) {
+  const auto view_direction_of = [&](double azimuth_deg, double elevation_deg) {
     const double azimuth = azimuth_deg * kDegree;
     const double elevation = elevation_deg * kDegree;
     const Eigen::Vector3d direction(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
                                     -std::cos(azimuth) * std::cos(elevation));
-    Sight sight;
+    SeamSample sight;
     sight.at_deg = {azimuth_deg, elevation_deg};
     sight.hit = museum.wall().hit({museum.installation().sweet_spot, direction});
     if (!sight.hit) return sight;
@@ -239,9 +242,11 @@ SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, boo
     }
     return sight;
   };
-  const auto is_lit = [&](const Eigen::Vector2d& at_deg) { return sight_of(at_deg.x(), at_deg.y()).projectors != 0; };
-  const auto judge_weights = [&](const std::vector<Sight>& line) {
-    for (const Sight& sight : line) {
+  const auto is_lit = [&](const Eigen::Vector2d& at_deg) {
+    return view_direction_of(at_deg.x(), at_deg.y()).projectors != 0;
+  };
+  const auto judge_weights = [&](const std::vector<SeamSample>& line) {
+    for (const SeamSample& sight : line) {
       const double error = std::abs(sight.weights - 1.0);
       if (std::popcount(sight.projectors) < 2) continue;
       ++shared;
@@ -259,15 +264,16 @@ SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, boo
     }
   };
   for (double elevation = -60.0; elevation <= 80.0; elevation += 1.7) {
-    std::vector<Sight> line;
-    for (double azimuth = -110.0; azimuth <= 110.0; azimuth += kStep_deg) line.push_back(sight_of(azimuth, elevation));
+    std::vector<SeamSample> line;
+    for (double azimuth = -110.0; azimuth <= 110.0; azimuth += kStep_deg)
+      line.push_back(view_direction_of(azimuth, elevation));
     add_line(line, false, &pairs);
     judge_weights(line);
   }
   for (double azimuth = -105.0; azimuth <= 105.0; azimuth += 3.3) {
-    std::vector<Sight> line;
+    std::vector<SeamSample> line;
     for (double elevation = -60.0; elevation <= 80.0; elevation += kStep_deg)
-      line.push_back(sight_of(azimuth, elevation));
+      line.push_back(view_direction_of(azimuth, elevation));
     add_line(line, true, &pairs);
     judge_weights(line);
   }
@@ -294,7 +300,8 @@ SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, boo
         const auto& [before, behind] = pairs.sides[steps.size() - 1];
         const auto line = [&](const Side& side) {
           std::vector<double> values;
-          for (const TrueWall::Hit& hit : side.hits) values.push_back(2.0 * kLuminance.dot(wall.at(hit)) / (ya + yb));
+          for (const simulated::TrueWall::Hit& hit : side.hits)
+            values.push_back(2.0 * kLuminance.dot(wall.at(hit)) / (ya + yb));
           return continued(side, values);
         };
         const Continued from = line(before);
@@ -333,8 +340,8 @@ SeamScore seam_score(const TrueMuseum& museum, const Photometry& photometry, boo
   return score;
 }
 
-RgbImage seen_wall(const TrueMuseum& museum, const Photometry& photometry, double content, double white_nits,
-                   bool uses_photometry) {
+RgbImage seen_wall(const simulated::TrueMuseum& museum, const photometry::Photometry& photometry, double content,
+                   double white_nits, bool uses_photometry) {
   const ShownWall wall(museum, photometry, content, uses_photometry);
   RgbImage picture(1300, 400);
   for (int y = 0; y < picture.height(); ++y) {
@@ -345,7 +352,7 @@ RgbImage seen_wall(const TrueMuseum& museum, const Photometry& photometry, doubl
                                       -std::cos(azimuth) * std::cos(elevation));
       const auto hit = museum.wall().hit({museum.installation().sweet_spot, direction});
       if (!hit) continue;
-      const Eigen::Vector3d code = codes_of({}, wall.at(*hit) / white_nits);
+      const Eigen::Vector3d code = warp::codes_of({}, wall.at(*hit) / white_nits);
       for (int c = 0; c < 3; ++c) picture.at(x, y)[c] = static_cast<std::uint8_t>(std::lround(255.0 * code[c]));
     }
   }

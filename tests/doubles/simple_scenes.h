@@ -12,8 +12,8 @@
 namespace cyclorama {
 
 /// Matte, of one linear colour.
-inline Material matte_material(const Eigen::Vector3f& albedo) {
-  Material material;
+inline scene::Material matte_material(const Eigen::Vector3f& albedo) {
+  scene::Material material;
   material.base_colour << albedo, 1.0f;
   material.metallic = 0.0f;
   material.roughness = 1.0f;
@@ -21,9 +21,9 @@ inline Material matte_material(const Eigen::Vector3f& albedo) {
 }
 
 /// A square of side `size` about the origin, in the plane y = 0, its uv (0, 0) at -x, -z.
-inline Mesh square_mesh(float size, int material = 0) {
+inline scene::Mesh square_mesh(float size, int material = 0) {
   const float h = 0.5f * size;
-  Mesh mesh;
+  scene::Mesh mesh;
   mesh.positions = {{-h, 0, -h}, {h, 0, -h}, {h, 0, h}, {-h, 0, h}};
   mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
   mesh.texcoords[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -32,8 +32,8 @@ inline Mesh square_mesh(float size, int material = 0) {
 }
 
 /// A sphere about the origin without normals (so flat faces), `rings` from pole to pole. Closed.
-inline Mesh sphere_mesh(float radius, int rings, int material = 0) {
-  Mesh mesh;
+inline scene::Mesh sphere_mesh(float radius, int rings, int material = 0) {
+  scene::Mesh mesh;
   const int around = 2 * rings;
   mesh.positions.push_back({0, radius, 0});
   for (int i = 1; i < rings; ++i) {
@@ -61,7 +61,8 @@ inline Mesh sphere_mesh(float radius, int rings, int material = 0) {
   return mesh;
 }
 
-inline void add_mesh(Scene& scene, Mesh mesh, const Eigen::Affine3d& T_scene_mesh = Eigen::Affine3d::Identity()) {
+inline void add_mesh(scene::Scene& scene, scene::Mesh mesh,
+                     const Eigen::Affine3d& T_scene_mesh = Eigen::Affine3d::Identity()) {
   for (const auto& p : mesh.positions) {
     scene.bounds.extend(T_scene_mesh * (mesh.origin + Eigen::Vector3d(p[0], p[1], p[2])));
   }
@@ -70,32 +71,34 @@ inline void add_mesh(Scene& scene, Mesh mesh, const Eigen::Affine3d& T_scene_mes
 }
 
 /// One mesh of a matte grey, in the dark.
-inline Scene scene_of(Mesh mesh, const Eigen::Vector3f& albedo = Eigen::Vector3f::Constant(0.5f)) {
-  Scene scene;
+inline scene::Scene scene_of(scene::Mesh mesh, const Eigen::Vector3f& albedo = Eigen::Vector3f::Constant(0.5f)) {
+  scene::Scene scene;
   scene.model.materials.push_back(matte_material(albedo));
   add_mesh(scene, std::move(mesh));
   return scene;
 }
 
-inline Light point_light(const Eigen::Vector3d& position, float candela) {
-  Light light;
+inline scene::Light point_light(const Eigen::Vector3d& position, float candela) {
+  scene::Light light;
   light.position = position;
   light.intensity = Eigen::Vector3f::Constant(candela);
   return light;
 }
 
 /// A full circle, from `top` to `bottom` in tangents of elevation.
-inline PanoramaView view_from(const Eigen::Vector3d& eye, int width, int height, double top, double bottom) {
-  PanoramaView view;
+inline render::PanoramaView view_from(const Eigen::Vector3d& eye, int width, int height, double top, double bottom) {
+  render::PanoramaView view;
   view.eye = eye;
   view.panorama = {width, height, 2.0 * std::numbers::pi, top, bottom};
   return view;
 }
 
-inline PixelRect whole(const PanoramaView& view) { return {0, 0, view.panorama.width_px, view.panorama.height_px}; }
+inline PixelRect whole(const render::PanoramaView& view) {
+  return {0, 0, view.panorama.width_px, view.panorama.height_px};
+}
 
 /// Linear radiance of the whole view.
-inline RadianceImage radiance_of(const Renderer& renderer, const PanoramaView& view) {
+inline RadianceImage radiance_of(const render::Renderer& renderer, const render::PanoramaView& view) {
   RadianceImage image;
   renderer.render_radiance(view, whole(view), &image, nullptr);
   return image;

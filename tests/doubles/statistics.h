@@ -33,14 +33,14 @@ struct ChiSquare {
   if (std::isinf(statistic)) return 0.0;
   constexpr double kPrecision = 1e-14;
   constexpr double kTiny = 1e-300;
-  constexpr int kMostTerms = 100000;
+  constexpr int kMaxTerms = 100000;
   const double a = 0.5 * degrees;
   const double x = 0.5 * statistic;
   const double scale = std::exp(a * std::log(x) - x - std::lgamma(a));
   if (x < a + 1.0) {
     double term = 1.0 / a;
     double sum = term;
-    for (int n = 1; n < kMostTerms && term > sum * kPrecision; ++n) {
+    for (int n = 1; n < kMaxTerms && term > sum * kPrecision; ++n) {
       term *= x / (a + n);
       sum += term;
     }
@@ -50,7 +50,7 @@ struct ChiSquare {
   double c = 1.0 / kTiny;
   double d = 1.0 / b;
   double fraction = d;
-  for (int n = 1; n < kMostTerms; ++n) {
+  for (int n = 1; n < kMaxTerms; ++n) {
     const double factor = n * (a - n);
     b += 2.0;
     const double bottom = factor * d + b;
@@ -68,7 +68,7 @@ struct ChiSquare {
 
 /// Counts against expected counts of the same total. Bins of fewer than five expected are taken together.
 [[nodiscard]] inline ChiSquare chi_square(std::span<const double> observed, std::span<const double> expected) {
-  constexpr double kLeastExpected = 5.0;
+  constexpr double kMinExpected = 5.0;
   ChiSquare result;
   double pool_observed = 0.0;
   double pool_expected = 0.0;
@@ -79,7 +79,7 @@ struct ChiSquare {
   };
   for (std::size_t i = 0; i < expected.size(); ++i) {
     if (!(expected[i] > 0.0) && observed[i] > 0.0) return {std::numeric_limits<double>::infinity(), 1, 0.0};
-    if (expected[i] >= kLeastExpected) {
+    if (expected[i] >= kMinExpected) {
       count(observed[i], expected[i]);
     } else {
       pool_observed += observed[i];
@@ -87,7 +87,7 @@ struct ChiSquare {
     }
   }
   // A pool that stays small still shows what should not be there; it cannot show what is missing.
-  if (pool_expected >= kLeastExpected || pool_observed > pool_expected)
+  if (pool_expected >= kMinExpected || pool_observed > pool_expected)
     count(pool_observed, std::max(pool_expected, 1.0));
   result.degrees = std::max(1, bins - 1);
   result.p_value = chi_square_p_value(result.statistic, result.degrees);
@@ -100,15 +100,15 @@ struct ChiSquare {
 class SphereHistogram {
  public:
   /// 2^depth bins, and some for what the pilot did not meet. `pilot` may be empty; it must not be counted again.
-  explicit SphereHistogram(const std::vector<Vec3>& pilot, int depth = 7) {
+  explicit SphereHistogram(const std::vector<render::Vec3>& pilot, int depth = 7) {
     std::vector<std::array<double, 2>> points;
     points.reserve(pilot.size());
-    for (const Vec3& direction : pilot) points.push_back(coordinates(direction));
+    for (const render::Vec3& direction : pilot) points.push_back(coordinates(direction));
     grow({{-1.0, -std::numbers::pi}, {1.0, std::numbers::pi}}, points, depth);
     counts_.resize(bins_.size() + 1, 0.0);
   }
 
-  void add(const Vec3& direction) {
+  void add(const render::Vec3& direction) {
     const std::array<double, 2> at = coordinates(direction);
     std::size_t node = 0;
     while (nodes_[node].above != 0) node = at[nodes_[node].axis] < nodes_[node].place ? node + 1 : nodes_[node].above;
@@ -124,29 +124,29 @@ class SphereHistogram {
 
   /// The probability of each bin: the integral of density(Vec3), per steradian.
   template <typename Density>
-  [[nodiscard]] std::vector<double> integrate(const Density& density) const {
+  [[nodiscard]] std::vector<double> integrate(const Density& pdf) const {
     std::vector<double> probabilities;
     probabilities.reserve(bins_.size());
     for (const Bin& bin : bins_) {
       std::vector<Probe> probes;
-      for (const std::array<double, 2>& at : bin.pilot) probes.push_back({at, value_at(density, at[0], at[1])});
-      probabilities.push_back(refined(density, bin.place, gauss(density, bin.place), probes, 0));
+      for (const std::array<double, 2>& at : bin.pilot) probes.push_back({at, value_at(pdf, at[0], at[1])});
+      probabilities.push_back(refined(pdf, bin.place, gauss(pdf, bin.place), probes, 0));
     }
     return probabilities;
   }
 
   /// Whether what was counted is distributed as density(Vec3) says; what that lacks of one is expected to be lost.
   template <typename Density>
-  [[nodiscard]] ChiSquare compare(const Density& density, double* ret_integral = nullptr) const {
-    constexpr double kLeastExpected = 1e-3;
-    std::vector<double> expected = integrate(density);
+  [[nodiscard]] ChiSquare compare(const Density& pdf, double* ret_integral = nullptr) const {
+    constexpr double kMinExpected = 1e-3;
+    std::vector<double> expected = integrate(pdf);
     double sum = 0.0;
     for (double& e : expected) {
       sum += e;
-      e = std::max(e * total_, kLeastExpected);  // What the integration finds empty may hold the tail of a tail.
+      e = std::max(e * total_, kMinExpected);  // What the integration finds empty may hold the tail of a tail.
     }
     if (ret_integral != nullptr) *ret_integral = sum;
-    expected.push_back(std::max((1.0 - sum) * total_, kLeastExpected));
+    expected.push_back(std::max((1.0 - sum) * total_, kMinExpected));
     return chi_square(counts_, expected);
   }
 
@@ -162,7 +162,7 @@ class SphereHistogram {
   /// Where something is, and the density there.
   struct Probe {
     std::array<double, 2> at{};
-    double density = 0.0;
+    double pdf = 0.0;
   };
   /// The lower child follows its parent.
   struct Node {
@@ -173,7 +173,7 @@ class SphereHistogram {
   };
   using Points = std::span<std::array<double, 2>>;
 
-  static std::array<double, 2> coordinates(const Vec3& v) {
+  static std::array<double, 2> coordinates(const render::Vec3& v) {
     const Eigen::Vector3d d = v.cast<double>().normalized();
     return {d.x(), std::atan2(d.z(), d.y())};
   }
@@ -228,15 +228,15 @@ class SphereHistogram {
   }
 
   template <typename Density>
-  static double value_at(const Density& density, double x, double angle) {
+  static double value_at(const Density& pdf, double x, double angle) {
     const double radius = std::sqrt(std::max(0.0, 1.0 - x * x));
     const Eigen::Vector3d d(x, radius * std::cos(angle), radius * std::sin(angle));
-    return static_cast<double>(density(Vec3(d.cast<float>())));
+    return static_cast<double>(pdf(render::Vec3(d.cast<float>())));
   }
 
   /// Gauss-Legendre of 3 x 3 points.
   template <typename Density>
-  static double gauss(const Density& density, const Rectangle& r) {
+  static double gauss(const Density& pdf, const Rectangle& r) {
     constexpr std::array<double, 3> kPlaces = {-0.7745966692414834, 0.0, 0.7745966692414834};
     constexpr std::array<double, 3> kWeights = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
     double sum = 0.0;
@@ -244,7 +244,7 @@ class SphereHistogram {
       const double x = 0.5 * (r.low[0] + r.high[0] + (r.high[0] - r.low[0]) * kPlaces[i]);
       for (std::size_t j = 0; j < 3; ++j) {
         const double angle = 0.5 * (r.low[1] + r.high[1] + (r.high[1] - r.low[1]) * kPlaces[j]);
-        sum += kWeights[i] * kWeights[j] * value_at(density, x, angle);
+        sum += kWeights[i] * kWeights[j] * value_at(pdf, x, angle);
       }
     }
     return sum * area(r);
@@ -252,19 +252,19 @@ class SphereHistogram {
   static double area(const Rectangle& r) { return (r.high[0] - r.low[0]) * (r.high[1] - r.low[1]); }
 
   template <typename Density>
-  double refined(const Density& density, const Rectangle& r, double coarse, const std::vector<Probe>& probes,
+  double refined(const Density& pdf, const Rectangle& r, double coarse, const std::vector<Probe>& probes,
                  int level) const {
-    constexpr int kMostLevels = 10;
-    constexpr int kMostLevelsOfPeaks = 16;
+    constexpr int kMaxLevels = 10;
+    constexpr int kMaxPeakLevels = 16;
     const double tolerance = 1e-6 / static_cast<double>(bins_.size());
     std::array<double, 4> parts{};
     double sum = 0.0;
     const std::array<Rectangle, 4> cells = quarters(r);
-    for (std::size_t i = 0; i < 4; ++i) sum += parts[i] = gauss(density, cells[i]);
-    const double level_density = (2.0 * sum + tolerance) / area(r);
+    for (std::size_t i = 0; i < 4; ++i) sum += parts[i] = gauss(pdf, cells[i]);
+    const double level_pdf = (2.0 * sum + tolerance) / area(r);
     const bool has_peak =
-        std::any_of(probes.begin(), probes.end(), [&](const Probe& probe) { return probe.density > level_density; });
-    if (level >= (has_peak ? kMostLevelsOfPeaks : kMostLevels)) return sum;
+        std::any_of(probes.begin(), probes.end(), [&](const Probe& probe) { return probe.pdf > level_pdf; });
+    if (level >= (has_peak ? kMaxPeakLevels : kMaxLevels)) return sum;
     if (!has_peak && std::abs(sum - coarse) < tolerance) return sum;
     sum = 0.0;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -273,7 +273,7 @@ class SphereHistogram {
         const bool right = probe.at[0] >= cells[i].low[0] && probe.at[0] < cells[i].high[0];
         if (right && probe.at[1] >= cells[i].low[1] && probe.at[1] < cells[i].high[1]) inside.push_back(probe);
       }
-      sum += refined(density, cells[i], parts[i], inside, level + 1);
+      sum += refined(pdf, cells[i], parts[i], inside, level + 1);
     }
     return sum;
   }
@@ -293,29 +293,29 @@ struct SamplerCheck {
 /// sample(const Vec2& u, float choice) -> std::optional<Vec3>, against density(const Vec3&), with a quarter of
 /// `samples` more to lay the bins.
 template <typename Sample, typename Density>
-[[nodiscard]] SamplerCheck check_sampler(const Sample& sample, const Density& density, int samples = 1 << 15,
+[[nodiscard]] SamplerCheck check_sampler(const Sample& sample, const Density& pdf, int samples = 1 << 15,
                                          unsigned seed = 1, int depth = 7) {
   std::mt19937 random(seed);
   const auto unit = [&random] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
-  const auto draw = [&]() -> std::optional<Vec3> {
+  const auto draw = [&]() -> std::optional<render::Vec3> {
     const float choice = unit();
     const float x = unit();
-    return sample(Vec2(x, unit()), choice);
+    return sample(render::Vec2(x, unit()), choice);
   };
-  std::vector<Vec3> pilot;
+  std::vector<render::Vec3> pilot;
   for (int i = 0; i < samples / 4; ++i) {
-    if (const std::optional<Vec3> direction = draw()) pilot.push_back(*direction);
+    if (const std::optional<render::Vec3> direction = draw()) pilot.push_back(*direction);
   }
   SphereHistogram histogram(pilot, depth);
   for (int i = 0; i < samples; ++i) {
-    if (const std::optional<Vec3> direction = draw()) {
+    if (const std::optional<render::Vec3> direction = draw()) {
       histogram.add(*direction);
     } else {
       histogram.add_lost();
     }
   }
   SamplerCheck check;
-  check.chi_square = histogram.compare(density, &check.integral);
+  check.chi_square = histogram.compare(pdf, &check.integral);
   check.lost = histogram.lost();
   return check;
 }

@@ -52,7 +52,9 @@ class TestAuthority {
     EXPECT_EQ(output_of("tar -xf '" + (folder_ / "bundle.tar").string() + "' -C '" + to.string() + "'"), "") << said;
     return {to / "authority.crt", to / "certificate.crt", to / "key.pem"};
   }
-  TlsFiles head(const std::string& address = "::1") { return make("head farm --address " + address, "farm"); }
+  TlsFiles coordinator(const std::string& address = "::1") {
+    return make("coordinator farm --address " + address, "farm");
+  }
   TlsFiles node(const std::string& name) { return make("node " + name, name); }
   TlsFiles museum(const std::string& name) { return make("museum " + name, name); }
 

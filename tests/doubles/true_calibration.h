@@ -12,9 +12,10 @@
 
 namespace cyclorama {
 
-inline MeasuredMap true_map(const TrueMuseum& museum, std::size_t projector) {
+inline calibration::MeasuredMap true_map(const simulated::TrueMuseum& museum, std::size_t projector) {
   const Pinhole& lens = museum.truth().projectors[projector].lens.pinhole();
-  MeasuredMap map{lens.width_px, lens.height_px, lens.width_px / 16, lens.height_px / 16, {}, {}, 0.01, 0.1, 1000};
+  calibration::MeasuredMap map{
+      lens.width_px, lens.height_px, lens.width_px / 16, lens.height_px / 16, {}, {}, 0.01, 0.1, 1000};
   for (int y = 0; y <= map.cells_y; ++y) {
     for (int x = 0; x <= map.cells_x; ++x) {
       const auto sight =
@@ -28,10 +29,10 @@ inline MeasuredMap true_map(const TrueMuseum& museum, std::size_t projector) {
   return map;
 }
 
-inline Calibration true_calibration(const TrueMuseum& museum, const std::string& date) {
-  Calibration calibration;
+inline calibration::Calibration true_calibration(const simulated::TrueMuseum& museum, const std::string& date) {
+  calibration::Calibration calibration;
   calibration.date = date;
-  calibration.plate.camera = MeasuredLens::from_focal(1920, 1200, 1400.0);
+  calibration.plate.camera = calibration::MeasuredLens::from_focal(1920, 1200, 1400.0);
   calibration.plate.angles_rad = {0.0};
   calibration.plate.offset_reason = "not needed";
   for (std::size_t i = 0; i < museum.truth().projectors.size(); ++i)
@@ -40,7 +41,8 @@ inline Calibration true_calibration(const TrueMuseum& museum, const std::string&
 }
 
 /// How far a projector's light lies from where its map says, by the truth: 95th percentile over its pixels, in them.
-inline double map_off_px(const TrueMuseum& museum, std::size_t projector, const MeasuredMap& map) {
+inline double map_off_px(const simulated::TrueMuseum& museum, std::size_t projector,
+                         const calibration::MeasuredMap& map) {
   constexpr int kSide = 16;
   std::vector<double> errors;
   for (int i = 0; i < kSide * kSide; ++i) {

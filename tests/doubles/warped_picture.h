@@ -20,13 +20,13 @@ class WarpedPicture {
 
   /// Code values in [0, 255], not rounded, of the head's pixel; black in what is left out. The place in the
   /// picture is moved by `off_u`, `off_v` pixels.
-  [[nodiscard]] std::array<double, 3> at(const Warp& warp, const MaskImage& mask, int x, int y, double off_u = 0.0,
-                                         double off_v = 0.0) const {
+  [[nodiscard]] std::array<double, 3> at(const warp::Warp& warp, const warp::MaskImage& mask, int x, int y,
+                                         double off_u = 0.0, double off_v = 0.0) const {
     const auto seen = direction_at(warp, x, y);
-    const auto place = seen ? turned(shape_, {seen->azimuth_rad, seen->tan_elevation}, turn_rad_) : std::nullopt;
-    if (!place) return {0.0, 0.0, 0.0};
+    const auto position = seen ? turned(shape_, {seen->azimuth_rad, seen->tan_elevation}, turn_rad_) : std::nullopt;
+    if (!position) return {0.0, 0.0, 0.0};
     const double weight = static_cast<double>(*mask.at(x, y));
-    const PanoramaPixel pixel = scale_.pixel_at(*place);
+    const PanoramaPixel pixel = scale_.pixel_at(*position);
     const double turn_px = 2.0 * std::numbers::pi * scale_.u_per_across;
     const double u = (wraps() ? pixel.u - turn_px * std::floor(pixel.u / turn_px) : pixel.u) + off_u - 0.5;
     const double v = pixel.v + off_v - 0.5;

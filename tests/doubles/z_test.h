@@ -34,7 +34,7 @@ struct Golden {
   std::vector<double> variance;
 };
 
-[[nodiscard]] inline double mean_luminance(const Film& film, std::size_t pixel) {
+[[nodiscard]] inline double mean_luminance(const render::Film& film, std::size_t pixel) {
   const float* const rgb = &film.sum.data()[3 * pixel];
   return (0.2126 * static_cast<double>(rgb[0]) + 0.7152 * static_cast<double>(rgb[1]) +
           0.0722 * static_cast<double>(rgb[2])) /
@@ -45,7 +45,7 @@ struct Golden {
 class GoldenRun {
  public:
   /// Precondition: of the same size, and as many samples in every pixel.
-  void add(const Film& film) {
+  void add(const render::Film& film) {
     const std::size_t pixels = film.samples.data().size();
     if (sum_.empty()) {
       width_ = film.width();
@@ -97,9 +97,9 @@ class GoldenRun {
   while (in.peek() == '#') std::getline(in, comment);
   Golden golden;
   in >> golden.width >> golden.height >> golden.samples;
-  constexpr int kLargest = 4096;
+  constexpr int kMaxSidePx = 4096;
   const bool sized =
-      in && golden.width > 0 && golden.height > 0 && golden.width <= kLargest && golden.height <= kLargest;
+      in && golden.width > 0 && golden.height > 0 && golden.width <= kMaxSidePx && golden.height <= kMaxSidePx;
   for (int i = 0; sized && i < golden.width * golden.height; ++i) {
     golden.mean.push_back(0.0);
     golden.variance.push_back(0.0);
@@ -125,7 +125,7 @@ struct ZTest {
 };
 
 /// The film needs samples enough in each pixel that their mean is about normal. Precondition: the sizes are equal.
-[[nodiscard]] inline ZTest z_test(const Film& film, const Golden& golden, double alpha = 0.01) {
+[[nodiscard]] inline ZTest z_test(const render::Film& film, const Golden& golden, double alpha = 0.01) {
   CHECK(film.width() == golden.width && film.height() == golden.height);
   const auto p_of = [](double z) { return std::erfc(std::abs(z) / std::numbers::sqrt2); };
   ZTest test;
@@ -156,7 +156,7 @@ struct ZTest {
 }
 
 /// Against tests/golden/`name`.txt; a failure says where, and leaves the picture and z as PFM.
-inline void expect_golden(const Film& film, const std::string& name) {
+inline void expect_golden(const render::Film& film, const std::string& name) {
   const std::filesystem::path path = golden_path(name);
   const auto text = read_text_file(path, 1 << 22);
   ASSERT_TRUE(text) << text.error().message();

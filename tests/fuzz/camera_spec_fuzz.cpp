@@ -8,7 +8,7 @@
 /// Any line is cut into parts of itself, and refused in words.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view line(reinterpret_cast<const char*>(data), size);
-  const auto spec = cyclorama::CameraSpec::parse(line);
+  const auto spec = cyclorama::devices::CameraSpec::parse(line);
   std::size_t parts = spec.kind.size() + spec.argument.size();
   for (const auto& [key, value] : spec.options) {
     parts += key.size() + value.size();

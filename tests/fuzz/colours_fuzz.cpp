@@ -8,18 +8,18 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
-  const auto colours = parse_colours({reinterpret_cast<const char*>(data), size}, "fuzz");
+  const auto colours = calibration::parse_colours({reinterpret_cast<const char*>(data), size}, "fuzz");
   if (!colours) {
     CHECK(colours.error().message().find("; ") != std::string::npos);
     return 0;
   }
   // What was accepted can be written, and is then the same; and heads can draw with it.
-  const std::string written = colours_json(*colours);
-  const auto back = parse_colours(written, "fuzz");
-  CHECK(back.has_value() && colours_json(*back) == written);
-  for (const CalibratedColour& one : *colours) {
+  const std::string written = calibration::colours_json(*colours);
+  const auto back = calibration::parse_colours(written, "fuzz");
+  CHECK(back.has_value() && calibration::colours_json(*back) == written);
+  for (const calibration::CalibratedColour& one : *colours) {
     if (!one.colour.response) continue;
-    for (const ResponseCurve& curve : *one.colour.response) CHECK(curve.is_valid());
+    for (const warp::ResponseCurve& curve : *one.colour.response) CHECK(curve.is_valid());
   }
   return 0;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever nodes and museums send, the head neither crashes nor forgets itself, and breaks farm.proto towards no museum
+// Whatever nodes and museums send, the coordinator neither crashes nor forgets itself, and breaks farm.proto towards no museum
 // that keeps to it. Input: one byte says who speaks or what happens, one byte is a length, then that many bytes: of
 // protobuf, or what chooses among messages that may well be right.
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "renderfarm/balance/tiles.h"
 #include "renderfarm/client/view_window.h"
 #include "renderfarm/coordinator/coordinator_state.h"
-#include "tests/doubles/fake_peers.h"
+#include "tests/doubles/fake_delegate.h"
 #include "tests/doubles/fake_scene.h"
 #include "tests/fuzz/fuzz_input.h"
 
@@ -20,8 +20,8 @@ namespace {
 
 using namespace cyclorama;
 
-HeadLimits small_pictures() {
-  HeadLimits limits;
+coordinator::CoordinatorLimits small_pictures() {
+  coordinator::CoordinatorLimits limits;
   limits.picture_px = 1 << 20;
   return limits;
 }
@@ -29,21 +29,21 @@ HeadLimits small_pictures() {
 class Farm {
  public:
   Farm() {
-    for (NodeId& node : nodes_) node = new_node();
-    wire::VisitRequest open;
-    for (Visit& visit : visits_) {
-      visit = new_visit();
-      open.mutable_open()->set_frame_budget_ms(&visit == &visits_[1] ? 50.0 : 0.0);
-      if (&visit != &visits_[2]) ask(visit, open);
+    for (coordinator::NodeId& node : nodes_) node = new_node();
+    wire::SessionRequest open;
+    for (Session& session : sessions_) {
+      session = new_visit();
+      open.mutable_open()->set_frame_budget_ms(&session == &sessions_[1] ? 50.0 : 0.0);
+      if (&session != &sessions_[2]) ask(session, open);
     }
   }
 
   void happen(unsigned what, std::span<const std::uint8_t> bytes) {
     FuzzInput input(bytes);
-    NodeId& node = nodes_[what / 8 % nodes_.size()];
-    Visit& visit = visits_[what / 8 % visits_.size()];
+    coordinator::NodeId& node = nodes_[what / 8 % nodes_.size()];
+    Session& session = sessions_[what / 8 % sessions_.size()];
     wire::NodeReport report;
-    wire::VisitRequest request;
+    wire::SessionRequest request;
     const auto parses = [&](auto* message) {
       return message->ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
     };
@@ -56,25 +56,25 @@ class Farm {
         break;
       case 2:
         if (!parses(&request)) break;
-        visit.is_sound = false;
-        ask(visit, request);
+        session.is_sound = false;
+        ask(session, request);
         break;
       case 3:
-        look(visit, &input);
+        look(session, &input);
         break;
       case 4:
-        state_.node_gone(node);
-        peers_.commands.erase(node);
+        state_.node_disconnected(node);
+        delegate_.commands.erase(node);
         if (input.byte() % 2 == 1) node = new_node();
         break;
       case 5:
-        state_.visit_gone(visit.id);
-        peers_.replies.erase(visit.id);
-        if (input.byte() % 2 == 1) visit = new_visit();
+        state_.session_disconnected(session.id);
+        delegate_.replies.erase(session.id);
+        if (input.byte() % 2 == 1) session = new_visit();
         break;
       case 6:
         clock_.advance(std::chrono::milliseconds(50) * input.byte());
-        // The head reads each of its own scenes once.
+        // The coordinator reads each of its own scenes once.
         if (input.byte() % 4 == 3 && !std::exchange(is_read_, true)) state_.scene_read("c", std::string(64, 'd'));
         break;
       case 7:
@@ -88,30 +88,30 @@ class Farm {
   void take_all() {
     for (bool moved = true; moved;) {
       moved = false;
-      for (Visit& visit : visits_) {
-        auto& queue = peers_.replies[visit.id];
+      for (Session& session : sessions_) {
+        auto& queue = delegate_.replies[session.id];
         if (queue.empty()) continue;
-        const wire::VisitReply reply = std::move(queue.front());
+        const wire::SessionReply reply = std::move(queue.front());
         queue.pop_front();
-        if (visit.is_sound) CHECK(visit.window.take(reply));
-        state_.written(visit.id, reply);
+        if (session.is_sound) CHECK(session.window.take(reply));
+        state_.written(session.id, reply);
         moved = true;
       }
     }
   }
 
  private:
-  struct Visit {
-    SessionId id{};
-    ViewWindow window{};
+  struct Session {
+    coordinator::SessionId id{};
+    client::ViewWindow window{};
     std::uint64_t newest = 0;
     bool is_sound = true;  ///< It sent only what farm.proto lets it.
   };
 
   /// One that has a scene, so that views lead to blocks.
-  NodeId new_node() {
-    const NodeId id{++last_id_};
-    state_.node_came(id);
+  coordinator::NodeId new_node() {
+    const coordinator::NodeId id{++last_id_};
+    state_.node_connected(id);
     wire::NodeReport report;
     report.mutable_hello()->set_version(CYCLORAMA_VERSION);
     report.mutable_hello()->set_threads(2);
@@ -121,42 +121,44 @@ class Farm {
     if (last_id_ != 3) state_.node_reported(id, report);
     return id;
   }
-  Visit new_visit() {
-    const SessionId id{++last_id_};
-    state_.visit_came(id);
+  Session new_visit() {
+    const coordinator::SessionId id{++last_id_};
+    state_.session_connected(id);
     return {id};
   }
-  void ask(Visit& visit, const wire::VisitRequest& request) { state_.visit_asked(visit.id, request, clock_.now()); }
+  void ask(Session& session, const wire::SessionRequest& request) {
+    state_.session_requested(session.id, request, clock_.now());
+  }
 
   /// A museum as it should be: opens, then asks for what its window lets through.
-  void look(Visit& visit, FuzzInput* input) {
-    wire::VisitRequest request;
-    if (!visit.is_sound) return;
+  void look(Session& session, FuzzInput* input) {
+    wire::SessionRequest request;
+    if (!session.is_sound) return;
     if (input->byte() % 8 == 7) {
       request.mutable_open()->set_scene(input->byte() % 2 == 0 ? "" : "b");
       request.mutable_open()->set_frame_budget_ms(input->byte());
-      visit.is_sound = !visit.window.is_opened();
-      return ask(visit, request);
+      session.is_sound = !session.window.is_opened();
+      return ask(session, request);
     }
     take_all();
     wire::View view;
-    view.set_number(++visit.newest);
+    view.set_number(++session.newest);
     view.set_samples(1 + input->byte() % 8);
     view.set_jpeg_quality(80);
     view.mutable_panorama()->set_width_px(16 + 4 * input->byte());
     view.mutable_panorama()->set_height_px(16 + 2 * input->byte());
     view.mutable_panorama()->set_azimuth_span_rad(1.0);
     view.mutable_panorama()->set_tan_elevation_top(0.5);
-    visit.window.put(view);
-    while (const auto sendable = visit.window.take_sendable()) {
+    session.window.put(view);
+    while (const auto sendable = session.window.take_sendable()) {
       *request.mutable_view() = *sendable;
-      ask(visit, request);
+      ask(session, request);
     }
   }
 
   /// The node does what it was told first, or says something of itself.
-  void work(NodeId id, FuzzInput* input) {
-    auto& queue = peers_.commands[id];
+  void work(coordinator::NodeId id, FuzzInput* input) {
+    auto& queue = delegate_.commands[id];
     wire::NodeReport report;
     const std::uint32_t how = input->byte();
     if (how % 8 == 6) {
@@ -182,13 +184,14 @@ class Farm {
     }
   }
   /// At most so many tiles, and an end; without any it failed.
-  void render(NodeId id, const wire::RenderBlock& order, std::uint32_t most, FuzzInput* input) {
+  void render(coordinator::NodeId id, const wire::RenderBlock& order, std::uint32_t max, FuzzInput* input) {
     state_.order_written(id, order.block(), clock_.now());
     wire::NodeReport report;
     std::uint32_t delivered = 0;
-    for (const PixelRect& rect : tiles_of({static_cast<int>(order.x_px()), static_cast<int>(order.y_px()),
-                                           static_cast<int>(order.width_px()), static_cast<int>(order.height_px())})) {
-      if (delivered++ == most) break;
+    for (const PixelRect& rect :
+         balance::tiles_of({static_cast<int>(order.x_px()), static_cast<int>(order.y_px()),
+                            static_cast<int>(order.width_px()), static_cast<int>(order.height_px())})) {
+      if (delivered++ == max) break;
       report.mutable_tile()->set_block(order.block());
       wire::Tile& tile = *report.mutable_tile()->mutable_tile();
       tile.set_view_number(order.view().number());
@@ -201,7 +204,7 @@ class Farm {
     }
     wire::BlockEnd& end = *report.mutable_end();
     end.set_block(order.block());
-    end.set_error(most == 0 ? "no memory" : "");
+    end.set_error(max == 0 ? "no memory" : "");
     end.set_render_cpu_seconds(0.001 * input->byte());
     end.set_encode_cpu_seconds(0.0001 * input->byte());
     end.set_wall_seconds(0.001 * input->byte());
@@ -212,12 +215,15 @@ class Farm {
   }
 
   FakeClock clock_;
-  FakePeers peers_;
-  HeadState state_{
-      {{"a", "a"}, {"b", "b"}, {"c", "c", true}}, BalanceStrategy::kCostMapStealing, small_pictures(), clock_, peers_};
+  FakeDelegate delegate_;
+  coordinator::CoordinatorState state_{{{"a", "a"}, {"b", "b"}, {"c", "c", true}},
+                                       balance::BalanceStrategy::kCostMapStealing,
+                                       small_pictures(),
+                                       clock_,
+                                       delegate_};
   std::uint64_t last_id_ = 0;
-  std::array<NodeId, 3> nodes_{};
-  std::array<Visit, 3> visits_{};
+  std::array<coordinator::NodeId, 3> nodes_{};
+  std::array<Session, 3> sessions_{};
   bool is_read_ = false;
 };
 

@@ -8,11 +8,11 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
-  const auto read = parse_correction({reinterpret_cast<const char*>(data), size});
+  const auto read = healing::parse_correction({reinterpret_cast<const char*>(data), size});
   if (!read) return 0;
   // What was accepted can be drawn for, written, and read again.
   CHECK(read->before.translation().allFinite() && read->after.rotation().coeffs().allFinite());
-  const auto back = parse_correction(correction_line(*read));
+  const auto back = healing::parse_correction(healing::correction_line(*read));
   CHECK(back && back->kind == read->kind && back->projector == read->projector);
   return 0;
 }

@@ -17,7 +17,7 @@ namespace {
 
 using namespace cyclorama;
 
-constexpr std::uint32_t kMostSidePx = 80;
+constexpr std::uint32_t kMaxSidePx = 80;
 
 wire::View view_of(std::uint64_t number, std::uint32_t width, std::uint32_t height) {
   wire::View view;
@@ -31,16 +31,16 @@ wire::View view_of(std::uint64_t number, std::uint32_t width, std::uint32_t heig
 }
 
 /// One that may well be right, as the bytes choose it; or any.
-wire::VisitReply reply_of(FuzzInput* input) {
-  wire::VisitReply reply;
+wire::SessionReply reply_of(FuzzInput* input) {
+  wire::SessionReply reply;
   switch (input->byte() % 6) {
     case 0:
       *reply.mutable_opened() = fake_scene("a");
       break;
     case 1: {
       const std::uint32_t number = input->byte();
-      const std::uint32_t width = input->byte() % (kMostSidePx + 1);
-      *reply.mutable_begin() = view_of(number, width, input->byte() % (kMostSidePx + 1));
+      const std::uint32_t width = input->byte() % (kMaxSidePx + 1);
+      *reply.mutable_begin() = view_of(number, width, input->byte() % (kMaxSidePx + 1));
       break;
     }
     case 2:
@@ -49,8 +49,8 @@ wire::VisitReply reply_of(FuzzInput* input) {
       tile.set_view_number(input->byte());
       tile.set_x_px(16 * (input->byte() % 6));
       tile.set_y_px(16 * (input->byte() % 6));
-      tile.set_width_px(input->byte() % (kMostSidePx + 1));
-      tile.set_height_px(input->byte() % (kMostSidePx + 1));
+      tile.set_width_px(input->byte() % (kMaxSidePx + 1));
+      tile.set_height_px(input->byte() % (kMaxSidePx + 1));
       break;
     }
     case 4: {
@@ -72,7 +72,7 @@ wire::VisitReply reply_of(FuzzInput* input) {
 /// What a listener relies on.
 class Museum {
  public:
-  void take(const wire::VisitReply& reply) {
+  void take(const wire::SessionReply& reply) {
     if (reply.has_opened()) opened_ = true;
     CHECK(opened_);
     if (reply.has_begin()) begin(reply.begin());
@@ -116,14 +116,14 @@ class Museum {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   FuzzInput input(data, size);
-  ViewWindow window;
+  client::ViewWindow window;
   Museum museum;
   std::uint64_t newest = 0;
   while (!input.is_empty()) {
     switch (input.byte() % 8) {
       case 0: {
-        const std::uint32_t width = 1 + input.byte() % kMostSidePx;
-        window.put(view_of(++newest, width, 1 + input.byte() % kMostSidePx));
+        const std::uint32_t width = 1 + input.byte() % kMaxSidePx;
+        window.put(view_of(++newest, width, 1 + input.byte() % kMaxSidePx));
         break;
       }
       case 1:
@@ -133,7 +133,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         museum.lose(window.lose());
         break;
       default: {
-        const wire::VisitReply reply = reply_of(&input);
+        const wire::SessionReply reply = reply_of(&input);
         if (window.take(reply)) museum.take(reply);
         break;
       }

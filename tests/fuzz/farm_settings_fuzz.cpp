@@ -9,7 +9,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
-  const auto options = parse_head_config({reinterpret_cast<const char*>(data), size}, "farm.toml");
+  const auto options = coordinator::parse_coordinator_config({reinterpret_cast<const char*>(data), size}, "farm.toml");
   if (!options) {
     CHECK(options.error().message().find("farm.toml") != std::string::npos);
     return 0;

@@ -6,12 +6,12 @@
 namespace {
 
 // What comes back must hold together: the ray tracer reads it without looking again.
-void check(const cyclorama::Model& model) {
+void check(const cyclorama::scene::Model& model) {
   const auto require = [](bool condition) {
     if (!condition) std::abort();
   };
   require(!model.materials.empty());
-  for (const cyclorama::Mesh& mesh : model.meshes) {
+  for (const cyclorama::scene::Mesh& mesh : model.meshes) {
     require(mesh.material >= 0 && static_cast<std::size_t>(mesh.material) < model.materials.size());
     for (const auto& t : mesh.triangles) {
       for (const std::uint32_t corner : t) require(corner < mesh.positions.size());
@@ -24,7 +24,7 @@ void check(const cyclorama::Model& model) {
       require(size == 0 || size == mesh.positions.size());
     }
   }
-  for (const cyclorama::Instance& instance : model.instances) {
+  for (const cyclorama::scene::Instance& instance : model.instances) {
     require(instance.mesh >= 0 && static_cast<std::size_t>(instance.mesh) < model.meshes.size());
     require(instance.T_model_mesh.matrix().allFinite());
   }
@@ -33,10 +33,10 @@ void check(const cyclorama::Model& model) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  cyclorama::ImportLimits limits;
+  cyclorama::scene::ImportLimits limits;
   limits.memory_bytes = std::size_t{256} << 20;
   limits.texture_px = std::size_t{1} << 20;
-  const auto model = cyclorama::import_gltf_bytes(std::as_bytes(std::span(data, size)), std::nullopt, limits);
+  const auto model = cyclorama::scene::import_gltf_bytes(std::as_bytes(std::span(data, size)), std::nullopt, limits);
   if (model) check(*model);
   return 0;
 }

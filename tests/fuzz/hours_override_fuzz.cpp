@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto parsed = parse_hours_override(text);
   if (parsed) {
-    if (to_text(*parsed) != text || parsed->until - parsed->set_at > kLongestOverride) std::abort();
+    if (to_text(*parsed) != text || parsed->until - parsed->set_at > kMaxOverrideDuration) std::abort();
     if (parsed->holds(parsed->until) || parsed->holds(parsed->set_at - std::chrono::seconds(1))) std::abort();
   }
   // As somebody writes it into the page.

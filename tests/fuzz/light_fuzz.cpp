@@ -9,16 +9,16 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
-  const auto light = parse_light({reinterpret_cast<const char*>(data), size}, "fuzz");
+  const auto light = photometry::parse_light({reinterpret_cast<const char*>(data), size}, "fuzz");
   if (!light) {
     CHECK(light.error().message().find("; ") != std::string::npos);
     return 0;
   }
   // What was accepted can be written, and is then the same; and it is light.
-  const std::string written = light_json(*light);
-  const auto back = parse_light(written, "fuzz");
-  CHECK(back.has_value() && light_json(*back) == written);
-  for (const ProjectorLighting& one : light->lighting.projectors) {
+  const std::string written = photometry::light_json(*light);
+  const auto back = photometry::parse_light(written, "fuzz");
+  CHECK(back.has_value() && photometry::light_json(*back) == written);
+  for (const photometry::ProjectorLighting& one : light->lighting.projectors) {
     const double white = one.white_at({3.0, 5.0});
     CHECK(white > 0.0 && std::isfinite(white));
   }

@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const WallPatch& patch : wall->patches(16)) {
     CHECK(patch.middle.xyz.allFinite() && std::abs(patch.normal.norm() - 1.0) < 1e-6 && patch.area_m2 > 0.0);
     const RoomRay ray{eye, patch.middle.xyz - eye.xyz};
-    const auto endless = wall->endless_hit(ray);
+    const auto endless = wall->hit_extended(ray);
     CHECK(!endless || endless->xyz.allFinite());
   }
   for (const WallEdge& edge : wall->creases()) CHECK(edge.from.xyz.allFinite() && edge.to.xyz.allFinite());

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "kiosk/operator/calibration_desk.h"
+#include "kiosk/operator/calibration_controller.h"
 #include "kiosk/operator/museum_routes.h"
 #include "kiosk/operator/redaction.h"
 #include "kiosk/operator/sessions.h"
@@ -16,16 +16,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   if (data[0] % 4 == 0) {
-    static_cast<void>(parse_calibration_wish(text));
-    static_cast<void>(parse_hours_wish(std::string(text)));
+    static_cast<void>(operations::parse_calibration_request(text));
+    static_cast<void>(operations::parse_hours_request(std::string(text)));
   } else if (data[0] % 4 == 1) {
-    const auto status = parse_update_status(text);
+    const auto status = update::parse_update_status(text);
     if (status && status->version.empty()) std::abort();
   } else if (data[0] % 4 == 2) {
-    if (network_of(std::string(text)).size() > text.size() + 40) std::abort();
+    if (operations::network_of(std::string(text)).size() > text.size() + 40) std::abort();
   } else {
     constexpr std::string_view kSecret = "Zq81-secret-zq";
-    Redaction redaction;
+    operations::Redaction redaction;
     redaction.add_secret(kSecret);
     const std::size_t half = text.size() / 2;
     const std::string hidden =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever heads send, a node neither crashes nor forgets itself: messages are read from the input and given to
-// NodeDesk, which does the work of its threads in between. Input: one byte says whose turn it is or what happens, one
+// Whatever coordinators send, a node neither crashes nor forgets itself: messages are read from the input and given to
+// NodeController, which does the work of its threads in between. Input: one byte says whose turn it is or what happens, one
 // byte is a length, then that many bytes of protobuf.
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "renderfarm/node/node_desk.h"
+#include "renderfarm/node/node_controller.h"
 #include "renderfarm/node/tile_sender.h"
 #include "tests/doubles/fake_block_renderer.h"
 
@@ -17,12 +17,12 @@ namespace {
 using namespace cyclorama;
 
 /// Pictures of real sizes would only take time.
-constexpr std::int64_t kMostPixels = 128 * 128;
+constexpr std::int64_t kMaxPixels = 128 * 128;
 
-/// A stream, its sender, and what the head must see of it: every block that it gave has one end, unless it is gone.
-struct Head {
-  std::shared_ptr<NodeLink> link;
-  TileSender sender;
+/// A stream, its sender, and what the coordinator must see of it: every block that it gave has one end, unless it is gone.
+struct Coordinator {
+  std::shared_ptr<node::NodeLink> link;
+  node::TileSender sender;
   std::size_t blocks = 0;
   std::size_t ends = 0;
 
@@ -33,13 +33,13 @@ struct Head {
   }
 };
 
-void open(NodeDesk& desk, Head& head) {
-  head = Head{desk.open(), {}, 0, 0};
+void open(node::NodeController& controller, Coordinator& coordinator) {
+  coordinator = Coordinator{controller.open(), {}, 0, 0};
   wire::NodeCommand load;
   load.mutable_load_scene()->set_scene("a");
   load.mutable_load_scene()->set_path("a");
-  CHECK(desk.take(head.link, load));
-  while (desk.loads().work()) {
+  CHECK(controller.take(coordinator.link, load));
+  while (controller.loads().work()) {
   }
 }
 
@@ -66,13 +66,13 @@ wire::NodeCommand sound_other(const std::uint8_t* bytes, std::size_t length) {
       command.mutable_cancel()->set_block(chosen[1]);
       break;
     case 2:
-      command.mutable_forget_visit()->set_visit(chosen[1] % 4);
+      command.mutable_forget_session()->set_session(chosen[1] % 4);
       break;
   }
   return command;
 }
 
-/// One that a node renders, as the bytes choose it: number, rank, kind, samples, visit.
+/// One that a node renders, as the bytes choose it: number, rank, kind, samples, session.
 wire::NodeCommand sound_block(const std::uint8_t* bytes, std::size_t length) {
   std::array<std::uint8_t, 5> chosen{};
   std::copy_n(bytes, std::min(length, chosen.size()), chosen.begin());
@@ -82,7 +82,7 @@ wire::NodeCommand sound_block(const std::uint8_t* bytes, std::size_t length) {
   block.set_rank(chosen[1]);
   block.set_scene(chosen[4] / 4 % 8 == 7 ? "b" : "a");
   block.set_keep(chosen[2] % 2 == 1);
-  block.set_visit(chosen[4] % 4);
+  block.set_session(chosen[4] % 4);
   block.set_width_px(96);
   block.set_height_px(48);
   wire::View& view = *block.mutable_view();
@@ -98,74 +98,74 @@ wire::NodeCommand sound_block(const std::uint8_t* bytes, std::size_t length) {
   return command;
 }
 
-void close(NodeDesk& desk, Head& head) {
-  desk.close(*head.link);
-  CHECK(head.link->is_closed());
+void close(node::NodeController& controller, Coordinator& coordinator) {
+  controller.close(*coordinator.link);
+  CHECK(coordinator.link->is_closed());
 }
 
-void order(NodeDesk& desk, Head& head, wire::NodeCommand& command) {
+void order(node::NodeController& controller, Coordinator& coordinator, wire::NodeCommand& command) {
   if (command.has_render()) {
     // What the wire may ask for is far larger; its limits have a test of their own.
     const wire::Panorama& panorama = command.render().view().panorama();
-    if (std::int64_t{panorama.width_px()} * panorama.height_px() > kMostPixels) return;
+    if (std::int64_t{panorama.width_px()} * panorama.height_px() > kMaxPixels) return;
     if (command.render().view().samples() > 8) command.mutable_render()->mutable_view()->set_samples(8);
     if (command.render().view().first_sample() > 8) command.mutable_render()->mutable_view()->set_first_sample(8);
   }
-  if (desk.take(head.link, command)) {
-    if (command.has_render()) ++head.blocks;
+  if (controller.take(coordinator.link, command)) {
+    if (command.has_render()) ++coordinator.blocks;
     return;
   }
-  close(desk, head);
-  open(desk, head);
+  close(controller, coordinator);
+  open(controller, coordinator);
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  NodeDesk desk(fake_loader(), 3000);  // Room for two of the fake scenes.
-  std::array<Head, 2> heads;
-  for (Head& head : heads) open(desk, head);
+  node::NodeController controller(fake_loader(), 3000);  // Room for two of the fake scenes.
+  std::array<Coordinator, 2> coordinators;
+  for (Coordinator& coordinator : coordinators) open(controller, coordinator);
   while (size >= 2) {
     const unsigned what = data[0];
     const std::size_t length = std::min<std::size_t>(data[1], size - 2);
-    Head& head = heads[what / 8 % heads.size()];
+    Coordinator& coordinator = coordinators[what / 8 % coordinators.size()];
     wire::NodeCommand command;
     switch (what % 8) {
       case 2:
         command = sound_other(data + 2, length);
-        order(desk, head, command);
+        order(controller, coordinator, command);
         break;
       case 3:
         command = sound_block(data + 2, length);
-        order(desk, head, command);
+        order(controller, coordinator, command);
         break;
       case 4:
-        close(desk, head);
-        open(desk, head);
+        close(controller, coordinator);
+        open(controller, coordinator);
         break;
       case 5:
-        desk.renders().work();
+        controller.renders().work();
         break;
       case 6:
-        desk.loads().work();
+        controller.loads().work();
         break;
       case 7:
-        head.take_all();
-        desk.renders().link_moved();
+        coordinator.take_all();
+        controller.renders().link_moved();
         break;
       default:
-        if (command.ParseFromArray(data + 2, static_cast<int>(length))) order(desk, head, command);
+        if (command.ParseFromArray(data + 2, static_cast<int>(length))) order(controller, coordinator, command);
         break;
     }
     data += 2 + length;
     size -= 2 + length;
   }
-  while (desk.loads().work()) {
+  while (controller.loads().work()) {
   }
   do {
-    for (Head& head : heads) head.take_all();  // Only then is there room for more.
-  } while (desk.renders().work());
-  CHECK(desk.renders().waiting() == 0);
-  for (const Head& head : heads) CHECK(head.ends == head.blocks);
+    for (Coordinator& coordinator : coordinators) coordinator.take_all();  // Only then is there room for more.
+  } while (controller.renders().work());
+  CHECK(controller.renders().waiting() == 0);
+  for (const Coordinator& coordinator : coordinators) CHECK(coordinator.ends == coordinator.blocks);
   return 0;
 }

@@ -9,8 +9,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
   const MemoryFile file({reinterpret_cast<const char*>(data), size});
-  const auto model =
-      import_obj(file.path(), ImportLimits{.memory_bytes = std::size_t{256} << 20, .texture_px = 1 << 20});
+  const auto model = scene::import_obj(
+      file.path(), scene::ImportLimits{.memory_bytes = std::size_t{256} << 20, .texture_px = 1 << 20});
   if (model) CHECK(broken_promise(*model).empty());
   return 0;
 }

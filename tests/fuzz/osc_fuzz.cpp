@@ -9,14 +9,15 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;  // NOLINT(google-build-using-namespace)
-  const auto messages = decode_osc(std::as_bytes(std::span(data, size)));
+  const auto messages = tracker::decode_osc(std::as_bytes(std::span(data, size)));
   if (!messages) return 0;
-  for (const OscMessage& message : *messages) {
-    const auto again = decode_osc(encode_osc(message));
+  for (const tracker::OscMessage& message : *messages) {
+    const auto again = tracker::decode_osc(tracker::encode_osc(message));
     CHECK(again && again->size() == 1 && again->front().address == message.address);
-    CHECK(encode_osc(again->front()) == encode_osc(message));
-    if (const auto pose = pose_from_osc(message)) static_cast<void>(pose_of(*pose, TrackerAxes::kRoom));
-    if (const auto steer = steer_from_osc(message)) CHECK((*steer)[0] >= -1.0 && (*steer)[0] <= 1.0);
+    CHECK(tracker::encode_osc(again->front()) == tracker::encode_osc(message));
+    if (const auto pose = tracker::pose_from_osc(message))
+      static_cast<void>(tracker::pose_of(*pose, tracker::TrackerAxes::kRoom));
+    if (const auto steer = tracker::steer_from_osc(message)) CHECK((*steer)[0] >= -1.0 && (*steer)[0] <= 1.0);
   }
   return 0;
 }

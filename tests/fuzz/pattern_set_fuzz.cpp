@@ -11,15 +11,15 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
-  const auto set = read_pattern_set(std::string(data, data + size));
+  const auto set = structured_light::read_pattern_set(std::string(data, data + size));
   if (!set) return 0;
   // What is read is written alike, can be drawn, and is decoded or refused.
-  const auto again = read_pattern_set(to_text(*set));
+  const auto again = structured_light::read_pattern_set(structured_light::to_text(*set));
   if (!again || !(*again == *set)) std::abort();
-  for (const PatternPicture& picture : set->pictures) {
-    const double level = level_at(*set, picture, set->width_px - 1, set->height_px - 1);
+  for (const structured_light::PatternPicture& picture : set->pictures) {
+    const double level = structured_light::level_at(*set, picture, set->width_px - 1, set->height_px - 1);
     if (!(level >= 0.0 && level <= 1.0)) std::abort();
   }
-  static_cast<void>(Decoder::from(*set, {}, 4, 3));
+  static_cast<void>(structured_light::Decoder::from(*set, {}, 4, 3));
   return 0;
 }

@@ -16,11 +16,11 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
   static const int file = ::memfd_create("fuzz", 0);
-  static auto detector = TagDetector::create({});
+  static auto detector = tags::TagDetector::create({});
   if (file < 0 || !detector || ::ftruncate(file, 0) != 0) std::abort();
   if (size > 0 && ::pwrite(file, data, size, 0) != static_cast<ssize_t>(size)) std::abort();
   const ManualClock clock;
-  auto camera = FileCamera::open("/proc/self/fd/" + std::to_string(file), {}, clock);
+  auto camera = camera::FileCamera::open("/proc/self/fd/" + std::to_string(file), {}, clock);
   if (!camera) return 0;
   if (!(*camera)->start()) std::abort();
   for (int i = 0; i < 3; ++i) {

@@ -14,20 +14,20 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   if (data[0] % 3 == 0) {
-    const auto files = parse_checksums(text);
+    const auto files = provision::parse_checksums(text);
     if (!files) return 0;
-    for (const CopiedFile& file : *files) {
+    for (const provision::CopiedFile& file : *files) {
       if (file.name.find("..") == 0 || file.name.front() == '/') std::abort();
     }
-    const auto again = parse_checksums(checksums_text(*files));
+    const auto again = provision::parse_checksums(provision::checksums_text(*files));
     if (!again || again->size() != files->size()) std::abort();
   } else if (data[0] % 3 == 1) {
-    const auto settings = parse_operator_settings(text, "operator.toml");
-    if (settings && settings->pin && !check_pin(*settings->pin)) std::abort();
+    const auto settings = provision::parse_operator_settings(text, "operator.toml");
+    if (settings && settings->pin && !provision::check_pin(*settings->pin)) std::abort();
   } else {
-    const auto report = parse_report(text);
+    const auto report = provision::parse_report(text);
     if (!report) return 0;
-    const auto again = parse_report(report_json(*report));
+    const auto again = provision::parse_report(provision::report_json(*report));
     if (!again) std::abort();
   }
   return 0;

@@ -14,6 +14,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t cut = text.find("-----BEGIN X509 CRL");
   const std::string_view certificate = text.substr(0, cut);
   static_cast<void>(identity_in(certificate));
-  static_cast<void>(Revocations::parse(cut == std::string_view::npos ? "" : text.substr(cut), certificate));
+  static_cast<void>(trust::Revocations::parse(cut == std::string_view::npos ? "" : text.substr(cut), certificate));
   return 0;
 }

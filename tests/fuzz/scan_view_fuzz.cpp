@@ -8,17 +8,18 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
-  const auto manifest = parse_manifest({reinterpret_cast<const char*>(data), size}, "fuzz");
+  const auto manifest = scan::parse_manifest({reinterpret_cast<const char*>(data), size}, "fuzz");
   if (manifest) {
     // What was accepted can be written, and is then the same.
-    const std::string written = manifest_text(*manifest);
-    const auto back = parse_manifest(written, "fuzz");
-    CHECK(back.has_value() && manifest_text(*back) == written);
+    const std::string written = scan::manifest_text(*manifest);
+    const auto back = scan::parse_manifest(written, "fuzz");
+    CHECK(back.has_value() && scan::manifest_text(*back) == written);
   } else {
     CHECK(manifest.error().message().find("; ") != std::string::npos);
   }
-  const ScanIdentity identity{"camera", 640, 480, {{"left", 320, 200}}, {0.0}, ""};
-  const auto places = decode_places({reinterpret_cast<const std::byte*>(data), size}, identity, 0);
-  if (places) CHECK(encode_places(*places).size() == size);
+  const scan::ScanIdentity identity{"camera", 640, 480, {{"left", 320, 200}}, {0.0}, ""};
+  const auto correspondences =
+      scan::decode_correspondences({reinterpret_cast<const std::byte*>(data), size}, identity, 0);
+  if (correspondences) CHECK(scan::encode_correspondences(*correspondences).size() == size);
   return 0;
 }

@@ -22,7 +22,7 @@ wire::SceneFiles lines_in(std::string_view text) {
     wire::SceneFile* const file = message.add_files();
     file->set_path(std::string(line));
     file->set_bytes(line.size());
-    file->set_sha256(sha256_of(line));
+    file->set_sha256(scene_distribution::sha256_of(line));
     text.remove_prefix(std::min(text.size(), line.size() + 1));
   }
   return message;
@@ -38,20 +38,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } else if (!message.ParseFromArray(data, static_cast<int>(size))) {
     return 0;
   }
-  SceneFiles files;
+  scene_distribution::SceneFiles files;
   for (const wire::SceneFile& file : message.files()) files.push_back({file.path(), file.bytes(), file.sha256()});
-  std::ranges::sort(files, {}, &SceneFile::path);
-  const bool good = validate(files).has_value();
-  const auto taken = from_wire(message, digest_of(files));
+  std::ranges::sort(files, {}, &scene_distribution::SceneFile::path);
+  const bool good = scene_distribution::validate(files).has_value();
+  const auto taken = scene_distribution::from_wire(message, scene_distribution::digest_of(files));
   CHECK(taken.has_value() == good);
-  CHECK(!from_wire(message, std::string(64, '0')));
+  CHECK(!scene_distribution::from_wire(message, std::string(64, '0')));
   if (!good) return 0;
-  CHECK(*taken == files && from_wire(to_wire(files), digest_of(files)));
+  CHECK(*taken == files &&
+        scene_distribution::from_wire(scene_distribution::to_wire(files), scene_distribution::digest_of(files)));
   std::set<std::string> names;
-  for (const SceneFile& file : files) {
+  for (const scene_distribution::SceneFile& file : files) {
     const std::filesystem::path whole = std::filesystem::path("/cache") / file.path;
     CHECK(whole.lexically_normal() == whole && whole.string().starts_with("/cache/"));
-    CHECK(names.insert(file.path).second && is_sha256(file.sha256));
+    CHECK(names.insert(file.path).second && scene_distribution::is_sha256(file.sha256));
   }
   return 0;
 }

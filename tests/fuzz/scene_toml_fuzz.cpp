@@ -8,7 +8,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const auto package = cyclorama::parse_scene_package(text, "scene.toml", "/proc/self");
+  const auto package = cyclorama::scene::parse_scene_package(text, "scene.toml", "/proc/self");
   if (package) CHECK(!package->geometry.empty());
   return 0;
 }

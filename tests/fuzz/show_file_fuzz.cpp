@@ -8,13 +8,13 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
-  const auto show = parse_show({reinterpret_cast<const char*>(data), size}, "fuzz");
+  const auto show = calibration::parse_show({reinterpret_cast<const char*>(data), size}, "fuzz");
   if (!show) {
     CHECK(show.error().code() == ErrorCode::kBadData && !show.error().message().empty());
     return 0;
   }
   // What was accepted can be written and read.
-  const auto back = parse_show(show_json(*show), "fuzz");
+  const auto back = calibration::parse_show(calibration::show_json(*show), "fuzz");
   CHECK(back.has_value() && back->projectors.size() == show->projectors.size());
   return 0;
 }

@@ -18,9 +18,9 @@ namespace cyclorama {
 namespace {
 
 /// What is ready must be whole; each frame has one outcome.
-class CheckingSink final : public FrameSink {
+class CheckingSink final : public display::FrameSink {
  public:
-  void frame_ready(Frame frame) override {
+  void frame_ready(display::DisplayFrame frame) override {
     CHECK(frame.picture != nullptr && validate(frame.shape));
     CHECK(frame.picture->width() == width_px(frame.shape) && frame.picture->height() == height_px(frame.shape));
     CHECK(frame.order > 0 && frame.number > 0);
@@ -101,13 +101,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   FuzzInput input(data, size);
   SteadyClock clock;
   CheckingSink sink;
-  TourClock tour_clock(std::chrono::system_clock::now);
-  DecodePool pool(1);
-  ShownByHeads shown = heads_that_see_all();
+  display::TourClock tour_clock(std::chrono::system_clock::now);
+  display::DecodePool pool(1);
+  display::ShownByHeads shown = heads_that_see_all();
   const auto setting = input.byte();
   if (setting % 2 != 0) shown.wall = Fisheye{64, 64, 1.0, 0.5};
   shown.stereo = setting % 4 > 1;
-  FrameAssembler assembler(&pool, &sink, &clock, std::move(shown));
+  display::FrameAssembler assembler(&pool, &sink, &clock, std::move(shown));
   while (!input.is_empty()) {
     wire::ShowMessage message = message_from(&input);
     const auto kind = message.message_case();
@@ -118,7 +118,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       if (const auto question = tour_clock.question(clock.now()))
         message.mutable_clock()->set_asked_ns(question->asked_ns());
       tour_clock.take(message.clock(), clock.now());
-      tour_clock.heading_ready(show_at_of(message), clock.now());
+      tour_clock.heading_ready(display::show_at_of(message), clock.now());
     } else {
       assembler.take(std::move(message));
     }

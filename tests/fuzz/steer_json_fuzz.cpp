@@ -8,11 +8,11 @@
 #include "kiosk/operator/status_json.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto wish = cyclorama::parse_steer({reinterpret_cast<const char*>(data), size});
-  if (wish) {
-    for (const double value : {wish->forward(), wish->right(), wish->turn()}) CHECK(std::abs(value) <= 1.0);
+  const auto wanted = cyclorama::operations::parse_steer({reinterpret_cast<const char*>(data), size});
+  if (wanted) {
+    for (const double value : {wanted->forward(), wanted->right(), wanted->turn()}) CHECK(std::abs(value) <= 1.0);
   } else {
-    CHECK(!wish.error().message().empty());
+    CHECK(!wanted.error().message().empty());
   }
   return 0;
 }

@@ -8,7 +8,7 @@
 /// Any text is settings that work, or an Error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const auto settings = cyclorama::TrackerSettings::parse(text, "fuzz.toml");
-  if (settings && !(cyclorama::lens_for(settings->lens, 640, 480).focal_px > 0.0)) std::abort();
+  const auto settings = cyclorama::tracker::TrackerSettings::parse(text, "fuzz.toml");
+  if (settings && !(cyclorama::tracker::lens_for(settings->lens, 640, 480).focal_px > 0.0)) std::abort();
   return 0;
 }

@@ -8,8 +8,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
-  const auto truth = MuseumTruth::parse({reinterpret_cast<const char*>(data), size}, "fuzz");
+  const auto truth = simulated::MuseumTruth::parse({reinterpret_cast<const char*>(data), size}, "fuzz");
   if (truth && !std::holds_alternative<MeshWall>(truth->wall))
-    static_cast<void>(MuseumTruth::parse(truth->text(), "again"));
+    static_cast<void>(simulated::MuseumTruth::parse(truth->text(), "again"));
   return 0;
 }

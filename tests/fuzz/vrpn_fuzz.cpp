@@ -10,14 +10,14 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   cyclorama::FuzzInput input(data, size);
-  cyclorama::VrpnReader reader("");
+  cyclorama::tracker::VrpnReader reader("");
   while (!input.is_empty()) {
     const std::size_t length = 4 * input.byte();
     const auto reports = reader.read(std::as_bytes(input.bytes(length)));
     if (!reports) continue;
     for (const auto& report : *reports) {
       CHECK(report.found);
-      static_cast<void>(cyclorama::pose_of(report, cyclorama::TrackerAxes::kCamera));
+      static_cast<void>(cyclorama::tracker::pose_of(report, cyclorama::tracker::TrackerAxes::kCamera));
     }
   }
   return 0;

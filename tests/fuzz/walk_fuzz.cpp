@@ -40,14 +40,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   bytes.skip(1);
   std::vector<Eigen::Vector2d> corners;
   for (std::size_t i = 0; i < count; ++i) corners.push_back(bytes.take());
-  const auto area = cyclorama::WalkableArea::make(std::move(corners));
+  const auto area = cyclorama::tour::WalkableArea::make(std::move(corners));
   if (!area) return 0;
-  Eigen::Vector2d place = area->nearest_allowed(bytes.take());
-  CHECK(area->allows(place));
+  Eigen::Vector2d position = area->nearest_allowed(bytes.take());
+  CHECK(area->allows(position));
   for (int i = 0; i < 64 && bytes.size > 0; ++i) {
-    const Eigen::Vector2d next = area->walk(place, bytes.take());
+    const Eigen::Vector2d next = area->walk(position, bytes.take());
     CHECK(area->allows(next));
-    place = next;
+    position = next;
   }
   return 0;
 }

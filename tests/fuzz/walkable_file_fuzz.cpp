@@ -10,17 +10,17 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  const auto before = cyclorama::parse_scene_package(text, "scene.toml", ".");
+  const auto before = cyclorama::scene::parse_scene_package(text, "scene.toml", ".");
   if (!before) return 0;
-  cyclorama::WalkableGround ground;
+  cyclorama::walkable::WalkableGround ground;
   const Eigen::Vector3d eye = before->start_eye.value_or(Eigen::Vector3d(0, 1.6, 0));
   const Eigen::Vector2d at(eye.x(), eye.z());
   ground.outline = {at + Eigen::Vector2d(-9, -9), at + Eigen::Vector2d(9, -9), at + Eigen::Vector2d(0, 9)};
   ground.holes = {{at + Eigen::Vector2d(1, 1), at + Eigen::Vector2d(2, 1), at + Eigen::Vector2d(1, 2)}};
-  const auto changed = cyclorama::with_walkable(text, "scene.toml", ground, eye);
+  const auto changed = cyclorama::walkable::with_walkable(text, "scene.toml", ground, eye);
   if (!changed) return 0;
   // The program refuses to save what cannot be read again; whatever is read again is right.
-  const auto after = cyclorama::parse_scene_package(*changed, "scene.toml", ".");
+  const auto after = cyclorama::scene::parse_scene_package(*changed, "scene.toml", ".");
   if (after) CHECK(after->walkable.size() == 3 && after->walkable_holes.size() == 1 && after->title == before->title);
   return 0;
 }

@@ -28,11 +28,11 @@ audit = "/var/log/cyclorama-farm/audit.jsonl"
 [[scene]]
 name = "grotto"
 path = "/etc/cyclorama/grotto"
-on = "head"
+on = "coordinator"
 [distribution]
 digests = "/var/lib/cyclorama-farm/digests"
 """
-NODE = 'heads = ["[::1]:7402"]\nname = "render-1"\ncache = "/var/lib/cyclorama-node"\n'
+NODE = 'coordinators = ["[::1]:7402"]\nname = "render-1"\ncache = "/var/lib/cyclorama-node"\n'
 
 
 def tls(folder):
@@ -42,9 +42,9 @@ def tls(folder):
 def stick_of_host(farm, folder, name="host", node=NODE):
     """Returns the image of a stick with this host's settings, certificates and scene."""
     contents = {f"cyclorama/grotto/{path.name}": path for path in (farm.folder / "scene").iterdir()}
-    for role in ("head", "node"):
+    for role in ("coordinator", "node"):
         contents |= {f"cyclorama/tls-{role}/{file}": farm.folder / role / file for file in ("authority.crt", "certificate.crt", "key.pem")}
-    for file, text in (("farm.toml", HEAD + tls("tls-head")), ("node.toml", node + tls("tls-node"))):
+    for file, text in (("farm.toml", HEAD + tls("tls-coordinator")), ("node.toml", node + tls("tls-node"))):
         (folder / f"{name}-{file}").write_text(text)
         contents[f"cyclorama/{file}"] = folder / f"{name}-{file}"
     image = folder / f"{name}.img"
@@ -112,7 +112,7 @@ def run(options, folder):
     for name in ("setuid", "users") if shipped.exists() else ():
         compare(f"farm-host/{name}", (shipped / name).read_text().splitlines(), figures["failed"])
     disk = Disk(folder / "computer", flashable(options.out / "cyclorama-farm-host-debug"))
-    machine = Appliance(disk, heads=0, network=f"ipv4=on,ipv6=on,hostfwd=tcp:127.0.0.1:{FORWARDED}-:7401")
+    machine = Appliance(disk, coordinators=0, network=f"ipv4=on,ipv6=on,hostfwd=tcp:127.0.0.1:{FORWARDED}-:7401")
     try:
         machine.wait_for_shell(STARTS_WITHIN_S)
         machine.run("systemctl is-system-running --wait", STARTS_WITHIN_S)

@@ -20,14 +20,14 @@ class HostFarm:
         self.running = []
         self._run("cyclorama-grotto", "--triangles", TRIANGLES, "--out", self.folder / "scene", "--force")
         self._authority("init")
-        of_head = [word for address in addresses for word in ("--address", address)]
-        for role, *words in (("head", "farm", *of_head), ("node", "node"), ("museum", MUSEUM)):
+        of_coordinator = [word for address in addresses for word in ("--address", address)]
+        for role, *words in (("coordinator", "farm", *of_coordinator), ("node", "node"), ("museum", MUSEUM)):
             self._authority("--output", self.folder / f"{role}.tar", role, *words)
             (self.folder / role).mkdir(exist_ok=True)
             subprocess.run(["tar", "-xf", self.folder / f"{role}.tar", "-C", self.folder / role], check=True)
         (self.folder / "farm.toml").write_text(
-            f'museums = "[::1]:{MUSEUMS}"\nnodes = "[::1]:{NODES}"\n{more}[[scene]]\nname = "grotto"\npath = "{self.folder}/scene"\n' + self._tls("head"))
-        (self.folder / "node.toml").write_text(f'heads = ["[::1]:{NODES}"]\nname = "node"\nthreads = 1\n' + self._tls("node"))
+            f'museums = "[::1]:{MUSEUMS}"\nnodes = "[::1]:{NODES}"\n{more}[[scene]]\nname = "grotto"\npath = "{self.folder}/scene"\n' + self._tls("coordinator"))
+        (self.folder / "node.toml").write_text(f'coordinators = ["[::1]:{NODES}"]\nname = "node"\nthreads = 1\n' + self._tls("node"))
 
     def _run(self, program, *arguments):
         subprocess.run([self.programs / program, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)

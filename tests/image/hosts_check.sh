@@ -17,7 +17,7 @@ systemctl stop cyclorama-farm
 mkdir -p /srv/scenes
 printf 'v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 1 3 2\nf 1 4 3\n' > /srv/scenes/sheet.obj
 sed -i 's/^#\[\[scene\]\]/[[scene]]/; s/^#name = .*/name = "sheet"/; s|^#path = .*|path = "/srv/scenes/sheet.obj"|' /etc/cyclorama/farm.toml
-echo 'heads = ["[::1]:7402"]' >> /etc/cyclorama/node.toml
+echo 'coordinators = ["[::1]:7402"]' >> /etc/cyclorama/node.toml
 systemctl enable -q --now cyclorama-farm cyclorama-node
 expect "both run" within 20 systemctl -q is-active cyclorama-farm cyclorama-node
 expect "the node has the scene" within 30 has_said cyclorama-farm "has scene 'sheet'"

@@ -312,14 +312,14 @@ def check_fetch_program(build, folder):
     subprocess.run(["openssl", "dgst", "-sha256", "-sign", str(folder / "ours"), "-out", "SHA256SUMS.sig", "SHA256SUMS"], cwd=store, check=True)
     authority = [f"{build}/bin/cyclorama-authority", "--folder", str(here / "authority")]
     subprocess.run([*authority, "init"], check=True, stdout=subprocess.DEVNULL)
-    for role, *more in (("head", "farm", "--address", "::1"), ("museum", "hall-3")):
+    for role, *more in (("coordinator", "farm", "--address", "::1"), ("museum", "hall-3")):
         (here / role).mkdir()
         subprocess.run([*authority, "--output", f"{here}/{role}.tar", role, *more], check=True, stdout=subprocess.DEVNULL)
         subprocess.run(["tar", "-xf", f"{here}/{role}.tar", "-C", str(here / role)], check=True)
     port = free_port()
     tls = 'authority = "{0}/authority.crt"\ncertificate = "{0}/certificate.crt"\nkey = "{0}/key.pem"\n'
     (here / "farm.toml").write_text(f'museums = "[::1]:{port}"\nnodes = "[::1]:{free_port()}"\n[[scene]]\nname = "a"\npath = "/srv/a"\n'
-                                    f'[updates]\nfolder = "{here}/store"\n[tls]\n' + tls.format("head"))
+                                    f'[updates]\nfolder = "{here}/store"\n[tls]\n' + tls.format("coordinator"))
     (here / "site.toml").write_text(f'[farm]\nheads = ["[::1]:{port}"]\nmuseum = "hall-3"\n' + tls.format("museum") + '[hours]\nopen = ["Mon-Sun 00:00-24:00"]\n')
     (here / "os-release").write_text('NAME=Debian\nIMAGE_ID="cyclorama-museum"\nIMAGE_VERSION=1\n')
     (here / "at").mkdir()
@@ -362,7 +362,7 @@ def check_health(computer, folder):
     return bad
 
 
-HEAD = 'museums = "[::1]:7401"\nnodes = "[::1]:7402"\n[[scene]]\nname = "cave"\npath = "/etc/cyclorama/cave"\non = "head"\n'
+HEAD = 'museums = "[::1]:7401"\nnodes = "[::1]:7402"\n[[scene]]\nname = "cave"\npath = "/etc/cyclorama/cave"\non = "coordinator"\n'
 
 
 def check_farm_host(host, folder):
@@ -377,7 +377,7 @@ def check_farm_host(host, folder):
     (esp / "cave").mkdir(parents=True)
     (esp / "cave/scene.toml").write_text("")
     (esp / "farm.toml").write_text(HEAD)
-    (esp / "node.toml").write_text('heads = ["[::1]:7402"]\n')
+    (esp / "node.toml").write_text('coordinators = ["[::1]:7402"]\n')
     host.run("find-settings")
     settings = host.state / "settings"
     bad += expect("settings and a scene of the boot partition are taken", (settings / "cave/scene.toml").exists() and "installed" in host.report(), host.report())
@@ -385,7 +385,7 @@ def check_farm_host(host, folder):
     host.run("find-settings")
     bad += expect("the coordinator's reader refuses a wrong key", "refused" in host.report() and "musuems" in host.report(), host.report())
     (esp / "farm.toml").write_text(HEAD)
-    (esp / "node.toml").write_text('heads = ["[::1]:7402"]\nthreads = 99999\n')
+    (esp / "node.toml").write_text('coordinators = ["[::1]:7402"]\nthreads = 99999\n')
     host.run("find-settings")
     bad += expect("the node's own reader refuses a wrong value", "refused" in host.report() and "threads" in host.report(), host.report())
     bad += expect("and they change nothing", (settings / "farm.toml").read_text() == HEAD)
@@ -394,7 +394,7 @@ def check_farm_host(host, folder):
     bad += expect("the serial port shows why", "threads" in console.read_text())
     given = folder / "given-node"
     given.mkdir()
-    (given / "node.toml").write_text('heads = ["[2001:db8::1]:7402"]\n')
+    (given / "node.toml").write_text('coordinators = ["[2001:db8::1]:7402"]\n')
     shutil.rmtree(esp)
     host.start_with(given)
     bad += expect("credentials can make it a node alone", not (settings / "farm.toml").exists() and "2001:db8::1" in (settings / "node.toml").read_text(), host.report())

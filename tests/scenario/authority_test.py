@@ -54,8 +54,8 @@ def check(authority):
     authority.refuses("make one with", "list")
     authority.ok("init")
     authority.refuses("has an authority already", "init")
-    authority.refuses("needs --address", "head", "farm")
-    authority.ok("head", "farm", "--address", "::1", "--address", "farm.example.org")
+    authority.refuses("needs --address", "coordinator", "farm")
+    authority.ok("coordinator", "farm", "--address", "::1", "--address", "farm.example.org")
     output = authority.ok("museum", "hall-3", "--scenes", "grotto,relic")
     expect('scenes = ["grotto", "relic"]' in output, output)
     authority.ok("node", "n1", "--days", "30")
@@ -63,13 +63,13 @@ def check(authority):
     for secret in ("farm.tar", "hall-3.tar", "ca/private/ca.key"):
         expect((authority.folder / secret).stat().st_mode & 0o077 == 0, f"others may read {secret}")
     expect((authority.ca / "crl.pem").stat().st_mode & 0o444 == 0o444, "the coordinator cannot read crl.pem")
-    head = authority.unpack("farm.tar")
-    expect((head / "key.pem").stat().st_mode & 0o077 == 0, "others may read the coordinator's key")
-    expect('revoked = "' in (head / "settings.toml").read_text(), "the coordinator's lines name no revocation list")
+    coordinator = authority.unpack("farm.tar")
+    expect((coordinator / "key.pem").stat().st_mode & 0o077 == 0, "others may read the coordinator's key")
+    expect('revoked = "' in (coordinator / "settings.toml").read_text(), "the coordinator's lines name no revocation list")
     museum = authority.unpack("hall-3.tar")
     expect("[farm]" in (museum / "settings.toml").read_text(), "the museum's lines are not for site.toml")
-    text = authority.openssl("x509", "-in", str(head / "certificate.crt"), "-noout", "-text")
-    for part in ("CN = farm", "OU = head", "DNS:farm.example.org", "IP Address:0:0:0:0:0:0:0:1", "TLS Web Server Authentication",
+    text = authority.openssl("x509", "-in", str(coordinator / "certificate.crt"), "-noout", "-text")
+    for part in ("CN = farm", "OU = coordinator", "DNS:farm.example.org", "IP Address:0:0:0:0:0:0:0:1", "TLS Web Server Authentication",
                  "CA:FALSE", "prime256v1"):
         expect(part in text, f"the coordinator's certificate has no {part}")
     verified = authority.openssl("verify", "-x509_strict", "-purpose", "sslclient", "-CAfile", str(authority.ca / "ca.crt"),
@@ -91,7 +91,7 @@ def check(authority):
 
     authority.refuses("is not a name", "museum", "../hall")
     authority.refuses("is not a name", "node", "a/CN=b")
-    authority.refuses("neither an IP address nor", "head", "farm2", "--address", "a,DNS:b")
+    authority.refuses("neither an IP address nor", "coordinator", "farm2", "--address", "a,DNS:b")
     authority.refuses("not a list", "museum", "x", "--scenes", 'a"b')
     authority.refuses("no command", "frobnicate")
     authority.refuses("no option", "--frobnicate")

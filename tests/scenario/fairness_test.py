@@ -51,7 +51,7 @@ def trusting_farm(build, folder):
     """Makes certificates for all museums and a file of weights."""
     folder, scene = pathlib.Path(folder), make_scene(build, folder)
     authority = Authority(build, folder)
-    authority.bundle("head", "farm", "--address", "::1")
+    authority.bundle("coordinator", "farm", "--address", "::1")
     authority.bundle("node", "nodes")
     for name in WEIGHTS:
         authority.bundle("museum", name)
@@ -61,7 +61,7 @@ def trusting_farm(build, folder):
     (folder / "farm.toml").write_text(f'museums = "[::1]:1"\nnodes = "[::1]:2"\nmuseums_file = "museums.toml"\n[[scene]]\n'
                                       f'name = "visit"\npath = "{scene}"\n[tls]\n' + TLS.format("farm"))
     (folder / "node.toml").write_text("[tls]\n" + TLS.format("nodes"))
-    return Farm(build, folder, nodes=2, scene=scene, head_options=("--config", folder / "farm.toml"),
+    return Farm(build, folder, nodes=2, scene=scene, coordinator_options=("--config", folder / "farm.toml"),
                 node_options=("--config", folder / "node.toml"))
 
 
@@ -86,7 +86,7 @@ def is_fair(make, build, check):
             try:
                 print(json.dumps(check(farm)))
             except AssertionError as error:
-                print(farm.heads[0].process.output()[-1500:])
+                print(farm.coordinators[0].process.output()[-1500:])
                 print(error)
                 return False
         holes, breaches = farm.wrong()

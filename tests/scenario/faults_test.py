@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Injects faults, drawn from a seed, into a working farm: no picture is wrong, no session is lost, nothing leaks.
 
-Run: faults_test.py SOURCE_ROOT BUILD_FOLDER [--faults N] [--seed S] [--heads 1|2] [--only KIND] [--keep FOLDER]
+Run: faults_test.py SOURCE_ROOT BUILD_FOLDER [--faults N] [--seed S] [--coordinators 1|2] [--only KIND] [--keep FOLDER]
 It prints a table by kind, then one line that is a JSON object.
 """
 import argparse
@@ -36,7 +36,7 @@ def picked(kinds, count, seed):
 
 
 def usage(farm):
-    return {part.process.name: part.process.usage() for part in farm.heads}
+    return {part.process.name: part.process.usage() for part in farm.coordinators}
 
 
 def run(farm, kinds, count, seed):
@@ -117,16 +117,16 @@ def main():
     parser.add_argument("build")
     parser.add_argument("--faults", type=int, default=8)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--heads", type=int, default=1)
+    parser.add_argument("--coordinators", type=int, default=1)
     parser.add_argument("--only", help="faults whose name contains this")
     parser.add_argument("--keep", help="leaves the logs in this folder")
     arguments = parser.parse_args()
-    kinds = [f for f in faults.ALL if f.heads <= arguments.heads and (arguments.only or "") in f.kind]
+    kinds = [f for f in faults.ALL if f.coordinators <= arguments.coordinators and (arguments.only or "") in f.kind]
     with tempfile.TemporaryDirectory() as folder:
         if arguments.keep:
             folder = arguments.keep
             pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
-        with Farm(arguments.build, folder, heads=arguments.heads) as farm:
+        with Farm(arguments.build, folder, coordinators=arguments.coordinators) as farm:
             try:
                 records, grown = run(farm, kinds, arguments.faults, arguments.seed)
             except AssertionError as error:

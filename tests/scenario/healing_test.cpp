@@ -84,16 +84,16 @@ class Scenario {
       : display_(std::move(display)), calibrator_(std::move(calibrator)), folder_(std::move(folder)) {}
 
   int run() {
-    PresetOptions options;
+    simulated::PresetOptions options;
     options.projector_width_px = 640;
     options.projector_height_px = 360;
     options.camera_megapixels = 0.3;
-    auto preset = make_preset("cylinder126", 3, options);
-    CHECK(preset && write_preset(*preset, folder_));
+    auto preset = simulated::make_preset("cylinder126", 3, options);
+    CHECK(preset && simulated::write_preset(*preset, folder_));
     truth_ = preset->truth;
-    auto museum = TrueMuseum::make(preset->installation, truth_);
-    CHECK(museum && save_calibration(folder_, true_calibration(*museum, kBefore)) &&
-          save_calibration(folder_, true_calibration(*museum, "2026-11-22T10-00-00Z")));
+    auto museum = simulated::TrueMuseum::make(preset->installation, truth_);
+    CHECK(museum && calibration::save_calibration(folder_, true_calibration(*museum, kBefore)) &&
+          calibration::save_calibration(folder_, true_calibration(*museum, "2026-11-22T10-00-00Z")));
     installation_ = preset->installation;
 
     const auto tour = FakeTour::start();
@@ -133,7 +133,7 @@ class Scenario {
       expect(falls_below(1.0, 120), "a calibrator that comes back goes on");
       fmt::print("bumped to {:.2f} px when it was killed, healed {:.2f} px\n", bumped_px, off_px());
       expect(restore() == kBefore, "one command brings the calibration of before back");
-      expect(read_calibration(folder_)->date == kBefore && display_says(kBefore), "displays draw for it");
+      expect(calibration::read_calibration(folder_)->date == kBefore && display_says(kBefore), "displays draw for it");
       heals.kill(SIGTERM);
     }
     for (const auto& record : std::filesystem::directory_iterator(folder_ / "record")) {
@@ -236,20 +236,20 @@ class Scenario {
   }
 
   void bump(const std::array<double, 6>& numbers) {
-    PoseStep step;
+    calibration::PoseStep step;
     for (int i = 0; i < 6; ++i) step[i] = numbers[static_cast<std::size_t>(i)];
     auto& pose = truth_.projectors[kWall].T_room_projector;
-    pose = stepped(pose, step);
-    CHECK(write_file_atomically(truth_path_beside(folder_ / "installation.toml"), truth_.text()));
+    pose = calibration::stepped(pose, step);
+    CHECK(write_file_atomically(simulated::truth_path_beside(folder_ / "installation.toml"), truth_.text()));
   }
   /// Of the bumped projector: where displays draw for, against the truth.
   [[nodiscard]] double off_px() const {
-    auto museum = TrueMuseum::make(installation_, truth_);
-    const auto calibration = read_calibration(folder_);
+    auto museum = simulated::TrueMuseum::make(installation_, truth_);
+    const auto calibration = calibration::read_calibration(folder_);
     CHECK(museum && calibration);
-    MeasuredMap map = calibration->projectors[kWall].map;
-    if (const auto show = read_show(folder_ / kCorrectionFile))
-      map = corrected_map(map, show->projectors[kWall], installation_.wall, installation_.sweet_spot);
+    calibration::MeasuredMap map = calibration->projectors[kWall].map;
+    if (const auto show = calibration::read_show(folder_ / calibration::kCorrectionFile))
+      map = calibration::corrected_map(map, show->projectors[kWall], installation_.wall, installation_.sweet_spot);
     return map_off_px(*museum, kWall, map);
   }
   [[nodiscard]] bool falls_below(double px, int seconds) const {
@@ -264,7 +264,7 @@ class Scenario {
   std::string display_;
   std::string calibrator_;
   std::filesystem::path folder_;
-  MuseumTruth truth_;
+  simulated::MuseumTruth truth_;
   Installation installation_;
   std::atomic<bool> is_over_{false};
   int problems_ = 0;

@@ -31,12 +31,12 @@ class Site:
     def __init__(self, build, folder, hosts):
         self.hosts, build = hosts, pathlib.Path(build)
         scene = make_scene(build, folder)
-        at = hosts.address("head")
-        self.parts = {"head": Process("head", [*hosts.on("head"), build / "bin/cyclorama-farm", "--scene", f"visit={scene}",
+        at = hosts.address("coordinator")
+        self.parts = {"coordinator": Process("coordinator", [*hosts.on("coordinator"), build / "bin/cyclorama-farm", "--scene", f"visit={scene}",
                                                "--museums", f"[::]:{MUSEUMS}", "--nodes", f"[::]:{NODES}",
                                                "--insecure"], folder)}
         for name in RENDERERS:
-            self.parts[name] = Process(name, [*hosts.on(name), build / "bin/cyclorama-node", "--head", f"[{at}]:{NODES}",
+            self.parts[name] = Process(name, [*hosts.on(name), build / "bin/cyclorama-node", "--coordinator", f"[{at}]:{NODES}",
                                               "--threads", 1, "--name", name], folder)
         self.wait_for_word("has scene 'visit'", len(RENDERERS))
         self.museum = Museum("museum", build / "tests/test-museum", folder, [f"[{at}]:{MUSEUMS}"], RATE_HZ,
@@ -44,7 +44,7 @@ class Site:
         wait_until(self.museum.whole_frames, 60, "the first picture")
 
     def wait_for_word(self, word, times):
-        wait_until(lambda: self.parts["head"].output().count(word) >= times, 60,
+        wait_until(lambda: self.parts["coordinator"].output().count(word) >= times, 60,
                    f"{word!r} in the coordinator's log {times} times")
 
     def end(self):
@@ -68,11 +68,11 @@ def cut_a_node(site):
         yield f"{name} cut off for {seconds:.0f} s", without, now() - back
 
 
-def cut_everybody_from_the_head(site):
+def cut_everybody_from_the_coordinator(site):
     """Cuts off coordinator, then museum: no picture can arrive; afterwards pictures arrive by themselves."""
-    site.hosts.unplug("head")
+    site.hosts.unplug("coordinator")
     time.sleep(CUT_S)
-    site.hosts.plug_in("head")
+    site.hosts.plug_in("coordinator")
     back = now()
     wait_until(lambda: site.museum.whole_frames(back), 30, "pictures after the coordinator was back")
     yield "coordinator cut off", CUT_S, site.museum.whole_frames(back)[0]["at_s"] - back
@@ -89,9 +89,9 @@ def cut_the_museum(site):
 
 def check(site):
     listening = {name: site.hosts.listeners(name) for name in site.hosts.names}
-    assert listening.pop("head") == [MUSEUMS, NODES], "the coordinator listens on other ports than its two"
+    assert listening.pop("coordinator") == [MUSEUMS, NODES], "the coordinator listens on other ports than its two"
     assert not any(listening.values()), f"open ports that should be closed: {listening}"
-    for step in (cut_a_node, cut_everybody_from_the_head, cut_the_museum):
+    for step in (cut_a_node, cut_everybody_from_the_coordinator, cut_the_museum):
         for what, without, back in step(site):
             print(f"{what}: {without:.1f} s without pictures in time, back after {back:.1f} s")
     holes, breaches = site.museum.wrong()
@@ -103,7 +103,7 @@ def main(_, build):
     if reason := why_not():
         print(f"netns: skipped: {reason}")
         return 1 if os.environ.get("CYCLORAMA_REQUIRE_NETNS") == "1" else 77
-    with tempfile.TemporaryDirectory() as folder, Hosts(["head", *RENDERERS, "museum"]) as hosts:
+    with tempfile.TemporaryDirectory() as folder, Hosts(["coordinator", *RENDERERS, "museum"]) as hosts:
         site = Site(build, folder, hosts)
         try:
             check(site)

@@ -176,7 +176,7 @@ def main(root, build, *components):
                         'inspect = "': f'inspect = "unix:{folder}/inspect.sock"',  # systemd makes /run/cyclorama-farm.
                         "[[scene]]": "[[scene]]", "name = ": 'name = "a"', "path = ": 'path = "/srv/a"'})
                 if component == "node":
-                    check_service("node", unpacked, "no head is given", {"heads = ": f'heads = ["[::1]:{port + 1}"]'})
+                    check_service("node", unpacked, "no coordinator is given", {"coordinators = ": f'coordinators = ["[::1]:{port + 1}"]'})
             except AssertionError as error:
                 problems.append(str(error))
     print("\n".join(problems) or "packages: ok")

@@ -108,7 +108,7 @@ class Wall {
   [[nodiscard]] std::vector<RgbImage> heads() const {
     std::vector<RgbImage> all;
     for (const InstalledProjector& projector : room_.projectors) {
-      auto reader = SharedPictureReader::open(shared_picture_path(folder_, projector.name));
+      auto reader = output::SharedPictureReader::open(output::shared_picture_path(folder_, projector.name));
       RgbImage picture;
       if (!reader || !reader->read_newest(&picture)) return {};
       all.push_back(std::move(picture));

@@ -35,12 +35,12 @@ class Visit:
         subprocess.run([self.bin / "cyclorama-grotto", "--triangles", "10000", "--out", scene], check=True, capture_output=True)
         self.start("farm", "--scene", f"visit={scene}", "--museums", at[0], "--nodes", at[1], "--inspect", at[4])
         for _ in range(2):
-            self.start("node", "--head", at[1], "--threads", "1")
+            self.start("node", "--coordinator", at[1], "--threads", "1")
         self.start("tour", "--config", self.folder / "site.toml", "--listen", at[2], "--farm", at[0])
         self.start("display", "--installation", f"{root}/demo/installation.toml", "--tour", at[2], "--listen", at[3],
                    "--run-dir", folder, "--width", "256", "--height", "96", "--refresh-hz", "20")
         self.start("operator", "--no-pin", "--listen", at[5], "--watch", f"tour={at[2]}", "--watch", f"display={at[3]}", "--watch",
-                   f"head={at[4]}")
+                   f"coordinator={at[4]}")
 
     def start(self, name, *arguments):
         log = open(self.folder / f"{name}-{len(self.running)}.log", "w")
@@ -79,14 +79,14 @@ class Visit:
 
 
 def rests(status):
-    return f"at rest with {REFERENCE} samples" in status["head"]["state"] and \
+    return f"at rest with {REFERENCE} samples" in status["coordinator"]["state"] and \
         status["tour"]["gauges"]["samples_per_pixel"] == REFERENCE
 
 
 def counted(status):
     """Returns the counters that grow when anything is sent."""
     return [status["tour"]["gauges"]["frames"], status["tour"]["gauges"]["refined_frames"],
-            status["head"]["gauges"]["frames"], status["head"]["gauges"]["refined_frames"],
+            status["coordinator"]["gauges"]["frames"], status["coordinator"]["gauges"]["refined_frames"],
             status["display"]["gauges"]["frames_presented"]]
 
 

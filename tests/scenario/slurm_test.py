@@ -124,7 +124,7 @@ class Farm:
         """Returns the number of ready nodes, or -1 if the coordinator does not answer."""
         status = self.folder / "status.json"
         status.unlink(missing_ok=True)
-        subprocess.run([self.bin / "cyclorama", "status", "--watch", f"head={self.inspect}", "--json", status], capture_output=True)
+        subprocess.run([self.bin / "cyclorama", "status", "--watch", f"coordinator={self.inspect}", "--json", status], capture_output=True)
         try:
             return json.loads(status.read_text())["processes"][0]["gauges"]["nodes"]
         except (OSError, KeyError, IndexError):
@@ -133,16 +133,16 @@ class Farm:
 
 def check(root, build, machine):
     cluster, farm = Cluster(machine), Farm(machine, build)
-    wait("the head", lambda: farm.nodes() == 0)
+    wait("the coordinator", lambda: farm.nodes() == 0)
     script = f"{root}/renderfarm/slurm/cyclorama-nodes.sbatch"
-    job = cluster.do("sbatch", "--parsable", "--array=0-3%1", script, CYCLORAMA_HEADS=farm.nodes_at,
+    job = cluster.do("sbatch", "--parsable", "--array=0-3%1", script, CYCLORAMA_COORDINATORS=farm.nodes_at,
                      CYCLORAMA_NODE=str(farm.bin / "cyclorama-node"))
     wait("the first node", lambda: farm.nodes() == 1)
     cluster.do("scontrol", "update", f"JobId={job}", "ArrayTaskThrottle=2")
     wait("a second node", lambda: farm.nodes() == 2)
     assert cluster.elements("R") == ["0", "1"], cluster.elements("R")
-    head_log = (machine.folder / "farm.log").read_text()
-    assert head_log.count("with 1 threads") == 2, "each node renders with the processors that Slurm gave it:\n" + head_log
+    coordinator_log = (machine.folder / "farm.log").read_text()
+    assert coordinator_log.count("with 1 threads") == 2, "each node renders with the processors that Slurm gave it:\n" + coordinator_log
 
     begun = time.monotonic()
     cluster.do("scancel", f"{job}_0")

@@ -26,7 +26,7 @@ class TrustedFarm:
         self.museums, self.nodes = free_port(), free_port()
         self.running = []
         self.authority = Authority(build, folder)
-        self.authority.bundle("head", "farm", "--address", "::1")
+        self.authority.bundle("coordinator", "farm", "--address", "::1")
         self.authority.bundle("node", "n1")
         self.authority.bundle("museum", "hall-3")
         self.authority.bundle("museum", "hall-4")
@@ -37,7 +37,7 @@ class TrustedFarm:
             f'audit = "audit.jsonl"\n[[scene]]\nname = "visit"\npath = "{scene}"\n[tls]\nrevoked = "ca/crl.pem"\n'
             + TLS.format("farm"))
         (self.folder / "node.toml").write_text(
-            f'head = "[::1]:{self.nodes}"\nthreads = 1\n[tls]\n' + TLS.format("n1"))
+            f'coordinator = "[::1]:{self.nodes}"\nthreads = 1\n[tls]\n' + TLS.format("n1"))
         (self.folder / "site.toml").write_text(
             f'[farm]\nheads = ["[::1]:{self.museums}"]\n' + TLS.format("hall-3"))
         self.start("farm", "farm.toml")
@@ -80,22 +80,22 @@ class TrustedFarm:
 
 
 def check(farm):
-    opened, _ = farm.wait_for(1, "visit opened", name="hall-3", scene="visit")
+    opened, _ = farm.wait_for(1, "session opened", name="hall-3", scene="visit")
     assert opened["role"] == "museum" and "[::1]" in opened["address"].replace("%5B", "[").replace("%5D", "]"), opened
     assert "Cipher is (NONE)" in farm.tls("-tls1_2", "hall-3"), "TLS 1.2 is accepted"
     assert "TLSv1.3, Cipher is TLS_" in farm.tls("-tls1_3", "hall-3"), "TLS 1.3 is refused"
 
     farm.grant("another")
-    farm.wait_for(1, "visit ended", reason="not granted any more")
+    farm.wait_for(1, "session ended", reason="not granted any more")
     farm.grant("visit")
-    farm.wait_for(2, "visit opened", name="hall-3")
+    farm.wait_for(2, "session opened", name="hall-3")
 
     farm.authority.do("revoke", "hall-3")
-    ended, museum_s = farm.wait_for(1, "visit ended", reason="revoked")
+    ended, museum_s = farm.wait_for(1, "session ended", reason="revoked")
     assert ended["serial"] == opened["serial"], ended
     farm.wait_for(1, "museum refused", serial=opened["serial"], reason="revoked")
     farm.authority.bundle("museum", "hall-3")
-    again, _ = farm.wait_for(3, "visit opened", name="hall-3")
+    again, _ = farm.wait_for(3, "session opened", name="hall-3")
     assert again["serial"] != opened["serial"], again
 
     assert farm.walker.wrong() == (0, []) and len(farm.walker.events("opened")) == 1, "one affects another"
@@ -103,7 +103,7 @@ def check(farm):
     _, node_s = farm.wait_for(1, "node gone", reason="revoked")
     assert all(process.alive() for process in farm.running), "a process was restarted"
     assert farm.stop(), "a process did not stop on request"
-    walked, _ = farm.wait_for(1, "visit ended", name="hall-4")
+    walked, _ = farm.wait_for(1, "session ended", name="hall-4")
     assert walked["frames"] > 10 and walked["bytes"] > 1000 * walked["frames"], walked
     print(f"a revoked museum was gone after {museum_s:.2f} s, a node after {node_s:.2f} s")
 

@@ -92,7 +92,7 @@ def top(build, folder, *options):
 
 
 def check_access(page):
-    for path in ("/", "/status", "/visits", "/metrics", "/visits/1.mjpeg", "/nothing"):
+    for path in ("/", "/status", "/sessions", "/metrics", "/sessions/1.mjpeg", "/nothing"):
         assert page.status(path) == 401, path
         assert page.status(path, "Bearer wrong-wrong-wrong-wrong") == 401, path
     basic = "Basic " + base64.b64encode(f"operator:{TOKEN}".encode()).decode()
@@ -100,8 +100,8 @@ def check_access(page):
 
 
 def check_pictures(build, folder, page, farm):
-    [visit] = json.loads(page.get("/visits"))
-    stream = page.open(f"/visits/{visit['id']}.mjpeg?half")
+    [visit] = json.loads(page.get("/sessions"))
+    stream = page.open(f"/sessions/{visit['id']}.mjpeg?half")
     first, second = pictures(stream, 2)
     for name, jpeg in (("first", first), ("second", second)):
         (folder / f"{name}.jpg").write_bytes(jpeg)
@@ -111,14 +111,14 @@ def check_pictures(build, folder, page, farm):
     assert first != second
     farm.forget_museum(MUSEUM)
     stream.read()  # Ends with the visit.
-    assert page.status(f"/visits/{visit['id']}.mjpeg", f"Bearer {TOKEN}") == 404
+    assert page.status(f"/sessions/{visit['id']}.mjpeg", f"Bearer {TOKEN}") == 404
 
 
 def check(build, folder, page, farm):
     farm.ready()
     wait_until(lambda: page.status("/health") == 200, 20, "the coordinator's next update")
     check_access(page)
-    assert '"visits"' in page.get("/page.js")
+    assert '"sessions"' in page.get("/page.js")
     museum = farm.add_museum(MUSEUM, "--budget-ms", 400)
     wait_until(lambda: len(museum.whole_frames()) > 10, 60, "pictures")
     label = r'{museum="Hall \"3\""}'
@@ -128,13 +128,13 @@ def check(build, folder, page, farm):
     wait_until(lambda: samples(page.get("/metrics")).get('cyclorama_node_memory_bytes{node="node-1"}', 0) > 1e6, 60,
                "the nodes' metrics")
     metrics = samples(page.get("/metrics"))
-    assert metrics["cyclorama_nodes"] == 2 and metrics[f"cyclorama_visits{label}"] == 1, metrics
-    assert metrics[f"cyclorama_visit_budget_seconds{label}"] == 0.4, metrics
+    assert metrics["cyclorama_nodes"] == 2 and metrics[f"cyclorama_sessions{label}"] == 1, metrics
+    assert metrics[f"cyclorama_session_budget_seconds{label}"] == 0.4, metrics
     for stage in ("queue", "plan", "fan_out", "render", "encode", "relay", "overhead", "farm"):
         assert metrics[f'cyclorama_frame_seconds_count{{stage="{stage}"}}'] > 0, stage
     assert samples((folder / "farm.prom").read_text()).keys() >= {"cyclorama_nodes"}
     seen = json.loads(top(build, folder, "--json"))
-    assert seen["healthy"] and seen["visits"][0]["museum"] == MUSEUM and seen["visits"][0]["budget_ms"] == 400, seen
+    assert seen["healthy"] and seen["sessions"][0]["museum"] == MUSEUM and seen["sessions"][0]["budget_ms"] == 400, seen
     assert sorted(node["name"] for node in seen["nodes"]) == ["node-1", "node-2"], seen
     table = top(build, folder)
     assert "node-1" in table and MUSEUM in table and "\x1b" not in table, table
@@ -151,11 +151,11 @@ def main(_, build):
         refuses_to_be_seen_by_all(build, folder, settings)
         (folder / "token").write_text(TOKEN + "\n")
         (folder / "farm.toml").write_text(settings + f'token_file = "{folder}/token"\n')
-        with Farm(build, folder, nodes=2, scene=scene, head_options=("--config", folder / "farm.toml")) as farm:
+        with Farm(build, folder, nodes=2, scene=scene, coordinator_options=("--config", folder / "farm.toml")) as farm:
             try:
                 check(build, folder, Page(port), farm)
             except AssertionError as error:
-                print(farm.heads[0].process.output()[-2000:], error, sep="\n")
+                print(farm.coordinators[0].process.output()[-2000:], error, sep="\n")
                 return 1
         assert not (folder / "farm.prom").exists(), "the metrics of a stopped coordinator stay"
         if farm.stuck:

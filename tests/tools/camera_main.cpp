@@ -40,23 +40,24 @@ void say(const std::string& line) {
 Error failure(std::string what) { return {ErrorCode::kBadData, std::move(what)}; }
 
 /// A hand with the standard wand, 1 m away and 12° turned.
-SimulatedView the_view() {
-  Simulation simulation;
-  KeyPose key;
+simulated::SimulatedView the_view() {
+  simulated::Simulation simulation;
+  simulated::KeyPose key;
   key.position_m = {0.05, 0.02, 1.0};
   key.yaw_rad = 12.0 * std::numbers::pi / 180.0;
-  simulation.path = *HandPath::make({key}, std::nullopt);
-  return SimulatedView(std::move(simulation));
+  simulation.path = *simulated::HandPath::make({key}, std::nullopt);
+  return simulated::SimulatedView(std::move(simulation));
 }
 
-Result<std::unique_ptr<Camera>> started(const std::string& options, const Clock& clock) {
-  TRY_ASSIGN(std::unique_ptr<Camera> camera, make_camera(fmt::format("v4l2:{}{}", kPort, options), clock));
+Result<std::unique_ptr<camera::Camera>> started(const std::string& options, const Clock& clock) {
+  TRY_ASSIGN(std::unique_ptr<camera::Camera> camera,
+             devices::make_camera(fmt::format("v4l2:{}{}", kPort, options), clock));
   TRY(camera->start());
   return camera;
 }
 
 /// The first picture that is the sent one, bit for bit: what was on its way before may be the driver's own.
-Status await_picture(Camera* camera, const GreyImage& sent, const Clock& clock) {
+Status await_picture(camera::Camera* camera, const GreyImage& sent, const Clock& clock) {
   int others = 0;
   for (const TimePoint until = clock.now() + seconds(20); clock.now() < until; ++others) {
     TRY_ASSIGN(const auto frame, camera->next_frame(clock.now() + seconds(5)));
@@ -66,9 +67,9 @@ Status await_picture(Camera* camera, const GreyImage& sent, const Clock& clock) 
 }
 
 Status look(const std::string& options, const GreyImage& sent, const Clock& clock) {
-  TRY_ASSIGN(const std::unique_ptr<Camera> camera, started(options, clock));
+  TRY_ASSIGN(const std::unique_ptr<camera::Camera> camera, started(options, clock));
   TRY(await_picture(camera.get(), sent, clock));
-  TRY_ASSIGN(TagDetector detector, TagDetector::create({}));
+  TRY_ASSIGN(tags::TagDetector detector, tags::TagDetector::create({}));
   Percentiles latency_ms;
   Percentiles detect_ms;
   int same = 0;
@@ -84,7 +85,7 @@ Status look(const std::string& options, const GreyImage& sent, const Clock& cloc
     last = frame->sequence;
     // Every tenth: a virtual machine without hardware detects slower than the driver sends.
     if (i % 10 != 0) continue;
-    TRY_ASSIGN(const std::vector<TagDetection> tags, detector.detect(frame->pixels));
+    TRY_ASSIGN(const std::vector<tags::TagDetection> tags, detector.detect(frame->pixels));
     detect_ms.add(to_milliseconds(clock.now() - delivered_at));
     found += tags.size() == 3 ? 1 : 0;  // The standard wand's.
   }
@@ -98,7 +99,7 @@ Status look(const std::string& options, const GreyImage& sent, const Clock& cloc
 }
 
 Status check_another_program(const Clock& clock) {
-  TRY_ASSIGN(const std::unique_ptr<Camera> first, started("", clock));
+  TRY_ASSIGN(const std::unique_ptr<camera::Camera> first, started("", clock));
   const auto second = started("", clock);
   if (second || second.error().code() != ErrorCode::kBusy) return failure("two programs stream at once");
   say("busy: " + second.error().message());
@@ -107,7 +108,7 @@ Status check_another_program(const Clock& clock) {
 
 /// What a fault of the driver's leads to: an Error, or none within a second.
 Status check_fault(const std::string& control, const GreyImage& sent, const Clock& clock) {
-  TRY_ASSIGN(const std::unique_ptr<Camera> camera, started("", clock));
+  TRY_ASSIGN(const std::unique_ptr<camera::Camera> camera, started("", clock));
   TRY(await_picture(camera.get(), sent, clock));
   TRY(VividCable::set_control(control, 1));
   std::string said = "not noticed";
@@ -122,7 +123,7 @@ Status check_fault(const std::string& control, const GreyImage& sent, const Cloc
 }
 
 Status check_lost_signal(const GreyImage& sent, const Clock& clock) {
-  TRY_ASSIGN(std::unique_ptr<Camera> camera, started("", clock));
+  TRY_ASSIGN(std::unique_ptr<camera::Camera> camera, started("", clock));
   TRY(await_picture(camera.get(), sent, clock));
   constexpr const char* kMode = "DV Timings Signal Mode";
   TRY(VividCable::set_control(kMode, 1));
@@ -193,7 +194,7 @@ Status check_tracker(const GreyImage& sent) {
 Status run() {
   const SteadyClock clock;
   const GreyImage sent = the_view().picture(0);
-  for (const ListedCamera& camera : list_cameras()) {
+  for (const camera::ListedCamera& camera : devices::list_cameras()) {
     say(fmt::format("listed {} ({}, {}), sends {}{}", camera.spec, camera.name, camera.path, camera.sends,
                     camera.problem));
   }

@@ -18,17 +18,18 @@ struct Options {
   std::string log;
   double skew_ms = 0.0;
   double drift_ppm = 0.0;
-  DisplayOptions display;
+  display::DisplayOptions display;
 };
 
 class RefreshLog {
  public:
   RefreshLog(const std::string& path, const SkewedClock& clock) : file_(fmt::output_file(path)), clock_(clock) {}
-  void add(const RefreshEvent& event) {
+  void add(const display::RefreshEvent& event) {
     if (event.is_first_of_frame) frame_ = event.frame_number;
     file_.print("{} {} {} {} {} {:.6f} {:.3f}\n", to_nanoseconds(clock_.true_time(event.presented.at)),
-                event.shared_refresh ? fmt::to_string(*event.shared_refresh) : "-", frame_, event.late(event.frame_due),
-                event.late(event.heading_due), event.heading_rad, to_milliseconds(event.drawn_ahead));
+                event.synchronised_refresh ? fmt::to_string(*event.synchronised_refresh) : "-", frame_,
+                event.late(event.frame_due), event.late(event.heading_due), event.heading_rad,
+                to_milliseconds(event.drawn_ahead));
   }
   void add(const wire::Gauge& gauge) { file_.print("# {} {}\n", gauge.name(), gauge.value()); }
 
@@ -46,8 +47,9 @@ Status run(Options options, const StopSignal& stop) {
   const SkewedClock clock(ms(options.skew_ms), options.drift_ppm);
   options.display.system_clock = [skew = ms(options.skew_ms)] { return std::chrono::system_clock::now() + skew; };
   RefreshLog log(options.log, clock);
-  options.display.on_refresh = [&log](const RefreshEvent& event) { log.add(event); };
-  TRY_ASSIGN(const std::unique_ptr<Display> display, Display::start(std::move(options.display), clock));
+  options.display.on_refresh = [&log](const display::RefreshEvent& event) { log.add(event); };
+  TRY_ASSIGN(const std::unique_ptr<display::Display> display,
+             display::Display::start(std::move(options.display), clock));
   while (!stop.requested()) {
     display->serve(clock.now() + std::chrono::milliseconds(100));
   }

@@ -47,13 +47,13 @@ class Visitor {
   std::shared_ptr<grpc::Channel> channel_;
 };
 
-Status run(double least_ms, double most_ms, bool striped, const StopSignal& stop) {
+Status run(double min_ms, double max_ms, bool striped, const StopSignal& stop) {
   FakeFarm farm;
   farm.set_striped(striped);
   const auto ms = [](double value) {
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(value));
   };
-  farm.set_frame_time(ms(least_ms), ms(most_ms));
+  farm.set_frame_time(ms(min_ms), ms(max_ms));
   fmt::print("port {}\n", farm.port());
   std::fflush(stdout);
   std::string tour;
@@ -72,11 +72,11 @@ Status run(double least_ms, double most_ms, bool striped, const StopSignal& stop
 int main(int argc, char** argv) {
   using namespace cyclorama;
   Program program("test-farm", "A farm of plain pictures, and a visitor who turns for ever.");
-  double least_ms = 35.0;
-  double most_ms = 65.0;
+  double min_ms = 35.0;
+  double max_ms = 65.0;
   bool striped = false;
   program.options().add_flag("--striped", striped);
-  program.options().add_option("--least-ms", least_ms);
-  program.options().add_option("--most-ms", most_ms);
-  return program.run(argc, argv, [&](const StopSignal& stop) { return run(least_ms, most_ms, striped, stop); });
+  program.options().add_option("--least-ms", min_ms);
+  program.options().add_option("--most-ms", max_ms);
+  return program.run(argc, argv, [&](const StopSignal& stop) { return run(min_ms, max_ms, striped, stop); });
 }

@@ -35,14 +35,14 @@ std::size_t open_files() {
   return static_cast<std::size_t>(std::distance(begin, std::filesystem::directory_iterator{}));
 }
 
-Status look(Camera* camera, const Clock& clock) {
+Status look(camera::Camera* camera, const Clock& clock) {
   TRY(camera->start());
   Percentiles latency_ms;
   std::set<double> means;
   std::uint64_t first = 0;
-  std::shared_ptr<const Frame> frame;
+  std::shared_ptr<const camera::CameraFrame> frame;
   for (int i = 0; i < kPictures; ++i) {
-    const std::shared_ptr<const Frame> last = frame;
+    const std::shared_ptr<const camera::CameraFrame> last = frame;
     TRY_ASSIGN(frame, camera->next_frame(clock.now() + seconds(5)));
     latency_ms.add(to_milliseconds(clock.now() - frame->captured_at));
     means.insert(mean_of(frame->pixels));
@@ -68,17 +68,17 @@ Status look(Camera* camera, const Clock& clock) {
 
 Status run() {
   const SteadyClock clock;
-  const std::vector<ListedCamera> cameras = list_libcamera_cameras();
-  for (const ListedCamera& camera : cameras) say(fmt::format("listed {} ({})", camera.spec, camera.name));
+  const std::vector<camera::ListedCamera> cameras = camera::list_libcamera_cameras();
+  for (const camera::ListedCamera& camera : cameras) say(fmt::format("listed {} ({})", camera.spec, camera.name));
   if (cameras.empty()) return Error(ErrorCode::kNotFound, "libcamera shows no camera");
   std::size_t files = 0;
   for (int round = 0; round < 4; ++round) {
     {
-      TRY_ASSIGN(const std::unique_ptr<Camera> camera, open_libcamera_camera("", {}, clock));
+      TRY_ASSIGN(const std::unique_ptr<camera::Camera> camera, camera::open_libcamera_camera("", {}, clock));
       TRY(look(camera.get(), clock));
       TRY(look(camera.get(), clock));
       TRY(camera->start());
-      const auto second = open_libcamera_camera("", {}, clock);
+      const auto second = camera::open_libcamera_camera("", {}, clock);
       if (second && (*second)->start()) return Error(ErrorCode::kBadData, "two stream at once");
       if (round == 0 && second) say("second: " + (*second)->start().error().message());
     }

@@ -30,7 +30,7 @@ namespace {
 using Json = nlohmann::json;
 
 struct Arguments {
-  FarmClientOptions farm{};
+  client::FarmClientOptions farm{};
   double rate_hz = 20.0;
   double walk_s = 5.0;
   double rest_s = 0.0;
@@ -129,12 +129,12 @@ class Cover {
 };
 
 /// Asks, and bears witness. ask() from the main thread, the rest from the client's.
-class Witness final : public FarmListener {
+class Witness final : public client::FarmListener {
  public:
   explicit Witness(const Arguments& arguments) : arguments_(arguments) {}
 
   /// What a view of nothing but a number shows depends on that alone. False when no visit was open yet.
-  bool ask(FarmClient& client, wire::View view) {
+  bool ask(client::FarmClient& client, wire::View view) {
     const std::lock_guard lock(mutex_);
     if (!scene_) return false;
     if (!view.has_panorama()) view = view_of(view.number());
@@ -271,7 +271,7 @@ class Witness final : public FarmListener {
 };
 
 /// At its rate, for ever; with a list of views, these, each when the frame before has ended.
-void walk(const Arguments& arguments, std::deque<wire::View> list, Witness& witness, FarmClient& client,
+void walk(const Arguments& arguments, std::deque<wire::View> list, Witness& witness, client::FarmClient& client,
           const StopSignal& stop) {
   const bool lockstep = !list.empty();
   const auto period = std::chrono::duration_cast<Duration>(
@@ -295,7 +295,7 @@ void walk(const Arguments& arguments, std::deque<wire::View> list, Witness& witn
 }
 
 Status run(Arguments& arguments, const StopSignal& stop) {
-  arguments.farm.patience = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(arguments.patience_s));
+  arguments.farm.timeout = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(arguments.patience_s));
   if (!arguments.bundle.empty()) {
     const std::filesystem::path folder = arguments.bundle;
     arguments.farm.tls = TlsFiles{folder / "authority.crt", folder / "certificate.crt", folder / "key.pem"};
@@ -305,7 +305,7 @@ Status run(Arguments& arguments, const StopSignal& stop) {
     TRY_ASSIGN(list, read_views(arguments.views));
   }
   Witness witness(arguments);
-  TRY_ASSIGN(const auto client, FarmClient::start(arguments.farm, witness));
+  TRY_ASSIGN(const auto client, client::FarmClient::start(arguments.farm, witness));
   walk(arguments, std::move(list), witness, *client, stop);
   client->stop();
   return Done{};
@@ -320,13 +320,13 @@ int main(int argc, char** argv) {
   Arguments arguments;
   arguments.farm.museum = "test-museum";
   CLI::App& app = program.options();
-  app.add_option("--farm", arguments.farm.heads, "The farm's heads, tried in turn")->required();
+  app.add_option("--farm", arguments.farm.coordinators, "The farm's coordinators, tried in turn")->required();
   app.add_option("--scene", arguments.farm.scene, "Which scene (default: the farm's first)");
   app.add_option("--museum", arguments.farm.museum, "Its name");
   app.add_option("--bundle", arguments.bundle, "The folder of its certificate, key and authority: dial with TLS");
   app.add_option("--budget-ms", arguments.farm.frame_budget_ms, "Per frame: the farm chooses the quality");
   app.add_option("--reference-samples", arguments.farm.reference_samples, "Of the picture at rest");
-  app.add_option("--patience-s", arguments.patience_s, "A head that says nothing for so long is given up");
+  app.add_option("--patience-s", arguments.patience_s, "A coordinator that says nothing for so long is given up");
   app.add_option("--rate-hz", arguments.rate_hz, "Of the views")->check(CLI::Range(0.01, 1000.0));
   app.add_option("--walk-s", arguments.walk_s, "Between two rests")->check(CLI::Range(0.1, 1e6));
   app.add_option("--rest-s", arguments.rest_s, "Ask for nothing for so long, again and again; 0: never")

@@ -32,14 +32,14 @@ struct Options {
 };
 
 Result<RgbImage> traced(const Options& options, const PictureShape& shape) {
-  TRY_ASSIGN(Scene scene, load_scene(options.scene, {}, nullptr));
-  PanoramaView view;
+  TRY_ASSIGN(scene::Scene scene, scene::load_scene(options.scene, {}, nullptr));
+  render::PanoramaView view;
   view.eye = scene.info.start_eye;
   view.heading_rad = scene.info.start_heading_rad;
   view.projection = Projection{shape, {}};
   view.quality.samples = options.samples;
   view.quality.bounces = scene.bounces;
-  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, Renderer::build(std::move(scene), 0, nullptr));
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer, render::Renderer::build(std::move(scene), 0, nullptr));
   RgbImage picture;
   renderer->render(view, {0, 0, width_px(shape), height_px(shape)}, &picture, nullptr);
   return picture;
@@ -51,11 +51,11 @@ Status run(const Options& options, const StopSignal&) {
   const PictureShape shape = with_guard_band(wanted, std::abs(options.turn_deg) * kDegree);
   TRY_ASSIGN(const RgbImage picture, traced(options, shape));
   const WarpedPicture warped(picture, shape, options.turn_deg * kDegree);
-  const std::vector<ProjectorMap> maps = projector_maps(room);
-  const std::vector<MaskImage> masks = make_blend_masks(maps);
+  const std::vector<warp::ProjectorMap> maps = warp::projector_maps(room);
+  const std::vector<warp::MaskImage> masks = warp::make_blend_masks(maps);
   std::vector<RgbImage> heads;
   for (std::size_t i = 0; i < maps.size(); ++i) {
-    TRY_ASSIGN(const Warp warp, make_warp(maps[i], wanted));
+    TRY_ASSIGN(const warp::Warp warp, warp::make_warp(maps[i], wanted));
     RgbImage& head = heads.emplace_back(width_px(warp), height_px(warp));
     for (int y = 0; y < head.height(); ++y) {
       for (int x = 0; x < head.width(); ++x) {
@@ -63,17 +63,18 @@ Status run(const Options& options, const StopSignal&) {
         for (std::size_t c = 0; c < 3; ++c) head.at(x, y)[c] = static_cast<std::uint8_t>(codes[c] + 0.5);
       }
     }
-    if (const WarpMesh* const mesh = std::get_if<WarpMesh>(&warp)) {
+    if (const warp::WarpMesh* const mesh = std::get_if<warp::WarpMesh>(&warp)) {
       fmt::print("{}: {} x {} cells, {} cut, {} vertices, off by {:.3f} px at most\n", room.projectors[i].name,
                  mesh->cells_x, mesh->cells_y, mesh->cuts.size(), mesh->vertices.size(), mesh->worst_error_px);
-    } else if (const WarpPatches* const patches = std::get_if<WarpPatches>(&warp)) {
+    } else if (const warp::WarpPatches* const patches = std::get_if<warp::WarpPatches>(&warp)) {
       fmt::print("{}: {} x {} patches, off by {:.3f} px at most\n", room.projectors[i].name, patches->across(),
                  patches->down(), patches->worst_error_px);
     } else {
       fmt::print("{}: a map of each pixel\n", room.projectors[i].name);
     }
   }
-  const RgbImage photo = RoomPicture(room, RoomEye::behind_visitor(room, 960, 540)).photograph(heads);
+  const RgbImage photo =
+      simulated::RoomPicture(room, simulated::RoomEye::behind_visitor(room, 960, 540)).photograph(heads);
   JpegEncoder encoder;
   TRY_ASSIGN(const std::vector<std::byte> jpeg, encoder.encode(photo, kJpeg));
   TRY(write_file_atomically(options.out + ".jpg", jpeg));

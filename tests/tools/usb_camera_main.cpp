@@ -34,7 +34,7 @@ std::uint64_t fingerprint(std::span<const std::uint8_t> bytes) {
 }
 
 /// Until it is unplugged.
-Status look(Camera* camera, const Clock& clock) {
+Status look(camera::Camera* camera, const Clock& clock) {
   TRY(camera->start());
   std::uint64_t shown = 0;
   int same = 0;
@@ -59,12 +59,12 @@ Status run(const Clock& clock) {
   std::string spec;
   for (int i = 0; i < kPlugged; ++i) {
     say("waits for a camera");
-    std::vector<ListedCamera> cameras;
-    while ((cameras = list_cameras()).empty()) std::this_thread::sleep_for(milliseconds(200));
+    std::vector<camera::ListedCamera> cameras;
+    while ((cameras = devices::list_cameras()).empty()) std::this_thread::sleep_for(milliseconds(200));
     spec = cameras.front().spec;
     say(fmt::format("listed {} ({}), sends {}{}", spec, cameras.front().name, cameras.front().sends,
                     cameras.front().problem));
-    TRY_ASSIGN(const std::unique_ptr<Camera> camera, make_camera(spec, clock));
+    TRY_ASSIGN(const std::unique_ptr<camera::Camera> camera, devices::make_camera(spec, clock));
     TRY(look(camera.get(), clock));
   }
   say("tracker starts");

@@ -67,8 +67,8 @@ void become_first_process() {
 /// How the last pictures came to one head. A picture's age counts from when it was begun.
 class HeadPacing {
  public:
-  void take(const HeadShown& shown, TimePoint begun_at) {
-    if (shown.light == HeadShown::Light::kNew) ages_ms_.add(to_milliseconds(shown.at - begun_at));
+  void take(const output::HeadShown& shown, TimePoint begun_at) {
+    if (shown.light == output::HeadShown::Light::kNew) ages_ms_.add(to_milliseconds(shown.at - begun_at));
     const auto step = meter_.take(shown);
     if (!step) return;
     intervals_ms_.add(to_milliseconds(step->interval));
@@ -84,16 +84,16 @@ class HeadPacing {
   }
 
  private:
-  PacingMeter meter_;
+  output::PacingMeter meter_;
   Percentiles intervals_ms_;
   Percentiles ages_ms_;
   std::uint64_t late_ = 0;
   std::uint64_t missed_ = 0;
 };
 
-Status show(Output* output, const Clock& clock) {
-  TRY_ASSIGN(const GlProgram program, GlProgram::link(output->gl(), kVertexShader, kFragmentShader));
-  const GlVertexArray no_attributes(output->gl());
+Status show(output::Output* output, const Clock& clock) {
+  TRY_ASSIGN(const output::GlProgram program, output::GlProgram::link(output->gl(), kVertexShader, kFragmentShader));
+  const output::GlVertexArray no_attributes(output->gl());
   const Gl& gl = output->gl();
   std::string said;
   std::vector<HeadPacing> pacing(output->heads().size());
@@ -109,7 +109,7 @@ Status show(Output* output, const Clock& clock) {
       gl.BindVertexArray(no_attributes.id());
       gl.DrawArrays(GL_TRIANGLES, 0, 3);
     }
-    TRY_ASSIGN(const Presented presented, output->present());
+    TRY_ASSIGN(const output::Presented presented, output->present());
     if (const std::string kind = output->kind(); kind != said) {
       fmt::print("wall: {}; {}; refresh {}\n", kind, gl.renderer(), presented.refresh);
       said = kind;
@@ -129,12 +129,12 @@ Status show(Output* output, const Clock& clock) {
 
 Status run(int heads, int width_px, int height_px) {
   const SteadyClock clock;
-  DrmOptions options;
+  output::DrmOptions options;
   for (int head = 0; head < heads; ++head)
     options.heads.push_back(
         {{fmt::format("head {}", head + 1), width_px, height_px}, fmt::format("Virtual-{}", head + 1)});
   for (;;) {
-    TRY_ASSIGN(const std::unique_ptr<Output> output, open_drm_output(options, clock));
+    TRY_ASSIGN(const std::unique_ptr<output::Output> output, output::open_drm_output(options, clock));
     const auto shown = show(output.get(), clock);
     if (shown.error().code() != ErrorCode::kUnavailable) return shown;
     fmt::print("wall: lost: {}\n", shown.error().message());

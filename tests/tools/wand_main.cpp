@@ -15,17 +15,17 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "test-wand: FILE YAW_DEG DISTANCE_M\n");
     return 2;
   }
-  KeyPose key;
+  simulated::KeyPose key;
   key.position_m = {0.0, 0.0, std::atof(argv[3])};
   key.yaw_rad = std::atof(argv[2]) * std::numbers::pi / 180.0;
-  auto path = HandPath::make({key}, std::nullopt);
+  auto path = simulated::HandPath::make({key}, std::nullopt);
   if (!path) {
     fmt::print(stderr, "test-wand: {}\n", path.error().message());
     return 1;
   }
-  Simulation simulation;
+  simulated::Simulation simulation;
   simulation.path = *std::move(path);
-  const GreyImage picture = SimulatedView(std::move(simulation)).picture(0);
+  const GreyImage picture = simulated::SimulatedView(std::move(simulation)).picture(0);
   std::ofstream file(argv[1], std::ios::binary);
   file.write(reinterpret_cast<const char*>(picture.data().data()), static_cast<std::streamsize>(picture.data().size()));
   file.flush();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/healing/estimator/areas.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 void AreaMap::update(std::span<const PatchShift> patches) {
   doubts_.resize(patches.size(), 0.0f);
@@ -40,7 +40,7 @@ double AreaMap::hidden() const {
   return compared > 0 ? static_cast<double>(hidden) / compared : 0.0;
 }
 
-Tally& Tally::operator+=(const Tally& other) {
+PatchTally& PatchTally::operator+=(const PatchTally& other) {
   fits += other.fits;
   differs += other.differs;
   plain += other.plain;
@@ -48,12 +48,12 @@ Tally& Tally::operator+=(const Tally& other) {
   return *this;
 }
 
-std::vector<Tally> tally(std::span<const PatchShift> patches, std::size_t projectors) {
+std::vector<PatchTally> tally(std::span<const PatchShift> patches, std::size_t projectors) {
   constexpr double kFaint = 0.2;
-  std::vector<Tally> sums(projectors);
+  std::vector<PatchTally> sums(projectors);
   for (const PatchShift& patch : patches) {
     if (patch.projector < 0) continue;
-    Tally& sum = sums[static_cast<std::size_t>(patch.projector)];
+    PatchTally& sum = sums[static_cast<std::size_t>(patch.projector)];
     switch (patch.fit) {
       case PatchFit::kFits:
         ++sum.fits;
@@ -72,4 +72,4 @@ std::vector<Tally> tally(std::span<const PatchShift> patches, std::size_t projec
   return sums;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -6,7 +6,7 @@
 
 #include "appliance/healing/estimator/patch_alignment.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// What a part of a camera's picture is.
 enum class Area {
@@ -42,15 +42,15 @@ class AreaMap {
 };
 
 /// How many patches of one projector a camera could compare, and how they did.
-struct Tally {
+struct PatchTally {
   int fits = 0;
   int differs = 0;
   int plain = 0;
   int faint = 0;  ///< Of those that differ: with a small part of the contrast that was predicted.
 
   [[nodiscard]] int compared() const { return fits + differs; }
-  Tally& operator+=(const Tally& other);
+  PatchTally& operator+=(const PatchTally& other);
 };
-[[nodiscard]] std::vector<Tally> tally(std::span<const PatchShift> patches, std::size_t projectors);
+[[nodiscard]] std::vector<PatchTally> tally(std::span<const PatchShift> patches, std::size_t projectors);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -6,35 +6,38 @@
 
 #include "appliance/healing/estimator/continuous_state.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
-constexpr int kLeastCompared = 10;    // Patches, before a projector is called lost in a camera.
-constexpr double kLostBelow = 0.35;   // Part of them that fits.
-constexpr double kFoundAbove = 0.45;  // Part that has to fit when it is found again.
-constexpr int kLeastFits = 10;
-constexpr std::size_t kLeastEdges = 8;
+constexpr int kMinComparedPatches = 10;  // Patches, before a projector is called lost in a camera.
+constexpr double kLostBelow = 0.35;      // Part of them that fits.
+constexpr double kFoundAbove = 0.45;     // Part that has to fit when it is found again.
+constexpr int kMinFits = 10;
+constexpr std::size_t kMinEdges = 8;
 constexpr double kNoisiest = 6.0;   // Residuals, in promised deviations.
 constexpr double kSurest_px = 1.0;  // What a new place must be known to.
 constexpr double kCoarseSigma_px = 3.0;
 constexpr double kFeatureSigma_px = 4.0;
-constexpr int kPatience = 4;      // Features are looked for at each of the first searches, then every so many.
-constexpr double kCaution = 4.0;  // Variance of a new place, in what the solver promised: patches share errors.
+constexpr int kFeatureSearchEvery = 4;  // Features are looked for at each of the first searches, then every so many.
+constexpr double kCaution = 4.0;        // Variance of a new place, in what the solver promised: patches share errors.
 
-std::vector<PoseStep> no_starts(std::size_t bodies) { return std::vector<PoseStep>(bodies, PoseStep::Zero()); }
+std::vector<calibration::PoseStep> no_starts(std::size_t bodies) {
+  return std::vector<calibration::PoseStep>(bodies, calibration::PoseStep::Zero());
+}
 
 }  // namespace
 
-ShowCalibration moved(const ShowCalibration& room, const PoseSolution& solution, std::span<const BodyIndex> bodies) {
-  ShowCalibration changed = room;
+calibration::ShowCalibration moved(const calibration::ShowCalibration& room, const PoseSolution& solution,
+                                   std::span<const BodyIndex> bodies) {
+  calibration::ShowCalibration changed = room;
   for (const BodyIndex body : bodies) {
-    const PoseStep& step = solution.bodies[body].step;
+    const calibration::PoseStep& step = solution.bodies[body].step;
     if (body < room.projectors.size()) {
-      ShowProjector& projector = changed.projectors[body];
-      projector.T_room_projector = stepped(projector.T_room_projector, step);
+      calibration::ShowProjector& projector = changed.projectors[body];
+      projector.T_room_projector = calibration::stepped(projector.T_room_projector, step);
     } else {
-      ShowCamera& camera = changed.cameras[body - room.projectors.size()];
-      camera.T_room_camera = stepped(camera.T_room_camera, step);
+      calibration::ShowCamera& camera = changed.cameras[body - room.projectors.size()];
+      camera.T_room_camera = calibration::stepped(camera.T_room_camera, step);
     }
   }
   return changed;
@@ -44,25 +47,25 @@ std::string clock_text(TimePoint begun, TimePoint now) {
   return fmt::format("{:.2f} s", std::chrono::duration<double>(now - begun).count());
 }
 
-std::vector<Sighting> ContinuousCalibrator::State::trusted_sightings() const {
-  std::vector<Sighting> all;
-  for (const Look& look : looks) {
+std::vector<PatchObservation> ContinuousCalibrator::State::trusted_observations() const {
+  std::vector<PatchObservation> all;
+  for (const CameraObservation& look : looks) {
     std::vector<PatchShift> patches;
     for (std::size_t i = 0; i < look.patches.size(); ++i) {
       if (areas[look.camera].is_trusted(i)) patches.push_back(look.patches[i]);
     }
-    const CameraLook& camera = cameras[look.camera];
-    const auto some =
-        sightings_of(camera.predicted_room(), believed, look.camera, camera.factor(), patches, options.least_sigma_px);
+    const CameraMonitor& camera = cameras[look.camera];
+    const auto some = patch_observations(camera.predicted_room(), believed, look.camera, camera.factor(), patches,
+                                         options.min_sigma_px);
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;
 }
 
-std::vector<EdgeSighting> ContinuousCalibrator::State::edges(std::span<const Look> of) const {
-  std::vector<EdgeSighting> all;
-  for (const Look& look : of) {
-    std::ranges::copy_if(look.edges, std::back_inserter(all), [&](const EdgeSighting& edge) {
+std::vector<EdgeObservation> ContinuousCalibrator::State::edges(std::span<const CameraObservation> of) const {
+  std::vector<EdgeObservation> all;
+  for (const CameraObservation& look : of) {
+    std::ranges::copy_if(look.edges, std::back_inserter(all), [&](const EdgeObservation& edge) {
       return edge.part == Outline::kSide ? options.uses_sides : options.uses_arcs;
     });
   }
@@ -72,8 +75,8 @@ std::vector<EdgeSighting> ContinuousCalibrator::State::edges(std::span<const Loo
 std::vector<BodyPrior> ContinuousCalibrator::State::priors() const {
   std::vector<BodyPrior> all;
   for (const PoseFilter& filter : filters) {
-    const PoseMatrix inverse = filter.root().inverse();
-    all.push_back({inverse.transpose() * inverse, PoseStep::Zero()});
+    const calibration::PoseMatrix inverse = filter.root().inverse();
+    all.push_back({inverse.transpose() * inverse, calibration::PoseStep::Zero()});
   }
   return all;
 }
@@ -86,27 +89,27 @@ std::vector<BodyPrior> ContinuousCalibrator::State::loose_projectors() const {
 
 std::vector<std::pair<std::size_t, std::size_t>> ContinuousCalibrator::State::lost() const {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
-  for (const Look& look : looks) {
-    const std::vector<Tally> tallies = tally(look.patches, projectors());
+  for (const CameraObservation& look : looks) {
+    const std::vector<PatchTally> tallies = tally(look.patches, projectors());
     for (std::size_t i = 0; i < tallies.size(); ++i) {
-      if (tallies[i].compared() >= kLeastCompared && tallies[i].fits < kLostBelow * tallies[i].compared())
+      if (tallies[i].compared() >= kMinComparedPatches && tallies[i].fits < kLostBelow * tallies[i].compared())
         pairs.emplace_back(look.camera, i);
     }
   }
   return pairs;
 }
 
-std::optional<Movers> ContinuousCalibrator::State::by_patches() const {
-  auto movers = find_movers(believed, trusted_sightings(), edges(looks), priors(), no_starts(bodies()));
+std::optional<MovedBodies> ContinuousCalibrator::State::by_patches() const {
+  auto movers = find_moved_bodies(believed, trusted_observations(), edges(looks), priors(), no_starts(bodies()));
   if (!movers || movers->bodies.empty()) return std::nullopt;
   return *std::move(movers);
 }
 
-std::optional<Movers> ContinuousCalibrator::State::by_coarse_patches() const {
+std::optional<MovedBodies> ContinuousCalibrator::State::by_coarse_patches() const {
   const auto gone = lost();
-  std::vector<Sighting> sightings;
-  for (const Look& look : looks) {
-    const CameraLook& camera = cameras[look.camera];
+  std::vector<PatchObservation> observations;
+  for (const CameraObservation& look : looks) {
+    const CameraMonitor& camera = cameras[look.camera];
     const auto is_gone = [&](int projector) {
       return std::ranges::find(gone, std::pair(look.camera, static_cast<std::size_t>(projector))) != gone.end();
     };
@@ -114,20 +117,20 @@ std::optional<Movers> ContinuousCalibrator::State::by_coarse_patches() const {
     std::erase_if(fine, [&](const PatchShift& p) { return p.projector < 0 || is_gone(p.projector); });
     std::vector<PatchShift> coarse = align_coarsely(look.prediction, look.seen, gains[look.camera]);
     std::erase_if(coarse, [&](const PatchShift& p) { return p.projector < 0 || !is_gone(p.projector); });
-    for (const auto& [patches, sigma] :
-         {std::pair(&fine, options.least_sigma_px), std::pair(&coarse, kCoarseSigma_px)}) {
-      const auto some = sightings_of(camera.predicted_room(), believed, look.camera, camera.factor(), *patches, sigma);
-      sightings.insert(sightings.end(), some.begin(), some.end());
+    for (const auto& [patches, sigma] : {std::pair(&fine, options.min_sigma_px), std::pair(&coarse, kCoarseSigma_px)}) {
+      const auto some =
+          patch_observations(camera.predicted_room(), believed, look.camera, camera.factor(), *patches, sigma);
+      observations.insert(observations.end(), some.begin(), some.end());
     }
   }
-  auto movers = find_movers(believed, sightings, edges(looks), priors(), no_starts(bodies()));
+  auto movers = find_moved_bodies(believed, observations, edges(looks), priors(), no_starts(bodies()));
   if (!movers || movers->bodies.empty()) return std::nullopt;
   return *std::move(movers);
 }
 
-std::optional<Movers> ContinuousCalibrator::State::by_features() const {
-  std::vector<Sighting> sightings;
-  for (const Look& look : looks) {
+std::optional<MovedBodies> ContinuousCalibrator::State::by_features() const {
+  std::vector<PatchObservation> observations;
+  for (const CameraObservation& look : looks) {
     const auto found = match_features(look.prediction, look.seen, FeatureKind::kSift);
     if (!found) continue;
     std::vector<PatchShift> patches;
@@ -139,20 +142,20 @@ std::optional<Movers> ContinuousCalibrator::State::by_features() const {
       patch.fit = PatchFit::kFits;
       patches.push_back(patch);
     }
-    const CameraLook& camera = cameras[look.camera];
+    const CameraMonitor& camera = cameras[look.camera];
     const auto some =
-        sightings_of(camera.predicted_room(), believed, look.camera, camera.factor(), patches, kFeatureSigma_px);
-    sightings.insert(sightings.end(), some.begin(), some.end());
+        patch_observations(camera.predicted_room(), believed, look.camera, camera.factor(), patches, kFeatureSigma_px);
+    observations.insert(observations.end(), some.begin(), some.end());
   }
-  std::vector<PoseStep> starts = no_starts(bodies());
+  std::vector<calibration::PoseStep> starts = no_starts(bodies());
   for (std::size_t i = 0; i < projectors(); ++i) {
-    if (const auto step = find_projector(believed, i, sightings)) starts[i] = *step;
+    if (const auto step = find_projector(believed, i, observations)) starts[i] = *step;
   }
-  for (const Look& look : looks) {
-    if (const auto step = find_camera(believed, look.camera, sightings)) starts[projectors() + look.camera] = *step;
+  for (const CameraObservation& look : looks) {
+    if (const auto step = find_camera(believed, look.camera, observations)) starts[projectors() + look.camera] = *step;
   }
   // The outline is only looked for nearby, so it speaks against a camera that moved far.
-  auto movers = find_movers(believed, sightings, {}, priors(), starts);
+  auto movers = find_moved_bodies(believed, observations, {}, priors(), starts);
   if (!movers || movers->bodies.empty()) return std::nullopt;
   return *std::move(movers);
 }
@@ -170,7 +173,7 @@ bool ContinuousCalibrator::State::recover(TimePoint now, bool is_lost, ShowRepor
     fruitless = 0;
     return true;
   }
-  const bool is_due = fruitless < kPatience || fruitless % kPatience == 0;
+  const bool is_due = fruitless < kFeatureSearchEvery || fruitless % kFeatureSearchEvery == 0;
   ++fruitless;
   if (!is_due) return false;
   const auto far = by_features();
@@ -179,58 +182,60 @@ bool ContinuousCalibrator::State::recover(TimePoint now, bool is_lost, ShowRepor
   return true;
 }
 
-void ContinuousCalibrator::State::refuse(const Movers& movers) {
+void ContinuousCalibrator::State::refuse(const MovedBodies& movers) {
   for (const BodyIndex body : movers.bodies) is_refused[body] = true;
 }
 
-std::vector<bool> ContinuousCalibrator::State::anchored(std::span<const Look> of) const {
+std::vector<bool> ContinuousCalibrator::State::anchored(std::span<const CameraObservation> of) const {
   std::vector<bool> is_held(bodies(), false);
-  for (const Look& look : of) {
-    const std::vector<Tally> tallies = tally(look.patches, projectors());
-    const auto seen = std::ranges::count_if(tallies, [](const Tally& t) { return t.compared() >= kLeastFits; });
-    if (look.edges.size() < kLeastEdges && seen < 2) continue;
+  for (const CameraObservation& look : of) {
+    const std::vector<PatchTally> tallies = tally(look.patches, projectors());
+    const auto seen = std::ranges::count_if(tallies, [](const PatchTally& t) { return t.compared() >= kMinFits; });
+    if (look.edges.size() < kMinEdges && seen < 2) continue;
     is_held[projectors() + look.camera] = true;
-    for (std::size_t i = 0; i < tallies.size(); ++i) is_held[i] = is_held[i] || tallies[i].compared() >= kLeastFits;
+    for (std::size_t i = 0; i < tallies.size(); ++i) is_held[i] = is_held[i] || tallies[i].compared() >= kMinFits;
   }
   return is_held;
 }
 
-bool ContinuousCalibrator::State::are_anchored(std::span<const BodyIndex> movers, std::span<const Look> anew) {
+bool ContinuousCalibrator::State::are_anchored(std::span<const BodyIndex> movers,
+                                               std::span<const CameraObservation> anew) {
   const std::vector<bool> is_held = anchored(anew);
   bool are_all = true;
   for (const BodyIndex body : movers) {
     if (is_held[body]) continue;
     are_all = false;
     if (body < projectors()) is_unanchored[body] = true;
-    for (const Look& look : anew) {
+    for (const CameraObservation& look : anew) {
       if (body != projectors() + look.camera) continue;
-      const std::vector<Tally> tallies = tally(look.patches, projectors());
+      const std::vector<PatchTally> tallies = tally(look.patches, projectors());
       for (std::size_t i = 0; i < tallies.size(); ++i) {
-        if (tallies[i].compared() >= kLeastFits) is_unanchored[i] = true;
+        if (tallies[i].compared() >= kMinFits) is_unanchored[i] = true;
       }
     }
   }
   return are_all;
 }
 
-bool ContinuousCalibrator::State::have_witness(std::span<const BodyIndex> movers, std::span<const Look> of) const {
+bool ContinuousCalibrator::State::have_reference(std::span<const BodyIndex> movers,
+                                                 std::span<const CameraObservation> of) const {
   if (is_calm) return true;
   return std::ranges::all_of(movers, [&](BodyIndex mover) {
     // A camera that turned and one whose clock is wrong look alike while the picture turns.
     if (mover >= projectors()) return false;
-    return std::ranges::any_of(of, [&](const Look& look) {
-      const std::vector<Tally> tallies = tally(look.patches, projectors());
-      if (tallies[mover].compared() < kLeastFits) return false;
+    return std::ranges::any_of(of, [&](const CameraObservation& look) {
+      const std::vector<PatchTally> tallies = tally(look.patches, projectors());
+      if (tallies[mover].compared() < kMinFits) return false;
       for (BodyIndex other = 0; other < projectors(); ++other) {
         if (std::ranges::find(movers, other) != movers.end() || surprises[other] > 0) continue;
-        if (tallies[other].fits >= kLeastFits && 10 * tallies[other].fits >= 6 * tallies[other].compared()) return true;
+        if (tallies[other].fits >= kMinFits && 10 * tallies[other].fits >= 6 * tallies[other].compared()) return true;
       }
       return false;
     });
   });
 }
 
-bool ContinuousCalibrator::State::accept_some(const Movers& movers, TimePoint now, ShowReport* report) {
+bool ContinuousCalibrator::State::accept_some(const MovedBodies& movers, TimePoint now, ShowReport* report) {
   if (accept(movers, now, report)) return true;
   if (movers.bodies.size() < 2) return false;
   return std::ranges::any_of(movers.bodies, [&](BodyIndex body) {
@@ -238,12 +243,12 @@ bool ContinuousCalibrator::State::accept_some(const Movers& movers, TimePoint no
   });
 }
 
-bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, ShowReport* report) {
+bool ContinuousCalibrator::State::accept(const MovedBodies& movers, TimePoint now, ShowReport* report) {
   // A camera's tallies are its own; a projector's are summed over the cameras.
-  const auto sums = [&](const std::vector<Look>& all) {
-    std::vector<Tally> bodies_fit(bodies());
-    for (const Look& look : all) {
-      const std::vector<Tally> tallies = tally(look.patches, projectors());
+  const auto sums = [&](const std::vector<CameraObservation>& all) {
+    std::vector<PatchTally> bodies_fit(bodies());
+    for (const CameraObservation& look : all) {
+      const std::vector<PatchTally> tallies = tally(look.patches, projectors());
       for (std::size_t i = 0; i < tallies.size(); ++i) {
         bodies_fit[i] += tallies[i];
         bodies_fit[projectors() + look.camera] += tallies[i];
@@ -251,42 +256,45 @@ bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, Sh
     }
     return bodies_fit;
   };
-  ShowCalibration tried = moved(believed, movers.solution, movers.bodies);
+  calibration::ShowCalibration tried = moved(believed, movers.solution, movers.bodies);
   std::vector<BodyPrior> loosened = priors();
   for (const BodyIndex body : movers.bodies) loosened[body].information = loose_information();
-  std::vector<Look> anew = looks;
-  std::vector<CameraLook> eyes;
+  std::vector<CameraObservation> anew = looks;
+  std::vector<CameraMonitor> eyes;
   std::optional<PoseSolution> solution;
   // Twice: the second prediction is made where the first one's patches led.
   for (int round = 0; round < 2; ++round) {
     eyes.clear();
-    std::vector<Sighting> sightings;
-    for (Look& look : anew) {
-      CameraLook& eye = eyes.emplace_back(cameras[look.camera]);
+    std::vector<PatchObservation> observations;
+    for (CameraObservation& look : anew) {
+      CameraMonitor& eye = eyes.emplace_back(cameras[look.camera]);
       eye.set_room(tried);
       eye.compare(gains[look.camera], &look);
-      const auto some =
-          sightings_of(eye.predicted_room(), tried, look.camera, eye.factor(), look.patches, options.least_sigma_px);
-      sightings.insert(sightings.end(), some.begin(), some.end());
+      const auto some = patch_observations(eye.predicted_room(), tried, look.camera, eye.factor(), look.patches,
+                                           options.min_sigma_px);
+      observations.insert(observations.end(), some.begin(), some.end());
     }
-    auto solved = solve_poses(tried, sightings, edges(anew), loosened);
+    auto solved = solve_poses(tried, observations, edges(anew), loosened);
     if (!solved) return false;
     solution = *std::move(solved);
     tried = moved(tried, *solution, movers.bodies);
   }
-  const std::vector<Tally> before = sums(looks);
-  const std::vector<Tally> after = sums(anew);
+  const std::vector<PatchTally> before = sums(looks);
+  const std::vector<PatchTally> after = sums(anew);
   if (solution->noise > kNoisiest || !are_anchored(movers.bodies, anew)) return false;
-  if (!have_witness(movers.bodies, anew)) return false;
+  if (!have_reference(movers.bodies, anew)) return false;
   for (const BodyIndex body : movers.bodies) {
-    const bool is_found = after[body].fits >= kLeastFits && after[body].fits >= kFoundAbove * after[body].compared() &&
+    const bool is_found = after[body].fits >= kMinFits && after[body].fits >= kFoundAbove * after[body].compared() &&
                           10 * after[body].fits >= 9 * before[body].fits;
     if (!is_found || solution->bodies[body].rank < 6) return false;
-    const PoseStep way = body < projectors() ? step_between(scanned.projectors[body].T_room_projector,
-                                                            tried.projectors[body].T_room_projector)
-                                             : step_between(scanned.cameras[body - projectors()].T_room_camera,
-                                                            tried.cameras[body - projectors()].T_room_camera);
-    if (!(way.head<3>().norm() < 2.0 * kMostTurn_rad && way.tail<3>().norm() < 2.0 * kMostShift_m)) return false;
+    const calibration::PoseStep way =
+        body < projectors() ? calibration::step_between(scanned.projectors[body].T_room_projector,
+                                                        tried.projectors[body].T_room_projector)
+                            : calibration::step_between(scanned.cameras[body - projectors()].T_room_camera,
+                                                        tried.cameras[body - projectors()].T_room_camera);
+    if (!(way.head<3>().norm() < 2.0 * calibration::kMaxTurn_rad &&
+          way.tail<3>().norm() < 2.0 * calibration::kMaxShift_m))
+      return false;
     if (body < projectors() && motion[body].sigma_px(kCaution * solution->bodies[body].covariance) > kSurest_px)
       return false;
   }
@@ -301,7 +309,8 @@ bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, Sh
     if (body < projectors()) lately[body].forget();
     if (body >= projectors()) {
       const std::size_t camera = body - projectors();
-      const PoseStep step = step_between(believed.cameras[camera].T_room_camera, tried.cameras[camera].T_room_camera);
+      const calibration::PoseStep step =
+          calibration::step_between(believed.cameras[camera].T_room_camera, tried.cameras[camera].T_room_camera);
       believed.cameras[camera] = tried.cameras[camera];
       report->log.push_back(fmt::format(
           "{}: camera '{}' moved: turned {:.3f} deg, shifted {:.1f} mm; no picture changes", clock_text(*begun_at, now),
@@ -313,16 +322,18 @@ bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, Sh
     is_unanchored[body] = false;
     const auto was = applied.projectors[body].T_room_projector;
     // What the scan left over stays what it was: only the change is applied.
-    const PoseStep change =
-        step_between(believed.projectors[body].T_room_projector, tried.projectors[body].T_room_projector);
-    const auto since_settled = step_between(
+    const calibration::PoseStep change =
+        calibration::step_between(believed.projectors[body].T_room_projector, tried.projectors[body].T_room_projector);
+    const auto since_settled = calibration::step_between(
         is_settled ? reference.projectors[body].T_room_projector : believed.projectors[body].T_room_projector,
         tried.projectors[body].T_room_projector);
     believed.projectors[body] = tried.projectors[body];
-    applied.projectors[body].T_room_projector = stepped(scanned.projectors[body].T_room_projector, since_settled);
+    applied.projectors[body].T_room_projector =
+        calibration::stepped(scanned.projectors[body].T_room_projector, since_settled);
     motion[body] = pixel_motion(believed, believed.projectors[body]);
     measured_at[body] = now;
-    const double moved_px = motion[body].rms_px(step_between(was, applied.projectors[body].T_room_projector));
+    const double moved_px =
+        motion[body].rms_px(calibration::step_between(was, applied.projectors[body].T_room_projector));
     const double sigma_px = motion[body].sigma_px(filters[body].covariance());
     report->corrections.push_back({body, was, applied.projectors[body].T_room_projector, moved_px, sigma_px, true});
     report->log.push_back(
@@ -339,4 +350,4 @@ bool ContinuousCalibrator::State::accept(const Movers& movers, TimePoint now, Sh
   return true;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

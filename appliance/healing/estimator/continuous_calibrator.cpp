@@ -11,7 +11,7 @@
 #include "appliance/healing/estimator/continuous_state.h"
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 constexpr double kProjectorTurn_rad = 3e-4;  // What a scan leaves over.
@@ -19,12 +19,12 @@ constexpr double kProjectorShift_m = 1e-3;
 constexpr double kCameraTurn_rad = 5e-4;
 constexpr double kCameraShift_m = 2e-3;
 constexpr double kCaution = 4.0;  // Variance of a measurement, in what the solver promised: patches share errors.
-constexpr int kLeastLearned = 5;
+constexpr int kMinLearnedSteps = 5;
 constexpr Duration kSettlesWithin = std::chrono::minutes(2);
 constexpr int kSurprisesAreABump = 2;
 constexpr int kStubborn = 6;  // Surprises that nobody's move explains: the filter was too sure of itself.
-constexpr double kMostFollowed_px = 1.0;
-constexpr int kLeastPatches = 12;
+constexpr double kMaxFollowed_px = 1.0;
+constexpr int kMinPatches = 12;
 constexpr int kSearchesSeveralTimes = 8;
 constexpr double kDarkest = 0.004;  // Mean light predicted, of the camera's full scale.
 constexpr Duration kLearnsStillWithin = std::chrono::seconds(30);
@@ -33,35 +33,35 @@ constexpr double kRealignsFrom_px = 0.05;
 
 }  // namespace
 
-std::string_view name_of(Hold hold) {
+std::string_view name_of(HoldReason hold) {
   switch (hold) {
-    case Hold::kNone:
+    case HoldReason::kNone:
       return "good";
-    case Hold::kSettling:
+    case HoldReason::kSettling:
       return "settling";
-    case Hold::kNoPicture:
+    case HoldReason::kNoPicture:
       return "no picture";
-    case Hold::kDark:
+    case HoldReason::kDark:
       return "dark";
-    case Hold::kPlain:
+    case HoldReason::kPlain:
       return "plain";
-    case Hold::kFast:
+    case HoldReason::kFast:
       return "fast";
-    case Hold::kBlown:
+    case HoldReason::kBlown:
       return "too bright";
-    case Hold::kInTheWay:
+    case HoldReason::kInTheWay:
       return "in the way";
-    case Hold::kNoLight:
+    case HoldReason::kNoLight:
       return "no light";
-    case Hold::kSearching:
+    case HoldReason::kSearching:
       return "searching";
-    case Hold::kUnplaced:
+    case HoldReason::kUnplaced:
       return "not placed";
   }
   CHECK(false);
 }
 
-ContinuousCalibrator::State::State(const ShowCalibration& calibration, const ContinuousOptions& wanted)
+ContinuousCalibrator::State::State(const calibration::ShowCalibration& calibration, const ContinuousOptions& wanted)
     : options(wanted),
       scanned(calibration),
       believed(calibration),
@@ -84,7 +84,7 @@ ContinuousCalibrator::State::State(const ShowCalibration& calibration, const Con
     cameras.emplace_back(calibration, i, options.width_px, options.patches);
     head_factor = std::min(head_factor, cameras.back().head_factor(calibration));
   }
-  for (const ShowProjector& projector : calibration.projectors) {
+  for (const calibration::ShowProjector& projector : calibration.projectors) {
     timelines.emplace_back(projector, head_factor);
     filters.emplace_back(kProjectorTurn_rad, kProjectorShift_m, options.walk);
     motion.push_back(pixel_motion(calibration, projector));
@@ -93,11 +93,11 @@ ContinuousCalibrator::State::State(const ShowCalibration& calibration, const Con
     filters.emplace_back(kCameraTurn_rad, kCameraShift_m, options.walk);
 }
 
-void ContinuousCalibrator::State::hold(std::size_t projector, Hold why, std::string reason, TimePoint now,
+void ContinuousCalibrator::State::hold(std::size_t projector, HoldReason why, std::string reason, TimePoint now,
                                        ShowReport* report) {
   ProjectorHealth& one = health[projector];
-  if (one.hold != why || (why == Hold::kSearching && one.reason != reason)) {
-    report->log.push_back(why == Hold::kNone
+  if (one.hold != why || (why == HoldReason::kSearching && one.reason != reason)) {
+    report->log.push_back(why == HoldReason::kNone
                               ? fmt::format("{}: projector '{}' is measured again", clock_text(*begun_at, now),
                                             believed.projectors[projector].name)
                               : fmt::format("{}: projector '{}' is left as it is: {}", clock_text(*begun_at, now),
@@ -148,15 +148,16 @@ void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solut
   for (BodyIndex body = 0; body < bodies(); ++body) {
     // Until it has settled, what is learned corrects nothing.
     if (!told[body] || (is_settled && !is_anchored[body])) continue;
-    const PoseStep step = filters[body].update(*told[body]);
+    const calibration::PoseStep step = filters[body].update(*told[body]);
     if (body < projectors()) {
       is_noticed[body] = false;
       is_unanchored[body] = false;
       measured_at[body] = now;
-      believed.projectors[body].T_room_projector = stepped(believed.projectors[body].T_room_projector, step);
+      believed.projectors[body].T_room_projector =
+          calibration::stepped(believed.projectors[body].T_room_projector, step);
     } else {
-      ShowCamera& camera = believed.cameras[body - projectors()];
-      camera.T_room_camera = stepped(camera.T_room_camera, step);
+      calibration::ShowCamera& camera = believed.cameras[body - projectors()];
+      camera.T_room_camera = calibration::stepped(camera.T_room_camera, step);
     }
   }
 }
@@ -166,7 +167,7 @@ void ContinuousCalibrator::State::loosen_stubborn() {
   for (BodyIndex i = 0; i < bodies(); ++i) {
     if (surprises[i] < kStubborn || is_refused[i]) continue;
     // What was not found, or is far, is no drift.
-    if (i < projectors() && (seems_off_px[i] > kMostFollowed_px / options.pixels ||
+    if (i < projectors() && (seems_off_px[i] > kMaxFollowed_px / options.pixels ||
                              std::ranges::any_of(gone, [&](const auto& pair) { return pair.second == i; }))) {
       continue;
     }
@@ -176,23 +177,24 @@ void ContinuousCalibrator::State::loosen_stubborn() {
 
 void ContinuousCalibrator::State::loosen(BodyIndex body) {
   const bool is_camera = body >= projectors();
-  PoseStep sigma;
+  calibration::PoseStep sigma;
   sigma << Eigen::Vector3d::Constant(is_camera ? kCameraTurn_rad : kProjectorTurn_rad),
       Eigen::Vector3d::Constant(is_camera ? kCameraShift_m : kProjectorShift_m);
-  filters[body].restart(PoseMatrix(sigma.cwiseAbs2().asDiagonal()));
+  filters[body].restart(calibration::PoseMatrix(sigma.cwiseAbs2().asDiagonal()));
   surprises[body] = 0;
 }
 
 void ContinuousCalibrator::State::settle(TimePoint now) {
   if (is_settled || now < *begun_at + options.settle) return;
   // By what was learned, not by the clock alone: a step may take a quarter of a second, or two.
-  if (learned < kLeastLearned && now < *begun_at + kSettlesWithin) return;
+  if (learned < kMinLearnedSteps && now < *begun_at + kSettlesWithin) return;
   is_settled = true;
   // What was learned so far is the scan's own error, not a change.
   for (std::size_t i = 0; i < projectors(); ++i) {
-    const PoseStep change =
-        step_between(scanned.projectors[i].T_room_projector, applied.projectors[i].T_room_projector);
-    reference.projectors[i].T_room_projector = stepped(believed.projectors[i].T_room_projector, PoseStep(-change));
+    const calibration::PoseStep change =
+        calibration::step_between(scanned.projectors[i].T_room_projector, applied.projectors[i].T_room_projector);
+    reference.projectors[i].T_room_projector =
+        calibration::stepped(believed.projectors[i].T_room_projector, calibration::PoseStep(-change));
   }
 }
 
@@ -200,15 +202,15 @@ void ContinuousCalibrator::State::correct_drift(TimePoint now, ShowReport* repor
   for (std::size_t i = 0; i < projectors(); ++i) {
     ProjectorHealth& one = health[i];
     one.sigma_px = motion[i].sigma_px(filters[i].covariance());
-    one.wants_scan = now - measured_at[i] > options.ask_for_scan_after || !believed.projectors[i].unplaced.empty();
+    one.wants_scan = now - measured_at[i] > options.scan_wanted_after || !believed.projectors[i].unplaced.empty();
     if (!is_settled) continue;
-    const PoseStep change =
-        step_between(reference.projectors[i].T_room_projector, believed.projectors[i].T_room_projector);
-    const auto wanted = stepped(scanned.projectors[i].T_room_projector, change);
+    const calibration::PoseStep change =
+        calibration::step_between(reference.projectors[i].T_room_projector, believed.projectors[i].T_room_projector);
+    const auto wanted = calibration::stepped(scanned.projectors[i].T_room_projector, change);
     const auto was = applied.projectors[i].T_room_projector;
-    const PoseStep way = step_between(was, wanted);
+    const calibration::PoseStep way = calibration::step_between(was, wanted);
     one.off_px = motion[i].rms_px(way);
-    if (one.hold != Hold::kNone || std::ranges::any_of(surprises, [](int n) { return n > 0; })) continue;
+    if (one.hold != HoldReason::kNone || std::ranges::any_of(surprises, [](int n) { return n > 0; })) continue;
     const bool is_wanted = realigns_until && now < *realigns_until;
     if (one.off_px < (is_wanted ? kRealignsFrom_px : options.correct_from_px) / options.pixels) continue;
     if (filters[i].squared_deviations(way) < innovation_limit(6, options.correct_from_sigmas)) continue;
@@ -222,11 +224,11 @@ void ContinuousCalibrator::State::correct_drift(TimePoint now, ShowReport* repor
 }
 
 void ContinuousCalibrator::State::tell(TimePoint now, ShowReport* report) {
-  std::vector<Tally> sums(projectors());
+  std::vector<PatchTally> sums(projectors());
   double light = 0.0;
   double pixels = 0.0;
-  for (const Look& look : looks) {
-    const std::vector<Tally> tallies = tally(look.patches, projectors());
+  for (const CameraObservation& look : looks) {
+    const std::vector<PatchTally> tallies = tally(look.patches, projectors());
     for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += tallies[i];
     for (std::size_t k = 0; k < look.prediction.owner.data().size(); k += 7) {
       if (look.prediction.owner.data()[k] == kBesideWall) continue;
@@ -241,42 +243,44 @@ void ContinuousCalibrator::State::tell(TimePoint now, ShowReport* report) {
   const std::vector<bool> is_anchored = anchored(looks);
   const auto is_quiet = [&](std::size_t i) { return surprises[i] == 0 && !is_refused[i]; };
   for (std::size_t i = 0; i < sums.size(); ++i) {
-    const Tally& sum = sums[i];
+    const PatchTally& sum = sums[i];
     if (!believed.projectors[i].unplaced.empty()) {
-      hold(i, Hold::kUnplaced, believed.projectors[i].unplaced, now, report);
-    } else if (sum.compared() < kLeastPatches) {
+      hold(i, HoldReason::kUnplaced, believed.projectors[i].unplaced, now, report);
+    } else if (sum.compared() < kMinPatches) {
       const bool is_dark = pixels == 0.0 || light / pixels < kDarkest;
-      hold(i, is_dark ? Hold::kDark : Hold::kPlain,
+      hold(i, is_dark ? HoldReason::kDark : HoldReason::kPlain,
            is_dark ? "the show is dark" : "there is nothing in its picture to go by", now, report);
     } else if (blind) {
-      hold(i, Hold::kSearching,
+      hold(i, HoldReason::kSearching,
            fmt::format("camera '{}' seems to have moved, and nothing explains yet where to; no drift is corrected",
                        believed.cameras[*blind].name),
            now, report);
     } else if (10 * sum.fits >= 6 * sum.compared() && is_quiet(i) && is_settled && !is_anchored[i]) {
-      hold(i, Hold::kPlain,
+      hold(i, HoldReason::kPlain,
            "the camera that sees it sees nothing else; let it see a neighbour's picture or the wall's edge", now,
            report);
     } else if (10 * sum.fits >= 6 * sum.compared() && is_quiet(i)) {
-      hold(i, is_settled ? Hold::kNone : Hold::kSettling, is_settled ? "" : "it has only begun", now, report);
+      hold(i, is_settled ? HoldReason::kNone : HoldReason::kSettling, is_settled ? "" : "it has only begun", now,
+           report);
     } else if (2 * sum.faint > sum.compared()) {
       notice(i, report);
-      hold(i, Hold::kNoLight, "its part of the wall is dark; is its lamp off, or its shutter closed?", now, report);
+      hold(i, HoldReason::kNoLight, "its part of the wall is dark; is its lamp off, or its shutter closed?", now,
+           report);
     } else if (is_unanchored[i]) {
       notice(i, report);
-      hold(i, Hold::kSearching,
+      hold(i, HoldReason::kSearching,
            fmt::format(
                "it moved, or the camera that sees nothing else did; let that camera see a neighbour's picture or "
                "the wall's edge, and calibrate it with 'cyclorama calibrate --quick {}'",
                believed.projectors[i].name),
            now, report);
-    } else if (sum.fits >= 3 * kLeastPatches / 4 && is_quiet(i)) {
-      hold(i, Hold::kInTheWay,
+    } else if (sum.fits >= 3 * kMinPatches / 4 && is_quiet(i)) {
+      hold(i, HoldReason::kInTheWay,
            fmt::format("something stands in the way of {} of {} places", sum.differs, sum.compared()), now, report);
     } else {
       notice(i, report);
       const std::string& name = believed.projectors[i].name;
-      hold(i, Hold::kSearching,
+      hold(i, HoldReason::kSearching,
            fruitless < kSearchesSeveralTimes
                ? "it moved, or something hides it; nothing explains yet what the cameras see"
                : fmt::format("nothing that a bump can do explains what the cameras see of it; if nothing hides it, set "
@@ -292,15 +296,16 @@ ContinuousCalibrator::ContinuousCalibrator(ContinuousCalibrator&&) noexcept = de
 ContinuousCalibrator& ContinuousCalibrator::operator=(ContinuousCalibrator&&) noexcept = default;
 ContinuousCalibrator::~ContinuousCalibrator() = default;
 
-Result<ContinuousCalibrator> ContinuousCalibrator::make(const ShowCalibration& calibration,
+Result<ContinuousCalibrator> ContinuousCalibrator::make(const calibration::ShowCalibration& calibration,
                                                         const ContinuousOptions& options) {
   TRY(calibration.validate());
   return ContinuousCalibrator(std::make_unique<State>(calibration, options));
 }
 
-Result<ContinuousCalibrator> ContinuousCalibrator::resume(const ShowCalibration& applied, const LearnedRoom& learned,
+Result<ContinuousCalibrator> ContinuousCalibrator::resume(const calibration::ShowCalibration& applied,
+                                                          const LearnedRoom& learned,
                                                           const ContinuousOptions& options) {
-  const ShowCalibration& believed = learned.believed;
+  const calibration::ShowCalibration& believed = learned.believed;
   TRY(applied.validate());
   TRY(believed.validate());
   const bool is_one_room = applied.projectors.size() == believed.projectors.size() &&
@@ -308,7 +313,7 @@ Result<ContinuousCalibrator> ContinuousCalibrator::resume(const ShowCalibration&
                            applied.projectors.size() == learned.at_rest.size() &&
                            applied.projectors.size() + applied.cameras.size() == learned.roots.size();
   if (!is_one_room) return Error(ErrorCode::kInvalidArgument, "what is applied and what was learned are of two rooms");
-  for (const PoseMatrix& root : learned.roots) {
+  for (const calibration::PoseMatrix& root : learned.roots) {
     if (!root.allFinite() || !root.inverse().allFinite())
       return Error(ErrorCode::kInvalidArgument, "what was learned is surer than can be; place the cameras again");
   }
@@ -352,7 +357,7 @@ ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
   }
   for (const ShownPicture& shown : moment.shown) {
     if (shown.projector >= state.timelines.size()) continue;
-    const BrownParameters& lens = state.believed.projectors[shown.projector].lens;
+    const calibration::BrownParameters& lens = state.believed.projectors[shown.projector].lens;
     const bool is_its =
         !shown.picture || (shown.picture->width() == lens.width_px && shown.picture->height() == lens.height_px);
     if (is_its) state.timelines[shown.projector].add(shown);
@@ -368,9 +373,9 @@ ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
     const bool is_lost = !state.lost().empty();
     bool is_recovered = is_lost && state.is_settled && state.recover(moment.now, true, &report);
     if (!is_recovered) {
-      for (const Look& look : state.looks) state.areas[look.camera].update(look.patches);
+      for (const CameraObservation& look : state.looks) state.areas[look.camera].update(look.patches);
       const auto solution =
-          solve_poses(state.believed, state.trusted_sightings(), state.edges(state.looks), state.loose_projectors());
+          solve_poses(state.believed, state.trusted_observations(), state.edges(state.looks), state.loose_projectors());
       if (solution) state.learn(moment.now, *solution, &report);
       const bool is_bumped = std::ranges::any_of(state.surprises, [](int n) { return n >= kSurprisesAreABump; });
       const bool creeps = std::ranges::find(state.is_creeping, true) != state.is_creeping.end();
@@ -391,24 +396,24 @@ ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
   return report;
 }
 
-const ShowCalibration& ContinuousCalibrator::believed() const { return state_->believed; }
-const ShowCalibration& ContinuousCalibrator::applied() const { return state_->applied; }
+const calibration::ShowCalibration& ContinuousCalibrator::believed() const { return state_->believed; }
+const calibration::ShowCalibration& ContinuousCalibrator::applied() const { return state_->applied; }
 std::optional<LearnedRoom> ContinuousCalibrator::learned() const {
   const State& state = *state_;
   if (!state.is_settled) return std::nullopt;
   LearnedRoom learned{state.believed, {}, {}};
   for (std::size_t i = 0; i < state.projectors(); ++i) {
-    const PoseStep change =
-        step_between(state.scanned.projectors[i].T_room_projector, state.applied.projectors[i].T_room_projector);
-    learned.at_rest.push_back(stepped(state.reference.projectors[i].T_room_projector, change));
+    const calibration::PoseStep change = calibration::step_between(state.scanned.projectors[i].T_room_projector,
+                                                                   state.applied.projectors[i].T_room_projector);
+    learned.at_rest.push_back(calibration::stepped(state.reference.projectors[i].T_room_projector, change));
   }
   for (const PoseFilter& filter : state.filters) learned.roots.push_back(filter.root());
   return learned;
 }
-std::span<const Look> ContinuousCalibrator::looks() const { return state_->looks; }
+std::span<const CameraObservation> ContinuousCalibrator::looks() const { return state_->looks; }
 const AreaMap& ContinuousCalibrator::areas(std::size_t camera) const {
   CHECK(camera < state_->areas.size());
   return state_->areas[camera];
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

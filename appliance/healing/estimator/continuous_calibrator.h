@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "appliance/healing/estimator/camera_look.h"
+#include "appliance/healing/estimator/camera_monitor.h"
 #include "appliance/healing/estimator/pose_filter.h"
 #include "appliance/healing/estimator/pose_solve.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// What happened since the last step.
 struct ShowMoment {
@@ -22,7 +22,7 @@ struct ShowMoment {
 };
 
 /// Why a projector is not being corrected just now.
-enum class Hold {
+enum class HoldReason {
   kNone,
   kSettling,   ///< The first seconds: what the last scan left over is being learned.
   kNoPicture,  ///< No camera's picture, or nothing is known of what was shown during its exposure.
@@ -35,7 +35,7 @@ enum class Hold {
   kSearching,  ///< Something moved, and no pose explains it yet.
   kUnplaced,   ///< The calibration does not say where it stands.
 };
-[[nodiscard]] std::string_view name_of(Hold hold);
+[[nodiscard]] std::string_view name_of(HoldReason hold);
 
 /// A projector that is drawn for from another place from now on.
 struct Correction {
@@ -48,7 +48,7 @@ struct Correction {
 };
 
 struct ProjectorHealth {
-  Hold hold = Hold::kSettling;
+  HoldReason hold = HoldReason::kSettling;
   std::string reason;       ///< For people; empty while all is well.
   double off_px = 0.0;      ///< Between where it is believed to be and what is drawn for.
   double sigma_px = 0.0;    ///< How sure that is.
@@ -65,13 +65,13 @@ struct ShowReport {
 struct ContinuousOptions {
   int width_px = 816;            ///< About how wide cameras' pictures are looked at.
   PatchOptions patches = {};     ///< How densely, and in how large parts, they are compared.
-  double least_sigma_px = 0.3;   ///< No sighting is better, in the calibration's pixels.
+  double min_sigma_px = 0.3;     ///< No patch_observation is better, in the calibration's pixels.
   double pixels = 1.0;           ///< Of the projectors, for one of the calibration's: its pictures are smaller by that.
   double correct_from_px = 0.2;  ///< Drift of less stays as it is: correcting would be seen more than the error. Of the
                                  ///< projectors' pixels.
   double correct_from_sigmas = 4.0;  ///< As unlikely as a normal variable beyond so many, all directions together.
   Duration settle = std::chrono::seconds(3);
-  Duration ask_for_scan_after = std::chrono::minutes(5);
+  Duration scan_wanted_after = std::chrono::minutes(5);
   double fastest_px = 1.5;  ///< Content's way during an exposure, in pixels of the reduced picture.
   PoseFilter::Walk walk = {};
   bool uses_arcs = true;   ///< The wall's upper and lower edge hold the cameras.
@@ -80,11 +80,11 @@ struct ContinuousOptions {
 
 /// What has been learned of a room, for another one to go on with.
 struct LearnedRoom {
-  ShowCalibration believed;  ///< Where all is believed to stand.
+  calibration::ShowCalibration believed;  ///< Where all is believed to stand.
   /// Per projector, where it would be believed to stand if what is applied were right: what the scan left over, without
   /// what is about to be corrected.
   std::vector<RigidTransform<frame::Room, frame::Projector>> at_rest;
-  std::vector<PoseMatrix> roots;  ///< How sure that is: PoseFilter::root() per projector, then per camera.
+  std::vector<calibration::PoseMatrix> roots;  ///< How sure that is: PoseFilter::root() per projector, then per camera.
 };
 
 /// Keeps a calibration true while the show goes on, by what fixed cameras see of it.
@@ -106,11 +106,12 @@ struct LearnedRoom {
 class ContinuousCalibrator {
  public:
   /// Errors of ShowCalibration::validate().
-  static Result<ContinuousCalibrator> make(const ShowCalibration& calibration, const ContinuousOptions& options = {});
+  static Result<ContinuousCalibrator> make(const calibration::ShowCalibration& calibration,
+                                           const ContinuousOptions& options = {});
   /// Goes on where another one was when it ended, in mid-recovery too: `applied` is what displays draw for, `learned`
   /// what the other one knew. It is as sure as that one was, so what moved meanwhile is a bump, not drift. Errors
   /// alike.
-  static Result<ContinuousCalibrator> resume(const ShowCalibration& applied, const LearnedRoom& learned,
+  static Result<ContinuousCalibrator> resume(const calibration::ShowCalibration& applied, const LearnedRoom& learned,
                                              const ContinuousOptions& options = {});
   ContinuousCalibrator(ContinuousCalibrator&&) noexcept;
   ContinuousCalibrator& operator=(ContinuousCalibrator&&) noexcept;
@@ -127,13 +128,13 @@ class ContinuousCalibrator {
   [[nodiscard]] bool is_settled() const;
 
   /// Where all is believed to be.
-  [[nodiscard]] const ShowCalibration& believed() const;
+  [[nodiscard]] const calibration::ShowCalibration& believed() const;
   /// What the displays draw for: the calibration and all corrections.
-  [[nodiscard]] const ShowCalibration& applied() const;
+  [[nodiscard]] const calibration::ShowCalibration& applied() const;
   /// Nothing before it is settled.
   [[nodiscard]] std::optional<LearnedRoom> learned() const;
   /// Of the last step, for pages and benchmarks.
-  [[nodiscard]] std::span<const Look> looks() const;
+  [[nodiscard]] std::span<const CameraObservation> looks() const;
   [[nodiscard]] const AreaMap& areas(std::size_t camera) const;
 
  private:
@@ -142,4 +143,4 @@ class ContinuousCalibrator {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

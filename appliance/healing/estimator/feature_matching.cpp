@@ -6,28 +6,28 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
-constexpr int kMostFeatures = 1500;
+constexpr int kMaxFeatures = 1500;
 constexpr float kRatio = 0.8f;      // Lowe, IJCV 60 (2), 2004.
 constexpr double kInlier_px = 8.0;  // Of the projector or the camera: what patches then make exact.
-constexpr int kLeastInliers = 12;
+constexpr int kMinInliers = 12;
 
 /// As OpenCV wants it: 8 bits, evenly bright to the eye, so that dark parts have features too.
 cv::Mat codes_of(const LightPlane& plane) {
-  float most = 1e-9f;
+  float max = 1e-9f;
   std::vector<float> sorted(plane.light.data().begin(), plane.light.data().end());
   if (!sorted.empty()) {
     const auto high = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() * 99 / 100);
     std::ranges::nth_element(sorted, high);
-    most = std::max(most, *high);
+    max = std::max(max, *high);
   }
   cv::Mat codes(plane.height(), plane.width(), CV_8U);
   for (int y = 0; y < plane.height(); ++y) {
     const float* row = plane.light.at(0, y);
     for (int x = 0; x < plane.width(); ++x) {
-      const float part = std::clamp(row[x] / most, 0.0f, 1.0f);
+      const float part = std::clamp(row[x] / max, 0.0f, 1.0f);
       codes.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(255.0f * std::sqrt(part) + 0.5f);
     }
   }
@@ -35,7 +35,7 @@ cv::Mat codes_of(const LightPlane& plane) {
 }
 
 cv::Ptr<cv::Feature2D> detector(FeatureKind kind) {
-  if (kind == FeatureKind::kSift) return cv::SIFT::create(kMostFeatures, 3, 0.02);
+  if (kind == FeatureKind::kSift) return cv::SIFT::create(kMaxFeatures, 3, 0.02);
   return cv::AKAZE::create(cv::AKAZE::DESCRIPTOR_MLDB, 0, 3, 0.0005f);
 }
 
@@ -59,14 +59,14 @@ Eigen::Vector2d place_of(const cv::KeyPoint& point) {
 std::optional<RigidTransform<frame::Room, frame::Room>> place_from(const std::vector<cv::Point3d>& points,
                                                                    const std::vector<cv::Point2d>& slopes,
                                                                    double inlier_slope) {
-  if (points.size() < static_cast<std::size_t>(kLeastInliers)) return std::nullopt;
+  if (points.size() < static_cast<std::size_t>(kMinInliers)) return std::nullopt;
   try {
     cv::Mat turn;
     cv::Mat shift;
     std::vector<int> inliers;
     const bool is_found = cv::solvePnPRansac(points, slopes, cv::Matx33d::eye(), cv::noArray(), turn, shift, false, 300,
                                              static_cast<float>(inlier_slope), 0.999, inliers, cv::SOLVEPNP_SQPNP);
-    if (!is_found || static_cast<int>(inliers.size()) < kLeastInliers) return std::nullopt;
+    if (!is_found || static_cast<int>(inliers.size()) < kMinInliers) return std::nullopt;
     std::vector<cv::Point3d> good;
     std::vector<cv::Point2d> seen;
     for (const int i : inliers) {
@@ -77,7 +77,7 @@ std::optional<RigidTransform<frame::Room, frame::Room>> place_from(const std::ve
     const Eigen::Vector3d w(turn.at<double>(0), turn.at<double>(1), turn.at<double>(2));
     const Eigen::Vector3d t(shift.at<double>(0), shift.at<double>(1), shift.at<double>(2));
     if (!w.allFinite() || !t.allFinite()) return std::nullopt;
-    return RigidTransform<frame::Room, frame::Room>(turned_by(w), t);
+    return RigidTransform<frame::Room, frame::Room>(calibration::turned_by(w), t);
   } catch (const cv::Exception&) {
     return std::nullopt;
   }
@@ -85,12 +85,14 @@ std::optional<RigidTransform<frame::Room, frame::Room>> place_from(const std::ve
 
 /// The step to a pose found, unless it is beyond what a bump can do.
 template <typename Body>
-std::optional<PoseStep> plausible(const RigidTransform<frame::Room, Body>& believed,
-                                  const RigidTransform<frame::Room, frame::Room>& T_body_room) {
+std::optional<calibration::PoseStep> plausible(const RigidTransform<frame::Room, Body>& believed,
+                                               const RigidTransform<frame::Room, frame::Room>& T_body_room) {
   const auto found = T_body_room.inverse();
-  const PoseStep step =
-      step_between(believed, RigidTransform<frame::Room, Body>(found.rotation(), found.translation()));
-  if (!(step.head<3>().norm() < 2.0 * kMostTurn_rad && step.tail<3>().norm() < 2.0 * kMostShift_m)) return std::nullopt;
+  const calibration::PoseStep step =
+      calibration::step_between(believed, RigidTransform<frame::Room, Body>(found.rotation(), found.translation()));
+  if (!(step.head<3>().norm() < 2.0 * calibration::kMaxTurn_rad &&
+        step.tail<3>().norm() < 2.0 * calibration::kMaxShift_m))
+    return std::nullopt;
   return step;
 }
 
@@ -126,14 +128,14 @@ Result<FeatureMatches> match_features(const Prediction& prediction, const LightP
   }
 }
 
-std::optional<PoseStep> find_projector(const ShowCalibration& room, std::size_t projector,
-                                       std::span<const Sighting> sightings) {
-  const ShowProjector& lamp = room.projectors[projector];
+std::optional<calibration::PoseStep> find_projector(const calibration::ShowCalibration& room, std::size_t projector,
+                                                    std::span<const PatchObservation> observations) {
+  const calibration::ShowProjector& lamp = room.projectors[projector];
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> slopes;
-  for (const Sighting& s : sightings) {
+  for (const PatchObservation& s : observations) {
     if (s.projector != projector) continue;
-    const auto slope = slope_at(lamp.lens, s.shown);
+    const auto slope = calibration::slope_at(lamp.lens, s.shown);
     if (!slope) continue;
     points.emplace_back(s.wall.x(), s.wall.y(), s.wall.z());
     slopes.emplace_back(slope->x(), slope->y());
@@ -142,15 +144,15 @@ std::optional<PoseStep> find_projector(const ShowCalibration& room, std::size_t 
   return T ? plausible(lamp.T_room_projector, *T) : std::nullopt;
 }
 
-std::optional<PoseStep> find_camera(const ShowCalibration& room, std::size_t camera,
-                                    std::span<const Sighting> sightings) {
-  const ShowCamera& eye = room.cameras[camera];
+std::optional<calibration::PoseStep> find_camera(const calibration::ShowCalibration& room, std::size_t camera,
+                                                 std::span<const PatchObservation> observations) {
+  const calibration::ShowCamera& eye = room.cameras[camera];
   std::vector<cv::Point3d> points;
   std::vector<cv::Point2d> slopes;
-  for (const Sighting& s : sightings) {
+  for (const PatchObservation& s : observations) {
     if (s.camera != camera) continue;
-    const auto wall = wall_lit_at(room, room.projectors[s.projector], s.shown);
-    const auto slope = slope_at(eye.lens, s.seen);
+    const auto wall = calibration::wall_lit_at(room, room.projectors[s.projector], s.shown);
+    const auto slope = calibration::slope_at(eye.lens, s.seen);
     if (!slope || !wall) continue;
     points.emplace_back(wall->x(), wall->y(), wall->z());
     slopes.emplace_back(slope->x(), slope->y());
@@ -159,4 +161,4 @@ std::optional<PoseStep> find_camera(const ShowCalibration& room, std::size_t cam
   return T ? plausible(eye.T_room_camera, *T) : std::nullopt;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "appliance/healing/estimator/observations.h"
+#include "appliance/healing/estimator/patch_observations.h"
 #include "appliance/healing/estimator/prediction.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 enum class FeatureKind { kSift, kAkaze };
 
@@ -28,12 +28,14 @@ struct FeatureMatches {
 /// kBadData  OpenCV refused.
 Result<FeatureMatches> match_features(const Prediction& prediction, const LightPlane& picture, FeatureKind kind);
 
-/// The step from where a projector is believed to be to where most of its sightings fit; nothing below 12 that do.
+/// The step from where a projector is believed to be to where most of its observations fit; nothing below 12 that do.
 /// Perspective-three-points in a RANSAC of fixed draws, then refined.
-[[nodiscard]] std::optional<PoseStep> find_projector(const ShowCalibration& room, std::size_t projector,
-                                                     std::span<const Sighting> sightings);
+[[nodiscard]] std::optional<calibration::PoseStep> find_projector(const calibration::ShowCalibration& room,
+                                                                  std::size_t projector,
+                                                                  std::span<const PatchObservation> observations);
 /// The same of a camera, all projectors being where they are believed to be.
-[[nodiscard]] std::optional<PoseStep> find_camera(const ShowCalibration& room, std::size_t camera,
-                                                  std::span<const Sighting> sightings);
+[[nodiscard]] std::optional<calibration::PoseStep> find_camera(const calibration::ShowCalibration& room,
+                                                               std::size_t camera,
+                                                               std::span<const PatchObservation> observations);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -6,7 +6,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 /// `light_at(x, y)` summed over blocks; what is left over at the right and below is dropped.
@@ -52,8 +52,8 @@ float LightPlane::at(float x, float y) const {
          fy * ((1.0f - fx) * one(x0, y0 + 1) + fx * one(x0 + 1, y0 + 1));
 }
 
-LightPlane shone_light(const RgbImage& picture, const ShowProjector& projector, int factor) {
-  std::array<CodeLight, 3> grey = projector.light;
+LightPlane shone_light(const RgbImage& picture, const calibration::ShowProjector& projector, int factor) {
+  std::array<calibration::CodeLight, 3> grey = projector.light;
   for (std::size_t c = 0; c < grey.size(); ++c) {
     for (float& light : grey[c]) light *= projector.grey[c];
   }
@@ -63,7 +63,7 @@ LightPlane shone_light(const RgbImage& picture, const ShowProjector& projector, 
   });
 }
 
-LightPlane seen_light(const GreyImage& picture, const ShowCamera& camera, int factor, double* ret_blown) {
+LightPlane seen_light(const GreyImage& picture, const calibration::ShowCamera& camera, int factor, double* ret_blown) {
   const auto blown = std::ranges::count_if(picture.data(), [](std::uint8_t code) { return code >= 254; });
   *ret_blown = picture.empty() ? 0.0 : static_cast<double>(blown) / static_cast<double>(picture.data().size());
   return shrunk(picture.width(), picture.height(), factor,
@@ -108,4 +108,4 @@ LightPlane halved(const LightPlane& plane) {
   return half;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

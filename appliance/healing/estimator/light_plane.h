@@ -9,7 +9,7 @@
 #include "appliance/calibration/show_calibration.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// Linear light. `factor` pixels of the original each way are one here; the original's pixel (u, v), counted from its
 /// corner, is at (u, v) / factor.
@@ -24,13 +24,14 @@ struct LightPlane {
 };
 
 /// What a projector shines for a picture. Reentrant.
-[[nodiscard]] LightPlane shone_light(const RgbImage& picture, const ShowProjector& projector, int factor);
+[[nodiscard]] LightPlane shone_light(const RgbImage& picture, const calibration::ShowProjector& projector, int factor);
 /// What a camera saw. `ret_blown` is the part of pixels at the code's upper end. Reentrant.
-[[nodiscard]] LightPlane seen_light(const GreyImage& picture, const ShowCamera& camera, int factor, double* ret_blown);
+[[nodiscard]] LightPlane seen_light(const GreyImage& picture, const calibration::ShowCamera& camera, int factor,
+                                    double* ret_blown);
 
 /// Every second pixel each way, of a plane smoothed by 1 2 1 both ways.
 [[nodiscard]] LightPlane halved(const LightPlane& plane);
 /// 1 2 1 both ways, in place: takes a sensor's noise and half of the difference in sharpness.
 void soften(LightPlane* plane);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 constexpr double kCorrelation = 4.0;  // Neighbouring pixels share noise: bilinear sampling and softening.
@@ -123,7 +123,7 @@ bool look_for(const Template& wanted, const LightPlane& picture, int radius, con
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   double remaining = 1.0;
   double length = 0.0;
-  for (int round = 0; round < options.most_rounds; ++round) {
+  for (int round = 0; round < options.max_rounds; ++round) {
     if (!sample(picture, patch->at + shift, radius, values)) return false;
     length = static_cast<double>(normalise(values));
     double sum_x = 0.0;
@@ -141,9 +141,9 @@ bool look_for(const Template& wanted, const LightPlane& picture, int radius, con
     const Eigen::Vector2d step =
         normal.inverse() * (Eigen::Vector2d(sum_x, sum_y) - noise / (kPriorPx * kPriorPx) * shift);
     patch->covariance = noise * normal.inverse() + kFloorPx * kFloorPx * Eigen::Matrix2d::Identity();
-    if (!step.allFinite() || step.norm() > options.farthest_px + 2.0) break;
+    if (!step.allFinite() || step.norm() > options.max_shift_px + 2.0) break;
     shift += step;
-    if (step.norm() < kSettledPx || shift.norm() > options.farthest_px + 1.0) break;
+    if (step.norm() < kSettledPx || shift.norm() > options.max_shift_px + 1.0) break;
   }
   patch->shift = shift;
   patch->likeness = 1.0 - 0.5 * remaining;
@@ -169,7 +169,7 @@ bool repeats(const LightPlane& plane, const Template& wanted, int x, int y, int 
 }
 
 std::vector<PatchShift> align(const Prediction& prediction, const LightPlane& picture, double gain,
-                              const PatchOptions& options, int repeat_reach) {
+                              const PatchOptions& options, int repeat_radius) {
   std::vector<PatchShift> patches;
   const LightPlane& plane = prediction.light;
   const int radius = options.radius_px;
@@ -187,12 +187,12 @@ std::vector<PatchShift> align(const Prediction& prediction, const LightPlane& pi
       }
       cut_template(plane, x, y, radius, &wanted);
       const double expected = gain * wanted.contrast;
-      if (!(expected > options.least_contrast)) {
+      if (!(expected > options.min_contrast)) {
         patch.fit = PatchFit::kPlain;
         patches.push_back(patch);
         continue;
       }
-      if (repeat_reach > 0 && repeats(plane, wanted, x, y, radius, repeat_reach, &values)) {
+      if (repeat_radius > 0 && repeats(plane, wanted, x, y, radius, repeat_radius, &values)) {
         patches.push_back(patch);
         continue;
       }
@@ -201,7 +201,7 @@ std::vector<PatchShift> align(const Prediction& prediction, const LightPlane& pi
         continue;
       }
       patch.contrast /= expected;
-      const bool is_there = patch.likeness >= options.least_likeness && patch.shift.norm() <= options.farthest_px;
+      const bool is_there = patch.likeness >= options.min_likeness && patch.shift.norm() <= options.max_shift_px;
       patch.fit = is_there ? PatchFit::kFits : PatchFit::kDiffers;
       patches.push_back(patch);
     }
@@ -254,7 +254,7 @@ std::vector<PatchShift> align_patches(const Prediction& prediction, const LightP
 
 std::vector<PatchShift> align_coarsely(const Prediction& prediction, const LightPlane& picture, double gain) {
   constexpr int kFactor = 4;
-  constexpr int kRepeatReach = 6;
+  constexpr int kRepeatRadius = 6;
   Prediction small{halved(halved(prediction.light)), {}};
   small.owner = Image<std::int8_t, 1>(small.light.width(), small.light.height());
   for (int y = 0; y < small.light.height(); ++y) {
@@ -264,10 +264,10 @@ std::vector<PatchShift> align_coarsely(const Prediction& prediction, const Light
   PatchOptions options;
   options.radius_px = 7;
   options.step_px = 5;
-  options.most_rounds = 15;
-  options.farthest_px = 4.0;
-  options.least_likeness = 0.7;
-  std::vector<PatchShift> patches = align(small, halved(halved(picture)), gain, options, kRepeatReach);
+  options.max_rounds = 15;
+  options.max_shift_px = 4.0;
+  options.min_likeness = 0.7;
+  std::vector<PatchShift> patches = align(small, halved(halved(picture)), gain, options, kRepeatRadius);
   for (PatchShift& patch : patches) {
     patch.at *= kFactor;
     patch.shift *= kFactor;
@@ -276,4 +276,4 @@ std::vector<PatchShift> align_coarsely(const Prediction& prediction, const Light
   return patches;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

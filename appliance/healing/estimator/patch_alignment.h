@@ -12,10 +12,10 @@
 
 #include "appliance/healing/estimator/prediction.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 enum class PatchFit {
-  kFits,     ///< It is there, within `farthest_px`.
+  kFits,     ///< It is there, within `max_shift_px`.
   kDiffers,  ///< Nothing like it is there.
   kPlain,    ///< Nothing in it that could be compared.
   kShared,   ///< Of several projectors' light, or at the wall's edge.
@@ -34,10 +34,10 @@ struct PatchShift {
 struct PatchOptions {
   int radius_px = 10;
   int step_px = 16;
-  int most_rounds = 6;
-  double farthest_px = 4.0;
-  double least_likeness = 0.8;
-  double least_contrast = 0.0012;  ///< Standard deviation, of the camera's full scale.
+  int max_rounds = 6;
+  double max_shift_px = 4.0;
+  double min_likeness = 0.8;
+  double min_contrast = 0.0012;  ///< Standard deviation, of the camera's full scale.
 };
 
 /// What turns the prediction's unit into the picture's: a robust line through patches' means. 0 where there is no
@@ -57,4 +57,4 @@ struct LightScale {
 [[nodiscard]] std::vector<PatchShift> align_coarsely(const Prediction& prediction, const LightPlane& picture,
                                                      double gain);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

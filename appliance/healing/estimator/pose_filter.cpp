@@ -8,12 +8,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 /// A measurement taken apart into directions that do not know of each other.
 struct Direction {
-  PoseStep along;
+  calibration::PoseStep along;
   double value;
   double variance;
 };
@@ -21,17 +21,17 @@ struct Direction {
 /// Calls `use` for each direction that was measured. Turns and shifts are balanced first: their units differ by orders
 /// of magnitude, and eigenvectors are only as good as the largest eigenvalue allows.
 template <typename Use>
-void for_directions(const PoseFilter::Measured& measured, const PoseMatrix& root, const Use& use) {
-  PoseStep unit;
+void for_directions(const PoseFilter::Measured& measured, const calibration::PoseMatrix& root, const Use& use) {
+  calibration::PoseStep unit;
   for (int i = 0; i < 6; ++i) unit[i] = std::max(root.row(i).norm(), 1e-150);
-  const PoseMatrix scaled = unit.asDiagonal() * measured.information * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<PoseMatrix> parts(0.5 * (scaled + scaled.transpose()));
-  const double least = 1e-14 * std::max(parts.eigenvalues().maxCoeff(), 0.0);
+  const calibration::PoseMatrix scaled = unit.asDiagonal() * measured.information * unit.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(0.5 * (scaled + scaled.transpose()));
+  const double min = 1e-14 * std::max(parts.eigenvalues().maxCoeff(), 0.0);
   for (int i = 0; i < 6; ++i) {
     const double information = parts.eigenvalues()[i];
-    if (!(information > least) || !(information > 1e-290) || !std::isfinite(information)) continue;
+    if (!(information > min) || !(information > 1e-290) || !std::isfinite(information)) continue;
     // along^T x with x in steps: the direction e in balanced units is x / unit.
-    const PoseStep along = parts.eigenvectors().col(i).cwiseQuotient(unit);
+    const calibration::PoseStep along = parts.eigenvectors().col(i).cwiseQuotient(unit);
     use(Direction{along, along.dot(measured.step), 1.0 / information});
   }
 }
@@ -39,7 +39,7 @@ void for_directions(const PoseFilter::Measured& measured, const PoseMatrix& root
 }  // namespace
 
 PoseFilter::PoseFilter(double turn_rad, double shift_m, const Walk& walk) {
-  PoseStep sigma;
+  calibration::PoseStep sigma;
   sigma << Eigen::Vector3d::Constant(turn_rad), Eigen::Vector3d::Constant(shift_m);
   root_ = sigma.asDiagonal();
   walk_ << Eigen::Vector3d::Constant(walk.turn_rad), Eigen::Vector3d::Constant(walk.shift_m);
@@ -49,50 +49,50 @@ void PoseFilter::predict(double seconds) {
   if (!(seconds > 0.0)) return;
   Eigen::Matrix<double, 12, 6> both;
   both.topRows<6>() = root_.transpose();
-  both.bottomRows<6>() = PoseMatrix((std::sqrt(seconds) * walk_).asDiagonal());
+  both.bottomRows<6>() = calibration::PoseMatrix((std::sqrt(seconds) * walk_).asDiagonal());
   const Eigen::HouseholderQR<Eigen::Matrix<double, 12, 6>> qr(both);
-  root_ = PoseMatrix(qr.matrixQR().topRows<6>().triangularView<Eigen::Upper>()).transpose();
+  root_ = calibration::PoseMatrix(qr.matrixQR().topRows<6>().triangularView<Eigen::Upper>()).transpose();
 }
 
 PoseFilter::Innovation PoseFilter::innovation(const Measured& measured) const {
-  PoseMatrix root = root_;
-  PoseStep mean = PoseStep::Zero();
+  calibration::PoseMatrix root = root_;
+  calibration::PoseStep mean = calibration::PoseStep::Zero();
   Innovation sum;
   for_directions(measured, root_, [&](const Direction& d) {
-    const PoseStep phi = root.transpose() * d.along;
+    const calibration::PoseStep phi = root.transpose() * d.along;
     const double variance = phi.squaredNorm() + d.variance;
     const double off = d.value - d.along.dot(mean);
     sum.squared += off * off / variance;
     ++sum.directions;
-    const PoseStep gain = root * phi / variance;
+    const calibration::PoseStep gain = root * phi / variance;
     mean += gain * off;
     root -= gain * phi.transpose() / (1.0 + std::sqrt(d.variance / variance));
   });
   return sum;
 }
 
-PoseStep PoseFilter::update(const Measured& measured) {
-  PoseStep mean = PoseStep::Zero();
-  const PoseMatrix before = root_;
+calibration::PoseStep PoseFilter::update(const Measured& measured) {
+  calibration::PoseStep mean = calibration::PoseStep::Zero();
+  const calibration::PoseMatrix before = root_;
   for_directions(measured, before, [&](const Direction& d) {
-    const PoseStep phi = root_.transpose() * d.along;
+    const calibration::PoseStep phi = root_.transpose() * d.along;
     const double variance = phi.squaredNorm() + d.variance;
-    const PoseStep gain = root_ * phi / variance;
+    const calibration::PoseStep gain = root_ * phi / variance;
     mean += gain * (d.value - d.along.dot(mean));
     root_ -= gain * phi.transpose() / (1.0 + std::sqrt(d.variance / variance));
   });
   return mean;
 }
 
-double PoseFilter::squared_deviations(const PoseStep& step) const {
+double PoseFilter::squared_deviations(const calibration::PoseStep& step) const {
   const double squared = root_.partialPivLu().solve(step).squaredNorm();
   return std::isfinite(squared) ? squared : 0.0;
 }
 
-void PoseFilter::restart(const PoseMatrix& covariance) {
-  const Eigen::SelfAdjointEigenSolver<PoseMatrix> parts(0.5 * (covariance + covariance.transpose()));
-  const double least = 1e-12 * std::max(parts.eigenvalues().maxCoeff(), 1e-300);
-  root_ = parts.eigenvectors() * parts.eigenvalues().cwiseMax(least).cwiseSqrt().asDiagonal();
+void PoseFilter::restart(const calibration::PoseMatrix& covariance) {
+  const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(0.5 * (covariance + covariance.transpose()));
+  const double min = 1e-12 * std::max(parts.eigenvalues().maxCoeff(), 1e-300);
+  root_ = parts.eigenvectors() * parts.eigenvalues().cwiseMax(min).cwiseSqrt().asDiagonal();
 }
 
 double innovation_limit(int directions, double normal) {
@@ -104,7 +104,7 @@ double innovation_limit(int directions, double normal) {
 
 void InnovationWindow::add(const PoseFilter::Innovation& innovation) {
   last_.push_front(innovation);
-  if (last_.size() > kMost) last_.pop_back();
+  if (last_.size() > kMaxCount) last_.pop_back();
 }
 
 bool InnovationWindow::is_surprising() const {
@@ -117,19 +117,20 @@ bool InnovationWindow::is_surprising() const {
   return false;
 }
 
-PoseFilter::Measured without_prior(const PoseStep& step, const PoseMatrix& information, const PoseMatrix& prior) {
+PoseFilter::Measured without_prior(const calibration::PoseStep& step, const calibration::PoseMatrix& information,
+                                   const calibration::PoseMatrix& prior) {
   // (information + prior) step = information * measured.
-  const Eigen::SelfAdjointEigenSolver<PoseMatrix> parts(information);
-  const PoseStep told = parts.eigenvectors().transpose() * ((information + prior) * step);
-  const double least = 1e-12 * std::max(parts.eigenvalues().maxCoeff(), 0.0);
-  PoseStep measured = PoseStep::Zero();
-  PoseStep kept = PoseStep::Zero();
+  const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(information);
+  const calibration::PoseStep told = parts.eigenvectors().transpose() * ((information + prior) * step);
+  const double min = 1e-12 * std::max(parts.eigenvalues().maxCoeff(), 0.0);
+  calibration::PoseStep measured = calibration::PoseStep::Zero();
+  calibration::PoseStep kept = calibration::PoseStep::Zero();
   for (int i = 0; i < 6; ++i) {
-    if (!(parts.eigenvalues()[i] > least) || !(parts.eigenvalues()[i] > 1e-290)) continue;
+    if (!(parts.eigenvalues()[i] > min) || !(parts.eigenvalues()[i] > 1e-290)) continue;
     measured += parts.eigenvectors().col(i) * (told[i] / parts.eigenvalues()[i]);
     kept[i] = parts.eigenvalues()[i];
   }
   return {measured, parts.eigenvectors() * kept.asDiagonal() * parts.eigenvectors().transpose()};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

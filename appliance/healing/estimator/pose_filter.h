@@ -6,7 +6,7 @@
 
 #include "appliance/calibration/pose_step.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// How sure a pose is, and what a measurement changes: a Kalman filter on SE(3) in square-root form.
 ///
@@ -33,8 +33,8 @@ class PoseFilter {
 
   /// A measured step and its information; directions without any are left alone.
   struct Measured {
-    PoseStep step = PoseStep::Zero();
-    PoseMatrix information = PoseMatrix::Zero();
+    calibration::PoseStep step = calibration::PoseStep::Zero();
+    calibration::PoseMatrix information = calibration::PoseMatrix::Zero();
   };
   /// The innovation's squared length in deviations, and of how many directions it is.
   struct Innovation {
@@ -43,18 +43,18 @@ class PoseFilter {
   };
   [[nodiscard]] Innovation innovation(const Measured& measured) const;
   /// What the believed pose is to be stepped by.
-  PoseStep update(const Measured& measured);
+  calibration::PoseStep update(const Measured& measured);
   /// How many deviations, squared, a step away from the believed pose is.
-  [[nodiscard]] double squared_deviations(const PoseStep& step) const;
+  [[nodiscard]] double squared_deviations(const calibration::PoseStep& step) const;
   /// The pose is a new one, known so well.
-  void restart(const PoseMatrix& covariance);
+  void restart(const calibration::PoseMatrix& covariance);
 
-  [[nodiscard]] PoseMatrix covariance() const { return root_ * root_.transpose(); }
-  [[nodiscard]] const PoseMatrix& root() const { return root_; }
+  [[nodiscard]] calibration::PoseMatrix covariance() const { return root_ * root_.transpose(); }
+  [[nodiscard]] const calibration::PoseMatrix& root() const { return root_; }
 
  private:
-  PoseMatrix root_ = PoseMatrix::Zero();
-  PoseStep walk_ = PoseStep::Zero();
+  calibration::PoseMatrix root_ = calibration::PoseMatrix::Zero();
+  calibration::PoseStep walk_ = calibration::PoseStep::Zero();
 };
 
 /// The squared length, in deviations, that as few undisturbed ones of so many directions exceed as a normal variable
@@ -66,7 +66,7 @@ class PoseFilter {
 /// directions at most; the limit for eight together is 17 each. A value.
 class InnovationWindow {
  public:
-  static constexpr std::size_t kMost = 8;
+  static constexpr std::size_t kMaxCount = 8;
   void add(const PoseFilter::Innovation& innovation);
   void forget() { last_.clear(); }
   /// Whether the last two, or three, ... or all exceed what one in 10^9 would.
@@ -77,7 +77,8 @@ class InnovationWindow {
 };
 
 /// What a posterior that had a prior of `prior` about 0 says that was measured: the step and its information alone.
-[[nodiscard]] PoseFilter::Measured without_prior(const PoseStep& step, const PoseMatrix& information,
-                                                 const PoseMatrix& prior);
+[[nodiscard]] PoseFilter::Measured without_prior(const calibration::PoseStep& step,
+                                                 const calibration::PoseMatrix& information,
+                                                 const calibration::PoseMatrix& prior);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -13,16 +13,16 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 constexpr double kLossWidth = 2.5;              // In deviations.
 constexpr double kStages[] = {40.0, 8.0, 1.0};  // Times the loss's width.
-constexpr double kWorthMoving = 40.0;  // Cost that one more moving body must save: six numbers, many times over.
+constexpr double kMinMoveGain = 40.0;  // Cost that one more moving body must save: six numbers, many times over.
 
-/// One sighting. Cameras move what they look at along the wall, linearly: `room_by_camera` in the projector's frame.
-struct SightingCost {
-  BrownBlock lens;
+/// One patch_observation. Cameras move what they look at along the wall, linearly: `room_by_camera` in the projector's frame.
+struct ObservationCost {
+  calibration::BrownBlock lens;
   Eigen::Vector3d point;  ///< In the believed projector's frame.
   Eigen::Matrix<double, 3, 6> by_camera;
   Eigen::Vector2d shown;
@@ -43,9 +43,9 @@ struct SightingCost {
     T v;
     const T x = seen[0] / seen[2];
     const T y = seen[1] / seen[2];
-    T block[kBrownValues];
-    for (int i = 0; i < kBrownValues; ++i) block[i] = T(lens[static_cast<std::size_t>(i)]);
-    brown_pixel(block, x, y, &u, &v);
+    T block[calibration::kBrownValues];
+    for (int i = 0; i < calibration::kBrownValues; ++i) block[i] = T(lens[static_cast<std::size_t>(i)]);
+    calibration::brown_pixel(block, x, y, &u, &v);
     const T du = u - shown.x();
     const T dv = v - shown.y();
     residual[0] = root(0, 0) * du + root(0, 1) * dv;
@@ -69,7 +69,7 @@ struct EdgeCost {
 };
 
 struct PriorCost {
-  PoseMatrix root;
+  calibration::PoseMatrix root;
 
   template <typename T>
   bool operator()(const T* body, T* residual) const {
@@ -82,31 +82,31 @@ struct PriorCost {
 };
 
 /// U with U^T U = information; exact also where it is only semidefinite.
-PoseMatrix root_of(const PoseMatrix& information) {
-  const Eigen::SelfAdjointEigenSolver<PoseMatrix> parts(information);
+calibration::PoseMatrix root_of(const calibration::PoseMatrix& information) {
+  const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(information);
   return parts.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * parts.eigenvectors().transpose();
 }
 
 class PoseProblem {
  public:
-  PoseProblem(const ShowCalibration& room, std::span<const Sighting> sightings, std::span<const EdgeSighting> edges,
-              std::span<const BodyPrior> priors)
+  PoseProblem(const calibration::ShowCalibration& room, std::span<const PatchObservation> observations,
+              std::span<const EdgeObservation> edges, std::span<const BodyPrior> priors)
       : projectors_(room.projectors.size()), loss_(new ceres::CauchyLoss(kLossWidth), ceres::TAKE_OWNERSHIP) {
     ceres::Problem::Options options;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     problem_ = std::make_unique<ceres::Problem>(options);
     for (const BodyPrior& prior : priors) steps_.push_back(prior.start);
-    for (PoseStep& step : steps_) problem_->AddParameterBlock(step.data(), 6);
-    for (const Sighting& s : sightings) {
-      const ShowProjector& projector = room.projectors[s.projector];
+    for (calibration::PoseStep& step : steps_) problem_->AddParameterBlock(step.data(), 6);
+    for (const PatchObservation& s : observations) {
+      const calibration::ShowProjector& projector = room.projectors[s.projector];
       const auto T = projector.T_room_projector.inverse();
-      auto* cost = new ceres::AutoDiffCostFunction<SightingCost, 2, 6, 6>(
-          new SightingCost{to_block(projector.lens), (T * Point<frame::Room>{s.wall}).xyz,
-                           T.rotation().toRotationMatrix() * s.wall_by_camera, s.shown, s.root_information});
+      auto* cost = new ceres::AutoDiffCostFunction<ObservationCost, 2, 6, 6>(
+          new ObservationCost{calibration::to_block(projector.lens), (T * Point<frame::Room>{s.wall}).xyz,
+                              T.rotation().toRotationMatrix() * s.wall_by_camera, s.shown, s.root_information});
       seen_.push_back(
           problem_->AddResidualBlock(cost, &loss_, steps_[s.projector].data(), steps_[projectors_ + s.camera].data()));
     }
-    for (const EdgeSighting& e : edges) {
+    for (const EdgeObservation& e : edges) {
       auto* cost = new ceres::AutoDiffCostFunction<EdgeCost, 1, 6>(new EdgeCost{e.by_camera, e.off_px, e.sigma_px});
       problem_->AddResidualBlock(cost, &loss_, steps_[projectors_ + e.camera].data());
     }
@@ -135,7 +135,7 @@ class PoseProblem {
   /// J^T J of all bodies, as the losses weigh it. Parameter blocks are in the bodies' order.
   [[nodiscard]] Eigen::MatrixXd normal_matrix() {
     ceres::Problem::EvaluateOptions options;
-    for (PoseStep& step : steps_) options.parameter_blocks.push_back(step.data());
+    for (calibration::PoseStep& step : steps_) options.parameter_blocks.push_back(step.data());
     ceres::CRSMatrix jacobian;
     problem_->Evaluate(options, nullptr, nullptr, nullptr, &jacobian);
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
@@ -151,7 +151,7 @@ class PoseProblem {
     return normal;
   }
 
-  /// Median absolute residual of sightings over what normal noise would have.
+  /// Median absolute residual of observations over what normal noise would have.
   [[nodiscard]] double noise() {
     ceres::Problem::EvaluateOptions options;
     options.residual_blocks = seen_;
@@ -166,45 +166,46 @@ class PoseProblem {
   }
 
   [[nodiscard]] double cost() const { return cost_; }
-  [[nodiscard]] const std::vector<PoseStep>& steps() const { return steps_; }
+  [[nodiscard]] const std::vector<calibration::PoseStep>& steps() const { return steps_; }
 
  private:
   std::size_t projectors_;
   ceres::LossFunctionWrapper loss_;
-  std::vector<PoseStep> steps_;
+  std::vector<calibration::PoseStep> steps_;
   std::unique_ptr<ceres::Problem> problem_;
   std::vector<ceres::ResidualBlockId> seen_;
   double cost_ = 0.0;
 };
 
-int rank_of(const PoseMatrix& information) {
+int rank_of(const calibration::PoseMatrix& information) {
   // Turns and shifts in units of what a loose body may do.
-  PoseStep unit;
+  calibration::PoseStep unit;
   unit << kLooseTurn_rad, kLooseTurn_rad, kLooseTurn_rad, kLooseShift_m, kLooseShift_m, kLooseShift_m;
-  const PoseMatrix scaled = unit.asDiagonal() * information * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<PoseMatrix> parts(scaled, Eigen::EigenvaluesOnly);
+  const calibration::PoseMatrix scaled = unit.asDiagonal() * information * unit.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(scaled, Eigen::EigenvaluesOnly);
   return static_cast<int>((parts.eigenvalues().array() > 100.0).count());
 }
 
 }  // namespace
 
-PoseMatrix loose_information() {
-  PoseStep weights;
+calibration::PoseMatrix loose_information() {
+  calibration::PoseStep weights;
   weights << Eigen::Vector3d::Constant(1.0 / (kLooseTurn_rad * kLooseTurn_rad)),
       Eigen::Vector3d::Constant(1.0 / (kLooseShift_m * kLooseShift_m));
   return weights.asDiagonal();
 }
 
-Result<PoseSolution> solve_poses(const ShowCalibration& room, std::span<const Sighting> sightings,
-                                 std::span<const EdgeSighting> edges, std::span<const BodyPrior> priors) {
+Result<PoseSolution> solve_poses(const calibration::ShowCalibration& room,
+                                 std::span<const PatchObservation> observations, std::span<const EdgeObservation> edges,
+                                 std::span<const BodyPrior> priors) {
   CHECK(priors.size() == room.projectors.size() + room.cameras.size());
-  if (sightings.empty()) return Error(ErrorCode::kInvalidArgument, "no camera saw anything of the show");
-  PoseProblem problem(room, sightings, edges, priors);
+  if (observations.empty()) return Error(ErrorCode::kInvalidArgument, "no camera saw anything of the show");
+  PoseProblem problem(room, observations, edges, priors);
   TRY(problem.solve());
   PoseSolution solution;
   solution.cost = problem.cost();
   solution.noise = problem.noise();
-  solution.sightings = sightings.size();
+  solution.observations = observations.size();
   const Eigen::LLT<Eigen::MatrixXd> normal(problem.normal_matrix());
   if (normal.info() != Eigen::Success) return Error(ErrorCode::kBadData, "poses without finite covariance");
   const auto size = static_cast<Eigen::Index>(6 * priors.size());
@@ -213,13 +214,13 @@ Result<PoseSolution> solve_poses(const ShowCalibration& room, std::span<const Si
     BodySolution body;
     body.step = problem.steps()[i];
     const auto at = static_cast<Eigen::Index>(6 * i);
-    const PoseMatrix block = covariance.block<6, 6>(at, at);
+    const calibration::PoseMatrix block = covariance.block<6, 6>(at, at);
     body.covariance = 0.5 * (block + block.transpose());
     if (!body.covariance.allFinite() || !body.step.allFinite())
       return Error(ErrorCode::kBadData, "poses without finite covariance");
     // What remains of the certainty once the prior is taken away.
-    const PoseMatrix told = body.covariance.inverse() - priors[i].information;
-    const Eigen::SelfAdjointEigenSolver<PoseMatrix> parts(0.5 * (told + told.transpose()));
+    const calibration::PoseMatrix told = body.covariance.inverse() - priors[i].information;
+    const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(0.5 * (told + told.transpose()));
     body.information =
         parts.eigenvectors() * parts.eigenvalues().cwiseMax(0.0).asDiagonal() * parts.eigenvectors().transpose();
     body.rank = rank_of(body.information);
@@ -228,14 +229,15 @@ Result<PoseSolution> solve_poses(const ShowCalibration& room, std::span<const Si
   return solution;
 }
 
-Result<Movers> find_movers(const ShowCalibration& room, std::span<const Sighting> sightings,
-                           std::span<const EdgeSighting> edges, std::span<const BodyPrior> priors,
-                           std::span<const PoseStep> starts, std::size_t most) {
+Result<MovedBodies> find_moved_bodies(const calibration::ShowCalibration& room,
+                                      std::span<const PatchObservation> observations,
+                                      std::span<const EdgeObservation> edges, std::span<const BodyPrior> priors,
+                                      std::span<const calibration::PoseStep> starts, std::size_t max) {
   CHECK(starts.size() == priors.size());
   std::vector<BodyPrior> free(priors.begin(), priors.end());
-  Movers movers;
-  TRY_ASSIGN(movers.solution, solve_poses(room, sightings, edges, free));
-  while (movers.bodies.size() < most) {
+  MovedBodies movers;
+  TRY_ASSIGN(movers.solution, solve_poses(room, observations, edges, free));
+  while (movers.bodies.size() < max) {
     std::optional<PoseSolution> best;
     BodyIndex who = 0;
     for (BodyIndex body = 0; body < priors.size(); ++body) {
@@ -243,12 +245,12 @@ Result<Movers> find_movers(const ShowCalibration& room, std::span<const Sighting
       std::vector<BodyPrior> tried = free;
       tried[body].information = loose_information();
       tried[body].start = starts[body];
-      auto solution = solve_poses(room, sightings, edges, tried);
+      auto solution = solve_poses(room, observations, edges, tried);
       if (!solution || (best && best->cost <= solution->cost)) continue;
       best = *std::move(solution);
       who = body;
     }
-    if (!best || !(movers.solution.cost - best->cost > kWorthMoving)) break;
+    if (!best || !(movers.solution.cost - best->cost > kMinMoveGain)) break;
     free[who].information = loose_information();
     free[who].start = best->bodies[who].step;
     movers.bodies.push_back(who);
@@ -257,4 +259,4 @@ Result<Movers> find_movers(const ShowCalibration& room, std::span<const Sighting
   return movers;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

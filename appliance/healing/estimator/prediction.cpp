@@ -8,11 +8,11 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr float kLeastGain = 1e-6f;
+constexpr float kMinGain = 1e-6f;
 
 std::size_t index_of(int x, int y, int width) {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
@@ -34,20 +34,20 @@ void add_normals(const Eigen::Vector3f& eye, SeenWall* seen) {
 
 }  // namespace
 
-CameraSlopes camera_slopes(const ShowCamera& camera, int factor) {
+CameraSlopes camera_slopes(const calibration::ShowCamera& camera, int factor) {
   CHECK(factor >= 1);
   CameraSlopes made{factor, camera.lens.width_px / factor, camera.lens.height_px / factor, {}};
   made.slopes.reserve(index_of(0, made.height, made.width));
   for (int y = 0; y < made.height; ++y) {
     for (int x = 0; x < made.width; ++x) {
-      const auto slope = slope_at(camera.lens, {(x + 0.5) * factor, (y + 0.5) * factor});
+      const auto slope = calibration::slope_at(camera.lens, {(x + 0.5) * factor, (y + 0.5) * factor});
       made.slopes.push_back(slope ? slope->cast<float>().eval() : Eigen::Vector2f::Constant(kNone));
     }
   }
   return made;
 }
 
-SeenWall seen_wall(const Wall& wall, const ShowCamera& camera, const CameraSlopes& slopes) {
+SeenWall seen_wall(const Wall& wall, const calibration::ShowCamera& camera, const CameraSlopes& slopes) {
   SeenWall seen{slopes.width, slopes.height, {}, {}};
   seen.points.reserve(slopes.slopes.size());
   const Point<frame::Room> eye{camera.T_room_camera.translation()};
@@ -64,22 +64,23 @@ SeenWall seen_wall(const Wall& wall, const ShowCamera& camera, const CameraSlope
   return seen;
 }
 
-LitPart lit_part(const SeenWall& seen, const ShowProjector& projector) {
+LitPart lit_part(const SeenWall& seen, const calibration::ShowProjector& projector) {
   LitPart lit;
-  lit.places.resize(seen.points.size());
+  lit.positions.resize(seen.points.size());
   lit.first_row = seen.height;
   lit.is_placed = projector.unplaced.empty();
   const RigidTransform<frame::Projector, frame::Room> T = projector.T_room_projector.inverse();
   const Eigen::Matrix3f R = T.rotation().toRotationMatrix().cast<float>();
   const Eigen::Vector3f t = T.translation().cast<float>();
   const Eigen::Vector3f lamp = projector.T_room_projector.translation().cast<float>();
-  std::array<float, kBrownValues> lens{};
-  std::ranges::transform(to_block(projector.lens), lens.begin(), [](double v) { return static_cast<float>(v); });
+  std::array<float, calibration::kBrownValues> lens{};
+  std::ranges::transform(calibration::to_block(projector.lens), lens.begin(),
+                         [](double v) { return static_cast<float>(v); });
   const auto width = static_cast<float>(projector.lens.width_px);
   const auto height = static_cast<float>(projector.lens.height_px);
   // What a distortion does far outside of its picture is not to be believed.
   const float widest = 1.2f * std::hypot(width, height) / static_cast<float>(projector.lens.focal_u_px);
-  for (std::size_t i = 0; i < lit.places.size(); ++i) {
+  for (std::size_t i = 0; i < lit.positions.size(); ++i) {
     const Eigen::Vector3f p = R * seen.points[i] + t;
     if (!(p.z() > 0.05f)) continue;
     const float x = p.x() / p.z();
@@ -98,7 +99,7 @@ LitPart lit_part(const SeenWall& seen, const ShowProjector& projector) {
     const float distance = away.norm();
     const float facing = seen.normals[i].dot(away) / distance;
     if (!(facing > 0.0f)) continue;
-    lit.places[i] = {u, v, facing / (distance * distance) * std::pow(1.0f + rr, 1.5f)};
+    lit.positions[i] = {u, v, facing / (distance * distance) * std::pow(1.0f + rr, 1.5f)};
     const int row = static_cast<int>(i / static_cast<std::size_t>(seen.width));
     lit.first_row = std::min(lit.first_row, row);
     lit.end_row = row + 1;
@@ -110,8 +111,8 @@ double footprint_px(const SeenWall& seen, const LitPart& lit) {
   std::vector<float> steps;
   for (int y = 0; y < seen.height; y += 8) {
     for (int x = 0; x + 1 < seen.width; x += 8) {
-      const LitPart::Place& here = lit.places[index_of(x, y, seen.width)];
-      const LitPart::Place& next = lit.places[index_of(x + 1, y, seen.width)];
+      const LitPart::Place& here = lit.positions[index_of(x, y, seen.width)];
+      const LitPart::Place& next = lit.positions[index_of(x + 1, y, seen.width)];
       if (here.gain > 0.0f && next.gain > 0.0f) steps.push_back(std::hypot(next.u - here.u, next.v - here.v));
     }
   }
@@ -125,17 +126,17 @@ Prediction predict(const SeenWall& seen, std::span<const LitPart> lit, std::span
   CHECK(lit.size() == shone.size());
   Prediction made{{factor, Image<float, 1>(seen.width, seen.height)},
                   Image<std::int8_t, 1>(seen.width, seen.height, kUnlit)};
-  Image<float, 1> most(seen.width, seen.height);
+  Image<float, 1> max(seen.width, seen.height);
   for (std::size_t i = 0; i < lit.size(); ++i) {
     if (shone[i].light.empty()) continue;
     const float scale = 1.0f / static_cast<float>(shone[i].factor);
     for (std::size_t k = index_of(0, lit[i].first_row, seen.width); k < index_of(0, lit[i].end_row, seen.width); ++k) {
-      const LitPart::Place& place = lit[i].places[k];
-      if (!(place.gain > kLeastGain)) continue;
-      const float light = place.gain * shone[i].at(scale * place.u, scale * place.v);
+      const LitPart::Place& position = lit[i].positions[k];
+      if (!(position.gain > kMinGain)) continue;
+      const float light = position.gain * shone[i].at(scale * position.u, scale * position.v);
       made.light.light.data()[k] += light;
-      if (light > most.data()[k]) {
-        most.data()[k] = light;
+      if (light > max.data()[k]) {
+        max.data()[k] = light;
         made.owner.data()[k] = static_cast<std::int8_t>(i);
       }
     }
@@ -145,7 +146,7 @@ Prediction predict(const SeenWall& seen, std::span<const LitPart> lit, std::span
     if (std::isnan(seen.points[k].x())) {
       owner = kBesideWall;
     } else if (owner >= 0 && (!lit[static_cast<std::size_t>(owner)].is_placed ||
-                              most.data()[k] < kOwnShare * made.light.light.data()[k])) {
+                              max.data()[k] < kOwnShare * made.light.light.data()[k])) {
       owner = kOverlap;
     }
   }
@@ -153,4 +154,4 @@ Prediction predict(const SeenWall& seen, std::span<const LitPart> lit, std::span
   return made;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

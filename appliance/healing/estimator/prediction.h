@@ -15,7 +15,7 @@
 #include "appliance/calibration/show_calibration.h"
 #include "appliance/healing/estimator/light_plane.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// The slopes of a camera's pixels at a reduced size: made once. NaN where the lens has none.
 struct CameraSlopes {
@@ -24,7 +24,7 @@ struct CameraSlopes {
   int height = 0;
   std::vector<Eigen::Vector2f> slopes;
 };
-[[nodiscard]] CameraSlopes camera_slopes(const ShowCamera& camera, int factor);
+[[nodiscard]] CameraSlopes camera_slopes(const calibration::ShowCamera& camera, int factor);
 
 /// Per camera pixel a place on the wall, in the Room frame, and which way it faces; NaN beside the wall.
 struct SeenWall {
@@ -33,7 +33,7 @@ struct SeenWall {
   std::vector<Eigen::Vector3f> points;
   std::vector<Eigen::Vector3f> normals;
 };
-[[nodiscard]] SeenWall seen_wall(const Wall& wall, const ShowCamera& camera, const CameraSlopes& slopes);
+[[nodiscard]] SeenWall seen_wall(const Wall& wall, const calibration::ShowCamera& camera, const CameraSlopes& slopes);
 
 /// Per camera pixel the place in one projector's picture, in its pixels; gain 0 where it gives no light.
 struct LitPart {
@@ -42,12 +42,12 @@ struct LitPart {
     float v = 0.0f;
     float gain = 0.0f;
   };
-  std::vector<Place> places;
+  std::vector<Place> positions;
   int first_row = 0;  ///< Rows with light.
   int end_row = 0;
   bool is_placed = true;  ///< Or nobody knows well enough where it lands.
 };
-[[nodiscard]] LitPart lit_part(const SeenWall& seen, const ShowProjector& projector);
+[[nodiscard]] LitPart lit_part(const SeenWall& seen, const calibration::ShowProjector& projector);
 /// How many of a projector's pixels lie beneath one of the camera's, on the median; 1 if it lights none.
 [[nodiscard]] double footprint_px(const SeenWall& seen, const LitPart& lit);
 
@@ -66,4 +66,4 @@ struct Prediction {
 [[nodiscard]] Prediction predict(const SeenWall& seen, std::span<const LitPart> lit, std::span<const LightPlane> shone,
                                  int factor);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

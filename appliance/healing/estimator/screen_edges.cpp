@@ -5,21 +5,21 @@
 #include <cmath>
 #include <optional>
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 constexpr int kEvery_px = 16;  // Of the reduced picture.
-constexpr int kReach_px = 5;
-constexpr int kBeyond_px = 3;         // How far inside of an edge its light is asked for.
-constexpr double kLeastFall = 0.004;  // Of the camera's full scale, over the edge.
-constexpr double kSigma_px = 0.6;     // Of the reduced picture: content beside an edge pulls it.
+constexpr int kSearchRadius_px = 5;
+constexpr int kBeyond_px = 3;           // How far inside of an edge its light is asked for.
+constexpr double kMinEdgeStep = 0.004;  // Of the camera's full scale, over the edge.
+constexpr double kSigma_px = 0.6;       // Of the reduced picture: content beside an edge pulls it.
 
 /// Whether a camera's ray meets the wall.
-class Sight {
+class WallRay {
  public:
-  Sight(const Wall& wall, const ShowCamera& camera) : wall_(wall), camera_(camera) {}
+  WallRay(const Wall& wall, const calibration::ShowCamera& camera) : wall_(wall), camera_(camera) {}
   [[nodiscard]] bool meets(const Eigen::Vector2d& pixel) const {
-    const auto slope = slope_at(camera_.lens, pixel);
+    const auto slope = calibration::slope_at(camera_.lens, pixel);
     return slope &&
            hit(wall_, {{camera_.T_room_camera.translation()}, camera_.T_room_camera.rotation() * slope->homogeneous()});
   }
@@ -35,13 +35,13 @@ class Sight {
 
  private:
   const Wall& wall_;
-  const ShowCamera& camera_;
+  const calibration::ShowCamera& camera_;
 };
 
-std::optional<EdgePoint> edge_point(const Wall& wall, const ShowCamera& camera, const Eigen::Vector2d& inside,
-                                    const Eigen::Vector2d& outside) {
-  const Sight sight(wall, camera);
-  const auto at = sight.end(inside, outside);
+std::optional<EdgePoint> edge_point(const Wall& wall, const calibration::ShowCamera& camera,
+                                    const Eigen::Vector2d& inside, const Eigen::Vector2d& outside) {
+  const WallRay observation(wall, camera);
+  const auto at = observation.end(inside, outside);
   if (!at) return std::nullopt;
   // The tangent, from ends a few pixels to either side.
   const Eigen::Vector2d out = (outside - inside).normalized();
@@ -49,9 +49,9 @@ std::optional<EdgePoint> edge_point(const Wall& wall, const ShowCamera& camera, 
   constexpr double kBeside_px = 6.0;
   constexpr double kSearch_px = 8.0;
   const auto ahead =
-      sight.end(*at + kBeside_px * along - kSearch_px * out, *at + kBeside_px * along + kSearch_px * out);
+      observation.end(*at + kBeside_px * along - kSearch_px * out, *at + kBeside_px * along + kSearch_px * out);
   const auto behind =
-      sight.end(*at - kBeside_px * along - kSearch_px * out, *at - kBeside_px * along + kSearch_px * out);
+      observation.end(*at - kBeside_px * along - kSearch_px * out, *at - kBeside_px * along + kSearch_px * out);
   if (!ahead || !behind) return std::nullopt;
   const Eigen::Vector2d tangent = (*ahead - *behind).normalized();
   EdgePoint point;
@@ -59,11 +59,11 @@ std::optional<EdgePoint> edge_point(const Wall& wall, const ShowCamera& camera, 
   point.outward = {tangent.y(), -tangent.x()};
   if (point.outward.dot(out) < 0.0) point.outward = -point.outward;
   for (int axis = 0; axis < 6; ++axis) {
-    PoseStep step = PoseStep::Zero();
+    calibration::PoseStep step = calibration::PoseStep::Zero();
     step[axis] = axis < 3 ? 1e-4 : 1e-4;
-    ShowCamera moved = camera;
-    moved.T_room_camera = stepped(camera.T_room_camera, step);
-    const auto end = Sight(wall, moved).end(*at - 4.0 * point.outward, *at + 4.0 * point.outward);
+    calibration::ShowCamera moved = camera;
+    moved.T_room_camera = calibration::stepped(camera.T_room_camera, step);
+    const auto end = WallRay(wall, moved).end(*at - 4.0 * point.outward, *at + 4.0 * point.outward);
     if (!end) return std::nullopt;
     point.by_camera[axis] = (*end - *at).dot(point.outward) / step[axis];
   }
@@ -72,10 +72,10 @@ std::optional<EdgePoint> edge_point(const Wall& wall, const ShowCamera& camera, 
 
 }  // namespace
 
-std::vector<EdgePoint> edge_points(const Wall& wall, const ShowCamera& camera, const CameraSlopes& slopes,
+std::vector<EdgePoint> edge_points(const Wall& wall, const calibration::ShowCamera& camera, const CameraSlopes& slopes,
                                    const SeenWall& seen) {
   std::vector<EdgePoint> points;
-  const int margin = kReach_px + kBeyond_px + 2;
+  const int margin = kSearchRadius_px + kBeyond_px + 2;
   const auto is_wall = [&](int x, int y) {
     return !std::isnan(
         seen.points[static_cast<std::size_t>(y) * static_cast<std::size_t>(seen.width) + static_cast<std::size_t>(x)]
@@ -105,18 +105,19 @@ std::vector<EdgePoint> edge_points(const Wall& wall, const ShowCamera& camera, c
   return points;
 }
 
-std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points, const ShowCalibration& room, std::size_t camera,
-                                  int factor, std::span<const LightPlane> shone) {
+std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points, const calibration::ShowCalibration& room,
+                                  std::size_t camera, int factor, std::span<const LightPlane> shone) {
   constexpr double kGoesOn = 0.5;  // Of the light inside: content changes over some pixels, too.
-  const ShowCamera& eye = room.cameras[camera];
+  const calibration::ShowCamera& eye = room.cameras[camera];
   const auto light = [&](const EdgePoint& point, double out_px) {
-    const auto wall = wall_seen_at(room, eye, point.at + out_px * factor * point.outward);
+    const auto wall = calibration::wall_seen_at(room, eye, point.at + out_px * factor * point.outward);
     double sum = 0.0;
     for (std::size_t i = 0; wall && i < shone.size(); ++i) {
       if (shone[i].light.empty()) continue;
-      const ShowProjector& lamp = room.projectors[i];
-      const auto pixel = pixel_of(lamp.lens, (lamp.T_room_projector.inverse() * Point<frame::Room>{*wall}).xyz);
-      if (!pixel || !contains(lamp.lens, *pixel)) continue;
+      const calibration::ShowProjector& lamp = room.projectors[i];
+      const auto pixel =
+          calibration::pixel_of(lamp.lens, (lamp.T_room_projector.inverse() * Point<frame::Room>{*wall}).xyz);
+      if (!pixel || !calibration::contains(lamp.lens, *pixel)) continue;
       const double by = shone[i].factor;
       sum += static_cast<double>(shone[i].at(static_cast<float>(pixel->x() / by), static_cast<float>(pixel->y() / by)));
     }
@@ -125,38 +126,38 @@ std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points, const Sh
   std::vector<EdgePoint> lit;
   for (const EdgePoint& point : points) {
     const double inside = light(point, -kBeyond_px);
-    if (inside > 0.0 && light(point, 1.5) > kGoesOn * inside && light(point, kReach_px + 1) > kGoesOn * inside)
+    if (inside > 0.0 && light(point, 1.5) > kGoesOn * inside && light(point, kSearchRadius_px + 1) > kGoesOn * inside)
       lit.push_back(point);
   }
   return lit;
 }
 
-std::vector<EdgeSighting> see_edges(const std::vector<EdgePoint>& points, std::size_t camera,
-                                    const Prediction& prediction, const LightPlane& picture, double gain) {
-  std::vector<EdgeSighting> seen;
+std::vector<EdgeObservation> observe_edges(const std::vector<EdgePoint>& points, std::size_t camera,
+                                           const Prediction& prediction, const LightPlane& picture, double gain) {
+  std::vector<EdgeObservation> seen;
   const double factor = prediction.light.factor;
   for (const EdgePoint& point : points) {
     const Eigen::Vector2d at = point.at / factor;
     const auto light = [&](const LightPlane& plane, double out_px) {
-      const Eigen::Vector2d place = at + out_px * point.outward;
-      return static_cast<double>(plane.at(static_cast<float>(place.x()), static_cast<float>(place.y())));
+      const Eigen::Vector2d position = at + out_px * point.outward;
+      return static_cast<double>(plane.at(static_cast<float>(position.x()), static_cast<float>(position.y())));
     };
-    if (!(gain * light(prediction.light, -kBeyond_px) > kLeastFall)) continue;
-    std::array<double, 2 * kReach_px + 1> fall{};
+    if (!(gain * light(prediction.light, -kBeyond_px) > kMinEdgeStep)) continue;
+    std::array<double, 2 * kSearchRadius_px + 1> fall{};
     std::size_t steepest = 0;
     for (std::size_t i = 0; i < fall.size(); ++i) {
-      const double out_px = static_cast<double>(i) - kReach_px;
+      const double out_px = static_cast<double>(i) - kSearchRadius_px;
       fall[i] = light(picture, out_px - 1.0) - light(picture, out_px + 1.0);
       if (fall[i] > fall[steepest]) steepest = i;
     }
-    if (steepest == 0 || steepest + 1 == fall.size() || !(fall[steepest] > kLeastFall)) continue;
+    if (steepest == 0 || steepest + 1 == fall.size() || !(fall[steepest] > kMinEdgeStep)) continue;
     const double bend = fall[steepest - 1] - 2.0 * fall[steepest] + fall[steepest + 1];
     if (!(bend < 0.0)) continue;
     const double off =
-        static_cast<double>(steepest) - kReach_px + 0.5 * (fall[steepest - 1] - fall[steepest + 1]) / bend;
+        static_cast<double>(steepest) - kSearchRadius_px + 0.5 * (fall[steepest - 1] - fall[steepest + 1]) / bend;
     seen.push_back({camera, point.part, point.at, off * factor, kSigma_px * factor, point.by_camera});
   }
   return seen;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "appliance/healing/estimator/observations.h"
+#include "appliance/healing/estimator/patch_observations.h"
 #include "appliance/healing/estimator/prediction.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// A point of the outline where a camera, standing where it is believed to, should see it.
 struct EdgePoint {
@@ -20,17 +20,19 @@ struct EdgePoint {
 };
 
 /// About every 16th pixel of the reduced picture. Made once per pose.
-[[nodiscard]] std::vector<EdgePoint> edge_points(const Wall& wall, const ShowCamera& camera, const CameraSlopes& slopes,
-                                                 const SeenWall& seen);
+[[nodiscard]] std::vector<EdgePoint> edge_points(const Wall& wall, const calibration::ShowCamera& camera,
+                                                 const CameraSlopes& slopes, const SeenWall& seen);
 
 /// Those across which light goes on, from the wall to beside it: of a wall that is not lit beyond its edge, as masks
 /// see to, it is the picture's end that is seen, and the wall's edge is not. One of `shone` per projector.
-[[nodiscard]] std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points, const ShowCalibration& room,
-                                                std::size_t camera, int factor, std::span<const LightPlane> shone);
+[[nodiscard]] std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points,
+                                                const calibration::ShowCalibration& room, std::size_t camera,
+                                                int factor, std::span<const LightPlane> shone);
 
 /// Those that the light of the show makes visible, with where they are: the steepest fall of light along the outward
 /// normal, by a parabola through three steps, within 5 pixels of the reduced picture.
-[[nodiscard]] std::vector<EdgeSighting> see_edges(const std::vector<EdgePoint>& points, std::size_t camera,
-                                                  const Prediction& prediction, const LightPlane& picture, double gain);
+[[nodiscard]] std::vector<EdgeObservation> observe_edges(const std::vector<EdgePoint>& points, std::size_t camera,
+                                                         const Prediction& prediction, const LightPlane& picture,
+                                                         double gain);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -9,29 +9,29 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
-constexpr std::size_t kLeastPixels = 40;
-constexpr double kGross_px = 1.0;     // Where the loss turns from squares to logarithms.
-constexpr double kOutlier_px = 5.0;   // Beyond, a pixel is of something else.
-constexpr double kMostRms_px = 20.0;  // Beyond, the model is of another room.
+constexpr std::size_t kMinPixels = 40;
+constexpr double kGross_px = 1.0;    // Where the loss turns from squares to logarithms.
+constexpr double kOutlier_px = 5.0;  // Beyond, a pixel is of something else.
+constexpr double kMaxRms_px = 20.0;  // Beyond, the model is of another room.
 
 struct Reprojection {
   Eigen::Vector2d pixel;
-  Eigen::Vector3d place;
+  Eigen::Vector3d position;
 
   template <typename T>
   bool operator()(const T* pose, const T* lens, T* residual) const {
     // pose: body from room, as an angle-axis and a shift.
-    const T in_room[3] = {T(place.x()), T(place.y()), T(place.z())};
+    const T in_room[3] = {T(position.x()), T(position.y()), T(position.z())};
     T point[3];
     ceres::AngleAxisRotatePoint(pose, in_room, point);
     for (int i = 0; i < 3; ++i) point[i] += pose[3 + i];
     if (!(point[2] > T(1e-3))) return false;
     T u;
     T v;
-    brown_pixel(lens, point[0] / point[2], point[1] / point[2], &u, &v);
+    calibration::brown_pixel(lens, point[0] / point[2], point[1] / point[2], &u, &v);
     residual[0] = u - T(pixel.x());
     residual[1] = v - T(pixel.y());
     return true;
@@ -52,7 +52,7 @@ struct Near {
 
 struct Fit {
   std::array<double, 6> pose{};
-  BrownBlock lens{};
+  calibration::BrownBlock lens{};
 };
 
 template <typename Body>
@@ -73,12 +73,12 @@ RigidTransform<frame::Room, Body> pose_of(const std::array<double, 6>& pose) {
 }
 
 /// `free_lens`: with focal lengths, centre, k1 and k2, each held near what it begins with.
-bool refine(std::span<const PlacedPixel> pixels, bool free_lens, Fit* fit) {
+bool refine(std::span<const WallCorrespondence> pixels, bool free_lens, Fit* fit) {
   ceres::Problem problem;
-  for (const PlacedPixel& p : pixels) {
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<Reprojection, 2, 6, kBrownValues>(new Reprojection{p.pixel, p.place}),
-        new ceres::CauchyLoss(kGross_px), fit->pose.data(), fit->lens.data());
+  for (const WallCorrespondence& p : pixels) {
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Reprojection, 2, 6, calibration::kBrownValues>(
+                                 new Reprojection{p.pixel, p.position}),
+                             new ceres::CauchyLoss(kGross_px), fit->pose.data(), fit->lens.data());
   }
   if (free_lens) {
     const double focal = fit->lens[kFocalU];
@@ -87,18 +87,19 @@ bool refine(std::span<const PlacedPixel> pixels, bool free_lens, Fit* fit) {
         problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Near, 1, 6>(new Near{index, value, sigma}), nullptr,
                                  block);
       } else {
-        problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Near, 1, kBrownValues>(new Near{index, value, sigma}),
-                                 nullptr, block);
+        problem.AddResidualBlock(
+            new ceres::AutoDiffCostFunction<Near, 1, calibration::kBrownValues>(new Near{index, value, sigma}), nullptr,
+            block);
       }
     };
-    near(fit->lens.data(), kBrownValues, kFocalU, fit->lens[kFocalU], 0.03 * focal);
-    near(fit->lens.data(), kBrownValues, kFocalV, fit->lens[kFocalV], 0.03 * focal);
-    near(fit->lens.data(), kBrownValues, kCentreU, fit->lens[kCentreU], 0.05 * focal);
-    near(fit->lens.data(), kBrownValues, kCentreV, fit->lens[kCentreV], 0.05 * focal);
-    near(fit->lens.data(), kBrownValues, kK1, 0.0, 0.1);
-    near(fit->lens.data(), kBrownValues, kK2, 0.0, 0.1);
+    near(fit->lens.data(), calibration::kBrownValues, kFocalU, fit->lens[kFocalU], 0.03 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, kFocalV, fit->lens[kFocalV], 0.03 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, kCentreU, fit->lens[kCentreU], 0.05 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, kCentreV, fit->lens[kCentreV], 0.05 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, kK1, 0.0, 0.1);
+    near(fit->lens.data(), calibration::kBrownValues, kK2, 0.0, 0.1);
     for (int i = 0; i < 6; ++i) near(fit->pose.data(), 6, i, fit->pose[static_cast<std::size_t>(i)], i < 3 ? 0.1 : 0.3);
-    problem.SetManifold(fit->lens.data(), new ceres::SubsetManifold(kBrownValues, {kP1, kP2, kK3}));
+    problem.SetManifold(fit->lens.data(), new ceres::SubsetManifold(calibration::kBrownValues, {kP1, kP2, kK3}));
   } else {
     problem.SetParameterBlockConstant(fit->lens.data());
   }
@@ -113,24 +114,25 @@ bool refine(std::span<const PlacedPixel> pixels, bool free_lens, Fit* fit) {
 }
 
 template <typename Body>
-Result<FittedPlace<Body>> judged(std::span<const PlacedPixel> pixels, const Fit& fit, const BrownParameters& lens) {
-  FittedPlace<Body> made;
-  made.lens = from_block(fit.lens, lens.width_px, lens.height_px);
+Result<FittedPose<Body>> judged(std::span<const WallCorrespondence> pixels, const Fit& fit,
+                                const calibration::BrownParameters& lens) {
+  FittedPose<Body> made;
+  made.lens = calibration::from_block(fit.lens, lens.width_px, lens.height_px);
   made.pose = pose_of<Body>(fit.pose);
   std::vector<double> squared;
   const auto T = made.pose.inverse();
-  for (const PlacedPixel& p : pixels) {
-    const auto at = pixel_of(made.lens, (T * Point<frame::Room>{p.place}).xyz);
+  for (const WallCorrespondence& p : pixels) {
+    const auto at = pixel_of(made.lens, (T * Point<frame::Room>{p.position}).xyz);
     squared.push_back(at ? (*at - p.pixel).squaredNorm() : 1e12);
     if (squared.back() < kOutlier_px * kOutlier_px) ++made.used;
   }
   std::ranges::sort(squared);
-  const std::size_t most = squared.size() - squared.size() / 20;
+  const std::size_t max = squared.size() - squared.size() / 20;
   double sum = 0.0;
   std::size_t counted = 0;
-  for (std::size_t i = 0; i < most && i < made.used; ++i, ++counted) sum += squared[i];
+  for (std::size_t i = 0; i < max && i < made.used; ++i, ++counted) sum += squared[i];
   made.rms_px = counted == 0 ? 1e6 : std::sqrt(sum / static_cast<double>(counted));
-  if (2 * made.used < pixels.size() || !(made.rms_px < kMostRms_px) || !made.pose.translation().allFinite()) {
+  if (2 * made.used < pixels.size() || !(made.rms_px < kMaxRms_px) || !made.pose.translation().allFinite()) {
     return Error(ErrorCode::kBadData,
                  fmt::format("no place fits: {} of {} pixels do; is the wall what installation.toml says?", made.used,
                              pixels.size()));
@@ -140,50 +142,51 @@ Result<FittedPlace<Body>> judged(std::span<const PlacedPixel> pixels, const Fit&
 
 Error too_few(std::size_t count) {
   return {ErrorCode::kInvalidArgument,
-          fmt::format("only {} places on the wall are known, {} are needed", count, kLeastPixels)};
+          fmt::format("only {} places on the wall are known, {} are needed", count, kMinPixels)};
 }
 
 }  // namespace
 
-Result<FittedPlace<frame::Projector>> fit_projector(const MeasuredMap& map, const Wall& wall,
-                                                    const Point<frame::Room>& sweet_spot,
-                                                    const ShowProjector& installed) {
+Result<FittedPose<frame::Projector>> fit_projector(const calibration::MeasuredMap& map, const Wall& wall,
+                                                   const Point<frame::Room>& sweet_spot,
+                                                   const calibration::ShowProjector& installed) {
   constexpr int kAcross = 32;
   constexpr int kDown = 18;
-  std::vector<PlacedPixel> pixels;
+  std::vector<WallCorrespondence> pixels;
   for (int i = 0; i < kAcross * kDown; ++i) {
     const Eigen::Vector2d pixel((i % kAcross + 0.5) / kAcross * map.width_px,
                                 (i / kAcross + 0.5) / kDown * map.height_px);
     const auto direction = map.direction_at(pixel);
     if (!direction) continue;
-    const auto place = endless_hit(wall, {{sweet_spot.xyz}, *direction});
-    if (place) pixels.push_back({pixel, place->xyz});
+    const auto position = hit_extended(wall, {{sweet_spot.xyz}, *direction});
+    if (position) pixels.push_back({pixel, position->xyz});
   }
-  if (pixels.size() < kLeastPixels) return too_few(pixels.size());
-  Fit fit{numbers_of(installed.T_room_projector), to_block(installed.lens)};
+  if (pixels.size() < kMinPixels) return too_few(pixels.size());
+  Fit fit{numbers_of(installed.T_room_projector), calibration::to_block(installed.lens)};
   if (!refine(pixels, true, &fit)) return Error(ErrorCode::kBadData, "no place fits where its light lands");
   return judged<frame::Projector>(pixels, fit, installed.lens);
 }
 
-Result<FittedPlace<frame::Camera>> place_camera(const BrownParameters& lens, std::span<const PlacedPixel> pixels) {
-  if (pixels.size() < kLeastPixels) return too_few(pixels.size());
-  std::vector<cv::Point3d> places;
+Result<FittedPose<frame::Camera>> place_camera(const calibration::BrownParameters& lens,
+                                               std::span<const WallCorrespondence> pixels) {
+  if (pixels.size() < kMinPixels) return too_few(pixels.size());
+  std::vector<cv::Point3d> positions;
   std::vector<cv::Point2d> slopes;
-  for (const PlacedPixel& p : pixels) {
-    const auto slope = slope_at(lens, p.pixel);
+  for (const WallCorrespondence& p : pixels) {
+    const auto slope = calibration::slope_at(lens, p.pixel);
     if (!slope) continue;
-    places.emplace_back(p.place.x(), p.place.y(), p.place.z());
+    positions.emplace_back(p.position.x(), p.position.y(), p.position.z());
     slopes.emplace_back(slope->x(), slope->y());
   }
-  if (places.size() < kLeastPixels) return too_few(places.size());
+  if (positions.size() < kMinPixels) return too_few(positions.size());
   Fit fit;
-  fit.lens = to_block(lens);
+  fit.lens = calibration::to_block(lens);
   try {
     cv::Mat turn;
     cv::Mat shift;
     cv::theRNG().state = 1;  // The same draws for the same pixels.
     const double within = kOutlier_px / lens.focal_u_px;
-    if (!cv::solvePnPRansac(places, slopes, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, shift, false, 2000,
+    if (!cv::solvePnPRansac(positions, slopes, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, shift, false, 2000,
                             static_cast<float>(within), 0.999, cv::noArray(), cv::SOLVEPNP_SQPNP))
       return Error(ErrorCode::kBadData, "no place fits what the camera sees of the wall");
     for (int i = 0; i < 3; ++i) {
@@ -197,8 +200,8 @@ Result<FittedPlace<frame::Camera>> place_camera(const BrownParameters& lens, std
   return judged<frame::Camera>(pixels, fit, lens);
 }
 
-BrownParameters smaller_lens(const BrownParameters& lens, int factor) {
-  BrownParameters made = lens;
+calibration::BrownParameters smaller_lens(const calibration::BrownParameters& lens, int factor) {
+  calibration::BrownParameters made = lens;
   made.width_px = lens.width_px / factor;
   made.height_px = lens.height_px / factor;
   for (double* const length : {&made.focal_u_px, &made.focal_v_px, &made.centre_u_px, &made.centre_v_px})
@@ -206,4 +209,4 @@ BrownParameters smaller_lens(const BrownParameters& lens, int factor) {
   return made;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 constexpr double kStill_px = 0.1;  // Of the plane's pixels: patches measure no better.
@@ -58,7 +58,7 @@ std::pair<ShowTimeline::Entries::iterator, ShowTimeline::Entries::iterator> Show
   return {first, end};
 }
 
-bool ShowTimeline::stands_still(TimePoint from, TimePoint until) {
+bool ShowTimeline::is_still(TimePoint from, TimePoint until) {
   const auto [first, end] = shown(from, std::max(until, until_.at));
   if (first == end) return false;
   // Of many pictures some: none has to be made for this alone.
@@ -100,4 +100,4 @@ std::optional<ShowTimeline::Exposed> ShowTimeline::between(TimePoint opened, Tim
   return exposed;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -9,7 +9,7 @@
 #include "appliance/healing/estimator/light_plane.h"
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 
 /// What a projector shone from a moment on: the head's whole picture, as it left the graphics card.
 struct ShownPicture {
@@ -33,7 +33,7 @@ class ShowTimeline {
  public:
   static constexpr Duration kKept = std::chrono::seconds(2);
 
-  ShowTimeline(const ShowProjector& projector, int factor) : projector_(projector), factor_(factor) {}
+  ShowTimeline(const calibration::ShowProjector& projector, int factor) : projector_(projector), factor_(factor) {}
   void add(const ShownPicture& shown);
   void known_until(const ShownUntil& until) { until_ = until; }
 
@@ -45,7 +45,7 @@ class ShowTimeline {
   std::optional<Exposed> between(TimePoint opened, TimePoint closed);
   /// Whether one picture stood from `from` to `until` and ever since, as far as it is known, or pictures that differ by
   /// less than a camera tells. False where it is not known.
-  bool stands_still(TimePoint from, TimePoint until);
+  bool is_still(TimePoint from, TimePoint until);
 
  private:
   struct Entry {
@@ -59,10 +59,10 @@ class ShowTimeline {
   [[nodiscard]] std::pair<Entries::iterator, Entries::iterator> shown(TimePoint from, TimePoint until);
   const LightPlane& light_of(Entry* entry);
 
-  ShowProjector projector_;
+  calibration::ShowProjector projector_;
   int factor_;
   Entries entries_;
   ShownUntil until_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -14,7 +14,7 @@
 #include "common/process/program.h"
 #include "common/room/installation.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 struct Arguments {
@@ -105,10 +105,11 @@ Status write_room(const Arguments& arguments) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange
 
 int main(int argc, char** argv) {
-  using namespace cyclorama;  // NOLINT(google-build-using-namespace)
+  using namespace cyclorama;
+  using namespace cyclorama::interchange;  // NOLINT(google-build-using-namespace)
   Program program("cyclorama-warp",
                   "Calibrations of projectors from and to other programs: MPCDI, PFM with PNG, Bourke .data, OBJ, "
                   "domeprojection CSV, SimCAD.");

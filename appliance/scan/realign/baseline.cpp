@@ -9,7 +9,7 @@
 #include "appliance/calibration/calibration_file.h"
 #include "appliance/solve/turntable_problem.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr const char* kAll = "; calibrate all projectors";
@@ -21,12 +21,12 @@ std::optional<std::size_t> installed(const Installation& installation, const std
   return static_cast<std::size_t>(at - installation.projectors.begin());
 }
 
-bool is_of_size(const MeasuredMap& map, const Pinhole& format) {
+bool is_of_size(const calibration::MeasuredMap& map, const Pinhole& format) {
   return format.width_px == map.width_px && format.height_px == map.height_px;
 }
 
-Result<Calibration> read_existing(const std::filesystem::path& folder) {
-  auto calibration = read_calibration(folder);
+Result<calibration::Calibration> read_existing(const std::filesystem::path& folder) {
+  auto calibration = calibration::read_calibration(folder);
   if (calibration) return calibration;
   const std::string why = calibration.error().message();
   if (calibration.error().code() == ErrorCode::kNotFound)
@@ -38,31 +38,31 @@ Result<Calibration> read_existing(const std::filesystem::path& folder) {
 
 Error realignment_refused(const std::string& what) { return Error(ErrorCode::kBadData, what + kAll); }
 
-double RealignmentBaseline::camera_nearness(const Eigen::Vector3d& direction) const {
-  const TurnPlate& plate = calibration.plate;
-  return NearnessField{plate.nearness, plate.wall ? &*plate.wall : nullptr}.at(direction);
+double RealignmentBaseline::camera_inverse_depth(const Eigen::Vector3d& direction) const {
+  const calibration::TurnPlate& plate = calibration.plate;
+  return solve::InverseDepthField{plate.inverse_depth, plate.wall ? &*plate.wall : nullptr}.at(direction);
 }
 
-double RealignmentBaseline::wall_nearness(const Eigen::Vector3d& direction) const {
-  return calibration.wall->fit.surface.nearness_at(direction).value_or(-1.0);
+double RealignmentBaseline::wall_inverse_depth(const Eigen::Vector3d& direction) const {
+  return calibration.wall->fit.surface.inverse_depth_at(direction).value_or(-1.0);
 }
 
 Result<RealignmentBaseline> read_baseline(const Installation& installation, const std::string& projector,
                                           const std::filesystem::path& folder, int camera_width_px,
                                           int camera_height_px) {
-  TRY_ASSIGN(Calibration calibration, read_existing(folder));
+  TRY_ASSIGN(calibration::Calibration calibration, read_existing(folder));
   const auto& all = calibration.projectors;
-  const auto at = std::ranges::find(all, projector, &CalibratedProjector::name);
+  const auto at = std::ranges::find(all, projector, &calibration::CalibratedProjector::name);
   const auto target_installed = installed(installation, projector);
   if (at == all.end() || !target_installed) {
     return Error(ErrorCode::kNotFound, fmt::format("no projector '{}' was calibrated before{}", projector, kAll));
   }
   const auto target = static_cast<std::size_t>(at - all.begin());
-  const MeasuredLens& camera = calibration.plate.camera;
+  const calibration::MeasuredLens& camera = calibration.plate.camera;
   if (camera.width_px != camera_width_px || camera.height_px != camera_height_px)
     return realignment_refused("the calibration of before was made with another camera");
   if (!calibration.wall) return realignment_refused("the calibration of before does not know the wall's shape");
-  TRY_ASSIGN(BrownLens lens, camera.brown());
+  TRY_ASSIGN(calibration::BrownLens lens, camera.brown());
   std::vector<ReferenceProjector> references;
   std::vector<ReferenceMap> maps;
   for (std::size_t p = 0; p < all.size(); ++p) {
@@ -70,7 +70,7 @@ Result<RealignmentBaseline> read_baseline(const Installation& installation, cons
     if (p == target || !number) continue;
     const Pinhole& format = installation.projectors[*number].lens;
     if (!is_of_size(all[p].map, format)) continue;
-    auto inverse = InverseMap::make(all[p].map);
+    auto inverse = photometry::InverseMap::make(all[p].map);
     if (!inverse) continue;
     references.push_back({*number, format.width_px, format.height_px});
     maps.push_back({p, *std::move(inverse)});
@@ -85,4 +85,4 @@ Result<RealignmentBaseline> read_baseline(const Installation& installation, cons
                              *target_installed,      std::move(references), std::move(maps)};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

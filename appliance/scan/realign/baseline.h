@@ -12,28 +12,28 @@
 #include "common/base/result.h"
 #include "common/room/installation.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// The map of a projector that did not move.
 struct ReferenceMap {
-  std::size_t calibrated = 0;  ///< Index in the calibration.
-  InverseMap pixels;           ///< From directions to its pixels.
+  std::size_t calibrated = 0;     ///< Index in the calibration.
+  photometry::InverseMap pixels;  ///< From directions to its pixels.
 };
 
 /// A value. Reentrant.
 struct RealignmentBaseline {
-  Calibration calibration;
-  BrownLens lens;                    ///< The camera's.
+  calibration::Calibration calibration;
+  calibration::BrownLens lens;       ///< The camera's.
   std::size_t target = 0;            ///< The displaced projector's index in the calibration,
   std::size_t target_installed = 0;  ///< and in the installation.
   std::vector<ReferenceProjector> references;
   std::vector<ReferenceMap> reference_maps;  ///< In the order of `references`.
 
-  [[nodiscard]] const CalibratedProjector& projector() const { return calibration.projectors[target]; }
+  [[nodiscard]] const calibration::CalibratedProjector& projector() const { return calibration.projectors[target]; }
   /// Inverse distance of the wall along a unit vector, 1/m, as the camera's poses were found with it.
-  [[nodiscard]] double camera_nearness(const Eigen::Vector3d& direction) const;
+  [[nodiscard]] double camera_inverse_depth(const Eigen::Vector3d& direction) const;
   /// The same by the fitted wall; negative where it has none.
-  [[nodiscard]] double wall_nearness(const Eigen::Vector3d& direction) const;
+  [[nodiscard]] double wall_inverse_depth(const Eigen::Vector3d& direction) const;
 };
 
 /// kNotFound  there is no calibration in `folder`, or it does not have that projector.
@@ -45,4 +45,4 @@ Result<RealignmentBaseline> read_baseline(const Installation& installation, cons
 /// kBadData with the remedy that always helps: to calibrate all projectors.
 [[nodiscard]] Error realignment_refused(const std::string& what);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

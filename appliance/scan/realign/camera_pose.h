@@ -11,7 +11,7 @@
 #include "appliance/solve/turntable.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 struct LocatedCamera {
   Eigen::Matrix3d R_camera_eye = Eigen::Matrix3d::Identity();
@@ -24,19 +24,19 @@ struct LocatedCamera {
 
 /// One point of a reference projector's light.
 struct ReferenceObservation {
-  Eigen::Vector3d ray;        ///< Direction from the camera: camera frame, unit length.
-  Eigen::Vector3d direction;  ///< Direction from the sweet spot, by the projector's map: Eye frame, unit length.
-  double nearness = 0.0;      ///< Inverse distance of the wall there, 1/m.
-  double sigma_rad = 1e-4;    ///< Per axis.
+  Eigen::Vector3d ray;         ///< Direction from the camera: camera frame, unit length.
+  Eigen::Vector3d direction;   ///< Direction from the sweet spot, by the projector's map: Eye frame, unit length.
+  double inverse_depth = 0.0;  ///< Inverse distance of the wall there, 1/m.
+  double sigma_rad = 1e-4;     ///< Per axis.
   bool is_left_out = false;
 };
 
 /// The pose that the calibrated turntable gives the camera at `angle_rad`.
-[[nodiscard]] LocatedCamera planned_camera(const TurnPlate& plate, double angle_rad);
+[[nodiscard]] LocatedCamera planned_camera(const calibration::TurnPlate& plate, double angle_rad);
 
 /// Robust least squares from `planned`: a rotation alone, or a rotation and another centre where the latter is clear
 /// (three sigma) and predicts the observations that were left out better.
 /// kBadData  there are too few observations, or no pose fits them. Reentrant.
 Result<LocatedCamera> locate_camera(const LocatedCamera& planned, std::span<const ReferenceObservation> observations);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -6,11 +6,11 @@
 
 #include "appliance/calibration/measured_map.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// Calls `body`(projector pixel, direction) for each control point of a map that has a direction, row by row.
 template <typename Body>
-void for_points(const MeasuredMap& map, const Body& body) {
+void for_points(const calibration::MeasuredMap& map, const Body& body) {
   std::size_t point = 0;
   for (int y = 0; y <= map.cells_y; ++y) {
     for (int x = 0; x <= map.cells_x; ++x) {
@@ -22,4 +22,4 @@ void for_points(const MeasuredMap& map, const Body& body) {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -10,7 +10,7 @@
 #include "appliance/solve/cell_means.h"
 #include "appliance/solve/map_fit.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr std::size_t kMinCells = 60;
@@ -34,68 +34,70 @@ bool is_left_out(const Eigen::Vector2d& pixel) {
   return (hash >> 9) % kLeftOutEvery == 0;
 }
 
-std::size_t points_of(const MeasuredMap& map) {
+std::size_t points_of(const calibration::MeasuredMap& map) {
   std::size_t count = 0;
   for_points(map, [&](const Eigen::Vector2d&, const Eigen::Vector3d&) { ++count; });
   return count;
 }
 
-Result<MeasuredMap> fit_map(const CalibratedProjector& projector, std::span<const MapSample> samples) {
-  auto map = fit_measured_map(projector.map.width_px, projector.map.height_px, samples);
+Result<calibration::MeasuredMap> fit_map(const calibration::CalibratedProjector& projector,
+                                         std::span<const solve::MapSample> samples) {
+  auto map = solve::fit_measured_map(projector.map.width_px, projector.map.height_px, samples);
   if (!map) return std::move(map).error().while_doing(fmt::format("mapping projector '{}'", projector.name));
   return map;
 }
 
 /// One direction of the turntable; projector 0 is the displaced one, the reference projectors follow in their order.
-Measurements measurements_of(const RealignmentBaseline& baseline, const RealignmentPhotographs& photographs) {
-  Measurements all;
-  const CalibratedProjector& target = baseline.projector();
+solve::Measurements measurements_of(const RealignmentBaseline& baseline, const RealignmentPhotographs& photographs) {
+  solve::Measurements all;
+  const calibration::CalibratedProjector& target = baseline.projector();
   all.camera = baseline.calibration.plate.camera;
   all.projectors.push_back({target.name, target.map.width_px, target.map.height_px, {}});
   for (std::size_t r = 0; r < baseline.references.size(); ++r) {
     const ReferenceProjector& reference = baseline.references[r];
-    const CalibratedProjector& calibrated = baseline.calibration.projectors[baseline.reference_maps[r].calibrated];
+    const calibration::CalibratedProjector& calibrated =
+        baseline.calibration.projectors[baseline.reference_maps[r].calibrated];
     all.projectors.push_back({calibrated.name, reference.width_px, reference.height_px, {}});
   }
   auto& places = all.directions.emplace_back().correspondences;
-  for (Correspondence place : photographs.target.places) {
-    place.projector = 0;
-    places.push_back(place);
+  for (solve::Correspondence position : photographs.target.places) {
+    position.projector = 0;
+    places.push_back(position);
   }
-  for (Correspondence place : photographs.references.places) {
-    ++place.projector;
-    places.push_back(place);
+  for (solve::Correspondence position : photographs.references.places) {
+    ++position.projector;
+    places.push_back(position);
   }
   return all;
 }
 
 /// Cells of each kind have their own size: the reference projectors are seen in every fourth pixel only.
-CellMeans cells_of(const Measurements& all, bool of_target) {
-  Measurements some = all;
+solve::CellMeans cells_of(const solve::Measurements& all, bool of_target) {
+  solve::Measurements some = all;
   auto& places = some.directions[0].correspondences;
-  std::erase_if(places, [&](const Correspondence& place) { return (place.projector == 0) != of_target; });
-  int cell_px = fitting_cell_px(some);
+  std::erase_if(places, [&](const solve::Correspondence& position) { return (position.projector == 0) != of_target; });
+  int cell_px = solve::fitting_cell_px(some);
   // A very small picture that is seen densely would give too few cells.
   if (cell_px == kMinFitting_px) cell_px = std::clamp(some.projectors[0].width_px / kCellsAcross, 2, cell_px);
-  return average_cells(some, cell_px);
+  return solve::average_cells(some, cell_px);
 }
 
 Result<LocatedCamera> camera_by_references(const RealignmentBaseline& baseline, const LocatedCamera& planned,
-                                           const CellMeans& means) {
+                                           const solve::CellMeans& means) {
   std::vector<ReferenceObservation> observations;
   double scale_rad = 0.0;
-  for (const CellMean& cell : means.cells) {
+  for (const solve::CellMean& cell : means.cells) {
     const std::size_t p = baseline.reference_maps[static_cast<std::size_t>(cell.projector) - 1].calibrated;
-    const MeasuredMap& map = baseline.calibration.projectors[p].map;
-    const auto ray = direction_through(baseline.lens, cell.camera_px);
+    const calibration::MeasuredMap& map = baseline.calibration.projectors[p].map;
+    const auto ray = calibration::direction_through(baseline.lens, cell.camera_px);
     const auto d = map.direction_at(cell.projector_px);
     const auto beside = map.direction_at(cell.projector_px + Eigen::Vector2d(1.0, 0.0));
     if (!ray || !d || !beside) continue;
     const double pixel_rad = (*beside - *d).norm();
     if (!(pixel_rad > 0.0)) continue;
     const double sigma_px = std::hypot(std::hypot(cell.sigma_px, map.sigma_at(cell.projector_px)), 0.05);
-    observations.push_back(
-        {ray->normalized(), *d, baseline.camera_nearness(*d), sigma_px * pixel_rad, is_left_out(cell.projector_px)});
+    observations.push_back({ray->normalized(), *d, baseline.camera_inverse_depth(*d), sigma_px * pixel_rad,
+                            is_left_out(cell.projector_px)});
     scale_rad += pixel_rad;
   }
   auto camera = locate_camera(planned, observations);
@@ -111,25 +113,25 @@ Result<LocatedCamera> camera_by_references(const RealignmentBaseline& baseline, 
 }
 
 /// The directions in which the sweet spot sees the displaced projector's cells.
-std::vector<MapSample> samples_of(const RealignmentBaseline& baseline, const LocatedCamera& camera,
-                                  const CellMeans& means) {
-  const NearnessAt nearness = [&](const Eigen::Vector3d& d) { return baseline.camera_nearness(d); };
-  std::vector<MapSample> samples;
-  for (const CellMean& cell : means.cells) {
-    const auto ray = direction_through(baseline.lens, cell.camera_px);
+std::vector<solve::MapSample> samples_of(const RealignmentBaseline& baseline, const LocatedCamera& camera,
+                                         const solve::CellMeans& means) {
+  const InverseDepthAt inverse_depth = [&](const Eigen::Vector3d& d) { return baseline.camera_inverse_depth(d); };
+  std::vector<solve::MapSample> samples;
+  for (const solve::CellMean& cell : means.cells) {
+    const auto ray = calibration::direction_through(baseline.lens, cell.camera_px);
     if (!ray) continue;
-    const auto d = seen_end(camera.centre_m, camera.R_camera_eye.transpose() * *ray, nearness);
+    const auto d = wall_direction_from(camera.centre_m, camera.R_camera_eye.transpose() * *ray, inverse_depth);
     if (d) samples.push_back({cell.projector_px, *d, cell.sigma_px});
   }
   return samples;
 }
 
 /// The displacement that explains the samples; refused where a turned lens or nothing does.
-Result<Displacement> displacement_of(const RealignmentBaseline& baseline, std::span<const MapSample> samples) {
-  const CalibratedProjector& target = baseline.projector();
-  const NearnessAt nearness = [&](const Eigen::Vector3d& d) { return baseline.wall_nearness(d); };
+Result<Displacement> displacement_of(const RealignmentBaseline& baseline, std::span<const solve::MapSample> samples) {
+  const calibration::CalibratedProjector& target = baseline.projector();
+  const InverseDepthAt inverse_depth = [&](const Eigen::Vector3d& d) { return baseline.wall_inverse_depth(d); };
   const auto found =
-      find_displacement(baseline.calibration.wall->fit.projectors[baseline.target], target.map, samples, nearness);
+      find_displacement(baseline.calibration.wall->fit.projectors[baseline.target], target.map, samples, inverse_depth);
   if (!found) return realignment_refused(fmt::format("where projector '{}' stands now was not found", target.name));
   if (found->verdict == DisplacementVerdict::kLensTurned) {
     return realignment_refused(
@@ -146,15 +148,15 @@ Result<Displacement> displacement_of(const RealignmentBaseline& baseline, std::s
 }
 
 struct FilledMap {
-  MeasuredMap map;
+  calibration::MeasuredMap map;
   double seen_fraction = 1.0;
 };
 
 /// Adds what the camera did not see of the picture, from wall and displacement; without it the map would lose its rim.
 Result<FilledMap> filled(const RealignmentBaseline& baseline, const Displacement& displacement,
-                         std::span<const MapSample> samples, const MeasuredMap& map) {
-  const CalibratedProjector& target = baseline.projector();
-  const MeasuredMap& old = target.map;
+                         std::span<const solve::MapSample> samples, const calibration::MeasuredMap& map) {
+  const calibration::CalibratedProjector& target = baseline.projector();
+  const calibration::MeasuredMap& old = target.map;
   const int columns = old.width_px / kFill_px + 1;
   const int rows = old.height_px / kFill_px + 1;
   std::vector<char> is_seen(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);
@@ -163,18 +165,18 @@ Result<FilledMap> filled(const RealignmentBaseline& baseline, const Displacement
     const int y = std::clamp(static_cast<int>(pixel.y()) / kFill_px, 0, rows - 1);
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x);
   };
-  for (const MapSample& sample : samples) is_seen[at(sample.projector_px)] = 1;
-  const NearnessAt nearness = [&](const Eigen::Vector3d& d) { return baseline.wall_nearness(d); };
-  TRY_ASSIGN(const BrownLens lens, displacement.projector.lens.brown());
+  for (const solve::MapSample& sample : samples) is_seen[at(sample.projector_px)] = 1;
+  const InverseDepthAt inverse_depth = [&](const Eigen::Vector3d& d) { return baseline.wall_inverse_depth(d); };
+  TRY_ASSIGN(const calibration::BrownLens lens, displacement.projector.lens.brown());
   std::size_t missing = 0;
   std::size_t all = 0;
-  std::vector<MapSample> more;
+  std::vector<solve::MapSample> more;
   for_points(old, [&](const Eigen::Vector2d& pixel, const Eigen::Vector3d&) {
     ++all;
     if (map.direction_at(pixel)) return;
     ++missing;
     if (is_seen[at(pixel)] != 0) return;
-    const auto d = drawn_direction(displacement.projector, lens, pixel, nearness);
+    const auto d = drawn_direction(displacement.projector, lens, pixel, inverse_depth);
     if (d) more.push_back({pixel, *d, std::hypot(displacement.after_px, kFillFloor_px)});
   });
   const double seen =
@@ -185,34 +187,34 @@ Result<FilledMap> filled(const RealignmentBaseline& baseline, const Displacement
   }
   if (more.empty()) return FilledMap{map, seen};
   more.insert(more.begin(), samples.begin(), samples.end());
-  TRY_ASSIGN(MeasuredMap whole, fit_map(target, more));
+  TRY_ASSIGN(calibration::MeasuredMap whole, fit_map(target, more));
   whole.heldout_rms_px = map.heldout_rms_px;
   return FilledMap{std::move(whole), seen};
 }
 
 /// Over places that a map of the displaced projector was not fitted to.
-MeasuredRegistration registration_with(const RealignmentBaseline& baseline, const Measurements& all,
-                                       const MeasuredMap& map) {
-  Measurements held = all;
-  std::erase_if(held.directions[0].correspondences, [](const Correspondence& place) {
-    return place.projector == 0 &&
-           !is_left_out({static_cast<double>(place.projector_x), static_cast<double>(place.projector_y)});
+solve::MeasuredRegistration registration_with(const RealignmentBaseline& baseline, const solve::Measurements& all,
+                                              const calibration::MeasuredMap& map) {
+  solve::Measurements held = all;
+  std::erase_if(held.directions[0].correspondences, [](const solve::Correspondence& position) {
+    return position.projector == 0 &&
+           !is_left_out({static_cast<double>(position.projector_x), static_cast<double>(position.projector_y)});
   });
-  Calibration some;
+  calibration::Calibration some;
   some.projectors.push_back({baseline.projector().name, map});
   for (const ReferenceMap& reference : baseline.reference_maps)
     some.projectors.push_back(baseline.calibration.projectors[reference.calibrated]);
-  return measured_registration(held, some);
+  return solve::measured_registration(held, some);
 }
 
 }  // namespace
 
 Result<NewMap> find_new_map(const RealignmentBaseline& baseline, const RealignmentPhotographs& photographs) {
-  const CalibratedProjector& target = baseline.projector();
-  const Measurements all = measurements_of(baseline, photographs);
+  const calibration::CalibratedProjector& target = baseline.projector();
+  const solve::Measurements all = measurements_of(baseline, photographs);
   TRY(all.validate());
   TRY_ASSIGN(const LocatedCamera camera, camera_by_references(baseline, photographs.planned, cells_of(all, false)));
-  const std::vector<MapSample> samples = samples_of(baseline, camera, cells_of(all, true));
+  const std::vector<solve::MapSample> samples = samples_of(baseline, camera, cells_of(all, true));
   if (samples.size() < kMinCells) {
     return realignment_refused(
         fmt::format("the camera sees too little of projector '{}': {} places", target.name, samples.size()));
@@ -221,12 +223,13 @@ Result<NewMap> find_new_map(const RealignmentBaseline& baseline, const Realignme
   if (camera.is_elsewhere) found.camera_moved_m = (camera.centre_m - photographs.planned.centre_m).norm();
   found.before = registration_with(baseline, all, target.map);
 
-  std::vector<MapSample> known;
-  std::vector<MapSample> left_out;
-  for (const MapSample& sample : samples) (is_left_out(sample.projector_px) ? left_out : known).push_back(sample);
-  const auto old_error = map_error_px(target.map, left_out);
-  TRY_ASSIGN(const MeasuredMap trial, fit_map(target, known));
-  const auto new_error = map_error_px(trial, left_out);
+  std::vector<solve::MapSample> known;
+  std::vector<solve::MapSample> left_out;
+  for (const solve::MapSample& sample : samples)
+    (is_left_out(sample.projector_px) ? left_out : known).push_back(sample);
+  const auto old_error = solve::map_error_px(target.map, left_out);
+  TRY_ASSIGN(const calibration::MeasuredMap trial, fit_map(target, known));
+  const auto new_error = solve::map_error_px(trial, left_out);
   if (!new_error)
     return realignment_refused(fmt::format("what is seen of projector '{}' has too many gaps", target.name));
   const double still_right_px = std::max(kStillRight * *new_error, kStillRightFloor_px * target.map.width_px / 1920.0);
@@ -236,7 +239,7 @@ Result<NewMap> find_new_map(const RealignmentBaseline& baseline, const Realignme
   }
   TRY_ASSIGN(const Displacement displacement, displacement_of(baseline, samples));
   TRY_ASSIGN(const FilledMap whole_trial, filled(baseline, displacement, known, trial));
-  const MeasuredRegistration after = registration_with(baseline, all, whole_trial.map);
+  const solve::MeasuredRegistration after = registration_with(baseline, all, whole_trial.map);
   if (after.places < kMinCells)
     return realignment_refused(fmt::format("projector '{}' meets no other one any more; turn it back", target.name));
   const bool is_better = (!old_error || *new_error < *old_error) &&
@@ -246,11 +249,11 @@ Result<NewMap> find_new_map(const RealignmentBaseline& baseline, const Realignme
         fmt::format("a new map of projector '{}' would be no better ({:.2f} px instead of {:.2f})", target.name,
                     after.p95_px, found.before.p95_px));
   }
-  TRY_ASSIGN(const MeasuredMap map, fit_map(target, samples));
+  TRY_ASSIGN(const calibration::MeasuredMap map, fit_map(target, samples));
   TRY_ASSIGN(FilledMap whole, filled(baseline, displacement, samples, map));
   whole.map.heldout_rms_px = *new_error;
   found.displaced = DisplacedMap{std::move(whole.map), displacement, after, whole.seen_fraction};
   return found;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -14,19 +14,19 @@
 #include "appliance/scan/realign/projector_displacement.h"
 #include "appliance/solve/registration.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// A map that follows a displacement.
 struct DisplacedMap {
-  MeasuredMap map;
+  calibration::MeasuredMap map;
   Displacement displacement;
-  MeasuredRegistration registration;  ///< Over places that no map was fitted to.
-  double seen_fraction = 1.0;         ///< Part of the map that was measured; the displacement gives the rest.
+  solve::MeasuredRegistration registration;  ///< Over places that no map was fitted to.
+  double seen_fraction = 1.0;                ///< Part of the map that was measured; the displacement gives the rest.
 };
 
 struct NewMap {
-  MeasuredRegistration before;  ///< With the old map, over the same places as DisplacedMap::registration.
-  double camera_moved_m = 0.0;  ///< Distance of the camera from its planned centre; 0 where that is not clear.
+  solve::MeasuredRegistration before;  ///< With the old map, over the same places as DisplacedMap::registration.
+  double camera_moved_m = 0.0;         ///< Distance of the camera from its planned centre; 0 where that is not clear.
   std::optional<DisplacedMap> displaced;  ///< Nothing where the old map still predicts what is seen.
   double old_error_px = 0.0;              ///< The old map's error; set only where that map still holds.
 };
@@ -35,4 +35,4 @@ struct NewMap {
 /// would be no better, or too little was seen; each with its remedy. Takes seconds. Reentrant.
 Result<NewMap> find_new_map(const RealignmentBaseline& baseline, const RealignmentPhotographs& photographs);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "appliance/scan/realign/line_of_sight.h"
 #include "appliance/scan/realign/map_points.h"
+#include "appliance/scan/realign/wall_direction.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -26,23 +26,24 @@ constexpr double kInside = 1.0 / 240;   // Margin within a reference projector's
 
 bool is_in_view(const RealignmentBaseline& baseline, const LocatedCamera& camera, const Eigen::Vector3d& d,
                 double rim) {
-  const auto pixel = baseline.lens.pixel_of(camera.R_camera_eye * (d - baseline.camera_nearness(d) * camera.centre_m));
+  const auto pixel =
+      baseline.lens.pixel_of(camera.R_camera_eye * (d - baseline.camera_inverse_depth(d) * camera.centre_m));
   if (!pixel) return false;
   const double u = pixel->x() / baseline.calibration.plate.camera.width_px;
   const double v = pixel->y() / baseline.calibration.plate.camera.height_px;
   return u >= rim && u <= 1.0 - rim && v >= rim && v <= 1.0 - rim;
 }
 
-double best_angle(const RealignmentBaseline& baseline, const TurnRange& range) {
+double best_angle(const RealignmentBaseline& baseline, const turnplate::TurnRange& range) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for_points(baseline.projector().map, [&](const Eigen::Vector2d&, const Eigen::Vector3d& d) { middle += d; });
   const double towards = std::atan2(middle.x(), -middle.z());
   const auto& projectors = baseline.calibration.projectors;
-  double best = std::clamp(towards, range.least_rad, range.most_rad);
+  double best = std::clamp(towards, range.min_rad, range.max_rad);
   double best_gain = -1.0;
   for (int i = -kHeadings; i <= kHeadings; ++i) {
     const double angle = std::remainder(towards + i * kHeadingStep_rad, 2.0 * std::numbers::pi);
-    if (angle < range.least_rad || angle > range.most_rad) continue;
+    if (angle < range.min_rad || angle > range.max_rad) continue;
     const LocatedCamera camera = planned_camera(baseline.calibration.plate, angle);
     double gain = -1e-3 * std::abs(i);  // Straight at it, where nothing else matters.
     int n = 0;
@@ -81,7 +82,7 @@ PhotographListener telling(const ScanListener& listener, std::string what, doubl
 /// Measures the displaced projector, and once more when somebody was in the way; the better view counts.
 Status photograph_target(const RealignmentBaseline& baseline, const ScanSettings& settings, const ScanDevices& devices,
                          const ScanListener& listener, const std::stop_token& stop, RealignmentPhotographs* all) {
-  const CalibratedProjector& target = baseline.projector();
+  const calibration::CalibratedProjector& target = baseline.projector();
   const ViewSettings view_settings = coarse(settings.view);
   const ViewOrder order{baseline.target_installed, target.name, target.map.width_px, target.map.height_px, {}};
   const auto measured = [&](const PhotographListener& photographed) {
@@ -90,14 +91,14 @@ Status photograph_target(const RealignmentBaseline& baseline, const ScanSettings
   TRY_ASSIGN(ScanView view,
              measured(telling(listener, fmt::format("measures projector '{}': ", target.name), 0.05, 0.6)));
   all->pictures += view.pictures;
-  if (view.disturbed > settings.most_disturbed) {
+  if (view.disturbed > settings.max_disturbed) {
     // The fraction may not fall, so it stays.
     TRY_ASSIGN(ScanView second,
                measured(telling(listener, fmt::format("measures projector '{}' once more: ", target.name), 0.65, 0.0)));
     all->pictures += second.pictures;
     ++all->retries;
     if (second.disturbed < view.disturbed) view = std::move(second);
-    if (view.disturbed > settings.most_disturbed) {
+    if (view.disturbed > settings.max_disturbed) {
       all->remarks.push_back(
           fmt::format("projector '{}': something moved before {:.0f} % of its light; keep visitors away", target.name,
                       100.0 * view.disturbed));
@@ -118,13 +119,13 @@ ExpectedReferences expected_from(const RealignmentBaseline& baseline, const Loca
   const int width = baseline.calibration.plate.camera.width_px;
   const int height = baseline.calibration.plate.camera.height_px;
   ExpectedReferences expected{Image<float, 2>(width, height), Image<std::int16_t, 1>(width, height, -1)};
-  const NearnessAt nearness = [&](const Eigen::Vector3d& d) { return baseline.camera_nearness(d); };
+  const InverseDepthAt inverse_depth = [&](const Eigen::Vector3d& d) { return baseline.camera_inverse_depth(d); };
   const int every = width > kManyPixels ? 2 : 1;
   for (int y = 0; y < height; y += every) {
     for (int x = 0; x < width; x += every) {
-      const auto ray = direction_through(baseline.lens, {x + 0.5, y + 0.5});
+      const auto ray = calibration::direction_through(baseline.lens, {x + 0.5, y + 0.5});
       if (!ray) continue;
-      const auto d = seen_end(camera.centre_m, camera.R_camera_eye.transpose() * *ray, nearness);
+      const auto d = wall_direction_from(camera.centre_m, camera.R_camera_eye.transpose() * *ray, inverse_depth);
       if (!d) continue;
       int sees = 0;
       for (std::size_t r = 0; r < baseline.references.size(); ++r) {
@@ -136,8 +137,8 @@ ExpectedReferences expected_from(const RealignmentBaseline& baseline, const Loca
         const bool is_inside = pixel->x() > rim && pixel->x() < reference.width_px - rim && pixel->y() > rim &&
                                pixel->y() < reference.height_px - rim;
         if (!is_inside) ++sees;
-        expected.place_px.at(x, y)[0] = static_cast<float>(pixel->x());
-        expected.place_px.at(x, y)[1] = static_cast<float>(pixel->y());
+        expected.pixel_px.at(x, y)[0] = static_cast<float>(pixel->x());
+        expected.pixel_px.at(x, y)[1] = static_cast<float>(pixel->y());
         *expected.reference.at(x, y) = static_cast<std::int16_t>(r);
       }
       if (sees != 1) *expected.reference.at(x, y) = -1;
@@ -167,4 +168,4 @@ Result<RealignmentPhotographs> photograph_displaced(const RealignmentBaseline& b
   return all;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -11,7 +11,7 @@
 #include "appliance/scan/realign/reference_view.h"
 #include "appliance/scan/wall_scan.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 struct RealignmentPhotographs {
   LocatedCamera planned;     ///< The pose that the turntable was told to give the camera.
@@ -30,4 +30,4 @@ Result<RealignmentPhotographs> photograph_displaced(const RealignmentBaseline& b
                                                     const ScanDevices& devices, const ScanListener& listener,
                                                     const std::stop_token& stop);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
-constexpr std::size_t kLeastSamples = 24;
-constexpr std::size_t kMostSamples = 2500;
-constexpr int kMostRounds = 40;
+constexpr std::size_t kMinSamples = 24;
+constexpr std::size_t kMaxSamples = 2500;
+constexpr int kMaxRounds = 40;
 constexpr double kRobust_sigmas = 3.0;
 constexpr double kFloor_px = 0.1;  // Sigma of a sample: what wall and lens models leave.
 // At 1920 pixels across. Wall and lens were fitted to where it lit before, and are a little worse beside that.
@@ -19,9 +19,9 @@ constexpr double kWorstFit_px = 0.7;
 constexpr double kWorseFit = 3.0;
 // Who pushes a projector farther has taken it down. A lens that was turned looks much as if the projector were nearer
 // to the wall, so what asks for such a push is first asked about the lens, which then may stand off its place by this.
-constexpr double kMostMoved_m = 0.3;
-constexpr double kMostTurned_rad = 0.26;
-constexpr double kOffPlace_m = 0.02;
+constexpr double kMaxMoved_m = 0.3;
+constexpr double kMaxTurned_rad = 0.26;
+constexpr double kPositionPrior_m = 0.02;
 
 // Turn (in the projector's frame), place, and of the lens: focal length (relative), centre (in picture widths).
 constexpr int kPose = 6;
@@ -33,33 +33,33 @@ using Matrix9 = Eigen::Matrix<double, kWithLens, kWithLens>;
 struct Sample {
   Eigen::Vector2d pixel;
   Eigen::Vector3d direction;
-  double nearness = 0.0;
+  double inverse_depth = 0.0;
   double sigma_px = 0.1;
 };
 
-FittedProjector moved_by(const FittedProjector& from, const Vector9& step) {
-  FittedProjector to = from;
+calibration::FittedProjector moved_by(const calibration::FittedProjector& from, const Vector9& step) {
+  calibration::FittedProjector to = from;
   const Eigen::Vector3d turn = step.head<3>();
   Eigen::Quaterniond rotation = from.T_eye_projector.rotation();
   if (turn.norm() > 0.0) rotation = rotation * Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
   to.T_eye_projector = {rotation, from.T_eye_projector.translation() + step.segment<3>(3)};
-  to.lens.values[MeasuredLens::kFocal] *= 1.0 + step(6);
-  to.lens.values[MeasuredLens::kCentreU] += step(7) * from.lens.width_px;
-  to.lens.values[MeasuredLens::kCentreV] += step(8) * from.lens.width_px;
+  to.lens.values[calibration::MeasuredLens::kFocal] *= 1.0 + step(6);
+  to.lens.values[calibration::MeasuredLens::kCentreU] += step(7) * from.lens.width_px;
+  to.lens.values[calibration::MeasuredLens::kCentreV] += step(8) * from.lens.width_px;
   return to;
 }
 
-std::optional<Eigen::Vector2d> error_px(const FittedProjector& projector, const Sample& sample) {
+std::optional<Eigen::Vector2d> error_px(const calibration::FittedProjector& projector, const Sample& sample) {
   const auto& T = projector.T_eye_projector;
-  const Eigen::Vector3d point = T.rotation().conjugate() * (sample.direction - sample.nearness * T.translation());
+  const Eigen::Vector3d point = T.rotation().conjugate() * (sample.direction - sample.inverse_depth * T.translation());
   if (!(point.z() > 1e-6)) return std::nullopt;
   Eigen::Vector2d pixel;
-  project_through_lens(projector.lens.values.data(), point.data(), pixel.data());
+  calibration::project_through_lens(projector.lens.values.data(), point.data(), pixel.data());
   if (!pixel.allFinite()) return std::nullopt;
   return pixel - sample.pixel;
 }
 
-double trimmed_rms(const FittedProjector& projector, const std::vector<Sample>& samples) {
+double trimmed_rms(const calibration::FittedProjector& projector, const std::vector<Sample>& samples) {
   std::vector<double> squares;
   for (const Sample& sample : samples) {
     const auto error = error_px(projector, sample);
@@ -73,18 +73,19 @@ double trimmed_rms(const FittedProjector& projector, const std::vector<Sample>& 
 }
 
 /// Levenberg and Marquardt with Cauchy's weights, in `free` numbers. Writes the pose's covariance.
-/// `place_sigma_m` holds its place where it was; 0: nothing does.
-std::optional<FittedProjector> fitted(const FittedProjector& from, const std::vector<Sample>& samples, int free,
-                                      double place_sigma_m = 0.0) {
-  const double hold = place_sigma_m > 0.0 ? 1.0 / (place_sigma_m * place_sigma_m) : 0.0;
-  const auto away = [&](const FittedProjector& projector) -> Eigen::Vector3d {
+/// `position_sigma_m` holds its place where it was; 0: nothing does.
+std::optional<calibration::FittedProjector> fitted(const calibration::FittedProjector& from,
+                                                   const std::vector<Sample>& samples, int free,
+                                                   double position_sigma_m = 0.0) {
+  const double hold = position_sigma_m > 0.0 ? 1.0 / (position_sigma_m * position_sigma_m) : 0.0;
+  const auto away = [&](const calibration::FittedProjector& projector) -> Eigen::Vector3d {
     return projector.T_eye_projector.translation() - from.T_eye_projector.translation();
   };
-  FittedProjector best = from;
+  calibration::FittedProjector best = from;
   double damping = 1e-6;
   // What is seen may be far from where it begins: then the weights' scale is, and becomes that of the noise.
   double scale_px = trimmed_rms(best, samples);
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     Matrix9 normal = Matrix9::Zero();
     Vector9 right = Vector9::Zero();
     double cost = 0.0;
@@ -116,7 +117,7 @@ std::optional<FittedProjector> fitted(const FittedProjector& from, const std::ve
       right(i) -= hold * away(best)(i - 3);
     }
     cost += hold * away(best).squaredNorm();
-    const auto total = [&](const FittedProjector& projector) {
+    const auto total = [&](const calibration::FittedProjector& projector) {
       double sum = hold * away(projector).squaredNorm();
       for (const Sample& sample : samples) {
         const auto error = error_px(projector, sample);
@@ -136,7 +137,7 @@ std::optional<FittedProjector> fitted(const FittedProjector& from, const std::ve
       if (!step.allFinite()) return std::nullopt;
       Vector9 whole = Vector9::Zero();
       whole.head(free) = step;
-      const FittedProjector next = moved_by(best, whole);
+      const calibration::FittedProjector next = moved_by(best, whole);
       is_better = total(next) <= cost * (1.0 + 1e-12);
       if (is_better) best = next;
       damping = is_better ? std::max(1e-9, 0.1 * damping) : 10.0 * damping;
@@ -152,12 +153,12 @@ std::optional<FittedProjector> fitted(const FittedProjector& from, const std::ve
   return best;
 }
 
-std::vector<Sample> samples_of(std::span<const MapSample> seen, const NearnessAt& nearness) {
+std::vector<Sample> samples_of(std::span<const solve::MapSample> seen, const InverseDepthAt& inverse_depth) {
   std::vector<Sample> samples;
-  std::size_t every = std::max<std::size_t>(1, seen.size() / kMostSamples);
+  std::size_t every = std::max<std::size_t>(1, seen.size() / kMaxSamples);
   if (every > 1 && every % 2 == 0) ++every;  // Shares no factor with the lattice's rows, as a rule.
   for (std::size_t i = 0; i < seen.size(); i += every) {
-    const double near = nearness(seen[i].direction);
+    const double near = inverse_depth(seen[i].direction);
     if (!(near >= 0.0) || !std::isfinite(near)) continue;
     samples.push_back({seen[i].projector_px, seen[i].direction, near, std::hypot(seen[i].sigma_px, kFloor_px)});
   }
@@ -165,8 +166,8 @@ std::vector<Sample> samples_of(std::span<const MapSample> seen, const NearnessAt
 }
 
 /// The map of before as if it had been seen.
-std::vector<MapSample> places_of(const MeasuredMap& map) {
-  std::vector<MapSample> places;
+std::vector<solve::MapSample> places_of(const calibration::MeasuredMap& map) {
+  std::vector<solve::MapSample> correspondences;
   constexpr double kSure_px = 0.5;
   for (int y = 0; y <= map.cells_y; ++y) {
     for (int x = 0; x <= map.cells_x; ++x) {
@@ -175,20 +176,22 @@ std::vector<MapSample> places_of(const MeasuredMap& map) {
       if (!map.directions[at].allFinite() || !(map.sigma_px[at] < kSure_px)) continue;
       const Eigen::Vector2d pixel(x * static_cast<double>(map.width_px) / map.cells_x,
                                   y * static_cast<double>(map.height_px) / map.cells_y);
-      places.push_back({pixel, map.directions[at], map.sigma_px[at]});
+      correspondences.push_back({pixel, map.directions[at], map.sigma_px[at]});
     }
   }
-  return places;
+  return correspondences;
 }
 
 }  // namespace
 
-std::optional<Displacement> find_displacement(const FittedProjector& before, const MeasuredMap& map,
-                                              std::span<const MapSample> seen, const NearnessAt& nearness) {
-  const std::vector<MapSample> old_places = places_of(map);
-  const std::vector<Sample> then = samples_of(old_places, nearness);
-  const std::vector<Sample> now = samples_of(seen, nearness);
-  if (then.size() < kLeastSamples || now.size() < kLeastSamples) return std::nullopt;
+std::optional<Displacement> find_displacement(const calibration::FittedProjector& before,
+                                              const calibration::MeasuredMap& map,
+                                              std::span<const solve::MapSample> seen,
+                                              const InverseDepthAt& inverse_depth) {
+  const std::vector<solve::MapSample> old_places = places_of(map);
+  const std::vector<Sample> then = samples_of(old_places, inverse_depth);
+  const std::vector<Sample> now = samples_of(seen, inverse_depth);
+  if (then.size() < kMinSamples || now.size() < kMinSamples) return std::nullopt;
   // By the same rule as now, so that what it was pushed by has no share of another rule's.
   const auto stood = fitted(before, then, kPose);
   if (!stood) return std::nullopt;
@@ -202,25 +205,30 @@ std::optional<Displacement> find_displacement(const FittedProjector& before, con
   finding.moved_m = (stands->T_eye_projector.translation() - stood->T_eye_projector.translation()).norm();
   const double worst_px = kWorseFit * finding.before_px + kWorstFit_px * map.width_px / 1920.0;
   const bool is_explained = finding.after_px <= worst_px;
-  if (is_explained && finding.moved_m <= kMostMoved_m && finding.turned_rad <= kMostTurned_rad) {
+  if (is_explained && finding.moved_m <= kMaxMoved_m && finding.turned_rad <= kMaxTurned_rad) {
     finding.verdict = DisplacementVerdict::kDisplaced;
     return finding;
   }
-  const auto turned = fitted(*stood, now, kWithLens, kOffPlace_m);
+  const auto turned = fitted(*stood, now, kWithLens, kPositionPrior_m);
   if (!turned) return finding;
   finding.with_lens_px = trimmed_rms(*turned, now);
-  finding.zoom = turned->lens.values[MeasuredLens::kFocal] / stood->lens.values[MeasuredLens::kFocal];
-  finding.shift_px = {turned->lens.values[MeasuredLens::kCentreU] - stood->lens.values[MeasuredLens::kCentreU],
-                      turned->lens.values[MeasuredLens::kCentreV] - stood->lens.values[MeasuredLens::kCentreV]};
+  finding.zoom =
+      turned->lens.values[calibration::MeasuredLens::kFocal] / stood->lens.values[calibration::MeasuredLens::kFocal];
+  finding.shift_px = {turned->lens.values[calibration::MeasuredLens::kCentreU] -
+                          stood->lens.values[calibration::MeasuredLens::kCentreU],
+                      turned->lens.values[calibration::MeasuredLens::kCentreV] -
+                          stood->lens.values[calibration::MeasuredLens::kCentreV]};
   if (finding.with_lens_px <= worst_px) finding.verdict = DisplacementVerdict::kLensTurned;
   return finding;
 }
 
-std::optional<Eigen::Vector3d> drawn_direction(const FittedProjector& projector, const BrownLens& lens,
-                                               const Eigen::Vector2d& pixel, const NearnessAt& nearness) {
-  const auto ray = direction_through(lens, pixel);
+std::optional<Eigen::Vector3d> drawn_direction(const calibration::FittedProjector& projector,
+                                               const calibration::BrownLens& lens, const Eigen::Vector2d& pixel,
+                                               const InverseDepthAt& inverse_depth) {
+  const auto ray = calibration::direction_through(lens, pixel);
   if (!ray) return std::nullopt;
-  return seen_end(projector.T_eye_projector.translation(), projector.T_eye_projector.rotation() * *ray, nearness);
+  return wall_direction_from(projector.T_eye_projector.translation(), projector.T_eye_projector.rotation() * *ray,
+                             inverse_depth);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -7,11 +7,11 @@
 #include <optional>
 #include <span>
 
-#include "appliance/scan/realign/line_of_sight.h"
+#include "appliance/scan/realign/wall_direction.h"
 #include "appliance/solve/map_fit.h"
 #include "appliance/solve/surface_fit.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 enum class DisplacementVerdict {
   kDisplaced,    ///< A rigid motion explains it.
@@ -21,11 +21,11 @@ enum class DisplacementVerdict {
 
 struct Displacement {
   DisplacementVerdict verdict = DisplacementVerdict::kUnexplained;
-  FittedProjector projector;  ///< The new pose with its covariance; the lens is unchanged.
-  double turned_rad = 0.0;    ///< Rotation from the old pose.
-  double moved_m = 0.0;       ///< Translation of the centre from the old pose.
-  double before_px = 0.0;     ///< RMS per axis that wall and lens left unexplained of the old map.
-  double after_px = 0.0;      ///< The same of what is seen now.
+  calibration::FittedProjector projector;  ///< The new pose with its covariance; the lens is unchanged.
+  double turned_rad = 0.0;                 ///< Rotation from the old pose.
+  double moved_m = 0.0;                    ///< Translation of the centre from the old pose.
+  double before_px = 0.0;                  ///< RMS per axis that wall and lens left unexplained of the old map.
+  double after_px = 0.0;                   ///< The same of what is seen now.
   double with_lens_px = 0.0;  ///< The same with a free focal length and principal point; 0 where it was not tried.
   double zoom = 1.0;          ///< Focal length of that trial, relative to the old one.
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  ///< Shift of the principal point in that trial.
@@ -33,12 +33,15 @@ struct Displacement {
 
 /// `seen` are pixels of its picture with the directions in which the sweet spot sees them now. Nothing where there are
 /// too few, or no pose fits them. Reentrant.
-[[nodiscard]] std::optional<Displacement> find_displacement(const FittedProjector& before, const MeasuredMap& map,
-                                                            std::span<const MapSample> seen,
-                                                            const NearnessAt& nearness);
+[[nodiscard]] std::optional<Displacement> find_displacement(const calibration::FittedProjector& before,
+                                                            const calibration::MeasuredMap& map,
+                                                            std::span<const solve::MapSample> seen,
+                                                            const InverseDepthAt& inverse_depth);
 
 /// The direction in which the sweet spot sees a projector's pixel on the wall; nothing where it misses the wall.
-[[nodiscard]] std::optional<Eigen::Vector3d> drawn_direction(const FittedProjector& projector, const BrownLens& lens,
-                                                             const Eigen::Vector2d& pixel, const NearnessAt& nearness);
+[[nodiscard]] std::optional<Eigen::Vector3d> drawn_direction(const calibration::FittedProjector& projector,
+                                                             const calibration::BrownLens& lens,
+                                                             const Eigen::Vector2d& pixel,
+                                                             const InverseDepthAt& inverse_depth);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

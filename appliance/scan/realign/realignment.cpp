@@ -14,7 +14,7 @@
 #include "appliance/scan/realign/photographs.h"
 #include "appliance/scan/report_page.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -51,20 +51,20 @@ RealignmentOutcome outcome_of(const RealignmentBaseline& baseline, const Realign
   result.seen_fraction = found.displaced->seen_fraction;
   outcome.registration = found.displaced->registration;
   outcome.calibration.wall->fit.projectors[baseline.target] = displacement.projector;
-  for (CalibratedProjector& p : outcome.calibration.projectors) p.is_previous = true;
-  CalibratedProjector& moved = outcome.calibration.projectors[baseline.target];
+  for (calibration::CalibratedProjector& p : outcome.calibration.projectors) p.is_previous = true;
+  calibration::CalibratedProjector& moved = outcome.calibration.projectors[baseline.target];
   moved.map = found.displaced->map;
   moved.is_previous = false;
   return result;
 }
 
 /// Masks and colours of all projectors for the new map; nothing where the calibration of before had none.
-Result<std::optional<FollowedLight>> follow_with_colours(const RealignmentBaseline& baseline,
-                                                         const Calibration& calibration,
-                                                         const std::filesystem::path& folder) {
-  auto followed =
-      follow_light(calibration_folder(folder, baseline.calibration.date), baseline.calibration.projectors,
-                   calibration.projectors, [&](const Eigen::Vector3d& d) { return baseline.wall_nearness(d); });
+Result<std::optional<photometry::FollowedLight>> follow_with_colours(const RealignmentBaseline& baseline,
+                                                                     const calibration::Calibration& calibration,
+                                                                     const std::filesystem::path& folder) {
+  auto followed = photometry::follow_light(calibration::calibration_folder(folder, baseline.calibration.date),
+                                           baseline.calibration.projectors, calibration.projectors,
+                                           [&](const Eigen::Vector3d& d) { return baseline.wall_inverse_depth(d); });
   if (!followed) return realignment_refused("brightness cannot follow (" + followed.error().message() + ")");
   return followed;
 }
@@ -88,16 +88,18 @@ void add_remarks(const RealignmentBaseline& baseline, RealignmentOutcome* result
 }
 
 /// Writes the calibration with its light, then the report, without which a calibration counts all the same.
-Status write(const std::filesystem::path& folder, const std::optional<FollowedLight>& light,
+Status write(const std::filesystem::path& folder, const std::optional<photometry::FollowedLight>& light,
              CalibrationOutcome* outcome) {
-  std::vector<CalibrationPart> parts;
+  std::vector<calibration::CalibrationPart> parts;
   if (light) {
-    TRY_ASSIGN(CalibrationPart kept, light_part(outcome->calibration.projectors, light->lighting));
+    TRY_ASSIGN(calibration::CalibrationPart kept,
+               photometry::light_part(outcome->calibration.projectors, light->lighting));
     parts.push_back(std::move(kept));
   }
-  const std::vector<CalibratedColour> colours = light ? light->colours : std::vector<CalibratedColour>();
-  TRY(save_calibration(folder, outcome->calibration, colours, parts));
-  const MeasuredRegistration& registration = outcome->registration;
+  const std::vector<calibration::CalibratedColour> colours =
+      light ? light->colours : std::vector<calibration::CalibratedColour>();
+  TRY(calibration::save_calibration(folder, outcome->calibration, colours, parts));
+  const solve::MeasuredRegistration& registration = outcome->registration;
   ReportFindings findings;
   findings.registration = {registration.mean_px, registration.p95_px, registration.places};
   if (auto report = write_report(folder, outcome->calibration, findings)) {
@@ -123,7 +125,7 @@ Result<RealignmentOutcome> realign_projector(const Installation& installation, c
   report_step(listener, "finds out where it stands now", 0.85);
   TRY_ASSIGN(const NewMap found, find_new_map(baseline, photographs));
   RealignmentOutcome result = outcome_of(baseline, photographs, found);
-  std::optional<FollowedLight> light;
+  std::optional<photometry::FollowedLight> light;
   if (result.has_moved) {
     TRY_ASSIGN(light, follow_with_colours(baseline, result.outcome.calibration, folder));
     result.has_colours = light.has_value();
@@ -142,4 +144,4 @@ Result<RealignmentOutcome> realign_projector(const Installation& installation, c
   return result;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -14,14 +14,14 @@
 
 #include "appliance/scan/calibration_run.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// The result of a realignment, beside that of any calibration.
 struct RealignmentOutcome {
   /// Like that of run_calibration(). Its registration is that of the displaced projector and its neighbours, over places that
   /// its map was not fitted to. If nothing has moved, it is the calibration of before, and none was written.
   CalibrationOutcome outcome;
-  MeasuredRegistration before;  ///< The same with the projector's map of before.
+  solve::MeasuredRegistration before;  ///< The same with the projector's map of before.
   bool has_moved = false;
   double turned_rad = 0.0;  ///< The displacement's rotation and translation.
   double moved_m = 0.0;
@@ -43,4 +43,4 @@ Result<RealignmentOutcome> realign_projector(const Installation& installation, c
                                              const std::filesystem::path& folder, const std::string& date,
                                              const Clock& clock, const ScanListener& listener, std::stop_token stop);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

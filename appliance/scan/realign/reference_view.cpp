@@ -8,7 +8,7 @@
 #include "appliance/structured_light/pattern_drawing.h"
 #include "appliance/structured_light/phase_reading.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr int kSteps = 4;             // A response's second harmonic is gone, and gammas have little of the third.
@@ -16,9 +16,9 @@ constexpr float kExpected_px = 6.0f;  // Sigma of what is expected: a sine takes
 constexpr float kRead_px = 1.0f;      // Who is less sure was not read.
 constexpr float kSaturated = 0.98f;
 constexpr float kBright = 0.5f;
-constexpr float kLeastLight = 0.04f;
-constexpr double kMostSaturated = 0.01;
-constexpr int kMostExposures = 6;
+constexpr float kMinLight = 0.04f;
+constexpr double kMaxSaturated = 0.01;
+constexpr int kMaxExposures = 6;
 constexpr double kNoise = 0.006;  // Of one photograph at one pixel, as Photo; cells of many pixels find their own.
 
 class ReferenceMeasuring {
@@ -33,7 +33,7 @@ class ReferenceMeasuring {
         listener_(listener),
         stop_(std::move(stop)) {}
 
-  Result<ReferenceView> run(double exposure_s, const ExposureLimits& limits) {
+  Result<ReferenceView> run(double exposure_s, const structured_light::ExposureLimits& limits) {
     exposure_s_ = exposure_s;
     auto view = measured(limits);
     // Dark again, whatever happened; the first error counts.
@@ -47,16 +47,17 @@ class ReferenceMeasuring {
  private:
   [[nodiscard]] bool is_expected(std::size_t pixel) const { return expected_.reference.data()[pixel] >= 0; }
 
-  Status show(const PatternPicture& picture) {
+  Status show(const structured_light::PatternPicture& picture) {
     for (const ReferenceProjector& reference : references_) {
       if (stop_.stop_requested()) return cancelled();
-      const PatternSet set{reference.width_px, reference.height_px, -1, kReferencePeriod_px, kSteps, {}};
-      TRY(screen_.show(reference.projector, drawn(set, picture)));
+      const structured_light::PatternSet set{
+          reference.width_px, reference.height_px, -1, kReferencePeriod_px, kSteps, {}};
+      TRY(screen_.show(reference.projector, structured_light::drawn(set, picture)));
     }
     return Done{};
   }
 
-  Result<Photo> photographed(const PatternPicture& picture) {
+  Result<structured_light::Photo> photographed(const structured_light::PatternPicture& picture) {
     TRY_ASSIGN(const ScanPhotograph photograph, take_photograph(camera_, exposure_s_, stop_));
     ++view_.pictures;
     if (listener_) listener_(name_of(picture), view_.pictures / 12.0, photograph);
@@ -64,10 +65,10 @@ class ReferenceMeasuring {
   }
 
   /// White that is not clipped.
-  Status find_exposure(const ExposureLimits& limits) {
-    const PatternPicture white{.kind = PatternKind::kWhite};
+  Status find_exposure(const structured_light::ExposureLimits& limits) {
+    const structured_light::PatternPicture white{.kind = structured_light::PatternKind::kWhite};
     TRY(show(white));
-    for (int round = 0; round < kMostExposures; ++round) {
+    for (int round = 0; round < kMaxExposures; ++round) {
       TRY_ASSIGN(white_, photographed(white));
       std::vector<float> codes;
       std::size_t clipped = 0;
@@ -77,7 +78,7 @@ class ReferenceMeasuring {
         clipped += static_cast<std::size_t>(white_.data()[i] >= kSaturated);
       }
       if (codes.empty()) return Done{};
-      const bool is_clipped = static_cast<double>(clipped) > kMostSaturated * static_cast<double>(codes.size());
+      const bool is_clipped = static_cast<double>(clipped) > kMaxSaturated * static_cast<double>(codes.size());
       const auto high = codes.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(codes.size() - 1));
       std::nth_element(codes.begin(), high, codes.end());
       double next_s = exposure_s_;
@@ -96,56 +97,58 @@ class ReferenceMeasuring {
     return Done{};
   }
 
-  Result<ReferenceView> measured(const ExposureLimits& limits) {
+  Result<ReferenceView> measured(const structured_light::ExposureLimits& limits) {
     TRY(find_exposure(limits));
-    const PatternPicture black{.kind = PatternKind::kBlack, .level = 0.0};
+    const structured_light::PatternPicture black{.kind = structured_light::PatternKind::kBlack, .level = 0.0};
     TRY(show(black));
-    TRY_ASSIGN(const Photo dark, photographed(black));
-    std::array<PhaseReading, 2> phases{PhaseReading(kReferencePeriod_px, kSteps),
-                                       PhaseReading(kReferencePeriod_px, kSteps)};
-    for (const PatternAxis axis : {PatternAxis::kColumns, PatternAxis::kRows}) {
+    TRY_ASSIGN(const structured_light::Photo dark, photographed(black));
+    std::array<structured_light::PhaseReading, 2> phases{structured_light::PhaseReading(kReferencePeriod_px, kSteps),
+                                                         structured_light::PhaseReading(kReferencePeriod_px, kSteps)};
+    for (const structured_light::PatternAxis axis :
+         {structured_light::PatternAxis::kColumns, structured_light::PatternAxis::kRows}) {
       for (int step = 0; step < kSteps; ++step) {
-        const PatternPicture picture{.kind = PatternKind::kPhase, .axis = axis, .step = step};
+        const structured_light::PatternPicture picture{
+            .kind = structured_light::PatternKind::kPhase, .axis = axis, .step = step};
         TRY(show(picture));
-        TRY_ASSIGN(const Photo photo, photographed(picture));
-        phases.at(axis == PatternAxis::kColumns ? 0 : 1).add(step, photo);
+        TRY_ASSIGN(const structured_light::Photo photo, photographed(picture));
+        phases.at(axis == structured_light::PatternAxis::kColumns ? 0 : 1).add(step, photo);
       }
     }
-    std::array<AxisPlaces, 2> places;
+    std::array<structured_light::AxisPositions, 2> correspondences;
     for (std::size_t a = 0; a < 2; ++a) {
-      AxisPlaces& axis = places.at(a);
+      structured_light::AxisPositions& axis = correspondences.at(a);
       axis = {Image<float, 1>(dark.width(), dark.height(), 0.0f), Image<float, 1>(dark.width(), dark.height(), -1.0f)};
       for (std::size_t i = 0; i < dark.data().size(); ++i) {
         const float light = white_.data()[i] - dark.data()[i];
-        if (!is_expected(i) || white_.data()[i] >= kSaturated || light < kLeastLight) continue;
-        axis.position_px.data()[i] = expected_.place_px.data()[2 * i + a];
+        if (!is_expected(i) || white_.data()[i] >= kSaturated || light < kMinLight) continue;
+        axis.position_px.data()[i] = expected_.pixel_px.data()[2 * i + a];
         axis.sigma_px.data()[i] = kExpected_px;
       }
       phases.at(a).refine(kNoise, &axis);
     }
-    take_places(places);
+    take_correspondences(correspondences);
     return std::move(view_);
   }
 
-  void take_places(const std::array<AxisPlaces, 2>& places) {
+  void take_correspondences(const std::array<structured_light::AxisPositions, 2>& correspondences) {
     for (int y = 0; y < white_.height(); ++y) {
       for (int x = 0; x < white_.width(); ++x) {
-        const float sigma_x = *places[0].sigma_px.at(x, y);
-        const float sigma_y = *places[1].sigma_px.at(x, y);
+        const float sigma_x = *correspondences[0].sigma_px.at(x, y);
+        const float sigma_y = *correspondences[1].sigma_px.at(x, y);
         if (!(sigma_x >= 0.0f && sigma_x < kRead_px && sigma_y >= 0.0f && sigma_y < kRead_px)) continue;
         const auto reference = static_cast<std::size_t>(*expected_.reference.at(x, y));
-        Correspondence place;
-        place.camera_u = static_cast<float>(x) + 0.5f;
-        place.camera_v = static_cast<float>(y) + 0.5f;
-        place.projector_x = *places[0].position_px.at(x, y);
-        place.projector_y = *places[1].position_px.at(x, y);
-        const bool is_inside = place.projector_x > 0.0f && place.projector_y > 0.0f &&
-                               place.projector_x < static_cast<float>(references_[reference].width_px) &&
-                               place.projector_y < static_cast<float>(references_[reference].height_px);
+        solve::Correspondence position;
+        position.camera_u = static_cast<float>(x) + 0.5f;
+        position.camera_v = static_cast<float>(y) + 0.5f;
+        position.projector_x = *correspondences[0].position_px.at(x, y);
+        position.projector_y = *correspondences[1].position_px.at(x, y);
+        const bool is_inside = position.projector_x > 0.0f && position.projector_y > 0.0f &&
+                               position.projector_x < static_cast<float>(references_[reference].width_px) &&
+                               position.projector_y < static_cast<float>(references_[reference].height_px);
         if (!is_inside) continue;
-        place.sigma_px = std::max({sigma_x, sigma_y, 0.01f});
-        place.projector = static_cast<std::uint32_t>(reference);
-        view_.places.push_back(place);
+        position.sigma_px = std::max({sigma_x, sigma_y, 0.01f});
+        position.projector = static_cast<std::uint32_t>(reference);
+        view_.correspondences.push_back(position);
       }
     }
   }
@@ -157,7 +160,7 @@ class ReferenceMeasuring {
   const PhotographListener& listener_;
   std::stop_token stop_;
   double exposure_s_ = 0.0;
-  Photo white_;
+  structured_light::Photo white_;
   ReferenceView view_;
 };
 
@@ -165,9 +168,9 @@ class ReferenceMeasuring {
 
 Result<ReferenceView> measure_references(const std::vector<ReferenceProjector>& references,
                                          const ExpectedReferences& expected, double exposure_s,
-                                         const ExposureLimits& limits, PatternScreen& screen, ScanCamera& camera,
-                                         const PhotographListener& listener, std::stop_token stop) {
+                                         const structured_light::ExposureLimits& limits, PatternScreen& screen,
+                                         ScanCamera& camera, const PhotographListener& listener, std::stop_token stop) {
   return ReferenceMeasuring(references, expected, screen, camera, listener, std::move(stop)).run(exposure_s, limits);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

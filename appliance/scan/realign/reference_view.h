@@ -12,7 +12,7 @@
 #include "appliance/solve/measurements.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 
 /// Period of the sines, in projector pixels; the prediction must be right to a quarter of it.
 inline constexpr double kReferencePeriod_px = 64.0;
@@ -25,12 +25,12 @@ struct ReferenceProjector {
 
 /// The pixel of a reference projector that each of the camera's pixels should see. Both images have the camera's size.
 struct ExpectedReferences {
-  Image<float, 2> place_px;
+  Image<float, 2> pixel_px;
   Image<std::int16_t, 1> reference;  ///< Its index; -1: none, more than one, or not used.
 };
 
 struct ReferenceView {
-  std::vector<Correspondence> places;  ///< Their `projector` is the reference projector's index.
+  std::vector<solve::Correspondence> places;  ///< Their `projector` is the reference projector's index.
   int pictures = 0;
 };
 
@@ -38,7 +38,7 @@ struct ReferenceView {
 /// Errors as measure_view(). Blocks.
 Result<ReferenceView> measure_references(const std::vector<ReferenceProjector>& references,
                                          const ExpectedReferences& expected, double exposure_s,
-                                         const ExposureLimits& limits, PatternScreen& screen, ScanCamera& camera,
-                                         const PhotographListener& listener, std::stop_token stop);
+                                         const structured_light::ExposureLimits& limits, PatternScreen& screen,
+                                         ScanCamera& camera, const PhotographListener& listener, std::stop_token stop);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// Takes numbers off the front of a packet. After one that is not there, is_short() says so and all are zero. Borrows.
 class PacketReader {
@@ -70,4 +70,4 @@ class PacketWriter {
   std::vector<std::byte> bytes_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -12,7 +12,7 @@
 
 #include "common/base/address.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 struct FreeAddresses {
@@ -60,7 +60,7 @@ Result<DatagramReceiver> DatagramReceiver::open(const std::string& address) {
 }
 
 std::optional<std::vector<std::byte>> DatagramReceiver::receive() const {
-  std::vector<std::byte> bytes(kLargest);
+  std::vector<std::byte> bytes(kMaxDatagramBytes);
   const ssize_t size = ::recv(fd_.get(), bytes.data(), bytes.size(), MSG_TRUNC);
   if (size < 0 || static_cast<std::size_t>(size) > bytes.size()) return std::nullopt;
   bytes.resize(static_cast<std::size_t>(size));
@@ -76,4 +76,4 @@ int DatagramReceiver::port() const {
                      : reinterpret_cast<const sockaddr_in&>(storage).sin_port);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -11,7 +11,7 @@
 #include "common/base/result.h"
 #include "common/base/unique_fd.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// Thread-bound.
 class DatagramSender {
@@ -31,9 +31,9 @@ class DatagramReceiver {
  public:
   /// "[::1]:3883", "[::]:9000". kInvalidArgument  as above.     kBusy  somebody else has the port.     kSystem
   static Result<DatagramReceiver> open(const std::string& address);
-  /// The next one that is there; nothing: none is, or it was larger than kLargest.
+  /// The next one that is there; nothing: none is, or it was larger than kMaxDatagramBytes.
   std::optional<std::vector<std::byte>> receive() const;
-  static constexpr std::size_t kLargest = 65535;
+  static constexpr std::size_t kMaxDatagramBytes = 65535;
   /// For poll().
   [[nodiscard]] int fd() const { return fd_.get(); }
   [[nodiscard]] int port() const;
@@ -43,4 +43,4 @@ class DatagramReceiver {
   UniqueFd fd_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

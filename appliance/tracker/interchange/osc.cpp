@@ -10,7 +10,7 @@
 #include "appliance/tracker/interchange/bytes.h"
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 constexpr std::size_t kUnit = 4;
@@ -107,7 +107,7 @@ Status read_packet(std::span<const std::byte> packet, int depth, std::vector<Osc
   if (packet.front() != std::byte{'#'}) {
     return read_message(packet, &ret_messages->emplace_back());
   }
-  if (depth >= kDeepestOscBundle) return bad("bundles in bundles without end");
+  if (depth >= kMaxOscBundleDepth) return bad("bundles in bundles without end");
   PacketReader reader(packet);
   std::string head;
   TRY(read_text(&reader, packet, &head));
@@ -191,4 +191,4 @@ Result<std::vector<OscMessage>> decode_osc(std::span<const std::byte> packet) {
   return messages;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

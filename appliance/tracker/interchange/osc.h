@@ -16,7 +16,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 struct OscNothing {
   friend bool operator==(const OscNothing&, const OscNothing&) = default;
@@ -42,9 +42,9 @@ struct OscMessage {
 [[nodiscard]] std::vector<std::byte> encode_osc(const OscMessage& message);
 
 /// The messages of a packet; those of bundles, one in another, in their order. Strict: what is not padded with zeros to
-/// four bytes, a type that is none, what is too short or too long, or bundles in more than kDeepestOscBundle others are
+/// four bytes, a type that is none, what is too short or too long, or bundles in more than kMaxOscBundleDepth others are
 /// refused. kBadData.
 Result<std::vector<OscMessage>> decode_osc(std::span<const std::byte> packet);
-inline constexpr int kDeepestOscBundle = 8;
+inline constexpr int kMaxOscBundleDepth = 8;
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

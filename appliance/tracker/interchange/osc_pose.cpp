@@ -6,7 +6,7 @@
 #include <limits>
 #include <string_view>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 constexpr std::string_view kPose = "/cyclorama/pose";
@@ -31,8 +31,8 @@ std::optional<std::int64_t> whole(const OscMessage& message, std::size_t index) 
   if (const auto* const value = std::get_if<std::int64_t>(&message.arguments[index])) return *value;
   if (const auto* const value = std::get_if<std::int32_t>(&message.arguments[index])) return *value;
   const auto value = message.number(index);
-  constexpr double kMost = 9e15;
-  if (!value || !(std::abs(*value) <= kMost)) return std::nullopt;
+  constexpr double kMaxMilliseconds = 9e15;
+  if (!value || !(std::abs(*value) <= kMaxMilliseconds)) return std::nullopt;
   return static_cast<std::int64_t>(*value);
 }
 
@@ -72,13 +72,13 @@ std::optional<PoseReport> pose_from_osc(const OscMessage& message) {
 std::optional<std::array<double, 3>> steer_from_osc(const OscMessage& message) {
   if (message.address != kSteer) return std::nullopt;
   const std::vector<double> numbers = numbers_of(message);
-  std::array<double, 3> wish{};
-  if (numbers.size() != wish.size()) return std::nullopt;
-  for (std::size_t i = 0; i < wish.size(); ++i) {
+  std::array<double, 3> command{};
+  if (numbers.size() != command.size()) return std::nullopt;
+  for (std::size_t i = 0; i < command.size(); ++i) {
     if (std::isnan(numbers[i])) return std::nullopt;
-    wish[i] = std::clamp(numbers[i], -1.0, 1.0);
+    command[i] = std::clamp(numbers[i], -1.0, 1.0);
   }
-  return wish;
+  return command;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -14,11 +14,11 @@
 #include "appliance/tracker/interchange/osc.h"
 #include "appliance/tracker/interchange/pose_report.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 [[nodiscard]] OscMessage to_osc(const PoseReport& report);
 [[nodiscard]] std::optional<PoseReport> pose_from_osc(const OscMessage& message);
 /// Forward, right, turn; within [-1, 1].
 [[nodiscard]] std::optional<std::array<double, 3>> steer_from_osc(const OscMessage& message);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

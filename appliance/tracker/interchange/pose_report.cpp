@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 std::optional<RigidTransform<frame::Camera, frame::Tag>> pose_of(const PoseReport& report, TrackerAxes axes) {
   const Eigen::Vector3d position(report.position_m[0], report.position_m[1], report.position_m[2]);
@@ -18,4 +18,4 @@ std::optional<RigidTransform<frame::Camera, frame::Tag>> pose_of(const PoseRepor
   return RigidTransform<frame::Camera, frame::Tag>(turned, {-position.x(), -position.y(), position.z()});
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

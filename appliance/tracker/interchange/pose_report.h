@@ -9,7 +9,7 @@
 
 #include "common/geometry/rigid_transform.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// Numbers as they came; pose_of() is what checks them.
 struct PoseReport {
@@ -33,4 +33,4 @@ enum class TrackerAxes {
 [[nodiscard]] std::optional<RigidTransform<frame::Camera, frame::Tag>> pose_of(const PoseReport& report,
                                                                                TrackerAxes axes);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -8,7 +8,7 @@
 
 #include "appliance/tracker/interchange/bytes.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 constexpr std::size_t kHeaderBytes = 24;
@@ -17,7 +17,7 @@ constexpr std::int32_t kSenderName = -1;
 constexpr std::int32_t kTypeName = -2;
 constexpr std::string_view kPoseType = "vrpn_Tracker Pos_Quat";
 constexpr std::size_t kPoseBytes = 8 + 7 * 8;
-constexpr std::size_t kLongestName = 100;  // VRPN's own limit.
+constexpr std::size_t kMaxNameLength = 100;  // VRPN's own limit.
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::int32_t kOurSender = 0;
 constexpr std::int32_t kOurType = 0;
@@ -48,7 +48,8 @@ std::vector<std::byte> name_body(std::string_view name) {
 Result<std::string> read_name(std::span<const std::byte> body) {
   PacketReader reader(body);
   const std::uint32_t size = reader.u32();
-  if (reader.is_short() || size == 0 || size > kLongestName + 1 || size != reader.left()) return bad("a name's length");
+  if (reader.is_short() || size == 0 || size > kMaxNameLength + 1 || size != reader.left())
+    return bad("a name's length");
   std::string name;
   for (const std::byte b : reader.bytes(size)) name += std::to_integer<char>(b);
   name.pop_back();
@@ -61,7 +62,7 @@ Result<std::string> read_name(std::span<const std::byte> body) {
 std::vector<std::byte> encode_vrpn(const PoseReport& report, const std::string& device) {
   if (!report.found) return {};
   PacketWriter out;
-  write_message(&out, report, kOurSender, kSenderName, name_body(std::string_view(device).substr(0, kLongestName)));
+  write_message(&out, report, kOurSender, kSenderName, name_body(std::string_view(device).substr(0, kMaxNameLength)));
   write_message(&out, report, kOurType, kTypeName, name_body(kPoseType));
   PacketWriter body;
   body.i32(report.sensor);
@@ -76,7 +77,7 @@ Status VrpnReader::take(const Message& message, std::vector<PoseReport>* ret_rep
   if (message.type == kSenderName || message.type == kTypeName) {
     TRY_ASSIGN(std::string name, read_name(message.body));
     auto& names = message.type == kSenderName ? senders_ : types_;
-    if (names.size() < kMostNames || names.contains(message.sender)) names[message.sender] = std::move(name);
+    if (names.size() < kMaxNames || names.contains(message.sender)) names[message.sender] = std::move(name);
     return Done{};
   }
   const auto type = types_.find(message.type);
@@ -118,4 +119,4 @@ Result<std::vector<PoseReport>> VrpnReader::read(std::span<const std::byte> data
   return reports;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

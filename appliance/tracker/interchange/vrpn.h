@@ -24,7 +24,7 @@
 #include "appliance/tracker/interchange/pose_report.h"
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// `report` of the tracker `device`, such as "Cyclorama0". VRPN has no word for a sensor that is out of sight: nothing
 /// is sent then, and this is empty.
@@ -40,7 +40,7 @@ class VrpnReader {
   /// length is not the one of what it measures, after which nothing in the datagram has a meaning.
   Result<std::vector<PoseReport>> read(std::span<const std::byte> datagram);
 
-  static constexpr std::size_t kMostNames = 1024;  ///< Of each kind: more are nobody's trackers.
+  static constexpr std::size_t kMaxNames = 1024;  ///< Of each kind: more are nobody's trackers.
 
  private:
   struct Message {
@@ -56,4 +56,4 @@ class VrpnReader {
   std::uint64_t sequence_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

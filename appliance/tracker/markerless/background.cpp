@@ -6,12 +6,12 @@
 
 #include "appliance/tracker/markerless/light_fit.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 /// Grey levels that are added before the logarithm: below them a ratio means nothing.
 constexpr float kOffset = 8.0f;
-constexpr float kLeastDeviation = 0.015f;
+constexpr float kMinDeviation = 0.015f;
 constexpr float kFirstDeviation = 0.04f;
 /// Deviations from the room at which a cell begins to be somebody's, and is.
 constexpr float kBegins = 3.0f;
@@ -23,7 +23,7 @@ constexpr Duration kJump = std::chrono::seconds(5);
 constexpr double kTooNoisy = 0.12;
 constexpr int kSampleEvery = 3;
 
-float deviation_of(float variance) { return std::max(kLeastDeviation, std::sqrt(variance)); }
+float deviation_of(float variance) { return std::max(kMinDeviation, std::sqrt(variance)); }
 
 }  // namespace
 
@@ -59,10 +59,10 @@ void Background::reduce(const GreyImage& picture) {
   for (std::size_t i = 0; i < cells_.size(); ++i) level_.data()[i] = std::log(grey_.data()[i] + kOffset);
 }
 
-bool Background::follow_light(const std::optional<CellRect>& visitor) {
+bool Background::follow_light(const std::optional<CellBounds>& visitor) {
   const double across = 2.0 / level_.width();
   const double down = 2.0 / level_.height();
-  std::vector<LightSample> samples;
+  std::vector<LogLightSample> samples;
   std::vector<float> deviations;
   for (int y = kSampleEvery / 2; y < level_.height(); y += kSampleEvery) {
     for (int x = kSampleEvery / 2; x < level_.width(); x += kSampleEvery) {
@@ -78,7 +78,7 @@ bool Background::follow_light(const std::optional<CellRect>& visitor) {
   const LightGain gain = fitted_light(samples);
   double explained = 0.0, all = 0.0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const LightSample& s = samples[i];
+    const LogLightSample& s = samples[i];
     if (s.weight <= 0.0) continue;
     all += s.weight;
     if (std::abs(s.log_ratio - gain.at(s.x, s.y)) < 3.5 * double{deviations[i]}) explained += s.weight;
@@ -90,7 +90,7 @@ bool Background::follow_light(const std::optional<CellRect>& visitor) {
   return all > 0.0 && explained >= kExplained * all;
 }
 
-void Background::learn_anew(const std::optional<CellRect>& visitor) {
+void Background::learn_anew(const std::optional<CellBounds>& visitor) {
   std::size_t i = 0;
   for (int y = 0; y < level_.height(); ++y) {
     for (int x = 0; x < level_.width(); ++x, ++i) {
@@ -101,7 +101,7 @@ void Background::learn_anew(const std::optional<CellRect>& visitor) {
   }
 }
 
-void Background::compare(double seconds, const std::optional<CellRect>& visitor) {
+void Background::compare(double seconds, const std::optional<CellBounds>& visitor) {
   const auto dt = static_cast<float>(seconds);
   const auto slow = static_cast<float>(1.0 - std::exp(-seconds / to_seconds(settings_.follows_in)));
   const auto absorbs = static_cast<float>(to_seconds(settings_.absorbs_after));
@@ -152,7 +152,7 @@ void Background::outline() {
   }
 }
 
-const Silhouette& Background::update(const GreyImage& picture, TimePoint at, const std::optional<CellRect>& visitor) {
+const Silhouette& Background::update(const GreyImage& picture, TimePoint at, const std::optional<CellBounds>& visitor) {
   const int side = cell_px(picture.width());
   const int width = picture.width() / side;
   const int height = picture.height() / side;
@@ -187,4 +187,4 @@ const Silhouette& Background::update(const GreyImage& picture, TimePoint at, con
   return silhouette_;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

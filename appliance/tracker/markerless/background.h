@@ -9,7 +9,7 @@
 #include "common/base/clock.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 struct BackgroundSettings {
   /// Pictures are reduced to about this many cells across, each the mean of its pixels.
@@ -34,7 +34,7 @@ class Background {
 
   /// What `picture`, taken at `at`, shows. Within `visitor`, where somebody is known to stand, the room is not learned.
   /// A picture of another size begins anew, as does a time that jumps by more than 5 s. Valid until the next call.
-  const Silhouette& update(const GreyImage& picture, TimePoint at, const std::optional<CellRect>& visitor);
+  const Silhouette& update(const GreyImage& picture, TimePoint at, const std::optional<CellBounds>& visitor);
   [[nodiscard]] const Silhouette& silhouette() const { return silhouette_; }
   /// Pixels of a cell's side, in pictures of this width.
   [[nodiscard]] int cell_px(int width_px) const;
@@ -50,9 +50,9 @@ class Background {
   void begin(int width, int height, TimePoint at);
   void reduce(const GreyImage& picture);
   /// True when enough of the room is explained.
-  bool follow_light(const std::optional<CellRect>& visitor);
-  void learn_anew(const std::optional<CellRect>& visitor);
-  void compare(double seconds, const std::optional<CellRect>& visitor);
+  bool follow_light(const std::optional<CellBounds>& visitor);
+  void learn_anew(const std::optional<CellBounds>& visitor);
+  void compare(double seconds, const std::optional<CellBounds>& visitor);
   void outline();
 
   BackgroundSettings settings_;
@@ -65,4 +65,4 @@ class Background {
   TimePoint learning_since_{};
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -5,21 +5,21 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
-constexpr double kLeastHeadM = 0.13;
-constexpr double kMostHeadM = 0.18;
-constexpr double kMostUprightRad = 0.14;
+constexpr double kMinHeadM = 0.13;
+constexpr double kMaxHeadM = 0.18;
+constexpr double kMaxUprightRad = 0.14;
 constexpr Duration kKept = std::chrono::milliseconds(400);
 constexpr Duration kRemembered = std::chrono::seconds(2);
 /// Nobody walks, or bends, faster.
-constexpr double kFastestMPerS = 2.5;
-constexpr double kFastestRadPerS = 2.5;
+constexpr double kMaxSpeedMPerS = 2.5;
+constexpr double kMaxSpeedRadPerS = 2.5;
 /// While arriving: how still one stands.
 constexpr double kStillM = 0.09;
 constexpr double kStillRad = 0.12;
-constexpr double kMostLeanRad = 0.7;
+constexpr double kMaxLeanRad = 0.7;
 /// A chest that is so much wider than on arrival is two people's.
 constexpr double kMerged = 1.3;
 /// Of a lean that is not seen, from picture to picture.
@@ -28,9 +28,9 @@ constexpr double kFades = 0.95;
 constexpr double kHeadToHip = 4.6;
 
 double spread(const auto& values, const auto& of) {
-  const auto [least, most] =
+  const auto [min, max] =
       std::minmax_element(values.begin(), values.end(), [&](const auto& a, const auto& b) { return of(a) < of(b); });
-  return of(*most) - of(*least);
+  return of(*max) - of(*min);
 }
 double mean(const auto& values, const auto& of) {
   double sum = 0.0;
@@ -38,8 +38,8 @@ double mean(const auto& values, const auto& of) {
   return sum / static_cast<double>(values.size());
 }
 
-CellRect region_of(const BodyShape& shape, const Pinhole& lens) {
-  const HeadPlace& head = shape.head;
+CellBounds region_of(const BodyShape& shape, const Pinhole& lens) {
+  const HeadCandidate& head = shape.head;
   const double middle = 0.5 * (head.u + shape.hip_u);
   const double half = 2.3 * head.width + 0.5 * std::abs(head.u - shape.hip_u);
   return {static_cast<int>(std::floor(middle - half)), static_cast<int>(std::floor(head.top - 0.6 * head.width)),
@@ -48,10 +48,10 @@ CellRect region_of(const BodyShape& shape, const Pinhole& lens) {
 
 }  // namespace
 
-void BodyFollower::Filtered::follow(double measured, double most, double seconds, double rest_hz, double hz_per_speed) {
+void BodyFollower::Filtered::follow(double measured, double max, double seconds, double rest_hz, double hz_per_speed) {
   if (seconds <= 0.0) return;
   const auto weight = [seconds](double hz) { return 1.0 - std::exp(-2.0 * std::numbers::pi * hz * seconds); };
-  const double off = std::clamp(measured - value, -most, most);
+  const double off = std::clamp(measured - value, -max, max);
   speed += weight(1.0) * (off / seconds - speed);
   value += weight(rest_hz + hz_per_speed * std::abs(speed)) * off;
 }
@@ -107,36 +107,36 @@ std::optional<BodyPose> BodyFollower::miss(TimePoint at) {
 
 bool BodyFollower::is_possible(const Standing& now) const {
   const double seconds = std::max(0.02, to_seconds(now.at - seen_at_));
-  const double steps = kFastestMPerS * std::min(seconds, 0.4);
+  const double steps = kMaxSpeedMPerS * std::min(seconds, 0.4);
   return std::abs(now.x_m - x_.value) < 0.15 + steps && std::abs(now.depth_m - depth_.value) < 0.25 + steps &&
-         std::abs(now.lean_rad - upright_rad_ - lean_.value) < 0.25 + kFastestRadPerS * std::min(seconds, 0.4) &&
-         std::abs(now.lean_rad) < kMostLeanRad;
+         std::abs(now.lean_rad - upright_rad_ - lean_.value) < 0.25 + kMaxSpeedRadPerS * std::min(seconds, 0.4) &&
+         std::abs(now.lean_rad) < kMaxLeanRad;
 }
 
 std::optional<BodyPose> BodyFollower::update(const Silhouette& silhouette, const Pinhole& lens, TimePoint at) {
   if (silhouette.light != LightState::kSteady) return miss(at);
   const SummedShare share(silhouette.share);
   if (phase_ == BodyPhase::kFollowed && shape_) {
-    const auto place = find_head_near(share, shape_->head);
-    const auto shape = place ? measured(silhouette, *place) : std::nullopt;
+    const auto position = find_head_near(share, shape_->head);
+    const auto shape = position ? measured(silhouette, *position) : std::nullopt;
     if (shape && is_possible(standing(*shape, lens, at))) return follow(*shape, lens, at);
   }
-  const double nearest = std::max(0.4, settings_.stand_m - settings_.reach_m);
-  const double farthest = settings_.stand_m + settings_.reach_m;
+  const double nearest = std::max(0.4, settings_.mark_distance_m - settings_.follow_radius_m);
+  const double farthest = settings_.mark_distance_m + settings_.follow_radius_m;
   std::optional<BodyShape> best;
   double best_away = 1e9;
-  for (const HeadPlace& place :
-       find_heads(share, kLeastHeadM * lens.focal_px / farthest, kMostHeadM * lens.focal_px / nearest)) {
-    const auto shape = measured(silhouette, place);
+  for (const HeadCandidate& position :
+       find_heads(share, kMinHeadM * lens.focal_px / farthest, kMaxHeadM * lens.focal_px / nearest)) {
+    const auto shape = measured(silhouette, position);
     if (!shape || shape->outline <= 0.0) continue;  // A ghost.
     if (!shape->has_chest && phase_ != BodyPhase::kFollowed) continue;
     const Standing now = standing(*shape, lens, at);
-    if (now.depth_m < nearest || now.depth_m > farthest || std::abs(now.x_m) > settings_.reach_m) continue;
+    if (now.depth_m < nearest || now.depth_m > farthest || std::abs(now.x_m) > settings_.follow_radius_m) continue;
     if (phase_ == BodyPhase::kFollowed && !is_possible(now)) continue;
     const double to_x = phase_ == BodyPhase::kNobody     ? 0.0
                         : phase_ == BodyPhase::kFollowed ? x_.value
                                                          : arriving_.back().x_m;
-    const double to_depth = phase_ == BodyPhase::kNobody     ? settings_.stand_m
+    const double to_depth = phase_ == BodyPhase::kNobody     ? settings_.mark_distance_m
                             : phase_ == BodyPhase::kFollowed ? depth_.value
                                                              : arriving_.back().depth_m;
     const double away = std::hypot(now.x_m - to_x, now.depth_m - to_depth);
@@ -149,7 +149,7 @@ std::optional<BodyPose> BodyFollower::update(const Silhouette& silhouette, const
 std::optional<BodyPose> BodyFollower::arrive(const BodyShape& shape, const Pinhole& lens, TimePoint at) {
   shape_ = shape;
   const Standing now = standing(shape, lens, at);
-  if (std::hypot(now.x_m, now.depth_m - settings_.stand_m) > settings_.begin_within_m) {
+  if (std::hypot(now.x_m, now.depth_m - settings_.mark_distance_m) > settings_.begin_within_m) {
     forget();
     return std::nullopt;
   }
@@ -167,8 +167,8 @@ std::optional<BodyPose> BodyFollower::arrive(const BodyShape& shape, const Pinho
   const bool still = spread(arriving_, x) < kStillM && spread(arriving_, lean) < kStillRad &&
                      spread(arriving_, width) < 0.2 * mean_width;
   if (!still) return std::nullopt;
-  head_m_ = std::clamp(mean_width * settings_.stand_m, kLeastHeadM, kMostHeadM);
-  upright_rad_ = std::clamp(mean(arriving_, lean), -kMostUprightRad, kMostUprightRad);
+  head_m_ = std::clamp(mean_width * settings_.mark_distance_m, kMinHeadM, kMaxHeadM);
+  upright_rad_ = std::clamp(mean(arriving_, lean), -kMaxUprightRad, kMaxUprightRad);
   const double chest = mean(arriving_, [](const Standing& s) { return s.chest; });
   arriving_.clear();
   phase_ = BodyPhase::kFollowed;
@@ -183,7 +183,8 @@ std::optional<BodyPose> BodyFollower::arrive(const BodyShape& shape, const Pinho
 
 std::optional<BodyPose> BodyFollower::follow(const BodyShape& shape, const Pinhole& lens, TimePoint at) {
   const Standing now = standing(shape, lens, at);
-  if (std::abs(now.x_m) > settings_.reach_m || std::abs(now.depth_m - settings_.stand_m) > settings_.reach_m)
+  if (std::abs(now.x_m) > settings_.follow_radius_m ||
+      std::abs(now.depth_m - settings_.mark_distance_m) > settings_.follow_radius_m)
     return miss(at);
   const double seconds = to_seconds(at - seen_at_);
   if (seconds > to_seconds(kKept)) {  // Lost in between: what was filtered is old.
@@ -204,4 +205,4 @@ std::optional<BodyPose> BodyFollower::follow(const BodyShape& shape, const Pinho
   return pose;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -9,13 +9,13 @@
 #include "common/base/clock.h"
 #include "common/room/pinhole.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// Where visitors stand who steer by their bodies, and how they are taken in.
 struct BodySettings {
-  double stand_m = 2.0;         ///< From the camera to the mark on the floor where one begins.
-  double reach_m = 0.9;         ///< So far before, behind and beside the mark a visitor is followed.
-  double begin_within_m = 0.5;  ///< So near to the mark one must come to rest to be taken in.
+  double mark_distance_m = 2.0;  ///< From the camera to the mark on the floor where one begins.
+  double follow_radius_m = 0.9;  ///< So far before, behind and beside the mark a visitor is followed.
+  double begin_within_m = 0.5;   ///< So near to the mark one must come to rest to be taken in.
   Duration begins_after = std::chrono::milliseconds(900);  ///< Of standing still there.
 };
 
@@ -51,7 +51,7 @@ class BodyFollower {
   std::optional<BodyPose> update(const Silhouette& silhouette, const Pinhole& lens, TimePoint at);
   [[nodiscard]] BodyPhase phase() const { return phase_; }
   /// Where the visitor is, or was a moment ago: the room must not be learned there.
-  [[nodiscard]] const std::optional<CellRect>& region() const { return region_; }
+  [[nodiscard]] const std::optional<CellBounds>& region() const { return region_; }
   /// Of the newest picture, in cells, for people to look at.
   [[nodiscard]] const std::optional<BodyShape>& shape() const { return shape_; }
 
@@ -62,7 +62,7 @@ class BodyFollower {
     double speed = 0.0;
     void start(double at) { *this = {at, 0.0}; }
     /// Of what is farther off than `most`, no more than that is believed.
-    void follow(double measured, double most, double seconds, double rest_hz, double hz_per_speed);
+    void follow(double measured, double max, double seconds, double rest_hz, double hz_per_speed);
   };
   struct Standing {
     TimePoint at{};
@@ -84,7 +84,7 @@ class BodyFollower {
   static constexpr double kHeadM = 0.155;
   BodySettings settings_;
   BodyPhase phase_ = BodyPhase::kNobody;
-  std::optional<CellRect> region_;
+  std::optional<CellBounds> region_;
   std::optional<BodyShape> shape_;
   std::vector<Standing> arriving_;
   double head_m_ = kHeadM;
@@ -94,4 +94,4 @@ class BodyFollower {
   TimePoint seen_at_{};
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

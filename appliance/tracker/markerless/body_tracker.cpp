@@ -6,7 +6,7 @@
 
 #include "common/image/draw.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 std::optional<BodyPose> BodyTracker::update(const GreyImage& picture, const Pinhole& lens, TimePoint at) {
   if (picture.empty()) return std::nullopt;
@@ -75,4 +75,4 @@ RigidTransform<frame::Camera, frame::Tag> T_camera_body(const BodyPose& pose) {
   return {lean, {pose.x_m, 0.0, pose.depth_m}};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -8,7 +8,7 @@
 #include "common/geometry/rigid_transform.h"
 #include "common/room/pinhole.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// Steering without a pattern: grey pictures in, the visitor's pose out. No model is learned from other people, and no
 /// library for vision is needed: the room is known (background.h), and who comes to rest at a mark is followed by head
@@ -34,4 +34,4 @@ class BodyTracker {
 /// As the wand's pose has it: place in the Camera frame, at the camera's height, and the lean about its z.
 [[nodiscard]] RigidTransform<frame::Camera, frame::Tag> T_camera_body(const BodyPose& pose);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 constexpr int kIterations = 5;
 /// Cauchy's scale: differences beyond it lose their say. At least the noise of a dim camera.
-constexpr double kLeastScale = 0.03;
+constexpr double kMinScale = 0.03;
 /// Keeps the surface flat where hardly anything is seen of the room.
 constexpr double kRidge = 2e-3;
 
@@ -22,23 +22,23 @@ double median_of(std::vector<double>* values) {
 
 }  // namespace
 
-LightGain fitted_light(const std::vector<LightSample>& samples) {
+LightGain fitted_light(const std::vector<LogLightSample>& samples) {
   LightGain gain;
   std::vector<double> values;
-  for (const LightSample& s : samples) {
+  for (const LogLightSample& s : samples) {
     if (s.weight > 0.0) values.push_back(s.log_ratio);
   }
   if (values.size() < 20) return gain;
   gain.coefficients[0] = median_of(&values);
   for (int i = 0; i < kIterations; ++i) {
     values.clear();
-    for (const LightSample& s : samples) {
+    for (const LogLightSample& s : samples) {
       if (s.weight > 0.0) values.push_back(std::abs(s.log_ratio - gain.at(s.x, s.y)));
     }
-    const double scale = std::max(kLeastScale, 1.5 * median_of(&values));
+    const double scale = std::max(kMinScale, 1.5 * median_of(&values));
     Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
-    for (const LightSample& s : samples) {
+    for (const LogLightSample& s : samples) {
       if (s.weight <= 0.0) continue;
       const Eigen::Matrix<double, 6, 1> terms = LightGain::terms(s.x, s.y);
       const double away = (s.log_ratio - gain.coefficients.dot(terms)) / scale;
@@ -55,4 +55,4 @@ LightGain fitted_light(const std::vector<LightSample>& samples) {
   return gain;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// How much brighter a room is than it was: the logarithm of the gain, a parabola over the picture. (x, y) from -1 to 1
 /// across the picture. A lamp that is switched on, a camera that adjusts its gain and a wall that shines in another
@@ -19,7 +19,7 @@ struct LightGain {
 };
 
 /// One place's brightness against what is known of the room there.
-struct LightSample {
+struct LogLightSample {
   double x = 0.0;
   double y = 0.0;
   double log_ratio = 0.0;
@@ -28,6 +28,6 @@ struct LightSample {
 
 /// The gain that most samples agree on; what stands before the room is outvoted as long as it fills less than half of
 /// the samples. Iterated least squares with Cauchy's weights from the median on; no samples give no change. Pure.
-[[nodiscard]] LightGain fitted_light(const std::vector<LightSample>& samples);
+[[nodiscard]] LightGain fitted_light(const std::vector<LogLightSample>& samples);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

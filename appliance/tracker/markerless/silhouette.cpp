@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
-constexpr double kLeastScore = 0.35;
+constexpr double kMinScore = 0.35;
 /// From the head's top down to the hip, in widths of the head: an adult's 0.155 m wide head, 0.47 of the height.
 constexpr double kHipBelow = 5.2;
 /// Between these the chest is measured, in widths below the head's top.
@@ -30,22 +30,22 @@ double score_at(const SummedShare& share, double u, double top, double w) {
   return head * std::min(1.0, 1.1 * chest) * above * sides;
 }
 
-void climb(const SummedShare& share, HeadPlace* place) {
+void climb(const SummedShare& share, HeadCandidate* position) {
   double step = 0.25;
   while (step > 0.03) {
-    HeadPlace best = *place;
+    HeadCandidate best = *position;
     for (const double du : {-step, 0.0, step}) {
       for (const double dv : {-step, 0.0, step}) {
         for (const double grow : {1.0 - 0.3 * step, 1.0, 1.0 + 0.3 * step}) {
-          const double u = place->u + du * place->width;
-          const double top = place->top + dv * place->width;
-          const double score = score_at(share, u, top, grow * place->width);
-          if (score > best.score) best = {u, top, grow * place->width, score};
+          const double u = position->u + du * position->width;
+          const double top = position->top + dv * position->width;
+          const double score = score_at(share, u, top, grow * position->width);
+          if (score > best.score) best = {u, top, grow * position->width, score};
         }
       }
     }
-    if (best.score <= place->score) step *= 0.5;
-    *place = best;
+    if (best.score <= position->score) step *= 0.5;
+    *position = best;
   }
 }
 
@@ -58,11 +58,11 @@ struct Span {
 
 /// From a cell outwards to where the silhouette ends, to parts of a cell: the outermost cell counts by how much of the
 /// contrast inside it has.
-double edge(const Silhouette& silhouette, int x, int y, int step, int most, bool* ret_ends) {
+double edge(const Silhouette& silhouette, int x, int y, int step, int max, bool* ret_ends) {
   const auto inside = [&](int at) { return at >= 0 && at < silhouette.share.width(); };
   int gap = 0;
   int last = x;
-  for (int i = 0; i <= most; ++i) {
+  for (int i = 0; i <= max; ++i) {
     const int at = x + step * i;
     if (!inside(at)) break;
     if (*silhouette.share.at(at, y) > 0.5f) {
@@ -90,9 +90,9 @@ std::optional<Span> span_at(const Silhouette& silhouette, double u, int y, doubl
   const int x = static_cast<int>(std::floor(u));
   if (x < 0 || x >= silhouette.share.width() || *silhouette.share.at(x, y) < 0.5f) return std::nullopt;
   Span span;
-  const int most = static_cast<int>(std::ceil(reach));
-  span.left = edge(silhouette, x, y, -1, most, &span.left_ends);
-  span.right = edge(silhouette, x, y, 1, most, &span.right_ends);
+  const int max = static_cast<int>(std::ceil(reach));
+  span.left = edge(silhouette, x, y, -1, max, &span.left_ends);
+  span.right = edge(silhouette, x, y, 1, max, &span.right_ends);
   return span;
 }
 
@@ -155,54 +155,54 @@ double SummedShare::mean(double left, double top, double right, double bottom) c
   return (at(r, b) - at(l, b) - at(r, t) + at(l, t)) / all;
 }
 
-std::optional<HeadPlace> find_head_near(const SummedShare& share, const HeadPlace& near) {
-  HeadPlace best;
+std::optional<HeadCandidate> find_head_near(const SummedShare& share, const HeadCandidate& near) {
+  HeadCandidate best;
   for (double du = -1.0; du <= 1.0; du += 0.25) {
     for (double dv = -1.0; dv <= 1.0; dv += 0.25) {
       for (const double grow : {0.85, 1.0, 1.18}) {
-        const HeadPlace place{near.u + du * near.width, near.top + dv * near.width, grow * near.width, 0.0};
-        const double score = score_at(share, place.u, place.top, place.width);
-        if (score > best.score) best = {place.u, place.top, place.width, score};
+        const HeadCandidate position{near.u + du * near.width, near.top + dv * near.width, grow * near.width, 0.0};
+        const double score = score_at(share, position.u, position.top, position.width);
+        if (score > best.score) best = {position.u, position.top, position.width, score};
       }
     }
   }
-  if (best.score < 0.6 * kLeastScore) return std::nullopt;
+  if (best.score < 0.6 * kMinScore) return std::nullopt;
   climb(share, &best);
-  if (best.score < kLeastScore) return std::nullopt;
+  if (best.score < kMinScore) return std::nullopt;
   return best;
 }
 
-std::vector<HeadPlace> find_heads(const SummedShare& share, double least, double most) {
-  std::vector<HeadPlace> found;
-  for (double width = std::max(least, 3.0); width <= most; width *= 1.2) {
+std::vector<HeadCandidate> find_heads(const SummedShare& share, double min, double max) {
+  std::vector<HeadCandidate> found;
+  for (double width = std::max(min, 3.0); width <= max; width *= 1.2) {
     const double step = std::max(1.0, 0.25 * width);
     for (double top = 0.0; top + 2.0 * width < share.height(); top += step) {
       for (double u = 0.5 * width; u + 0.5 * width < share.width(); u += step) {
         const double score = score_at(share, u, top, width);
-        if (score > 0.6 * kLeastScore) found.push_back({u, top, width, score});
+        if (score > 0.6 * kMinScore) found.push_back({u, top, width, score});
       }
     }
   }
-  const auto better = [](const HeadPlace& a, const HeadPlace& b) { return a.score > b.score; };
+  const auto better = [](const HeadCandidate& a, const HeadCandidate& b) { return a.score > b.score; };
   std::sort(found.begin(), found.end(), better);
-  std::vector<HeadPlace> kept;
-  for (HeadPlace& place : found) {
+  std::vector<HeadCandidate> kept;
+  for (HeadCandidate& position : found) {
     if (kept.size() >= 6) break;
-    const auto taken = [&](const HeadPlace& other) {
-      const double reach = 1.3 * std::max(place.width, other.width);
-      return std::abs(place.u - other.u) < reach && std::abs(place.top - other.top) < 2.5 * reach;
+    const auto taken = [&](const HeadCandidate& other) {
+      const double reach = 1.3 * std::max(position.width, other.width);
+      return std::abs(position.u - other.u) < reach && std::abs(position.top - other.top) < 2.5 * reach;
     };
     if (std::any_of(kept.begin(), kept.end(), taken)) continue;
-    climb(share, &place);
-    if (place.score >= kLeastScore) kept.push_back(place);
+    climb(share, &position);
+    if (position.score >= kMinScore) kept.push_back(position);
   }
   std::sort(kept.begin(), kept.end(), better);
   return kept;
 }
 
-std::optional<BodyShape> measured(const Silhouette& silhouette, const HeadPlace& start) {
+std::optional<BodyShape> measured(const Silhouette& silhouette, const HeadCandidate& start) {
   BodyShape shape;
-  HeadPlace head = start;
+  HeadCandidate head = start;
   for (int pass = 0; pass < 2; ++pass) {
     std::vector<double> widths, middles;
     double outline = 0.0;
@@ -256,4 +256,4 @@ std::optional<BodyShape> measured(const Silhouette& silhouette, const HeadPlace&
   return shape;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

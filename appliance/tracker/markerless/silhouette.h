@@ -14,10 +14,10 @@
 
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 
 /// From (left, top) to before (right, bottom).
-struct CellRect {
+struct CellBounds {
   int left = 0;
   int top = 0;
   int right = 0;
@@ -42,7 +42,7 @@ struct Silhouette {
 };
 
 /// Where a head may be: the middle of its width, its top, and its width, in cells.
-struct HeadPlace {
+struct HeadCandidate {
   double u = 0.0;
   double top = 0.0;
   double width = 0.0;
@@ -65,13 +65,13 @@ class SummedShare {
 };
 
 /// The best place about `near` (within a width of it and a fifth of its width), or nothing.
-[[nodiscard]] std::optional<HeadPlace> find_head_near(const SummedShare& share, const HeadPlace& near);
+[[nodiscard]] std::optional<HeadCandidate> find_head_near(const SummedShare& share, const HeadCandidate& near);
 /// Every head with widths from `least` to `most`, the best first, none within another's shoulders.
-[[nodiscard]] std::vector<HeadPlace> find_heads(const SummedShare& share, double least, double most);
+[[nodiscard]] std::vector<HeadCandidate> find_heads(const SummedShare& share, double min, double max);
 
 /// A head and the body below it, measured along the silhouette's edges to parts of a cell.
 struct BodyShape {
-  HeadPlace head;
+  HeadCandidate head;
   double width_deviation = 0.0;  ///< Of the head's width, cells.
   bool has_chest = false;        ///< Else the rest is not known: somebody beside, or no chest in the picture.
   double chest_width = 0.0;      ///< With the arms, cells: a second word on the depth.
@@ -83,6 +83,6 @@ struct BodyShape {
   double outline = 0.0;  ///< Mean of Silhouette::outline along the head.
 };
 /// Nothing when the head has no edges to measure.
-[[nodiscard]] std::optional<BodyShape> measured(const Silhouette& silhouette, const HeadPlace& head);
+[[nodiscard]] std::optional<BodyShape> measured(const Silhouette& silhouette, const HeadCandidate& head);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -12,7 +12,7 @@
 #include "drivers/camera/file/photos.h"
 #include "drivers/camera/file/video.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 /// By the first bytes. What is neither goes to the photo reader, whose error names the usual other formats.
@@ -35,7 +35,7 @@ Result<std::unique_ptr<Camera>> FileCamera::open(const std::filesystem::path& pa
   }
   std::error_code ignored;
   const bool video = std::filesystem::is_regular_file(path, ignored) && looks_like_a_video(path);
-  TRY_ASSIGN(std::unique_ptr<Recording> recording, video ? Video::open(path) : Photos::open(path));
+  TRY_ASSIGN(std::unique_ptr<ImageSequence> recording, video ? Video::open(path) : Photos::open(path));
   const Duration period = period_of(options.frames_per_second.value_or(recording->frames_per_second()));
   const auto name = path.has_filename() ? path.filename() : path.parent_path().filename();
   return std::unique_ptr<Camera>(
@@ -50,7 +50,7 @@ Status FileCamera::start() {
   return Done{};
 }
 
-Result<std::shared_ptr<const Frame>> FileCamera::next_frame(TimePoint deadline) {
+Result<std::shared_ptr<const CameraFrame>> FileCamera::next_frame(TimePoint deadline) {
   if (failure_) return *failure_;
   if (!streaming_) return Error(ErrorCode::kUnavailable, fmt::format("camera '{}' was not started", id_));
   TRY_ASSIGN(const std::uint64_t sequence, wait_for_picture(pace_, last_, clock_, deadline));
@@ -62,11 +62,11 @@ Result<std::shared_ptr<const Frame>> FileCamera::next_frame(TimePoint deadline) 
   }
   if (failure_) return *failure_;
   last_ = sequence;
-  auto frame = std::make_shared<Frame>();
+  auto frame = std::make_shared<CameraFrame>();
   frame->pixels = **std::move(pixels);
   frame->sequence = sequence;
   frame->captured_at = pace_.ready_at(sequence);
-  return std::shared_ptr<const Frame>(std::move(frame));
+  return std::shared_ptr<const CameraFrame>(std::move(frame));
 }
 
 Result<std::optional<GreyImage>> FileCamera::picture(std::uint64_t sequence) {
@@ -77,4 +77,4 @@ Result<std::optional<GreyImage>> FileCamera::picture(std::uint64_t sequence) {
   return pixels;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "drivers/camera/camera.h"
-#include "drivers/camera/file/recording.h"
+#include "drivers/camera/file/image_sequence.h"
 #include "drivers/camera/pace.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 struct FileCameraOptions {
   std::optional<double> frames_per_second;  ///< 0.01 to 1000; the recording's own when not given.
@@ -31,18 +31,18 @@ class FileCamera final : public Camera {
 
   [[nodiscard]] const std::string& id() const override { return id_; }
   Status start() override;
-  Result<std::shared_ptr<const Frame>> next_frame(TimePoint deadline) override;
+  Result<std::shared_ptr<const CameraFrame>> next_frame(TimePoint deadline) override;
   void stop() override { streaming_ = false; }
 
  private:
-  FileCamera(std::string id, std::unique_ptr<Recording> recording, Duration period, bool loop, const Clock& clock)
+  FileCamera(std::string id, std::unique_ptr<ImageSequence> recording, Duration period, bool loop, const Clock& clock)
       : id_(std::move(id)), recording_(std::move(recording)), loop_(loop), clock_(clock) {
     pace_.period = period;
   }
   Result<std::optional<GreyImage>> picture(std::uint64_t sequence);
 
   std::string id_;
-  std::unique_ptr<Recording> recording_;
+  std::unique_ptr<ImageSequence> recording_;
   bool loop_;
   const Clock& clock_;
   Pace pace_;
@@ -51,4 +51,4 @@ class FileCamera final : public Camera {
   std::optional<Error> failure_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -11,7 +11,7 @@
 
 #include "common/image/image_file.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 bool is_named_like_a_photo(const std::filesystem::path& file) {
@@ -41,7 +41,7 @@ Result<std::vector<std::filesystem::path>> photos_in(const std::filesystem::path
 
 }  // namespace
 
-Result<std::unique_ptr<Recording>> Photos::open(const std::filesystem::path& path) {
+Result<std::unique_ptr<ImageSequence>> Photos::open(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> files{path};
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
@@ -49,7 +49,7 @@ Result<std::unique_ptr<Recording>> Photos::open(const std::filesystem::path& pat
   }
   std::unique_ptr<Photos> photos(new Photos(std::move(files)));
   TRY_ASSIGN(photos->newest_, read_grey_image(photos->files_.front(), kPhotoLimitPx));
-  return std::unique_ptr<Recording>(std::move(photos));
+  return std::unique_ptr<ImageSequence>(std::move(photos));
 }
 
 Result<std::optional<GreyImage>> Photos::picture(std::uint64_t index) {
@@ -61,4 +61,4 @@ Result<std::optional<GreyImage>> Photos::picture(std::uint64_t index) {
   return std::optional<GreyImage>(newest_);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -5,18 +5,18 @@
 #include <memory>
 #include <vector>
 
-#include "drivers/camera/file/recording.h"
+#include "drivers/camera/file/image_sequence.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// Photos (PNG, JPEG) as a recording: one file, or the photos of one folder in the order of their names.
-class Photos final : public Recording {
+class Photos final : public ImageSequence {
  public:
   static constexpr double kFramesPerSecond = 10.0;
 
   /// Reads the first photo, so that a mistake shows at once.
   /// kNotFound  no such file or folder, or the folder holds no photo.     kBadData  the first photo is damaged.
-  static Result<std::unique_ptr<Recording>> open(const std::filesystem::path& path);
+  static Result<std::unique_ptr<ImageSequence>> open(const std::filesystem::path& path);
 
   [[nodiscard]] double frames_per_second() const override { return kFramesPerSecond; }
   Result<std::optional<GreyImage>> picture(std::uint64_t index) override;
@@ -30,4 +30,4 @@ class Photos final : public Recording {
   GreyImage newest_;  ///< A single photo is read once.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -17,7 +17,7 @@ extern "C" {
 
 #include "common/image/image_file.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 /// Where the container does not say: what most cameras record at.
@@ -142,7 +142,7 @@ Status Video::Decoder::to_grey(const std::filesystem::path& path, GreyImage* ret
 Video::Video() = default;
 Video::~Video() = default;
 
-Result<std::unique_ptr<Recording>> Video::open(const std::filesystem::path& path) {
+Result<std::unique_ptr<ImageSequence>> Video::open(const std::filesystem::path& path) {
   // What is wrong comes back as an Error; libav's own lines would only repeat it on standard error.
   av_log_set_level(AV_LOG_QUIET);
   std::error_code ignored;
@@ -157,7 +157,7 @@ Result<std::unique_ptr<Recording>> Video::open(const std::filesystem::path& path
   video->frames_per_second_ = rate >= 0.01 && rate <= 1000.0 ? rate : kUsualFramesPerSecond;
   TRY_ASSIGN(const std::optional<GreyImage> first, video->picture(0));
   if (!first) return bad(path, "it holds no picture");
-  return std::unique_ptr<Recording>(std::move(video));
+  return std::unique_ptr<ImageSequence>(std::move(video));
 }
 
 Status Video::reopen() {
@@ -182,4 +182,4 @@ Result<std::optional<GreyImage>> Video::picture(std::uint64_t index) {
   return std::optional<GreyImage>(newest_);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

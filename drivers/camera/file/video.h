@@ -4,16 +4,16 @@
 #include <filesystem>
 #include <memory>
 
-#include "drivers/camera/file/recording.h"
+#include "drivers/camera/file/image_sequence.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// A video file (MP4, Matroska or AVI, with a codec that libavcodec knows) as a recording of grey pictures. Decodes
 /// forwards, so an index below the last one starts again from the beginning.
-class Video final : public Recording {
+class Video final : public ImageSequence {
  public:
   /// kNotFound  no such file.     kBadData  not such a video, damaged, without pictures, or larger than a photo may be.
-  static Result<std::unique_ptr<Recording>> open(const std::filesystem::path& path);
+  static Result<std::unique_ptr<ImageSequence>> open(const std::filesystem::path& path);
   ~Video() override;
 
   /// The mean rate: a recording of varying rate is replayed evenly.
@@ -34,4 +34,4 @@ class Video final : public Recording {
   GreyImage newest_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

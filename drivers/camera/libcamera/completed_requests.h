@@ -8,7 +8,7 @@
 
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// What a driver's thread has finished, oldest first, until the camera's thread takes all of it. At most as many as the
 /// driver was given. Thread-safe.
@@ -52,4 +52,4 @@ class CompletedRequests {
   bool ended_ = false;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -2,7 +2,7 @@
 // For a build without libcamera's headers.
 #include "drivers/camera/libcamera/libcamera_camera.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 Result<std::unique_ptr<Camera>> open_libcamera_camera(std::string_view, const LibcameraOptions&, const Clock&) {
   return Error(ErrorCode::kInvalidArgument,
@@ -12,4 +12,4 @@ Result<std::unique_ptr<Camera>> open_libcamera_camera(std::string_view, const Li
 
 std::vector<ListedCamera> list_libcamera_cameras() { return {}; }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

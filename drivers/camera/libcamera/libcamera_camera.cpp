@@ -18,7 +18,7 @@
 #include "drivers/camera/libcamera/libcamera_versions.h"
 #include "drivers/camera/libcamera/plane_map.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 namespace lc = libcamera;
@@ -98,7 +98,7 @@ std::string model_of(const lc::Camera& camera) {
 }
 
 /// What the camera can send, as offers without a rate: libcamera tells none.
-std::vector<PictureOffer> offers_of(const lc::StreamConfiguration& stream, const PictureWish& wish) {
+std::vector<PictureOffer> offers_of(const lc::StreamConfiguration& stream, const PicturePreference& preferred) {
   std::vector<PictureOffer> offers;
   for (const lc::PixelFormat& format : stream.formats().pixelformats()) {
     const auto layout = layout_of(format);
@@ -109,10 +109,10 @@ std::vector<PictureOffer> offers_of(const lc::StreamConfiguration& stream, const
     };
     const std::vector<lc::Size> sizes = stream.formats().sizes(format);
     for (const lc::Size& size : sizes) add(size);
-    const lc::Size wished(static_cast<unsigned>(wish.width_px), static_cast<unsigned>(wish.height_px));
+    const lc::Size requested(static_cast<unsigned>(preferred.width_px), static_cast<unsigned>(preferred.height_px));
     // Scalers list a few sizes and take any in the range.
-    if (const lc::SizeRange range = stream.formats().range(format); sizes.empty() || range.contains(wished))
-      add(wished);
+    if (const lc::SizeRange range = stream.formats().range(format); sizes.empty() || range.contains(requested))
+      add(requested);
   }
   return offers;
 }
@@ -137,7 +137,7 @@ class LibcameraCamera final : public Camera {
 
   [[nodiscard]] const std::string& id() const override { return id_; }
   Status start() override;
-  Result<std::shared_ptr<const Frame>> next_frame(TimePoint deadline) override;
+  Result<std::shared_ptr<const CameraFrame>> next_frame(TimePoint deadline) override;
   void stop() override;
 
  private:
@@ -154,7 +154,7 @@ class LibcameraCamera final : public Camera {
   /// All requests are completed, so the camera has stopped and the newest is stale: gives back the others and waits for
   /// a picture after it.
   Status await_new(TimePoint deadline, std::vector<lc::Request*>* completed);
-  Result<std::shared_ptr<const Frame>> read(lc::Request& request);
+  Result<std::shared_ptr<const CameraFrame>> read(lc::Request& request);
   [[nodiscard]] Error unplugged() const {
     return {ErrorCode::kUnavailable, fmt::format("camera '{}' is gone (unplugged?)", id_)};
   }
@@ -199,14 +199,14 @@ Status LibcameraCamera::set_up() {
     fix_exposure(camera_->controls(), static_cast<std::int32_t>(us), &controls);
   }
   // Colours are compared between pictures, and another focus is another lens.
-  if (options_.wish.is_coloured && camera_->controls().count(&lc::controls::AfMode) != 0) {
+  if (options_.preferred.is_coloured && camera_->controls().count(&lc::controls::AfMode) != 0) {
     controls.set(lc::controls::AfMode, static_cast<std::int32_t>(lc::controls::AfModeManual));
   }
-  if (options_.wish.is_coloured && camera_->controls().count(&lc::controls::AwbEnable) != 0) {
+  if (options_.preferred.is_coloured && camera_->controls().count(&lc::controls::AwbEnable) != 0) {
     controls.set(lc::controls::AwbEnable, false);
   }
   if (camera_->controls().count(&lc::controls::FrameDurationLimits) != 0) {
-    const auto period_us = static_cast<std::int64_t>(1e6 / options_.wish.frames_per_second);
+    const auto period_us = static_cast<std::int64_t>(1e6 / options_.preferred.frames_per_second);
     controls.set(lc::controls::FrameDurationLimits, lc::Span<const std::int64_t, 2>({period_us, period_us}));
   }
   if (const int started = camera_->start(&controls); started != 0) {
@@ -227,8 +227,8 @@ Status LibcameraCamera::configure() {
     return Error(ErrorCode::kSystem, fmt::format("camera '{}' has no pictures to look at", id_));
   }
   lc::StreamConfiguration& stream = configuration_->at(0);
-  const std::vector<PictureOffer> offers = offers_of(stream, options_.wish);
-  TRY_ASSIGN(const std::size_t chosen, choose_picture(offers, options_.wish));
+  const std::vector<PictureOffer> offers = offers_of(stream, options_.preferred);
+  TRY_ASSIGN(const std::size_t chosen, choose_picture(offers, options_.preferred));
   stream.pixelFormat = lc::PixelFormat(offers[chosen].fourcc);
   stream.size = {static_cast<unsigned>(offers[chosen].width_px), static_cast<unsigned>(offers[chosen].height_px)};
   stream.bufferCount = kBuffers;
@@ -238,7 +238,7 @@ Status LibcameraCamera::configure() {
     return Error(ErrorCode::kSystem, fmt::format("camera '{}' does not take {}", id_, describe(offers[chosen])));
   }
   layout_ = *layout;
-  if (options_.wish.is_coloured) colour_ = colour_of(stream);
+  if (options_.preferred.is_coloured) colour_ = colour_of(stream);
   if (const int done = camera_->configure(configuration_.get()); done != 0) {
     return lc_error(done, fmt::format("configuring camera '{}'", id_));
   }
@@ -287,7 +287,7 @@ Status LibcameraCamera::queue_again(lc::Request* request) {
   return Done{};
 }
 
-Result<std::shared_ptr<const Frame>> LibcameraCamera::next_frame(TimePoint deadline) {
+Result<std::shared_ptr<const CameraFrame>> LibcameraCamera::next_frame(TimePoint deadline) {
   if (failure_) return *failure_;
   if (!is_running_) return Error(ErrorCode::kUnavailable, fmt::format("camera '{}' was not started", id_));
   std::string damage;
@@ -299,7 +299,7 @@ Result<std::shared_ptr<const Frame>> LibcameraCamera::next_frame(TimePoint deadl
     }
     if (completed_.has_ended()) lost = unplugged();
     // The newest that is whole; with its error if none is.
-    Result<std::shared_ptr<const Frame>> frame = Error(ErrorCode::kTimedOut, "");
+    Result<std::shared_ptr<const CameraFrame>> frame = Error(ErrorCode::kTimedOut, "");
     for (auto request = completed.rbegin(); request != completed.rend() && !lost; ++request) {
       if (!frame) frame = read(**request);
       if (auto queued = queue_again(*request); !queued) lost = queued.error();
@@ -326,7 +326,7 @@ Status LibcameraCamera::await_new(TimePoint deadline, std::vector<lc::Request*>*
   return Done{};
 }
 
-Result<std::shared_ptr<const Frame>> LibcameraCamera::read(lc::Request& request) {
+Result<std::shared_ptr<const CameraFrame>> LibcameraCamera::read(lc::Request& request) {
   const lc::FrameBuffer* const buffer = request.buffers().begin()->second;
   const lc::FrameMetadata& metadata = buffer->metadata();
   if (metadata.status != lc::FrameMetadata::FrameSuccess) return Error(ErrorCode::kBadData, "its pictures are damaged");
@@ -337,7 +337,7 @@ Result<std::shared_ptr<const Frame>> LibcameraCamera::read(lc::Request& request)
   const RawPicture raw{
       layout_, static_cast<int>(stream.size.width), static_cast<int>(stream.size.height), stream.stride, bytes,
       colour_};
-  auto frame = std::make_shared<Frame>();
+  auto frame = std::make_shared<CameraFrame>();
   dma_buf_sync sync{};
   const int dma_buf = buffer->planes().front().fd.get();
   sync.flags = DMA_BUF_SYNC_READ | DMA_BUF_SYNC_START;
@@ -359,7 +359,7 @@ Result<std::shared_ptr<const Frame>> LibcameraCamera::read(lc::Request& request)
   if (const auto exposed_us = request.metadata().get(lc::controls::ExposureTime); exposed_us) {
     frame->exposure = std::chrono::microseconds(*exposed_us);
   }
-  return std::shared_ptr<const Frame>(std::move(frame));
+  return std::shared_ptr<const CameraFrame>(std::move(frame));
 }
 
 }  // namespace
@@ -390,4 +390,4 @@ std::vector<ListedCamera> list_libcamera_cameras() {
   return cameras;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

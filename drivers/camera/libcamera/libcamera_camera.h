@@ -12,10 +12,10 @@
 #include "drivers/camera/listed_camera.h"
 #include "drivers/camera/picture_choice.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 struct LibcameraOptions {
-  PictureWish wish;
+  PicturePreference preferred;
   /// As of a V4L2 camera; the gain is then libcamera's own default. Zero: its automatic exposure.
   Duration exposure = std::chrono::milliseconds(5);
 };
@@ -32,4 +32,4 @@ Result<std::unique_ptr<Camera>> open_libcamera_camera(std::string_view id, const
 /// Those that are there now; none without libcamera. USB cameras are not among them: they are V4L2's.
 [[nodiscard]] std::vector<ListedCamera> list_libcamera_cameras();
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -21,7 +21,7 @@
 
 #include <memory>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// Null when the camera has no pictures to look at.
 inline std::unique_ptr<libcamera::CameraConfiguration> viewfinder_of(libcamera::Camera* camera) {
@@ -42,4 +42,4 @@ inline void fix_exposure(const libcamera::ControlInfoMap& known, std::int32_t ex
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -9,7 +9,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// A part of a DMA-buf, mapped to be read. Thread-bound.
 class PlaneMap {
@@ -42,4 +42,4 @@ class PlaneMap {
   std::size_t offset_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -5,22 +5,22 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 /// In the device's steps, within its range.
-long nearest(const DeviceControl& control, long wished) {
-  const long inside = std::clamp(wished, control.least, std::max(control.least, control.most));
-  return control.least + (inside - control.least) / control.step * control.step;
+long nearest(const DeviceControl& control, long requested) {
+  const long inside = std::clamp(requested, control.min, std::max(control.min, control.max));
+  return control.min + (inside - control.min) / control.step * control.step;
 }
 
 }  // namespace
 
 const std::uint32_t kGainControl = V4L2_CID_GAIN;
 
-Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished, GainRule gain) {
+Result<ExposureSet> set_exposure(const VideoDevice& device, Duration requested, GainRule gain) {
   ExposureSet set;
-  if (wished <= Duration::zero()) return set;
+  if (requested <= Duration::zero()) return set;
   // The order matters: UVC devices take a time only once exposure is manual.
   TRY_ASSIGN(const bool is_manual, device.set_control(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL));
   if (!is_manual) {
@@ -29,7 +29,7 @@ Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished, Gai
   }
   TRY(device.set_control(V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0));
   if (const auto time = device.control(V4L2_CID_EXPOSURE_ABSOLUTE)) {
-    const long value = nearest(*time, std::max(1L, wished / kExposureUnit));
+    const long value = nearest(*time, std::max(1L, requested / kExposureUnit));
     TRY_ASSIGN(const bool is_taken, device.set_control(V4L2_CID_EXPOSURE_ABSOLUTE, value));
     // The device's word for it: some take what they cannot do, and do what is nearest.
     const auto now = is_taken ? device.control(V4L2_CID_EXPOSURE_ABSOLUTE) : std::nullopt;
@@ -44,12 +44,12 @@ Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished, Gai
   }
   TRY_ASSIGN(const bool follows_light, device.set_control(V4L2_CID_AUTOGAIN, 1));
   if (!follows_light && set.exposure) {
-    if (const auto range = device.control(V4L2_CID_GAIN); range && range->most > range->least) {
-      set.gain = GainRange{range->least, range->most, range->step};
+    if (const auto range = device.control(V4L2_CID_GAIN); range && range->max > range->min) {
+      set.gain = GainRange{range->min, range->max, range->step};
       set.gain_now = range->value;
     }
   }
   return set;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

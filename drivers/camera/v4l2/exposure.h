@@ -7,7 +7,7 @@
 #include "drivers/camera/brightness.h"
 #include "drivers/camera/v4l2/video_device.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// What set_exposure() could reach. A device without controls has neither, and works.
 struct ExposureSet {
@@ -28,11 +28,12 @@ extern const std::uint32_t kGainControl;
 /// In which V4L2 counts exposure.
 inline constexpr Duration kExposureUnit = std::chrono::microseconds(100);
 
-/// Makes exposure short and steady: manual where the device can, `wished` or what is nearest to it; the rate no longer
+/// Makes exposure short and steady: manual where the device can, `requested` or what is nearest to it; the rate no longer
 /// falls in the dark; gain automatic where the device can do that with manual exposure, else given to the caller. A
-/// zero `wished` leaves the device to itself. What the device refuses is left as it is.
+/// zero `requested` leaves the device to itself. What the device refuses is left as it is.
 ///
 /// kUnavailable  it is gone.
-Result<ExposureSet> set_exposure(const VideoDevice& device, Duration wished, GainRule gain = GainRule::kFollowsLight);
+Result<ExposureSet> set_exposure(const VideoDevice& device, Duration requested,
+                                 GainRule gain = GainRule::kFollowsLight);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

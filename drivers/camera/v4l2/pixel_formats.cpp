@@ -3,7 +3,7 @@
 
 #include <linux/videodev2.h>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 std::optional<PixelLayout> layout_of_v4l2(std::uint32_t fourcc) {
   switch (fourcc) {
@@ -62,4 +62,4 @@ ColourCode colour_of_v4l2(std::uint32_t fourcc) {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

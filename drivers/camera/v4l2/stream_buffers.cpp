@@ -12,13 +12,13 @@
 
 #include "drivers/camera/v4l2/video_device.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 /// One that the device fills, one that waits to be filled, one that we read, and one in hand.
 constexpr std::uint32_t kBuffers = 4;
 /// With fewer, the device has none to fill while we read.
-constexpr std::uint32_t kFewestBuffers = 2;
+constexpr std::uint32_t kMinBuffers = 2;
 constexpr std::uint32_t kType = V4L2_BUF_TYPE_VIDEO_CAPTURE;
 
 v4l2_buffer buffer_of(std::uint32_t index) {
@@ -34,10 +34,10 @@ KernelStamp stamp_of(const v4l2_buffer& buffer) {
   stamp.is_monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
   stamp.is_start_of_exposure = (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   // A driver may write anything here; times that would overflow are no times.
-  constexpr std::int64_t kMostSeconds = std::int64_t{1} << 32;
+  constexpr std::int64_t kMaxSeconds = std::int64_t{1} << 32;
   const std::int64_t seconds = buffer.timestamp.tv_sec;
   const std::int64_t microseconds = buffer.timestamp.tv_usec;
-  if (seconds < 0 || seconds > kMostSeconds || microseconds < 0 || microseconds >= 1'000'000) {
+  if (seconds < 0 || seconds > kMaxSeconds || microseconds < 0 || microseconds >= 1'000'000) {
     stamp.is_monotonic = false;
     return stamp;
   }
@@ -77,7 +77,7 @@ Result<StreamBuffers> StreamBuffers::start(int device_fd, BufferMemory memory) {
   wanted.memory = V4L2_MEMORY_MMAP;
   if (!device_call(device_fd, VIDIOC_REQBUFS, &wanted)) return device_error("asking for its buffers");
   made.has_buffers_ = true;
-  if (wanted.count < kFewestBuffers) {
+  if (wanted.count < kMinBuffers) {
     return Error(ErrorCode::kUnavailable, "it has no memory for two pictures");
   }
   made.buffers_.resize(wanted.count);
@@ -156,4 +156,4 @@ void StreamBuffers::sync(const FilledBuffer& filled, bool begins) const {
   static_cast<void>(device_call(dma_buf.get(), DMA_BUF_IOCTL_SYNC, &sync));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -12,7 +12,7 @@
 #include "common/base/unique_fd.h"
 #include "drivers/camera/capture_time.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// How the driver's memory is seen.
 enum class BufferMemory {
@@ -72,4 +72,4 @@ class StreamBuffers {
   std::vector<Buffer> buffers_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -9,13 +9,13 @@
 #include <ctime>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 /// A new gain shows in the third picture or so after it; then one is looked at again.
 constexpr int kPicturesPerGain = 8;
 /// A device that fills buffers as quickly as it gets them back does not keep us for ever.
-constexpr std::size_t kMostTaken = 16;
+constexpr std::size_t kMaxBuffersTaken = 16;
 
 timespec timeout_until(TimePoint deadline, TimePoint now) {
   const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(std::max(deadline - now, Duration::zero()));
@@ -32,9 +32,9 @@ Result<std::unique_ptr<Camera>> V4l2Camera::open(std::string_view where, const V
   TRY_ASSIGN(NamedDevice named, open_video_device(where));
   // A grabber's sizes are its signal's. Without one, what is wrong comes out at the start.
   static_cast<void>(named.device.follow_signal());
-  TRY_ASSIGN(const std::vector<PictureOffer> offers, named.device.offers(options.wish));
-  auto chosen = choose_picture(offers, options.wish);
-  if (!chosen) return std::move(chosen).error().while_doing(fmt::format("camera at {}", named.place));
+  TRY_ASSIGN(const std::vector<PictureOffer> offers, named.device.offers(options.preferred));
+  auto chosen = choose_picture(offers, options.preferred);
+  if (!chosen) return std::move(chosen).error().while_doing(fmt::format("camera at {}", named.port_path));
   return std::unique_ptr<Camera>(new V4l2Camera(std::move(named), offers[*chosen], options, clock));
 }
 
@@ -59,7 +59,7 @@ Status V4l2Camera::set_up() {
   device_.subscribe_to_source_changes();
   TRY(device_.follow_signal());
   TRY_ASSIGN(format_, device_.set_format(offer_));
-  TRY(device_.set_rate(options_.wish.frames_per_second));
+  TRY(device_.set_rate(options_.preferred.frames_per_second));
   TRY_ASSIGN(exposure_, set_exposure(device_, options_.exposure, options_.gain));
   auto buffers = StreamBuffers::start(device_.fd(), options_.memory);
   if (!buffers) return std::move(buffers).error().while_doing(fmt::format("camera at {}", device_.port()));
@@ -92,7 +92,7 @@ Result<bool> V4l2Camera::wait(TimePoint deadline) {
 Result<V4l2Camera::Newest> V4l2Camera::take_newest() {
   Newest newest;
   std::size_t taken = 0;
-  for (; taken < kMostTaken; ++taken) {
+  for (; taken < kMaxBuffersTaken; ++taken) {
     TRY_ASSIGN(const std::optional<FilledBuffer> filled, buffers_->take());
     if (!filled) break;
     if (filled->is_damaged || filled->bytes == 0) {
@@ -119,11 +119,11 @@ Result<std::optional<FilledBuffer>> V4l2Camera::take_new(TimePoint deadline) {
   return second.filled;
 }
 
-Result<std::shared_ptr<const Frame>> V4l2Camera::read(const FilledBuffer& filled) {
-  auto frame = std::make_shared<Frame>();
+Result<std::shared_ptr<const CameraFrame>> V4l2Camera::read(const FilledBuffer& filled) {
+  auto frame = std::make_shared<CameraFrame>();
   const RawPicture raw{format_.layout,    format_.width,           format_.height,
                        format_.row_bytes, buffers_->bytes(filled), format_.colour};
-  const bool wants_colour = options_.wish.is_coloured && raw.colour.chroma != Chroma::kNone;
+  const bool wants_colour = options_.preferred.is_coloured && raw.colour.chroma != Chroma::kNone;
   buffers_->begin_reading(filled);
   Status is_read = to_grey(raw, &jpeg_, &frame->pixels);
   if (is_read && wants_colour) is_read = to_colour(raw, &jpeg_, &frame->colour);
@@ -131,16 +131,16 @@ Result<std::shared_ptr<const Frame>> V4l2Camera::read(const FilledBuffer& filled
   TRY(is_read);
   // The driver counts in 32 bits, from 0 at each start; ours goes on.
   const std::uint32_t step = last_kernel_sequence_ ? filled.sequence - *last_kernel_sequence_ : 1U;
-  constexpr std::uint32_t kMostStep = 1U << 16U;
-  sequence_ += step == 0 || step > kMostStep ? 1U : step;
+  constexpr std::uint32_t kMaxStep = 1U << 16U;
+  sequence_ += step == 0 || step > kMaxStep ? 1U : step;
   last_kernel_sequence_ = filled.sequence;
   frame->sequence = sequence_;
   frame->exposure = exposure_.exposure.value_or(Duration::zero());
   frame->captured_at = capture_time(filled.stamp, frame->exposure, clock_.now());
-  return std::shared_ptr<const Frame>(std::move(frame));
+  return std::shared_ptr<const CameraFrame>(std::move(frame));
 }
 
-Result<std::shared_ptr<const Frame>> V4l2Camera::next_frame(TimePoint deadline) {
+Result<std::shared_ptr<const CameraFrame>> V4l2Camera::next_frame(TimePoint deadline) {
   if (failure_) return *failure_;
   if (!buffers_) return Error(ErrorCode::kUnavailable, fmt::format("camera '{}' was not started", id_));
   do {
@@ -173,4 +173,4 @@ void V4l2Camera::follow_light(const GreyImage& picture) {
   exposure_.gain_now = gain;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -12,10 +12,10 @@
 #include "drivers/camera/v4l2/stream_buffers.h"
 #include "drivers/camera/v4l2/video_nodes.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 struct V4l2CameraOptions {
-  PictureWish wish;
+  PicturePreference preferred;
   /// Short, so that a moving hand stays sharp: at 1 m/s and 1 m away, a 60° lens of 640 px smears 0.55 px per ms. Zero:
   /// the device's automatic.
   Duration exposure = std::chrono::milliseconds(5);
@@ -41,12 +41,16 @@ class V4l2Camera final : public Camera {
 
   [[nodiscard]] const std::string& id() const override { return id_; }
   Status start() override;
-  Result<std::shared_ptr<const Frame>> next_frame(TimePoint deadline) override;
+  Result<std::shared_ptr<const CameraFrame>> next_frame(TimePoint deadline) override;
   void stop() override { buffers_.reset(); }
 
  private:
   V4l2Camera(NamedDevice named, PictureOffer offer, const V4l2CameraOptions& options, const Clock& clock)
-      : id_("v4l2:" + named.place), device_(std::move(named.device)), offer_(offer), options_(options), clock_(clock) {}
+      : id_("v4l2:" + named.port_path),
+        device_(std::move(named.device)),
+        offer_(offer),
+        options_(options),
+        clock_(clock) {}
   /// Sets all of the device, and streams.
   Status set_up();
   /// Waits until the driver has something. False: nothing before the deadline. Failed: kUnavailable.
@@ -60,7 +64,7 @@ class V4l2Camera final : public Camera {
   /// As take_newest(), but instead of a stale picture the next one, if it comes before the deadline.
   Result<std::optional<FilledBuffer>> take_new(TimePoint deadline);
   /// Nothing: the picture is damaged.
-  Result<std::shared_ptr<const Frame>> read(const FilledBuffer& filled);
+  Result<std::shared_ptr<const CameraFrame>> read(const FilledBuffer& filled);
   void follow_light(const GreyImage& picture);
   /// Remembers why, frees the device, and says it.
   Error fail(Error error);
@@ -81,4 +85,4 @@ class V4l2Camera final : public Camera {
   int pictures_since_gain_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -16,11 +16,11 @@
 #include "common/base/text.h"
 #include "drivers/camera/v4l2/pixel_formats.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 /// A driver that never says "that was the last" is not asked for ever.
-constexpr std::uint32_t kMostEntries = 256;
+constexpr std::uint32_t kMaxEntries = 256;
 
 /// A fixed field of a kernel structure, which need not end in a zero.
 template <std::size_t N>
@@ -33,10 +33,10 @@ double rate_of(const v4l2_fract& interval) {
   return interval.numerator == 0 ? 0.0 : static_cast<double>(interval.denominator) / interval.numerator;
 }
 
-/// Nearest to `wished` in a range with steps.
-int nearest(std::uint32_t least, std::uint32_t most, std::uint32_t step, int wished) {
-  const auto in_range = std::clamp(static_cast<std::uint32_t>(wished), least, std::max(least, most));
-  return static_cast<int>(least + (in_range - least) / std::max(step, 1U) * std::max(step, 1U));
+/// Nearest to `requested` in a range with steps.
+int nearest(std::uint32_t min, std::uint32_t max, std::uint32_t step, int requested) {
+  const auto in_range = std::clamp(static_cast<std::uint32_t>(requested), min, std::max(min, max));
+  return static_cast<int>(min + (in_range - min) / std::max(step, 1U) * std::max(step, 1U));
 }
 
 }  // namespace
@@ -103,9 +103,9 @@ Result<VideoDevice> VideoDevice::open(const std::string& path) {
   return device;
 }
 
-Result<std::vector<PictureOffer>> VideoDevice::offers(const PictureWish& wish) const {
+Result<std::vector<PictureOffer>> VideoDevice::offers(const PicturePreference& preferred) const {
   std::vector<PictureOffer> offers;
-  for (std::uint32_t index = 0; index < kMostEntries; ++index) {
+  for (std::uint32_t index = 0; index < kMaxEntries; ++index) {
     v4l2_fmtdesc format{};
     format.index = index;
     format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
@@ -114,15 +114,15 @@ Result<std::vector<PictureOffer>> VideoDevice::offers(const PictureWish& wish) c
       return device_error(named("listing its formats"));
     }
     const auto layout = layout_of_v4l2(format.pixelformat);
-    if (layout) add_sizes(format.pixelformat, *layout, wish, &offers);
+    if (layout) add_sizes(format.pixelformat, *layout, preferred, &offers);
   }
   return offers;
 }
 
-void VideoDevice::add_sizes(std::uint32_t fourcc, PixelLayout layout, const PictureWish& wish,
+void VideoDevice::add_sizes(std::uint32_t fourcc, PixelLayout layout, const PicturePreference& preferred,
                             std::vector<PictureOffer>* ret_offers) const {
   const bool is_coloured = colour_of_v4l2(fourcc).chroma != Chroma::kNone;
-  for (std::uint32_t index = 0; index < kMostEntries; ++index) {
+  for (std::uint32_t index = 0; index < kMaxEntries; ++index) {
     v4l2_frmsizeenum size{};
     size.index = index;
     size.pixel_format = fourcc;
@@ -133,26 +133,27 @@ void VideoDevice::add_sizes(std::uint32_t fourcc, PixelLayout layout, const Pict
       if (index == 0 && device_call(fd(), VIDIOC_G_FMT, &now)) {
         add_rates({fourcc, layout, static_cast<int>(now.fmt.pix.width), static_cast<int>(now.fmt.pix.height), 0.0,
                    is_coloured},
-                  wish, ret_offers);
+                  preferred, ret_offers);
       }
       return;
     }
     if (size.type == V4L2_FRMSIZE_TYPE_DISCRETE) {
       add_rates({fourcc, layout, static_cast<int>(size.discrete.width), static_cast<int>(size.discrete.height), 0.0,
                  is_coloured},
-                wish, ret_offers);
+                preferred, ret_offers);
       continue;
     }
     const v4l2_frmsize_stepwise& range = size.stepwise;
-    add_rates({fourcc, layout, nearest(range.min_width, range.max_width, range.step_width, wish.width_px),
-               nearest(range.min_height, range.max_height, range.step_height, wish.height_px), 0.0, is_coloured},
-              wish, ret_offers);
+    add_rates({fourcc, layout, nearest(range.min_width, range.max_width, range.step_width, preferred.width_px),
+               nearest(range.min_height, range.max_height, range.step_height, preferred.height_px), 0.0, is_coloured},
+              preferred, ret_offers);
     return;
   }
 }
 
-void VideoDevice::add_rates(PictureOffer offer, const PictureWish& wish, std::vector<PictureOffer>* ret_offers) const {
-  for (std::uint32_t index = 0; index < kMostEntries; ++index) {
+void VideoDevice::add_rates(PictureOffer offer, const PicturePreference& preferred,
+                            std::vector<PictureOffer>* ret_offers) const {
+  for (std::uint32_t index = 0; index < kMaxEntries; ++index) {
     v4l2_frmivalenum interval{};
     interval.index = index;
     interval.pixel_format = offer.fourcc;
@@ -169,7 +170,7 @@ void VideoDevice::add_rates(PictureOffer offer, const PictureWish& wish, std::ve
     }
     const double slowest = rate_of(interval.stepwise.max);
     const double quickest = std::max(slowest, rate_of(interval.stepwise.min));
-    offer.frames_per_second = std::clamp(wish.frames_per_second, slowest, quickest);
+    offer.frames_per_second = std::clamp(preferred.frames_per_second, slowest, quickest);
     ret_offers->push_back(offer);
     return;
   }
@@ -198,8 +199,8 @@ Result<PictureFormat> VideoDevice::set_format(const PictureOffer& offer) const {
   pixels.field = V4L2_FIELD_NONE;
   if (!device_call(fd(), VIDIOC_S_FMT, &format)) return device_error(named("setting its format"));
   const auto layout = layout_of_v4l2(pixels.pixelformat);
-  constexpr std::uint32_t kMostPx = 1U << 15U;
-  if (!layout || pixels.width == 0 || pixels.height == 0 || pixels.width > kMostPx || pixels.height > kMostPx) {
+  constexpr std::uint32_t kMaxPx = 1U << 15U;
+  if (!layout || pixels.width == 0 || pixels.height == 0 || pixels.width > kMaxPx || pixels.height > kMaxPx) {
     return Error(ErrorCode::kBadData,
                  named(fmt::format("answers {}x{} {} when asked for {}", pixels.width, pixels.height,
                                    fourcc_text(pixels.pixelformat), describe(offer))));
@@ -265,4 +266,4 @@ Result<bool> VideoDevice::set_control(std::uint32_t id, long value) const {
   return false;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

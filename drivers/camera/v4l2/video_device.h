@@ -11,7 +11,7 @@
 #include "common/base/unique_fd.h"
 #include "drivers/camera/picture_choice.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 
 /// One request to the kernel, again while a signal interrupts it. False: errno says why.
 bool device_call(int fd, unsigned long request, void* argument);
@@ -24,7 +24,7 @@ bool device_call(int fd, unsigned long request, void* argument);
 /// kSystem       all else.
 Error device_error(const std::string& doing, SourceLine where = SourceLine::current());
 
-/// What the driver made of a wish.
+/// What the driver made of a preferred.
 struct PictureFormat {
   std::uint32_t fourcc = 0;
   PixelLayout layout = PixelLayout::kGrey8;
@@ -37,8 +37,8 @@ struct PictureFormat {
 /// A number that the device lets us set. A menu's entries are its numbers.
 struct DeviceControl {
   std::uint32_t id = 0;
-  long least = 0;
-  long most = 0;
+  long min = 0;
+  long max = 0;
   long step = 1;
   long value = 0;
 };
@@ -58,8 +58,8 @@ class VideoDevice {
   /// The kernel's number of it: one device, whatever the path.
   [[nodiscard]] std::uint64_t number() const { return number_; }
 
-  /// What can be read of what it sends. Of sizes and rates that it offers by range, the wish or what is nearest to it.
-  Result<std::vector<PictureOffer>> offers(const PictureWish& wish) const;
+  /// What can be read of what it sends. Of sizes and rates that it offers by range, the preferred or what is nearest to it.
+  Result<std::vector<PictureOffer>> offers(const PicturePreference& preferred) const;
   /// For what is plugged into a frame grabber: takes the signal's timings. Nothing to do for a camera.
   /// kUnavailable  no signal.
   Status follow_signal() const;
@@ -80,9 +80,9 @@ class VideoDevice {
 
  private:
   [[nodiscard]] std::string named(const std::string& doing) const;
-  void add_sizes(std::uint32_t fourcc, PixelLayout layout, const PictureWish& wish,
+  void add_sizes(std::uint32_t fourcc, PixelLayout layout, const PicturePreference& preferred,
                  std::vector<PictureOffer>* ret_offers) const;
-  void add_rates(PictureOffer offer, const PictureWish& wish, std::vector<PictureOffer>* ret_offers) const;
+  void add_rates(PictureOffer offer, const PicturePreference& preferred, std::vector<PictureOffer>* ret_offers) const;
 
   UniqueFd fd_;
   std::string path_;
@@ -91,4 +91,4 @@ class VideoDevice {
   std::uint64_t number_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

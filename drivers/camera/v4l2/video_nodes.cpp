@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 /// The kernel has numbers for 256 devices. Asking for each needs neither udev nor a listing of /dev.
@@ -29,29 +29,29 @@ void for_each_camera(Visit visit, Fail fail) {
       continue;
     }
     const int before = at_port[device->port()]++;
-    const std::string place = before == 0 ? device->port() : fmt::format("{}+{}", device->port(), before);
-    if (!visit(NamedDevice{*std::move(device), place})) return;
+    const std::string port_path = before == 0 ? device->port() : fmt::format("{}+{}", device->port(), before);
+    if (!visit(NamedDevice{*std::move(device), port_path})) return;
   }
 }
 
 Result<NamedDevice> open_path(const std::string& path) {
   TRY_ASSIGN(VideoDevice device, VideoDevice::open(path));
-  std::string place = device.port();
+  std::string port_path = device.port();
   for_each_camera(
       [&](const NamedDevice& other) {
         if (other.device.number() != device.number()) return true;
-        place = other.place;
+        port_path = other.port_path;
         return false;
       },
       [](const std::string&, const Error&) {});
-  return NamedDevice{std::move(device), std::move(place)};
+  return NamedDevice{std::move(device), std::move(port_path)};
 }
 
 std::string sends_of(const VideoDevice& device) {
-  const PictureWish wish;
-  const auto offers = device.offers(wish);
+  const PicturePreference preferred;
+  const auto offers = device.offers(preferred);
   if (!offers) return "";
-  const auto chosen = choose_picture(*offers, wish);
+  const auto chosen = choose_picture(*offers, preferred);
   return chosen ? describe((*offers)[*chosen]) : "";
 }
 
@@ -64,11 +64,11 @@ Result<NamedDevice> open_video_device(std::string_view where) {
   std::optional<Error> failure;
   for_each_camera(
       [&](NamedDevice&& camera) {
-        if (where.empty() || camera.place == where) {
+        if (where.empty() || camera.port_path == where) {
           found.emplace(std::move(camera));
           return false;
         }
-        others += fmt::format("{}{}", others.empty() ? "" : ", ", camera.place);
+        others += fmt::format("{}{}", others.empty() ? "" : ", ", camera.port_path);
         return true;
       },
       [&](const std::string&, const Error& error) {
@@ -85,8 +85,8 @@ std::vector<ListedCamera> list_v4l2_cameras() {
   std::vector<ListedCamera> cameras;
   for_each_camera(
       [&](const NamedDevice& camera) {
-        ListedCamera listed{"v4l2:" + camera.place, camera.device.name(), camera.device.path(), sends_of(camera.device),
-                            ""};
+        ListedCamera listed{"v4l2:" + camera.port_path, camera.device.name(), camera.device.path(),
+                            sends_of(camera.device), ""};
         if (listed.sends.empty()) listed.problem = "it offers no pixels that can be read";
         cameras.push_back(std::move(listed));
         return true;
@@ -97,4 +97,4 @@ std::vector<ListedCamera> list_v4l2_cameras() {
   return cameras;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

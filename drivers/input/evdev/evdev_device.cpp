@@ -11,7 +11,7 @@
 
 #include "common/base/unique_fd.h"
 
-namespace cyclorama {
+namespace cyclorama::input {
 namespace {
 
 struct FreeEvdev {
@@ -81,7 +81,7 @@ Result<std::unique_ptr<InputDevice>> open_evdev(const std::string& path) {
   return std::unique_ptr<InputDevice>(std::make_unique<EvdevDevice>(std::move(fd), Evdev(device)));
 }
 
-InputPlaces evdev_places(const std::string& folder) {
+InputDevices evdev_devices(const std::string& folder) {
   return {[folder] {
             std::vector<std::string> paths;
             std::error_code error;
@@ -93,4 +93,4 @@ InputPlaces evdev_places(const std::string& folder) {
           open_evdev};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::input

@@ -3,7 +3,7 @@
 
 #include "drivers/input/input_watch.h"
 
-namespace cyclorama {
+namespace cyclorama::input {
 
 /// A device of the kernel's input layer, read beside whoever else reads it.
 ///
@@ -12,6 +12,6 @@ namespace cyclorama {
 Result<std::unique_ptr<InputDevice>> open_evdev(const std::string& path);
 
 /// All of a folder, by default the machine's: "/dev/input".
-[[nodiscard]] InputPlaces evdev_places(const std::string& folder);
+[[nodiscard]] InputDevices evdev_devices(const std::string& folder);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::input

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 AtomicRequest::AtomicRequest() : request_(drmModeAtomicAlloc()) {
   if (request_ == nullptr) mistake_ = kms_error(-ENOMEM, "making an atomic request");
@@ -54,4 +54,4 @@ Result<ModeBlob> ModeBlob::create(const Card& card, const drmModeModeInfo& mode)
   return blob;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -7,7 +7,7 @@
 
 #include "drivers/output/drm/card.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// Changes to a card that happen together or not at all. Thread-bound.
 class AtomicRequest {
@@ -57,4 +57,4 @@ class ModeBlob {
   std::uint32_t id_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

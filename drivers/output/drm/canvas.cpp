@@ -5,7 +5,7 @@
 
 #include <array>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 // One triangle that covers everything; `place` is (0, 0) where the panel's first pixel is.
@@ -113,4 +113,4 @@ void CanvasCopier::copy(const Canvas& from, Rotation rotation, const Target& to)
   gl_->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -3,7 +3,7 @@
 
 #include "drivers/output/gl_objects.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// How far a head's picture is turned clockwise on the panel that shows it.
 enum class Rotation { kNone, kQuarter, kHalf, kThreeQuarters };
@@ -51,4 +51,4 @@ class CanvasCopier {
   GLint t_ = -1;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

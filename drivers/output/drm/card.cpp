@@ -8,7 +8,7 @@
 #include <array>
 #include <cerrno>
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 namespace {
 
@@ -24,7 +24,7 @@ Result<bool> has_connectors(const std::filesystem::path& node) {
 
 }  // namespace
 
-bool Plane::can_show(std::uint32_t format) const {
+bool DrmPlane::can_show(std::uint32_t format) const {
   return std::find(formats.begin(), formats.end(), format) != formats.end();
 }
 
@@ -79,7 +79,7 @@ Status Card::read_planes() {
   for (std::uint32_t i = 0; i < resources->count_planes; ++i) {
     const KmsPlane listed(drmModeGetPlane(fd(), resources->planes[i]));
     if (listed == nullptr) return Error::from_errno(fmt::format("reading plane {}", resources->planes[i]));
-    Plane plane;
+    DrmPlane plane;
     TRY_ASSIGN(plane.properties, Properties::read(fd(), listed->plane_id, DRM_MODE_OBJECT_PLANE));
     plane.possible_crtcs = listed->possible_crtcs;
     plane.formats.assign(listed->formats, listed->formats + listed->count_formats);
@@ -126,4 +126,4 @@ Result<std::vector<std::filesystem::path>> list_cards() {
   return cards;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -9,7 +9,7 @@
 #include "drivers/output/drm/connector.h"
 #include "drivers/output/drm/properties.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 struct Crtc {
   Properties properties;
@@ -17,7 +17,7 @@ struct Crtc {
 };
 
 /// A layer that a CRTC scans out. Each CRTC has a primary one, which is all that is used here.
-struct Plane {
+struct DrmPlane {
   Properties properties;
   std::uint32_t possible_crtcs = 0;
   bool is_primary = false;
@@ -37,7 +37,7 @@ class Card {
   [[nodiscard]] int fd() const { return fd_.get(); }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] const std::vector<Crtc>& crtcs() const { return crtcs_; }
-  [[nodiscard]] const std::vector<Plane>& planes() const { return planes_; }
+  [[nodiscard]] const std::vector<DrmPlane>& planes() const { return planes_; }
   /// Its timestamps are CLOCK_MONOTONIC's.
   [[nodiscard]] bool has_monotonic_time() const { return has_monotonic_time_; }
 
@@ -54,7 +54,7 @@ class Card {
   std::filesystem::path path_;
   UniqueFd fd_;
   std::vector<Crtc> crtcs_;
-  std::vector<Plane> planes_;
+  std::vector<DrmPlane> planes_;
   bool has_monotonic_time_ = false;
 };
 
@@ -62,4 +62,4 @@ class Card {
 /// Errors as errno says.
 Result<std::vector<std::filesystem::path>> list_cards();
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

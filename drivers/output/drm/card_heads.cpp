@@ -9,14 +9,14 @@
 
 #include "drivers/output/drm/pipe_plan.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 constexpr int kDeepBits = 10;
 
 std::uint32_t format_of(bool is_deep) { return is_deep ? DRM_FORMAT_XRGB2101010 : DRM_FORMAT_XRGB8888; }
 
-ModeWish wish_of(const HeadTarget& target) {
+ModePreference mode_preference_of(const HeadTarget& target) {
   const bool is_aside = target.rotation == Rotation::kQuarter || target.rotation == Rotation::kThreeQuarters;
   const int width = target.canvas->width_px();
   const int height = target.canvas->height_px();
@@ -35,7 +35,7 @@ std::vector<CardHeads::Setting> CardHeads::settings_for(const HeadTarget& target
   const bool can_be_deep =
       target.connector->colour_bits() >= kDeepBits && card_.planes()[plane].can_show(format_of(true));
   std::vector<Setting> settings;
-  for (const drmModeModeInfo& mode : modes_to_try(target.connector->modes, wish_of(target))) {
+  for (const drmModeModeInfo& mode : modes_to_try(target.connector->modes, mode_preference_of(target))) {
     if (can_be_deep) settings.push_back({mode, true});
     settings.push_back({mode, false});
   }
@@ -44,7 +44,7 @@ std::vector<CardHeads::Setting> CardHeads::settings_for(const HeadTarget& target
 
 std::optional<std::size_t> CardHeads::primary_plane_of(std::size_t crtc, std::span<const Pipe> others) const {
   for (std::size_t i = 0; i < card_.planes().size(); ++i) {
-    const Plane& plane = card_.planes()[i];
+    const DrmPlane& plane = card_.planes()[i];
     const bool is_taken = std::any_of(others.begin(), others.end(), [&](const Pipe& p) { return p.plane == i; });
     if (plane.is_primary && (plane.possible_crtcs >> crtc & 1U) != 0 && !is_taken) return i;
   }
@@ -247,4 +247,4 @@ Status CardHeads::flip() {
 
 Result<Flipped> CardHeads::wait(std::chrono::milliseconds timeout) { return waiter_.wait(card_, timeout); }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

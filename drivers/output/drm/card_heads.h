@@ -14,7 +14,7 @@
 #include "drivers/output/drm/scanout.h"
 #include "drivers/output/output.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// A head that shall be shown on one of a card's connectors. Borrows the canvas.
 struct HeadTarget {
@@ -57,7 +57,7 @@ class CardHeads {
   /// "HDMI-A-1 1920x1080@60.00 10 bit EPS EB-L1755U": what a head is shown with; "dark" else.
   [[nodiscard]] std::string text_of_head(std::size_t head) const;
 
-  /// Draws a head's canvas to its back buffer, if it is lit. The GL commands must have finished before flip().
+  /// RandomStream a head's canvas to its back buffer, if it is lit. The GL commands must have finished before flip().
   void paint(const CanvasCopier& copier, std::size_t head);
   /// Whether there is something for flip().
   [[nodiscard]] bool is_painted() const;
@@ -105,4 +105,4 @@ class CardHeads {
   std::vector<Pipe> retired_;  // While a light() has not succeeded, the card may still scan these out.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

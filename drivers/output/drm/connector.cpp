@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 constexpr std::uint64_t kLinkBad = 1;  // DRM_MODE_LINK_STATUS_BAD of libdrm's drm_mode.h.
@@ -23,9 +23,9 @@ std::vector<std::uint8_t> blob_bytes(int fd, const Property* property) {
 
 int Connector::colour_bits() const {
   constexpr int kUsual = 8;
-  const Property* const most = properties.find("max bpc");
-  if (most == nullptr || !edid || edid->colour_bits == 0) return kUsual;
-  return std::min(static_cast<int>(most->most), edid->colour_bits);
+  const Property* const max = properties.find("max bpc");
+  if (max == nullptr || !edid || edid->colour_bits == 0) return kUsual;
+  return std::min(static_cast<int>(max->max), edid->colour_bits);
 }
 
 bool Connector::is_same_as(const Connector& other) const {
@@ -58,4 +58,4 @@ Result<Connector> probe_connector(int fd, std::uint32_t id) {
   return connector;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

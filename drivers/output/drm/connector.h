@@ -8,7 +8,7 @@
 #include "drivers/output/drm/edid.h"
 #include "drivers/output/drm/properties.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// A socket of the card, and what hangs on it now. A value; reentrant.
 struct Connector {
@@ -31,4 +31,4 @@ struct Connector {
 /// Asks the projector, which takes some milliseconds each. Errors as errno says; a connector may vanish (a dock).
 Result<Connector> probe_connector(int fd, std::uint32_t id);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -10,19 +10,19 @@
 #include <utility>
 
 #include "drivers/output/drm/card_heads.h"
-#include "drivers/output/drm/head_placement.h"
+#include "drivers/output/drm/connector_assignment.h"
 #include "drivers/output/drm/hotplug_monitor.h"
 #include "drivers/output/drm/refresh_pace.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
-constexpr double kFastestHz = 1000.0;
-constexpr double kSlowestHz = 0.1;
-constexpr auto kLongestBackoff = std::chrono::seconds(1);
+constexpr double kMaxHz = 1000.0;
+constexpr double kMinHz = 0.1;
+constexpr auto kMaxBackoff = std::chrono::seconds(1);
 constexpr auto kLookAgain = std::chrono::seconds(5);  // At what is dark, or where nobody tells of changes.
-constexpr int kMostFailures = 20;                     // In a row, until everything is to be opened again.
-constexpr int kMostBusyFlips = 3;
+constexpr int kMaxFailures = 20;                      // In a row, until everything is to be opened again.
+constexpr int kMaxBusyFlips = 3;
 
 /// One card, and how it fares.
 struct CardState {
@@ -45,8 +45,8 @@ class DrmOutput final : public Output {
 
   Status open() {
     for (const DrmHead& head : options_.heads) {
-      TRY_ASSIGN(SocketWish wish, parse_socket(head.connector));
-      wishes_.push_back(std::move(wish));
+      TRY_ASSIGN(ConnectorPreference preferred, parse_connector_preference(head.connector));
+      preferences_.push_back(std::move(preferred));
     }
     if (options_.cards.empty()) {
       TRY_ASSIGN(options_.cards, list_cards());
@@ -169,19 +169,19 @@ class DrmOutput final : public Output {
     for (const CardState& card : cards_) {
       if (card.heads->is_showing(head)) return card.heads->text_of_head(head);
     }
-    return sockets_.empty() || !sockets_[head] ? "no connector yet" : sockets_[head]->connector + " is dark";
+    return connectors_.empty() || !connectors_[head] ? "no connector yet" : connectors_[head]->connector + " is dark";
   }
 
   /// The card must be lit again; when is told by how often that failed. kUnavailable  nothing but a new output helps.
   Status take_failure(CardState* card, Error error) {
     if (is_card_lost(error)) return lost(error.message());
-    if (error.errno_value() == EBUSY && !card->needs_light && ++card->busy_flips <= kMostBusyFlips) return Done{};
+    if (error.errno_value() == EBUSY && !card->needs_light && ++card->busy_flips <= kMaxBusyFlips) return Done{};
     card->needs_light = true;
     card->has_lost_master = is_master_lost(error);
     // Another program may keep the card as long as it likes: that is no reason to give up.
-    if (!card->has_lost_master && ++card->failures > kMostFailures) return lost(error.message());
+    if (!card->has_lost_master && ++card->failures > kMaxFailures) return lost(error.message());
     const auto backoff = pace_.next_at() - pace_.shown_at();
-    card->retry_at = clock_.now() + std::min<Duration>(kLongestBackoff, backoff * (card->failures / 3));
+    card->retry_at = clock_.now() + std::min<Duration>(kMaxBackoff, backoff * (card->failures / 3));
     return Done{};
   }
 
@@ -229,9 +229,9 @@ class DrmOutput final : public Output {
 
   /// Null when the head's socket is not on this card.
   [[nodiscard]] const Connector* connector_of(std::size_t head, const CardState& card) const {
-    if (sockets_.empty() || !sockets_[head] || &cards_[sockets_[head]->card] != &card) return nullptr;
+    if (connectors_.empty() || !connectors_[head] || &cards_[connectors_[head]->card] != &card) return nullptr;
     const auto found = std::find_if(card.connectors.begin(), card.connectors.end(),
-                                    [&](const Connector& c) { return c.name == sockets_[head]->connector; });
+                                    [&](const Connector& c) { return c.name == connectors_[head]->connector; });
     return found == card.connectors.end() ? nullptr : &*found;
   }
 
@@ -244,7 +244,7 @@ class DrmOutput final : public Output {
       is_probed.push_back(probed.has_value());
       if (!probed) TRY(take_failure(&card, std::move(probed).error()));
     }
-    place();
+    position();
     for (std::size_t i = 0; i < cards_.size(); ++i) {
       CardState& card = cards_[i];
       if (!is_probed[i] || !is_due(card)) continue;
@@ -271,13 +271,13 @@ class DrmOutput final : public Output {
     return Done{};
   }
 
-  void place() {
-    std::vector<SeenSocket> seen;
+  void position() {
+    std::vector<AvailableConnector> seen;
     for (std::size_t i = 0; i < cards_.size(); ++i) {
       for (const Connector& connector : cards_[i].connectors)
         seen.push_back({{i, connector.name}, connector.is_connected});
     }
-    sockets_ = place_heads(wishes_, seen, sockets_);
+    connectors_ = assign_connectors(preferences_, seen, connectors_);
   }
 
   [[nodiscard]] std::vector<HeadTarget> targets_of(const CardState& card) const {
@@ -303,8 +303,8 @@ class DrmOutput final : public Output {
   DrmOptions options_;
   const Clock& clock_;
   std::vector<HeadMode> modes_;
-  std::vector<SocketWish> wishes_;
-  std::vector<std::optional<Socket>> sockets_;
+  std::vector<ConnectorPreference> preferences_;
+  std::vector<std::optional<ConnectorId>> connectors_;
   std::vector<CardState> cards_;
   std::unique_ptr<GpuContext> gpu_;
   std::optional<CanvasCopier> copier_;
@@ -322,13 +322,13 @@ class DrmOutput final : public Output {
 
 Result<std::unique_ptr<Output>> open_drm_output(const DrmOptions& options, const Clock& clock) {
   if (options.heads.empty()) return Error(ErrorCode::kInvalidArgument, "an output needs at least one head");
-  if (!(options.refresh_hz >= kSlowestHz && options.refresh_hz <= kFastestHz)) {
-    return Error(ErrorCode::kInvalidArgument, fmt::format("a refresh rate of {} Hz; it must be {} to {}",
-                                                          options.refresh_hz, kSlowestHz, kFastestHz));
+  if (!(options.refresh_hz >= kMinHz && options.refresh_hz <= kMaxHz)) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("a refresh rate of {} Hz; it must be {} to {}", options.refresh_hz, kMinHz, kMaxHz));
   }
   auto output = std::make_unique<DrmOutput>(options, clock);
   TRY(output->open());
   return std::unique_ptr<Output>(std::move(output));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -11,7 +11,7 @@
 #include "drivers/output/drm/canvas.h"
 #include "drivers/output/output.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 struct DrmHead {
   HeadMode mode;          ///< The picture that is drawn, before it is turned.
@@ -34,7 +34,7 @@ struct DrmOptions {
 /// A head without a projector is drawn all the same and shown as soon as one comes; its size is the installation's,
 /// scaled to whatever mode the projector takes. Whatever fails is tried again at the next refreshes: a projector that
 /// is off or was swapped, another program that took the card (master), a flip that never came, a modeset that was
-/// refused. While nothing is lit, refreshes go on at the wished rate. Makes its GL context current on the calling
+/// refused. While nothing is lit, refreshes go on at the requested rate. Makes its GL context current on the calling
 /// thread. present() waits for the flip and leaves no GL binding as it was.
 ///
 /// kInvalidArgument  no head, a size, rate or connector's name that cannot be.   kNotFound, kBusy, kUnavailable,
@@ -42,4 +42,4 @@ struct DrmOptions {
 /// a card is gone, or nothing helps. `clock` must outlive the output.
 Result<std::unique_ptr<Output>> open_drm_output(const DrmOptions& options, const Clock& clock);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -7,7 +7,7 @@
 #include <array>
 #include <numeric>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 constexpr std::size_t kBlock = 128;
@@ -86,4 +86,4 @@ Result<Edid> parse_edid(std::span<const std::uint8_t> bytes) {
   return edid;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -10,7 +10,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// A value; reentrant.
 struct Edid {
@@ -27,4 +27,4 @@ struct Edid {
 /// kBadData  not an EDID: too short, another header, or a checksum that does not add up; names the byte.
 Result<Edid> parse_edid(std::span<const std::uint8_t> bytes);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 void* FlipWaiter::expect(std::size_t crtcs) {
   CHECK(current_ == nullptr && crtcs > 0);
@@ -70,4 +70,4 @@ std::optional<TimePoint> FlipWaiter::flipped_at(std::uint32_t crtc_id) const {
   return std::nullopt;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

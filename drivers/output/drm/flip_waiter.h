@@ -9,7 +9,7 @@
 #include "common/base/clock.h"
 #include "drivers/output/drm/card.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// When all CRTCs of one commit had their new picture.
 struct Flipped {
@@ -61,4 +61,4 @@ class FlipWaiter {
   const Commit* done_ = nullptr;  // The last that was waited for, if it succeeded.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <system_error>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 Error drawing_failed(std::string_view step) {
@@ -91,4 +91,4 @@ Result<EglImage> GpuContext::use_as_renderbuffer(gbm_bo* buffer) const {
   return image;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -11,7 +11,7 @@
 #include "drivers/output/drm/kms.h"
 #include "drivers/output/gl.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 using GbmBuffer = std::unique_ptr<gbm_bo, KmsFree<gbm_bo_destroy>>;
 
@@ -74,4 +74,4 @@ class GpuContext {
   Gl gl_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

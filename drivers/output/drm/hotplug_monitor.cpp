@@ -5,7 +5,7 @@
 
 #include "drivers/output/drm/kms.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 void HotplugMonitor::Free::operator()(udev* context) const { udev_unref(context); }
 void HotplugMonitor::Free::operator()(udev_monitor* monitor) const { udev_monitor_unref(monitor); }
@@ -33,4 +33,4 @@ bool HotplugMonitor::take() {
   return was_heard;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

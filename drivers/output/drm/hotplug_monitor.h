@@ -8,7 +8,7 @@
 struct udev;
 struct udev_monitor;
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// Hears when something changes at a connector of any card. Move-only, thread-bound.
 class HotplugMonitor {
@@ -29,4 +29,4 @@ class HotplugMonitor {
   std::unique_ptr<udev_monitor, Free> monitor_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -3,7 +3,7 @@
 
 #include <cerrno>
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 Error kms_error(int negative_errno, std::string_view doing) {
   errno = -negative_errno;
@@ -14,4 +14,4 @@ bool is_master_lost(const Error& error) { return error.errno_value() == EACCES |
 
 bool is_card_lost(const Error& error) { return error.errno_value() == ENODEV || error.errno_value() == ENXIO; }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -10,7 +10,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 template <auto Free>
 struct KmsFree {
@@ -32,4 +32,4 @@ Error kms_error(int negative_errno, std::string_view doing);
 /// The card, or its driver, is no more: only opening everything again helps.
 [[nodiscard]] bool is_card_lost(const Error& error);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -8,10 +8,10 @@
 #include <cstring>
 #include <tuple>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
-constexpr std::size_t kMost = 8;
+constexpr std::size_t kMaxModes = 8;
 constexpr std::uint32_t kUnfit = DRM_MODE_FLAG_INTERLACE | DRM_MODE_FLAG_DBLSCAN | DRM_MODE_FLAG_3D_MASK;
 
 /// VESA DMT id 0x10.
@@ -38,14 +38,14 @@ bool is_fit(const drmModeModeInfo& mode) {
 }
 
 /// Smaller is better.
-auto rank(const drmModeModeInfo& mode, const ModeWish& wish) {
-  const bool is_wished = mode.hdisplay == wish.width_px && mode.vdisplay == wish.height_px;
+auto rank(const drmModeModeInfo& mode, const ModePreference& preferred) {
+  const bool has_preferred_size = mode.hdisplay == preferred.width_px && mode.vdisplay == preferred.height_px;
   const bool is_preferred = (mode.type & DRM_MODE_TYPE_PREFERRED) != 0;
-  const int group = is_wished ? 0 : is_preferred ? 1 : 2;
+  const int group = has_preferred_size ? 0 : is_preferred ? 1 : 2;
   const int pixels = static_cast<int>(mode.hdisplay) * mode.vdisplay;
   // Two modes that differ by less than this are the same rate for us: 59.94 and 60 Hz.
   constexpr double kSameRate_hz = 0.25;
-  const double off = std::round(std::abs(refresh_hz_of(mode) - wish.refresh_hz) / kSameRate_hz);
+  const double off = std::round(std::abs(refresh_hz_of(mode) - preferred.refresh_hz) / kSameRate_hz);
   return std::make_tuple(group, group == 0 ? 0 : -pixels, off, is_preferred ? 0 : 1);
 }
 
@@ -68,12 +68,12 @@ bool is_same_mode(const drmModeModeInfo& a, const drmModeModeInfo& b) {
   return timing(a) == timing(b);
 }
 
-std::vector<drmModeModeInfo> modes_to_try(std::span<const drmModeModeInfo> offered, const ModeWish& wish) {
+std::vector<drmModeModeInfo> modes_to_try(std::span<const drmModeModeInfo> offered, const ModePreference& preferred) {
   std::vector<drmModeModeInfo> sorted;
   std::copy_if(offered.begin(), offered.end(), std::back_inserter(sorted), is_fit);
   std::stable_sort(sorted.begin(), sorted.end(),
-                   [&](const auto& a, const auto& b) { return rank(a, wish) < rank(b, wish); });
-  if (sorted.size() >= kMost) sorted.resize(kMost - 1);
+                   [&](const auto& a, const auto& b) { return rank(a, preferred) < rank(b, preferred); });
+  if (sorted.size() >= kMaxModes) sorted.resize(kMaxModes - 1);
   sorted.push_back(safe_mode());
   std::vector<drmModeModeInfo> modes;
   for (const drmModeModeInfo& mode : sorted) {
@@ -83,4 +83,4 @@ std::vector<drmModeModeInfo> modes_to_try(std::span<const drmModeModeInfo> offer
   return modes;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

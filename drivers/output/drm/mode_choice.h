@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::output {
 
-/// What the installation wishes; width and height as they leave the connector, before any rotation.
-struct ModeWish {
+/// What the installation preferences; width and height as they leave the connector, before any rotation.
+struct ModePreference {
   int width_px = 0;
   int height_px = 0;
   double refresh_hz = 60.0;
@@ -24,11 +24,12 @@ struct ModeWish {
 [[nodiscard]] bool is_same_mode(const drmModeModeInfo& a, const drmModeModeInfo& b);
 
 /// The modes worth trying, best first:
-///   1. progressive ones of the wished size, nearest to the wished rate first;
+///   1. progressive ones of the requested size, nearest to the requested rate first;
 ///   2. what the projector prefers (its panel's own size: the picture is scaled to it);
 ///   3. other progressive ones, largest first;
 ///   4. 1024x768 at 60 Hz, which every projector takes: for one whose EDID could not be read.
 /// Interlaced, doubled, 3D and impossible modes are left out. Never empty; no mode twice; at most 8.
-[[nodiscard]] std::vector<drmModeModeInfo> modes_to_try(std::span<const drmModeModeInfo> offered, const ModeWish& wish);
+[[nodiscard]] std::vector<drmModeModeInfo> modes_to_try(std::span<const drmModeModeInfo> offered,
+                                                        const ModePreference& preferred);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

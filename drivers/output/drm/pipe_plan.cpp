@@ -5,7 +5,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 constexpr std::size_t kCrtcs = 32;  // What a mask holds.
@@ -71,4 +71,4 @@ std::vector<std::optional<std::size_t>> assign_crtcs(std::span<const std::uint32
   return assigned;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// For each connector the CRTC's number, or nothing where the card has too few that fit. `possible_crtcs` has one mask
 /// per connector: bit n is set when CRTC n can feed it. As many connectors as possible get one (augmenting paths);
@@ -16,4 +16,4 @@ namespace cyclorama {
 [[nodiscard]] std::vector<std::optional<std::size_t>> assign_crtcs(
     std::span<const std::uint32_t> possible_crtcs, std::span<const std::optional<std::size_t>> keep = {});
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 Result<Properties> Properties::read(int fd, std::uint32_t object_id, std::uint32_t type) {
   const KmsProperties listed(drmModeObjectGetProperties(fd, object_id, type));
@@ -15,7 +15,7 @@ Result<Properties> Properties::read(int fd, std::uint32_t object_id, std::uint32
     if (property == nullptr) return Error::from_errno(fmt::format("reading KMS property {}", listed->props[i]));
     Property read{property->name, property->prop_id, listed->prop_values[i], 0};
     if (drm_property_type_is(property.get(), DRM_MODE_PROP_RANGE) != 0 && property->count_values == 2)
-      read.most = property->values[1];
+      read.max = property->values[1];
     properties.properties_.push_back(std::move(read));
   }
   return properties;
@@ -28,4 +28,4 @@ const Property* Properties::find(std::string_view name) const {
   return nullptr;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

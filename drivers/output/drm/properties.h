@@ -9,14 +9,14 @@
 
 #include "drivers/output/drm/kms.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// One of the kernel's properties of a CRTC, plane or connector.
 struct Property {
   std::string name;
   std::uint32_t id = 0;
   std::uint64_t value = 0;  ///< When they were read.
-  std::uint64_t most = 0;   ///< Of a range.
+  std::uint64_t max = 0;    ///< Of a range.
 };
 
 /// All that an object has. A value; reentrant.
@@ -34,4 +34,4 @@ class Properties {
   std::vector<Property> properties_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

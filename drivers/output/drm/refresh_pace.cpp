@@ -6,11 +6,11 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 // KWin waits with 1.5 ms to spare (src/backends/drm/drm_commit_thread.cpp); a sleeping thread wakes up to 1 ms late.
-constexpr auto kLeastExtra = std::chrono::microseconds(2500);
+constexpr auto kMinExtra = std::chrono::microseconds(2500);
 constexpr double kEasing = 0.995;  // Of the extra time, at each refresh that was kept: half of it in 140 refreshes.
 
 Duration period_of(double refresh_hz) {
@@ -21,7 +21,7 @@ Duration period_of(double refresh_hz) {
 }  // namespace
 
 RefreshPace::RefreshPace(double refresh_hz, TimePoint now)
-    : period_(period_of(refresh_hz)), extra_(kLeastExtra), shown_at_(now) {}
+    : period_(period_of(refresh_hz)), extra_(kMinExtra), shown_at_(now) {}
 
 void RefreshPace::set_rate(double refresh_hz) { period_ = period_of(refresh_hz); }
 
@@ -43,11 +43,11 @@ void RefreshPace::shown(TimePoint at, bool has_raster) {
   if (count > 1) {
     extra_ = std::min(2 * extra_, period_);
   } else {
-    extra_ = std::max<Duration>(kLeastExtra, std::chrono::duration_cast<Duration>(kEasing * extra_));
+    extra_ = std::max<Duration>(kMinExtra, std::chrono::duration_cast<Duration>(kEasing * extra_));
   }
   number_ += count;
   shown_at_ = std::max(at, shown_at_ + Duration(1));
   has_raster_ = has_raster;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -6,7 +6,7 @@
 
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// Counts refreshes by their times, and says how late a picture may be begun so that it still makes the next one: the
 /// newest heading is then the least old. The allowance is what the slowest of the last pictures took and some more; a
@@ -43,4 +43,4 @@ class RefreshPace {
   bool has_raster_ = false;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

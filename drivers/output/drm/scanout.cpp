@@ -5,7 +5,7 @@
 
 #include <array>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 /// The handle of another card's buffer on this one; the framebuffer keeps the pixels alive, so it is needed only once.
@@ -77,4 +77,4 @@ Result<Scanout> Scanout::make(const GpuContext& gpu, const Card& card, int width
   return scanout;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

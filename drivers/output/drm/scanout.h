@@ -6,7 +6,7 @@
 #include "drivers/output/drm/gpu_context.h"
 #include "drivers/output/gl_objects.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// A buffer's id with the card that scans it out. Move-only; borrows the card's fd.
 class KmsFramebuffer {
@@ -50,4 +50,4 @@ class Scanout {
   KmsFramebuffer kms_framebuffer_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -7,7 +7,7 @@
 
 #include "drivers/output/headless/gl_context.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 Error failed(const char* step) {
@@ -55,4 +55,4 @@ class EglContext final : public GlContext {
 
 Result<std::unique_ptr<GlContext>> make_egl_context() { return EglContext::make(); }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

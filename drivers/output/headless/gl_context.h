@@ -8,7 +8,7 @@
 #include "common/base/result.h"
 #include "drivers/output/gl.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// Current on the thread that made it, until it dies there. Thread-bound.
 class GlContext {
@@ -30,4 +30,4 @@ Result<std::unique_ptr<GlContext>> make_egl_context();
 /// Mesa's off-screen renderer, which needs nothing of the machine. Errors as make_egl_context().
 Result<std::unique_ptr<GlContext>> make_osmesa_context();
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -12,11 +12,11 @@
 #include "drivers/output/headless/refresh_schedule.h"
 #include "drivers/output/shared_picture.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
-constexpr double kFastestHz = 1000.0;
-constexpr double kSlowestHz = 0.1;
+constexpr double kMaxHz = 1000.0;
+constexpr double kMinHz = 0.1;
 
 /// One head: where GL draws, and where its pixels go.
 struct Head {
@@ -152,9 +152,9 @@ Result<std::unique_ptr<GlContext>> make_context(HeadlessOptions::Renderer render
 
 Result<std::unique_ptr<Output>> open_headless_output(const HeadlessOptions& options, const Clock& clock) {
   if (options.heads.empty()) return Error(ErrorCode::kInvalidArgument, "an output needs at least one head");
-  if (!(options.refresh_hz >= kSlowestHz && options.refresh_hz <= kFastestHz)) {
-    return Error(ErrorCode::kInvalidArgument, fmt::format("a refresh rate of {} Hz; it must be {} to {}",
-                                                          options.refresh_hz, kSlowestHz, kFastestHz));
+  if (!(options.refresh_hz >= kMinHz && options.refresh_hz <= kMaxHz)) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("a refresh rate of {} Hz; it must be {} to {}", options.refresh_hz, kMinHz, kMaxHz));
   }
   TRY_ASSIGN(std::unique_ptr<GlContext> context, make_context(options.renderer));
   auto output = std::make_unique<HeadlessOutput>(std::move(context), options, clock);
@@ -162,4 +162,4 @@ Result<std::unique_ptr<Output>> open_headless_output(const HeadlessOptions& opti
   return std::unique_ptr<Output>(std::move(output));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -8,7 +8,7 @@
 
 #include "drivers/output/output.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 struct HeadlessOptions {
   enum class Renderer { kAny, kEgl, kOsMesa };  ///< kAny: EGL, and OSMesa where EGL cannot.
@@ -28,4 +28,4 @@ struct HeadlessOptions {
 /// Errors of SharedPictureWriter::create() for the run directory. `clock` must outlive the output.
 Result<std::unique_ptr<Output>> open_headless_output(const HeadlessOptions& options, const Clock& clock);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

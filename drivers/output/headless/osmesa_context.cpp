@@ -6,7 +6,7 @@
 
 #include "drivers/output/headless/gl_context.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 // OSMesa draws to memory of ours; everything is drawn to framebuffer objects instead, so that this is never looked at.
@@ -55,4 +55,4 @@ class OsMesaContext final : public GlContext {
 
 Result<std::unique_ptr<GlContext>> make_osmesa_context() { return OsMesaContext::make(); }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

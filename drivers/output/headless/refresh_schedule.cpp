@@ -5,7 +5,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 RefreshSchedule::RefreshSchedule(double refresh_hz, TimePoint start) : period_s_(1.0 / refresh_hz), start_(start) {
   CHECK(refresh_hz > 0.0);
@@ -26,4 +26,4 @@ RefreshSchedule::Refresh RefreshSchedule::next(TimePoint now) {
   return {number, time_of(number)};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

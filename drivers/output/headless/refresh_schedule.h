@@ -5,7 +5,7 @@
 
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// When a head without a vertical blank refreshes: refresh n is at start + n / refresh_hz, for ever, whatever happened
 /// before, so that nothing drifts. A value; thread-bound.
@@ -33,4 +33,4 @@ class RefreshSchedule {
   std::uint64_t missed_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

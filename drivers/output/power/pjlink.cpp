@@ -18,7 +18,7 @@
 #include "common/base/text.h"
 #include "common/base/unique_fd.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 Result<std::string> md5_hex(std::string_view text) {
@@ -66,7 +66,7 @@ class Connection {
         read_.erase(0, end + 1);
         return line;
       }
-      if (read_.size() > pjlink::kLongestLine) return not_pjlink(read_);
+      if (read_.size() > pjlink::kMaxLineLength) return not_pjlink(read_);
       TRY(wait(POLLIN));
       std::array<char, 256> bytes{};
       const ssize_t count = ::recv(fd_.get(), bytes.data(), bytes.size(), 0);
@@ -153,7 +153,7 @@ Result<std::string> authorise(std::string_view greeting, std::string_view passwo
 Result<std::string> parse_answer(std::string_view line, std::string_view command) {
   const std::string head = fmt::format("%1{}=", command);
   if (line == "PJLINK ERRA") return Error(ErrorCode::kInvalidArgument, "it refuses the password");
-  if (!line.starts_with(head) || line.size() > kLongestLine || line.size() == head.size()) return not_pjlink(line);
+  if (!line.starts_with(head) || line.size() > kMaxLineLength || line.size() == head.size()) return not_pjlink(line);
   const std::string_view value = line.substr(head.size());
   if (value == "ERR1" || value == "ERR2") return Error(ErrorCode::kBadData, "it does not know that command");
   if (value == "ERR3")
@@ -207,7 +207,7 @@ std::string_view text_of(ProjectorPower power) {
   return "warming up";
 }
 
-Result<ProjectorPower> ask_power(const PjlinkProjector& projector, std::chrono::milliseconds timeout) {
+Result<ProjectorPower> query_power(const PjlinkProjector& projector, std::chrono::milliseconds timeout) {
   auto line = exchange(projector, "POWR ?", timeout);
   if (!line) return said(projector, std::move(line).error());
   auto power = pjlink::parse_power(*line);
@@ -215,7 +215,7 @@ Result<ProjectorPower> ask_power(const PjlinkProjector& projector, std::chrono::
   return power;
 }
 
-Result<ProjectorErrors> ask_errors(const PjlinkProjector& projector, std::chrono::milliseconds timeout) {
+Result<ProjectorErrors> query_errors(const PjlinkProjector& projector, std::chrono::milliseconds timeout) {
   auto line = exchange(projector, "ERST ?", timeout);
   if (!line) return said(projector, std::move(line).error());
   auto errors = pjlink::parse_errors(*line);
@@ -232,4 +232,4 @@ Status set_power(const PjlinkProjector& projector, bool is_on, std::chrono::mill
   return Done{};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

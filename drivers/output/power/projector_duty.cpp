@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drivers/output/power/projector_duty.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 std::optional<bool> ProjectorDuty::next(bool should_be_on, std::optional<ProjectorPower> seen) {
   if (!seen) done_.reset();
@@ -14,4 +14,4 @@ std::optional<bool> ProjectorDuty::next(bool should_be_on, std::optional<Project
   return std::nullopt;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -5,7 +5,7 @@
 
 #include "drivers/output/power/pjlink.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 /// Whether one projector must be switched, from how it is and how it should be now; nothing is remembered of times.
 ///
@@ -24,4 +24,4 @@ class ProjectorDuty {
   std::optional<bool> done_;  // What it has been made, and answered to be.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -5,13 +5,13 @@
 #include <string_view>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 using Level = ProjectorReport::Level;
 
-constexpr auto kToSwitch = std::chrono::seconds(90);  // Some answer for a minute that they are as they were.
-constexpr auto kLongest = std::chrono::minutes(6);    // To warm up or cool down; manuals say 1 to 3 minutes.
+constexpr auto kToSwitch = std::chrono::seconds(90);      // Some answer for a minute that they are as they were.
+constexpr auto kMaxTransition = std::chrono::minutes(6);  // To warm up or cool down; manuals say 1 to 3 minutes.
 
 struct Part {
   std::string_view name;
@@ -66,7 +66,7 @@ std::string_view to_text(Level level) {
   return level == Level::kFault ? "fault" : level == Level::kWarning ? "warning" : "ok";
 }
 
-ProjectorReport ProjectorReporter::see(const ProjectorLook& look, TimePoint now) {
+ProjectorReport ProjectorReporter::see(const ProjectorStatus& look, TimePoint now) {
   const Condition condition{look.should_be_on, look.power ? std::optional(*look.power) : std::nullopt};
   if (condition_ != condition) since_ = now;
   condition_ = condition;
@@ -92,13 +92,13 @@ ProjectorReport ProjectorReporter::see(const ProjectorLook& look, TimePoint now)
               "until the "
               "museum opens again."};
     case ProjectorPower::kWarming:
-      if (lasted < kLongest) return {Level::kOk, "It warms up.", ""};
+      if (lasted < kMaxTransition) return {Level::kOk, "It warms up.", ""};
       return {Level::kWarning, "It has been warming up for minutes.", "Take its power away for a minute."};
     case ProjectorPower::kCooling:
       break;
   }
-  if (lasted < kLongest) return {Level::kOk, "It cools down.", ""};
+  if (lasted < kMaxTransition) return {Level::kOk, "It cools down.", ""};
   return {Level::kWarning, "It has been cooling down for minutes.", "Take its power away for a minute."};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -8,7 +8,7 @@
 #include "common/base/clock.h"
 #include "drivers/output/power/pjlink.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 
 struct ProjectorReport {
   enum class Level { kOk, kWarning, kFault };
@@ -19,7 +19,7 @@ struct ProjectorReport {
 [[nodiscard]] std::string_view to_text(ProjectorReport::Level level);  ///< "ok", "warning", "fault".
 
 /// What was seen of one projector at one look.
-struct ProjectorLook {
+struct ProjectorStatus {
   bool should_be_on = false;
   Result<ProjectorPower> power = ProjectorPower::kOff;
   std::optional<ProjectorErrors> errors;  ///< Nothing: it does not tell.
@@ -29,7 +29,7 @@ struct ProjectorLook {
 /// told as wrong only when it has been like that for a while. Thread-bound.
 class ProjectorReporter {
  public:
-  ProjectorReport see(const ProjectorLook& look, TimePoint now);
+  ProjectorReport see(const ProjectorStatus& look, TimePoint now);
 
  private:
   struct Condition {
@@ -41,4 +41,4 @@ class ProjectorReporter {
   TimePoint since_{};
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::output

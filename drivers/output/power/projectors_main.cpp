@@ -20,10 +20,10 @@
 #include "drivers/output/power/projector_duty.h"
 #include "drivers/output/power/projector_report.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
-constexpr auto kAnswerWithin = std::chrono::seconds(5);
+constexpr auto kAnswerTimeout = std::chrono::seconds(5);
 constexpr auto kAgainAfter = std::chrono::seconds(5);
 constexpr auto kLookEvery = std::chrono::seconds(20);
 constexpr auto kTurn = std::chrono::milliseconds(200);  // How soon a stop is noticed.
@@ -41,7 +41,7 @@ struct Options {
 
 struct NamedProjector {
   std::string name;  ///< As it was given.
-  PjlinkProjector place;
+  PjlinkProjector position;
 };
 
 Result<std::string> read_password(const std::filesystem::path& file) {
@@ -70,24 +70,24 @@ Result<std::vector<NamedProjector>> projectors_of(const Options& options) {
   return projectors;
 }
 
-/// Until it is as wished, or on its way there: one that cools down takes no command for a minute or two.
+/// Until it is as requested, or on its way there: one that cools down takes no command for a minute or two.
 Status bring(const PjlinkProjector& projector, bool is_on, TimePoint deadline, const StopSignal& stop) {
   for (;;) {
-    auto set = set_power(projector, is_on, kAnswerWithin);
+    auto set = set_power(projector, is_on, kAnswerTimeout);
     if (set || set.error().code() != ErrorCode::kUnavailable) return set;
     const TimePoint again = SteadyClock().now() + kAgainAfter;
     if (again > deadline || stop.wait_until(again)) return set;
   }
 }
 
-Status switch_or_ask(const Options& options, const std::vector<NamedProjector>& projectors, const StopSignal& stop) {
+Status switch_or_query(const Options& options, const std::vector<NamedProjector>& projectors, const StopSignal& stop) {
   const TimePoint deadline =
       SteadyClock().now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.within_s));
   std::size_t failed = 0;
-  for (const auto& [name, place] : projectors) {
+  for (const auto& [name, position] : projectors) {
     if (stop.requested()) return Error(ErrorCode::kUnavailable, fmt::format("stopped before projector {}", name));
-    auto done = options.command == "ask" ? Status(Done{}) : bring(place, options.command == "on", deadline, stop);
-    const auto power = done ? ask_power(place, kAnswerWithin) : Result<ProjectorPower>(std::move(done).error());
+    auto done = options.command == "ask" ? Status(Done{}) : bring(position, options.command == "on", deadline, stop);
+    const auto power = done ? query_power(position, kAnswerTimeout) : Result<ProjectorPower>(std::move(done).error());
     if (power) {
       fmt::print("{}: {}\n", name, text_of(*power));
     } else {
@@ -113,12 +113,12 @@ void look_after(bool should_be_on, TimePoint now, Kept* kept) {
     if (text != kept->said) log(level, text);
     kept->said = text;
   };
-  const PjlinkProjector& place = kept->projector.place;
-  const auto power = ask_power(place, kAnswerWithin);
+  const PjlinkProjector& position = kept->projector.position;
+  const auto power = query_power(position, kAnswerTimeout);
   std::optional<ProjectorErrors> errors;
   if (power) {
     // Not all tell, and what they tell is not needed to switch them.
-    if (const auto told = ask_errors(place, kAnswerWithin)) errors = *told;
+    if (const auto told = query_errors(position, kAnswerTimeout)) errors = *told;
   }
   kept->report = kept->reporter.see({should_be_on, power, errors}, now);
   const auto wanted = kept->duty.next(should_be_on, power ? std::optional(*power) : std::nullopt);
@@ -128,7 +128,8 @@ void look_after(bool should_be_on, TimePoint now, Kept* kept) {
       fmt::format("{}: {}{}{}", kept->projector.name, text_of(*power), is_well ? "" : ". ",
                   is_well ? "" : kept->report.sentence));
   if (!wanted) return;
-  if (auto set = set_power(place, *wanted, kAnswerWithin); !set) return say(LogLevel::kWarning, set.error().message());
+  if (auto set = set_power(position, *wanted, kAnswerTimeout); !set)
+    return say(LogLevel::kWarning, set.error().message());
   log(LogLevel::kInfo, fmt::format("{}: switched {}", kept->projector.name, *wanted ? "on" : "off"));
 }
 
@@ -197,14 +198,15 @@ Status run(const Options& options, const StopSignal& stop) {
                  "no projector is named; write HOST, or --installation with a [[projector]] that has pjlink = "
                  "\"HOST\"");
   }
-  return is_keep ? keep_hours(options, projectors, stop) : switch_or_ask(options, projectors, stop);
+  return is_keep ? keep_hours(options, projectors, stop) : switch_or_query(options, projectors, stop);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output
 
 int main(int argc, char** argv) {
   using namespace cyclorama;
+  using namespace cyclorama::output;
   Program program(
       "cyclorama-projectors",
       "Switches projectors on and off over the network (PJLink class 1), asks how they are, or keeps them to "

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 using Eigen::Vector3d;
 
 /// Two poses that are nearer in time than a hand can know are a mistake.
-constexpr double kLeastStepS = 1e-3;
+constexpr double kMinStepS = 1e-3;
 
 KeyPose key(double time_s, const Vector3d& position_m, double yaw_deg, double pitch_deg, double roll_deg) {
   constexpr double kDegree = std::numbers::pi / 180.0;
@@ -36,12 +36,12 @@ Result<HandPath> HandPath::make(std::vector<KeyPose> keys, std::optional<double>
   if (keys.empty()) return refuse("a path needs at least one key pose");
   for (std::size_t i = 0; i < keys.size(); ++i) {
     if (!is_finite(keys[i])) return refuse(fmt::format("key pose {} is not finite", i));
-    if (i > 0 && !(keys[i].time_s - keys[i - 1].time_s >= kLeastStepS)) {
+    if (i > 0 && !(keys[i].time_s - keys[i - 1].time_s >= kMinStepS)) {
       return refuse(fmt::format("key pose {} at {} s does not come after {} s", i, keys[i].time_s, keys[i - 1].time_s));
     }
   }
   if (loop_s) {
-    if (!(*loop_s - keys.back().time_s >= kLeastStepS) || !std::isfinite(*loop_s)) {
+    if (!(*loop_s - keys.back().time_s >= kMinStepS) || !std::isfinite(*loop_s)) {
       return refuse(
           fmt::format("the loop ends at {} s, before the last key pose at {} s", *loop_s, keys.back().time_s));
     }
@@ -122,4 +122,4 @@ RigidTransform<frame::Camera, frame::Tag> HandPath::at(double time_s) const {
   return {rotation_of(pose), pose.position_m};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

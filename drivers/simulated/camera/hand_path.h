@@ -15,7 +15,7 @@
 #include "common/base/result.h"
 #include "common/geometry/rigid_transform.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// The tag's pose at one moment.
 struct KeyPose {
@@ -58,4 +58,4 @@ class HandPath {
 /// The rotation that the three angles stand for.
 [[nodiscard]] Eigen::Quaterniond rotation_of(const KeyPose& key);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

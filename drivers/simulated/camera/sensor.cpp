@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 constexpr std::size_t kNoiseValues = std::size_t{1} << 16;
 }  // namespace
@@ -32,4 +32,4 @@ GreyImage Sensor::expose(const Image<float, 1>& light, double gain, std::uint64_
   return grey;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

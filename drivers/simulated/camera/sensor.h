@@ -6,7 +6,7 @@
 
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Light to grey levels, as a camera for machine vision does: proportional, with noise, clipped at white. Immutable;
 /// reentrant.
@@ -22,4 +22,4 @@ class Sensor {
   std::vector<float> noise_;  ///< Normal deviates, read from another place for every row of every picture.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 /// Furniture: rectangles of any grey, some of them dark quads on light ground as tags are, so that a detector has to
@@ -68,7 +68,7 @@ GreyImage SimulatedView::picture(std::uint64_t sequence) const {
 SimulatedCamera::SimulatedCamera(Simulation simulation, const Clock& clock)
     : view_(std::move(simulation)), clock_(clock) {
   exposure_ = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(view_.simulation().exposure_s));
-  pace_.period = period_of(view_.simulation().frames_per_second);
+  pace_.period = camera::period_of(view_.simulation().frames_per_second);
 }
 
 Status SimulatedCamera::start() {
@@ -78,15 +78,15 @@ Status SimulatedCamera::start() {
   return Done{};
 }
 
-Result<std::shared_ptr<const Frame>> SimulatedCamera::next_frame(TimePoint deadline) {
+Result<std::shared_ptr<const camera::CameraFrame>> SimulatedCamera::next_frame(TimePoint deadline) {
   if (!streaming_) return Error(ErrorCode::kUnavailable, "the simulated camera was not started");
-  TRY_ASSIGN(const std::uint64_t sequence, wait_for_picture(pace_, last_, clock_, deadline));
+  TRY_ASSIGN(const std::uint64_t sequence, camera::wait_for_picture(pace_, last_, clock_, deadline));
   last_ = sequence;
-  auto frame = std::make_shared<Frame>();
+  auto frame = std::make_shared<camera::CameraFrame>();
   frame->pixels = view_.picture(sequence);
   frame->sequence = sequence;
   frame->captured_at = pace_.ready_at(sequence) - exposure_;
-  return std::shared_ptr<const Frame>(std::move(frame));
+  return std::shared_ptr<const camera::CameraFrame>(std::move(frame));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

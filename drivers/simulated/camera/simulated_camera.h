@@ -11,7 +11,7 @@
 #include "drivers/simulated/camera/simulation.h"
 #include "drivers/simulated/camera/tag_painter.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Makes the pictures of a simulation. Picture n begins its exposure at n / frames_per_second on the path, and depends
 /// on nothing but the simulation and n. Immutable; reentrant.
@@ -30,7 +30,7 @@ class SimulatedView {
 
 /// A camera that sees a hand with a tag, in real time. What it knows leaves it as pixels only. Thread-bound, but for
 /// id().
-class SimulatedCamera final : public Camera {
+class SimulatedCamera final : public camera::Camera {
  public:
   /// Borrows `clock` for its whole life.
   SimulatedCamera(Simulation simulation, const Clock& clock);
@@ -38,7 +38,7 @@ class SimulatedCamera final : public Camera {
   [[nodiscard]] const std::string& id() const override { return id_; }
   Status start() override;
   /// A picture is ready when its exposure has ended.
-  Result<std::shared_ptr<const Frame>> next_frame(TimePoint deadline) override;
+  Result<std::shared_ptr<const camera::CameraFrame>> next_frame(TimePoint deadline) override;
   void stop() override { streaming_ = false; }
 
  private:
@@ -46,9 +46,9 @@ class SimulatedCamera final : public Camera {
   SimulatedView view_;
   const Clock& clock_;
   Duration exposure_;
-  Pace pace_;
+  camera::Pace pace_;
   std::optional<std::uint64_t> last_;
   bool streaming_ = false;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -7,7 +7,7 @@
 
 #include "common/config/config.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -99,4 +99,4 @@ Result<Simulation> Simulation::parse(std::string_view text, std::string name) {
   return from_config(&config);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

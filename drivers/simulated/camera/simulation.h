@@ -11,7 +11,7 @@
 #include "common/wand/folded_card.h"
 #include "drivers/simulated/camera/hand_path.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// What stands behind the hand.
 enum class Backdrop { kPlain, kGradient, kClutter };
@@ -37,4 +37,4 @@ struct Simulation {
   static Result<Simulation> parse(std::string_view text, std::string name);
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

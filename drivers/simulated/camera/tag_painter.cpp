@@ -9,7 +9,7 @@
 #include "common/base/check.h"
 #include "common/wand/tag_bitmap.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr float kNothing = -1.0f;
@@ -73,7 +73,7 @@ Box box_of(const Eigen::Matrix3d& to_image, const Eigen::AlignedBox2d& scene, co
       around.extend(Eigen::Vector2d(corner.x() / corner.z(), corner.y() / corner.z()));
     }
   }
-  const auto clamped = [](double value, int most) { return static_cast<int>(std::clamp(value, 0.0, 1.0 * most)); };
+  const auto clamped = [](double value, int max) { return static_cast<int>(std::clamp(value, 0.0, 1.0 * max)); };
   return {clamped(std::floor(around.min().x()), lens.width_px), clamped(std::floor(around.min().y()), lens.height_px),
           clamped(std::ceil(around.max().x()), lens.width_px), clamped(std::ceil(around.max().y()), lens.height_px)};
 }
@@ -186,18 +186,18 @@ void TagPainter::paint(const std::vector<RigidTransform<frame::Camera, frame::Ta
       float sum = 0.0f;
       for (const Sample& sample : samples) {
         float nearest = *grey;
-        double nearness = 0.0;
+        double inverse_depth = 0.0;
         for (const std::size_t i : here) {
           const SeenPanel& panel = seen[sample.moment * panels_.size() + i];
           const Eigen::Matrix3d& m = panel.to_plane;
           // z is 1 / depth: a ray that meets the plane behind the lens sees nothing of it.
           const double z = panel.at_pixel.z() + m(2, 0) * sample.du + m(2, 1) * sample.dv;
-          if (!(z > nearness)) continue;
+          if (!(z > inverse_depth)) continue;
           const float there = panels_[i].grey_at((panel.at_pixel.x() + m(0, 0) * sample.du + m(0, 1) * sample.dv) / z,
                                                  (panel.at_pixel.y() + m(1, 0) * sample.du + m(1, 1) * sample.dv) / z);
           if (there < 0.0f) continue;
           nearest = panel.from_behind && panels_[i].cells > 0 ? kPaperGrey : there;
-          nearness = z;
+          inverse_depth = z;
         }
         sum += nearest;
       }
@@ -206,4 +206,4 @@ void TagPainter::paint(const std::vector<RigidTransform<frame::Camera, frame::Ta
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -9,7 +9,7 @@
 #include "common/room/pinhole.h"
 #include "common/wand/wand.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Paints a hand that holds a wand, or a card with one tag (family tag36h11), as a lens sees it. Each pixel is the mean
 /// light over its area and over the moments of the exposure, found by tracing rays back to the panels' planes, so edges
@@ -45,4 +45,4 @@ class TagPainter {
   std::vector<Panel> panels_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -6,7 +6,7 @@
 
 #include "drivers/simulated/museum/parallel_rows.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
@@ -29,10 +29,10 @@ struct Grid {
 
 /// How (u, v) changes from one camera pixel to the next in a direction: between both neighbours if both see the same
 /// part of the wall, else to the one that does.
-Eigen::Vector2d slope(const std::vector<Light>& lights, const std::vector<CameraTable::Place>& places, std::size_t here,
-                      std::size_t before, std::size_t after) {
+Eigen::Vector2d slope(const std::vector<Light>& lights, const std::vector<CameraTable::Place>& positions,
+                      std::size_t here, std::size_t before, std::size_t after) {
   const auto is_like = [&](std::size_t other) {
-    return places[other].part == places[here].part && !std::isnan(lights[other].u);
+    return positions[other].part == positions[here].part && !std::isnan(lights[other].u);
   };
   const std::size_t from = is_like(before) ? before : here;
   const std::size_t to = is_like(after) ? after : here;
@@ -52,7 +52,7 @@ Eigen::Matrix2d root_of(const Eigen::Matrix2d& covariance) {
 }
 
 CameraTable::Projector gather(const Grid& grid, const std::vector<Light>& lights,
-                              const std::vector<CameraTable::Place>& places) {
+                              const std::vector<CameraTable::Place>& positions) {
   CameraTable::Projector made;
   for (int y = 0; y < grid.height; ++y) {
     made.row_begins.push_back(made.samples.size());
@@ -61,9 +61,9 @@ CameraTable::Projector gather(const Grid& grid, const std::vector<Light>& lights
       const Light& light = lights[here];
       if (std::isnan(light.u)) continue;
       const Eigen::Vector2d across =
-          slope(lights, places, here, grid.at(std::max(x - 1, 0), y), grid.at(std::min(x + 1, grid.width - 1), y));
+          slope(lights, positions, here, grid.at(std::max(x - 1, 0), y), grid.at(std::min(x + 1, grid.width - 1), y));
       const Eigen::Vector2d down =
-          slope(lights, places, here, grid.at(x, std::max(y - 1, 0)), grid.at(x, std::min(y + 1, grid.height - 1)));
+          slope(lights, positions, here, grid.at(x, std::max(y - 1, 0)), grid.at(x, std::min(y + 1, grid.height - 1)));
       const double defocus = static_cast<double>(light.defocus_px);
       // The middles of a unit square's quarters have a variance of 1/16 each way.
       const Eigen::Matrix2d root = root_of((across * across.transpose() + down * down.transpose()) / 16.0 +
@@ -101,7 +101,7 @@ CameraTable make_camera_table(const TrueMuseum& museum, const TrueLens& lens,
                               const std::vector<Eigen::Vector3d>& directions, int threads) {
   const Grid grid{lens.pinhole().width_px, lens.pinhole().height_px};
   CameraTable table;
-  table.places.resize(directions.size());
+  table.positions.resize(directions.size());
   std::vector<std::vector<Light>> lights(museum.truth().projectors.size(), std::vector<Light>(directions.size()));
   const Eigen::Matrix3d R_room_camera = T_room_camera.rotation().toRotationMatrix();
   for_rows(grid.height, threads, [&](int begin, int end) {
@@ -109,8 +109,8 @@ CameraTable make_camera_table(const TrueMuseum& museum, const TrueLens& lens,
       if (!(directions[pixel].z() > 0.0)) continue;
       const auto at = museum.wall().hit({{T_room_camera.translation()}, R_room_camera * directions[pixel]});
       if (!at) continue;
-      table.places[pixel] = {static_cast<std::int32_t>(at->place.part), static_cast<float>(at->place.across),
-                             static_cast<float>(at->place.along)};
+      table.positions[pixel] = {static_cast<std::int32_t>(at->position.part), static_cast<float>(at->position.across),
+                                static_cast<float>(at->position.along)};
       for (std::size_t i = 0; i < lights.size(); ++i) {
         const auto lit = museum.projector_pixel(i, *at);
         if (!lit || !is_near(museum.truth().projectors[i].lens.pinhole(), *lit)) continue;
@@ -123,10 +123,10 @@ CameraTable make_camera_table(const TrueMuseum& museum, const TrueLens& lens,
   for_rows(static_cast<int>(lights.size()), threads, [&](int begin, int end) {
     for (int i = begin; i < end; ++i) {
       const auto index = static_cast<std::size_t>(i);
-      table.projectors[index] = gather(grid, lights[index], table.places);
+      table.projectors[index] = gather(grid, lights[index], table.positions);
     }
   });
   return table;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -15,7 +15,7 @@
 
 #include "drivers/simulated/museum/true_museum.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 struct CameraTable {
   struct Sample {
@@ -38,7 +38,7 @@ struct CameraTable {
     float along = 0.0f;
   };
   std::vector<Projector> projectors;
-  std::vector<Place> places;
+  std::vector<Place> positions;
 };
 
 inline constexpr double kFootprintLack_px2 = 1.0 / 48.0;
@@ -54,4 +54,4 @@ inline constexpr int kLightMargin_px = 4;
                                             const RigidTransform<frame::Room, frame::Camera>& T_room_camera,
                                             const std::vector<Eigen::Vector3d>& directions, int threads);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -10,28 +10,28 @@
 #include "common/base/check.h"
 #include "drivers/simulated/museum/true_sensor.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-Eigen::Quaterniond small_turn(Draws* draws, double most_rad) {
-  const double x = draws->about_zero(most_rad);
-  const double y = draws->about_zero(most_rad);
-  const double z = draws->about_zero(most_rad);
+Eigen::Quaterniond small_turn(RandomStream* draws, double max_rad) {
+  const double x = draws->about_zero(max_rad);
+  const double y = draws->about_zero(max_rad);
+  const double z = draws->about_zero(max_rad);
   const Eigen::Vector3d turn(x, y, z);
   const double angle = turn.norm();
   if (!(angle > 0.0)) return Eigen::Quaterniond::Identity();
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle));
 }
 
-Eigen::Vector3d small_step(Draws* draws, double most_m) {
-  const double x = draws->about_zero(most_m);
-  const double y = draws->about_zero(most_m);
-  return {x, y, draws->about_zero(most_m)};
+Eigen::Vector3d small_step(RandomStream* draws, double max_m) {
+  const double x = draws->about_zero(max_m);
+  const double y = draws->about_zero(max_m);
+  return {x, y, draws->about_zero(max_m)};
 }
 
-void spoil_projector(Draws draws, TrueProjector* p) {
+void spoil_projector(RandomStream draws, TrueProjector* p) {
   Pinhole lens = p->lens.pinhole();
   lens.focal_px *= 1.0 + draws.about_zero(0.02);
   lens.centre_u_px += draws.about_zero(0.01) * lens.width_px;
@@ -60,7 +60,7 @@ void spoil_projector(Draws draws, TrueProjector* p) {
   p->latency_s = 0.05;
 }
 
-void spoil_camera(Draws draws, TrueCamera* c) {
+void spoil_camera(RandomStream draws, TrueCamera* c) {
   Pinhole lens = c->lens.pinhole();
   lens.focal_px *= 1.0 + draws.about_zero(0.02);
   lens.centre_u_px += draws.about_zero(0.01) * lens.width_px;
@@ -87,7 +87,7 @@ void spoil_camera(Draws draws, TrueCamera* c) {
   c->line_time_s = draws.between(8e-6, 20e-6);
 }
 
-void spoil_plate(Draws draws, TruePlate* plate) {
+void spoil_plate(RandomStream draws, TruePlate* plate) {
   const Eigen::Quaterniond leaning = small_turn(&draws, 0.4 * kDegree);
   plate->T_room_plate = {leaning * plate->T_room_plate.rotation(),
                          plate->T_room_plate.translation() + small_step(&draws, 0.01)};
@@ -101,18 +101,18 @@ void spoil_plate(Draws draws, TruePlate* plate) {
 
 }  // namespace
 
-Draws Draws::stream(std::string_view name) const {
+RandomStream RandomStream::stream(std::string_view name) const {
   std::uint64_t state = mixed(state_ + 0x5bd1e995u);
   for (const char letter : name) state = mixed(state ^ static_cast<unsigned char>(letter));
-  return Draws(state);
+  return RandomStream(state);
 }
 
-double Draws::between(double least, double most) {
+double RandomStream::between(double min, double max) {
   state_ += 0x9e3779b97f4a7c15u;
-  return least + (most - least) * (static_cast<double>(mixed(state_) >> 11) * 0x1p-53);
+  return min + (max - min) * (static_cast<double>(mixed(state_) >> 11) * 0x1p-53);
 }
 
-void bend_wall(Draws draws, double least_m, double most_m, MuseumTruth* truth) {
+void bend_wall(RandomStream draws, double min_m, double max_m, MuseumTruth* truth) {
   auto* wall = std::get_if<CylinderWall>(&truth->wall);
   CHECK(wall != nullptr);
   const double length = wall->radius_m * wall->arc_rad;
@@ -127,15 +127,15 @@ void bend_wall(Draws draws, double least_m, double most_m, MuseumTruth* truth) {
     lowest = std::min(lowest, value);
     highest = std::max(highest, value);
   }
-  // Where the relief is highest the wall is nearest: radius = wall's - height.
-  const double amplitude = (most_m - least_m) / (highest - lowest);
-  wall->radius_m = least_m + amplitude * highest;
+  // Where the deviation is highest the wall is nearest: radius = wall's - height.
+  const double amplitude = (max_m - min_m) / (highest - lowest);
+  wall->radius_m = min_m + amplitude * highest;
   // The arc's ends stay where they are to be, and the wave's coordinate grows with the radius.
   const double longer = wall->radius_m * wall->arc_rad / length;
-  truth->relief.waves.push_back({amplitude, wave / longer, 0.0, phase});
+  truth->deviation.waves.push_back({amplitude, wave / longer, 0.0, phase});
 }
 
-void tilt_wall(Draws draws, MuseumTruth* truth) {
+void tilt_wall(RandomStream draws, MuseumTruth* truth) {
   const double towards = draws.about_zero(std::numbers::pi);
   const double by = draws.between(1.5, 4.0) * kDegree;
   const Eigen::Vector3d axis(std::cos(towards), 0.0, std::sin(towards));
@@ -145,33 +145,33 @@ void tilt_wall(Draws draws, MuseumTruth* truth) {
   truth->T_room_wall = {turned, pivot - turned * pivot};
 }
 
-void dent_wall(Draws draws, MuseumTruth* truth) {
+void dent_wall(RandomStream draws, MuseumTruth* truth) {
   for (int i = 0; i < 3; ++i) {
     const double towards = draws.about_zero(std::numbers::pi);
     const double length = draws.between(1.2, 4.0);
     const double wave = 2.0 * std::numbers::pi / length;
     const double height = draws.between(0.002, 0.008) * length;
-    truth->relief.waves.push_back(
+    truth->deviation.waves.push_back(
         {std::min(height, 0.02), wave * std::cos(towards), wave * std::sin(towards), draws.about_zero(3.1)});
   }
   for (int i = 0; i < 6; ++i) {
     const double s = draws.about_zero(4.5);
     const double t = draws.about_zero(0.9);
     const double sigma = draws.between(0.2, 0.6);
-    truth->relief.bumps.push_back({draws.about_zero(0.03), s, t, sigma});
+    truth->deviation.bumps.push_back({draws.about_zero(0.03), s, t, sigma});
   }
 }
 
-void add_flaws(const Draws& draws, MuseumTruth* truth) {
+void add_flaws(const RandomStream& draws, MuseumTruth* truth) {
   for (std::size_t i = 0; i < truth->projectors.size(); ++i)
     spoil_projector(draws.stream(fmt::format("projector {}", i)), &truth->projectors[i]);
   spoil_camera(draws.stream("camera"), &truth->camera);
   spoil_plate(draws.stream("plate"), &truth->plate);
-  Draws paint = draws.stream("paint");
+  RandomStream paint = draws.stream("paint");
   const double grey = paint.between(0.5, 0.85);
   for (double& albedo : truth->albedo) albedo = grey * (1.0 + paint.about_zero(0.03));
   for (double& lux : truth->ambient_lux) lux = paint.between(0.2, 3.0);
   truth->surround_nits = 0.3;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -8,16 +8,16 @@
 
 #include "drivers/simulated/museum/truth.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Random numbers that are the same everywhere, in streams that do not disturb each other. A value.
-class Draws {
+class RandomStream {
  public:
-  explicit Draws(std::uint64_t seed) : state_(seed) {}
-  [[nodiscard]] Draws stream(std::string_view name) const;
+  explicit RandomStream(std::uint64_t seed) : state_(seed) {}
+  [[nodiscard]] RandomStream stream(std::string_view name) const;
   /// The next one, evenly distributed.
-  double between(double least, double most);
-  double about_zero(double most) { return between(-most, most); }
+  double between(double min, double max);
+  double about_zero(double max) { return between(-max, max); }
 
  private:
   std::uint64_t state_;
@@ -25,12 +25,12 @@ class Draws {
 
 /// The distance from the axis goes through exactly [least, most] along the arc, in about one wave.
 /// Precondition: the wall is a cylinder.
-void bend_wall(Draws draws, double least_m, double most_m, MuseumTruth* truth);
+void bend_wall(RandomStream draws, double min_m, double max_m, MuseumTruth* truth);
 /// The wall leans by 1.5 to 4 degrees about its lower middle, anywhere.
-void tilt_wall(Draws draws, MuseumTruth* truth);
+void tilt_wall(RandomStream draws, MuseumTruth* truth);
 /// Waves and dents of 0.5 to 3 cm.
-void dent_wall(Draws draws, MuseumTruth* truth);
+void dent_wall(RandomStream draws, MuseumTruth* truth);
 /// Of projectors, camera, plate and paint.
-void add_flaws(const Draws& draws, MuseumTruth* truth);
+void add_flaws(const RandomStream& draws, MuseumTruth* truth);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

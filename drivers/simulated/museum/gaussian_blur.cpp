@@ -8,7 +8,7 @@
 #include "common/base/vector_clones.h"
 #include "drivers/simulated/museum/parallel_rows.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 /// Half of the kernel, from its middle. Sampled Gaussians of less than a pixel have another variance than they say, so
@@ -82,4 +82,4 @@ void blur_plane(std::vector<float>* plane, int width, int height, double sigma_p
   });
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -3,10 +3,10 @@
 
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Blurs a plane of floats in place, rows of `width`, with a normalised Gaussian cut off at four standard deviations.
 /// Outside of the plane its edge goes on. Nothing for a sigma of 0.
 void blur_plane(std::vector<float>* plane, int width, int height, double sigma_px, int threads);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

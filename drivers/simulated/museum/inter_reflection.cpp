@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr int kPieces = 3;  // Of a cell, each way.
@@ -15,7 +15,7 @@ struct Piece {
   Eigen::Vector3d normal;
 };
 
-std::vector<Piece> pieces_of(const TrueWall& wall, const WallPlace& low, const WallPlace& high) {
+std::vector<Piece> pieces_of(const TrueWall& wall, const WallPosition& low, const WallPosition& high) {
   std::vector<Piece> pieces;
   for (int j = 0; j < kPieces; ++j) {
     for (int i = 0; i < kPieces; ++i) {
@@ -72,8 +72,8 @@ InterReflection::InterReflection(const TrueWall& wall, const WallCells& cells, c
   }
   const Eigen::VectorXd areas = Eigen::Map<const Eigen::VectorXd>(areas_.data(), size);
   // In a sharp corner the sum over pieces is too large by a little; nothing may make light.
-  const double most = (exchanged * areas).maxCoeff();
-  if (most > 1.0) exchanged /= most;
+  const double max = (exchanged * areas).maxCoeff();
+  if (max > 1.0) exchanged /= max;
   made->form_factors = exchanged * areas.asDiagonal();
   for (std::size_t c = 0; c < 3; ++c) {
     if (c > 0 && albedo[c] == albedo[c - 1]) {
@@ -109,4 +109,4 @@ double InterReflection::form_factor(std::size_t i, std::size_t j) const {
   return matrices_->form_factors(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

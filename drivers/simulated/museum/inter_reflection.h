@@ -14,7 +14,7 @@
 
 #include "drivers/simulated/museum/wall_cells.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Reentrant.
 class InterReflection {
@@ -38,4 +38,4 @@ class InterReflection {
   std::unique_ptr<const Matrices> matrices_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -4,7 +4,7 @@
 #include <thread>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Calls work(begin, end) for consecutive ranges that cover [0, rows), on so many threads, and waits for all of them.
 /// What the ranges write must not meet.
@@ -16,4 +16,4 @@ void for_rows(int rows, int threads, const Work& work) {
   work(0, threads > 0 ? rows / threads : rows);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

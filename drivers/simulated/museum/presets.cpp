@@ -11,7 +11,7 @@
 #include "common/base/file.h"
 #include "drivers/simulated/museum/flaws.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -144,7 +144,7 @@ Result<Preset> make_preset(std::string_view name, std::uint32_t seed, const Pres
                  "a preset has 1 to 16 projectors, an overlap from 0 to 0.9 and a camera of at most 64 megapixels");
   }
   // A stream of its own per thing that is drawn, so that one more flaw does not change the others.
-  Draws draws(seed);
+  RandomStream draws(seed);
   Preset preset;
   const bool is_corner = name == "corner";
   const double half_corner = is_corner ? 0.5 * draws.stream("corner").between(90.0, 130.0) * kDegree : 0.0;
@@ -178,4 +178,4 @@ Status write_preset(const Preset& preset, const std::filesystem::path& folder) {
   return write_file_atomically(truth_path_beside(installation), preset.truth.text());
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

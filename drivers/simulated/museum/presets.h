@@ -18,7 +18,7 @@
 
 #include "drivers/simulated/museum/truth.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 struct PresetOptions {
   int projectors = 3;
@@ -41,4 +41,4 @@ Result<Preset> make_preset(std::string_view name, std::uint32_t seed, const Pres
 /// Writes installation.toml and truth.toml into a folder that is there.
 Status write_preset(const Preset& preset, const std::filesystem::path& folder);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

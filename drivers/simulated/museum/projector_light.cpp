@@ -10,7 +10,7 @@
 #include "drivers/simulated/museum/gaussian_blur.h"
 #include "drivers/simulated/museum/parallel_rows.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 using CodeTable = std::array<std::array<float, 256>, 3>;
@@ -85,4 +85,4 @@ const InterReflection::Light& ProjectorLight::direct_light(const TrueMuseum& mus
   return direct_;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

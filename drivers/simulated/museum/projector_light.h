@@ -7,7 +7,7 @@
 #include "common/image/image.h"
 #include "drivers/simulated/museum/true_museum.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// One channel of a camera sees this much of room colour; grey is a camera of one channel.
 using CameraChannel = RoomColour;
@@ -41,4 +41,4 @@ class ProjectorLight {
   InterReflection::Light direct_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

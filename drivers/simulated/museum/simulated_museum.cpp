@@ -15,7 +15,7 @@
 #include "drivers/simulated/museum/true_museum.h"
 #include "drivers/simulated/museum/true_sensor.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 template <int Channels>
@@ -124,10 +124,10 @@ void SimulatedMuseum::State::add_slow_light(const std::vector<std::vector<float>
   const auto width = static_cast<std::size_t>(truth.truth().camera.lens.pinhole().width_px);
   for (std::size_t pixel = static_cast<std::size_t>(begin) * width; pixel < static_cast<std::size_t>(end) * width;
        ++pixel) {
-    const CameraTable::Place& place = table->places[pixel];
-    if (place.part < 0) continue;
-    const auto share = truth.cells().share(
-        {static_cast<std::size_t>(place.part), static_cast<double>(place.across), static_cast<double>(place.along)});
+    const CameraTable::Place& position = table->positions[pixel];
+    if (position.part < 0) continue;
+    const auto share = truth.cells().share({static_cast<std::size_t>(position.part),
+                                            static_cast<double>(position.across), static_cast<double>(position.along)});
     for (std::size_t c = 0; c < cells.size(); ++c) {
       float light = 0.0f;
       for (std::size_t k = 0; k < 4; ++k) light += static_cast<float>(share.weights[k]) * cells[c][share.cells[k]];
@@ -324,4 +324,4 @@ Result<RgbPhotograph> SimulatedMuseum::photograph_colour(double exposure_s) {
 const TrueMuseum& SimulatedMuseum::truth() const { return state_->truth; }
 double SimulatedMuseum::true_plate_angle_rad() const { return state_->true_angle_rad; }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -18,7 +18,7 @@
 #include "common/image/image.h"
 #include "common/room/installation.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 struct MuseumTruth;
 class TrueMuseum;
@@ -77,4 +77,4 @@ class SimulatedMuseum {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -12,7 +12,7 @@
 #include "drivers/simulated/museum/gaussian_blur.h"
 #include "drivers/simulated/museum/parallel_rows.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 struct Touch {
@@ -125,21 +125,21 @@ CameraTable SimulatedShow::with_visitors(const CameraTable& table, std::size_t c
   const RigidTransform<frame::Room, frame::Camera>& T = cameras_[camera].T_room_camera;
   const auto width = static_cast<std::size_t>(cameras_[camera].optics.lens.pinhole().width_px);
   CameraTable made;
-  made.places = table.places;
-  std::vector<std::optional<TrueWall::Hit>> walls(made.places.size());
-  std::vector<std::optional<Touch>> people(made.places.size());
-  for_rows(static_cast<int>(made.places.size()), threads_, [&](int begin, int end) {
+  made.positions = table.positions;
+  std::vector<std::optional<TrueWall::Hit>> walls(made.positions.size());
+  std::vector<std::optional<Touch>> people(made.positions.size());
+  for_rows(static_cast<int>(made.positions.size()), threads_, [&](int begin, int end) {
     for (auto pixel = static_cast<std::size_t>(begin); pixel < static_cast<std::size_t>(end); ++pixel) {
-      const CameraTable::Place& place = table.places[pixel];
+      const CameraTable::Place& position = table.positions[pixel];
       const Eigen::Vector3d direction = T.rotation() * eye.directions[pixel];
       double far = 100.0;
-      if (place.part >= 0) {
-        walls[pixel] = museum_.wall().at({static_cast<std::size_t>(place.part), static_cast<double>(place.across),
-                                          static_cast<double>(place.along)});
+      if (position.part >= 0) {
+        walls[pixel] = museum_.wall().at({static_cast<std::size_t>(position.part), static_cast<double>(position.across),
+                                          static_cast<double>(position.along)});
         far = (walls[pixel]->point.xyz - T.translation()).norm() / std::max(direction.norm(), 1e-9);
       }
       people[pixel] = touch(visitors_, T.translation(), direction, far);
-      if (people[pixel]) made.places[pixel].part = -1;
+      if (people[pixel]) made.positions[pixel].part = -1;
     }
   });
   for (std::size_t i = 0; i < table.projectors.size(); ++i) {
@@ -208,7 +208,7 @@ Result<GreyImage> SimulatedShow::photograph(std::size_t camera, double exposure_
   const CameraTable& table = table_of(camera);
   const std::vector<float> cells = slow_light(channel);
   const double surround = museum_.truth().surround_nits * (channel[0] + channel[1] + channel[2]);
-  std::vector<float> plane(table.places.size(), static_cast<float>(surround));
+  std::vector<float> plane(table.positions.size(), static_cast<float>(surround));
   std::vector<const ProjectorLight::Plane*> shone(lights_.size(), nullptr);
   for (std::size_t i = 0; i < lights_.size(); ++i) {
     if (!lights_[i].is_dark()) shone[i] = &lights_[i].planes(museum_, i, {channel}, threads_).front();
@@ -217,10 +217,11 @@ Result<GreyImage> SimulatedShow::photograph(std::size_t camera, double exposure_
     const auto first = static_cast<std::size_t>(begin) * static_cast<std::size_t>(width);
     const auto last = static_cast<std::size_t>(end) * static_cast<std::size_t>(width);
     for (std::size_t pixel = first; pixel < last; ++pixel) {
-      const CameraTable::Place& place = table.places[pixel];
-      if (place.part < 0) continue;
-      const auto share = museum_.cells().share(
-          {static_cast<std::size_t>(place.part), static_cast<double>(place.across), static_cast<double>(place.along)});
+      const CameraTable::Place& position = table.positions[pixel];
+      if (position.part < 0) continue;
+      const auto share =
+          museum_.cells().share({static_cast<std::size_t>(position.part), static_cast<double>(position.across),
+                                 static_cast<double>(position.along)});
       float light = 0.0f;
       for (std::size_t k = 0; k < 4; ++k) light += static_cast<float>(share.weights[k]) * cells[share.cells[k]];
       plane[pixel] = light;
@@ -257,4 +258,4 @@ Result<GreyImage> SimulatedShow::photograph(std::size_t camera, double exposure_
   return to_8_bits(codes, optics.bits);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -19,7 +19,7 @@
 #include "drivers/simulated/museum/simulated_museum.h"
 #include "drivers/simulated/museum/true_sensor.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Optics as a calibration's camera has them; without rolling shutter.
 struct FixedCamera {
@@ -80,4 +80,4 @@ class SimulatedShow {
   std::uint64_t photographs_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -11,7 +11,7 @@
 #include "common/base/check.h"
 #include "drivers/simulated/museum/simulated_show.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -134,4 +134,4 @@ Result<GreyImage> SimulatedStage::photograph(std::size_t camera, double exposure
   return state_->show.photograph(camera, exposure_s);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -14,7 +14,7 @@
 #include "common/base/result.h"
 #include "common/image/image.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Thread-safe.
 class SimulatedStage {
@@ -57,4 +57,4 @@ class SimulatedStage {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

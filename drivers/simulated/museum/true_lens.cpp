@@ -4,10 +4,10 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
-constexpr double kWidestOfAll = 20.0;  // 87 degrees from the axis; no pinhole picture reaches farther.
+constexpr double kMaxTangent = 20.0;  // 87 degrees from the axis; no pinhole picture reaches farther.
 
 /// The derivative of the distorted radius by the radius, whose first root is where the lens turns back.
 double radial_slope(const std::array<double, 3>& k, double r) {
@@ -21,7 +21,7 @@ double turning_radius(const std::array<double, 3>& k) {
   for (int i = 1; i <= kSteps; ++i) {
     // Steps grow with the radius: distortion that turns back does so near the axis.
     const double part = static_cast<double>(i) / kSteps;
-    const double r = kWidestOfAll * part * part;
+    const double r = kMaxTangent * part * part;
     if (radial_slope(k, r) > 0.0) {
       inside = r;
       continue;
@@ -33,13 +33,13 @@ double turning_radius(const std::array<double, 3>& k) {
     }
     return inside;
   }
-  return kWidestOfAll;
+  return kMaxTangent;
 }
 
 }  // namespace
 
 TrueLens::TrueLens(const Pinhole& pinhole, const std::array<double, 3>& radial, const std::array<double, 2>& tangential)
-    : pinhole_(pinhole), radial_(radial), tangential_(tangential), widest_(turning_radius(radial)) {}
+    : pinhole_(pinhole), radial_(radial), tangential_(tangential), max_tangent_(turning_radius(radial)) {}
 
 Eigen::Vector2d TrueLens::distorted(const Eigen::Vector2d& ideal) const {
   const double x = ideal.x();
@@ -66,11 +66,11 @@ Eigen::Matrix2d TrueLens::derivative(const Eigen::Vector2d& ideal) const {
 }
 
 std::optional<Eigen::Vector2d> TrueLens::undistorted(const Eigen::Vector2d& seen) const {
-  constexpr int kMostSteps = 50;
+  constexpr int kMaxSteps = 50;
   constexpr double kClose = 1e-13;
   Eigen::Vector2d ideal = seen;
-  if (ideal.norm() > 0.9 * widest_) ideal *= 0.9 * widest_ / ideal.norm();
-  for (int i = 0; i < kMostSteps; ++i) {
+  if (ideal.norm() > 0.9 * max_tangent_) ideal *= 0.9 * max_tangent_ / ideal.norm();
+  for (int i = 0; i < kMaxSteps; ++i) {
     const Eigen::Vector2d off = distorted(ideal) - seen;
     if (!off.allFinite()) return std::nullopt;
     if (off.norm() <= kClose * (1.0 + seen.norm())) break;
@@ -78,7 +78,7 @@ std::optional<Eigen::Vector2d> TrueLens::undistorted(const Eigen::Vector2d& seen
     if (!(slope.determinant() > 1e-12)) return std::nullopt;
     ideal -= slope.inverse() * off;
     // Beyond the turning radius Newton would find the ray that is none.
-    if (ideal.norm() > widest_) ideal *= widest_ * (1.0 - 1e-9) / ideal.norm();
+    if (ideal.norm() > max_tangent_) ideal *= max_tangent_ * (1.0 - 1e-9) / ideal.norm();
   }
   if (!((distorted(ideal) - seen).norm() <= 1e-12 * (1.0 + seen.norm()))) return std::nullopt;
   return ideal;
@@ -87,7 +87,7 @@ std::optional<Eigen::Vector2d> TrueLens::undistorted(const Eigen::Vector2d& seen
 std::optional<Eigen::Vector2d> TrueLens::pixel_of(const Eigen::Vector3d& point) const {
   if (!(point.z() > 1e-12)) return std::nullopt;
   const Eigen::Vector2d ideal = point.head<2>() / point.z();
-  if (!(ideal.norm() < widest_)) return std::nullopt;
+  if (!(ideal.norm() < max_tangent_)) return std::nullopt;
   const Eigen::Vector2d seen = distorted(ideal);
   return Eigen::Vector2d(pinhole_.centre_u_px + pinhole_.focal_px * seen.x(),
                          pinhole_.centre_v_px + pinhole_.focal_px * seen.y());
@@ -99,4 +99,4 @@ std::optional<Eigen::Vector3d> TrueLens::direction_at(double u, double v) const 
   return Eigen::Vector3d(ideal->x(), ideal->y(), 1.0);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

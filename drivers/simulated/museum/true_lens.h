@@ -7,7 +7,7 @@
 
 #include "common/room/pinhole.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// A lens with the distortion of Brown ("Decentering Distortion of Lenses", 1966), in OpenCV's order and signs, so that
 /// a calibration's figures can be compared one by one:
@@ -26,7 +26,7 @@ class TrueLens {
   [[nodiscard]] const std::array<double, 3>& radial() const { return radial_; }
   [[nodiscard]] const std::array<double, 2>& tangential() const { return tangential_; }
   /// Of the ideal point; rays farther from the axis are not seen.
-  [[nodiscard]] double widest_tangent() const { return widest_; }
+  [[nodiscard]] double max_tangent() const { return max_tangent_; }
 
   [[nodiscard]] Eigen::Vector2d distorted(const Eigen::Vector2d& ideal) const;
   /// Of distorted() by ideal.
@@ -43,7 +43,7 @@ class TrueLens {
   Pinhole pinhole_;
   std::array<double, 3> radial_{};
   std::array<double, 2> tangential_{};
-  double widest_ = 1e3;
+  double max_tangent_ = 1e3;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

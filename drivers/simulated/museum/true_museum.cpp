@@ -11,7 +11,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr int kBlock = 8;  // Pixels each way whose light falls on the wall as one: cells are far larger.
@@ -27,7 +27,7 @@ double pixel_flux(const TrueProjector& p, const Eigen::Vector2d& ideal) {
 }  // namespace
 
 Result<TrueMuseum> TrueMuseum::make(Installation installation, MuseumTruth truth) {
-  TRY_ASSIGN(TrueWall wall, TrueWall::make(truth.wall, truth.T_room_wall, truth.relief));
+  TRY_ASSIGN(TrueWall wall, TrueWall::make(truth.wall, truth.T_room_wall, truth.deviation));
   if (truth.projectors.size() != installation.projectors.size()) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("the truth has {} projectors and the installation {}",
                                                           truth.projectors.size(), installation.projectors.size()));
@@ -82,7 +82,7 @@ std::vector<TrueMuseum::Deposit> TrueMuseum::deposits_of(std::size_t projector) 
       const auto at = wall_at(projector, u, v);
       const auto direction = p.lens.direction_at(u, v);
       if (!at || !direction) continue;
-      deposit = {pixel_flux(p, direction->head<2>()), cells_.share(at->place)};
+      deposit = {pixel_flux(p, direction->head<2>()), cells_.share(at->position)};
     }
   }
   return deposits;
@@ -117,7 +117,7 @@ double TrueMuseum::gain_lux(std::size_t projector, const TrueWall::Hit& at) cons
   const Eigen::Vector3d towards = p.T_room_projector.translation() - at.point.xyz;
   const double distance = towards.norm();
   const double on_wall = at.normal.dot(towards) / distance;
-  if (!(on_wall > 0.0) || !(ideal.norm() < p.lens.widest_tangent())) return 0.0;
+  if (!(on_wall > 0.0) || !(ideal.norm() < p.lens.max_tangent())) return 0.0;
   const double focal = p.lens.pinhole().focal_px;
   const double steepness = std::pow(1.0 + ideal.squaredNorm(), 1.5);  // 1 / cos^3
   const double px_per_sr = focal * focal * std::abs(p.lens.derivative(ideal).determinant()) * steepness;
@@ -207,7 +207,7 @@ RoomColour TrueMuseum::radiance_at(const TrueWall::Hit& at, std::span<const RgbI
   }
   if (inter_reflection_) {
     const auto indirect = inter_reflection_->indirect(cells);
-    const WallCells::Share share = cells_.share(at.place);
+    const WallCells::Share share = cells_.share(at.position);
     for (std::size_t k = 0; k < 4; ++k) {
       for (std::size_t r = 0; r < 3; ++r) lux[r] += share.weights[k] * indirect[share.cells[k]][r];
     }
@@ -227,4 +227,4 @@ Point<frame::Room> TrueMuseum::turning_point() const {
   return truth_.plate.T_room_plate * Point<frame::Plate>{Eigen::Vector3d(0.0, camera.y(), 0.0)};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

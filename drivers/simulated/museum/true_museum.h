@@ -18,7 +18,7 @@
 #include "drivers/simulated/museum/true_wall.h"
 #include "drivers/simulated/museum/truth.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Thread-safe: nothing changes once it is made.
 class TrueMuseum {
@@ -82,4 +82,4 @@ class TrueMuseum {
   std::vector<std::array<std::array<double, 256>, 3>> light_of_code_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

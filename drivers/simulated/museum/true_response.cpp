@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 double TrueResponse::at(double x) const {
   if (!(x > 0.0)) return 0.0;
@@ -15,4 +15,4 @@ double TrueResponse::at(double x) const {
   return std::clamp(light, 0.0, 1.0);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// What comes out of a projector's channel for a code value, or of a sensor's amplifier for a charge: both in [0, 1].
 ///
@@ -19,4 +19,4 @@ struct TrueResponse {
   [[nodiscard]] double at(double x) const;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr std::size_t kSteps = 1u << 16;  // Of the amplifier's table.
@@ -52,16 +52,16 @@ TrueSensor::TrueSensor(const TrueCamera& camera)
       read_variance_(static_cast<float>(camera.read_noise_e * camera.read_noise_e)),
       has_shot_noise_(camera.has_shot_noise),
       pedestal_(static_cast<float>(camera.pedestal)),
-      largest_code_(static_cast<float>((1 << camera.bits) - 1)),
+      max_code_(static_cast<float>((1 << camera.bits) - 1)),
       response_(camera.response) {
   for (std::size_t i = 0; i <= kSteps; ++i) {
-    codes_.push_back(largest_code_ * static_cast<float>(response_.at(static_cast<double>(i) / kSteps)));
+    codes_.push_back(max_code_ * static_cast<float>(response_.at(static_cast<double>(i) / kSteps)));
   }
   codes_.push_back(codes_.back());
 }
 
 double TrueSensor::expected_code(double electrons) const {
-  return static_cast<double>(largest_code_) *
+  return static_cast<double>(max_code_) *
          response_.at(electrons / static_cast<double>(full_well_e_) + static_cast<double>(pedestal_));
 }
 
@@ -86,4 +86,4 @@ void TrueSensor::read_row(std::span<const float> electrons, std::uint64_t stream
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

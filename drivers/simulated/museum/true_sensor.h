@@ -10,7 +10,7 @@
 
 #include "drivers/simulated/museum/truth.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Reentrant.
 class TrueSensor {
@@ -29,7 +29,7 @@ class TrueSensor {
   float read_variance_;
   bool has_shot_noise_;
   float pedestal_;
-  float largest_code_;
+  float max_code_;
   TrueResponse response_;
   std::vector<float> codes_;  ///< At even steps of the amplifier's input, up to 1.
 };
@@ -40,4 +40,4 @@ class TrueSensor {
 /// Normal deviates of mean 0 and variance 1, at the middles of equally probable steps, a power of two of them.
 [[nodiscard]] std::span<const float> normal_quantiles();
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -9,7 +9,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -47,11 +47,11 @@ std::optional<double> marched(const Above& above, double farthest) {
   return std::nullopt;
 }
 
-/// Follows a ray to the first place where `above` turns negative; `guess` is where it meets the shape without relief.
+/// Follows a ray to the first place where `above` turns negative; `guess` is where it meets the shape without deviation.
 template <typename Above>
 std::optional<double> first_crossing(const Above& above, double guess, double farthest, bool is_grazing) {
   if (is_grazing) return marched(above, farthest);
-  // Secant from the shape without relief: a handful of steps.
+  // Secant from the shape without deviation: a handful of steps.
   double t0 = guess;
   double f0 = above(t0);
   double t1 = t0 + f0;
@@ -73,32 +73,33 @@ std::optional<double> first_crossing(const Above& above, double guess, double fa
 }  // namespace
 
 Result<TrueWall> TrueWall::make(Wall shape, const RigidTransform<frame::Room, frame::Room>& T_room_wall,
-                                Relief relief) {
+                                WallDeviation deviation) {
   if (std::holds_alternative<MeshWall>(shape)) {
     return Error(ErrorCode::kInvalidArgument,
                  "a simulated wall cannot be a mesh; take a cylinder, a plane or a dome and add a relief");
   }
   const auto* planes = std::get_if<PlanesWall>(&shape);
-  if (planes != nullptr && planes->rectangles.size() > 1 && !relief.is_flat()) {
+  if (planes != nullptr && planes->rectangles.size() > 1 && !deviation.is_flat()) {
     return Error(ErrorCode::kInvalidArgument,
                  "a relief on several planes would tear at their edges; leave it out, or take one plane");
   }
   if (planes != nullptr && planes->rectangles.empty())
     return Error(ErrorCode::kInvalidArgument, "a wall of planes needs at least one");
-  return TrueWall(std::move(shape), T_room_wall, std::move(relief));
+  return TrueWall(std::move(shape), T_room_wall, std::move(deviation));
 }
 
-TrueWall::TrueWall(Wall shape, const RigidTransform<frame::Room, frame::Room>& T_room_wall, Relief relief)
+TrueWall::TrueWall(Wall shape, const RigidTransform<frame::Room, frame::Room>& T_room_wall, WallDeviation deviation)
     : shape_(std::move(shape)),
       T_room_wall_(T_room_wall),
       T_wall_room_(T_room_wall.inverse()),
-      relief_(std::move(relief)) {
-  if (relief_.is_flat()) return;
+      deviation_(std::move(deviation)) {
+  if (deviation_.is_flat()) return;
   constexpr int kSamples = 200;
   for (int j = 0; j <= kSamples; ++j) {
     for (int i = 0; i <= kSamples; ++i) {
-      const Surface at = surface_of(WallPlace{0, static_cast<double>(i) / kSamples, static_cast<double>(j) / kSamples});
-      const Relief::Height height = relief_.at(at.s_m, at.t_m);
+      const Surface at =
+          surface_of(WallPosition{0, static_cast<double>(i) / kSamples, static_cast<double>(j) / kSamples});
+      const WallDeviation::Height height = deviation_.at(at.s_m, at.t_m);
       steepest_ = std::max(steepest_, std::hypot(height.by_s, height.by_t));
     }
   }
@@ -139,7 +140,7 @@ TrueWall::Surface TrueWall::surface_of(const Eigen::Vector3d& point, std::size_t
 }
 
 Eigen::Vector3d TrueWall::point_of(const Surface& at) const {
-  const double height = relief_.is_flat() ? 0.0 : relief_.at(at.s_m, at.t_m).m;
+  const double height = deviation_.is_flat() ? 0.0 : deviation_.at(at.s_m, at.t_m).m;
   if (const auto* cylinder = std::get_if<CylinderWall>(&shape_)) {
     CylinderWall standing_out = *cylinder;
     standing_out.radius_m -= height;
@@ -156,7 +157,7 @@ Eigen::Vector3d TrueWall::point_of(const Surface& at) const {
 }
 
 Eigen::Vector3d TrueWall::normal_of(const Surface& at) const {
-  const Relief::Height h = relief_.is_flat() ? Relief::Height{} : relief_.at(at.s_m, at.t_m);
+  const WallDeviation::Height h = deviation_.is_flat() ? WallDeviation::Height{} : deviation_.at(at.s_m, at.t_m);
   if (const auto* cylinder = std::get_if<CylinderWall>(&shape_)) {
     const double arc_angle = at.s_m / cylinder->radius_m;
     const Eigen::Vector3d inwards(-std::sin(arc_angle), 0.0, std::cos(arc_angle));
@@ -170,7 +171,7 @@ Eigen::Vector3d TrueWall::normal_of(const Surface& at) const {
   }
   const auto& dome = std::get<DomeWall>(shape_);
   const Eigen::Vector3d point = point_of(at);
-  if (relief_.is_flat()) return (dome.centre.xyz - point).normalized();
+  if (deviation_.is_flat()) return (dome.centre.xyz - point).normalized();
   // The coordinates of a dome stretch away from the axis, so the slopes are taken from the points themselves.
   constexpr double kStep_m = 1e-5;
   const auto moved = [&](double s, double t) { return point_of({0, at.s_m + s, at.t_m + t, 0.0}); };
@@ -180,31 +181,31 @@ Eigen::Vector3d TrueWall::normal_of(const Surface& at) const {
   return normal.dot(dome.centre.xyz - point) > 0.0 ? normal : Eigen::Vector3d(-normal);
 }
 
-std::optional<WallPlace> TrueWall::place_of(const Surface& at) const {
-  WallPlace place{at.part, 0.0, 0.0};
+std::optional<WallPosition> TrueWall::place_of(const Surface& at) const {
+  WallPosition position{at.part, 0.0, 0.0};
   if (const auto* dome = std::get_if<DomeWall>(&shape_)) {
-    place.across = std::atan2(at.t_m, at.s_m) / kTurn;
-    if (place.across < 0.0) place.across += 1.0;
+    position.across = std::atan2(at.t_m, at.s_m) / kTurn;
+    if (position.across < 0.0) position.across += 1.0;
     const double whole = 1.0 - std::cos(0.5 * dome->field_rad);
-    place.along = (1.0 - std::cos(std::hypot(at.s_m, at.t_m) / dome->radius_m)) / whole;
+    position.along = (1.0 - std::cos(std::hypot(at.s_m, at.t_m) / dome->radius_m)) / whole;
   } else {
     const Eigen::Vector2d size = size_m(at.part);
-    place.across = at.s_m / size.x() + 0.5;
-    place.along = at.t_m / size.y() + 0.5;
+    position.across = at.s_m / size.x() + 0.5;
+    position.along = at.t_m / size.y() + 0.5;
   }
   const auto is_inside = [](double x) { return x >= -kOnTheEdge && x <= 1.0 + kOnTheEdge; };
-  if (!is_inside(place.across) || !is_inside(place.along)) return std::nullopt;
-  return place;
+  if (!is_inside(position.across) || !is_inside(position.along)) return std::nullopt;
+  return position;
 }
 
-TrueWall::Surface TrueWall::surface_of(const WallPlace& place) const {
+TrueWall::Surface TrueWall::surface_of(const WallPosition& position) const {
   if (const auto* dome = std::get_if<DomeWall>(&shape_)) {
     const double whole = 1.0 - std::cos(0.5 * dome->field_rad);
-    const double arc = dome->radius_m * std::acos(std::clamp(1.0 - place.along * whole, -1.0, 1.0));
-    return {0, arc * std::cos(kTurn * place.across), arc * std::sin(kTurn * place.across), 0.0};
+    const double arc = dome->radius_m * std::acos(std::clamp(1.0 - position.along * whole, -1.0, 1.0));
+    return {0, arc * std::cos(kTurn * position.across), arc * std::sin(kTurn * position.across), 0.0};
   }
-  const Eigen::Vector2d size = size_m(place.part);
-  return {place.part, (place.across - 0.5) * size.x(), (place.along - 0.5) * size.y(), 0.0};
+  const Eigen::Vector2d size = size_m(position.part);
+  return {position.part, (position.across - 0.5) * size.x(), (position.along - 0.5) * size.y(), 0.0};
 }
 
 std::optional<Eigen::Vector3d> TrueWall::meet(const RoomRay& ray, std::size_t part) const {
@@ -212,28 +213,28 @@ std::optional<Eigen::Vector3d> TrueWall::meet(const RoomRay& ray, std::size_t pa
   std::optional<Point<frame::Room>> guess;
   if (const auto* planes = std::get_if<PlanesWall>(&shape_)) {
     const PlanesWall one{{planes->rectangles[part]}};
-    guess = relief_.is_flat() ? one.hit(unit) : one.endless_hit(unit);
+    guess = deviation_.is_flat() ? one.hit(unit) : one.hit_extended(unit);
   } else {
-    guess = relief_.is_flat() ? cyclorama::hit(shape_, unit) : cyclorama::endless_hit(shape_, unit);
+    guess = deviation_.is_flat() ? cyclorama::hit(shape_, unit) : cyclorama::hit_extended(shape_, unit);
   }
   if (!guess) return std::nullopt;
-  if (relief_.is_flat()) return guess->xyz;
+  if (deviation_.is_flat()) return guess->xyz;
   const auto above = [&](double t) {
     const Surface at = surface_of(Eigen::Vector3d(unit.origin.xyz + t * unit.direction), part);
-    return at.above_m - relief_.at(at.s_m, at.t_m).m;
+    return at.above_m - deviation_.at(at.s_m, at.t_m).m;
   };
   const double straight = (guess->xyz - unit.origin.xyz).dot(unit.direction);
   constexpr double kStep_m = 1e-4;
   const Eigen::Vector3d before = guess->xyz - kStep_m * unit.direction;
   const double steepness = surface_of(before, part).above_m / kStep_m;
   const bool is_grazing = steepness < 1.2 * steepest_ + 0.02;
-  const auto t = first_crossing(above, straight, straight + 20.0 * relief_.bound_m() + 0.1, is_grazing);
+  const auto t = first_crossing(above, straight, straight + 20.0 * deviation_.bound_m() + 0.1, is_grazing);
   if (!t) return std::nullopt;
   return unit.origin.xyz + *t * unit.direction;
 }
 
-TrueWall::Hit TrueWall::made(const Surface& surface, const Eigen::Vector3d& point, const WallPlace& place) const {
-  return {T_room_wall_ * Point<frame::Room>{point}, T_room_wall_.rotation() * normal_of(surface), place};
+TrueWall::Hit TrueWall::made(const Surface& surface, const Eigen::Vector3d& point, const WallPosition& position) const {
+  return {T_room_wall_ * Point<frame::Room>{point}, T_room_wall_.rotation() * normal_of(surface), position};
 }
 
 std::optional<TrueWall::Hit> TrueWall::hit(const RoomRay& ray) const {
@@ -246,10 +247,10 @@ std::optional<TrueWall::Hit> TrueWall::hit(const RoomRay& ray) const {
     const double distance = (*point - inner.origin.xyz).norm();
     if (!(distance < nearest)) continue;
     const Surface surface = surface_of(*point, part);
-    const auto place = place_of(surface);
-    if (!place) continue;
+    const auto position = place_of(surface);
+    if (!position) continue;
     nearest = distance;
-    first = made(surface, *point, *place);
+    first = made(surface, *point, *position);
   }
   return first;
 }
@@ -259,23 +260,23 @@ bool TrueWall::is_reached(const Hit& at, const Point<frame::Room>& source) const
   return cyclorama::is_reached(shape_, T_wall_room_ * at.point, T_wall_room_ * source);
 }
 
-TrueWall::Hit TrueWall::at(const WallPlace& place) const {
-  CHECK(place.part < part_count());
-  const Surface surface = surface_of(place);
-  return made(surface, point_of(surface), place);
+TrueWall::Hit TrueWall::at(const WallPosition& position) const {
+  CHECK(position.part < part_count());
+  const Surface surface = surface_of(position);
+  return made(surface, point_of(surface), position);
 }
 
-double TrueWall::area_m2(const WallPlace& low, const WallPlace& high) const {
+double TrueWall::area_m2(const WallPosition& low, const WallPosition& high) const {
   const double across = high.across - low.across;
   const double along = high.along - low.along;
-  if (relief_.is_flat()) {
+  if (deviation_.is_flat()) {
     if (const auto* dome = std::get_if<DomeWall>(&shape_)) {
       const double whole = kTurn * dome->radius_m * dome->radius_m * (1.0 - std::cos(0.5 * dome->field_rad));
       return whole * across * along;
     }
     return size_m(low.part).prod() * across * along;
   }
-  // Midpoint differences; cells are small against the relief.
+  // Midpoint differences; cells are small against the deviation.
   const auto middle = [&](double a, double b) {
     return at({low.part, low.across + a * across, low.along + b * along}).point.xyz;
   };
@@ -284,4 +285,4 @@ double TrueWall::area_m2(const WallPlace& low, const WallPlace& high) const {
   return wide.cross(high_side).norm();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -8,7 +8,7 @@
 #include "common/config/config.h"
 #include "common/room/read_wall.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr double kMany = 1e6;
@@ -73,17 +73,18 @@ TrueLens lens_of(ConfigTable table) {
   return TrueLens(pinhole, {k[0], k[1], k[2]}, {p[0], p[1]});
 }
 
-Relief relief_of(ConfigTable table) {
-  Relief relief;
+WallDeviation deviation_of(ConfigTable table) {
+  WallDeviation deviation;
   for (ConfigTable& wave : table.tables("wave")) {
-    relief.waves.push_back({wave.number("height_m", {-1.0, 1.0}), wave.number("s_rad_per_m", {-100.0, 100.0}),
-                            wave.number("t_rad_per_m", {-100.0, 100.0}), wave.number("phase_rad", {-10.0, 10.0}, 0.0)});
+    deviation.waves.push_back({wave.number("height_m", {-1.0, 1.0}), wave.number("s_rad_per_m", {-100.0, 100.0}),
+                               wave.number("t_rad_per_m", {-100.0, 100.0}),
+                               wave.number("phase_rad", {-10.0, 10.0}, 0.0)});
   }
   for (ConfigTable& bump : table.tables("bump")) {
-    relief.bumps.push_back({bump.number("height_m", {-1.0, 1.0}), bump.number("s_m", kMetres),
-                            bump.number("t_m", kMetres), bump.number("sigma_m", {0.01, 100.0})});
+    deviation.bumps.push_back({bump.number("height_m", {-1.0, 1.0}), bump.number("s_m", kMetres),
+                               bump.number("t_m", kMetres), bump.number("sigma_m", {0.01, 100.0})});
   }
-  return relief;
+  return deviation;
 }
 
 TrueProjector projector_of(ConfigTable table) {
@@ -156,7 +157,7 @@ Result<MuseumTruth> MuseumTruth::parse(std::string_view text, std::string name, 
   MuseumTruth truth;
   if (const auto wall = read_wall(root.table("wall"), folder)) truth.wall = *wall;
   truth.T_room_wall = transform_of<frame::Room, frame::Room>(root.table("wall_pose"));
-  truth.relief = relief_of(root.table("relief"));
+  truth.deviation = deviation_of(root.table("relief"));
   truth.albedo = colour_of(&root, "albedo", {0.0, 0.99}, truth.albedo);
   truth.ambient_lux = colour_of(&root, "ambient_lux", kNotNegative, truth.ambient_lux);
   truth.surround_nits = root.number("surround_nits", kNotNegative, truth.surround_nits);
@@ -178,4 +179,4 @@ std::filesystem::path truth_path_beside(const std::filesystem::path& installatio
   return installation.parent_path() / "truth.toml";
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -15,15 +15,15 @@
 
 #include "common/base/result.h"
 #include "common/room/installation.h"
-#include "drivers/simulated/museum/relief.h"
 #include "drivers/simulated/museum/true_lens.h"
 #include "drivers/simulated/museum/true_response.h"
+#include "drivers/simulated/museum/wall_deviation.h"
 
-namespace cyclorama {
-
-namespace frame {
+namespace cyclorama::frame {
 struct Plate;  ///< A turn-plate at angle 0: y along its axis, upwards; x right, z back.
-}  // namespace frame
+}  // namespace cyclorama::frame
+
+namespace cyclorama::simulated {
 
 using RoomColour = std::array<double, 3>;
 using ColourMatrix = std::array<RoomColour, 3>;  ///< Rows.
@@ -74,7 +74,7 @@ struct TruePlate {
 struct MuseumTruth {
   Wall wall;
   RigidTransform<frame::Room, frame::Room> T_room_wall;  ///< Moves the wall from where its numbers say.
-  Relief relief;
+  WallDeviation deviation;
   RoomColour albedo{0.8, 0.8, 0.8};
   RoomColour ambient_lux{};    ///< Falls on the whole wall.
   double surround_nits = 0.0;  ///< What the camera sees beside the wall.
@@ -97,4 +97,4 @@ struct MuseumTruth {
 /// Where the truth of an installation lies.
 [[nodiscard]] std::filesystem::path truth_path_beside(const std::filesystem::path& installation);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -9,7 +9,7 @@
 #include "common/base/check.h"
 #include "drivers/simulated/museum/truth.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -142,14 +142,14 @@ std::string MuseumTruth::text() const {
   writer.key("cells", cells);
   std::visit([&](const auto& shape) { writer.shape(shape); }, wall);
   writer.pose("wall_pose", T_room_wall);
-  for (const Relief::Wave& wave : relief.waves) {
+  for (const WallDeviation::Wave& wave : deviation.waves) {
     writer.item("relief.wave");
     writer.key("height_m", wave.height_m);
     writer.key("s_rad_per_m", wave.s_rad_per_m);
     writer.key("t_rad_per_m", wave.t_rad_per_m);
     writer.key("phase_rad", wave.phase_rad);
   }
-  for (const Relief::Bump& bump : relief.bumps) {
+  for (const WallDeviation::Bump& bump : deviation.bumps) {
     writer.item("relief.bump");
     writer.key("height_m", bump.height_m);
     writer.key("s_m", bump.s_m);
@@ -162,4 +162,4 @@ std::string MuseumTruth::text() const {
   return writer.text;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

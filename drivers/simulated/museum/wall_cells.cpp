@@ -6,7 +6,7 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 WallCells::WallCells(const TrueWall& wall, int about) : goes_round_(wall.goes_round()) {
   double area = 0.0;
@@ -21,7 +21,7 @@ WallCells::WallCells(const TrueWall& wall, int about) : goes_round_(wall.goes_ro
   }
 }
 
-WallPlace WallCells::corner(std::size_t cell, int end) const {
+WallPosition WallCells::corner(std::size_t cell, int end) const {
   CHECK(cell < count_);
   std::size_t part = grids_.size() - 1;
   while (grids_[part].first > cell) --part;
@@ -31,10 +31,10 @@ WallPlace WallCells::corner(std::size_t cell, int end) const {
           static_cast<double>(index / grid.columns + end) / grid.rows};
 }
 
-WallCells::Share WallCells::share(const WallPlace& place) const {
-  const Grid& grid = grids_[place.part];
-  const double x = place.across * grid.columns - 0.5;
-  const double y = std::clamp(place.along * grid.rows - 0.5, 0.0, grid.rows - 1.0);
+WallCells::Share WallCells::share(const WallPosition& position) const {
+  const Grid& grid = grids_[position.part];
+  const double x = position.across * grid.columns - 0.5;
+  const double y = std::clamp(position.along * grid.rows - 0.5, 0.0, grid.rows - 1.0);
   const double inside_x = goes_round_ ? x : std::clamp(x, 0.0, grid.columns - 1.0);
   const int x0 = static_cast<int>(std::floor(inside_x));
   const int y0 = std::min(static_cast<int>(y), grid.rows - 2);
@@ -51,4 +51,4 @@ WallCells::Share WallCells::share(const WallPlace& place) const {
           {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

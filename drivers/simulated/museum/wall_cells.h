@@ -8,7 +8,7 @@
 
 #include "drivers/simulated/museum/true_wall.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// A wall cut into cells, rows of columns per part, to hold light that varies slowly. A value; reentrant.
 class WallCells {
@@ -30,15 +30,15 @@ class WallCells {
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] const std::vector<Grid>& grids() const { return grids_; }
   /// Corners of a cell: where it begins, and where it ends.
-  [[nodiscard]] WallPlace low(std::size_t cell) const { return corner(cell, 0); }
-  [[nodiscard]] WallPlace high(std::size_t cell) const { return corner(cell, 1); }
-  [[nodiscard]] Share share(const WallPlace& place) const;
+  [[nodiscard]] WallPosition low(std::size_t cell) const { return corner(cell, 0); }
+  [[nodiscard]] WallPosition high(std::size_t cell) const { return corner(cell, 1); }
+  [[nodiscard]] Share share(const WallPosition& position) const;
 
  private:
-  [[nodiscard]] WallPlace corner(std::size_t cell, int end) const;
+  [[nodiscard]] WallPosition corner(std::size_t cell, int end) const;
   std::vector<Grid> grids_;
   std::size_t count_ = 0;
   bool goes_round_ = false;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -8,7 +8,7 @@
 #include "common/base/check.h"
 #include "common/image/colour.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr float kWallAlbedo = 0.9f;
@@ -20,7 +20,7 @@ constexpr float kFloorInTheDark = 0.0012f;
 constexpr std::size_t kPatches = 96;
 constexpr int kFloorCells = 24;
 constexpr std::size_t kAround = 1000;
-constexpr double kWidestHalf = 1.2;  // Of the eye's view.
+constexpr double kMaxHalfWidth = 1.2;  // Of the eye's view.
 
 struct SrgbTable {
   std::array<float, 256> linear{};
@@ -89,7 +89,7 @@ RoomEye RoomEye::behind_visitor(const Installation& installation, int width_px, 
     const double along = std::atan(aspect * std::abs(p.y()) / std::max(p.z(), 1e-9));
     half_view = std::max({half_view, 1.12 * across, 1.04 * along});
   }
-  eye.lens = Pinhole::from_field_of_view(width_px, height_px, 2.0 * std::min(half_view, kWidestHalf));
+  eye.lens = Pinhole::from_field_of_view(width_px, height_px, 2.0 * std::min(half_view, kMaxHalfWidth));
   return eye;
 }
 
@@ -201,4 +201,4 @@ RgbImage RoomPicture::photograph(std::span<const RgbImage> projector_pictures) c
   return photograph;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

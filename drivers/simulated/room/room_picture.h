@@ -21,7 +21,7 @@
 #include "common/room/installation.h"
 #include "common/room/pinhole.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// Who looks: a distortion-free camera standing in the room.
 struct RoomEye {
@@ -72,4 +72,4 @@ class RoomPicture {
   std::vector<std::uint32_t> unlit_wall_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -12,7 +12,7 @@
 #include "drivers/simulated/room/room_picture.h"
 #include "drivers/simulated/room/stereo_glasses.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr auto kShutdownGrace = std::chrono::milliseconds(200);
@@ -36,7 +36,7 @@ class ProjectorLight {
   /// Keeps the last picture while the display is away, as a projector that is on does with a lost signal's last frame.
   void refresh(RgbImage* picture) {
     if (!reader_) {
-      auto opened = SharedPictureReader::open(path_);
+      auto opened = output::SharedPictureReader::open(path_);
       if (!opened) return;
       reader_.emplace(std::move(*opened));
     }
@@ -51,7 +51,7 @@ class ProjectorLight {
 
  private:
   std::filesystem::path path_;
-  std::optional<SharedPictureReader> reader_;
+  std::optional<output::SharedPictureReader> reader_;
   std::int64_t refresh_ = 0;
   bool is_lit_ = false;
 };
@@ -89,7 +89,7 @@ Status run(const Settings& settings, const StopSignal& stop) {
   RoomPicture room(installation, RoomEye::behind_visitor(installation, settings.width_px, settings.width_px * 9 / 16));
   std::vector<ProjectorLight> lights;
   for (const InstalledProjector& projector : installation.projectors) {
-    lights.emplace_back(shared_picture_path(settings.run_dir, projector.name));
+    lights.emplace_back(output::shared_picture_path(settings.run_dir, projector.name));
   }
   std::vector<RgbImage> pictures(lights.size());
   std::optional<TwoEyes> eyes;
@@ -129,10 +129,11 @@ Status run(const Settings& settings, const StopSignal& stop) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated
 
 int main(int argc, char** argv) {
   using namespace cyclorama;
+  using namespace cyclorama::simulated;
   Program program("cyclorama-simulated-room",
                   "A room that does not exist: lights a wall with what the heads show, and photographs it.");
   Settings settings;

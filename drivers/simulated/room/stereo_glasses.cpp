@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 RgbImage seen_through_glasses(const RgbImage& head, StereoPacking packing, Eye eye) {
   if (head.empty() || packing == StereoPacking::kFrameSequential) return head;
@@ -18,4 +18,4 @@ RgbImage seen_through_glasses(const RgbImage& head, StereoPacking packing, Eye e
   return seen;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

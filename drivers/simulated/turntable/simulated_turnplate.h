@@ -6,14 +6,15 @@
 #include "drivers/simulated/museum/simulated_museum.h"
 #include "drivers/turnplate/turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 
 /// The turn-plate of a simulated museum: it believes that it arrives, and errs as the museum's truth says.
-class SimulatedTurnplate final : public Turnplate {
+class SimulatedTurnplate final : public turnplate::Turnplate {
  public:
   /// Borrows `museum` for its whole life.
-  explicit SimulatedTurnplate(SimulatedMuseum* museum, TurnRange range = {-std::numbers::pi, std::numbers::pi})
-      : Turnplate(range), museum_(museum) {}
+  explicit SimulatedTurnplate(SimulatedMuseum* museum,
+                              turnplate::TurnRange range = {-std::numbers::pi, std::numbers::pi})
+      : turnplate::Turnplate(range), museum_(museum) {}
   [[nodiscard]] const std::string& id() const override { return id_; }
 
  private:
@@ -28,4 +29,4 @@ class SimulatedTurnplate final : public Turnplate {
   SimulatedMuseum* museum_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

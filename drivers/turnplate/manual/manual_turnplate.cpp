@@ -12,10 +12,10 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr std::size_t kLongestLine = 256;
+constexpr std::size_t kMaxLineLength = 256;
 }  // namespace
 
 Result<std::string> TerminalOperator::answer(const std::string& question, std::chrono::milliseconds timeout) {
@@ -34,7 +34,7 @@ Result<std::string> TerminalOperator::answer(const std::string& question, std::c
       if (!line.empty() && line.back() == '\r') line.pop_back();
       return line;
     }
-    if (read_.size() > kLongestLine) read_.clear();  // No person types that.
+    if (read_.size() > kMaxLineLength) read_.clear();  // No person types that.
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - clock.now()).count();
     pollfd entry{in_fd_, POLLIN, 0};
     const int ready = ::poll(&entry, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, 3'600'000)));
@@ -66,12 +66,12 @@ Status ManualTurnplate::ask_for(const std::string& what, double angle_rad) {
     }
     if (line == "q" || line == "Q") return Error(ErrorCode::kUnavailable, "the operator has stopped");
     const auto degrees = parse_double(line);
-    if (degrees && *degrees * kDegree >= range().least_rad && *degrees * kDegree <= range().most_rad) {
+    if (degrees && *degrees * kDegree >= range().min_rad && *degrees * kDegree <= range().max_rad) {
       angle_rad_ = *degrees * kDegree;
       return Done{};
     }
     question = fmt::format("'{}' is no angle from {:.0f} to {:.0f} degrees. Again: ", printable(line),
-                           range().least_rad / kDegree, range().most_rad / kDegree);
+                           range().min_rad / kDegree, range().max_rad / kDegree);
   }
 }
 
@@ -83,4 +83,4 @@ Status ManualTurnplate::move_to(double angle_rad) {
   return ask_for(fmt::format("Turn the plate to {:.1f} degrees{}", std::abs(degrees), side), angle_rad);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

@@ -9,7 +9,7 @@
 #include "common/base/clock.h"
 #include "drivers/turnplate/turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 
 /// Somebody beside the plate: in front of a terminal, or of the operator page.
 class TurnplateOperator {
@@ -52,4 +52,4 @@ class ManualTurnplate final : public Turnplate {
   double angle_rad_ = 0.0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

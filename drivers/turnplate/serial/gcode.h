@@ -20,13 +20,13 @@
 
 namespace cyclorama::gcode {
 
-inline constexpr std::size_t kLongestLine = 512;
+inline constexpr std::size_t kMaxLineLength = 512;
 
 struct Answer {
   enum class Kind {
     kOk,
     kPosition,  ///< `position` is where the axis is, in its units.
-    kBusy,      ///< It works, and asks for patience.
+    kBusy,      ///< It works, and asks for answer_deadline.
     kError,     ///< `text` says what.
     kRestart,   ///< It does not know where it stands any more.
     kResend,
@@ -48,7 +48,7 @@ class LineCutter {
   std::optional<std::string> next();
   /// What is there has no end: this is no controller, or not its baud rate.
   [[nodiscard]] bool is_endless() const {
-    return bytes_.size() > kLongestLine && bytes_.find('\n') == std::string::npos;
+    return bytes_.size() > kMaxLineLength && bytes_.find('\n') == std::string::npos;
   }
   void clear() { bytes_.clear(); }
 

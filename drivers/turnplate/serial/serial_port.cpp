@@ -13,7 +13,7 @@
 #include <cerrno>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 namespace {
 
 constexpr std::array<std::pair<int, speed_t>, 8> kRates{{{9600, B9600},
@@ -103,4 +103,4 @@ void SerialPort::forget_input() {
   ::tcflush(fd_.get(), TCIFLUSH);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

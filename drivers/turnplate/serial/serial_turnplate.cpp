@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -21,7 +21,7 @@ Status SerialTurnplate::check(const SerialTurnplateOptions& o) {
   if (o.axis < 'A' || o.axis > 'Z') return refuse("a turn-plate's axis is one upper-case letter");
   if (!(std::abs(o.units_per_turn) >= 1.0 && std::abs(o.units_per_turn) <= 1e6))
     return refuse("a turn-plate has 1 to 1000000 units per turn");
-  if (!(o.range.least_rad <= 0.0 && o.range.most_rad >= 0.0 && o.range.most_rad - o.range.least_rad <= 4.0 * kTurn))
+  if (!(o.range.min_rad <= 0.0 && o.range.max_rad >= 0.0 && o.range.max_rad - o.range.min_rad <= 4.0 * kTurn))
     return refuse("a turn-plate's range holds 0, where its home is, and four turns at most");
   if (!(o.speed_rad_s > 1e-3 && o.speed_rad_s < 100.0)) return refuse("a turn-plate's speed is 0.001 to 100 rad/s");
   if (!(o.tolerance_rad > 0.0)) return refuse("a turn-plate's tolerance is above 0");
@@ -47,16 +47,17 @@ Status SerialTurnplate::wake() {
 Status SerialTurnplate::say(std::string_view command, std::chrono::milliseconds timeout,
                             std::optional<double>* ret_position) {
   using Kind = gcode::Answer::Kind;
-  constexpr int kMostResends = 3;
+  constexpr int kMaxResends = 3;
   const SteadyClock clock;
   const TimePoint last = clock.now() + timeout;
   int resends = 0;
   port_.forget_input();  // An answer to what was given up would be taken for this one's.
   TRY(port_.write_line(command, last));
-  TimePoint patience = std::min(last, clock.now() + options_.answer_timeout);
-  if (command == "M400" || command.starts_with("G28")) patience = last;  // Not every firmware says that it is busy.
+  TimePoint answer_deadline = std::min(last, clock.now() + options_.answer_timeout);
+  if (command == "M400" || command.starts_with("G28"))
+    answer_deadline = last;  // Not every firmware says that it is busy.
   for (;;) {
-    TRY_ASSIGN(const std::string line, port_.read_line(patience));
+    TRY_ASSIGN(const std::string line, port_.read_line(answer_deadline));
     const gcode::Answer answer = gcode::parse_answer(line, options_.axis);
     switch (answer.kind) {
       case Kind::kOk:
@@ -65,14 +66,14 @@ Status SerialTurnplate::say(std::string_view command, std::chrono::milliseconds 
         if (ret_position != nullptr) *ret_position = answer.position;
         break;
       case Kind::kBusy:
-        patience = std::min(last, clock.now() + options_.answer_timeout);
+        answer_deadline = std::min(last, clock.now() + options_.answer_timeout);
         break;
       case Kind::kError:
         return Error(ErrorCode::kBadData, fmt::format("it answers '{}' to {}", answer.text, command));
       case Kind::kRestart:
         return Error(ErrorCode::kTimedOut, "it has begun anew and does not know where it stands; look at its power");
       case Kind::kResend:
-        if (++resends > kMostResends)
+        if (++resends > kMaxResends)
           return Error(ErrorCode::kBadData, "it does not get lines whole; look at the cable and the baud rate");
         TRY(port_.write_line(command, last));
         break;
@@ -133,4 +134,4 @@ Result<double> SerialTurnplate::ask_angle() {
   return *position * kTurn / options_.units_per_turn;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

@@ -9,7 +9,7 @@
 #include "drivers/turnplate/serial/serial_port.h"
 #include "drivers/turnplate/turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 
 struct SerialTurnplateOptions {
   std::filesystem::path device;  ///< Better /dev/serial/by-id/... than /dev/ttyUSB0, which may be another's tomorrow.
@@ -53,4 +53,4 @@ class SerialTurnplate final : public Turnplate {
   double last_angle_rad_ = 0.0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

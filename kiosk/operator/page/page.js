@@ -234,7 +234,7 @@ const partNames = {
   calibrator: "Calibrator",
   hand: "Hand controls",
   projectors: "Projectors' power",
-  head: "Farm",
+  coordinator: "Farm",
   "simulated-room": "Simulated room",
 };
 const openParts = new Set();

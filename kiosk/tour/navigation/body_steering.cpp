@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 double lean_of(const RigidTransform<frame::Camera, frame::Tag>& T_camera_body) {
   // The body's upward direction; the camera's y points down.
@@ -12,13 +12,13 @@ double lean_of(const RigidTransform<frame::Camera, frame::Tag>& T_camera_body) {
   return std::hypot(up.x(), up.y()) > kLying ? std::atan2(-up.x(), -up.y()) : 0.0;
 }
 
-SteeringWish body_wish(const RigidTransform<frame::Camera, frame::Tag>& T_camera_body,
-                       const BodySteeringSettings& settings) {
-  const Eigen::Vector3d& place = T_camera_body.translation();
-  const SteeringWish wish{settings.distance_m.at(settings.stand_m - place.z()),
-                          settings.sideways_m.at(-place.x() - settings.neutral_right_m),
-                          settings.lean_rad.at(lean_of(T_camera_body))};
-  return wish.limited();
+SteeringCommand body_command(const RigidTransform<frame::Camera, frame::Tag>& T_camera_body,
+                             const BodySteeringSettings& settings) {
+  const Eigen::Vector3d& position = T_camera_body.translation();
+  const SteeringCommand command{settings.distance_m.at(settings.mark_distance_m - position.z()),
+                                settings.sideways_m.at(-position.x() - settings.neutral_right_m),
+                                settings.lean_rad.at(lean_of(T_camera_body))};
+  return command.limited();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -12,12 +12,12 @@
 
 #include "kiosk/tour/navigation/tag_steering.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// The dead zones cover how much people sway and fidget while they look; they are wider than those of a hand.
 struct BodySteeringSettings {
   /// Distance from the camera to the mark, where the forward speed is zero; must equal the tracker's setting.
-  double stand_m = 2.0;
+  double mark_distance_m = 2.0;
   double neutral_right_m = 0.0;
   GainCurve lean_rad{0.10, 0.32};
   GainCurve sideways_m{0.14, 0.45};
@@ -27,7 +27,7 @@ struct BodySteeringSettings {
 /// Returns the lean in radians, positive to the visitor's right; 0 for a body that is nearly horizontal.
 [[nodiscard]] double lean_of(const RigidTransform<frame::Camera, frame::Tag>& T_camera_body);
 
-[[nodiscard]] SteeringWish body_wish(const RigidTransform<frame::Camera, frame::Tag>& T_camera_body,
-                                     const BodySteeringSettings& settings);
+[[nodiscard]] SteeringCommand body_command(const RigidTransform<frame::Camera, frame::Tag>& T_camera_body,
+                                           const BodySteeringSettings& settings);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

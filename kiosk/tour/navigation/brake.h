@@ -7,7 +7,7 @@
 #include "kiosk/tour/navigation/ramp.h"
 #include "kiosk/tour/navigation/walkable_area.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Returns the maximum speed towards an edge at `distance_m`, in metres per second: the speed that `deceleration` can
 /// still stop, and in the last centimetres proportional to the distance, so that the edge is reached without a bump. 0
@@ -20,14 +20,14 @@ struct Motion {
   Eigen::Vector2d acceleration_m_per_s2 = Eigen::Vector2d::Zero();
 };
 
-/// Returns `wished` (x, z; in the visitor's metres per second) without the components towards edges that could not be
+/// Returns `desired` (x, z; in the visitor's metres per second) without the components towards edges that could not be
 /// stopped in time; the rest slides along the edges. `braking` limits the deceleration, and the reaction time that the
 /// present acceleration costs is included. The motion comes to rest kSoftM before an edge. A visitor who glides to rest
 /// beside a wall while turning towards it comes about 5 cm nearer without a bump; one who is already nearer is led away
 /// gently. `scale` is in metres of the scene per metre of the visitor.
-[[nodiscard]] Eigen::Vector2d braked(const WalkableArea& area, const Eigen::Vector2d& place,
-                                     const Eigen::Vector2d& wished, const Motion& motion, const RampLimits& braking,
+[[nodiscard]] Eigen::Vector2d braked(const WalkableArea& area, const Eigen::Vector2d& position,
+                                     const Eigen::Vector2d& desired, const Motion& motion, const RampLimits& braking,
                                      double scale);
 inline constexpr double kSoftM = 0.08;
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

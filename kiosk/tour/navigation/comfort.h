@@ -20,7 +20,7 @@
 /// cut.
 #pragma once
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Upper bounds of the default walk, in the visitor's metres (a scene's metres divided by its walking_scale).
 struct ComfortLimits {
@@ -34,4 +34,4 @@ struct ComfortLimits {
 };
 inline constexpr ComfortLimits kComfort{};
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -8,7 +8,7 @@
 
 #include "common/geometry/panorama.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using Eigen::Vector2d;
@@ -24,13 +24,13 @@ constexpr double kAlmostM = 0.15;
 constexpr auto kAlmost = std::chrono::milliseconds(500);
 constexpr double kGlanceRad = 0.14;
 constexpr double kLookAroundRadPerSecond = 0.10;
-constexpr std::size_t kMostWayCorners = 128;  // Takes some milliseconds, once for each stop.
+constexpr std::size_t kMaxPathCorners = 128;  // Takes some milliseconds, once for each stop.
 constexpr auto kDwell = std::chrono::seconds(8);
-constexpr auto kPatience = std::chrono::seconds(4);
+constexpr auto kStuckTimeout = std::chrono::seconds(4);
 
 double part(double wanted, double limit) { return limit > 0.0 ? std::clamp(wanted / limit, -1.0, 1.0) : 0.0; }
 
-double turn_wish(const Walker& walker, double heading_rad, const WalkLimits& limits) {
+double turn_command(const Walker& walker, double heading_rad, const WalkLimits& limits) {
   const double left = wrapped_angle(heading_rad - walker.heading_rad);
   return std::clamp(part(kSlowDownPerSecond * left, limits.turn_rad_per_s), -kTurnPace, kTurnPace);
 }
@@ -41,41 +41,41 @@ void set_out(GuideState* state, std::size_t stop, const Walker& walker, const Si
   state->dwelling = false;
   state->since = state->nearer_at = now;
   state->nearest_m = std::numeric_limits<double>::infinity();
-  state->way = shortest_way(*site.area, walker.place_m, site.stops[stop].place_m);
+  state->path = shortest_path(*site.area, walker.position_m, site.stops[stop].position_m);
 }
 
 std::size_t nearest_stop(const Walker& walker, const Site& site) {
   const auto farther = [&](const GuideStop& a, const GuideStop& b) {
-    return (a.place_m - walker.place_m).norm() < (b.place_m - walker.place_m).norm();
+    return (a.position_m - walker.position_m).norm() < (b.position_m - walker.position_m).norm();
   };
   return static_cast<std::size_t>(std::min_element(site.stops.begin(), site.stops.end(), farther) - site.stops.begin());
 }
 
-SteeringWish dwell(const GuideState& state, const Walker& walker, const GuideStop& stop, const WalkLimits& limits,
-                   TimePoint now) {
+SteeringCommand dwell(const GuideState& state, const Walker& walker, const GuideStop& stop, const WalkLimits& limits,
+                      TimePoint now) {
   const double turns = to_seconds(now - state.since) / to_seconds(kDwell);
   const double glance = kGlanceRad * std::sin(2.0 * std::numbers::pi * turns);
-  return {0.0, 0.0, turn_wish(walker, stop.heading_rad + glance, limits)};
+  return {0.0, 0.0, turn_command(walker, stop.heading_rad + glance, limits)};
 }
 
-SteeringWish stroll(const GuideState& state, const Walker& walker, const GuideStop& stop, double scale,
-                    const WalkLimits& limits) {
-  const Vector2d to = (state.way.front() - walker.place_m) / scale;  // In the visitor's metres.
+SteeringCommand stroll(const GuideState& state, const Walker& walker, const GuideStop& stop, double scale,
+                       const WalkLimits& limits) {
+  const Vector2d to = (state.path.front() - walker.position_m) / scale;  // In the visitor's metres.
   const double left_m = to.norm();
-  const bool last = state.way.size() == 1;
-  const double most = kPace * std::min(limits.forward_m_per_s, limits.sideways_m_per_s);
-  const double speed = last ? std::min(most, kSlowDownPerSecond * left_m) : most;
+  const bool last = state.path.size() == 1;
+  const double max = kPace * std::min(limits.forward_m_per_s, limits.sideways_m_per_s);
+  const double speed = last ? std::min(max, kSlowDownPerSecond * left_m) : max;
   const Vector2d velocity = left_m > 0.0 ? Vector2d(to * (speed / left_m)) : Vector2d::Zero();
   const double heading = last && left_m < 1.0 ? stop.heading_rad : std::atan2(to.x(), -to.y());
   return {part(velocity.dot(forward_of(walker.heading_rad)), limits.forward_m_per_s),
           part(velocity.dot(right_of(walker.heading_rad)), limits.sideways_m_per_s),
-          turn_wish(walker, heading, limits)};
+          turn_command(walker, heading, limits)};
 }
 
 }  // namespace
 
-SteeringWish guide_wish(GuideState* state, const Walker& walker, const Site& site, const WalkLimits& limits,
-                        TimePoint now) {
+SteeringCommand guide_command(GuideState* state, const Walker& walker, const Site& site, const WalkLimits& limits,
+                              TimePoint now) {
   if (site.area == nullptr || site.stops.empty())
     return {0.0, 0.0, part(kLookAroundRadPerSecond, limits.turn_rad_per_s)};
   if (!state->started) set_out(state, nearest_stop(walker, site), walker, site, now);
@@ -84,8 +84,8 @@ SteeringWish guide_wish(GuideState* state, const Walker& walker, const Site& sit
   const GuideStop& stop = site.stops[state->stop];
   if (state->dwelling) return dwell(*state, walker, stop, limits, now);
 
-  const double left_m = (state->way.front() - walker.place_m).norm() / site.walking_scale;
-  const bool last = state->way.size() == 1;
+  const double left_m = (state->path.front() - walker.position_m).norm() / site.walking_scale;
+  const bool last = state->path.size() == 1;
   const bool almost = last && left_m < kAlmostM && now - state->nearer_at > kAlmost;
   if (almost || left_m < (last ? kArrivedM : kPassedM)) {
     state->nearest_m = std::numeric_limits<double>::infinity();
@@ -94,44 +94,45 @@ SteeringWish guide_wish(GuideState* state, const Walker& walker, const Site& sit
       state->since = now;
       return dwell(*state, walker, stop, limits, now);
     }
-    state->way.erase(state->way.begin());
+    state->path.erase(state->path.begin());
   } else if (left_m < state->nearest_m - 0.01) {
     state->nearest_m = left_m;
     state->nearer_at = now;
-  } else if (now - state->nearer_at > kPatience) {
+  } else if (now - state->nearer_at > kStuckTimeout) {
     set_out(state, next_stop, walker, site, now);
   }
   return stroll(*state, walker, site.stops[state->stop], site.walking_scale, limits);
 }
 
-std::vector<Vector2d> shortest_way(const WalkableArea& area, const Vector2d& from, const Vector2d& to) {
-  if (area.sees(from, to) || area.corners().size() > kMostWayCorners) return {to};
+std::vector<Vector2d> shortest_path(const WalkableArea& area, const Vector2d& from, const Vector2d& to) {
+  if (area.sees(from, to) || area.corners().size() > kMaxPathCorners) return {to};
   // Dijkstra over the two ends and a position beside every corner. Corners that do not jut in are never on a shortest
   // path, so they need not be removed.
-  std::vector<Vector2d> places{from, to};
-  for (const Vector2d& corner : area.corners()) places.push_back(area.nearest_allowed(corner));
-  std::vector<double> lengths(places.size(), std::numeric_limits<double>::infinity());
-  std::vector<std::size_t> previous(places.size(), 0);
-  std::vector<bool> settled(places.size(), false);
+  std::vector<Vector2d> positions{from, to};
+  for (const Vector2d& corner : area.corners()) positions.push_back(area.nearest_allowed(corner));
+  std::vector<double> lengths(positions.size(), std::numeric_limits<double>::infinity());
+  std::vector<std::size_t> previous(positions.size(), 0);
+  std::vector<bool> settled(positions.size(), false);
   lengths[0] = 0.0;
-  for (std::size_t round = 0; round < places.size(); ++round) {
-    std::size_t here = places.size();
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      if (!settled[i] && std::isfinite(lengths[i]) && (here == places.size() || lengths[i] < lengths[here])) here = i;
+  for (std::size_t round = 0; round < positions.size(); ++round) {
+    std::size_t here = positions.size();
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      if (!settled[i] && std::isfinite(lengths[i]) && (here == positions.size() || lengths[i] < lengths[here]))
+        here = i;
     }
-    if (here == places.size() || here == 1) break;
+    if (here == positions.size() || here == 1) break;
     settled[here] = true;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const double length = lengths[here] + (places[i] - places[here]).norm();
-      if (settled[i] || length >= lengths[i] || !area.sees(places[here], places[i])) continue;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const double length = lengths[here] + (positions[i] - positions[here]).norm();
+      if (settled[i] || length >= lengths[i] || !area.sees(positions[here], positions[i])) continue;
       lengths[i] = length;
       previous[i] = here;
     }
   }
   if (!std::isfinite(lengths[1])) return {to};
-  std::vector<Vector2d> way{to};
-  for (std::size_t at = previous[1]; at != 0; at = previous[at]) way.insert(way.begin(), places[at]);
-  return way;
+  std::vector<Vector2d> path{to};
+  for (std::size_t at = previous[1]; at != 0; at = previous[at]) path.insert(path.begin(), positions[at]);
+  return path;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -11,11 +11,11 @@
 
 #include "kiosk/tour/navigation/walk.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 struct GuideStop {
   std::string title;
-  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< (x, z) in the Scene frame.
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();  ///< (x, z) in the Scene frame.
   double heading_rad = 0.0;
 };
 
@@ -31,7 +31,7 @@ struct Site {
 struct GuideState {
   bool started = false;
   std::size_t stop = 0;
-  std::vector<Eigen::Vector2d> way;  ///< Positions still to be passed; the last one is the stop.
+  std::vector<Eigen::Vector2d> path;  ///< Positions still to be passed; the last one is the stop.
   bool dwelling = false;
   TimePoint since{};       ///< Time of arrival at the stop, or of departure for it.
   TimePoint nearer_at{};   ///< Last time at which the distance to the next position fell.
@@ -41,12 +41,12 @@ struct GuideState {
 /// Returns the guide's steering command at `now`. The guide faces where it walks and then the stop's heading, stays
 /// there for some seconds with a slow glance around, and goes on. It skips a stop that it cannot reach. Without stops
 /// it slowly looks around.
-[[nodiscard]] SteeringWish guide_wish(GuideState* state, const Walker& walker, const Site& site,
-                                      const WalkLimits& limits, TimePoint now);
+[[nodiscard]] SteeringCommand guide_command(GuideState* state, const Walker& walker, const Site& site,
+                                            const WalkLimits& limits, TimePoint now);
 
 /// Returns the shortest path between two allowed positions, round the corners that jut in; it ends with `to`. In an
 /// area with very many corners, or without a path, it is just `to`.
-[[nodiscard]] std::vector<Eigen::Vector2d> shortest_way(const WalkableArea& area, const Eigen::Vector2d& from,
-                                                        const Eigen::Vector2d& to);
+[[nodiscard]] std::vector<Eigen::Vector2d> shortest_path(const WalkableArea& area, const Eigen::Vector2d& from,
+                                                         const Eigen::Vector2d& to);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -4,18 +4,18 @@
 #include <cmath>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
-constexpr double kFarthestTagM = 50.0;
-constexpr double kLeastWish = 1e-3;
+constexpr double kMaxTagDistanceM = 50.0;
+constexpr double kMinCommand = 1e-3;
 
 bool held(const std::optional<TimePoint>& since, Duration how_long, TimePoint now) {
   return since && now - *since <= how_long;
 }
 
 /// Sets commands below a thousandth of the limit to zero: the filter's tail would otherwise keep the view creeping.
-double settled(double wish) { return std::abs(wish) < kLeastWish ? 0.0 : wish; }
+double settled(double command) { return std::abs(command) < kMinCommand ? 0.0 : command; }
 
 /// Begins and ends the turns of visitors.
 void keep_turns(Navigation* state, const NavigationSettings& settings, TimePoint now) {
@@ -26,66 +26,65 @@ void keep_turns(Navigation* state, const NavigationSettings& settings, TimePoint
     state->turn_began_at.reset();
   }
   if (state->turn_began_at && !held(state->tag_seen_at, kTurnOver, now)) state->turn_began_at.reset();
-  if (!state->turn_began_at && held(state->tag_seen_at, kTagHeld, now) && !state->tag_wish.is_rest())
+  if (!state->turn_began_at && held(state->tag_seen_at, kTagHeld, now) && !state->tag_command.is_rest())
     state->turn_began_at = now;
-  if (settings.turn_longest > Duration::zero() && state->turn_began_at &&
-      now - *state->turn_began_at > settings.turn_longest)
+  if (settings.max_turn > Duration::zero() && state->turn_began_at && now - *state->turn_began_at > settings.max_turn)
     state->turn_ended_at = now;
 }
 
-Steerer steerer_at(const Navigation& state, const NavigationSettings& settings, TimePoint now) {
-  if (held(state.keys_at, kKeysHeld, now) && !state.keys_wish.is_rest()) return Steerer::kKeys;
+SteeringSource steerer_at(const Navigation& state, const NavigationSettings& settings, TimePoint now) {
+  if (held(state.keys_at, kKeysHeld, now) && !state.keys_command.is_rest()) return SteeringSource::kKeys;
   const bool has_guide = settings.guide_after > Duration::zero();
-  if (state.turn_ended_at) return has_guide ? Steerer::kGuide : Steerer::kNobody;
+  if (state.turn_ended_at) return has_guide ? SteeringSource::kGuide : SteeringSource::kNobody;
   const bool tag = held(state.tag_seen_at, kTagHeld, now);
-  const Duration patience = settings.guide_after * (tag ? kQuietTagPatience : 1);
-  const bool asked = tag && !state.tag_wish.is_rest();
-  if (!asked && has_guide && state.steered_at && now - *state.steered_at > patience) return Steerer::kGuide;
-  return tag ? Steerer::kTag : Steerer::kNobody;
+  const Duration timeout = settings.guide_after * (tag ? kQuietTagTimeoutFactor : 1);
+  const bool asked = tag && !state.tag_command.is_rest();
+  if (!asked && has_guide && state.steered_at && now - *state.steered_at > timeout) return SteeringSource::kGuide;
+  return tag ? SteeringSource::kTag : SteeringSource::kNobody;
 }
 
 bool is_sane(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag) {
-  const Eigen::Vector3d& place = T_camera_tag.translation();
-  return place.allFinite() && T_camera_tag.rotation().coeffs().allFinite() && place.z() > 0.0 &&
-         place.norm() < kFarthestTagM && std::abs(T_camera_tag.rotation().norm() - 1.0) < 1e-3;
+  const Eigen::Vector3d& position = T_camera_tag.translation();
+  return position.allFinite() && T_camera_tag.rotation().coeffs().allFinite() && position.z() > 0.0 &&
+         position.norm() < kMaxTagDistanceM && std::abs(T_camera_tag.rotation().norm() - 1.0) < 1e-3;
 }
 
 /// Applies the command from the tag or body in the newest picture, smoothed.
-Navigation with_wish(Navigation state, const SteeringWish& seen, TimePoint arrived_at,
-                     const NavigationSettings& settings) {
+Navigation with_command(Navigation state, const SteeringCommand& seen, TimePoint arrived_at,
+                        const NavigationSettings& settings) {
   if (state.tag_seen_at && arrived_at <= *state.tag_seen_at) return state;
   const bool again = !held(state.tag_seen_at, kTagHeld, arrived_at);
-  const SteeringWish before = again ? SteeringWish{} : state.tag_wish;
+  const SteeringCommand before = again ? SteeringCommand{} : state.tag_command;
   const Duration since = again ? kTagHeld : arrived_at - *state.tag_seen_at;
   const double weight = settings.tag_smoothing > Duration::zero()
                             ? 1.0 - std::exp(-to_seconds(since) / to_seconds(settings.tag_smoothing))
                             : 1.0;
   const auto mixed = [weight](double from, double to) { return settled(from + weight * (to - from)); };
-  state.tag_wish = {mixed(before.forward, seen.forward), mixed(before.right, seen.right),
-                    mixed(before.turn, seen.turn)};
+  state.tag_command = {mixed(before.forward, seen.forward), mixed(before.right, seen.right),
+                       mixed(before.turn, seen.turn)};
   state.tag_seen_at = arrived_at;
   return state;
 }
 
 }  // namespace
 
-const char* to_text(Steerer steerer) {
-  switch (steerer) {
-    case Steerer::kKeys:
+const char* to_text(SteeringSource steering_source) {
+  switch (steering_source) {
+    case SteeringSource::kKeys:
       return "keys";
-    case Steerer::kTag:
+    case SteeringSource::kTag:
       return "tag";
-    case Steerer::kGuide:
+    case SteeringSource::kGuide:
       return "guide";
-    case Steerer::kNobody:
+    case SteeringSource::kNobody:
       break;
   }
   return "nobody";
 }
 
 std::optional<Duration> turn_left(const Navigation& state, const NavigationSettings& settings, TimePoint now) {
-  if (settings.turn_longest <= Duration::zero() || !state.turn_began_at) return std::nullopt;
-  return *state.turn_began_at + settings.turn_longest - now;
+  if (settings.max_turn <= Duration::zero() || !state.turn_began_at) return std::nullopt;
+  return *state.turn_began_at + settings.max_turn - now;
 }
 
 Navigation started(const Site& site) {
@@ -97,18 +96,18 @@ Navigation started(const Site& site) {
 Navigation with_tag(Navigation state, const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag,
                     TimePoint arrived_at, const NavigationSettings& settings) {
   if (!is_sane(T_camera_tag)) return state;
-  return with_wish(std::move(state), tag_wish(T_camera_tag, settings.tag), arrived_at, settings);
+  return with_command(std::move(state), tag_command(T_camera_tag, settings.tag), arrived_at, settings);
 }
 
 Navigation with_body(Navigation state, const RigidTransform<frame::Camera, frame::Tag>& T_camera_body,
                      TimePoint arrived_at, const NavigationSettings& settings) {
   if (!is_sane(T_camera_body)) return state;
-  return with_wish(std::move(state), body_wish(T_camera_body, settings.body), arrived_at, settings);
+  return with_command(std::move(state), body_command(T_camera_body, settings.body), arrived_at, settings);
 }
 
-Navigation with_keys(Navigation state, const SteeringWish& wish, TimePoint arrived_at) {
+Navigation with_keys(Navigation state, const SteeringCommand& command, TimePoint arrived_at) {
   if (state.keys_at && arrived_at < *state.keys_at) return state;
-  state.keys_wish = wish.limited();
+  state.keys_command = command.limited();
   state.keys_at = arrived_at;
   return state;
 }
@@ -120,27 +119,27 @@ Navigation advanced(Navigation state, const Site& site, const NavigationSettings
   const Duration elapsed = now - *state.advanced_at;
   state.advanced_at = now;
   keep_turns(&state, settings, now);
-  state.steerer = steerer_at(state, settings, now);
-  SteeringWish wish;
-  switch (state.steerer) {
-    case Steerer::kKeys:
-      wish = state.keys_wish;
+  state.steering_source = steerer_at(state, settings, now);
+  SteeringCommand command;
+  switch (state.steering_source) {
+    case SteeringSource::kKeys:
+      command = state.keys_command;
       break;
-    case Steerer::kTag:
-      wish = state.tag_wish;
+    case SteeringSource::kTag:
+      command = state.tag_command;
       break;
-    case Steerer::kGuide:
-      wish = guide_wish(&state.guide, state.walker, site, settings.limits, now);
+    case SteeringSource::kGuide:
+      command = guide_command(&state.guide, state.walker, site, settings.limits, now);
       break;
-    case Steerer::kNobody:
+    case SteeringSource::kNobody:
       break;
   }
-  if (state.steerer != Steerer::kGuide) {
+  if (state.steering_source != SteeringSource::kGuide) {
     state.guide = {};
-    if (!wish.is_rest()) state.steered_at = now;
+    if (!command.is_rest()) state.steered_at = now;
   }
-  state.walker = walked(state.walker, wish, elapsed, settings.limits, site.walking_scale, site.area.get());
+  state.walker = walked(state.walker, command, elapsed, settings.limits, site.walking_scale, site.area.get());
   return state;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

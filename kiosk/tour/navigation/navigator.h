@@ -11,7 +11,7 @@
 ///
 /// Where visitors queue, a turn is limited:
 ///
-///       no turn ── a tag steers ──► turn ── turn_longest is over ──► pause (the guide leads) ──► no turn
+///       no turn ── a tag steers ──► turn ── max_turn is over ──► pause (the guide leads) ──► no turn
 ///          ◄── no tag for kTurnOver ──┘           ended by turn_pause, or by a tag that is away for a second
 ///
 /// All four produce commands under the same limits, so that a change of control is never a jump.
@@ -24,10 +24,10 @@
 #include "kiosk/tour/navigation/tag_steering.h"
 #include "kiosk/tour/navigation/walk.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
-enum class Steerer { kNobody, kKeys, kTag, kGuide };
-[[nodiscard]] const char* to_text(Steerer steerer);
+enum class SteeringSource { kNobody, kKeys, kTag, kGuide };
+[[nodiscard]] const char* to_text(SteeringSource steering_source);
 
 struct NavigationSettings {
   WalkLimits limits;
@@ -38,7 +38,7 @@ struct NavigationSettings {
   /// Zero: no guide.
   Duration guide_after = std::chrono::seconds(45);
   /// Limit for one visitor where others wait; zero: no limit. The keys belong to the operator and have none.
-  Duration turn_longest = Duration::zero();
+  Duration max_turn = Duration::zero();
   /// Pause between two turns, so that visitors notice the end of a turn even when the wand changes hands in sight of
   /// the camera.
   Duration turn_pause = std::chrono::seconds(10);
@@ -47,7 +47,7 @@ struct NavigationSettings {
 /// Time for which a request holds, as museum.proto defines for Steer.
 inline constexpr Duration kKeysHeld = std::chrono::milliseconds(300);
 /// A tag counts as held for this long after it was last seen, so that missed pictures, or a tracker with only five
-/// pictures a second, are not felt. Together with kLongestGlide, the time from losing the tag to rest stays below one
+/// pictures a second, are not felt. Together with kMaxGlide, the time from losing the tag to rest stays below one
 /// second.
 inline constexpr Duration kTagHeld = std::chrono::milliseconds(250);
 /// After this long without a tag, the next tag belongs to another visitor.
@@ -56,17 +56,17 @@ inline constexpr Duration kTurnOver = std::chrono::seconds(10);
 inline constexpr Duration kPutDown = std::chrono::seconds(1);
 /// A tag that is in sight but at rest delays the guide by this factor: somebody may just be looking, but a tag
 /// forgotten on its stand must not stop the guide for good.
-inline constexpr int kQuietTagPatience = 8;
+inline constexpr int kQuietTagTimeoutFactor = 8;
 
 /// A value.
 struct Navigation {
   Walker walker;
-  Steerer steerer = Steerer::kNobody;
+  SteeringSource steering_source = SteeringSource::kNobody;
   std::optional<TimePoint> advanced_at;
   std::optional<TimePoint> tag_seen_at;
-  SteeringWish tag_wish;  ///< Filtered.
+  SteeringCommand tag_command;  ///< Filtered.
   std::optional<TimePoint> keys_at;
-  SteeringWish keys_wish;
+  SteeringCommand keys_command;
   std::optional<TimePoint> steered_at;  ///< Last time at which a visitor steered; initially the start.
   std::optional<TimePoint> turn_began_at;
   std::optional<TimePoint> turn_ended_at;  ///< Set during a pause.
@@ -89,10 +89,10 @@ struct Navigation {
                                    TimePoint arrived_at, const NavigationSettings& settings);
 
 /// Applies a request from the keys; a request at rest releases them at once.
-[[nodiscard]] Navigation with_keys(Navigation state, const SteeringWish& wish, TimePoint arrived_at);
+[[nodiscard]] Navigation with_keys(Navigation state, const SteeringCommand& command, TimePoint arrived_at);
 
 /// Advances to `now`; a time before the last one changes nothing. `site` is the one passed to started().
 [[nodiscard]] Navigation advanced(Navigation state, const Site& site, const NavigationSettings& settings,
                                   TimePoint now);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

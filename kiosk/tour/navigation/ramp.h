@@ -7,7 +7,7 @@
 ///   acceleration ╱▔▔╲____
 #pragma once
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Limits per second and per second squared; both positive.
 struct RampLimits {
@@ -26,8 +26,8 @@ struct Ramp {
 [[nodiscard]] Ramp ramped(const Ramp& ramp, double wanted, double seconds, const RampLimits& limits);
 
 /// Returns the maximum time from any state within +-speed to rest: an acceleration ends, then full speed ramps down.
-[[nodiscard]] constexpr double longest_stop_s(double speed, const RampLimits& limits) {
+[[nodiscard]] constexpr double max_stop_s(double speed, const RampLimits& limits) {
   return speed / limits.acceleration + 2.0 * limits.acceleration / limits.jerk;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 double GainCurve::at(double offset) const {
   if (std::isnan(offset)) return 0.0;
@@ -19,13 +19,13 @@ double pointing_yaw(const RigidTransform<frame::Camera, frame::Tag>& T_camera_ta
   return std::hypot(z.x(), z.z()) > kFlat ? std::atan2(z.x(), z.z()) : 0.0;
 }
 
-SteeringWish tag_wish(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag,
-                      const TagSteeringSettings& settings) {
-  const Eigen::Vector3d& place = T_camera_tag.translation();
-  const SteeringWish wish{settings.distance_m.at(settings.neutral_distance_m - place.z()),
-                          settings.sideways_m.at(-place.x() - settings.neutral_right_m),
-                          settings.yaw_rad.at(pointing_yaw(T_camera_tag))};
-  return wish.limited();
+SteeringCommand tag_command(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag,
+                            const TagSteeringSettings& settings) {
+  const Eigen::Vector3d& position = T_camera_tag.translation();
+  const SteeringCommand command{settings.distance_m.at(settings.neutral_distance_m - position.z()),
+                                settings.sideways_m.at(-position.x() - settings.neutral_right_m),
+                                settings.yaw_rad.at(pointing_yaw(T_camera_tag))};
+  return command.limited();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -27,7 +27,7 @@
 #include "common/geometry/rigid_transform.h"
 #include "kiosk/tour/navigation/walk.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Response curve: 0 up to `dead`, 1 from `full` on; between them 3u^2 - 2u^3, which starts and ends gently.
 struct GainCurve {
@@ -51,7 +51,7 @@ struct TagSteeringSettings {
 /// Returns radians, positive when the tag points to the visitor's right; 0 when it lies flat and points nowhere.
 [[nodiscard]] double pointing_yaw(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag);
 
-[[nodiscard]] SteeringWish tag_wish(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag,
-                                    const TagSteeringSettings& settings);
+[[nodiscard]] SteeringCommand tag_command(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag,
+                                          const TagSteeringSettings& settings);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

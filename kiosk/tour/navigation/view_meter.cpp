@@ -5,22 +5,22 @@
 #include <cmath>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 void raise(double* peak, double value) { *peak = std::max(*peak, std::abs(value)); }
 
 }  // namespace
 
-void ViewMeter::add(const Eigen::Vector2d& place_m, double heading_rad, TimePoint at) {
-  const View view{place_m, heading_rad, at};
-  if (!place_m.allFinite() || !std::isfinite(heading_rad)) peaks_.finite = false;
+void ViewMeter::add(const Eigen::Vector2d& position_m, double heading_rad, TimePoint at) {
+  const View view{position_m, heading_rad, at};
+  if (!position_m.allFinite() || !std::isfinite(heading_rad)) peaks_.finite = false;
   if (!last_ || !peaks_.finite) {
     last_ = view;
     return;
   }
   const View before = *last_;
-  const Eigen::Vector2d moved = (place_m - before.place_m) / scale_;
+  const Eigen::Vector2d moved = (position_m - before.position_m) / scale_;
   const double turned = heading_rad - before.heading_rad;
   if (at <= before.at) {
     // A jump, which took no time.
@@ -54,4 +54,4 @@ void ViewMeter::add(const Eigen::Vector2d& place_m, double heading_rad, TimePoin
   acceleration_ = Motion{acceleration, step};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

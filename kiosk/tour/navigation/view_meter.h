@@ -7,7 +7,7 @@
 
 #include "kiosk/tour/navigation/walk.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Maxima in the visitor's metres and own axes, of forward or sideways, whichever is larger: walking in a curve is no
 /// acceleration.
@@ -28,7 +28,7 @@ class ViewMeter {
  public:
   explicit ViewMeter(double walking_scale) : scale_(walking_scale) {}
   /// Adds a view. A view at the same or an earlier time counts as a step of length zero and must not have moved.
-  void add(const Eigen::Vector2d& place_m, double heading_rad, TimePoint at);
+  void add(const Eigen::Vector2d& position_m, double heading_rad, TimePoint at);
   /// Starts a new measurement: the next view is elsewhere without a walk.
   void restart(double walking_scale) {
     scale_ = walking_scale;
@@ -40,7 +40,7 @@ class ViewMeter {
 
  private:
   struct View {
-    Eigen::Vector2d place_m;
+    Eigen::Vector2d position_m;
     double heading_rad;
     TimePoint at;
   };
@@ -55,4 +55,4 @@ class ViewMeter {
   ViewPeaks peaks_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 /// Applies each event to the parts of the walk that it changes.
@@ -21,8 +21,8 @@ struct Apply {
     walk.open = true;
     // The same scene may have come back with another area.
     Walker& walker = walk.navigation.walker;
-    walker.place_m =
-        walk.site.area == nullptr ? walk.site.start.place_m : walk.site.area->nearest_allowed(walker.place_m);
+    walker.position_m =
+        walk.site.area == nullptr ? walk.site.start.position_m : walk.site.area->nearest_allowed(walker.position_m);
     walk.navigation.guide = {};
   }
   void operator()(const PoseSeen& seen) const {
@@ -37,7 +37,7 @@ struct Apply {
     walk.choice.leaves(left.tracker);
   }
   void operator()(const KeysPressed& keys) const {
-    if (walk.open) walk.navigation = with_keys(std::move(walk.navigation), keys.wish, at);
+    if (walk.open) walk.navigation = with_keys(std::move(walk.navigation), keys.command, at);
   }
   void operator()(const Tick&) const {
     if (walk.open) walk.navigation = advanced(std::move(walk.navigation), walk.site, settings, at);
@@ -60,4 +60,4 @@ std::optional<RigidTransform<frame::Camera, frame::Tag>> tag_pose_of(const PoseS
   return RigidTransform<frame::Camera, frame::Tag>(rotation, position);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

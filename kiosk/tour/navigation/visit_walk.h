@@ -14,7 +14,7 @@
 #include "kiosk/tour/navigation/navigator.h"
 #include "kiosk/tour/navigation/wand_choice.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// A scene became available, for the first time or again.
 struct SceneOpened {
@@ -35,7 +35,7 @@ struct TrackerLeft {
   std::uint64_t tracker = 0;
 };
 struct KeysPressed {
-  SteeringWish wish;
+  SteeringCommand command;
 };
 /// Time passed.
 struct Tick {};
@@ -47,8 +47,8 @@ struct VisitWalk {
   Site site;
   bool open = false;  ///< False before the first scene, when nobody walks.
   Navigation navigation;
-  WandChoice choice;
-  std::map<std::uint64_t, PictureOrder> trackers;
+  WandSelector choice;
+  std::map<std::uint64_t, PoseOrder> trackers;
 };
 
 /// Returns the walk after `event`, which arrived at `at`. The same scene again keeps the position as far as the
@@ -58,4 +58,4 @@ struct VisitWalk {
 /// Returns nothing for a pose that is not a rigid transform.
 [[nodiscard]] std::optional<RigidTransform<frame::Camera, frame::Tag>> tag_pose_of(const PoseSeen& seen);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

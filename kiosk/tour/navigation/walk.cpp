@@ -6,59 +6,59 @@
 
 #include "kiosk/tour/navigation/brake.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using Eigen::Vector2d;
 
 double part_of(double value) { return std::isnan(value) ? 0.0 : std::clamp(value, -1.0, 1.0); }
 
-constexpr double kLeastSpeed = 0.05;  // A visitor who may not walk at all is still led out of a corner.
+constexpr double kMinSpeed = 0.05;  // A visitor who may not walk at all is still led out of a corner.
 
 // Fraction of the walk's acceleration. The rest is for turning: beside a wall a visitor who turns has to change
 // velocity by up to turn rate times speed (0.7 m/s²) to go on along the wall.
 constexpr double kBraking = 0.5;
 
 /// Returns the commanded velocity, in the visitor's axes, without the components that the walls ahead forbid.
-Vector2d wanted_velocity(const Walker& walker, const SteeringWish& wish, const WalkLimits& limits, double scale,
+Vector2d wanted_velocity(const Walker& walker, const SteeringCommand& command, const WalkLimits& limits, double scale,
                          const WalkableArea& area) {
-  const Vector2d wished(wish.right * limits.sideways_m_per_s, wish.forward * limits.forward_m_per_s);
-  if (wished.isZero(0.0)) return wished;  // A command to rest stays at rest, also where it is narrow.
+  const Vector2d desired(command.right * limits.sideways_m_per_s, command.forward * limits.forward_m_per_s);
+  if (desired.isZero(0.0)) return desired;  // A command to rest stays at rest, also where it is narrow.
   const Vector2d right = right_of(walker.heading_rad);
   const Vector2d forward = forward_of(walker.heading_rad);
   const auto in_scene = [&](const Vector2d& v) { return Vector2d(v.x() * right + v.y() * forward); };
   const double share = std::min(limits.forward().acceleration, limits.sideways().acceleration);
   const RampLimits braking{kBraking * share, limits.jerk_m_per_s3 * share / limits.acceleration_m_per_s2};
   const Motion motion{in_scene(walker.velocity_m_per_s), in_scene(walker.acceleration_m_per_s2)};
-  const Vector2d free = braked(area, walker.place_m, in_scene(wished), motion, braking, scale);
+  const Vector2d free = braked(area, walker.position_m, in_scene(desired), motion, braking, scale);
   const Vector2d wanted(free.dot(right), free.dot(forward));
-  if (wanted == wished) return wanted;
+  if (wanted == desired) return wanted;
   // Along a wall the visitor may be led sideways faster than the sideways limit.
-  const double excess = std::max(std::abs(wanted.x()) / std::max(limits.sideways_m_per_s, kLeastSpeed),
-                                 std::abs(wanted.y()) / std::max(limits.forward_m_per_s, kLeastSpeed));
+  const double excess = std::max(std::abs(wanted.x()) / std::max(limits.sideways_m_per_s, kMinSpeed),
+                                 std::abs(wanted.y()) / std::max(limits.forward_m_per_s, kMinSpeed));
   return excess > 1.0 ? Vector2d(wanted / excess) : wanted;
 }
 
 }  // namespace
 
-SteeringWish SteeringWish::limited() const {
-  SteeringWish wish{part_of(forward), part_of(right), part_of(turn)};
-  const double length = std::hypot(wish.forward, wish.right);
+SteeringCommand SteeringCommand::limited() const {
+  SteeringCommand command{part_of(forward), part_of(right), part_of(turn)};
+  const double length = std::hypot(command.forward, command.right);
   if (length > 1.0) {
-    wish.forward /= length;
-    wish.right /= length;
+    command.forward /= length;
+    command.right /= length;
   }
-  return wish;
+  return command;
 }
 
 Vector2d forward_of(double heading_rad) { return {std::sin(heading_rad), -std::cos(heading_rad)}; }
 Vector2d right_of(double heading_rad) { return {std::cos(heading_rad), std::sin(heading_rad)}; }
 
-Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, const WalkLimits& limits,
+Walker walked(const Walker& walker, const SteeringCommand& command, Duration elapsed, const WalkLimits& limits,
               double walking_scale, const WalkableArea* area) {
-  const double seconds = to_seconds(std::clamp(elapsed, Duration::zero(), kLongestStep));
+  const double seconds = to_seconds(std::clamp(elapsed, Duration::zero(), kMaxStep));
   if (seconds == 0.0) return walker;
-  const SteeringWish limited = wish.limited();
+  const SteeringCommand limited = command.limited();
   Walker next = walker;
 
   const Ramp turn = ramped({walker.turn_rate_rad_per_s, walker.turn_acceleration_rad_per_s2},
@@ -92,10 +92,10 @@ Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, 
   // Length of the step in the scene per metre per second of the visitor.
   const double metres = seconds * walking_scale;
   const Vector2d step = metres * (mean.x() * right + mean.y() * forward);
-  next.place_m = area->walk(walker.place_m, step);
-  const Vector2d walked = next.place_m - walker.place_m;
+  next.position_m = area->walk(walker.position_m, step);
+  const Vector2d walked = next.position_m - walker.position_m;
   // Only an edge changes a step by more than rounding; without one the velocity stays exactly as it is.
-  if ((walked - step).norm() > 1e-6 * step.norm() + 1e-13 * walker.place_m.norm()) {
+  if ((walked - step).norm() > 1e-6 * step.norm() + 1e-13 * walker.position_m.norm()) {
     const Vector2d left(walked.dot(right) / metres, walked.dot(forward) / metres);
     const double speed = next.velocity_m_per_s.norm();
     next.velocity_m_per_s = left.norm() > speed ? Vector2d(left * (speed / left.norm())) : left;
@@ -104,4 +104,4 @@ Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, 
   return next;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

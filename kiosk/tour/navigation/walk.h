@@ -16,23 +16,23 @@
 #include "kiosk/tour/navigation/ramp.h"
 #include "kiosk/tour/navigation/walkable_area.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// A steering command, in fractions of the limits: each component in [-1, 1].
-struct SteeringWish {
+struct SteeringCommand {
   double forward = 0.0;
   double right = 0.0;
   double turn = 0.0;  ///< Positive to the right.
 
   /// Returns the command with NaN replaced by 0, each component within [-1, 1], and (forward, right) at most 1 long.
-  [[nodiscard]] SteeringWish limited() const;
+  [[nodiscard]] SteeringCommand limited() const;
   [[nodiscard]] bool is_rest() const { return forward == 0.0 && right == 0.0 && turn == 0.0; }
-  friend bool operator==(const SteeringWish&, const SteeringWish&) = default;
+  friend bool operator==(const SteeringCommand&, const SteeringCommand&) = default;
 };
 
 /// Maximum time from the command to rest until rest, so that a lost tag ends in rest within a second; settings are
-/// checked for it with longest_stop_s().
-inline constexpr Duration kLongestGlide = std::chrono::milliseconds(700);
+/// checked for it with max_stop_s().
+inline constexpr Duration kMaxGlide = std::chrono::milliseconds(700);
 
 /// Limits of a visitor who walks in the museum; a scene's walking_scale multiplies lengths.
 struct WalkLimits {
@@ -61,7 +61,7 @@ struct WalkLimits {
 
 /// A visitor seen from above, in the Scene frame. A value.
 struct Walker {
-  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();           ///< (x, z) in metres.
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();        ///< (x, z) in metres.
   double heading_rad = 0.0;                                    ///< Not wrapped, so that it never jumps.
   Eigen::Vector2d velocity_m_per_s = Eigen::Vector2d::Zero();  ///< (right, forward), in the visitor's metres.
   double turn_rate_rad_per_s = 0.0;
@@ -78,11 +78,11 @@ struct Walker {
 [[nodiscard]] Eigen::Vector2d forward_of(double heading_rad);
 [[nodiscard]] Eigen::Vector2d right_of(double heading_rad);
 
-/// Returns the walker after `elapsed`, which is clamped to [0, kLongestStep]: after a stall the walk continues instead
+/// Returns the walker after `elapsed`, which is clamped to [0, kMaxStep]: after a stall the walk continues instead
 /// of leaping. Without an `area` the walker only turns. The walker slows down before an edge (brake.h); an edge that it
-/// still meets takes away the speed across it. Precondition: area == nullptr or area->allows(walker.place_m).
-[[nodiscard]] Walker walked(const Walker& walker, const SteeringWish& wish, Duration elapsed, const WalkLimits& limits,
-                            double walking_scale, const WalkableArea* area);
-inline constexpr Duration kLongestStep = std::chrono::milliseconds(100);
+/// still meets takes away the speed across it. Precondition: area == nullptr or area->allows(walker.position_m).
+[[nodiscard]] Walker walked(const Walker& walker, const SteeringCommand& command, Duration elapsed,
+                            const WalkLimits& limits, double walking_scale, const WalkableArea* area);
+inline constexpr Duration kMaxStep = std::chrono::milliseconds(100);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -10,23 +10,23 @@
 #include <iterator>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using Eigen::Vector2d;
 
 constexpr std::string_view kTitle = "cyclorama-walk 2";
-constexpr std::size_t kLongestNameBytes = 200;
-constexpr std::size_t kMostStops = 1024;
-constexpr std::int64_t kFarthestNs = 3'200'000'000'000'000'000;
-constexpr std::int64_t kLongestNs = 8'640'000'000'000'000;
+constexpr std::size_t kMaxNameBytes = 200;
+constexpr std::size_t kMaxStops = 1024;
+constexpr std::int64_t kMaxTimeNs = 3'200'000'000'000'000'000;
+constexpr std::int64_t kMaxDurationNs = 8'640'000'000'000'000;
 
 std::int64_t nanoseconds(Duration d) { return std::chrono::duration_cast<std::chrono::nanoseconds>(d).count(); }
 
 /// Returns the name as one word, with other bytes escaped.
 std::string word_of(std::string_view name) {
   std::string word;
-  for (const char c : name.substr(0, kLongestNameBytes)) {
+  for (const char c : name.substr(0, kMaxNameBytes)) {
     const bool plain =
         (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.';
     word += plain ? std::string(1, c) : fmt::format("_{:02x}", static_cast<unsigned char>(c));
@@ -43,7 +43,7 @@ struct Write {
   std::string operator()(const SceneOpened& opened) const {
     const Site& site = opened.site;
     std::string text = fmt::format("{} {} {} {} {} {}", line("open"), word_of(opened.name), site.walking_scale,
-                                   site.start.place_m.x(), site.start.place_m.y(), site.start.heading_rad);
+                                   site.start.position_m.x(), site.start.position_m.y(), site.start.heading_rad);
     const auto polygons = site.area ? site.area->polygons() : std::vector<std::vector<Vector2d>>{};
     fmt::format_to(std::back_inserter(text), " {}", polygons.size());
     for (const std::vector<Vector2d>& polygon : polygons) {
@@ -52,7 +52,7 @@ struct Write {
     }
     fmt::format_to(std::back_inserter(text), " {}", site.stops.size());
     for (const GuideStop& stop : site.stops)
-      fmt::format_to(std::back_inserter(text), " {} {} {}", stop.place_m.x(), stop.place_m.y(), stop.heading_rad);
+      fmt::format_to(std::back_inserter(text), " {} {} {}", stop.position_m.x(), stop.position_m.y(), stop.heading_rad);
     return text;
   }
   std::string operator()(const PoseSeen& seen) const {
@@ -63,13 +63,13 @@ struct Write {
   }
   std::string operator()(const TrackerLeft& left) const { return fmt::format("{} {}", line("left"), left.tracker); }
   std::string operator()(const KeysPressed& keys) const {
-    return fmt::format("{} {} {} {}", line("keys"), keys.wish.forward, keys.wish.right, keys.wish.turn);
+    return fmt::format("{} {} {} {}", line("keys"), keys.command.forward, keys.command.right, keys.command.turn);
   }
   std::string operator()(const Tick&) const {
     const Walker& walker = walk.navigation.walker;
-    return fmt::format("{} {} {} {} {} {} {} {}", line("tick"), walker.place_m.x(), walker.place_m.y(),
+    return fmt::format("{} {} {} {} {} {} {} {}", line("tick"), walker.position_m.x(), walker.position_m.y(),
                        walker.heading_rad, walker.velocity_m_per_s.x(), walker.velocity_m_per_s.y(),
-                       walker.turn_rate_rad_per_s, to_text(walk.navigation.steerer));
+                       walker.turn_rate_rad_per_s, to_text(walk.navigation.steering_source));
   }
 };
 
@@ -96,22 +96,22 @@ class Words {
     fail(fmt::format("has '{}' for a number", text.substr(0, 40)));
     return T{};
   }
-  double finite(double least = -1e9, double most = 1e9) {
+  double finite(double min = -1e9, double max = 1e9) {
     const auto number = value<double>();
-    if (!mistake_.empty() || (number >= least && number <= most)) return number;
-    fail(fmt::format("has {}, which is not between {} and {}", number, least, most));
-    return least;
+    if (!mistake_.empty() || (number >= min && number <= max)) return number;
+    fail(fmt::format("has {}, which is not between {} and {}", number, min, max));
+    return min;
   }
-  std::size_t count(std::size_t most) {
+  std::size_t count(std::size_t max) {
     const auto number = value<std::size_t>();
-    if (number <= most) return number;
-    fail(fmt::format("counts {}; at most {} are possible", number, most));
+    if (number <= max) return number;
+    fail(fmt::format("counts {}; at most {} are possible", number, max));
     return 0;
   }
   /// Times are limited to a hundred years from zero, so that differences never overflow.
-  TimePoint time() { return from_nanoseconds(whole(-kFarthestNs, kFarthestNs)); }
+  TimePoint time() { return from_nanoseconds(whole(-kMaxTimeNs, kMaxTimeNs)); }
   /// Durations are limited to a hundred days.
-  Duration duration() { return std::chrono::nanoseconds(whole(0, kLongestNs)); }
+  Duration duration() { return std::chrono::nanoseconds(whole(0, kMaxDurationNs)); }
   [[nodiscard]] bool is_next(std::string_view text) const { return mistake_.empty() && left_ == text; }
   std::string_view fail(std::string what) {
     if (mistake_.empty()) mistake_ = std::move(what);
@@ -124,10 +124,10 @@ class Words {
   }
 
  private:
-  std::int64_t whole(std::int64_t least, std::int64_t most) {
+  std::int64_t whole(std::int64_t min, std::int64_t max) {
     const auto number = value<std::int64_t>();
-    if (number >= least && number <= most) return number;
-    fail(fmt::format("has the time {}, which is not between {} and {}", number, least, most));
+    if (number >= min && number <= max) return number;
+    fail(fmt::format("has the time {}, which is not between {} and {}", number, min, max));
     return 0;
   }
   std::string_view left_;
@@ -162,7 +162,7 @@ void read_tag(Words* words, NavigationSettings* ret) {
 
 void read_body(Words* words, NavigationSettings* ret) {
   BodySteeringSettings& body = ret->body;
-  body.stand_m = words->finite(0.0, 100.0);
+  body.mark_distance_m = words->finite(0.0, 100.0);
   body.neutral_right_m = words->finite(-100.0, 100.0);
   body.lean_rad = read_gain(words);
   body.sideways_m = read_gain(words);
@@ -172,7 +172,7 @@ void read_body(Words* words, NavigationSettings* ret) {
 void read_times(Words* words, NavigationSettings* ret) {
   ret->tag_smoothing = words->duration();
   ret->guide_after = words->duration();
-  ret->turn_longest = words->duration();
+  ret->max_turn = words->duration();
   ret->turn_pause = words->duration();
 }
 
@@ -180,11 +180,11 @@ SceneOpened read_open(Words* words) {
   SceneOpened opened{std::string(words->word()), {}};
   Site& site = opened.site;
   site.walking_scale = words->finite(1e-6, 1e6);
-  site.start.place_m = {words->finite(), words->finite()};
+  site.start.position_m = {words->finite(), words->finite()};
   site.start.heading_rad = words->finite();
-  std::vector<std::vector<Vector2d>> polygons(words->count(WalkableArea::kMostCorners));
+  std::vector<std::vector<Vector2d>> polygons(words->count(WalkableArea::kMaxCorners));
   for (std::vector<Vector2d>& polygon : polygons) {
-    const std::size_t corners = words->count(WalkableArea::kMostCorners);
+    const std::size_t corners = words->count(WalkableArea::kMaxCorners);
     for (std::size_t i = 0; i < corners; ++i) {
       const double x = words->finite();
       polygon.emplace_back(x, words->finite());
@@ -198,15 +198,15 @@ SceneOpened read_open(Words* words) {
       words->fail("has no area: " + area.error().message());
     }
   }
-  const std::size_t stops = words->count(kMostStops);
+  const std::size_t stops = words->count(kMaxStops);
   for (std::size_t i = 0; i < stops; ++i) {
     GuideStop stop;
-    stop.place_m.x() = words->finite();
-    stop.place_m.y() = words->finite();
+    stop.position_m.x() = words->finite();
+    stop.position_m.y() = words->finite();
     stop.heading_rad = words->finite();
     site.stops.push_back(std::move(stop));
   }
-  if (site.area && !site.area->allows(site.start.place_m)) words->fail("starts outside of its area");
+  if (site.area && !site.area->allows(site.start.position_m)) words->fail("starts outside of its area");
   return opened;
 }
 
@@ -226,16 +226,17 @@ PoseSeen read_pose(Words* words) {
 
 RecordedView read_view(Words* words) {
   RecordedView view;
-  view.place_m.x() = words->finite();
-  view.place_m.y() = words->finite();
+  view.position_m.x() = words->finite();
+  view.position_m.y() = words->finite();
   view.heading_rad = words->finite();
   view.velocity_m_per_s.x() = words->finite();
   view.velocity_m_per_s.y() = words->finite();
   view.turn_rate_rad_per_s = words->finite();
   const std::string_view name = words->word();
-  for (const Steerer steerer : {Steerer::kNobody, Steerer::kKeys, Steerer::kTag, Steerer::kGuide}) {
-    if (name != to_text(steerer)) continue;
-    view.steerer = steerer;
+  for (const SteeringSource steering_source :
+       {SteeringSource::kNobody, SteeringSource::kKeys, SteeringSource::kTag, SteeringSource::kGuide}) {
+    if (name != to_text(steering_source)) continue;
+    view.steering_source = steering_source;
     return view;
   }
   words->fail("names nobody who steers");
@@ -270,24 +271,25 @@ WalkEntry read_entry(Words* words) {
 bool is_same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
 std::string describe(const RecordedView& view) {
-  return fmt::format("({}, {}) heading {} at {} {} {} by {}", view.place_m.x(), view.place_m.y(), view.heading_rad,
-                     view.velocity_m_per_s.x(), view.velocity_m_per_s.y(), view.turn_rate_rad_per_s,
-                     to_text(view.steerer));
+  return fmt::format("({}, {}) heading {} at {} {} {} by {}", view.position_m.x(), view.position_m.y(),
+                     view.heading_rad, view.velocity_m_per_s.x(), view.velocity_m_per_s.y(), view.turn_rate_rad_per_s,
+                     to_text(view.steering_source));
 }
 
 }  // namespace
 
 RecordedView RecordedView::of(const Navigation& navigation) {
   const Walker& walker = navigation.walker;
-  return {walker.place_m, walker.heading_rad, walker.velocity_m_per_s, walker.turn_rate_rad_per_s, navigation.steerer};
+  return {walker.position_m, walker.heading_rad, walker.velocity_m_per_s, walker.turn_rate_rad_per_s,
+          navigation.steering_source};
 }
 
 bool RecordedView::is_same(const RecordedView& other) const {
-  return is_same_bits(place_m.x(), other.place_m.x()) && is_same_bits(place_m.y(), other.place_m.y()) &&
+  return is_same_bits(position_m.x(), other.position_m.x()) && is_same_bits(position_m.y(), other.position_m.y()) &&
          is_same_bits(heading_rad, other.heading_rad) &&
          is_same_bits(velocity_m_per_s.x(), other.velocity_m_per_s.x()) &&
          is_same_bits(velocity_m_per_s.y(), other.velocity_m_per_s.y()) &&
-         is_same_bits(turn_rate_rad_per_s, other.turn_rate_rad_per_s) && steerer == other.steerer;
+         is_same_bits(turn_rate_rad_per_s, other.turn_rate_rad_per_s) && steering_source == other.steering_source;
 }
 
 std::string record_head(const NavigationSettings& settings) {
@@ -301,12 +303,11 @@ std::string record_head(const NavigationSettings& settings) {
   for (const GainCurve& gain : {tag.yaw_rad, tag.sideways_m, tag.distance_m})
     fmt::format_to(std::back_inserter(text), " {} {}", gain.dead, gain.full);
   const BodySteeringSettings& body = settings.body;
-  fmt::format_to(std::back_inserter(text), "\nbody {} {}", body.stand_m, body.neutral_right_m);
+  fmt::format_to(std::back_inserter(text), "\nbody {} {}", body.mark_distance_m, body.neutral_right_m);
   for (const GainCurve& gain : {body.lean_rad, body.sideways_m, body.distance_m})
     fmt::format_to(std::back_inserter(text), " {} {}", gain.dead, gain.full);
   fmt::format_to(std::back_inserter(text), "\ntimes {} {} {} {}\n", nanoseconds(settings.tag_smoothing),
-                 nanoseconds(settings.guide_after), nanoseconds(settings.turn_longest),
-                 nanoseconds(settings.turn_pause));
+                 nanoseconds(settings.guide_after), nanoseconds(settings.max_turn), nanoseconds(settings.turn_pause));
   return text;
 }
 
@@ -360,7 +361,7 @@ WalkReplay replayed(const WalkRecord& record) {
     }
     ++replay.ticks;
     const RecordedView view = RecordedView::of(walk.navigation);
-    meter.add(view.place_m, view.heading_rad, entry.at);
+    meter.add(view.position_m, view.heading_rad, entry.at);
     if (replay.difference || view.is_same(*entry.view)) continue;
     replay.difference = fmt::format("line {}: {} was recorded, but the replay gives {}", entry.line,
                                     describe(*entry.view), describe(view));
@@ -370,4 +371,4 @@ WalkReplay replayed(const WalkRecord& record) {
   return replay;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -25,15 +25,15 @@
 #include "kiosk/tour/navigation/view_meter.h"
 #include "kiosk/tour/navigation/visit_walk.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// View that results from a tick.
 struct RecordedView {
-  Eigen::Vector2d place_m = Eigen::Vector2d::Zero();
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   double heading_rad = 0.0;
   Eigen::Vector2d velocity_m_per_s = Eigen::Vector2d::Zero();
   double turn_rate_rad_per_s = 0.0;
-  Steerer steerer = Steerer::kNobody;
+  SteeringSource steering_source = SteeringSource::kNobody;
 
   [[nodiscard]] static RecordedView of(const Navigation& navigation);
   /// Compares bit by bit.
@@ -70,4 +70,4 @@ struct WalkReplay {
 };
 [[nodiscard]] WalkReplay replayed(const WalkRecord& record);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

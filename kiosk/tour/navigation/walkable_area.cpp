@@ -8,21 +8,21 @@
 #include <limits>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kLargestMarginM = 0.01;
+constexpr double kMaxMarginM = 0.01;
 constexpr double kMarginBySize = 5e-4;
 constexpr double kSlack = 1e-3;  // Fraction of the margin by which a push overshoots, so that rounding never matters.
-constexpr double kFarthestM = 1e7;
-constexpr int kPushes = 4;  // Covers two edges that meet, and a repetition for what the second push undid.
-// A step that cannot be taken whole is halved at least kFewestHalvings times, and down to this fraction of the margin.
-constexpr double kShortest = 0.125;
-constexpr int kFewestHalvings = 3;
-constexpr int kMostPieces = 32;
-constexpr int kRingPlaces = 48;
+constexpr double kMaxCoordinateM = 1e7;
+constexpr int kDisplacements = 4;  // Covers two edges that meet, and a repetition for what the second push undid.
+// A step that cannot be taken whole is halved at least kMinHalvings times, and down to this fraction of the margin.
+constexpr double kMinStepShare = 0.125;
+constexpr int kMinHalvings = 3;
+constexpr int kMaxPieces = 32;
+constexpr int kRingPositions = 48;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -45,10 +45,10 @@ bool segments_cross(const Vector2d& p, const Vector2d& q, const Vector2d& a, con
 
 }  // namespace
 
-Vector2d WalkableArea::Edge::nearest_to(const Vector2d& place) const {
+Vector2d WalkableArea::Edge::nearest_to(const Vector2d& position) const {
   const Vector2d edge = b - a;
   const double length2 = edge.squaredNorm();
-  const double t = length2 > 0.0 ? std::clamp((place - a).dot(edge) / length2, 0.0, 1.0) : 0.0;
+  const double t = length2 > 0.0 ? std::clamp((position - a).dot(edge) / length2, 0.0, 1.0) : 0.0;
   return a + t * edge;
 }
 
@@ -78,62 +78,62 @@ Result<WalkableArea> WalkableArea::make(std::vector<Vector2d> corners,
   bool are_polygons = corners.size() >= 3;
   for (const std::vector<Vector2d>& hole : holes) {
     are_polygons = are_polygons && hole.size() >= 3;
-    if (area.corners_.size() <= kMostCorners) area.add(hole);
+    if (area.corners_.size() <= kMaxCorners) area.add(hole);
   }
-  if (!are_polygons || area.corners_.size() > kMostCorners) {
+  if (!are_polygons || area.corners_.size() > kMaxCorners) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("the walkable area has {} corners, and {} holes; it needs 3 to {}, and 3 for each hole",
-                             area.corners_.size(), holes.size(), kMostCorners));
+                             area.corners_.size(), holes.size(), kMaxCorners));
   }
-  Vector2d least = corners.front();
-  Vector2d most = corners.front();
+  Vector2d min = corners.front();
+  Vector2d max = corners.front();
   for (const Vector2d& corner : area.corners_) {
-    if (!(corner.cwiseAbs().maxCoeff() <= kFarthestM) || !corner.allFinite()) {
+    if (!(corner.cwiseAbs().maxCoeff() <= kMaxCoordinateM) || !corner.allFinite()) {
       return Error(ErrorCode::kInvalidArgument,
                    fmt::format("the walkable area has a corner at ({}, {})", corner.x(), corner.y()));
     }
-    least = least.cwiseMin(corner);
-    most = most.cwiseMax(corner);
+    min = min.cwiseMin(corner);
+    max = max.cwiseMax(corner);
   }
-  area.size_m_ = (most - least).norm();
-  area.margin_m_ = std::min(kLargestMarginM, kMarginBySize * area.size_m_);
+  area.size_m_ = (max - min).norm();
+  area.margin_m_ = std::min(kMaxMarginM, kMarginBySize * area.size_m_);
   for (int attempt = 0; attempt < 3 && area.margin_m_ > 0.0; ++attempt, area.margin_m_ /= 10.0) {
-    if (area.find_some_place()) return area;
+    if (area.find_any_position()) return area;
   }
   return Error(ErrorCode::kInvalidArgument, "the walkable area leaves no room to stand; is it folded to a line?");
 }
 
-bool WalkableArea::is_within(const Vector2d& place, std::size_t first_edge, std::size_t end_edge) const {
+bool WalkableArea::is_within(const Vector2d& position, std::size_t first_edge, std::size_t end_edge) const {
   bool inside = false;
   for (std::size_t i = first_edge; i < end_edge; ++i) {
     const Vector2d& a = edges_[i].b;
     const Vector2d& b = edges_[i].a;
-    if ((a.y() > place.y()) == (b.y() > place.y())) continue;
-    if (place.x() < (b.x() - a.x()) * (place.y() - a.y()) / (b.y() - a.y()) + a.x()) inside = !inside;
+    if ((a.y() > position.y()) == (b.y() > position.y())) continue;
+    if (position.x() < (b.x() - a.x()) * (position.y() - a.y()) / (b.y() - a.y()) + a.x()) inside = !inside;
   }
   return inside;
 }
 
-bool WalkableArea::contains(const Vector2d& place) const {
-  if (!is_within(place, 0, polygon_ends_.front())) return false;
+bool WalkableArea::contains(const Vector2d& position) const {
+  if (!is_within(position, 0, polygon_ends_.front())) return false;
   for (std::size_t hole = 1; hole < polygon_ends_.size(); ++hole) {
-    if (is_within(place, polygon_ends_[hole - 1], polygon_ends_[hole])) return false;
+    if (is_within(position, polygon_ends_[hole - 1], polygon_ends_[hole])) return false;
   }
   return true;
 }
 
-WalkableArea::Contact WalkableArea::nearest_edge(const Vector2d& place) const {
+WalkableArea::Contact WalkableArea::nearest_edge(const Vector2d& position) const {
   Contact nearest{corners_.front(), std::numeric_limits<double>::infinity()};
   for (const Edge& edge : edges_) {
-    const Vector2d point = edge.nearest_to(place);
-    const double distance = (place - point).norm();
+    const Vector2d point = edge.nearest_to(position);
+    const double distance = (position - point).norm();
     if (distance < nearest.distance) nearest = {point, distance};
   }
   return nearest;
 }
 
-bool WalkableArea::allows(const Vector2d& place) const {
-  return place.allFinite() && nearest_edge(place).distance >= margin_m_ && contains(place);
+bool WalkableArea::allows(const Vector2d& position) const {
+  return position.allFinite() && nearest_edge(position).distance >= margin_m_ && contains(position);
 }
 
 bool WalkableArea::sees(const Vector2d& from, const Vector2d& to) const {
@@ -143,17 +143,17 @@ bool WalkableArea::sees(const Vector2d& from, const Vector2d& to) const {
   return true;
 }
 
-Vector2d WalkableArea::pushed_inside(Vector2d place) const {
-  for (int push = 0; push < kPushes; ++push) {
-    const Contact contact = nearest_edge(place);
-    const bool inside = contains(place);
+Vector2d WalkableArea::moved_inside(Vector2d position) const {
+  for (int push = 0; push < kDisplacements; ++push) {
+    const Contact contact = nearest_edge(position);
+    const bool inside = contains(position);
     if (inside && contact.distance >= margin_m_) break;
     if (contact.distance == 0.0) break;  // On the edge there is no direction to go; the caller tries a shorter step.
-    const Vector2d outwards = (contact.point - place) / contact.distance;
+    const Vector2d outwards = (contact.point - position) / contact.distance;
     const double distance = (1.0 + kSlack) * margin_m_;
-    place = contact.point + (inside ? -distance : distance) * outwards;
+    position = contact.point + (inside ? -distance : distance) * outwards;
   }
-  return place;
+  return position;
 }
 
 Vector2d WalkableArea::walk(const Vector2d& from, const Vector2d& step) const {
@@ -161,30 +161,30 @@ Vector2d WalkableArea::walk(const Vector2d& from, const Vector2d& step) const {
   if (!step.allFinite() || step.isZero(0.0)) return from;
   // Walks in small pieces, so that only the part of the step after the contact slides along an edge.
   const double length = std::min(step.norm(), size_m_);
-  const double pieces = std::clamp(std::ceil(length / (4.0 * margin_m_)), 1.0, double{kMostPieces});
+  const double pieces = std::clamp(std::ceil(length / (4.0 * margin_m_)), 1.0, double{kMaxPieces});
   const Vector2d piece = step.normalized() * (length / pieces);
-  Vector2d place = from;
+  Vector2d position = from;
   for (int i = 0; i < static_cast<int>(pieces); ++i) {
     bool moved = false;
     Vector2d part = piece;
-    for (int halving = 0; halving < kFewestHalvings || part.norm() > kShortest * margin_m_; ++halving, part /= 2.0) {
-      const Vector2d next = pushed_inside(place + part);
-      const bool is_short = (next - place).norm() <= part.norm() + 2.0 * kSlack * margin_m_;
-      if (!is_short || !allows(next) || !sees(place, next)) continue;
-      place = next;
+    for (int halving = 0; halving < kMinHalvings || part.norm() > kMinStepShare * margin_m_; ++halving, part /= 2.0) {
+      const Vector2d next = moved_inside(position + part);
+      const bool is_short = (next - position).norm() <= part.norm() + 2.0 * kSlack * margin_m_;
+      if (!is_short || !allows(next) || !sees(position, next)) continue;
+      position = next;
       moved = true;
       break;
     }
     if (!moved) break;  // In a corner nothing of this direction can be walked.
   }
-  return place;
+  return position;
 }
 
-bool WalkableArea::find_place_near(const Vector2d& place, Vector2d* ret_found) const {
+bool WalkableArea::find_position_near(const Vector2d& position, Vector2d* ret_found) const {
   for (double radius = 1.01 * margin_m_; radius < 2.0 * size_m_; radius *= 1.5) {
-    for (int i = 0; i < kRingPlaces; ++i) {
-      const double angle = 2.0 * std::numbers::pi * i / kRingPlaces;
-      const Vector2d candidate = place + radius * Vector2d(std::cos(angle), std::sin(angle));
+    for (int i = 0; i < kRingPositions; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / kRingPositions;
+      const Vector2d candidate = position + radius * Vector2d(std::cos(angle), std::sin(angle));
       if (!allows(candidate)) continue;
       *ret_found = candidate;
       return true;
@@ -193,7 +193,7 @@ bool WalkableArea::find_place_near(const Vector2d& place, Vector2d* ret_found) c
   return false;
 }
 
-bool WalkableArea::find_some_place() {
+bool WalkableArea::find_any_position() {
   // Searches beside the edges, at growing distances along their normals: few tests, since a hostile polygon has no such
   // position.
   for (const Edge& beside : edges_) {
@@ -203,8 +203,8 @@ bool WalkableArea::find_some_place() {
     for (const double along : {0.5, 0.2, 0.8}) {
       for (double distance = 1.01 * margin_m_; distance < size_m_; distance *= 2.0) {
         for (const double side : {distance, -distance}) {
-          some_place_ = beside.a + along * edge + side * normal;
-          if (allows(some_place_)) return true;
+          any_position_ = beside.a + along * edge + side * normal;
+          if (allows(any_position_)) return true;
         }
       }
     }
@@ -212,13 +212,13 @@ bool WalkableArea::find_some_place() {
   return false;
 }
 
-Vector2d WalkableArea::nearest_allowed(const Vector2d& place) const {
-  if (!place.allFinite() || place.cwiseAbs().maxCoeff() > 100.0 * kFarthestM) return some_place_;
-  if (allows(place)) return place;
-  const Vector2d pushed = pushed_inside(place);
+Vector2d WalkableArea::nearest_allowed(const Vector2d& position) const {
+  if (!position.allFinite() || position.cwiseAbs().maxCoeff() > 100.0 * kMaxCoordinateM) return any_position_;
+  if (allows(position)) return position;
+  const Vector2d pushed = moved_inside(position);
   if (allows(pushed)) return pushed;
-  Vector2d found = some_place_;
-  return find_place_near(nearest_edge(place).point, &found) ? found : some_place_;
+  Vector2d found = any_position_;
+  return find_position_near(nearest_edge(position).point, &found) ? found : any_position_;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

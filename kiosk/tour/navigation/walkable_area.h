@@ -13,7 +13,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// A polygon, perhaps with holes, that an eye never leaves. Immutable after make(); reentrant.
 ///
@@ -21,16 +21,16 @@ namespace cyclorama {
 /// errors, so that every way to compute "inside" gives the same answer.
 class WalkableArea {
  public:
-  /// Errors: kInvalidArgument for a polygon of fewer than three corners, more than kMostCorners in all, a corner that
+  /// Errors: kInvalidArgument for a polygon of fewer than three corners, more than kMaxCorners in all, a corner that
   /// is not finite or beyond 10 000 km, or no room to stand.
   static Result<WalkableArea> make(std::vector<Eigen::Vector2d> corners,
                                    const std::vector<std::vector<Eigen::Vector2d>>& holes = {});
-  static constexpr std::size_t kMostCorners = 1024;
+  static constexpr std::size_t kMaxCorners = 1024;
 
-  [[nodiscard]] bool allows(const Eigen::Vector2d& place) const;
+  [[nodiscard]] bool allows(const Eigen::Vector2d& position) const;
   /// Returns `place` itself when it is allowed, else an allowed position near the nearest edge; for NaN, any allowed
   /// one.
-  [[nodiscard]] Eigen::Vector2d nearest_allowed(const Eigen::Vector2d& place) const;
+  [[nodiscard]] Eigen::Vector2d nearest_allowed(const Eigen::Vector2d& position) const;
   /// Returns the end of a walk from `from` by `step`. An edge in the way turns the step along itself, also round a
   /// corner that juts in; the path crosses no edge. A step that is not finite counts as zero. Precondition:
   /// allows(from).
@@ -41,10 +41,10 @@ class WalkableArea {
   /// Calls `use(point, distance)` for each edge nearer than `within_m`, with its point nearest to `place`. Skips an
   /// edge that `place` lies ON: there is no direction to it, and such a position is never allowed.
   template <typename Use>
-  void for_edges_within(const Eigen::Vector2d& place, double within_m, const Use& use) const {
+  void for_edges_within(const Eigen::Vector2d& position, double within_m, const Use& use) const {
     for (const Edge& edge : edges_) {
-      const Eigen::Vector2d point = edge.nearest_to(place);
-      const double distance = (place - point).norm();
+      const Eigen::Vector2d point = edge.nearest_to(position);
+      const double distance = (position - point).norm();
       if (distance < within_m && distance > 0.0) use(point, distance);
     }
   }
@@ -60,28 +60,28 @@ class WalkableArea {
   struct Edge {
     Eigen::Vector2d a;
     Eigen::Vector2d b;
-    [[nodiscard]] Eigen::Vector2d nearest_to(const Eigen::Vector2d& place) const;
+    [[nodiscard]] Eigen::Vector2d nearest_to(const Eigen::Vector2d& position) const;
   };
   WalkableArea() = default;
   void add(const std::vector<Eigen::Vector2d>& polygon);
-  [[nodiscard]] bool is_within(const Eigen::Vector2d& place, std::size_t first_edge, std::size_t end_edge) const;
+  [[nodiscard]] bool is_within(const Eigen::Vector2d& position, std::size_t first_edge, std::size_t end_edge) const;
   struct Contact {
     Eigen::Vector2d point;
     double distance = 0.0;
   };
-  [[nodiscard]] bool contains(const Eigen::Vector2d& place) const;
-  [[nodiscard]] Contact nearest_edge(const Eigen::Vector2d& place) const;
+  [[nodiscard]] bool contains(const Eigen::Vector2d& position) const;
+  [[nodiscard]] Contact nearest_edge(const Eigen::Vector2d& position) const;
   /// Moves a position that is outside or too near to edges to the margin; in a corner it may still not be allowed.
-  [[nodiscard]] Eigen::Vector2d pushed_inside(Eigen::Vector2d place) const;
-  [[nodiscard]] bool find_place_near(const Eigen::Vector2d& place, Eigen::Vector2d* ret_found) const;
-  [[nodiscard]] bool find_some_place();
+  [[nodiscard]] Eigen::Vector2d moved_inside(Eigen::Vector2d position) const;
+  [[nodiscard]] bool find_position_near(const Eigen::Vector2d& position, Eigen::Vector2d* ret_found) const;
+  [[nodiscard]] bool find_any_position();
 
   std::vector<Eigen::Vector2d> corners_;
   std::vector<Edge> edges_;
   std::vector<std::size_t> polygon_ends_;  ///< Ends of the polygons in edges_: the outline's first, then each hole's.
   double margin_m_ = 0.0;
   double size_m_ = 0.0;  ///< Diagonal of the bounding box.
-  Eigen::Vector2d some_place_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d any_position_ = Eigen::Vector2d::Zero();
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -7,12 +7,12 @@
 
 #include "common/base/clock.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Chooses which of several trackers steers: the one that first saw a tag keeps control until it has not seen one for a
 /// second. A tracker chooses between several wands before its camera by the same rule. A wand takes precedence over a
 /// body: a visitor with a wand takes control from one without, and keeps it.
-class WandChoice {
+class WandSelector {
  public:
   static constexpr Duration kKept = std::chrono::seconds(1);
 
@@ -40,14 +40,14 @@ class WandChoice {
 /// clock all its pictures look old, and are rejected only for a limited time:
 ///
 ///   the same picture again       rejected
-///   older than the newest        rejected, until none was accepted for kPatience: then the order restarts with it
-class PictureOrder {
+///   older than the newest        rejected, until none was accepted for kReorderTimeout: then the order restarts with it
+class PoseOrder {
  public:
-  static constexpr Duration kPatience = std::chrono::milliseconds(200);
+  static constexpr Duration kReorderTimeout = std::chrono::milliseconds(200);
 
   bool is_news(std::uint64_t sequence, std::int64_t shutter_ns, TimePoint arrived_at) {
     const bool again = heard_ && sequence == sequence_ && shutter_ns == shutter_ns_;
-    if (again || (heard_ && shutter_ns < shutter_ns_ && arrived_at - accepted_at_ < kPatience)) return false;
+    if (again || (heard_ && shutter_ns < shutter_ns_ && arrived_at - accepted_at_ < kReorderTimeout)) return false;
     heard_ = true;
     sequence_ = sequence;
     shutter_ns_ = shutter_ns;
@@ -62,4 +62,4 @@ class PictureOrder {
   TimePoint accepted_at_{};
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -8,11 +8,11 @@
 
 #include "common/geometry/guard_band.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted) {
   const std::lock_guard lock(mutex_);
   if (closed_) return *closed_;
-  if (members_.size() >= kMostDisplays)
+  if (members_.size() >= kMaxDisplays)
     return Error(ErrorCode::kBusy, "the maximum number of displays is connected already");
   for (const Member& member : members_) {
     if (member.wanted.viewing != wanted.viewing) {
@@ -80,4 +80,4 @@ void DisplayHub::close(const Error& reason) {
   for (const Member& member : members_) member.link->close(reason);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -12,7 +12,7 @@
 #include "common/geometry/projection.h"
 #include "kiosk/tour/session/outbox.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// The server's end of one display's Show stream. Thread-safe; no call blocks or calls back.
 class DisplayLink {
@@ -33,10 +33,10 @@ class DisplayLink {
 /// Sends one message object to all displays; only references are copied here. Thread-safe.
 class DisplayHub {
  public:
-  static constexpr std::size_t kMostDisplays = 32;
+  static constexpr std::size_t kMaxDisplays = 32;
 
   /// Adds a display and sends it the newest heading at once, so that its stream starts with one. Errors: kBusy if
-  /// kMostDisplays have joined; kUnavailable if close() was called; kInvalidArgument if its wall needs another kind of
+  /// kMaxDisplays have joined; kUnavailable if close() was called; kInvalidArgument if its wall needs another kind of
   /// picture than the displays that are here, or one for other eyes.
   Status join(const std::shared_ptr<DisplayLink>& link, std::string name, const Projection& wanted);
   /// Idempotent.
@@ -64,4 +64,4 @@ class DisplayHub {
   std::optional<Error> closed_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

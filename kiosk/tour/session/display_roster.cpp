@@ -6,7 +6,7 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 void add_number(wire::Row* row, std::optional<double> number) {
@@ -34,17 +34,17 @@ void DisplayRoster::heard(std::uint64_t display, const wire::ClockQuestion& ques
   if (question.frame_need_s() > 0.0) found->second.frame_need_s = question.frame_need_s();
 }
 
-std::optional<double> DisplayRoster::in_step() const {
+std::optional<double> DisplayRoster::synchronised_share() const {
   const std::lock_guard lock(mutex_);
   int known = 0;
-  double least = 1.0;
+  double min = 1.0;
   for (const auto& [id, member] : members_) {
-    const double share = member.newest.in_step();
-    if (!member.newest.has_in_step() || !(share >= 0.0 && share <= 1.0)) continue;
+    const double share = member.newest.synchronised_share();
+    if (!member.newest.has_synchronised_share() || !(share >= 0.0 && share <= 1.0)) continue;
     ++known;
-    least = std::min(least, share);
+    min = std::min(min, share);
   }
-  return known > 1 ? std::optional(least) : std::nullopt;
+  return known > 1 ? std::optional(min) : std::nullopt;
 }
 
 wire::Table DisplayRoster::table() const {
@@ -52,7 +52,7 @@ wire::Table DisplayRoster::table() const {
   wire::Table table;
   table.set_name("displays");
   for (const char* const column :
-       {"name", "heads", "refresh_hz", "in_step_percent", "clock_skew_ms", "clock_error_ms", "frame_need_ms"}) {
+       {"name", "heads", "refresh_hz", "synchronised_percent", "clock_skew_ms", "clock_error_ms", "frame_need_ms"}) {
     table.add_columns(column);
   }
   for (const auto& [id, member] : members_) {
@@ -62,7 +62,8 @@ wire::Table DisplayRoster::table() const {
     row->add_cells()->set_text(printable(member.hello.name()));
     add_number(row, member.hello.heads());
     add_number(row, member.hello.refresh_hz());
-    add_number(row, newest.has_in_step() ? std::optional(100.0 * newest.in_step()) : std::nullopt);
+    add_number(row,
+               newest.has_synchronised_share() ? std::optional(100.0 * newest.synchronised_share()) : std::nullopt);
     add_number(row, has_skew ? std::optional(1e3 * newest.skew_s()) : std::nullopt);
     add_number(row, has_skew ? std::optional(1e3 * newest.skew_error_s()) : std::nullopt);
     add_number(row, member.frame_need_s > 0.0 ? std::optional(1e3 * member.frame_need_s) : std::nullopt);
@@ -70,4 +71,4 @@ wire::Table DisplayRoster::table() const {
   return table;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -10,7 +10,7 @@
 #include "common/wire/inspection.pb.h"
 #include "common/wire/museum.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// The displays that show the tour, and how well they are synchronised, as they report it. Thread-safe.
 class DisplayRoster {
@@ -20,8 +20,8 @@ class DisplayRoster {
   void heard(std::uint64_t display, const wire::ClockQuestion& question);
 
   /// Returns the minimum of the displays' shares; nothing while fewer than two have reported one.
-  [[nodiscard]] std::optional<double> in_step() const;
-  /// "displays": name, heads, refresh_hz, in_step_percent, clock_skew_ms, clock_error_ms, frame_need_ms.
+  [[nodiscard]] std::optional<double> synchronised_share() const;
+  /// "displays": name, heads, refresh_hz, synchronised_percent, clock_skew_ms, clock_error_ms, frame_need_ms.
   [[nodiscard]] wire::Table table() const;
 
  private:
@@ -34,4 +34,4 @@ class DisplayRoster {
   std::map<std::uint64_t, Member> members_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 std::size_t bytes_of(const wire::ShowMessage& message) { return message.has_tile() ? message.tile().jpeg().size() : 0; }
 
 }  // namespace
 
-Outbox::Outbox(wire::Panorama shown, std::size_t most_bytes) : most_bytes_(most_bytes), shown_(std::move(shown)) {}
+Outbox::Outbox(wire::Panorama shown, std::size_t max_bytes) : max_bytes_(max_bytes), shown_(std::move(shown)) {}
 
 void Outbox::put_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at) {
   heading_.emplace();
@@ -28,7 +28,7 @@ std::optional<std::uint64_t> Outbox::put(const SharedShowMessage& message) {
     return dropped;
   }
   if (!accepting_) return std::nullopt;  // The display joined in the middle of this frame, or gave it up.
-  if (bytes_ + bytes_of(*message) > most_bytes_) return give_up_frame();
+  if (bytes_ + bytes_of(*message) > max_bytes_) return give_up_frame();
   push(message);
   if (message->has_end()) accepting_.reset();
   return std::nullopt;
@@ -78,4 +78,4 @@ void Outbox::pop_back() {
   frames_.pop_back();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -10,7 +10,7 @@
 
 #include "common/wire/museum.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 using SharedShowMessage = std::shared_ptr<const wire::ShowMessage>;
 
@@ -26,8 +26,8 @@ using SharedShowMessage = std::shared_ptr<const wire::ShowMessage>;
 /// Thread-bound; its owner locks.
 class Outbox {
  public:
-  /// `shown` is sent with the first heading. `most_bytes` is the upper bound of the waiting tiles.
-  explicit Outbox(wire::Panorama shown, std::size_t most_bytes = std::size_t{96} << 20);
+  /// `shown` is sent with the first heading. `max_bytes` is the upper bound of the waiting tiles.
+  explicit Outbox(wire::Panorama shown, std::size_t max_bytes = std::size_t{96} << 20);
 
   /// `show_at` is null to show the heading at once.
   void put_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at = nullptr);
@@ -48,7 +48,7 @@ class Outbox {
   void push(const SharedShowMessage& message);
   void pop_back();
 
-  const std::size_t most_bytes_;
+  const std::size_t max_bytes_;
   std::optional<wire::Panorama> shown_;  ///< Set until the first heading is sent.
   std::optional<wire::ShowMessage> heading_;
   std::optional<wire::ClockAnswer> answer_;
@@ -57,4 +57,4 @@ class Outbox {
   std::optional<std::uint64_t> accepting_;  ///< Frame that the farm is sending, if this display takes it.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

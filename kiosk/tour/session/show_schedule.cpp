@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
-constexpr double kSlowestHz = 0.1;
-constexpr double kFastestHz = 1000.0;
+constexpr double kMinHz = 0.1;
+constexpr double kMaxHz = 1000.0;
 // Margin on the time needed: the last minute's maximum may be exceeded slightly.
 constexpr Duration kExtra = std::chrono::milliseconds(2);
 
@@ -17,14 +17,14 @@ std::int64_t second_of(TimePoint t) {
 
 }  // namespace
 
-void LongestLately::add(Duration value, TimePoint now) {
+void RecentMaximum::add(Duration value, TimePoint now) {
   const std::int64_t number = second_of(now);
   Second& second = seconds_[static_cast<std::size_t>(number % kSeconds)];
   if (second.number != number) second = {number, value};
   second.longest = std::max(second.longest, value);
 }
 
-Duration LongestLately::at(TimePoint now) const {
+Duration RecentMaximum::at(TimePoint now) const {
   std::optional<Duration> longest;
   for (const Second& second : seconds_) {
     if (second.number < 0 || second_of(now) - second.number >= kSeconds) continue;
@@ -36,7 +36,7 @@ Duration LongestLately::at(TimePoint now) const {
 void ShowSchedule::joined(std::uint64_t display, const wire::DisplayHello& hello) {
   const std::lock_guard lock(mutex_);
   const double hz = hello.refresh_hz();
-  rates_hz_[display] = hz >= kSlowestHz && hz <= kFastestHz ? hz : kFastestHz;
+  rates_hz_[display] = hz >= kMinHz && hz <= kMaxHz ? hz : kMaxHz;
   choose_period();
 }
 
@@ -47,7 +47,7 @@ void ShowSchedule::left(std::uint64_t display) {
 }
 
 void ShowSchedule::choose_period() {
-  double slowest_hz = kFastestHz;
+  double slowest_hz = kMaxHz;
   for (const auto& [display, hz] : rates_hz_) slowest_hz = std::min(slowest_hz, hz);
   const auto period = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1.0 / slowest_hz));
   if (period == period_) return;
@@ -57,9 +57,9 @@ void ShowSchedule::choose_period() {
 
 void ShowSchedule::measured(const wire::ClockQuestion& question, TimePoint now) {
   const std::lock_guard lock(mutex_);
-  const auto add = [now](double need_s, LongestLately* longest) {
+  const auto add = [now](double need_s, RecentMaximum* longest) {
     // An invalid value is not waited for, either.
-    if (!(need_s > 0.0 && need_s <= to_seconds(kLongestLead))) return;
+    if (!(need_s > 0.0 && need_s <= to_seconds(kMaxLead))) return;
     longest->add(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(need_s)), now);
   };
   add(question.frame_need_s(), &frame_need_);
@@ -105,4 +105,4 @@ Duration ShowSchedule::heading_lead(TimePoint now) const {
   return is_shared() ? heading_need_.at(now) + kExtra : Duration::zero();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

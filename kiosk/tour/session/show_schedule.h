@@ -10,13 +10,13 @@
 #include "common/base/clock.h"
 #include "common/wire/museum.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Maximum of the values of the last minute. A larger value counts at once and is dropped after a minute; with a
 /// shorter window, every recurring delay would again come unexpected. Thread-bound.
-class LongestLately {
+class RecentMaximum {
  public:
-  explicit LongestLately(Duration at_first) : at_first_(at_first) {}
+  explicit RecentMaximum(Duration at_first) : at_first_(at_first) {}
   void add(Duration value, TimePoint now);
   /// Returns the initial value until one is added.
   [[nodiscard]] Duration at(TimePoint now) const;
@@ -38,14 +38,14 @@ class LongestLately {
 ///    └──────────── frame_need_s ─────────────────────┘
 ///
 /// 1. A single display gets no schedule: it shows everything at once.
-/// 2. A display that needs more than kLongestLead is not waited for. It shows frames when it can.
+/// 2. A display that needs more than kMaxLead is not waited for. It shows frames when it can.
 /// 3. Synchronised refreshes come at the rate of the slowest display, so that every display has one for each.
 /// 4. Each frame has a refresh of its own as long as frames come no faster than refreshes.
 ///
 /// Thread-safe.
 class ShowSchedule {
  public:
-  static constexpr Duration kLongestLead = std::chrono::milliseconds(250);
+  static constexpr Duration kMaxLead = std::chrono::milliseconds(250);
 
   void joined(std::uint64_t display, const wire::DisplayHello& hello);
   void left(std::uint64_t display);
@@ -67,10 +67,10 @@ class ShowSchedule {
   mutable std::mutex mutex_;  ///< Guards the following.
   std::map<std::uint64_t, double> rates_hz_;
   Duration period_{std::chrono::nanoseconds(16'666'667)};
-  LongestLately frame_need_{std::chrono::milliseconds(80)};
-  LongestLately heading_need_{std::chrono::milliseconds(40)};
+  RecentMaximum frame_need_{std::chrono::milliseconds(80)};
+  RecentMaximum heading_need_{std::chrono::milliseconds(40)};
   std::int64_t last_frame_ = 0;
   std::int64_t last_heading_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

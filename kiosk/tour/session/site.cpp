@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 Site site_of(const wire::SceneDescription& scene, std::string* ret_warning) {
   ret_warning->clear();
   Site site;
-  site.start.place_m = {scene.start_eye_m().x(), scene.start_eye_m().z()};
+  site.start.position_m = {scene.start_eye_m().x(), scene.start_eye_m().z()};
   site.start.heading_rad = scene.start_heading_rad();
   site.walking_scale = scene.walking_scale();
   std::vector<Eigen::Vector2d> corners;
@@ -28,10 +28,10 @@ Site site_of(const wire::SceneDescription& scene, std::string* ret_warning) {
     return site;
   }
   site.area = std::make_shared<const WalkableArea>(*std::move(area));
-  site.start.place_m = site.area->nearest_allowed(site.start.place_m);
+  site.start.position_m = site.area->nearest_allowed(site.start.position_m);
   for (const wire::TourStop& stop : scene.stops()) {
-    const Eigen::Vector2d place(stop.eye_m().x(), stop.eye_m().z());
-    site.stops.push_back({stop.title(), site.area->nearest_allowed(place), stop.heading_rad()});
+    const Eigen::Vector2d position(stop.eye_m().x(), stop.eye_m().z());
+    site.stops.push_back({stop.title(), site.area->nearest_allowed(position), stop.heading_rad()});
   }
   return site;
 }
@@ -48,4 +48,4 @@ PoseSeen pose_seen(std::uint64_t tracker, const wire::TrackedPose& pose) {
   return seen;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -10,7 +10,7 @@
 #include "kiosk/tour/navigation/guide.h"
 #include "kiosk/tour/navigation/visit_walk.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Returns the site to walk in. Moves the start and the stops into the walkable area where they lie outside. Without a
 /// usable area the visitor stays at the start, and `ret_warning` gets one sentence about it for the operator.
@@ -20,4 +20,4 @@ namespace cyclorama {
 /// Returns the pose unchecked.
 [[nodiscard]] PoseSeen pose_seen(std::uint64_t tracker, const wire::TrackedPose& pose);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

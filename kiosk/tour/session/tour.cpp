@@ -13,7 +13,7 @@
 #include "kiosk/tour/navigation/walk_record.h"
 #include "kiosk/tour/session/site.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 constexpr Duration kTick = std::chrono::microseconds(16667);
@@ -22,15 +22,15 @@ constexpr Duration kRestingTick = std::chrono::milliseconds(100);
 }  // namespace
 
 Result<std::unique_ptr<Tour>> Tour::start(TourSettings settings, InspectionService* inspection) {
-  FarmClientOptions options;
-  options.heads = settings.heads;
+  client::FarmClientOptions options;
+  options.coordinators = settings.coordinators;
   options.scene = settings.scene;
   options.museum = settings.museum;
   options.tls = settings.tls;
   options.frame_budget_ms = settings.picture.frame_budget_ms;
   options.reference_samples = settings.picture.reference_samples;
   auto tour = std::unique_ptr<Tour>(new Tour(std::move(settings), inspection));
-  TRY_ASSIGN(tour->farm_, FarmClient::start(std::move(options), *tour));
+  TRY_ASSIGN(tour->farm_, client::FarmClient::start(std::move(options), *tour));
   tour->walker_ = std::thread([raw = tour.get()] { raw->walk(); });
   return tour;
 }
@@ -71,11 +71,11 @@ void Tour::walk() {
     wake_ = false;
     if (visit_) change(Tick{}, now);
     send_heading(now);
-    ask_farm(now);
+    request_frame(now);
     if (now - shown_at_ >= kRestingTick) show_state(now);
     ++rounds_;
-    const bool resting =
-        !visit_ || (walk_.navigation.walker.is_at_rest() && walk_.navigation.steerer == Steerer::kNobody);
+    const bool resting = !visit_ || (walk_.navigation.walker.is_at_rest() &&
+                                     walk_.navigation.steering_source == SteeringSource::kNobody);
     woken_.wait_until(lock, now + (resting ? kRestingTick : kTick), [this] { return wake_ || stopping_; });
   }
 }
@@ -85,11 +85,11 @@ void Tour::change(const WalkEvent& event, TimePoint at) {
   if (settings_.record) record_ += record_line(event, at, walk_);
 }
 
-std::optional<KeptPlace> Tour::place() {
+std::optional<SavedPosition> Tour::position() {
   const std::lock_guard lock(mutex_);
   if (!visit_) return std::nullopt;
   const Walker& walker = walk_.navigation.walker;
-  return KeptPlace{visit_->scene.name(), walker.place_m, wrapped_angle(walker.heading_rad)};
+  return SavedPosition{visit_->scene.name(), walker.position_m, wrapped_angle(walker.heading_rad)};
 }
 
 std::string Tour::take_recording() {
@@ -100,7 +100,7 @@ std::string Tour::take_recording() {
 void Tour::send_heading(TimePoint now) {
   if (!visit_) return;
   const double heading = walk_.navigation.walker.heading_rad;
-  const std::int64_t shutter_ns = walk_.navigation.steerer == Steerer::kTag ? visit_->shutter_ns : 0;
+  const std::int64_t shutter_ns = walk_.navigation.steering_source == SteeringSource::kTag ? visit_->shutter_ns : 0;
   if (heading_sent_ == heading) return;
   heading_sent_ = heading;
   const std::optional<wire::ShowAt> show_at = schedule_.heading_at(now);
@@ -113,19 +113,19 @@ std::optional<wire::View> Tour::next_view() const {
   const Navigation& navigation = walk_.navigation;
   wire::View view;
   view.set_number(newest_number_ + 1);
-  to_wire(
-      Eigen::Vector3d(navigation.walker.place_m.x(), visit_->scene.start_eye_m().y(), navigation.walker.place_m.y()),
-      view.mutable_eye_m());
+  to_wire(Eigen::Vector3d(navigation.walker.position_m.x(), visit_->scene.start_eye_m().y(),
+                          navigation.walker.position_m.y()),
+          view.mutable_eye_m());
   view.set_heading_rad(navigation.walker.heading_rad);
   to_wire(with_guard_band(*wanted, settings_.picture.guard_rad), view.mutable_panorama());
   view.set_samples(static_cast<std::uint32_t>(settings_.picture.samples));
   view.set_jpeg_quality(static_cast<std::uint32_t>(settings_.picture.jpeg_quality));
   view.set_subsample_chroma(settings_.picture.subsample_chroma);
-  view.set_shutter_ns(navigation.steerer == Steerer::kTag ? visit_->shutter_ns : 0);
+  view.set_shutter_ns(navigation.steering_source == SteeringSource::kTag ? visit_->shutter_ns : 0);
   return view;
 }
 
-void Tour::ask_farm(TimePoint now) {
+void Tour::request_frame(TimePoint now) {
   const std::optional<wire::View> view = next_view();
   if (!view || !pacer_.wants(*view, now)) return;
   const Status valid = validate(*view);
@@ -164,11 +164,11 @@ void Tour::on_tracker_left(std::uint64_t tracker) {
   change(TrackerLeft{tracker}, SteadyClock().now());
 }
 
-void Tour::on_keys(const SteeringWish& wish) {
+void Tour::on_keys(const SteeringCommand& command) {
   const TimePoint now = SteadyClock().now();
   {
     const std::lock_guard lock(mutex_);
-    change(KeysPressed{wish}, now);
+    change(KeysPressed{command}, now);
   }
   wake();
 }
@@ -176,13 +176,13 @@ void Tour::on_keys(const SteeringWish& wish) {
 void Tour::on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) {
   schedule_.joined(display, hello);
   roster_.joined(display, hello);
-  ask_farm_again();
+  request_frame_again();
 }
 
 void Tour::on_display_left(std::uint64_t display) {
   schedule_.left(display);
   roster_.left(display);
-  ask_farm_again();
+  request_frame_again();
 }
 
 void Tour::on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) {
@@ -190,10 +190,10 @@ void Tour::on_clock_question(std::uint64_t display, const wire::ClockQuestion& q
   roster_.heard(display, question);
 }
 
-void Tour::ask_farm_again() {
+void Tour::request_frame_again() {
   {
     const std::lock_guard lock(mutex_);
-    pacer_.ask_again();
+    pacer_.request_again();
   }
   wake();
 }
@@ -210,13 +210,13 @@ void Tour::on_opened(const wire::SceneDescription& scene) {
     SceneOpened opened{scene.name(), site_of(scene, &visit.warning)};
     if (!visit_ && settings_.resume && settings_.resume->scene == scene.name()) {
       Walker& start = opened.site.start;
-      if (opened.site.area) start.place_m = opened.site.area->nearest_allowed(settings_.resume->place_m);
+      if (opened.site.area) start.position_m = opened.site.area->nearest_allowed(settings_.resume->position_m);
       start.heading_rad = settings_.resume->heading_rad;
     }
     change(opened, SteadyClock().now());
     visit_ = std::move(visit);
     farm_away_.reset();
-    pacer_.ask_again();
+    pacer_.request_again();
   }
   inspection_.set_fact("scene", printable(scene.name()));
   inspection_.set_fact("title", printable(scene.title(), 200));
@@ -271,4 +271,4 @@ void Tour::on_end(const wire::FrameEnd& end) {
   broadcast(std::move(message));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -23,7 +23,7 @@
 #include "kiosk/tour/session/visit_log.h"
 #include "renderfarm/client/farm_client.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Displays, trackers and the farm may come and go at any time, in any order; the state names what is missing.
 ///
@@ -33,7 +33,7 @@ namespace cyclorama {
 ///
 /// Threads: `walk` (every 1/60 s while something moves, and at once for each pose and whenever the farm can take
 /// another view), the FarmClient's (forwards tiles), gRPC's (the calls of TourEvents). Thread-safe.
-class Tour final : public TourEvents, private FarmListener {
+class Tour final : public TourEvents, private client::FarmListener {
  public:
   /// `inspection` is borrowed. Errors: kInvalidArgument if a coordinator's address is invalid.
   static Result<std::unique_ptr<Tour>> start(TourSettings settings, InspectionService* inspection);
@@ -49,7 +49,7 @@ class Tour final : public TourEvents, private FarmListener {
 
   /// Returns the visitor's position for the saved file; nothing before the first scene. The heading is within a turn of
   /// 0.
-  [[nodiscard]] std::optional<KeptPlace> place();
+  [[nodiscard]] std::optional<SavedPosition> position();
 
   /// Returns what was recorded since the last call, in the format of walk_record.h; empty unless the settings enable
   /// recording. Call it about every second, since the record is held in memory until then.
@@ -58,7 +58,7 @@ class Tour final : public TourEvents, private FarmListener {
   void on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) override;
   void on_tracker_joined(std::uint64_t tracker) override;
   void on_tracker_left(std::uint64_t tracker) override;
-  void on_keys(const SteeringWish& wish) override;
+  void on_keys(const SteeringCommand& command) override;
   void on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) override;
   void on_display_left(std::uint64_t display) override;
   void on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) override;
@@ -86,11 +86,11 @@ class Tour final : public TourEvents, private FarmListener {
   /// Applies an event; every change of the walk goes through here. Requires the lock.
   void change(const WalkEvent& event, TimePoint at);
   void send_heading(TimePoint now);
-  void ask_farm(TimePoint now);
+  void request_frame(TimePoint now);
   [[nodiscard]] std::optional<wire::View> next_view() const;
   void show_state(TimePoint now);
   [[nodiscard]] std::string state_sentence(TimePoint now, bool* ret_healthy);
-  void ask_farm_again();
+  void request_frame_again();
   void broadcast(wire::ShowMessage message);
 
   const TourSettings settings_;
@@ -117,8 +117,8 @@ class Tour final : public TourEvents, private FarmListener {
   TimePoint shown_at_{};
   std::string view_refused_;
 
-  std::unique_ptr<FarmClient> farm_;
+  std::unique_ptr<client::FarmClient> farm_;
   std::thread walker_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -6,7 +6,7 @@
 #include "common/wire/museum.pb.h"
 #include "kiosk/tour/navigation/walk.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Events from displays, trackers and keys, after the checks of tour_service.h. Called on gRPC's threads, so
 /// implementations are thread-safe and do not block.
@@ -17,7 +17,7 @@ class TourEvents {
   virtual void on_pose(std::uint64_t tracker, const wire::TrackedPose& pose) = 0;
   virtual void on_tracker_joined(std::uint64_t tracker) = 0;
   virtual void on_tracker_left(std::uint64_t tracker) = 0;
-  virtual void on_keys(const SteeringWish& wish) = 0;
+  virtual void on_keys(const SteeringCommand& command) = 0;
   /// `display` identifies the stream; a display that connects again is a new one.
   virtual void on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) = 0;
   virtual void on_display_left(std::uint64_t display) = 0;
@@ -32,4 +32,4 @@ class TourEvents {
   TourEvents& operator=(const TourEvents&) = default;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -10,7 +10,7 @@
 #include "common/wire/channel.h"
 #include "common/wire/convert.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 grpc::Status invalid(const std::string& message) { return {grpc::StatusCode::INVALID_ARGUMENT, message}; }
@@ -168,14 +168,15 @@ class TrackCall final : public grpc::ServerReadReactor<wire::TrackedPose> {
   wire::TrackedPose pose_;
 };
 
-Result<SteeringWish> wish_of(const wire::SteerRequest& request) {
-  const SteeringWish wish{request.forward(), request.right(), request.turn()};
-  for (const auto& [name, value] : {std::pair{"forward", wish.forward}, {"right", wish.right}, {"turn", wish.turn}}) {
+Result<SteeringCommand> command_of(const wire::SteerRequest& request) {
+  const SteeringCommand command{request.forward(), request.right(), request.turn()};
+  for (const auto& [name, value] :
+       {std::pair{"forward", command.forward}, {"right", command.right}, {"turn", command.turn}}) {
     if (!(std::abs(value) <= 1.0)) {
       return Error(ErrorCode::kInvalidArgument, fmt::format("steer.{} is {}; it must be -1 to 1", name, value));
     }
   }
-  return wish;
+  return command;
 }
 
 }  // namespace
@@ -191,10 +192,10 @@ grpc::ServerReadReactor<wire::TrackedPose>* TourService::Track(grpc::CallbackSer
 grpc::ServerUnaryReactor* TourService::Steer(grpc::CallbackServerContext* context, const wire::SteerRequest* request,
                                              wire::SteerReply*) {
   grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  const auto wish = wish_of(*request);
-  if (wish) events_.on_keys(*wish);
-  reactor->Finish(wish ? grpc::Status::OK : to_grpc(wish.error()));
+  const auto command = command_of(*request);
+  if (command) events_.on_keys(*command);
+  reactor->Finish(command ? grpc::Status::OK : to_grpc(command.error()));
   return reactor;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -8,7 +8,7 @@
 #include "kiosk/tour/session/display_hub.h"
 #include "kiosk/tour/session/tour_events.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Borrows both arguments, which must outlive the WireServer that it is registered with. Thread-safe.
 ///
@@ -29,4 +29,4 @@ class TourService final : public wire::Tour::CallbackService {
   std::atomic<std::uint64_t> trackers_{0};
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -10,33 +10,33 @@
 
 #include "common/config/config.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTurnFollowedS = 0.2;
 
-const double kLongestGlideS = to_seconds(kLongestGlide);
+const double kMaxGlideS = to_seconds(kMaxGlide);
 
 double degrees(double radians) { return radians / kDegree; }
 Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
 
-void read_gain(ConfigTable& walk, const std::string& name, const std::string& unit, double scale, double most,
+void read_gain(ConfigTable& walk, const std::string& name, const std::string& unit, double scale, double max,
                GainCurve* ret_curve) {
   const std::string dead = name + "_dead_" + unit;
   const std::string full = name + "_full_" + unit;
-  ret_curve->dead = scale * walk.number(dead, {0.0, most}, ret_curve->dead / scale);
-  ret_curve->full = scale * walk.number(full, {0.0, most}, ret_curve->full / scale);
+  ret_curve->dead = scale * walk.number(dead, {0.0, max}, ret_curve->dead / scale);
+  ret_curve->full = scale * walk.number(full, {0.0, max}, ret_curve->full / scale);
   if (ret_curve->full <= ret_curve->dead) walk.refuse(full, fmt::format("must be above '{}'", dead));
 }
 
 void refuse_long_glide(ConfigTable& walk, const std::string& key, double speed, const RampLimits& limits) {
-  const double seconds = longest_stop_s(speed, limits);
+  const double seconds = max_stop_s(speed, limits);
   // The factor tolerates the rounding of degrees.
-  if (speed == 0.0 || seconds <= kLongestGlideS * (1.0 + 1e-6)) return;
+  if (speed == 0.0 || seconds <= kMaxGlideS * (1.0 + 1e-6)) return;
   walk.refuse(key, fmt::format("is too low: from full speed to rest takes up to {:.2f} s and may take {} s, so that a "
                                "lost tag stops the walk; raise it or the jerk, or lower the speed",
-                               seconds, kLongestGlideS));
+                               seconds, kMaxGlideS));
 }
 
 void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
@@ -61,8 +61,8 @@ void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
   read_gain(walk, "sideways", "m", 1.0, 5.0, &tag.sideways_m);
   read_gain(walk, "distance", "m", 1.0, 5.0, &tag.distance_m);
   BodySteeringSettings& body = ret_settings->body;
-  body.stand_m = walk.number("stand_m", {0.5, 10.0}, body.stand_m);
-  body.neutral_right_m = walk.number("stand_right_m", {-5.0, 5.0}, body.neutral_right_m);
+  body.mark_distance_m = walk.number("mark_distance_m", {0.5, 10.0}, body.mark_distance_m);
+  body.neutral_right_m = walk.number("mark_right_m", {-5.0, 5.0}, body.neutral_right_m);
   read_gain(walk, "lean", "deg", kDegree, 60.0, &body.lean_rad);
   read_gain(walk, "step", "m", 1.0, 5.0, &body.sideways_m);
   read_gain(walk, "approach", "m", 1.0, 5.0, &body.distance_m);
@@ -70,8 +70,8 @@ void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
       seconds(1e-3 * walk.number("tag_smoothing_ms", {0.0, 1000.0}, to_milliseconds(ret_settings->tag_smoothing)));
   ret_settings->guide_after =
       seconds(walk.number("guide_after_s", {0.0, 86400.0}, to_seconds(ret_settings->guide_after)));
-  ret_settings->turn_longest =
-      seconds(60.0 * walk.number("longest_turn_minutes", {0.0, 1440.0}, to_seconds(ret_settings->turn_longest) / 60.0));
+  ret_settings->max_turn =
+      seconds(60.0 * walk.number("max_turn_minutes", {0.0, 1440.0}, to_seconds(ret_settings->max_turn) / 60.0));
   ret_settings->turn_pause = seconds(walk.number("turn_pause_s", {0.0, 3600.0}, to_seconds(ret_settings->turn_pause)));
 }
 
@@ -86,8 +86,9 @@ Result<TourSettings> read_from(Config config, const std::filesystem::path& folde
   // Read by other programs.
   for (const char* const others : {"display", "hours", "update"}) static_cast<void>(root.has(others));
   ConfigTable farm = root.table("farm");
-  settings.heads = farm.texts("heads", settings.heads);
-  if (settings.heads.empty()) farm.refuse("heads", "is empty; name the farm's head, such as [\"[::1]:7401\"]");
+  settings.coordinators = farm.texts("coordinators", settings.coordinators);
+  if (settings.coordinators.empty())
+    farm.refuse("coordinators", "is empty; name the farm's coordinator, such as [\"[::1]:7401\"]");
   settings.scene = farm.text("scene", settings.scene);
   settings.museum = farm.text("museum", settings.museum);
   settings.tls = read_tls(farm, folder);
@@ -127,4 +128,4 @@ Result<TourSettings> parse_tour_settings(std::string_view text, std::string name
   return read_from(std::move(config), {});
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -3,7 +3,7 @@
 ///
 ///   # site.toml
 ///   [farm]
-///   heads = ["[2001:db8::1]:7401"]
+///   coordinators = ["[2001:db8::1]:7401"]
 ///   scene = "grotto"                     # Empty: the first one.
 ///   museum = "Hall 3"
 ///   authority = "tls/authority.crt"      # All three or none; without them the connection is not encrypted.
@@ -14,7 +14,7 @@
 ///   turn_deg_per_s = 40
 ///   neutral_distance_m = 1.0
 ///   guide_after_s = 45                   # 0: never.
-///   longest_turn_minutes = 0             # Limit of one visitor's turn where others queue; 0: none.
+///   max_turn_minutes = 0             # Limit of one visitor's turn where others queue; 0: none.
 ///   [picture]
 ///   frame_budget_ms = 50                 # The farm chooses a quality that fits, and refines at rest
 ///   reference_samples = 1024             # up to this many samples per pixel.
@@ -38,9 +38,9 @@
 #include "common/base/result.h"
 #include "common/wire/tls.h"
 #include "kiosk/tour/navigation/navigator.h"
-#include "kiosk/tour/session/kept_place.h"
+#include "kiosk/tour/session/saved_position.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 struct PictureSettings {
   double frame_budget_ms = 50.0;  ///< 0: the next three fields set the quality.
@@ -52,14 +52,15 @@ struct PictureSettings {
 };
 
 struct TourSettings {
-  std::vector<std::string> heads{"[::1]:7401"};
+  std::vector<std::string> coordinators{"[::1]:7401"};
   std::string scene;
   std::string museum = "museum";
   std::optional<TlsFiles> tls{};  ///< Credentials for the connection to the farm.
   PictureSettings picture;
   NavigationSettings navigation;
-  bool record = false;                ///< Not from the file: record the walk, for Tour::take_recording().
-  std::optional<KeptPlace> resume{};  ///< Not from the file: the visitor's position when the tour ended unexpectedly.
+  bool record = false;  ///< Not from the file: record the walk, for Tour::take_recording().
+  std::optional<SavedPosition>
+      resume{};  ///< Not from the file: the visitor's position when the tour ended unexpectedly.
 };
 
 /// Returns the guard band that a turn at full speed uses up within 0.2 s: the latency of one frame and the wait for the
@@ -73,4 +74,4 @@ Result<TourSettings> read_tour_settings(const std::filesystem::path& path);
 /// `name` stands for the file in errors.
 Result<TourSettings> parse_tour_settings(std::string_view text, std::string name);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -9,7 +9,7 @@
 #include "common/geometry/panorama.h"
 #include "kiosk/tour/session/tour.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 constexpr Duration kFarmSilent = std::chrono::seconds(10);
@@ -21,7 +21,7 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
     return fmt::format(
         "The farm is away ({}). The wall holds its last picture, and the tour keeps trying {}; see that "
         "cyclorama-farm and its nodes run there.",
-        printable(*farm_away_, 200), settings_.heads.front());
+        printable(*farm_away_, 200), settings_.coordinators.front());
   }
   if (!view_refused_.empty()) return fmt::format("No picture can be requested: {}.", view_refused_);
   const std::size_t displays = hub_.count();
@@ -31,7 +31,7 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
   const auto asked_at = pacer_.asked_at();
   if (pacer_.in_flight() > 0 && asked_at && now - *asked_at > kFarmSilent &&
       (!completed_at || now - *completed_at > kFarmSilent)) {
-    return fmt::format("The farm has not answered a view for {:.0f} s. See the state of the head and its nodes.",
+    return fmt::format("The farm has not answered a view for {:.0f} s. See the state of the coordinator and its nodes.",
                        to_seconds(now - *asked_at));
   }
   *ret_healthy = visit_->warning.empty();
@@ -39,10 +39,11 @@ std::string Tour::state_sentence(TimePoint now, bool* ret_healthy) {
   const char* const hint = trackers_.empty() ? " No tracker is connected, so only keys steer." : "";
   const std::string picture =
       log_.refinement().value_or(fmt::format("{:.1f} frames a second", log_.frames_per_second(now)));
-  const auto in_step = displays > 1 ? roster_.in_step() : std::nullopt;
-  const std::string step = in_step ? fmt::format(" synchronised ({:.2f} %)", 100.0 * *in_step) : "";
+  const auto synchronised_share = displays > 1 ? roster_.synchronised_share() : std::nullopt;
+  const std::string step =
+      synchronised_share ? fmt::format(" synchronised ({:.2f} %)", 100.0 * *synchronised_share) : "";
   return fmt::format("Visiting '{}', {}, {} display{}{}, steered by {}.{}", printable(visit_->scene.title()), picture,
-                     displays, displays == 1 ? "" : "s", step, to_text(walk_.navigation.steerer), hint);
+                     displays, displays == 1 ? "" : "s", step, to_text(walk_.navigation.steering_source), hint);
 }
 
 void Tour::show_state(TimePoint now) {
@@ -54,21 +55,22 @@ void Tour::show_state(TimePoint now) {
   inspection_.set_gauge("displays", static_cast<double>(hub_.count()));
   inspection_.set_gauge("frame_lead_ms", to_milliseconds(schedule_.frame_lead(now)));
   inspection_.set_gauge("heading_lead_ms", to_milliseconds(schedule_.heading_lead(now)));
-  if (const auto in_step = roster_.in_step()) inspection_.set_gauge("in_step_percent", 100.0 * *in_step);
+  if (const auto synchronised_share = roster_.synchronised_share())
+    inspection_.set_gauge("synchronised_percent", 100.0 * *synchronised_share);
   inspection_.set_table(roster_.table());
   inspection_.set_gauge("trackers", static_cast<double>(trackers_.size()));
   inspection_.set_gauge("frames_in_flight", static_cast<double>(pacer_.in_flight()));
   if (!visit_) return;
   const Walker& walker = walk_.navigation.walker;
   inspection_.set_gauge("heading_deg", kDegreesPerRadian * wrapped_angle(walker.heading_rad));
-  inspection_.set_gauge("eye_x_m", walker.place_m.x());
-  inspection_.set_gauge("eye_z_m", walker.place_m.y());
+  inspection_.set_gauge("eye_x_m", walker.position_m.x());
+  inspection_.set_gauge("eye_z_m", walker.position_m.y());
   inspection_.set_gauge("forward_m_per_s", walker.velocity_m_per_s.y());
   inspection_.set_gauge("sideways_m_per_s", walker.velocity_m_per_s.x());
   inspection_.set_gauge("turn_deg_per_s", kDegreesPerRadian * walker.turn_rate_rad_per_s);
   if (const auto left = turn_left(walk_.navigation, settings_.navigation, now))
     inspection_.set_gauge("turn_left_s", std::max(0.0, to_seconds(*left)));
-  inspection_.set_fact("steered_by", to_text(walk_.navigation.steerer));
+  inspection_.set_fact("steered_by", to_text(walk_.navigation.steering_source));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -3,7 +3,7 @@
 
 #include <google/protobuf/util/message_differencer.h>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 bool ViewPacer::wants(const wire::View& view, TimePoint now) const {
   if (!frames_.has_room()) return false;
@@ -29,4 +29,4 @@ void ViewPacer::lost() {
   frames_.send();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -10,7 +10,7 @@
 #include "common/base/frame_window.h"
 #include "common/wire/view.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// At most two frames are in flight: one is rendered while the other crosses the network. A view that shows something
 /// new is requested once there is room. At rest, nothing is requested from a farm that refines, since every view would
@@ -31,7 +31,7 @@ class ViewPacer {
   /// Records that the farm ended this frame, complete or not.
   void ended(std::uint64_t number);
   /// Requests the current picture once more, also at rest, for a display that joined or a farm that came back.
-  void ask_again() { newest_.reset(); }
+  void request_again() { newest_.reset(); }
   /// Records that the farm is away. FarmClient repeats the newest request when it is back.
   void lost();
 
@@ -45,4 +45,4 @@ class ViewPacer {
   std::optional<TimePoint> asked_at_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -10,23 +10,23 @@
 #include "common/base/check.h"
 #include "common/base/text.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
-constexpr std::size_t kMostSent = 256;
-constexpr std::size_t kMostStages = 48;
-constexpr std::size_t kMostReasons = 24;
-constexpr std::size_t kLongestName = 100;
+constexpr std::size_t kMaxSent = 256;
+constexpr std::size_t kMaxStages = 48;
+constexpr std::size_t kMaxReasons = 24;
+constexpr std::size_t kMaxNameLength = 100;
 constexpr auto kRateWindow = std::chrono::seconds(5);
 /// A longer stage was interrupted rather than measured; it also bounds a wrong difference between two machines' clocks.
-constexpr double kLongestStageS = 60.0;
+constexpr double kMaxStageS = 60.0;
 
 /// Returns the printable name while there is room for it, else one name that all others share.
-std::string bounded(const std::string& name, std::size_t most, std::set<std::string>* names) {
-  std::string shown = printable(name, kLongestName);
+std::string bounded(const std::string& name, std::size_t max, std::set<std::string>* names) {
+  std::string shown = printable(name, kMaxNameLength);
   if (shown.empty()) shown = "unnamed";
   if (names->contains(shown)) return shown;
-  if (names->size() >= most) return "other";
+  if (names->size() >= max) return "other";
   names->insert(shown);
   return shown;
 }
@@ -45,8 +45,8 @@ VisitLog::VisitLog(InspectionService* inspection) : inspection_(*inspection) {
 
 void VisitLog::add_stages(const google::protobuf::RepeatedPtrField<wire::StageTime>& stages) {
   for (const wire::StageTime& stage : stages) {
-    if (!(stage.seconds() >= 0.0 && stage.seconds() <= kLongestStageS)) continue;
-    inspection_.add_stage_time(bounded(stage.name(), kMostStages, &stage_names_), from_seconds(stage.seconds()));
+    if (!(stage.seconds() >= 0.0 && stage.seconds() <= kMaxStageS)) continue;
+    inspection_.add_stage_time(bounded(stage.name(), kMaxStages, &stage_names_), from_seconds(stage.seconds()));
   }
 }
 
@@ -60,7 +60,7 @@ void VisitLog::add_view(const wire::View& view, TimePoint now, std::optional<Tim
   if (pose_received_at) inspection_.add_stage_time("steer", now - *pose_received_at);
   refinement_.reset();
   sent_[view.number()] = {view.shutter_ns(), now, false, false, false};
-  if (sent_.size() > kMostSent) sent_.erase(sent_.begin());
+  if (sent_.size() > kMaxSent) sent_.erase(sent_.begin());
 }
 
 void VisitLog::add_tile(const wire::Tile& tile) {
@@ -109,7 +109,7 @@ void VisitLog::add_presented(const wire::FramePresented& presented, TimePoint no
   inspection_.count("frames");
   if (sent->second.shutter_ns <= 0 || presented.presented_ns() <= sent->second.shutter_ns) return;
   const double seconds = 1e-9 * static_cast<double>(presented.presented_ns() - sent->second.shutter_ns);
-  if (seconds <= kLongestStageS) inspection_.add_stage_time("shutter_to_photon", from_seconds(seconds));
+  if (seconds <= kMaxStageS) inspection_.add_stage_time("shutter_to_photon", from_seconds(seconds));
 }
 
 void VisitLog::add_dropped(const std::string& reason, std::uint64_t frames) {
@@ -130,7 +130,7 @@ void VisitLog::drop_view(std::uint64_t number, const std::string& reason) {
 
 void VisitLog::drop(const std::string& reason, std::uint64_t frames) {
   if (frames == 0) return;
-  inspection_.count("dropped: " + bounded(reason, kMostReasons, &drop_reasons_), static_cast<double>(frames));
+  inspection_.count("dropped: " + bounded(reason, kMaxReasons, &drop_reasons_), static_cast<double>(frames));
 }
 
 double VisitLog::rate(TimePoint now) {
@@ -162,4 +162,4 @@ std::optional<TimePoint> VisitLog::frame_completed_at() const {
   return completed_at_;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -15,7 +15,7 @@
 #include "common/wire/inspection_service.h"
 #include "common/wire/museum.pb.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 
 /// Collects the measurements of trackers, farm and displays, adds the tour's own, and publishes them through the
 /// InspectionService, which it borrows. Only the tour has the measurements of a frame's whole path.
@@ -77,4 +77,4 @@ class VisitLog {
   Percentiles balance_{256};
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

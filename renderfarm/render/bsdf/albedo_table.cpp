@@ -4,7 +4,7 @@
 #include "renderfarm/render/bsdf/fresnel.h"
 #include "renderfarm/render/bsdf/microfacet.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Columns are spaced evenly in the square root of the cosine, because values change faster towards grazing angles.
@@ -46,7 +46,7 @@ void for_visible_normals(float cosine, float alpha, int steps, const Weight& wei
 
 /// Returns the shadowing of light towards the cosine `cos_i`, for normals visible from wo.
 float shadowing(const Microfacets& facets, float cos_i) {
-  return facets.visibility(cos_i) * cos_i / facets.mirrored_density(1.0f, false);
+  return facets.visibility(cos_i) * cos_i / facets.reflected_pdf(1.0f, false);
 }
 
 float smooth_coat(float cosine) { return kCoatF0 + (1.0f - kCoatF0) * schlick(cosine); }
@@ -159,4 +159,4 @@ GlassLoss::GlassLoss(float alpha, float ior) {
   }
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

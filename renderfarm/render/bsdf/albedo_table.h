@@ -9,7 +9,7 @@
 
 #include "renderfarm/render/vectors.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Under uniform illumination, one bounce reflects f0 * low + f90 * high, by Schlick's Fresnel. low + high + lost is 1.
 struct BounceAlbedo {
@@ -93,4 +93,4 @@ class GlassLoss {
   std::array<Row, 2> rows_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

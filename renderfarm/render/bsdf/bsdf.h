@@ -8,7 +8,7 @@
 #include "renderfarm/render/vectors.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Texture values at one point, decoded to linear; ones if there is no texture. They multiply the factors.
 struct SurfaceTexels {
@@ -42,11 +42,11 @@ struct Bsdf {
 };
 
 /// Lower bound of a lobe's width, below which it is a mirror: neither float directions nor real lamps resolve it.
-inline constexpr float kLeastAlpha = 1e-3f;
+inline constexpr float kMinAlpha = 1e-3f;
 
 [[nodiscard]] inline float alpha_of(float roughness) {
   const float r = roughness > 0.0f ? std::min(roughness, 1.0f) : 0.0f;
-  return r * r < kLeastAlpha ? 0.0f : r * r;
+  return r * r < kMinAlpha ? 0.0f : r * r;
 }
 
 /// Returns a purely Lambertian surface.
@@ -79,7 +79,7 @@ inline void set_dielectric(float ior, float specular, const Vec3& specular_colou
 
 /// Returns the material at a point. `inside`: the ray hit the triangle's back, as given by its winding. `level` is the
 /// level of the kernel; properties above it are ignored.
-[[nodiscard]] inline Bsdf make_bsdf(const Material& material, const SurfaceTexels& texels, bool inside,
+[[nodiscard]] inline Bsdf make_bsdf(const scene::Material& material, const SurfaceTexels& texels, bool inside,
                                     SurfaceLevel level) {
   const auto unit = [](float value) { return std::clamp(value, 0.0f, 1.0f); };
   Bsdf bsdf;
@@ -99,22 +99,22 @@ inline void set_dielectric(float ior, float specular, const Vec3& specular_colou
 }
 
 /// Returns true if rays continue within the body.
-[[nodiscard]] inline bool encloses_body(const Material& material) {
+[[nodiscard]] inline bool encloses_body(const scene::Material& material) {
   return material.transmission > 0.0f && material.thickness > 0.0f;
 }
 
 /// Returns the absorption per metre inside the body: exp(-absorption * metres) is transmitted. Finite; zero if nothing
 /// is absorbed.
-[[nodiscard]] inline Vec3 absorption_of(const Material& material) {
+[[nodiscard]] inline Vec3 absorption_of(const scene::Material& material) {
   const float distance = material.attenuation_distance;
   if (!encloses_body(material) || !(distance > 0.0f) || !std::isfinite(distance)) return Vec3::Zero();
-  constexpr float kMost = 1e12f;
+  constexpr float kMaxAbsorption = 1e12f;
   Vec3 absorption;
   for (int i = 0; i < 3; ++i) {
     const float left = std::clamp(material.attenuation_colour[i], std::numeric_limits<float>::min(), 1.0f);
-    absorption[i] = left < 1.0f ? std::min(-std::log(left) / distance, kMost) : 0.0f;
+    absorption[i] = left < 1.0f ? std::min(-std::log(left) / distance, kMaxAbsorption) : 0.0f;
   }
   return absorption;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -11,7 +11,7 @@
 #include "renderfarm/render/bsdf/fresnel.h"
 #include "renderfarm/render/bsdf/microfacet.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// A clear coat. Directions are in the surface's frame, not local. From inside a body it only attenuates. Thread-bound.
 class Coat {
@@ -56,13 +56,13 @@ class Coat {
     const Vec3 local = frame_.to_local(wi);
     if (!(local.z() > 0.0f)) return 0.0f;
     const Vec3 h = normalized_or(wo_ + local, Vec3::UnitZ());
-    return facet(local.dot(h)) * facets_.density(h) * facets_.visibility(local.z()) * local.z();
+    return facet(local.dot(h)) * facets_.pdf(h) * facets_.visibility(local.z()) * local.z();
   }
-  [[nodiscard]] float density(const Vec3& wi) const {
+  [[nodiscard]] float pdf(const Vec3& wi) const {
     if (!faces_ || mirror_) return 0.0f;
     const Vec3 local = frame_.to_local(wi);
     if (!(local.z() > 0.0f)) return 0.0f;
-    return facets_.mirrored_density(facets_.density(normalized_or(wo_ + local, Vec3::UnitZ())), true);
+    return facets_.reflected_pdf(facets_.pdf(normalized_or(wo_ + local, Vec3::UnitZ())), true);
   }
   [[nodiscard]] Vec3 sample(const Vec2& u) const {
     const Vec3 h = mirror_ ? Vec3(Vec3::UnitZ()) : facets_.sample(u, true);
@@ -90,4 +90,4 @@ class Coat {
   float mean_kept_ = 1.0f;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -4,7 +4,7 @@
 
 #include "renderfarm/render/vectors.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Returns Schlick's weight of the reflectance at grazing angles.
 [[nodiscard]] inline float schlick(float cosine) {
@@ -30,4 +30,4 @@ inline constexpr float kMeanSchlick = 1.0f / 21.0f;
   return 0.5f * (parallel * parallel + across * across);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -6,7 +6,7 @@
 #include "renderfarm/render/bsdf/opaque_base.h"
 #include "renderfarm/render/bsdf/scattering.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 template <>
 class Scattering<SurfaceLevel::kGlossy> {
@@ -28,7 +28,7 @@ class Scattering<SurfaceLevel::kGlossy> {
   }
 
   [[nodiscard]] Vec3 evaluate(const Vec3& wi) const { return evaluate_local(frame_.to_local(wi)); }
-  [[nodiscard]] float density(const Vec3& wi) const { return density_local(frame_.to_local(wi)); }
+  [[nodiscard]] float pdf(const Vec3& wi) const { return pdf_local(frame_.to_local(wi)); }
 
   [[nodiscard]] ScatterSample sample(const Vec2& u, float choice) const {
     ScatterSample sample;
@@ -45,8 +45,8 @@ class Scattering<SurfaceLevel::kGlossy> {
       wi = choice < gloss_chance_ + more_chance_ ? grazing_.sample(u) : cosine_hemisphere(u);
     }
     sample.wi = frame_.from_local(wi);
-    sample.density = density_local(wi);
-    if (sample.density > 0.0f) sample.weight = evaluate_local(wi) / sample.density;
+    sample.pdf = pdf_local(wi);
+    if (sample.pdf > 0.0f) sample.weight = evaluate_local(wi) / sample.pdf;
     return sample;
   }
 
@@ -58,16 +58,16 @@ class Scattering<SurfaceLevel::kGlossy> {
     const Vec3 wide = base_.wide(wi.z()) * (wi.z() / kPi);
     if (mirror_) return wide;
     const Vec3 h = normalized_or(wo_ + wi, Vec3::UnitZ());
-    return wide + base_.facet(wi.dot(h)) * (facets_.density(h) * facets_.visibility(wi.z()) * wi.z());
+    return wide + base_.facet(wi.dot(h)) * (facets_.pdf(h) * facets_.visibility(wi.z()) * wi.z());
   }
 
-  [[nodiscard]] float density_local(const Vec3& wi) const {
+  [[nodiscard]] float pdf_local(const Vec3& wi) const {
     if (!(wi.z() > 0.0f)) return 0.0f;
     const float diffuse = (1.0f - gloss_chance_ - more_chance_) * wi.z() / kPi;
     if (mirror_) return diffuse;
-    const float wide = diffuse + more_chance_ * grazing_.density(wi.z());
+    const float wide = diffuse + more_chance_ * grazing_.pdf(wi.z());
     const Vec3 h = normalized_or(wo_ + wi, Vec3::UnitZ());
-    return wide + gloss_chance_ * facets_.mirrored_density(facets_.density(h), true);
+    return wide + gloss_chance_ * facets_.reflected_pdf(facets_.pdf(h), true);
   }
 
   Frame frame_;
@@ -80,4 +80,4 @@ class Scattering<SurfaceLevel::kGlossy> {
   float more_chance_ = 0.0f;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -8,7 +8,7 @@
 #include "renderfarm/render/bsdf/microfacet.h"
 #include "renderfarm/render/bsdf/opaque_base.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Reflectance and transmittance of a facet, by colour.
 struct FacetShare {
@@ -43,8 +43,8 @@ class Interface {
         thin_f90_(bsdf.f90),
         body_(!bsdf.thin && part_ > 0.0f),
         eta_(bsdf.inside ? 1.0f / bsdf.ior : bsdf.ior) {
-    constexpr float kLeastBending = 1e-3f;  // Below it, Snell's law exceeds float's precision.
-    straight_ = body_ && bsdf.ior < 1.0f + kLeastBending;
+    constexpr float kMinIorContrast = 1e-3f;  // Below it, Snell's law exceeds float's precision.
+    straight_ = body_ && bsdf.ior < 1.0f + kMinIorContrast;
     const float root = (bsdf.ior - 1.0f) / (bsdf.ior + 1.0f);
     plain_f0_ = root * root;
   }
@@ -63,8 +63,8 @@ class Interface {
     if (!passes() || straight_) return share;
     if (!body_) {
       const float grazing = schlick(o_h);
-      const float most = f0_.maxCoeff() * (1.0f - grazing) + thin_f90_ * grazing;
-      share.passed = passing_ * (1.0f - most);
+      const float max = f0_.maxCoeff() * (1.0f - grazing) + thin_f90_ * grazing;
+      share.passed = passing_ * (1.0f - max);
       return share;
     }
     const float plain = dielectric_reflectance(o_h, eta_, &share.beyond);
@@ -120,4 +120,4 @@ class Interface {
   float eta_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -9,7 +9,7 @@
 #include "renderfarm/render/bsdf/scattering.h"
 #include "renderfarm/render/bsdf/wide_glass.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 template <>
 class Scattering<SurfaceLevel::kLayered> {
@@ -48,7 +48,7 @@ class Scattering<SurfaceLevel::kLayered> {
   Scattering& operator=(const Scattering&) = delete;
 
   [[nodiscard]] Vec3 evaluate(const Vec3& wi) const { return evaluate(frame_.to_local(wi), wi); }
-  [[nodiscard]] float density(const Vec3& wi) const { return density(frame_.to_local(wi), wi); }
+  [[nodiscard]] float pdf(const Vec3& wi) const { return pdf(frame_.to_local(wi), wi); }
 
   [[nodiscard]] ScatterSample sample(const Vec2& u, float choice) const {
     int lobe = 0;
@@ -115,7 +115,7 @@ class Scattering<SurfaceLevel::kLayered> {
       sum.array() += coat_.evaluate(wi);
       if (mirror_) return sum;
       const Vec3 h = normalized_or(wo_ + local, Vec3::UnitZ());
-      const float lobe = facets_.density(h) * facets_.visibility(cosine) * cosine;
+      const float lobe = facets_.pdf(h) * facets_.visibility(cosine) * cosine;
       return sum + interface_.at(local.dot(h)).mirrored * (lobe * coat_.narrow(wi));
     }
     if (!(local.z() < 0.0f) || !interface_.passes()) return Vec3::Zero();
@@ -124,18 +124,18 @@ class Scattering<SurfaceLevel::kLayered> {
     if (mirror_ || interface_.is_straight()) return sum;
     const FacetTurn turn = interface_.turn(wo_, local);
     if (!(turn.jacobian > 0.0f)) return sum;
-    const float lobe = facets_.density(turn.h) * 4.0f * facets_.visibility(cosine) * turn.jacobian * turn.o_h * cosine;
+    const float lobe = facets_.pdf(turn.h) * 4.0f * facets_.visibility(cosine) * turn.jacobian * turn.o_h * cosine;
     return sum + interface_.at(turn.o_h).passed * (lobe * (body ? coat_.crossed(wi) : coat_.narrow(wi)));
   }
 
-  [[nodiscard]] float density(const Vec3& local, const Vec3& wi) const {
-    const float grazing = grazing_.density(std::abs(local.z()));
+  [[nodiscard]] float pdf(const Vec3& local, const Vec3& wi) const {
+    const float grazing = grazing_.pdf(std::abs(local.z()));
     if (local.z() > 0.0f) {
       const float wide = chances_[kDiffuse] * local.z() / kPi + chances_[kUp] * grazing;
-      const float sum = wide + chances_[kCoat] * coat_.density(wi);
+      const float sum = wide + chances_[kCoat] * coat_.pdf(wi);
       if (mirror_) return sum;
       const Vec3 h = normalized_or(wo_ + local, Vec3::UnitZ());
-      const float facets = facets_.mirrored_density(facets_.density(h), bounded_);
+      const float facets = facets_.reflected_pdf(facets_.pdf(h), bounded_);
       return sum + chances_[kFacets] * facets * interface_.at(local.dot(h)).mirror_chance();
     }
     if (!(local.z() < 0.0f) || !interface_.passes()) return 0.0f;
@@ -143,13 +143,13 @@ class Scattering<SurfaceLevel::kLayered> {
     if (mirror_ || interface_.is_straight()) return sum;
     const FacetTurn turn = interface_.turn(wo_, local);
     if (!(turn.jacobian > 0.0f)) return sum;
-    const float facets = facets_.normal_density(facets_.density(turn.h), turn.o_h) * turn.jacobian;
+    const float facets = facets_.microfacet_pdf(facets_.pdf(turn.h), turn.o_h) * turn.jacobian;
     return sum + chances_[kFacets] * facets * (1.0f - interface_.at(turn.o_h).mirror_chance());
   }
 
   [[nodiscard]] ScatterSample weighed(const Vec3& local, const Vec3& wi) const {
-    ScatterSample sample{wi, Vec3::Zero(), density(local, wi), local.z() < 0.0f};
-    if (sample.density > 0.0f) sample.weight = evaluate(local, wi) / sample.density;
+    ScatterSample sample{wi, Vec3::Zero(), pdf(local, wi), local.z() < 0.0f};
+    if (sample.pdf > 0.0f) sample.weight = evaluate(local, wi) / sample.pdf;
     return sample;
   }
 
@@ -197,4 +197,4 @@ class Scattering<SurfaceLevel::kLayered> {
   std::array<float, kLobes> chances_{};
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -8,7 +8,7 @@
 
 #include "renderfarm/render/vectors.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// An orthonormal frame around a unit normal.
 class Frame {
@@ -28,8 +28,8 @@ class Frame {
 class GrazingLobe {
  public:
   explicit GrazingLobe(float alpha)
-      : start2_(std::max(alpha * alpha, kLeastStart2)), range_(std::log((1.0f + start2_) / start2_)) {}
-  [[nodiscard]] float density(float cosine) const { return cosine / (kPi * range_ * (cosine * cosine + start2_)); }
+      : start2_(std::max(alpha * alpha, kMinStart2)), range_(std::log((1.0f + start2_) / start2_)) {}
+  [[nodiscard]] float pdf(float cosine) const { return cosine / (kPi * range_ * (cosine * cosine + start2_)); }
   [[nodiscard]] Vec3 sample(const Vec2& u) const {
     const float cosine2 = std::clamp(start2_ * std::expm1(u.x() * range_), 0.0f, 1.0f);
     const float sine = std::sqrt(1.0f - cosine2);
@@ -38,7 +38,7 @@ class GrazingLobe {
   }
 
  private:
-  static constexpr float kLeastStart2 = 1e-8f;
+  static constexpr float kMinStart2 = 1e-8f;
   float start2_;
   float range_;
 };
@@ -46,9 +46,9 @@ class GrazingLobe {
 /// Returns `wo` raised above the shading normal's horizon: near silhouettes the normal may point away from the viewer,
 /// but the lobes require a visible one.
 [[nodiscard]] inline Vec3 seen_from_above(const Vec3& wo) {
-  constexpr float kLeastCosine = 1e-3f;
-  if (wo.z() >= kLeastCosine) return wo;
-  return normalized_or({wo.x(), wo.y(), kLeastCosine}, Vec3::UnitZ());
+  constexpr float kMinCosine = 1e-3f;
+  if (wo.z() >= kMinCosine) return wo;
+  return normalized_or({wo.x(), wo.y(), kMinCosine}, Vec3::UnitZ());
 }
 
 /// The GGX distribution of width `alpha` > 0, seen from `wo` with wo.z > 0.
@@ -58,7 +58,7 @@ class Microfacets {
 
   /// Returns the distribution of normals with h.z > 0. Uses sine and cosine, because 1 - cos² loses its precision in a
   /// narrow lobe.
-  [[nodiscard]] float density(const Vec3& h) const {
+  [[nodiscard]] float pdf(const Vec3& h) const {
     const float d = h.x() * h.x() + h.y() * h.y() + alpha2_ * h.z() * h.z();
     return d > 0.0f ? alpha2_ / (kPi * d * d) : 0.0f;
   }
@@ -76,11 +76,11 @@ class Microfacets {
     return normalized_or({alpha_ * h.x(), alpha_ * h.y(), h.z()}, Vec3::UnitZ());
   }
   /// Returns the pdf of the directions to which the sampled normals mirror wo; `d` is density(h).
-  [[nodiscard]] float mirrored_density(float d, bool bounded) const {
+  [[nodiscard]] float reflected_pdf(float d, bool bounded) const {
     return 0.5f * d / ((bounded ? bound() : 1.0f) * wo_.z() + root_);
   }
   /// Returns the pdf of the sampled normals themselves, unbounded; `d` is density(h), o_h the cosine between wo and h.
-  [[nodiscard]] float normal_density(float d, float o_h) const { return 2.0f * d * o_h / (wo_.z() + root_); }
+  [[nodiscard]] float microfacet_pdf(float d, float o_h) const { return 2.0f * d * o_h / (wo_.z() + root_); }
 
  private:
   [[nodiscard]] float root(float cosine) const { return std::sqrt(alpha2_ + (1.0f - alpha2_) * cosine * cosine); }
@@ -97,4 +97,4 @@ class Microfacets {
   float root_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -10,7 +10,7 @@
 #include "renderfarm/render/bsdf/bsdf.h"
 #include "renderfarm/render/bsdf/fresnel.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Returns the share of light that emerges after two or more bounces off facets of mean reflectance `mean`. `once` is
 /// the mean share that emerges after one bounce off a perfect mirror.
@@ -97,4 +97,4 @@ class OpaqueBase {
   Vec3 diffuse_albedo_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -11,13 +11,13 @@
 
 #include "renderfarm/render/bsdf/bsdf.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// A sampled direction of incident light.
 struct ScatterSample {
   Vec3 wi = Vec3::UnitZ();
   Vec3 weight = Vec3::Zero();  ///< BSDF times cosine over pdf. Zero: absorbed; the other fields are then undefined.
-  float density = 0.0f;        ///< Equals density(wi); 0 for a mirror or clear glass, which evaluate() excludes.
+  float pdf = 0.0f;            ///< Equals density(wi); 0 for a mirror or clear glass, which evaluate() excludes.
   bool through = false;        ///< wi is on the other side of the surface.
 };
 
@@ -30,13 +30,13 @@ class Scattering<SurfaceLevel::kMatte> {
   Scattering(const Bsdf& bsdf, const Vec3& normal, const Vec3& /*wo*/) : albedo_(bsdf.base_colour), n_(normal) {}
 
   /// Returns BSDF times the cosine of `wi`, excluding mirrors.
-  [[nodiscard]] Vec3 evaluate(const Vec3& wi) const { return albedo_ * density(wi); }
+  [[nodiscard]] Vec3 evaluate(const Vec3& wi) const { return albedo_ * pdf(wi); }
   /// Returns the pdf of sample() per steradian, excluding mirrors.
-  [[nodiscard]] float density(const Vec3& wi) const { return std::max(0.0f, n_.dot(wi)) * (1.0f / kPi); }
+  [[nodiscard]] float pdf(const Vec3& wi) const { return std::max(0.0f, n_.dot(wi)) * (1.0f / kPi); }
   /// Samples a direction; `u` and `choice` are in [0, 1).
   [[nodiscard]] ScatterSample sample(const Vec2& u, float /*choice*/) const {
     const Vec3 wi = from_frame_of(n_, cosine_hemisphere(u));
-    return {wi, albedo_, density(wi), false};
+    return {wi, albedo_, pdf(wi), false};
   }
   /// Returns the light reflected and transmitted under uniform illumination, including mirrors.
   [[nodiscard]] Vec3 albedo() const { return albedo_; }
@@ -46,4 +46,4 @@ class Scattering<SurfaceLevel::kMatte> {
   Vec3 n_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -7,7 +7,7 @@
 
 #include "renderfarm/render/bsdf/interface.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// The wide lobe of rough glass for one viewing direction. Thread-bound.
 class WideGlass {
@@ -57,4 +57,4 @@ class WideGlass {
   Vec3 down_albedo_ = Vec3::Zero();
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

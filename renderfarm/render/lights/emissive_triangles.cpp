@@ -7,7 +7,7 @@
 #include "renderfarm/render/surface.h"
 #include "renderfarm/render/texture_lookup.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Distance, in multiples of a triangle's size, beyond which it is sampled by area without computing its solid angle.
@@ -36,7 +36,7 @@ Vec3 uniform_weights(const Vec2& u) {
 
 Vec3 emitted_radiance(const TriangleHit& hit) {
   const SurfaceMaterial& material = *hit.mesh->material;
-  const Material& source = *material.source;
+  const scene::Material& source = *material.source;
   if (material.emissive == nullptr) return source.emissive;
   const Vec2 uv = texcoord_at(hit, source.emissive_texture);
   return source.emissive.cwiseProduct(lookup(*material.emissive, uv, Coding::kSrgb, 0.0f).head<3>());
@@ -173,7 +173,7 @@ bool EmissiveTriangles::sample(std::size_t index, const Vec3& p, const Vec2& u, 
   return true;
 }
 
-float EmissiveTriangles::density(std::size_t index, const Vec3& p, const Vec3& direction, float distance) const {
+float EmissiveTriangles::pdf(std::size_t index, const Vec3& p, const Vec3& direction, float distance) const {
   const Triangle& triangle = triangles_[index];
   const Corners corners = corners_of(triangle);
   const SeenTriangle seen{corners.a - p, corners.b - p, corners.c - p, corners.doubled_area()};
@@ -191,4 +191,4 @@ std::size_t EmissiveTriangles::bytes() const {
   return bytes;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

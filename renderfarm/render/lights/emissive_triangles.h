@@ -9,7 +9,7 @@
 #include "renderfarm/render/lights/light_bounds.h"
 #include "renderfarm/render/lights/light_sample.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 struct Placement;
 struct TriangleHit;
@@ -38,7 +38,7 @@ class EmissiveTriangles {
   /// others by area. Source: Arvo, "Stratified Sampling of Spherical Triangles", 1995.
   [[nodiscard]] bool sample(std::size_t triangle, const Vec3& p, const Vec2& u, LightSample* ret_sample) const;
   /// Returns the pdf of sample() for a ray from `p` that hit the triangle after `distance`.
-  [[nodiscard]] float density(std::size_t triangle, const Vec3& p, const Vec3& direction, float distance) const;
+  [[nodiscard]] float pdf(std::size_t triangle, const Vec3& p, const Vec3& direction, float distance) const;
   [[nodiscard]] std::size_t bytes() const;
 
  private:
@@ -61,4 +61,4 @@ class EmissiveTriangles {
   std::vector<std::vector<std::int32_t>> numbers_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -5,11 +5,11 @@
 
 #include "renderfarm/render/sky.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
-constexpr float kLeastSine = 1e-6f;  // Applies at the poles, where a whole row of texels is one direction.
-constexpr float kLeastShare = 1e-3f;
+constexpr float kMinSine = 1e-6f;  // Applies at the poles, where a whole row of texels is one direction.
+constexpr float kMinCellShare = 1e-3f;
 
 /// Returns true with probability first / (first + second) and rescales `u` to a fresh random number.
 bool chooses_first(float first, float second, float* u) {
@@ -45,7 +45,7 @@ float row_bottom(int row, int height) {
 
 }  // namespace
 
-EnvironmentLight::EnvironmentLight(const Sky& sky, std::shared_ptr<const EnvironmentMap> map)
+EnvironmentLight::EnvironmentLight(const scene::Sky& sky, std::shared_ptr<const scene::EnvironmentMap> map)
     : sky_(sky), map_(std::move(map)) {
   if (map_ != nullptr && !map_->pixels.empty()) {
     measure_map();
@@ -172,7 +172,7 @@ Vec3 EnvironmentLight::map_radiance(const Place& place) const {
   return map_->strength * ((1.0f - place.y) * top + place.y * bottom);
 }
 
-float EnvironmentLight::map_density(const Place& place, float sine) const {
+float EnvironmentLight::map_pdf(const Place& place, float sine) const {
   const std::array<float, 4> corners = corner_luminances(place.column, place.row);
   const float mean = bilinear(corners, 0.5f, 0.5f);
   if (!(mean > 0.0f)) return 0.0f;
@@ -181,7 +181,7 @@ float EnvironmentLight::map_density(const Place& place, float sine) const {
       (row_bottom(place.row, height) - row_top(place.row, height)) / static_cast<float>(map_->pixels.width());
   const float chosen = levels_.front().at(place.column, place.row) / total_;
   const float inside = bilinear(corners, place.x, place.y) / mean;
-  return chosen * inside / (cell_uv * 2.0f * kPi * kPi * std::max(sine, kLeastSine));
+  return chosen * inside / (cell_uv * 2.0f * kPi * kPi * std::max(sine, kMinSine));
 }
 
 Vec3 EnvironmentLight::radiance(const Vec3& direction) const {
@@ -189,17 +189,17 @@ Vec3 EnvironmentLight::radiance(const Vec3& direction) const {
   return map_ != nullptr ? map_radiance(place_of(direction)) : sky_radiance(sky_, direction);
 }
 
-float EnvironmentLight::density(const Vec3& n, const Vec3& direction) const {
+float EnvironmentLight::pdf(const Vec3& n, const Vec3& direction) const {
   if (!shines_) return 0.0f;
   if (map_ == nullptr && !n.isZero(0.0f)) return std::max(0.0f, n.dot(direction)) / kPi;
   if (map_ == nullptr) return luminance(sky_radiance(sky_, direction)) / total_;
-  return map_density(place_of(direction), std::sqrt(direction.x() * direction.x() + direction.z() * direction.z()));
+  return map_pdf(place_of(direction), std::sqrt(direction.x() * direction.x() + direction.z() * direction.z()));
 }
 
 float EnvironmentLight::estimate(const Vec3& n) const {
   if (!shines_) return 0.0f;
   if (n.isZero(0.0f)) return total_;
-  float sum = kLeastShare * total_;
+  float sum = kMinCellShare * total_;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const float part = n[static_cast<Eigen::Index>(axis)];
     sum += part * part * faces_[2 * axis + (part < 0.0f ? 1 : 0)];
@@ -214,9 +214,9 @@ bool EnvironmentLight::sample(const Vec3& n, const Vec2& u, LightSample* ret_sam
 
 bool EnvironmentLight::sample_sky_over(const Vec3& n, const Vec2& u, LightSample* ret_sample) const {
   const Vec3 direction = from_frame_of(n, cosine_hemisphere(u));
-  const float density = n.dot(direction) / kPi;
-  if (!(density > 0.0f)) return false;
-  *ret_sample = {direction, kEndless, sky_radiance(sky_, direction) / density, density};
+  const float pdf = n.dot(direction) / kPi;
+  if (!(pdf > 0.0f)) return false;
+  *ret_sample = {direction, kEndless, sky_radiance(sky_, direction) / pdf, pdf};
   return true;
 }
 
@@ -229,9 +229,9 @@ bool EnvironmentLight::sample_sky(const Vec2& u, LightSample* ret_sample) const 
   const float angle = 2.0f * kPi * u.y();
   const Vec3 direction(sine * std::cos(angle), is_up ? height : -height, sine * std::sin(angle));
   const Vec3 light = sky_radiance(sky_, direction);
-  const float density = luminance(light) / total_;
-  if (!(density > 0.0f)) return false;
-  *ret_sample = {direction, kEndless, light / density, density};
+  const float pdf = luminance(light) / total_;
+  if (!(pdf > 0.0f)) return false;
+  *ret_sample = {direction, kEndless, light / pdf, pdf};
   return true;
 }
 
@@ -256,10 +256,10 @@ bool EnvironmentLight::sample_map(const Vec2& u, LightSample* ret_sample) const 
                           corners[1] + place.y * (corners[3] - corners[1]));
   float sine = 0.0f;
   const Vec3 direction = direction_of(place, &sine);
-  const float density = map_density(place, sine);
-  if (!(density > 0.0f)) return false;
-  *ret_sample = {direction, kEndless, map_radiance(place) / density, density};
+  const float pdf = map_pdf(place, sine);
+  if (!(pdf > 0.0f)) return false;
+  *ret_sample = {direction, kEndless, map_radiance(place) / pdf, pdf};
   return true;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

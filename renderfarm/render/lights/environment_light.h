@@ -10,7 +10,7 @@
 #include "renderfarm/scene/environment_map.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Light from infinitely far. A value; queries are thread-safe.
 ///
@@ -23,7 +23,7 @@ class EnvironmentLight {
  public:
   EnvironmentLight() = default;  ///< Dark.
   /// The sky shines if `map` is null, otherwise the map alone.
-  EnvironmentLight(const Sky& sky, std::shared_ptr<const EnvironmentMap> map);
+  EnvironmentLight(const scene::Sky& sky, std::shared_ptr<const scene::EnvironmentMap> map);
 
   [[nodiscard]] bool shines() const { return shines_; }
   [[nodiscard]] Vec3 radiance(const Vec3& direction) const;
@@ -31,7 +31,7 @@ class EnvironmentLight {
   /// only. Precondition: shines().
   [[nodiscard]] bool sample(const Vec3& n, const Vec2& u, LightSample* ret_sample) const;
   /// Returns the pdf of sample() per steradian.
-  [[nodiscard]] float density(const Vec3& n, const Vec3& direction) const;
+  [[nodiscard]] float pdf(const Vec3& n, const Vec3& direction) const;
   /// Returns an estimate of the irradiance (luminance) on an unshadowed surface with normal `n`; a zero `n` gathers
   /// light from all directions. Positive wherever light comes from that side.
   [[nodiscard]] float estimate(const Vec3& n) const;
@@ -63,18 +63,18 @@ class EnvironmentLight {
   [[nodiscard]] const float* texel(int column, int row) const;
   [[nodiscard]] std::array<float, 4> corner_luminances(int column, int row) const;
   [[nodiscard]] Vec3 map_radiance(const Place& place) const;
-  [[nodiscard]] float map_density(const Place& place, float sine) const;
+  [[nodiscard]] float map_pdf(const Place& place, float sine) const;
   [[nodiscard]] bool sample_sky(const Vec2& u, LightSample* ret_sample) const;
   [[nodiscard]] bool sample_sky_over(const Vec3& n, const Vec2& u, LightSample* ret_sample) const;
   [[nodiscard]] bool sample_map(const Vec2& u, LightSample* ret_sample) const;
 
   bool shines_ = false;
-  Sky sky_;
-  std::shared_ptr<const EnvironmentMap> map_;
+  scene::Sky sky_;
+  std::shared_ptr<const scene::EnvironmentMap> map_;
   std::vector<Level> levels_;     ///< Sums of luminance times solid angle, from the cells down to a single number.
   float total_ = 0.0f;            ///< Luminance over the whole sphere.
   float upper_ = 0.0f;            ///< Sky: luminance over the upper half.
   std::array<float, 6> faces_{};  ///< Irradiance of surfaces that face +x, -x, +y, -y, +z, -z.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <complex>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Distance, in half diagonals, beyond which a rectangle is sampled by area. The pdf then differs by less than 1 % from
@@ -123,9 +123,9 @@ Place place_by_area(const FlatLight& light, const View& v, const Vec2& u) {
 
 }  // namespace
 
-FlatLight make_flat_light(const Light& light, const Eigen::Vector3d& origin) {
+FlatLight make_flat_light(const scene::Light& light, const Eigen::Vector3d& origin) {
   FlatLight flat;
-  flat.is_disk = light.kind == LightKind::kDisk;
+  flat.is_disk = light.kind == scene::LightKind::kDisk;
   flat.visible = light.visible;
   flat.centre = (light.position - origin).cast<float>();
   flat.normal = normalized_or(light.direction.cast<float>(), Vec3(0.0f, -1.0f, 0.0f));
@@ -172,12 +172,12 @@ bool sample_flat(const FlatLight& light, const Vec3& p, const Vec2& u, LightSamp
       at.x * light.across.cast<double>() + at.y * light.up.cast<double>() - view.z * light.normal.cast<double>();
   ret_sample->direction = (way / distance).cast<float>();
   ret_sample->distance = short_of(p, static_cast<float>(distance), static_cast<float>(cosine));
-  ret_sample->radiance_over_density = light.radiance * static_cast<float>(solid_angle);
-  ret_sample->density = light.visible ? static_cast<float>(1.0 / solid_angle) : 0.0f;
+  ret_sample->radiance_over_pdf = light.radiance * static_cast<float>(solid_angle);
+  ret_sample->pdf = light.visible ? static_cast<float>(1.0 / solid_angle) : 0.0f;
   return true;
 }
 
-float flat_density(const FlatLight& light, const Vec3& p, const Vec3& direction, float distance) {
+float flat_pdf(const FlatLight& light, const Vec3& p, const Vec3& direction, float distance) {
   if (!light.visible) return 0.0f;
   const View view = view_of(light, p);
   const float cosine = -light.normal.dot(direction);
@@ -187,4 +187,4 @@ float flat_density(const FlatLight& light, const Vec3& p, const Vec3& direction,
   return angle > 0.0 ? static_cast<float>(1.0 / angle) : 0.0f;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

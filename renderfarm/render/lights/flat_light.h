@@ -5,7 +5,7 @@
 #include "renderfarm/render/lights/light_sample.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// A light in the render frame; `across`, `up` and `normal` are perpendicular unit vectors.
 struct FlatLight {
@@ -22,7 +22,7 @@ struct FlatLight {
 };
 
 /// `light` is a rectangle or disk; the position of the result is relative to `origin`.
-[[nodiscard]] FlatLight make_flat_light(const Light& light, const Eigen::Vector3d& origin);
+[[nodiscard]] FlatLight make_flat_light(const scene::Light& light, const Eigen::Vector3d& origin);
 /// Returns true if it emits light, with finite parameters. A light without area does not.
 [[nodiscard]] bool is_lit(const FlatLight& light);
 
@@ -32,6 +32,6 @@ struct FlatLight {
 /// Sampling of Disk and Cylinder Lights", 2016.
 [[nodiscard]] bool sample_flat(const FlatLight& light, const Vec3& p, const Vec2& u, LightSample* ret_sample);
 /// Returns the pdf of sample_flat() for a ray from `p` that hit the light after `distance`.
-[[nodiscard]] float flat_density(const FlatLight& light, const Vec3& p, const Vec3& direction, float distance);
+[[nodiscard]] float flat_pdf(const FlatLight& light, const Vec3& p, const Vec3& direction, float distance);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -3,12 +3,12 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Squared sine of the half angle below which a sphere is treated as a point, because its cap exceeds float's
 /// precision.
-constexpr float kLeastSine2 = 1e-12f;
+constexpr float kMinSine2 = 1e-12f;
 
 /// The lamp's sphere as seen from a point outside.
 struct SphereView {
@@ -25,11 +25,11 @@ SphereView view_of(const Lamp& lamp, const Vec3& p) {
   const float distance2 = offset.squaredNorm();
   const float radius2 = lamp.radius * lamp.radius;
   view.inside = lamp.radius > 0.0f && distance2 <= radius2;
-  view.distance = std::max(std::sqrt(distance2), kLeastLampDistance);
+  view.distance = std::max(std::sqrt(distance2), kMinLampDistance);
   view.to_centre = normalized_or(offset, Vec3::UnitY());
   if (view.inside) return view;
   const float sine2 = std::min(1.0f, radius2 / (view.distance * view.distance));
-  if (!(sine2 > kLeastSine2)) return view;
+  if (!(sine2 > kMinSine2)) return view;
   view.sine2 = sine2;
   view.one_minus_cos = sine2 / (1.0f + std::sqrt(1.0f - sine2));
   return view;
@@ -51,21 +51,21 @@ LightSample sample_from_inside(const Lamp& lamp, const Vec3& p, const Vec2& u) {
   const Vec3 direction = uniform_cap(u, 2.0f);
   const float along = direction.dot(to_centre);
   const float out = std::sqrt(std::max(0.0f, lamp.radius * lamp.radius - to_centre.squaredNorm() + along * along));
-  const float density = 1.0f / (4.0f * kPi);
-  return {direction, short_of(p, std::max(0.0f, along + out), out / lamp.radius), lamp_radiance(lamp, p) / density,
-          lamp.visible ? density : 0.0f};
+  const float pdf = 1.0f / (4.0f * kPi);
+  return {direction, short_of(p, std::max(0.0f, along + out), out / lamp.radius), lamp_radiance(lamp, p) / pdf,
+          lamp.visible ? pdf : 0.0f};
 }
 
 }  // namespace
 
-Lamp make_lamp(const Light& light, const Eigen::Vector3d& origin) {
+Lamp make_lamp(const scene::Light& light, const Eigen::Vector3d& origin) {
   Lamp lamp;
   lamp.kind = light.kind;
   lamp.position = (light.position - origin).cast<float>();
   lamp.axis = normalized_or(light.direction.cast<float>(), Vec3(0.0f, -1.0f, 0.0f));
   lamp.intensity = light.intensity.cwiseMax(0.0f);
   lamp.power = luminance(lamp.intensity);
-  if (light.kind == LightKind::kDirectional) {
+  if (light.kind == scene::LightKind::kDirectional) {
     const double angle = std::atan(std::max(0.0, light.radius_m));
     lamp.sin_disc = static_cast<float>(std::sin(angle));
     lamp.one_minus_cos_disc = static_cast<float>(2.0 * std::pow(std::sin(0.5 * angle), 2.0));
@@ -87,7 +87,7 @@ bool is_lit(const Lamp& lamp) {
 }
 
 LightSample sample_lamp(const Lamp& lamp, const Vec3& p, const Vec2& u) {
-  if (lamp.kind == LightKind::kDirectional) return sample_disc(lamp, u);
+  if (lamp.kind == scene::LightKind::kDirectional) return sample_disc(lamp, u);
   const SphereView view = view_of(lamp, p);
   if (view.inside) return sample_from_inside(lamp, p, u);
   const Vec3 shining = intensity_towards(lamp, view);
@@ -102,10 +102,10 @@ LightSample sample_lamp(const Lamp& lamp, const Vec3& p, const Vec2& u) {
   const float miss2 = local.head<2>().squaredNorm() * view.distance * view.distance;
   const float deep = std::sqrt(std::max(0.0f, radius2 - miss2));
   return {from_frame_of(view.to_centre, local), short_of(p, std::max(0.0f, along - deep), deep / lamp.radius),
-          shining * (2.0f * view.one_minus_cos / radius2), lamp_density(lamp, p)};
+          shining * (2.0f * view.one_minus_cos / radius2), lamp_pdf(lamp, p)};
 }
 
-float lamp_density(const Lamp& lamp, const Vec3& p) {
+float lamp_pdf(const Lamp& lamp, const Vec3& p) {
   if (!lamp.visible) return 0.0f;
   const SphereView view = view_of(lamp, p);
   if (view.inside) return 1.0f / (4.0f * kPi);
@@ -121,4 +121,4 @@ Vec3 lamp_radiance(const Lamp& lamp, const Vec3& p) {
   return shining / (kPi * lamp.radius * lamp.radius);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -5,11 +5,11 @@
 #include "renderfarm/render/lights/light_sample.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// A lamp in the render frame.
 struct Lamp {
-  LightKind kind = LightKind::kPoint;
+  scene::LightKind kind = scene::LightKind::kPoint;
   Vec3 position = Vec3::Zero();
   Vec3 axis = Vec3(0.0f, -1.0f, 0.0f);  ///< Direction of emission.
   Vec3 intensity = Vec3::Zero();        ///< Candela; lux for directional lamps.
@@ -24,10 +24,10 @@ struct Lamp {
 };
 
 /// Lower bound of distances, in metres, that keeps the light of point lamps finite.
-inline constexpr float kLeastLampDistance = 1e-3f;
+inline constexpr float kMinLampDistance = 1e-3f;
 
 /// `light` is a point, spot or directional light; the lamp's position is relative to `origin`.
-[[nodiscard]] Lamp make_lamp(const Light& light, const Eigen::Vector3d& origin);
+[[nodiscard]] Lamp make_lamp(const scene::Light& light, const Eigen::Vector3d& origin);
 /// Returns true if the lamp emits light, with finite parameters.
 [[nodiscard]] bool is_lit(const Lamp& lamp);
 
@@ -35,7 +35,7 @@ inline constexpr float kLeastLampDistance = 1e-3f;
 /// its disc. From inside a sphere, its surface shines from all directions.
 [[nodiscard]] LightSample sample_lamp(const Lamp& lamp, const Vec3& p, const Vec2& u);
 /// Returns the pdf of sample_lamp() for a ray that hit the lamp.
-[[nodiscard]] float lamp_density(const Lamp& lamp, const Vec3& p);
+[[nodiscard]] float lamp_pdf(const Lamp& lamp, const Vec3& p);
 /// Returns the radiance of the lamp's sphere, seen from `p`.
 [[nodiscard]] Vec3 lamp_radiance(const Lamp& lamp, const Vec3& p);
 
@@ -47,9 +47,9 @@ inline constexpr float kLeastLampDistance = 1e-3f;
 }
 
 [[nodiscard]] inline float spot_factor(const Lamp& lamp, const Vec3& to_lamp) {
-  if (lamp.kind != LightKind::kSpot) return 1.0f;
+  if (lamp.kind != scene::LightKind::kSpot) return 1.0f;
   const float inside = std::clamp((-lamp.axis.dot(to_lamp) - lamp.cos_outer) * lamp.inverse_cone, 0.0f, 1.0f);
   return inside * inside;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

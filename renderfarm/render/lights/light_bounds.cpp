@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 void DirectionCone::extend(const DirectionCone& other) {
   if (other.empty()) return;
@@ -48,4 +48,4 @@ void LightBounds::extend(const LightBounds& other) {
   inverse_range = was_empty ? other.inverse_range : std::min(inverse_range, other.inverse_range);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -7,7 +7,7 @@
 
 #include "renderfarm/render/vectors.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// A cone of directions: all within the angle whose cosine is `cosine`. 1: only `axis`; -1: all.
 struct DirectionCone {
@@ -33,4 +33,4 @@ struct LightBounds {
   [[nodiscard]] float radius() const { return 0.5f * (high - low).norm(); }
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

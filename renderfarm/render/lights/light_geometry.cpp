@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/render/lights/light_geometry.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 enum Shape : unsigned { kQuads, kDiscs, kSpheres };
@@ -78,4 +78,4 @@ LampGeometries attach_lamps(const LightSet& lights, unsigned first, RTCDevice de
   return made;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -8,7 +8,7 @@
 #include "renderfarm/render/embree.h"
 #include "renderfarm/render/lights/light_set.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Maps hits on the geometries of attach_lamps() to lamps. A value.
 ///
@@ -35,4 +35,4 @@ class LampGeometries {
 /// device.
 [[nodiscard]] LampGeometries attach_lamps(const LightSet& lights, unsigned first, RTCDevice device, RTCScene top);
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/render/lights/light_lanes.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 LightLanes::LightLanes() {
   for (Four* const value :
@@ -28,4 +28,4 @@ void LightLanes::set(std::size_t lane, const LightBounds& light) {
   inverse_range_[i] = light.inverse_range;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -3,7 +3,7 @@
 
 #include "renderfarm/render/lights/light_bounds.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Four lights that are evaluated together: estimates of what each contributes at one point. A value.
 class LightLanes {
@@ -27,12 +27,12 @@ class LightLanes {
 };
 
 inline LightLanes::Four LightLanes::estimate(const Vec3& p, const Vec3& n) const {
-  constexpr float kLeastDistance2 = 1e-6f;  // Lower bound that keeps the estimate finite near point lights.
+  constexpr float kMinDistance2 = 1e-6f;  // Lower bound that keeps the estimate finite near point lights.
   const Four dx = x_ - p.x();
   const Four dy = y_ - p.y();
   const Four dz = z_ - p.z();
   const Four distance2 = dx * dx + dy * dy + dz * dz;
-  const Four least2 = (radius_ * radius_).max(kLeastDistance2);
+  const Four least2 = (radius_ * radius_).max(kMinDistance2);
   const Four distance = distance2.max(1e-30f).sqrt();
   const Four inverse = 1.0f / distance;
   // The light lies within an angle b of the direction to its centre; cos(a - b) is at most cos a + sin b.
@@ -48,4 +48,4 @@ inline LightLanes::Four LightLanes::estimate(const Vec3& p, const Vec3& n) const
   return power_ * received * emitted * fade / distance2.max(least2);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -5,16 +5,16 @@
 
 #include "common/base/check.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 void LightList::add(const LightBounds& light) {
-  CHECK(size_ < kMost);
+  CHECK(size_ < kMaxListedLights);
   if (size_ % 4 == 0) lanes_.emplace_back();
   lanes_.back().set(size_++ % 4, light);
 }
 
 void LightList::estimate(const Vec3& p, const Vec3& n, Estimates* ret_estimates) const {
-  Eigen::Map<Eigen::Array<float, kMost, 1>> out(ret_estimates->each.data());
+  Eigen::Map<Eigen::Array<float, kMaxListedLights, 1>> out(ret_estimates->each.data());
   LightLanes::Four sum = LightLanes::Four::Zero();
   Eigen::Index first = 0;
   for (const LightLanes& lanes : lanes_) {
@@ -42,4 +42,4 @@ int LightList::choose(const Estimates& estimates, const Choice& choice, float* r
   return chosen;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -8,9 +8,9 @@
 #include "renderfarm/render/lights/light_lanes.h"
 #include "renderfarm/render/lights/light_tree.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
-/// A list of up to kMost lights. A value; queries are thread-safe.
+/// A list of up to kMaxListedLights lights. A value; queries are thread-safe.
 class LightList {
  public:
   /// Maximum number of lights; the tree is better beyond it. Measured with points in a box of 20 m: time of the choice
@@ -20,15 +20,15 @@ class LightList {
   ///     lights      16      32      64      128     256     variance
   ///     list        61      109     187     352     673     0
   ///     tree        53      75      81      105     132     0.2 - 1.0
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMaxListedLights = 64;
 
   /// Approximate upper bounds of each light's irradiance (luminance) at one point, and their sum.
   struct Estimates {
-    std::array<float, kMost> each;
+    std::array<float, kMaxListedLights> each;
     float sum = 0.0f;
   };
 
-  /// Precondition: size() < kMost.
+  /// Precondition: size() < kMaxListedLights.
   void add(const LightBounds& light);
   [[nodiscard]] std::size_t size() const { return size_; }
 
@@ -42,4 +42,4 @@ class LightList {
   std::size_t size_ = 0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

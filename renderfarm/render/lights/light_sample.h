@@ -5,7 +5,7 @@
 
 #include "renderfarm/render/vectors.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 inline constexpr float kEndless = std::numeric_limits<float>::infinity();
 
@@ -15,9 +15,9 @@ struct LightSample {
   /// End of a shadow ray from p: short of the light by the bound of the rounding errors, so that the ray does not hit
   /// the light itself. Infinite for lights that are infinitely far.
   float distance = 0.0f;
-  Vec3 radiance_over_density = Vec3::Zero();  ///< An unbiased estimate when multiplied by BSDF and cosine.
+  Vec3 radiance_over_pdf = Vec3::Zero();  ///< An unbiased estimate when multiplied by BSDF and cosine.
   /// Pdf per steradian; 0 if BSDF sampling cannot hit the light, so that its multiple-importance weight is 1.
-  float density = 0.0f;
+  float pdf = 0.0f;
 };
 
 /// Returns LightSample::distance for a surface at `distance` from p that is hit at this cosine. Both ends are rounded,
@@ -28,4 +28,4 @@ struct LightSample {
   return std::max(0.0f, distance - error / std::max(cosine, kRoundings));
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -6,7 +6,7 @@
 
 #include "renderfarm/render/sampler.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Share of the probability that is divided evenly among the kinds of light that shine. Estimates ignore occlusion, and
@@ -24,15 +24,15 @@ Choice choice_of(float choice, const Vec2& u) {
 }
 
 void divide(float probability, LightSample* sample) {
-  sample->radiance_over_density /= probability;
-  sample->density *= probability;
+  sample->radiance_over_pdf /= probability;
+  sample->pdf *= probability;
 }
 
 LightBounds bounds_of(const Lamp& lamp) {
   LightBounds bounds;
   bounds.low = lamp.position.array() - lamp.radius;
   bounds.high = lamp.position.array() + lamp.radius;
-  const bool is_spot = lamp.kind == LightKind::kSpot;
+  const bool is_spot = lamp.kind == scene::LightKind::kSpot;
   bounds.normals = {lamp.axis, is_spot ? 1.0f : -1.0f};
   bounds.cos_emission = is_spot ? lamp.cos_outer : 0.0f;
   bounds.power = lamp.power;
@@ -53,20 +53,20 @@ LightBounds bounds_of(const FlatLight& light) {
 
 }  // namespace
 
-LightSet::LightSet(const std::vector<Light>& lights, const Eigen::Vector3d& origin,
-                   const std::vector<Placement>& placements, const Sky& sky,
-                   std::shared_ptr<const EnvironmentMap> environment)
+LightSet::LightSet(const std::vector<scene::Light>& lights, const Eigen::Vector3d& origin,
+                   const std::vector<Placement>& placements, const scene::Sky& sky,
+                   std::shared_ptr<const scene::EnvironmentMap> environment)
     : triangles_(placements), environment_(sky, std::move(environment)) {
-  for (const Light& light : lights) {
-    if (is_flat(light.kind)) {
+  for (const scene::Light& light : lights) {
+    if (scene::is_flat(light.kind)) {
       const FlatLight flat = make_flat_light(light, origin);
       if (is_lit(flat)) flats_.push_back(flat);
       continue;
     }
     const Lamp lamp = make_lamp(light, origin);
-    if (is_lit(lamp)) (lamp.kind == LightKind::kDirectional ? suns_ : lamps_).push_back(lamp);
+    if (is_lit(lamp)) (lamp.kind == scene::LightKind::kDirectional ? suns_ : lamps_).push_back(lamp);
   }
-  if (size() <= LightList::kMost) {
+  if (size() <= LightList::kMaxListedLights) {
     for (std::size_t i = 0; i < size(); ++i) list_.add(bounds(i));
     return;
   }
@@ -106,23 +106,23 @@ LightSet::Shares LightSet::shares(float finite, const Vec3& n) const {
 }
 
 bool LightSet::sample(const Vec3& p, const Vec3& n, float choice, const Vec2& u, LightSample* ret_sample) const {
-  Choice lot = choice_of(choice, u);
+  Choice selection = choice_of(choice, u);
   LightList::Estimates estimates;
   if (tree_.empty()) list_.estimate(p, n, &estimates);
   const Shares share = shares(tree_.empty() ? estimates.sum : tree_.estimate(p, n), n);
   // The last kind takes the remainder, including rounding errors.
-  if (share.finite > 0.0f && lot.takes(static_cast<double>(share.finite))) {
+  if (share.finite > 0.0f && selection.takes(static_cast<double>(share.finite))) {
     float probability = 0.0f;
     const int light =
-        tree_.empty() ? list_.choose(estimates, lot, &probability) : tree_.choose(p, n, &lot, &probability);
+        tree_.empty() ? list_.choose(estimates, selection, &probability) : tree_.choose(p, n, &selection, &probability);
     if (light < 0 || !sample_finite(light, p, u, ret_sample)) return false;
     divide(share.finite * probability, ret_sample);
     return true;
   }
   const float rest = share.suns + share.environment;
   if (!(rest > 0.0f)) return false;
-  if (share.suns > 0.0f && lot.takes(static_cast<double>(share.suns / rest))) {
-    if (!sample_sun(n, lot, u, ret_sample)) return false;
+  if (share.suns > 0.0f && selection.takes(static_cast<double>(share.suns / rest))) {
+    if (!sample_sun(n, selection, u, ret_sample)) return false;
     divide(share.suns, ret_sample);
     return true;
   }
@@ -161,17 +161,17 @@ bool LightSet::sample_sun(const Vec3& n, const Choice& choice, const Vec2& u, Li
   return true;
 }
 
-float LightSet::finite_density(LightIndex light, const Vec3& p, const Vec3& direction, float distance) const {
+float LightSet::finite_pdf(LightIndex light, const Vec3& p, const Vec3& direction, float distance) const {
   auto index = static_cast<std::size_t>(light);
-  if (index < lamps_.size()) return lamp_density(lamps_[index], p);
+  if (index < lamps_.size()) return lamp_pdf(lamps_[index], p);
   index -= lamps_.size();
-  return index < flats_.size() ? flat_density(flats_[index], p, direction, distance)
-                               : triangles_.density(index - flats_.size(), p, direction, distance);
+  return index < flats_.size() ? flat_pdf(flats_[index], p, direction, distance)
+                               : triangles_.pdf(index - flats_.size(), p, direction, distance);
 }
 
-float LightSet::density(const Vec3& p, const Vec3& n, LightIndex light, const Vec3& direction, float distance) const {
+float LightSet::pdf(const Vec3& p, const Vec3& n, LightIndex light, const Vec3& direction, float distance) const {
   if (light < 0) return 0.0f;
-  const float aimed = finite_density(light, p, direction, distance);
+  const float aimed = finite_pdf(light, p, direction, distance);
   if (!(aimed > 0.0f)) return 0.0f;
   float all = 0.0f;
   float chosen = 0.0f;
@@ -187,7 +187,7 @@ float LightSet::density(const Vec3& p, const Vec3& n, LightIndex light, const Ve
   return aimed * chosen * shares(all, n).finite;
 }
 
-float LightSet::environment_density(const Vec3& p, const Vec3& n, const Vec3& direction) const {
+float LightSet::environment_pdf(const Vec3& p, const Vec3& n, const Vec3& direction) const {
   if (!environment_.shines()) return 0.0f;
   float finite = 0.0f;
   if (tree_.empty()) {
@@ -197,7 +197,7 @@ float LightSet::environment_density(const Vec3& p, const Vec3& n, const Vec3& di
   } else {
     finite = tree_.estimate(p, n);
   }
-  return environment_.density(n, direction) * shares(finite, n).environment;
+  return environment_.pdf(n, direction) * shares(finite, n).environment;
 }
 
 LightIndex LightSet::of_triangle(unsigned placement, unsigned primitive) const {
@@ -218,4 +218,4 @@ std::size_t LightSet::bytes() const {
   return lamps_.capacity() * sizeof(Lamp) + flats_.capacity() * sizeof(FlatLight) + triangles_.bytes() + tree_.bytes();
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -2,7 +2,7 @@
 /// All lights of a scene, for estimates of direct light: one light is chosen, and one position on it.
 ///
 ///     LightSample aim;
-///     if (lights.sample(p, n, choice, u, &aim)) sum += bsdf(aim.direction) * aim.radiance_over_density * weight;
+///     if (lights.sample(p, n, choice, u, &aim)) sum += bsdf(aim.direction) * aim.radiance_over_pdf * weight;
 ///
 /// p is the start of the shadow ray, in the render frame. n is the normal of the lit side; lights behind it are not
 /// chosen, and n = 0 stands for both sides. A ray that hits a light gets its radiance, and the pdf with which sample()
@@ -10,7 +10,7 @@
 ///
 ///     hits a placement         radiance: the material's emission    density(p, n, lights.of_triangle(...), ...)
 ///     hits a visible lamp      radiance(light, p, direction)        density(p, n, light, ...)
-///     hits nothing             environment(direction)               environment_density(p, n, direction)
+///     hits nothing             environment(direction)               environment_pdf(p, n, direction)
 ///
 /// A pdf is per steradian and includes the choice of the light. 0 means that sample() never chooses the direction, so
 /// the hit has full weight.
@@ -27,7 +27,7 @@
 #include "renderfarm/render/lights/light_list.h"
 #include "renderfarm/render/lights/light_tree.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// Index of a light with a position: lamps (points, spots, spheres), then rectangles and disks, then triangles.
 using LightIndex = int;
@@ -39,8 +39,9 @@ class LightSet {
  public:
   LightSet() = default;  ///< Dark.
   /// Borrows `placements`, which must neither move nor change. `environment` may be null; otherwise it replaces `sky`.
-  LightSet(const std::vector<Light>& lights, const Eigen::Vector3d& origin, const std::vector<Placement>& placements,
-           const Sky& sky, std::shared_ptr<const EnvironmentMap> environment);
+  LightSet(const std::vector<scene::Light>& lights, const Eigen::Vector3d& origin,
+           const std::vector<Placement>& placements, const scene::Sky& sky,
+           std::shared_ptr<const scene::EnvironmentMap> environment);
 
   [[nodiscard]] bool empty() const { return !has_finite() && suns_.empty() && !environment_.shines(); }
   [[nodiscard]] bool has_environment() const { return environment_.shines(); }
@@ -48,10 +49,9 @@ class LightSet {
   /// Samples a light; `choice` and `u` are in [0, 1). Returns false if they lead to no light.
   [[nodiscard]] bool sample(const Vec3& p, const Vec3& n, float choice, const Vec2& u, LightSample* ret_sample) const;
   /// Returns the pdf for a ray from `p` that hit `light` after `distance`.
-  [[nodiscard]] float density(const Vec3& p, const Vec3& n, LightIndex light, const Vec3& direction,
-                              float distance) const;
+  [[nodiscard]] float pdf(const Vec3& p, const Vec3& n, LightIndex light, const Vec3& direction, float distance) const;
   [[nodiscard]] Vec3 environment(const Vec3& direction) const { return environment_.radiance(direction); }
-  [[nodiscard]] float environment_density(const Vec3& p, const Vec3& n, const Vec3& direction) const;
+  [[nodiscard]] float environment_pdf(const Vec3& p, const Vec3& n, const Vec3& direction) const;
 
   /// Returns the light of triangle `primitive` of a placement; kNoLight if it is not sampled.
   [[nodiscard]] LightIndex of_triangle(unsigned placement, unsigned primitive) const;
@@ -86,7 +86,7 @@ class LightSet {
   [[nodiscard]] Shares shares(float finite, const Vec3& n) const;
   [[nodiscard]] bool sample_finite(LightIndex light, const Vec3& p, const Vec2& u, LightSample* ret_sample) const;
   [[nodiscard]] bool sample_sun(const Vec3& n, const Choice& choice, const Vec2& u, LightSample* ret_sample) const;
-  [[nodiscard]] float finite_density(LightIndex light, const Vec3& p, const Vec3& direction, float distance) const;
+  [[nodiscard]] float finite_pdf(LightIndex light, const Vec3& p, const Vec3& direction, float distance) const;
 
   std::vector<Lamp> lamps_;
   std::vector<FlatLight> flats_;
@@ -97,4 +97,4 @@ class LightSet {
   LightTree tree_;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

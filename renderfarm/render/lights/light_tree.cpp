@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 constexpr std::size_t kBins = 12;
@@ -15,7 +15,7 @@ constexpr std::size_t kManyLights = 128;
 /// powers of ten.
 constexpr int kDeepest = 64;
 /// Lower bound of squared distances, in m²: closer lights are no longer distinguished by distance.
-constexpr float kLeastDistance2 = 1e-6f;
+constexpr float kMinDistance2 = 1e-6f;
 constexpr std::uint32_t kNowhere = 0xffffffffu;
 
 /// Summary of a group of lights, for the cost of a split.
@@ -184,7 +184,7 @@ float LightTree::importance(const Node& node, const Vec3& p, const Vec3& n) {
   const Vec3 offset = node.centre - p;
   const float distance2 = offset.squaredNorm();
   const float radius2 = node.half.squaredNorm();
-  const float near2 = std::max({distance2, radius2, kLeastDistance2});
+  const float near2 = std::max({distance2, radius2, kMinDistance2});
   float strength = node.power / near2;
   if (!n.isZero(0.0f)) {
     // Greatest height of the box's corners above the horizon.
@@ -283,4 +283,4 @@ std::size_t LightTree::bytes() const {
          (parents_.capacity() + places_.capacity()) * sizeof(std::uint32_t);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

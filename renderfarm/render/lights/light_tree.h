@@ -8,7 +8,7 @@
 
 #include "renderfarm/render/lights/light_lanes.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// A random number in [0, 1) that serves several decisions in turn. Double, because the choices among a million lights
 /// use up the 24 bits of a float.
@@ -88,4 +88,4 @@ class LightTree {
   std::vector<std::uint32_t> places_;  ///< Position of each light: kGroup times its group, plus its index in it.
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Solid angle below which area sampling has nearly the pdf of solid-angle sampling.
-constexpr double kSmallest = 1e-3;
-constexpr double kLargest = 6.2;  // Close to the 2 pi of a hemisphere.
+constexpr double kMinSolidAngle = 1e-3;
+constexpr double kMaxSolidAngle = 6.2;  // Close to the 2 pi of a hemisphere.
 /// Lower bound for the sine of the angle at corner a: the rotation about it is imprecise for thinner triangles.
 constexpr double kThinnestSine = 1e-5;
 
@@ -34,7 +34,7 @@ std::optional<SphericalTriangle> SphericalTriangle::see(const Eigen::Vector3d& a
   const double rest = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
   SphericalTriangle seen;
   seen.solid_angle_ = 2.0 * std::atan2(determinant, rest);
-  if (!(seen.solid_angle_ >= kSmallest && seen.solid_angle_ <= kLargest)) return std::nullopt;
+  if (!(seen.solid_angle_ >= kMinSolidAngle && seen.solid_angle_ <= kMaxSolidAngle)) return std::nullopt;
   seen.a_ = a / la;
   seen.b_ = b / lb;
   seen.c_ = c / lc;
@@ -62,4 +62,4 @@ Eigen::Vector3d SphericalTriangle::sample(double u, double v) const {
   return (1.0 - one_minus_z) * b_ + radius * aside(moved, b_);
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 /// A triangle projected to the unit sphere around the origin, if it is large enough to be sampled by solid angle.
 /// Double, because the solid angle is a difference.
@@ -25,4 +25,4 @@ class SphericalTriangle {
   double solid_angle_ = 0.0;
 };
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -13,7 +13,7 @@ const loadBar = (share) => {
   svg.append(makeSvg("rect", { width: Math.min(100, 100 * share), height: 10 }));
   return svg;
 };
-const visitColumns = [
+const sessionColumns = [
   ["museum", (v) => v.museum || "(unnamed)"],
   ["scene", (v) => v.scene],
   ["frames/s", (v) => fixed(v.frames_per_second, 1), "number"],
@@ -103,13 +103,13 @@ function showTable(id, columns, rows, none, decorate) {
 let chosen = null;
 let shown = null;
 const picture = byId("picture");
-const isLarge = (visit) => visit.width_px > 1600;
-function watchVisit(id, half) {
+const isLarge = (session) => session.width_px > 1600;
+function watchSession(id, half) {
   if (id === shown) return;
   shown = id;
   picture.hidden = id === null;
   if (id === null) picture.removeAttribute("src");
-  else picture.src = `/visits/${id}.mjpeg${half ? "?half" : ""}`;
+  else picture.src = `/sessions/${id}.mjpeg${half ? "?half" : ""}`;
   byId("missing").textContent = id === null ? "No session is open." : "";
 }
 picture.addEventListener("error", () => {
@@ -122,15 +122,15 @@ picture.addEventListener("error", () => {
   }, 2000); // The next status tries again.
 });
 
-function showVisits(visits) {
-  if (!visits.some((visit) => visit.id === chosen)) chosen = visits.length > 0 ? visits[0].id : null;
-  showTable("visits", visitColumns, visits, "No museum is connected.", (line, visit) => {
+function showSessions(sessions) {
+  if (!sessions.some((session) => session.id === chosen)) chosen = sessions.length > 0 ? sessions[0].id : null;
+  showTable("sessions", sessionColumns, sessions, "No museum is connected.", (line, session) => {
     line.tabIndex = 0;
-    line.dataset.id = visit.id;
-    if (visit.id === chosen) line.className = "chosen";
+    line.dataset.id = session.id;
+    if (session.id === chosen) line.className = "chosen";
     const choose = () => {
-      chosen = visit.id;
-      watchVisit(document.hidden ? null : chosen, isLarge(visit));
+      chosen = session.id;
+      watchSession(document.hidden ? null : chosen, isLarge(session));
     };
     line.addEventListener("click", choose);
     line.addEventListener("keydown", (event) => {
@@ -140,26 +140,26 @@ function showVisits(visits) {
       }
     });
   });
-  const visit = visits.find((candidate) => candidate.id === chosen);
-  watchVisit(document.hidden || !visit ? null : chosen, visit && isLarge(visit));
-  const size = visit ? `${visit.width_px} × ${visit.height_px}${isLarge(visit) ? ", shown at half size" : ""}` : "";
-  byId("caption").textContent = visit ? `${visit.museum || "(unnamed)"} in “${visit.scene}”, ${size}` : "";
+  const session = sessions.find((candidate) => candidate.id === chosen);
+  watchSession(document.hidden || !session ? null : chosen, session && isLarge(session));
+  const size = session ? `${session.width_px} × ${session.height_px}${isLarge(session) ? ", shown at half size" : ""}` : "";
+  byId("caption").textContent = session ? `${session.museum || "(unnamed)"} in “${session.scene}”, ${size}` : "";
 }
 
 const order = Object.keys(stageNames);
 function show(status) {
-  const visits = status.visits || [];
+  const sessions = status.sessions || [];
   const nodes = status.nodes || [];
   byId("state").textContent = status.state;
   byId("state").classList.toggle("wrong", !status.healthy);
-  byId("visits-count").textContent = visits.length;
+  byId("sessions-count").textContent = sessions.length;
   byId("nodes-count").textContent = `${nodes.filter((node) => node.state === "ready").length} / ${nodes.length}`;
   byId("fps").textContent = fixed(status.gauges.frames_per_second, 1);
   byId("rays").textContent = large(status.gauges.rays_per_second);
-  const late = visits.reduce((sum, visit) => sum + visit.late_frames, 0);
+  const late = sessions.reduce((sum, session) => sum + session.late_frames, 0);
   byId("late").textContent = late;
   byId("late").classList.toggle("wrong", late > 0);
-  showVisits(visits);
+  showSessions(sessions);
   showTable("nodes", nodeColumns, nodes, "No node is connected.");
   const stages = Object.entries(status.stages)
     .map(([name, stage]) => ({ name, ...stage }))
@@ -182,5 +182,5 @@ repeat(
       byId("state").classList.add("wrong");
     }
   },
-  () => watchVisit(null),
+  () => watchSession(null),
 );

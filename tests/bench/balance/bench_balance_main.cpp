@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
   options->require_subcommand(1);
   const std::array commands{add_record_command(options), add_replay_command(options), add_figure9_command(options)};
   return program.run(argc, argv, [&](const StopSignal& stop) -> Status {
-    for (const RenderCommand& command : commands) {
+    for (const tools::RenderCommand& command : commands) {
       if (command.parser->parsed()) return command.run(stop);
     }
     return Done{};

@@ -11,7 +11,7 @@ namespace {
 
 Eigen::Vector3d forward(double heading_rad) { return {std::sin(heading_rad), 0.0, -std::cos(heading_rad)}; }
 
-double usual_radius(const SceneInfo& info, const Eigen::AlignedBox3d& bounds) {
+double usual_radius(const scene::SceneInfo& info, const Eigen::AlignedBox3d& bounds) {
   const Eigen::Vector3d eye = info.start_eye;
   if (bounds.contains(eye)) return 0.25 * std::min(bounds.sizes().x(), bounds.sizes().z());
   const Eigen::Vector3d to_middle = bounds.center() - eye;
@@ -20,7 +20,8 @@ double usual_radius(const SceneInfo& info, const Eigen::AlignedBox3d& bounds) {
 
 }  // namespace
 
-std::vector<EyePose> orbit(const SceneInfo& info, const Eigen::AlignedBox3d& bounds, const EyePathOptions& options) {
+std::vector<EyePose> orbit(const scene::SceneInfo& info, const Eigen::AlignedBox3d& bounds,
+                           const EyePathOptions& options) {
   const double radius = options.radius_m.value_or(usual_radius(info, bounds));
   const Eigen::Vector3d middle = info.start_eye + radius * forward(info.start_heading_rad);
   std::vector<EyePose> path;
@@ -31,9 +32,9 @@ std::vector<EyePose> orbit(const SceneInfo& info, const Eigen::AlignedBox3d& bou
   return path;
 }
 
-std::vector<EyePose> walk(const SceneInfo& info, const EyePathOptions& options) {
+std::vector<EyePose> walk(const scene::SceneInfo& info, const EyePathOptions& options) {
   std::vector<EyePose> places{{info.start_eye, info.start_heading_rad}};
-  for (const SceneTourStop& stop : info.stops) places.push_back({stop.eye, stop.heading_rad});
+  for (const scene::SceneTourStop& stop : info.stops) places.push_back({stop.eye, stop.heading_rad});
   std::vector<EyePose> path{places.front()};
   std::size_t leg = 0;
   double along_m = 0.0;

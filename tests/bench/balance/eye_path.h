@@ -25,11 +25,11 @@ struct EyePathOptions {
 
 /// An orbit around a point ahead of the scene's start, facing it. Default radius: from outside the scene's bounds, the
 /// distance to their centre; from inside, a quarter of the hall's shorter side.
-[[nodiscard]] std::vector<EyePose> orbit(const SceneInfo& info, const Eigen::AlignedBox3d& bounds,
+[[nodiscard]] std::vector<EyePose> orbit(const scene::SceneInfo& info, const Eigen::AlignedBox3d& bounds,
                                          const EyePathOptions& options);
 
 /// A walk from the scene's start to each of its stops in turn, and then from the start again. In a scene without stops
 /// the eye stands still.
-[[nodiscard]] std::vector<EyePose> walk(const SceneInfo& info, const EyePathOptions& options);
+[[nodiscard]] std::vector<EyePose> walk(const scene::SceneInfo& info, const EyePathOptions& options);
 
 }  // namespace cyclorama

@@ -22,7 +22,7 @@ struct Figure9Options {
 
 struct NamedRecord {
   std::string name;
-  std::vector<RecordedFrame> frames;
+  std::vector<balance::RecordedFrame> frames;
 };
 
 Result<NamedRecord> named_record(const std::string& text) {
@@ -31,24 +31,24 @@ Result<NamedRecord> named_record(const std::string& text) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("'{}' is not NAME=FILE", text));
   }
   NamedRecord record{text.substr(0, equals), {}};
-  TRY_ASSIGN(record.frames, read_cost_record(text.substr(equals + 1)));
+  TRY_ASSIGN(record.frames, balance::read_cost_record(text.substr(equals + 1)));
   if (record.frames.size() < 2) {
     return Error(ErrorCode::kBadData, fmt::format("'{}' has fewer than two frames", text.substr(equals + 1)));
   }
   return record;
 }
 
-double frames_per_second(const NamedRecord& record, BalanceStrategy strategy, std::size_t nodes,
+double frames_per_second(const NamedRecord& record, balance::BalanceStrategy strategy, std::size_t nodes,
                          const NetworkOptions& network) {
   ReplayOptions options = replay_options(network, nodes);
-  options.farm.stealing = strategy == BalanceStrategy::kCostMapStealing;
-  const auto frames = replay(record.frames, options, [&] { return make_balancer(strategy); });
+  options.farm.stealing = strategy == balance::BalanceStrategy::kCostMapStealing;
+  const auto frames = replay(record.frames, options, [&] { return balance::make_balancer(strategy); });
   return summary_of(frames, frames, network).frames_per_second;
 }
 
 Status run(const Figure9Options& options, const StopSignal& stop) {
   // The scheme of the paper, and the one of this project.
-  constexpr std::array kStrategies{BalanceStrategy::kPbt, BalanceStrategy::kCostMapStealing};
+  constexpr std::array kStrategies{balance::BalanceStrategy::kPbt, balance::BalanceStrategy::kCostMapStealing};
   constexpr std::array kColours{"#1b9e77", "#d95f02", "#7570b3", "#e7298a", "#66a61e", "#e6ab02"};
   std::vector<NamedRecord> records;
   for (const std::string& scene : options.scenes) {
@@ -57,9 +57,9 @@ Status run(const Figure9Options& options, const StopSignal& stop) {
   }
   std::vector<Plot> panels;
   nlohmann::json rows = nlohmann::json::array();
-  for (const BalanceStrategy strategy : kStrategies) {
-    Plot plot{"nodes", fmt::format("frames per second, {}", name_of(strategy)), {}};
-    fmt::print("{}, frames/s\n{:>8}", name_of(strategy), "nodes");
+  for (const balance::BalanceStrategy strategy : kStrategies) {
+    Plot plot{"nodes", fmt::format("frames per second, {}", balance::name_of(strategy)), {}};
+    fmt::print("{}, frames/s\n{:>8}", balance::name_of(strategy), "nodes");
     for (const NamedRecord& record : records) {
       fmt::print(" {:>12}", record.name);
       plot.series.push_back({record.name, kColours[plot.series.size() % kColours.size()], {}, true});
@@ -68,12 +68,14 @@ Status run(const Figure9Options& options, const StopSignal& stop) {
     for (const std::size_t nodes : options.network.nodes) {
       fmt::print("{:>8}", nodes);
       for (std::size_t i = 0; i < records.size(); ++i) {
-        if (stop.requested()) return stopped();
+        if (stop.requested()) return tools::stopped();
         const double rate = frames_per_second(records[i], strategy, nodes, options.network);
         fmt::print(" {:>12.1f}", rate);
         plot.series[i].points.push_back({static_cast<double>(nodes), rate});
-        rows.push_back(
-            {{"strategy", name_of(strategy)}, {"scene", records[i].name}, {"nodes", nodes}, {"frames_per_s", rate}});
+        rows.push_back({{"strategy", balance::name_of(strategy)},
+                        {"scene", records[i].name},
+                        {"nodes", nodes},
+                        {"frames_per_s", rate}});
       }
       fmt::print("\n");
     }
@@ -82,12 +84,12 @@ Status run(const Figure9Options& options, const StopSignal& stop) {
   if (!options.svg.empty()) {
     TRY(write_file_atomically(options.svg, std::string_view(plot_svg("Frame rate against nodes, by scene", panels))));
   }
-  return options.json.empty() ? Status(Done{}) : write_json(options.json, rows);
+  return options.json.empty() ? Status(Done{}) : tools::write_json(options.json, rows);
 }
 
 }  // namespace
 
-RenderCommand add_figure9_command(CLI::App* program) {
+tools::RenderCommand add_figure9_command(CLI::App* program) {
   CLI::App* const parser = program->add_subcommand(
       "figure9", "Frame rate against nodes for scenes of several sizes, by the paper's tree and by ours");
   const auto options = std::make_shared<Figure9Options>();

@@ -6,6 +6,6 @@
 namespace cyclorama {
 
 /// Figure 9 of the paper on which this project is based: frame rate against nodes, for scenes of several sizes.
-RenderCommand add_figure9_command(CLI::App* program);
+tools::RenderCommand add_figure9_command(CLI::App* program);
 
 }  // namespace cyclorama

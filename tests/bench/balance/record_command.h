@@ -6,6 +6,6 @@
 namespace cyclorama {
 
 /// Renders a path through a scene on this machine and records the cost of each cell.
-RenderCommand add_record_command(CLI::App* program);
+tools::RenderCommand add_record_command(CLI::App* program);
 
 }  // namespace cyclorama

@@ -12,7 +12,7 @@
 namespace cyclorama {
 namespace {
 
-SplitRequest request_for(const RecordedFrame& frame, const SimulatedFarm& farm) {
+balance::SplitRequest request_for(const balance::RecordedFrame& frame, const SimulatedFarm& farm) {
   return {.size = frame.work.size(),
           .speeds = farm.speeds,
           .heading_rad = frame.heading_rad,
@@ -23,20 +23,20 @@ SplitRequest request_for(const RecordedFrame& frame, const SimulatedFarm& farm) 
           .effort = frame.effort};
 }
 
-MeasuredFrame measured(const RecordedFrame& frame, std::span<const MeasuredBlock> blocks) {
+balance::MeasuredFrame measured(const balance::RecordedFrame& frame, std::span<const balance::MeasuredBlock> blocks) {
   return {frame.work.size(), blocks, frame.heading_rad, frame.eye_m, frame.effort};
 }
 
 /// Returns the frame as one block of one node.
-MeasuredBlock whole(const RecordedFrame& frame) {
-  const PictureSize size = frame.work.size();
+balance::MeasuredBlock whole(const balance::RecordedFrame& frame) {
+  const balance::PictureSize size = frame.work.size();
   const auto cells = frame.work.cells();
   return {{0, 0, size.width, size.height}, frame.work.total(), {cells.begin(), cells.end()}, 1.0};
 }
 
-void add_noise(std::vector<MeasuredBlock>* blocks, double noise, std::mt19937* random) {
+void add_noise(std::vector<balance::MeasuredBlock>* blocks, double noise, std::mt19937* random) {
   std::normal_distribution<double> factor(1.0, noise);
-  for (MeasuredBlock& block : *blocks) {
+  for (balance::MeasuredBlock& block : *blocks) {
     block.cpu_seconds = 0.0;
     for (float& cell : block.cell_cpu_seconds) {
       cell = static_cast<float>(cell * std::max(0.0, factor(*random)));
@@ -45,10 +45,10 @@ void add_noise(std::vector<MeasuredBlock>* blocks, double noise, std::mt19937* r
   }
 }
 
-double relative_bytes(std::span<const PlannedBlock> plan, PictureSize size) {
+double relative_bytes(std::span<const balance::PlannedBlock> plan, balance::PictureSize size) {
   double sum = 0.0;
-  for (const PlannedBlock& block : plan) {
-    for (const PixelRect& tile : tiles_of(block.rect))
+  for (const balance::PlannedBlock& block : plan) {
+    for (const PixelRect& tile : balance::tiles_of(block.rect))
       sum += static_cast<double>(tile.area()) * relative_jpeg_bytes(tile);
   }
   return sum / (double(size.width) * size.height);
@@ -67,25 +67,25 @@ double relative_jpeg_bytes(const PixelRect& tile) {
   return 1.0 + y0 * std::pow(y1 / y0, std::log(side / x0) / std::log(x1 / x0));
 }
 
-std::vector<ReplayedFrame> replay(std::span<const RecordedFrame> frames, const ReplayOptions& options,
-                                  const std::function<std::unique_ptr<Balancer>()>& make) {
+std::vector<ReplayedFrame> replay(std::span<const balance::RecordedFrame> frames, const ReplayOptions& options,
+                                  const std::function<std::unique_ptr<balance::Balancer>()>& make) {
   std::vector<ReplayedFrame> out;
   std::mt19937 random(options.seed);
-  std::unique_ptr<Balancer> balancer = make();
+  std::unique_ptr<balance::Balancer> balancer = make();
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const RecordedFrame& frame = frames[i];
+    const balance::RecordedFrame& frame = frames[i];
     if (options.oracle) {
-      const MeasuredBlock all = whole(frame);
+      const balance::MeasuredBlock all = whole(frame);
       balancer = make();
       balancer->learn(measured(frame, {&all, 1}));
     }
     const double begun = thread_cpu_seconds();
-    const std::vector<PlannedBlock> plan = balancer->split(request_for(frame, options.farm));
+    const std::vector<balance::PlannedBlock> plan = balancer->split(request_for(frame, options.farm));
     const double plan_seconds = thread_cpu_seconds() - begun;
     SimulatedFrame simulated = simulate(options.farm, frame.work, plan);
     if (i > 0) {
       std::set<std::size_t> nodes;
-      for (const PlannedBlock& block : plan) nodes.insert(block.node);
+      for (const balance::PlannedBlock& block : plan) nodes.insert(block.node);
       out.push_back({simulated.seconds, simulated.efficiency(options.farm.speeds), plan_seconds, plan.size(),
                      nodes.size(), simulated.steals, double(frame.work.size().width) * frame.work.size().height,
                      relative_bytes(plan, frame.work.size())});

@@ -34,8 +34,9 @@ struct ReplayedFrame {
 /// Replays all frames but the first, whose costs cannot be predicted. The balancer sees what a coordinator sees: a
 /// view, then the costs of its frame. `make` creates the balancer (for the oracle, one for every frame). Deterministic
 /// except for plan_seconds.
-[[nodiscard]] std::vector<ReplayedFrame> replay(std::span<const RecordedFrame> frames, const ReplayOptions& options,
-                                                const std::function<std::unique_ptr<Balancer>()>& make);
+[[nodiscard]] std::vector<ReplayedFrame> replay(std::span<const balance::RecordedFrame> frames,
+                                                const ReplayOptions& options,
+                                                const std::function<std::unique_ptr<balance::Balancer>()>& make);
 
 /// Bytes of tiles of this size relative to one large JPEG: measured, 256 px +4 %, 128 px +13 %, 64 px +50 %, 32 px +200
 /// %.

@@ -22,17 +22,19 @@ struct ReplayCommandOptions {
 
 std::vector<std::string> all_strategies() {
   std::vector<std::string> names;
-  for (const BalanceStrategy strategy : kBalanceStrategies) names.emplace_back(name_of(strategy));
+  for (const balance::BalanceStrategy strategy : balance::kBalanceStrategies)
+    names.emplace_back(balance::name_of(strategy));
   names.emplace_back(kOracle);
   return names;
 }
 
-std::vector<ReplayedFrame> replay_with(const std::string& name, std::span<const RecordedFrame> frames,
+std::vector<ReplayedFrame> replay_with(const std::string& name, std::span<const balance::RecordedFrame> frames,
                                        ReplayOptions options) {
   options.oracle = name == kOracle;
-  const BalanceStrategy strategy = options.oracle ? BalanceStrategy::kCostMap : *balance_strategy_of(name);
-  options.farm.stealing = strategy == BalanceStrategy::kCostMapStealing;
-  return replay(frames, options, [&] { return make_balancer(strategy); });
+  const balance::BalanceStrategy strategy =
+      options.oracle ? balance::BalanceStrategy::kCostMap : *balance::balance_strategy_of(name);
+  options.farm.stealing = strategy == balance::BalanceStrategy::kCostMapStealing;
+  return replay(frames, options, [&] { return balance::make_balancer(strategy); });
 }
 
 nlohmann::json json_of(const std::string& file, std::size_t nodes, const std::string& strategy,
@@ -42,7 +44,7 @@ nlohmann::json json_of(const std::string& file, std::size_t nodes, const std::st
           {"strategy", strategy},
           {"mean", sum.mean},
           {"p5", sum.p5},
-          {"least", sum.least},
+          {"least", sum.min},
           {"frames_per_s", sum.frames_per_second},
           {"gain", sum.gain},
           {"below_equal", sum.below_equal},
@@ -56,11 +58,11 @@ nlohmann::json json_of(const std::string& file, std::size_t nodes, const std::st
 Status run(const ReplayCommandOptions& options, const StopSignal& stop) {
   nlohmann::json rows = nlohmann::json::array();
   for (const std::string& file : options.files) {
-    TRY_ASSIGN(const std::vector<RecordedFrame> frames, read_cost_record(file));
+    TRY_ASSIGN(const std::vector<balance::RecordedFrame> frames, balance::read_cost_record(file));
     if (frames.size() < 2) {
       return Error(ErrorCode::kBadData, fmt::format("'{}' has {} frames; a replay needs two", file, frames.size()));
     }
-    const PictureSize size = frames.front().work.size();
+    const balance::PictureSize size = frames.front().work.size();
     fmt::print("{}: {} frames of {}x{}\n{:>6} {:<18} {:>6} {:>6} {:>6} {:>8} {:>8} {:>7} {:>7} {:>7} {:>7} {:>8}\n",
                file, frames.size(), size.width, size.height, "nodes", "strategy", "mean", "p5", "least", "frames/s",
                "gain", "below", "used", "steals", "bytes", "plan ms");
@@ -68,22 +70,22 @@ Status run(const ReplayCommandOptions& options, const StopSignal& stop) {
       const ReplayOptions farm = replay_options(options.network, nodes);
       const std::vector<ReplayedFrame> equal = replay_with("equal", frames, farm);
       for (const std::string& strategy : options.strategies) {
-        if (stop.requested()) return stopped();
+        if (stop.requested()) return tools::stopped();
         const ReplaySummary sum = summary_of(replay_with(strategy, frames, farm), equal, options.network);
         fmt::print(
             "{:>6} {:<18} {:>6.3f} {:>6.3f} {:>6.3f} {:>8.1f} {:>+7.0f}% {:>7} {:>7.0f} {:>7.1f} {:>7.2f} {:>8.3f}\n",
-            nodes, strategy, sum.mean, sum.p5, sum.least, sum.frames_per_second, 100.0 * sum.gain, sum.below_equal,
+            nodes, strategy, sum.mean, sum.p5, sum.min, sum.frames_per_second, 100.0 * sum.gain, sum.below_equal,
             sum.nodes, sum.steals, sum.relative_bytes, sum.plan_ms);
         rows.push_back(json_of(file, nodes, strategy, sum));
       }
     }
   }
-  return options.json.empty() ? Status(Done{}) : write_json(options.json, rows);
+  return options.json.empty() ? Status(Done{}) : tools::write_json(options.json, rows);
 }
 
 }  // namespace
 
-RenderCommand add_replay_command(CLI::App* program) {
+tools::RenderCommand add_replay_command(CLI::App* program) {
   CLI::App* const parser =
       program->add_subcommand("replay", "Share out recorded frames among simulated nodes by every strategy");
   const auto options = std::make_shared<ReplayCommandOptions>();

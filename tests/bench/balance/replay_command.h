@@ -6,6 +6,6 @@
 namespace cyclorama {
 
 /// Divides the frames of records among simulated nodes by every strategy; each strategy sees the previous frame.
-RenderCommand add_replay_command(CLI::App* program);
+tools::RenderCommand add_replay_command(CLI::App* program);
 
 }  // namespace cyclorama

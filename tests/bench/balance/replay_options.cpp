@@ -25,16 +25,16 @@ void add_network_options(CLI::App* command, NetworkOptions* options) {
   command->add_option("--speed", options->speed, "Of a node; 1 is a core of the machine that recorded")
       ->check(CLI::Range(1e-3, 1e6))
       ->capture_default_str();
-  command->add_option("--network-ms", options->network_ms, "From head to node and back")
+  command->add_option("--network-ms", options->network_ms, "From coordinator to node and back")
       ->check(CLI::Range(0.0, 1e4))
       ->capture_default_str();
   command->add_option("--block-ms", options->block_ms, "What a block costs its node beside its pixels")
       ->check(CLI::Range(0.0, 1e4))
       ->capture_default_str();
-  command->add_option("--node-ms", options->node_ms, "What a node costs the head in each frame")
+  command->add_option("--node-ms", options->node_ms, "What a node costs the coordinator in each frame")
       ->check(CLI::Range(0.0, 1e4))
       ->capture_default_str();
-  command->add_option("--bandwidth", options->bandwidth_mbit, "Of the head, in Mbit/s, for all tiles")
+  command->add_option("--bandwidth", options->bandwidth_mbit, "Of the coordinator, in Mbit/s, for all tiles")
       ->check(CLI::Range(0.01, 1e9))
       ->capture_default_str();
   command->add_option("--timer-noise", options->timer_noise, "Standard deviation of what is told of a cell, relative")
@@ -82,7 +82,7 @@ ReplaySummary summary_of(const std::vector<ReplayedFrame>& frames, const std::ve
     sum.relative_bytes += frame.relative_bytes / count;
   }
   sum.p5 = efficiency.at(0.05);
-  sum.least = efficiency.at(0.0);
+  sum.min = efficiency.at(0.0);
   sum.plan_ms = plan_ms.at(0.5);
   sum.frames_per_second = count / seconds;
   sum.gain = equal_seconds / seconds - 1.0;

@@ -33,7 +33,7 @@ void add_network_options(CLI::App* command, NetworkOptions* options);
 struct ReplaySummary {
   double mean = 0.0;  ///< Efficiency.
   double p5 = 0.0;
-  double least = 0.0;
+  double min = 0.0;
   double frames_per_second = 0.0;  ///< Without overlapping frames.
   double gain = 0.0;               ///< Gain in frames per second over `equal`: 0.5 is 50 % more.
   std::size_t below_equal = 0;     ///< Frames that took longer than with `equal`.

@@ -36,7 +36,7 @@ struct Node {
 
 class Simulation {
  public:
-  Simulation(const SimulatedFarm& farm, const WorkGrid& work, std::span<const PlannedBlock> plan)
+  Simulation(const SimulatedFarm& farm, const balance::WorkGrid& work, std::span<const balance::PlannedBlock> plan)
       : farm_(farm), sums_(work), work_(work), plan_(plan), nodes_(farm.speeds.size()), promised_(plan.size(), false) {
     for (std::size_t i = 0; i < plan.size(); ++i) nodes_[plan[i].node].blocks.push_back(i);
   }
@@ -68,7 +68,7 @@ class Simulation {
     node.busy = true;
     node.begun_at = at;
     const PixelRect& rect = plan_[node.blocks.front()].rect;
-    const double seconds = farm_.block_overhead_seconds + sums_.of(cells_of(rect)) / farm_.speeds[i];
+    const double seconds = farm_.block_overhead_seconds + sums_.of(balance::cells_of(rect)) / farm_.speeds[i];
     happenings_.push({at + seconds, i, Event::kBlockEnds});
   }
 
@@ -103,8 +103,8 @@ class Simulation {
       // Only the idle node's own speed varies, so queues that refused a node of at least this speed refuse this one
       // too.
       if (refused_at_ == now && refused_by_ >= farm_.speeds[i] && !changed_) continue;
-      const std::optional<Steal> steal =
-          choose_steal(queues(now), i, farm_.steal_seconds + farm_.block_overhead_seconds);
+      const std::optional<balance::Steal> steal =
+          balance::choose_steal(queues(now), i, farm_.steal_seconds + farm_.block_overhead_seconds);
       if (!steal) {
         refused_at_ = now;
         refused_by_ = farm_.speeds[i];
@@ -120,12 +120,12 @@ class Simulation {
     changed_ = true;
   }
 
-  std::span<const NodeQueue> queues(double now) {
+  std::span<const balance::NodeQueue> queues(double now) {
     queues_.resize(nodes_.size());
     shown_.resize(nodes_.size());
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       const Node& node = nodes_[i];
-      NodeQueue& queue = queues_[i];
+      balance::NodeQueue& queue = queues_[i];
       queue.speed = farm_.speeds[i];
       queue.blocks.clear();
       shown_[i].clear();
@@ -140,8 +140,8 @@ class Simulation {
   }
 
   void measure(std::size_t i, const PixelRect& rect) {
-    MeasuredBlock block{rect, 0.0, {}, farm_.speeds[i]};
-    const CellRect cells = cells_of(rect);
+    balance::MeasuredBlock block{rect, 0.0, {}, farm_.speeds[i]};
+    const balance::CellRect cells = balance::cells_of(rect);
     for (int y = cells.y; y < cells.y + cells.height; ++y) {
       for (int x = cells.x; x < cells.x + cells.width; ++x) {
         block.cell_cpu_seconds.push_back(static_cast<float>(work_.at(x, y) / farm_.speeds[i]));
@@ -152,13 +152,13 @@ class Simulation {
   }
 
   const SimulatedFarm& farm_;
-  const WorkSums sums_;
-  const WorkGrid& work_;
-  std::span<const PlannedBlock> plan_;
+  const balance::WorkSums sums_;
+  const balance::WorkGrid& work_;
+  std::span<const balance::PlannedBlock> plan_;
   std::vector<Node> nodes_;
   std::vector<bool> promised_;  ///< For each block: it is on its way to a thief.
   std::priority_queue<Happening, std::vector<Happening>, std::greater<>> happenings_;
-  std::vector<NodeQueue> queues_;
+  std::vector<balance::NodeQueue> queues_;
   std::vector<std::vector<std::size_t>> shown_;  ///< The blocks behind each of queues_.
   double refused_at_ = -1.0;
   double refused_by_ = 0.0;
@@ -171,12 +171,13 @@ class Simulation {
 double SimulatedFrame::efficiency(std::span<const double> speeds) const {
   double work = 0.0;
   double speed = 0.0;
-  for (const MeasuredBlock& block : measured) work += block.cpu_seconds * block.speed;
+  for (const balance::MeasuredBlock& block : measured) work += block.cpu_seconds * block.speed;
   for (const double s : speeds) speed += s;
   return seconds > 0.0 ? work / (speed * seconds) : 1.0;
 }
 
-SimulatedFrame simulate(const SimulatedFarm& farm, const WorkGrid& work, std::span<const PlannedBlock> plan) {
+SimulatedFrame simulate(const SimulatedFarm& farm, const balance::WorkGrid& work,
+                        std::span<const balance::PlannedBlock> plan) {
   return Simulation(farm, work, plan).run();
 }
 

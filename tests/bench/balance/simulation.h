@@ -22,7 +22,7 @@ struct SimulatedFarm {
 
 struct SimulatedFrame {
   double seconds = 0.0;  ///< Time until the last node has finished.
-  std::vector<MeasuredBlock> measured;
+  std::vector<balance::MeasuredBlock> measured;
   std::size_t steals = 0;
   std::size_t late_steals = 0;  ///< Failed steals: the victim had begun the block before the order arrived.
 
@@ -32,7 +32,7 @@ struct SimulatedFrame {
 
 /// `work` is the true cost of each cell, in seconds at speed 1. Every node renders its blocks in order; an idle one may
 /// take another's by choose_steal(), with the predicted costs of the plan. Deterministic.
-[[nodiscard]] SimulatedFrame simulate(const SimulatedFarm& farm, const WorkGrid& work,
-                                      std::span<const PlannedBlock> plan);
+[[nodiscard]] SimulatedFrame simulate(const SimulatedFarm& farm, const balance::WorkGrid& work,
+                                      std::span<const balance::PlannedBlock> plan);
 
 }  // namespace cyclorama

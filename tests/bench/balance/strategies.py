@@ -81,10 +81,10 @@ def main(build, *options):
         rows.append(balance.record(balance.scene(kind, of["triangles"]), name, "--path", path, "--size", of["size"],
                                    "--frames", of["frames"], "--samples", of["samples"][name]))
     # Real data, where they are, add a row to the table; the summary leaves them out.
-    head = pathlib.Path(os.environ.get("CYCLORAMA_SHARED", "../shared")) / "data/relics/buddha_head_1m.ply"
+    coordinator = pathlib.Path(os.environ.get("CYCLORAMA_SHARED", "../shared")) / "data/relics/buddha_head_1m.ply"
     real = []
-    if not is_quick and head.is_file():
-        real.append(balance.record(head, "buddha_head", "--size", of["size"], "--frames", 60, "--samples", 2))
+    if not is_quick and coordinator.is_file():
+        real.append(balance.record(coordinator, "buddha_head", "--size", of["size"], "--frames", 60, "--samples", 2))
     balance.replay("replay", rows + real, "--nodes", of["nodes"])
     print("\nNodes of speeds from 0.25 to 4:", flush=True)
     balance.replay("unequal", rows, "--nodes", 16, "--unequal")

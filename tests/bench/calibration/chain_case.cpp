@@ -20,21 +20,21 @@ class ProcessorClock final : public Clock {
 };
 
 /// Counts how long it exposes.
-class CountingCamera final : public ScanCamera {
+class CountingCamera final : public scan::ScanCamera {
  public:
-  CountingCamera(ScanCamera* camera, double* exposed_s) : camera_(*camera), exposed_s_(*exposed_s) {}
+  CountingCamera(scan::ScanCamera* camera, double* exposed_s) : camera_(*camera), exposed_s_(*exposed_s) {}
   [[nodiscard]] const std::string& id() const override { return camera_.id(); }
   [[nodiscard]] int width_px() const override { return camera_.width_px(); }
   [[nodiscard]] int height_px() const override { return camera_.height_px(); }
   [[nodiscard]] bool has_colour() const override { return camera_.has_colour(); }
   [[nodiscard]] double code_step() const override { return camera_.code_step(); }
-  Result<ScanPhotograph> photograph(double exposure_s) override {
+  Result<scan::ScanPhotograph> photograph(double exposure_s) override {
     exposed_s_ += exposure_s;
     return camera_.photograph(exposure_s);
   }
 
  private:
-  ScanCamera& camera_;
+  scan::ScanCamera& camera_;
   double& exposed_s_;
 };
 
@@ -50,28 +50,29 @@ Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::pat
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);
   std::filesystem::create_directories(folder, ignored);
-  TRY_ASSIGN(const Preset preset, make_preset(chain.name, chain.seed, chain.museum));
-  TRY_ASSIGN(SimulatedMuseum museum, SimulatedMuseum::make(preset.installation, preset.truth));
-  SimulatedPatternScreen screen(&museum);
+  TRY_ASSIGN(const simulated::Preset preset, simulated::make_preset(chain.name, chain.seed, chain.museum));
+  TRY_ASSIGN(simulated::SimulatedMuseum museum, simulated::SimulatedMuseum::make(preset.installation, preset.truth));
+  scan::SimulatedPatternScreen screen(&museum);
   ChainResult result;
-  SimulatedScanCamera grey(&museum, PhotographColour::kGrey);
-  SimulatedScanCamera colour(&museum, PhotographColour::kColour);
+  scan::SimulatedScanCamera grey(&museum, scan::PhotographColour::kGrey);
+  scan::SimulatedScanCamera colour(&museum, scan::PhotographColour::kColour);
   CountingCamera camera(&grey, &result.patterns_exposed_s);
   CountingCamera colour_camera(&colour, &result.light_exposed_s);
-  SimulatedTurnplate plate(&museum);
+  simulated::SimulatedTurnplate plate(&museum);
   const KnownCamera known = camera_of_preset(chain.name);
-  ScanSettings settings;
-  settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), known.field_of_view_rad);
+  scan::ScanSettings settings;
+  settings.camera = scan::data_sheet_lens(camera.width_px(), camera.height_px(), known.field_of_view_rad);
   settings.pitch_rad = known.pitch_rad;
   settings.view = chain.view;
   settings.directions = chain.directions;
   settings.with_wall = chain.with_wall;
   const ProcessorClock clock;
   const double museum_begun = museum.now_s();
-  TRY_ASSIGN(result.outcome, run_calibration(museum.installation(), settings, {screen, camera, plate, &colour_camera},
-                                             folder, "2026-01-01T00-00-00Z", clock, {}, {}));
+  TRY_ASSIGN(result.outcome,
+             scan::run_calibration(museum.installation(), settings, {screen, camera, plate, &colour_camera}, folder,
+                                   "2026-01-01T00-00-00Z", clock, {}, {}));
   result.museum_s = museum.now_s() - museum_begun;
-  const Calibration& calibration = result.outcome.calibration;
+  const calibration::Calibration& calibration = result.outcome.calibration;
   result.directions = calibration.plate.angles_rad.size();
   result.score = museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
     return calibration.projectors[p].map.direction_at(pixel);

@@ -16,9 +16,9 @@ namespace cyclorama {
 
 struct ChainCase {
   std::string name;  ///< A preset's.
-  PresetOptions museum{};
+  simulated::PresetOptions museum{};
   std::uint32_t seed = 1;
-  ViewSettings view{};
+  scan::ViewSettings view{};
   int directions = 0;
   bool with_wall = true;
   bool keeps_folder = false;  ///< What was measured stays there.
@@ -27,7 +27,7 @@ struct ChainCase {
 /// Times of the outcome are this process's processor time: the machine may be shared, and solving has one thread.
 struct ChainResult {
   MuseumScore score;
-  CalibrationOutcome outcome;
+  scan::CalibrationOutcome outcome;
   SeamScore seams{};         ///< Of the corrected wall; where the outcome has light.
   SeamScore seams_before{};  ///< Without its correction: blended, and taken for sRGB.
   double response_rms = 0.0;

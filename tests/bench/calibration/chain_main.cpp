@@ -74,7 +74,7 @@ int rooms(bool is_quick, const std::string& only, std::uint32_t seed, const std:
       continue;
     }
     const MuseumScore& score = result->score;
-    const CalibrationOutcome& outcome = result->outcome;
+    const scan::CalibrationOutcome& outcome = result->outcome;
     const double missing =
         100.0 * static_cast<double>(score.missing) / static_cast<double>(std::max<std::size_t>(1, score.lit));
     const double each = result->museum_s / std::max(1, outcome.pictures);
@@ -121,7 +121,7 @@ int rooms(bool is_quick, const std::string& only, std::uint32_t seed, const std:
                  {"mask_sum_error", rounded(result->seams.mask_sum_error)},
                  {"mask_sum_error_rim", rounded(result->seams.mask_sum_error_rim)},
                  {"mask_off", result->seams.mask_off},
-                 {"places", score.places},
+                 {"places", score.correspondences},
                  {"projector_width_px", chain.museum.projector_width_px},
                  {"camera_megapixels", chain.museum.camera_megapixels},
                  {"seed", seed}};

@@ -21,13 +21,13 @@ using Json = nlohmann::ordered_json;
 double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// What a wall is fitted to: every third control point of the maps that is sure of its place.
-std::vector<MapSample> samples_of(const std::vector<CalibratedProjector>& projectors) {
+std::vector<solve::MapSample> samples_of(const std::vector<calibration::CalibratedProjector>& projectors) {
   constexpr int kEvery = 3;
   constexpr double kSure_px = 0.2;
-  std::vector<MapSample> samples;
+  std::vector<solve::MapSample> samples;
   for (std::size_t p = 0; p < projectors.size(); ++p) {
-    const MeasuredMap& map = projectors[p].map;
-    const MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
+    const calibration::MeasuredMap& map = projectors[p].map;
+    const calibration::MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
     for (int y = 0; y <= map.cells_y; y += kEvery) {
       for (int x = 0; x <= map.cells_x; x += kEvery) {
         const auto node = static_cast<std::size_t>(grid.node(x, y));
@@ -39,17 +39,18 @@ std::vector<MapSample> samples_of(const std::vector<CalibratedProjector>& projec
   return samples;
 }
 
-std::optional<Eigen::Vector2d> pixel_of(const SurfaceFit& fit, std::size_t p, const Eigen::Vector3d& direction) {
-  const auto nearness = fit.surface.nearness_at(direction);
+std::optional<Eigen::Vector2d> pixel_of(const calibration::SurfaceFit& fit, std::size_t p,
+                                        const Eigen::Vector3d& direction) {
+  const auto inverse_depth = fit.surface.inverse_depth_at(direction);
   const auto& T_eye_projector = fit.projectors[p].T_eye_projector;
-  if (!nearness) return std::nullopt;
+  if (!inverse_depth) return std::nullopt;
   return fit.projectors[p].lens.pixel_of(T_eye_projector.rotation().conjugate() *
-                                         (direction - *nearness * T_eye_projector.translation()));
+                                         (direction - *inverse_depth * T_eye_projector.translation()));
 }
 
 /// Where the model sees a pixel: the map's direction, moved by what the model says of its pixel.
-std::optional<Eigen::Vector3d> direction_by(const SurfaceFit& fit, const MeasuredMap& map, std::size_t p,
-                                            const Eigen::Vector2d& pixel) {
+std::optional<Eigen::Vector3d> direction_by(const calibration::SurfaceFit& fit, const calibration::MeasuredMap& map,
+                                            std::size_t p, const Eigen::Vector2d& pixel) {
   constexpr double kBeside_px = 0.5;
   constexpr int kSteps = 6;
   const auto start = map.direction_at(pixel);
@@ -74,23 +75,24 @@ std::optional<Eigen::Vector3d> direction_by(const SurfaceFit& fit, const Measure
 }
 
 /// From the plane upwards, each from the one that begins it best.
-std::vector<Result<SurfaceFit>> climb(const std::vector<MeasuredProjector>& projectors,
-                                      const std::vector<MapSample>& samples, const SurfaceFit& first) {
+std::vector<Result<calibration::SurfaceFit>> climb(const std::vector<solve::MeasuredProjector>& projectors,
+                                                   const std::vector<solve::MapSample>& samples,
+                                                   const calibration::SurfaceFit& first) {
   constexpr double kKnot_rad = 0.1;
   std::vector<Eigen::Vector3d> spread;
-  for (const MapSample& sample : samples) spread.push_back(sample.direction);
-  std::vector<Result<SurfaceFit>> fits;
-  SurfaceFit from = first;
-  for (const SurfaceRung rung : kSurfaceRungs) {
-    SurfaceFit start = from;
-    start.surface = Surface::start(rung, from.surface, spread, kKnot_rad);
-    if (rung == SurfaceRung::kCylinder) {
+  for (const solve::MapSample& sample : samples) spread.push_back(sample.direction);
+  std::vector<Result<calibration::SurfaceFit>> fits;
+  calibration::SurfaceFit from = first;
+  for (const calibration::SurfaceModel model : calibration::kSurfaceModels) {
+    calibration::SurfaceFit start = from;
+    start.surface = calibration::Surface::start(model, from.surface, spread, kKnot_rad);
+    if (model == calibration::SurfaceModel::kCylinder) {
       start = first;
-      start.surface = Surface::start(rung, first.surface, spread, kKnot_rad);
+      start.surface = calibration::Surface::start(model, first.surface, spread, kKnot_rad);
       start.surface.parameters[3] = 1.0 / first.surface.distance_m;
     }
-    fits.push_back(fit_surface(projectors, samples, start, {LensRung::kDecentred, false, 50}));
-    if (fits.back() && rung == SurfaceRung::kCylinder) from = *fits.back();
+    fits.push_back(solve::fit_surface(projectors, samples, start, {calibration::LensModel::kDecentred, false, 50}));
+    if (fits.back() && model == calibration::SurfaceModel::kCylinder) from = *fits.back();
   }
   return fits;
 }
@@ -102,25 +104,25 @@ Json model_points(const ChainCase& chain, const std::filesystem::path& folder) {
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);
   std::filesystem::create_directories(folder, ignored);
-  const auto preset = make_preset(chain.name, chain.seed, chain.museum);
+  const auto preset = simulated::make_preset(chain.name, chain.seed, chain.museum);
   if (!preset) return failed(preset.error());
-  auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
+  auto museum = simulated::SimulatedMuseum::make(preset->installation, preset->truth);
   if (!museum) return failed(museum.error());
-  SimulatedPatternScreen screen(&*museum);
-  SimulatedScanCamera camera(&*museum, PhotographColour::kGrey);
-  SimulatedTurnplate plate(&*museum);
+  scan::SimulatedPatternScreen screen(&*museum);
+  scan::SimulatedScanCamera camera(&*museum, scan::PhotographColour::kGrey);
+  simulated::SimulatedTurnplate plate(&*museum);
   const KnownCamera known = camera_of_preset(chain.name);
-  ScanSettings settings;
-  settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), known.field_of_view_rad);
+  scan::ScanSettings settings;
+  settings.camera = scan::data_sheet_lens(camera.width_px(), camera.height_px(), known.field_of_view_rad);
   settings.pitch_rad = known.pitch_rad;
   settings.view = chain.view;
   const double begun_s = museum->now_s();
-  const auto scan = scan_wall(museum->installation(), settings, {screen, camera, plate}, folder / "scan", {}, {});
+  const auto scan = scan::scan_wall(museum->installation(), settings, {screen, camera, plate}, folder / "scan", {}, {});
   if (!scan) return failed(scan.error());
-  CalibrateOptions options;
+  solve::CalibrateOptions options;
   options.with_wall = false;
   const double solve_begun_s = cpu_s();
-  const auto calibration = calibrate(scan->measurements, "2026-01-01T00-00-00Z", options);
+  const auto calibration = solve::calibrate(scan->measurements, "2026-01-01T00-00-00Z", options);
   if (!calibration) return failed(calibration.error());
   const double museum_s = museum->now_s() - begun_s;
   const auto& projectors = calibration->projectors;
@@ -140,24 +142,24 @@ Json model_points(const ChainCase& chain, const std::filesystem::path& folder) {
   };
   add("none", true, cpu_s() - solve_begun_s,
       [&](std::size_t p, const Eigen::Vector2d& pixel) { return projectors[p].map.direction_at(pixel); });
-  const auto add_fit = [&](const std::string& value, const SurfaceFit& fit, double solve_s) {
+  const auto add_fit = [&](const std::string& value, const calibration::SurfaceFit& fit, double solve_s) {
     add(value, false, solve_s,
         [&](std::size_t p, const Eigen::Vector2d& pixel) { return direction_by(fit, projectors[p].map, p, pixel); });
   };
-  const std::vector<MapSample> samples = samples_of(projectors);
+  const std::vector<solve::MapSample> samples = samples_of(projectors);
   const auto& measured = scan->measurements.projectors;
-  const auto first = surface_start(measured, samples, scan->measurements.wall_distance_m);
+  const auto first = solve::surface_start(measured, samples, scan->measurements.wall_distance_m);
   if (!first) return failed(first.error());
   const double climb_begun_s = cpu_s();
   const auto fits = climb(measured, samples, *first);
   const double climb_s = cpu_s() - climb_begun_s;
   for (std::size_t i = 0; i < fits.size(); ++i) {
-    const std::string name(name_of(kSurfaceRungs[i]));
+    const std::string name(name_of(calibration::kSurfaceModels[i]));
     if (!fits[i]) continue;
     add_fit(name, *fits[i], climb_s);
-    if (kSurfaceRungs[i] != SurfaceRung::kProfile) continue;
-    for (const LensRung lens : kProjectorLensRungs) {
-      const auto fit = fit_surface(measured, samples, *fits[i], {lens, false, 50});
+    if (calibration::kSurfaceModels[i] != calibration::SurfaceModel::kProfile) continue;
+    for (const calibration::LensModel lens : solve::kProjectorLensModels) {
+      const auto fit = solve::fit_surface(measured, samples, *fits[i], {lens, false, 50});
       if (fit) add_fit(fmt::format("{}, lens {}", name, name_of(lens)), *fit, climb_s);
     }
   }

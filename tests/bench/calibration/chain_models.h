@@ -8,8 +8,8 @@
 
 namespace cyclorama {
 
-/// One scan, and then pictures drawn by no model (the maps as they are), by each rung of the wall's ladder, and on the
-/// right wall by each rung of the projectors' lenses: {"models": [a point of the trade for each]}, or {"why": ...}.
+/// One scan, and then pictures drawn by no model (the maps as they are), by each model of the wall's selection, and on the
+/// right wall by each model of the projectors' lenses: {"models": [a point of the trade for each]}, or {"why": ...}.
 nlohmann::ordered_json model_points(const ChainCase& chain, const std::filesystem::path& folder);
 
 }  // namespace cyclorama

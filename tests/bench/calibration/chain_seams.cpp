@@ -19,14 +19,17 @@ constexpr int kTrueLight_px = 16;
 constexpr double kTight = 1e-4;
 const Eigen::Vector3d kEye{0.2126, 0.7152, 0.0722};  // ITU-R BT.709.
 
-double luminance(const RoomColour& colour) { return kEye.dot(Eigen::Vector3d(colour[0], colour[1], colour[2])); }
+double luminance(const simulated::RoomColour& colour) {
+  return kEye.dot(Eigen::Vector3d(colour[0], colour[1], colour[2]));
+}
 
 /// A projector's own light by the truth, in the unit of what was measured of it. What walls throw at each other is
 /// not in it.
-PictureField true_light(const TrueMuseum& museum, std::size_t projector, const PictureField& measured) {
+photometry::PictureField true_light(const simulated::TrueMuseum& museum, std::size_t projector,
+                                    const photometry::PictureField& measured) {
   const double white =
       luminance(museum.colour_of(projector, {255, 255, 255})) - luminance(museum.colour_of(projector, {0, 0, 0}));
-  std::vector<FieldSample> places;
+  std::vector<photometry::FieldSample> correspondences;
   std::vector<double> logs;
   std::vector<double> units;
   for (int y = 0; y <= measured.height_px; y += kTrueLight_px) {
@@ -34,15 +37,15 @@ PictureField true_light(const TrueMuseum& museum, std::size_t projector, const P
       const auto hit = museum.wall_at(projector, x, y);
       const double lux = hit ? museum.gain_lux(projector, *hit) : 0.0;
       if (!(lux > 0.0)) continue;
-      places.push_back({Eigen::Vector2d(x, y), kTight});
+      correspondences.push_back({Eigen::Vector2d(x, y), kTight});
       logs.push_back(std::log(lux * white));
-      units.push_back(measured.at(places.back().pixel) - logs.back());
+      units.push_back(measured.at(correspondences.back().pixel) - logs.back());
     }
   }
   const auto middle = units.begin() + static_cast<std::ptrdiff_t>(units.size() / 2);
   std::nth_element(units.begin(), middle, units.end());
   for (double& log : logs) log += *middle;
-  const FieldFit fit(measured.width_px, measured.height_px, 2 * kTrueLight_px, 1.0, places);
+  const photometry::FieldFit fit(measured.width_px, measured.height_px, 2 * kTrueLight_px, 1.0, correspondences);
   return fit.fit(Eigen::Map<const Eigen::VectorXd>(logs.data(), static_cast<Eigen::Index>(logs.size())));
 }
 
@@ -57,7 +60,7 @@ std::string in_percent(const std::vector<double>& values) {
   return fmt::format("{:>7.2f}{:>7.2f}", 100.0 * percentile(values, 0.95), 100.0 * percentile(values, 1.0));
 }
 
-void tell(const std::string& name, const Photometry& light, const SeamScore& score, std::string* csv) {
+void tell(const std::string& name, const photometry::Photometry& light, const SeamScore& score, std::string* csv) {
   std::vector<double> steps;
   std::vector<double> jumps;
   std::vector<double> slopes;
@@ -83,27 +86,27 @@ int explain_seams(const ChainCase& chain, const std::filesystem::path& folder, c
     fmt::print(stderr, "calibration_bench: {}\n", error.message());
     return 1;
   };
-  const auto preset = make_preset(chain.name, chain.seed, chain.museum);
+  const auto preset = simulated::make_preset(chain.name, chain.seed, chain.museum);
   if (!preset) return failed(preset.error());
-  const auto museum = TrueMuseum::make(preset->installation, preset->truth);
+  const auto museum = simulated::TrueMuseum::make(preset->installation, preset->truth);
   if (!museum) return failed(museum.error());
-  const auto calibration = read_calibration(folder);
+  const auto calibration = calibration::read_calibration(folder);
   if (!calibration) return failed(calibration.error());
-  const auto own = calibration_folder(folder, calibration->date);
-  const auto colours = read_colours(own);
+  const auto own = calibration::calibration_folder(folder, calibration->date);
+  const auto colours = calibration::read_colours(own);
   if (!colours) return failed(colours.error());
-  const auto light = read_light(own);
+  const auto light = photometry::read_light(own);
   if (!light) return failed(light.error());
 
-  std::vector<PhotometricProjector> measured;
-  std::vector<PhotometricProjector> true_maps;
-  WallLighting true_lights = *light;
+  std::vector<photometry::PhotometricProjector> measured;
+  std::vector<photometry::PhotometricProjector> true_maps;
+  photometry::WallLighting true_lights = *light;
   for (std::size_t p = 0; p < calibration->projectors.size(); ++p) {
-    const CalibratedProjector& projector = calibration->projectors[p];
+    const calibration::CalibratedProjector& projector = calibration->projectors[p];
     measured.push_back({projector.name, projector.map});
     true_maps.push_back({projector.name, true_map(*museum, p, kTrueMap_px)});
-    PictureField& white = true_lights.projectors[p].log_white;
-    const PictureField truth = true_light(*museum, p, white);
+    photometry::PictureField& white = true_lights.projectors[p].log_white;
+    const photometry::PictureField truth = true_light(*museum, p, white);
     std::vector<double> errors;
     std::vector<double> at_rim;
     for (double y = 0.0; y <= white.height_px; y += 0.02 * white.height_px) {
@@ -131,14 +134,14 @@ int explain_seams(const ChainCase& chain, const std::filesystem::path& folder, c
   std::string all = "what,azimuth_deg,elevation_deg,way,before,behind,step,jump,slope_before,slope_behind\n";
   struct Variant {
     const char* name;
-    const std::vector<PhotometricProjector>& maps;
-    const WallLighting& light;
-    PhotometryOptions options{};
+    const std::vector<photometry::PhotometricProjector>& maps;
+    const photometry::WallLighting& light;
+    photometry::PhotometryOptions options{};
   };
-  PhotometryOptions flat;
-  flat.most_slope_per_deg = flat.most_slope_at_borders_per_deg = 0.0;
-  PhotometryOptions half;
-  half.most_slope_at_borders_per_deg = 0.005;
+  photometry::PhotometryOptions flat;
+  flat.max_slope_per_deg = flat.max_slope_at_borders_per_deg = 0.0;
+  photometry::PhotometryOptions half;
+  half.max_slope_at_borders_per_deg = 0.005;
   const Variant variants[] = {{"as measured", measured, *light},
                               {"true maps", true_maps, *light},
                               {"true light", measured, true_lights},
@@ -147,7 +150,7 @@ int explain_seams(const ChainCase& chain, const std::filesystem::path& folder, c
                               {"true maps and light, flat", true_maps, true_lights, flat},
                               {"as measured, 0.5 % at borders", measured, *light, half}};
   for (const Variant& variant : variants) {
-    const auto blended = reblended(variant.maps, variant.light, *colours, variant.options);
+    const auto blended = photometry::reblended(variant.maps, variant.light, *colours, variant.options);
     if (!blended) return failed(blended.error());
     tell(variant.name, *blended, seam_score(*museum, *blended), &all);
   }

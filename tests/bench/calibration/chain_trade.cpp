@@ -32,7 +32,7 @@ ChainCase base_case() {
 
 std::vector<TradePoint> points(bool is_quick) {
   std::vector<TradePoint> all;
-  const ViewSettings usual;
+  const scan::ViewSettings usual;
   const auto add = [&](const char* knob, std::string value, bool is_default, const auto& change) {
     TradePoint point{knob, std::move(value), base_case(), is_default};
     change(&point.chain);
@@ -47,7 +47,7 @@ std::vector<TradePoint> points(bool is_quick) {
       chain->view.phase_steps = steps;
       // XOR codes see through light that comes by way of other walls (docs/design/structured-light.md).
       if (base >= 0) {
-        chain->view.decode.least_direct_share = 0.1;
+        chain->view.decode.min_direct_share = 0.1;
         chain->view.decode.undecided.contrast = 0.02;
       }
     });

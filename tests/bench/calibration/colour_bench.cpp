@@ -25,8 +25,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 double rounded(double x) { return std::round(x * 1e5) / 1e5; }
 
-PresetOptions options_of(bool is_quick) {
-  PresetOptions options;
+simulated::PresetOptions options_of(bool is_quick) {
+  simulated::PresetOptions options;
   options.camera_megapixels = 1.0;
   if (is_quick) {
     options.projector_width_px = 960;
@@ -36,9 +36,9 @@ PresetOptions options_of(bool is_quick) {
   return options;
 }
 
-Result<SimulatedMuseum> museum_of(std::string_view room, std::uint32_t seed, bool is_quick) {
-  TRY_ASSIGN(const Preset preset, make_preset(room, seed, options_of(is_quick)));
-  return SimulatedMuseum::make(preset.installation, preset.truth);
+Result<simulated::SimulatedMuseum> museum_of(std::string_view room, std::uint32_t seed, bool is_quick) {
+  TRY_ASSIGN(const simulated::Preset preset, simulated::make_preset(room, seed, options_of(is_quick)));
+  return simulated::SimulatedMuseum::make(preset.installation, preset.truth);
 }
 
 int failed(const std::string& room, const Error& error) {
@@ -51,7 +51,7 @@ int rooms(bool is_quick) {
              "mask sum", "at rim", "step p95", "max", "bump p95", "dE mean", "dE p95", "dE max", "black", "before",
              "kept", "flat", "photos", "solve s");
   Json json = Json::object();
-  for (const std::string& room : preset_names()) {
+  for (const std::string& room : simulated::preset_names()) {
     auto museum = museum_of(room, 1, is_quick);
     if (!museum) return failed(room, museum.error());
     MuseumLightOptions scan;
@@ -59,7 +59,7 @@ int rooms(bool is_quick) {
     const auto scanned = photograph_light(&*museum, scan);
     if (!scanned) return failed(room, scanned.error());
     const auto start = std::chrono::steady_clock::now();
-    const auto result = photometry(scanned->input);
+    const auto result = photometry::photometry(scanned->input);
     const double solve_s = seconds_since(start);
     if (!result) return failed(room, result.error());
     const SeamScore score = seam_score(museum->truth(), *result);
@@ -92,8 +92,8 @@ int rooms(bool is_quick) {
   return 0;
 }
 
-PresetOptions small_options(int projectors) {
-  PresetOptions options;
+simulated::PresetOptions small_options(int projectors) {
+  simulated::PresetOptions options;
   options.projectors = projectors;
   options.projector_width_px = 480;
   options.projector_height_px = 270;
@@ -101,18 +101,20 @@ PresetOptions small_options(int projectors) {
   return options;
 }
 
-Result<SimulatedMuseum> small_museum(std::string_view room, std::uint32_t seed, int bits, int projectors = 3) {
-  TRY_ASSIGN(Preset preset, make_preset(room, seed, small_options(projectors)));
+Result<simulated::SimulatedMuseum> small_museum(std::string_view room, std::uint32_t seed, int bits,
+                                                int projectors = 3) {
+  TRY_ASSIGN(simulated::Preset preset, simulated::make_preset(room, seed, small_options(projectors)));
   preset.truth.camera.bits = bits;
-  return SimulatedMuseum::make(preset.installation, preset.truth);
+  return simulated::SimulatedMuseum::make(preset.installation, preset.truth);
 }
 
 /// What a scan of fewer levels and exposures would have brought.
-PhotometryInput thinned(const PhotometryInput& input, int steps, const std::vector<double>& exposures_s) {
+photometry::PhotometryInput thinned(const photometry::PhotometryInput& input, int steps,
+                                    const std::vector<double>& exposures_s) {
   constexpr int kFinest = 32;
-  PhotometryInput result = input;
-  for (ProjectorView& view : result.views) {
-    std::erase_if(view.readings, [&](const LightReading& reading) {
+  photometry::PhotometryInput result = input;
+  for (photometry::ProjectorView& view : result.views) {
+    std::erase_if(view.readings, [&](const photometry::LightReading& reading) {
       const bool is_level = std::lround(reading.level * kFinest) % (kFinest / (steps - 1)) == 0;
       const bool is_exposed =
           std::ranges::any_of(exposures_s, [&](double e) { return std::abs(reading.exposure_s / e - 1.0) < 1e-6; });
@@ -131,10 +133,10 @@ int clipped_trade() {
     light.noise = 5e-4;
     light.bits = 12;
     light.steps = steps;
-    const auto result = photometry(even_light({light}));
+    const auto result = photometry::photometry(even_light({light}));
     if (!result) return failed("a clipped projector", result.error());
     double worst = 0.0;
-    for (const ChannelResponse& response : result->heads.front().response) {
+    for (const photometry::ChannelResponse& response : result->heads.front().response) {
       double sum = 0.0;
       for (int code = 0; code < 256; ++code)
         sum += std::pow(response.light_of(code / 255.0) - clipped(code / 255.0), 2.0) / 256.0;
@@ -169,7 +171,7 @@ int trade(bool is_quick) {
           wanted_s.push_back(factor * scanned->white_exposure_s);
           list += fmt::format("{}{:g}", list.empty() ? "" : " ", factor);
         }
-        const auto result = photometry(thinned(scanned->input, steps, wanted_s));
+        const auto result = photometry::photometry(thinned(scanned->input, steps, wanted_s));
         if (!result) return failed("cylinder126", result.error());
         fmt::print("{},{},{},{},{:.5f}\n", bits, steps, list, 3 * (steps - 1) * static_cast<int>(factors.size()),
                    response_rms(museum->truth(), *result));
@@ -201,10 +203,10 @@ int slopes(bool is_quick) {
                                                      {0.02, 0.01}, {0.02, 0.015},  {0.02, 0.02}, {0.03, 0.01},
                                                      {0.04, 0.01}, {0.04, 0.04}};
     for (const auto& [slope, at_borders] : kSlopes) {
-      PhotometryOptions options;
-      options.most_slope_per_deg = slope;
-      options.most_slope_at_borders_per_deg = at_borders;
-      const auto result = photometry(scanned->input, options);
+      photometry::PhotometryOptions options;
+      options.max_slope_per_deg = slope;
+      options.max_slope_at_borders_per_deg = at_borders;
+      const auto result = photometry::photometry(scanned->input, options);
       if (!result) return failed(room.name, result.error());
       const SeamScore score = seam_score(museum->truth(), *result);
       fmt::print("{},{},{},{},{:.3f},{:.3f},{:.4f},{:.4f},{:.4f},{:.3f},{:.3f},{:.4f},{:.4f}\n", room.name,
@@ -226,7 +228,7 @@ int pictures(const std::filesystem::path& folder) {
   scan.cell_px = 16;
   const auto scanned = photograph_light(&*museum, scan);
   if (!scanned) return failed("cylinder126", scanned.error());
-  const auto result = photometry(scanned->input);
+  const auto result = photometry::photometry(scanned->input);
   if (!result) return failed("cylinder126", result.error());
   for (const bool is_after : {false, true}) {
     const char* const when = is_after ? "after" : "before";

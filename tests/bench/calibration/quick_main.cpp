@@ -15,8 +15,8 @@
 #include "appliance/calibration/calibration_file.h"
 #include "appliance/photometry/light_file.h"
 #include "appliance/photometry/reblend.h"
+#include "tests/doubles/displaced_museum.h"
 #include "tests/doubles/photometry_museum.h"
-#include "tests/doubles/pushed_museum.h"
 
 namespace cyclorama {
 namespace {
@@ -53,35 +53,35 @@ struct Push {
   double millimetres;
   std::size_t projector;
 };
-constexpr Push kPushes[] = {{0.05, 1.0, 1}, {0.2, 5.0, 1}, {1.0, 20.0, 0}, {1.0, 20.0, 1}, {5.0, 100.0, 1}};
+constexpr Push kDisplacements[] = {{0.05, 1.0, 1}, {0.2, 5.0, 1}, {1.0, 20.0, 0}, {1.0, 20.0, 1}, {5.0, 100.0, 1}};
 
-PushedMuseum museum_of(const Room& room, std::uint32_t seed, bool is_quick) {
-  PresetOptions options;
+DisplacedMuseum museum_of(const Room& room, std::uint32_t seed, bool is_quick) {
+  simulated::PresetOptions options;
   options.projectors = room.projectors;
   if (is_quick) {
     options.projector_width_px = 960;
     options.projector_height_px = 540;
     options.camera_megapixels = 0.6;
   }
-  return {*make_preset(room.preset, seed, options), 70.0 * kDegree, 0.0};
+  return {*simulated::make_preset(room.preset, seed, options), 70.0 * kDegree, 0.0};
 }
 
-bool calibrate(const PushedMuseum& museum, const fs::path& folder) {
-  if (read_calibration(folder)) return true;
+bool calibrate(const DisplacedMuseum& museum, const fs::path& folder) {
+  if (calibration::read_calibration(folder)) return true;
   fs::remove_all(folder);
   fs::create_directories(folder);
   bool is_done = false;
-  const Status inside =
-      museum.inside([&](SimulatedMuseum& room, const ScanDevices& devices, const ScanSettings& settings) {
-        const auto outcome = run_calibration(room.installation(), settings, devices, folder, "2026-01-01T00-00-00Z",
-                                             ProcessorClock(), {}, {});
+  const Status inside = museum.inside(
+      [&](simulated::SimulatedMuseum& room, const scan::ScanDevices& devices, const scan::ScanSettings& settings) {
+        const auto outcome = scan::run_calibration(room.installation(), settings, devices, folder,
+                                                   "2026-01-01T00-00-00Z", ProcessorClock(), {}, {});
         if (!outcome) fmt::print("    {}\n", outcome.error().message());
         is_done = outcome.has_value();
       });
   return inside.has_value() && is_done;
 }
 
-Json pushed(const Room& room, const Push& push, PushedMuseum museum, const fs::path& calibrated) {
+Json pushed(const Room& room, const Push& push, DisplacedMuseum museum, const fs::path& calibrated) {
   std::mt19937 random(static_cast<unsigned>(1000.0 * push.degrees) + static_cast<unsigned>(push.projector));
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   const Eigen::Vector3d axis(any(random), any(random), 0.5 * any(random));
@@ -91,13 +91,13 @@ Json pushed(const Room& room, const Push& push, PushedMuseum museum, const fs::p
   fs::remove_all(folder);
   fs::copy(calibrated, folder, fs::copy_options::recursive);
   Json json{{"degrees", push.degrees}, {"mm", push.millimetres}, {"projector", push.projector + 1}};
-  const Status inside =
-      museum.inside([&](SimulatedMuseum& in_it, const ScanDevices& devices, const ScanSettings& settings) {
-        const MuseumScore before = score_of(in_it, *read_calibration(folder));
+  const Status inside = museum.inside(
+      [&](simulated::SimulatedMuseum& in_it, const scan::ScanDevices& devices, const scan::ScanSettings& settings) {
+        const MuseumScore before = score_of(in_it, *calibration::read_calibration(folder));
         const double begun_s = in_it.now_s();
         const auto outcome =
-            realign_projector(in_it.installation(), in_it.installation().projectors[push.projector].name, settings,
-                              devices, folder, "2026-01-02T00-00-00Z", ProcessorClock(), {}, {});
+            scan::realign_projector(in_it.installation(), in_it.installation().projectors[push.projector].name,
+                                    settings, devices, folder, "2026-01-02T00-00-00Z", ProcessorClock(), {}, {});
         const double museum_s = in_it.now_s() - begun_s;
         fmt::print("{:<20}{:>6.2f}{:>6.0f}{:>3}", room.key, push.degrees, push.millimetres, push.projector + 1);
         if (!outcome) {
@@ -105,10 +105,10 @@ Json pushed(const Room& room, const Push& push, PushedMuseum museum, const fs::p
           json["error"] = outcome.error().message();
           return;
         }
-        const MuseumScore after = score_of(in_it, *read_calibration(folder));
+        const MuseumScore after = score_of(in_it, *calibration::read_calibration(folder));
         SeamScore seams;
         if (outcome->outcome.light) seams = seam_score(in_it.truth(), *outcome->outcome.light);
-        const MeasuredRegistration& told = outcome->outcome.registration;
+        const solve::MeasuredRegistration& told = outcome->outcome.registration;
         fmt::print(
             "{:>9.3f}{:>9.2f}{:>9.3f}{:>8.3f}{:>8.3f}{:>9.3f}{:>6}{:>8.1f}{:>8.1f}{:>8.2f}{:>7.1f}{:>8.2f}{:>8.2f}{:>7."
             "2f}{:>7.2f}{}\n",
@@ -136,29 +136,30 @@ Json pushed(const Room& room, const Push& push, PushedMuseum museum, const fs::p
 }
 
 /// How the whole calibration was, before anybody pushed anything.
-void tell_whole(const Room& room, const PushedMuseum& museum, const fs::path& calibrated, Json* json) {
-  const Status inside = museum.inside([&](SimulatedMuseum& in_it, const ScanDevices&, const ScanSettings&) {
-    const Calibration calibration = *read_calibration(calibrated);
-    const fs::path own = calibration_folder(calibrated, calibration.date);
-    const MuseumScore score = score_of(in_it, calibration);
-    std::vector<PhotometricProjector> projectors;
-    for (const CalibratedProjector& p : calibration.projectors) projectors.push_back({p.name, p.map});
-    SeamScore seams;
-    const auto light = read_light(own);
-    const auto colours = read_colours(own);
-    const auto blended = light && colours ? reblended(projectors, *light, *colours)
-                                          : Result<Photometry>(Error(ErrorCode::kNotFound, ""));
-    if (blended) seams = seam_score(in_it.truth(), *blended);
-    fmt::print("{:<20}{:>15}{:>9}{:>9}{:>9.3f}{:>8.3f}{:>8.3f}{:>63.2f}{:>7.2f}{:>7.2f}\n", room.key, "whole", "", "",
-               score.mean_px, score.p95_px, score.max_px, 100.0 * seams.step_p95, seams.delta_e_p95,
-               100.0 * seams.mask_sum_error);
-    json->push_back({{"degrees", 0.0},
-                     {"mean_px", rounded(score.mean_px)},
-                     {"p95_px", rounded(score.p95_px)},
-                     {"max_px", rounded(score.max_px)},
-                     {"seam_step", rounded(seams.step_p95)},
-                     {"seam_de_p95", rounded(seams.delta_e_p95)}});
-  });
+void tell_whole(const Room& room, const DisplacedMuseum& museum, const fs::path& calibrated, Json* json) {
+  const Status inside =
+      museum.inside([&](simulated::SimulatedMuseum& in_it, const scan::ScanDevices&, const scan::ScanSettings&) {
+        const calibration::Calibration calibration = *calibration::read_calibration(calibrated);
+        const fs::path own = calibration::calibration_folder(calibrated, calibration.date);
+        const MuseumScore score = score_of(in_it, calibration);
+        std::vector<photometry::PhotometricProjector> projectors;
+        for (const calibration::CalibratedProjector& p : calibration.projectors) projectors.push_back({p.name, p.map});
+        SeamScore seams;
+        const auto light = photometry::read_light(own);
+        const auto colours = calibration::read_colours(own);
+        const auto blended = light && colours ? photometry::reblended(projectors, *light, *colours)
+                                              : Result<photometry::Photometry>(Error(ErrorCode::kNotFound, ""));
+        if (blended) seams = seam_score(in_it.truth(), *blended);
+        fmt::print("{:<20}{:>15}{:>9}{:>9}{:>9.3f}{:>8.3f}{:>8.3f}{:>63.2f}{:>7.2f}{:>7.2f}\n", room.key, "whole", "",
+                   "", score.mean_px, score.p95_px, score.max_px, 100.0 * seams.step_p95, seams.delta_e_p95,
+                   100.0 * seams.mask_sum_error);
+        json->push_back({{"degrees", 0.0},
+                         {"mean_px", rounded(score.mean_px)},
+                         {"p95_px", rounded(score.p95_px)},
+                         {"max_px", rounded(score.max_px)},
+                         {"seam_step", rounded(seams.step_p95)},
+                         {"seam_de_p95", rounded(seams.delta_e_p95)}});
+      });
   if (!inside) fmt::print("    {}\n", inside.error().message());
   std::fflush(stdout);
 }
@@ -173,7 +174,7 @@ int rooms(bool is_quick, const std::string& only, std::uint32_t seed, bool only_
     const std::string key = room.key;
     if (!only.empty() && only != key) continue;
     if (is_quick && only.empty() && key != "cylinder126 3" && key != "plane") continue;
-    const PushedMuseum museum = museum_of(room, seed, is_quick);
+    const DisplacedMuseum museum = museum_of(room, seed, is_quick);
     const fs::path calibrated = folder / fmt::format("{}-{}{}", room.preset, seed, is_quick ? "-quick" : "");
     if (!calibrate(museum, calibrated)) {
       fmt::print("{:<20}  is not calibrated\n", key);
@@ -182,7 +183,7 @@ int rooms(bool is_quick, const std::string& only, std::uint32_t seed, bool only_
     }
     Json pushes = Json::array();
     tell_whole(room, museum, calibrated, &pushes);
-    for (const Push& push : only_whole ? std::span<const Push>() : std::span<const Push>(kPushes))
+    for (const Push& push : only_whole ? std::span<const Push>() : std::span<const Push>(kDisplacements))
       pushes.push_back(pushed(room, push, museum, calibrated));
     for (const Json& one : pushes) is_done = is_done && !one.contains("error");
     json[key] = std::move(pushes);

@@ -29,30 +29,30 @@ constexpr double kLit = 20.0 / 255.0;
 constexpr double kCornerRadiusPx = 24.0;
 
 struct Capture {
-  Decoder decoder;
+  structured_light::Decoder decoder;
   GreyImage white;
 };
 
 Result<std::vector<Capture>> load(const std::filesystem::path& folder) {
   std::vector<Capture> captures;
   for (int c = 0; c < kRealCaptures; ++c) {
-    TRY_ASSIGN(Decoder decoder, real_decoder(folder, c));
+    TRY_ASSIGN(structured_light::Decoder decoder, real_decoder(folder, c));
     TRY_ASSIGN(GreyImage white, real_photo(folder, c, kRealWhite));
     captures.push_back({std::move(decoder), std::move(white)});
   }
   return captures;
 }
 
-Result<BoardView> view_of(const Capture& capture, const Decoded& decoded) {
-  TRY_ASSIGN(const auto corners, find_chessboard(capture.white, kColumns, kRows));
-  const auto board = chessboard_corners(kColumns, kRows, kSquareM);
-  BoardView view;
+Result<camera_calibration::BoardView> view_of(const Capture& capture, const structured_light::Decoded& decoded) {
+  TRY_ASSIGN(const auto corners, camera_calibration::find_chessboard(capture.white, kColumns, kRows));
+  const auto board = camera_calibration::chessboard_corners(kColumns, kRows, kSquareM);
+  camera_calibration::BoardView view;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const auto place = projector_place(decoded, corners[i], kCornerRadiusPx);
-    if (!place) continue;
+    const auto position = projector_pixel_at(decoded, corners[i], kCornerRadiusPx);
+    if (!position) continue;
     view.board_m.push_back(board[i]);
     view.camera_px.push_back(corners[i]);
-    view.projector_px.push_back(*place);
+    view.projector_px.push_back(*position);
   }
   return view;
 }
@@ -67,12 +67,13 @@ struct Figures {
   double truth_median_px = 0.0;
 };
 
-Figures figures_of(const std::vector<Decoded>& decoded, const std::vector<BoardView>& views,
-                   const ProcamCalibration& calibration, int every) {
+Figures figures_of(const std::vector<structured_light::Decoded>& decoded,
+                   const std::vector<camera_calibration::BoardView>& views,
+                   const camera_calibration::ProcamCalibration& calibration, int every) {
   Figures mean;
   TruthScore score;
   for (std::size_t i = 0; i < decoded.size(); ++i) {
-    const DecodeQuality quality = quality_of(decoded[i], kLit);
+    const structured_light::DecodeQuality quality = structured_light::quality_of(decoded[i], kLit);
     const auto share = 1.0 / static_cast<double>(decoded.size());
     mean.coverage += share * quality.coverage;
     mean.gross_by_planes += share * quality.gross;
@@ -85,22 +86,23 @@ Figures figures_of(const std::vector<Decoded>& decoded, const std::vector<BoardV
   return mean;
 }
 
-Result<std::vector<Decoded>> decode(const std::vector<Capture>& captures, const DecodeSettings& settings) {
-  std::vector<Decoded> all;
+Result<std::vector<structured_light::Decoded>> decode(const std::vector<Capture>& captures,
+                                                      const structured_light::DecodeSettings& settings) {
+  std::vector<structured_light::Decoded> all;
   for (const Capture& capture : captures) {
-    TRY_ASSIGN(Decoded decoded, capture.decoder.finish(settings));
+    TRY_ASSIGN(structured_light::Decoded decoded, capture.decoder.finish(settings));
     all.push_back(std::move(decoded));
   }
   return all;
 }
 
 /// Whole pixels: what the same readings give without edges.
-Decoded whole_pixels(Decoded decoded) {
+structured_light::Decoded whole_pixels(structured_light::Decoded decoded) {
   for (std::size_t i = 0; i < decoded.fate.data().size(); ++i) {
-    if (decoded.fate.data()[i] != PixelFate::kDecoded) continue;
+    if (decoded.fate.data()[i] != structured_light::PixelFate::kDecoded) continue;
     for (std::size_t a = 0; a < 2; ++a) {
-      float& place = decoded.position_px.data()[2 * i + a];
-      place = std::floor(place) + 0.5f;
+      float& position = decoded.position_px.data()[2 * i + a];
+      position = std::floor(position) + 0.5f;
     }
   }
   return decoded;
@@ -111,65 +113,65 @@ void print_curve_row(const std::string& name, const Figures& f) {
              100.0 * f.gross, 100.0 * f.gross_by_planes, f.residual_median_px, f.residual_p99_px, f.truth_median_px);
 }
 
-Status print_curves(const std::vector<Capture>& captures, const std::vector<BoardView>& views,
-                    const ProcamCalibration& calibration, bool is_quick) {
+Status print_curves(const std::vector<Capture>& captures, const std::vector<camera_calibration::BoardView>& views,
+                    const camera_calibration::ProcamCalibration& calibration, bool is_quick) {
   fmt::print("\nEach setting by itself, the others as they are by default; means of the captures\n");
   fmt::print(
       "| setting                  | lit, % | gross,% | planes% | median | p99 px | board  "
       "|\n|---|---|---|---|---|---|---|\n");
-  const auto row = [&](const std::string& name, const DecodeSettings& settings) -> Status {
+  const auto row = [&](const std::string& name, const structured_light::DecodeSettings& settings) -> Status {
     TRY_ASSIGN(const auto decoded, decode(captures, settings));
     print_curve_row(name, figures_of(decoded, views, calibration, 3));
     return Done{};
   };
-  TRY(row("default", DecodeSettings{}));
+  TRY(row("default", structured_light::DecodeSettings{}));
   if (is_quick) return Done{};
   for (const double sigmas : {0.0, 1.0, 2.0, 4.0, 8.0}) {
-    DecodeSettings settings;
+    structured_light::DecodeSettings settings;
     settings.undecided.sigmas = sigmas;
     TRY(row(fmt::format("undecided sigmas {:g}", sigmas), settings));
   }
   for (const double contrast : {0.0, 0.02, 0.05, 0.1, 0.15, 0.2}) {
-    DecodeSettings settings;
+    structured_light::DecodeSettings settings;
     settings.undecided.contrast = contrast;
     TRY(row(fmt::format("undecided contrast {:g}", contrast), settings));
   }
   for (const int patch : {1, 10, 60, 300, 1000}) {
-    DecodeSettings settings;
-    settings.smallest_patch_px = patch;
+    structured_light::DecodeSettings settings;
+    settings.min_patch_px = patch;
     TRY(row(fmt::format("smallest patch {}", patch), settings));
   }
   for (const double darkest : {0.0, 0.02, 0.04, 0.06, 0.08}) {
-    DecodeSettings settings;
+    structured_light::DecodeSettings settings;
     settings.darkest = darkest;
     TRY(row(fmt::format("darkest {:g}", darkest), settings));
   }
   for (const double share : {0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8}) {
-    DecodeSettings settings;
-    settings.least_direct_share = share;
+    structured_light::DecodeSettings settings;
+    settings.min_direct_share = share;
     TRY(row(fmt::format("least direct share {:g}", share), settings));
   }
   for (const double sigma : {0.05, 0.1, 0.2, 0.3, 0.6, 1.2, 2.4}) {
-    DecodeSettings settings;
-    settings.largest_sigma_px = sigma;
+    structured_light::DecodeSettings settings;
+    settings.max_sigma_px = sigma;
     TRY(row(fmt::format("largest sigma {:g} px", sigma), settings));
   }
   for (const double disturbance : {0.03, 0.06, 0.12, 1.0}) {
-    DecodeSettings settings;
+    structured_light::DecodeSettings settings;
     settings.disturbance = disturbance;
     TRY(row(fmt::format("disturbance {:g}", disturbance), settings));
   }
-  DecodeSettings bare;
+  structured_light::DecodeSettings bare;
   bare.undecided = {};
-  bare.smallest_patch_px = 1;
+  bare.min_patch_px = 1;
   bare.darkest = 0.0;
-  bare.least_direct_share = 0.0;
+  bare.min_direct_share = 0.0;
   bare.disturbance = 10.0;
-  bare.largest_sigma_px = 100.0;
+  bare.max_sigma_px = 100.0;
   return row("no threshold at all", bare);
 }
 
-void print_lens(const char* name, const BrownParameters& lens, const BrownBlock& sigma) {
+void print_lens(const char* name, const calibration::BrownParameters& lens, const calibration::BrownBlock& sigma) {
   fmt::print(
       "{}: f {:.1f} ± {:.1f}, centre ({:.1f} ± {:.1f}, {:.1f} ± {:.1f}), k1 {:.4f} ± {:.4f}, k2 {:.3f}, p ({:.5f}, "
       "{:.5f}), k3 {:.2f}\n",
@@ -177,21 +179,21 @@ void print_lens(const char* name, const BrownParameters& lens, const BrownBlock&
       lens.k1, sigma[kK1], lens.k2, lens.p1, lens.p2, lens.k3);
 }
 
-void print_ladder(const ProcamLadder& ladder) {
+void print_selection(const camera_calibration::ProcamSelection& selection) {
   fmt::print(
       "\n| camera | projector | board | free | training px | left out px | predicted px | centre scatter px "
       "|\n|---|---|---|---|---|---|---|---|\n");
-  for (std::size_t i = 0; i < ladder.rungs.size(); ++i) {
-    const LadderRung& rung = ladder.rungs[i];
-    fmt::print("| {} | {} | {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.1f} |{}\n", name_of(rung.camera),
-               name_of(rung.projector), rung.board == BoardRung::kFlat ? "flat" : "bent", rung.freedom,
-               rung.training_rms_px, rung.heldout_rms_px, rung.prediction_rms_px, rung.centre_scatter_px,
-               i == ladder.chosen ? " <- chosen" : "");
+  for (std::size_t i = 0; i < selection.models.size(); ++i) {
+    const camera_calibration::ProcamCandidate& model = selection.models[i];
+    fmt::print("| {} | {} | {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.1f} |{}\n", name_of(model.camera),
+               name_of(model.projector), model.board == camera_calibration::BoardModel::kFlat ? "flat" : "bent",
+               model.freedom, model.training_rms_px, model.heldout_rms_px, model.prediction_rms_px,
+               model.centre_scatter_px, i == selection.chosen ? " <- chosen" : "");
   }
-  const LadderRung& chosen = ladder.rungs[ladder.chosen];
+  const camera_calibration::ProcamCandidate& chosen = selection.models[selection.chosen];
   fmt::print("\n| left out | camera px | projector, predicted px | stereo px |\n|---|---|---|---|\n");
   for (std::size_t i = 0; i < chosen.folds.size(); ++i) {
-    const HeldOut& fold = chosen.folds[i];
+    const camera_calibration::HeldOut& fold = chosen.folds[i];
     fmt::print("| capture {} | {:.3f} | {:.3f} | {:.3f} |\n", i, fold.camera_rms_px, fold.projector_rms_px,
                fold.stereo_rms_px);
   }
@@ -202,17 +204,20 @@ Status print_sizes() {
   fmt::print(
       "\nSimulated cameras before a projector of 1024x768\n| camera | projector px a camera px | decoded, % | gross, % "
       "| median px | decoding, s |\n|---|---|---|---|---|---|\n");
-  TRY_ASSIGN(const PatternSet set, structured_light({.width_px = 1024, .height_px = 768}));
+  TRY_ASSIGN(const structured_light::PatternSet set,
+             structured_light::structured_light({.width_px = 1024, .height_px = 768}));
   for (const int width : {240, 640, 1280, 2592, 5184}) {
     LitWall wall;
     wall.camera_width_px = width;
     wall.camera_height_px = width * 3 / 4;
     const double scale = 1000.0 / width;
-    wall.projector_place = [scale](double u, double v) { return Eigen::Vector2d(12.0 + scale * u, 9.0 + scale * v); };
+    wall.projector_pixel_at = [scale](double u, double v) {
+      return Eigen::Vector2d(12.0 + scale * u, 9.0 + scale * v);
+    };
     wall.blur_px = std::max(0.7, 0.5 * scale);
-    const Decoder decoder = wall.decoder(set);
+    const structured_light::Decoder decoder = wall.decoder(set);
     const auto before = std::chrono::steady_clock::now();
-    TRY_ASSIGN(const Decoded decoded, decoder.finish());
+    TRY_ASSIGN(const structured_light::Decoded decoded, decoder.finish());
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - before;
     const WallErrors errors = errors_of(wall, decoded);
     const auto pixels = static_cast<double>(decoded.fate.data().size());
@@ -226,42 +231,44 @@ Status print_sizes() {
 Status run(const std::filesystem::path& folder, bool is_quick) {
   TRY_ASSIGN(const auto captures, load(folder));
   const auto before = std::chrono::steady_clock::now();
-  TRY_ASSIGN(const auto decoded, decode(captures, DecodeSettings{}));
+  TRY_ASSIGN(const auto decoded, decode(captures, structured_light::DecodeSettings{}));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - before;
-  std::vector<BoardView> views;
+  std::vector<camera_calibration::BoardView> views;
   fmt::print("| capture | noise, % | of pixels: lit, % |");
-  for (std::size_t f = 0; f < kPixelFates; ++f) fmt::print(" {}, % |", name_of(static_cast<PixelFate>(f)));
+  for (std::size_t f = 0; f < structured_light::kPixelFates; ++f)
+    fmt::print(" {}, % |", name_of(static_cast<structured_light::PixelFate>(f)));
   fmt::print(" of lit: decoded, % | median px | whole pixels |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (std::size_t i = 0; i < captures.size(); ++i) {
-    const DecodeQuality quality = quality_of(decoded[i], kLit);
+    const structured_light::DecodeQuality quality = structured_light::quality_of(decoded[i], kLit);
     const auto pixels = static_cast<double>(decoded[i].fate.data().size());
     fmt::print("| {} | {:.2f} | {:.1f} |", i, 100.0 * decoded[i].noise, 100.0 * quality.lit / pixels);
     for (const int count : quality.fates) fmt::print(" {:.2f} |", 100.0 * count / pixels);
     fmt::print(" {:.2f} | {:.3f} | {:.3f} |\n", 100.0 * quality.coverage, quality.residual_median_px,
-               quality_of(whole_pixels(decoded[i]), kLit).residual_median_px);
-    TRY_ASSIGN(BoardView view, view_of(captures[i], decoded[i]));
+               structured_light::quality_of(whole_pixels(decoded[i]), kLit).residual_median_px);
+    TRY_ASSIGN(camera_calibration::BoardView view, view_of(captures[i], decoded[i]));
     fmt::print("  capture {}: {} corners on the projector\n", i, view.board_m.size());
     views.push_back(std::move(view));
   }
   fmt::print("decoding takes {:.2f} s a capture of 1.3 megapixels\n",
              seconds.count() / static_cast<double>(captures.size()));
-  TRY_ASSIGN(const ProcamLadder ladder, climb_procam(views, {1280, 1024}, {1024, 768}));
-  print_ladder(ladder);
-  const ProcamCalibration& calibration = ladder.calibration;
+  TRY_ASSIGN(const camera_calibration::ProcamSelection selection,
+             camera_calibration::select_procam_model(views, {1280, 1024}, {1024, 768}));
+  print_selection(selection);
+  const camera_calibration::ProcamCalibration& calibration = selection.calibration;
   print_lens("camera", calibration.camera, calibration.camera_sigma);
   print_lens("projector", calibration.projector, calibration.projector_sigma);
-  const BoardShape& board = calibration.board;
+  const camera_calibration::BoardShape& board = calibration.board;
   fmt::print("board: stretched by {:.3f} %, bent by {:.4f}, {:.4f}, {:.4f} per metre\n", 100.0 * board.stretch,
              board.bend_xx, board.bend_xy, board.bend_yy);
   fmt::print("camera {:.3f}, projector {:.3f}, stereo {:.3f} px; rank {} of {}; {} of {} starting points agree\n",
              calibration.camera_rms_px, calibration.projector_rms_px, calibration.stereo_rms_px, calibration.rank,
-             calibration.unknowns, calibration.starts_agreeing, kMostStarts);
+             calibration.unknowns, calibration.starts_agreeing, camera_calibration::kMaxStarts);
   TRY(print_curves(captures, views, calibration, is_quick));
   if (!is_quick) TRY(print_sizes());
   const Figures figures = figures_of(decoded, views, calibration, 1);
-  const LadderRung& chosen = ladder.rungs[ladder.chosen];
+  const camera_calibration::ProcamCandidate& chosen = selection.models[selection.chosen];
   std::string folds;
-  for (const HeldOut& fold : chosen.folds)
+  for (const camera_calibration::HeldOut& fold : chosen.folds)
     folds += fmt::format("{}{:.4f}", folds.empty() ? "" : ", ", fold.stereo_rms_px);
   fmt::print(
       "{{\"benchmark\": \"calibration-real\", \"coverage\": {:.4f}, \"gross\": {:.6f}, \"residual_median_px\": {:.4f}, "
@@ -271,7 +278,8 @@ Status run(const std::filesystem::path& folder, bool is_quick) {
       "\"decode_s\": {:.3f}}}\n",
       figures.coverage, figures.gross, figures.residual_median_px, calibration.stereo_rms_px, chosen.heldout_rms_px,
       folds, chosen.prediction_rms_px, name_of(chosen.camera), name_of(chosen.projector),
-      chosen.board == BoardRung::kFlat ? "flat" : "bent", seconds.count() / static_cast<double>(captures.size()));
+      chosen.board == camera_calibration::BoardModel::kFlat ? "flat" : "bent",
+      seconds.count() / static_cast<double>(captures.size()));
   return Done{};
 }
 

@@ -32,7 +32,7 @@ double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC
 
 double rounded(double x) { return std::round(x * 1e4) / 1e4; }
 
-RegistrationScore score_of(const GeneratedRoom& room, const Calibration& calibration) {
+RegistrationScore score_of(const GeneratedRoom& room, const calibration::Calibration& calibration) {
   return registration_score(
       room, [&](std::size_t p, const Eigen::Vector2d& px) { return calibration.projectors[p].map.direction_at(px); });
 }
@@ -51,10 +51,10 @@ Json register_one(RoomKind kind, int projectors, unsigned seed) {
   plan.projectors = projectors;
   plan.stride_px = 4;
   const GeneratedRoom room(plan);
-  const Measurements measurements = room.measurements();
+  const solve::Measurements measurements = room.measurements();
   const double cpu_start = cpu_seconds();
   const auto start = std::chrono::steady_clock::now();
-  const auto calibration = calibrate(measurements, "2026-01-01T00-00-00Z");
+  const auto calibration = solve::calibrate(measurements, "2026-01-01T00-00-00Z");
   Json record{{"solve_s", seconds_since(start)}, {"cpu_s", cpu_seconds() - cpu_start}};
   if (!calibration) {
     record["why"] = calibration.error().message();
@@ -116,36 +116,37 @@ int registration(unsigned seeds, Records* records) {
   return records->exit_code();
 }
 
-SurfaceRung right_rung(RoomKind kind) {
+calibration::SurfaceModel right_model(RoomKind kind) {
   switch (kind) {
     case RoomKind::kPlane:
-      return SurfaceRung::kPlane;
+      return calibration::SurfaceModel::kPlane;
     case RoomKind::kCylinder:
     case RoomKind::kTiltedCylinder:
-      return SurfaceRung::kCylinder;
+      return calibration::SurfaceModel::kCylinder;
     case RoomKind::kUnevenCylinder:
     case RoomKind::kCorner:
-      return SurfaceRung::kProfile;
+      return calibration::SurfaceModel::kProfile;
     case RoomKind::kDome:
-      return SurfaceRung::kQuadric;
+      return calibration::SurfaceModel::kQuadric;
     case RoomKind::kBumpy:
-      return SurfaceRung::kMesh;
+      return calibration::SurfaceModel::kMesh;
   }
-  return SurfaceRung::kPlane;
+  return calibration::SurfaceModel::kPlane;
 }
 
 Json choose_one(RoomKind kind, unsigned seed) {
   RoomPlan plan = plan_of(kind, seed);
   plan.stride_px = 12;
-  const auto calibration = calibrate(GeneratedRoom(plan).measurements(), "2026-01-01T00-00-00Z");
+  const auto calibration = solve::calibrate(GeneratedRoom(plan).measurements(), "2026-01-01T00-00-00Z");
   if (!calibration || !calibration->wall) {
     return {{"chosen", calibration ? calibration->remarks.back() : calibration.error().message()}, {"right", false}};
   }
-  const SurfaceRung rung = calibration->wall->fit.surface.rung;
-  Json record{{"chosen", name_of(rung)},
-              {"right", rung == right_rung(kind) || (kind == RoomKind::kCorner && rung == SurfaceRung::kQuadric)}};
-  for (const ModelTrial& trial : calibration->wall->surfaces) {
-    if (trial.name == name_of(rung)) record["heldout_px"] = trial.heldout_rms_px;
+  const calibration::SurfaceModel model = calibration->wall->fit.surface.model;
+  Json record{{"chosen", name_of(model)},
+              {"right", model == right_model(kind) ||
+                            (kind == RoomKind::kCorner && model == calibration::SurfaceModel::kQuadric)}};
+  for (const calibration::ModelTrial& trial : calibration->wall->surfaces) {
+    if (trial.name == name_of(model)) record["heldout_px"] = trial.heldout_rms_px;
     record["trials"].push_back({{"name", trial.name},
                                 {"training_px", rounded(trial.training_rms_px)},
                                 {"heldout_px", rounded(trial.heldout_rms_px)},
@@ -154,14 +155,14 @@ Json choose_one(RoomKind kind, unsigned seed) {
   }
   record["richest_px"] = calibration->wall->surfaces.back().heldout_rms_px;
   // A lesser one that predicted better, beyond what is allowed for.
-  for (const ModelTrial& trial : calibration->wall->surfaces) {
-    if (trial.name == name_of(rung)) break;
+  for (const calibration::ModelTrial& trial : calibration->wall->surfaces) {
+    if (trial.name == name_of(model)) break;
     if (trial.is_usable && trial.heldout_rms_px < record["heldout_px"].get<double>()) record["right"] = false;
   }
   return record;
 }
 
-/// How often each kind of room gets the rung that it was made by. Two planes are a profile, and a degenerate quadric
+/// How often each kind of room gets the model that it was made by. Two planes are a profile, and a degenerate quadric
 /// too. A richer model with a worse held-out error is never right. All kinds of one seed, then of the next: who is
 /// stopped has as many of each.
 int model(unsigned seeds, Records* records) {
@@ -278,8 +279,8 @@ std::vector<Extreme> extremes(unsigned seeds) {
   return cases;
 }
 
-bool is_finite(const Calibration& calibration) {
-  for (const CalibratedProjector& p : calibration.projectors) {
+bool is_finite(const calibration::Calibration& calibration) {
+  for (const calibration::CalibratedProjector& p : calibration.projectors) {
     for (std::size_t i = 0; i < p.map.directions.size(); ++i) {
       const bool is_none = std::isinf(p.map.sigma_px[i]);  // Says that there is none.
       if (!is_none && (!p.map.directions[i].allFinite() || !std::isfinite(p.map.sigma_px[i]))) return false;
@@ -289,10 +290,10 @@ bool is_finite(const Calibration& calibration) {
 }
 
 /// How far apart two calibrations' maps are, in pixels.
-double apart_px(const Calibration& one, const Calibration& other) {
+double apart_px(const calibration::Calibration& one, const calibration::Calibration& other) {
   double apart = 0.0;
   for (std::size_t p = 0; p < one.projectors.size(); ++p) {
-    std::vector<MapSample> samples;
+    std::vector<solve::MapSample> samples;
     for (int y = 20; y < GeneratedRoom::kHeight_px; y += 90) {
       for (int x = 20; x < GeneratedRoom::kWidth_px; x += 90) {
         const auto d = other.projectors[p].map.direction_at({x + 0.5, y + 0.5});
@@ -300,7 +301,7 @@ double apart_px(const Calibration& one, const Calibration& other) {
           samples.push_back({{x + 0.5, y + 0.5}, *d, 0.1});
       }
     }
-    apart = std::max(apart, map_error_px(one.projectors[p].map, samples).value_or(0.0));
+    apart = std::max(apart, solve::map_error_px(one.projectors[p].map, samples).value_or(0.0));
   }
   return apart;
 }
@@ -310,10 +311,10 @@ Json push(const Extreme& extreme) {
   Json record{{"failures", Json::array()}};
   const auto fail = [&](const std::string& why) { record["failures"].push_back(why); };
   const GeneratedRoom room(extreme.plan);
-  const Measurements measurements = room.measurements();
-  CalibrateOptions options;
+  const solve::Measurements measurements = room.measurements();
+  solve::CalibrateOptions options;
   options.with_wall = false;
-  const auto calibration = calibrate(measurements, "2026-01-01T00-00-00Z", options);
+  const auto calibration = solve::calibrate(measurements, "2026-01-01T00-00-00Z", options);
   if (!calibration) {
     const std::string& why = calibration.error().message();
     record["refused"] = why;
@@ -323,24 +324,24 @@ Json push(const Extreme& extreme) {
   if (!is_finite(*calibration)) fail("a number that is none");
   const RegistrationScore score = score_of(room, *calibration);
   options.plate.start = {0.05, -0.04, 0.01, -0.01};
-  const auto restarted = calibrate(measurements, "2026-01-01T00-00-00Z", options);
+  const auto restarted = solve::calibrate(measurements, "2026-01-01T00-00-00Z", options);
   const double restart_px = restarted ? apart_px(*calibration, *restarted) : 1e9;  // JSON has no infinity.
   record.update({{"mean_px", score.mean_px},
                  {"p95_px", score.p95_px},
                  {"max_px", score.max_px},
                  {"true_p95_px", score.true_p95_px},
                  {"restart_px", restart_px},
-                 {"places", score.places}});
+                 {"places", score.correspondences}});
   if (!(score.p95_px <= extreme.bound_px))
     fail(fmt::format("p95 is {:.3f} px, at most {}", score.p95_px, extreme.bound_px));
   if (!(restart_px <= 0.05)) fail(fmt::format("another start ends {:.3f} px away", restart_px));
   // Noisier measurements of the same room must not replace a better map.
   RoomPlan noisier = extreme.plan;
   noisier.noise_px = 3.0 * extreme.plan.noise_px + 1.0;
-  CalibrateOptions again;
+  solve::CalibrateOptions again;
   again.with_wall = false;
   again.previous = &*calibration;
-  const auto later = calibrate(GeneratedRoom(noisier).measurements(), "2026-01-02T00-00-00Z", again);
+  const auto later = solve::calibrate(GeneratedRoom(noisier).measurements(), "2026-01-02T00-00-00Z", again);
   if (!later) return record;
   const RegistrationScore after = score_of(room, *later);
   record["after_noise_p95_px"] = after.p95_px;

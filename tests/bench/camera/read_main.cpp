@@ -15,7 +15,7 @@ namespace cyclorama {
 namespace {
 
 struct Case {
-  PixelLayout layout;
+  camera::PixelLayout layout;
   int width;
   int height;
 };
@@ -35,21 +35,21 @@ RgbImage room(int width, int height) {
 void measure(const Case& wanted, int pictures, std::string* ret_json) {
   const auto pixels = static_cast<std::size_t>(wanted.width) * static_cast<std::size_t>(wanted.height);
   std::vector<std::byte> bytes(pixels * 2, std::byte{77});
-  if (wanted.layout == PixelLayout::kJpeg) {
+  if (wanted.layout == camera::PixelLayout::kJpeg) {
     JpegEncoder encoder;
     bytes = *encoder.encode(room(wanted.width, wanted.height), {85, true});
   }
-  const std::size_t row = static_cast<std::size_t>(wanted.width) * bytes_per_pixel(wanted.layout);
+  const std::size_t row = static_cast<std::size_t>(wanted.width) * camera::bytes_per_pixel(wanted.layout);
   JpegDecoder jpeg;
   Percentiles ms;
   const SteadyClock clock;
   for (int i = 0; i < pictures; ++i) {
     const TimePoint begun_at = clock.now();
-    GreyImage grey;  // A new one for each, as for each Frame.
-    CHECK(to_grey({wanted.layout, wanted.width, wanted.height, row, bytes}, &jpeg, &grey).has_value());
+    GreyImage grey;  // A new one for each, as for each CameraFrame.
+    CHECK(camera::to_grey({wanted.layout, wanted.width, wanted.height, row, bytes}, &jpeg, &grey).has_value());
     ms.add(to_milliseconds(clock.now() - begun_at));
   }
-  const std::string name = fmt::format("{} {}x{}", name_of(wanted.layout), wanted.width, wanted.height);
+  const std::string name = fmt::format("{} {}x{}", camera::name_of(wanted.layout), wanted.width, wanted.height);
   fmt::print("{:<24} p50 {:7.3f} ms   p99 {:7.3f} ms\n", name, ms.at(0.5), ms.at(0.99));
   *ret_json += fmt::format("{}\"{}\": {{\"p50_ms\": {:.4f}, \"p99_ms\": {:.4f}}}", ret_json->empty() ? "" : ", ", name,
                            ms.at(0.5), ms.at(0.99));
@@ -62,7 +62,8 @@ int main(int argc, char** argv) {
   using namespace cyclorama;
   const bool is_quick = argc > 1 && std::string_view(argv[1]) == "--quick";
   std::string json;
-  for (const PixelLayout layout : {PixelLayout::kGrey8, PixelLayout::kYuyv, PixelLayout::kGrey10, PixelLayout::kJpeg}) {
+  for (const camera::PixelLayout layout : {camera::PixelLayout::kGrey8, camera::PixelLayout::kYuyv,
+                                           camera::PixelLayout::kGrey10, camera::PixelLayout::kJpeg}) {
     for (const auto& [width, height] : {std::pair{640, 480}, std::pair{1280, 720}}) {
       measure({layout, width, height}, is_quick ? 50 : 500, &json);
     }

@@ -94,37 +94,38 @@ RgbImage picture_of(const Panorama& panorama) {
 class Bench {
  public:
   explicit Bench(int panorama_px, double tolerance_px = 0.05) : room_(hall()), panorama_(room_.panorama(panorama_px)) {
-    std::vector<HeadMode> modes;
-    const std::vector<ProjectorMap> maps = projector_maps(room_);
-    const std::vector<MaskImage> masks = make_blend_masks(maps);
+    std::vector<output::HeadMode> modes;
+    const std::vector<warp::ProjectorMap> maps = warp::projector_maps(room_);
+    const std::vector<warp::MaskImage> masks = warp::make_blend_masks(maps);
     for (std::size_t i = 0; i < maps.size(); ++i) {
       modes.push_back({room_.projectors[i].name, 1920, 1080});
-      plans.push_back({must(make_warp(maps[i], panorama_, tolerance_px)), masks[i]});
+      plans.push_back({must(warp::make_warp(maps[i], panorama_, tolerance_px)), masks[i]});
     }
-    output = must(open_headless_output({modes, 1000.0, {}, HeadlessOptions::Renderer::kAny}, clock_));
+    output = must(output::open_headless_output({modes, 1000.0, {}, output::HeadlessOptions::Renderer::kAny}, clock_));
     programs.emplace(gl());
     frame = PaintedHead::frame(JpegEncoder().to_planar(picture_of(panorama_)), panorama_, nullptr);
-    for (const Texels texels : {Texels::kHalves, Texels::kPacked}) {
-      picture_programs_.push_back(std::make_unique<PictureProgram>(must(PictureProgram::make(gl(), texels))));
-      textures_.push_back(std::make_unique<PanoramaTexture>(gl(), *picture_programs_.back()));
+    for (const display::Texels texels : {display::Texels::kHalves, display::Texels::kPacked}) {
+      picture_programs_.push_back(
+          std::make_unique<display::PictureProgram>(must(display::PictureProgram::make(gl(), texels))));
+      textures_.push_back(std::make_unique<display::PanoramaTexture>(gl(), *picture_programs_.back()));
       must(textures_.back()->upload(frame));
     }
   }
   const Gl& gl() const { return output->gl(); }
   const Panorama& panorama() const { return panorama_; }
   const Installation& room() const { return room_; }
-  std::vector<HeadPainter> painters(const std::vector<HeadPlan>& of) {
-    std::vector<HeadPainter> made;
-    for (const HeadPlan& plan : of) {
-      made.push_back(must(HeadPainter::make(gl(), &*programs, plan, texels_for(gl(), of))));
+  std::vector<display::HeadPainter> painters(const std::vector<display::HeadPlan>& of) {
+    std::vector<display::HeadPainter> made;
+    for (const display::HeadPlan& plan : of) {
+      made.push_back(must(display::HeadPainter::make(gl(), &*programs, plan, display::texels_for(gl(), of))));
     }
     return made;
   }
   /// Of the texels that a display with these heads would take.
-  PanoramaTexture& texture_for(const std::vector<HeadPlan>& of) {
-    return *textures_[texels_for(gl(), of) == Texels::kPacked ? 1 : 0];
+  display::PanoramaTexture& texture_for(const std::vector<display::HeadPlan>& of) {
+    return *textures_[display::texels_for(gl(), of) == display::Texels::kPacked ? 1 : 0];
   }
-  void draw(const std::vector<HeadPainter>& painters, const PanoramaTexture& shown) {
+  void draw(const std::vector<display::HeadPainter>& painters, const display::PanoramaTexture& shown) {
     for (std::size_t i = 0; i < painters.size(); ++i) {
       must(output->draw_to(i));
       painters[i].draw({&shown, 0.05});
@@ -132,10 +133,10 @@ class Bench {
     gl().Finish();
   }
   /// The same pixels, said to be of another shape.
-  std::unique_ptr<PanoramaTexture> texture_of(const PictureShape& shape) {
-    const bool is_packed = texels_for(gl(), plans) == Texels::kPacked;
-    auto made = std::make_unique<PanoramaTexture>(gl(), *picture_programs_[is_packed ? 1 : 0]);
-    Frame other = frame;
+  std::unique_ptr<display::PanoramaTexture> texture_of(const PictureShape& shape) {
+    const bool is_packed = display::texels_for(gl(), plans) == display::Texels::kPacked;
+    auto made = std::make_unique<display::PanoramaTexture>(gl(), *picture_programs_[is_packed ? 1 : 0]);
+    display::DisplayFrame other = frame;
     other.shape = with_pixels(shape, panorama_.width_px, panorama_.height_px);
     must(made->upload(other));
     return made;
@@ -147,17 +148,17 @@ class Bench {
     return cpu_s() - start;
   }
 
-  std::vector<HeadPlan> plans;
-  std::unique_ptr<Output> output;
-  std::optional<HeadPrograms> programs;
-  Frame frame;
+  std::vector<display::HeadPlan> plans;
+  std::unique_ptr<output::Output> output;
+  std::optional<display::HeadPrograms> programs;
+  display::DisplayFrame frame;
 
  private:
   SteadyClock clock_;
   Installation room_;
   Panorama panorama_;
-  std::vector<std::unique_ptr<PictureProgram>> picture_programs_;  // For halves, for packed texels.
-  std::vector<std::unique_ptr<PanoramaTexture>> textures_;
+  std::vector<std::unique_ptr<display::PictureProgram>> picture_programs_;  // For halves, for packed texels.
+  std::vector<std::unique_ptr<display::PanoramaTexture>> textures_;
 };
 
 /// What pass 2 is compared with: the same pixels, each a bilinear sample of a picture of 8 bits, and nothing else.
@@ -176,7 +177,7 @@ class Blit {
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, pixels.width(), pixels.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
                   pixels.data().data());
-    program_.emplace(must(GlProgram::link(gl, R"(#version 300 es
+    program_.emplace(must(output::GlProgram::link(gl, R"(#version 300 es
 precision highp float;
 uniform vec2 from;
 out vec2 at;
@@ -186,7 +187,7 @@ void main() {
   gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);
 }
 )",
-                                          R"(#version 300 es
+                                                  R"(#version 300 es
 precision highp float;
 uniform sampler2D picture;
 in vec2 at;
@@ -211,9 +212,9 @@ void main() { colour = texture(picture, at); }
 
  private:
   Bench& bench_;
-  GlTexture texture_;
-  GlVertexArray array_;
-  std::optional<GlProgram> program_;
+  output::GlTexture texture_;
+  output::GlVertexArray array_;
+  std::optional<output::GlProgram> program_;
 };
 
 Json blit(bool quick) {
@@ -221,40 +222,40 @@ Json blit(bool quick) {
   Blit plain(&bench);
   struct Case {
     std::string name;
-    std::vector<HeadPainter> painters;
-    const PanoramaTexture* texture;
+    std::vector<display::HeadPainter> painters;
+    const display::PanoramaTexture* texture;
     std::vector<double> ratios = {};
   };
   std::vector<Case> cases;
   const auto add = [&](std::string name, const auto& change) {
-    std::vector<HeadPlan> plans = bench.plans;
-    for (HeadPlan& plan : plans) change(&plan);
+    std::vector<display::HeadPlan> plans = bench.plans;
+    for (display::HeadPlan& plan : plans) change(&plan);
     cases.push_back({std::move(name), bench.painters(plans), &bench.texture_for(plans)});
   };
-  add("as shown: warp, masks, sRGB, dithering", [](HeadPlan*) {});
-  add("without dithering", [](HeadPlan* plan) { plan->is_dithered = false; });
-  add("without masks (not a picture)", [](HeadPlan* plan) { plan->mask = MaskImage(1920, 1080, 1.0f); });
-  add("masks everywhere", [](HeadPlan* plan) { plan->mask = MaskImage(1920, 1080, 0.99f); });
-  add("with a 3x3 matrix", [](HeadPlan* plan) { plan->colour.matrix = Eigen::Matrix3d::Identity(); });
-  add("with measured responses", [](HeadPlan* plan) {
-    const ResponseCurve curve = ResponseCurve::power(2.2, 256);
+  add("as shown: warp, masks, sRGB, dithering", [](display::HeadPlan*) {});
+  add("without dithering", [](display::HeadPlan* plan) { plan->is_dithered = false; });
+  add("without masks (not a picture)", [](display::HeadPlan* plan) { plan->mask = warp::MaskImage(1920, 1080, 1.0f); });
+  add("masks everywhere", [](display::HeadPlan* plan) { plan->mask = warp::MaskImage(1920, 1080, 0.99f); });
+  add("with a 3x3 matrix", [](display::HeadPlan* plan) { plan->colour.matrix = Eigen::Matrix3d::Identity(); });
+  add("with measured responses", [](display::HeadPlan* plan) {
+    const warp::ResponseCurve curve = warp::ResponseCurve::power(2.2, 256);
     plan->colour.response = std::array{curve, curve, curve};
   });
-  add("with everything", [](HeadPlan* plan) {
-    const ResponseCurve curve = ResponseCurve::power(2.2, 256);
+  add("with everything", [](display::HeadPlan* plan) {
+    const warp::ResponseCurve curve = warp::ResponseCurve::power(2.2, 256);
     plan->colour.response = std::array{curve, curve, curve};
     plan->colour.matrix = Eigen::Matrix3d::Identity();
     plan->colour.black = {0.01, 0.01, 0.01};
-    plan->colour.lift = LiftImage(1920, 1080, 0.5f);
+    plan->colour.black_lift = warp::BlackLiftImage(1920, 1080, 0.5f);
   });
   // The hall's warps, as if they told places in these pictures: each pixel costs what it costs on such a wall.
   const PictureShape flat = Perspective{1, 1, -1.1, 1.1, 0.7, -0.7, 0.1};
   const PictureShape dome = Fisheye{1, 1, 2.4, 0.6};
   const auto flat_texture = bench.texture_of(flat);
   const auto dome_texture = bench.texture_of(dome);
-  add("on a flat wall, turned", [&](HeadPlan* plan) { plan->picture = flat; });
+  add("on a flat wall, turned", [&](display::HeadPlan* plan) { plan->picture = flat; });
   cases.back().texture = flat_texture.get();
-  add("on a dome, turned", [&](HeadPlan* plan) { plan->picture = dome; });
+  add("on a dome, turned", [&](display::HeadPlan* plan) { plan->picture = dome; });
   cases.back().texture = dome_texture.get();
   plain.draw();
   for (Case& c : cases) bench.draw(c.painters, *c.texture);
@@ -286,12 +287,12 @@ Json blit(bool quick) {
   return figures;
 }
 
-std::string description(const HeadPlan& plan, const Panorama& panorama) {
-  const auto* mesh = std::get_if<WarpMesh>(&plan.warp);
+std::string description(const display::HeadPlan& plan, const Panorama& panorama) {
+  const auto* mesh = std::get_if<warp::WarpMesh>(&plan.warp);
   return fmt::format("{} x {}, {}, panorama of {} x {} over {:.2f} rad{}{}{}{}", width_px(plan.warp),
                      height_px(plan.warp), mesh ? fmt::format("mesh {} x {}", mesh->cells_x, mesh->cells_y) : "map",
                      panorama.width_px, panorama.height_px, panorama.azimuth_span_rad,
-                     plan.colour.matrix ? ", matrix" : "", plan.colour.lift ? ", lift" : "",
+                     plan.colour.matrix ? ", matrix" : "", plan.colour.black_lift ? ", lift" : "",
                      plan.colour.response ? ", response" : "", plan.is_dithered ? ", dithered" : "");
 }
 
@@ -306,12 +307,12 @@ Json exact(bool quick) {
     const Panorama panorama{n % 10 == 0 ? 8192 : heads.pixels(16, 400), heads.pixels(16, 120),
                             n % 4 == 0 ? 2.0 * std::numbers::pi : heads.between(0.5, 6.0), 0.5, -0.5};
     const double span = panorama.azimuth_span_rad;
-    const HeadPlan plan{
-        n % 3 == 2 ? Warp(heads.map(width, height, span)) : Warp(heads.mesh(width, height, span, n % 5 == 0)),
-        heads.mask(width, height), heads.colour(width, height), 8, n % 2 == 1};
+    const display::HeadPlan plan{n % 3 == 2 ? warp::Warp(heads.map(width, height, span))
+                                            : warp::Warp(heads.mesh(width, height, span, n % 5 == 0)),
+                                 heads.mask(width, height), heads.colour(width, height), 8, n % 2 == 1};
     const PlanarPicture picture = heads.noise(panorama.width_px, panorama.height_px, heads.one_in(2));
     const double shift = heads.between(-1.0, 1.0);
-    const RgbImage image = PaintedHead(HeadlessOptions::Renderer::kAny).drawn(plan, picture, panorama, shift);
+    const RgbImage image = PaintedHead(output::HeadlessOptions::Renderer::kAny).drawn(plan, picture, panorama, shift);
     const double difference = worst_difference(image, plan, ExactPicture(picture, panorama, shift), 0.02, 1.0 / 2048.0);
     if (difference > 1.0) fmt::print("head {}: {:.3f}, {}\n", n, difference, description(plan, panorama));
     worst_codes = std::max(worst_codes, difference);
@@ -324,12 +325,13 @@ Json exact(bool quick) {
     const PictureShape shape = heads.other_shape(heads.pixels(16, 400), heads.pixels(16, 400));
     const bool mapped = n % 2 == 0;
     const double span = mapped && std::holds_alternative<Fisheye>(shape) ? 4.5 : 1.2;
-    HeadPlan plan{mapped ? Warp(heads.map(width, height, span)) : Warp(heads.mesh(width, height, span, n % 3 == 0)),
-                  heads.mask(width, height), HeadColour{}, 8, n % 4 < 2};
+    display::HeadPlan plan{
+        mapped ? warp::Warp(heads.map(width, height, span)) : warp::Warp(heads.mesh(width, height, span, n % 3 == 0)),
+        heads.mask(width, height), warp::HeadColour{}, 8, n % 4 < 2};
     plan.picture = shape;
     const PlanarPicture picture = heads.noise(width_px(shape), height_px(shape), heads.one_in(2));
     const double turn = n % 5 == 0 ? 0.0 : heads.between(-0.3, 0.3);
-    const RgbImage image = PaintedHead(HeadlessOptions::Renderer::kAny).drawn(plan, picture, shape, turn);
+    const RgbImage image = PaintedHead(output::HeadlessOptions::Renderer::kAny).drawn(plan, picture, shape, turn);
     worst_turned =
         std::max(worst_turned, worst_difference(image, plan, ExactPicture(picture, shape, turn), 0.02, 1.0 / 2048.0));
   }
@@ -342,21 +344,21 @@ Json exact(bool quick) {
     for (int y = 0; y < 64; ++y) {
       for (int x = 0; x < width; ++x) *bars.luma().at(x, y) = x % 2 == 0 ? 255 : 188;  // Half the light.
     }
-    const WarpMesh mesh = heads.mesh(160, 90, 0.05);
-    const HeadPlan plan{mesh, MaskImage(160, 90, 1.0f), {}, 8, false};
-    const RgbImage image = PaintedHead(HeadlessOptions::Renderer::kAny).drawn(plan, bars, panorama, 0.1);
+    const warp::WarpMesh mesh = heads.mesh(160, 90, 0.05);
+    const display::HeadPlan plan{mesh, warp::MaskImage(160, 90, 1.0f), {}, 8, false};
+    const RgbImage image = PaintedHead(output::HeadlessOptions::Renderer::kAny).drawn(plan, bars, panorama, 0.1);
     const ExactPicture reference(bars, panorama, 0.1);
     for (int y = 0; y < 90; ++y) {
       for (int x = 0; x < 160; ++x) {
         if (is_on_the_rim(plan.warp, x, y)) continue;
         // The least move of the place that explains the code value, to its rounding.
         for (double off = 0.0; off <= 0.2; off += 0.001) {
-          const double least =
+          const double min =
               255.0 * std::min(reference.code_at(plan, x, y, -off)[1], reference.code_at(plan, x, y, off)[1]);
-          const double most =
+          const double max =
               255.0 * std::max(reference.code_at(plan, x, y, -off)[1], reference.code_at(plan, x, y, off)[1]);
           const double here = 255.0 * reference.code_at(plan, x, y)[1];
-          if (image.at(x, y)[1] < std::min(least, here) - 0.57 || image.at(x, y)[1] > std::max(most, here) + 0.57)
+          if (image.at(x, y)[1] < std::min(min, here) - 0.57 || image.at(x, y)[1] > std::max(max, here) + 0.57)
             continue;
           worst_px = std::max(worst_px, off);
           break;
@@ -367,11 +369,11 @@ Json exact(bool quick) {
   // The hall as it is shown, pixel for pixel, nothing forgiven.
   Bench bench(4096);
   const ExactPicture reference(*bench.frame.picture, bench.panorama(), 0.05);
-  for (const HeadPlan& shown : bench.plans) {
-    HeadPlan plan = shown;
+  for (const display::HeadPlan& shown : bench.plans) {
+    display::HeadPlan plan = shown;
     plan.is_dithered = false;
     const RgbImage image =
-        PaintedHead(HeadlessOptions::Renderer::kAny).drawn(plan, *bench.frame.picture, bench.panorama(), 0.05);
+        PaintedHead(output::HeadlessOptions::Renderer::kAny).drawn(plan, *bench.frame.picture, bench.panorama(), 0.05);
     worst_exact = std::max(worst_exact, worst_difference(image, plan, reference, 0.0));
   }
   fmt::print("{} random heads: {:.3f} code values within 0.02 px\n", count, worst_codes);
@@ -390,9 +392,9 @@ Json trade(bool quick) {
   fmt::print(
       "Warp against error and time: a full HD head, a panorama of 4096 px\n"
       "  model      tolerance px cells       error px    cpu ms     blits\n");
-  const auto time_of = [&](Bench* bench, const std::vector<HeadPlan>& plans) {
-    const std::vector<HeadPainter> painters = bench->painters(plans);
-    const PanoramaTexture& texture = bench->texture_for(plans);
+  const auto time_of = [&](Bench* bench, const std::vector<display::HeadPlan>& plans) {
+    const std::vector<display::HeadPainter> painters = bench->painters(plans);
+    const display::PanoramaTexture& texture = bench->texture_for(plans);
     bench->draw(painters, texture);
     std::vector<double> times;
     for (int turn = 0; turn < turns; ++turn)
@@ -400,15 +402,15 @@ Json trade(bool quick) {
     return 1e3 * middle(times);
   };
   Bench bench(4096);
-  const std::vector<ProjectorMap> maps = projector_maps(bench.room());
+  const std::vector<warp::ProjectorMap> maps = warp::projector_maps(bench.room());
   const auto with_warps = [&](const auto& warp_of) {
-    std::vector<HeadPlan> plans = bench.plans;
+    std::vector<display::HeadPlan> plans = bench.plans;
     for (std::size_t i = 0; i < plans.size(); ++i) plans[i].warp = warp_of(i);
     return plans;
   };
   Blit plain(&bench);
   const auto tell = [&](const char* kind, double tolerance, int across, int down, double error_px,
-                        const std::vector<HeadPlan>& plans) {
+                        const std::vector<display::HeadPlan>& plans) {
     const double ms = time_of(&bench, plans);
     plain.draw();
     const double blit_ms = 1e3 * Bench::timed([&] { plain.draw(); }) / 3.0;
@@ -422,32 +424,33 @@ Json trade(bool quick) {
                                {"blits", ms / blit_ms}});
   };
   for (const double tolerance : {2.0, 0.5, 0.2, 0.05, 0.02, 0.005}) {
-    if (make_warp_patches(maps[0], bench.panorama(), tolerance)) {
-      const auto plans = with_warps(
-          [&](std::size_t i) { return Warp(must(make_warp_patches(maps[i], bench.panorama(), tolerance))); });
-      const auto& warp = std::get<WarpPatches>(plans[0].warp);
+    if (warp::make_warp_patches(maps[0], bench.panorama(), tolerance)) {
+      const auto plans = with_warps([&](std::size_t i) {
+        return warp::Warp(must(warp::make_warp_patches(maps[i], bench.panorama(), tolerance)));
+      });
+      const auto& warp = std::get<warp::WarpPatches>(plans[0].warp);
       tell("patches", tolerance, warp.across(), warp.down(), warp.worst_error_px, plans);
     }
-    const auto plans =
-        with_warps([&](std::size_t i) { return Warp(must(make_warp_mesh(maps[i], bench.panorama(), tolerance))); });
-    const auto& mesh = std::get<WarpMesh>(plans[0].warp);
+    const auto plans = with_warps(
+        [&](std::size_t i) { return warp::Warp(must(warp::make_warp_mesh(maps[i], bench.panorama(), tolerance))); });
+    const auto& mesh = std::get<warp::WarpMesh>(plans[0].warp);
     tell("triangles", tolerance, mesh.cells_x, mesh.cells_y, mesh.worst_error_px, plans);
   }
   tell("map", 0.0, 1920, 1080, 0.0,
-       with_warps([&](std::size_t i) { return Warp(make_pixel_map(maps[i], bench.panorama())); }));
+       with_warps([&](std::size_t i) { return warp::Warp(warp::make_pixel_map(maps[i], bench.panorama())); }));
   for (const int cell : {32, 16, 8, 6, 4}) {
     const auto plans = with_warps([&](std::size_t i) {
-      WarpMesh mesh{1920, 1080, 1920 / cell, 1080 / cell, {}, 0.0};
+      warp::WarpMesh mesh{1920, 1080, 1920 / cell, 1080 / cell, {}, 0.0};
       for (int row = 0; row <= mesh.cells_y; ++row) {
         for (int column = 0; column <= mesh.cells_x; ++column) {
           const Eigen::Vector2d pixel(1920.0 * column / mesh.cells_x, 1080.0 * row / mesh.cells_y);
-          const auto direction = maps[i].direction_of(pixel).value_or(PanoramaDirection{});
+          const auto direction = maps[i].direction_of(pixel).value_or(warp::PanoramaDirection{});
           mesh.vertices.push_back({static_cast<float>(pixel.x()), static_cast<float>(pixel.y()),
                                    static_cast<float>(direction.azimuth_rad),
                                    static_cast<float>(direction.tan_elevation)});
         }
       }
-      return Warp(mesh);
+      return warp::Warp(mesh);
     });
     const double ms = time_of(&bench, plans);
     fmt::print("  cells of {:>2} px: {:.1f} ms\n", cell, ms);
@@ -457,7 +460,7 @@ Json trade(bool quick) {
       "Response tables: the nearest of so many steps against the curve, in code values of 8 bits\n  steps    sRGB   "
       "gamma 2.2   gamma 2.6\n");
   for (const std::size_t steps : {64U, 256U, 1024U, 4096U, 16384U}) {
-    const auto error_of = [&](const ResponseCurve& table, const ResponseCurve& curve) {
+    const auto error_of = [&](const warp::ResponseCurve& table, const warp::ResponseCurve& curve) {
       double worst = 0.0;
       for (int i = 0; i <= 200000; ++i) {
         const double root = i / 200000.0;
@@ -468,9 +471,9 @@ Json trade(bool quick) {
       return worst;
     };
     constexpr std::size_t kFine = 1 << 20;
-    const std::array errors{error_of(ResponseCurve::srgb(steps), ResponseCurve::srgb(kFine)),
-                            error_of(ResponseCurve::power(2.2, steps), ResponseCurve::power(2.2, kFine)),
-                            error_of(ResponseCurve::power(2.6, steps), ResponseCurve::power(2.6, kFine))};
+    const std::array errors{error_of(warp::ResponseCurve::srgb(steps), warp::ResponseCurve::srgb(kFine)),
+                            error_of(warp::ResponseCurve::power(2.2, steps), warp::ResponseCurve::power(2.2, kFine)),
+                            error_of(warp::ResponseCurve::power(2.6, steps), warp::ResponseCurve::power(2.6, kFine))};
     fmt::print("  {:<6}{:>8.3f}{:>10.3f}{:>12.3f}\n", steps, errors[0], errors[1], errors[2]);
     figures["response"].push_back(
         {{"steps", steps}, {"srgb", errors[0]}, {"gamma_2.2", errors[1]}, {"gamma_2.6", errors[2]}});
@@ -482,9 +485,9 @@ Json trade(bool quick) {
     std::vector<std::pair<PixelRect, std::vector<std::byte>>> tiles;
     for (int y = 0; y < picture.height(); y += 256) {
       for (int x = 0; x < picture.width(); x += 256) {
-        const PixelRect place{x, y, std::min(256, picture.width() - x), std::min(256, picture.height() - y)};
-        tiles.emplace_back(place, must(JpegEncoder().encode(picture.at(x, y), place.width, place.height,
-                                                            picture.row_values(), {85, half})));
+        const PixelRect position{x, y, std::min(256, picture.width() - x), std::min(256, picture.height() - y)};
+        tiles.emplace_back(position, must(JpegEncoder().encode(picture.at(x, y), position.width, position.height,
+                                                               picture.row_values(), {85, half})));
       }
     }
     for (const int threads : {1, 2, 4}) {
@@ -524,15 +527,15 @@ Json decode(const std::string& file, double seconds) {
   JpegDecoder decoder;
   const JpegHeader header = must(decoder.header_of(jpeg));
   PlanarPicture planes(header.size.width, header.size.height, header.has_half_chroma.value_or(false));
-  const PixelRect place{0, 0, header.size.width, header.size.height};
-  must(decoder.decode_into(jpeg, &planes, place));
+  const PixelRect position{0, 0, header.size.width, header.size.height};
+  must(decoder.decode_into(jpeg, &planes, position));
   const double start = cpu_s();
   int count = 0;
   while (cpu_s() - start < seconds) {
-    must(decoder.decode_into(jpeg, &planes, place));
+    must(decoder.decode_into(jpeg, &planes, position));
     ++count;
   }
-  return {{"megapixels_per_s", 1e-6 * count * static_cast<double>(place.area()) / (cpu_s() - start)}};
+  return {{"megapixels_per_s", 1e-6 * count * static_cast<double>(position.area()) / (cpu_s() - start)}};
 }
 
 /// Tiles as nodes send them, for decode() and for others.

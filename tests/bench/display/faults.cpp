@@ -16,7 +16,7 @@ namespace cyclorama {
 namespace {
 
 constexpr std::size_t kHeads = 4;  // Three on the card that draws, one on another.
-constexpr int kMostRefreshes = 30;
+constexpr int kMaxRefreshes = 30;
 
 struct Way {
   int error;
@@ -43,7 +43,7 @@ class Show {
   Seen refresh() {
     ++colour_;
     if (output_ == nullptr) {
-      auto opened = open_drm_output(options_, clock_);
+      auto opened = output::open_drm_output(options_, clock_);
       if (opened) output_ = *std::move(opened);
     }
     if (output_ == nullptr) {
@@ -95,8 +95,8 @@ class Show {
 
   ManualClock clock_;
   FakeMachine machine_;
-  DrmOptions options_;
-  std::unique_ptr<Output> output_;
+  output::DrmOptions options_;
+  std::unique_ptr<output::Output> output_;
   int colour_ = 0;
   int losses_ = 0;
 };
@@ -147,7 +147,7 @@ Outcome run(const std::string& call, int error, bool is_start) {
   const int losses = show.losses();
   Outcome outcome;
   int since = -1;
-  for (int step = 0; step < 20 + kMostRefreshes; ++step) {
+  for (int step = 0; step < 20 + kMaxRefreshes; ++step) {
     if (is_taken_first && step == 1) show.machine().set_master_taken(0, false);
     if (!is_start && !outcome.was_met) provoke(&show.machine(), step);
     const Seen seen = show.refresh();
@@ -175,7 +175,7 @@ Outcome run(const std::string& call, int error, bool is_start) {
     break;
   }
   outcome.was_made_anew = show.losses() > losses;
-  outcome.is_well = outcome.is_well && outcome.refreshes <= kMostRefreshes;
+  outcome.is_well = outcome.is_well && outcome.refreshes <= kMaxRefreshes;
   return outcome;
 }
 

@@ -130,7 +130,7 @@ def main():
         print(f"{n:<9}{display['skew-ms']:>10.1f} ms{display['drift-ppm']:>6} ppm{display['refresh-hz']:>7.2f} Hz"
               f"{log.gauges['clock_skew_ms']:>10.2f} ± {log.gauges['clock_error_ms']:.2f}"
               f"{sum(row[3] > 0 for row in log.rows):>13}{sum(row[4] > 0 for row in log.rows):>15}"
-              f"{log.gauges['in_step_percent']:>10.3f} %")
+              f"{log.gauges['synchronised_percent']:>10.3f} %")
     print(f"the tour reports: {printed[-1]}")
     for name, gauge in (("frame_lead_ms", "frame_lead_ms"), ("heading_lead_ms", "heading_lead_ms")):
         figures[name] = round(float(gauges[gauge]), 1)

@@ -34,7 +34,7 @@ def walk(build, folder, scene, nodes, frames, options=()):
     views = pathlib.Path(folder) / "walk"
     views.write_text("\n".join(str(number) for number in range(1, frames + 1)) + "\n")
     shares = []
-    with Farm(build, folder, nodes=nodes, scene=scene, head_options=options) as farm:
+    with Farm(build, folder, nodes=nodes, scene=scene, coordinator_options=options) as farm:
         farm.ready()
         if ProcessorShare.is_possible():
             for node in farm.nodes:

@@ -29,7 +29,7 @@ class Farm:
         self.programs, self.scene, self.out = programs, scene, out
         self.museums, self.nodes = f"[::1]:{free_port()}", f"[::1]:{free_port()}"
         self.processes = []
-        self.head = self.start("cyclorama-farm", "--scene-on-head", f"grotto={scene}", "--museums", self.museums, "--nodes", self.nodes)
+        self.coordinator = self.start("cyclorama-farm", "--scene-on-coordinator", f"grotto={scene}", "--museums", self.museums, "--nodes", self.nodes)
         self.wait_for(lambda: "files of" in self.log("cyclorama-farm"))  # The coordinator has read the scene.
 
     def start(self, name, *options):
@@ -39,7 +39,7 @@ class Farm:
         return process
 
     def node(self, cache):
-        return self.start("cyclorama-node", "--head", self.nodes, "--cache", cache)
+        return self.start("cyclorama-node", "--coordinator", self.nodes, "--cache", cache)
 
     def log(self, name):
         return (self.out / f"{name}.log").read_text()

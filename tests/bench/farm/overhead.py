@@ -32,36 +32,36 @@ def settle(process, core, nice=0):
 
 def main(build, frames):
     cores = sorted(os.sched_getaffinity(0))
-    heads_core, others_core = cores[0], cores[-1]
+    coordinator_core, others_core = cores[0], cores[-1]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         (folder / "triangle.obj").write_text(TRIANGLE)
         (folder / "views").write_text("".join(f"{n}\n" for n in range(1, int(frames) + 1)))
         inspect = f"unix:{folder}/inspect.sock"
-        with Farm(build, folder, nodes=2, scene=folder / "triangle.obj", head_options=("--inspect", inspect)) as farm:
+        with Farm(build, folder, nodes=2, scene=folder / "triangle.obj", coordinator_options=("--inspect", inspect)) as farm:
             farm.ready()
-            settle(farm.heads[0].process, heads_core)
+            settle(farm.coordinators[0].process, coordinator_core)
             for node in farm.nodes:
                 settle(node.process, others_core, RAYS_GIVE_WAY)
-            used_before = farm.heads[0].process.cpu_seconds()
+            used_before = farm.coordinators[0].process.cpu_seconds()
             museum = farm.add_museum("bench", "--views", folder / "views", "--blind", size=SIZE)
             settle(museum.process, others_core)
             assert museum.process.popen.wait(600) == 0, "the museum did not get its frames"
-            head_ms = 1e3 * (farm.heads[0].process.cpu_seconds() - used_before)
+            coordinator_ms = 1e3 * (farm.coordinators[0].process.cpu_seconds() - used_before)
             museum.reader.join()
             tiles = sum(frame["tiles"] for frame in museum.whole_frames())
             command = [f"{build}/bin/cyclorama-farm", "top", "--inspect", inspect, "--json"]
             stages = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)["stages"]
     print(f"1920x1080, one triangle, 1 sample per pixel, {frames} frames one after the other, 2 nodes of 1 thread each")
-    print(f"the coordinator on core {heads_core}; nodes and museum on core {others_core}")
+    print(f"the coordinator on core {coordinator_core}; nodes and museum on core {others_core}")
     print(f"  {'step of a frame':<18}{'p50 ms':>9}{'p95 ms':>9}{'p99 ms':>9}{'count':>9}")
     for stage in STAGES:
         row = stages[stage]
         print(f"  {stage:<18}{row['p50_ms']:>9.2f}{row['p95_ms']:>9.2f}{row['p99_ms']:>9.2f}{row['count']:>9}")
-    print(f"the coordinator's cpu time: {head_ms / int(frames):.2f} ms per frame, {head_ms / tiles:.3f} ms per tile")
+    print(f"the coordinator's cpu time: {coordinator_ms / int(frames):.2f} ms per frame, {coordinator_ms / tiles:.3f} ms per tile")
     print(json.dumps({"benchmark": "farm-overhead", "frames": int(frames), "plan_ms_p99": stages["plan"]["p99_ms"],
                       "fan_out_ms_p99": stages["fan_out"]["p99_ms"], "relay_ms_p99": stages["relay"]["p99_ms"],
-                      "total_ms_p99": stages["overhead"]["p99_ms"], "head_cpu_ms_per_tile": round(head_ms / tiles, 4)}))
+                      "total_ms_p99": stages["overhead"]["p99_ms"], "coordinator_cpu_ms_per_tile": round(coordinator_ms / tiles, 4)}))
 
 
 if __name__ == "__main__":

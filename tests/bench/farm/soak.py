@@ -52,7 +52,7 @@ class Guests:
 
 def run(farm, minutes):
     farm.ready()
-    stays = {"head": farm.heads[0].process} | {node.name: node.process for node in farm.nodes}
+    stays = {"coordinator": farm.coordinators[0].process} | {node.name: node.process for node in farm.nodes}
     museum = farm.add_museum("museum", *GOVERNED, "--walk-s", 6, "--rest-s", 4)
     wait_until(museum.whole_frames, 60, "the first picture")
     guests, began, looks = Guests(farm, random.Random(1)), now(), {name: [] for name in stays}

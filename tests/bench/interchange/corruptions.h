@@ -66,7 +66,7 @@ inline std::vector<Corrupted> corrupted_png(const std::string& png, GeneratedWar
 class Repacked {
  public:
   explicit Repacked(const std::string& archive) {
-    auto zip = ZipReader::open(std::as_bytes(std::span(archive)), std::size_t{1} << 30);
+    auto zip = interchange::ZipReader::open(std::as_bytes(std::span(archive)), std::size_t{1} << 30);
     CHECK(zip.has_value());
     for (const std::string& name : zip->names()) {
       auto bytes = zip->read(name);
@@ -78,13 +78,13 @@ class Repacked {
     return {reinterpret_cast<const char*>(members_[member].bytes.data()), members_[member].bytes.size()};
   }
   [[nodiscard]] std::string with(std::size_t member, const std::string& text) const {
-    std::vector<ZipMember> members = members_;
+    std::vector<interchange::ZipMember> members = members_;
     const auto* const begin = reinterpret_cast<const std::byte*>(text.data());
     members[member].bytes.assign(begin, begin + text.size());
     return packed(members);
   }
   [[nodiscard]] std::string renamed(std::size_t member, const std::string& name) const {
-    std::vector<ZipMember> members = members_;
+    std::vector<interchange::ZipMember> members = members_;
     members[member].name = name;
     return packed(members);
   }
@@ -96,12 +96,12 @@ class Repacked {
   }
 
  private:
-  static std::string packed(const std::vector<ZipMember>& members) {
-    const auto zip = write_zip(members);
+  static std::string packed(const std::vector<interchange::ZipMember>& members) {
+    const auto zip = interchange::write_zip(members);
     CHECK(zip.has_value());
     return {reinterpret_cast<const char*>(zip->data()), zip->size()};
   }
-  std::vector<ZipMember> members_;
+  std::vector<interchange::ZipMember> members_;
 };
 
 inline std::vector<Corrupted> corrupted_mpcdi(const std::string& archive, GeneratedWarps* made) {

@@ -111,9 +111,9 @@ void print(const std::string& name, const Figures& f) {
 /// One tracker among those that see the same pictures.
 struct Runner {
   int every = 1;  ///< Of how many pictures it sees one.
-  BodyTracker tracker;
+  tracker::BodyTracker tracker;
   Figures figures{};
-  std::optional<BodyPose> last{};
+  std::optional<tracker::BodyPose> last{};
 
   void see(const GreyImage& picture, const Pinhole& lens, double t, const RenderedVisitor& truth) {
     const double begin = thread_cpu_seconds();
@@ -139,7 +139,7 @@ struct Runner {
 std::vector<std::unique_ptr<Runner>> runners(const std::vector<std::pair<int, int>>& cells_and_every) {
   std::vector<std::unique_ptr<Runner>> all;
   for (const auto& [cells, every] : cells_and_every)
-    all.push_back(std::make_unique<Runner>(Runner{every, BodyTracker({}, {.cells_across = cells})}));
+    all.push_back(std::make_unique<Runner>(Runner{every, tracker::BodyTracker({}, {.cells_across = cells})}));
   return all;
 }
 
@@ -225,21 +225,22 @@ nlohmann::json curve(bool quick, int only_width) {
 }
 
 /// What comes of a recording: how often somebody is followed, for how long, and how far poses jump.
-nlohmann::json recording(const std::string& path, double field_of_view_deg, double stand_m, const std::string& out) {
-  auto camera = make_camera("file:" + path + "?loop=no&frames_per_second=10", SteadyClock());
+nlohmann::json recording(const std::string& path, double field_of_view_deg, double mark_distance_m,
+                         const std::string& out) {
+  auto camera = devices::make_camera("file:" + path + "?loop=no&frames_per_second=10", SteadyClock());
   if (!camera || !(*camera)->start()) {
     std::fprintf(stderr, "cannot read %s\n", path.c_str());
     return nullptr;
   }
-  BodySettings settings;
-  settings.stand_m = stand_m;
-  settings.reach_m = 0.45 * stand_m;
-  settings.begin_within_m = 0.4 * stand_m;
-  BodyTracker tracker(settings);
+  tracker::BodySettings settings;
+  settings.mark_distance_m = mark_distance_m;
+  settings.follow_radius_m = 0.45 * mark_distance_m;
+  settings.begin_within_m = 0.4 * mark_distance_m;
+  tracker::BodyTracker tracker(settings);
   const SteadyClock clock;
   int pictures = 0, found = 0, visits = 0;
   double jump_m = 0.0;
-  std::optional<BodyPose> last;
+  std::optional<tracker::BodyPose> last;
   while (true) {
     const auto frame = (*camera)->next_frame(clock.now() + std::chrono::seconds(2));
     if (!frame) break;
@@ -268,13 +269,13 @@ int main(int argc, char** argv) {
   std::string json, video, out;
   bool quick = false;
   int width = 0;
-  double field_of_view_deg = 50.0, stand_m = 10.0;
+  double field_of_view_deg = 50.0, mark_distance_m = 10.0;
   app.add_flag("--quick", quick);
   app.add_option("--width", width, "only the curve, at this width of the picture")->check(CLI::Range(80, 1920));
   app.add_option("--json", json);
   app.add_option("--recording", video);
   app.add_option("--field-of-view-deg", field_of_view_deg);
-  app.add_option("--stand-m", stand_m);
+  app.add_option("--stand-m", mark_distance_m);
   app.add_option("--pictures", out, "every 20th picture of the recording, drawn, goes to this folder");
   CLI11_PARSE(app, argc, argv);
   nlohmann::json figures;
@@ -282,7 +283,7 @@ int main(int argc, char** argv) {
     if (width == 0) figures["accuracy"] = cyclorama::accuracy(quick);
     figures["points"] = cyclorama::curve(quick, width);
   } else {
-    figures["recording"] = cyclorama::recording(video, field_of_view_deg, stand_m, out);
+    figures["recording"] = cyclorama::recording(video, field_of_view_deg, mark_distance_m, out);
   }
   if (json.empty()) {
     std::printf("%s\n", figures.dump().c_str());

@@ -32,8 +32,8 @@ constexpr int kRounds = 3;
 constexpr float kTanHalf = 0.7673270f;  ///< A field of view 75 degrees wide.
 
 struct Ray {
-  Vec3 origin;
-  Vec3 direction;
+  render::Vec3 origin;
+  render::Vec3 direction;
   float far;
 };
 
@@ -41,7 +41,7 @@ struct Ray {
 struct Group {
   enum class Kind { kCamera, kShadow, kBounce } kind;
   std::vector<Ray> rays;
-  std::vector<Vec3> throughputs;  ///< Throughputs of the rays that paths follow, used while recording.
+  std::vector<render::Vec3> throughputs;  ///< Throughputs of the rays that paths follow, used while recording.
 };
 
 /// Numerical Recipes' generator; the measurement does not depend on its quality.
@@ -110,7 +110,7 @@ class Calls {
 #endif
 };
 
-RTCRayHit nearest(const TraceScene& scene, const Ray& ray) {
+RTCRayHit nearest(const render::TraceScene& scene, const Ray& ray) {
   RTCRayHit query{};
   query.ray = as_embree(ray);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -119,12 +119,12 @@ RTCRayHit nearest(const TraceScene& scene, const Ray& ray) {
   return query;
 }
 
-Vec3 cosine_around(const Vec3& n, Random& random) {
+render::Vec3 cosine_around(const render::Vec3& n, Random& random) {
   const float sign = n.z() >= 0.0f ? 1.0f : -1.0f;
   const float a = -1.0f / (sign + n.z());
   const float b = n.x() * n.y() * a;
-  const Vec3 t{1.0f + sign * n.x() * n.x() * a, sign * b, -sign * n.x()};
-  const Vec3 s{b, sign + n.y() * n.y() * a, -n.y()};
+  const render::Vec3 t{1.0f + sign * n.x() * n.x() * a, sign * b, -sign * n.x()};
+  const render::Vec3 s{b, sign + n.y() * n.y() * a, -n.y()};
   const float angle = 2.0f * std::numbers::pi_v<float> * random();
   const float r2 = random();
   const float r = std::sqrt(r2);
@@ -132,23 +132,23 @@ Vec3 cosine_around(const Vec3& n, Random& random) {
 }
 
 /// Generates the rays that follow from the hits of `stage`, as the renderer does at a matte surface.
-void follow(const TraceScene& scene, const Group& stage, Random& random, Group* ret_shadow, Group* ret_bounce) {
+void follow(const render::TraceScene& scene, const Group& stage, Random& random, Group* ret_shadow, Group* ret_bounce) {
   for (std::size_t i = 0; i < stage.rays.size(); ++i) {
     const Ray& ray = stage.rays[i];
     const RTCRayHit query = nearest(scene, ray);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
     const bool is_lamp = query.hit.instID[0] == RTC_INVALID_GEOMETRY_ID && scene.lamps.holds(query.hit.geomID);
     if (is_lamp) continue;  // Lamps end paths.
-    const SurfacePoint point = surface_at(triangle_at(scene, query.hit), ray.direction);
-    const Vec3 start = start_off_surface(point, point.facing);
+    const render::SurfacePoint point = render::surface_at(render::triangle_at(scene, query.hit), ray.direction);
+    const render::Vec3 start = render::start_off_surface(point, point.facing);
     const float choice = random();
-    const Vec2 place{random(), random()};
-    LightSample aim;
+    const render::Vec2 place{random(), random()};
+    render::LightSample aim;
     if (scene.lights.sample(start, point.facing, choice, place, &aim) && point.facing.dot(aim.direction) > 0.0f)
       ret_shadow->rays.push_back({start, aim.direction, aim.distance});
-    const Vec3 direction = cosine_around(point.facing, random);
-    const Vec3 throughput = stage.throughputs[i].cwiseProduct(point.colour);
-    const float chance = std::min(1.0f, kRouletteChance * throughput.maxCoeff());
+    const render::Vec3 direction = cosine_around(point.facing, random);
+    const render::Vec3 throughput = stage.throughputs[i].cwiseProduct(point.colour);
+    const float chance = std::min(1.0f, render::kRouletteChance * throughput.maxCoeff());
     if (!(random() < chance)) continue;
     ret_bounce->rays.push_back({start, direction, std::numeric_limits<float>::infinity()});
     ret_bounce->throughputs.push_back(throughput / chance);
@@ -163,7 +163,7 @@ struct Order {
   int bounces = 2;
 };
 
-std::vector<Group> record(const TraceScene& scene, const Vec3& eye, const Order& order) {
+std::vector<Group> record(const render::TraceScene& scene, const render::Vec3& eye, const Order& order) {
   std::vector<Group> groups;
   Random random;
   for (int cell = 0;; ++cell) {
@@ -178,8 +178,8 @@ std::vector<Group> record(const TraceScene& scene, const Vec3& eye, const Order&
           const float u = 2.0f * (static_cast<float>(x) + random()) / static_cast<float>(order.width) - 1.0f;
           const float v = (static_cast<float>(order.height) - 2.0f * (static_cast<float>(y) + random())) /
                           static_cast<float>(order.width);
-          camera.push_back(
-              {eye, Vec3(u * kTanHalf, v * kTanHalf, -1.0f).normalized(), std::numeric_limits<float>::infinity()});
+          camera.push_back({eye, render::Vec3(u * kTanHalf, v * kTanHalf, -1.0f).normalized(),
+                            std::numeric_limits<float>::infinity()});
         }
       }
     }
@@ -188,7 +188,7 @@ std::vector<Group> record(const TraceScene& scene, const Vec3& eye, const Order&
       Group stage{
           Group::Kind::kCamera,
           {camera.begin() + static_cast<std::ptrdiff_t>(first), camera.begin() + static_cast<std::ptrdiff_t>(last)},
-          std::vector<Vec3>(last - first, Vec3::Ones())};
+          std::vector<render::Vec3>(last - first, render::Vec3::Ones())};
       for (int bounce = 0;; ++bounce) {
         Group shadow{Group::Kind::kShadow, {}, {}};
         Group next{Group::Kind::kBounce, {}, {}};
@@ -204,7 +204,7 @@ std::vector<Group> record(const TraceScene& scene, const Vec3& eye, const Order&
 }
 
 /// Returns a sum over the results, so that no call is optimised away.
-double trace_single(const TraceScene& scene, const Group& group) {
+double trace_single(const render::TraceScene& scene, const Group& group) {
   Calls calls(scene.top, false);
   double sum = 0.0;
   for (const Ray& ray : group.rays) {
@@ -222,12 +222,12 @@ double trace_single(const TraceScene& scene, const Group& group) {
   return sum;
 }
 
-double trace_packets(const TraceScene& scene, const Group& group) {
+double trace_packets(const render::TraceScene& scene, const Group& group) {
   Calls calls(scene.top, group.kind == Group::Kind::kCamera);
   double sum = 0.0;
   RTCRayHit16 query;
   for (std::size_t first = 0; first < group.rays.size(); first += kPacket) {
-    alignas(64) std::array<int, kPacket> valid{};
+    render::alignas(64) std::array<int, kPacket> valid{};
     for (std::size_t lane = 0; lane < kPacket && first + lane < group.rays.size(); ++lane) {
       const Ray& ray = group.rays[first + lane];
       valid[lane] = -1;
@@ -279,12 +279,12 @@ double replay(const std::vector<Group>& groups, Rates* rates, Trace trace) {
 }
 
 Status measure(const Order& order) {
-  TRY_ASSIGN(Scene scene, load_scene(order.package, ImportLimits{}, nullptr));
-  TraceScene traced;
-  TRY_ASSIGN(const auto accelerator, Accelerator::build(scene, 2, nullptr, &traced));
-  const Eigen::Vector3d origin = render_origin(scene);
+  TRY_ASSIGN(scene::Scene scene, scene::load_scene(order.package, scene::ImportLimits{}, nullptr));
+  render::TraceScene traced;
+  TRY_ASSIGN(const auto accelerator, render::Accelerator::build(scene, 2, nullptr, &traced));
+  const Eigen::Vector3d origin = render::render_origin(scene);
   if (traced.lights.empty()) return Error(ErrorCode::kInvalidArgument, "the scene has no lamps");
-  const FlushDenormals flush;
+  const render::FlushDenormals flush;
   const std::vector<Group> groups = record(traced, (scene.info.start_eye - origin).cast<float>(), order);
   Rates single;
   Rates packets;

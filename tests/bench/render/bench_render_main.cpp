@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
                             add_jpeg_command(options),           add_trade_command(options),
                             add_watermark_curve_command(options)};
   return program.run(argc, argv, [&](const StopSignal& stop) -> Status {
-    for (const RenderCommand& command : commands) {
+    for (const tools::RenderCommand& command : commands) {
       if (command.parser->parsed()) return command.run(stop);
     }
     return Done{};

@@ -20,7 +20,7 @@ constexpr int kSamples[] = {1, 2, 4, 8, 16};
 constexpr std::uint64_t kReferenceSeed = 1'000'000;  ///< Differs from the films' seeds.
 
 struct DenoiseOptions {
-  SceneOptions scene;
+  tools::SceneOptions scene;
   std::string json;
   int width = 384;
   int height = 192;
@@ -30,8 +30,8 @@ struct DenoiseOptions {
   std::optional<int> bounces;
 };
 
-PanoramaView view_of(const DenoiseOptions& options, const Scene& scene) {
-  PanoramaView view;
+render::PanoramaView view_of(const DenoiseOptions& options, const scene::Scene& scene) {
+  render::PanoramaView view;
   view.eye = scene.info.start_eye;
   view.heading_rad = scene.info.start_heading_rad;
   const double span = options.azimuth_deg * std::numbers::pi / 180.0;
@@ -44,7 +44,7 @@ PanoramaView view_of(const DenoiseOptions& options, const Scene& scene) {
 /// One line of the table.
 struct Line {
   int samples = 0;
-  DenoiseGain gain;
+  denoise::DenoiseGain gain;
   double render_s = 0.0;   ///< Per film, without features.
   double feature_s = 0.0;  ///< Additional time with features.
   double denoise_s = 0.0;
@@ -58,7 +58,7 @@ struct Line {
 
 class Measurement {
  public:
-  Measurement(const Renderer& renderer, const DenoiseOptions& options, const StopSignal& stop)
+  Measurement(const render::Renderer& renderer, const DenoiseOptions& options, const StopSignal& stop)
       : renderer_(renderer),
         view_(view_of(options, renderer.scene())),
         whole_{0, 0, options.width, options.height},
@@ -76,21 +76,21 @@ class Measurement {
   Result<Line> line(int samples, const RadianceImage& reference) {
     Line line;
     line.samples = samples;
-    std::vector<Film> films(static_cast<std::size_t>(films_));
+    std::vector<render::Film> films(static_cast<std::size_t>(films_));
     view_.quality.samples = samples;
     for (std::size_t i = 0; i < films.size(); ++i) {
       view_.seed = i;
-      Film plain;
+      render::Film plain;
       const double without = renderer_.render_film(view_, whole_, false, &plain, cancelled()).cpu_seconds;
       const double with = renderer_.render_film(view_, whole_, true, &films[i], cancelled()).cpu_seconds;
       line.render_s += without / films_;
       line.feature_s += std::max(0.0, with - without) / films_;
     }
-    if (stop_.requested()) return stopped();
-    const PixelRays rays = panorama_rays(view_.panorama, view_.heading_rad, whole_);
-    Denoiser denoiser;
+    if (stop_.requested()) return tools::stopped();
+    const denoise::PixelRays rays = denoise::panorama_rays(view_.panorama, view_.heading_rad, whole_);
+    denoise::Denoiser denoiser;
     RadianceImage picture(whole_.width, whole_.height);
-    TRY_ASSIGN(line.gain, measure_gain(reference, films, [&](const Film& film) {
+    TRY_ASSIGN(line.gain, denoise::measure_gain(reference, films, [&](const render::Film& film) {
                  const double start = thread_cpu_seconds();
                  denoiser.denoise(film, rays, whole_, &picture);
                  // The last repetition, when the denoiser has allocated its memory.
@@ -105,8 +105,8 @@ class Measurement {
     return [this] { return stop_.requested(); };
   }
 
-  const Renderer& renderer_;
-  PanoramaView view_;
+  const render::Renderer& renderer_;
+  render::PanoramaView view_;
   PixelRect whole_;
   int films_;
   const StopSignal& stop_;
@@ -127,13 +127,14 @@ nlohmann::json json_of(const Line& line) {
 }
 
 Status denoise(const DenoiseOptions& options, const StopSignal& stop) {
-  TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
-  TRY(check_view(view_of(options, loaded.scene), {}));
-  if (stop.requested()) return stopped();
-  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
+  TRY_ASSIGN(tools::LoadedScene loaded, tools::load_with_progress(options.scene));
+  TRY(render::check_view(view_of(options, loaded.scene), {}));
+  if (stop.requested()) return tools::stopped();
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             tools::build_with_progress(std::move(loaded.scene), options.scene));
   Measurement measurement(*renderer, options, stop);
   const RadianceImage reference = measurement.reference(options.reference_samples);
-  if (stop.requested()) return stopped();
+  if (stop.requested()) return tools::stopped();
   const double megapixels = 1e-6 * options.width * options.height;
   nlohmann::json lines = nlohmann::json::array();
   fmt::print("relMSE of {} films of {}x{}, reference of {} samples; times in cpu-seconds\n", options.films,
@@ -149,15 +150,15 @@ Status denoise(const DenoiseOptions& options, const StopSignal& stop) {
     lines.push_back(json_of(line));
   }
   if (options.json.empty()) return Done{};
-  return write_json(options.json, {{"halo_px", Denoiser::halo_px()}, {"points", lines}});
+  return tools::write_json(options.json, {{"halo_px", denoise::Denoiser::halo_px()}, {"points", lines}});
 }
 
 }  // namespace
 
-RenderCommand add_denoise_command(CLI::App* program) {
+tools::RenderCommand add_denoise_command(CLI::App* program) {
   CLI::App* const parser = program->add_subcommand("denoise", "Measure what the denoiser wins, and its bias");
   const auto options = std::make_shared<DenoiseOptions>();
-  add_scene_options(parser, &options->scene);
+  tools::add_scene_options(parser, &options->scene);
   parser->add_option("--width", options->width, "Of the panorama from the scene's start, pixels")
       ->capture_default_str();
   parser->add_option("--height", options->height, "Of the same, pixels")->capture_default_str();
@@ -165,12 +166,12 @@ RenderCommand add_denoise_command(CLI::App* program) {
   parser
       ->add_option("--bounces", options->bounces,
                    "Times that light goes from surface to surface; the scene's if left out")
-      ->check(CLI::Range(0, kMostBounces));
+      ->check(CLI::Range(0, render::kMaxBounces));
   parser->add_option("--films", options->films, "Of other seeds, for each number of samples")
       ->check(CLI::Range(2, 64))
       ->capture_default_str();
   parser->add_option("--reference-samples", options->reference_samples, "Samples per pixel of the reference")
-      ->check(CLI::Range(1, kMostSamples))
+      ->check(CLI::Range(1, render::kMaxSamples))
       ->capture_default_str();
   parser->add_option("--json", options->json, "Also write the figures as JSON");
   return {parser, [options](const StopSignal& stop) { return denoise(*options, stop); }};

@@ -6,6 +6,6 @@
 namespace cyclorama {
 
 /// `cyclorama-bench-render denoise SCENE`: the denoiser's gain and error for several numbers of samples.
-[[nodiscard]] RenderCommand add_denoise_command(CLI::App* program);
+[[nodiscard]] tools::RenderCommand add_denoise_command(CLI::App* program);
 
 }  // namespace cyclorama

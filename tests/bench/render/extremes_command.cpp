@@ -59,11 +59,11 @@ class Sweep {
 
   Status run(const StopSignal& stop) {
     TRY(run_same_pictures());
-    if (stop.requested()) return stopped();
+    if (stop.requested()) return tools::stopped();
     TRY(run_leaks());
     TRY(run_self_hits());
     for (const PictureCase& extreme : all_picture_cases()) {
-      if (stop.requested()) return stopped();
+      if (stop.requested()) return tools::stopped();
       run_picture(extreme);
     }
     return Done{};
@@ -104,7 +104,7 @@ class Sweep {
       row.rays = leaks.rays;
       row.leaks = leaks.leaks;
       row.self_hits = leaks.self_hits;
-      if (static_cast<double>(leaks.leaks) > kMostLeaks * static_cast<double>(leaks.rays)) row.fault = "leaks";
+      if (static_cast<double>(leaks.leaks) > kMaxLeakFraction * static_cast<double>(leaks.rays)) row.fault = "leaks";
       if (leaks.self_hits > 0) row.fault = "self-hits";
       add(std::move(row));
       return Done{};
@@ -182,9 +182,9 @@ Plots plots_of(const std::vector<Row>& rows) {
       fixed.points.push_back({row.metres, rate(*row.self_hits_fixed_near)});
     }
   }
-  const PlotSeries most{"allowed", "#d62728", {{6e-3, kSameFlip}, {1e8, kSameFlip}}, true, 1.0};
+  const PlotSeries max{"allowed", "#d62728", {{6e-3, kSameFlip}, {1e8, kSameFlip}}, true, 1.0};
   return {
-      plot_svg("The same room elsewhere", {{"metres", fmt::format("FLIP; {:g} is none", kNoFlip), {most, scale, far}}}),
+      plot_svg("The same room elsewhere", {{"metres", fmt::format("FLIP; {:g} is none", kNoFlip), {max, scale, far}}}),
       plot_svg("Rays where float is coarse", {{"metres from the origin, nothing rebased",
                                                fmt::format("part of the rays; {:g} is none", kNoRays),
                                                {fixed, leaks, bounded}}})};
@@ -209,7 +209,7 @@ Status extremes(const ExtremesOptions& options, const StopSignal& stop) {
   for (const Row& row : rows) nan_pixels += row.nan_pixels.value_or(0);
   fmt::print("{} cases, {} fail, {} NaN pixels\n", rows.size(), failures, nan_pixels);
   if (!options.json.empty()) {
-    TRY(write_json(options.json, {{"cases", rows.size()}, {"failures", failures}, {"nan_pixels", nan_pixels}}));
+    TRY(tools::write_json(options.json, {{"cases", rows.size()}, {"failures", failures}, {"nan_pixels", nan_pixels}}));
   }
   if (failures > 0) return Error(ErrorCode::kBadData, fmt::format("{} of {} cases fail", failures, rows.size()));
   return Done{};
@@ -217,7 +217,7 @@ Status extremes(const ExtremesOptions& options, const StopSignal& stop) {
 
 }  // namespace
 
-RenderCommand add_extremes_command(CLI::App* program) {
+tools::RenderCommand add_extremes_command(CLI::App* program) {
   CLI::App* const parser =
       program->add_subcommand("extremes", "Check that pictures and rays hold at the ends of what can be asked for");
   const auto options = std::make_shared<ExtremesOptions>();

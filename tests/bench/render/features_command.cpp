@@ -16,8 +16,8 @@ namespace {
 struct FeaturesOptions {
   std::vector<std::string> scenes;
   std::string json;
-  ViewOptions view;
-  RenderQuality quality;
+  tools::ViewOptions view;
+  render::RenderQuality quality;
   int repetitions = 9;
 };
 
@@ -40,16 +40,17 @@ void print_row(const std::string& what, const KernelCost& cost, const FeatureSav
 }
 
 void print(const std::string& name, const FeatureReport& report) {
-  fmt::print("{}: compiled for {}; {} rays\n", name, describe(report.kernel), report.rays);
+  fmt::print("{}: compiled for {}; {} rays\n", name, render::describe(report.kernel), report.rays);
   fmt::print("  {:<28}{:>10}{:>14}{:>12}{:>18}\n", "kernel", "ns/ray", "instr./ray", "% of time", "% of instructions");
   print_row("its own", report.cost, nullptr);
-  for (const FeatureSaving& saved : report.savings) print_row("with " + describe(saved.feature), saved.cost, &saved);
+  for (const FeatureSaving& saved : report.savings)
+    print_row("with " + render::describe(saved.feature), saved.cost, &saved);
   if (report.everything) print_row("general", report.everything->cost, &*report.everything);
 }
 
 nlohmann::json json_of(const std::optional<double>& value) { return value ? nlohmann::json(*value) : nlohmann::json(); }
 
-nlohmann::json json_of(const SceneNeeds& kernel) {
+nlohmann::json json_of(const render::SceneNeeds& kernel) {
   return {{"textures", kernel.textures},
           {"normal_maps", kernel.normal_maps},
           {"surface", static_cast<int>(kernel.surface)},
@@ -67,7 +68,7 @@ nlohmann::json json_of(const FeatureSaving& saved) {
 
 nlohmann::json json_of(const FeatureReport& report) {
   nlohmann::json features = nlohmann::json::object();
-  for (const FeatureSaving& saved : report.savings) features[describe(saved.feature)] = json_of(saved);
+  for (const FeatureSaving& saved : report.savings) features[render::describe(saved.feature)] = json_of(saved);
   if (report.everything) features["everything"] = json_of(*report.everything);
   return {{"kernel", json_of(report.kernel)},
           {"rays", report.rays},
@@ -83,33 +84,34 @@ Status features(const FeaturesOptions& options, const StopSignal& stop) {
   }
   nlohmann::json all = nlohmann::json::object();
   for (const std::string& path : options.scenes) {
-    const SceneOptions scene{path, 1};
-    TRY_ASSIGN(LoadedScene loaded, load_with_progress(scene));
-    TRY_ASSIGN(PanoramaView view, panorama_view_of(options.view, loaded.scene.info));
+    const tools::SceneOptions scene{path, 1};
+    TRY_ASSIGN(tools::LoadedScene loaded, tools::load_with_progress(scene));
+    TRY_ASSIGN(render::PanoramaView view, tools::panorama_view_of(options.view, loaded.scene.info));
     view.quality = options.quality;
-    TRY(check_view(view, {}));
-    if (stop.requested()) return stopped();
-    TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), scene));
+    TRY(render::check_view(view, {}));
+    if (stop.requested()) return tools::stopped();
+    TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+               tools::build_with_progress(std::move(loaded.scene), scene));
     TRY_ASSIGN(const FeatureReport report,
                measure_features(renderer.get(), view, options.repetitions, [&] { return stop.requested(); }));
     print(name_of(path), report);
     all[name_of(path)] = json_of(report);
   }
   if (options.json.empty()) return Done{};
-  return write_json(options.json, all);
+  return tools::write_json(options.json, all);
 }
 
 }  // namespace
 
-RenderCommand add_features_command(CLI::App* program) {
+tools::RenderCommand add_features_command(CLI::App* program) {
   CLI::App* const parser =
       program->add_subcommand("features", "Measure what scenes save by kernels without what they do not need");
   const auto options = std::make_shared<FeaturesOptions>();
   options->view.size = "320x120";
   options->quality.samples = 4;
-  options->quality.bounces = kUsualBounces;
+  options->quality.bounces = scene::kUsualBounces;
   parser->add_option("scenes", options->scenes, "Scene packages, or .glb, .gltf, .ply or .obj files")->required();
-  add_view_options(parser, &options->view);
+  tools::add_view_options(parser, &options->view);
   parser->add_option("--samples", options->quality.samples, "Samples per pixel")->capture_default_str();
   parser->add_option("--bounces", options->quality.bounces, "Times that light goes from surface to surface")
       ->capture_default_str();

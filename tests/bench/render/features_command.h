@@ -6,6 +6,6 @@
 namespace cyclorama {
 
 /// `cyclorama-bench-render features SCENE...`: the saving of each scene's specialised kernel.
-[[nodiscard]] RenderCommand add_features_command(CLI::App* program);
+[[nodiscard]] tools::RenderCommand add_features_command(CLI::App* program);
 
 }  // namespace cyclorama

@@ -14,8 +14,8 @@
 #include "common/base/percentiles.h"
 #include "common/process/progress.h"
 #include "renderfarm/denoise/denoising_renderer.h"
-#include "renderfarm/governor/front_file.h"
 #include "renderfarm/governor/governor.h"
+#include "renderfarm/governor/pareto_front_file.h"
 #include "renderfarm/quality/light_error.h"
 #include "renderfarm/tools/view_options.h"
 #include "tests/bench/render/trade/trade_meter.h"
@@ -27,8 +27,8 @@ namespace {
 constexpr int kReferencePerStill = 8;
 
 struct GovernedOptions {
-  SceneOptions scene;
-  ViewOptions view;
+  tools::SceneOptions scene;
+  tools::ViewOptions view;
   std::vector<double> budgets_ms{10, 20, 33, 50, 100, 1000};
   std::string front;
   std::string json;
@@ -70,13 +70,14 @@ PixelRect whole(const Panorama& panorama) { return {0, 0, panorama.width_px, pan
 /// The farm's steps for a frame on one machine: choose, render, denoise, encode, learn. No network.
 class GovernedLoop {
  public:
-  GovernedLoop(const Renderer& renderer, const GovernedOptions& options, PanoramaView view, const StopSignal& stop)
+  GovernedLoop(const render::Renderer& renderer, const GovernedOptions& options, render::PanoramaView view,
+               const StopSignal& stop)
       : renderer_(renderer), denoising_(renderer, options.scene.threads), view_(std::move(view)), stop_(stop) {}
 
-  Result<BudgetResult> hold(double budget_ms, const Front& front, int frames) {
+  Result<BudgetResult> hold(double budget_ms, const governor::ParetoFront& front, int frames) {
     BudgetResult result;
     result.budget_ms = budget_ms;
-    Governor governor(front, budget_ms);
+    governor::Governor governor(front, budget_ms);
     const double megapixels = 1e-6 * static_cast<double>(whole(view_.panorama).area());
     for (int i = 0; i < frames; ++i) {
       const std::size_t point = governor.choose(megapixels);
@@ -92,8 +93,8 @@ class GovernedLoop {
   }
 
  private:
-  Status make_frame(const PictureQuality& quality, std::uint64_t seed) {
-    PanoramaView view = view_;
+  Status make_frame(const render::PictureQuality& quality, std::uint64_t seed) {
+    render::PanoramaView view = view_;
     view.panorama = scaled(view.panorama, quality.scale);
     view.quality = quality.render;
     view.seed = seed;
@@ -103,31 +104,31 @@ class GovernedLoop {
     } else {
       renderer_.render(view, whole(view.panorama), &picture_, cancelled);
     }
-    if (stop_.requested()) return stopped();
+    if (stop_.requested()) return tools::stopped();
     TRY_ASSIGN([[maybe_unused]] const auto jpeg,
                encoder_.encode(picture_, {quality.jpeg_quality, quality.subsample_chroma}));
     return Done{};
   }
 
-  const Renderer& renderer_;
-  DenoisingRenderer denoising_;
-  const PanoramaView view_;
+  const render::Renderer& renderer_;
+  denoise::DenoisingRenderer denoising_;
+  const render::PanoramaView view_;
   const StopSignal& stop_;
   JpegEncoder encoder_;
   RgbImage picture_;
 };
 
-Result<Front> front_of(const GovernedOptions& options) {
-  if (!options.front.empty()) return read_front(options.front);
+Result<governor::ParetoFront> front_of(const GovernedOptions& options) {
+  if (!options.front.empty()) return governor::read_pareto_front(options.front);
   const std::filesystem::path own = std::filesystem::path(options.scene.scene) / "front.toml";
-  if (std::filesystem::exists(own)) return read_front(own);
-  return Front::standard();
+  if (std::filesystem::exists(own)) return governor::read_pareto_front(own);
+  return governor::ParetoFront::standard();
 }
 
 /// Errors of the points of a Pareto front. They do not depend on the budget, so each is measured once.
 class PointErrors {
  public:
-  PointErrors(TradeMeter* meter, const Front& front, const StopSignal& stop)
+  PointErrors(TradeMeter* meter, const governor::ParetoFront& front, const StopSignal& stop)
       : meter_(*meter), front_(front), stop_(stop) {}
 
   Status add_to(BudgetResult* result) {
@@ -152,35 +153,35 @@ class PointErrors {
 
  private:
   TradeMeter& meter_;
-  const Front& front_;
+  const governor::ParetoFront& front_;
   const StopSignal& stop_;
   std::map<std::size_t, TradePoint> known_;
 };
 
 /// Doubles the samples at each step, as a picture at rest is refined.
-Result<Still> rest(const Renderer& renderer, PanoramaView view, int most_samples, const RadianceImage& reference,
-                   const StopSignal& stop) {
+Result<Still> rest(const render::Renderer& renderer, render::PanoramaView view, int max_samples,
+                   const RadianceImage& reference, const StopSignal& stop) {
   Still still;
-  Film film(reference.width(), reference.height(), false);
-  view.quality.sequence = most_samples;
+  render::Film film(reference.width(), reference.height(), false);
+  view.quality.sequence = max_samples;
   int have = 0;
-  for (int samples = 1; samples <= most_samples; samples *= 2) {
+  for (int samples = 1; samples <= max_samples; samples *= 2) {
     view.quality.first_sample = have;
     view.quality.samples = samples - have;
-    Film more;
+    render::Film more;
     renderer.render_film(view, whole(view.panorama), false, &more, [&] { return stop.requested(); });
-    if (stop.requested()) return stopped();
+    if (stop.requested()) return tools::stopped();
     film.add(more);
     have = samples;
     still.samples.push_back(samples);
-    TRY_ASSIGN(const double mse, mean_squared_error(film.mean(), reference));
+    TRY_ASSIGN(const double mse, quality::mean_squared_error(film.mean(), reference));
     still.mse.push_back(mse);
   }
   return still;
 }
 
-nlohmann::json json_of(const BudgetResult& result, const Front& front) {
-  const PictureQuality& quality = front[result.point()].quality;
+nlohmann::json json_of(const BudgetResult& result, const governor::ParetoFront& front) {
+  const render::PictureQuality& quality = front[result.point()].quality;
   return {
       {"budget_ms", result.budget_ms},      {"relmse", result.relmse},           {"flip", result.flip},
       {"bytes", std::lround(result.bytes)}, {"ms_p50", result.frame_ms.at(0.5)}, {"ms_p95", result.frame_ms.at(0.95)},
@@ -188,29 +189,30 @@ nlohmann::json json_of(const BudgetResult& result, const Front& front) {
       {"denoise", quality.denoise}};
 }
 
-void print(const BudgetResult& result, const Front& front) {
-  const PictureQuality& quality = front[result.point()].quality;
+void print(const BudgetResult& result, const governor::ParetoFront& front) {
+  const render::PictureQuality& quality = front[result.point()].quality;
   fmt::print("{:9.0f} {:7} {:7} {:5} {:>8} {:8.1f} {:8.1f} {:8.4f} {:7.4f} {:8.0f}\n", result.budget_ms,
              quality.render.samples, quality.render.bounces, quality.scale, quality.denoise ? "yes" : "no",
              result.frame_ms.at(0.5), result.frame_ms.at(0.95), result.relmse, result.flip, result.bytes);
 }
 
 Status governed(const GovernedOptions& options, const StopSignal& stop) {
-  TRY_ASSIGN(const Front front, front_of(options));
-  TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
-  TRY_ASSIGN(PanoramaView view, panorama_view_of(options.view, loaded.scene.info));
-  if (stop.requested()) return stopped();
-  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
-  PanoramaView reference_view = view;
+  TRY_ASSIGN(const governor::ParetoFront front, front_of(options));
+  TRY_ASSIGN(tools::LoadedScene loaded, tools::load_with_progress(options.scene));
+  TRY_ASSIGN(render::PanoramaView view, tools::panorama_view_of(options.view, loaded.scene.info));
+  if (stop.requested()) return tools::stopped();
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             tools::build_with_progress(std::move(loaded.scene), options.scene));
+  render::PanoramaView reference_view = view;
   reference_view.quality = front.best().quality.render;
   reference_view.quality.samples = options.reference_samples;
   reference_view.quality.bounces = options.reference_bounces.value_or(renderer->scene().bounces);
   reference_view.quality.firefly_limit = reference_view.quality.adaptive_error = 0.0f;
   reference_view.seed = view.seed + 1;  // Another seed: shared noise would make the error appear smaller.
   std::optional<Progress> progress(std::in_place, "rendering the reference");
-  TRY_ASSIGN(const Film reference, converged_film(
-                                       *renderer, reference_view, [&](double done) { progress->update(done); },
-                                       [&] { return stop.requested(); }));
+  TRY_ASSIGN(const render::Film reference, converged_film(
+                                               *renderer, reference_view, [&](double done) { progress->update(done); },
+                                               [&] { return stop.requested(); }));
   progress.reset();
   TradeMeter meter(*renderer, view, reference.mean());
   PointErrors errors(&meter, front, stop);
@@ -231,21 +233,21 @@ Status governed(const GovernedOptions& options, const StopSignal& stop) {
   }
   fmt::print("slope {:.2f}\n", still.slope());
   if (options.json.empty()) return Done{};
-  return write_json(options.json,
-                    {{"size", options.view.size},
-                     {"points", points},
-                     {"still", {{"samples", still.samples}, {"mse", still.mse}, {"slope", still.slope()}}}});
+  return tools::write_json(options.json,
+                           {{"size", options.view.size},
+                            {"points", points},
+                            {"still", {{"samples", still.samples}, {"mse", still.mse}, {"slope", still.slope()}}}});
 }
 
 }  // namespace
 
-RenderCommand add_governed_command(CLI::App* program) {
+tools::RenderCommand add_governed_command(CLI::App* program) {
   CLI::App* const parser =
       program->add_subcommand("governed", "Hold frame budgets on this machine, and measure the pictures' errors");
   const auto options = std::make_shared<GovernedOptions>();
   options->view.size = "320x120";
-  add_scene_options(parser, &options->scene);
-  add_view_options(parser, &options->view);
+  tools::add_scene_options(parser, &options->scene);
+  tools::add_view_options(parser, &options->view);
   parser->add_option("--budgets", options->budgets_ms, "Milliseconds per frame, separated by commas")
       ->delimiter(',')
       ->check(CLI::Range(1.0, 1e5))
@@ -255,10 +257,10 @@ RenderCommand add_governed_command(CLI::App* program) {
       ->check(CLI::Range(2, 10000))
       ->capture_default_str();
   parser->add_option("--reference-samples", options->reference_samples, "Of a pixel; at rest an eighth is reached")
-      ->check(CLI::Range(2 * kReferencePerStill, kMostSamples))
+      ->check(CLI::Range(2 * kReferencePerStill, render::kMaxSamples))
       ->capture_default_str();
   parser->add_option("--reference-bounces", options->reference_bounces, "The scene's if left out")
-      ->check(CLI::Range(0, kMostBounces));
+      ->check(CLI::Range(0, render::kMaxBounces));
   parser->add_option("--json", options->json, "Also write the figures, as JSON");
   return {parser, [options](const StopSignal& stop) { return governed(*options, stop); }};
 }

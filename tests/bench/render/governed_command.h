@@ -7,6 +7,6 @@ namespace cyclorama {
 
 /// Keeps frame budgets with a governor on this machine alone, and measures the resulting pictures; then refines a
 /// picture at rest and measures how its error falls.
-RenderCommand add_governed_command(CLI::App* program);
+tools::RenderCommand add_governed_command(CLI::App* program);
 
 }  // namespace cyclorama

@@ -40,12 +40,12 @@ Status print_curve(const JpegCommandOptions& options) {
                       {"ssim", point.error.ssim},
                       {"flip", point.error.flip}});
   }
-  return options.json.empty() ? Status(Done{}) : write_json(options.json, values);
+  return options.json.empty() ? Status(Done{}) : tools::write_json(options.json, values);
 }
 
 }  // namespace
 
-RenderCommand add_jpeg_command(CLI::App* program) {
+tools::RenderCommand add_jpeg_command(CLI::App* program) {
   CLI::App* const parser =
       program->add_subcommand("jpeg", "What a picture costs as JPEG, by quality, chroma and size of tiles");
   const auto options = std::make_shared<JpegCommandOptions>();

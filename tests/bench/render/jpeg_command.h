@@ -6,6 +6,6 @@
 namespace cyclorama {
 
 /// `cyclorama-bench-render jpeg PICTURE`: bytes, time and error of a picture as JPEG, by quality, chroma and tile size.
-[[nodiscard]] RenderCommand add_jpeg_command(CLI::App* program);
+[[nodiscard]] tools::RenderCommand add_jpeg_command(CLI::App* program);
 
 }  // namespace cyclorama

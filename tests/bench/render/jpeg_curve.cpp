@@ -58,7 +58,7 @@ Result<JpegPoint> measure(const RgbImage& picture, int tile_px, const JpegOption
   }
   point.encode_ms_per_megapixel = 1e3 * encode_seconds / megapixels;
   point.decode_ms_per_megapixel = 1e3 * decode_seconds / megapixels;
-  TRY_ASSIGN(point.error, shown_error(shown, picture));
+  TRY_ASSIGN(point.error, quality::shown_error(shown, picture));
   return point;
 }
 

@@ -16,7 +16,7 @@ struct JpegPoint {
   std::size_t bytes = 0;
   double encode_ms_per_megapixel = 0.0;  ///< Thread time; the best of several.
   double decode_ms_per_megapixel = 0.0;
-  ShownError error{};  ///< Error of the decoded tiles against the picture.
+  quality::ShownError error{};  ///< Error of the decoded tiles against the picture.
 };
 
 /// Measures every quality and chroma with the largest tile, and every tile size with the usual quality. Reentrant.

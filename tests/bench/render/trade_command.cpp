@@ -11,7 +11,7 @@
 #include "common/image/image_file.h"
 #include "common/image/pfm.h"
 #include "common/process/progress.h"
-#include "renderfarm/governor/front_file.h"
+#include "renderfarm/governor/pareto_front_file.h"
 #include "renderfarm/tools/view_options.h"
 #include "tests/bench/render/trade/trade_meter.h"
 
@@ -19,8 +19,8 @@ namespace cyclorama {
 namespace {
 
 struct TradeOptions {
-  SceneOptions scene;
-  ViewOptions view;
+  tools::SceneOptions scene;
+  tools::ViewOptions view;
   std::string out;
   bool quick = false;
   std::optional<int> reference_samples;
@@ -58,7 +58,7 @@ std::string files_of(const TradeOptions& options) {
 }
 
 /// Everything on which the reference depends.
-std::string settings_of(const PanoramaView& view, const TradeOptions& options, std::uint64_t triangles) {
+std::string settings_of(const render::PanoramaView& view, const TradeOptions& options, std::uint64_t triangles) {
   const Panorama& panorama = view.panorama;
   return fmt::format(
       "cyclorama {}\nscene '{}', {} triangles, {}\neye {} {} {}, heading {} rad\n{}x{}, {} rad, tan elevation {} to "
@@ -69,8 +69,8 @@ std::string settings_of(const PanoramaView& view, const TradeOptions& options, s
       panorama.tan_elevation_top, view.quality.samples, view.quality.bounces, view.seed);
 }
 
-Result<RadianceImage> reference_of(const Renderer& renderer, const PanoramaView& view, const TradeOptions& options,
-                                   const StopSignal& stop) {
+Result<RadianceImage> reference_of(const render::Renderer& renderer, const render::PanoramaView& view,
+                                   const TradeOptions& options, const StopSignal& stop) {
   const std::filesystem::path folder = options.out;
   const std::filesystem::path picture_file = folder / "reference.pfm";
   const std::filesystem::path settings_file = folder / "reference.txt";
@@ -84,9 +84,9 @@ Result<RadianceImage> reference_of(const Renderer& renderer, const PanoramaView&
     }
   }
   Progress progress("rendering the reference");
-  TRY_ASSIGN(const Film film, converged_film(
-                                  renderer, view, [&](double fraction) { progress.update(fraction); },
-                                  [&] { return stop.requested(); }));
+  TRY_ASSIGN(const render::Film film, converged_film(
+                                          renderer, view, [&](double fraction) { progress.update(fraction); },
+                                          [&] { return stop.requested(); }));
   fmt::print(stderr, "the reference's own relMSE is at most {:.2g}\n", own_relmse(film));
   RadianceImage mean = film.mean();
   TRY(write_pfm(picture_file, mean));
@@ -106,23 +106,24 @@ Result<std::vector<TradePoint>> sweep(TradeMeter* meter, bool quick, const StopS
   return points;
 }
 
-void print_front(const std::vector<TradePoint>& points, const Front& front) {
+void print_pareto_front(const std::vector<TradePoint>& points, const governor::ParetoFront& front) {
   fmt::print("{:>7} {:>7} {:>6} {:>8} {:>8} {:>5} {:>8} {:>9} {:>8} {:>7} {:>8}\n", "samples", "bounces", "lights",
              "firefly", "adaptive", "scale", "denoised", "cpu ms", "relMSE", "FLIP", "bytes");
   for (std::size_t i = 0; i < front.size(); ++i) {
     const auto on_it = [&](const TradePoint& point) { return point.planned.quality == front[i].quality; };
     const TradePoint& point = *std::ranges::find_if(points, on_it);
-    const PictureQuality& quality = point.planned.quality;
-    const RenderQuality& render = quality.render;
+    const render::PictureQuality& quality = point.planned.quality;
+    const render::RenderQuality& render = quality.render;
     fmt::print("{:>7} {:>7} {:>6} {:>8} {:>8} {:>5} {:>8} {:>9.1f} {:>8.4f} {:>7.4f} {:>8}\n", render.samples,
                render.bounces, render.light_samples, render.firefly_limit, render.adaptive_error, quality.scale,
                quality.denoise ? "yes" : "no", 1e3 * point.cpu_s, point.relmse, point.shown.flip, point.bytes);
   }
 }
 
-Status write_all(const std::vector<TradePoint>& points, const PanoramaView& view, const TradeOptions& options) {
+Status write_all(const std::vector<TradePoint>& points, const render::PanoramaView& view, const TradeOptions& options) {
   const Panorama& panorama = view.panorama;
-  TRY_ASSIGN(const Front front, trade_front(points, static_cast<double>(panorama.width_px) * panorama.height_px));
+  TRY_ASSIGN(const governor::ParetoFront front,
+             trade_pareto_front(points, static_cast<double>(panorama.width_px) * panorama.height_px));
   const std::string title =
       fmt::format("{}, {}x{}", printable(std::filesystem::path(options.scene.scene).filename().string()),
                   panorama.width_px, panorama.height_px);
@@ -131,8 +132,9 @@ Status write_all(const std::vector<TradePoint>& points, const PanoramaView& view
   TRY(write_file_atomically(folder / "trade.svg", trade_svg(points, front, title)));
   TRY(write_file_atomically(
       folder / "front.toml",
-      front_text(front, fmt::format("Measured by 'cyclorama-bench-render trade': {}. The error is relMSE.", title))));
-  print_front(points, front);
+      governor::pareto_front_text(
+          front, fmt::format("Measured by 'cyclorama-bench-render trade': {}. The error is relMSE.", title))));
+  print_pareto_front(points, front);
   return Done{};
 }
 
@@ -142,11 +144,12 @@ Status trade(const TradeOptions& options, const StopSignal& stop) {
   if (failed) {
     return Error(ErrorCode::kSystem, fmt::format("making the folder '{}': {}", options.out, failed.message()));
   }
-  TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
-  TRY_ASSIGN(const PanoramaView view, panorama_view_of(options.view, loaded.scene.info));
-  if (stop.requested()) return stopped();
-  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, build_with_progress(std::move(loaded.scene), options.scene));
-  PanoramaView reference_view = view;
+  TRY_ASSIGN(tools::LoadedScene loaded, tools::load_with_progress(options.scene));
+  TRY_ASSIGN(const render::PanoramaView view, tools::panorama_view_of(options.view, loaded.scene.info));
+  if (stop.requested()) return tools::stopped();
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             tools::build_with_progress(std::move(loaded.scene), options.scene));
+  render::PanoramaView reference_view = view;
   reference_view.quality.samples = options.reference_samples.value_or(options.quick ? 256 : 1024);
   reference_view.quality.bounces = options.reference_bounces.value_or(renderer->scene().bounces);
   reference_view.seed = view.seed + 1;  // Another seed: shared noise would make the error appear smaller.
@@ -158,20 +161,20 @@ Status trade(const TradeOptions& options, const StopSignal& stop) {
 
 }  // namespace
 
-RenderCommand add_trade_command(CLI::App* program) {
+tools::RenderCommand add_trade_command(CLI::App* program) {
   CLI::App* const parser =
       program->add_subcommand("trade", "Measure how time and bytes are traded for accuracy, against a reference");
   const auto options = std::make_shared<TradeOptions>();
   options->view.size = "640x240";
-  add_scene_options(parser, &options->scene);
-  add_view_options(parser, &options->view);
+  tools::add_scene_options(parser, &options->scene);
+  tools::add_view_options(parser, &options->view);
   parser->add_option("--out", options->out, "The folder for trade.csv, trade.svg, front.toml and the reference")
       ->required();
   parser->add_flag("--quick", options->quick, "Fewer settings, and a reference of 256 samples");
   parser->add_option("--reference-samples", options->reference_samples, "Of a pixel; 1024 if left out")
-      ->check(CLI::Range(2, kMostSamples));
+      ->check(CLI::Range(2, render::kMaxSamples));
   parser->add_option("--reference-bounces", options->reference_bounces, "Of its paths; the scene's if left out")
-      ->check(CLI::Range(0, kMostBounces));
+      ->check(CLI::Range(0, render::kMaxBounces));
   return {parser, [options](const StopSignal& stop) { return trade(*options, stop); }};
 }
 

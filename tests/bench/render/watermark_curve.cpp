@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kKey = 0x5eed0f7e57c0de01u;
 constexpr int kUsualQuality = 85;
-constexpr int kSmallestPx = 64;
+constexpr int kMinPx = 64;
 
 RgbImage marked(const RgbImage& picture, const WatermarkStrength& strength) {
   RgbImage out = picture;
@@ -64,11 +64,11 @@ Result<WatermarkPoint> measure(const RgbImage& picture, double plain_bytes, cons
   WatermarkPoint point{strength};
   const RgbImage grey(512, 512, 128);
   const RgbImage grey_marked = marked(grey, strength);
-  TRY_ASSIGN(point.grey_psnr_db, psnr(grey_marked, grey));
-  TRY_ASSIGN(const Flip grey_flip, flip(grey_marked, grey));
+  TRY_ASSIGN(point.grey_psnr_db, quality::psnr(grey_marked, grey));
+  TRY_ASSIGN(const quality::Flip grey_flip, flip(grey_marked, grey));
   point.grey_flip = grey_flip.mean;
   const RgbImage bearing = marked(picture, strength);
-  TRY_ASSIGN(const Flip picture_flip, flip(bearing, picture));
+  TRY_ASSIGN(const quality::Flip picture_flip, flip(bearing, picture));
   point.flip = picture_flip.mean;
   TRY_ASSIGN(const double bytes, bytes_of(bearing));
   point.more_bytes = bytes / plain_bytes - 1.0;
@@ -85,9 +85,9 @@ Result<WatermarkPoint> measure(const RgbImage& picture, double plain_bytes, cons
 }  // namespace
 
 Result<std::vector<WatermarkPoint>> measure_watermark(const RgbImage& picture) {
-  if (picture.width() < kSmallestPx || picture.height() < kSmallestPx) {
+  if (picture.width() < kMinPx || picture.height() < kMinPx) {
     return Error(ErrorCode::kInvalidArgument, fmt::format("the picture has {} x {} pixels; a mark needs {} x {}",
-                                                          picture.width(), picture.height(), kSmallestPx, kSmallestPx));
+                                                          picture.width(), picture.height(), kMinPx, kMinPx));
   }
   TRY_ASSIGN(const double plain_bytes, bytes_of(picture));
   std::vector<WatermarkPoint> points;

@@ -39,12 +39,12 @@ Status print_curve(const WatermarkCurveOptions& options) {
                       {"scores", point.scores},
                       {"half_score", point.half_score}});
   }
-  return options.json.empty() ? Status(Done{}) : write_json(options.json, values);
+  return options.json.empty() ? Status(Done{}) : tools::write_json(options.json, values);
 }
 
 }  // namespace
 
-RenderCommand add_watermark_curve_command(CLI::App* program) {
+tools::RenderCommand add_watermark_curve_command(CLI::App* program) {
   CLI::App* const parser =
       program->add_subcommand("watermark", "What marks of several strengths cost and give on a picture");
   const auto options = std::make_shared<WatermarkCurveOptions>();

@@ -6,6 +6,6 @@
 namespace cyclorama {
 
 /// `cyclorama-bench-render watermark PICTURE`: cost and detection of the watermark on a picture, for each strength.
-[[nodiscard]] RenderCommand add_watermark_curve_command(CLI::App* program);
+[[nodiscard]] tools::RenderCommand add_watermark_curve_command(CLI::App* program);
 
 }  // namespace cyclorama

@@ -21,7 +21,7 @@ struct Outcome {
 };
 
 /// The part of a projector's pixels that meet the wall.
-double on_wall(const TrueMuseum& truth, std::size_t projector) {
+double on_wall(const simulated::TrueMuseum& truth, std::size_t projector) {
   const Pinhole& lens = truth.truth().projectors[projector].lens.pinhole();
   int met = 0;
   constexpr int kSide = 16;
@@ -38,12 +38,12 @@ Result<Outcome> one_bump(const BumpedShowOptions& options, const ShowContent& co
   here.turn_rad_s = turn_rad_s;
   TRY_ASSIGN(BumpedShow show, BumpedShow::make(here, content));
   for (int i = 0; i < 14; ++i) {
-    TRY_ASSIGN(const ShowReport report, show.step());
+    TRY_ASSIGN(const healing::ShowReport report, show.step());
     for (const std::string& line : report.log) *log += "  " + line + "\n";
   }
-  Draws draws = Draws(number).stream("bump");
+  simulated::RandomStream draws = simulated::RandomStream(number).stream("bump");
   const auto who = static_cast<std::size_t>(draws.between(0.0, static_cast<double>(show.projector_count()) - 1e-9));
-  const PoseStep step = drawn_bump(&draws);
+  const calibration::PoseStep step = drawn_bump(&draws);
   Outcome outcome;
   const double was_on_wall = on_wall(show.room().truth(), who);
   const double was_px = show.error_px(who);
@@ -60,11 +60,11 @@ Result<Outcome> one_bump(const BumpedShowOptions& options, const ShowContent& co
     outcome.curve_px.push_back(before);
     std::vector<double> errors;
     for (std::size_t k = 0; k < show.projector_count(); ++k) errors.push_back(show.error_px(k));
-    TRY_ASSIGN(const ShowReport report, show.step());
+    TRY_ASSIGN(const healing::ShowReport report, show.step());
     for (const std::string& line : report.log) *log += "  " + line + "\n";
     if (outcome.noticed_s < 0.0 && std::ranges::find(report.noticed, who) != report.noticed.end())
       outcome.noticed_s = show.now_s() - begun;
-    for (const Correction& c : report.corrections) {
+    for (const healing::Correction& c : report.corrections) {
       if (show.error_px(c.projector) > errors[c.projector] + kWrong_px) ++outcome.wrong;
     }
     if (i == static_cast<int>(std::lround(2.0 / period))) outcome.at_2s_px = before;

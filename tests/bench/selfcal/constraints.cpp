@@ -63,9 +63,9 @@ int constraints(const ShowContent& content, bool is_quick) {
         for (int i = 0; i < 14; ++i) {
           if (!show.step()) return 1;
         }
-        Draws draws = Draws(seed).stream("constraints");
+        simulated::RandomStream draws = simulated::RandomStream(seed).stream("constraints");
         for (std::size_t c = 0; c < 3; ++c) {
-          PoseStep step;
+          calibration::PoseStep step;
           for (int i = 0; i < 6; ++i) step[i] = draws.about_zero(i < 3 ? 0.004 : 0.005);
           if (c == 1) {
             show.bump(1, step);

@@ -40,7 +40,7 @@ int cost(const ShowContent& content, bool is_quick) {
     }
     const double turning = (show.calibrator_cpu_s() - begun) / (steps / 2);
     show.set_turn(0.0);
-    PoseStep bump = PoseStep::Zero();
+    calibration::PoseStep bump = calibration::PoseStep::Zero();
     bump[1] = 0.008;
     show.bump(1, bump);
     begun = show.calibrator_cpu_s();
@@ -50,8 +50,8 @@ int cost(const ShowContent& content, bool is_quick) {
     for (int i = 0; i < 8; ++i) {
       if (!show.step()) return 1;
     }
-    for (const Look& look : show.calibrator().looks()) {
-      for (const PatchShift& patch : look.patches) patches += patch.fit == PatchFit::kFits ? 1 : 0;
+    for (const healing::CameraObservation& look : show.calibrator().looks()) {
+      for (const healing::PatchShift& patch : look.patches) patches += patch.fit == healing::PatchFit::kFits ? 1 : 0;
     }
     fmt::print("{:>9} {:>9.1f} {:>10.3f} {:>12.1f} {:>12.1f} {:>12.3f} {:>10}\n", width, 1e3 * each, kHz * each,
                1e3 * turning, 1e3 * healing, show.error_px(1), patches);
@@ -79,7 +79,8 @@ int features(const ShowContent& content, bool is_quick) {
   nlohmann::json all;
   fmt::print("{:<8} {:>8} {:>12} {:>10} {:>10} {:>10} {:>9}\n", "kind", "bump px", "predicted", "seen", "matches",
              "wrong %", "cpu ms");
-  for (const auto& [name, kind] : {std::pair("sift", FeatureKind::kSift), std::pair("akaze", FeatureKind::kAkaze)}) {
+  for (const auto& [name, kind] :
+       {std::pair("sift", healing::FeatureKind::kSift), std::pair("akaze", healing::FeatureKind::kAkaze)}) {
     double matches = 0.0;
     double wrong = 0.0;
     double cpu_s = 0.0;
@@ -95,31 +96,31 @@ int features(const ShowContent& content, bool is_quick) {
       for (int i = 0; i < 2; ++i) {
         if (!show.step()) return 1;
       }
-      PoseStep bump = PoseStep::Zero();
+      calibration::PoseStep bump = calibration::PoseStep::Zero();
       bump[1] = 0.01 * seed;
       bump[2] = 0.004;
       show.bump(1, bump);
       const double moved = show.error_px(1, 0.5);
       if (!show.step()) return 1;
-      for (const Look& look : show.calibrator().looks()) {
+      for (const healing::CameraObservation& look : show.calibrator().looks()) {
         const double begun = thread_cpu_seconds();
-        const auto found = match_features(look.prediction, look.seen, kind);
+        const auto found = healing::match_features(look.prediction, look.seen, kind);
         if (!found) return 1;
         cpu_s += thread_cpu_seconds() - begun;
         ++pictures;
         int wrong_here = 0;
-        for (const FeatureMatch& match : found->matches) {
+        for (const healing::FeatureMatch& match : found->matches) {
           // Where the truth says that this projector's pixel is seen.
-          const ShowCalibration& room = show.calibrator().believed();
+          const calibration::ShowCalibration& room = show.calibrator().believed();
           const int factor = look.prediction.light.factor;
-          const auto wall = wall_seen_at(room, room.cameras[look.camera], match.predicted * factor);
+          const auto wall = calibration::wall_seen_at(room, room.cameras[look.camera], match.predicted * factor);
           if (!wall) continue;
           const auto who = static_cast<std::size_t>(match.projector);
-          const ShowProjector& lamp = room.projectors[who];
+          const calibration::ShowProjector& lamp = room.projectors[who];
           const auto shown = pixel_of(lamp.lens, (lamp.T_room_projector.inverse() * Point<frame::Room>{*wall}).xyz);
           const auto at = shown ? show.room().truth().wall_at(who, shown->x(), shown->y()) : std::nullopt;
           if (!at) continue;
-          const FixedCamera& eye = show.room().cameras()[look.camera];
+          const simulated::FixedCamera& eye = show.room().cameras()[look.camera];
           const auto truly = eye.optics.lens.pixel_of((eye.T_room_camera.inverse() * at->point).xyz);
           if (!truly || (*truly / factor - match.seen).norm() > 2.0) ++wrong_here;
         }
@@ -162,7 +163,7 @@ int pictures(const ShowContent& content, const std::string& folder) {
     if (!show.step()) return 1;
   }
   if (!keep("before")) return 1;
-  PoseStep bump = PoseStep::Zero();
+  calibration::PoseStep bump = calibration::PoseStep::Zero();
   bump << 0.006, -0.014, 0.02, 0.0, 0.01, 0.0;
   show.bump(1, bump);
   const auto bumped = show.step();

@@ -20,7 +20,7 @@ int extremes(const ShowContent& content, bool is_quick) {
     std::mt19937_64 random(7);
     std::normal_distribution<double> normal;
     const auto draw = [&](double scale) {
-      PoseStep step;
+      calibration::PoseStep step;
       for (double& v : step) v = scale * normal(random);
       return step;
     };
@@ -28,18 +28,18 @@ int extremes(const ShowContent& content, bool is_quick) {
     // P is what the walk adds per step; R is `ratio` times that. The filter begins where it will settle.
     const double variance = ratio * walk * walk;
     const double settled = walk * std::sqrt(0.5 * (1.0 + std::sqrt(1.0 + 4.0 * ratio)));
-    PoseFilter filter(settled, settled, {walk, walk});
-    PoseStep off = draw(settled);
+    healing::PoseFilter filter(settled, settled, {walk, walk});
+    calibration::PoseStep off = draw(settled);
     double nees = 0.0;
     int counted = 0;
-    double least = 1e300;
+    double min = 1e300;
     double greatest = 0.0;
     bool is_finite = true;
     for (int i = 0; i < steps && is_finite; ++i) {
       filter.predict(1.0);
       off += draw(walk);
-      PoseFilter::Measured measured;
-      measured.information = PoseMatrix::Identity() / variance;
+      healing::PoseFilter::Measured measured;
+      measured.information = calibration::PoseMatrix::Identity() / variance;
       measured.step = off + draw(std::sqrt(variance));
       off -= filter.update(measured);
       if (i % 16 == 0) {
@@ -47,8 +47,8 @@ int extremes(const ShowContent& content, bool is_quick) {
         ++counted;
       }
       if (i % 4096 == 0 || i + 1 == steps) {
-        const Eigen::SelfAdjointEigenSolver<PoseMatrix> parts(filter.covariance());
-        least = std::min(least, parts.eigenvalues().minCoeff());
+        const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(filter.covariance());
+        min = std::min(min, parts.eigenvalues().minCoeff());
         greatest = std::max(greatest, parts.eigenvalues().maxCoeff());
         is_finite = filter.root().allFinite() && off.allFinite();
       }
@@ -58,9 +58,9 @@ int extremes(const ShowContent& content, bool is_quick) {
     // Errors are correlated over about sqrt(ratio) steps: so many fewer are independent. Five deviations.
     const double independent = std::max(1.0, steps / std::max(16.0, 2.0 * std::sqrt(ratio)));
     const double band = 5.0 * std::sqrt(12.0 / independent);
-    const bool is_good = is_finite && least > 0.0 && std::abs(mean - 6.0) <= std::max(0.1, band);
+    const bool is_good = is_finite && min > 0.0 && std::abs(mean - 6.0) <= std::max(0.1, band);
     failures += is_good ? 0 : 1;
-    fmt::print("{:>8.0e} {:>12} {:>14.3e} {:>14.3e} {:>8.3f}{}\n", ratio, steps, std::sqrt(std::max(least, 0.0)),
+    fmt::print("{:>8.0e} {:>12} {:>14.3e} {:>14.3e} {:>8.3f}{}\n", ratio, steps, std::sqrt(std::max(min, 0.0)),
                std::sqrt(greatest), mean, is_good ? "" : "  FAILED");
     std::fflush(stdout);
   }

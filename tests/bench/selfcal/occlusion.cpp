@@ -37,8 +37,8 @@ ShowContent striped_content() {
   return made;
 }
 
-std::vector<Visitor> walking(int people, int step) {
-  std::vector<Visitor> all;
+std::vector<simulated::Visitor> walking(int people, int step) {
+  std::vector<simulated::Visitor> all;
   for (int i = 0; i < people; ++i) {
     const double angle = -0.9 + 1.8 * i / std::max(people - 1, 1) + 0.04 * step * (i % 2 == 0 ? 1.0 : -1.0);
     const double distance = 2.2 + 0.35 * (i % 3);
@@ -68,9 +68,10 @@ std::vector<Case> cases() {
   all.push_back({"chequers", [](BumpedShow* show, int) { show->set_content(striped_content()); }});
   all.push_back(
       {"chequers, and a bump", [](BumpedShow* show, int) { show->set_content(striped_content()); }, false, 1});
-  all.push_back({"lights on", [](BumpedShow* show, int i) {
-                   show->room().set_ambient(i % 8 < 4 ? RoomColour{60, 60, 55} : RoomColour{2, 2, 2});
-                 }});
+  all.push_back(
+      {"lights on", [](BumpedShow* show, int i) {
+         show->room().set_ambient(i % 8 < 4 ? simulated::RoomColour{60, 60, 55} : simulated::RoomColour{2, 2, 2});
+       }});
   all.push_back({"lights on, and a bump",
                  [](BumpedShow* show, int) {
                    show->room().set_ambient({60, 60, 55});
@@ -111,7 +112,7 @@ int occlusion(const ShowContent& content, bool is_quick, std::size_t first) {
       for (int k = 0; k < steps; ++k) {
         if (!is_free) one.before(&show, k);
         if (!is_free && k == 5 && one.bumped >= 0) {
-          PoseStep step = PoseStep::Zero();
+          calibration::PoseStep step = calibration::PoseStep::Zero();
           step[1] = 0.006;
           step[3] = 0.01;
           show.bump(static_cast<std::size_t>(one.bumped), step);
@@ -121,7 +122,7 @@ int occlusion(const ShowContent& content, bool is_quick, std::size_t first) {
         const auto report = show.step();
         if (!report) return false;
         for (const std::string& line : report->log) fmt::print(stderr, "{}: {}\n", one.name, line);
-        for (const Correction& c : report->corrections) {
+        for (const healing::Correction& c : report->corrections) {
           ++corrections;
           if (show.error_px(c.projector) > before[c.projector] + kWrong_px) ++wrong_here;
         }

@@ -39,8 +39,8 @@ class Healing {
     if (stub_->GetShown(&context, request, &reply).ok() && reply.moments_size() > 0) ++answers;
     moment_.now += kStepEvery;
     moment_.shown.clear();
-    for (ShownUntil& until : moment_.until) until.at += kStepEvery;
-    for (CameraPicture& seen : moment_.seen) {
+    for (healing::ShownUntil& until : moment_.until) until.at += kStepEvery;
+    for (healing::CameraPicture& seen : moment_.seen) {
       seen.opened += kStepEvery;
       seen.closed += kStepEvery;
     }
@@ -52,7 +52,7 @@ class Healing {
   SteadyClock clock_;
   std::unique_ptr<wire::ShownPictures::Stub> stub_;
   BumpedShow& show_;
-  ShowMoment moment_;
+  healing::ShowMoment moment_;
 };
 
 double p99_ms(std::vector<double> intervals) { return percentile(std::move(intervals), 0.99); }
@@ -66,7 +66,7 @@ std::optional<Pacing> measure_pacing(const ShowContent& content, bool is_quick) 
     if (!made->step()) return std::nullopt;
   }
   const auto tour = FakeTour::start();
-  DisplayOptions options;
+  display::DisplayOptions options;
   options.installation = demo_room();
   options.tour = tour->address();
   options.width_px = 2048;
@@ -75,14 +75,14 @@ std::optional<Pacing> measure_pacing(const ShowContent& content, bool is_quick) 
   std::array<std::vector<double>, 2> intervals_ms;
   std::optional<TimePoint> last;
   bool was_on = false;
-  options.on_refresh = [&](const RefreshEvent& event) {
+  options.on_refresh = [&](const display::RefreshEvent& event) {
     const bool on = is_on;
     if (last && on == was_on) intervals_ms[on ? 1 : 0].push_back(to_milliseconds(event.presented.at - *last));
     last = event.presented.at;
     was_on = on;
   };
   const SteadyClock clock;
-  auto display = Display::start(std::move(options), clock);
+  auto display = display::Display::start(std::move(options), clock);
   if (!display) return std::nullopt;
   std::atomic<bool> is_over{false};
   std::thread serving([&] {

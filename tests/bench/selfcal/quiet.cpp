@@ -31,9 +31,9 @@ Result<Json> quiet_hour(const ShowContent& content, std::uint32_t seed, Duration
   const double period_s = std::chrono::duration<double>(period).count();
   for (int i = 0; i < steps; ++i) {
     show.set_turn(turn_at(i) * 0.25 / period_s);
-    TRY_ASSIGN(const ShowReport report, show.step());
+    TRY_ASSIGN(const healing::ShowReport report, show.step());
     alarms += report.noticed.size();
-    for (const Correction& c : report.corrections) record["corrections_px"].push_back(c.moved_px);
+    for (const healing::Correction& c : report.corrections) record["corrections_px"].push_back(c.moved_px);
     for (const std::string& line : report.log) fmt::print(stderr, "{}: {}\n", seed, line);
     for (std::size_t k = 0; k < show.projector_count(); ++k)
       record["errors_px"].push_back(std::round(1e4 * show.error_px(k)) / 1e4);
@@ -109,7 +109,7 @@ int drift(const ShowContent& content, const DriftSeries& series) {
   std::vector<double> others;
   int corrections = 0;
   int wrong = 0;
-  PoseStep creep = PoseStep::Zero();
+  calibration::PoseStep creep = calibration::PoseStep::Zero();
   creep[1] = 0.01 / show.calibrator().applied().projectors[1].lens.focal_u_px;
   for (int i = 0; i < series.minutes * 60 * series.looks_per_s; ++i) {
     if (i % looks_per_step == looks_per_step / 2) show.bump(1, creep);
@@ -119,7 +119,7 @@ int drift(const ShowContent& content, const DriftSeries& series) {
     const auto report = show.step();
     if (!report) return 1;
     for (const std::string& line : report->log) fmt::print(stderr, "{}\n", line);
-    for (const Correction& c : report->corrections) {
+    for (const healing::Correction& c : report->corrections) {
       wrong += show.error_px(c.projector) > before[c.projector] + kWrong_px ? 1 : 0;
       corrections += c.projector == 1 ? 1 : 0;
       fmt::print(stderr, "  off before {:.3f} px, then {:.3f} px\n", before[c.projector], show.error_px(c.projector));

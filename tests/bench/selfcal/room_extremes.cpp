@@ -28,19 +28,19 @@ ShowContent darker(const ShowContent& content, double times) {
 }
 
 /// Reports of what was shown come a step later than they should.
-std::function<void(ShowMoment*)> late() {
-  auto waiting = std::make_shared<ShowMoment>();
-  return [waiting](ShowMoment* moment) {
+std::function<void(healing::ShowMoment*)> late() {
+  auto waiting = std::make_shared<healing::ShowMoment>();
+  return [waiting](healing::ShowMoment* moment) {
     std::swap(waiting->shown, moment->shown);
     std::swap(waiting->until, moment->until);
   };
 }
 
 /// What was told before is told again, and photographs come twice.
-std::function<void(ShowMoment*)> repeated() {
-  auto before = std::make_shared<ShowMoment>();
-  return [before](ShowMoment* moment) {
-    const ShowMoment now = *moment;
+std::function<void(healing::ShowMoment*)> repeated() {
+  auto before = std::make_shared<healing::ShowMoment>();
+  return [before](healing::ShowMoment* moment) {
+    const healing::ShowMoment now = *moment;
     moment->shown.insert(moment->shown.end(), before->shown.begin(), before->shown.end());
     moment->shown.insert(moment->shown.end(), now.shown.begin(), now.shown.end());
     if (!before->seen.empty()) moment->seen.push_back(before->seen.front());
@@ -49,17 +49,17 @@ std::function<void(ShowMoment*)> repeated() {
 }
 
 /// Every fourth report is lost; the next one's number tells.
-std::function<void(ShowMoment*)> missing() {
+std::function<void(healing::ShowMoment*)> missing() {
   auto count = std::make_shared<int>(0);
-  return [count](ShowMoment* moment) {
-    std::erase_if(moment->shown, [&](const ShownPicture&) { return ++*count % 4 == 0; });
+  return [count](healing::ShowMoment* moment) {
+    std::erase_if(moment->shown, [&](const healing::ShownPicture&) { return ++*count % 4 == 0; });
   };
 }
 
 /// The cameras' clock is behind that of the displays.
-std::function<void(ShowMoment*)> behind(Duration by) {
-  return [by](ShowMoment* moment) {
-    for (CameraPicture& seen : moment->seen) {
+std::function<void(healing::ShowMoment*)> behind(Duration by) {
+  return [by](healing::ShowMoment* moment) {
+    for (healing::CameraPicture& seen : moment->seen) {
       seen.opened -= by;
       seen.closed -= by;
     }
@@ -67,7 +67,7 @@ std::function<void(ShowMoment*)> behind(Duration by) {
 }
 
 std::vector<Case> cases(const ShowContent& content) {
-  const auto told = [](const std::function<std::function<void(ShowMoment*)>()>& teller) {
+  const auto told = [](const std::function<std::function<void(healing::ShowMoment*)>()>& teller) {
     return [teller](BumpedShow* show) {
       show->set_turn(0.03);
       show->set_teller(teller());
@@ -116,9 +116,9 @@ Result<Outcome> run(const Case& one, const ShowContent& content) {
     for (int i = 0; i < count; ++i) {
       std::vector<double> before;
       for (std::size_t k = 0; k < show.projector_count(); ++k) before.push_back(show.error_px(k));
-      TRY_ASSIGN(const ShowReport report, show.step());
+      TRY_ASSIGN(const healing::ShowReport report, show.step());
       for (const std::string& line : report.log) fmt::print(stderr, "{}: {}\n", one.name, line);
-      for (const Correction& c : report.corrections) {
+      for (const healing::Correction& c : report.corrections) {
         ++outcome.corrections;
         outcome.wrong += show.error_px(c.projector) > before[c.projector] + kWrong_px ? 1 : 0;
       }
@@ -131,14 +131,14 @@ Result<Outcome> run(const Case& one, const ShowContent& content) {
   TRY(steps(14));
   one.begin(&show);
   TRY(steps(8));
-  PoseStep bump = PoseStep::Zero();
+  calibration::PoseStep bump = calibration::PoseStep::Zero();
   bump[1] = 0.006;
   bump[3] = 0.004;
   show.bump(1, bump);
   outcome.bumped_px = show.error_px(1);
   TRY(steps(16));
   outcome.after_px = show.error_px(1);
-  for (const Look& look : show.calibrator().looks()) outcome.edges += look.edges.size();
+  for (const healing::CameraObservation& look : show.calibrator().looks()) outcome.edges += look.edges.size();
   return outcome;
 }
 

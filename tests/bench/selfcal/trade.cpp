@@ -7,7 +7,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "appliance/healing/estimator/observations.h"
+#include "appliance/healing/estimator/patch_observations.h"
 #include "tests/bench/selfcal/selfcal_benches.h"
 
 namespace cyclorama {
@@ -56,18 +56,19 @@ std::vector<Setting> points(bool is_quick) {
   return all;
 }
 
-PoseStep turn_of(BumpedShow& show, std::size_t projector, double px) {
-  PoseStep step = PoseStep::Zero();
+calibration::PoseStep turn_of(BumpedShow& show, std::size_t projector, double px) {
+  calibration::PoseStep step = calibration::PoseStep::Zero();
   step[1] = px / show.calibrator().believed().projectors[projector].lens.focal_u_px;
   return step;
 }
 
 /// Over how long a time the filter takes its mean: its variance over what a second adds.
-double window_s(BumpedShow& show, double sigma_px, const PoseFilter::Walk& walk) {
-  const ShowCalibration& room = show.calibrator().believed();
-  PoseStep each;
+double window_s(BumpedShow& show, double sigma_px, const healing::PoseFilter::Walk& walk) {
+  const calibration::ShowCalibration& room = show.calibrator().believed();
+  calibration::PoseStep each;
   each << Eigen::Vector3d::Constant(walk.turn_rad), Eigen::Vector3d::Constant(walk.shift_m);
-  const double second_px = pixel_motion(room, room.projectors[1]).sigma_px(PoseMatrix(each.cwiseAbs2().asDiagonal()));
+  const double second_px =
+      healing::pixel_motion(room, room.projectors[1]).sigma_px(calibration::PoseMatrix(each.cwiseAbs2().asDiagonal()));
   return sigma_px * sigma_px / (second_px * second_px);
 }
 
@@ -78,12 +79,12 @@ Result<Json> one_case(const BumpedShowOptions& options, const ShowContent& conte
   for (int i = 0; i < 14 || (!show.calibrator().is_settled() && i < 60); ++i) TRY(show.step());
   Json record{{"wrong", 0}, {"errors_px", Json::array()}, {"healed_s", Json::array()}, {"after_px", Json::array()}};
   int wrong = 0;
-  ShowReport report;
+  healing::ShowReport report;
   const auto step = [&]() -> Status {
     std::vector<double> before;
     for (std::size_t k = 0; k < show.projector_count(); ++k) before.push_back(show.error_px(k));
     TRY_ASSIGN(report, show.step());
-    for (const Correction& c : report.corrections)
+    for (const healing::Correction& c : report.corrections)
       wrong += show.error_px(c.projector) > before[c.projector] + kWrong_px ? 1 : 0;
     return Done{};
   };
@@ -101,8 +102,9 @@ Result<Json> one_case(const BumpedShowOptions& options, const ShowContent& conte
   record["cpu_ms"] = 1e3 * (show.calibrator_cpu_s() - begun) / drifts;
   record["window_s"] = window_s(show, report.projectors[1].sigma_px, options.calibrator.walk);
   double patches = 0.0;
-  for (const Look& look : show.calibrator().looks())
-    patches += static_cast<double>(std::ranges::count(look.patches, PatchFit::kFits, &PatchShift::fit));
+  for (const healing::CameraObservation& look : show.calibrator().looks())
+    patches +=
+        static_cast<double>(std::ranges::count(look.patches, healing::PatchFit::kFits, &healing::PatchShift::fit));
   record["patches"] = patches;
   show.set_period(options.period);
   show.set_turn(0.0);

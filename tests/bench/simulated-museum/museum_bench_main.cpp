@@ -21,8 +21,8 @@ RgbImage stripes(const Pinhole& lens, int bit, bool is_inverse) {
   RgbImage picture(lens.width_px, lens.height_px);
   for (int y = 0; y < lens.height_px; ++y) {
     for (int x = 0; x < lens.width_px; ++x) {
-      const int place = bit % 2 == 0 ? x : y;
-      const int gray = place ^ (place >> 1);
+      const int position = bit % 2 == 0 ? x : y;
+      const int gray = position ^ (position >> 1);
       const bool is_lit = ((gray >> (bit / 2)) & 1) != (is_inverse ? 1 : 0);
       std::fill_n(picture.at(x, y), 3, static_cast<std::uint8_t>(is_lit ? 255 : 0));
     }
@@ -52,11 +52,11 @@ struct Times {
   double calibration_s = 0.0;  ///< 12 directions of 60 patterns on all projectors at once.
 };
 
-Result<Times> measure(const Preset& preset, int directions, int patterns, bool is_whole) {
+Result<Times> measure(const simulated::Preset& preset, int directions, int patterns, bool is_whole) {
   const SteadyClock clock;
   Times times;
   TimePoint begun = clock.now();
-  TRY_ASSIGN(SimulatedMuseum museum, SimulatedMuseum::make(preset.installation, preset.truth));
+  TRY_ASSIGN(simulated::SimulatedMuseum museum, simulated::SimulatedMuseum::make(preset.installation, preset.truth));
   times.make_s = to_seconds(clock.now() - begun);
   std::vector<RgbImage> pictures;
   for (int i = 0; i < patterns; ++i)
@@ -67,20 +67,20 @@ Result<Times> measure(const Preset& preset, int directions, int patterns, bool i
     museum.turn_to((d - 0.5 * (directions - 1)) * std::numbers::pi / 18.0);
     // The first photograph finds out where everything is; what it shows is not new.
     begun = clock.now();
-    TRY_ASSIGN(const GreyPhotograph first, museum.photograph_grey(1.0 / 30.0));
+    TRY_ASSIGN(const simulated::GreyPhotograph first, museum.photograph_grey(1.0 / 30.0));
     pose_s += to_seconds(clock.now() - begun);
     begun = clock.now();
     for (const RgbImage& picture : pictures) {
       for (std::size_t i = 0; i < museum.projector_count(); ++i) TRY(museum.show(i, picture));
       museum.settle();
-      TRY_ASSIGN(const GreyPhotograph seen, museum.photograph_grey(1.0 / 30.0));
+      TRY_ASSIGN(const simulated::GreyPhotograph seen, museum.photograph_grey(1.0 / 30.0));
     }
     photograph_s += to_seconds(clock.now() - begun);
   }
   begun = clock.now();
   for (std::size_t i = 0; i < museum.projector_count(); ++i) TRY(museum.show(i, pictures[0]));
   museum.settle();
-  TRY_ASSIGN(const RgbPhotograph colour, museum.photograph_colour(1.0 / 30.0));
+  TRY_ASSIGN(const simulated::RgbPhotograph colour, museum.photograph_colour(1.0 / 30.0));
   times.colour_ms = 1e3 * to_seconds(clock.now() - begun);
   times.grey_ms = 1e3 * photograph_s / directions / patterns;
   times.pose_ms = 1e3 * pose_s / directions - times.grey_ms;
@@ -89,13 +89,13 @@ Result<Times> measure(const Preset& preset, int directions, int patterns, bool i
   return times;
 }
 
-Status take_pictures(const std::string& name, const Preset& preset, const std::filesystem::path& folder) {
-  TRY_ASSIGN(SimulatedMuseum museum, SimulatedMuseum::make(preset.installation, preset.truth));
+Status take_pictures(const std::string& name, const simulated::Preset& preset, const std::filesystem::path& folder) {
+  TRY_ASSIGN(simulated::SimulatedMuseum museum, simulated::SimulatedMuseum::make(preset.installation, preset.truth));
   for (std::size_t i = 0; i < museum.projector_count(); ++i)
     TRY(museum.show(i, chart(preset.installation.projectors[i].lens, i)));
   museum.settle();
-  TRY_ASSIGN(const RgbPhotograph seen, museum.photograph_colour(0.1));
-  return write_png(folder / (name + ".png"), to_8_bits(seen, museum.camera_bits()));
+  TRY_ASSIGN(const simulated::RgbPhotograph seen, museum.photograph_colour(0.1));
+  return write_png(folder / (name + ".png"), simulated::to_8_bits(seen, museum.camera_bits()));
 }
 
 Status run(bool is_quick, const std::string& pictures) {
@@ -103,9 +103,9 @@ Status run(bool is_quick, const std::string& pictures) {
   if (pictures.empty())
     fmt::print("{:<20} {:>7} {:>9} {:>15} {:>10} {:>14}\n", "room", "make, s", "pose, ms", "photograph, ms",
                "colour, ms", "12 x 60, s");
-  for (const std::string& name : preset_names()) {
-    PresetOptions options;
-    TRY_ASSIGN(const Preset preset, make_preset(name, 1, options));
+  for (const std::string& name : simulated::preset_names()) {
+    simulated::PresetOptions options;
+    TRY_ASSIGN(const simulated::Preset preset, simulated::make_preset(name, 1, options));
     if (!pictures.empty()) {
       TRY(take_pictures(name, preset, pictures));
       continue;

@@ -14,7 +14,7 @@ namespace cyclorama {
 namespace {
 
 constexpr std::array kDistancesM{0.6, 1.0, 1.5, 2.0, 2.5};
-constexpr double kMostYawDeg = 60.0;
+constexpr double kMaxYawDeg = 60.0;
 
 /// Ten pictures of one scene, at each distance.
 using Scenes = std::array<PoseRun, kDistancesM.size()>;
@@ -30,8 +30,8 @@ Scenes run_scene(const HandStudio& studio, std::uint64_t index, std::uint64_t sc
   Scenes runs;
   for (std::size_t d = 0; d < runs.size(); ++d) {
     const std::uint64_t number = d * scenes + index;
-    auto search = TagSearch::create({});
-    add_scene(studio, HandScene::sampled(number, kDistancesM[d], kMostYawDeg), number, {}, &*search, &runs[d]);
+    auto search = tags::TagSearch::create({});
+    add_scene(studio, HandScene::sampled(number, kDistancesM[d], kMaxYawDeg), number, {}, &*search, &runs[d]);
   }
   return runs;
 }
@@ -92,7 +92,7 @@ void print_by_yaw(const Scenes& runs) {
   std::printf("\nyaw sd (deg) by true yaw:   0-15    15-30   30-45   45-60\n");
   for (std::size_t d = 0; d < runs.size(); ++d) {
     std::printf("%5.1f m                  ", kDistancesM[d]);
-    for (double from = 0.0; from < kMostYawDeg; from += 15.0) {
+    for (double from = 0.0; from < kMaxYawDeg; from += 15.0) {
       PoseRun part;
       for (const PoseError& e : runs[d].errors) {
         if (std::abs(e.true_yaw_deg) >= from && std::abs(e.true_yaw_deg) < from + 15.0) part.errors.push_back(e);
@@ -111,7 +111,7 @@ nlohmann::json measure_pose(int frames, int threads, const std::string& keep, do
   std::printf(
       "Standard wand, 640x480, f = 600 px, |yaw| to %.0f deg, unfiltered; blur, noise, dim light, a finger on a "
       "tag (1 in 4), a second wand (1 in 4)\n",
-      kMostYawDeg);
+      kMaxYawDeg);
   std::printf("distance   frames   lost  other's  yaw sd  yaw bias   p99   flips   x sd     error/claimed\n");
   const auto scenes = static_cast<std::uint64_t>(frames / (kPicturesOfScene * static_cast<int>(kDistancesM.size())));
   KeptScenes kept(keep);

@@ -32,14 +32,15 @@ struct PoseRun {
 inline constexpr int kPicturesOfScene = 10;
 
 inline void add_scene(const HandStudio& studio, const HandScene& scene, std::uint64_t number,
-                      const TrackingSettings& settings, TagSearch* search, PoseRun* run) {
-  TrackingState state;
+                      const tracker::TrackingSettings& settings, tags::TagSearch* search, PoseRun* run) {
+  tracker::TrackingState state;
   for (int i = 0; i < kPicturesOfScene; ++i) {
     const GreyImage picture = studio.picture(scene, i, number * kPicturesOfScene + static_cast<std::uint64_t>(i));
     const double began = thread_cpu_seconds();
     const auto found = search->search(picture);
-    const TrackingResult result = track(settings, state, found ? *found : std::vector<TagDetection>{}, studio.lens(),
-                                        after(static_cast<double>(number) * 10.0 + i / HandScene::kPicturesPerSecond));
+    const tracker::TrackingResult result =
+        tracker::track(settings, state, found ? *found : std::vector<tags::TagDetection>{}, studio.lens(),
+                       after(static_cast<double>(number) * 10.0 + i / HandScene::kPicturesPerSecond));
     run->seconds.push_back(thread_cpu_seconds() - began);
     state = result.state;
     ++run->pictures;
@@ -49,9 +50,9 @@ inline void add_scene(const HandStudio& studio, const HandScene& scene, std::uin
       continue;
     }
     const HandPose truth = scene.truth(i);
-    const T_CameraTag& pose = result.tag->chosen.pose.T_camera_tag;
-    const double yaw = std::remainder(yaw_rad(pose) - yaw_rad(truth), 2.0 * 3.141592653589793);
-    run->errors.push_back({yaw_rad(truth) / kDegree, yaw / kDegree,
+    const tracker::T_CameraTag& pose = result.tag->chosen.pose.T_camera_tag;
+    const double yaw = std::remainder(tracker::yaw_rad(pose) - tracker::yaw_rad(truth), 2.0 * 3.141592653589793);
+    run->errors.push_back({tracker::yaw_rad(truth) / kDegree, yaw / kDegree,
                            1e3 * (pose.translation().x() - truth.translation().x()),
                            yaw / std::sqrt(std::max(1e-12, result.tag->covariance(1, 1))), result.tag->seen.size()});
   }

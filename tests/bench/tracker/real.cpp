@@ -31,9 +31,9 @@ std::vector<Listed> list_of(const std::filesystem::path& file) {
   return listed;
 }
 
-double distance_px(const std::vector<TagDetection>& found, const Listed& listed) {
+double distance_px(const std::vector<tags::TagDetection>& found, const Listed& listed) {
   double best = 1e9;
-  for (const TagDetection& tag : found) {
+  for (const tags::TagDetection& tag : found) {
     double worst = tag.id == listed.id ? 0.0 : 1e9;
     for (std::size_t i = 0; i < 4; ++i) worst = std::max(worst, (tag.corners[i] - listed.corners[i]).norm());
     best = std::min(best, worst);
@@ -47,14 +47,14 @@ double distance_px(const std::vector<TagDetection>& found, const Listed& listed)
 nlohmann::json corner_deviations(const std::filesystem::path& folder) {
   const Pinhole lens{640, 480, 338.56, 336.455, 230.487, 338.563 / 338.939};  // test_info.yaml
   std::vector<double> squares, excess;
-  auto detector = TagSearch::create({.decimate = 1.0, .tiles = false});
+  auto detector = tags::TagSearch::create({.decimate = 1.0, .tiles = false});
   for (const char* const name : {"01", "02", "03", "04", "05"}) {
     const auto photo = read_grey_image(folder / (std::string("test_image_multiple_") + name + ".png"), kPhotoLimitPx);
     if (!photo || !detector || photo->width() != lens.width_px) continue;
     const auto found = detector->search(*photo);
     if (!found) continue;
-    for (const TagDetection& tag : *found) {
-      const auto poses = estimate_poses(tag.corners, 0.065, lens);
+    for (const tags::TagDetection& tag : *found) {
+      const auto poses = tracker::estimate_poses(tag.corners, 0.065, lens);
       if (!poses) continue;
       const double left = 4.0 * poses->best.reprojection_px * poses->best.reprojection_px;
       double claimed = 0.0;
@@ -111,27 +111,27 @@ nlohmann::json measure_real() {
   std::printf(
       "%zu photos, each shown %d times: tags found in the first and in the last picture, corners against the "
       "lists, milliseconds per picture\n",
-      photos.size(), 2 * TagSearch::kJobs);
+      photos.size(), 2 * tags::TagSearch::kJobs);
   for (const Way& way :
        {Way{"decimation 1", 1.0, false, true}, Way{"decimation 2", 2.0, false, true}, Way{"2, tiles", 2.0, true, true},
         Way{"1.5, tiles", 1.5, true, true}, Way{"1.5, tiles, refined", 1.5, true, false}}) {
-    DetectorSettings settings;
+    tags::DetectorSettings settings;
     settings.decimate = way.decimate;
     settings.tiles = way.tiles;
-    settings.most_hamming = 2;
-    settings.least_margin = 0.0;
+    settings.max_hamming = 2;
+    settings.min_margin = 0.0;
     settings.refine_edges = !way.own_corners;
     settings.refine_corners = !way.own_corners;
     int listed = 0, first = 0, last = 0;
     double largest = 0.0;
     std::vector<double> ms;
     for (const auto& [photo, tags] : photos) {
-      auto search = TagSearch::create(settings);
-      for (int i = 0; i < 2 * TagSearch::kJobs; ++i) {
+      auto search = tags::TagSearch::create(settings);
+      for (int i = 0; i < 2 * tags::TagSearch::kJobs; ++i) {
         const double began = thread_cpu_seconds();
         const auto found = search->search(photo);
         ms.push_back(1e3 * (thread_cpu_seconds() - began));
-        if (i != 0 && i != 2 * TagSearch::kJobs - 1) continue;
+        if (i != 0 && i != 2 * tags::TagSearch::kJobs - 1) continue;
         for (const Listed& tag : tags) {
           const double distance = distance_px(*found, tag);
           if (distance > 2.0) continue;
@@ -150,7 +150,7 @@ nlohmann::json measure_real() {
                               {"found", last},
                               {"max_corner_px", largest},
                               {"median_ms", median}});
-    if (way.tiles && way.own_corners && way.decimate == DetectorSettings().decimate) {
+    if (way.tiles && way.own_corners && way.decimate == tags::DetectorSettings().decimate) {
       result["listed"] = listed;
       result["found"] = last;
       result["max_corner_px"] = largest;
@@ -162,15 +162,15 @@ nlohmann::json measure_real() {
 }
 
 nlohmann::json measure_speed(int pictures) {
-  Simulation simulation;
-  const SimulatedView view(simulation);
+  simulated::Simulation simulation;
+  const simulated::SimulatedView view(simulation);
   nlohmann::json result;
   std::printf("The demo's hand, 640x480, one thread, search and pose, %d pictures\n", pictures);
   for (const bool tiles : {false, true}) {
-    DetectorSettings settings;
+    tags::DetectorSettings settings;
     settings.tiles = tiles;
-    auto search = TagSearch::create(settings);
-    TrackingState state;
+    auto search = tags::TagSearch::create(settings);
+    tracker::TrackingState state;
     std::vector<double> ms;
     int tracked = 0;
     for (int i = 0; i < pictures; ++i) {
@@ -178,7 +178,7 @@ nlohmann::json measure_speed(int pictures) {
       const GreyImage picture = view.picture(static_cast<std::uint64_t>(time_s * simulation.frames_per_second));
       const double began = thread_cpu_seconds();
       const auto found = search->search(picture);
-      const TrackingResult r = track({}, state, *found, simulation.lens, after(time_s));
+      const tracker::TrackingResult r = tracker::track({}, state, *found, simulation.lens, after(time_s));
       ms.push_back(1e3 * (thread_cpu_seconds() - began));
       state = r.state;
       tracked += r.tag ? 1 : 0;

@@ -43,14 +43,14 @@ struct HandScene {
 
   static constexpr double kPicturesPerSecond = 30.0;
 
-  /// `most_yaw_deg`: to both sides.
-  static HandScene sampled(std::uint64_t index, double distance_m, double most_yaw_deg) {
+  /// `max_yaw_deg`: to both sides.
+  static HandScene sampled(std::uint64_t index, double distance_m, double max_yaw_deg) {
     std::size_t dimension = 0;
-    const auto between = [&](double least, double most) { return least + (most - least) * halton(index, dimension++); };
+    const auto between = [&](double min, double max) { return min + (max - min) * halton(index, dimension++); };
     HandScene scene{};
     const double side = 0.2 * std::min(distance_m, 1.5);
     scene.position_m = {between(-side, side), between(-0.6 * side, 0.6 * side), distance_m};
-    scene.yaw_rad = between(-most_yaw_deg, most_yaw_deg) * kDegree;
+    scene.yaw_rad = between(-max_yaw_deg, max_yaw_deg) * kDegree;
     scene.pitch_rad = between(-12.0, 22.0) * kDegree;
     scene.roll_rad = between(-12.0, 12.0) * kDegree;
     scene.speed_m_s = {between(-0.25, 0.25), between(-0.15, 0.15), 0.0};
@@ -67,32 +67,32 @@ struct HandScene {
   }
 
   [[nodiscard]] HandPose pose_at(double time_s) const {
-    const KeyPose key{0.0, position_m + time_s * speed_m_s, yaw_rad + time_s * yaw_rate,
-                      pitch_rad + time_s * pitch_rate, roll_rad};
-    return {rotation_of(key), key.position_m};
+    const simulated::KeyPose key{0.0, position_m + time_s * speed_m_s, yaw_rad + time_s * yaw_rate,
+                                 pitch_rad + time_s * pitch_rate, roll_rad};
+    return {simulated::rotation_of(key), key.position_m};
   }
   /// What a pose is compared with: the middle of the exposure.
   [[nodiscard]] HandPose truth(int picture) const { return pose_at(picture / kPicturesPerSecond + 0.5 * exposure_s); }
 };
 
-/// Draws scenes. Reentrant.
+/// RandomStream scenes. Reentrant.
 class HandStudio {
  public:
   explicit HandStudio(Wand wand = standard_wand(0), const Pinhole& lens = kBenchLens)
       : wand_(std::move(wand)), lens_(lens), painter_(wand_), company_(standard_wand(1)) {
     for (unsigned seed = 1; seed <= 4; ++seed) {
-      Simulation simulation;
+      simulated::Simulation simulation;
       simulation.lens = lens;
       simulation.seed = seed;
       simulation.noise_grey = 0.0;
-      simulation.path = *HandPath::make({KeyPose{0.0, {0, 0, -1}, 0, 0, 0}}, std::nullopt);
-      const GreyImage drawn = SimulatedView(simulation).picture(0);
+      simulation.path = *simulated::HandPath::make({simulated::KeyPose{0.0, {0, 0, -1}, 0, 0, 0}}, std::nullopt);
+      const GreyImage drawn = simulated::SimulatedView(simulation).picture(0);
       Image<float, 1> light(drawn.width(), drawn.height());
       std::copy(drawn.data().begin(), drawn.data().end(), light.data().begin());
       backdrops_.push_back(std::move(light));
     }
     for (int level = 0; level <= kNoiseLevels; ++level) {
-      sensors_.emplace_back(kMostNoise * level / kNoiseLevels, static_cast<std::uint32_t>(level));
+      sensors_.emplace_back(kMaxNoise * level / kNoiseLevels, static_cast<std::uint32_t>(level));
     }
   }
 
@@ -103,23 +103,24 @@ class HandStudio {
     const double opens_s = picture / HandScene::kPicturesPerSecond;
     if (scene.has_company) {
       HandPose other = scene.pose_at(-opens_s);
-      const Eigen::Vector3d place = other.translation();
+      const Eigen::Vector3d position = other.translation();
       company_.paint(
-          {{other.rotation(), {place.x() > 0 ? -0.3 * place.z() : 0.3 * place.z(), -place.y(), 1.3 * place.z()}}},
+          {{other.rotation(),
+            {position.x() > 0 ? -0.3 * position.z() : 0.3 * position.z(), -position.y(), 1.3 * position.z()}}},
           lens_, &light);
     }
     std::vector<HandPose> moments;
     for (int i = 0; i < 4; ++i) moments.push_back(scene.pose_at(opens_s + scene.exposure_s * (i + 0.5) / 4));
     painter_.paint(moments, lens_, &light);
     if (scene.is_covered) cover(scene, scene.truth(picture), &light);
-    const auto level = static_cast<std::size_t>(std::lround(scene.noise_grey / kMostNoise * kNoiseLevels));
+    const auto level = static_cast<std::size_t>(std::lround(scene.noise_grey / kMaxNoise * kNoiseLevels));
     return sensors_[std::min(level, sensors_.size() - 1)].expose(light, scene.brightness, number);
   }
   [[nodiscard]] const Pinhole& lens() const { return lens_; }
 
  private:
   static constexpr int kNoiseLevels = 12;
-  static constexpr double kMostNoise = 6.0;
+  static constexpr double kMaxNoise = 6.0;
 
   /// A finger's tip, 18 mm across, on a corner of a tag.
   void cover(const HandScene& scene, const HandPose& pose, Image<float, 1>* light) const {
@@ -142,10 +143,10 @@ class HandStudio {
 
   Wand wand_;
   Pinhole lens_;
-  TagPainter painter_;
-  TagPainter company_;
+  simulated::TagPainter painter_;
+  simulated::TagPainter company_;
   std::vector<Image<float, 1>> backdrops_;
-  std::vector<Sensor> sensors_;
+  std::vector<simulated::Sensor> sensors_;
 };
 
 }  // namespace cyclorama

@@ -12,22 +12,22 @@ namespace {
 /// Poses as the tracker measures them, before the filter, with the truth.
 struct Measured {
   double time_s;
-  T_CameraTag pose, truth;
+  tracker::T_CameraTag pose, truth;
 };
 
-std::vector<Measured> measured_along(const HandPath& path, double seconds) {
-  Simulation simulation;
+std::vector<Measured> measured_along(const simulated::HandPath& path, double seconds) {
+  simulated::Simulation simulation;
   simulation.lens = kBenchLens;
   simulation.path = path;
   simulation.noise_grey = 2.5;
-  const SimulatedView view(simulation);
-  auto search = TagSearch::create({});
-  TrackingState state;
+  const simulated::SimulatedView view(simulation);
+  auto search = tags::TagSearch::create({});
+  tracker::TrackingState state;
   std::vector<Measured> measured;
   for (int i = 0; i < static_cast<int>(seconds * simulation.frames_per_second); ++i) {
     const double time_s = i / simulation.frames_per_second;
     const auto found = search->search(view.picture(static_cast<std::uint64_t>(i)));
-    const TrackingResult result = track({}, state, *found, simulation.lens, after(time_s));
+    const tracker::TrackingResult result = tracker::track({}, state, *found, simulation.lens, after(time_s));
     state = result.state;
     if (!result.tag) continue;
     measured.push_back({time_s, result.tag->chosen.pose.T_camera_tag, path.at(time_s + 0.5 * simulation.exposure_s)});
@@ -35,8 +35,8 @@ std::vector<Measured> measured_along(const HandPath& path, double seconds) {
   return measured;
 }
 
-HandPath path_of(std::vector<KeyPose> keys, std::optional<double> loop_s) {
-  return *HandPath::make(std::move(keys), loop_s);
+simulated::HandPath path_of(std::vector<simulated::KeyPose> keys, std::optional<double> loop_s) {
+  return *simulated::HandPath::make(std::move(keys), loop_s);
 }
 
 struct FilterFigures {
@@ -67,7 +67,7 @@ FilterFigures figures_of(const std::vector<Measured>& moving, const std::vector<
   return figures;
 }
 
-double yaw_of(const Eigen::Quaterniond& rotation) { return yaw_rad({rotation, {0, 0, 1}}) / kDegree; }
+double yaw_of(const Eigen::Quaterniond& rotation) { return tracker::yaw_rad({rotation, {0, 0, 1}}) / kDegree; }
 
 /// `far`: at rest as well, twice as far away, where there is more to filter.
 nlohmann::json filter_curve(const std::vector<Measured>& moving, const std::vector<Measured>& resting,
@@ -78,13 +78,13 @@ nlohmann::json filter_curve(const std::vector<Measured>& moving, const std::vect
   for (const double cutoff : {0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 1000.0}) {
     for (const double slope : {0.0, 5.0, 20.0, 60.0, 200.0}) {
       if (cutoff == 1000.0 && slope > 0.0) continue;
-      const OneEuroSettings turning{cutoff, slope, 1.0};
-      const OneEuroSettings sliding{cutoff, 2.0 * slope, 1.0};
+      const tracker::OneEuroSettings turning{cutoff, slope, 1.0};
+      const tracker::OneEuroSettings sliding{cutoff, 2.0 * slope, 1.0};
       const auto turn = [&](const std::vector<Measured>& run) {
         std::vector<double> out;
-        std::optional<FilteredRotation> state;
+        std::optional<tracker::FilteredRotation> state;
         for (const Measured& m : run) {
-          state = filter(turning, state, m.pose.rotation(), after(m.time_s));
+          state = tracker::filter(turning, state, m.pose.rotation(), after(m.time_s));
           out.push_back(yaw_of(state->value));
         }
         return out;
@@ -96,9 +96,9 @@ nlohmann::json filter_curve(const std::vector<Measured>& moving, const std::vect
           moving, resting,
           [&](const std::vector<Measured>& run) {
             std::vector<double> out;
-            std::optional<FilteredPosition> state;
+            std::optional<tracker::FilteredPosition> state;
             for (const Measured& m : run) {
-              state = filter(sliding, state, m.pose.translation(), after(m.time_s));
+              state = tracker::filter(sliding, state, m.pose.translation(), after(m.time_s));
               out.push_back(1e3 * state->value.x());
             }
             return out;
@@ -120,14 +120,14 @@ nlohmann::json filter_curve(const std::vector<Measured>& moving, const std::vect
   return points;
 }
 
-nlohmann::json search_curve(const char* knob, double value, const Wand& wand, const DetectorSettings& settings,
+nlohmann::json search_curve(const char* knob, double value, const Wand& wand, const tags::DetectorSettings& settings,
                             int scenes, double distance_m = 2.0) {
-  TrackingSettings tracking;
+  tracker::TrackingSettings tracking;
   tracking.patterns.wands = {wand};
   const HandStudio studio(wand);
   PoseRun run;
   for (int i = 0; i < scenes; ++i) {
-    auto search = TagSearch::create(settings);
+    auto search = tags::TagSearch::create(settings);
     const auto number = static_cast<std::uint64_t>(i);
     add_scene(studio, HandScene::sampled(number, distance_m, 60.0), number, tracking, &*search, &run);
   }
@@ -156,10 +156,10 @@ nlohmann::json search_curve(const char* knob, double value, const Wand& wand, co
 
 nlohmann::json measure_trade(bool quick, const std::string& only, int wanted_scenes) {
   const auto asked = [&](const char* knob) { return only.empty() || only == knob; };
-  const HandPath sway =
+  const simulated::HandPath sway =
       path_of({{0.0, {0.15, 0.03, 1.0}, 0.5, 0.14, 0.02}, {0.8, {-0.15, 0.03, 1.0}, -0.5, 0.14, -0.02}}, 1.6);
-  const HandPath rest = path_of({{0.0, {0.02, 0.03, 1.0}, 0.2, 0.14, 0.02}}, std::nullopt);
-  const HandPath far = path_of({{0.0, {0.02, 0.03, 2.0}, 0.2, 0.14, 0.02}}, std::nullopt);
+  const simulated::HandPath rest = path_of({{0.0, {0.02, 0.03, 1.0}, 0.2, 0.14, 0.02}}, std::nullopt);
+  const simulated::HandPath far = path_of({{0.0, {0.02, 0.03, 2.0}, 0.2, 0.14, 0.02}}, std::nullopt);
   const double seconds = quick ? 6.0 : 40.0;
   nlohmann::json points = nlohmann::json::array();
   if (asked("filter"))
@@ -170,7 +170,7 @@ nlohmann::json measure_trade(bool quick, const std::string& only, int wanted_sce
   for (const bool tiles : {false, true}) {
     for (const double decimate : {1.0, 1.5, 2.0, 3.0, 4.0}) {
       if (!asked("decimation") || (tiles && decimate == 1.0)) continue;
-      DetectorSettings settings;
+      tags::DetectorSettings settings;
       settings.decimate = decimate;
       settings.tiles = tiles;
       points.push_back(

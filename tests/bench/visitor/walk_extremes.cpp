@@ -30,32 +30,33 @@ struct Case {
   RandomHand::Habits habits{};
   double scale = 1.0;
   double irregular = 0.0;  ///< Part of the steps that are of any other length, backwards too.
-  std::function<void(PoseSeen*)> spoil{};
+  std::function<void(tour::PoseSeen*)> spoil{};
   bool narrow = false;
 };
 
-Site site_of(const Case& at) {
+tour::Site site_of(const Case& at) {
   const auto s = [&](double x, double z) { return Vector2d(at.scale * x, at.scale * z); };
-  Site site;
+  tour::Site site;
   site.walking_scale = at.scale;
-  auto area = at.narrow ? WalkableArea::make({s(-0.1, -3), s(0.1, -3), s(0.1, 0), s(2, 0.1), s(2, 0.3), s(-0.1, 0.2)})
-                        : WalkableArea::make({s(-4, -4), s(4, -4), s(4, -0.5), s(6, -0.5), s(6, -3), s(10, -3),
+  auto area = at.narrow
+                  ? tour::WalkableArea::make({s(-0.1, -3), s(0.1, -3), s(0.1, 0), s(2, 0.1), s(2, 0.3), s(-0.1, 0.2)})
+                  : tour::WalkableArea::make({s(-4, -4), s(4, -4), s(4, -0.5), s(6, -0.5), s(6, -3), s(10, -3),
                                               s(10, 3), s(6, 3), s(6, 0.5), s(4, 0.5), s(4, 4), s(-4, 4)},
                                              {{s(-0.5, -2.5), s(0.5, -2.5), s(0.5, -1.5), s(-0.5, -1.5)}});
   CHECK(area);
-  site.area = std::make_shared<const WalkableArea>(*std::move(area));
-  site.start.place_m = site.area->nearest_allowed(s(0.05, 0.1));
+  site.area = std::make_shared<const tour::WalkableArea>(*std::move(area));
+  site.start.position_m = site.area->nearest_allowed(s(0.05, 0.1));
   site.stops = {{"a", site.area->nearest_allowed(s(3, 3)), 0.5}, {"b", site.area->nearest_allowed(s(8, -2)), -2.0}};
   return site;
 }
 
-ViewPeaks walk_through(const Case& at) {
+tour::ViewPeaks walk_through(const Case& at) {
   RandomHand hand(11, at.habits);
-  NavigationSettings settings;
+  tour::NavigationSettings settings;
   settings.guide_after = 3s;
   TimePoint now(1000s);
-  VisitWalk walk = after({}, SceneOpened{"x", site_of(at)}, now, settings);
-  ViewMeter meter(at.scale);
+  tour::VisitWalk walk = tour::after({}, tour::SceneOpened{"x", site_of(at)}, now, settings);
+  tour::ViewMeter meter(at.scale);
   Duration until_picture{};
   const TimePoint end = now + at.length;
   while (now < end) {
@@ -67,44 +68,44 @@ ViewPeaks walk_through(const Case& at) {
     now += step;
     until_picture -= std::max(step, Duration::zero());
     if (until_picture <= Duration::zero()) {
-      PoseSeen seen = hand.next(at.picture);
+      tour::PoseSeen seen = hand.next(at.picture);
       if (at.spoil) at.spoil(&seen);
-      walk = after(std::move(walk), seen, now, settings);
+      walk = tour::after(std::move(walk), seen, now, settings);
       until_picture = at.picture;
     }
-    walk = after(std::move(walk), Tick{}, now, settings);
-    const Walker& walker = walk.navigation.walker;
-    if (!walk.site.area->allows(walker.place_m)) meter.add({std::nan(""), 0.0}, 0.0, now);
+    walk = tour::after(std::move(walk), tour::Tick{}, now, settings);
+    const tour::Walker& walker = walk.navigation.walker;
+    if (!walk.site.area->allows(walker.position_m)) meter.add({std::nan(""), 0.0}, 0.0, now);
     // Time that runs back, or stands, must not move anything; time that leaps moves as if by kLongestStep.
-    meter.add(walker.place_m, walker.heading_rad, now);
+    meter.add(walker.position_m, walker.heading_rad, now);
   }
   return meter.peaks();
 }
 
 /// The longest from the last picture to rest, over many moments at which the wand is lost.
-double longest_rest_s(int trials) {
+double max_rest_s(int trials) {
   double longest = 0.0;
   for (int trial = 0; trial < trials; ++trial) {
     RandomHand hand(static_cast<std::uint64_t>(trial), {.shake_m = 0.05, .shake_rad = 0.3, .wild = 6.0, .lost = 0.0});
-    NavigationSettings settings;
+    tour::NavigationSettings settings;
     settings.guide_after = Duration::zero();
     TimePoint now(100s);
     Case open;
-    VisitWalk walk = after({}, SceneOpened{"x", site_of(open)}, now, settings);
+    tour::VisitWalk walk = tour::after({}, tour::SceneOpened{"x", site_of(open)}, now, settings);
     TimePoint seen_at = now;
     for (int i = 0; i < 120 + trial % 60; ++i) {
       now += 16'666'667ns;
       if (i % 2 == 0) {
-        walk = after(std::move(walk), hand.next(33ms), now, settings);
+        walk = tour::after(std::move(walk), hand.next(33ms), now, settings);
         seen_at = walk.navigation.tag_seen_at.value_or(now);
       }
-      walk = after(std::move(walk), Tick{}, now, settings);
+      walk = tour::after(std::move(walk), tour::Tick{}, now, settings);
     }
     // Pictures that show no pose are lost ones, too: of a hand that was wild for so long, rest was before.
     if (walk.navigation.walker.is_at_rest()) continue;
     while (!walk.navigation.walker.is_at_rest() && now < seen_at + 5s) {
       now += 16'666'667ns;
-      walk = after(std::move(walk), Tick{}, now, settings);
+      walk = tour::after(std::move(walk), tour::Tick{}, now, settings);
     }
     longest = std::max(longest, to_seconds(now - seen_at));
   }
@@ -112,7 +113,7 @@ double longest_rest_s(int trials) {
 }
 
 /// As of a camera that hangs head down.
-void turn_over(PoseSeen* seen) {
+void turn_over(tour::PoseSeen* seen) {
   seen->position_m[0] = -seen->position_m[0];
   seen->position_m[1] = -seen->position_m[1];
   const auto [w, x, y, z] = seen->rotation;
@@ -144,10 +145,10 @@ int main(int argc, char** argv) {
       {.name = "wand thrown, at 1000 Hz", .step = 1ms, .length = 120s, .picture = 1ms, .habits = thrown_fast});
   cases.push_back({.name = "lost and found all the time", .habits = flicker});
   cases.push_back({.name = "camera upside down", .spoil = turn_over});
-  cases.push_back({.name = "grazing: the pattern at 85 degrees and beyond", .spoil = [](PoseSeen* seen) {
+  cases.push_back({.name = "grazing: the pattern at 85 degrees and beyond", .spoil = [](tour::PoseSeen* seen) {
                      seen->rotation = {std::cos(0.742), 0.0, std::copysign(std::sin(0.742), seen->rotation[2]), 0.0};
                    }});
-  cases.push_back({.name = "numbers that are none", .spoil = [](PoseSeen* seen) {
+  cases.push_back({.name = "numbers that are none", .spoil = [](tour::PoseSeen* seen) {
                      if (seen->sequence % 3 == 0) seen->position_m[seen->sequence % 2] = std::nan("");
                      if (seen->sequence % 5 == 0) seen->rotation[1] = INFINITY;
                    }});
@@ -158,18 +159,19 @@ int main(int argc, char** argv) {
   cases.push_back({.name = "10 views a second", .step = 100ms});
 
   int failures = 0;
-  ViewPeaks all;
+  tour::ViewPeaks all;
   fmt::print("{:46} {:>8} {:>7} {:>8} {:>9} {:>8} {:>9}  {}\n", "case", "walked m", "m/s", "m/s2", "m/s3", "deg/s",
              "deg/s2", "within");
   constexpr double kDegree = std::numbers::pi / 180.0;
   for (const Case& at : cases) {
-    const ViewPeaks peaks = walk_through(at);
+    const tour::ViewPeaks peaks = walk_through(at);
     // Measured from differences of places: rounding takes its part where steps are short and rooms are wide.
     const bool even = at.irregular == 0.0;
-    const bool within = peaks.finite && peaks.speed_m_per_s <= kComfort.speed_m_per_s * (1 + 1e-4) &&
-                        peaks.turn_rad_per_s <= kComfort.turn_rad_per_s * (1 + 1e-6) &&
-                        (!even || (peaks.acceleration_m_per_s2 <= 1.05 * kComfort.acceleration_m_per_s2 &&
-                                   peaks.turn_acceleration_rad_per_s2 <= 1.01 * kComfort.turn_acceleration_rad_per_s2));
+    const bool within =
+        peaks.finite && peaks.speed_m_per_s <= tour::kComfort.speed_m_per_s * (1 + 1e-4) &&
+        peaks.turn_rad_per_s <= tour::kComfort.turn_rad_per_s * (1 + 1e-6) &&
+        (!even || (peaks.acceleration_m_per_s2 <= 1.05 * tour::kComfort.acceleration_m_per_s2 &&
+                   peaks.turn_acceleration_rad_per_s2 <= 1.01 * tour::kComfort.turn_acceleration_rad_per_s2));
     failures += within ? 0 : 1;
     all.speed_m_per_s = std::max(all.speed_m_per_s, peaks.speed_m_per_s);
     all.turn_rad_per_s = std::max(all.turn_rad_per_s, peaks.turn_rad_per_s);
@@ -181,7 +183,7 @@ int main(int argc, char** argv) {
                peaks.speed_m_per_s, peaks.acceleration_m_per_s2, peaks.jerk_m_per_s3, peaks.turn_rad_per_s / kDegree,
                peaks.turn_acceleration_rad_per_s2 / kDegree, within ? "yes" : "NO");
   }
-  const double rest_s = longest_rest_s(quick ? 200 : 2000);
+  const double rest_s = max_rest_s(quick ? 200 : 2000);
   const bool rests = rest_s <= 1.0;
   failures += rests ? 0 : 1;
   fmt::print("{:46} {:.3f} s from the last picture to rest  {}\n", "wand lost, at any moment", rest_s,

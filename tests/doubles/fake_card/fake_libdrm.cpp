@@ -77,7 +77,7 @@ std::vector<std::string> names_of(const FakeMachine::CardState& card, std::uint3
     return {"type", "FB_ID", "CRTC_ID", "SRC_X", "SRC_Y", "SRC_W", "SRC_H", "CRTC_X", "CRTC_Y", "CRTC_W", "CRTC_H"};
   }
   std::vector<std::string> names{"CRTC_ID", "EDID", "link-status"};
-  if (card.card.connectors.at(object - FakeMachine::kFirstConnector).most_bpc != 0) names.push_back("max bpc");
+  if (card.card.connectors.at(object - FakeMachine::kFirstConnector).max_bpc != 0) names.push_back("max bpc");
   return names;
 }
 
@@ -122,11 +122,11 @@ int __wrap_close(int fd) {
   return __real_close(fd);
 }
 
-int __wrap_drmGetDevices2(std::uint32_t, drmDevicePtr devices[], int most) {
+int __wrap_drmGetDevices2(std::uint32_t, drmDevicePtr devices[], int max) {
   if (const int error = machine().meet("drmGetDevices2"); error != 0) return -error;
   int count = 0;
   for (const std::string path : {"/dev/dri/card0", "/dev/dri/card1"}) {
-    if (machine().card_at(path) == nullptr || count == most) continue;
+    if (machine().card_at(path) == nullptr || count == max) continue;
     auto* const device = new Device;
     device->available_nodes = 1 << DRM_NODE_PRIMARY;
     device->paths[DRM_NODE_PRIMARY] = path;

@@ -286,7 +286,7 @@ int FakeMachine::refusal_of_modes(const CardState& card, const State& wanted) co
     if (is_active != mode.has_value() || is_active != (connectors == 1)) return EINVAL;
     if (is_active) clock_khz += mode->clock;
   }
-  return card.card.most_clock_khz != 0 && clock_khz > card.card.most_clock_khz ? ENOSPC : 0;
+  return card.card.max_clock_khz != 0 && clock_khz > card.card.max_clock_khz ? ENOSPC : 0;
 }
 
 int FakeMachine::refusal_of_planes(const CardState& card, const State& wanted) const {

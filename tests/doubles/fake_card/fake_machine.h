@@ -43,16 +43,16 @@ struct FakeConnector {
   std::vector<drmModeModeInfo> modes;
   std::vector<std::uint8_t> edid;
   std::uint32_t possible_crtcs = 0xff;
-  std::uint64_t most_bpc = 0;  ///< 0: the driver has no such property.
+  std::uint64_t max_bpc = 0;  ///< 0: the driver has no such property.
 };
 
 struct FakeCard {
   std::string path = "/dev/dri/card0";
   std::size_t crtcs = 3;
   std::vector<FakeConnector> connectors;
-  std::uint64_t most_clock_khz = 0;  ///< Of all modes together, which a card's memory limits; 0: any.
-  bool can_be_deep = true;           ///< Planes take 10 bits.
-  bool has_raster = true;            ///< False: flips happen when they are told to, as on virtual cards.
+  std::uint64_t max_clock_khz = 0;  ///< Of all modes together, which a card's memory limits; 0: any.
+  bool can_be_deep = true;          ///< Planes take 10 bits.
+  bool has_raster = true;           ///< False: flips happen when they are told to, as on virtual cards.
 };
 /// Three connected projectors of 64x36 pixels at 60 Hz: HDMI-A-1 to -3, 8 bit.
 FakeCard three_projectors();

@@ -123,8 +123,8 @@ int set_interval(Device* device, v4l2_streamparm* ret) {
 int query_control(const Device& device, v4l2_queryctrl* ret) {
   const auto found = device.device.controls.find(ret->id);
   if (found == device.device.controls.end()) return EINVAL;
-  ret->minimum = static_cast<std::int32_t>(found->second.least);
-  ret->maximum = static_cast<std::int32_t>(found->second.most);
+  ret->minimum = static_cast<std::int32_t>(found->second.min);
+  ret->maximum = static_cast<std::int32_t>(found->second.max);
   ret->step = static_cast<std::int32_t>(found->second.step);
   return 0;
 }
@@ -139,7 +139,7 @@ int get_control(const Device& device, v4l2_control* ret) {
 int set_control(Device* device, const v4l2_control& wanted) {
   const auto found = device->device.controls.find(wanted.id);
   if (found == device->device.controls.end()) return EINVAL;
-  if (wanted.value < found->second.least || wanted.value > found->second.most) return ERANGE;
+  if (wanted.value < found->second.min || wanted.value > found->second.max) return ERANGE;
   found->second.value = wanted.value;
   return 0;
 }

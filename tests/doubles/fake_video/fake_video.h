@@ -39,8 +39,8 @@ struct FakeFormat {
 };
 
 struct FakeControl {
-  long least = 0;
-  long most = 1;
+  long min = 0;
+  long max = 1;
   long step = 1;
   long value = 0;
 };

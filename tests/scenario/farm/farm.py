@@ -22,7 +22,7 @@ def make_scene(build, folder, triangles=10000):
     return scene
 
 
-class Head:
+class Coordinator:
     def __init__(self, farm, name):
         self.farm, self.name = farm, name
         self.museums, self.nodes = free_port(), free_port()
@@ -31,7 +31,7 @@ class Head:
     def start(self):
         self.process = Process(self.name, [self.farm.program("farm"), "--scene", f"visit={self.farm.scene}", "--museums",
                                            f"[::1]:{self.museums}", "--nodes", f"[::1]:{self.nodes}",
-                                           *self.farm.head_options], self.farm.folder)
+                                           *self.farm.coordinator_options], self.farm.folder)
 
 
 class Node:
@@ -39,34 +39,34 @@ class Node:
 
     def __init__(self, farm, name):
         self.farm, self.name = farm, name
-        self.links = [Link(farm.network, head.nodes) for head in farm.heads]
+        self.links = [Link(farm.network, coordinator.nodes) for coordinator in farm.coordinators]
         self.start()
 
     def start(self):
-        self.heard = [len(head.process.output()) for head in self.farm.heads]
-        heads = [argument for link in self.links for argument in ("--head", link.address)]
-        self.process = Process(self.name, [self.farm.program("node"), "--threads", 1, "--name", self.name, *heads,
+        self.heard = [len(coordinator.process.output()) for coordinator in self.farm.coordinators]
+        coordinators = [argument for link in self.links for argument in ("--coordinator", link.address)]
+        self.process = Process(self.name, [self.farm.program("node"), "--threads", 1, "--name", self.name, *coordinators,
                                            *self.farm.node_options], self.farm.folder)
 
     def is_ready(self):
         """Returns whether a coordinator has logged since the node's start that it has the scene."""
-        return any(f"{self.name}' has scene" in head.process.output()[heard:]
-                   for head, heard in zip(self.farm.heads, self.heard))
+        return any(f"{self.name}' has scene" in coordinator.process.output()[heard:]
+                   for coordinator, heard in zip(self.farm.coordinators, self.heard))
 
 
 class Farm:
     """A context manager that leaves no process behind and counts in `stuck` those that did not stop on request."""
 
-    def __init__(self, build, folder, heads=1, nodes=4, scene=None, head_options=(), node_options=()):
+    def __init__(self, build, folder, coordinators=1, nodes=4, scene=None, coordinator_options=(), node_options=()):
         self.build, self.folder = pathlib.Path(build), pathlib.Path(folder)
-        self.head_options, self.node_options = head_options, node_options
+        self.coordinator_options, self.node_options = coordinator_options, node_options
         self.scene = scene or make_scene(build, folder)
         self.stuck, self.numbers, self.museums, self.past, self.nodes = 0, itertools.count(1), {}, [], []
-        self.counts, self.network, self.heads = (heads, nodes), Network(), []
+        self.counts, self.network, self.coordinators = (coordinators, nodes), Network(), []
 
     def __enter__(self):
         try:
-            self.heads += [Head(self, f"head-{i}") for i in range(1, self.counts[0] + 1)]
+            self.coordinators += [Coordinator(self, f"coordinator-{i}") for i in range(1, self.counts[0] + 1)]
             for _ in range(self.counts[1]):
                 self.add_node()
         except Exception:
@@ -77,7 +77,7 @@ class Farm:
     def __exit__(self, *_):
         for museum in self.museums.values():
             self.stuck += not museum.end()
-        for part in self.nodes + self.heads:
+        for part in self.nodes + self.coordinators:
             self.stuck += part.process.alive() and not part.process.end()
         self.network.stop()
 
@@ -99,7 +99,7 @@ class Farm:
 
     def add_museum(self, name, *options, rate_hz=RATE_HZ, size=SIZE, poses=POSES):
         """Starts a museum in place of the one of that name."""
-        links = [Link(self.network, head.museums) for head in self.heads]
+        links = [Link(self.network, coordinator.museums) for coordinator in self.coordinators]
         museum = Museum(name, self.build / "tests" / "test-museum", self.folder, [link.address for link in links], rate_hz,
                         [*size, "--poses", poses, *options])
         museum.links, museum.requested = links, (options, {"rate_hz": rate_hz, "size": size, "poses": poses})

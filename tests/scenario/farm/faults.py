@@ -35,13 +35,13 @@ class Slowed:
 
 
 class Fault:
-    """A fault. `hurts`: whose sessions it may end: nobody's, all ("head"), or those of the affected museum ("museum").
-    `to_node`: at most one frame may be late. `heads`: the number of coordinators needed. `node_comes`: a node joins at
+    """A fault. `hurts`: whose sessions it may end: nobody's, all ("coordinator"), or those of the affected museum ("museum").
+    `to_node`: at most one frame may be late. `coordinators`: the number of coordinators needed. `node_comes`: a node joins at
     the end."""
 
-    def __init__(self, kind, happen, passes=None, hurts="none", to_node=False, heads=1, node_comes=False):
+    def __init__(self, kind, happen, passes=None, hurts="none", to_node=False, coordinators=1, node_comes=False):
         self.kind, self.happen, self.passes, self.hurts = kind, happen, passes, hurts
-        self.to_node, self.heads, self.node_comes = to_node, heads, node_comes
+        self.to_node, self.coordinators, self.node_comes = to_node, coordinators, node_comes
 
 
 def some_node(farm, rng):
@@ -113,28 +113,28 @@ def drain_node(farm, rng):
     return node
 
 
-def busiest_head(farm):
+def busiest_coordinator(farm):
     """Returns the coordinator that has most museums."""
-    return max(farm.heads, key=lambda head: sum(
-        len(museum.links[farm.heads.index(head)].writers) for museum in farm.museums.values()))
+    return max(farm.coordinators, key=lambda coordinator: sum(
+        len(museum.links[farm.coordinators.index(coordinator)].writers) for museum in farm.museums.values()))
 
 
-def restart_head(farm, rng):
-    lose_head(farm, rng).start()
+def restart_coordinator(farm, rng):
+    lose_coordinator(farm, rng).start()
 
 
-def lose_head(farm, rng):
+def lose_coordinator(farm, rng):
     """Stops a coordinator, which the other one must replace meanwhile."""
-    head = busiest_head(farm)
-    head.process.kill()
-    return head
+    coordinator = busiest_coordinator(farm)
+    coordinator.process.kill()
+    return coordinator
 
 
-def pause_head(farm, rng):
-    head = busiest_head(farm)
-    head.process.send(signal.SIGSTOP)
+def pause_coordinator(farm, rng):
+    coordinator = busiest_coordinator(farm)
+    coordinator.process.send(signal.SIGSTOP)
     time.sleep(1.0)
-    head.process.send(signal.SIGCONT)
+    coordinator.process.send(signal.SIGCONT)
 
 
 def restart_museum(farm, rng):
@@ -179,9 +179,9 @@ ALL = [
     Fault("node's connection reset", reset_node, to_node=True),
     Fault("node joins, then leaves", join_node, drop_node, to_node=True),
     Fault("node stopped on request", drain_node, start_again, to_node=True, node_comes=True),
-    Fault("coordinator restarted", restart_head, hurts="head"),
-    Fault("coordinator stopped for 1 s", pause_head, hurts="head"),
-    Fault("coordinator lost, the other takes over", lose_head, start_again, hurts="head", heads=2),
+    Fault("coordinator restarted", restart_coordinator, hurts="coordinator"),
+    Fault("coordinator stopped for 1 s", pause_coordinator, hurts="coordinator"),
+    Fault("coordinator lost, the other takes over", lose_coordinator, start_again, hurts="coordinator", coordinators=2),
     Fault("museum restarted", restart_museum, hurts="museum"),
     Fault("museum reads nothing", pause_museum, continue_, hurts="museum"),
     Fault("museum cut off", cut_museum, restore, hurts="museum"),
@@ -221,7 +221,7 @@ def seconds_to_take_part(farm, node, limit_s):
 def lost_by(museum, fault, is_struck, since):
     """Returns the sessions that ended through another's fault, or are not open again after their own has passed."""
     lost, opened = museum.events("lost", since), museum.events("opened", since)
-    if fault.hurts == "head" or is_struck:
+    if fault.hurts == "coordinator" or is_struck:
         return int(bool(lost) and not opened)
     return len(lost)
 

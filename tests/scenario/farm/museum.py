@@ -11,12 +11,12 @@ RUN = 10  # So many whole frames in a row at the requested rate count as the ful
 
 
 class Museum:
-    def __init__(self, name, program, folder, heads, rate_hz, options=(), host=()):
+    def __init__(self, name, program, folder, coordinators, rate_hz, options=(), host=()):
         self.name, self.rate_hz, self.lines, self.lock = name, rate_hz, [], threading.Lock()
         self.rests = "--rest-s" in options
         command = [*host, program, "--museum", name, "--rate-hz", rate_hz, *options]
-        for head in heads:
-            command += ["--farm", head]
+        for coordinator in coordinators:
+            command += ["--farm", coordinator]
         self.process = Process(name, command, folder, piped=True)
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()

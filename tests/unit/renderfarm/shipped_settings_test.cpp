@@ -29,30 +29,32 @@ std::string uncommented(const std::string& text) {
   return std::regex_replace(text, std::regex("(^|\n)#(\\[|[a-z_]+ = )"), "$1$2");
 }
 
-TEST(ShippedSettings, of_the_head_lack_the_scenes_and_nothing_else) {
-  const auto options = parse_head_config(shipped("farm.toml"), "/etc/cyclorama/farm.toml");
+TEST(ShippedSettings, of_the_coordinator_lack_the_scenes_and_nothing_else) {
+  const auto options = coordinator::parse_coordinator_config(shipped("farm.toml"), "/etc/cyclorama/farm.toml");
   ASSERT_FALSE(options);
   EXPECT_THAT(options.error().message(), HasSubstr("[[scene]]"));
   EXPECT_THAT(options.error().message(), HasSubstr("/etc/cyclorama/farm.toml"));
-  EXPECT_TRUE(parse_head_config(shipped("farm.toml") + "\n[[scene]]\nname = \"a\"\npath = \"/srv/a\"\n", "farm.toml"));
+  EXPECT_TRUE(coordinator::parse_coordinator_config(
+      shipped("farm.toml") + "\n[[scene]]\nname = \"a\"\npath = \"/srv/a\"\n", "farm.toml"));
 }
 
-TEST(ShippedSettings, of_a_node_lack_the_head_and_nothing_else) {
-  const auto options = parse_node_config(shipped("node.toml"), "node.toml");
+TEST(ShippedSettings, of_a_node_lack_the_coordinator_and_nothing_else) {
+  const auto options = node::parse_node_config(shipped("node.toml"), "node.toml");
   ASSERT_TRUE(options) << options.error().message();
-  const auto whole = complete(*options);
+  const auto whole = node::complete(*options);
   ASSERT_FALSE(whole);
-  EXPECT_THAT(whole.error().message(), HasSubstr("'heads' in node.toml"));
+  EXPECT_THAT(whole.error().message(), HasSubstr("'coordinators' in node.toml"));
 }
 
 TEST(ShippedSettings, show_only_keys_that_there_are) {
-  const auto head = parse_head_config(uncommented(shipped("farm.toml")), "/etc/cyclorama/farm.toml");
-  ASSERT_TRUE(head) << head.error().message();
-  EXPECT_EQ(head->limits.nodes, HeadLimits{}.nodes);
-  EXPECT_EQ(head->limits.sessions, HeadLimits{}.sessions);
-  const auto node = parse_node_config(uncommented(shipped("node.toml")), "/etc/cyclorama/node.toml");
+  const auto coordinator =
+      coordinator::parse_coordinator_config(uncommented(shipped("farm.toml")), "/etc/cyclorama/farm.toml");
+  ASSERT_TRUE(coordinator) << coordinator.error().message();
+  EXPECT_EQ(coordinator->limits.nodes, coordinator::CoordinatorLimits{}.nodes);
+  EXPECT_EQ(coordinator->limits.sessions, coordinator::CoordinatorLimits{}.sessions);
+  const auto node = node::parse_node_config(uncommented(shipped("node.toml")), "/etc/cyclorama/node.toml");
   ASSERT_TRUE(node) << node.error().message();
-  EXPECT_TRUE(complete(*node));
+  EXPECT_TRUE(node::complete(*node));
 }
 
 }  // namespace

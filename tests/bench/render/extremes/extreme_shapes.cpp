@@ -13,15 +13,15 @@ std::array<float, 3> to_floats(const Eigen::Vector3d& p) {
 
 }  // namespace
 
-Material plain_material(const Eigen::Vector3f& albedo) {
-  Material material;
+scene::Material plain_material(const Eigen::Vector3f& albedo) {
+  scene::Material material;
   material.base_colour << albedo, 1.0f;
   material.metallic = 0.0f;
   return material;
 }
 
-Mesh ball(double radius, int rings, bool smooth) {
-  Mesh mesh;
+scene::Mesh ball(double radius, int rings, bool smooth) {
+  scene::Mesh mesh;
   const int around = 2 * rings;
   const auto add = [&](double polar, double azimuth) {
     const Eigen::Vector3d out(std::sin(polar) * std::sin(azimuth), std::cos(polar),
@@ -52,8 +52,8 @@ Mesh ball(double radius, int rings, bool smooth) {
   return mesh;
 }
 
-Mesh block(const Eigen::Vector3d& size) {
-  Mesh mesh;
+scene::Mesh block(const Eigen::Vector3d& size) {
+  scene::Mesh mesh;
   for (unsigned corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d side((corner & 1) != 0 ? 0.5 : -0.5, (corner & 2) != 0 ? 0.5 : -0.5,
                                (corner & 4) != 0 ? 0.5 : -0.5);
@@ -64,16 +64,16 @@ Mesh block(const Eigen::Vector3d& size) {
   return mesh;
 }
 
-Mesh plate(double size, float repeats) {
+scene::Mesh plate(double size, float repeats) {
   const auto h = static_cast<float>(0.5 * size);
-  Mesh mesh;
+  scene::Mesh mesh;
   mesh.positions = {{-h, 0, -h}, {h, 0, -h}, {h, 0, h}, {-h, 0, h}};
   mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
   mesh.texcoords[0] = {{0, 0}, {repeats, 0}, {repeats, repeats}, {0, repeats}};
   return mesh;
 }
 
-void put(Scene& scene, Mesh mesh, const Material& material, const Eigen::Affine3d& T_scene_mesh) {
+void put(scene::Scene& scene, scene::Mesh mesh, const scene::Material& material, const Eigen::Affine3d& T_scene_mesh) {
   mesh.material = static_cast<int>(scene.model.materials.size());
   scene.model.materials.push_back(material);
   for (const auto& p : mesh.positions) {
@@ -83,8 +83,8 @@ void put(Scene& scene, Mesh mesh, const Material& material, const Eigen::Affine3
   scene.model.meshes.push_back(std::move(mesh));
 }
 
-Light lamp_at(const Eigen::Vector3d& position, float candela, double radius_m) {
-  Light light;
+scene::Light lamp_at(const Eigen::Vector3d& position, float candela, double radius_m) {
+  scene::Light light;
   light.position = position;
   light.intensity.setConstant(candela);
   light.radius_m = radius_m;
@@ -92,9 +92,10 @@ Light lamp_at(const Eigen::Vector3d& position, float candela, double radius_m) {
   return light;
 }
 
-Light panel_at(const Eigen::Vector3d& position, const Eigen::Vector3d& direction, double size_m, float radiance) {
-  Light light;
-  light.kind = LightKind::kRectangle;
+scene::Light panel_at(const Eigen::Vector3d& position, const Eigen::Vector3d& direction, double size_m,
+                      float radiance) {
+  scene::Light light;
+  light.kind = scene::LightKind::kRectangle;
   light.position = position;
   light.direction = direction.normalized();
   light.across = light.direction.unitOrthogonal();
@@ -104,13 +105,13 @@ Light panel_at(const Eigen::Vector3d& position, const Eigen::Vector3d& direction
   return light;
 }
 
-Sky even_sky(float radiance) {
+scene::Sky even_sky(float radiance) {
   const Eigen::Vector3f light = Eigen::Vector3f::Constant(radiance);
   return {light, light, light};
 }
 
-Scene open_ground() {
-  Scene scene;
+scene::Scene open_ground() {
+  scene::Scene scene;
   put(scene, plate(10.0), plain_material());
   put(scene, ball(0.5, 12, true), plain_material({0.7f, 0.4f, 0.3f}),
       Eigen::Affine3d(Eigen::Translation3d(0.0, 0.5, -1.0)));
@@ -119,8 +120,8 @@ Scene open_ground() {
   return scene;
 }
 
-PanoramaView view_around(const Eigen::Vector3d& eye) {
-  PanoramaView view;
+render::PanoramaView view_around(const Eigen::Vector3d& eye) {
+  render::PanoramaView view;
   view.eye = eye;
   view.panorama = {64, 32, 2.0 * std::numbers::pi, 1.5, -1.5};
   view.quality.samples = 8;

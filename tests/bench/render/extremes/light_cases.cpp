@@ -21,27 +21,27 @@ PictureCase with(std::string name, void (*change)(ExtremePicture* picture)) {
 }
 
 void no_area(ExtremePicture* picture) {
-  Scene& scene = picture->scene;
-  Mesh line = plate(1.0);
+  scene::Scene& scene = picture->scene;
+  scene::Mesh line = plate(1.0);
   for (auto& p : line.positions) p = {p[0], 1.0f, 0.0f};
-  Material glowing = plain_material();
+  scene::Material glowing = plain_material();
   glowing.emissive.setConstant(5.0f);
   put(scene, std::move(line), glowing);
-  Light thin = panel_at({0.0, 2.0, 0.0}, {0.0, -1.0, 0.0}, 1.0, 10.0f);
+  scene::Light thin = panel_at({0.0, 2.0, 0.0}, {0.0, -1.0, 0.0}, 1.0, 10.0f);
   thin.size_m.y() = 0.0;
-  Light disk = panel_at({1.0, 2.0, 0.0}, {0.0, -1.0, 0.0}, 1.0, 10.0f);
-  disk.kind = LightKind::kDisk;
+  scene::Light disk = panel_at({1.0, 2.0, 0.0}, {0.0, -1.0, 0.0}, 1.0, 10.0f);
+  disk.kind = scene::LightKind::kDisk;
   scene.model.lights = {thin,
                         disk,
                         lamp_at({0.0, 1.0, 0.0}, 3.0f, 0.0),
                         lamp_at({1.0, 1.0, 0.0}, 3.0f, 1e-30),
                         lamp_at({-1.0, 1.0, 0.0}, 3.0f, 1e-10),
                         panel_at({0.0, 2.0, 0.0}, {0.0, -1.0, 0.0}, 1e-15, 10.0f)};
-  for (Light& light : scene.model.lights) light.visible = true;
+  for (scene::Light& light : scene.model.lights) light.visible = true;
 }
 
 void bright_beside_dim(ExtremePicture* picture) {
-  std::vector<Light>& lights = picture->scene.model.lights;
+  std::vector<scene::Light>& lights = picture->scene.model.lights;
   lights.push_back(lamp_at({0.0, 2.0, -2.0}, 1e10f, 0.01));
   lights.push_back(lamp_at({1.0, 2.0, -2.0}, 1e-3f, 0.01));
   lights.push_back(lamp_at({-1.0, 1.0, 0.0}, 1e-3f, 0.0));
@@ -51,7 +51,7 @@ void bright_beside_dim(ExtremePicture* picture) {
 }
 
 void overflowing(ExtremePicture* picture) {
-  Material glowing = plain_material();
+  scene::Material glowing = plain_material();
   glowing.emissive.setConstant(1e35f);
   put(picture->scene, ball(0.2, 8, true), glowing, Eigen::Affine3d(Eigen::Translation3d(1.0, 0.5, 0.0)));
   picture->scene.model.lights.push_back(lamp_at({-1.0, 1.0, 0.0}, 1e38f, 0.05));
@@ -62,7 +62,7 @@ void ten_thousand(ExtremePicture* picture) {
   std::uniform_real_distribution<double> place(-5.0, 5.0);
   for (int i = 0; i < 10'000; ++i) {
     const double x = place(random), z = place(random);
-    Light light =
+    scene::Light light =
         lamp_at({x, 0.01 + 3.0 * (i % 100) / 100.0, z}, i % 1000 == 0 ? 1.0f : 1e-4f, i % 2 == 0 ? 0.01 : 0.0);
     if (i % 5 == 0) {
       light = panel_at(light.position, {0.0, -1.0, 0.1}, 0.02, 1.0f);
@@ -86,8 +86,8 @@ void near_and_very_far(ExtremePicture* picture) {
 }
 
 void all_glows(ExtremePicture* picture) {
-  for (Material& material : picture->scene.model.materials) material.emissive = {0.5f, 0.4f, 0.3f};
-  Material glowing = plain_material();
+  for (scene::Material& material : picture->scene.model.materials) material.emissive = {0.5f, 0.4f, 0.3f};
+  scene::Material glowing = plain_material();
   glowing.emissive.setConstant(1e-3f);
   glowing.double_sided = true;
   for (int i = 0; i < 20; ++i) {
@@ -97,16 +97,16 @@ void all_glows(ExtremePicture* picture) {
 }
 
 void lights_on_surfaces(ExtremePicture* picture) {
-  std::vector<Light>& lights = picture->scene.model.lights;
+  std::vector<scene::Light>& lights = picture->scene.model.lights;
   lights.push_back(lamp_at({0.0, 0.0, 0.0}, 1e3f, 0.0));
   lights.push_back(lamp_at({1.0, 0.1, 0.0}, 1.0f, 0.1));   // Touches the floor.
   lights.push_back(lamp_at({-1.0, 0.0, 0.0}, 1.0f, 0.1));  // Half below the floor.
   lights.push_back(panel_at({2.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, 0.5, 1.0f));
   lights.push_back(panel_at({-2.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, 0.5, 1.0f));
-  lights.back().kind = LightKind::kDisk;
+  lights.back().kind = scene::LightKind::kDisk;
   lights.back().radius_m = 0.25;
   lights.push_back(lamp_at({0.0, 1.0, -1.0}, 1e3f, 0.0));  // At a vertex of the ball.
-  Material glowing = plain_material();
+  scene::Material glowing = plain_material();
   glowing.emissive.setConstant(2.0f);
   put(picture->scene, plate(1.0), glowing, Eigen::Affine3d(Eigen::Translation3d(0.0, 0.0, 2.0)));
 }
@@ -120,8 +120,8 @@ void eye_on_a_panel(ExtremePicture* picture) {
 /// A light at the pole of spherical coordinates, where azimuths coincide.
 void suns(ExtremePicture* picture) {
   for (const double tangent : {0.0, 1e-10, 0.01, 1e6}) {
-    Light sun;
-    sun.kind = LightKind::kDirectional;
+    scene::Light sun;
+    sun.kind = scene::LightKind::kDirectional;
     sun.radius_m = tangent;
     sun.intensity.setConstant(tangent > 1.0 ? 1e-3f : 1e5f);
     picture->scene.model.lights.push_back(sun);
@@ -129,7 +129,8 @@ void suns(ExtremePicture* picture) {
 }
 
 void black_environment(ExtremePicture* picture) {
-  picture->scene.environment = std::make_shared<const EnvironmentMap>(EnvironmentMap{RadianceImage(8, 4), 0.0f, 1.0f});
+  picture->scene.environment =
+      std::make_shared<const scene::EnvironmentMap>(scene::EnvironmentMap{RadianceImage(8, 4), 0.0f, 1.0f});
   picture->scene.ambient.setConstant(0.1f);
   // Closed, because the surroundings are black.
   put(picture->scene, block({12.0, 8.0, 12.0}), plain_material());
@@ -139,13 +140,15 @@ void one_blinding_texel(ExtremePicture* picture) {
   RadianceImage pixels(64, 32);
   for (float& value : pixels.data()) value = 1e-3f;
   *pixels.at(20, 5) = 1e10f;
-  picture->scene.environment = std::make_shared<const EnvironmentMap>(EnvironmentMap{std::move(pixels), 0.3f, 1.0f});
+  picture->scene.environment =
+      std::make_shared<const scene::EnvironmentMap>(scene::EnvironmentMap{std::move(pixels), 0.3f, 1.0f});
 }
 
 void one_texel_environment(ExtremePicture* picture) {
   RadianceImage pixels(1, 1);
   for (float& value : pixels.data()) value = 0.5f;
-  picture->scene.environment = std::make_shared<const EnvironmentMap>(EnvironmentMap{std::move(pixels), 0.0f, 1.0f});
+  picture->scene.environment =
+      std::make_shared<const scene::EnvironmentMap>(scene::EnvironmentMap{std::move(pixels), 0.0f, 1.0f});
 }
 
 void exposed(ExtremePicture* picture, double exposure) {

@@ -37,18 +37,20 @@ Result<PictureVerdict> judge(const PictureCase& extreme, const std::filesystem::
   TRY_ASSIGN(ExtremePicture picture, extreme.make(scratch));
   const SteadyClock clock;
   const TimePoint start = clock.now();
-  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, Renderer::build(std::move(picture.scene), threads, nullptr));
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             render::Renderer::build(std::move(picture.scene), threads, nullptr));
   const Panorama& panorama = picture.view.panorama;
   const PixelRect whole{0, 0, panorama.width_px, panorama.height_px};
-  TRY(check_view(picture.view, whole));
-  Film film;
-  const RenderCost cost = renderer->render_film(picture.view, whole, true, &film, nullptr);
+  TRY(render::check_view(picture.view, whole));
+  render::Film film;
+  const render::RenderCost cost = renderer->render_film(picture.view, whole, true, &film, nullptr);
   PictureVerdict verdict;
   verdict.seconds = to_seconds(clock.now() - start);
   verdict.broken_samples = cost.broken_samples;
   const RadianceImage mean = film.mean();
-  const ScalarImage variance = film.variance();
-  const RadianceImage smooth = denoised(film, panorama_rays(panorama, picture.view.heading_rad, whole));
+  const render::ScalarImage variance = film.variance();
+  const RadianceImage smooth =
+      denoise::denoised(film, denoise::panorama_rays(panorama, picture.view.heading_rad, whole));
   for (int y = 0; y < film.height(); ++y) {
     for (int x = 0; x < film.width(); ++x) {
       const bool finite = is_finite_at(mean, x, y) && is_finite_at(variance, x, y) && is_finite_at(smooth, x, y) &&

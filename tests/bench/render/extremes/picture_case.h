@@ -14,8 +14,8 @@
 namespace cyclorama {
 
 struct ExtremePicture {
-  Scene scene;
-  PanoramaView view;
+  scene::Scene scene;
+  render::PanoramaView view;
 };
 
 /// The scene emits light everywhere, so that no pixel may be black.

@@ -20,52 +20,52 @@ constexpr float kFar = std::numeric_limits<float>::infinity();
 class Target {
  public:
   /// `mesh` is given in the render frame.
-  static Result<std::unique_ptr<Target>> build(Mesh mesh) {
+  static Result<std::unique_ptr<Target>> build(scene::Mesh mesh) {
     auto target = std::make_unique<Target>();
     // A second mesh keeps the render frame's origin in place.
     put(target->scene_, plate(1e-3), plain_material());
     put(target->scene_, std::move(mesh), plain_material());
-    TRY_ASSIGN(target->accelerator_, Accelerator::build(target->scene_, 1, nullptr, &target->traced_));
+    TRY_ASSIGN(target->accelerator_, render::Accelerator::build(target->scene_, 1, nullptr, &target->traced_));
     return target;
   }
 
-  [[nodiscard]] RTCHit nearest(const Vec3& origin, const Vec3& direction, float near = 0.0f) {
+  [[nodiscard]] RTCHit nearest(const render::Vec3& origin, const render::Vec3& direction, float near = 0.0f) {
     rays_->clear();
     rays_->add(origin, direction, kFar, 0);
     rays_->packet(0).ray.tnear[0] = near;
-    trace_nearest(traced_.top, Coherence::kIncoherent, *rays_);
+    render::trace_nearest(traced_.top, render::Coherence::kIncoherent, *rays_);
     return rays_->hit(0);
   }
-  [[nodiscard]] SurfacePoint point(const RTCHit& hit, const Vec3& direction) const {
-    return surface_at(triangle_at(traced_, hit), direction);
+  [[nodiscard]] render::SurfacePoint point(const RTCHit& hit, const render::Vec3& direction) const {
+    return render::surface_at(render::triangle_at(traced_, hit), direction);
   }
   /// True if the mesh was hit, not the one that fixes the origin.
   [[nodiscard]] static bool is_hit(const RTCHit& hit) { return hit.geomID == kMesh; }
 
  private:
   static constexpr unsigned kMesh = 1;
-  Scene scene_;
-  TraceScene traced_;
-  std::unique_ptr<Accelerator> accelerator_;
-  std::unique_ptr<RayQueue<RTCRayHit16>> rays_ = std::make_unique<RayQueue<RTCRayHit16>>();
+  scene::Scene scene_;
+  render::TraceScene traced_;
+  std::unique_ptr<render::Accelerator> accelerator_;
+  std::unique_ptr<render::RayQueue<RTCRayHit16>> rays_ = std::make_unique<render::RayQueue<RTCRayHit16>>();
 };
 
-Vec3 random_direction(std::mt19937& random) {
+render::Vec3 random_direction(std::mt19937& random) {
   std::normal_distribution<float> normal;
   const float x = normal(random), y = normal(random), z = normal(random);
-  return normalized_or({x, y, z}, Vec3::UnitY());
+  return render::normalized_or({x, y, z}, render::Vec3::UnitY());
 }
 
-Vec3 random_onward(const SurfacePoint& point, std::mt19937& random) {
+render::Vec3 random_onward(const render::SurfacePoint& point, std::mt19937& random) {
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   const float u = unit(random), v = unit(random);
-  return from_frame_of(point.facing, cosine_hemisphere({u, v}));
+  return render::from_frame_of(point.facing, render::cosine_hemisphere({u, v}));
 }
 
 }  // namespace
 
 Result<LeakCount> count_leaks(const Eigen::Vector3d& centre, int rays) {
-  Mesh sphere = ball(10.0, 40, false);
+  scene::Mesh sphere = ball(10.0, 40, false);
   for (auto& p : sphere.positions) {
     for (int axis = 0; axis < 3; ++axis) {
       float& value = p[static_cast<std::size_t>(axis)];
@@ -77,14 +77,14 @@ Result<LeakCount> count_leaks(const Eigen::Vector3d& centre, int rays) {
   LeakCount count;
   count.rays = static_cast<std::uint64_t>(rays);
   for (int i = 0; i < rays; ++i) {
-    const Vec3 direction = random_direction(random);
+    const render::Vec3 direction = random_direction(random);
     const RTCHit hit = target->nearest(centre.cast<float>(), direction);
     if (!Target::is_hit(hit)) {
       ++count.leaks;
       continue;
     }
-    const SurfacePoint point = target->point(hit, direction);
-    const RTCHit next = target->nearest(start_off_surface(point, point.facing), random_onward(point, random));
+    const render::SurfacePoint point = target->point(hit, direction);
+    const RTCHit next = target->nearest(render::start_off_surface(point, point.facing), random_onward(point, random));
     if (!Target::is_hit(next)) {
       ++count.leaks;
     } else if (next.primID == hit.primID) {
@@ -102,9 +102,10 @@ Result<SelfHitCount> count_self_hits(double coordinate, int rays) {
   const double size = std::max(3.0, 1e-6 * coordinate);
   std::uniform_real_distribution<double> place(-3.0 * size, 3.0 * size);
   std::uniform_real_distribution<double> reach(-size, size);
-  Mesh mesh;
+  scene::Mesh mesh;
   for (std::uint32_t i = 0; i < kTriangles; ++i) {
-    const Eigen::Vector3d middle(coordinate + place(random), coordinate + place(random), coordinate + place(random));
+    const Eigen::Vector3d middle(coordinate + render::place(random), coordinate + render::place(random),
+                                 coordinate + render::place(random));
     for (int corner = 0; corner < 3; ++corner) {
       const double x = middle.x() + reach(random), y = middle.y() + reach(random), z = middle.z() + reach(random);
       mesh.positions.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
@@ -120,16 +121,16 @@ Result<SelfHitCount> count_self_hits(double coordinate, int rays) {
   for (int i = 0; i < rays; ++i) {
     const std::uint32_t triangle = 3 * one_of(random);
     const float a = unit(random), b = (1.0f - a) * unit(random);
-    const Vec3 aim = a * to_vec3(corners[triangle]) + b * to_vec3(corners[triangle + 1]) +
-                     (1.0f - a - b) * to_vec3(corners[triangle + 2]);
-    const Vec3 direction = random_direction(random);
+    const render::Vec3 aim = a * render::to_vec3(corners[triangle]) + b * render::to_vec3(corners[triangle + 1]) +
+                             (1.0f - a - b) * render::to_vec3(corners[triangle + 2]);
+    const render::Vec3 direction = random_direction(random);
     const RTCHit hit = target->nearest(aim - away * direction, direction);
     if (!Target::is_hit(hit)) continue;
-    const SurfacePoint point = target->point(hit, direction);
-    const Vec3 onward = random_onward(point, random);
+    const render::SurfacePoint point = target->point(hit, direction);
+    const render::Vec3 onward = random_onward(point, random);
     const auto meets_itself = [&](const RTCHit& next) { return Target::is_hit(next) && next.primID == hit.primID; };
     ++count.rays;
-    if (meets_itself(target->nearest(start_off_surface(point, point.facing), onward))) ++count.self_hits;
+    if (meets_itself(target->nearest(render::start_off_surface(point, point.facing), onward))) ++count.self_hits;
     if (meets_itself(target->nearest(point.position, onward, kNear))) ++count.self_hits_fixed_near;
   }
   return count;

@@ -11,7 +11,7 @@
 namespace cyclorama {
 
 /// Maximum fraction of rays that may escape from a closed sphere.
-inline constexpr double kMostLeaks = 2e-5;
+inline constexpr double kMaxLeakFraction = 2e-5;
 
 struct LeakCount {
   std::uint64_t rays = 0;

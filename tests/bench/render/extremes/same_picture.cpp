@@ -11,20 +11,20 @@ constexpr double kRoomM = 6.0;
 
 /// Contains every kind of object with a position or a length: baked and instanced meshes, coloured glass, all kinds of
 /// lamps.
-Scene room(double scale, const Eigen::Vector3d& shift) {
+scene::Scene room(double scale, const Eigen::Vector3d& shift) {
   const auto at = [&](double x, double y, double z) {
     return Eigen::Vector3d(shift + scale * Eigen::Vector3d(x, y, z));
   };
   const auto moved = [&](double x, double y, double z) { return Eigen::Affine3d(Eigen::Translation3d(at(x, y, z))); };
-  Scene scene;
-  Mesh walls = block(Eigen::Vector3d(kRoomM, 3.0, kRoomM) * scale);
+  scene::Scene scene;
+  scene::Mesh walls = block(Eigen::Vector3d(kRoomM, 3.0, kRoomM) * scale);
   walls.origin = at(0.0, 1.5, 0.0);
   put(scene, std::move(walls), plain_material({0.6f, 0.55f, 0.5f}));
-  Material metal = plain_material({0.9f, 0.7f, 0.4f});
+  scene::Material metal = plain_material({0.9f, 0.7f, 0.4f});
   metal.metallic = 1.0f;
   metal.roughness = 0.3f;
   put(scene, ball(0.5 * scale, 24, true), metal, moved(-1.2, 0.5, -1.5));
-  Material glass = plain_material(Eigen::Vector3f::Ones());
+  scene::Material glass = plain_material(Eigen::Vector3f::Ones());
   glass.roughness = 0.0f;
   glass.transmission = 1.0f;
   glass.thickness = 1.0f;
@@ -45,12 +45,13 @@ Scene room(double scale, const Eigen::Vector3d& shift) {
 }
 
 Result<RgbImage> picture(double scale, const Eigen::Vector3d& shift, int width_px, int threads) {
-  Scene scene = room(scale, shift);
-  PanoramaView view = view_around(scene.info.start_eye);
+  scene::Scene scene = room(scale, shift);
+  render::PanoramaView view = view_around(scene.info.start_eye);
   view.panorama.width_px = width_px;
   view.panorama.height_px = width_px / 2;
   view.quality.samples = 16;
-  TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, Renderer::build(std::move(scene), threads, nullptr));
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             render::Renderer::build(std::move(scene), threads, nullptr));
   RgbImage codes;
   renderer->render(view, {0, 0, view.panorama.width_px, view.panorama.height_px}, &codes, nullptr);
   return codes;
@@ -64,7 +65,7 @@ Result<std::vector<SamePicture>> far_from_the_origin(const std::vector<double>& 
   for (const double distance : metres) {
     TRY_ASSIGN(const RgbImage far,
                picture(1.0, Eigen::Vector3d(1.0, 0.1, -0.7).normalized() * distance, width_px, threads));
-    TRY_ASSIGN(const Flip difference, flip(far, reference));
+    TRY_ASSIGN(const quality::Flip difference, flip(far, reference));
     same.push_back({distance, difference.mean});
   }
   return same;
@@ -75,7 +76,7 @@ Result<std::vector<SamePicture>> scaled(const std::vector<double>& metres, int w
   std::vector<SamePicture> same;
   for (const double length : metres) {
     TRY_ASSIGN(const RgbImage other, picture(length / kRoomM, Eigen::Vector3d::Zero(), width_px, threads));
-    TRY_ASSIGN(const Flip difference, flip(other, reference));
+    TRY_ASSIGN(const quality::Flip difference, flip(other, reference));
     same.push_back({length, difference.mean});
   }
   return same;

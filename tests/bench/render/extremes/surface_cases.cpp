@@ -14,7 +14,7 @@ namespace {
 
 using Translation = Eigen::Translation3d;
 
-ExtremePicture seen_from(Scene scene, const Eigen::Vector3d& eye) {
+ExtremePicture seen_from(scene::Scene scene, const Eigen::Vector3d& eye) {
   scene.info.start_eye = eye;
   return {std::move(scene), view_around(eye)};
 }
@@ -25,7 +25,7 @@ PictureCase in_memory(std::string name, ExtremePicture (*make)()) {
 
 /// Triangles of decreasing width, down to zero; some with duplicate corners, some duplicated as a whole.
 ExtremePicture slivers() {
-  Mesh mesh;
+  scene::Mesh mesh;
   std::mt19937 random(3);
   std::uniform_real_distribution<float> place(-1.0f, 1.0f);
   for (std::uint32_t i = 0; i < 2000; ++i) {
@@ -39,10 +39,10 @@ ExtremePicture slivers() {
   }
   mesh.texcoords[0].assign(mesh.positions.size(), {0.25f, 0.25f});  // Zero extent.
   mesh.normals.assign(mesh.positions.size(), {0.0f, 0.0f, 0.0f});
-  Scene scene = open_ground();
+  scene::Scene scene = open_ground();
   scene.model.textures.emplace_back();
   scene.model.textures[0].pixels = RgbaImage(4, 4, 200);
-  Material material = plain_material();
+  scene::Material material = plain_material();
   material.roughness = 0.2f;
   material.normal_texture.texture = 0;
   material.base_colour_texture.texture = 0;
@@ -59,7 +59,7 @@ Result<ExtremePicture> broken_file(const std::filesystem::path& scratch) {
       "3 0 2 1\n3 0 3 2\n3 0 1 4\n3 1 2 5\n3 2 3 6\n";
   const std::filesystem::path file = scratch / "broken.ply";
   TRY(write_file_atomically(file, kText));
-  TRY_ASSIGN(Scene scene, load_scene(file, ImportLimits{}, nullptr));
+  TRY_ASSIGN(scene::Scene scene, scene::load_scene(file, scene::ImportLimits{}, nullptr));
   const bool noted = std::ranges::any_of(scene.model.notes, [](const std::string& note) {
     return note.find("3 triangles have corners that are not finite") != std::string::npos;
   });
@@ -69,10 +69,10 @@ Result<ExtremePicture> broken_file(const std::filesystem::path& scratch) {
 }
 
 /// A row of balls whose common material is modified by `change`.
-ExtremePicture row_of_balls(int count, void (*change)(int ball, Material* material)) {
-  Scene scene = open_ground();
+ExtremePicture row_of_balls(int count, void (*change)(int ball, scene::Material* material)) {
+  scene::Scene scene = open_ground();
   for (int i = 0; i < count; ++i) {
-    Material material = plain_material({0.9f, 0.8f, 0.7f});
+    scene::Material material = plain_material({0.9f, 0.8f, 0.7f});
     change(i, &material);
     put(scene, ball(0.3, 12, true), material, Eigen::Affine3d(Translation(0.7 * (i - 0.5 * (count - 1)), 0.3, 0.0)));
   }
@@ -82,7 +82,7 @@ ExtremePicture row_of_balls(int count, void (*change)(int ball, Material* materi
 }
 
 ExtremePicture rough_and_smooth() {
-  return row_of_balls(8, [](int i, Material* material) {
+  return row_of_balls(8, [](int i, scene::Material* material) {
     constexpr std::array kRoughness{0.0f, 1e-30f, 1e-6f, 1.0f};
     material->roughness = kRoughness[static_cast<std::size_t>(i) % kRoughness.size()];
     material->metallic = i < 4 ? 1.0f : 0.0f;
@@ -92,8 +92,8 @@ ExtremePicture rough_and_smooth() {
 }
 
 ExtremePicture odd_glass() {
-  return row_of_balls(8, [](int i, Material* material) {
-    constexpr std::array kIor{1.0f, 1.0f + 1e-6f, 1.5f, kLargestIor};
+  return row_of_balls(8, [](int i, scene::Material* material) {
+    constexpr std::array kIor{1.0f, 1.0f + 1e-6f, 1.5f, scene::kMaxIor};
     material->ior = kIor[static_cast<std::size_t>(i) % kIor.size()];
     material->roughness = i < 4 ? 0.0f : 0.4f;
     material->transmission = 1.0f;
@@ -104,14 +104,14 @@ ExtremePicture odd_glass() {
 }
 
 ExtremePicture tiny_and_huge_textures() {
-  Scene scene = open_ground();
+  scene::Scene scene = open_ground();
   constexpr std::array<std::array<int, 2>, 4> kSizes{{{1, 1}, {16384, 16}, {3, 16384}, {16384, 1}}};
   for (std::size_t i = 0; i < kSizes.size(); ++i) {
     scene.model.textures.emplace_back();
     scene.model.textures.back().pixels = RgbaImage(kSizes[i][0], kSizes[i][1], 180);
     scene.model.textures.back().nearest = i % 2 == 1;
     for (const float repeats : {1.0f, 1e-6f, 1e7f}) {
-      Material material = plain_material();
+      scene::Material material = plain_material();
       const auto texture = static_cast<int>(i);
       material.base_colour_texture.texture = texture;
       material.normal_texture.texture = texture;
@@ -127,42 +127,42 @@ ExtremePicture tiny_and_huge_textures() {
 }
 
 ExtremePicture white_for_ever() {
-  Scene scene;
+  scene::Scene scene;
   put(scene, block({4.0, 3.0, 4.0}), plain_material(Eigen::Vector3f::Ones()));
   scene.model.lights = {lamp_at({0.5, 0.5, -0.5}, 1.0f, 0.1)};
   ExtremePicture picture = seen_from(std::move(scene), Eigen::Vector3d::Zero());
-  picture.view.quality.bounces = kMostBounces;
+  picture.view.quality.bounces = render::kMaxBounces;
   return picture;
 }
 
 /// A closed cabinet of mirrors, in which nothing absorbs paths.
 ExtremePicture mirrors_all_around() {
-  Scene scene;
-  Material mirror = plain_material(Eigen::Vector3f::Ones());
+  scene::Scene scene;
+  scene::Material mirror = plain_material(Eigen::Vector3f::Ones());
   mirror.metallic = 1.0f;
   mirror.roughness = 0.0f;
   put(scene, block({4.0, 3.0, 4.0}), mirror);
-  Material glowing = plain_material();
+  scene::Material glowing = plain_material();
   glowing.emissive.setConstant(1.0f);
   put(scene, ball(1.2, 12, true), glowing, Eigen::Affine3d(Translation(0.0, 0.0, -0.5)));
   // Ambient light is needed too, since a path ends sixteen mirrors away from the ball.
   scene.ambient.setConstant(0.2f);
   ExtremePicture picture = seen_from(std::move(scene), {0.0, 0.0, 1.2});
-  picture.view.quality.bounces = kMostBounces;
+  picture.view.quality.bounces = render::kMaxBounces;
   return picture;
 }
 
 ExtremePicture many_veils() {
-  Scene scene = open_ground();
-  Material veil = plain_material();
+  scene::Scene scene = open_ground();
+  scene::Material veil = plain_material();
   veil.base_colour.w() = 0.02f;
-  veil.alpha_mode = AlphaMode::kBlend;
+  veil.alpha_mode = scene::AlphaMode::kBlend;
   for (int i = 0; i < 300; ++i) put(scene, plate(4.0), veil, Eigen::Affine3d(Translation(0.0, 0.003 * (i + 1), 0.0)));
   return seen_from(std::move(scene), {0.0, 1.5, 1.0});
 }
 
 ExtremePicture boundless_floor() {
-  Scene scene = open_ground();
+  scene::Scene scene = open_ground();
   put(scene, plate(1e8), plain_material(), Eigen::Affine3d(Translation(0.0, -0.1, 0.0)));
   put(scene, plate(1e14), plain_material(), Eigen::Affine3d(Translation(0.0, -2.0, 0.0)));
   scene.model.lights = {lamp_at({0.0, 2.0, 0.0}, 3.0f, 0.0), lamp_at({1e6, 1e5, 0.0}, 1e10f, 1e3)};
@@ -171,7 +171,7 @@ ExtremePicture boundless_floor() {
 
 /// Shared meshes whose instances flatten, mirror, shrink and enlarge them.
 ExtremePicture odd_instances() {
-  Scene scene = open_ground();
+  scene::Scene scene = open_ground();
   const Eigen::Affine3d first(Translation(0.0, 1.0, 0.0));
   put(scene, ball(0.2, 8, true), plain_material(), first);
   const int shared = static_cast<int>(scene.model.meshes.size()) - 1;
@@ -189,7 +189,7 @@ ExtremePicture eye_on_a_corner() { return seen_from(open_ground(), {5.0, 0.0, 5.
 
 /// The eye is exactly on a vertex in float. Downwards it looks into the ball, which the sky's light does not reach.
 ExtremePicture eye_on_a_ball() {
-  Scene scene = open_ground();
+  scene::Scene scene = open_ground();
   scene.ambient.setConstant(0.1f);
   return seen_from(std::move(scene), {0.0, 1.0, -1.0});
 }

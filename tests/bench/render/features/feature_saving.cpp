@@ -16,7 +16,7 @@ double median(std::vector<double> values) {
 
 /// One kernel, and its cost in each repetition.
 struct Candidate {
-  SceneNeeds feature;
+  render::SceneNeeds feature;
   std::vector<double> ns_per_ray;
   std::vector<double> instructions_per_ray;  ///< Empty if they cannot be counted.
 
@@ -34,22 +34,23 @@ double saving(const std::vector<double>& own, const std::vector<double>& other) 
 }
 
 /// Returns the scene's own kernel, then one for each feature that it lacks, then the general one.
-std::vector<Candidate> candidates_of(const SceneNeeds& own) {
+std::vector<Candidate> candidates_of(const render::SceneNeeds& own) {
   std::vector<Candidate> candidates(1);
-  for (const SceneNeeds& feature : kEachNeed) {
+  for (const render::SceneNeeds& feature : tools::kEachNeed) {
     if ((own | feature) != own) candidates.push_back({feature, {}, {}});
   }
-  if (own != kEverything) candidates.push_back({kEverything, {}, {}});
+  if (own != tools::kEverything) candidates.push_back({tools::kEverything, {}, {}});
   return candidates;
 }
 
-Result<std::uint64_t> run(const Renderer& renderer, const PanoramaView& view, const InstructionCounter* counter,
-                          const std::function<bool()>& cancelled, Candidate* candidate) {
+Result<std::uint64_t> run(const render::Renderer& renderer, const render::PanoramaView& view,
+                          const InstructionCounter* counter, const std::function<bool()>& cancelled,
+                          Candidate* candidate) {
   const Panorama& panorama = view.panorama;
   const auto counted = [&] { return counter != nullptr ? counter->count() : Result<std::uint64_t>(0); };
-  Film film;
+  render::Film film;
   TRY_ASSIGN(const std::uint64_t before, counted());
-  const RenderCost cost =
+  const render::RenderCost cost =
       renderer.render_film(view, {0, 0, panorama.width_px, panorama.height_px}, false, &film, cancelled);
   TRY_ASSIGN(const std::uint64_t after, counted());
   if (cancelled && cancelled()) return Error(ErrorCode::kUnavailable, "stopped before it was done");
@@ -59,10 +60,10 @@ Result<std::uint64_t> run(const Renderer& renderer, const PanoramaView& view, co
   return cost.rays;
 }
 
-FeatureSaving saving_of(const Candidate& own, const SceneNeeds& needs, const Candidate& other) {
+FeatureSaving saving_of(const Candidate& own, const render::SceneNeeds& needs, const Candidate& other) {
   FeatureSaving saved;
   saved.feature = other.feature;
-  saved.kernel = kernel_for(needs | other.feature);
+  saved.kernel = render::kernel_for(needs | other.feature);
   saved.cost = other.cost();
   saved.time_saving = saving(own.ns_per_ray, other.ns_per_ray);
   if (!own.instructions_per_ray.empty()) {
@@ -73,11 +74,11 @@ FeatureSaving saving_of(const Candidate& own, const SceneNeeds& needs, const Can
 
 }  // namespace
 
-Result<FeatureReport> measure_features(Renderer* renderer, const PanoramaView& view, int repetitions,
+Result<FeatureReport> measure_features(render::Renderer* renderer, const render::PanoramaView& view, int repetitions,
                                        const std::function<bool()>& cancelled) {
   const Result<InstructionCounter> counter = InstructionCounter::open();
   FeatureReport report;
-  report.kernel = kernel_for(needs_of(renderer->scene()));
+  report.kernel = render::kernel_for(render::needs_of(renderer->scene()));
   std::vector<Candidate> candidates = candidates_of(report.kernel);
   for (int i = 0; i < std::max(1, repetitions); ++i) {
     for (Candidate& candidate : candidates) {
@@ -92,7 +93,7 @@ Result<FeatureReport> measure_features(Renderer* renderer, const PanoramaView& v
   report.cost = own.cost();
   for (std::size_t i = 1; i < candidates.size(); ++i) {
     FeatureSaving saved = saving_of(own, report.kernel, candidates[i]);
-    if (saved.feature == kEverything) {
+    if (saved.feature == tools::kEverything) {
       report.everything = std::move(saved);
     } else {
       report.savings.push_back(std::move(saved));

@@ -23,16 +23,16 @@ struct KernelCost {
 
 /// Saving against a kernel with more features: 1 - own cost / that kernel's.
 struct FeatureSaving {
-  SceneNeeds feature;  ///< Requested in addition to the scene's own needs.
-  SceneNeeds kernel;   ///< Features of the compiled kernel; may be more.
+  render::SceneNeeds feature;  ///< Requested in addition to the scene's own needs.
+  render::SceneNeeds kernel;   ///< Features of the compiled kernel; may be more.
   KernelCost cost;
   double time_saving = 0.0;  ///< Median of the repetitions' ratios.
   std::optional<double> instruction_saving;
 };
 
 struct FeatureReport {
-  SceneNeeds kernel;       ///< The scene's own kernel.
-  std::uint64_t rays = 0;  ///< In one picture.
+  render::SceneNeeds kernel;  ///< The scene's own kernel.
+  std::uint64_t rays = 0;     ///< In one picture.
   KernelCost cost;
   std::vector<FeatureSaving> savings;       ///< One for each feature that `kernel` lacks.
   std::optional<FeatureSaving> everything;  ///< Empty if `kernel` is the general one.
@@ -41,7 +41,7 @@ struct FeatureReport {
 /// Runs the kernels in turn, `repetitions` times (at least once), in alternating order. Preconditions: check_view(),
 /// and `renderer` was built with one thread, the caller's, on which instructions are counted. Errors: kUnavailable if
 /// `cancelled` returned true.
-Result<FeatureReport> measure_features(Renderer* renderer, const PanoramaView& view, int repetitions,
+Result<FeatureReport> measure_features(render::Renderer* renderer, const render::PanoramaView& view, int repetitions,
                                        const std::function<bool()>& cancelled);
 
 }  // namespace cyclorama

@@ -38,30 +38,30 @@ bool is_drawn(const std::array<double, 2>& point) { return has_logarithm(point[0
 class LogAxis {
  public:
   LogAxis(const Plot& plot, std::size_t coordinate) {
-    double least = std::numeric_limits<double>::infinity();
-    double most = 0.0;
+    double min = std::numeric_limits<double>::infinity();
+    double max = 0.0;
     for (const PlotSeries& series : plot.series) {
       for (const auto& point : series.points) {
         if (!is_drawn(point)) continue;
-        least = std::min(least, point[coordinate]);
-        most = std::max(most, point[coordinate]);
+        min = std::min(min, point[coordinate]);
+        max = std::max(max, point[coordinate]);
       }
     }
-    if (most == 0.0) least = most = 1.0;
-    const int first = static_cast<int>(std::floor(std::log10(least))) - 1;
-    const int last = static_cast<int>(std::ceil(std::log10(most))) + 1;
+    if (max == 0.0) min = max = 1.0;
+    const int first = static_cast<int>(std::floor(std::log10(min))) - 1;
+    const int last = static_cast<int>(std::ceil(std::log10(max))) + 1;
     constexpr int kShort = 5;  // Decades, including a spare one at each end; each has three labels.
-    constexpr int kMostLabels = 9;
+    constexpr int kMaxLabels = 9;
     const int decades = last - first;
-    const int stride = decades <= kShort + 2 ? 1 : (decades + kMostLabels - 1) / kMostLabels;
+    const int stride = decades <= kShort + 2 ? 1 : (decades + kMaxLabels - 1) / kMaxLabels;
     std::vector<double> round;
     for (int decade = first - stride; decade <= last + stride; decade += stride) {
       round.push_back(std::pow(10.0, decade));
       if (decades > kShort + 2) continue;
       for (const double step : {2.0, 5.0}) round.push_back(step * std::pow(10.0, decade));
     }
-    const auto above = std::ranges::upper_bound(round, most);
-    const auto below = std::ranges::lower_bound(round, least) - 1;
+    const auto above = std::ranges::upper_bound(round, max);
+    const auto below = std::ranges::lower_bound(round, min) - 1;
     ticks_.assign(below, above + 1);
   }
   [[nodiscard]] const std::vector<double>& ticks() const { return ticks_; }

@@ -50,39 +50,41 @@ Panorama scaled(Panorama panorama, double scale) {
   return panorama;
 }
 
-TradeMeter::TradeMeter(const Renderer& renderer, PanoramaView view, RadianceImage reference)
+TradeMeter::TradeMeter(const render::Renderer& renderer, render::PanoramaView view, RadianceImage reference)
     : renderer_(renderer),
       view_(std::move(view)),
       reference_(std::move(reference)),
-      shown_reference_(developed(reference_, renderer.scene().tone)) {
+      shown_reference_(render::developed(reference_, renderer.scene().tone)) {
   CHECK(reference_.width() == view_.panorama.width_px && reference_.height() == view_.panorama.height_px);
 }
 
-Status TradeMeter::render(const PictureQuality& quality, const std::function<bool()>& cancelled) {
+Status TradeMeter::render(const render::PictureQuality& quality, const std::function<bool()>& cancelled) {
   const bool same_picture = !rendered_.codes.empty() && rendered_.quality.render == quality.render &&
                             rendered_.quality.scale == quality.scale && rendered_.quality.denoise == quality.denoise;
   if (same_picture) return Done{};
-  PanoramaView view = view_;
+  render::PanoramaView view = view_;
   view.quality = quality.render;
   view.panorama = scaled(view.panorama, quality.scale);
-  TRY(check_view(view, whole(view.panorama)));
+  TRY(render::check_view(view, whole(view.panorama)));
   RadianceImage light;
   Rendered best;
   for (int i = 0; i < kRepeats; ++i) {
-    Film film;
-    RenderCost cost = renderer_.render_film(view, whole(view.panorama), quality.denoise, &film, cancelled);
+    render::Film film;
+    render::RenderCost cost = renderer_.render_film(view, whole(view.panorama), quality.denoise, &film, cancelled);
     if (cancelled && cancelled()) return cancelled_error();
     const Stopwatch watch;
-    light = quality.denoise ? denoised(film, panorama_rays(view.panorama, view.heading_rad, whole(view.panorama)))
-                            : film.mean();
-    best.codes = developed(light, renderer_.scene().tone);
+    light = quality.denoise
+                ? denoise::denoised(film, denoise::panorama_rays(view.panorama, view.heading_rad, whole(view.panorama)))
+                : film.mean();
+    best.codes = render::developed(light, renderer_.scene().tone);
     cost.cpu_seconds += watch.cpu_seconds();
     cost.wall_seconds += watch.wall_seconds();
     if (i == 0 || cost.cpu_seconds < best.cost.cpu_seconds) best.cost = cost;
     if (cost.cpu_seconds > kShortCpuSeconds) break;
   }
   best.quality = quality;
-  TRY_ASSIGN(best.relmse, relative_squared_error(enlarged(light, reference_.width(), reference_.height()), reference_));
+  TRY_ASSIGN(best.relmse, quality::relative_squared_error(
+                              quality::enlarged(light, reference_.width(), reference_.height()), reference_));
   rendered_ = std::move(best);
   return Done{};
 }
@@ -101,20 +103,22 @@ Result<TradePoint> TradeMeter::measure(const PlannedPoint& planned, const std::f
   point.removed_light = rendered_.cost.removed_light;
   point.relmse = rendered_.relmse;
   TRY_ASSIGN(const RgbImage decoded, decoder_.decode(jpeg, rendered_.codes.data().size()));
-  TRY_ASSIGN(point.shown, shown_error(enlarged(decoded, reference_.width(), reference_.height()), shown_reference_));
+  TRY_ASSIGN(point.shown, quality::shown_error(quality::enlarged(decoded, reference_.width(), reference_.height()),
+                                               shown_reference_));
   return point;
 }
 
-Result<Film> converged_film(const Renderer& renderer, const PanoramaView& view,
-                            const std::function<void(double)>& progress, const std::function<bool()>& cancelled) {
-  TRY(check_view(view, whole(view.panorama)));
-  Film film(view.panorama.width_px, view.panorama.height_px, false);
-  PanoramaView part = view;
+Result<render::Film> converged_film(const render::Renderer& renderer, const render::PanoramaView& view,
+                                    const std::function<void(double)>& progress,
+                                    const std::function<bool()>& cancelled) {
+  TRY(render::check_view(view, whole(view.panorama)));
+  render::Film film(view.panorama.width_px, view.panorama.height_px, false);
+  render::PanoramaView part = view;
   part.quality.sequence = view.quality.samples;
   for (int first = 0; first < view.quality.samples; first += kPieceSamples) {
     part.quality.first_sample = first;
     part.quality.samples = std::min(kPieceSamples, view.quality.samples - first);
-    Film piece;
+    render::Film piece;
     renderer.render_film(part, whole(view.panorama), false, &piece, cancelled);
     if (cancelled && cancelled()) return cancelled_error();
     film.add(piece);
@@ -123,13 +127,13 @@ Result<Film> converged_film(const Renderer& renderer, const PanoramaView& view,
   return film;
 }
 
-double own_relmse(const Film& film) {
+double own_relmse(const render::Film& film) {
   const RadianceImage mean = film.mean();
-  const ScalarImage variance = film.variance();
+  const render::ScalarImage variance = film.variance();
   double sum = 0.0;
   for (std::size_t i = 0; i < variance.data().size(); ++i) {
     const auto light = static_cast<double>(mean.data()[3 * i + 1]);  // Green is most of the luminance.
-    sum += static_cast<double>(variance.data()[i]) / (light * light + kRelativeErrorFloor);
+    sum += static_cast<double>(variance.data()[i]) / (light * light + quality::kRelativeErrorFloor);
   }
   return sum / static_cast<double>(variance.data().size());
 }

@@ -17,7 +17,7 @@ namespace cyclorama {
 class TradeMeter {
  public:
   /// `reference` is exposed light at the size of the view's panorama; the view's quality is not used.
-  TradeMeter(const Renderer& renderer, PanoramaView view, RadianceImage reference);
+  TradeMeter(const render::Renderer& renderer, render::PanoramaView view, RadianceImage reference);
 
   /// Errors: kUnavailable if cancelled; kBadData if a pixel is not finite.
   Result<TradePoint> measure(const PlannedPoint& planned, const std::function<bool()>& cancelled);
@@ -25,15 +25,15 @@ class TradeMeter {
  private:
   /// Results shared by settings that differ only in the coding of the picture.
   struct Rendered {
-    PictureQuality quality;
-    RenderCost cost;  ///< Including the denoiser, up to tone mapping.
-    RgbImage codes;   ///< At the rendered size.
+    render::PictureQuality quality;
+    render::RenderCost cost;  ///< Including the denoiser, up to tone mapping.
+    RgbImage codes;           ///< At the rendered size.
     double relmse = 0.0;
   };
-  Status render(const PictureQuality& quality, const std::function<bool()>& cancelled);
+  Status render(const render::PictureQuality& quality, const std::function<bool()>& cancelled);
 
-  const Renderer& renderer_;
-  PanoramaView view_;
+  const render::Renderer& renderer_;
+  render::PanoramaView view_;
   RadianceImage reference_;
   RgbImage shown_reference_;
   JpegEncoder encoder_;
@@ -43,11 +43,12 @@ class TradeMeter {
 
 /// Renders samples [0, samples) of a view as a sum of short films, so that it can be cancelled and report progress.
 /// Errors: kUnavailable if cancelled.
-Result<Film> converged_film(const Renderer& renderer, const PanoramaView& view,
-                            const std::function<void(double)>& progress, const std::function<bool()>& cancelled);
+Result<render::Film> converged_film(const render::Renderer& renderer, const render::PanoramaView& view,
+                                    const std::function<void(double)>& progress,
+                                    const std::function<bool()>& cancelled);
 
 /// Remaining relMSE of the film's mean, estimated from the variance of its samples (an overestimate, since they are
 /// stratified).
-[[nodiscard]] double own_relmse(const Film& film);
+[[nodiscard]] double own_relmse(const render::Film& film);
 
 }  // namespace cyclorama

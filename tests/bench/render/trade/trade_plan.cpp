@@ -8,15 +8,16 @@ namespace {
 
 class Plan {
  public:
-  void add(const std::string& knob, const PictureQuality& quality) {
+  void add(const std::string& knob, const render::PictureQuality& quality) {
     const auto same = [&](const PlannedPoint& point) { return point.quality == quality; };
     if (std::none_of(points_.begin(), points_.end(), same)) points_.push_back({knob, quality});
   }
   /// Varies one setting alone: `turn` sets it in a copy of `from`.
   template <typename Value, typename Turn>
-  void sweep(const std::string& knob, const PictureQuality& from, const std::vector<Value>& values, const Turn& turn) {
+  void sweep(const std::string& knob, const render::PictureQuality& from, const std::vector<Value>& values,
+             const Turn& turn) {
     for (const Value& value : values) {
-      PictureQuality quality = from;
+      render::PictureQuality quality = from;
       turn(quality, value);
       add(knob, quality);
     }
@@ -30,33 +31,34 @@ class Plan {
 void add_how_it_is_sent(Plan* plan, bool quick) {
   const std::vector<int> qualities = quick ? std::vector{60, 95} : std::vector{40, 60, 75, 90, 95, 98};
   for (const bool subsample : {true, false}) {
-    PictureQuality from = trade_base();
+    render::PictureQuality from = trade_base();
     from.subsample_chroma = subsample;
     plan->add("jpeg", from);
-    plan->sweep("jpeg", from, qualities, [](PictureQuality& quality, int value) { quality.jpeg_quality = value; });
+    plan->sweep("jpeg", from, qualities,
+                [](render::PictureQuality& quality, int value) { quality.jpeg_quality = value; });
   }
 }
 
 void add_knobs_alone(Plan* plan, bool quick) {
   using Ints = std::vector<int>;
   using Floats = std::vector<float>;
-  const PictureQuality base = trade_base();
+  const render::PictureQuality base = trade_base();
   plan->sweep("samples", base, quick ? Ints{1, 16} : Ints{1, 2, 8, 16, 32, 64, 128},
-              [](PictureQuality& quality, int value) { quality.render.samples = value; });
+              [](render::PictureQuality& quality, int value) { quality.render.samples = value; });
   plan->sweep("bounces", base, quick ? Ints{0, 4} : Ints{0, 1, 3, 4, 8},
-              [](PictureQuality& quality, int value) { quality.render.bounces = value; });
+              [](render::PictureQuality& quality, int value) { quality.render.bounces = value; });
   plan->sweep("light samples", base, quick ? Ints{4} : Ints{2, 4, 8},
-              [](PictureQuality& quality, int value) { quality.render.light_samples = value; });
+              [](render::PictureQuality& quality, int value) { quality.render.light_samples = value; });
   plan->sweep("firefly limit", base, quick ? Floats{1.0f} : Floats{0.25f, 1.0f, 4.0f, 16.0f},
-              [](PictureQuality& quality, float value) { quality.render.firefly_limit = value; });
+              [](render::PictureQuality& quality, float value) { quality.render.firefly_limit = value; });
   plan->sweep("scale", base, quick ? std::vector{0.5} : std::vector{0.25, 0.35, 0.5, 0.71, 0.85},
-              [](PictureQuality& quality, double value) { quality.scale = value; });
+              [](render::PictureQuality& quality, double value) { quality.scale = value; });
   plan->sweep("denoiser", base, std::vector{true},
-              [](PictureQuality& quality, bool value) { quality.denoise = value; });
-  PictureQuality many = base;
+              [](render::PictureQuality& quality, bool value) { quality.denoise = value; });
+  render::PictureQuality many = base;
   many.render.samples = quick ? 32 : 128;  // Adaptive sampling reduces this number.
   plan->sweep("adaptive", many, quick ? Floats{0.02f} : Floats{0.04f, 0.02f, 0.01f, 0.005f},
-              [](PictureQuality& quality, float value) { quality.render.adaptive_error = value; });
+              [](render::PictureQuality& quality, float value) { quality.render.adaptive_error = value; });
 }
 
 void add_knobs_together(Plan* plan, bool quick) {
@@ -67,7 +69,7 @@ void add_knobs_together(Plan* plan, bool quick) {
   for (const double scale : scales) {
     for (const int bounce : bounces) {
       for (const int sample : samples) {
-        PictureQuality quality = trade_base();
+        render::PictureQuality quality = trade_base();
         quality.scale = scale;
         quality.render.bounces = bounce;
         quality.render.samples = sample;
@@ -81,8 +83,8 @@ void add_knobs_together(Plan* plan, bool quick) {
 
 }  // namespace
 
-PictureQuality trade_base() {
-  PictureQuality base;
+render::PictureQuality trade_base() {
+  render::PictureQuality base;
   base.render.samples = 4;
   base.render.bounces = 2;
   return base;

@@ -12,11 +12,11 @@ namespace cyclorama {
 /// Name of the setting that differs from the base; "together" if several do.
 struct PlannedPoint {
   std::string knob;
-  PictureQuality quality;
+  render::PictureQuality quality;
 };
 
 /// In the middle of every setting's range; each curve passes through it.
-[[nodiscard]] PictureQuality trade_base();
+[[nodiscard]] render::PictureQuality trade_base();
 
 /// Not every combination: each setting is varied alone around the base, which gives its curve; those that determine
 /// most of the time (samples, bounces, scale, and the denoiser) are varied together, which gives the Pareto front.

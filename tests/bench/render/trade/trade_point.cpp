@@ -11,8 +11,8 @@
 namespace cyclorama {
 namespace {
 
-bool sent_as_base(const PictureQuality& quality) {
-  const PictureQuality base = trade_base();
+bool sent_as_base(const render::PictureQuality& quality) {
+  const render::PictureQuality base = trade_base();
   return quality.jpeg_quality == base.jpeg_quality && quality.subsample_chroma == base.subsample_chroma;
 }
 
@@ -22,7 +22,8 @@ struct Axis {
 };
 
 /// `is_time`: x is time; the Pareto front is a line only there.
-Plot panel(const std::vector<TradePoint>& points, const Front& front, const Axis& x, const Axis& y, bool is_time) {
+Plot panel(const std::vector<TradePoint>& points, const governor::ParetoFront& front, const Axis& x, const Axis& y,
+           bool is_time) {
   // Okabe and Ito's palette, distinguishable by colour-blind people.
   static constexpr struct {
     const char* knob;
@@ -50,29 +51,29 @@ Plot panel(const std::vector<TradePoint>& points, const Front& front, const Axis
 
 }  // namespace
 
-Result<Front> trade_front(const std::vector<TradePoint>& points, double shown_px) {
-  std::vector<FrontPoint> candidates;
+Result<governor::ParetoFront> trade_pareto_front(const std::vector<TradePoint>& points, double shown_px) {
+  std::vector<governor::ParetoPoint> candidates;
   for (const TradePoint& point : points) {
     if (!sent_as_base(point.planned.quality)) continue;
     candidates.push_back({point.planned.quality, 1e6 * point.cpu_s / shown_px, point.relmse});
   }
-  return Front::make(std::move(candidates));
+  return governor::ParetoFront::make(std::move(candidates));
 }
 
-bool is_on(const Front& front, const TradePoint& point) {
+bool is_on(const governor::ParetoFront& front, const TradePoint& point) {
   for (std::size_t i = 0; i < front.size(); ++i) {
     if (front[i].quality == point.planned.quality) return true;
   }
   return false;
 }
 
-std::string trade_csv(const std::vector<TradePoint>& points, const Front& front) {
+std::string trade_csv(const std::vector<TradePoint>& points, const governor::ParetoFront& front) {
   std::string text =
       "knob,samples,bounces,light_samples,firefly_limit,adaptive_error,scale,denoise,jpeg_quality,subsample_chroma,"
       "cpu_ms,wall_ms,rays,bytes,removed_light,relmse,psnr_db,ssim,flip,front\n";
   for (const TradePoint& point : points) {
-    const PictureQuality& quality = point.planned.quality;
-    const RenderQuality& render = quality.render;
+    const render::PictureQuality& quality = point.planned.quality;
+    const render::RenderQuality& render = quality.render;
     fmt::format_to(std::back_inserter(text),
                    "{},{},{},{},{},{},{},{:d},{},{:d},{:.3f},{:.3f},{},{},{:.3g},{:.6g},{:.3f},{:.5f},{:.5f},{:d}\n",
                    point.planned.knob, render.samples, render.bounces, render.light_samples, render.firefly_limit,
@@ -84,7 +85,8 @@ std::string trade_csv(const std::vector<TradePoint>& points, const Front& front)
   return text;
 }
 
-std::string trade_svg(const std::vector<TradePoint>& points, const Front& front, const std::string& title) {
+std::string trade_svg(const std::vector<TradePoint>& points, const governor::ParetoFront& front,
+                      const std::string& title) {
   const Axis cpu{"processor time of a picture, ms", [](const TradePoint& point) { return 1e3 * point.cpu_s; }};
   const Axis bytes{"bytes of a picture", [](const TradePoint& point) { return static_cast<double>(point.bytes); }};
   const Axis flip{"FLIP of what is shown", [](const TradePoint& point) { return point.shown.flip; }};

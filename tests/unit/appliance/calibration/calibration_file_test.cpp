@@ -10,7 +10,7 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 Calibration small_calibration(const std::string& date) {
@@ -19,7 +19,7 @@ Calibration small_calibration(const std::string& date) {
   calibration.plate.camera = MeasuredLens::from_focal(1920, 1200, 1400.0);
   calibration.plate.angles_rad = {-0.5, 0.0, 0.5};
   calibration.plate.reference = 1;
-  calibration.plate.nearness[0] = 0.25;
+  calibration.plate.inverse_depth[0] = 0.25;
   calibration.plate.offset_reason = "not needed";
   calibration.plate.parameters = {"pitch_rad", "roll_rad"};
   calibration.plate.covariance = 1e-6 * Eigen::Matrix2d::Identity();
@@ -33,7 +33,7 @@ Calibration small_calibration(const std::string& date) {
     calibration.projectors.push_back({name, map, false});
   }
   ModelChoice wall;
-  wall.fit.surface.rung = SurfaceRung::kCylinder;
+  wall.fit.surface.model = SurfaceModel::kCylinder;
   wall.fit.surface.parameters = {0.01, 0.02, 0.03, 0.25};
   wall.fit.surface_sigmas = {1e-3, 1e-3, 1e-3, 1e-3};
   wall.fit.projectors.resize(2);
@@ -138,7 +138,7 @@ TEST_F(CalibrationFile, whose_map_is_broken_is_refused_by_its_name) {
 TEST(CalibrationJson, names_the_place_of_what_is_wrong) {
   const std::string good = calibration_json(small_calibration("2026-01-01T00-00-00Z"));
   struct Case {
-    std::string from, to, place;
+    std::string from, to, position;
   };
   const Case cases[] = {{"\"cells_x\": 2", "\"cells_x\": 0", "/projectors/0/cells_x"},
                         {"\"pitch_rad\": 0.0", "\"pitch_rad\": \"low\"", "/plate/pitch_rad"},
@@ -157,7 +157,7 @@ TEST(CalibrationJson, names_the_place_of_what_is_wrong) {
     const auto parsed = parse_calibration(bad, "c.json");
     ASSERT_FALSE(parsed) << c.to;
     EXPECT_EQ(parsed.error().code(), ErrorCode::kBadData);
-    EXPECT_NE(parsed.error().message().find("c.json: " + c.place), std::string::npos) << parsed.error().message();
+    EXPECT_NE(parsed.error().message().find("c.json: " + c.position), std::string::npos) << parsed.error().message();
     EXPECT_NE(parsed.error().message().find("; "), std::string::npos) << parsed.error().message();
   }
 }
@@ -172,4 +172,4 @@ TEST(CalibrationJson, that_is_cut_anywhere_is_refused) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 using L = MeasuredLens;
@@ -14,7 +14,7 @@ CameraFile usual() {
   CameraFile camera{"usb-0000:00:14.0-2",
                     "2026-01-01T00-00-00Z",
                     L::from_focal(1280, 960, 1100.0),
-                    LensRung::kRadial2,
+                    LensModel::kRadial2,
                     14,
                     0.05,
                     0.06};
@@ -35,7 +35,7 @@ TEST(CameraFile, comes_back_as_it_was) {
 
 TEST(CameraFile, names_the_place_of_what_is_wrong) {
   struct Case {
-    std::string from, to, place;
+    std::string from, to, position;
   };
   const Case cases[] = {{"\"width_px\": 1280", "\"width_px\": 0", "/width_px"},
                         {"\"lens\": \"k1 k2\"", "\"lens\": \"fisheye\"", "/lens"},
@@ -55,7 +55,7 @@ TEST(CameraFile, names_the_place_of_what_is_wrong) {
     ASSERT_FALSE(parsed) << c.to;
     EXPECT_EQ(parsed.error().code(), ErrorCode::kBadData);
     EXPECT_THAT(parsed.error().message(), testing::HasSubstr("camera.json: "));
-    EXPECT_THAT(parsed.error().message(), testing::HasSubstr(c.place));
+    EXPECT_THAT(parsed.error().message(), testing::HasSubstr(c.position));
   }
 }
 
@@ -83,4 +83,4 @@ TEST(CameraFile, serves_pictures_of_another_size_but_not_of_another_shape) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

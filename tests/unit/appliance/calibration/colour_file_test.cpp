@@ -9,7 +9,7 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 using ::testing::HasSubstr;
@@ -19,15 +19,16 @@ std::vector<CalibratedColour> two_colours() {
   std::uniform_real_distribution<float> share(0.0f, 1.0f);
   std::vector<CalibratedColour> colours;
   for (const char* const name : {"left", "right-2.b"}) {
-    CalibratedColour one{name, MaskImage(40, 30), {}};
+    CalibratedColour one{name, warp::MaskImage(40, 30), {}};
     for (float& value : one.mask.data()) value = share(random);
     colours.push_back(std::move(one));
   }
-  HeadColour& colour = colours[1].colour;
+  warp::HeadColour& colour = colours[1].colour;
   colour.matrix = Eigen::Matrix3d::Identity() + 0.1 * Eigen::Matrix3d::Ones();
   colour.black = {0.001, 0.002, 0.003};
-  colour.lift = colours[0].mask;
-  colour.response = {ResponseCurve::srgb(9), ResponseCurve::power(2.2, 20), ResponseCurve::power(1.8, 300)};
+  colour.black_lift = colours[0].mask;
+  colour.response = {warp::ResponseCurve::srgb(9), warp::ResponseCurve::power(2.2, 20),
+                     warp::ResponseCurve::power(1.8, 300)};
   return colours;
 }
 
@@ -54,9 +55,9 @@ TEST_F(ColourFile, comes_back_as_it_was_within_sixteen_bits) {
     for (std::size_t p = 0; p < written[i].mask.data().size(); ++p)
       ASSERT_NEAR((*read)[i].mask.data()[p], written[i].mask.data()[p], 1.0 / 131000.0);
   }
-  EXPECT_FALSE((*read)[0].colour.matrix || (*read)[0].colour.lift || (*read)[0].colour.response);
-  const HeadColour& colour = (*read)[1].colour;
-  ASSERT_TRUE(colour.matrix && colour.lift && colour.response);
+  EXPECT_FALSE((*read)[0].colour.matrix || (*read)[0].colour.black_lift || (*read)[0].colour.response);
+  const warp::HeadColour& colour = (*read)[1].colour;
+  ASSERT_TRUE(colour.matrix && colour.black_lift && colour.response);
   EXPECT_EQ(*colour.matrix, *written[1].colour.matrix);
   EXPECT_EQ(colour.black, written[1].colour.black);
   for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ((*colour.response)[c].codes, (*written[1].colour.response)[c].codes);
@@ -112,4 +113,4 @@ TEST_F(ColourFile, says_what_is_wrong) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

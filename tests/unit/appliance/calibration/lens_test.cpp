@@ -7,9 +7,9 @@
 #include <random>
 
 #include "appliance/calibration/brown_lens.h"
-#include "appliance/calibration/lens_models.h"
+#include "appliance/calibration/lens_model.h"
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 BrownParameters plain_lens() {
@@ -41,7 +41,7 @@ Eigen::Vector2d fixed_steps_inverse(const BrownParameters& lens, const Eigen::Ve
 
 TEST(BrownLens, without_distortion_is_a_pinhole) {
   const BrownLens lens = lens_of(plain_lens());
-  EXPECT_EQ(lens.trusted_slope(), BrownLens::kWidestSlope);
+  EXPECT_EQ(lens.trusted_slope(), BrownLens::kMaxSlope);
   const auto pixel = lens.pixel_of({0.2, -0.1, 2.0});
   ASSERT_TRUE(pixel);
   EXPECT_NEAR(pixel->x(), 620.0 + 90.0, 1e-10);
@@ -103,7 +103,7 @@ TEST(BrownLens, finds_every_direction_that_it_images) {
     ASSERT_TRUE(answer) << "lens " << i;
     // One over the least magnification is what an error may grow by.
     EXPECT_LE((answer.slope - slope).norm() * parameters.focal_v_px,
-              BrownLens::kRoundTripPx / BrownLens::kLeastMagnification);
+              BrownLens::kRoundTripPx / BrownLens::kMinMagnification);
   }
 }
 
@@ -125,7 +125,7 @@ TEST(BrownLens, magnifies_at_least_as_promised_within_its_trusted_slope) {
           lens.trusted_slope() * std::abs(unit(random)) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
       const Eigen::Matrix2d jacobian = lens.jacobian(slope);
       EXPECT_GE(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(jacobian).eigenvalues()[0],
-                BrownLens::kLeastMagnification * (1.0 - 1e-6));
+                BrownLens::kMinMagnification * (1.0 - 1e-6));
       // By differences.
       const double h = 1e-6 * std::max(1.0, slope.norm());
       for (int k = 0; k < 2; ++k) {
@@ -188,15 +188,15 @@ TEST(BrownLens, a_block_holds_what_it_was_made_of) {
   EXPECT_EQ(back.width_px, 1280);
 }
 
-TEST(LensRung, each_is_freer_than_the_one_before) {
+TEST(LensModel, each_is_freer_than_the_one_before) {
   int freedom = 0;
-  for (const LensRung rung : kLensRungs) {
-    EXPECT_GT(freedom_of(rung), freedom);
-    freedom = freedom_of(rung);
-    EXPECT_FALSE(name_of(rung).empty());
+  for (const LensModel model : kLensModels) {
+    EXPECT_GT(freedom_of(model), freedom);
+    freedom = freedom_of(model);
+    EXPECT_FALSE(name_of(model).empty());
   }
   EXPECT_EQ(freedom, kBrownValues);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::calibration {
 namespace {
 
 MeasuredLens lens_with(double k1, double k2, double k3, double p1, double p2) {
@@ -65,4 +65,4 @@ TEST(MeasuredLens, has_the_first_pixels_centre_at_a_half) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::calibration

@@ -16,7 +16,7 @@
 #include "drivers/simulated/museum/presets.h"
 #include "drivers/simulated/turntable/simulated_turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::calibrator {
 namespace {
 
 using ::testing::HasSubstr;
@@ -26,13 +26,13 @@ class CalibratorServiceTest : public ::testing::Test {
   CalibratorServiceTest()
       : folder_(std::filesystem::path(::testing::TempDir()) / ("calibrator-" + std::to_string(getpid()))) {
     std::filesystem::create_directories(folder_);
-    PresetOptions options;
+    simulated::PresetOptions options;
     options.projectors = 2;
     options.projector_width_px = 160;
     options.projector_height_px = 100;
     options.camera_megapixels = 0.08;
-    preset_ = *make_preset("cylinder126", 1, options);
-    museum_.emplace(*SimulatedMuseum::make(preset_.installation, preset_.truth));
+    preset_ = *simulated::make_preset("cylinder126", 1, options);
+    museum_.emplace(*simulated::SimulatedMuseum::make(preset_.installation, preset_.truth));
     service_.emplace(
         preset_.installation, folder_, [this] { return open(); }, clock_, &inspection_);
     server_ = *WireServer::start("[::1]:0", {&*service_});
@@ -46,11 +46,11 @@ class CalibratorServiceTest : public ::testing::Test {
   }
   Result<CalibrationDevices> open() {
     CalibrationDevices devices;
-    devices.plate = std::make_unique<SimulatedTurnplate>(&*museum_);
-    devices.camera = std::make_unique<SimulatedScanCamera>(&*museum_, PhotographColour::kGrey);
-    devices.screen = std::make_unique<SimulatedPatternScreen>(&*museum_);
+    devices.plate = std::make_unique<simulated::SimulatedTurnplate>(&*museum_);
+    devices.camera = std::make_unique<scan::SimulatedScanCamera>(&*museum_, scan::PhotographColour::kGrey);
+    devices.screen = std::make_unique<scan::SimulatedPatternScreen>(&*museum_);
     devices.settings.camera =
-        data_sheet_lens(devices.camera->width_px(), devices.camera->height_px(), 70.0 * std::numbers::pi / 180.0);
+        scan::data_sheet_lens(devices.camera->width_px(), devices.camera->height_px(), 70.0 * std::numbers::pi / 180.0);
     return devices;
   }
   /// Ends with `cancel_after` progress messages, or by itself.
@@ -69,8 +69,8 @@ class CalibratorServiceTest : public ::testing::Test {
 
   const SteadyClock clock_;
   std::filesystem::path folder_;
-  Preset preset_;
-  std::optional<SimulatedMuseum> museum_;
+  simulated::Preset preset_;
+  std::optional<simulated::SimulatedMuseum> museum_;
   InspectionService inspection_{"calibrator"};
   std::optional<CalibratorService> service_;
   std::unique_ptr<WireServer> server_;
@@ -89,7 +89,7 @@ TEST_F(CalibratorServiceTest, calibrates_tells_its_progress_and_goes_back) {
   ASSERT_TRUE(progress_.back().has_done());
   EXPECT_DOUBLE_EQ(progress_.back().fraction(), 1.0);
   const std::string date = progress_.back().done().date();
-  EXPECT_EQ(read_calibration(folder_)->date, date);
+  EXPECT_EQ(calibration::read_calibration(folder_)->date, date);
   EXPECT_GT(progress_.back().done().registration_p95_px(), 0.0);
   EXPECT_TRUE(std::any_of(progress_.begin(), progress_.end(), [](const auto& p) { return !p.jpeg().empty(); }));
   EXPECT_THAT(inspection_.status().state(), HasSubstr("calibrated 2 projectors"));
@@ -98,23 +98,23 @@ TEST_F(CalibratorServiceTest, calibrates_tells_its_progress_and_goes_back) {
   wire::RestoreAnswer answer;
   EXPECT_EQ(stub_->Restore(&nothing_before, {}, &answer).error_code(), grpc::StatusCode::NOT_FOUND);
   // A second one, as if it were later.
-  Calibration later = *read_calibration(folder_);
+  calibration::Calibration later = *calibration::read_calibration(folder_);
   later.date = "2999-01-01T00-00-00Z";
-  ASSERT_TRUE(save_calibration(folder_, later).has_value());
+  ASSERT_TRUE(calibration::save_calibration(folder_, later).has_value());
   grpc::ClientContext context;
   const auto restored = stub_->Restore(&context, {}, &answer);
   ASSERT_TRUE(restored.ok()) << restored.error_message();
   EXPECT_EQ(answer.date(), date);
-  EXPECT_EQ(read_calibration(folder_)->date, date);
+  EXPECT_EQ(calibration::read_calibration(folder_)->date, date);
 }
 
 TEST_F(CalibratorServiceTest, puts_back_one_that_was_pushed) {
   ASSERT_TRUE(calibrate({}).ok());
-  const Calibration before = *read_calibration(folder_);
+  const calibration::Calibration before = *calibration::read_calibration(folder_);
   auto& stands = preset_.truth.projectors[1].T_room_projector;
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(2.0 * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY()));
   stands = {turn * stands.rotation(), stands.translation()};
-  museum_.emplace(*SimulatedMuseum::make(preset_.installation, preset_.truth));
+  museum_.emplace(*simulated::SimulatedMuseum::make(preset_.installation, preset_.truth));
 
   wire::CalibrateOrder quick;
   quick.set_quick(true);
@@ -122,13 +122,13 @@ TEST_F(CalibratorServiceTest, puts_back_one_that_was_pushed) {
   const auto done = calibrate(quick);
   ASSERT_TRUE(done.ok()) << done.error_message();
   ASSERT_TRUE(progress_.back().has_done());
-  const auto after = read_calibration(folder_);
+  const auto after = calibration::read_calibration(folder_);
   ASSERT_TRUE(after) << after.error().message();
   EXPECT_EQ(after->date, progress_.back().done().date());
   EXPECT_TRUE(after->projectors[0].is_previous);
   const auto turned_deg = [&](std::size_t p) {
-    const MeasuredMap& was = before.projectors[p].map;
-    const MeasuredMap& is = after->projectors[p].map;
+    const calibration::MeasuredMap& was = before.projectors[p].map;
+    const calibration::MeasuredMap& is = after->projectors[p].map;
     const std::size_t middle = was.directions.size() / 2;
     return std::acos(std::min(1.0, was.directions[middle].dot(is.directions[middle]))) * 180.0 / std::numbers::pi;
   };
@@ -137,37 +137,37 @@ TEST_F(CalibratorServiceTest, puts_back_one_that_was_pushed) {
 }
 
 /// A plate that somebody turns, and that the museum follows.
-class HandTurnedPlate final : public Turnplate {
+class HandTurnedPlate final : public turnplate::Turnplate {
  public:
-  HandTurnedPlate(TurnplateDesk* desk, SimulatedMuseum* museum)
-      : Turnplate({-3.0, 3.0}), desk_(*desk), museum_(*museum) {}
+  HandTurnedPlate(TurntablePrompt* prompt, simulated::SimulatedMuseum* museum)
+      : turnplate::Turnplate({-3.0, 3.0}), prompt_(*prompt), museum_(*museum) {}
   [[nodiscard]] const std::string& id() const override { return id_; }
 
  private:
   Status move_home() override { return move_to(0.0); }
   Status move_to(double angle_rad) override {
-    TRY_ASSIGN(const std::string answer, desk_.ask("turn it", std::chrono::minutes(1)));
+    TRY_ASSIGN(const std::string answer, prompt_.ask("turn it", std::chrono::minutes(1)));
     if (answer != "") return Error(ErrorCode::kUnavailable, "the operator has stopped");
     museum_.turn_to(angle_rad);
     return Done{};
   }
   Result<double> ask_angle() override { return museum_.plate_angle_rad(); }
   const std::string id_ = "by hand";
-  TurnplateDesk& desk_;
-  SimulatedMuseum& museum_;
+  TurntablePrompt& prompt_;
+  simulated::SimulatedMuseum& museum_;
 };
 
 TEST_F(CalibratorServiceTest, asks_its_client_to_turn_the_plate) {
-  TurnplateDesk desk;
+  TurntablePrompt prompt;
   CalibratorService service(
       preset_.installation, folder_,
       [&]() -> Result<CalibrationDevices> {
         TRY_ASSIGN(CalibrationDevices devices, open());
-        devices.plate = std::make_unique<HandTurnedPlate>(&desk, &*museum_);
+        devices.plate = std::make_unique<HandTurnedPlate>(&prompt, &*museum_);
         return devices;
       },
       clock_, &inspection_);
-  service.ask_at(&desk);
+  service.set_prompt(&prompt);
   const auto server = *WireServer::start("[::1]:0", {&service});
   const auto stub = wire::Calibrator::NewStub(*make_channel("[::1]:" + std::to_string(server->port())));
   const auto answered = [&](const std::string& text) {
@@ -248,4 +248,4 @@ TEST_F(CalibratorServiceTest, has_nothing_to_resume_at_first) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::calibrator

@@ -9,7 +9,7 @@
 #include "appliance/calibration/camera_file.h"
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::calibrator {
 namespace {
 
 using ::testing::ElementsAre;
@@ -36,7 +36,7 @@ TEST(CalibratorSettings, of_an_empty_file_are_the_defaults) {
   EXPECT_THAT(settings->watch, IsEmpty());
   for (double CalibratorSettings::*number :
        {&CalibratorSettings::settle_s, &CalibratorSettings::field_of_view_rad, &CalibratorSettings::pitch_rad,
-        &CalibratorSettings::longest_exposure_s, &CalibratorSettings::watch_exposure_s, &CalibratorSettings::watch_hz,
+        &CalibratorSettings::max_exposure_s, &CalibratorSettings::watch_exposure_s, &CalibratorSettings::watch_hz,
         &CalibratorSettings::latency_s}) {
     EXPECT_NEAR((*settings).*number, defaults.*number, 1e-12);
   }
@@ -54,7 +54,7 @@ TEST(CalibratorSettings, reads_every_key) {
     width_px = 2560
     lens = "camera.json"
     pitch_deg = -5
-    longest_exposure_ms = 500
+    max_exposure_ms = 500
     [watch]
     exposure_ms = 20
     compare_hz = 2
@@ -80,7 +80,7 @@ TEST(CalibratorSettings, reads_every_key) {
   EXPECT_EQ(settings->camera, "v4l2:usb-0000:00:14.0-2?width_px=2560");
   EXPECT_EQ(settings->lens, "camera.json");
   EXPECT_NEAR(settings->pitch_rad, -5 * kDegree, 1e-12);
-  EXPECT_NEAR(settings->longest_exposure_s, 0.5, 1e-12);
+  EXPECT_NEAR(settings->max_exposure_s, 0.5, 1e-12);
   EXPECT_NEAR(settings->watch_exposure_s, 0.02, 1e-12);
   EXPECT_EQ(settings->watch_hz, 2.0);
   EXPECT_NEAR(settings->latency_s, 0.045, 1e-12);
@@ -105,7 +105,7 @@ TEST(CalibratorSettings, name_the_line_of_a_mistake_and_what_to_do) {
       {"displays = [\"=[::1]:7404\"]\n", "calibrator.toml:1", "write left,middle=HOST:PORT"},
       {"turnplate = \"lazy-susan\"\n", "calibrator.toml:1", "the kinds are serial:DEVICE and manual"},
       {"turnplate = \"serial:/dev/ttyUSB0?speed=1\"\n", "calibrator.toml:1", "the options are baud"},
-      {"turnplate = \"serial:/dev/ttyUSB0?least_deg=10\"\n", "calibrator.toml:1", "range holds 0"},
+      {"turnplate = \"serial:/dev/ttyUSB0?min_deg=10\"\n", "calibrator.toml:1", "range holds 0"},
       {"settle_ms = -1\n", "calibrator.toml:1", "settle_ms"},
       {"settle_s = 1\n", "calibrator.toml:1", "settle_s"},
       {"[camera]\nkind = \"film\"\n", "calibrator.toml:2", "v4l2"},
@@ -115,7 +115,7 @@ TEST(CalibratorSettings, name_the_line_of_a_mistake_and_what_to_do) {
       {"[camera]\nfield_of_view_deg = 4\n", "calibrator.toml:2", "field_of_view_deg"},
       {"[camera]\nlens = \"camera.json\"\nfield_of_view_deg = 70\n", "calibrator.toml:3", "say the same"},
       {"[camera]\npitch_deg = nan\n", "calibrator.toml:2", "pitch_deg"},
-      {"[camera]\nlongest_exposure_ms = 9000\n", "calibrator.toml:2", "longest_exposure_ms"},
+      {"[camera]\nlongest_exposure_ms = 9000\n", "calibrator.toml:2", "max_exposure_ms"},
       {"[watch]\ncompare_hz = 11\n", "calibrator.toml:2", "compare_hz"},
       {"[watch]\nexposure_ms = 0\n", "calibrator.toml:2", "exposure_ms"},
       {"[watch]\nlatency_ms = \"30\"\n", "calibrator.toml:2", "latency_ms"},
@@ -151,10 +151,14 @@ TEST(CalibratorSettings, find_lenses_beside_the_file) {
   const auto missing = settings->check_lenses();
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().message(), HasSubstr("the camera on the turn-plate"));
-  const CameraFile good{
-      "a camera", "2026-01-01T00-00-00Z", MeasuredLens::from_focal(1280, 960, 1100.0), LensRung::kPinhole, 12, 0.1,
-      0.1};
-  write("camera.json", camera_json(good));
+  const calibration::CameraFile good{"a camera",
+                                     "2026-01-01T00-00-00Z",
+                                     calibration::MeasuredLens::from_focal(1280, 960, 1100.0),
+                                     calibration::LensModel::kPinhole,
+                                     12,
+                                     0.1,
+                                     0.1};
+  write("camera.json", calibration::camera_json(good));
   EXPECT_TRUE(settings->check_lenses()) << "a fixed camera may have none yet";
   std::filesystem::create_directory(folder / "cameras");
   write("cameras/left.json", "{}");
@@ -162,19 +166,19 @@ TEST(CalibratorSettings, find_lenses_beside_the_file) {
   ASSERT_FALSE(damaged);
   EXPECT_THAT(damaged.error().message(), HasSubstr("camera 'left'"));
   EXPECT_THAT(damaged.error().message(), HasSubstr("left.json"));
-  write("cameras/left.json", camera_json(good));
+  write("cameras/left.json", calibration::camera_json(good));
   EXPECT_TRUE(settings->check_lenses());
   std::filesystem::remove_all(folder);
 }
 
-TEST(CameraPlug, is_a_name_and_a_line) {
-  const auto plug = parse_camera_plug("left=v4l2:usb-1?width_px=640");
+TEST(scan::CameraSource, is_a_name_and_a_line) {
+  const auto plug = scan::parse_camera_source("left=v4l2:usb-1?width_px=640");
   ASSERT_TRUE(plug);
   EXPECT_EQ(plug->name, "left");
   EXPECT_EQ(plug->spec, "v4l2:usb-1?width_px=640");
   for (const char* bad : {"", "left", "left=", "=v4l2:", "a/b=v4l2:", ".left=v4l2:", "-left=v4l2:", "l r=v4l2:"})
-    EXPECT_FALSE(parse_camera_plug(bad)) << bad;
+    EXPECT_FALSE(scan::parse_camera_source(bad)) << bad;
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::calibrator

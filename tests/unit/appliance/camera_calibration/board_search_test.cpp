@@ -10,10 +10,10 @@
 #include "appliance/camera_calibration/lens_selection.h"
 #include "tests/doubles/board_photo.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
-BrownParameters true_lens() { return {800, 600, 690.0, 690.0, 407.0, 296.0, -0.12, 0.04, 0.0, 0.0, 0.0}; }
+calibration::BrownParameters true_lens() { return {800, 600, 690.0, 690.0, 407.0, 296.0, -0.12, 0.04, 0.0, 0.0, 0.0}; }
 
 struct Pose {
   Eigen::Matrix3d R;
@@ -33,7 +33,7 @@ Pose pose(const TagBoard& board, const Eigen::Vector3d& at, double yaw, double p
 
 class BoardSearch : public testing::Test {
  protected:
-  BoardSearch() : lens_(*BrownLens::from(true_lens())), detector_(*make_board_detector()) {
+  BoardSearch() : lens_(*calibration::BrownLens::from(true_lens())), detector_(*make_board_detector()) {
     if (photographer_ == nullptr) photographer_ = std::make_unique<BoardPhotographer>(board_, lens_);
   }
   static void TearDownTestSuite() { photographer_.reset(); }
@@ -51,9 +51,9 @@ class BoardSearch : public testing::Test {
   }
 
   TagBoard board_;
-  BrownLens lens_;
+  calibration::BrownLens lens_;
   static inline std::unique_ptr<BoardPhotographer> photographer_;  ///< Finding its rays takes seconds.
-  TagDetector detector_;
+  tags::TagDetector detector_;
 };
 
 TEST_F(BoardSearch, finds_all_corners_to_a_tenth_of_a_pixel) {
@@ -81,27 +81,28 @@ TEST_F(BoardSearch, refuses_a_picture_without_one) {
 
 TEST_F(BoardSearch, of_photographs_gives_the_lens) {
   std::vector<LensView> views;
-  const Eigen::Vector3d places[] = {{0.0, 0.0, 0.34},  {-0.1, -0.07, 0.3}, {0.1, -0.07, 0.3}, {-0.1, 0.08, 0.3},
-                                    {0.11, 0.08, 0.3}, {0.0, 0.02, 0.45},  {0.05, 0.0, 0.3},  {-0.04, 0.03, 0.27}};
+  const Eigen::Vector3d correspondences[] = {{0.0, 0.0, 0.34},  {-0.1, -0.07, 0.3}, {0.1, -0.07, 0.3},
+                                             {-0.1, 0.08, 0.3}, {0.11, 0.08, 0.3},  {0.0, 0.02, 0.45},
+                                             {0.05, 0.0, 0.3},  {-0.04, 0.03, 0.27}};
   int number = 0;
-  for (const Eigen::Vector3d& place : places) {
+  for (const Eigen::Vector3d& position : correspondences) {
     ++number;
     const double turn = 0.5 * (number % 2 == 0 ? 1.0 : -1.0);
     const Pose at =
-        pose(board_, place, number % 3 == 0 ? 0.0 : turn, number % 3 == 1 ? 0.0 : -0.9 * turn, 0.1 * number);
+        pose(board_, position, number % 3 == 0 ? 0.0 : turn, number % 3 == 1 ? 0.0 : -0.9 * turn, 0.1 * number);
     auto view = find_board(photographer_->photograph(at.R, at.t), {board_}, &detector_);
     ASSERT_TRUE(view) << number << ": " << view.error().message();
     view->name = "photograph " + std::to_string(number);
     views.push_back(*std::move(view));
   }
-  const auto choice = choose_lens(views, 800, 600);
+  const auto choice = select_lens(views, 800, 600);
   ASSERT_TRUE(choice) << choice.error().message();
   const auto& values = choice->fit.lens.values;
-  EXPECT_NEAR(values[MeasuredLens::kFocal], 690.0, 1.0);
-  EXPECT_NEAR(values[MeasuredLens::kCentreU], 407.0, 1.5);
-  EXPECT_NEAR(values[MeasuredLens::kCentreV], 296.0, 1.5);
+  EXPECT_NEAR(values[calibration::MeasuredLens::kFocal], 690.0, 1.0);
+  EXPECT_NEAR(values[calibration::MeasuredLens::kCentreU], 407.0, 1.5);
+  EXPECT_NEAR(values[calibration::MeasuredLens::kCentreV], 296.0, 1.5);
   EXPECT_LE(choice->heldout_rms_px, 0.1);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

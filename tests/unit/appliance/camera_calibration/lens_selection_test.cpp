@@ -9,13 +9,15 @@
 
 #include "common/board/tag_board.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
 constexpr int kWidth = 1280;
 constexpr int kHeight = 960;
 
-BrownParameters true_lens() { return {kWidth, kHeight, 1105.0, 1105.0, 652.0, 471.0, -0.11, 0.05, 0.0, 0.0, 0.0}; }
+calibration::BrownParameters true_lens() {
+  return {kWidth, kHeight, 1105.0, 1105.0, 652.0, 471.0, -0.11, 0.05, 0.0, 0.0, 0.0};
+}
 
 struct Shown {
   double tilt_rad = 0.5;  ///< At most, about any level axis.
@@ -26,11 +28,12 @@ struct Shown {
 };
 
 /// What a camera would see of a board that somebody shows to it.
-std::vector<LensView> shown(const BrownParameters& truth, int count, unsigned seed, const Shown& how = {}) {
+std::vector<LensView> shown(const calibration::BrownParameters& truth, int count, unsigned seed,
+                            const Shown& how = {}) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   std::normal_distribution<double> noise(0.0, how.noise_px);
-  const auto lens = BrownLens::from(truth);
+  const auto lens = calibration::BrownLens::from(truth);
   CHECK(lens.has_value());
   const TagBoard board;
   const Eigen::Vector3d middle(0.5 * board.square_m * (board.columns - 2), 0.5 * board.square_m * (board.rows - 2),
@@ -62,8 +65,8 @@ std::vector<LensView> shown(const BrownParameters& truth, int count, unsigned se
 
 /// The largest distance over the picture between where two lenses image a direction, turned onto each other: what a
 /// lens calls straight ahead is a gauge that poses make up for.
-double apart_px(const MeasuredLens& found, const BrownParameters& truth) {
-  const auto a = BrownLens::from(truth);
+double apart_px(const calibration::MeasuredLens& found, const calibration::BrownParameters& truth) {
+  const auto a = calibration::BrownLens::from(truth);
   const auto b = found.brown();
   CHECK(a.has_value() && b.has_value());
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> pairs;
@@ -71,8 +74,8 @@ double apart_px(const MeasuredLens& found, const BrownParameters& truth) {
   for (int y = 0; y <= 8; ++y) {
     for (int x = 0; x <= 8; ++x) {
       const Eigen::Vector2d pixel(x * kWidth / 8.0, y * kHeight / 8.0);
-      const auto one = direction_through(*a, pixel);
-      const auto two = direction_through(*b, pixel);
+      const auto one = calibration::direction_through(*a, pixel);
+      const auto two = calibration::direction_through(*b, pixel);
       CHECK(one && two);
       pairs.emplace_back(one->normalized(), two->normalized());
       together += pairs.back().second * pairs.back().first.transpose();
@@ -85,82 +88,83 @@ double apart_px(const MeasuredLens& found, const BrownParameters& truth) {
   return worst;
 }
 
-TEST(LensChoice, finds_a_lens_within_what_it_claims) {
+TEST(LensSelection, finds_a_lens_within_what_it_claims) {
   int within = 0;
   constexpr int kSeeds = 4;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
-    const auto choice = choose_lens(shown(true_lens(), 14, seed), kWidth, kHeight);
+    const auto choice = select_lens(shown(true_lens(), 14, seed), kWidth, kHeight);
     ASSERT_TRUE(choice) << choice.error().message();
-    const MeasuredLens& lens = choice->fit.lens;
-    const double sigma = std::sqrt(lens.covariance(MeasuredLens::kFocal, MeasuredLens::kFocal));
+    const calibration::MeasuredLens& lens = choice->fit.lens;
+    const double sigma =
+        std::sqrt(lens.covariance(calibration::MeasuredLens::kFocal, calibration::MeasuredLens::kFocal));
     EXPECT_LE(sigma, 2.0);
-    within += std::abs(lens.values[MeasuredLens::kFocal] - 1105.0) <= 3.0 * sigma ? 1 : 0;
-    EXPECT_LE(apart_px(lens, true_lens()), 0.5) << name_of(choice->rung);
+    within += std::abs(lens.values[calibration::MeasuredLens::kFocal] - 1105.0) <= 3.0 * sigma ? 1 : 0;
+    EXPECT_LE(apart_px(lens, true_lens()), 0.5) << calibration::name_of(choice->model);
     EXPECT_NEAR(choice->heldout_rms_px, 0.05, 0.015);
-    EXPECT_GE(freedom_of(choice->rung), freedom_of(LensRung::kRadial1));
+    EXPECT_GE(calibration::freedom_of(choice->model), calibration::freedom_of(calibration::LensModel::kRadial1));
   }
   EXPECT_GE(within, kSeeds - 1);
 }
 
-TEST(LensChoice, takes_no_more_than_predicts) {
-  BrownParameters pinhole = true_lens();
+TEST(LensSelection, takes_no_more_than_predicts) {
+  calibration::BrownParameters pinhole = true_lens();
   pinhole.k1 = pinhole.k2 = 0.0;
   for (unsigned seed = 1; seed <= 2; ++seed) {
-    const auto choice = choose_lens(shown(pinhole, 14, seed), kWidth, kHeight);
+    const auto choice = select_lens(shown(pinhole, 14, seed), kWidth, kHeight);
     ASSERT_TRUE(choice) << choice.error().message();
-    EXPECT_EQ(choice->rung, LensRung::kPinhole);
+    EXPECT_EQ(choice->model, calibration::LensModel::kPinhole);
   }
 }
 
-TEST(LensChoice, is_not_led_astray_by_corners_that_are_wrong) {
+TEST(LensSelection, is_not_led_astray_by_corners_that_are_wrong) {
   std::vector<LensView> views = shown(true_lens(), 14, 3);
   for (std::size_t i = 0; i < views.size(); ++i) views[i].camera_px[i % 12] += Eigen::Vector2d(15.0, -9.0);
-  const auto choice = choose_lens(views, kWidth, kHeight);
+  const auto choice = select_lens(views, kWidth, kHeight);
   ASSERT_TRUE(choice) << choice.error().message();
   EXPECT_LE(apart_px(choice->fit.lens, true_lens()), 0.6);
 }
 
-TEST(LensChoice, refuses_too_few_pictures_and_those_that_are_all_one) {
+TEST(LensSelection, refuses_too_few_pictures_and_those_that_are_all_one) {
   const std::vector<LensView> views = shown(true_lens(), 4, 1);
-  const auto few = choose_lens(views, kWidth, kHeight);
+  const auto few = select_lens(views, kWidth, kHeight);
   ASSERT_FALSE(few);
   EXPECT_EQ(few.error().code(), ErrorCode::kBadData);
   EXPECT_THAT(few.error().message(), testing::HasSubstr("4 of 4 pictures"));
   EXPECT_THAT(few.error().message(), testing::HasSubstr("; move it"));
-  const auto same = choose_lens(std::vector<LensView>(20, views.front()), kWidth, kHeight);
+  const auto same = select_lens(std::vector<LensView>(20, views.front()), kWidth, kHeight);
   ASSERT_FALSE(same);
   EXPECT_THAT(same.error().message(), testing::HasSubstr("1 of 20 pictures"));
 }
 
-TEST(LensChoice, refuses_boards_that_all_face_the_camera) {
+TEST(LensSelection, refuses_boards_that_all_face_the_camera) {
   Shown flat;
   flat.tilt_rad = 0.0;
-  const auto choice = choose_lens(shown(true_lens(), 14, 2, flat), kWidth, kHeight);
+  const auto choice = select_lens(shown(true_lens(), 14, 2, flat), kWidth, kHeight);
   ASSERT_FALSE(choice);
   EXPECT_EQ(choice.error().code(), ErrorCode::kBadData);
   EXPECT_THAT(choice.error().message(), testing::HasSubstr("turned by 20 to 45 degrees"));
 }
 
-TEST(LensChoice, says_which_part_of_the_picture_is_not_known) {
+TEST(LensSelection, says_which_part_of_the_picture_is_not_known) {
   Shown middle;
   middle.aside = 0.12;
   middle.near_m = 0.7;
   middle.far_m = 1.3;
   middle.noise_px = 0.5;
-  const auto choice = choose_lens(shown(true_lens(), 10, 5, middle), kWidth, kHeight);
+  const auto choice = select_lens(shown(true_lens(), 10, 5, middle), kWidth, kHeight);
   const std::string words =
       choice ? (choice->remarks.empty() ? "" : choice->remarks.front()) : choice.error().message();
   EXPECT_THAT(words, testing::HasSubstr("; add pictures with the board"));
 }
 
-TEST(LensChoice, refuses_what_is_no_number) {
+TEST(LensSelection, refuses_what_is_no_number) {
   std::vector<LensView> views = shown(true_lens(), 8, 1);
   views[3].camera_px[2].x() = std::nan("");
-  const auto choice = choose_lens(views, kWidth, kHeight);
+  const auto choice = select_lens(views, kWidth, kHeight);
   ASSERT_FALSE(choice);
   EXPECT_EQ(choice.error().code(), ErrorCode::kInvalidArgument);
   EXPECT_THAT(choice.error().message(), testing::HasSubstr("view 3"));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

@@ -10,13 +10,13 @@
 #include "appliance/camera_calibration/procam_selection.h"
 #include "appliance/camera_calibration/procam_start.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
-constexpr PictureSize kCameraSize{1280, 1024};
-constexpr PictureSize kProjectorSize{1024, 768};
+constexpr ImageSize kCameraSize{1280, 1024};
+constexpr ImageSize kProjectorSize{1024, 768};
 
-BrownParameters camera_lens() {
+calibration::BrownParameters camera_lens() {
   return {.width_px = 1280,
           .height_px = 1024,
           .focal_u_px = 1800.0,
@@ -26,7 +26,7 @@ BrownParameters camera_lens() {
           .k1 = -0.2};
 }
 /// A projector's lens is shifted: its centre lies below its picture.
-BrownParameters projector_lens() {
+calibration::BrownParameters projector_lens() {
   return {.width_px = 1024,
           .height_px = 768,
           .focal_u_px = 1500.0,
@@ -37,8 +37,8 @@ BrownParameters projector_lens() {
 }
 
 struct Rig {
-  BrownParameters camera = camera_lens();
-  BrownParameters projector = projector_lens();
+  calibration::BrownParameters camera = camera_lens();
+  calibration::BrownParameters projector = projector_lens();
   Eigen::Matrix3d R = Eigen::AngleAxisd(0.15, Eigen::Vector3d(0.2, 1.0, 0.1).normalized()).toRotationMatrix();
   Eigen::Vector3d t{0.3, 0.5, -0.1};
 };
@@ -48,8 +48,8 @@ std::vector<BoardView> views_of(const Rig& rig, int count, double tilt_rad, doub
                                 const BoardShape& shape = {}) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, noise_px);
-  const auto camera = BrownLens::from(rig.camera);
-  const auto projector = BrownLens::from(rig.projector);
+  const auto camera = calibration::BrownLens::from(rig.camera);
+  const auto projector = calibration::BrownLens::from(rig.projector);
   CHECK(camera.has_value() && projector.has_value());
   std::vector<BoardView> views;
   for (int i = 0; i < count; ++i) {
@@ -115,12 +115,13 @@ TEST(Procam, is_as_sure_as_it_says) {
     const auto found = solve_procam(views_of(rig, 4, 0.5, 0.2, seed), {kCameraSize, kProjectorSize});
     ASSERT_TRUE(found.has_value());
     EXPECT_NEAR(found->stereo_rms_px, 0.2 * std::sqrt(2.0), 0.04);
-    const BrownBlock camera = to_block(found->camera);
-    const BrownBlock projector = to_block(found->projector);
+    const calibration::BrownBlock camera = calibration::to_block(found->camera);
+    const calibration::BrownBlock projector = calibration::to_block(found->projector);
     for (const int i : {kFocalU, kCentreU, kCentreV, kK1}) {
       const auto at = static_cast<std::size_t>(i);
-      squares += std::pow((camera.at(at) - to_block(rig.camera).at(at)) / found->camera_sigma.at(at), 2);
-      squares += std::pow((projector.at(at) - to_block(rig.projector).at(at)) / found->projector_sigma.at(at), 2);
+      squares += std::pow((camera.at(at) - calibration::to_block(rig.camera).at(at)) / found->camera_sigma.at(at), 2);
+      squares +=
+          std::pow((projector.at(at) - calibration::to_block(rig.projector).at(at)) / found->projector_sigma.at(at), 2);
       count += 2;
     }
   }
@@ -132,12 +133,13 @@ TEST(Procam, is_as_sure_as_it_says) {
 TEST(Procam, leads_to_one_place_from_several_starting_points) {
   const auto found = solve_procam(views_of(Rig{}, 4, 0.5, 0.2), {kCameraSize, kProjectorSize});
   ASSERT_TRUE(found.has_value());
-  EXPECT_EQ(found->starts_agreeing, kMostStarts);
+  EXPECT_EQ(found->starts_agreeing, kMaxStarts);
 }
 
 TEST(Procam, of_views_that_do_not_determine_it_is_refused_with_what_to_add) {
   for (const auto& views : {views_of(Rig{}, 3, 0.0, 0.0), views_of(Rig{}, 1, 0.5, 0.1)}) {
-    const auto found = solve_procam(views, {kCameraSize, kProjectorSize, LensRung::kFull, LensRung::kFull});
+    const auto found = solve_procam(
+        views, {kCameraSize, kProjectorSize, calibration::LensModel::kFull, calibration::LensModel::kFull});
     ASSERT_FALSE(found.has_value());
     EXPECT_EQ(found.error().code(), ErrorCode::kBadData);
     EXPECT_THAT(found.error().message(), testing::HasSubstr("add one"));
@@ -171,52 +173,53 @@ TEST(Procam, predicts_a_view_that_it_has_not_seen) {
   EXPECT_GE(prediction->projector_rms_px, prediction->camera_rms_px * 0.8);
 }
 
-std::string table_of(const ProcamLadder& ladder) {
+std::string table_of(const ProcamSelection& selection) {
   std::string table;
-  for (const LadderRung& rung : ladder.rungs) {
-    table += std::string(name_of(rung.camera)) + " | " + std::string(name_of(rung.projector)) + " | " +
-             (rung.board == BoardRung::kBent ? "bent | " : "flat | ") + std::to_string(rung.training_rms_px) + " | " +
-             std::to_string(rung.heldout_rms_px) + "\n";
+  for (const ProcamCandidate& model : selection.models) {
+    table += std::string(calibration::name_of(model.camera)) + " | " +
+             std::string(calibration::name_of(model.projector)) + " | " +
+             (model.board == BoardModel::kBent ? "bent | " : "flat | ") + std::to_string(model.training_rms_px) +
+             " | " + std::to_string(model.heldout_rms_px) + "\n";
   }
   return table;
 }
 
-TEST(ProcamLadder, takes_the_least_model_that_predicts) {
+TEST(ProcamSelection, takes_the_least_model_that_predicts) {
   Rig rig;
   rig.camera.k1 = -0.6;
   rig.projector.k1 = 0.0;
-  const auto ladder = climb_procam(views_of(rig, 5, 0.5, 0.1), kCameraSize, kProjectorSize);
-  ASSERT_TRUE(ladder.has_value()) << ladder.error().message();
-  const LadderRung& chosen = ladder->rungs[ladder->chosen];
-  EXPECT_EQ(chosen.camera, LensRung::kRadial1) << table_of(*ladder);
-  EXPECT_EQ(chosen.projector, LensRung::kPinhole) << table_of(*ladder);
-  EXPECT_EQ(chosen.board, BoardRung::kFlat) << table_of(*ladder);
-  for (const LadderRung& rung : ladder->rungs) {
+  const auto selection = select_procam_model(views_of(rig, 5, 0.5, 0.1), kCameraSize, kProjectorSize);
+  ASSERT_TRUE(selection.has_value()) << selection.error().message();
+  const ProcamCandidate& chosen = selection->models[selection->chosen];
+  EXPECT_EQ(chosen.camera, calibration::LensModel::kRadial1) << table_of(*selection);
+  EXPECT_EQ(chosen.projector, calibration::LensModel::kPinhole) << table_of(*selection);
+  EXPECT_EQ(chosen.board, BoardModel::kFlat) << table_of(*selection);
+  for (const ProcamCandidate& model : selection->models) {
     // A richer one that were better would have been taken, and so would a smaller one that is as good.
-    if (rung.freedom > chosen.freedom) {
-      EXPECT_GE(rung.heldout_rms_px * 1.000001, chosen.heldout_rms_px * (1.0 - kWorthARung));
+    if (model.freedom > chosen.freedom) {
+      EXPECT_GE(model.heldout_rms_px * 1.000001, chosen.heldout_rms_px * (1.0 - calibration::kMinModelGain));
     }
-    if (rung.freedom < chosen.freedom) {
-      EXPECT_GT(rung.heldout_rms_px, chosen.heldout_rms_px);
+    if (model.freedom < chosen.freedom) {
+      EXPECT_GT(model.heldout_rms_px, chosen.heldout_rms_px);
     }
   }
 }
 
-TEST(ProcamLadder, finds_a_board_that_is_bent) {
+TEST(ProcamSelection, finds_a_board_that_is_bent) {
   // What such a board looks like: a corner's place is moved as its height asks.
   const BoardShape shape{.stretch = 0.002, .bend_xx = 0.015, .bend_yy = -0.02};
-  const auto ladder = climb_procam(views_of(Rig{}, 5, 0.5, 0.1, 5, shape), kCameraSize, kProjectorSize);
-  ASSERT_TRUE(ladder.has_value()) << ladder.error().message();
-  EXPECT_EQ(ladder->rungs[ladder->chosen].board, BoardRung::kBent) << table_of(*ladder);
-  EXPECT_NEAR(ladder->calibration.board.bend_xx, shape.bend_xx, 0.003);
-  EXPECT_NEAR(ladder->calibration.board.bend_yy, shape.bend_yy, 0.003);
+  const auto selection = select_procam_model(views_of(Rig{}, 5, 0.5, 0.1, 5, shape), kCameraSize, kProjectorSize);
+  ASSERT_TRUE(selection.has_value()) << selection.error().message();
+  EXPECT_EQ(selection->models[selection->chosen].board, BoardModel::kBent) << table_of(*selection);
+  EXPECT_NEAR(selection->calibration.board.bend_xx, shape.bend_xx, 0.003);
+  EXPECT_NEAR(selection->calibration.board.bend_yy, shape.bend_yy, 0.003);
 }
 
-TEST(ProcamLadder, with_nothing_to_leave_out_is_refused) {
-  const auto ladder = climb_procam(views_of(Rig{}, 2, 0.5, 0.1), kCameraSize, kProjectorSize);
-  ASSERT_FALSE(ladder.has_value());
-  EXPECT_EQ(ladder.error().code(), ErrorCode::kBadData);
+TEST(ProcamSelection, with_nothing_to_leave_out_is_refused) {
+  const auto selection = select_procam_model(views_of(Rig{}, 2, 0.5, 0.1), kCameraSize, kProjectorSize);
+  ASSERT_FALSE(selection.has_value());
+  EXPECT_EQ(selection.error().code(), ErrorCode::kBadData);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

@@ -14,7 +14,7 @@
 #include "tests/doubles/real_captures.h"
 #include "tests/doubles/shared_data.h"
 
-namespace cyclorama {
+namespace cyclorama::camera_calibration {
 namespace {
 
 /// expected.json has OpenCV's pixels, whose first one's centre is (0, 0), in the camera and on the projector.
@@ -40,7 +40,11 @@ std::vector<BoardView> reference_views(const std::filesystem::path& folder) {
 }
 
 Result<ProcamCalibration> reference_calibration(const std::vector<BoardView>& views) {
-  return solve_procam(views, {{1280, 1024}, {1024, 768}, LensRung::kRadial1, LensRung::kRadial1, BoardRung::kBent});
+  return solve_procam(views, {{1280, 1024},
+                              {1024, 768},
+                              calibration::LensModel::kRadial1,
+                              calibration::LensModel::kRadial1,
+                              BoardModel::kBent});
 }
 
 TEST(RealCapture, is_decoded_finely_and_without_gross_errors) {
@@ -49,7 +53,7 @@ TEST(RealCapture, is_decoded_finely_and_without_gross_errors) {
   ASSERT_TRUE(decoder.has_value()) << decoder.error().message();
   const auto decoded = decoder->finish();
   ASSERT_TRUE(decoded.has_value()) << decoded.error().message();
-  const DecodeQuality quality = quality_of(*decoded, 20.0 / 255.0);
+  const structured_light::DecodeQuality quality = structured_light::quality_of(*decoded, 20.0 / 255.0);
   EXPECT_GE(quality.coverage, 0.75);
   EXPECT_LE(quality.residual_median_px, 0.20);
   const auto views = reference_views(folder);
@@ -73,9 +77,9 @@ TEST(RealCapture, is_decoded_finely_and_without_gross_errors) {
       return (a - camera).norm() < (b - camera).norm();
     });
     EXPECT_LT((*nearest - camera).norm(), 0.7) << i;
-    const auto place = projector_place(*decoded, camera, 24.0);
-    ASSERT_TRUE(place) << i;
-    squares += (*place - expected.projector_px[i]).squaredNorm() / static_cast<double>(corners->size());
+    const auto position = projector_pixel_at(*decoded, camera, 24.0);
+    ASSERT_TRUE(position) << i;
+    squares += (*position - expected.projector_px[i]).squaredNorm() / static_cast<double>(corners->size());
   }
   // Two methods on the same photographs; the other one rests on whole pixels.
   EXPECT_LT(std::sqrt(squares), 0.35);
@@ -87,7 +91,7 @@ TEST(RealCapture, corners_of_the_reference_calibrate_camera_and_projector) {
   ASSERT_TRUE(found.has_value()) << found.error().message();
   EXPECT_LE(found->stereo_rms_px, 0.28);
   EXPECT_NEAR(found->camera.focal_u_px, 3444.0, 150.0);
-  EXPECT_EQ(found->starts_agreeing, kMostStarts);
+  EXPECT_EQ(found->starts_agreeing, kMaxStarts);
 }
 
 TEST(Chessboard, that_is_not_there_is_not_found) {
@@ -99,4 +103,4 @@ TEST(Chessboard, that_is_not_there_is_not_found) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera_calibration

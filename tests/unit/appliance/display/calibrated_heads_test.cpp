@@ -10,7 +10,7 @@
 #include "tests/doubles/demo_room.h"
 #include "tests/doubles/exact_calibration.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using ::testing::ElementsAre;
@@ -38,7 +38,7 @@ class CalibratingHeads : public ::testing::Test {
 };
 
 TEST_F(CalibratingHeads, of_a_calibration_without_error_draws_and_blends_as_the_installation_says) {
-  ASSERT_TRUE(save_calibration(folder_, exact_calibration(room_, kDate)));
+  ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, kDate)));
   const auto made = heads();
   ASSERT_TRUE(made) << made.error().message();
   EXPECT_EQ(made->date, kDate);
@@ -49,7 +49,7 @@ TEST_F(CalibratingHeads, of_a_calibration_without_error_draws_and_blends_as_the_
   for (std::size_t i = 0; i < planned->size(); ++i) {
     const HeadPlan& is = made->heads[i];
     const HeadPlan& should = (*planned)[i];
-    double farthest_px = 0.0;
+    double max_shift_px = 0.0;
     double worst_mask = 0.0;
     for (int y = 0; y < is.mask.height(); ++y) {
       for (int x = 0; x < is.mask.width(); ++x) {
@@ -57,23 +57,23 @@ TEST_F(CalibratingHeads, of_a_calibration_without_error_draws_and_blends_as_the_
         const auto a = direction_at(is.warp, x, y);
         const auto b = direction_at(should.warp, x, y);
         ASSERT_TRUE(a && b);
-        farthest_px = std::max(
-            farthest_px, scale.distance_px({a->azimuth_rad, a->tan_elevation}, {b->azimuth_rad, b->tan_elevation}));
+        max_shift_px = std::max(
+            max_shift_px, scale.distance_px({a->azimuth_rad, a->tan_elevation}, {b->azimuth_rad, b->tan_elevation}));
         worst_mask = std::max(worst_mask, std::abs(static_cast<double>(*is.mask.at(x, y) - *should.mask.at(x, y))));
       }
     }
-    EXPECT_LT(farthest_px, 0.1) << "cells of four pixels, straight lines within";
+    EXPECT_LT(max_shift_px, 0.1) << "cells of four pixels, straight lines within";
     EXPECT_LT(worst_mask, 0.01) << room_.projectors[i].name;
   }
 }
 
 TEST_F(CalibratingHeads, blend_by_weights_that_add_up_to_one_at_each_place_of_the_wall) {
-  ASSERT_TRUE(save_calibration(folder_, exact_calibration(room_, kDate)));
+  ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, kDate)));
   const auto made = heads();
   ASSERT_TRUE(made) << made.error().message();
-  const std::vector<ProjectorMap> maps = projector_maps(room_);
+  const std::vector<warp::ProjectorMap> maps = warp::projector_maps(room_);
   const auto weight_at = [&](std::size_t i, const Eigen::Vector2d& pixel) {
-    const MaskImage& mask = made->heads[i].mask;
+    const warp::MaskImage& mask = made->heads[i].mask;
     const double u = std::clamp(pixel.x() - 0.5, 0.0, mask.width() - 1.0);
     const double v = std::clamp(pixel.y() - 0.5, 0.0, mask.height() - 1.0);
     const int x = std::min(static_cast<int>(u), mask.width() - 2);
@@ -100,37 +100,39 @@ TEST_F(CalibratingHeads, blend_by_weights_that_add_up_to_one_at_each_place_of_th
 }
 
 TEST_F(CalibratingHeads, takes_masks_and_colours_from_the_calibrations_folder) {
-  std::vector<CalibratedColour> colours;
+  std::vector<calibration::CalibratedColour> colours;
   for (const InstalledProjector& projector : room_.projectors) {
-    CalibratedColour one{projector.name, MaskImage(projector.lens.width_px, projector.lens.height_px, 0.25f), {}};
+    calibration::CalibratedColour one{
+        projector.name, warp::MaskImage(projector.lens.width_px, projector.lens.height_px, 0.25f), {}};
     one.colour.matrix = 0.5 * Eigen::Matrix3d::Identity();
-    one.colour.response = {ResponseCurve::power(2.2, 64), ResponseCurve::power(2.0, 64), ResponseCurve::srgb(64)};
+    one.colour.response = {warp::ResponseCurve::power(2.2, 64), warp::ResponseCurve::power(2.0, 64),
+                           warp::ResponseCurve::srgb(64)};
     one.colour.black = {0.01, 0.02, 0.03};
-    one.colour.lift = LiftImage(projector.lens.width_px, projector.lens.height_px, 0.5f);
+    one.colour.black_lift = warp::BlackLiftImage(projector.lens.width_px, projector.lens.height_px, 0.5f);
     colours.push_back(std::move(one));
   }
   colours.pop_back();  // Of the last one nothing was found.
-  ASSERT_TRUE(save_calibration(folder_, exact_calibration(room_, kDate), colours));
+  ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, kDate), colours));
   const auto made = heads();
   ASSERT_TRUE(made) << made.error().message();
   EXPECT_NEAR(*made->heads[0].mask.at(10, 10), 0.25, 1e-5);
   EXPECT_EQ(made->heads[0].colour.black, Eigen::Vector3d(0.01, 0.02, 0.03));
-  ASSERT_TRUE(made->heads[0].colour.lift && made->heads[0].colour.response && made->heads[0].colour.matrix);
-  EXPECT_NEAR(*made->heads[0].colour.lift->at(3, 3), 0.5, 1e-5);
-  EXPECT_EQ((*made->heads[0].colour.response)[1].codes, ResponseCurve::power(2.0, 64).codes);
+  ASSERT_TRUE(made->heads[0].colour.black_lift && made->heads[0].colour.response && made->heads[0].colour.matrix);
+  EXPECT_NEAR(*made->heads[0].colour.black_lift->at(3, 3), 0.5, 1e-5);
+  EXPECT_EQ((*made->heads[0].colour.response)[1].codes, warp::ResponseCurve::power(2.0, 64).codes);
   EXPECT_FALSE(made->heads.back().colour.response) << "sRGB, blended by its map";
   // Of another size than the head.
-  colours[0].mask = MaskImage(8, 8, 1.0f);
-  ASSERT_TRUE(save_calibration(folder_, exact_calibration(room_, "2026-01-02T00-00-00Z"), colours));
+  colours[0].mask = warp::MaskImage(8, 8, 1.0f);
+  ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, "2026-01-02T00-00-00Z"), colours));
   const auto wrong = heads();
   ASSERT_FALSE(wrong);
   EXPECT_THAT(wrong.error().message(), HasSubstr("8x8"));
 }
 
 TEST_F(CalibratingHeads, keeps_what_was_planned_of_a_projector_that_was_not_seen) {
-  Calibration calibration = exact_calibration(room_, kDate);
+  calibration::Calibration calibration = exact_calibration(room_, kDate);
   calibration.projectors[1].name = "attic";
-  ASSERT_TRUE(save_calibration(folder_, calibration));
+  ASSERT_TRUE(calibration::save_calibration(folder_, calibration));
   const auto made = heads();
   ASSERT_TRUE(made) << made.error().message();
   EXPECT_THAT(made->lacking, ElementsAre(room_.projectors[1].name));
@@ -140,11 +142,12 @@ TEST_F(CalibratingHeads, keeps_what_was_planned_of_a_projector_that_was_not_seen
 
 TEST_F(CalibratingHeads, refuses_a_calibration_of_other_projectors_and_tells_that_there_is_none) {
   EXPECT_EQ(heads().error().code(), ErrorCode::kNotFound);
-  Calibration others = exact_calibration(room_, kDate);
-  for (CalibratedProjector& projector : others.projectors) projector.name += "2";
-  ASSERT_TRUE(save_calibration(folder_, others));
+  calibration::Calibration others = exact_calibration(room_, kDate);
+  for (calibration::CalibratedProjector& projector : others.projectors) projector.name += "2";
+  ASSERT_TRUE(calibration::save_calibration(folder_, others));
   EXPECT_EQ(heads().error().code(), ErrorCode::kInvalidArgument);
-  ASSERT_TRUE(save_calibration(folder_, exact_calibration(demo_room_with_pixels_over(2), "2026-01-03T00-00-00Z")));
+  ASSERT_TRUE(
+      calibration::save_calibration(folder_, exact_calibration(demo_room_with_pixels_over(2), "2026-01-03T00-00-00Z")));
   const auto larger = heads();
   ASSERT_FALSE(larger);
   EXPECT_EQ(larger.error().code(), ErrorCode::kInvalidArgument);
@@ -152,7 +155,7 @@ TEST_F(CalibratingHeads, refuses_a_calibration_of_other_projectors_and_tells_tha
 }
 
 TEST_F(CalibratingHeads, of_two_eyes_beside_each_other_stretch_the_map_over_each_eyes_pixels) {
-  ASSERT_TRUE(save_calibration(folder_, exact_calibration(room_, kDate)));
+  ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, kDate)));
   room_.stereo.emplace();
   room_.stereo->packing = StereoPacking::kSideBySide;
   const auto made = heads();
@@ -163,4 +166,4 @@ TEST_F(CalibratingHeads, of_two_eyes_beside_each_other_stretch_the_map_over_each
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -14,7 +14,7 @@
 #include "tests/doubles/fake_tour.h"
 #include "tests/doubles/jpeg_tiles.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using ::testing::HasSubstr;
@@ -62,7 +62,7 @@ class DisplayingCalibrated : public ::testing::Test {
   }
   /// Where the middle projector's picture becomes bright, in its pixels; -1 where it does not.
   int edge() {
-    auto reader = SharedPictureReader::open(shared_picture_path(folder_ / "run", "middle"));
+    auto reader = output::SharedPictureReader::open(output::shared_picture_path(folder_ / "run", "middle"));
     RgbImage picture;
     if (!reader || !reader->read_newest(&picture)) return -1;
     for (int x = 0; x < picture.width(); ++x) {
@@ -103,7 +103,7 @@ TEST_F(DisplayingCalibrated, moves_over_to_a_new_calibration_keeps_it_when_a_bad
 
   // The light lies farther right than was thought: what belongs into the middle is shown farther left.
   const double px_per_rad = room_.projectors[1].lens.focal_px;
-  ASSERT_TRUE(save_calibration(folder_, exact_calibration(room_, "2026-01-01T00-00-00Z", 0.1)));
+  ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, "2026-01-01T00-00-00Z", 0.1)));
   ASSERT_TRUE(wait_until([&] { return fact("calibration") == "2026-01-01T00-00-00Z"; }));
   EXPECT_EQ(tour_->displays, 1) << "all parts of the picture are there already";
   show_halves();
@@ -123,16 +123,16 @@ TEST_F(DisplayingCalibrated, moves_over_to_a_new_calibration_keeps_it_when_a_bad
     return display_->inspection().status().state().find("the newest calibration is not used") != std::string::npos;
   }));
 
-  ASSERT_TRUE(save_calibration(folder_, exact_calibration(room_, "2026-01-02T00-00-00Z")));
+  ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, "2026-01-02T00-00-00Z")));
   ASSERT_TRUE(wait_until([&] { return fact("calibration") == "2026-01-02T00-00-00Z"; }));
   EXPECT_EQ(fact("calibration_refused"), "");
   EXPECT_TRUE(wait_until([&] { return std::abs(edge() - 80) <= 2; })) << "no frame comes: it does not wait for ever";
-  ASSERT_TRUE(restore_calibration(folder_, "2026-01-01T00-00-00Z"));
+  ASSERT_TRUE(calibration::restore_calibration(folder_, "2026-01-01T00-00-00Z"));
   EXPECT_TRUE(wait_until([&] { return edge() == moved_to; }));
 }
 
 TEST_F(DisplayingCalibrated, begins_with_the_calibration_that_is_there) {
-  ASSERT_TRUE(save_calibration(folder_, exact_calibration(room_, "2026-01-01T00-00-00Z", 0.1)));
+  ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, "2026-01-01T00-00-00Z", 0.1)));
   start();
   EXPECT_THAT(fact("calibration"), StartsWith("2026-01-01"));
   show_halves();
@@ -148,4 +148,4 @@ TEST_F(DisplayingCalibrated, begins_as_installed_when_the_calibration_is_broken)
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -14,7 +14,7 @@
 #include "tests/doubles/fake_tour.h"
 #include "tests/doubles/jpeg_tiles.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using ::testing::AllOf;
@@ -132,7 +132,7 @@ class DisplayingPatterns : public ::testing::Test {
     ASSERT_TRUE(wait_until_still());
   }
   RgbImage head(const std::string& name) {
-    auto reader = SharedPictureReader::open(shared_picture_path(run_dir_, name));
+    auto reader = output::SharedPictureReader::open(output::shared_picture_path(run_dir_, name));
     EXPECT_TRUE(reader);
     RgbImage picture;
     if (!reader || !reader->read_newest(&picture)) return RgbImage(kWidth, kHeight);
@@ -309,4 +309,4 @@ TEST_F(DisplayingPatterns, end_with_the_display) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

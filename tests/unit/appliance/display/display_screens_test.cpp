@@ -16,7 +16,7 @@
 #include "tests/doubles/fake_tour.h"
 #include "tests/doubles/jpeg_tiles.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 /// Smooth, and different everywhere and for each eye; linear light.
@@ -42,7 +42,7 @@ RgbImage picture_of(const Projection& projection) {
 /// Of the light at many places of the wall: the mean and the largest distance from what is to be seen there.
 struct Off {
   double mean = 0.0;
-  double most = 0.0;
+  double max = 0.0;
 };
 
 class ScreenDisplaying : public ::testing::TestWithParam<const char*> {
@@ -85,7 +85,7 @@ class ScreenDisplaying : public ::testing::TestWithParam<const char*> {
     std::vector<RgbImage> pictures;
     for (const InstalledProjector& projector : room_.projectors) {
       RgbImage& picture = pictures.emplace_back(projector.lens.width_px, projector.lens.height_px);
-      auto reader = SharedPictureReader::open(shared_picture_path(run_dir_, projector.name));
+      auto reader = output::SharedPictureReader::open(output::shared_picture_path(run_dir_, projector.name));
       auto info = reader ? reader->read_newest(&picture) : std::move(reader).error();
       EXPECT_TRUE(info);
       if (!room_.stereo) continue;
@@ -95,11 +95,11 @@ class ScreenDisplaying : public ::testing::TestWithParam<const char*> {
              clock_.now() < deadline) {
         info = reader->read_newest(&picture);
       }
-      picture = seen_through_glasses(picture, room_.stereo->packing, eye);
+      picture = simulated::seen_through_glasses(picture, room_.stereo->packing, eye);
     }
     return pictures;
   }
-  Off seen(const RoomPicture& photographer, double turn_rad, Eye eye) {
+  Off seen(const simulated::RoomPicture& photographer, double turn_rad, Eye eye) {
     const std::vector<RgbImage> lit = heads(eye);
     const Eigen::AngleAxisd turned_right(-turn_rad, Eigen::Vector3d::UnitY());
     Off off;
@@ -110,7 +110,7 @@ class ScreenDisplaying : public ::testing::TestWithParam<const char*> {
       for (std::size_t c = 0; c < 3; ++c) {
         const double distance = std::abs(static_cast<double>(radiance[c]) / 0.9 - expected[c]);
         off.mean += distance;
-        off.most = std::max(off.most, distance);
+        off.max = std::max(off.max, distance);
         ++count;
       }
     }
@@ -135,7 +135,7 @@ TEST_P(ScreenDisplaying, the_wall_shows_what_the_eye_is_to_see_at_every_heading)
   const double most_on_average = room_.stereo ? 0.007 : 0.004;
   tour_->send_all(frame_messages(1, picture_of(guarded), guarded, 1.0));
   ASSERT_TRUE(tour_->wait_for_reports(1, 0));
-  const RoomPicture photographer(room_, RoomEye::behind_visitor(room_, 16, 9));
+  const simulated::RoomPicture photographer(room_, simulated::RoomEye::behind_visitor(room_, 16, 9));
   for (const double turn : {0.0, 0.12, -0.15}) {
     tour_->send_heading(1.0 + turn, 0);
     for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
@@ -145,9 +145,9 @@ TEST_P(ScreenDisplaying, the_wall_shows_what_the_eye_is_to_see_at_every_heading)
       const TimePoint deadline = clock_.now() + std::chrono::seconds(60);
       while (off.mean >= most_on_average && clock_.now() < deadline) off = seen(photographer, turn, eye);
       std::printf("%s, turned by %.2f: light off by %.4f on average, %.4f at most\n", GetParam(), turn, off.mean,
-                  off.most);
+                  off.max);
       EXPECT_LT(off.mean, most_on_average);  // A code value is 0.0067 there.
-      EXPECT_LT(off.most, 0.05);
+      EXPECT_LT(off.max, 0.05);
     }
   }
 }
@@ -163,4 +163,4 @@ INSTANTIATE_TEST_SUITE_P(Demo, ScreenDisplaying,
                          });
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

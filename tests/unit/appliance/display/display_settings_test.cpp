@@ -9,7 +9,7 @@
 #include "appliance/display/attract_picture.h"
 #include "common/image/jpeg.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using ::testing::HasSubstr;
@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 TEST(DisplaySettings, are_read_from_the_file_that_the_tour_reads_too) {
   const auto settings = parse_display_settings(R"(
 [farm]
-heads = ["[::1]:7401"]
+coordinators = ["[::1]:7401"]
 [display]
 attract_picture = "attract.jpg"
 attract_after_s = 3
@@ -84,4 +84,4 @@ TEST(AttractPicture, of_a_museum_spans_the_wall) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

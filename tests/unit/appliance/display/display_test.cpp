@@ -14,7 +14,7 @@
 #include "tests/doubles/fake_tour.h"
 #include "tests/doubles/jpeg_tiles.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using ::testing::HasSubstr;
@@ -52,7 +52,7 @@ class Displaying : public ::testing::Test {
   }
 
   RgbImage head(const std::string& name) {
-    auto reader = SharedPictureReader::open(shared_picture_path(run_dir_, name));
+    auto reader = output::SharedPictureReader::open(output::shared_picture_path(run_dir_, name));
     EXPECT_TRUE(reader);
     RgbImage picture;
     // Before the first refresh there is no picture yet.
@@ -286,7 +286,7 @@ TEST_F(Displaying, measures_the_tours_clock_and_shows_at_the_refresh_that_it_is_
   send_in(2, std::chrono::milliseconds(-200));
   ASSERT_TRUE(tour->wait_for_reports(2, 0));
   EXPECT_TRUE(wait_until([&] { return gauge("frames_late") >= 1.0; })) << "told when it was too late";
-  EXPECT_TRUE(wait_until([&] { return gauge("in_step_percent") < 100.0; }));
+  EXPECT_TRUE(wait_until([&] { return gauge("synchronised_percent") < 100.0; }));
   EXPECT_TRUE(wait_until([&] {
     return display_->inspection().status().state().find("in step with the other displays") != std::string::npos;
   }));
@@ -379,4 +379,4 @@ TEST(Display, refuses_options_that_cannot_work) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -14,7 +14,7 @@
 #include "tests/doubles/jpeg_tiles.h"
 #include "tests/doubles/shared_data.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using Messages = std::vector<wire::ShowMessage>;
@@ -34,7 +34,7 @@ RgbImage gradient(int width = kPanorama.width_px, int height = kPanorama.height_
   return picture;
 }
 
-int largest_difference(const PlanarPicture& planes, const RgbImage& b) {
+int max_difference(const PlanarPicture& planes, const RgbImage& b) {
   const RgbImage a = JpegDecoder().to_rgb(planes);
   if (a.width() != b.width() || a.height() != b.height()) return 256;
   int largest = 0;
@@ -46,7 +46,7 @@ int largest_difference(const PlanarPicture& planes, const RgbImage& b) {
 /// Keeps what comes out, and lets the test wait for it.
 class RecordingSink final : public FrameSink {
  public:
-  void frame_ready(Frame frame) override {
+  void frame_ready(DisplayFrame frame) override {
     const std::lock_guard lock(mutex_);
     frames.push_back(std::move(frame));
     changed_.notify_all();
@@ -60,7 +60,7 @@ class RecordingSink final : public FrameSink {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, std::chrono::seconds(20), [&] { return frames.size() + drops.size() >= outcomes; });
   }
-  std::vector<Frame> frames;
+  std::vector<DisplayFrame> frames;
   std::vector<std::pair<std::uint64_t, std::string>> drops;
 
  private:
@@ -85,7 +85,7 @@ class FrameAssembling : public ::testing::Test {
     EXPECT_THAT(sink_.drops[0].second, HasSubstr(reason));
     ASSERT_EQ(sink_.frames.size(), 1U);
     EXPECT_EQ(sink_.frames[0].number, 8U);
-    EXPECT_LE(largest_difference(*sink_.frames[0].picture, gradient()), 12);
+    EXPECT_LE(max_difference(*sink_.frames[0].picture, gradient()), 12);
   }
 
   SteadyClock clock_;
@@ -100,13 +100,13 @@ TEST_F(FrameAssembling, gives_a_whole_frame_as_it_was_sent) {
   send(messages);
   ASSERT_TRUE(sink_.wait_for(1));
   ASSERT_EQ(sink_.frames.size(), 1U);
-  const Frame& frame = sink_.frames[0];
+  const DisplayFrame& frame = sink_.frames[0];
   EXPECT_EQ(frame.number, 7U);
   EXPECT_EQ(frame.order, 1U);
   EXPECT_EQ(frame.heading_rad, 0.25);
   EXPECT_EQ(frame.shutter_ns, 123456);
   EXPECT_EQ(frame.shape, PictureShape(kPanorama));
-  EXPECT_LE(largest_difference(*frame.picture, gradient()), 12);
+  EXPECT_LE(max_difference(*frame.picture, gradient()), 12);
   EXPECT_GT(frame.bytes, 1000U);
   EXPECT_GE(frame.decoded_at, frame.begun_at);
 }
@@ -119,7 +119,7 @@ TEST_F(FrameAssembling, takes_tiles_in_any_order_and_of_any_size) {
   send(frame_messages(9, gradient(), kPanorama, 0.0, 1024));
   ASSERT_TRUE(sink_.wait_for(3));
   ASSERT_EQ(sink_.frames.size(), 3U);
-  for (const Frame& frame : sink_.frames) EXPECT_LE(largest_difference(*frame.picture, gradient()), 12);
+  for (const DisplayFrame& frame : sink_.frames) EXPECT_LE(max_difference(*frame.picture, gradient()), 12);
 }
 
 TEST_F(FrameAssembling, takes_half_chroma_and_refuses_a_frame_that_changes_it) {
@@ -137,7 +137,7 @@ TEST_F(FrameAssembling, takes_half_chroma_and_refuses_a_frame_that_changes_it) {
   ASSERT_TRUE(sink_.wait_for(1));
   ASSERT_EQ(sink_.frames.size(), 1U);
   EXPECT_TRUE(sink_.frames[0].picture->has_half_chroma());
-  EXPECT_LE(largest_difference(*sink_.frames[0].picture, grey), 2);
+  EXPECT_LE(max_difference(*sink_.frames[0].picture, grey), 2);
   sink_.frames.clear();
   messages[3] = halved[3];
   expect_dropped(messages, "colours are not kept as 4:4:4");
@@ -148,7 +148,7 @@ TEST(FrameAssembler, decodes_only_the_tiles_that_a_head_shows) {
   RecordingSink sink;
   DecodePool pool(1);
   // A head that shows 0.2 of the wall's 1.6 rad, in a picture of 2 rad: it may be turned by 0.2 either way.
-  PixelMap map(3, 200);
+  warp::PixelMap map(3, 200);
   for (int y = 0; y < 200; ++y) {
     for (int x = 0; x < 3; ++x) {
       map.at(x, y)[0] = -0.1f + 0.1f * static_cast<float>(x);
@@ -156,15 +156,15 @@ TEST(FrameAssembler, decodes_only_the_tiles_that_a_head_shows) {
     }
   }
   FrameAssembler assembler(&pool, &sink, &clock,
-                           {{HeadFootprint(map, MaskImage(3, 200, 1.0f))}, Panorama{1280, 96, 1.6, 0.5, -0.5}});
+                           {{HeadFootprint(map, warp::MaskImage(3, 200, 1.0f))}, Panorama{1280, 96, 1.6, 0.5, -0.5}});
   const Panorama panorama{1600, 96, 2.0, 0.5, -0.5};
   const RgbImage picture = gradient(1600, 96);
   for (const auto& message : frame_messages(7, picture, panorama, 0.0, 32)) assembler.take(message);
   ASSERT_TRUE(sink.wait_for(1));
   ASSERT_EQ(sink.frames.size(), 1U);
-  const Frame& frame = sink.frames[0];
+  const DisplayFrame& frame = sink.frames[0];
   EXPECT_EQ(frame.tiles, 50U * 3U);
-  EXPECT_NEAR(frame.reach_rad, 0.2, 1e-9);
+  EXPECT_NEAR(frame.turn_limit_rad, 0.2, 1e-9);
   // 0.6 rad are 480 px, and 3 for the filters on either side: from 557 to 1043.
   EXPECT_EQ(frame.decoded, 16U * 3U);
   const RgbImage shown = JpegDecoder().to_rgb(*frame.picture);
@@ -187,15 +187,15 @@ TEST_F(FrameAssembling, keeps_frames_apart_that_are_held_for_long) {
     ASSERT_TRUE(sink_.wait_for(n));
   }
   ASSERT_EQ(sink_.frames.size(), 8U);
-  for (std::size_t i = 0; i < 8; ++i) EXPECT_LE(largest_difference(*sink_.frames[i].picture, sent[i]), 3);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_LE(max_difference(*sink_.frames[i].picture, sent[i]), 3);
   sink_.frames.clear();  // Their pictures are used again, with other sizes between.
   const Panorama other{64, 64, 1.0, 0.5, -0.5};
   send(frame_messages(9, gradient(64, 64), other));
   ASSERT_TRUE(sink_.wait_for(1));
   send(good(10));
   ASSERT_TRUE(sink_.wait_for(2));
-  EXPECT_LE(largest_difference(*sink_.frames[0].picture, gradient(64, 64)), 12);
-  EXPECT_LE(largest_difference(*sink_.frames[1].picture, gradient()), 12);
+  EXPECT_LE(max_difference(*sink_.frames[0].picture, gradient(64, 64)), 12);
+  EXPECT_LE(max_difference(*sink_.frames[1].picture, gradient()), 12);
 }
 
 TEST_F(FrameAssembling, drops_a_frame_whose_tile_is_missing) {
@@ -367,7 +367,7 @@ TEST(FrameAssembler, never_shows_a_frame_whose_tiles_were_not_decoded_when_the_d
   }
   ASSERT_EQ(sink.frames.size() + sink.drops.size(), 1U);
   if (!sink.frames.empty()) {
-    EXPECT_LE(largest_difference(*sink.frames[0].picture, gradient()), 12);
+    EXPECT_LE(max_difference(*sink.frames[0].picture, gradient()), 12);
   }
 }
 
@@ -387,7 +387,7 @@ TEST_F(FrameAssembling, survives_every_bad_jpeg_of_the_shared_data_as_a_tile) {
       const int width = size ? std::min(size->width, 16384) : 64;
       const int height = size ? std::min(size->height, 16384) : 64;
       const Panorama panorama{width, height, 1.0, 0.5, -0.5};
-      if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > kLargestFramePx) continue;
+      if (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > kMaxFramePx) continue;
       Messages messages(3);
       *messages[0].mutable_begin() = view_of(7, panorama);
       wire::Tile* const tile = messages[1].mutable_tile();
@@ -433,11 +433,12 @@ TEST_F(StereoFrameAssembling, gives_a_frame_when_both_eyes_pictures_are_whole) {
   send_for_two(frame_messages(2, gradient(), kPanorama));
   ASSERT_TRUE(sink_.wait_for(2));
   ASSERT_THAT(sink_.frames, ::testing::SizeIs(2));
-  const Frame& two = *std::ranges::find(sink_.frames, 1U, &Frame::number);
+  const DisplayFrame& two = *std::ranges::find(sink_.frames, 1U, &DisplayFrame::number);
   EXPECT_EQ(two.stacked, 2);
   EXPECT_EQ(two.shape, for_two().shape);
-  EXPECT_LE(largest_difference(*two.picture, picture), 12);
-  EXPECT_EQ(std::ranges::find(sink_.frames, 2U, &Frame::number)->stacked, 1) << "one picture is good for both eyes";
+  EXPECT_LE(max_difference(*two.picture, picture), 12);
+  EXPECT_EQ(std::ranges::find(sink_.frames, 2U, &DisplayFrame::number)->stacked, 1)
+      << "one picture is good for both eyes";
 }
 
 TEST_F(StereoFrameAssembling, drops_a_frame_that_lacks_any_tile_of_either_eye) {
@@ -471,21 +472,21 @@ TEST_F(StereoFrameAssembling, never_mixes_one_eye_of_a_frame_with_the_other_of_t
 
 TEST_F(StereoFrameAssembling, decodes_of_both_eyes_what_a_head_shows) {
   // A head that lights the lower half of what the wall shows.
-  PixelMap map(2, 64);
+  warp::PixelMap map(2, 64);
   for (int y = 0; y < 64; ++y) {
     for (const int x : {0, 1}) {
       map.at(x, y)[0] = x == 0 ? -0.9f : 0.9f;
       map.at(x, y)[1] = -0.5f * static_cast<float>(y) / 64.0f;
     }
   }
-  ShownByHeads shown{{HeadFootprint(map, MaskImage(2, 64, 1.0f))}, Panorama{150, 192, 2.0, 0.5, -0.5}, true};
+  ShownByHeads shown{{HeadFootprint(map, warp::MaskImage(2, 64, 1.0f))}, Panorama{150, 192, 2.0, 0.5, -0.5}, true};
   FrameAssembler assembler(&pool_, &sink_, &clock_, std::move(shown));
   for (const wire::ShowMessage& message : frame_messages(1, gradient(150, 384), for_two(150, 192), 0.0, 32)) {
     assembler.take(message);
   }
   ASSERT_TRUE(sink_.wait_for(1));
   ASSERT_THAT(sink_.frames, ::testing::SizeIs(1));
-  const Frame& frame = sink_.frames[0];
+  const DisplayFrame& frame = sink_.frames[0];
   EXPECT_EQ(frame.tiles, 5U * 12U);
   EXPECT_EQ(frame.decoded, 5U * 2U * 4U) << "the lower half and what filters need above it";
   int rows[2] = {0, 0};
@@ -502,4 +503,4 @@ TEST_F(FrameAssembling, of_heads_for_one_eye_drops_a_frame_for_two) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

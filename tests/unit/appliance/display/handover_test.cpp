@@ -12,7 +12,7 @@
 #include "appliance/display/recent_headings.h"
 #include "appliance/display/waiting_frames.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 TEST(AtomicSlot, gives_every_value_to_the_taker_or_back_to_the_putter_once) {
@@ -118,7 +118,7 @@ TEST(WaitingFrames, gives_every_frame_to_the_taker_or_back_to_the_putter_once) {
     }
   });
   for (std::size_t n = 1; n <= kFrames; ++n) {
-    auto frame = std::make_unique<Frame>();
+    auto frame = std::make_unique<DisplayFrame>();
     frame->order = n;
     if (const auto old = waiting.put(std::move(frame))) ++outcomes[old->order];
   }
@@ -180,4 +180,4 @@ TEST(DecodePool, destroys_what_it_has_not_begun) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -14,10 +14,10 @@
 #include "tests/doubles/demo_room.h"
 #include "tests/doubles/painted_head.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
-using Renderer = HeadlessOptions::Renderer;
+using Renderer = output::HeadlessOptions::Renderer;
 
 constexpr double kSlack_px = 0.02;
 // Half floats, which a mask is kept in, too: each is off by up to a 4096th.
@@ -41,7 +41,7 @@ PlanarPicture plain(int width, int height, std::uint8_t code) {
 }
 
 /// A head that looks straight at the whole panorama.
-WarpMesh straight(int width, int height, double span_rad) {
+warp::WarpMesh straight(int width, int height, double span_rad) {
   const auto w = static_cast<float>(width);
   const auto h = static_cast<float>(height);
   const auto half = static_cast<float>(0.5 * span_rad);
@@ -66,8 +66,8 @@ TEST_P(HeadPainting, agrees_with_the_cpu_over_random_warps_masks_and_colours) {
     const bool mapped = n % 3 == 2;
     const double span = panorama.azimuth_span_rad;
     const HeadPlan plan{
-        mapped ? Warp(heads.map(width, height, span)) : Warp(heads.mesh(width, height, span, n % 5 == 0)),
-        heads.mask(width, height), n < 4 ? HeadColour{} : heads.colour(width, height), 8, n % 2 == 1};
+        mapped ? warp::Warp(heads.map(width, height, span)) : warp::Warp(heads.mesh(width, height, span, n % 5 == 0)),
+        heads.mask(width, height), n < 4 ? warp::HeadColour{} : heads.colour(width, height), 8, n % 2 == 1};
     const PlanarPicture picture = heads.noise(panorama.width_px, panorama.height_px, heads.one_in(2));
     const double shift = heads.between(-1.0, 1.0);
     const RgbImage image = head_.drawn(plan, picture, panorama, shift);
@@ -82,15 +82,15 @@ TEST_P(HeadPainting, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
   const Installation room = demo_room();
   const Panorama panorama = room.panorama(512);
   const PlanarPicture picture = JpegEncoder().to_planar(smooth(panorama.width_px, panorama.height_px));
-  const std::vector<ProjectorMap> maps = projector_maps(room);
-  const std::vector<MaskImage> masks = make_blend_masks(maps);
+  const std::vector<warp::ProjectorMap> maps = warp::projector_maps(room);
+  const std::vector<warp::MaskImage> masks = warp::make_blend_masks(maps);
   const ExactPicture reference(picture, panorama, 0.0);
   for (std::size_t i = 0; i < maps.size(); ++i) {
-    const auto mesh = make_warp_mesh(maps[i], panorama);
+    const auto mesh = warp::make_warp_mesh(maps[i], panorama);
     ASSERT_TRUE(mesh);
-    const auto patches = make_warp_patches(maps[i], panorama, 0.05);
+    const auto patches = warp::make_warp_patches(maps[i], panorama, 0.05);
     ASSERT_TRUE(patches);
-    const auto check = [&](const Warp& warp, Texels texels, bool is_dithered) {
+    const auto check = [&](const warp::Warp& warp, Texels texels, bool is_dithered) {
       const HeadPlan plan{warp, masks[i], {}, 8, is_dithered};
       PaintedHead head(GetParam(), texels);
       const double worst = worst_difference(head.drawn(plan, picture, panorama, 0.0), plan, reference, 0.0);
@@ -100,7 +100,7 @@ TEST_P(HeadPainting, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
     check(*mesh, Texels::kPacked, false);
     check(*patches, Texels::kHalves, false);
     check(*patches, Texels::kPacked, true);
-    check(make_pixel_map(maps[i], panorama), Texels::kHalves, false);
+    check(warp::make_pixel_map(maps[i], panorama), Texels::kHalves, false);
   }
 }
 
@@ -115,8 +115,9 @@ TEST_P(HeadPainting, agrees_with_the_cpu_over_random_flat_pictures_and_domes_tha
     const bool is_dome = std::holds_alternative<Fisheye>(shape);
     // A pixel of a map may look anywhere, behind a dome's axis as well.
     const double span = mapped && is_dome ? 4.5 : 1.2;
-    HeadPlan plan{mapped ? Warp(heads.map(width, height, span)) : Warp(heads.mesh(width, height, span, n % 3 == 0)),
-                  heads.mask(width, height), HeadColour{}, 8, n % 4 < 2};
+    HeadPlan plan{
+        mapped ? warp::Warp(heads.map(width, height, span)) : warp::Warp(heads.mesh(width, height, span, n % 3 == 0)),
+        heads.mask(width, height), warp::HeadColour{}, 8, n % 4 < 2};
     plan.picture = shape;
     const PlanarPicture picture = heads.noise(width_px(shape), height_px(shape), heads.one_in(2));
     const double turn = n % 5 == 0 ? 0.0 : heads.between(-0.3, 0.3);
@@ -139,11 +140,11 @@ TEST_P(HeadPainting, agrees_with_the_cpu_pixel_for_pixel_on_walls_of_every_shape
     const PictureShape wall = room->picture(512);
     const PictureShape shape = with_guard_band(wall, 0.15);
     const PlanarPicture picture = JpegEncoder().to_planar(smooth(width_px(shape), height_px(shape)));
-    const std::vector<ProjectorMap> maps = projector_maps(*room);
-    const std::vector<MaskImage> masks = make_blend_masks(maps);
+    const std::vector<warp::ProjectorMap> maps = warp::projector_maps(*room);
+    const std::vector<warp::MaskImage> masks = warp::make_blend_masks(maps);
     double worst = 0.0;
     for (std::size_t i = 0; i < maps.size(); ++i) {
-      const auto warp = make_warp(maps[i], wall);
+      const auto warp = warp::make_warp(maps[i], wall);
       ASSERT_TRUE(warp) << warp.error().message();
       HeadPlan plan{*warp, masks[i], {}, 8, false};
       plan.picture = wall;
@@ -165,7 +166,7 @@ TEST_P(HeadPainting, finds_the_place_in_a_dome_of_2048_pixels) {
     for (int y = 0; y < 2048; ++y) {
       for (int x = 0; x < 2048; ++x) *bars.luma().at(x, y) = (x + y) % 2 == 0 ? 255 : 188;  // Half the light.
     }
-    HeadPlan plan{heads.map(97, 41, 3.0), MaskImage(97, 41, 1.0f), {}, 8, false};
+    HeadPlan plan{heads.map(97, 41, 3.0), warp::MaskImage(97, 41, 1.0f), {}, 8, false};
     plan.picture = dome;
     const RgbImage image = head_.drawn(plan, bars, dome, turn);
     EXPECT_LE(worst_difference(image, plan, ExactPicture(bars, dome, turn), kSlack_px), 1.0);
@@ -177,7 +178,7 @@ TEST_P(HeadPainting, finds_the_place_in_a_panorama_of_8192_pixels) {
   for (const bool whole_turn : {false, true}) {
     const Panorama panorama{8192, 32, whole_turn ? kTurn : 3.0, 0.5, -0.5};
     const PlanarPicture picture = heads.noise(8192, 32, false);
-    const HeadPlan plan{heads.mesh(97, 41, 0.02), MaskImage(97, 41, 1.0f), {}, 8, false};
+    const HeadPlan plan{heads.mesh(97, 41, 0.02), warp::MaskImage(97, 41, 1.0f), {}, 8, false};
     const RgbImage image = head_.drawn(plan, picture, panorama, 0.7);
     EXPECT_LE(worst_difference(image, plan, ExactPicture(picture, panorama, 0.7), kSlack_px), 1.0);
   }
@@ -197,9 +198,9 @@ TEST_P(HeadPainting, of_a_turned_visitor_is_the_shifted_picture) {
   shift(picture.luma(), &shifted.luma());
   shift(picture.blue(), &shifted.blue());
   shift(picture.red(), &shifted.red());
-  WarpMesh mesh{100, 60, 1, 1, {}, 0.0};
+  warp::WarpMesh mesh{100, 60, 1, 1, {}, 0.0};
   mesh.vertices = {{0, 0, -0.6f, 0.35f}, {100, 0, 0.7f, 0.3f}, {0, 60, -0.7f, -0.3f}, {100, 60, 0.6f, -0.38f}};
-  const HeadPlan plan{mesh, MaskImage(100, 60, 0.8f)};
+  const HeadPlan plan{mesh, warp::MaskImage(100, 60, 0.8f)};
   const RgbImage turned = head_.drawn(plan, picture, panorama, 0.01 * kShift_px);
   EXPECT_LE(worst_difference(turned, plan, ExactPicture(shifted, panorama, 0.0), 0.005), 1.0);
 }
@@ -208,18 +209,18 @@ TEST_P(HeadPainting, leaves_black_where_the_mask_or_the_warp_is_empty) {
   RandomHeads heads(6);
   const Panorama panorama{64, 64, 1.0, 0.5, -0.5};
   const PlanarPicture white = plain(64, 64, 255);
-  HeadPlan plan{heads.mesh(40, 30, 1.0), MaskImage(40, 30, 1.0f)};
+  HeadPlan plan{heads.mesh(40, 30, 1.0), warp::MaskImage(40, 30, 1.0f)};
   for (int x = 0; x < 40; ++x) *plan.mask.at(x, 0) = 0.0f;
   const RgbImage image = head_.drawn(plan, white, panorama, 0.0);
   for (int x = 0; x < 40; ++x) EXPECT_EQ(image.at(x, 0)[1], 0);
-  for (WarpVertex& vertex : std::get<WarpMesh>(plan.warp).vertices) {
+  for (warp::WarpVertex& vertex : std::get<warp::WarpMesh>(plan.warp).vertices) {
     vertex.tan_elevation = std::numeric_limits<float>::quiet_NaN();
   }
   EXPECT_THAT(head_.drawn(plan, white, panorama, 0.0).data(), ::testing::Each(0));
-  plan.warp = PixelMap(40, 30, std::numeric_limits<float>::quiet_NaN());
+  plan.warp = warp::PixelMap(40, 30, std::numeric_limits<float>::quiet_NaN());
   EXPECT_THAT(head_.drawn(plan, white, panorama, 0.0).data(), ::testing::Each(0));
   plan.warp = straight(40, 30, 1.0);
-  plan.mask = MaskImage(40, 30, 0.0f);
+  plan.mask = warp::MaskImage(40, 30, 0.0f);
   EXPECT_THAT(head_.drawn(plan, white, panorama, 0.0).data(), ::testing::Each(0));
 }
 
@@ -229,10 +230,10 @@ TEST_P(HeadPainting, follows_a_response_with_a_steep_step) {
   for (int y = 0; y < 16; ++y) {
     for (int x = 0; x < 256; ++x) std::fill_n(ramp.at(x, y), 3, static_cast<std::uint8_t>(x));
   }
-  ResponseCurve step;
+  warp::ResponseCurve step;
   for (int i = 0; i < 256; ++i) step.codes.push_back(i < 100 ? 0.1f : 0.9f);
-  HeadPlan plan{straight(256, 16, 1.0), MaskImage(256, 16, 1.0f), {}, 8, false};
-  plan.colour.response = std::array{step, ResponseCurve::srgb(256), ResponseCurve::power(2.2, 256)};
+  HeadPlan plan{straight(256, 16, 1.0), warp::MaskImage(256, 16, 1.0f), {}, 8, false};
+  plan.colour.response = std::array{step, warp::ResponseCurve::srgb(256), warp::ResponseCurve::power(2.2, 256)};
   const PlanarPicture picture = JpegEncoder().to_planar(ramp);
   const RgbImage image = head_.drawn(plan, picture, panorama, 0.0);
   // The nearest of 4096 steps: within the step's own width the other side may be seen.
@@ -249,7 +250,7 @@ TEST_P(HeadPainting, dithers_without_changing_the_mean) {
     const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
     const PlanarPicture picture = plain(16, 16, 40);
     for (const float weight : {1.0f, 0.93f, 0.71f, 0.5f, 0.37f}) {
-      const HeadPlan plan{straight(128, 128, 1.0), MaskImage(128, 128, weight)};
+      const HeadPlan plan{straight(128, 128, 1.0), warp::MaskImage(128, 128, weight)};
       const RgbImage image = head.drawn(plan, picture, panorama, 0.0);
       const double exact = 255.0 * ExactPicture(picture, panorama, 0.0).code_at(plan, 64, 64)[1];
       double sum = 0.0;
@@ -274,10 +275,10 @@ TEST_P(HeadPainting, draws_patches_of_random_terms_turned_or_not_as_the_cpu_does
     const PictureShape shape =
         n % 3 == 0 ? PictureShape(Panorama{heads.pixels(16, 300), 90, n % 2 == 0 ? kTurn : 2.0, 0.5, -0.5})
                    : heads.other_shape(heads.pixels(16, 300), heads.pixels(16, 300));
-    WarpPatches warp{
+    warp::WarpPatches warp{
         heads.pixels(40, 90), heads.pixels(40, 70), 16 * heads.pixels(1, 3), 16 * heads.pixels(1, 3), {}, 0.0};
     for (int i = 0; i < warp.across() * warp.down(); ++i) {
-      WarpPatch& patch = warp.patches.emplace_back();
+      warp::WarpPatch& patch = warp.patches.emplace_back();
       for (std::array<float, 6>* terms : {&patch.across, &patch.up}) {
         for (float& term : *terms) term = static_cast<float>(heads.between(-0.15, 0.15));
       }
@@ -300,7 +301,7 @@ TEST_P(HeadPainting, repeats_the_edges_of_a_picture_that_is_smaller_than_the_one
   RandomHeads heads(31);
   const PlanarPicture first = heads.noise(300, 80, false);
   const PlanarPicture then = heads.noise(120, 40, false);
-  const HeadPlan plan{straight(200, 60, 3.0), MaskImage(200, 60, 1.0f), {}, 8, false};  // Half a radian beyond.
+  const HeadPlan plan{straight(200, 60, 3.0), warp::MaskImage(200, 60, 1.0f), {}, 8, false};  // Half a radian beyond.
   for (const Texels texels : {Texels::kHalves, Texels::kPacked}) {
     const RgbImage image = PaintedHead(GetParam(), texels).drawn_after(plan, first, large, then, small);
     EXPECT_LE(worst_difference(image, plan, ExactPicture(then, small, 0.0), kSlack_px), 1.0);
@@ -309,7 +310,7 @@ TEST_P(HeadPainting, repeats_the_edges_of_a_picture_that_is_smaller_than_the_one
 
 TEST_P(HeadPainting, dithers_to_the_depth_of_the_output) {
   const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
-  HeadPlan plan{straight(64, 64, 1.0), MaskImage(64, 64, 0.71f)};
+  HeadPlan plan{straight(64, 64, 1.0), warp::MaskImage(64, 64, 0.71f)};
   plan.depth_bits = 10;  // Less noise than one code value of 8 bits.
   const RgbImage image = head_.drawn(plan, plain(16, 16, 40), panorama, 0.0);
   EXPECT_LE(worst_difference(image, plan, ExactPicture(plain(16, 16, 40), panorama, 0.0), 0.0), 1.0);
@@ -322,8 +323,8 @@ TEST_P(HeadPainting, dithers_to_the_depth_of_the_output) {
 TEST_P(HeadPainting, mixes_two_pictures_in_linear_light) {
   const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
   for (const bool mapped : {false, true}) {
-    HeadPlan plan{straight(32, 32, 1.0), MaskImage(32, 32, 1.0f), {}, 8, false};
-    if (mapped) plan.warp = PixelMap(32, 32, 0.0f);
+    HeadPlan plan{straight(32, 32, 1.0), warp::MaskImage(32, 32, 1.0f), {}, 8, false};
+    if (mapped) plan.warp = warp::PixelMap(32, 32, 0.0f);
     const RgbImage image = head_.faded(plan, plain(16, 16, 0), plain(16, 16, 255), panorama, 0.25);
     const double expected = 255.0 * (1.055 * std::pow(0.25, 1.0 / 2.4) - 0.055);
     EXPECT_THAT(image.data(),
@@ -335,7 +336,7 @@ TEST_P(HeadPainting, sees_no_seam_where_a_whole_turn_closes) {
   const Panorama panorama{64, 16, kTurn, 0.5, -0.5};
   RandomHeads heads(9);
   const PlanarPicture picture = heads.noise(64, 16, true);
-  const HeadPlan plan{straight(640, 16, 0.6), MaskImage(640, 16, 1.0f), {}, 8, false};
+  const HeadPlan plan{straight(640, 16, 0.6), warp::MaskImage(640, 16, 1.0f), {}, 8, false};
   const RgbImage image = head_.drawn(plan, picture, panorama, std::numbers::pi);
   EXPECT_LE(worst_difference(image, plan, ExactPicture(picture, panorama, std::numbers::pi), kSlack_px), 1.0);
 }
@@ -344,12 +345,12 @@ INSTANTIATE_TEST_SUITE_P(Headless, HeadPainting, ::testing::Values(Renderer::kEg
                          [](const auto& tested) { return tested.param == Renderer::kEgl ? "egl" : "osmesa"; });
 
 TEST(LitTriangles, are_split_into_those_that_need_the_mask_and_those_that_do_not) {
-  WarpMesh mesh{40, 40, 4, 4, {}, 0.0};
+  warp::WarpMesh mesh{40, 40, 4, 4, {}, 0.0};
   for (int j = 0; j <= 4; ++j) {
     for (int i = 0; i <= 4; ++i)
       mesh.vertices.push_back({10.0f * static_cast<float>(i), 10.0f * static_cast<float>(j), 0, 0});
   }
-  MaskImage mask(40, 40, 1.0f);
+  warp::MaskImage mask(40, 40, 1.0f);
   for (int y = 0; y < 40; ++y) *mask.at(39, y) = 0.5f;  // The last column of cells is masked.
   for (int x = 0; x < 40; ++x) {
     for (int y = 0; y < 11; ++y) *mask.at(x, y) = 0.0f;  // The first row is black, down to the second's first pixel.
@@ -360,10 +361,10 @@ TEST(LitTriangles, are_split_into_those_that_need_the_mask_and_those_that_do_not
 }
 
 TEST(LitRects, cover_what_is_lit_once_and_tell_where_the_mask_is_one) {
-  const WarpPatches warp{300, 170, 128, 96, std::vector<WarpPatch>(6), 0.0};
+  const warp::WarpPatches warp{300, 170, 128, 96, std::vector<warp::WarpPatch>(6), 0.0};
   RandomHeads heads(8);
   for (int n = 0; n < 20; ++n) {
-    MaskImage mask(300, 170, 0.0f);
+    warp::MaskImage mask(300, 170, 0.0f);
     for (int blob = 0; blob < 3; ++blob) {
       const int left = heads.pixels(0, 280);
       const int top = heads.pixels(0, 150);
@@ -373,7 +374,7 @@ TEST(LitRects, cover_what_is_lit_once_and_tell_where_the_mask_is_one) {
       }
     }
     const LitRects rects = lit_rects(warp, mask);
-    MaskImage drawn(300, 170, 0.0f);
+    warp::MaskImage drawn(300, 170, 0.0f);
     for (const std::vector<LitRect>* kind : {&rects.whole, &rects.masked}) {
       for (const LitRect& rect : *kind) {
         for (int y = rect.part.y; y < rect.part.y + rect.part.height; ++y) {
@@ -393,4 +394,4 @@ TEST(LitRects, cover_what_is_lit_once_and_tell_where_the_mask_is_one) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

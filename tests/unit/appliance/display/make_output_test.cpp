@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using ::testing::HasSubstr;
@@ -14,13 +14,13 @@ TEST(MakeOutput, reads_where_a_projector_hangs) {
   ASSERT_TRUE(plain);
   EXPECT_EQ(plain->projector, "left");
   EXPECT_EQ(plain->connector, "HDMI-A-1");
-  EXPECT_EQ(plain->rotation, Rotation::kNone);
+  EXPECT_EQ(plain->rotation, output::Rotation::kNone);
   const auto turned = parse_head("a=b=1:DP-2,270");
   ASSERT_TRUE(turned);
   EXPECT_EQ(turned->projector, "a=b");
   EXPECT_EQ(turned->connector, "1:DP-2");
-  EXPECT_EQ(turned->rotation, Rotation::kThreeQuarters);
-  EXPECT_EQ(parse_head("left=,180")->rotation, Rotation::kHalf);
+  EXPECT_EQ(turned->rotation, output::Rotation::kThreeQuarters);
+  EXPECT_EQ(parse_head("left=,180")->rotation, output::Rotation::kHalf);
 }
 
 TEST(MakeOutput, refuses_what_names_no_place) {
@@ -48,10 +48,10 @@ TEST(MakeOutput, hangs_projectors_where_the_installation_says) {
   const auto options = drm_options({}, installation, 50.0);
   ASSERT_TRUE(options);
   EXPECT_EQ(options->heads[0].connector, "1:DP-2");
-  EXPECT_EQ(options->heads[0].rotation, Rotation::kQuarter);
+  EXPECT_EQ(options->heads[0].rotation, output::Rotation::kQuarter);
   EXPECT_EQ(options->heads[0].mode.name, "left");
   EXPECT_EQ(options->heads[1].connector, "HDMI-A-1");
-  EXPECT_EQ(options->heads[1].rotation, Rotation::kHalf);
+  EXPECT_EQ(options->heads[1].rotation, output::Rotation::kHalf);
   EXPECT_EQ(options->cards, installation.cards);
   EXPECT_EQ(options->refresh_hz, 50.0);
 }
@@ -67,9 +67,9 @@ TEST(MakeOutput, takes_an_options_word_over_the_installations) {
   const auto options = drm_options(choice, installation, 60.0);
   ASSERT_TRUE(options);
   EXPECT_EQ(options->heads[0].connector, "DP-3");
-  EXPECT_EQ(options->heads[0].rotation, Rotation::kNone);
+  EXPECT_EQ(options->heads[0].rotation, output::Rotation::kNone);
   EXPECT_EQ(options->heads[1].connector, "HDMI-A-1");
-  EXPECT_EQ(options->heads[1].rotation, Rotation::kHalf);
+  EXPECT_EQ(options->heads[1].rotation, output::Rotation::kHalf);
   EXPECT_EQ(options->cards, choice.cards);
 }
 
@@ -84,4 +84,4 @@ TEST(MakeOutput, knows_only_installed_projectors) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -13,7 +13,7 @@
 #include "appliance/interchange/warp_file.h"
 #include "tests/doubles/demo_room.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using ::testing::AllOf;
@@ -26,14 +26,14 @@ class MeasuredHead : public ::testing::Test {
  protected:
   MeasuredHead()
       : room_(demo_room_with_pixels_over(2)),
-        masks_(make_blend_masks(projector_maps(room_))),
+        masks_(warp::make_blend_masks(warp::projector_maps(room_))),
         folder_(std::filesystem::temp_directory_path() / ("measured_head_" + std::to_string(::getpid()))) {
     std::filesystem::create_directories(folder_);
     picture_ = room_.panorama(1024);
-    const ProjectorMap map(room_, kMiddle);
-    const auto mesh = make_warp_mesh(map, picture_);
+    const warp::ProjectorMap map(room_, kMiddle);
+    const auto mesh = warp::make_warp_mesh(map, picture_);
     CHECK(mesh.has_value());
-    flat_.buffers.push_back({"wall", 0, 0, {region_of(*mesh, masks_[kMiddle], picture_, "any name")}});
+    flat_.buffers.push_back({"wall", 0, 0, {interchange::region_of(*mesh, masks_[kMiddle], picture_, "any name")}});
   }
   ~MeasuredHead() override { std::filesystem::remove_all(folder_); }
 
@@ -44,11 +44,11 @@ class MeasuredHead : public ::testing::Test {
   }
 
   /// Against the room's truth, on the wall, but for the rim of what is mapped.
-  void expect_the_room(const Result<HeadPlan>& head, double most_px) const {
+  void expect_the_room(const Result<HeadPlan>& head, double max_px) const {
     ASSERT_TRUE(head.has_value()) << head.error().message();
-    const ProjectorMap map(room_, kMiddle);
+    const warp::ProjectorMap map(room_, kMiddle);
     const PixelScale scale = pixel_scale(picture_);
-    const MaskImage& mask = masks_[kMiddle];
+    const warp::MaskImage& mask = masks_[kMiddle];
     double worst_px = 0.0;
     int lit = 0;
     for (int y = 1; y + 1 < mask.height(); ++y) {
@@ -65,47 +65,48 @@ class MeasuredHead : public ::testing::Test {
         ++lit;
       }
     }
-    EXPECT_LT(worst_px, most_px);
+    EXPECT_LT(worst_px, max_px);
     EXPECT_GT(lit, mask.width() * mask.height() / 2);
   }
 
   Installation room_;
-  std::vector<MaskImage> masks_;
+  std::vector<warp::MaskImage> masks_;
   Panorama picture_;
-  WarpSet flat_;  ///< The middle projector, over the whole of the picture.
+  interchange::WarpSet flat_;  ///< The middle projector, over the whole of the picture.
   std::filesystem::path folder_;
 };
 
 TEST_F(MeasuredHead, a_whole_rooms_file_gives_each_projector_the_region_with_its_name) {
-  ASSERT_TRUE(write_mpcdi(folder_ / "wall.mpcdi", set_of(room_)));
+  ASSERT_TRUE(interchange::write_mpcdi(folder_ / "wall.mpcdi", interchange::set_of(room_)));
   const auto head = read(folder_ / "wall.mpcdi");
   expect_the_room(head, 0.2);
-  EXPECT_FALSE(head->colour.lift.has_value());
+  EXPECT_FALSE(head->colour.black_lift.has_value());
   EXPECT_TRUE(read(folder_ / "wall.mpcdi", "left").has_value());
 }
 
 TEST_F(MeasuredHead, what_no_mesh_follows_becomes_a_map_of_each_pixel) {
-  WarpSet room = set_of(room_);
-  for (WarpRegion& region : room.buffers[0].regions) {
+  interchange::WarpSet room = interchange::set_of(room_);
+  for (interchange::WarpRegion& region : room.buffers[0].regions) {
     for (int y = 0; y < region.height_px; ++y) {  // As if the wall were wavy.
       for (int x = 0; x < region.width_px; ++x) region.map->at(x, y)[1] += (x % 2 == 0 ? 0.02f : -0.02f);
     }
   }
-  ASSERT_TRUE(write_mpcdi(folder_ / "wall.mpcdi", room));
+  ASSERT_TRUE(interchange::write_mpcdi(folder_ / "wall.mpcdi", room));
   const auto head = read(folder_ / "wall.mpcdi");
   ASSERT_TRUE(head.has_value()) << head.error().message();
-  ASSERT_TRUE(std::holds_alternative<PixelMap>(head->warp));
-  const auto truth = ProjectorMap(room_, kMiddle).direction_of({160.5, 120.5});
+  ASSERT_TRUE(std::holds_alternative<warp::PixelMap>(head->warp));
+  const auto truth = warp::ProjectorMap(room_, kMiddle).direction_of({160.5, 120.5});
   EXPECT_GT(direction_at(head->warp, 160, 120)->tan_elevation, truth->tan_elevation + 0.003);
 }
 
 TEST_F(MeasuredHead, flat_maps_and_meshes_are_of_the_picture_that_is_asked_for) {
   for (const char* const name : {"a.mpcdi", "a.pfm", "a.data", "a.obj"}) {
     const bool is_pair = std::string_view(name) == "a.pfm";
-    ASSERT_TRUE(write_warp_file(folder_ / name, flat_, "", {.columns = 129, .rows = 97, .mask = {}})) << name;
+    ASSERT_TRUE(interchange::write_warp_file(folder_ / name, flat_, "", {.columns = 129, .rows = 97, .mask = {}}))
+        << name;
     const auto head = read(folder_ / name, "", is_pair ? folder_ / "a.png" : "");
     ASSERT_TRUE(head.has_value()) << head.error().message();
-    const auto truth = ProjectorMap(room_, kMiddle).direction_of({160.5, 120.5});
+    const auto truth = warp::ProjectorMap(room_, kMiddle).direction_of({160.5, 120.5});
     const auto middle = direction_at(head->warp, 160, 120);
     ASSERT_TRUE(middle.has_value()) << name;
     EXPECT_NEAR(middle->azimuth_rad, truth->azimuth_rad, 1e-3) << name;
@@ -115,15 +116,15 @@ TEST_F(MeasuredHead, flat_maps_and_meshes_are_of_the_picture_that_is_asked_for) 
 }
 
 TEST_F(MeasuredHead, a_beta_map_is_light_that_is_added) {
-  WarpRegion& region = flat_.buffers[0].regions[0];
-  region.beta = MaskMap(1, 1, 1, 8);
+  interchange::WarpRegion& region = flat_.buffers[0].regions[0];
+  region.beta = interchange::MaskMap(1, 1, 1, 8);
   region.beta->samples = {51};
   flat_.level = 2;
-  ASSERT_TRUE(write_mpcdi(folder_ / "wall.mpcdi", flat_));
+  ASSERT_TRUE(interchange::write_mpcdi(folder_ / "wall.mpcdi", flat_));
   const auto head = read(folder_ / "wall.mpcdi");
   ASSERT_TRUE(head.has_value()) << head.error().message();
-  const Eigen::Vector3d shone =
-      shone_light(head->colour, Eigen::Vector3d::Zero(), static_cast<double>(*head->colour.lift->at(160, 120)));
+  const Eigen::Vector3d shone = warp::shone_light(head->colour, Eigen::Vector3d::Zero(),
+                                                  static_cast<double>(*head->colour.black_lift->at(160, 120)));
   EXPECT_NEAR(shone.x(), 0.2, 1e-6);
 }
 
@@ -133,7 +134,7 @@ TEST_F(MeasuredHead, a_bad_file_is_refused_with_projector_file_place_and_remedy)
   std::ofstream(folder_ / "bad.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 3\n";
   EXPECT_THAT(read(folder_ / "bad.obj").error().message(),
               AllOf(HasSubstr("projector 'middle'"), HasSubstr("bad.obj"), HasSubstr("line 3"), HasSubstr("export")));
-  ASSERT_TRUE(write_mpcdi(folder_ / "wall.mpcdi", set_of(room_)));
+  ASSERT_TRUE(interchange::write_mpcdi(folder_ / "wall.mpcdi", interchange::set_of(room_)));
   EXPECT_THAT(read(folder_ / "wall.mpcdi", "floor").error().message(),
               AllOf(HasSubstr("wall.mpcdi"), HasSubstr("'left', 'middle', 'right'; name one")));
   room_.projectors[kMiddle].lens.width_px = 640;
@@ -142,4 +143,4 @@ TEST_F(MeasuredHead, a_bad_file_is_refused_with_projector_file_place_and_remedy)
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

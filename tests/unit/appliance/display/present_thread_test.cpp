@@ -12,7 +12,7 @@
 #include "tests/doubles/manual_clock.h"
 #include "tests/doubles/plain_show.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using ::testing::AllOf;
@@ -44,7 +44,7 @@ class PresentingAlone : public ::testing::Test {
     const TimePoint deadline = clock_.now() + std::chrono::seconds(20);
     while (!condition()) {
       if (clock_.now() > deadline) return false;
-      mailbox_.retired.clear([](const Frame&) {});
+      mailbox_.retired.clear([](const DisplayFrame&) {});
       while (mailbox_.refreshes.pop()) ++refreshes_;
       if (auto state = present_->take_state()) state_ = *state;
       EXPECT_TRUE(present_->is_alive());
@@ -71,7 +71,7 @@ class PresentingAlone : public ::testing::Test {
 TEST_F(PresentingAlone, opens_a_lost_output_again_and_shows_the_newest_frame) {
   start(clock_);
   EXPECT_TRUE(serve_until([&] { return !state_.kind.empty(); }));
-  EXPECT_GT(present_->largest_side_px(), 1000);
+  EXPECT_GT(present_->max_side_px(), 1000);
   mailbox_.frames.put(frame_of(1, plain(40, 20, 180)));
   EXPECT_TRUE(serve_until([&] { return refreshes_ > 10; }));
   EXPECT_THAT(shown().data(), Each(AllOf(Ge(179), Le(181))));
@@ -135,4 +135,4 @@ TEST_F(PresentingAlone, is_not_alive_while_the_driver_hangs) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

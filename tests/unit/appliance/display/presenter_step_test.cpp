@@ -10,7 +10,7 @@
 #include "tests/doubles/manual_clock.h"
 #include "tests/doubles/painted_head.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using namespace std::chrono_literals;
@@ -20,45 +20,46 @@ constexpr Duration kPeriod = 10ms;
 constexpr std::int64_t kPeriod_ns = 10'000'000;
 
 /// Memory's heads with a raster that the test's clock paces: pictures are begun 4 ms before their refresh.
-class RasterOutput final : public Output {
+class RasterOutput final : public output::Output {
  public:
-  RasterOutput(std::unique_ptr<Output> memory, ManualClock* clock) : memory_(std::move(memory)), clock_(*clock) {}
-  [[nodiscard]] const std::vector<HeadMode>& heads() const override { return memory_->heads(); }
+  RasterOutput(std::unique_ptr<output::Output> memory, ManualClock* clock)
+      : memory_(std::move(memory)), clock_(*clock) {}
+  [[nodiscard]] const std::vector<output::HeadMode>& heads() const override { return memory_->heads(); }
   [[nodiscard]] double refresh_hz() const override { return 100.0; }
   [[nodiscard]] std::string kind() const override { return "raster"; }
   [[nodiscard]] const Gl& gl() const override { return memory_->gl(); }
-  [[nodiscard]] const std::vector<HeadShown>& shown() const override { return memory_->shown(); }
+  [[nodiscard]] const std::vector<output::HeadShown>& shown() const override { return memory_->shown(); }
   Status wait_for_refresh() override {
     clock_.set(start_ + static_cast<std::int64_t>(refresh_ + 1) * kPeriod - 4ms);
     return Done{};
   }
   Status draw_to(std::size_t head) override { return memory_->draw_to(head); }
-  Result<Presented> present() override {
+  Result<output::Presented> present() override {
     TRY(memory_->present());
     refresh_ += 1 + std::exchange(missed, 0);
     clock_.set(start_ + static_cast<std::int64_t>(refresh_) * kPeriod);
-    return Presented{refresh_, clock_.now()};
+    return output::Presented{refresh_, clock_.now()};
   }
   std::uint64_t missed = 0;  ///< By the next picture.
 
  private:
-  std::unique_ptr<Output> memory_;
+  std::unique_ptr<output::Output> memory_;
   ManualClock& clock_;
   const TimePoint start_ = clock_.now();
   std::uint64_t refresh_ = 0;
 };
 
 /// The tour's clock is an hour behind; refresh 0 of the output is the tour's 0.
-class PresentingInStep : public ::testing::Test {
+class PresentingSynchronised : public ::testing::Test {
  protected:
   void SetUp() override {
-    auto memory = *open_headless_output({{{"a", kSide, kSide}}, 1000.0, {}, {}}, clock_);
+    auto memory = *output::open_headless_output({{{"a", kSide, kSide}}, 1000.0, {}, {}}, clock_);
     auto output = std::make_unique<RasterOutput>(std::move(memory), &clock_);
     output_ = std::move(output);
-    WarpMesh mesh{kSide, kSide, 1, 1, {}, 0.0};
+    warp::WarpMesh mesh{kSide, kSide, 1, 1, {}, 0.0};
     mesh.vertices = {
         {0, 0, -0.5f, 0.5f}, {kSide, 0, 0.5f, 0.5f}, {0, kSide, -0.5f, -0.5f}, {kSide, kSide, 0.5f, -0.5f}};
-    std::vector<HeadPlan> plans(1, {mesh, MaskImage(kSide, kSide, 1.0f)});
+    std::vector<HeadPlan> plans(1, {mesh, warp::MaskImage(kSide, kSide, 1.0f)});
     plans.front().packing = packing_;
     const AttractTimes no_fade{std::chrono::hours(1), 1ms};
     auto presenter = Presenter::make(output_.get(), plans, *frame(0, 0), no_fade, &mailbox_, &clock_);
@@ -70,18 +71,18 @@ class PresentingInStep : public ::testing::Test {
   void TearDown() override { presenter_.reset(); }
 
   /// Its picture is plain; the code value is its order.
-  static std::unique_ptr<Frame> frame(std::uint64_t order, std::int64_t refresh) {
+  static std::unique_ptr<DisplayFrame> frame(std::uint64_t order, std::int64_t refresh) {
     PlanarPicture picture(32, 16, false);
     std::ranges::fill(picture.luma().data(), static_cast<std::uint8_t>(5 * order));
-    auto frame = std::make_unique<Frame>(PaintedHead::frame(picture, Panorama{32, 16, 1.4, 0.5, -0.5}, nullptr));
+    auto frame = std::make_unique<DisplayFrame>(PaintedHead::frame(picture, Panorama{32, 16, 1.4, 0.5, -0.5}, nullptr));
     frame->order = frame->number = order;
-    frame->reach_rad = 0.2;
+    frame->turn_limit_rad = 0.2;
     if (refresh != 0) frame->show_at = {refresh, kPeriod_ns, 0};
     return frame;
   }
   RefreshEvent refresh() {
     EXPECT_TRUE(presenter_->refresh());
-    mailbox_.retired.clear([this](const Frame& unseen) { unseen_.push_back(unseen.number); });
+    mailbox_.retired.clear([this](const DisplayFrame& unseen) { unseen_.push_back(unseen.number); });
     return mailbox_.refreshes.pop().value_or(RefreshEvent{});
   }
   /// The frames first shown at the next refreshes, 0 where none is, and how late.
@@ -103,7 +104,7 @@ class PresentingInStep : public ::testing::Test {
   std::vector<std::uint64_t> unseen_;
 };
 
-TEST_F(PresentingInStep, shows_each_frame_at_its_refresh) {
+TEST_F(PresentingSynchronised, shows_each_frame_at_its_refresh) {
   mailbox_.frames.put(frame(1, 4));
   mailbox_.frames.put(frame(2, 6));
   std::vector<std::int64_t> late;
@@ -112,14 +113,14 @@ TEST_F(PresentingInStep, shows_each_frame_at_its_refresh) {
   EXPECT_THAT(unseen_, ::testing::IsEmpty());
 }
 
-TEST_F(PresentingInStep, tells_every_refresh_its_shared_number_and_shows_the_frame_itself) {
+TEST_F(PresentingSynchronised, tells_every_refresh_its_shared_number_and_shows_the_frame_itself) {
   mailbox_.frames.put(frame(30, 3));
   mailbox_.heads[0].want([] { return std::make_unique<RgbImage>(kSide, kSide); });
-  EXPECT_EQ(refresh().shared_refresh, 2);
+  EXPECT_EQ(refresh().synchronised_refresh, 2);
   EXPECT_LT(mailbox_.heads[0].take()->at(8, 8)[1], 10) << "not before";
   mailbox_.heads[0].want([] { return std::make_unique<RgbImage>(kSide, kSide); });
   const RefreshEvent event = refresh();
-  EXPECT_EQ(event.shared_refresh, 3);
+  EXPECT_EQ(event.synchronised_refresh, 3);
   EXPECT_EQ(event.drawn_ahead, 4ms);
   refresh();
   mailbox_.heads[0].want([] { return std::make_unique<RgbImage>(kSide, kSide); });
@@ -127,7 +128,7 @@ TEST_F(PresentingInStep, tells_every_refresh_its_shared_number_and_shows_the_fra
   EXPECT_NEAR(mailbox_.heads[0].take()->at(8, 8)[1], 150, 2);
 }
 
-TEST_F(PresentingInStep, shows_a_frame_that_was_not_ready_late_and_says_by_how_much) {
+TEST_F(PresentingSynchronised, shows_a_frame_that_was_not_ready_late_and_says_by_how_much) {
   firsts(5);  // Up to 6.
   mailbox_.frames.put(frame(1, 4));
   const RefreshEvent event = refresh();
@@ -135,15 +136,15 @@ TEST_F(PresentingInStep, shows_a_frame_that_was_not_ready_late_and_says_by_how_m
   EXPECT_EQ(event.late(event.frame_due), 3);
 }
 
-TEST_F(PresentingInStep, says_when_a_refresh_that_was_missed_made_a_frame_late) {
+TEST_F(PresentingSynchronised, says_when_a_refresh_that_was_missed_made_a_frame_late) {
   mailbox_.frames.put(frame(1, 2));
   output_->missed = 2;
   const RefreshEvent event = refresh();
-  EXPECT_EQ(event.shared_refresh, 4);
+  EXPECT_EQ(event.synchronised_refresh, 4);
   EXPECT_EQ(event.late(event.frame_due), 2);
 }
 
-TEST_F(PresentingInStep, passes_over_what_a_newer_frame_takes_the_place_of_and_counts_from_when_it_was_missing) {
+TEST_F(PresentingSynchronised, passes_over_what_a_newer_frame_takes_the_place_of_and_counts_from_when_it_was_missing) {
   firsts(5);
   mailbox_.frames.put(frame(2, 7));  // Decoded in another order than they came.
   mailbox_.frames.put(frame(1, 5));
@@ -156,7 +157,7 @@ TEST_F(PresentingInStep, passes_over_what_a_newer_frame_takes_the_place_of_and_c
   EXPECT_THAT(unseen_, ::testing::ElementsAre(1, 1));
 }
 
-TEST_F(PresentingInStep, shows_at_once_what_nothing_is_said_of) {
+TEST_F(PresentingSynchronised, shows_at_once_what_nothing_is_said_of) {
   mailbox_.frames.put(frame(1, 50));
   EXPECT_THAT(firsts(2), ::testing::Each(0));
   mailbox_.frames.put(frame(2, 0));  // The others have left.
@@ -164,7 +165,7 @@ TEST_F(PresentingInStep, shows_at_once_what_nothing_is_said_of) {
   EXPECT_THAT(unseen_, ::testing::ElementsAre(1));
 }
 
-TEST_F(PresentingInStep, shows_at_once_what_was_meant_by_another_clock) {
+TEST_F(PresentingSynchronised, shows_at_once_what_was_meant_by_another_clock) {
   mailbox_.frames.put(frame(1, 1'000'000));
   EXPECT_THAT(firsts(1), ::testing::ElementsAre(1));
   mailbox_.frames.put(frame(2, 20));
@@ -173,7 +174,7 @@ TEST_F(PresentingInStep, shows_at_once_what_was_meant_by_another_clock) {
   EXPECT_THAT(firsts(1), ::testing::ElementsAre(2));
 }
 
-TEST_F(PresentingInStep, turns_to_each_heading_at_its_refresh_and_never_back) {
+TEST_F(PresentingSynchronised, turns_to_each_heading_at_its_refresh_and_never_back) {
   mailbox_.frames.put(frame(1, 0));
   refresh();
   const auto told = [&](double heading_rad, std::int64_t refresh) {
@@ -201,7 +202,7 @@ TEST_F(PresentingInStep, turns_to_each_heading_at_its_refresh_and_never_back) {
   EXPECT_EQ(refresh().heading_rad, 0.039);
 }
 
-TEST_F(PresentingInStep, keeps_frames_that_wait_within_bounds) {
+TEST_F(PresentingSynchronised, keeps_frames_that_wait_within_bounds) {
   std::size_t untaken = 0;
   for (std::uint64_t n = 1; n <= 40; ++n) {
     untaken += mailbox_.frames.put(frame(n, 60)) != nullptr ? 1U : 0U;
@@ -213,18 +214,18 @@ TEST_F(PresentingInStep, keeps_frames_that_wait_within_bounds) {
 }
 
 /// A head that shows the left and the right eye's picture by turns.
-class PresentingByTurns : public PresentingInStep {
+class PresentingByTurns : public PresentingSynchronised {
  protected:
   PresentingByTurns() { packing_ = StereoPacking::kFrameSequential; }
-  static std::unique_ptr<Frame> frame_for_two(std::uint64_t order, std::int64_t refresh) {
+  static std::unique_ptr<DisplayFrame> frame_for_two(std::uint64_t order, std::int64_t refresh) {
     PlanarPicture picture(32, 32, false);
     const auto luma = picture.luma().data();
     std::fill(luma.begin(), luma.begin() + 512, std::uint8_t{200});
     std::fill(luma.begin() + 512, luma.end(), std::uint8_t{50});
-    auto frame = std::make_unique<Frame>(PaintedHead::frame(picture, Panorama{32, 16, 1.4, 0.5, -0.5}, nullptr));
+    auto frame = std::make_unique<DisplayFrame>(PaintedHead::frame(picture, Panorama{32, 16, 1.4, 0.5, -0.5}, nullptr));
     frame->stacked = 2;
     frame->order = frame->number = order;
-    frame->reach_rad = 0.2;
+    frame->turn_limit_rad = 0.2;
     if (refresh != 0) frame->show_at = {refresh, kPeriod_ns, 0};
     return frame;
   }
@@ -247,8 +248,8 @@ TEST_F(PresentingByTurns, shows_the_left_eye_at_even_refreshes_as_all_displays_c
   int turns[2] = {0, 0};
   for (int n = 0; n < 20; ++n) {
     const Eye eye = shown();
-    ASSERT_TRUE(event_.shared_refresh);
-    EXPECT_EQ(eye, eye_at(*event_.shared_refresh)) << *event_.shared_refresh;
+    ASSERT_TRUE(event_.synchronised_refresh);
+    EXPECT_EQ(eye, eye_at(*event_.synchronised_refresh)) << *event_.synchronised_refresh;
     ++turns[eye == Eye::kLeft ? 0 : 1];
   }
   EXPECT_EQ(turns[0], 10);
@@ -263,8 +264,8 @@ TEST_F(PresentingByTurns, finds_the_turn_again_after_missed_refreshes) {
     shown();  // What was drawn for one refresh is seen at a later one.
     for (int n = 0; n < 3; ++n) {
       const Eye eye = shown();
-      ASSERT_TRUE(event_.shared_refresh);
-      EXPECT_EQ(eye, eye_at(*event_.shared_refresh)) << missed << " missed";
+      ASSERT_TRUE(event_.synchronised_refresh);
+      EXPECT_EQ(eye, eye_at(*event_.synchronised_refresh)) << missed << " missed";
     }
   }
 }
@@ -275,10 +276,10 @@ TEST_F(PresentingByTurns, counts_by_itself_while_nobody_shares_numbers) {
   refresh();  // The attract picture goes.
   for (int n = 0; n < 8; ++n) {
     const Eye eye = shown();
-    EXPECT_FALSE(event_.shared_refresh);
+    EXPECT_FALSE(event_.synchronised_refresh);
     EXPECT_EQ(eye, eye_at(static_cast<std::int64_t>(event_.presented.refresh)));
   }
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -34,7 +34,7 @@ void operator delete(void* memory) noexcept {
 }
 void operator delete(void* memory, std::size_t) noexcept { operator delete(memory); }
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr int kWidth = 64;
@@ -43,7 +43,7 @@ constexpr int kHeight = 48;
 class Presenting : public ::testing::Test {
  protected:
   void SetUp() override {
-    output_ = *open_headless_output({{{"a", kWidth, kHeight}, {"b", kWidth, kHeight}}, 1000.0, {}, {}}, clock_);
+    output_ = *output::open_headless_output({{{"a", kWidth, kHeight}, {"b", kWidth, kHeight}}, 1000.0, {}, {}}, clock_);
     const std::vector<HeadPlan> plans(2, plain_head(kWidth, kHeight));
     const AttractTimes times{std::chrono::milliseconds(100), std::chrono::milliseconds(200)};
     auto presenter = Presenter::make(output_.get(), plans, *frame_of(0, plain(32, 16, 0)), times, &mailbox_, &clock_);
@@ -58,7 +58,7 @@ class Presenting : public ::testing::Test {
     const Status status = presenter_->refresh();
     is_counting = false;
     EXPECT_TRUE(status);
-    mailbox_.retired.clear([](const Frame&) {});
+    mailbox_.retired.clear([](const DisplayFrame&) {});
     const RefreshEvent event = mailbox_.refreshes.pop().value_or(RefreshEvent{});
     presented_ += event.is_first_of_frame ? 1 : 0;
     return event;
@@ -77,14 +77,14 @@ class Presenting : public ::testing::Test {
 
   ManualClock clock_;
   PresentMailbox mailbox_{2};
-  std::unique_ptr<Output> output_;
+  std::unique_ptr<output::Output> output_;
   std::unique_ptr<Presenter> presenter_;
   int presented_ = 0;
 };
 
 TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_changing_sizes_and_headings) {
   RandomHeads heads(1);
-  std::vector<std::unique_ptr<Frame>> frames;
+  std::vector<std::unique_ptr<DisplayFrame>> frames;
   for (std::uint64_t n = 0; n < 300; ++n) {
     const int scale = 1 + static_cast<int>(n % 3);
     auto frame = frame_of(n + 1, heads.noise(40 * scale + 1, 16 * scale, n % 2 == 0), heads.between(-0.1, 0.1));
@@ -107,7 +107,7 @@ TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_chan
       }
       mailbox_.clock.put({true, 0, {}});
       mailbox_.headings.put({heads.between(-0.5, 0.5), n, soon(n)});
-      if (n % 50 == 0) mailbox_.panorama.want([] { return std::make_unique<Frame>(); });
+      if (n % 50 == 0) mailbox_.panorama.want([] { return std::make_unique<DisplayFrame>(); });
       if (n % 50 == 25) mailbox_.heads[1].want([] { return std::make_unique<RgbImage>(kWidth, kHeight); });
       refresh();
       mailbox_.panorama.take();
@@ -129,7 +129,8 @@ TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_chan
 
 TEST(PresenterStart, tries_its_shaders_on_a_few_pixels_of_each_head) {
   const ManualClock clock;
-  const auto output = *open_headless_output({{{"a", kWidth, kHeight}, {"b", kWidth, kHeight}}, 1000.0, {}, {}}, clock);
+  const auto output =
+      *output::open_headless_output({{{"a", kWidth, kHeight}, {"b", kWidth, kHeight}}, 1000.0, {}, {}}, clock);
   const Gl& gl = output->gl();
   const auto untouched = [&](std::size_t head) {
     EXPECT_TRUE(output->draw_to(head));
@@ -196,7 +197,7 @@ TEST_F(Presenting, keeps_its_picture_while_nobody_frees_the_old_ones) {
   int firsts = 0;
   while (const auto event = mailbox_.refreshes.pop()) firsts += event->is_first_of_frame ? 1 : 0;
   EXPECT_EQ(firsts, 9);  // 8 wait to be freed, the ninth is shown.
-  mailbox_.retired.clear([](const Frame&) {});
+  mailbox_.retired.clear([](const DisplayFrame&) {});
   EXPECT_TRUE(refresh().is_first_of_frame);
 }
 
@@ -278,7 +279,7 @@ TEST_F(Presenting, keeps_the_patterns_while_nobody_frees_the_old_ones) {
 
 std::unique_ptr<HeadSet> heads_with_mask(float mask) {
   std::vector<HeadPlan> plans(2, plain_head(kWidth, kHeight));
-  for (HeadPlan& plan : plans) plan.mask = MaskImage(kWidth, kHeight, mask);
+  for (HeadPlan& plan : plans) plan.mask = warp::MaskImage(kWidth, kHeight, mask);
   return std::make_unique<HeadSet>(std::make_shared<const std::vector<HeadPlan>>(std::move(plans)));
 }
 
@@ -288,7 +289,7 @@ class ChangingHeads : public Presenting {
     Presenting::SetUp();
     presenter_.reset();
     const auto plans = std::make_shared<std::vector<HeadPlan>>(2, plain_head(kWidth, kHeight));
-    for (HeadPlan& plan : *plans) plan.mask = MaskImage(kWidth, kHeight, 0.999f);
+    for (HeadPlan& plan : *plans) plan.mask = warp::MaskImage(kWidth, kHeight, 0.999f);
     const AttractTimes times{std::chrono::milliseconds(100), std::chrono::milliseconds(200)};
     auto made = Presenter::make(output_.get(), plans, true, *frame_of(0, plain(32, 16, 0)), times, &mailbox_, &clock_);
     ASSERT_TRUE(made) << made.error().message();
@@ -403,4 +404,4 @@ TEST_F(Fading, does_not_jump_when_refreshes_are_late) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

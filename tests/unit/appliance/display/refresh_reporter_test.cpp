@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
-using Light = HeadShown::Light;
+using Light = output::HeadShown::Light;
 using std::chrono::milliseconds;
 
 constexpr double kHz = 100.0;
@@ -73,4 +73,4 @@ TEST_F(Reporting, tells_which_heads_are_lit_and_does_not_count_what_nobody_sees)
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -14,7 +14,7 @@
 #include "tests/doubles/demo_room.h"
 #include "tests/doubles/exact_picture.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using std::chrono::milliseconds;
@@ -32,8 +32,8 @@ RgbImage smooth(int width, int height) {
   return picture;
 }
 
-Frame frame_of(std::uint64_t order, const PictureShape& shape) {
-  Frame frame;
+DisplayFrame frame_of(std::uint64_t order, const PictureShape& shape) {
+  DisplayFrame frame;
   frame.order = order;
   frame.shape = shape;
   frame.picture =
@@ -47,15 +47,15 @@ double code_of(double light) { return light <= 0.0031308 ? 12.92 * light : 1.055
 /// What differs from double precision, in codes. Of several pixels the light is averaged, as the sampler and a camera
 /// do: the mean of codes is another one where a mask falls steeply.
 struct Off {
-  double most = 0.0;
+  double max = 0.0;
   double mean = 0.0;
   double edge_share = 0.0;  ///< Of all pixels: they stand for some that are black and some that are not. Not compared.
 };
-Off off(const HeadPlan& plan, const Frame& frame, double turn_rad, int factor) {
+Off off(const HeadPlan& plan, const DisplayFrame& frame, double turn_rad, int factor) {
   const HeadSampler sampler(plan, factor);
   const RgbImage drawn = sampler.draw(frame, turn_rad);
   const ExactPicture exact(*frame.picture, frame.shape, turn_rad);
-  double most = 0.0;
+  double max = 0.0;
   double sum = 0.0;
   double count = 0.0;
   double all = 0.0;
@@ -77,13 +77,13 @@ Off off(const HeadPlan& plan, const Frame& frame, double turn_rad, int factor) {
       if (factor > 1) wanted = wanted.unaryExpr(&code_of).eval();
       for (int c = 0; c < 3; ++c) {
         const double error = std::abs(255.0 * wanted[c] - drawn.at(x, y)[c]);
-        most = std::max(most, error);
+        max = std::max(max, error);
         sum += error;
         count += 1.0;
       }
     }
   }
-  return {most, sum / count, edges / all};
+  return {max, sum / count, edges / all};
 }
 
 TEST(HeadSampler, draws_what_the_graphics_card_should) {
@@ -92,19 +92,19 @@ TEST(HeadSampler, draws_what_the_graphics_card_should) {
   auto plans = planned_heads(room, shape);
   ASSERT_TRUE(plans);
   HeadPlan& middle = (*plans)[1];
-  const Frame frame = frame_of(1, shape);
+  const DisplayFrame frame = frame_of(1, shape);
   for (const double turn_rad : {0.0, 0.03}) {
     const Off each = off(middle, frame, turn_rad, 1);
     EXPECT_LT(each.mean, 0.3) << "codes are rounded twice";
-    EXPECT_LT(each.most, 1.5);
+    EXPECT_LT(each.max, 1.5);
     const Off four = off(middle, frame, turn_rad, 2);
     EXPECT_LT(four.mean, 0.6);
-    EXPECT_LT(four.most, 8.0) << "where the mask is steep";
+    EXPECT_LT(four.max, 8.0) << "where the mask is steep";
     EXPECT_LT(four.edge_share, 0.05);
   }
   middle.colour.matrix = Eigen::Vector3d(0.9, 1.0, 0.8).asDiagonal();
-  middle.colour.response = std::array<ResponseCurve, 3>{ResponseCurve::power(2.4, 64), ResponseCurve::power(2.2, 64),
-                                                        ResponseCurve::power(2.0, 64)};
+  middle.colour.response = std::array<warp::ResponseCurve, 3>{
+      warp::ResponseCurve::power(2.4, 64), warp::ResponseCurve::power(2.2, 64), warp::ResponseCurve::power(2.0, 64)};
   EXPECT_LT(off(middle, frame, 0.0, 1).mean, 0.8);
 }
 
@@ -197,4 +197,4 @@ TEST_F(History, forgets_when_nobody_asks_and_after_two_seconds) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

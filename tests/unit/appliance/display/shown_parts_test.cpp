@@ -11,23 +11,23 @@
 #include "common/geometry/picture_place.h"
 #include "tests/doubles/demo_room.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 struct Heads {
-  std::vector<Warp> warps;
-  std::vector<MaskImage> masks;
+  std::vector<warp::Warp> warps;
+  std::vector<warp::MaskImage> masks;
   std::vector<HeadFootprint> footprints;
 };
 
 Heads heads_of(const Installation& room, const PictureShape& picture) {
   Heads heads;
-  const std::vector<ProjectorMap> maps = projector_maps(room);
-  heads.masks = make_blend_masks(maps);
+  const std::vector<warp::ProjectorMap> maps = warp::projector_maps(room);
+  heads.masks = warp::make_blend_masks(maps);
   for (std::size_t i = 0; i < maps.size(); ++i) {
-    heads.warps.push_back(*make_warp(maps[i], picture));
+    heads.warps.push_back(*warp::make_warp(maps[i], picture));
     heads.footprints.emplace_back(heads.warps[i], heads.masks[i]);
   }
   return heads;
@@ -45,7 +45,7 @@ void expect_all_that_is_read(const Heads& heads, const PictureShape& picture, co
   const double height = height_px(picture);
   const auto* const panorama = std::get_if<Panorama>(&picture);
   for (std::size_t i = 0; i < heads.warps.size(); ++i) {
-    const MaskImage& mask = heads.masks[i];
+    const warp::MaskImage& mask = heads.masks[i];
     for (int n = 0; n < 20000; ++n) {
       const int x = static_cast<int>(random() % static_cast<unsigned>(mask.width()));
       const int y = static_cast<int>(random() % static_cast<unsigned>(mask.height()));
@@ -53,9 +53,10 @@ void expect_all_that_is_read(const Heads& heads, const PictureShape& picture, co
       if (!(*mask.at(x, y) > 0.0f) || !direction) continue;
       const double share =
           n % 2 == 0 ? std::uniform_int_distribution(-1, 1)(random) : std::uniform_real_distribution(-1.0, 1.0)(random);
-      const auto place = turned(picture, {direction->azimuth_rad, direction->tan_elevation}, share * shown.reach_rad);
-      ASSERT_TRUE(place);
-      auto [u, v] = scale.pixel_at(*place);
+      const auto position =
+          turned(picture, {direction->azimuth_rad, direction->tan_elevation}, share * shown.turn_limit_rad);
+      ASSERT_TRUE(position);
+      auto [u, v] = scale.pixel_at(*position);
       if (panorama != nullptr && panorama->azimuth_span_rad > 6.28) u -= width * std::floor(u / width);
       for (const double off : {-2.0, 0.0, 2.0}) {
         const double column = std::clamp(u + off, 0.0, width - 0.5);
@@ -79,7 +80,7 @@ TEST(ShownParts, hold_all_that_the_demo_reads_and_do_not_overlap) {
     const Heads heads = heads_of(room, wall);
     const Panorama guarded = wall.with_guard_band(0.2);
     const ShownParts shown = shown_parts(heads.footprints, guarded, wall);
-    EXPECT_NEAR(shown.reach_rad, 0.2, 0.02);
+    EXPECT_NEAR(shown.turn_limit_rad, 0.2, 0.02);
     expect_all_that_is_read(heads, guarded, shown);
     for (std::size_t i = 0; i < shown.parts.size(); ++i) {
       const PixelRect& part = shown.parts[i];
@@ -100,8 +101,8 @@ TEST(ShownParts, hold_all_that_walls_of_every_shape_read) {
       Heads heads = heads_of(*room, wall);
       const PictureShape guarded = with_guard_band(wall, 0.2);
       const ShownParts all = shown_parts(heads.footprints, guarded, wall);
-      EXPECT_GE(all.reach_rad, 0.2 - 1e-9) << name;
-      EXPECT_LE(all.reach_rad, 0.3) << name;  // Widths are rounded up to 16 pixels.
+      EXPECT_GE(all.turn_limit_rad, 0.2 - 1e-9) << name;
+      EXPECT_LE(all.turn_limit_rad, 0.3) << name;  // Widths are rounded up to 16 pixels.
       expect_all_that_is_read(heads, guarded, all);
       for (const PixelRect& part : all.parts) {
         EXPECT_TRUE(part.x % 16 == 0 && part.y % 16 == 0 && !part.empty());
@@ -121,24 +122,24 @@ TEST(ShownParts, hold_all_that_walls_of_every_shape_read) {
 
 TEST(ShownParts, of_a_dome_about_the_zenith_turn_without_end_where_all_of_it_is_lit) {
   const Fisheye dome{512, 512, 3.0, 0.5 * std::numbers::pi};
-  PixelMap all(200, 200);
-  PixelMap quarter(200, 200);
+  warp::PixelMap all(200, 200);
+  warp::PixelMap quarter(200, 200);
   for (int y = 0; y < 200; ++y) {
     for (int x = 0; x < 200; ++x) {
       // A disc of 1.45 rad, and of it a sector.
       const double away = 1.45 * (y + 0.5) / 200.0;
       const double around = kTurn * x / 199.0;
-      for (PixelMap* map : {&all, &quarter}) {
+      for (warp::PixelMap* map : {&all, &quarter}) {
         const double angle = map == &all ? around : 0.25 * around;
         map->at(x, y)[0] = static_cast<float>(away * std::cos(angle));
         map->at(x, y)[1] = static_cast<float>(away * std::sin(angle));
       }
     }
   }
-  const MaskImage lit(200, 200, 1.0f);
-  EXPECT_NEAR(shown_parts({HeadFootprint(all, lit)}, dome, dome).reach_rad, std::numbers::pi, 1e-12);
+  const warp::MaskImage lit(200, 200, 1.0f);
+  EXPECT_NEAR(shown_parts({HeadFootprint(all, lit)}, dome, dome).turn_limit_rad, std::numbers::pi, 1e-12);
   const ShownParts part = shown_parts({HeadFootprint(quarter, lit)}, dome, dome);
-  EXPECT_EQ(part.reach_rad, 0.5);
+  EXPECT_EQ(part.turn_limit_rad, 0.5);
   expect_all_that_is_read({{quarter}, {lit}, {}}, dome, part);
   EXPECT_LT(area(part), 512 * 512 * 6 / 10);
 }
@@ -154,43 +155,43 @@ TEST(ShownParts, of_one_projector_are_a_part_of_a_whole_turn_whichever_way_it_lo
                                            Eigen::Vector3d(0.0, 1.6, 0.0)};
     const Heads heads = heads_of(room, circle);
     const ShownParts shown = shown_parts(heads.footprints, circle, Panorama{1000, 400, 2.0, 0.6, -0.6});
-    EXPECT_EQ(shown.reach_rad, 0.5);
+    EXPECT_EQ(shown.turn_limit_rad, 0.5);
     expect_all_that_is_read(heads, circle, shown);
     EXPECT_LT(area(shown), 2048 * 400 / 2);  // 60 degrees, and half a radian on either side.
   }
 }
 
 TEST(ShownParts, let_a_wall_all_around_turn_without_end) {
-  PixelMap map(256, 100);
+  warp::PixelMap map(256, 100);
   for (int y = 0; y < 100; ++y) {
     for (int x = 0; x < 256; ++x) {
       map.at(x, y)[0] = static_cast<float>(kTurn * (x / 255.0 - 0.5));
       map.at(x, y)[1] = 0.5f - static_cast<float>(y) / 99.0f;
     }
   }
-  const HeadFootprint footprint(map, MaskImage(256, 100, 1.0f));
+  const HeadFootprint footprint(map, warp::MaskImage(256, 100, 1.0f));
   const Panorama wall{512, 90, kTurn, 0.5, -0.5};
   const ShownParts shown = shown_parts({footprint}, wall, wall);
   EXPECT_EQ(area(shown), 512 * 90);
-  EXPECT_NEAR(shown.reach_rad, std::numbers::pi, 1e-12);
+  EXPECT_NEAR(shown.turn_limit_rad, std::numbers::pi, 1e-12);
 }
 
 TEST(ShownParts, are_none_of_a_head_that_lights_nothing) {
-  const PixelMap map(8, 8, std::numeric_limits<float>::quiet_NaN());
-  const PixelMap dark(8, 8, 0.0f);
+  const warp::PixelMap map(8, 8, std::numeric_limits<float>::quiet_NaN());
+  const warp::PixelMap dark(8, 8, 0.0f);
   for (const PictureShape& wall :
        {PictureShape(Panorama{64, 64, 1.0, 0.5, -0.5}), PictureShape(Fisheye{64, 64, 1.0})}) {
-    EXPECT_TRUE(shown_parts({HeadFootprint(map, MaskImage(8, 8, 1.0f))}, wall, wall).parts.empty());
-    EXPECT_TRUE(shown_parts({HeadFootprint(dark, MaskImage(8, 8, 0.0f))}, wall, wall).parts.empty());
+    EXPECT_TRUE(shown_parts({HeadFootprint(map, warp::MaskImage(8, 8, 1.0f))}, wall, wall).parts.empty());
+    EXPECT_TRUE(shown_parts({HeadFootprint(dark, warp::MaskImage(8, 8, 0.0f))}, wall, wall).parts.empty());
   }
 }
 
 TEST(ShownParts, are_the_same_of_both_eyes_pictures) {
   const ShownParts one{0.2, {{0, 16, 64, 32}, {96, 0, 4, 80}}};
   const ShownParts both = shown_by_both_eyes(one, 80);
-  EXPECT_EQ(both.reach_rad, 0.2);
+  EXPECT_EQ(both.turn_limit_rad, 0.2);
   EXPECT_EQ(both.parts, (std::vector<PixelRect>{{0, 16, 64, 32}, {96, 0, 4, 80}, {0, 96, 64, 32}, {96, 80, 4, 80}}));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -11,10 +11,10 @@
 #include "tests/doubles/demo_room.h"
 #include "tests/doubles/painted_head.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
-using Renderer = HeadlessOptions::Renderer;
+using Renderer = output::HeadlessOptions::Renderer;
 
 constexpr double kSlack_px = 0.02;
 constexpr double kSlackLight = 1.0 / 2048.0;  // Half floats.
@@ -65,8 +65,9 @@ TEST_P(StereoPainting, agrees_with_the_cpu_for_each_eye_over_random_warps_masks_
     const auto* const panorama = std::get_if<Panorama>(&shape);
     const bool mapped = n % 2 == 0;
     const double span = panorama != nullptr ? panorama->azimuth_span_rad : 1.2;
-    HeadPlan plan{mapped ? Warp(heads.map(width, height, span)) : Warp(heads.mesh(width, height, span, n % 5 == 0)),
-                  heads.mask(width, height), n < 6 ? HeadColour{} : heads.colour(width, height), 8, false};
+    HeadPlan plan{
+        mapped ? warp::Warp(heads.map(width, height, span)) : warp::Warp(heads.mesh(width, height, span, n % 5 == 0)),
+        heads.mask(width, height), n < 6 ? warp::HeadColour{} : heads.colour(width, height), 8, false};
     plan.picture = shape;
     plan.packing = kPackings[n % 3 == 0 ? n / 3 % 3 : n % 3];
     const PlanarPicture both = heads.noise(width_px(shape), 2 * height_px(shape), heads.one_in(2));
@@ -88,7 +89,7 @@ TEST_P(StereoPainting, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
   for (const StereoPacking packing : kPackings) {
     Installation seen = room;
     for (InstalledProjector& projector : seen.projectors) {
-      projector.lens = lens_of_an_eye(projector.lens.with_pixels(320, 240), packing);
+      projector.lens = lens_of_eye(projector.lens.with_pixels(320, 240), packing);
     }
     const PictureShape shape = room.projection(512).shape;
     RgbImage smooth(width_px(shape), 2 * height_px(shape));
@@ -100,11 +101,11 @@ TEST_P(StereoPainting, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
       }
     }
     const PlanarPicture both = JpegEncoder().to_planar(smooth);
-    const std::vector<ProjectorMap> maps = projector_maps(seen);
-    const std::vector<MaskImage> masks = make_blend_masks(maps);
+    const std::vector<warp::ProjectorMap> maps = warp::projector_maps(seen);
+    const std::vector<warp::MaskImage> masks = warp::make_blend_masks(maps);
     double worst = 0.0;
     for (std::size_t i = 0; i < maps.size(); ++i) {
-      const auto warp = make_warp(maps[i], shape);
+      const auto warp = warp::make_warp(maps[i], shape);
       ASSERT_TRUE(warp) << warp.error().message();
       HeadPlan plan{*warp, masks[i], {}, 8, false};
       plan.packing = packing;
@@ -141,8 +142,8 @@ TEST_P(StereoPainting, shows_neither_eye_anything_of_the_others_picture) {
       const PlanarPicture both = red_above_blue(48, 64, half_chroma);
       for (const bool mapped : {false, true}) {
         // It looks far past the picture's upper and lower edges.
-        HeadPlan plan{mapped ? Warp(heads.map(40, 30, 1.0)) : Warp(heads.mesh(40, 30, 1.0)),
-                      MaskImage(40, 30, 1.0f),
+        HeadPlan plan{mapped ? warp::Warp(heads.map(40, 30, 1.0)) : warp::Warp(heads.mesh(40, 30, 1.0)),
+                      warp::MaskImage(40, 30, 1.0f),
                       {},
                       8,
                       false};
@@ -195,4 +196,4 @@ INSTANTIATE_TEST_SUITE_P(Headless, StereoPainting, ::testing::Values(Renderer::k
                          [](const auto& tested) { return tested.param == Renderer::kEgl ? "egl" : "osmesa"; });
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -6,7 +6,7 @@
 
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 using namespace std::chrono_literals;
@@ -155,9 +155,9 @@ TEST(ShowAt, is_none_where_it_is_nonsense) {
   EXPECT_EQ(fine.refresh, -3);
   EXPECT_EQ(fine.period_ns, kPeriod_ns);
   EXPECT_EQ(fine.told_ns, 9);
-  EXPECT_EQ(parsed(kLatestShowAt_ns / 1'000'000, 1'000'000).period_ns, 1'000'000);
-  EXPECT_EQ(parsed(kLatestShowAt_ns / 1'000'000 + 1, 1'000'000).period_ns, 0);
+  EXPECT_EQ(parsed(kMaxShowAt_ns / 1'000'000, 1'000'000).period_ns, 1'000'000);
+  EXPECT_EQ(parsed(kMaxShowAt_ns / 1'000'000 + 1, 1'000'000).period_ns, 0);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

@@ -7,7 +7,7 @@
 
 #include "appliance/display/shown_parts.h"
 
-namespace cyclorama {
+namespace cyclorama::display {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -34,7 +34,7 @@ TEST(YawShift, stops_at_the_end_of_what_there_is_and_says_so) {
 TEST(YawShift, reaches_as_far_as_the_guard_band) {
   const Panorama picture{2200, 400, 2.2, 0.4, -0.4};
   const auto reach_of = [&](double shown_span_rad) {
-    return shown_parts({}, picture, Panorama{2000, 400, shown_span_rad, 0.4, -0.4}).reach_rad;
+    return shown_parts({}, picture, Panorama{2000, 400, shown_span_rad, 0.4, -0.4}).turn_limit_rad;
   };
   EXPECT_NEAR(reach_of(2.0), 0.1, 1e-12);
   // A picture without any guard band, and one that is narrower than the wall, do not move.
@@ -50,4 +50,4 @@ TEST(YawShift, knows_a_whole_turn) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::display

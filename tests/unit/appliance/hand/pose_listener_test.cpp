@@ -6,9 +6,9 @@
 #include <poll.h>
 
 #include "appliance/tracker/interchange/osc_pose.h"
-#include "appliance/tracker/interchange/pose_speaker.h"
+#include "appliance/tracker/interchange/pose_sender.h"
 
-namespace cyclorama {
+namespace cyclorama::hand {
 namespace {
 
 using namespace std::chrono_literals;
@@ -24,26 +24,27 @@ PoseListener listener() {
 std::string at(int port) { return "[::1]:" + std::to_string(port); }
 
 /// Takes until something was heard, for at most two seconds.
-Heard hear(PoseListener& listener, TimePoint now = kNow) {
+ReceivedPoses hear(PoseListener& listener, TimePoint now = kNow) {
   for (int i = 0; i < 200; ++i) {
-    Heard heard = listener.take(now);
+    ReceivedPoses heard = listener.take(now);
     if (!heard.poses.empty() || heard.steer) return heard;
     ::poll(nullptr, 0, 10);
   }
   return {};
 }
 
-PoseReport pose(std::int32_t sensor, bool found = true) {
+tracker::PoseReport pose(std::int32_t sensor, bool found = true) {
   return {sensor, 1, 2'000'000'000, found, {0.1, 0.2, 1.0}, {1, 0, 0, 0}};
 }
 
 TEST(PoseListener, hears_what_the_speaker_says_in_both_tongues) {
   PoseListener ears = listener();
   for (const bool osc : {true, false}) {
-    const auto mouth = PoseSpeaker::open(osc ? at(ears.osc_port()) : "", osc ? "" : at(ears.vrpn_port()), "Cyclorama0");
+    const auto mouth =
+        tracker::PoseSender::open(osc ? at(ears.osc_port()) : "", osc ? "" : at(ears.vrpn_port()), "Cyclorama0");
     ASSERT_TRUE(mouth) << mouth.error().message();
     mouth->say(pose(4));
-    const Heard heard = hear(ears);
+    const ReceivedPoses heard = hear(ears);
     ASSERT_EQ(heard.poses.size(), 1u);
     EXPECT_EQ(heard.poses.front(), pose(4));
   }
@@ -51,21 +52,21 @@ TEST(PoseListener, hears_what_the_speaker_says_in_both_tongues) {
 
 TEST(PoseListener, hears_a_wish) {
   PoseListener ears = listener();
-  const auto socket = DatagramSender::open(at(ears.osc_port()));
+  const auto socket = tracker::DatagramSender::open(at(ears.osc_port()));
   ASSERT_TRUE(socket);
-  socket->send(encode_osc({"/cyclorama/steer", {1.0f, 0.0f, -0.25f}}));
+  socket->send(tracker::encode_osc({"/cyclorama/steer", {1.0f, 0.0f, -0.25f}}));
   EXPECT_EQ(hear(ears).steer, (std::array<double, 3>{1.0, 0.0, -0.25}));
 }
 
 TEST(PoseListener, follows_the_first_of_several_sensors_until_it_has_been_silent_for_a_second) {
   PoseListener ears = listener();
-  const auto mouth = PoseSpeaker::open(at(ears.osc_port()), "", "");
+  const auto mouth = tracker::PoseSender::open(at(ears.osc_port()), "", "");
   ASSERT_TRUE(mouth);
   mouth->say(pose(1));
   EXPECT_EQ(hear(ears).poses.front().sensor, 1);
   mouth->say(pose(2));
   mouth->say(pose(1));
-  const Heard both = hear(ears, kNow + 900ms);
+  const ReceivedPoses both = hear(ears, kNow + 900ms);
   ASSERT_EQ(both.poses.size(), 1u);
   EXPECT_EQ(both.poses.front().sensor, 1);
   mouth->say(pose(2));
@@ -75,11 +76,11 @@ TEST(PoseListener, follows_the_first_of_several_sensors_until_it_has_been_silent
 TEST(PoseListener, counts_what_is_no_packet_and_goes_on) {
   PoseListener ears = listener();
   for (const int port : {ears.osc_port(), ears.vrpn_port()}) {
-    const auto socket = DatagramSender::open(at(port));
+    const auto socket = tracker::DatagramSender::open(at(port));
     ASSERT_TRUE(socket);
     socket->send(std::vector<std::byte>(13, std::byte{0x2f}));
   }
-  const auto mouth = PoseSpeaker::open(at(ears.osc_port()), "", "");
+  const auto mouth = tracker::PoseSender::open(at(ears.osc_port()), "", "");
   mouth->say(pose(1));
   EXPECT_EQ(hear(ears).poses.size(), 1u);
   EXPECT_EQ(ears.refused(), 2u);
@@ -93,4 +94,4 @@ TEST(PoseListener, says_who_has_the_port) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::hand

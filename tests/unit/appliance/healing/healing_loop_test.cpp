@@ -17,7 +17,7 @@
 #include "tests/doubles/manual_clock.h"
 #include "tests/doubles/true_calibration.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 using ::testing::HasSubstr;
@@ -40,10 +40,11 @@ class StageRoom final : public ShowRoom {
 
   Result<ShowMoment> next(std::vector<std::string>*) override {
     const std::lock_guard lock(stage_.mutex);
-    if (const auto file = read_show(stage_.folder / kCorrectionFile)) {
+    if (const auto file = calibration::read_show(stage_.folder / calibration::kCorrectionFile)) {
       for (std::size_t i = 0; i < file->projectors.size(); ++i) {
-        const ShowFile::Projector& p = file->projectors[i];
-        stage_.show->draw_for(i, stepped(stage_.scanned[i], step_between(p.scanned, p.applied)));
+        const calibration::ShowFile::Projector& p = file->projectors[i];
+        stage_.show->draw_for(i,
+                              calibration::stepped(stage_.scanned[i], calibration::step_between(p.scanned, p.applied)));
       }
     }
     ++stage_.steps;
@@ -66,7 +67,9 @@ class StageRooms final : public ShowRooms {
     }
     return std::unique_ptr<ShowRoom>(new StageRoom(&stage_));
   }
-  Result<PlacingDevices> open_for_placing() override { return Error(ErrorCode::kUnavailable, "nobody places here"); }
+  Result<PlacementDevices> open_for_placement() override {
+    return Error(ErrorCode::kUnavailable, "nobody places here");
+  }
 
  private:
   Stage& stage_;
@@ -88,17 +91,17 @@ class HealingLoopTest : public ::testing::Test {
     auto show = BumpedShow::make(options, painted_content(3072, 3));
     CHECK(show);
     stage_.show = std::make_unique<BumpedShow>(*std::move(show));
-    const TrueMuseum& truth = stage_.show->room().truth();
+    const simulated::TrueMuseum& truth = stage_.show->room().truth();
     CHECK(write_file_atomically(stage_.folder / "installation.toml", stage_.show->installation_text()));
-    CHECK(save_calibration(stage_.folder, true_calibration(truth, "2026-11-22T10-00-00Z")));
+    CHECK(calibration::save_calibration(stage_.folder, true_calibration(truth, "2026-11-22T10-00-00Z")));
     std::vector<PlacedCamera> placed;
-    for (const ShowCamera& camera : stage_.show->calibrator().applied().cameras) {
+    for (const calibration::ShowCamera& camera : stage_.show->calibrator().applied().cameras) {
       placed.push_back({camera.name, camera.lens, camera.T_room_camera});
       cameras_.push_back({camera.name, camera.lens});
     }
-    for (const ShowProjector& p : stage_.show->calibrator().applied().projectors)
+    for (const calibration::ShowProjector& p : stage_.show->calibrator().applied().projectors)
       stage_.scanned.push_back(p.T_room_projector);
-    CHECK(keep_places(stage_.folder, truth.installation(), placed));
+    CHECK(save_camera_poses(stage_.folder, truth.installation(), placed));
   }
   ~HealingLoopTest() override {
     loop_.reset();
@@ -154,7 +157,7 @@ class HealingLoopTest : public ::testing::Test {
   }
   void bump(std::size_t projector, double turn_rad) {
     const std::lock_guard lock(stage_.mutex);
-    PoseStep step = PoseStep::Zero();
+    calibration::PoseStep step = calibration::PoseStep::Zero();
     step[1] = turn_rad;
     step[0] = 0.3 * turn_rad;
     stage_.show->bump(projector, step);
@@ -220,7 +223,7 @@ TEST_F(HealingLoopTest, goes_on_in_mid_recovery_and_does_not_take_the_bump_for_w
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
   ASSERT_TRUE(comes([&] {
-    const auto kept = read_show(stage_.folder / kWatchFile);
+    const auto kept = calibration::read_show(stage_.folder / calibration::kWatchFile);
     return kept && kept->projectors[1].learned;
   }));
   const double before = off_px(1);
@@ -238,7 +241,7 @@ TEST_F(HealingLoopTest, says_for_as_long_as_displays_cannot_be_told_and_tells_th
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
   // Nothing can be renamed onto a folder that holds something.
-  const std::filesystem::path file = stage_.folder / kCorrectionFile;
+  const std::filesystem::path file = stage_.folder / calibration::kCorrectionFile;
   ASSERT_TRUE(std::filesystem::create_directories(file / "in the way"));
   bump(1, 0.006);
   const double bumped = off_px(1);
@@ -251,11 +254,11 @@ TEST_F(HealingLoopTest, says_for_as_long_as_displays_cannot_be_told_and_tells_th
 
 TEST_F(HealingLoopTest, goes_on_without_a_camera_that_was_never_placed_and_names_it) {
   std::vector<PlacedCamera> placed;
-  for (const ShowCamera& camera : stage_.show->calibrator().applied().cameras)
+  for (const calibration::ShowCamera& camera : stage_.show->calibrator().applied().cameras)
     placed.push_back({camera.name, camera.lens, camera.T_room_camera});
   placed[0].trouble = "it sees too little";
-  std::filesystem::remove(stage_.folder / kWatchFile);  // Else the place that it had before is kept.
-  ASSERT_TRUE(keep_places(stage_.folder, stage_.show->room().truth().installation(), placed));
+  std::filesystem::remove(stage_.folder / calibration::kWatchFile);  // Else the place that it had before is kept.
+  ASSERT_TRUE(save_camera_poses(stage_.folder, stage_.show->room().truth().installation(), placed));
   begin();
   ASSERT_TRUE(comes_to_say("nobody knows where camera 'camera 1' stands; let the cameras be placed")) << says();
   ASSERT_TRUE(comes_to_say("projectors in place")) << says();
@@ -266,10 +269,10 @@ TEST_F(HealingLoopTest, goes_on_without_a_camera_that_was_never_placed_and_names
 }
 
 TEST_F(HealingLoopTest, goes_on_without_a_projector_whose_map_tells_no_place_and_names_it) {
-  const TrueMuseum& truth = stage_.show->room().truth();
-  Calibration calibration = true_calibration(truth, "2026-11-22T11-00-00Z");
+  const simulated::TrueMuseum& truth = stage_.show->room().truth();
+  calibration::Calibration calibration = true_calibration(truth, "2026-11-22T11-00-00Z");
   for (Eigen::Vector3d& direction : calibration.projectors[2].map.directions) direction.setConstant(std::nan(""));
-  ASSERT_TRUE(save_calibration(stage_.folder, calibration));
+  ASSERT_TRUE(calibration::save_calibration(stage_.folder, calibration));
   begin();
   EXPECT_TRUE(
       comes_to_say("keeps 2 of 3 projectors in place; 'projector 3' is left as it is: where it stands cannot be "
@@ -321,8 +324,9 @@ std::string logged(const std::string& line) {
                                &a[6], &b[0], &b[1], &b[2], &b[3], &b[4], &b[5], &b[6]);
   if (read != 18) return "";
   const auto text = [](const std::array<double, 7>& p) {
-    return fmt::format(R"({{"rotation_wxyz": [{:.9f}, {:.9f}, {:.9f}, {:.9f}], "place_m": [{:.6f}, {:.6f}, {:.6f}]}})",
-                       p[0], p[1], p[2], p[3], p[4], p[5], p[6]);
+    return fmt::format(
+        R"({{"rotation_wxyz": [{:.9f}, {:.9f}, {:.9f}, {:.9f}], "position_m": [{:.6f}, {:.6f}, {:.6f}]}})", p[0], p[1],
+        p[2], p[3], p[4], p[5], p[6]);
   };
   return fmt::format(
       R"("projector": {}, "kind": "{}", "moved_px": {:.3f}, "sigma_px": {:.3f}, "before": {}, "after": {}}})",
@@ -369,4 +373,4 @@ TEST_F(HealingLoopTest, a_recorded_show_is_found_again_bit_by_bit_as_often_as_on
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -19,32 +19,32 @@
 #include "tests/doubles/demo_room.h"
 #include "tests/doubles/exact_calibration.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 using ::testing::HasSubstr;
 
-BrownParameters lens_of(const Pinhole& p) {
+calibration::BrownParameters lens_of(const Pinhole& p) {
   return {p.width_px, p.height_px, p.focal_px, p.pixel_aspect * p.focal_px, p.centre_u_px, p.centre_v_px};
 }
 
-ShowFile::Projector installed(const InstalledProjector& p) {
+calibration::ShowFile::Projector installed(const InstalledProjector& p) {
   return {p.name, lens_of(p.lens), p.T_room_projector, p.T_room_projector, {}};
 }
 
-PoseStep small_step() {
-  PoseStep step;
+calibration::PoseStep small_step() {
+  calibration::PoseStep step;
   step << 0.004, -0.007, 0.003, 0.005, -0.002, 0.006;
   return step;
 }
 
-double most_apart(const MeasuredMap& a, const MeasuredMap& b) {
-  double most = 0.0;
+double most_apart(const calibration::MeasuredMap& a, const calibration::MeasuredMap& b) {
+  double max = 0.0;
   for (std::size_t i = 0; i < a.directions.size(); ++i) {
     if (a.directions[i].allFinite() && b.directions[i].allFinite())
-      most = std::max(most, (a.directions[i] - b.directions[i]).norm());
+      max = std::max(max, (a.directions[i] - b.directions[i]).norm());
   }
-  return most;
+  return max;
 }
 
 class Folder {
@@ -60,42 +60,44 @@ class Folder {
   std::filesystem::path path;
 };
 
-TEST(ShowFile, comes_back_as_it_was_written) {
+TEST(calibration::ShowFile, comes_back_as_it_was_written) {
   const Installation room = demo_room();
-  ShowFile show;
+  calibration::ShowFile show;
   show.calibration = "2026-11-22T10-00-00Z";
   for (const InstalledProjector& p : room.projectors) show.projectors.push_back(installed(p));
-  show.projectors[0].applied = stepped(show.projectors[0].scanned, small_step());
-  const PoseMatrix root = PoseMatrix::Random() * 1e-4;
-  show.projectors[0].learned = {stepped(show.projectors[0].scanned, PoseStep(0.5 * small_step())),
-                                stepped(show.projectors[0].scanned, PoseStep(0.4 * small_step())), root};
+  show.projectors[0].applied = calibration::stepped(show.projectors[0].scanned, small_step());
+  const calibration::PoseMatrix root = calibration::PoseMatrix::Random() * 1e-4;
+  show.projectors[0].learned = {
+      calibration::stepped(show.projectors[0].scanned, calibration::PoseStep(0.5 * small_step())),
+      calibration::stepped(show.projectors[0].scanned, calibration::PoseStep(0.4 * small_step())), root};
   show.cameras.push_back({"by the \"left\" one", lens_of(room.projectors[0].lens), {}});
-  const auto read = parse_show(show_json(show), "watch.json");
+  const auto read = calibration::parse_show(calibration::show_json(show), "watch.json");
   ASSERT_TRUE(read) << read.error().message();
   EXPECT_EQ(read->calibration, show.calibration);
   ASSERT_EQ(read->projectors.size(), show.projectors.size());
-  EXPECT_LT(step_between(read->projectors[0].applied, show.projectors[0].applied).norm(), 1e-14);
+  EXPECT_LT(calibration::step_between(read->projectors[0].applied, show.projectors[0].applied).norm(), 1e-14);
   ASSERT_TRUE(read->projectors[0].learned && !read->projectors[1].learned);
-  EXPECT_LT(step_between(read->projectors[0].learned->at_rest, show.projectors[0].learned->at_rest).norm(), 1e-14);
+  EXPECT_LT(calibration::step_between(read->projectors[0].learned->at_rest, show.projectors[0].learned->at_rest).norm(),
+            1e-14);
   EXPECT_EQ(read->projectors[0].learned->root, root);
-  EXPECT_EQ(to_block(read->projectors[0].lens), to_block(show.projectors[0].lens));
+  EXPECT_EQ(calibration::to_block(read->projectors[0].lens), calibration::to_block(show.projectors[0].lens));
   EXPECT_EQ(read->cameras[0].name, show.cameras[0].name);
 }
 
-TEST(ShowFile, keeps_to_the_bit_how_codes_become_light_and_why_one_is_not_placed) {
-  ShowFile show;
+TEST(calibration::ShowFile, keeps_to_the_bit_how_codes_become_light_and_why_one_is_not_placed) {
+  calibration::ShowFile show;
   show.calibration = "x";
   show.projectors.push_back(installed(demo_room().projectors[0]));
   show.projectors[0].unplaced = "nobody \"measured\" it";
   show.projectors[0].light.emplace();
-  show.projectors[0].light->fill(rounded_light(gamma_light(1.8)));
-  const auto read = parse_show(show_json(show), "watch.json");
+  show.projectors[0].light->fill(calibration::rounded_light(calibration::gamma_light(1.8)));
+  const auto read = calibration::parse_show(calibration::show_json(show), "watch.json");
   ASSERT_TRUE(read) << read.error().message();
   EXPECT_EQ(read->projectors[0].unplaced, show.projectors[0].unplaced);
   EXPECT_EQ(read->projectors[0].light, show.projectors[0].light);
-  std::string bad = show_json(show);
+  std::string bad = calibration::show_json(show);
   bad.replace(bad.find("65535\n"), 5, "65536");
-  EXPECT_FALSE(parse_show(bad, "watch.json"));
+  EXPECT_FALSE(calibration::parse_show(bad, "watch.json"));
 }
 
 /// A calibrated room of three projectors, and where a camera stands in it.
@@ -108,13 +110,13 @@ struct CalibratedRoom {
     placed.T_room_camera = {T.rotation(), T.translation()};
   }
   Result<HealingStart> start(const std::vector<WatchingCamera>& cameras) {
-    TRY(save_calibration(folder.path, calibration));
-    TRY(keep_places(folder.path, room, {placed}));
+    TRY(calibration::save_calibration(folder.path, calibration));
+    TRY(save_camera_poses(folder.path, room, {placed}));
     return healing_start(folder.path, room, cameras);
   }
   Folder folder;
   Installation room = demo_room_with_pixels_over(8);
-  Calibration calibration;
+  calibration::Calibration calibration;
   PlacedCamera placed;
 };
 
@@ -138,20 +140,20 @@ TEST(HealingStart, goes_on_with_what_is_good_and_names_the_rest) {
 
 TEST(HealingStart, predicts_by_the_responses_that_were_measured) {
   CalibratedRoom room;
-  CalibratedColour colour;
+  calibration::CalibratedColour colour;
   colour.name = room.room.projectors[1].name;
   colour.colour.response.emplace();
   constexpr double kGamma[] = {1.6, 2.0, 2.7};
-  for (std::size_t c = 0; c < 3; ++c) (*colour.colour.response)[c] = ResponseCurve::power(kGamma[c], 65);
+  for (std::size_t c = 0; c < 3; ++c) (*colour.colour.response)[c] = warp::ResponseCurve::power(kGamma[c], 65);
   const std::vector<WatchingCamera> cameras{{"seen", room.placed.lens}};
   const auto before = room.start(cameras);
   ASSERT_TRUE(before) << before.error().message();
   EXPECT_FALSE(before->show.projectors[1].light);
-  const auto own = calibration_folder(room.folder.path, room.calibration.date);
-  ASSERT_TRUE(write_file_atomically(own / "colours.json", colours_json(std::span(&colour, 1))));
+  const auto own = calibration::calibration_folder(room.folder.path, room.calibration.date);
+  ASSERT_TRUE(write_file_atomically(own / "colours.json", calibration::colours_json(std::span(&colour, 1))));
   const auto start = healing_start(room.folder.path, room.room, cameras);
   ASSERT_TRUE(start) << start.error().message();
-  const ShowCalibration show = applied_room(start->show, room.room, 1);
+  const calibration::ShowCalibration show = applied_room(start->show, room.room, 1);
   for (std::size_t code = 0; code < 256; ++code) {
     for (std::size_t c = 0; c < 3; ++c) {
       EXPECT_NEAR(show.projectors[1].light[c][code], std::pow(static_cast<double>(code) / 255.0, kGamma[c]), 2e-3);
@@ -170,7 +172,7 @@ TEST(CorrectionLog, finds_the_last_correction_that_stands) {
   std::vector<LoggedCorrection> made;
   for (int i = 0; i < 3; ++i) {
     const auto before = at[0];
-    at[0] = stepped(before, small_step());
+    at[0] = calibration::stepped(before, small_step());
     made.push_back({utc_now(), i == 1 ? "drift" : "bump", 0, 1.0 + i, 0.1, before, at[0]});
   }
   log_corrections(folder.path, made);
@@ -182,26 +184,26 @@ TEST(CorrectionLog, finds_the_last_correction_that_stands) {
     log_corrections(folder.path, std::span(&undone, 1));
     at[0] = last->before;
   }
-  EXPECT_LT(step_between(at[0], first).norm(), 1e-5);
+  EXPECT_LT(calibration::step_between(at[0], first).norm(), 1e-5);
   EXPECT_FALSE(last_correction(folder.path, at));
   const auto again = parse_correction(correction_line(made[1]));
   ASSERT_TRUE(again);
   EXPECT_EQ(again->kind, "drift");
-  EXPECT_LT(step_between(again->after, made[1].after).norm(), 1e-5);
+  EXPECT_LT(calibration::step_between(again->after, made[1].after).norm(), 1e-5);
   // What somebody else wrote into it is passed over.
   ASSERT_TRUE(write_file_atomically(folder.path / "corrections.log", std::string_view("{\n[]\n{\"kind\": 3}\n\n")));
   EXPECT_FALSE(last_correction(folder.path, at));
 }
 
-TEST(ShowFile, names_the_place_of_what_is_wrong) {
-  ShowFile show;
+TEST(calibration::ShowFile, names_the_place_of_what_is_wrong) {
+  calibration::ShowFile show;
   show.calibration = "x";
   show.projectors.push_back(installed(demo_room().projectors[0]));
-  const std::string good = show_json(show);
+  const std::string good = calibration::show_json(show);
   const auto with = [&](const std::string& what, const std::string& by) {
     std::string bad = good;
     bad.replace(bad.find(what), what.size(), by);
-    return parse_show(bad, "watch.json");
+    return calibration::parse_show(bad, "watch.json");
   };
   const auto unknown = with("\"scanned\"", "\"scaned\"");
   ASSERT_FALSE(unknown);
@@ -209,17 +211,17 @@ TEST(ShowFile, names_the_place_of_what_is_wrong) {
   EXPECT_THAT(unknown.error().message(), HasSubstr("/projectors/0"));
   EXPECT_FALSE(with("\"version\": 1", "\"version\": 2"));
   EXPECT_FALSE(with("\"width_px\"", "\"with_px\""));
-  EXPECT_FALSE(parse_show("", "watch.json"));
-  EXPECT_FALSE(parse_show("[]", "watch.json"));
+  EXPECT_FALSE(calibration::parse_show("", "watch.json"));
+  EXPECT_FALSE(calibration::parse_show("[]", "watch.json"));
   for (std::size_t cut = 0; cut < good.size() - 3; cut += 7)
-    EXPECT_FALSE(parse_show(good.substr(0, cut), "watch.json"));
+    EXPECT_FALSE(calibration::parse_show(good.substr(0, cut), "watch.json"));
 }
 
 TEST(CorrectedMap, stays_to_the_bit_where_nothing_moved) {
   const Installation room = demo_room_with_pixels_over(8);
-  const Calibration scanned = exact_calibration(room, "x", 0.01);
-  const MeasuredMap same =
-      corrected_map(scanned.projectors[0].map, installed(room.projectors[0]), room.wall, room.sweet_spot);
+  const calibration::Calibration scanned = exact_calibration(room, "x", 0.01);
+  const calibration::MeasuredMap same =
+      calibration::corrected_map(scanned.projectors[0].map, installed(room.projectors[0]), room.wall, room.sweet_spot);
   for (std::size_t i = 0; i < same.directions.size(); ++i) {
     if (!same.directions[i].allFinite()) continue;
     EXPECT_EQ(same.directions[i], scanned.projectors[0].map.directions[i]);
@@ -229,14 +231,15 @@ TEST(CorrectedMap, stays_to_the_bit_where_nothing_moved) {
 
 TEST(CorrectedMap, is_the_map_of_a_projector_that_stands_elsewhere) {
   Installation room = demo_room_with_pixels_over(8);
-  const Calibration before = exact_calibration(room, "x");
+  const calibration::Calibration before = exact_calibration(room, "x");
   for (std::size_t i = 0; i < room.projectors.size(); ++i) {
-    ShowFile::Projector moved = installed(room.projectors[i]);
-    moved.applied = stepped(moved.scanned, small_step());
+    calibration::ShowFile::Projector moved = installed(room.projectors[i]);
+    moved.applied = calibration::stepped(moved.scanned, small_step());
     EXPECT_GT(moved_px(moved, room.wall), 0.3);
-    const MeasuredMap corrected = corrected_map(before.projectors[i].map, moved, room.wall, room.sweet_spot);
+    const calibration::MeasuredMap corrected =
+        calibration::corrected_map(before.projectors[i].map, moved, room.wall, room.sweet_spot);
     room.projectors[i].T_room_projector = moved.applied;
-    const MeasuredMap exact = exact_calibration(room, "x").projectors[i].map;
+    const calibration::MeasuredMap exact = exact_calibration(room, "x").projectors[i].map;
     EXPECT_LT(most_apart(corrected, exact), 1e-9);
     EXPECT_GT(most_apart(before.projectors[i].map, exact), 1e-3);
   }
@@ -244,40 +247,41 @@ TEST(CorrectedMap, is_the_map_of_a_projector_that_stands_elsewhere) {
 
 TEST(ShowFit, finds_a_projector_by_its_map) {
   Installation room = demo_room_with_pixels_over(4);
-  ShowProjector start;
+  calibration::ShowProjector start;
   start.lens = lens_of(room.projectors[1].lens);
   start.T_room_projector = room.projectors[1].T_room_projector;
   // It stands otherwise than the installer wrote.
-  room.projectors[1].T_room_projector = stepped(start.T_room_projector, PoseStep(3.0 * small_step()));
+  room.projectors[1].T_room_projector =
+      calibration::stepped(start.T_room_projector, calibration::PoseStep(3.0 * small_step()));
   room.projectors[1].lens.focal_px *= 1.01;
-  const MeasuredMap map = exact_calibration(room, "x").projectors[1].map;
+  const calibration::MeasuredMap map = exact_calibration(room, "x").projectors[1].map;
   const auto fitted = fit_projector(map, room.wall, room.sweet_spot, start);
   ASSERT_TRUE(fitted) << fitted.error().message();
   EXPECT_LT(fitted->rms_px, 0.1);
-  ShowFile::Projector found{"", fitted->lens, fitted->pose, room.projectors[1].T_room_projector, {}};
-  EXPECT_LT(step_between(found.scanned, found.applied).tail<3>().norm(), 0.05)
+  calibration::ShowFile::Projector found{"", fitted->lens, fitted->pose, room.projectors[1].T_room_projector, {}};
+  EXPECT_LT(calibration::step_between(found.scanned, found.applied).tail<3>().norm(), 0.05)
       << "where it is, is told by the wall's depth";
-  MeasuredMap none = map;
+  calibration::MeasuredMap none = map;
   for (Eigen::Vector3d& direction : none.directions) direction.setConstant(std::nan(""));
   EXPECT_EQ(fit_projector(none, room.wall, room.sweet_spot, start).error().code(), ErrorCode::kInvalidArgument);
 }
 
 TEST(ShowFit, places_a_camera_though_a_third_of_its_pixels_are_wrong) {
   const Installation room = demo_room();
-  const BrownParameters lens{640, 480, 500.0, 500.0, 321.0, 239.0, -0.05, 0.01, 1e-4, -2e-4, 0.0};
-  ShowCamera camera{"", lens, {}, {}};
+  const calibration::BrownParameters lens{640, 480, 500.0, 500.0, 321.0, 239.0, -0.05, 0.01, 1e-4, -2e-4, 0.0};
+  calibration::ShowCamera camera{"", lens, {}, {}};
   const RigidTransform<frame::Room, frame::Camera> truth(
       room.projectors[1].T_room_projector.rotation(),
       room.projectors[1].T_room_projector.translation() + Eigen::Vector3d(0.2, -0.1, 0.3));
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, 0.2);
   std::uniform_real_distribution<double> anywhere(0.0, 480.0);
-  std::vector<PlacedPixel> pixels;
+  std::vector<WallCorrespondence> pixels;
   for (double v = 10.0; v < 480.0; v += 20.0) {
     for (double u = 10.0; u < 640.0; u += 20.0) {
-      const auto slope = slope_at(lens, {u, v});
+      const auto slope = calibration::slope_at(lens, {u, v});
       ASSERT_TRUE(slope);
-      const auto at = endless_hit(room.wall, {{truth.translation()}, truth.rotation() * slope->homogeneous()});
+      const auto at = hit_extended(room.wall, {{truth.translation()}, truth.rotation() * slope->homogeneous()});
       if (!at) continue;
       const bool is_wrong = pixels.size() % 3 == 0;
       pixels.push_back({is_wrong ? Eigen::Vector2d(anywhere(random), anywhere(random))
@@ -288,7 +292,7 @@ TEST(ShowFit, places_a_camera_though_a_third_of_its_pixels_are_wrong) {
   const auto placed = place_camera(lens, pixels);
   ASSERT_TRUE(placed) << placed.error().message();
   EXPECT_LT((placed->pose.translation() - truth.translation()).norm(), 3e-3);
-  EXPECT_LT(step_between(placed->pose, truth).head<3>().norm(), 1e-3);
+  EXPECT_LT(calibration::step_between(placed->pose, truth).head<3>().norm(), 1e-3);
   EXPECT_FALSE(place_camera(lens, std::span(pixels).first(20)));
 }
 
@@ -299,16 +303,16 @@ struct SmallShow {
     const InstalledProjector& p = room.projectors[1];
     show.wall = room.wall;
     show.sweet_spot = room.sweet_spot;
-    ShowProjector projector;
+    calibration::ShowProjector projector;
     projector.name = p.name;
     projector.lens = lens_of(p.lens);
     projector.T_room_projector = p.T_room_projector;
-    projector.light.fill(gamma_light(2.2));
+    projector.light.fill(calibration::gamma_light(2.2));
     show.projectors.push_back(projector);
     show.cameras.push_back({"camera",
                             {160, 120, 100.0, 100.0, 80.0, 60.0},
                             {p.T_room_projector.rotation(), p.T_room_projector.translation()},
-                            gamma_light(1.0)});
+                            calibration::gamma_light(1.0)});
   }
   ShowMoment moment(int number) const {
     std::mt19937 random(static_cast<unsigned>(number));
@@ -325,7 +329,7 @@ struct SmallShow {
     made.seen.push_back({0, now - std::chrono::milliseconds(40), now, std::make_shared<const GreyImage>(seen)});
     return made;
   }
-  ShowCalibration show;
+  calibration::ShowCalibration show;
 };
 
 TEST(ShowRecord, is_found_again_bit_by_bit) {
@@ -360,14 +364,14 @@ TEST(ShowRecord, is_found_again_bit_by_bit) {
 TEST(ShowRecord, knows_what_was_put_back) {
   const Folder folder;
   const SmallShow small;
-  const PoseMatrix root = 1e-4 * PoseMatrix::Identity();
+  const calibration::PoseMatrix root = 1e-4 * calibration::PoseMatrix::Identity();
   const auto& there = small.show.projectors[0].T_room_projector;
   const RecordStart start{small.show, LearnedRoom{small.show, {there}, {root, root}}, 1};
   {
     auto recorder = ShowRecorder::begin(folder.path, demo_installation_path(), start);
     ASSERT_TRUE(recorder);
     ASSERT_TRUE(recorder->add(small.moment(0), {}));
-    ASSERT_TRUE(recorder->add_put_back(0, stepped(there, small_step())));
+    ASSERT_TRUE(recorder->add_put_back(0, calibration::stepped(there, small_step())));
     ASSERT_TRUE(recorder->add(small.moment(1), {}));
   }
   auto record = ShowRecord::open(folder.path);
@@ -385,13 +389,16 @@ TEST(ShowRecord, knows_what_was_put_back) {
     }
     ++put_back;
     EXPECT_EQ(*(*event)->put_back, 0u);
-    ASSERT_TRUE(calibrator->put_back(0, (*event)->place));
-    EXPECT_LT(step_between(calibrator->applied().projectors[0].T_room_projector, stepped(there, small_step())).norm(),
+    ASSERT_TRUE(calibrator->put_back(0, (*event)->position));
+    EXPECT_LT(calibration::step_between(calibrator->applied().projectors[0].T_room_projector,
+                                        calibration::stepped(there, small_step()))
+                  .norm(),
               1e-12);
     const auto learned = calibrator->learned();
     ASSERT_TRUE(learned);
     // What is believed would be right if what was put back were.
-    EXPECT_LT(step_between(learned->at_rest[0], learned->believed.projectors[0].T_room_projector).norm(), 2e-4);
+    EXPECT_LT(calibration::step_between(learned->at_rest[0], learned->believed.projectors[0].T_room_projector).norm(),
+              2e-4);
   }
   EXPECT_EQ(put_back, 1);
 }
@@ -400,8 +407,9 @@ TEST(ShowRecord, ends_wherever_it_is_cut_and_refuses_what_it_is_not) {
   const Folder folder;
   const SmallShow small;
   {
-    const LearnedRoom learned{
-        small.show, {small.show.projectors[0].T_room_projector}, {PoseMatrix::Identity(), PoseMatrix::Identity()}};
+    const LearnedRoom learned{small.show,
+                              {small.show.projectors[0].T_room_projector},
+                              {calibration::PoseMatrix::Identity(), calibration::PoseMatrix::Identity()}};
     auto recorder = ShowRecorder::begin(folder.path, demo_installation_path(), {small.show, learned});
     ASSERT_TRUE(recorder);
     for (int i = 0; i < 2; ++i) ASSERT_TRUE(recorder->add(small.moment(i), {}));
@@ -462,7 +470,7 @@ TEST(HealingHealth, tells_who_is_held_and_why) {
   EXPECT_EQ(health.sentence(), "begins to watch the wall");
   ShowReport report;
   report.projectors.resize(2);
-  for (ProjectorHealth& one : report.projectors) one.hold = Hold::kNone;
+  for (ProjectorHealth& one : report.projectors) one.hold = HoldReason::kNone;
   report.corrections.push_back({1, {}, {}, 5.0, 0.1, true});
   const TimePoint now = TimePoint{} + std::chrono::seconds(50);
   health.take(report, now);
@@ -474,13 +482,13 @@ TEST(HealingHealth, tells_who_is_held_and_why) {
   EXPECT_EQ(table.rows(1).cells(6).number(), 10.0) << "of its own pixels";
   EXPECT_EQ(table.rows(1).cells(7).number(), 7.0);
   report.corrections.clear();
-  report.projectors[0] = {Hold::kInTheWay, "something stands in the way", 0.0, 0.1, true};
+  report.projectors[0] = {HoldReason::kInTheWay, "something stands in the way", 0.0, 0.1, true};
   health.take(report, now + std::chrono::seconds(1));
   EXPECT_THAT(health.sentence(), HasSubstr("keeps 1 of 2 projectors in place; 'left' is left as it is"));
   EXPECT_FALSE(health.is_well());
   for (int i = 0; i < 1000; ++i) health.take(report, now + i * HealingHealth::kEvery);
-  EXPECT_EQ(static_cast<std::size_t>(health.history(now).rows_size()), HealingHealth::kMost);
+  EXPECT_EQ(static_cast<std::size_t>(health.history(now).rows_size()), HealingHealth::kMaxSamples);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -11,7 +11,7 @@
 #include "appliance/healing/show_rooms.h"
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 using ::testing::AllOf;
@@ -26,15 +26,19 @@ class MuseumRoomsTest : public ::testing::Test {
     std::string name = (std::filesystem::temp_directory_path() / "museum-rooms-XXXXXX").string();
     CHECK(::mkdtemp(name.data()) != nullptr);
     folder_ = name;
-    for (const char* place : {"own", "stick"}) std::filesystem::create_directory(folder_ / place);
+    for (const char* position : {"own", "stick"}) std::filesystem::create_directory(folder_ / position);
   }
   ~MuseumRoomsTest() override { std::filesystem::remove_all(folder_); }
 
   void write_lens(const std::string& file, double focal_px) const {
-    const CameraFile camera{
-        "a camera", "2026-01-01T00-00-00Z", MeasuredLens::from_focal(640, 480, focal_px), LensRung::kPinhole, 12, 0.1,
-        0.1};
-    CHECK(write_file_atomically(folder_ / file, std::string_view(camera_json(camera))));
+    const calibration::CameraFile camera{"a camera",
+                                         "2026-01-01T00-00-00Z",
+                                         calibration::MeasuredLens::from_focal(640, 480, focal_px),
+                                         calibration::LensModel::kPinhole,
+                                         12,
+                                         0.1,
+                                         0.1};
+    CHECK(write_file_atomically(folder_ / file, std::string_view(calibration::camera_json(camera))));
   }
   [[nodiscard]] std::unique_ptr<ShowRooms> rooms() const {
     return museum_rooms({}, {{"left", "v4l2:"}, {"right", "v4l2:"}}, {folder_ / "own", folder_ / "stick"}, 0.03,
@@ -102,4 +106,4 @@ TEST_F(MuseumRoomsTest, without_any_lens_the_loop_says_what_is_missing) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

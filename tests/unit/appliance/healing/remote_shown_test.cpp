@@ -10,7 +10,7 @@
 #include "common/wire/show.grpc.pb.h"
 #include "tests/doubles/manual_clock.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 using namespace std::chrono_literals;
@@ -70,8 +70,8 @@ struct Room {
     InstalledProjector left;
     left.name = "left";
     left.lens = Pinhole::from_field_of_view(kWidth, kHeight, 1.0);
-    auto opened = RemoteShown::open({left}, {*parse_pattern_display("left=[::1]:" + std::to_string(server->port()))}, 1,
-                                    7ms, clock);
+    auto opened = RemoteShown::open(
+        {left}, {*scan::parse_pattern_display("left=[::1]:" + std::to_string(server->port()))}, 1, 7ms, clock);
     EXPECT_TRUE(opened) << opened.error().message();
     shown = *std::move(opened);
   }
@@ -129,4 +129,4 @@ TEST(RemoteShown, a_display_that_was_started_again_counts_anew) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -11,7 +11,7 @@
 #include "appliance/interchange/mpcdi.h"
 #include "tests/doubles/demo_room.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 using ::testing::HasSubstr;
@@ -22,7 +22,10 @@ constexpr double kRimRad = 3e-3;  ///< A fifth of a pixel of these small project
 /// The room's middle projector with a tenth of its pixels, through an MPCDI file and back.
 class Returned : public ::testing::Test {
  protected:
-  Returned() : room_(demo_room_with_pixels_over(10)), map_(room_, 1), masks_(make_blend_masks(projector_maps(room_))) {}
+  Returned()
+      : room_(demo_room_with_pixels_over(10)),
+        map_(room_, 1),
+        masks_(warp::make_blend_masks(warp::projector_maps(room_))) {}
 
   static WarpRegion through_file(WarpRegion region, WarpProfile profile) {
     WarpSet set;
@@ -36,7 +39,7 @@ class Returned : public ::testing::Test {
   }
 
   /// The largest angle between what the mesh draws and what the projector truly shows, on the wall.
-  double worst_angle(const WarpMesh& mesh) const {
+  double worst_angle(const warp::WarpMesh& mesh) const {
     double worst = 0.0;
     int drawn = 0;
     for (int y = 0; y < mesh.height_px; ++y) {
@@ -56,13 +59,13 @@ class Returned : public ::testing::Test {
   }
 
   Installation room_;
-  ProjectorMap map_;
-  std::vector<MaskImage> masks_;
+  warp::ProjectorMap map_;
+  std::vector<warp::MaskImage> masks_;
 };
 
 TEST_F(Returned, a_flat_region_draws_what_the_projector_showed) {
   const Panorama picture = room_.panorama(2048);
-  const auto mesh = make_warp_mesh(map_, picture, 0.2);
+  const auto mesh = warp::make_warp_mesh(map_, picture, 0.2);
   ASSERT_TRUE(mesh.has_value()) << mesh.error().message();
   const WarpRegion region = through_file(region_of(*mesh, masks_[1], picture, "middle"), WarpProfile::k2d);
   const auto directions = directions_of(region, WarpProfile::k2d, {.picture = picture, .eye_m = {}});
@@ -70,7 +73,7 @@ TEST_F(Returned, a_flat_region_draws_what_the_projector_showed) {
   const auto back = mesh_from(*directions, region.width_px, region.height_px, picture, kTolerancePx);
   ASSERT_TRUE(back.has_value()) << back.error().message();
   EXPECT_LT(worst_angle(*back), kRimRad);
-  const MaskImage mask = mask_of(region);
+  const warp::MaskImage mask = mask_of(region);
   int lit = 0;
   for (int y = 0; y < mask.height(); ++y) {
     for (int x = 0; x < mask.width(); ++x) {
@@ -224,4 +227,4 @@ TEST(BlackLevel, is_light_after_gamma_in_the_projectors_pixels) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -11,7 +11,7 @@
 
 #include "tests/doubles/generated_warps.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 using ::testing::HasSubstr;
@@ -181,4 +181,4 @@ TEST(MeshFiles, errors_name_the_file) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -14,7 +14,7 @@
 #include "common/image/pfm.h"
 #include "tests/doubles/generated_warps.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 using ::testing::HasSubstr;
@@ -249,4 +249,4 @@ TEST(Mpcdi, a_file_is_written_whole_and_errors_name_it) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -11,7 +11,7 @@
 #include "appliance/interchange/warp_picture.h"
 #include "tests/doubles/generated_warps.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 using ::testing::HasSubstr;
@@ -94,4 +94,4 @@ TEST_F(WarpFiles, a_picture_shows_what_is_mapped_and_dims_by_the_mask) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -9,7 +9,7 @@
 #include "appliance/interchange/map_sampling.h"
 #include "tests/doubles/generated_warps.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 WarpNet square(int columns, int rows) {
@@ -116,4 +116,4 @@ TEST(MapSampling, is_straight_between_and_beyond_samples_and_takes_the_nearest_a
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

@@ -12,7 +12,7 @@
 #include "common/image/pfm.h"
 #include "tests/doubles/generated_warps.h"
 
-namespace cyclorama {
+namespace cyclorama::interchange {
 namespace {
 
 using ::testing::HasSubstr;
@@ -110,4 +110,4 @@ TEST(MaskPng, keeps_grey_and_colour_in_eight_and_sixteen_bits) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::interchange

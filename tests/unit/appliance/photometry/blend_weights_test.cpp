@@ -12,7 +12,7 @@
 
 #include "tests/doubles/even_light.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -26,8 +26,8 @@ struct Aim {
   double roll = 0.0;
 };
 
-MeasuredMap aimed(const Aim& aim, double field_deg) {
-  MeasuredMap map = far_map(kWidth_px, kHeight_px, field_deg * kDegree, 0.0);
+calibration::MeasuredMap aimed(const Aim& aim, double field_deg) {
+  calibration::MeasuredMap map = far_map(kWidth_px, kHeight_px, field_deg * kDegree, 0.0);
   const Eigen::Quaterniond turn = Eigen::AngleAxisd(-aim.pan * kDegree, Eigen::Vector3d::UnitY()) *
                                   Eigen::AngleAxisd(aim.tilt * kDegree, Eigen::Vector3d::UnitX()) *
                                   Eigen::AngleAxisd(aim.roll * kDegree, Eigen::Vector3d::UnitZ());
@@ -90,8 +90,8 @@ TEST_P(BlendWeightsOf, add_up_to_one_on_the_wall_though_maps_are_off_by_some_hun
   const BlendWeights weights(measured.projectors, measured.inverses);
   double worst = 0.0;
   Eigen::Vector2d at = Eigen::Vector2d::Zero();
-  int places = 0;
-  std::size_t most = 0;
+  int positions = 0;
+  std::size_t max = 0;
   for (double azimuth = -70.0; azimuth <= 70.0; azimuth += 0.21) {
     for (double elevation = -35.0; elevation <= 35.0; elevation += 0.23) {
       const Eigen::Vector3d direction = direction_of(azimuth, elevation);
@@ -105,16 +105,16 @@ TEST_P(BlendWeightsOf, add_up_to_one_on_the_wall_though_maps_are_off_by_some_hun
           if (share.projector == p) sum += share.weight;
         }
       }
-      most = std::max(most, pictures);
+      max = std::max(max, pictures);
       if (pictures < 2) continue;
-      ++places;
+      ++positions;
       if (std::abs(sum - 1.0) <= worst || is_near_the_rim(truth, azimuth, elevation, kRim_deg)) continue;
       worst = std::abs(sum - 1.0);
       at = {azimuth, elevation};
     }
   }
-  EXPECT_GT(places, 500);
-  EXPECT_GE(most, std::min<std::size_t>(GetParam().aims.size(), 2));
+  EXPECT_GT(positions, 500);
+  EXPECT_GE(max, std::min<std::size_t>(GetParam().aims.size(), 2));
   EXPECT_LE(worst, 0.005) << "at azimuth, elevation " << at.transpose();
   RecordProperty("worst", std::to_string(worst));
 }
@@ -165,4 +165,4 @@ TEST(BlendWeights, of_projectors_on_one_place_are_alike) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -8,7 +8,7 @@
 #include <functional>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 using ::testing::ElementsAre;
@@ -55,7 +55,7 @@ TEST(ChannelResponse, its_inverse_makes_the_light_that_was_wanted) {
     const auto curve = [gamma](double x) { return std::pow(x, gamma); };
     const auto response = channel_response(ramp_of(curve));
     ASSERT_TRUE(response);
-    const ResponseCurve inverse = response->inverse();
+    const warp::ResponseCurve inverse = response->inverse();
     ASSERT_TRUE(inverse.is_valid());
     for (double light = 0.0; light <= 1.0; light += 0.01)
       EXPECT_NEAR(response->light_of(inverse.code_of(light)), light, 2e-3) << gamma;
@@ -87,7 +87,7 @@ TEST(ChannelResponse, tells_a_channel_that_stays_black_and_one_that_falls) {
   EXPECT_NEAR(*falling->falls_at, 0.72, 0.07);
   EXPECT_THAT(remarks_on(*falling, "it"), ElementsAre(HasSubstr("it gets darker with growing code")));
   // Whatever light is wanted, one of the codes that are used makes it, and codes never fall.
-  const ResponseCurve inverse = falling->inverse();
+  const warp::ResponseCurve inverse = falling->inverse();
   for (double light = 0.0; light <= 1.0; light += 0.01)
     EXPECT_NEAR(falling->light_of(inverse.code_of(light)), light, 0.012) << light;
   EXPECT_TRUE(std::ranges::is_sorted(inverse.codes));
@@ -107,4 +107,4 @@ TEST(ChannelResponse, refuses_ramps_that_tell_nothing) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

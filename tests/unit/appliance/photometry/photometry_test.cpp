@@ -12,7 +12,7 @@
 #include "tests/doubles/even_light.h"
 #include "tests/doubles/photometry_museum.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 using ::testing::Contains;
@@ -21,16 +21,16 @@ using ::testing::HasSubstr;
 
 bool is_finite(const Photometry& photometry) {
   for (const PhotometricHead& head : photometry.heads) {
-    for (const MaskImage* image : {&head.mask, &head.weight}) {
+    for (const warp::MaskImage* image : {&head.mask, &head.weight}) {
       if (!std::ranges::all_of(image->data(), [](float v) { return v >= 0.0f && v <= 1.0f; })) return false;
     }
-    if (head.colour.lift &&
-        !std::ranges::all_of(head.colour.lift->data(), [](float v) { return v >= 0.0f && v <= 1.0f; })) {
+    if (head.colour.black_lift &&
+        !std::ranges::all_of(head.colour.black_lift->data(), [](float v) { return v >= 0.0f && v <= 1.0f; })) {
       return false;
     }
     if (head.colour.matrix && !head.colour.matrix->allFinite()) return false;
     if (!head.colour.black.allFinite() || !head.primaries.allFinite() || !head.black.allFinite()) return false;
-    for (const ResponseCurve& curve : *head.colour.response) {
+    for (const warp::ResponseCurve& curve : *head.colour.response) {
       if (!curve.is_valid()) return false;
     }
   }
@@ -76,7 +76,7 @@ TEST(Photometry, light_of_both_adds_up_to_a_target_that_varies_slowly) {
       sum += gain * ((column + 1 - x) * mask(column) + (x - column) * mask(column + 1));
     }
     if (before > 0.0) {
-      EXPECT_LT(std::abs(std::log(sum / before)), 0.25 * options.most_slope_per_deg + 0.006) << azimuth;
+      EXPECT_LT(std::abs(std::log(sum / before)), 0.25 * options.max_slope_per_deg + 0.006) << azimuth;
     }
     before = sum;
   }
@@ -87,7 +87,7 @@ TEST(Photometry, says_what_is_wrong_with_a_projector) {
   clipped.projector[0] = [](double x) { return std::pow(std::min(x / 0.85, 1.0), 2.2); };
   EvenLight dim;
   dim.brightness = 0.05;
-  dim.leak = 0.01;
+  dim.black_level = 0.01;
   const auto result = photometry(even_light({clipped, dim}));
   ASSERT_TRUE(result) << result.error().message();
   EXPECT_TRUE(is_finite(*result));
@@ -151,17 +151,17 @@ double off(const PhotometryInput& input) {
   const auto result = photometry(input);
   EXPECT_TRUE(result) << result.error().message();
   if (!result) return 1.0;
-  double least = 1e9;
-  double most = -1e9;
+  double min = 1e9;
+  double max = -1e9;
   for (int x = 20; x <= 300; x += 10) {
     for (int y = 20; y <= 180; y += 10) {
       const double error =
           result->lighting->projectors[0].log_white.at(Eigen::Vector2d(x, y)) - std::log(gain_at(x / 320.0, y / 200.0));
-      least = std::min(least, error);
-      most = std::max(most, error);
+      min = std::min(min, error);
+      max = std::max(max, error);
     }
   }
-  return most - least;
+  return max - min;
 }
 
 TEST(Photometry, tells_a_projectors_light_from_what_the_camera_darkens_off_its_middle) {
@@ -178,10 +178,10 @@ TEST(Photometry, tells_a_projectors_light_from_what_the_camera_darkens_off_its_m
 TEST(Photometry, refuses_what_makes_no_sense) {
   PhotometryInput input = even_light({EvenLight{}});
   PhotometryOptions options;
-  options.most_slope_per_deg = -1.0;
+  options.max_slope_per_deg = -1.0;
   EXPECT_FALSE(photometry(input, options));
-  options.most_slope_per_deg = 0.02;
-  options.most_slope_at_borders_per_deg = std::numeric_limits<double>::quiet_NaN();
+  options.max_slope_per_deg = 0.02;
+  options.max_slope_at_borders_per_deg = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(photometry(input, options));
   EXPECT_FALSE(photometry({}));
   input.views[0].readings[3].codes.pop_back();
@@ -198,14 +198,14 @@ TEST(Photometry, refuses_what_makes_no_sense) {
 
 // Four projectors: their pictures are less high than the wall, so that corners lie on it.
 TEST(Photometry, makes_a_museums_wall_even_against_its_truth) {
-  PresetOptions small;
+  simulated::PresetOptions small;
   small.projectors = 4;
   small.projector_width_px = 480;
   small.projector_height_px = 270;
   small.camera_megapixels = 0.1;
-  auto preset = make_preset("cylinder126", 3, small);
+  auto preset = simulated::make_preset("cylinder126", 3, small);
   ASSERT_TRUE(preset);
-  auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
+  auto museum = simulated::SimulatedMuseum::make(preset->installation, preset->truth);
   ASSERT_TRUE(museum);
   MuseumLightOptions scan;
   scan.cell_px = 16;
@@ -228,4 +228,4 @@ TEST(Photometry, makes_a_museums_wall_even_against_its_truth) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

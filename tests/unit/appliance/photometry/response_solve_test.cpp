@@ -8,7 +8,7 @@
 
 #include "tests/doubles/even_light.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 using ::testing::HasSubstr;
@@ -125,4 +125,4 @@ TEST(SolveResponses, refuses_what_cannot_be_told_and_says_what_to_photograph) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

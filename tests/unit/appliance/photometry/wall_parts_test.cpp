@@ -17,7 +17,7 @@
 #include "appliance/photometry/slow_target.h"
 #include "tests/doubles/even_light.h"
 
-namespace cyclorama {
+namespace cyclorama::photometry {
 namespace {
 
 using ::testing::HasSubstr;
@@ -26,7 +26,7 @@ const double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 TEST(InverseMap, finds_the_pixel_of_every_direction) {
   for (const double pan : {-2.8, -0.5, 0.0, 1.2}) {
-    const MeasuredMap map = far_map(320, 200, 0.9, pan);
+    const calibration::MeasuredMap map = far_map(320, 200, 0.9, pan);
     const auto inverse = InverseMap::make(map);
     ASSERT_TRUE(inverse);
     std::mt19937 random(7);
@@ -43,7 +43,7 @@ TEST(InverseMap, finds_the_pixel_of_every_direction) {
 }
 
 TEST(InverseMap, knows_nothing_of_holes_and_refuses_maps_that_are_none) {
-  MeasuredMap map = far_map(320, 200, 0.9, 0.0);
+  calibration::MeasuredMap map = far_map(320, 200, 0.9, 0.0);
   const auto middle = *map.direction_at({160.0, 100.0});
   map.directions[static_cast<std::size_t>(5 * 17 + 8)] = Eigen::Vector3d::Constant(kNaN);
   const auto holed = InverseMap::make(map);
@@ -160,8 +160,8 @@ TEST(DirectionField, varies_less_where_pictures_begin_and_end) {
         return azimuth > 30.0 ? 0u : azimuth < -5.0 ? 1u : azimuth < 5.0 ? 3u : 2u;
       },
       2.0 * kDegree);
-  const auto places = field->places();
-  ASSERT_EQ(near.size(), places.size());
+  const auto positions = field->positions();
+  ASSERT_EQ(near.size(), positions.size());
   std::vector<double> slopes;
   for (const bool is_near : near) slopes.push_back((is_near ? 0.01 : 0.03) / kDegree);
   field->fill([](const Eigen::Vector3d& d) { return d.x() < -0.45 ? 0.3 : 1.0; });  // Dark from -27 degrees on.
@@ -259,9 +259,9 @@ TEST(PictureField, follows_what_is_smooth_and_fills_gaps_without_running_away) {
 }
 
 TEST(ReadLight, takes_means_of_cells_and_leaves_clipped_ones_out) {
-  Decoded decoded;
+  structured_light::Decoded decoded;
   decoded.position_px = Image<float, 2>(80, 60);
-  decoded.fate = Image<PixelFate, 1>(80, 60, PixelFate::kDecoded);
+  decoded.fate = Image<structured_light::PixelFate, 1>(80, 60, structured_light::PixelFate::kDecoded);
   for (int y = 0; y < 60; ++y) {
     for (int x = 0; x < 80; ++x) {
       decoded.position_px.at(x, y)[0] = static_cast<float>(x) * 4.0f + 2.0f;
@@ -273,17 +273,17 @@ TEST(ReadLight, takes_means_of_cells_and_leaves_clipped_ones_out) {
   EXPECT_EQ(cells->cells_x, 10);
   Image<float, 3> photograph(80, 60, 0.25f);
   for (int y = 24; y < 32; ++y) photograph.at(40, y)[1] = 1.0f;
-  const auto reading = read_light(*cells, photograph, {.kind = PatternKind::kWhite}, 0.1);
+  const auto reading = read_light(*cells, photograph, {.kind = structured_light::PatternKind::kWhite}, 0.1);
   ASSERT_TRUE(reading);
   EXPECT_EQ(reading->level, 1.0);
   EXPECT_FLOAT_EQ(reading->codes[12].code[0], 0.25f);
   EXPECT_FALSE(reading->codes[12].is_clipped[0]);
   EXPECT_TRUE(reading->codes[35].is_clipped[1]);
-  EXPECT_FALSE(read_light(*cells, photograph, {.kind = PatternKind::kBit}, 0.1));
-  EXPECT_FALSE(read_light(*cells, photograph, {.kind = PatternKind::kWhite}, 0.0));
-  EXPECT_FALSE(read_light(*cells, Image<float, 3>(8, 6), {.kind = PatternKind::kWhite}, 0.1));
+  EXPECT_FALSE(read_light(*cells, photograph, {.kind = structured_light::PatternKind::kBit}, 0.1));
+  EXPECT_FALSE(read_light(*cells, photograph, {.kind = structured_light::PatternKind::kWhite}, 0.0));
+  EXPECT_FALSE(read_light(*cells, Image<float, 3>(8, 6), {.kind = structured_light::PatternKind::kWhite}, 0.1));
   EXPECT_FALSE(camera_cells(decoded, 0, 240, 32));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::photometry

@@ -17,7 +17,7 @@
 #include "tests/doubles/museum_score.h"
 #include "tests/doubles/photometry_museum.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 class InFolder : public ::testing::Test {
@@ -48,7 +48,7 @@ class WithoutColours final : public PatternScreen {
   PatternScreen* screen_;
 };
 
-MuseumScore score_of(const SimulatedMuseum& museum, const Calibration& calibration) {
+MuseumScore score_of(const simulated::SimulatedMuseum& museum, const calibration::Calibration& calibration) {
   return museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
     return calibration.projectors[p].map.direction_at(pixel);
   });
@@ -56,18 +56,18 @@ MuseumScore score_of(const SimulatedMuseum& museum, const Calibration& calibrati
 
 TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
   const bool is_plane = GetParam() == std::string_view("plane");
-  PresetOptions options;
+  simulated::PresetOptions options;
   options.projectors = is_plane ? 2 : 3;
   options.projector_width_px = 240;
   options.projector_height_px = 150;
   options.camera_megapixels = 0.14;
-  const auto preset = make_preset(GetParam(), 3, options);
+  const auto preset = simulated::make_preset(GetParam(), 3, options);
   ASSERT_TRUE(preset.has_value());
-  auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
+  auto museum = simulated::SimulatedMuseum::make(preset->installation, preset->truth);
   ASSERT_TRUE(museum.has_value());
   SimulatedPatternScreen screen(&*museum);
   SimulatedScanCamera camera(&*museum, PhotographColour::kGrey);
-  SimulatedTurnplate plate(&*museum);
+  simulated::SimulatedTurnplate plate(&*museum);
   ScanSettings settings;
   settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), 70.0 * std::numbers::pi / 180.0);
   double told = 0.0;
@@ -81,18 +81,18 @@ TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
   ASSERT_TRUE(outcome.has_value()) << outcome.error().message();
   EXPECT_DOUBLE_EQ(told, 1.0);
 
-  const auto written = read_calibration(folder_);
+  const auto written = calibration::read_calibration(folder_);
   ASSERT_TRUE(written.has_value()) << written.error().message();
   const MuseumScore score = score_of(*museum, *written);
   RecordProperty("p95_px", std::to_string(score.p95_px));
-  EXPECT_GT(score.places, 100u);
+  EXPECT_GT(score.correspondences, 100u);
   // The goals of a projector of 1080p, in whose pixels this camera is no coarser.
   EXPECT_LE(score.mean_px, 0.25);
   EXPECT_LE(score.p95_px, 0.6);
   EXPECT_LE(score.max_px, 1.0);
   EXPECT_LT(static_cast<double>(score.missing), 0.05 * static_cast<double>(score.lit));
   // What the installer is told comes from measurements alone, and includes their noise.
-  EXPECT_GT(outcome->registration.places, 100u);
+  EXPECT_GT(outcome->registration.correspondences, 100u);
   EXPECT_LE(outcome->registration.p95_px, 1.5);
 
   // Once more, without a model of the wall: no worse than before. In one of the rooms, for time.
@@ -102,11 +102,11 @@ TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
                                      "2026-01-02T00-00-00Z", clock, {}, {});
   ASSERT_TRUE(again.has_value()) << again.error().message();
   EXPECT_LE(score_of(*museum, again->calibration).p95_px, 0.6);
-  EXPECT_EQ(kept_calibrations(folder_).size(), 2u);
+  EXPECT_EQ(calibration::kept_calibrations(folder_).size(), 2u);
 }
 
-PresetOptions two_small_projectors() {
-  PresetOptions options;
+simulated::PresetOptions two_small_projectors() {
+  simulated::PresetOptions options;
   options.projectors = 2;
   options.projector_width_px = 160;
   options.projector_height_px = 100;
@@ -117,14 +117,14 @@ PresetOptions two_small_projectors() {
 /// The sun through a window, evenly on the wall. Truth is the test's, who calibrates sees light alone.
 TEST_F(CalibrationOfLight, in_daylight_is_right_or_refused_with_a_remedy) {
   for (const double lux : {300.0, 3000.0}) {
-    auto preset = make_preset("cylinder126", 5, two_small_projectors());
+    auto preset = simulated::make_preset("cylinder126", 5, two_small_projectors());
     ASSERT_TRUE(preset.has_value());
     preset->truth.ambient_lux = {lux, lux, lux};
-    auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
+    auto museum = simulated::SimulatedMuseum::make(preset->installation, preset->truth);
     ASSERT_TRUE(museum.has_value());
     SimulatedPatternScreen screen(&*museum);
     SimulatedScanCamera camera(&*museum, PhotographColour::kGrey);
-    SimulatedTurnplate plate(&*museum);
+    simulated::SimulatedTurnplate plate(&*museum);
     ScanSettings settings;
     settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), 70.0 * std::numbers::pi / 180.0);
     settings.with_wall = false;
@@ -144,14 +144,14 @@ TEST_F(CalibrationOfLight, in_daylight_is_right_or_refused_with_a_remedy) {
 }
 
 TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) {
-  const auto preset = make_preset("cylinder126", 5, two_small_projectors());
+  const auto preset = simulated::make_preset("cylinder126", 5, two_small_projectors());
   ASSERT_TRUE(preset.has_value());
-  auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
+  auto museum = simulated::SimulatedMuseum::make(preset->installation, preset->truth);
   ASSERT_TRUE(museum.has_value());
   SimulatedPatternScreen screen(&*museum);
   SimulatedScanCamera camera(&*museum, PhotographColour::kGrey);
   SimulatedScanCamera colour_camera(&*museum, PhotographColour::kColour);
-  SimulatedTurnplate plate(&*museum);
+  simulated::SimulatedTurnplate plate(&*museum);
   ScanSettings settings;
   settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), 70.0 * std::numbers::pi / 180.0);
   const auto outcome = run_calibration(museum->installation(), settings, {screen, camera, plate, &colour_camera},
@@ -166,7 +166,7 @@ TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) 
   // A pixel is a hundredth of these pictures: what a map is off by is as much of a weight.
   EXPECT_LE(after.mask_sum_error, 0.02);
 
-  const auto written = read_colours(calibration_folder(folder_, outcome->calibration.date));
+  const auto written = calibration::read_colours(calibration::calibration_folder(folder_, outcome->calibration.date));
   ASSERT_TRUE(written.has_value()) << written.error().message();
   ASSERT_EQ(written->size(), 2u);
   EXPECT_EQ(written->front().name, outcome->calibration.projectors.front().name);
@@ -174,7 +174,8 @@ TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) 
   const auto page = read_text_file(outcome->report, std::size_t{16} << 20);
   ASSERT_TRUE(page.has_value());
   EXPECT_THAT(*page, ::testing::HasSubstr("data:image/jpeg")) << ::testing::PrintToString(outcome->calibration.remarks);
-  EXPECT_TRUE(std::filesystem::exists(calibration_folder(folder_, outcome->calibration.date) / "light.json"));
+  EXPECT_TRUE(
+      std::filesystem::exists(calibration::calibration_folder(folder_, outcome->calibration.date) / "light.json"));
 
   // Later the projectors' light cannot be measured: masks of the new maps are made from the light of before.
   WithoutColours without(&screen);
@@ -186,7 +187,7 @@ TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) 
   EXPECT_FALSE(again->light.has_value());
   EXPECT_THAT(again->calibration.remarks,
               ::testing::Contains(::testing::HasSubstr("brightness and colours are those of 2026-01-01T00-00-00Z: ")));
-  const auto kept = read_colours(calibration_folder(folder_, again->calibration.date));
+  const auto kept = calibration::read_colours(calibration::calibration_folder(folder_, again->calibration.date));
   ASSERT_TRUE(kept.has_value()) << kept.error().message();
   ASSERT_EQ(kept->size(), 2u);
   for (std::size_t p = 0; p < 2; ++p) {
@@ -203,10 +204,11 @@ TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) 
     EXPECT_LT(worst, 0.05);
     EXPECT_EQ((*written)[p].colour.response.has_value(), (*kept)[p].colour.response.has_value());
   }
-  EXPECT_TRUE(std::filesystem::exists(calibration_folder(folder_, again->calibration.date) / "light.json"));
+  EXPECT_TRUE(
+      std::filesystem::exists(calibration::calibration_folder(folder_, again->calibration.date) / "light.json"));
 }
 
 INSTANTIATE_TEST_SUITE_P(rooms, CalibrationRun, ::testing::Values("cylinder126", "plane"));
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

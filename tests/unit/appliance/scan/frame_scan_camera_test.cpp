@@ -7,37 +7,37 @@
 
 #include "tests/doubles/manual_clock.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr Duration kPeriod = std::chrono::milliseconds(33);
 
 /// One frame per period of a clock that moves itself; each is as bright as its exposure is long.
-class SteadyCamera final : public Camera {
+class SteadyCamera final : public camera::Camera {
  public:
   SteadyCamera(ManualClock* clock, double exposure_s, bool* is_unplugged)
       : clock_(clock), exposure_s_(exposure_s), is_unplugged_(is_unplugged) {}
   [[nodiscard]] const std::string& id() const override { return id_; }
   Status start() override { return Done{}; }
-  Result<std::shared_ptr<const Frame>> next_frame(TimePoint deadline) override {
+  Result<std::shared_ptr<const camera::CameraFrame>> next_frame(TimePoint deadline) override {
     if (*is_unplugged_) return Error(ErrorCode::kUnavailable, "unplugged");
     // What comes out now was exposed a period ago: the driver's queue.
     const TimePoint captured_at = clock_->now() - kPeriod;
     clock_->wait_until(std::min(deadline, clock_->now() + kPeriod));
-    auto frame = std::make_shared<Frame>();
+    auto frame = std::make_shared<camera::CameraFrame>();
     frame->pixels = GreyImage(8, 6, static_cast<std::uint8_t>(1000.0 * exposure_s_));
     frame->captured_at = captured_at;
     frame->exposure =
         holds_exposure_
-            ? std::chrono::duration_cast<Duration>(std::chrono::duration<double>(std::min(exposure_s_, kLongest_s)))
+            ? std::chrono::duration_cast<Duration>(std::chrono::duration<double>(std::min(exposure_s_, kMaxExposure_s)))
             : Duration::zero();
     captured_.push_back(captured_at);
-    return std::shared_ptr<const Frame>(std::move(frame));
+    return std::shared_ptr<const camera::CameraFrame>(std::move(frame));
   }
   void stop() override {}
   static inline std::vector<TimePoint> captured_;
   static inline bool holds_exposure_ = true;
-  static constexpr double kLongest_s = 0.08;
+  static constexpr double kMaxExposure_s = 0.08;
 
  private:
   ManualClock* clock_;
@@ -50,9 +50,9 @@ TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_e
   ManualClock clock;
   bool is_unplugged = false;
   std::vector<double> opened;
-  const FrameScanCamera::Opener opener = [&](double exposure_s) -> Result<std::unique_ptr<Camera>> {
+  const FrameScanCamera::Opener opener = [&](double exposure_s) -> Result<std::unique_ptr<camera::Camera>> {
     opened.push_back(exposure_s);
-    return std::unique_ptr<Camera>(std::make_unique<SteadyCamera>(&clock, exposure_s, &is_unplugged));
+    return std::unique_ptr<camera::Camera>(std::make_unique<SteadyCamera>(&clock, exposure_s, &is_unplugged));
   };
   auto camera = FrameScanCamera::open(opener, 0.05, clock);
   ASSERT_TRUE(camera.has_value()) << camera.error().message();
@@ -65,7 +65,8 @@ TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_e
     const auto photograph = (*camera)->photograph(exposure);
     ASSERT_TRUE(photograph.has_value()) << photograph.error().message();
     EXPECT_GE(SteadyCamera::captured_.back(), asked_at);
-    EXPECT_NEAR((*camera)->exposed_s(exposure), std::min(exposure, SteadyCamera::kLongest_s), 1e-9) << "not as asked";
+    EXPECT_NEAR((*camera)->exposed_s(exposure), std::min(exposure, SteadyCamera::kMaxExposure_s), 1e-9)
+        << "not as asked";
     EXPECT_NEAR(static_cast<double>(photograph->at(3, 3)[2]), exposure * 1000.0 / 255.0, 1e-6);
   }
   EXPECT_EQ(opened, (std::vector<double>{0.05, 0.1})) << "opened again only for another exposure";
@@ -81,20 +82,20 @@ TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_e
 }
 
 /// Its pictures have colours.
-class ColourCamera final : public Camera {
+class ColourCamera final : public camera::Camera {
  public:
   explicit ColourCamera(ManualClock* clock) : clock_(clock) {}
   [[nodiscard]] const std::string& id() const override { return id_; }
   Status start() override { return Done{}; }
-  Result<std::shared_ptr<const Frame>> next_frame(TimePoint) override {
-    auto frame = std::make_shared<Frame>();
+  Result<std::shared_ptr<const camera::CameraFrame>> next_frame(TimePoint) override {
+    auto frame = std::make_shared<camera::CameraFrame>();
     frame->captured_at = clock_->now();
     frame->exposure = kPeriod;
     clock_->wait_until(clock_->now() + kPeriod);
     frame->pixels = GreyImage(4, 2, 100);
     frame->colour = RgbImage(4, 2, 51);
     frame->colour.at(3, 1)[1] = 255;
-    return std::shared_ptr<const Frame>(std::move(frame));
+    return std::shared_ptr<const camera::CameraFrame>(std::move(frame));
   }
   void stop() override {}
 
@@ -106,8 +107,8 @@ class ColourCamera final : public Camera {
 TEST(FrameScanCamera, photographs_colours_where_the_camera_has_them) {
   ManualClock clock;
   const auto camera = FrameScanCamera::open(
-      [&](double) -> Result<std::unique_ptr<Camera>> {
-        return std::unique_ptr<Camera>(std::make_unique<ColourCamera>(&clock));
+      [&](double) -> Result<std::unique_ptr<camera::Camera>> {
+        return std::unique_ptr<camera::Camera>(std::make_unique<ColourCamera>(&clock));
       },
       0.05, clock);
   ASSERT_TRUE(camera.has_value()) << camera.error().message();
@@ -119,4 +120,4 @@ TEST(FrameScanCamera, photographs_colours_where_the_camera_has_them) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -7,7 +7,7 @@
 #include "appliance/calibration/camera_file.h"
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 using ::testing::HasSubstr;
@@ -18,8 +18,8 @@ class KnownLens : public ::testing::Test {
     std::filesystem::create_directories(folder_);
     file_.camera = "v4l2:usb-1";
     file_.date = "2026-01-01";
-    file_.lens = MeasuredLens::from_focal(1280, 720, 1000.0);
-    file_.lens.values[MeasuredLens::kK1] = -0.1;
+    file_.lens = calibration::MeasuredLens::from_focal(1280, 720, 1000.0);
+    file_.lens.values[calibration::MeasuredLens::kK1] = -0.1;
     file_.views = 12;
   }
   ~KnownLens() override {
@@ -27,10 +27,10 @@ class KnownLens : public ::testing::Test {
     std::filesystem::remove_all(folder_, ignored);
   }
   void write(const std::string& name) {
-    ASSERT_TRUE(write_file_atomically(folder_ / name, camera_json(file_)).has_value());
+    ASSERT_TRUE(write_file_atomically(folder_ / name, calibration::camera_json(file_)).has_value());
   }
   std::filesystem::path folder_;
-  CameraFile file_;
+  calibration::CameraFile file_;
 };
 
 TEST_F(KnownLens, is_none_where_nobody_wrote_one) {
@@ -43,8 +43,8 @@ TEST_F(KnownLens, is_found_by_the_cameras_id_with_its_covariance) {
   write("camera.json");
   const auto lens = known_lens({}, folder_, "v4l2:usb-1", 640, 360);
   ASSERT_TRUE(lens.has_value() && lens->has_value());
-  EXPECT_DOUBLE_EQ((*lens)->values[MeasuredLens::kFocal], 500.0) << "pictures of half the size";
-  EXPECT_DOUBLE_EQ((*lens)->values[MeasuredLens::kK1], -0.1);
+  EXPECT_DOUBLE_EQ((*lens)->values[calibration::MeasuredLens::kFocal], 500.0) << "pictures of half the size";
+  EXPECT_DOUBLE_EQ((*lens)->values[calibration::MeasuredLens::kK1], -0.1);
   EXPECT_DOUBLE_EQ((*lens)->covariance(0, 0), 0.25 * file_.lens.covariance(0, 0));
   EXPECT_FALSE(known_lens({}, folder_, "v4l2:usb-2", 640, 360)->has_value()) << "another camera's";
 }
@@ -59,4 +59,4 @@ TEST_F(KnownLens, that_is_named_must_be_there_and_fit) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

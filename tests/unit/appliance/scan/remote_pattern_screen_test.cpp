@@ -11,7 +11,7 @@
 #include "common/wire/calibration.grpc.pb.h"
 #include "common/wire/channel.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 using ::testing::ElementsAre;
@@ -123,4 +123,4 @@ TEST(RemotePatternScreen, display_of_a_line_of_text) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -14,7 +14,7 @@
 #include "common/base/file.h"
 #include "tests/doubles/generated_room.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 using ::testing::AllOf;
@@ -47,17 +47,17 @@ RoomPlan coarse_plan() {
   return plan;
 }
 
-Calibration of_a_room(const GeneratedRoom& room, bool with_wall) {
-  CalibrateOptions options;
+calibration::Calibration of_a_room(const GeneratedRoom& room, bool with_wall) {
+  solve::CalibrateOptions options;
   options.with_wall = with_wall;
-  auto calibration = calibrate(room.measurements(), "2026-11-22T13-05-00Z", options);
+  auto calibration = solve::calibrate(room.measurements(), "2026-11-22T13-05-00Z", options);
   CHECK(calibration.has_value());
   return *std::move(calibration);
 }
 
 TEST(ReportPage, tells_of_a_room_with_plots_and_is_whole) {
   const GeneratedRoom room(coarse_plan());
-  const Calibration calibration = of_a_room(room, true);
+  const calibration::Calibration calibration = of_a_room(room, true);
   ReportFindings findings;
   findings.residuals = wall_residuals(room.measurements(), calibration);
   findings.registration = {0.21, 0.48, 1234};
@@ -89,10 +89,10 @@ TEST(ReportPage, tells_residuals_that_are_the_noise_of_the_measurements) {
 }
 
 TEST(ReportPage, of_hardly_anything_is_a_page_still_and_says_no_names_as_code) {
-  Calibration calibration;
+  calibration::Calibration calibration;
   calibration.date = "2026-01-01T00-00-00Z";
   calibration.remarks = {"<script>alert(1)</script> & \"more\""};
-  MeasuredMap map{640, 480, 1, 1, {}, {}, 0.0, 0.0, 0};
+  calibration::MeasuredMap map{640, 480, 1, 1, {}, {}, 0.0, 0.0, 0};
   map.directions.assign(4, Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
   map.sigma_px.assign(4, std::numeric_limits<double>::infinity());
   calibration.projectors.push_back({"<b>left</b>", map, true});
@@ -107,9 +107,9 @@ TEST(ReportPage, of_hardly_anything_is_a_page_still_and_says_no_names_as_code) {
 TEST(ReportPage, lies_beside_the_calibrations_maps_and_shows_photographs) {
   std::string folder = ::testing::TempDir() + "/report.XXXXXX";
   ASSERT_NE(::mkdtemp(folder.data()), nullptr);
-  Calibration calibration;
+  calibration::Calibration calibration;
   calibration.date = "2026-01-01T00-00-00Z";
-  const std::filesystem::path own = calibration_folder(folder, calibration.date);
+  const std::filesystem::path own = calibration::calibration_folder(folder, calibration.date);
   std::filesystem::create_directories(own);
   const std::string jpeg = "jpeg";
   const auto* bytes = reinterpret_cast<const std::byte*>(jpeg.data());
@@ -126,4 +126,4 @@ TEST(ReportPage, lies_beside_the_calibrations_maps_and_shows_photographs) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -9,7 +9,7 @@
 #include "appliance/scan/wall_scan.h"
 #include "drivers/simulated/museum/presets.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 using ::testing::HasSubstr;
@@ -18,9 +18,9 @@ using ::testing::IsEmpty;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 Installation room(const char* name, int projectors = 3) {
-  PresetOptions options;
+  simulated::PresetOptions options;
   options.projectors = projectors;
-  return make_preset(name, 1, options)->installation;
+  return simulated::make_preset(name, 1, options)->installation;
 }
 
 ScanPlanOptions camera_of(double field_deg, double pitch_deg = 0.0) {
@@ -31,7 +31,7 @@ ScanPlanOptions camera_of(double field_deg, double pitch_deg = 0.0) {
 }
 
 TEST(ScanPlan, looks_at_every_projector_of_every_kind_of_room_from_two_directions_or_more) {
-  for (const std::string& name : preset_names()) {
+  for (const std::string& name : simulated::preset_names()) {
     const bool is_dome = name == "dome";
     const auto plan = plan_scan(room(name.c_str()), camera_of(is_dome ? 92.0 : 70.0, is_dome ? 25.0 : 0.0));
     ASSERT_TRUE(plan.has_value()) << name << ": " << plan.error().message();
@@ -101,4 +101,4 @@ TEST(ScanPlan, does_not_look_for_a_projector_where_it_is_not) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

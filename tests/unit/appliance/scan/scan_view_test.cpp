@@ -8,7 +8,7 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 using ::testing::HasSubstr;
@@ -35,17 +35,17 @@ ScanIdentity identity() {
   return {"usb-1", 640, 480, {{"left", 320, 200}, {"right", 320, 200}}, {-0.5, 0.0, 0.5}, "finest bit 0"};
 }
 
-ScanView view(std::size_t direction, std::size_t projector, std::size_t places) {
+ScanView view(std::size_t direction, std::size_t projector, std::size_t correspondences) {
   ScanView v{direction, projector, -0.25, 1.0 / 30.0, 0.01, 38, {}};
-  for (std::size_t i = 0; i < places; ++i) {
+  for (std::size_t i = 0; i < correspondences; ++i) {
     const auto at = static_cast<float>(i % 300);
-    v.places.push_back({at + 0.5f, 7.5f, at + 0.25f, 19.125f, 0.11f, static_cast<std::uint32_t>(projector)});
+    v.correspondences.push_back({at + 0.5f, 7.5f, at + 0.25f, 19.125f, 0.11f, static_cast<std::uint32_t>(projector)});
   }
   return v;
 }
 
-bool same(const std::vector<Correspondence>& a, const std::vector<Correspondence>& b) {
-  return a.size() == b.size() && encode_places(a) == encode_places(b);
+bool same(const std::vector<solve::Correspondence>& a, const std::vector<solve::Correspondence>& b) {
+  return a.size() == b.size() && encode_correspondences(a) == encode_correspondences(b);
 }
 
 TEST_F(ScanFolderTest, goes_on_with_what_was_kept) {
@@ -60,12 +60,12 @@ TEST_F(ScanFolderTest, goes_on_with_what_was_kept) {
   ASSERT_TRUE(scan.has_value()) << scan.error().message();
   EXPECT_EQ(scan->views().size(), 2u);
   ASSERT_NE(scan->find(0, 0), nullptr);
-  EXPECT_TRUE(same(scan->find(0, 0)->places, view(0, 0, 500).places));
+  EXPECT_TRUE(same(scan->find(0, 0)->correspondences, view(0, 0, 500).correspondences));
   EXPECT_DOUBLE_EQ(scan->find(0, 0)->angle_rad, -0.25);
   EXPECT_EQ(scan->find(0, 0)->pictures, 38);
   ASSERT_NE(scan->find(1, 1), nullptr);
-  EXPECT_EQ(scan->find(1, 1)->places.size(), 40u);
-  EXPECT_EQ(scan->find(1, 1)->places[0].projector, 1u);
+  EXPECT_EQ(scan->find(1, 1)->correspondences.size(), 40u);
+  EXPECT_EQ(scan->find(1, 1)->correspondences[0].projector, 1u);
   EXPECT_EQ(scan->find(2, 0), nullptr);
 }
 
@@ -160,23 +160,24 @@ TEST(ScanManifest, names_the_place_of_a_mistake) {
   EXPECT_THAT(refused.error().message(), HasSubstr("m: /views/0/direction"));
 }
 
-TEST(ScanPlaces, at_the_very_end_of_the_cameras_picture_are_no_pixels_and_refused) {
-  const Correspondence last{639.5f, 479.5f, 320.0f, 200.0f, 0.1f, 0};
-  EXPECT_TRUE(decode_places(encode_places({&last, 1}), identity(), 0).has_value());
-  for (const Correspondence& place :
-       {Correspondence{640.0f, 1.0f, 1.0f, 1.0f, 0.1f, 0}, Correspondence{1.0f, 480.0f, 1.0f, 1.0f, 0.1f, 0}}) {
-    EXPECT_FALSE(decode_places(encode_places({&place, 1}), identity(), 0).has_value());
+TEST(ScanCorrespondences, at_the_very_end_of_the_cameras_picture_are_no_pixels_and_refused) {
+  const solve::Correspondence last{639.5f, 479.5f, 320.0f, 200.0f, 0.1f, 0};
+  EXPECT_TRUE(decode_correspondences(encode_correspondences({&last, 1}), identity(), 0).has_value());
+  for (const solve::Correspondence& position : {solve::Correspondence{640.0f, 1.0f, 1.0f, 1.0f, 0.1f, 0},
+                                                solve::Correspondence{1.0f, 480.0f, 1.0f, 1.0f, 0.1f, 0}}) {
+    EXPECT_FALSE(decode_correspondences(encode_correspondences({&position, 1}), identity(), 0).has_value());
   }
 }
 
-TEST(ScanPlaces, outside_of_the_pictures_are_refused) {
-  for (const Correspondence& place :
-       {Correspondence{-1.0f, 1.0f, 1.0f, 1.0f, 0.1f, 0}, Correspondence{1.0f, 481.0f, 1.0f, 1.0f, 0.1f, 0},
-        Correspondence{1.0f, 1.0f, 321.0f, 1.0f, 0.1f, 0}, Correspondence{1.0f, 1.0f, 1.0f, std::nanf(""), 0.1f, 0},
-        Correspondence{1.0f, 1.0f, 1.0f, 1.0f, 0.0f, 0}}) {
-    EXPECT_FALSE(decode_places(encode_places({&place, 1}), identity(), 0).has_value());
+TEST(ScanCorrespondences, outside_of_the_pictures_are_refused) {
+  for (const solve::Correspondence& position : {solve::Correspondence{-1.0f, 1.0f, 1.0f, 1.0f, 0.1f, 0},
+                                                solve::Correspondence{1.0f, 481.0f, 1.0f, 1.0f, 0.1f, 0},
+                                                solve::Correspondence{1.0f, 1.0f, 321.0f, 1.0f, 0.1f, 0},
+                                                solve::Correspondence{1.0f, 1.0f, 1.0f, std::nanf(""), 0.1f, 0},
+                                                solve::Correspondence{1.0f, 1.0f, 1.0f, 1.0f, 0.0f, 0}}) {
+    EXPECT_FALSE(decode_correspondences(encode_correspondences({&position, 1}), identity(), 0).has_value());
   }
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

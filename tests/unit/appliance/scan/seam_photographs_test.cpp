@@ -14,7 +14,7 @@
 #include "drivers/simulated/museum/true_museum.h"
 #include "drivers/simulated/turntable/simulated_turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 using ::testing::HasSubstr;
@@ -34,7 +34,7 @@ TEST(TestLight, has_lines_every_two_degrees_and_each_fifth_is_stronger) {
 }
 
 TEST(DrawnHead, masks_light_not_codes_and_leaves_dark_what_has_no_direction) {
-  MaskImage mask(16, 2, 0.5f);
+  warp::MaskImage mask(16, 2, 0.5f);
   DrawnHead head{16, 2, {}, &mask, nullptr};
   head.direction_at = [](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
     if (pixel.x() < 8.0) return std::nullopt;
@@ -43,9 +43,10 @@ TEST(DrawnHead, masks_light_not_codes_and_leaves_dark_what_has_no_direction) {
   const RgbImage drawn = drawn_head(head, TestPicture::kWhite);
   EXPECT_EQ(drawn.at(3, 0)[0], 0);
   EXPECT_NEAR(drawn.at(12, 1)[1], 188, 1) << "half of the light in sRGB";
-  HeadColour colour;
+  warp::HeadColour colour;
   colour.matrix = Eigen::Vector3d(1.0, 0.5, 0.0).asDiagonal();
-  colour.response = {ResponseCurve::power(1.0, 64), ResponseCurve::power(1.0, 64), ResponseCurve::power(1.0, 64)};
+  colour.response = {warp::ResponseCurve::power(1.0, 64), warp::ResponseCurve::power(1.0, 64),
+                     warp::ResponseCurve::power(1.0, 64)};
   head.colour = &colour;
   const RgbImage coloured = drawn_head(head, TestPicture::kWhite);
   EXPECT_NEAR(coloured.at(12, 1)[0], 128, 2);
@@ -57,15 +58,15 @@ TEST(DrawnHead, masks_light_not_codes_and_leaves_dark_what_has_no_direction) {
 class SeamPhotographsTest : public ::testing::Test {
  protected:
   SeamPhotographsTest() {
-    PresetOptions options;
+    simulated::PresetOptions options;
     options.projectors = 3;
     options.projector_width_px = 160;
     options.projector_height_px = 100;
     options.camera_megapixels = 0.1;
-    preset_ = *make_preset("cylinder126", 4, options);
-    museum_.emplace(*SimulatedMuseum::make(preset_.installation, preset_.truth));
+    preset_ = *simulated::make_preset("cylinder126", 4, options);
+    museum_.emplace(*simulated::SimulatedMuseum::make(preset_.installation, preset_.truth));
     for (std::size_t p = 0; p < 3; ++p) {
-      std::vector<MapSample> samples;
+      std::vector<solve::MapSample> samples;
       for (int y = 2; y < 100; y += 4) {
         for (int x = 2; x < 160; x += 4) {
           const auto d = museum_->truth().direction_at(p, x, y, museum_->truth().turning_point());
@@ -73,18 +74,18 @@ class SeamPhotographsTest : public ::testing::Test {
         }
       }
       calibration_.projectors.push_back(
-          {preset_.installation.projectors[p].name, *fit_measured_map(160, 100, samples), false});
+          {preset_.installation.projectors[p].name, *solve::fit_measured_map(160, 100, samples), false});
     }
   }
-  Preset preset_;
-  std::optional<SimulatedMuseum> museum_;
-  Calibration calibration_;
+  simulated::Preset preset_;
+  std::optional<simulated::SimulatedMuseum> museum_;
+  calibration::Calibration calibration_;
 };
 
 TEST_F(SeamPhotographsTest, are_four_of_each_seam_and_leave_the_wall_dark) {
   SimulatedPatternScreen screen(&*museum_);
   SimulatedScanCamera camera(&*museum_, PhotographColour::kGrey);
-  SimulatedTurnplate plate(&*museum_);
+  simulated::SimulatedTurnplate plate(&*museum_);
   ASSERT_TRUE(plate.home().has_value());
   const ScanPhotograph dark = *camera.photograph(0.03);
   const double begun_s = museum_->now_s();
@@ -113,7 +114,7 @@ TEST_F(SeamPhotographsTest, are_four_of_each_seam_and_leave_the_wall_dark) {
 TEST_F(SeamPhotographsTest, cancelled_end_at_once) {
   SimulatedPatternScreen screen(&*museum_);
   SimulatedScanCamera camera(&*museum_, PhotographColour::kGrey);
-  SimulatedTurnplate plate(&*museum_);
+  simulated::SimulatedTurnplate plate(&*museum_);
   std::stop_source stop;
   stop.request_stop();
   const auto seams = photograph_seams(preset_.installation, {"before", nullptr, {}}, {"after", &calibration_, {}}, 0.03,
@@ -123,4 +124,4 @@ TEST_F(SeamPhotographsTest, cancelled_end_at_once) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

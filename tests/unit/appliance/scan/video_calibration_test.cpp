@@ -17,13 +17,13 @@
 #include "tests/doubles/museum_score.h"
 #include "tests/doubles/photometry_museum.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 /// Counts what is shown, so that who photographs knows whether anything changed.
 class CountingScreen final : public PatternScreen {
  public:
-  explicit CountingScreen(SimulatedMuseum* museum) : screen_(museum) {}
+  explicit CountingScreen(simulated::SimulatedMuseum* museum) : screen_(museum) {}
   Status show(std::size_t projector, const RgbImage& picture) override {
     ++shown;
     return screen_.show(projector, picture);
@@ -35,17 +35,17 @@ class CountingScreen final : public PatternScreen {
 };
 
 TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s) {
-  PresetOptions options;
+  simulated::PresetOptions options;
   options.projectors = 2;
   options.projector_width_px = 160;
   options.projector_height_px = 100;
   options.camera_megapixels = 0.1;
-  const auto preset = make_preset("cylinder126", 5, options);
+  const auto preset = simulated::make_preset("cylinder126", 5, options);
   ASSERT_TRUE(preset.has_value());
-  auto museum = SimulatedMuseum::make(preset->installation, preset->truth);
+  auto museum = simulated::SimulatedMuseum::make(preset->installation, preset->truth);
   ASSERT_TRUE(museum.has_value());
   CountingScreen screen(&*museum);
-  SimulatedTurnplate plate(&*museum);
+  simulated::SimulatedTurnplate plate(&*museum);
 
   // The museum is photographed when it, or the exposure, has changed; the driver shows the same picture till then.
   struct State {
@@ -66,7 +66,7 @@ TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s)
     last = now;
     const auto photograph = museum->photograph_colour(exposure_s);
     CHECK(photograph.has_value());
-    const RgbImage whole = to_8_bits(*photograph, museum->camera_bits());
+    const RgbImage whole = simulated::to_8_bits(*photograph, museum->camera_bits());
     seen = RgbImage(width, whole.height());
     for (int y = 0; y < seen.height(); ++y) std::copy_n(whole.at(0, y), 3 * width, seen.at(0, y));
     return seen;
@@ -74,11 +74,11 @@ TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s)
   ManualClock clock;
   FakeVideo video({device}, &clock);
   const auto opener = [&](double exposure_s) {
-    V4l2CameraOptions camera;
+    camera::V4l2CameraOptions camera;
     camera.exposure = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(exposure_s));
-    camera.gain = GainRule::kHeld;
-    camera.wish = {width, museum->camera_height_px(), std::min(30.0, 0.9 / exposure_s), true};
-    return V4l2Camera::open(device.port, camera, clock);
+    camera.gain = camera::GainRule::kHeld;
+    camera.preferred = {width, museum->camera_height_px(), std::min(30.0, 0.9 / exposure_s), true};
+    return camera::V4l2Camera::open(device.port, camera, clock);
   };
   auto camera = FrameScanCamera::open(opener, 1.0 / 60.0, clock);
   ASSERT_TRUE(camera.has_value()) << camera.error().message();
@@ -99,7 +99,7 @@ TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s)
     return outcome->calibration.projectors[p].map.direction_at(pixel);
   });
   RecordProperty("p95_px", std::to_string(score.p95_px));
-  EXPECT_GT(score.places, 100u);
+  EXPECT_GT(score.correspondences, 100u);
   EXPECT_LE(score.mean_px, 0.25);
   EXPECT_LE(score.p95_px, 0.6);
   EXPECT_LE(score.max_px, 1.0);
@@ -109,4 +109,4 @@ TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s)
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -13,7 +13,7 @@
 #include "drivers/simulated/museum/presets.h"
 #include "drivers/simulated/turntable/simulated_turnplate.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 using ::testing::AnyOf;
@@ -76,9 +76,9 @@ class TroubledScreen final : public PatternScreen {
   PatternScreen* screen_;
 };
 
-class StallingPlate final : public Turnplate {
+class StallingPlate final : public turnplate::Turnplate {
  public:
-  explicit StallingPlate(SimulatedMuseum* museum) : Turnplate({-3.0, 3.0}), museum_(museum) {}
+  explicit StallingPlate(simulated::SimulatedMuseum* museum) : turnplate::Turnplate({-3.0, 3.0}), museum_(museum) {}
   [[nodiscard]] const std::string& id() const override { return id_; }
   int stalls = 0;
   int homed = 0;
@@ -97,17 +97,17 @@ class StallingPlate final : public Turnplate {
   int turns = 0;
   Result<double> ask_angle() override { return museum_->plate_angle_rad(); }
   std::string id_ = "stalling";
-  SimulatedMuseum* museum_;
+  simulated::SimulatedMuseum* museum_;
 };
 
-SimulatedMuseum small_museum() {
-  PresetOptions options;
+simulated::SimulatedMuseum small_museum() {
+  simulated::PresetOptions options;
   options.projectors = 2;
   options.projector_width_px = 64;
   options.projector_height_px = 40;
   options.camera_megapixels = 0.02;
-  auto preset = make_preset("cylinder126", 1, options);
-  return *SimulatedMuseum::make(preset->installation, preset->truth);
+  auto preset = simulated::make_preset("cylinder126", 1, options);
+  return *simulated::SimulatedMuseum::make(preset->installation, preset->truth);
 }
 
 class WallScanTest : public ::testing::Test {
@@ -121,7 +121,7 @@ class WallScanTest : public ::testing::Test {
         camera_(&real_camera_),
         plate_(&museum_) {
     settings_.camera = data_sheet_lens(camera_.width_px(), camera_.height_px(), 70.0 * std::numbers::pi / 180.0);
-    settings_.view.decode.smallest_patch_px = 10;
+    settings_.view.decode.min_patch_px = 10;
   }
   ~WallScanTest() override {
     std::error_code ignored;
@@ -134,13 +134,13 @@ class WallScanTest : public ::testing::Test {
         [&](const ScanProgress& progress) { told_.push_back(progress.fraction); }, camera_.stop.get_token());
   }
   [[nodiscard]] static std::size_t places_of(const WallScan& scan) {
-    std::size_t places = 0;
-    for (const PlateDirection& d : scan.measurements.directions) places += d.correspondences.size();
-    return places;
+    std::size_t correspondences = 0;
+    for (const solve::PlateDirection& d : scan.measurements.directions) correspondences += d.correspondences.size();
+    return correspondences;
   }
 
   std::filesystem::path folder_;
-  SimulatedMuseum museum_;
+  simulated::SimulatedMuseum museum_;
   SimulatedPatternScreen real_screen_;
   SimulatedScanCamera real_camera_;
   TroubledScreen screen_;
@@ -291,4 +291,4 @@ TEST_F(WallScanTest, refuses_to_go_on_with_other_patterns) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -8,7 +8,7 @@
 
 #include "tests/doubles/generated_room.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 RoomPlan coarse_plan(RoomKind kind, double noise_px = 0.2) {
@@ -19,7 +19,7 @@ RoomPlan coarse_plan(RoomKind kind, double noise_px = 0.2) {
   return plan;
 }
 
-RegistrationScore score_of(const GeneratedRoom& room, const Calibration& calibration) {
+RegistrationScore score_of(const GeneratedRoom& room, const calibration::Calibration& calibration) {
   return registration_score(
       room, [&](std::size_t p, const Eigen::Vector2d& px) { return calibration.projectors[p].map.direction_at(px); });
 }
@@ -70,7 +70,7 @@ TEST(Calibrate, is_never_worse_after_a_noisy_one_that_cannot_find_the_camera) {
     const RegistrationScore after = score_of(room, *noisy);
     std::string remarks = noisy->plate.offset_reason + "\nbefore: " + good->plate.offset_reason;
     for (const std::string& remark : noisy->remarks) remarks += "\n" + remark;
-    for (const CalibratedProjector& p : noisy->projectors) {
+    for (const calibration::CalibratedProjector& p : noisy->projectors) {
       remarks += "\n" + p.name + (p.is_previous ? " keeps its map" : " has a new map");
     }
     EXPECT_LE(after.p95_px, 1.2 * before.p95_px + 0.01) << remarks;
@@ -111,8 +111,8 @@ TEST(Calibrate, gives_a_knocked_projector_a_new_map_that_fits_those_that_stay) {
   ASSERT_TRUE(good) << good.error().message();
   plan.noise_px = 0.3;
   Measurements knocked = GeneratedRoom(plan).measurements();
-  constexpr float kKnock_px = 3.0f;
-  knock(&knocked, 1, kKnock_px);
+  constexpr float kBump_px = 3.0f;
+  knock(&knocked, 1, kBump_px);
   options.previous = &*good;
   const auto healed = calibrate(knocked, "2026-01-02T00-00-00Z", options);
   ASSERT_TRUE(healed) << healed.error().message();
@@ -120,7 +120,7 @@ TEST(Calibrate, gives_a_knocked_projector_a_new_map_that_fits_those_that_stay) {
   EXPECT_FALSE(healed->projectors[1].is_previous);
   EXPECT_TRUE(healed->projectors[2].is_previous);
   const RegistrationScore score = registration_score(room, [&](std::size_t p, const Eigen::Vector2d& px) {
-    const Eigen::Vector2d moved = px + Eigen::Vector2d(p == 1 ? static_cast<double>(kKnock_px) : 0.0, 0.0);
+    const Eigen::Vector2d moved = px + Eigen::Vector2d(p == 1 ? static_cast<double>(kBump_px) : 0.0, 0.0);
     return healed->projectors[p].map.direction_at(moved);
   });
   EXPECT_LE(score.p95_px, 0.2);
@@ -132,7 +132,7 @@ TEST(Calibrate, replaces_a_map_with_a_hole_however_right_the_rest_of_it_is) {
   RoomPlan plan = coarse_plan(RoomKind::kCylinder);
   auto good = calibrate(GeneratedRoom(plan).measurements(), "2026-01-01T00-00-00Z", options);
   ASSERT_TRUE(good) << good.error().message();
-  MeasuredMap& map = good->projectors[1].map;
+  calibration::MeasuredMap& map = good->projectors[1].map;
   for (int y = map.cells_y / 3; y < map.cells_y / 2; ++y) {
     for (int x = map.cells_x / 3; x < map.cells_x / 2; ++x) {
       map.directions[static_cast<std::size_t>(y * (map.cells_x + 1) + x)].setConstant(
@@ -157,7 +157,7 @@ TEST(Calibrate, replaces_maps_that_were_off_by_parallax_once_the_camera_is_known
   const GeneratedRoom room(coarse_plan(RoomKind::kCylinder, 0.05));
   const auto fine = calibrate(room.measurements(), "2026-01-02T00-00-00Z", options);
   ASSERT_TRUE(fine) << fine.error().message();
-  for (const CalibratedProjector& projector : fine->projectors) EXPECT_FALSE(projector.is_previous);
+  for (const calibration::CalibratedProjector& projector : fine->projectors) EXPECT_FALSE(projector.is_previous);
   EXPECT_LE(score_of(room, *fine).true_p95_px, 0.5);
 }
 
@@ -177,16 +177,16 @@ TEST(Calibrate, finds_a_wall_by_which_another_eye_sees_right) {
   const auto calibration = calibrate(room.measurements(), "2026-01-01T00-00-00Z");
   ASSERT_TRUE(calibration) << calibration.error().message();
   ASSERT_TRUE(calibration->wall) << calibration->remarks.back();
-  EXPECT_EQ(calibration->wall->fit.surface.rung, SurfaceRung::kCylinder) << calibration->wall->reason;
+  EXPECT_EQ(calibration->wall->fit.surface.model, calibration::SurfaceModel::kCylinder) << calibration->wall->reason;
   // The wall's scale is what was told of its distance; the eye moves in that scale.
-  const Surface& wall = calibration->wall->fit.surface;
+  const calibration::Surface& wall = calibration->wall->fit.surface;
   const double scale = wall.distance_m * [&] {
     const auto point = room.wall_point_of(1, {960.0, 540.0});
     return 1.0 / point->norm();
   }();
   const Eigen::Vector3d eye(0.3, 0.1, -0.4);
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(400.0, 500.0), Eigen::Vector2d(1500.0, 600.0)}) {
-    const MeasuredMap moved = seen_from(calibration->projectors[1].map, wall, scale * eye);
+    const calibration::MeasuredMap moved = seen_from(calibration->projectors[1].map, wall, scale * eye);
     const auto point = room.wall_point_of(1, pixel);
     const auto seen = moved.direction_at(pixel);
     ASSERT_TRUE(point && seen);
@@ -215,4 +215,4 @@ TEST(Calibrate, is_the_same_every_time) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -8,7 +8,7 @@
 #include <functional>
 #include <utility>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 /// Residuals and their Jacobian; no numbers where they have no value.
@@ -119,4 +119,4 @@ TEST(RobustLoss, has_the_slope_that_differences_give_and_counts_small_errors_as_
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -10,7 +10,7 @@
 #include "appliance/solve/calibrate.h"
 #include "tests/doubles/generated_room.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 constexpr double kDegree = 0.017453292519943295;
@@ -101,14 +101,14 @@ TEST_P(Extremes, are_right_or_refused_with_a_remedy) {
     return;
   }
   EXPECT_TRUE(calibration->plate.covariance.allFinite());
-  for (const CalibratedProjector& p : calibration->projectors) {
+  for (const calibration::CalibratedProjector& p : calibration->projectors) {
     for (std::size_t i = 0; i < p.map.directions.size(); ++i) {
       EXPECT_EQ(p.map.directions[i].allFinite(), std::isfinite(p.map.sigma_px[i]));
     }
   }
   const RegistrationScore score = registration_score(
       room, [&](std::size_t p, const Eigen::Vector2d& px) { return calibration->projectors[p].map.direction_at(px); });
-  EXPECT_GT(score.places, 20U);
+  EXPECT_GT(score.correspondences, 20U);
   EXPECT_LE(score.p95_px, GetParam().bound_px) << calibration->plate.offset_reason;
 }
 
@@ -121,4 +121,4 @@ std::string name_of_end(const testing::TestParamInfo<End>& end) {
 INSTANTIATE_TEST_SUITE_P(Ends, Extremes, testing::ValuesIn(kEnds), name_of_end);
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -10,7 +10,7 @@
 
 #include "tests/doubles/generated_room.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 struct Given {
@@ -37,7 +37,7 @@ Given given(RoomKind kind, unsigned seed, double radius_m = 4.0, double arc_rad 
   for (std::size_t p = 0; p < room.projectors(); ++p) {
     for (int y = 20; y < 1080; y += 80) {
       for (int x = 20; x < 1920; x += 80) {
-        const auto d = room.sight_of(p, {x + 0.5, y + 0.5});
+        const auto d = room.view_direction_of(p, {x + 0.5, y + 0.5});
         if (d) result.samples.push_back({{x + 0.5 + noise(random), y + 0.5 + noise(random)}, *d, 0.07, p});
       }
     }
@@ -45,43 +45,44 @@ Given given(RoomKind kind, unsigned seed, double radius_m = 4.0, double arc_rad 
   return result;
 }
 
-SurfaceRung rung_of(RoomKind kind, unsigned seed) {
+calibration::SurfaceModel model_of(RoomKind kind, unsigned seed) {
   const Given g = given(kind, seed);
   const auto choice = choose_model(g.projectors, g.samples, g.distance_m);
   EXPECT_TRUE(choice) << choice.error().message();
-  if (!choice) return SurfaceRung::kMesh;
-  for (const ModelTrial& trial : choice->surfaces) {
+  if (!choice) return calibration::SurfaceModel::kMesh;
+  for (const calibration::ModelTrial& trial : choice->surfaces) {
     std::printf("  %s %s: %.3f px held out, %.3f px trained, scatter %.4f%s\n", name_of(kind), trial.name.c_str(),
                 trial.heldout_rms_px, trial.training_rms_px, trial.scatter, trial.is_usable ? "" : " (not usable)");
   }
-  return choice->fit.surface.rung;
+  return choice->fit.surface.model;
 }
 
-TEST(ModelChoice, finds_the_least_wall_that_predicts) {
-  EXPECT_EQ(rung_of(RoomKind::kPlane, 1), SurfaceRung::kPlane);
-  EXPECT_EQ(rung_of(RoomKind::kCylinder, 1), SurfaceRung::kCylinder);
-  EXPECT_EQ(rung_of(RoomKind::kTiltedCylinder, 1), SurfaceRung::kCylinder);
-  EXPECT_EQ(rung_of(RoomKind::kDome, 1), SurfaceRung::kQuadric);
+TEST(calibration::ModelChoice, finds_the_least_wall_that_predicts) {
+  EXPECT_EQ(model_of(RoomKind::kPlane, 1), calibration::SurfaceModel::kPlane);
+  EXPECT_EQ(model_of(RoomKind::kCylinder, 1), calibration::SurfaceModel::kCylinder);
+  EXPECT_EQ(model_of(RoomKind::kTiltedCylinder, 1), calibration::SurfaceModel::kCylinder);
+  EXPECT_EQ(model_of(RoomKind::kDome, 1), calibration::SurfaceModel::kQuadric);
 }
 
-TEST(ModelChoice, follows_walls_that_are_nearly_something_else) {
-  EXPECT_EQ(rung_of(RoomKind::kUnevenCylinder, 1), SurfaceRung::kProfile);
+TEST(calibration::ModelChoice, follows_walls_that_are_nearly_something_else) {
+  EXPECT_EQ(model_of(RoomKind::kUnevenCylinder, 1), calibration::SurfaceModel::kProfile);
   // Two planes are a quadric, if a degenerate one: eight numbers tell them exactly, a profile only to its knots.
-  EXPECT_THAT(rung_of(RoomKind::kCorner, 1), testing::AnyOf(SurfaceRung::kProfile, SurfaceRung::kQuadric));
-  EXPECT_EQ(rung_of(RoomKind::kBumpy, 1), SurfaceRung::kMesh);
+  EXPECT_THAT(model_of(RoomKind::kCorner, 1),
+              testing::AnyOf(calibration::SurfaceModel::kProfile, calibration::SurfaceModel::kQuadric));
+  EXPECT_EQ(model_of(RoomKind::kBumpy, 1), calibration::SurfaceModel::kMesh);
 }
 
-TEST(ModelChoice, finds_its_way_round_a_corner_where_plane_and_cylinder_ended_on_one_wall) {
+TEST(calibration::ModelChoice, finds_its_way_round_a_corner_where_plane_and_cylinder_ended_on_one_wall) {
   const Given g = given(RoomKind::kCorner, 7);
   const auto choice = choose_model(g.projectors, g.samples, g.distance_m);
   ASSERT_TRUE(choice) << choice.error().message();
-  const auto left_out = [&](SurfaceRung rung) {
-    const auto trial = std::ranges::find(choice->surfaces, name_of(rung), &ModelTrial::name);
+  const auto left_out = [&](calibration::SurfaceModel model) {
+    const auto trial = std::ranges::find(choice->surfaces, name_of(model), &calibration::ModelTrial::name);
     return trial == choice->surfaces.end() ? -1.0 : trial->heldout_rms_px;
   };
-  EXPECT_GT(left_out(SurfaceRung::kCylinder), 10.0) << "another corner, that shows nothing";
-  EXPECT_LT(left_out(SurfaceRung::kProfile), 1.0);
-  EXPECT_LT(left_out(SurfaceRung::kQuadric), 0.1);
+  EXPECT_GT(left_out(calibration::SurfaceModel::kCylinder), 10.0) << "another corner, that shows nothing";
+  EXPECT_LT(left_out(calibration::SurfaceModel::kProfile), 1.0);
+  EXPECT_LT(left_out(calibration::SurfaceModel::kQuadric), 0.1);
 }
 
 /// As a lens draws it whose elements are not all on one axis, and whose bend is not one number's.
@@ -90,9 +91,10 @@ Given through_rich_lenses(Given g) {
   constexpr double kP1 = 4e-3;
   constexpr double kP2 = -4e-3;
   for (MapSample& sample : g.samples) {
-    const MeasuredLens& lens = g.projectors[sample.projector].place->lens;
-    const double focal = lens.values[MeasuredLens::kFocal];
-    const Eigen::Vector2d centre(lens.values[MeasuredLens::kCentreU], lens.values[MeasuredLens::kCentreV]);
+    const calibration::MeasuredLens& lens = g.projectors[sample.projector].position->lens;
+    const double focal = lens.values[calibration::MeasuredLens::kFocal];
+    const Eigen::Vector2d centre(lens.values[calibration::MeasuredLens::kCentreU],
+                                 lens.values[calibration::MeasuredLens::kCentreV]);
     const Eigen::Vector2d t = (sample.projector_px - centre) / focal;
     sample.projector_px += focal * kK2 * t.squaredNorm() * t.squaredNorm() * t;
     sample.projector_px.x() += focal * (2.0 * kP1 * t.x() * t.y() + kP2 * (t.squaredNorm() + 2.0 * t.x() * t.x()));
@@ -101,24 +103,24 @@ Given through_rich_lenses(Given g) {
   return g;
 }
 
-TEST(ModelChoice, a_richer_lens_is_no_reason_for_a_richer_wall) {
-  for (const auto& [kind, wall] :
-       {std::pair(RoomKind::kPlane, SurfaceRung::kPlane), std::pair(RoomKind::kCylinder, SurfaceRung::kCylinder)}) {
+TEST(calibration::ModelChoice, a_richer_lens_is_no_reason_for_a_richer_wall) {
+  for (const auto& [kind, wall] : {std::pair(RoomKind::kPlane, calibration::SurfaceModel::kPlane),
+                                   std::pair(RoomKind::kCylinder, calibration::SurfaceModel::kCylinder)}) {
     const Given g = through_rich_lenses(given(kind, 2));
     const auto choice = choose_model(g.projectors, g.samples, g.distance_m);
     ASSERT_TRUE(choice) << choice.error().message();
-    EXPECT_EQ(choice->fit.surface.rung, wall) << name_of(kind) << ": " << choice->reason;
+    EXPECT_EQ(choice->fit.surface.model, wall) << name_of(kind) << ": " << choice->reason;
   }
 }
 
-TEST(ModelChoice, never_takes_a_richer_wall_that_predicts_worse) {
+TEST(calibration::ModelChoice, never_takes_a_richer_wall_that_predicts_worse) {
   const Given g = given(RoomKind::kCylinder, 2);
   const auto choice = choose_model(g.projectors, g.samples, g.distance_m);
   ASSERT_TRUE(choice) << choice.error().message();
   double chosen = -1.0;
   double lesser = 1e9;
-  for (const ModelTrial& trial : choice->surfaces) {
-    if (trial.name == name_of(choice->fit.surface.rung)) chosen = trial.heldout_rms_px;
+  for (const calibration::ModelTrial& trial : choice->surfaces) {
+    if (trial.name == name_of(choice->fit.surface.model)) chosen = trial.heldout_rms_px;
     if (chosen < 0.0 && trial.is_usable) lesser = std::min(lesser, trial.heldout_rms_px);
   }
   EXPECT_LE(chosen, lesser);
@@ -126,13 +128,13 @@ TEST(ModelChoice, never_takes_a_richer_wall_that_predicts_worse) {
   EXPECT_EQ(choice->fit.surface_sigmas.size(), 4U);
 }
 
-TEST(ModelChoice, says_which_projector_has_no_place) {
+TEST(calibration::ModelChoice, says_which_projector_has_no_place) {
   Given g = given(RoomKind::kCylinder, 3);
-  g.projectors[1].place.reset();
+  g.projectors[1].position.reset();
   const auto choice = choose_model(g.projectors, g.samples, g.distance_m);
   ASSERT_FALSE(choice);
   EXPECT_NE(choice.error().message().find("'projector 2'"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 std::vector<Eigen::Vector3d> spread() {
@@ -22,88 +22,92 @@ std::vector<Eigen::Vector3d> spread() {
   return directions;
 }
 
-Surface plane() {
-  Surface surface;
+calibration::Surface plane() {
+  calibration::Surface surface;
   surface.parameters = {0.1, -0.05};
   return surface;
 }
 
-Surface cylinder(double curvature) {
-  Surface surface;
-  surface.rung = SurfaceRung::kCylinder;
+calibration::Surface cylinder(double curvature) {
+  calibration::Surface surface;
+  surface.model = calibration::SurfaceModel::kCylinder;
   surface.parameters = {0.0, 0.0, 0.0, curvature};
   return surface;
 }
 
-TEST(Surface, a_cylinder_about_the_eye_is_equally_far_all_round) {
-  const Surface surface = cylinder(0.25);
+TEST(calibration::Surface, a_cylinder_about_the_eye_is_equally_far_all_round) {
+  const calibration::Surface surface = cylinder(0.25);
   for (double a = -3.1; a < 3.1; a += 0.2) {
-    const auto nearness = surface.nearness_at({std::sin(a), 0.0, -std::cos(a)});
-    ASSERT_TRUE(nearness);
-    EXPECT_NEAR(1.0 / *nearness, 4.0, 1e-9);
+    const auto inverse_depth = surface.inverse_depth_at({std::sin(a), 0.0, -std::cos(a)});
+    ASSERT_TRUE(inverse_depth);
+    EXPECT_NEAR(1.0 / *inverse_depth, 4.0, 1e-9);
   }
 }
 
-TEST(Surface, a_cylinder_goes_over_into_a_plane_without_a_jump) {
-  const Surface flat = plane();
+TEST(calibration::Surface, a_cylinder_goes_over_into_a_plane_without_a_jump) {
+  const calibration::Surface flat = plane();
   for (const double curvature : {0.0, 1e-12, -1e-12, 1e-9}) {
-    Surface nearly = cylinder(curvature);
+    calibration::Surface nearly = cylinder(curvature);
     nearly.parameters[0] = 0.1;
     nearly.parameters[1] = -0.05;
     for (const Eigen::Vector3d& d : spread()) {
-      const auto a = flat.nearness_at(d);
-      const auto b = nearly.nearness_at(d);
+      const auto a = flat.inverse_depth_at(d);
+      const auto b = nearly.inverse_depth_at(d);
       ASSERT_TRUE(a && b);
       EXPECT_NEAR(*a, *b, 1e-7);
     }
   }
 }
 
-TEST(Surface, each_richer_start_says_what_the_lesser_said) {
-  for (const Surface& from : {plane(), cylinder(0.25), cylinder(0.1)}) {
-    for (const SurfaceRung rung : kSurfaceRungs) {
-      if (rung == SurfaceRung::kPlane || (rung == SurfaceRung::kCylinder && from.rung != SurfaceRung::kPlane)) continue;
-      const Surface richer = Surface::start(rung, from, spread(), 0.06);
+TEST(calibration::Surface, each_richer_start_says_what_the_lesser_said) {
+  for (const calibration::Surface& from : {plane(), cylinder(0.25), cylinder(0.1)}) {
+    for (const calibration::SurfaceModel model : calibration::kSurfaceModels) {
+      if (model == calibration::SurfaceModel::kPlane ||
+          (model == calibration::SurfaceModel::kCylinder && from.model != calibration::SurfaceModel::kPlane))
+        continue;
+      const calibration::Surface richer = calibration::Surface::start(model, from, spread(), 0.06);
       ASSERT_EQ(static_cast<int>(richer.parameters.size()), richer.size());
       for (const Eigen::Vector3d& d : spread()) {
-        const auto a = from.nearness_at(d);
-        const auto b = richer.nearness_at(d);
+        const auto a = from.inverse_depth_at(d);
+        const auto b = richer.inverse_depth_at(d);
         ASSERT_TRUE(a && b);
         // A profile's start has no tilt and a spline's coefficients are no values: near is enough to begin with.
-        const double tolerance = rung == SurfaceRung::kQuadric || rung == SurfaceRung::kCylinder ? 1e-9 : 0.02;
-        EXPECT_NEAR(*a, *b, tolerance) << name_of(rung);
+        const double tolerance =
+            model == calibration::SurfaceModel::kQuadric || model == calibration::SurfaceModel::kCylinder ? 1e-9 : 0.02;
+        EXPECT_NEAR(*a, *b, tolerance) << calibration::name_of(model);
       }
     }
   }
 }
 
-TEST(Surface, is_missed_by_what_looks_past_a_wall_that_bulges) {
-  EXPECT_TRUE(cylinder(-1.0).nearness_at(Eigen::Vector3d(0.0, 0.0, -1.0)));
-  EXPECT_FALSE(cylinder(-1.0).nearness_at(Eigen::Vector3d(0.5, 0.0, -0.866)));
+TEST(calibration::Surface, is_missed_by_what_looks_past_a_wall_that_bulges) {
+  EXPECT_TRUE(cylinder(-1.0).inverse_depth_at(Eigen::Vector3d(0.0, 0.0, -1.0)));
+  EXPECT_FALSE(cylinder(-1.0).inverse_depth_at(Eigen::Vector3d(0.5, 0.0, -0.866)));
 }
 
 /// The residuals of one sample as Ceres' checker asks for them. Blocks: the surface's parameters, the projector's.
 class SampleCost : public ceres::CostFunction {
  public:
-  SampleCost(const Surface& shape, const MapSample& sample) : shape_(shape), sample_(sample) {
+  SampleCost(const calibration::Surface& shape, const MapSample& sample) : shape_(shape), sample_(sample) {
     set_num_residuals(2);
     *mutable_parameter_block_sizes() = {shape.size(), LitProjector::kNumbers};
   }
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
     Eigen::Matrix3d axes;
     axes << 1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0;
-    NearnessSlopes wall;
+    calibration::InverseDepthSlopes wall;
     LitProjector::Slopes slopes;
     Eigen::Vector2d errors;
-    const auto nearness = shape_.nearness_at(blocks[0], sample_.direction, &wall);
-    if (!nearness || !LitProjector(axes, blocks[1]).residuals(sample_, *nearness, &errors, &slopes)) return false;
+    const auto inverse_depth = shape_.inverse_depth_at(blocks[0], sample_.direction, &wall);
+    if (!inverse_depth || !LitProjector(axes, blocks[1]).residuals(sample_, *inverse_depth, &errors, &slopes))
+      return false;
     for (int r = 0; r < 2; ++r) {
       residuals[r] = errors[r];
       if (jacobians == nullptr) continue;
       if (jacobians[0] != nullptr) {
         std::fill_n(jacobians[0] + r * shape_.size(), shape_.size(), 0.0);
         for (std::size_t i = 0; i < static_cast<std::size_t>(wall.count); ++i) {
-          jacobians[0][r * shape_.size() + wall.parameters[i]] += slopes.by_nearness[r] * wall.slopes[i];
+          jacobians[0][r * shape_.size() + wall.parameters[i]] += slopes.by_inverse_depth[r] * wall.slopes[i];
         }
       }
       for (int i = 0; jacobians[1] != nullptr && i < LitProjector::kNumbers; ++i) {
@@ -114,13 +118,14 @@ class SampleCost : public ceres::CostFunction {
   }
 
  private:
-  const Surface& shape_;
+  const calibration::Surface& shape_;
   MapSample sample_;
 };
 
-Surface disturbed(SurfaceRung rung) {
-  const Surface from = rung == SurfaceRung::kPlane ? plane() : cylinder(0.2);
-  Surface surface = rung == SurfaceRung::kPlane ? from : Surface::start(rung, from, spread(), 0.3);
+calibration::Surface disturbed(calibration::SurfaceModel model) {
+  const calibration::Surface from = model == calibration::SurfaceModel::kPlane ? plane() : cylinder(0.2);
+  calibration::Surface surface =
+      model == calibration::SurfaceModel::kPlane ? from : calibration::Surface::start(model, from, spread(), 0.3);
   for (std::size_t i = 0; i < surface.parameters.size(); ++i) {
     surface.parameters[i] += 0.003 * std::sin(3.0 * static_cast<double>(i) + 1.0);
   }
@@ -128,8 +133,8 @@ Surface disturbed(SurfaceRung rung) {
 }
 
 TEST(SurfaceCost, has_the_jacobian_that_differences_give_on_every_rung) {
-  for (const SurfaceRung rung : kSurfaceRungs) {
-    const Surface surface = disturbed(rung);
+  for (const calibration::SurfaceModel model : calibration::kSurfaceModels) {
+    const calibration::Surface surface = disturbed(model);
     MapSample sample;
     sample.projector_px = {900.0, 500.0};
     sample.direction = Eigen::Vector3d(0.31, 0.12, -0.9).normalized();
@@ -143,14 +148,15 @@ TEST(SurfaceCost, has_the_jacobian_that_differences_give_on_every_rung) {
     for (const double* numbers : {turned, straight}) {
       const double* blocks[] = {surface.parameters.data(), numbers};
       ceres::GradientChecker::ProbeResults results;
-      EXPECT_TRUE(checker.Probe(blocks, 1e-5, &results)) << name_of(rung) << results.error_log;
+      EXPECT_TRUE(checker.Probe(blocks, 1e-5, &results)) << calibration::name_of(model) << results.error_log;
     }
   }
 }
 
 TEST(SplinePrior, has_the_slopes_that_differences_give) {
-  for (const SurfaceRung rung : {SurfaceRung::kProfile, SurfaceRung::kMesh}) {
-    const Surface surface = disturbed(rung);
+  for (const calibration::SurfaceModel model :
+       {calibration::SurfaceModel::kProfile, calibration::SurfaceModel::kMesh}) {
+    const calibration::Surface surface = disturbed(model);
     const SplinePrior prior(surface, 0.05);
     const auto slopes_at = [&](const std::vector<double>& at) {
       Eigen::VectorXd gradient = Eigen::VectorXd::Zero(surface.size());
@@ -170,19 +176,20 @@ TEST(SplinePrior, has_the_slopes_that_differences_give) {
       const auto low = prior.add(surface, below.data(), nullptr, nullptr);
       ASSERT_TRUE(high && low);
       const double scale = gradient.norm();
-      EXPECT_NEAR((*high - *low) / (2.0 * kStep), gradient[i], 1e-6 * scale) << name_of(rung) << " " << i;
+      EXPECT_NEAR((*high - *low) / (2.0 * kStep), gradient[i], 1e-6 * scale) << calibration::name_of(model) << " " << i;
       const Eigen::VectorXd column = (slopes_at(above).first - slopes_at(below).first) / (2.0 * kStep);
       const Eigen::MatrixXd whole = normal.selfadjointView<Eigen::Lower>();
       // The scale's own curvature is that of squares alone, without the wall's second derivatives.
-      EXPECT_LE((column - whole.col(i)).norm(), 1e-3 * whole.norm()) << name_of(rung) << " " << i;
+      EXPECT_LE((column - whole.col(i)).norm(), 1e-3 * whole.norm()) << calibration::name_of(model) << " " << i;
     }
   }
 }
 
-TEST(Surface, rungs_are_read_by_their_names) {
-  for (const SurfaceRung rung : kSurfaceRungs) EXPECT_EQ(surface_rung(name_of(rung)), rung);
-  EXPECT_FALSE(surface_rung("sphere"));
+TEST(calibration::Surface, rungs_are_read_by_their_names) {
+  for (const calibration::SurfaceModel model : calibration::kSurfaceModels)
+    EXPECT_EQ(calibration::surface_model(calibration::name_of(model)), model);
+  EXPECT_FALSE(calibration::surface_model("sphere"));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -13,7 +13,7 @@
 #include "appliance/solve/turntable_adjustment.h"
 #include "tests/doubles/generated_room.h"
 
-namespace cyclorama {
+namespace cyclorama::solve {
 namespace {
 
 RoomPlan coarse_plan() {
@@ -22,19 +22,20 @@ RoomPlan coarse_plan() {
   return plan;
 }
 
-Result<TurnPlate> solved(const Measurements& measured, const TurnPlateOptions& options = {}) {
+Result<calibration::TurnPlate> solved(const Measurements& measured, const TurnPlateOptions& options = {}) {
   return solve_turn_plate(measured, average_cells(measured, fitting_cell_px(measured)), options);
 }
 
-/// The residuals of one sight as Ceres' checker asks for them. Blocks: lens, mount, offset, angle, direction, nearness.
-class SightCost : public ceres::CostFunction {
+/// The residuals of one sight as Ceres' checker asks for them. Blocks: lens, mount, offset, angle, direction, inverse_depth.
+class ObservationCost : public ceres::CostFunction {
  public:
-  explicit SightCost(const CellMean& seen) : sight_(seen) {
+  explicit ObservationCost(const CellMean& seen) : sight_(seen) {
     set_num_residuals(2);
-    *mutable_parameter_block_sizes() = {MeasuredLens::kParameters, 2, 2, 1, 3, kNearnessTerms};
+    *mutable_parameter_block_sizes() = {calibration::MeasuredLens::kParameters, 2, 2, 1, 3,
+                                        calibration::kInverseDepthTerms};
   }
   bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    Nearness terms{};
+    calibration::InverseDepthTerms terms{};
     std::copy_n(blocks[5], terms.size(), terms.begin());
     const SeenFrom camera({blocks[1][0], blocks[1][1]}, {blocks[2][0], blocks[2][1]}, blocks[3][0]);
     Eigen::Vector2d errors;
@@ -46,17 +47,17 @@ class SightCost : public ceres::CostFunction {
       using Rows = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>;
       if (jacobians[block] != nullptr) Eigen::Map<Rows>(jacobians[block], 2, columns.cols()) = columns;
     };
-    put(0, slopes.by_numbers.middleCols(kSightLens, MeasuredLens::kParameters));
-    put(1, slopes.by_numbers.middleCols(kSightMount, 2));
-    put(2, slopes.by_numbers.middleCols(kSightOffset, 2));
-    put(3, slopes.by_numbers.middleCols(kSightAngle, 1));
+    put(0, slopes.by_numbers.middleCols(kLensIndex, calibration::MeasuredLens::kParameters));
+    put(1, slopes.by_numbers.middleCols(kMountIndex, 2));
+    put(2, slopes.by_numbers.middleCols(kOffsetIndex, 2));
+    put(3, slopes.by_numbers.middleCols(kAngleIndex, 1));
     put(4, slopes.by_direction);
-    put(5, slopes.by_numbers.middleCols(kSightNearness, kNearnessTerms));
+    put(5, slopes.by_numbers.middleCols(kInverseDepthIndex, calibration::kInverseDepthTerms));
     return true;
   }
 
  private:
-  PlateSight sight_;
+  PlateObservation sight_;
 };
 
 TEST(PlateCost, has_the_jacobian_that_differences_give) {
@@ -64,14 +65,14 @@ TEST(PlateCost, has_the_jacobian_that_differences_give) {
   seen.camera_px = {900.0, 500.0};
   seen.camera_per_projector << 0.6, 0.02, -0.03, 0.55;
   seen.sigma_px = 0.1;
-  const SightCost cost(seen);
+  const ObservationCost cost(seen);
   std::vector<double> lens{1400.0, 960.0, 600.0, -0.1, 0.02, 0.001, 1e-3, -1e-3};
   std::vector<double> mount{0.05, -0.03};
   std::vector<double> offset{0.01, 0.02};
   std::vector<double> angle{0.4};
   Eigen::Vector3d d = Eigen::Vector3d(0.45, 0.1, -0.85).normalized();
-  std::vector<double> nearness{0.25, 0.01, 0.02, -0.03, 0.01, 0.0, 0.02, 0.01, -0.01};
-  const double* blocks[] = {lens.data(), mount.data(), offset.data(), angle.data(), d.data(), nearness.data()};
+  std::vector<double> inverse_depth{0.25, 0.01, 0.02, -0.03, 0.01, 0.0, 0.02, 0.01, -0.01};
+  const double* blocks[] = {lens.data(), mount.data(), offset.data(), angle.data(), d.data(), inverse_depth.data()};
   ceres::NumericDiffOptions steps;
   const ceres::GradientChecker checker(&cost, static_cast<const std::vector<const ceres::Manifold*>*>(nullptr), steps);
   ceres::GradientChecker::ProbeResults results;
@@ -111,7 +112,7 @@ TEST(PlateAdjustment, goes_downhill_to_where_no_shared_number_can_make_it_better
     turned.angles[0] += aside;
     EXPECT_GT(cost_of(turned), solved->cost);
     PlateState zoomed = solved->state;
-    zoomed.lens[MeasuredLens::kFocal] *= 1.0 + aside;
+    zoomed.lens[calibration::MeasuredLens::kFocal] *= 1.0 + aside;
     EXPECT_GT(cost_of(zoomed), solved->cost);
   }
   EXPECT_EQ(static_cast<Eigen::Index>(solved->names.size()), solved->covariance.rows());
@@ -127,7 +128,7 @@ TEST(PlateAdjustment, goes_downhill_to_where_no_shared_number_can_make_it_better
   EXPECT_LE((scaled - Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols())).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-TEST(TurnPlate, finds_axis_offset_and_angles_within_what_it_claims) {
+TEST(calibration::TurnPlate, finds_axis_offset_and_angles_within_what_it_claims) {
   RoomPlan plan = coarse_plan();
   plan.camera_offset_m = {0.008, 0.0, 0.015};
   const Measurements measured = GeneratedRoom(plan).measurements();
@@ -141,7 +142,7 @@ TEST(TurnPlate, finds_axis_offset_and_angles_within_what_it_claims) {
   EXPECT_TRUE(plate->covariance.allFinite());
 }
 
-TEST(TurnPlate, takes_an_offset_that_cannot_be_seen_for_none) {
+TEST(calibration::TurnPlate, takes_an_offset_that_cannot_be_seen_for_none) {
   RoomPlan plan = coarse_plan();
   plan.camera_offset_m.setZero();
   const auto plate = solved(GeneratedRoom(plan).measurements());
@@ -149,7 +150,7 @@ TEST(TurnPlate, takes_an_offset_that_cannot_be_seen_for_none) {
   EXPECT_LE(plate->offset_m.norm(), 0.004) << plate->offset_reason;
 }
 
-TEST(TurnPlate, starts_elsewhere_and_comes_to_the_same) {
+TEST(calibration::TurnPlate, starts_elsewhere_and_comes_to_the_same) {
   const Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   const auto one = solved(measured);
   TurnPlateOptions elsewhere;
@@ -164,7 +165,7 @@ TEST(TurnPlate, starts_elsewhere_and_comes_to_the_same) {
   }
 }
 
-TEST(TurnPlate, refuses_one_direction_and_says_what_to_add) {
+TEST(calibration::TurnPlate, refuses_one_direction_and_says_what_to_add) {
   Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   measured.directions.resize(1);
   const auto plate = solved(measured);
@@ -173,7 +174,7 @@ TEST(TurnPlate, refuses_one_direction_and_says_what_to_add) {
   EXPECT_NE(plate.error().message().find("add a direction"), std::string::npos) << plate.error().message();
 }
 
-TEST(TurnPlate, refuses_directions_that_share_nothing_and_names_the_gap) {
+TEST(calibration::TurnPlate, refuses_directions_that_share_nothing_and_names_the_gap) {
   RoomPlan plan = coarse_plan();
   plan.arc_rad = 3.0;
   plan.plate_step_rad = 1.5;
@@ -183,7 +184,7 @@ TEST(TurnPlate, refuses_directions_that_share_nothing_and_names_the_gap) {
   EXPECT_NE(plate.error().message().find("degrees"), std::string::npos) << plate.error().message();
 }
 
-TEST(TurnPlate, refuses_angles_that_count_the_wrong_way) {
+TEST(calibration::TurnPlate, refuses_angles_that_count_the_wrong_way) {
   Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   for (PlateDirection& direction : measured.directions) direction.angle_rad = -direction.angle_rad;
   EXPECT_FALSE(solved(measured));
@@ -208,7 +209,7 @@ TEST(Registration, of_maps_that_no_screen_model_helped_is_within_a_quarter_pixel
     const auto d = seen_direction(*plate, static_cast<std::size_t>(cell.direction), cell.camera_px);
     if (d) samples[static_cast<std::size_t>(cell.projector)].push_back({cell.projector_px, *d, cell.sigma_px});
   }
-  std::vector<MeasuredMap> maps;
+  std::vector<calibration::MeasuredMap> maps;
   for (const auto& of_projector : samples) {
     auto map = fit_measured_map(1920, 1080, of_projector);
     ASSERT_TRUE(map) << map.error().message();
@@ -216,7 +217,7 @@ TEST(Registration, of_maps_that_no_screen_model_helped_is_within_a_quarter_pixel
   }
   const auto score =
       registration_score(room, [&](std::size_t p, const Eigen::Vector2d& px) { return maps[p].direction_at(px); });
-  EXPECT_GT(score.places, 200U);
+  EXPECT_GT(score.correspondences, 200U);
   EXPECT_LE(score.mean_px, 0.25);
   EXPECT_LE(score.p95_px, 0.6);
   EXPECT_LE(score.max_px, 1.0);
@@ -224,4 +225,4 @@ TEST(Registration, of_maps_that_no_screen_model_helped_is_within_a_quarter_pixel
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::solve

@@ -8,7 +8,7 @@
 #include "appliance/structured_light/decode_quality.h"
 #include "tests/doubles/lit_wall.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
 PatternSet set_of(const PatternChoice& choice) {
@@ -49,7 +49,7 @@ TEST(Decoder, finds_every_pixel_of_a_plain_wall_to_some_hundredths) {
 TEST(Decoder, follows_stripes_however_the_camera_is_turned) {
   for (const double angle : {0.4, 0.785398, 1.5707963, 2.5, 3.1415926, 4.5}) {
     LitWall wall;
-    wall.projector_place = [angle](double u, double v) {
+    wall.projector_pixel_at = [angle](double u, double v) {
       const Eigen::Vector2d off(0.45 * (u - 80.0), 0.45 * (v - 60.0));
       return Eigen::Vector2d(64.0 + std::cos(angle) * off.x() - std::sin(angle) * off.y(),
                              48.0 + std::sin(angle) * off.x() + std::cos(angle) * off.y());
@@ -76,10 +76,10 @@ TEST(Decoder, with_phases_is_finer_than_with_stripes_alone) {
 TEST(Decoder, says_how_sure_it_is_where_the_camera_sees_less_than_the_projector_shows) {
   for (const double pixels : {2.0, 3.0, 4.0}) {
     LitWall wall;
-    wall.projector_place = [pixels](double u, double v) { return Eigen::Vector2d(pixels * u, pixels * v); };
+    wall.projector_pixel_at = [pixels](double u, double v) { return Eigen::Vector2d(pixels * u, pixels * v); };
     wall.blur_px = 0.5 * pixels;  // The camera's own pixels.
     const PatternSet set = set_of({.width_px = 512, .height_px = 384});
-    const Decoded decoded = decoded_of(wall, set, {.largest_sigma_px = 4.0});
+    const Decoded decoded = decoded_of(wall, set, {.max_sigma_px = 4.0});
     const WallErrors errors = errors_of(wall, decoded);
     const int on_projector =
         std::min(160, static_cast<int>(512 / pixels)) * std::min(120, static_cast<int>(384 / pixels));
@@ -129,7 +129,7 @@ TEST(Decoder, with_xor_codes_sees_through_light_from_wall_to_wall) {
   wall.direct = [](int u, int) { return u % 80 < 30 ? 0.1 : 0.4; };
   wall.global = [](int u, int) { return u % 80 < 30 ? 0.35 : 0.05; };
   DecodeSettings for_xor;
-  for_xor.least_direct_share = 0.1;
+  for_xor.min_direct_share = 0.1;
   for_xor.undecided.contrast = 0.02;
   const WallErrors plain = errors_of(wall, decoded_of(wall, small_set(), for_xor));
   const Decoded decoded = decoded_of(wall, set_of({.width_px = 128, .height_px = 96, .base_bit = 1}), for_xor);
@@ -145,7 +145,7 @@ TEST(Decoder, parts_direct_light_from_global) {
   wall.noise = 0.001;
   wall.global = [](int u, int) { return u < 80 ? 0.2 : 0.0; };
   const PatternSet set = set_of({.width_px = 256, .height_px = 192});
-  wall.projector_place = [](double u, double v) { return Eigen::Vector2d(1.5 * u, 1.5 * v); };
+  wall.projector_pixel_at = [](double u, double v) { return Eigen::Vector2d(1.5 * u, 1.5 * v); };
   const Decoded decoded = decoded_of(wall, set);
   EXPECT_NEAR(*decoded.direct_light.at(40, 60), 0.6, 0.03);
   EXPECT_NEAR(*decoded.direct_light.at(120, 60), 0.6, 0.03);
@@ -190,11 +190,11 @@ TEST(Decoder, takes_cameras_of_any_size) {
     LitWall wall;
     wall.camera_width_px = width;
     wall.camera_height_px = height;
-    wall.projector_place = [width = width, height = height](double u, double v) {
+    wall.projector_pixel_at = [width = width, height = height](double u, double v) {
       return Eigen::Vector2d(16.0 * u / width, 12.0 * v / height);
     };
     DecodeSettings settings;
-    settings.smallest_patch_px = 1;
+    settings.min_patch_px = 1;
     const PatternSet set = set_of({.width_px = 16, .height_px = 12});
     const WallErrors errors = errors_of(wall, decoded_of(wall, set, settings));
     EXPECT_EQ(errors.gross, 0);
@@ -243,4 +243,4 @@ TEST(DecodeQuality, counts_what_stands_out_of_a_smooth_wall) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
 /// A wall whose light falls off to a tenth, with some ambient light and perhaps a reflection that saturates.
@@ -28,7 +28,7 @@ ExposureSample photograph(double radiance_per_s, ExposureTime exposure, double a
 TEST(Exposure, is_found_in_a_few_photographs_however_bright_the_wall) {
   const ExposureLimits limits{.shortest = ExposureTime(1e-4),
                               .longest = ExposureTime(0.25),
-                              .patient = ExposureTime(0.25),
+                              .preferred_longest = ExposureTime(0.25),
                               .projector_period = ExposureTime(0.0)};
   for (double radiance = 4.0; radiance < 8000.0; radiance *= 1.37) {
     std::vector<ExposureSample> samples;
@@ -86,10 +86,10 @@ TEST(Exposure, of_a_dim_wall_is_no_longer_than_it_must_be) {
       EXPECT_LE(good.bright, 0.9) << radiance;
       EXPECT_GE(good.bright, 0.28) << radiance;
       // Longer than patience: only as far as it is dim. Shorter: bright, as ever, but for a period of the projector.
-      if (good.exposure > limits.patient + ExposureTime(period)) {
+      if (good.exposure > limits.preferred_longest + ExposureTime(period)) {
         EXPECT_LE(good.bright, 0.45) << radiance;
       }
-      if (good.exposure < limits.patient - 2.0 * ExposureTime(period)) {
+      if (good.exposure < limits.preferred_longest - 2.0 * ExposureTime(period)) {
         EXPECT_GE(good.bright, period > 0.0 ? 0.38 : 0.6) << radiance;
       }
       EXPECT_LE(good.exposure.count(), 1.6 * before) << radiance;
@@ -124,4 +124,4 @@ TEST(Exposure, of_limits_that_are_none_is_refused) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

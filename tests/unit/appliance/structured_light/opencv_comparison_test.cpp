@@ -7,7 +7,7 @@
 #include "appliance/structured_light/pattern_drawing.h"
 #include "tests/doubles/lit_wall.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
 TEST(OpenCvComparison, patterns_are_the_same_pictures_in_the_same_order) {
@@ -52,14 +52,14 @@ TEST(OpenCvComparison, decodes_to_the_same_stripes_and_more_of_them) {
   int decoded_by_us = 0;
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 160; ++x) {
-      cv::Point place;
-      const bool is_theirs = !theirs->getProjPixel(photographs, x, y, place);
+      cv::Point position;
+      const bool is_theirs = !theirs->getProjPixel(photographs, x, y, position);
       const bool is_ours = *decoded->fate.at(x, y) == PixelFate::kDecoded;
       decoded_by_them += is_theirs ? 1 : 0;
       decoded_by_us += is_ours ? 1 : 0;
       if (!is_theirs || !is_ours) continue;
-      EXPECT_NEAR(decoded->position_px.at(x, y)[0], place.x + 0.5, 1.0) << x << ", " << y;
-      EXPECT_NEAR(decoded->position_px.at(x, y)[1], place.y + 0.5, 1.0) << x << ", " << y;
+      EXPECT_NEAR(decoded->position_px.at(x, y)[0], position.x + 0.5, 1.0) << x << ", " << y;
+      EXPECT_NEAR(decoded->position_px.at(x, y)[1], position.y + 0.5, 1.0) << x << ", " << y;
     }
   }
   EXPECT_GT(decoded_by_them, 1000);
@@ -67,4 +67,4 @@ TEST(OpenCvComparison, decodes_to_the_same_stripes_and_more_of_them) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

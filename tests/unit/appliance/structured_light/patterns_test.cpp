@@ -7,7 +7,7 @@
 #include "appliance/structured_light/pattern_drawing.h"
 #include "appliance/structured_light/pattern_set.h"
 
-namespace cyclorama {
+namespace cyclorama::structured_light {
 namespace {
 
 PatternSet set_of(const PatternChoice& choice) {
@@ -17,12 +17,12 @@ PatternSet set_of(const PatternChoice& choice) {
 }
 
 /// The code that the pictures of one axis show at a place, highest bit first.
-std::vector<int> word_at(const PatternSet& set, PatternAxis axis, int place) {
+std::vector<int> word_at(const PatternSet& set, PatternAxis axis, int position) {
   std::vector<int> word;
   for (const PatternPicture& picture : set.pictures) {
     if (picture.kind != PatternKind::kBit || picture.axis != axis || picture.is_inverse) continue;
     const bool is_columns = axis == PatternAxis::kColumns;
-    word.push_back(level_at(set, picture, is_columns ? place : 0, is_columns ? 0 : place) > 0.5 ? 1 : 0);
+    word.push_back(level_at(set, picture, is_columns ? position : 0, is_columns ? 0 : position) > 0.5 ? 1 : 0);
   }
   return word;
 }
@@ -40,12 +40,12 @@ TEST(Patterns, of_gray_code_give_every_column_and_row_its_own_word_one_bit_from_
   for (const auto& [axis, extent] : {std::pair{PatternAxis::kColumns, 100}, std::pair{PatternAxis::kRows, 37}}) {
     std::set<std::vector<int>> words;
     std::vector<int> before;
-    for (int place = 0; place < extent; ++place) {
-      const auto word = word_at(set, axis, place);
+    for (int position = 0; position < extent; ++position) {
+      const auto word = word_at(set, axis, position);
       if (!before.empty()) {
         int differing = 0;
         for (std::size_t i = 0; i < word.size(); ++i) differing += word[i] != before[i] ? 1 : 0;
-        EXPECT_EQ(differing, 1) << place;
+        EXPECT_EQ(differing, 1) << position;
       }
       words.insert(word);
       before = word;
@@ -72,8 +72,8 @@ TEST(Patterns, of_xor_codes_have_no_stripe_wider_than_the_base) {
       const bool is_columns = picture.axis == PatternAxis::kColumns;
       int run = 0;
       double before = -1.0;
-      for (int place = 0; place < (is_columns ? 256 : 128); ++place) {
-        const double level = level_at(set, picture, is_columns ? place : 0, is_columns ? 0 : place);
+      for (int position = 0; position < (is_columns ? 256 : 128); ++position) {
+        const double level = level_at(set, picture, is_columns ? position : 0, is_columns ? 0 : position);
         run = level == before ? run + 1 : 1;
         before = level;
         EXPECT_LE(run, 2 << base) << name_of(picture);
@@ -150,4 +150,4 @@ TEST(Patterns, in_bad_text_are_refused_with_the_line) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::structured_light

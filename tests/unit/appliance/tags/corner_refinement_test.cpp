@@ -12,27 +12,27 @@
 #include "appliance/tracker/tag_pose.h"
 #include "tests/doubles/painted_tag.h"
 
-namespace cyclorama {
+namespace cyclorama::tags {
 namespace {
 
 using Corners = std::array<Eigen::Vector2d, 4>;
 constexpr int kCells = 8;
 const Pinhole kLens = Pinhole::from_field_of_view(640, 480, 1.0472);
-const T_CameraTag kPose(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized())),
-                        {0.05, 0.02, 0.9});
+const tracker::T_CameraTag kPose(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized())),
+                                 {0.05, 0.02, 0.9});
 
 Corners true_corners() {
   Corners corners;
   for (std::size_t i = 0; i < 4; ++i) {
-    corners[i] = *kLens.pixel_of((kPose * Point<frame::Tag>{corners_of_tag(0.12)[i]}).xyz);
+    corners[i] = *kLens.pixel_of((kPose * Point<frame::Tag>{tracker::corners_of_tag(0.12)[i]}).xyz);
   }
   return corners;
 }
 
 double farthest(const Corners& a, const Corners& b) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) most = std::max(most, (a[i] - b[i]).norm());
-  return most;
+  double max = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) max = std::max(max, (a[i] - b[i]).norm());
+  return max;
 }
 
 TEST(RefineCorners, brings_corners_that_are_off_back_to_the_edges) {
@@ -42,7 +42,7 @@ TEST(RefineCorners, brings_corners_that_are_off_back_to_the_edges) {
   for (int i = 0; i < 100; ++i) {
     Corners corners = true_corners();
     for (Eigen::Vector2d& corner : corners) corner += Eigen::Vector2d(off(random), off(random));
-    EXPECT_LT(farthest(refine_corners(picture, corners, kCells).places, true_corners()), 0.12);
+    EXPECT_LT(farthest(refine_corners(picture, corners, kCells).positions, true_corners()), 0.12);
   }
 }
 
@@ -53,7 +53,7 @@ TEST(RefineCorners, is_not_pulled_by_a_finger_on_the_edge) {
   for (int y = -6; y <= 6; ++y) {
     for (int x = -6; x <= 6; ++x) *picture.at(static_cast<int>(middle.x()) + x, static_cast<int>(middle.y()) + y) = 140;
   }
-  EXPECT_LT(farthest(refine_corners(picture, truth, kCells).places, truth), 0.3);
+  EXPECT_LT(farthest(refine_corners(picture, truth, kCells).positions, truth), 0.3);
 }
 
 TEST(RefineCorners, knows_how_far_off_it_is) {
@@ -70,7 +70,7 @@ TEST(RefineCorners, knows_how_far_off_it_is) {
     }
     const RefinedCorners refined = refine_corners(picture, truth, kCells);
     for (std::size_t k = 0; k < 4; ++k) {
-      const Eigen::Vector2d error = refined.places[k] - truth[k];
+      const Eigen::Vector2d error = refined.positions[k] - truth[k];
       squares += error.dot(refined.covariance[k].inverse() * error) / (8.0 * kTimes);
     }
   }
@@ -81,9 +81,9 @@ TEST(RefineCorners, knows_how_far_off_it_is) {
 
 TEST(RefineCorners, leaves_corners_alone_where_there_is_no_edge) {
   const GreyImage flat(640, 480, 90);
-  EXPECT_EQ(refine_corners(flat, true_corners(), kCells).places, true_corners());
-  EXPECT_EQ(refine_corners(GreyImage(), true_corners(), kCells).places, true_corners());
-  EXPECT_EQ(refine_corners(GreyImage(1, 1), true_corners(), kCells).places, true_corners());
+  EXPECT_EQ(refine_corners(flat, true_corners(), kCells).positions, true_corners());
+  EXPECT_EQ(refine_corners(GreyImage(), true_corners(), kCells).positions, true_corners());
+  EXPECT_EQ(refine_corners(GreyImage(1, 1), true_corners(), kCells).positions, true_corners());
 }
 
 TEST(RefineCorners, answers_any_corners_with_finite_ones_that_are_near) {
@@ -95,15 +95,15 @@ TEST(RefineCorners, answers_any_corners_with_finite_ones_that_are_near) {
     for (Eigen::Vector2d& corner : corners) corner = {any(random), any(random)};
     if (i % 7 == 0) corners[1] = corners[0];
     const RefinedCorners refined = refine_corners(picture, corners, kCells);
-    EXPECT_LE(farthest(refined.places, corners), 2.0);
+    EXPECT_LE(farthest(refined.positions, corners), 2.0);
     for (const Eigen::Matrix2d& covariance : refined.covariance) EXPECT_TRUE(covariance.allFinite());
   }
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Corners broken = true_corners();
   broken[2] = {nan, nan};
-  const Corners refined = refine_corners(picture, broken, kCells).places;
+  const Corners refined = refine_corners(picture, broken, kCells).positions;
   EXPECT_EQ(refined[0], broken[0]);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tags

@@ -9,7 +9,7 @@
 #include "appliance/tracker/tag_pose.h"
 #include "tests/doubles/painted_tag.h"
 
-namespace cyclorama {
+namespace cyclorama::tags {
 namespace {
 
 const Pinhole kLens = Pinhole::from_field_of_view(640, 480, 1.0472);
@@ -29,7 +29,7 @@ std::vector<TagDetection> found_in(const GreyImage& picture, TagDetector* detect
 struct Precision {
   double decimate;
   bool refine_corners;
-  double most_error_px;
+  double max_error_px;
 };
 class Decimation : public testing::TestWithParam<Precision> {};
 
@@ -48,13 +48,13 @@ TEST_P(Decimation, a_corner_lands_where_it_was_painted) {
     const Eigen::Quaterniond turn = Eigen::AngleAxisd(0.4 * any(random), Eigen::Vector3d::UnitY()) *
                                     Eigen::AngleAxisd(0.4 * any(random), Eigen::Vector3d::UnitX()) *
                                     Eigen::AngleAxisd(0.8 * any(random), Eigen::Vector3d::UnitZ());
-    const T_CameraTag pose(turn, {0.15 * any(random), 0.1 * any(random), 0.8 + 0.2 * any(random)});
+    const tracker::T_CameraTag pose(turn, {0.15 * any(random), 0.1 * any(random), 0.8 + 0.2 * any(random)});
     const auto found = found_in(painted_tag(7, pose, kLens), &detector);
     ASSERT_EQ(found.size(), 1U);
     EXPECT_EQ(found[0].id, 7);
     EXPECT_GT(doubled_area_px2(found[0].corners), 0.0);
     for (std::size_t corner = 0; corner < 4; ++corner) {
-      const auto truth = kLens.pixel_of((pose * Point<frame::Tag>{corners_of_tag(0.12)[corner]}).xyz);
+      const auto truth = kLens.pixel_of((pose * Point<frame::Tag>{tracker::corners_of_tag(0.12)[corner]}).xyz);
       ASSERT_TRUE(truth.has_value());
       const Eigen::Vector2d error = found[0].corners[corner] - *truth;
       EXPECT_LT(error.norm(), 0.5);
@@ -64,7 +64,7 @@ TEST_P(Decimation, a_corner_lands_where_it_was_painted) {
   }
   // A convention that is half a pixel off would show as 0.5.
   EXPECT_LT(bias.norm(), 0.01);
-  EXPECT_LT(std::sqrt(squares), GetParam().most_error_px);
+  EXPECT_LT(std::sqrt(squares), GetParam().max_error_px);
 }
 INSTANTIATE_TEST_SUITE_P(All, Decimation,
                          testing::Values(Precision{1.0, false, 0.12}, Precision{3.0, false, 0.12},
@@ -87,8 +87,8 @@ TEST(TagDetector, finds_nothing_in_pictures_that_can_hold_nothing) {
 
 TEST(TagDetector, refuses_a_picture_whose_half_pixels_do_not_fit_16_bits) {
   TagDetector detector = detector_of({});
-  EXPECT_FALSE(detector.detect(GreyImage(TagDetector::kLongestSidePx + 1, 64)).has_value());
-  EXPECT_TRUE(detector.detect(GreyImage(TagDetector::kLongestSidePx, 64)).has_value());
+  EXPECT_FALSE(detector.detect(GreyImage(TagDetector::kMaxSidePx + 1, 64)).has_value());
+  EXPECT_TRUE(detector.detect(GreyImage(TagDetector::kMaxSidePx, 64)).has_value());
 }
 
 TEST(TagDetector, finds_a_tag_in_the_far_corner_of_a_huge_picture) {
@@ -96,7 +96,7 @@ TEST(TagDetector, finds_a_tag_in_the_far_corner_of_a_huge_picture) {
   DetectorSettings settings;
   settings.decimate = 4.0;
   TagDetector detector = detector_of(settings);
-  const T_CameraTag pose(Eigen::Quaterniond::Identity(), {0.65, 0.40, 1.0});
+  const tracker::T_CameraTag pose(Eigen::Quaterniond::Identity(), {0.65, 0.40, 1.0});
   const auto found = found_in(painted_tag(11, pose, far), &detector);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_NEAR(found[0].corners[0].x(), 4500 + 6000 * 0.59, 0.5);
@@ -133,8 +133,8 @@ TEST(TagDetector, refuses_wrong_settings_and_lists_the_families) {
   refusal([](DetectorSettings* s) { s->decimate = std::nan(""); });
   refusal([](DetectorSettings* s) { s->decimate = 0.5; });
   refusal([](DetectorSettings* s) { s->threads = 0; });
-  refusal([](DetectorSettings* s) { s->most_hamming = 3; });
+  refusal([](DetectorSettings* s) { s->max_hamming = 3; });
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tags

@@ -8,7 +8,7 @@
 #include "common/wand/folded_card.h"
 #include "drivers/simulated/camera/tag_painter.h"
 
-namespace cyclorama {
+namespace cyclorama::tags {
 namespace {
 
 const Pinhole kLens{640, 480, 600.0, 320.0, 240.0};
@@ -18,7 +18,7 @@ Pose pose_at(double x, double y, double z) { return {Eigen::Quaterniond::Identit
 
 GreyImage paint(const std::vector<std::pair<Wand, Pose>>& wands) {
   Image<float, 1> light(kLens.width_px, kLens.height_px, 100.0f);
-  for (const auto& [wand, pose] : wands) TagPainter(wand).paint({pose}, kLens, &light);
+  for (const auto& [wand, pose] : wands) simulated::TagPainter(wand).paint({pose}, kLens, &light);
   GreyImage grey(kLens.width_px, kLens.height_px);
   for (std::size_t i = 0; i < grey.data().size(); ++i) grey.data()[i] = static_cast<std::uint8_t>(light.data()[i]);
   return grey;
@@ -99,4 +99,4 @@ TEST(TagSearch, survives_pictures_of_any_size_in_any_order) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tags

@@ -5,14 +5,14 @@
 
 #include "tests/doubles/scripted_camera.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-std::shared_ptr<const Frame> frame(std::uint64_t sequence) {
-  auto made = std::make_shared<Frame>();
+std::shared_ptr<const camera::CameraFrame> frame(std::uint64_t sequence) {
+  auto made = std::make_shared<camera::CameraFrame>();
   made->pixels = GreyImage(2, 2);
   made->sequence = sequence;
   return made;
@@ -21,7 +21,7 @@ std::shared_ptr<const Frame> frame(std::uint64_t sequence) {
 Error gone() { return {ErrorCode::kUnavailable, "the cable is out"}; }
 
 /// The next picture, or null after ten seconds.
-std::shared_ptr<const Frame> take(Capture* capture) {
+std::shared_ptr<const camera::CameraFrame> take(Capture* capture) {
   return capture->frames().take_before(SteadyClock().now() + seconds(10)).value_or(nullptr);
 }
 
@@ -39,8 +39,8 @@ bool eventually(Condition condition) {
 TEST(Capture, hands_over_the_newest_picture_and_counts_what_nobody_took) {
   const SteadyClock clock;
   Capture capture(
-      []() -> Result<std::unique_ptr<Camera>> {
-        return std::unique_ptr<Camera>(
+      []() -> Result<std::unique_ptr<camera::Camera>> {
+        return std::unique_ptr<camera::Camera>(
             std::make_unique<ScriptedCamera>(std::deque<ScriptedCamera::Step>{frame(0), frame(1), frame(2)}));
       },
       clock);
@@ -57,17 +57,17 @@ TEST(Capture, makes_the_camera_again_whichever_call_fails) {
   int made = 0;  // Of the capture thread, until it has ended.
   {
     Capture capture(
-        [&]() -> Result<std::unique_ptr<Camera>> {
+        [&]() -> Result<std::unique_ptr<camera::Camera>> {
           using Steps = std::deque<ScriptedCamera::Step>;
           switch (made++) {
             case 0:
               return gone();
             case 1:
-              return std::unique_ptr<Camera>(std::make_unique<ScriptedCamera>(Steps{frame(1)}, gone()));
+              return std::unique_ptr<camera::Camera>(std::make_unique<ScriptedCamera>(Steps{frame(1)}, gone()));
             case 2:
-              return std::unique_ptr<Camera>(std::make_unique<ScriptedCamera>(Steps{gone()}));
+              return std::unique_ptr<camera::Camera>(std::make_unique<ScriptedCamera>(Steps{gone()}));
             default:
-              return std::unique_ptr<Camera>(std::make_unique<ScriptedCamera>(Steps{frame(3)}));
+              return std::unique_ptr<camera::Camera>(std::make_unique<ScriptedCamera>(Steps{frame(3)}));
           }
         },
         clock);
@@ -83,12 +83,12 @@ TEST(Capture, says_what_is_wrong_and_ends_in_the_middle_of_its_pause) {
   const SteadyClock clock;
   TimePoint began;
   {
-    Capture capture([]() -> Result<std::unique_ptr<Camera>> { return gone(); }, clock);
+    Capture capture([]() -> Result<std::unique_ptr<camera::Camera>> { return gone(); }, clock);
     ASSERT_TRUE(eventually([&] { return capture.problem() == "the cable is out"; }));
     began = clock.now();
   }
-  EXPECT_LT(clock.now() - began, Capture::kLongestPause);
+  EXPECT_LT(clock.now() - began, Capture::kMaxPause);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using Eigen::Quaterniond;
@@ -103,4 +103,4 @@ TEST(OneEuro, follows_a_steady_turn_with_a_steady_delay) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using std::chrono::milliseconds;
@@ -110,4 +110,4 @@ TEST(Choose, forgets_after_a_gap_and_survives_any_time) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

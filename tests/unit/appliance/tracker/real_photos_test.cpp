@@ -13,25 +13,25 @@
 #include "common/image/image_file.h"
 #include "tests/doubles/shared_data.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using Corners = std::array<Eigen::Vector2d, 4>;
 
-std::vector<TagDetection> found_in(const std::filesystem::path& photo, const DetectorSettings& settings) {
-  auto detector = TagDetector::create(settings);
+std::vector<tags::TagDetection> found_in(const std::filesystem::path& photo, const tags::DetectorSettings& settings) {
+  auto detector = tags::TagDetector::create(settings);
   const auto picture = read_grey_image(photo, kPhotoLimitPx);
   EXPECT_TRUE(detector.has_value() && picture.has_value()) << photo;
   if (!detector || !picture) return {};
   auto found = detector->detect(*picture);
-  return found ? *std::move(found) : std::vector<TagDetection>{};
+  return found ? *std::move(found) : std::vector<tags::TagDetection>{};
 }
 
 /// The largest distance of a corner from its place in `listed`, for the best detection of that id; infinite without
 /// one.
-double distance_px(const std::vector<TagDetection>& found, int id, const Corners& listed) {
+double distance_px(const std::vector<tags::TagDetection>& found, int id, const Corners& listed) {
   double best = std::numeric_limits<double>::infinity();
-  for (const TagDetection& tag : found) {
+  for (const tags::TagDetection& tag : found) {
     if (tag.id != id) continue;
     double worst = 0.0;
     for (std::size_t i = 0; i < 4; ++i) worst = std::max(worst, (tag.corners[i] - listed[i]).norm());
@@ -41,18 +41,18 @@ double distance_px(const std::vector<TagDetection>& found, int id, const Corners
 }
 
 /// Everything that reads every tag: no decimation, any margin, as many wrong bits as libapriltag's own program allows.
-DetectorSettings thorough() {
-  DetectorSettings settings;
+tags::DetectorSettings thorough() {
+  tags::DetectorSettings settings;
   settings.decimate = 1.0;
   settings.refine_corners = false;  // The lists have the library's own corners.
-  settings.most_hamming = 2;
-  settings.least_margin = 0.0;
+  settings.max_hamming = 2;
+  settings.min_margin = 0.0;
   return settings;
 }
 
 TEST(RealPhotos, every_tag_of_the_swarmathon_lists_is_found_where_it_is_listed) {
   CYCLORAMA_SHARED_DATA(folder, "apriltag/swarmathon");
-  DetectorSettings settings = thorough();
+  tags::DetectorSettings settings = thorough();
   settings.refine_edges = false;  // As the lists were made.
   int listed = 0;
   double largest = 0.0;
@@ -83,7 +83,7 @@ TEST(RealPhotos, every_tag_of_another_detector_s_output_is_found) {
   const auto expected = nlohmann::json::parse(std::ifstream(folder / "expected_libapriltag.json"));
   std::vector<double> distances;
   for (const auto& [name, image] : expected["images"].items()) {
-    DetectorSettings settings = thorough();
+    tags::DetectorSettings settings = thorough();
     settings.family = image["family"].get<std::string>();
     const auto found = found_in(folder / name, settings);
     for (const auto& tag : image["detections"]) {
@@ -136,4 +136,4 @@ TEST(RealPhotos, a_turned_tag_turns_by_what_the_turntable_says) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -10,7 +10,7 @@
 #include "appliance/tracker/tag_tracking.h"
 #include "drivers/simulated/camera/simulated_camera.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 struct Score {
@@ -23,9 +23,9 @@ struct Score {
 };
 
 /// Root mean squares over the pictures of `seconds`.
-Score score(const Simulation& simulation, const TrackingSettings& settings, double seconds) {
-  const SimulatedView view(simulation);
-  auto detector = TagDetector::create({});
+Score score(const simulated::Simulation& simulation, const TrackingSettings& settings, double seconds) {
+  const simulated::SimulatedView view(simulation);
+  auto detector = tags::TagDetector::create({});
   EXPECT_TRUE(detector.has_value());
   Score result;
   TrackingState state;
@@ -63,39 +63,39 @@ void print(const std::string& what, const Score& s) {
 }
 
 /// A hand that sways by ±18° and 10 cm around a distance.
-HandPath sway(double distance_m) {
-  std::vector<KeyPose> keys;
+simulated::HandPath sway(double distance_m) {
+  std::vector<simulated::KeyPose> keys;
   for (int i = 0; i < 4; ++i) {
     const double side = i % 2 == 0 ? 1.0 : -1.0;
     keys.push_back({1.5 * i, {0.05 * side, 0.02, distance_m}, 0.31 * side, 0.14, 0.02 * side});
   }
-  auto path = HandPath::make(std::move(keys), 6.0);
+  auto path = simulated::HandPath::make(std::move(keys), 6.0);
   EXPECT_TRUE(path.has_value());
   return *std::move(path);
 }
 
 struct Place {
   double distance_m;
-  double most_position_mm;
-  double most_yaw_deg;
+  double max_position_mm;
+  double max_yaw_deg;
 };
 class Distance : public testing::TestWithParam<Place> {};
 
 TEST_P(Distance, the_pose_of_a_swaying_tag_is_near_the_truth) {
-  Simulation simulation;
+  simulated::Simulation simulation;
   simulation.path = sway(GetParam().distance_m);
   simulation.frames_per_second = 15.0;
   const Score s = score(simulation, {}, 9.0);
   print("sway at " + std::to_string(GetParam().distance_m).substr(0, 3) + " m:", s);
   EXPECT_GE(s.found, s.pictures * 99 / 100);
-  EXPECT_LT(s.position_mm, GetParam().most_position_mm);
-  EXPECT_LT(s.yaw_deg, GetParam().most_yaw_deg);
+  EXPECT_LT(s.position_mm, GetParam().max_position_mm);
+  EXPECT_LT(s.yaw_deg, GetParam().max_yaw_deg);
 }
 INSTANTIATE_TEST_SUITE_P(All, Distance,
                          testing::Values(Place{0.6, 5.0, 0.9}, Place{1.0, 5.0, 0.9}, Place{2.0, 6.0, 1.0}));
 
 TEST(SimulatedAccuracy, the_whole_demo_is_tracked) {
-  Simulation simulation;
+  simulated::Simulation simulation;
   simulation.frames_per_second = 10.0;
   const Score s = score(simulation, {}, 28.0);
   print("demo:", s);
@@ -107,7 +107,7 @@ TEST(SimulatedAccuracy, the_whole_demo_is_tracked) {
 }
 
 TEST(SimulatedAccuracy, a_dim_noisy_and_blurred_picture_is_tracked_too) {
-  Simulation simulation;
+  simulated::Simulation simulation;
   simulation.frames_per_second = 15.0;
   simulation.noise_grey = 5.0;
   simulation.brightness = 0.5;
@@ -120,4 +120,4 @@ TEST(SimulatedAccuracy, a_dim_noisy_and_blurred_picture_is_tracked_too) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

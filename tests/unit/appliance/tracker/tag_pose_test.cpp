@@ -11,7 +11,7 @@ extern "C" {
 #include <limits>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using Corners = std::array<Eigen::Vector2d, 4>;
@@ -159,4 +159,4 @@ TEST(EstimatePoses, answers_any_quadrilateral_with_finite_numbers_or_nothing) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

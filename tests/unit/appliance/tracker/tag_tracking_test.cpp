@@ -10,7 +10,7 @@
 #include "appliance/tracker/tag_pose.h"
 #include "common/wand/folded_card.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using std::chrono::milliseconds;
@@ -18,8 +18,8 @@ using std::chrono::milliseconds;
 const Pinhole kLens = Pinhole::from_field_of_view(640, 480, 1.0472);
 const TimePoint kStart(std::chrono::seconds(1000));
 
-TagDetection tag(int id, double x_m, double z_m) {
-  TagDetection detection{id, 0, 80.0, {}};
+tags::TagDetection tag(int id, double x_m, double z_m) {
+  tags::TagDetection detection{id, 0, 80.0, {}};
   for (std::size_t i = 0; i < 4; ++i) {
     detection.corners[i] = *kLens.pixel_of(corners_of_tag(0.12)[i] + Eigen::Vector3d(x_m, 0.0, z_m));
   }
@@ -38,7 +38,7 @@ std::optional<int> id_of(const TrackingResult& result) {
 }
 
 TEST(Track, gives_the_pose_of_the_tag_in_the_picture) {
-  const std::vector<TagDetection> seen{tag(4, 0.2, 0.9)};
+  const std::vector<tags::TagDetection> seen{tag(4, 0.2, 0.9)};
   const auto result = track(flat(), {}, seen, kLens, kStart);
   ASSERT_TRUE(result.tag.has_value());
   EXPECT_LT((result.tag->T_camera_tag.translation() - Eigen::Vector3d(0.2, 0.0, 0.9)).norm(), 1e-4);
@@ -46,16 +46,16 @@ TEST(Track, gives_the_pose_of_the_tag_in_the_picture) {
 }
 
 TEST(Track, stays_with_its_tag_when_a_larger_one_comes) {
-  const std::vector<TagDetection> first{tag(4, 0.2, 0.9)};
-  const std::vector<TagDetection> both{tag(9, -0.2, 0.5), tag(4, 0.2, 0.9)};
+  const std::vector<tags::TagDetection> first{tag(4, 0.2, 0.9)};
+  const std::vector<tags::TagDetection> both{tag(9, -0.2, 0.5), tag(4, 0.2, 0.9)};
   const auto before = track(flat(), {}, first, kLens, kStart);
   EXPECT_EQ(id_of(track(flat(), before.state, both, kLens, kStart + milliseconds(33))), 4);
   EXPECT_EQ(id_of(track(flat(), {}, both, kLens, kStart)), 9);
 }
 
 TEST(Track, takes_another_tag_only_once_its_own_was_lost_for_a_while) {
-  const std::vector<TagDetection> own{tag(4, 0.2, 0.9)};
-  const std::vector<TagDetection> other{tag(9, -0.2, 0.5)};
+  const std::vector<tags::TagDetection> own{tag(4, 0.2, 0.9)};
+  const std::vector<tags::TagDetection> other{tag(9, -0.2, 0.5)};
   const auto before = track(flat(), {}, own, kLens, kStart);
   const auto soon = track(flat(), before.state, other, kLens, kStart + milliseconds(100));
   EXPECT_EQ(id_of(soon), std::nullopt);
@@ -68,17 +68,17 @@ TEST(Track, takes_another_tag_only_once_its_own_was_lost_for_a_while) {
 TEST(Track, sees_no_tag_but_the_one_that_it_was_told) {
   TrackingSettings settings = flat();
   settings.patterns.only = 4;
-  const std::vector<TagDetection> other{tag(9, -0.2, 0.5)};
-  const std::vector<TagDetection> both{tag(9, -0.2, 0.5), tag(4, 0.2, 0.9)};
+  const std::vector<tags::TagDetection> other{tag(9, -0.2, 0.5)};
+  const std::vector<tags::TagDetection> both{tag(9, -0.2, 0.5), tag(4, 0.2, 0.9)};
   EXPECT_EQ(id_of(track(settings, {}, other, kLens, kStart)), std::nullopt);
   EXPECT_EQ(id_of(track(settings, {}, both, kLens, kStart)), 4);
 }
 
 TEST(Track, leaves_its_state_alone_when_the_corners_are_impossible) {
-  TagDetection broken = tag(4, 0.2, 0.9);
+  tags::TagDetection broken = tag(4, 0.2, 0.9);
   broken.corners[1].x() = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<TagDetection> first{tag(4, 0.2, 0.9)};
-  const std::vector<TagDetection> bad{broken};
+  const std::vector<tags::TagDetection> first{tag(4, 0.2, 0.9)};
+  const std::vector<tags::TagDetection> bad{broken};
   const auto before = track(flat(), {}, first, kLens, kStart);
   const auto result = track(flat(), before.state, bad, kLens, kStart + milliseconds(33));
   EXPECT_FALSE(result.tag.has_value());
@@ -86,19 +86,19 @@ TEST(Track, leaves_its_state_alone_when_the_corners_are_impossible) {
 }
 
 TEST(Track, answers_a_repeated_time_with_the_same_pose) {
-  const std::vector<TagDetection> first{tag(4, 0.2, 0.9)};
-  const std::vector<TagDetection> moved{tag(4, 0.0, 0.9)};
+  const std::vector<tags::TagDetection> first{tag(4, 0.2, 0.9)};
+  const std::vector<tags::TagDetection> moved{tag(4, 0.0, 0.9)};
   const auto before = track(flat(), {}, first, kLens, kStart);
   const auto again = track(flat(), before.state, moved, kLens, kStart);
   ASSERT_TRUE(again.tag.has_value());
   EXPECT_EQ(again.tag->T_camera_tag.translation(), before.tag->T_camera_tag.translation());
 }
 
-std::vector<TagDetection> wand_at(int number, const Eigen::Vector3d& place) {
-  std::vector<TagDetection> seen;
+std::vector<tags::TagDetection> wand_at(int number, const Eigen::Vector3d& position) {
+  std::vector<tags::TagDetection> seen;
   for (const WandTag& tag : standard_wand(number).tags) {
-    TagDetection detection{tag.id, 0, 80.0, {}};
-    for (std::size_t i = 0; i < 4; ++i) detection.corners[i] = *kLens.pixel_of(tag.corners[i] + place);
+    tags::TagDetection detection{tag.id, 0, 80.0, {}};
+    for (std::size_t i = 0; i < 4; ++i) detection.corners[i] = *kLens.pixel_of(tag.corners[i] + position);
     seen.push_back(detection);
   }
   return seen;
@@ -135,11 +135,11 @@ TEST(Track, does_not_mix_two_cards_of_one_number) {
 }
 
 /// The middle tag of a wand alone, small and turned by `yaw_deg`, its corners off by a quarter of a pixel at most.
-std::vector<TagDetection> lone_tag_at(double yaw_deg, unsigned picture) {
+std::vector<tags::TagDetection> lone_tag_at(double yaw_deg, unsigned picture) {
   std::mt19937 random(picture);
   std::uniform_real_distribution<double> off(-0.25, 0.25);
   const WandTag tag = standard_wand(0).tags[1];
-  TagDetection detection{tag.id, 0, 80.0, {}};
+  tags::TagDetection detection{tag.id, 0, 80.0, {}};
   const Eigen::AngleAxisd turned(yaw_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitY());
   for (std::size_t i = 0; i < 4; ++i) {
     detection.corners[i] = *kLens.pixel_of(turned * tag.corners[i] + Eigen::Vector3d(0.0, 0.0, 2.5)) +
@@ -183,4 +183,4 @@ TEST(Track, knows_measured_wands_and_no_others) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -11,7 +11,7 @@
 #include "appliance/calibration/camera_file.h"
 #include "common/wand/folded_card.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using testing::HasSubstr;
@@ -35,11 +35,15 @@ TEST(TrackerSettings, has_the_demo_s_values_when_nothing_is_said) {
 TEST(TrackerSettings, looks_through_a_calibrated_lens) {
   const auto folder = std::filesystem::temp_directory_path() / ("tracker-lens-" + std::to_string(getpid()));
   std::filesystem::create_directory(folder);
-  CameraFile camera{
-      "a camera", "2026-01-01T00-00-00Z", MeasuredLens::from_focal(1280, 960, 1100.0), LensRung::kRadial1, 12, 0.1,
-      0.1};
-  camera.lens.values[MeasuredLens::kK1] = -0.1;
-  std::ofstream(folder / "camera.json") << camera_json(camera);
+  calibration::CameraFile camera{"a camera",
+                                 "2026-01-01T00-00-00Z",
+                                 calibration::MeasuredLens::from_focal(1280, 960, 1100.0),
+                                 calibration::LensModel::kRadial1,
+                                 12,
+                                 0.1,
+                                 0.1};
+  camera.lens.values[calibration::MeasuredLens::kK1] = -0.1;
+  std::ofstream(folder / "camera.json") << calibration::camera_json(camera);
   std::ofstream(folder / "tracker.toml") << "[camera]\nlens = \"camera.json\"\n";
   const auto settings = TrackerSettings::read(folder / "tracker.toml");
   std::ofstream(folder / "tracker.toml") << "[camera]\nlens = \"other.json\"\n";
@@ -74,8 +78,8 @@ TEST(TrackerSettings, reads_every_key) {
     tiles = false
     refine_edges = false
     refine_corners = false
-    most_hamming = 1
-    least_margin_grey = 33
+    max_hamming = 1
+    min_margin_grey = 33
     [filter]
     position_cutoff_hz = 3
     position_cutoff_hz_per_m_s = 4
@@ -96,11 +100,11 @@ TEST(TrackerSettings, reads_every_key) {
   EXPECT_FALSE(settings->detector.tiles);
   EXPECT_FALSE(settings->detector.refine_edges);
   EXPECT_FALSE(settings->detector.refine_corners);
-  EXPECT_EQ(settings->detector.most_hamming, 1);
-  EXPECT_EQ(settings->detector.least_margin, 33.0);
-  EXPECT_EQ(settings->tracking.position.least_cutoff_hz, 3.0);
+  EXPECT_EQ(settings->detector.max_hamming, 1);
+  EXPECT_EQ(settings->detector.min_margin, 33.0);
+  EXPECT_EQ(settings->tracking.position.min_cutoff_hz, 3.0);
   EXPECT_EQ(settings->tracking.position.cutoff_per_speed, 4.0);
-  EXPECT_EQ(settings->tracking.rotation.least_cutoff_hz, 5.0);
+  EXPECT_EQ(settings->tracking.rotation.min_cutoff_hz, 5.0);
   EXPECT_EQ(settings->tracking.rotation.cutoff_per_speed, 6.0);
   EXPECT_EQ(settings->tracking.corner_floor_px, 0.3);
   EXPECT_EQ(settings->tracking.chooser.memory_s, 2.0);
@@ -133,16 +137,16 @@ TEST(TrackerSettings, reads_by_what_visitors_steer) {
   const auto body = TrackerSettings::parse(R"(
     steer_by = "body"
     [body]
-    stand_m = 2.5
-    reach_m = 1.1
+    mark_distance_m = 2.5
+    follow_radius_m = 1.1
     begin_within_m = 0.4
     cells_across = 200
   )",
                                            "tracker.toml");
   ASSERT_TRUE(body.has_value()) << body.error().message();
   EXPECT_EQ(body->steer_by, SteerBy::kBody);
-  EXPECT_EQ(body->body.stand_m, 2.5);
-  EXPECT_EQ(body->body.reach_m, 1.1);
+  EXPECT_EQ(body->body.mark_distance_m, 2.5);
+  EXPECT_EQ(body->body.follow_radius_m, 1.1);
   EXPECT_EQ(body->body.begin_within_m, 0.4);
   EXPECT_EQ(body->background.cells_across, 200);
   EXPECT_THAT(mistake_in("steer_by = \"mind\"\n"), HasSubstr("tracker.toml:1"));
@@ -186,4 +190,4 @@ TEST(TrackerSettings, refuses_a_camera_that_is_named_twice_or_not_at_all) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -16,7 +16,7 @@
 #include "common/wire/museum.grpc.pb.h"
 #include "tests/doubles/visitor_stories.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using std::chrono::milliseconds;
@@ -211,4 +211,4 @@ TEST_F(TrackerTest, shows_its_picture_only_to_those_who_watch) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -10,7 +10,7 @@
 
 #include "common/wand/folded_card.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using Eigen::Vector3d;
@@ -26,13 +26,13 @@ T_CameraTag pose_at(double yaw_deg, double z_m) {
 }
 
 /// The tags of `wand` that face the camera, where the pose puts them.
-std::vector<TagDetection> seen_of(const Wand& wand, const T_CameraTag& pose) {
-  std::vector<TagDetection> seen;
+std::vector<tags::TagDetection> seen_of(const Wand& wand, const T_CameraTag& pose) {
+  std::vector<tags::TagDetection> seen;
   for (const WandTag& tag : wand.tags) {
     const auto face = face_of(tag);
     const Vector3d into = pose.rotation() * (face.rotation() * Vector3d::UnitZ());
     if (into.dot((pose * Point<frame::Tag>{face.translation()}).xyz.normalized()) < 0.2) continue;
-    TagDetection detection{tag.id, 0, 80.0, {}};
+    tags::TagDetection detection{tag.id, 0, 80.0, {}};
     for (std::size_t i = 0; i < 4; ++i)
       detection.corners[i] = *kLens.pixel_of((pose * Point<frame::Tag>{tag.corners[i]}).xyz);
     seen.push_back(detection);
@@ -40,9 +40,9 @@ std::vector<TagDetection> seen_of(const Wand& wand, const T_CameraTag& pose) {
   return seen;
 }
 
-void shake(double deviation_px, std::mt19937* random, std::vector<TagDetection>* seen) {
+void shake(double deviation_px, std::mt19937* random, std::vector<tags::TagDetection>* seen) {
   std::normal_distribution<double> normal(0.0, deviation_px);
-  for (TagDetection& tag : *seen) {
+  for (tags::TagDetection& tag : *seen) {
     for (std::size_t i = 0; i < 4; ++i) {
       tag.corners[i] += Eigen::Vector2d(normal(*random), normal(*random));
       tag.covariance[i] = deviation_px * deviation_px * Eigen::Matrix2d::Identity();
@@ -137,7 +137,7 @@ TEST(WandPose, takes_a_tag_that_is_not_seen_as_a_sign_against_a_pose_that_would_
   int right_alone = 0;
   for (int i = 0; i < 100; ++i) {
     auto seen = seen_of(wand, truth);
-    std::erase_if(seen, [](const TagDetection& tag) { return tag.id != 0; });
+    std::erase_if(seen, [](const tags::TagDetection& tag) { return tag.id != 0; });
     ASSERT_EQ(seen.size(), 1U);
     shake(0.3, &random, &seen);
     const auto poses = estimate_wand_poses(wand, seen, kFloorPx, kLens);
@@ -160,7 +160,7 @@ TEST(WandPose, is_nothing_or_finite_whatever_the_corners_are) {
   int found = 0;
   for (int i = 0; i < 3000; ++i) {
     auto seen = seen_of(wand, pose_at(0.0, 1.0));
-    for (TagDetection& tag : seen) {
+    for (tags::TagDetection& tag : seen) {
       for (Eigen::Vector2d& corner : tag.corners) {
         if (i % 3 == 0) corner = {any(random), any(random)};
         if (i % 3 == 1) corner += Eigen::Vector2d(0.01 * any(random), 0.0);
@@ -183,10 +183,10 @@ TEST(WandPose, is_nothing_or_finite_whatever_the_corners_are) {
 }
 
 TEST(FitPose, refuses_points_that_determine_no_pose) {
-  const auto points = [](std::initializer_list<Vector3d> places) {
+  const auto points = [](std::initializer_list<Vector3d> positions) {
     std::vector<SeenPoint> seen;
-    for (const Vector3d& place : places)
-      seen.push_back({place, *kLens.pixel_of(place + Vector3d(0, 0, 1)), Eigen::Matrix2d::Identity()});
+    for (const Vector3d& position : positions)
+      seen.push_back({position, *kLens.pixel_of(position + Vector3d(0, 0, 1)), Eigen::Matrix2d::Identity()});
     return seen;
   };
   const T_CameraTag start(Eigen::Quaterniond::Identity(), {0, 0, 1});
@@ -209,4 +209,4 @@ TEST(MixedCovariance, is_wide_where_either_may_be_right) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -9,7 +9,7 @@
 
 #include "tests/doubles/demo_room.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
 /// The factor between four pixel centres; nothing where one of them is outside the picture.
@@ -112,4 +112,4 @@ TEST(DemoRoom, is_lit_everywhere_by_pictures_that_overlap_by_a_sixth) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

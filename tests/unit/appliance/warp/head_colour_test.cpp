@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
 TEST(ResponseCurve, undoes_the_device) {
@@ -51,7 +51,7 @@ TEST(HeadColour, turns_primaries_and_adds_black_before_it_clips) {
   HeadColour colour;
   colour.matrix = Eigen::Matrix3d{{1.0, -0.5, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.5, 0.5}};
   colour.black = {0.0, 0.1, 0.2};
-  colour.lift = LiftImage(1, 1, 0.5f);
+  colour.black_lift = BlackLiftImage(1, 1, 0.5f);
   const Eigen::Vector3d light = shone_light(colour, {0.2, 0.6, 0.4}, 0.5);
   EXPECT_NEAR(light[0], -0.1, 1e-9);
   EXPECT_NEAR(light[1], 0.65, 1e-9);
@@ -60,4 +60,4 @@ TEST(HeadColour, turns_primaries_and_adds_black_before_it_clips) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

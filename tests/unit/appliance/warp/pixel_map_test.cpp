@@ -6,7 +6,7 @@
 #include "appliance/warp/blend_mask.h"
 #include "tests/doubles/demo_room.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
 TEST(PixelMap, is_the_exact_map_at_every_pixel) {
@@ -71,4 +71,4 @@ TEST(Warp, lies_nowhere_where_its_map_is_not_a_number) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

@@ -16,7 +16,7 @@
 #include "tests/doubles/mesh_area.h"
 #include "tests/doubles/warped_picture.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
 class ScreenWarp : public ::testing::TestWithParam<const char*> {
@@ -28,7 +28,8 @@ class ScreenWarp : public ::testing::TestWithParam<const char*> {
     // Half as many pixels each way are looked at four times as quickly.
     for (InstalledProjector& projector : read->projectors) {
       Pinhole& lens = projector.lens;
-      lens = {lens.width_px / 2, lens.height_px / 2, 0.5 * lens.focal_px, 0.5 * lens.centre_u_px, 0.5 * lens.centre_v_px};
+      lens = {lens.width_px / 2, lens.height_px / 2, 0.5 * lens.focal_px, 0.5 * lens.centre_u_px,
+              0.5 * lens.centre_v_px};
     }
     return *std::move(read);
   }
@@ -125,7 +126,7 @@ TEST_P(ScreenWarp, the_wall_shows_what_the_eye_is_to_see_when_the_visitor_has_tu
         }
       }
     }
-    const RoomPicture photographer(room, RoomEye::behind_visitor(room, 16, 9));
+    const simulated::RoomPicture photographer(room, simulated::RoomEye::behind_visitor(room, 16, 9));
     const Eigen::AngleAxisd turned_right(-turn, Eigen::Vector3d::UnitY());
     double worst = 0.0;
     double mean = 0.0;
@@ -140,9 +141,10 @@ TEST_P(ScreenWarp, the_wall_shows_what_the_eye_is_to_see_when_the_visitor_has_tu
         ++count;
       }
     }
-    std::printf("%s, turned by %.1f: light off by %.4f at most, %.4f on average\n", GetParam(), turn, worst, mean / count);
+    std::printf("%s, turned by %.1f: light off by %.4f at most, %.4f on average\n", GetParam(), turn, worst,
+                mean / count);
     EXPECT_LT(mean / count, 0.003);  // A code value is 0.0067 there.
-    EXPECT_LT(worst, 0.04);  // With half the pixels, a steep ramp at the dome's rim is off by .033.
+    EXPECT_LT(worst, 0.04);          // With half the pixels, a steep ramp at the dome's rim is off by .033.
   }
 }
 
@@ -151,13 +153,13 @@ INSTANTIATE_TEST_SUITE_P(Demo, ScreenWarp, ::testing::Values("plane", "corner", 
 
 TEST(ScreenBlend, what_is_in_the_shade_of_a_pillar_is_lit_by_the_other_projector_alone) {
   Installation room;
-  room.wall = PlanesWall{{WallRectangle::above({-3, -3}, {3, -3}, 0.0, 3.0),
-                          WallRectangle::above({-0.5, -1.5}, {0.5, -1.5}, 0.0, 3.0)}};
+  room.wall = PlanesWall{
+      {WallRectangle::above({-3, -3}, {3, -3}, 0.0, 3.0), WallRectangle::above({-0.5, -1.5}, {0.5, -1.5}, 0.0, 3.0)}};
   room.sweet_spot = {Eigen::Vector3d(0, 1.6, 1)};
   const Eigen::Quaterniond ahead(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
   for (const double x : {-2.0, 2.0}) {
-    room.projectors.push_back({x < 0 ? "left" : "right", Pinhole::from_field_of_view(320, 240, 2.0),
-                               {ahead, Eigen::Vector3d(x, 1.5, 0)}});
+    room.projectors.push_back(
+        {x < 0 ? "left" : "right", Pinhole::from_field_of_view(320, 240, 2.0), {ahead, Eigen::Vector3d(x, 1.5, 0)}});
   }
   const std::vector<ProjectorMap> maps = projector_maps(room);
   // From the left projector the pillar hides what is to the right behind it.
@@ -170,4 +172,4 @@ TEST(ScreenBlend, what_is_in_the_shade_of_a_pillar_is_lit_by_the_other_projector
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

@@ -12,7 +12,7 @@
 #include "tests/doubles/demo_room.h"
 #include "tests/doubles/mesh_area.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -24,17 +24,17 @@ Installation random_room(std::mt19937* random) {
   const CylinderWall wall{between(2.0, 6.0), between(1.0, 6.28), between(-1.0, 0.5),
                           between(2.0, 4.0), between(-1.0, 1.0), between(-1.0, 1.0)};
   room.wall = wall;
-  room.sweet_spot = {Eigen::Vector3d(between(-0.5, 0.5) + wall.centre_x_m, between(1.0, 2.0),
-                                     between(-0.5, 0.5) + wall.centre_z_m)};
+  room.sweet_spot = {
+      Eigen::Vector3d(between(-0.5, 0.5) + wall.centre_x_m, between(1.0, 2.0), between(-0.5, 0.5) + wall.centre_z_m)};
   room.projectors.resize(1);
   room.projectors[0].lens = Pinhole::from_field_of_view(320, 200, between(0.4, 1.4));
   room.projectors[0].lens.centre_v_px += between(-80.0, 80.0);
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(between(-3.1, 3.1), Eigen::Vector3d::UnitY()) *
                                   Eigen::AngleAxisd(std::numbers::pi + between(-0.2, 0.2), Eigen::Vector3d::UnitX()) *
                                   Eigen::AngleAxisd(between(-0.2, 0.2), Eigen::Vector3d::UnitZ()));
-  const Eigen::Vector3d place(wall.centre_x_m + between(-0.8, 0.8), between(0.5, 3.0),
-                              wall.centre_z_m + between(-0.8, 0.8));
-  room.projectors[0].T_room_projector = {turned, place};
+  const Eigen::Vector3d position(wall.centre_x_m + between(-0.8, 0.8), between(0.5, 3.0),
+                                 wall.centre_z_m + between(-0.8, 0.8));
+  room.projectors[0].T_room_projector = {turned, position};
   return room;
 }
 
@@ -164,4 +164,4 @@ TEST(WarpMesh, holds_its_tolerance_in_random_rooms_or_says_that_none_does) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

@@ -6,7 +6,7 @@
 #include "appliance/warp/warp_mesh.h"
 #include "tests/doubles/demo_room.h"
 
-namespace cyclorama {
+namespace cyclorama::warp {
 namespace {
 
 /// Wherever the projector meets the wall, in the picture's pixels.
@@ -84,4 +84,4 @@ TEST(WarpPatches, refuse_what_they_cannot_hold) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::warp

@@ -15,7 +15,7 @@
 #include "tests/bench/balance/record_command.h"
 #include "tests/bench/balance/replay_command.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 using testing::HasSubstr;
@@ -38,7 +38,7 @@ class BalanceCommands : public testing::Test {
                               add_figure9_command(&program)};
     std::ranges::reverse(line);  // CLI11 takes them from the back.
     program.parse(line);
-    for (const RenderCommand& command : commands) {
+    for (const tools::RenderCommand& command : commands) {
       if (command.parser->parsed()) return command.run(StopSignal());
     }
     return Error(ErrorCode::kInvalidArgument, "no command");
@@ -108,4 +108,4 @@ TEST_F(BalanceCommands, say_what_is_wrong) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

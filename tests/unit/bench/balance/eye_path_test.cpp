@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
-SceneInfo scene() {
-  SceneInfo info;
+scene::SceneInfo scene() {
+  scene::SceneInfo info;
   info.start_eye = {0.0, 1.6, 2.0};
   info.stops = {{"left", {-1.0, 1.6, 2.0}, -0.5}, {"back", {-1.0, 1.6, 1.0}, std::numbers::pi}};
   return info;
@@ -51,10 +51,10 @@ TEST(EyePath, walks_to_every_stop_in_small_steps) {
 }
 
 TEST(EyePath, stands_where_there_is_nowhere_to_go) {
-  SceneInfo info = scene();
+  scene::SceneInfo info = scene();
   info.stops.clear();
   for (const EyePose& pose : walk(info, {.frames = 5})) EXPECT_EQ(pose.eye, info.start_eye);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <functional>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 constexpr PictureSize kSize{960, 540};
@@ -93,7 +93,7 @@ TEST(Replay, has_an_oracle_that_nobody_surpasses_by_much) {
 /// Returns the worst ratio of a frame's time to the best time with fewer nodes.
 double worst_step(double node_overhead_seconds, bool stealing) {
   const std::vector<RecordedFrame> frames(3, frame(relic));
-  double least = 1e9;
+  double min = 1e9;
   double worst = 0.0;
   for (std::size_t nodes = 1; nodes <= 80; ++nodes) {
     SimulatedFarm farm = farm_of(nodes);
@@ -102,8 +102,8 @@ double worst_step(double node_overhead_seconds, bool stealing) {
     const auto replayed_frames =
         replay(frames, {.farm = farm}, [] { return make_balancer(BalanceStrategy::kCostMapStealing); });
     const double seconds = replayed_frames.back().seconds;
-    worst = std::max(worst, seconds / least);
-    least = std::min(least, seconds);
+    worst = std::max(worst, seconds / min);
+    min = std::min(min, seconds);
   }
   return worst;
 }
@@ -161,4 +161,4 @@ TEST(Replay, says_the_same_every_time) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

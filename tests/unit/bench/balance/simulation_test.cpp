@@ -5,7 +5,7 @@
 
 #include "tests/bench/balance/replay.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 /// One cell per entry, side by side.
@@ -81,4 +81,4 @@ TEST(Simulation, knows_what_small_tiles_cost) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

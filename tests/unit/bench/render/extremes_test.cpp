@@ -9,7 +9,7 @@
 #include "tests/bench/render/extremes/ray_sweep.h"
 #include "tests/bench/render/extremes/same_picture.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 void expect_all_hold(const std::vector<PictureCase>& cases) {
@@ -34,7 +34,7 @@ TEST(Extremes, a_black_pixel_and_one_that_is_no_number_are_found) {
   const auto verdict_of = [](float albedo) {
     const PictureCase dark{"dark", [albedo](const std::filesystem::path&) -> Result<ExtremePicture> {
                              ExtremePicture picture{open_ground(), view_around({0.0, 1.0, 2.0})};
-                             picture.scene.sky = Sky{};
+                             picture.scene.sky = scene::Sky{};
                              picture.scene.ambient.setConstant(albedo);
                              return picture;
                            }};
@@ -60,7 +60,7 @@ TEST(Extremes, a_closed_sphere_far_from_the_frames_origin_does_not_leak) {
   constexpr int kRays = 50'000;
   const auto leaks = count_leaks({148376.0, 1234.0, -223423.0}, kRays);
   ASSERT_TRUE(leaks.has_value());
-  EXPECT_LE(static_cast<double>(leaks->leaks), kMostLeaks * kRays);
+  EXPECT_LE(static_cast<double>(leaks->leaks), kMaxLeakFraction * kRays);
   EXPECT_EQ(leaks->self_hits, 0u);
 }
 
@@ -76,4 +76,4 @@ TEST(Extremes, rays_do_not_meet_the_triangle_that_they_start_from) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -11,7 +11,7 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 class GovernedCommand : public testing::Test {
@@ -26,7 +26,7 @@ class GovernedCommand : public testing::Test {
 
   Status governed(std::vector<std::string> options) {
     CLI::App program;
-    const RenderCommand command = add_governed_command(&program);
+    const tools::RenderCommand command = add_governed_command(&program);
     options.insert(options.begin(), {"governed", (folder_ / "roof.obj").string(), "--size", "32x16", "--threads", "1",
                                      "--frames", "30", "--reference-samples", "64", "--json", json()});
     std::ranges::reverse(options);  // CLI11 takes them from the back.
@@ -66,4 +66,4 @@ TEST_F(GovernedCommand, takes_the_front_that_it_is_given_or_says_why_not) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 RgbImage rings(int width, int height) {
@@ -55,4 +55,4 @@ TEST(JpegCurve, a_picture_below_the_smallest_tile_is_refused) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -10,9 +10,9 @@
 
 #include "common/base/file.h"
 #include "common/image/pfm.h"
-#include "renderfarm/governor/front_file.h"
+#include "renderfarm/governor/pareto_front_file.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 using testing::HasSubstr;
@@ -29,7 +29,7 @@ class TradeCommand : public testing::Test {
 
   Status trade(const std::vector<std::string>& options) {
     CLI::App program;
-    const RenderCommand command = add_trade_command(&program);
+    const tools::RenderCommand command = add_trade_command(&program);
     std::vector<std::string> arguments = options;
     for (const std::string& more :
          {(folder_ / "out").string(), std::string("--out"), (folder_ / "roof.obj").string(), std::string("trade")}) {
@@ -50,7 +50,7 @@ TEST_F(TradeCommand, leaves_a_table_a_plot_and_a_front_that_the_governor_reads) 
   ASSERT_TRUE(status) << status.error().message();
   EXPECT_GT(std::ranges::count(text("trade.csv"), '\n'), 20);
   EXPECT_THAT(text("trade.svg"), HasSubstr("roof.obj, 32x16"));
-  const auto front = read_front(folder_ / "out/front.toml");
+  const auto front = governor::read_pareto_front(folder_ / "out/front.toml");
   ASSERT_TRUE(front) << front.error().message();
   EXPECT_THAT(text("reference.txt"), HasSubstr("8 samples"));
 }
@@ -93,4 +93,4 @@ TEST_F(TradeCommand, makes_a_reference_anew_that_is_cut_missing_or_of_another_si
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

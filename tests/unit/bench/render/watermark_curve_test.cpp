@@ -7,7 +7,7 @@
 
 #include "common/image/watermark_detector.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 RgbImage waves(int width, int height) {
@@ -47,4 +47,4 @@ TEST(WatermarkCurve, costs_and_gives_more_with_every_step_of_strength) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

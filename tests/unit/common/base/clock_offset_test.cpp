@@ -13,8 +13,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
-constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+constexpr std::int64_t kMinTime = std::numeric_limits<std::int64_t>::min();
+constexpr std::int64_t kMaxTime = std::numeric_limits<std::int64_t>::max();
 
 /// Their clock: `ahead` of ours at our time 1000 s, and faster by `ppm`.
 struct Peer {
@@ -127,9 +127,9 @@ TEST(ClockOffset, leaves_out_what_makes_no_sense) {
   const TimePoint heard(1001s);
   ClockOffset offset;
   EXPECT_FALSE(offset.add({asked, 5, 4, heard})) << "answered before it was received";
-  EXPECT_FALSE(offset.add({asked, kMost, kLeast + 10, asked - 1ns})) << "heard before it was asked";
+  EXPECT_FALSE(offset.add({asked, kMaxTime, kMinTime + 10, asked - 1ns})) << "heard before it was asked";
   EXPECT_FALSE(offset.add({asked, 0, 2'000'000'000, heard})) << "held longer than it was away";
-  EXPECT_FALSE(offset.add({asked, kLeast, kMost, heard}));
+  EXPECT_FALSE(offset.add({asked, kMinTime, kMaxTime, heard}));
   EXPECT_FALSE(offset.add({asked, 0, 0, asked + 3s})) << "too long away to tell anything";
   EXPECT_EQ(offset.count(), 0U);
   EXPECT_FALSE(offset.reading(heard).is_known);
@@ -139,11 +139,11 @@ TEST(ClockOffset, wraps_around_with_their_clock) {
   const TimePoint asked(1000s);
   ClockOffset offset;
   // Received just before their count overflows, answered after it.
-  ASSERT_TRUE(offset.add({asked, kMost - 9, kLeast + 10, asked + 20ns}));
+  ASSERT_TRUE(offset.add({asked, kMaxTime - 9, kMinTime + 10, asked + 20ns}));
   const ClockReading reading = offset.reading(asked + 20ns);
-  EXPECT_EQ(reading.at(asked + 20ns), kLeast + 10);
-  EXPECT_EQ(reading.at(asked), kMost - 9);
-  for (const std::int64_t theirs : {kLeast, kMost, std::int64_t{0}, std::int64_t{-1}}) {
+  EXPECT_EQ(reading.at(asked + 20ns), kMinTime + 10);
+  EXPECT_EQ(reading.at(asked), kMaxTime - 9);
+  for (const std::int64_t theirs : {kMinTime, kMaxTime, std::int64_t{0}, std::int64_t{-1}}) {
     offset.reset();
     ASSERT_TRUE(offset.add({asked, theirs, theirs, asked}));
     EXPECT_EQ(offset.reading(asked).at(asked), theirs);

@@ -113,7 +113,7 @@ TEST(HoursOverride, never_outlives_its_end) {
     ++made;
     ASSERT_TRUE(said->holds(now));
     ASSERT_GT(said->until, now);
-    ASSERT_LE(said->until - said->set_at, kLongestOverride);
+    ASSERT_LE(said->until - said->set_at, kMaxOverrideDuration);
     const auto kept = parse_hours_override(to_text(*said));
     ASSERT_TRUE(kept) << to_text(*said);
     ASSERT_EQ(*kept, *said);

@@ -88,7 +88,8 @@ TEST(MeshWall, of_many_faces_is_nearly_the_wall_that_it_was_made_of) {
 
 TEST(MeshWall, only_edges_that_are_seen_are_creases) {
   EXPECT_TRUE(MeshWall::read(kSquare)->creases().empty());  // Its diagonal and its rim.
-  const auto folded = MeshWall::read("v -1 0 0\nv 0 0 -1\nv 1 0 0\nv -1 2 0\nv 0 2 -1\nv 1 2 0\nf 1 2 5 4\nf 2 3 6 5\n");
+  const auto folded =
+      MeshWall::read("v -1 0 0\nv 0 0 -1\nv 1 0 0\nv -1 2 0\nv 0 2 -1\nv 1 2 0\nf 1 2 5 4\nf 2 3 6 5\n");
   ASSERT_TRUE(folded);
   ASSERT_EQ(folded->creases().size(), 1u);
   EXPECT_EQ(folded->creases()[0].from.xyz.x(), 0.0);
@@ -99,18 +100,19 @@ TEST(TriangleTree, finds_what_a_look_at_every_triangle_finds) {
   std::mt19937 random(8);
   std::normal_distribution<double> normal;
   const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };
-  std::vector<CornerPlaces> triangles;
+  std::vector<TriangleCorners> triangles;
   for (int i = 0; i < 700; ++i) {
     const Eigen::Vector3d middle = 3.0 * vector();
     triangles.push_back({middle + 0.4 * vector(), middle + 0.4 * vector(), middle + 0.4 * vector()});
   }
   const TriangleTree tree(triangles);
   std::vector<TriangleTree> alone;
-  for (const CornerPlaces& t : triangles) alone.emplace_back(std::vector{t});
+  for (const TriangleCorners& t : triangles) alone.emplace_back(std::vector{t});
   int hits = 0;
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector3d origin = 5.0 * vector();
-    const Eigen::Vector3d direction = i % 10 == 0 ? Eigen::Vector3d(0, 0, -origin.z()) : Eigen::Vector3d(vector() - origin);
+    const Eigen::Vector3d direction =
+        i % 10 == 0 ? Eigen::Vector3d(0, 0, -origin.z()) : Eigen::Vector3d(vector() - origin);
     double nearest = std::numeric_limits<double>::infinity();
     for (const TriangleTree& one : alone) {
       if (const auto met = one.hit(origin, direction)) nearest = std::min(nearest, met->along);

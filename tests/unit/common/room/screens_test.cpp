@@ -42,23 +42,23 @@ Installation made(const std::string& text) {
 /// All that is on the wall is in the picture.
 void expect_covers(const Installation& room, const PictureShape& picture) {
   ASSERT_TRUE(validate(picture)) << validate(picture).error().message();
-  double least_u = 1e9, most_u = -1e9, least_v = 1e9, most_v = -1e9;
+  double min_u = 1e9, max_u = -1e9, min_v = 1e9, max_v = -1e9;
   for (const WallPatch& patch : patches(room.wall, 4000)) {
     const auto p = pixel_of(picture, patch.middle.xyz - room.sweet_spot.xyz);
     ASSERT_TRUE(p);
-    least_u = std::min(least_u, p->u);
-    most_u = std::max(most_u, p->u);
-    least_v = std::min(least_v, p->v);
-    most_v = std::max(most_v, p->v);
+    min_u = std::min(min_u, p->u);
+    max_u = std::max(max_u, p->u);
+    min_v = std::min(min_v, p->v);
+    max_v = std::max(max_v, p->v);
   }
-  EXPECT_GE(least_u, -1.0);
-  EXPECT_GE(least_v, -1.0);
-  EXPECT_LE(most_u, width_px(picture) + 1.0);
-  EXPECT_LE(most_v, height_px(picture) + 1.0);
+  EXPECT_GE(min_u, -1.0);
+  EXPECT_GE(min_v, -1.0);
+  EXPECT_LE(max_u, width_px(picture) + 1.0);
+  EXPECT_LE(max_v, height_px(picture) + 1.0);
   // And the picture is no larger than that, in the direction that decides.
   const auto* fisheye = std::get_if<Fisheye>(&picture);
   const double side = fisheye != nullptr ? 2.0 * fisheye->radius_px() : std::max(width_px(picture), height_px(picture));
-  EXPECT_GT(std::max(most_u - least_u, most_v - least_v), 0.9 * side);
+  EXPECT_GT(std::max(max_u - min_u, max_v - min_v), 0.9 * side);
 }
 
 const std::string kPlane = "shape = \"plane\"\ncentre_m = [0, 1.6, -3]\nwidth_m = 4\nheight_m = 2\n";
@@ -93,14 +93,14 @@ TEST(Screens, planes_with_corners_are_seen_in_a_panorama) {
   ASSERT_TRUE(std::holds_alternative<Panorama>(picture));
   EXPECT_NEAR(std::get<Panorama>(picture).azimuth_span_rad, kPi, 1e-9);
   expect_covers(room, picture);
-  const Installation closed = made(room_of(
-      "shape = \"planes\"\ncorners_m = [[0, 2], [-2, 2], [-2, -2], [2, -2], [2, 2], [0, 2]]\ntop_m = 2.6\n"));
+  const Installation closed = made(
+      room_of("shape = \"planes\"\ncorners_m = [[0, 2], [-2, 2], [-2, -2], [2, -2], [2, 2], [0, 2]]\ntop_m = 2.6\n"));
   EXPECT_EQ(std::get<Panorama>(closed.picture(1000)).azimuth_span_rad, 2.0 * kPi);
 }
 
 TEST(Screens, a_floor_needs_a_fisheye) {
-  const Installation room = made(room_of(
-      kCorner + "[[wall.plane]]\ncentre_m = [0, 0.2, -1]\nwidth_m = 4\nheight_m = 2\ntilt_deg = -90\n"));
+  const Installation room =
+      made(room_of(kCorner + "[[wall.plane]]\ncentre_m = [0, 0.2, -1]\nwidth_m = 4\nheight_m = 2\ntilt_deg = -90\n"));
   ASSERT_EQ(std::get<PlanesWall>(room.wall).rectangles.size(), 4u);
   EXPECT_GT(std::get<PlanesWall>(room.wall).rectangles[3].normal().y(), 0.999);
   const auto picture = room.picture(1000);
@@ -133,7 +133,8 @@ TEST(Screens, what_is_behind_the_wall_is_refused) {
   EXPECT_THAT(complaint(room_of("shape = \"planes\"\ncorners_m = [[2, -2], [-2, -2]]\ntop_m = 2\n")),
               HasSubstr("corners_m go from the visitor's left to right"));
   EXPECT_THAT(complaint(room_of(kDome, "[0, 1.6, 4]")), HasSubstr("outside the dome"));
-  const std::string behind = room_of("shape = \"plane\"\ncentre_m = [0, 1.6, 0.2]\nwidth_m = 4\nheight_m = 2\npan_deg = 180\n");
+  const std::string behind =
+      room_of("shape = \"plane\"\ncentre_m = [0, 1.6, 0.2]\nwidth_m = 4\nheight_m = 2\npan_deg = 180\n");
   EXPECT_THAT(complaint(behind), HasSubstr("projector[0].position_m"));
 }
 

@@ -32,7 +32,7 @@ TEST(Stereo, an_eyes_pixels_shine_where_the_head_draws_them) {
   head.centre_u_px += 31.0;
   head.centre_v_px -= 170.0;
   for (const StereoPacking packing : kPackings) {
-    const Pinhole eye = lens_of_an_eye(head, packing);
+    const Pinhole eye = lens_of_eye(head, packing);
     const HeadPart part = part_of_eye(packing, Eye::kLeft, 640, 480);
     EXPECT_EQ(eye.width_px, part.width_px);
     EXPECT_EQ(eye.height_px, part.height_px);

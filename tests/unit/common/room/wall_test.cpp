@@ -45,7 +45,7 @@ TEST(Wall, a_ray_from_the_eye_meets_the_patch_that_it_was_aimed_at_from_in_front
       EXPECT_LT(patch.normal.dot(patch.middle.xyz - kEye), 0.0) << wall.index();
       EXPECT_NEAR(patch.normal.norm(), 1.0, 1e-12);
       EXPECT_TRUE(is_reached(wall, patch.middle, {kEye}));
-      const auto endless = endless_hit(wall, ray_to(kEye, patch.middle));
+      const auto endless = hit_extended(wall, ray_to(kEye, patch.middle));
       ASSERT_TRUE(endless);
       EXPECT_EQ(endless->xyz, met->xyz);
     }
@@ -73,10 +73,10 @@ TEST(Wall, goes_on_past_its_edges_without_a_jump) {
     for (int i = 0; i < 3000; ++i) {
       // Ahead, and far to the sides.
       const Eigen::Vector3d d = Eigen::Vector3d(normal(random), 0.6 * normal(random), -1.0 - std::abs(normal(random)));
-      const auto here = endless_hit(wall, ray(kEye, d));
+      const auto here = hit_extended(wall, ray(kEye, d));
       if (!here) continue;
       if (!hit(wall, ray(kEye, d))) ++beyond;
-      const auto beside = endless_hit(wall, ray(kEye, d + 1e-7 * Eigen::Vector3d(1, 1, 0)));
+      const auto beside = hit_extended(wall, ray(kEye, d + 1e-7 * Eigen::Vector3d(1, 1, 0)));
       ASSERT_TRUE(beside);
       const double range = (here->xyz - kEye).norm();
       EXPECT_LT((here->xyz - beside->xyz).norm(), 1e-5 * range * range) << wall.index() << " " << d.transpose();
@@ -101,10 +101,10 @@ TEST(Wall, what_is_not_finite_meets_nothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   for (const Wall& wall : walls()) {
-    for (const RoomRay& r : {ray({nan, 1, 0}, {0, 0, -1}), ray(kEye, {0, nan, -1}), ray(kEye, {inf, 0, -1}),
-                             ray(kEye, {0, 0, 0})}) {
+    for (const RoomRay& r :
+         {ray({nan, 1, 0}, {0, 0, -1}), ray(kEye, {0, nan, -1}), ray(kEye, {inf, 0, -1}), ray(kEye, {0, 0, 0})}) {
       EXPECT_FALSE(hit(wall, r)) << wall.index();
-      EXPECT_FALSE(endless_hit(wall, r)) << wall.index();
+      EXPECT_FALSE(hit_extended(wall, r)) << wall.index();
     }
   }
 }
@@ -124,15 +124,15 @@ TEST(PlanesWall, has_no_gap_in_its_corners_and_goes_on_above_them) {
     EXPECT_TRUE(wall.hit(ray_to(kEye, {{2.0, height, -2.0}}))) << height;
   }
   const Eigen::Vector3d above(2.0, 4.0, -2.0);
-  const auto met = wall.endless_hit(ray_to(kEye, {above}));
+  const auto met = wall.hit_extended(ray_to(kEye, {above}));
   ASSERT_TRUE(met);
   EXPECT_LT((met->xyz - above).norm(), 1e-9);
 }
 
 TEST(PlanesWall, a_pillar_shades_what_is_behind_it) {
   // A wall, and before it a narrower one.
-  const PlanesWall wall{{WallRectangle::above({-3, -3}, {3, -3}, 0.0, 3.0),
-                         WallRectangle::above({-0.5, -1.5}, {0.5, -1.5}, 0.0, 3.0)}};
+  const PlanesWall wall{
+      {WallRectangle::above({-3, -3}, {3, -3}, 0.0, 3.0), WallRectangle::above({-0.5, -1.5}, {0.5, -1.5}, 0.0, 3.0)}};
   EXPECT_FALSE(is_reached(wall, {{0.0, 1.0, -3.0}}, {{0.0, 1.0, 1.0}}));
   EXPECT_TRUE(is_reached(wall, {{0.0, 1.0, -1.5}}, {{0.0, 1.0, 1.0}}));
   EXPECT_TRUE(is_reached(wall, {{0.0, 1.0, -3.0}}, {{-3.0, 1.0, 0.0}}));

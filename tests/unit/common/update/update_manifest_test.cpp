@@ -48,7 +48,7 @@ TEST(UpdateManifest, refuses_everything_else_and_says_which_line) {
       {line("cyclorama-museum_../0.2.efi"), "is no part"},
       {line("cyclorama-museum_.efi"), "is no part"},
       {line("cyclorama-museum.efi"), "is no part"},
-      {std::string(kLargestUpdateText + 1, '\n'), "too long"}};
+      {std::string(kMaxUpdateTextBytes + 1, '\n'), "too long"}};
   for (const auto& [text, says] : wrong) {
     const auto manifest = parse_update_manifest(text, kImage);
     ASSERT_FALSE(manifest) << text;

@@ -35,7 +35,7 @@ TEST(Channel, goes_through_a_socket_in_the_file_system_too) {
   const std::string folder = testing::TempDir() + "cyclorama-channel-" + std::to_string(::getpid());
   std::filesystem::create_directories(folder);
   const std::string address = "unix:" + folder + "/inspect.sock";
-  InspectionService service("head");
+  InspectionService service("coordinator");
   for (int start = 0; start < 2; ++start) {  // A socket file left by a killed process is replaced.
     const auto server = WireServer::start(address, {&service});
     ASSERT_TRUE(server) << server.error().message();
@@ -46,7 +46,7 @@ TEST(Channel, goes_through_a_socket_in_the_file_system_too) {
     context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(10));
     wire::ProcessStatus status;
     ASSERT_TRUE(wire::Inspection::NewStub(*channel)->GetStatus(&context, {}, &status).ok());
-    EXPECT_EQ(status.process(), "head");
+    EXPECT_EQ(status.process(), "coordinator");
   }
   const auto nowhere = WireServer::start("unix:" + folder + "/none/inspect.sock", {&service});
   ASSERT_FALSE(nowhere);

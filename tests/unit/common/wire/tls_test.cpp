@@ -60,12 +60,12 @@ class Tls : public testing::Test {
   }
   std::mutex mutex_;
   Identity seen_;
-  InspectionService service_{"head"};
+  InspectionService service_{"coordinator"};
   std::unique_ptr<WireServer> server_;
 };
 
 TEST_F(Tls, tells_who_calls) {
-  serve(authority_.head());
+  serve(authority_.coordinator());
   const TlsFiles museum = authority_.museum("hall-3");
   const grpc::Status status = call(museum);
   ASSERT_TRUE(status.ok()) << status.error_message();
@@ -76,7 +76,7 @@ TEST_F(Tls, tells_who_calls) {
 }
 
 TEST_F(Tls, asks_about_every_call_and_hands_on_the_answer) {
-  serve(authority_.head());
+  serve(authority_.coordinator());
   const grpc::Status status = call(authority_.node("n1"));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
   EXPECT_EQ(status.error_message(), "museums only");
@@ -84,21 +84,21 @@ TEST_F(Tls, asks_about_every_call_and_hands_on_the_answer) {
 }
 
 TEST_F(Tls, refuses_whoever_has_no_certificate_of_its_authority) {
-  serve(authority_.head());
+  serve(authority_.coordinator());
   EXPECT_FALSE(call(std::nullopt).ok());
   EXPECT_THAT(dial("-tls1_3"), Not(HasSubstr("DONE")));
   TestAuthority other;
   EXPECT_THAT(from_grpc(call(other.museum("hall-3")), "calling").message(), HasSubstr("not of this side's authority"))
-      << "it does not believe the head";
+      << "it does not believe the coordinator";
   TlsFiles mixed = other.museum("hall-4");
-  mixed.authority = authority_.head().authority;
+  mixed.authority = authority_.coordinator().authority;
   EXPECT_EQ(make_channel(address(), mixed).error().code(), ErrorCode::kBadData);
   EXPECT_THAT(dial("-tls1_3 " + options_of(mixed)), Not(HasSubstr("DONE")));
   EXPECT_EQ(last_seen().role, Role::kNobody) << "nobody came so far";
 }
 
 TEST_F(Tls, speaks_1_3_and_nothing_older) {
-  serve(authority_.head());
+  serve(authority_.coordinator());
   const std::string options = options_of(authority_.museum("hall-3"));
   const std::string welcome = dial("-tls1_3 " + options);
   EXPECT_THAT(welcome, HasSubstr("New, TLSv1.3"));
@@ -108,14 +108,14 @@ TEST_F(Tls, speaks_1_3_and_nothing_older) {
   EXPECT_THAT(older, HasSubstr("no peer certificate available"));
 }
 
-TEST_F(Tls, refuses_a_head_that_is_not_what_was_dialled) {
-  serve(authority_.head("farm.example.org"));
+TEST_F(Tls, refuses_a_coordinator_that_is_not_what_was_dialled) {
+  serve(authority_.coordinator("farm.example.org"));
   EXPECT_THAT(from_grpc(call(authority_.museum("hall-3")), "calling").message(),
               HasSubstr("does not name the address"));
 }
 
 TEST_F(Tls, uses_a_renewed_certificate_without_a_restart) {
-  serve(authority_.head());
+  serve(authority_.coordinator());
   const auto served = [&] {
     return output_of("openssl s_client -connect '" + address() + "' </dev/null | openssl x509 -noout -serial");
   };
@@ -143,7 +143,7 @@ TEST_F(Tls, says_which_file_is_not_what_it_should_be) {
   EXPECT_THAT(refusal_of({museum.key, museum.certificate, museum.key}), HasSubstr("not a certificate"));
   EXPECT_THAT(refusal_of({TestAuthority().museum("x").authority, museum.certificate, museum.key}), testing::Ne(""));
   EXPECT_THAT(WireServer::start("[::1]:0", {}, {.tls = museum}).error().message(),
-              HasSubstr("a server needs a head's"));
+              HasSubstr("a server needs a coordinator's"));
 }
 
 TEST(Identity, is_one_name_and_one_known_unit) {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <climits>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 TEST(BrightLevel, is_that_of_paper_and_not_that_of_a_lamp) {
@@ -43,13 +43,13 @@ TEST(NextGain, stays_within_the_range_and_on_its_steps) {
     for (const long gain : {0L, -1000L, 7L, static_cast<long>(INT_MAX), LONG_MIN}) {
       for (const int level : {0, 150, 255}) {
         const long next = next_gain(gain, level, range);
-        EXPECT_GE(next, range.least);
-        EXPECT_LE(next, std::max(range.least, range.most));
-        EXPECT_EQ((next - range.least) % std::max(range.step, 1L), 0);
+        EXPECT_GE(next, range.min);
+        EXPECT_LE(next, std::max(range.min, range.max));
+        EXPECT_EQ((next - range.min) % std::max(range.step, 1L), 0);
       }
     }
   }
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -16,7 +16,7 @@
 #include "tests/doubles/fake_video/fake_video.h"
 #include "tests/doubles/manual_clock.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 using std::chrono::milliseconds;
@@ -47,9 +47,9 @@ class FilePlace final : public Place {
 class SimulatedPlace final : public Place {
  public:
   Result<std::unique_ptr<Camera>> open() override {
-    Simulation simulation;
+    simulated::Simulation simulation;
     simulation.lens = Pinhole::from_field_of_view(64, 48, 1.0);
-    return std::unique_ptr<Camera>(std::make_unique<SimulatedCamera>(simulation, clock));
+    return std::unique_ptr<Camera>(std::make_unique<simulated::SimulatedCamera>(simulation, clock));
   }
 };
 
@@ -72,7 +72,7 @@ class CameraContract : public testing::TestWithParam<MakePlace> {
     EXPECT_TRUE(camera.has_value()) << camera.error().message();
     camera_ = *std::move(camera);
   }
-  Result<std::shared_ptr<const Frame>> next() { return camera_->next_frame(place_->clock.now() + seconds(2)); }
+  Result<std::shared_ptr<const CameraFrame>> next() { return camera_->next_frame(place_->clock.now() + seconds(2)); }
 
   std::unique_ptr<Place> place_;
   std::unique_ptr<Camera> camera_;
@@ -103,7 +103,7 @@ TEST_P(CameraContract, delivers_nothing_before_start_and_after_stop) {
 
 TEST_P(CameraContract, counts_its_pictures_and_says_when_each_was_taken) {
   ASSERT_TRUE(camera_->start().has_value());
-  std::shared_ptr<const Frame> last;
+  std::shared_ptr<const CameraFrame> last;
   for (int i = 0; i < 10; ++i) {
     const auto frame = next();
     ASSERT_TRUE(frame.has_value()) << frame.error().message();
@@ -161,7 +161,7 @@ TEST_P(CameraContract, times_out_at_the_deadline_and_goes_on) {
 
 TEST_P(CameraContract, leaves_a_frame_to_its_holder) {
   ASSERT_TRUE(camera_->start().has_value());
-  std::vector<std::shared_ptr<const Frame>> held;
+  std::vector<std::shared_ptr<const CameraFrame>> held;
   for (int i = 0; i < 12; ++i) held.push_back(*next());
   const GreyImage copy = held.front()->pixels;
   ASSERT_TRUE(next().has_value());
@@ -184,4 +184,4 @@ constexpr MakePlace kDmaBuf = make_place<V4l2Place, BufferMemory::kDmaBuf>;
 INSTANTIATE_TEST_SUITE_P(EveryKind, CameraContract, testing::Values(kFile, kSimulated, kMapped, kDmaBuf), name_of_kind);
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

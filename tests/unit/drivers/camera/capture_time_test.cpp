@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 using std::chrono::hours;
@@ -23,7 +23,7 @@ TEST(CaptureTime, goes_back_by_the_exposure_from_an_end) {
 }
 
 TEST(CaptureTime, does_not_believe_another_clock) {
-  for (const TimePoint at : {TimePoint{}, kNow + nanoseconds(1), kNow + hours(9), kNow - kOldestStamp - nanoseconds(1),
+  for (const TimePoint at : {TimePoint{}, kNow + nanoseconds(1), kNow + hours(9), kNow - kMaxStampAge - nanoseconds(1),
                              TimePoint::min(), TimePoint::max()}) {
     EXPECT_EQ(capture_time({true, true, at}, kExposure, kNow), kNow);
     EXPECT_EQ(capture_time({true, false, at}, kExposure, kNow), kNow);
@@ -35,9 +35,9 @@ TEST(CaptureTime, is_bounded_whatever_the_exposure) {
   for (const Duration exposure : {Duration::min(), Duration::max()}) {
     const TimePoint at = capture_time({true, false, kNow - milliseconds(30)}, exposure, kNow);
     EXPECT_LE(at, kNow);
-    EXPECT_GE(at, kNow - kOldestStamp - std::chrono::seconds(1));
+    EXPECT_GE(at, kNow - kMaxStampAge - std::chrono::seconds(1));
   }
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -5,7 +5,7 @@
 
 #include "tests/doubles/manual_clock.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 using std::chrono::milliseconds;
@@ -46,4 +46,4 @@ TEST(WaitForPicture, gives_what_is_ready_even_when_the_deadline_is_over) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

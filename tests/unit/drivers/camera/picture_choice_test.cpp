@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 constexpr std::uint32_t code(const char (&letters)[5]) {
@@ -25,15 +25,15 @@ PictureOffer mjpg(int width, int height, double rate) {
   return {code("MJPG"), PixelLayout::kJpeg, width, height, rate};
 }
 
-std::string chosen(std::vector<PictureOffer> offers, const PictureWish& wish = {}) {
-  const auto first = choose_picture(offers, wish);
+std::string chosen(std::vector<PictureOffer> offers, const PicturePreference& preferred = {}) {
+  const auto first = choose_picture(offers, preferred);
   EXPECT_TRUE(first.has_value());
   // Whatever order a driver lists them in.
   std::mt19937 random(1);
   const std::string text = describe(offers[*first]);
   for (int i = 0; i < 20; ++i) {
     std::shuffle(offers.begin(), offers.end(), random);
-    EXPECT_EQ(describe(offers[*choose_picture(offers, wish)]), text);
+    EXPECT_EQ(describe(offers[*choose_picture(offers, preferred)]), text);
   }
   return text;
 }
@@ -49,16 +49,16 @@ TEST(PictureChoice, takes_the_cheapest_pixels_of_what_is_wanted) {
 TEST(PictureChoice, takes_colours_where_they_are_wanted_and_there) {
   PictureOffer coloured = yuyv(640, 480, 5);
   coloured.is_coloured = true;
-  PictureWish wish;
-  EXPECT_EQ(chosen({coloured, grey(640, 480, 30)}, wish), "640x480 GREY at 30 per second");
-  wish.is_coloured = true;
-  EXPECT_EQ(chosen({coloured, grey(640, 480, 30)}, wish), "640x480 YUYV at 5 per second");
-  EXPECT_EQ(chosen({grey(640, 480, 30), grey(640, 480, 15)}, wish), "640x480 GREY at 30 per second");
+  PicturePreference preferred;
+  EXPECT_EQ(chosen({coloured, grey(640, 480, 30)}, preferred), "640x480 GREY at 30 per second");
+  preferred.is_coloured = true;
+  EXPECT_EQ(chosen({coloured, grey(640, 480, 30)}, preferred), "640x480 YUYV at 5 per second");
+  EXPECT_EQ(chosen({grey(640, 480, 30), grey(640, 480, 15)}, preferred), "640x480 GREY at 30 per second");
 }
 
 TEST(PictureChoice, takes_a_jpeg_where_only_that_comes_at_the_rate) {
-  const PictureWish wish{1280, 720, 30.0};
-  EXPECT_EQ(chosen({yuyv(1280, 720, 10), mjpg(1280, 720, 30)}, wish), "1280x720 MJPG at 30 per second");
+  const PicturePreference preferred{1280, 720, 30.0};
+  EXPECT_EQ(chosen({yuyv(1280, 720, 10), mjpg(1280, 720, 30)}, preferred), "1280x720 MJPG at 30 per second");
   EXPECT_EQ(chosen({yuyv(640, 480, 15), mjpg(640, 480, 30)}), "640x480 MJPG at 30 per second");
 }
 
@@ -93,4 +93,4 @@ TEST(FourccText, never_prints_what_is_no_letter) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 using testing::HasSubstr;
@@ -279,4 +279,4 @@ TEST(ToColour, decodes_a_jpeg) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

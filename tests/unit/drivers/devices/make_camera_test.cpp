@@ -6,7 +6,7 @@
 
 #include "tests/doubles/manual_clock.h"
 
-namespace cyclorama {
+namespace cyclorama::devices {
 namespace {
 
 using testing::HasSubstr;
@@ -69,4 +69,4 @@ TEST(MakeCamera, makes_the_demo_s_camera_from_one_word) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::devices

@@ -10,7 +10,7 @@
 #include "drivers/input/evdev/evdev_device.h"
 #include "drivers/input/input_watch.h"
 
-namespace cyclorama {
+namespace cyclorama::input {
 namespace {
 
 using namespace std::chrono_literals;
@@ -38,16 +38,16 @@ TEST(InputKind, is_told_by_what_a_device_has) {
 
 TEST(InputSteering, follows_the_sticks_of_a_gamepad) {
   InputSteering pad(InputKind::kGamepad, gamepad());
-  EXPECT_TRUE(pad.wish(kNow).is_rest());
+  EXPECT_TRUE(pad.command(kNow).is_rest());
   pad.take({EV_ABS, ABS_Y, -32768}, kNow);
   pad.take({EV_ABS, ABS_X, 32767}, kNow);
   pad.take({EV_ABS, ABS_RX, -32768}, kNow);
-  const InputWish wish = pad.wish(kNow);
-  EXPECT_NEAR(wish.forward, 1.0, 1e-3);
-  EXPECT_NEAR(wish.right, 1.0, 1e-3);
-  EXPECT_NEAR(wish.turn, -1.0, 1e-3);
+  const InputCommand command = pad.command(kNow);
+  EXPECT_NEAR(command.forward, 1.0, 1e-3);
+  EXPECT_NEAR(command.right, 1.0, 1e-3);
+  EXPECT_NEAR(command.turn, -1.0, 1e-3);
   pad.take({EV_ABS, ABS_Y, 3000}, kNow);
-  EXPECT_EQ(pad.wish(kNow).forward, 0.0) << "a worn stick rests off its middle";
+  EXPECT_EQ(pad.command(kNow).forward, 0.0) << "a worn stick rests off its middle";
 }
 
 TEST(InputSteering, follows_keys_until_they_are_let_go) {
@@ -55,20 +55,20 @@ TEST(InputSteering, follows_keys_until_they_are_let_go) {
   keys.take({EV_KEY, KEY_W, 1}, kNow);
   keys.take({EV_KEY, KEY_LEFT, 1}, kNow);
   keys.take({EV_KEY, KEY_D, 1}, kNow);
-  EXPECT_EQ(keys.wish(kNow + 60s), (InputWish{1.0, 1.0, -1.0}));
+  EXPECT_EQ(keys.command(kNow + 60s), (InputCommand{1.0, 1.0, -1.0}));
   keys.take({EV_KEY, KEY_S, 2}, kNow);
-  EXPECT_EQ(keys.wish(kNow).forward, 0.0) << "both ways is none";
+  EXPECT_EQ(keys.command(kNow).forward, 0.0) << "both ways is none";
   for (const auto key : {KEY_W, KEY_LEFT, KEY_D, KEY_S}) keys.take({EV_KEY, static_cast<std::uint16_t>(key), 0}, kNow);
-  EXPECT_TRUE(keys.wish(kNow).is_rest());
+  EXPECT_TRUE(keys.command(kNow).is_rest());
 }
 
 TEST(InputSteering, forgets_a_cap_that_says_nothing_any_more) {
   InputSteering cap(InputKind::kSpaceMouse, space_mouse());
   cap.take({EV_REL, REL_Y, -350}, kNow);
   cap.take({EV_REL, REL_RZ, 200}, kNow);
-  EXPECT_NEAR(cap.wish(kNow).forward, 1.0, 1e-9);
-  EXPECT_GT(cap.wish(kNow + 100ms).turn, 0.3);
-  EXPECT_TRUE(cap.wish(kNow + 200ms).is_rest());
+  EXPECT_NEAR(cap.command(kNow).forward, 1.0, 1e-9);
+  EXPECT_GT(cap.command(kNow + 100ms).turn, 0.3);
+  EXPECT_TRUE(cap.command(kNow + 200ms).is_rest());
 }
 
 TEST(InputSteering, gives_no_more_than_one_and_no_nan_for_any_events) {
@@ -81,8 +81,8 @@ TEST(InputSteering, gives_no_more_than_one_and_no_nan_for_any_events) {
       for (std::uint16_t type = 0; type < 5; ++type) {
         for (std::uint16_t code = 0; code < 16; ++code) steering.take({type, code, value}, kNow);
       }
-      const InputWish wish = steering.wish(kNow);
-      for (const double part : {wish.forward, wish.right, wish.turn}) EXPECT_LE(std::abs(part), 1.0);
+      const InputCommand command = steering.command(kNow);
+      for (const double part : {command.forward, command.right, command.turn}) EXPECT_LE(std::abs(part), 1.0);
     }
   }
 }
@@ -114,7 +114,7 @@ struct FakeMachine {
     std::shared_ptr<Plug> plug_;
   };
 
-  InputPlaces places() {
+  InputDevices devices() {
     return {[this] {
               std::vector<std::string> paths;
               for (const auto& [path, plug] : plugs) paths.push_back(path);
@@ -130,26 +130,26 @@ struct FakeMachine {
 
 TEST(InputWatch, follows_devices_in_and_out_and_in_again) {
   FakeMachine machine;
-  InputWatch watch(machine.places());
+  InputWatch watch(machine.devices());
   watch.update(kNow);
   EXPECT_EQ(watch.open_count(), 0u);
   auto plug = machine.plugs["event3"] =
       std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{keyboard(), {}, false, false});
   plug->events = {{EV_KEY, KEY_UP, 1}};
   watch.update(kNow + 500ms);
-  EXPECT_TRUE(watch.wish(kNow).is_rest()) << "not looked yet";
+  EXPECT_TRUE(watch.command(kNow).is_rest()) << "not looked yet";
   watch.update(kNow + 1s);
-  EXPECT_EQ(watch.wish(kNow).forward, 1.0);
+  EXPECT_EQ(watch.command(kNow).forward, 1.0);
   EXPECT_THAT(watch.sentences(), ElementsAre("keyboard 'Keys'"));
   plug->gone = true;
   machine.plugs.clear();
   watch.update(kNow + 1100ms);
-  EXPECT_TRUE(watch.wish(kNow).is_rest()) << "pulled out with the key down";
+  EXPECT_TRUE(watch.command(kNow).is_rest()) << "pulled out with the key down";
   machine.plugs["event3"] =
       std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{gamepad(), {{EV_ABS, ABS_Y, -32768}}, false, false});
   watch.update(kNow + 2s);
   watch.update(kNow + 3s);
-  EXPECT_NEAR(watch.wish(kNow).forward, 1.0, 1e-3);
+  EXPECT_NEAR(watch.command(kNow).forward, 1.0, 1e-3);
 }
 
 TEST(InputWatch, leaves_alone_what_steers_nothing_and_tries_again_what_does_not_open) {
@@ -158,7 +158,7 @@ TEST(InputWatch, leaves_alone_what_steers_nothing_and_tries_again_what_does_not_
       std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{{"Power", {KEY_POWER}, {}, {}}, {}, false, false});
   auto locked = machine.plugs["event1"] =
       std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{keyboard(), {}, false, true});
-  InputWatch watch(machine.places());
+  InputWatch watch(machine.devices());
   for (int i = 0; i < 5; ++i) watch.update(kNow + i * 1s);
   EXPECT_EQ(machine.opened, 1 + 5);
   EXPECT_THAT(watch.sentences(), ElementsAre(HasSubstr("Permission denied")));
@@ -173,10 +173,10 @@ TEST(InputWatch, adds_up_devices_and_survives_one_that_floods) {
   auto mad = machine.plugs["b"] = std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{gamepad(), {}, false, false});
   keys->events = {{EV_KEY, KEY_UP, 1}};
   mad->events.assign(100'000, {EV_ABS, ABS_Y, -32768});
-  InputWatch watch(machine.places());
+  InputWatch watch(machine.devices());
   watch.update(kNow);
   EXPECT_GT(mad->events.size(), 90'000u);
-  EXPECT_EQ(watch.wish(kNow).forward, 1.0) << "limited";
+  EXPECT_EQ(watch.command(kNow).forward, 1.0) << "limited";
 }
 
 TEST(Evdev, says_what_is_no_device) {
@@ -184,9 +184,9 @@ TEST(Evdev, says_what_is_no_device) {
   std::filesystem::create_directories(folder);
   EXPECT_EQ(open_evdev(folder + "/event0").error().code(), ErrorCode::kNotFound);
   EXPECT_EQ(open_evdev("/dev/null").error().code(), ErrorCode::kBadData);
-  EXPECT_TRUE(evdev_places(folder).list().empty());
-  EXPECT_TRUE(evdev_places("/nowhere").list().empty());
+  EXPECT_TRUE(evdev_devices(folder).list().empty());
+  EXPECT_TRUE(evdev_devices("/nowhere").list().empty());
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::input

@@ -7,7 +7,7 @@
 
 #include "drivers/input/evdev/evdev_device.h"
 
-namespace cyclorama {
+namespace cyclorama::input {
 namespace {
 
 /// Null where there is no /dev/uinput.
@@ -49,4 +49,4 @@ TEST(Uinput, is_followed_from_plug_to_unplug) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::input

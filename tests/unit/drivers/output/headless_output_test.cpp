@@ -9,7 +9,7 @@
 
 #include "drivers/output/shared_picture.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 class HeadlessOutputTest : public ::testing::Test {
@@ -73,4 +73,4 @@ TEST_F(HeadlessOutputTest, needs_no_run_directory_but_one_that_is_there) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

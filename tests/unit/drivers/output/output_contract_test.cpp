@@ -18,7 +18,7 @@
 #include "drivers/output/shared_picture.h"
 #include "tests/doubles/fake_card/fake_machine.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 using ::testing::Each;
@@ -325,4 +325,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, OutputContract,
                          [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 using Light = HeadShown::Light;
@@ -61,4 +61,4 @@ TEST_F(Pacing, does_not_go_backwards) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

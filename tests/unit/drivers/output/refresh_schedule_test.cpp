@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 const TimePoint kStart = from_nanoseconds(1'000'000'000'000);
@@ -40,4 +40,4 @@ TEST(RefreshSchedule, gives_a_refresh_that_is_only_a_little_late_its_number) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <thread>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 class SharedPicture : public ::testing::Test {
@@ -145,4 +145,4 @@ TEST_F(SharedPicture, keeps_odd_head_names_apart_and_inside_the_folder) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -9,7 +9,7 @@
 
 #include "common/base/unique_fd.h"
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 namespace {
 
 using ::testing::HasSubstr;
@@ -88,4 +88,4 @@ TEST(ManualTurnplate, an_operator_who_sleeps_is_a_stall) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

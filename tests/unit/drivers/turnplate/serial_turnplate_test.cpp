@@ -7,7 +7,7 @@
 #include "drivers/turnplate/make_turnplate.h"
 #include "tests/doubles/scripted_controller.h"
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 namespace {
 
 using std::chrono::milliseconds;
@@ -224,11 +224,10 @@ TEST(MakeTurnplate, says_what_is_wrong_with_a_line_of_text) {
   EXPECT_EQ(code("serial:/dev/there-is-none?baud=9600&axis=A"), ErrorCode::kNotFound);
   EXPECT_TRUE(make_turnplate("manual", nullptr));
   ScriptedController controller;
-  auto plate =
-      make_turnplate("serial:" + controller.device() + "?units_per_turn=1600&least_deg=-90&most_deg=45", nullptr);
+  auto plate = make_turnplate("serial:" + controller.device() + "?units_per_turn=1600&min_deg=-90&max_deg=45", nullptr);
   ASSERT_TRUE(plate);
-  EXPECT_NEAR((*plate)->range().most_rad, 0.785398, 1e-6);
+  EXPECT_NEAR((*plate)->range().max_rad, 0.785398, 1e-6);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

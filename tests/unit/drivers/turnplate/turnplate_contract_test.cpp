@@ -15,7 +15,7 @@
 #include "drivers/turnplate/serial/serial_turnplate.h"
 #include "tests/doubles/scripted_controller.h"
 
-namespace cyclorama {
+namespace cyclorama::turnplate {
 namespace {
 
 using std::chrono::milliseconds;
@@ -95,16 +95,18 @@ field_of_view_deg = 50
 position_m = [0, 2.4, 1.0]
 )",
                                                           "room");
-    MuseumTruth truth = MuseumTruth::ideal(installation);
+    simulated::MuseumTruth truth = simulated::MuseumTruth::ideal(installation);
     truth.cells = 0;
-    truth.camera.lens = TrueLens(Pinhole::from_field_of_view(16, 12, 1.0));
-    museum_ = std::make_unique<SimulatedMuseum>(*SimulatedMuseum::make(installation, truth, 1));
+    truth.camera.lens = simulated::TrueLens(Pinhole::from_field_of_view(16, 12, 1.0));
+    museum_ = std::make_unique<simulated::SimulatedMuseum>(*simulated::SimulatedMuseum::make(installation, truth, 1));
   }
-  std::unique_ptr<Turnplate> open() override { return std::make_unique<SimulatedTurnplate>(museum_.get(), kRange); }
+  std::unique_ptr<Turnplate> open() override {
+    return std::make_unique<simulated::SimulatedTurnplate>(museum_.get(), kRange);
+  }
   bool stall_next() override { return false; }
 
  private:
-  std::unique_ptr<SimulatedMuseum> museum_;
+  std::unique_ptr<simulated::SimulatedMuseum> museum_;
 };
 
 template <typename PlaceOfKind>
@@ -138,7 +140,7 @@ TEST_P(TurnplateContract, homes_and_turns_where_it_is_told) {
   ASSERT_TRUE(plate_->home());
   EXPECT_TRUE(plate_->is_homed());
   EXPECT_NEAR(*plate_->angle(), 0.0, 1e-3);
-  for (const double angle : {0.5, kRange.most_rad, -0.25, kRange.least_rad, 0.0}) {
+  for (const double angle : {0.5, kRange.max_rad, -0.25, kRange.min_rad, 0.0}) {
     ASSERT_TRUE(plate_->turn_to(angle));
     EXPECT_NEAR(*plate_->angle(), angle, 1e-3);
   }
@@ -147,7 +149,7 @@ TEST_P(TurnplateContract, homes_and_turns_where_it_is_told) {
 TEST_P(TurnplateContract, keeps_its_limits) {
   ASSERT_TRUE(plate_->home());
   ASSERT_TRUE(plate_->turn_to(0.3));
-  for (const double angle : {kRange.most_rad + 0.01, kRange.least_rad - 0.01, std::nan(""), HUGE_VAL}) {
+  for (const double angle : {kRange.max_rad + 0.01, kRange.min_rad - 0.01, std::nan(""), HUGE_VAL}) {
     EXPECT_EQ(plate_->turn_to(angle).error().code(), ErrorCode::kInvalidArgument);
     EXPECT_TRUE(plate_->is_homed());
   }
@@ -166,4 +168,4 @@ TEST_P(TurnplateContract, a_stall_is_told_and_mended_by_going_home) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::turnplate

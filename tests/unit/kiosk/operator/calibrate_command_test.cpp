@@ -11,7 +11,7 @@
 
 #include "tests/doubles/fake_calibrator.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using ::testing::AllOf;
@@ -159,4 +159,4 @@ TEST_F(Calibrating, says_that_nobody_listens) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -10,18 +10,18 @@
 #include <ctime>
 
 #include "common/base/file.h"
-#include "kiosk/operator/door_checks.h"
+#include "kiosk/operator/login_checks.h"
 #include "kiosk/operator/network_test.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-Observation process(const std::string& name, bool is_healthy, const std::string& sentence) {
-  Observation process;
+ProcessObservation process(const std::string& name, bool is_healthy, const std::string& sentence) {
+  ProcessObservation process;
   process.endpoint.name = name;
   process.asked = true;
   process.away = false;
@@ -31,7 +31,7 @@ Observation process(const std::string& name, bool is_healthy, const std::string&
   return process;
 }
 
-void set_gauge(Observation* process, const std::string& name, double value) {
+void set_gauge(ProcessObservation* process, const std::string& name, double value) {
   wire::Gauge* const gauge = process->status->add_gauges();
   gauge->set_name(name);
   gauge->set_value(value);
@@ -42,7 +42,7 @@ Findings well() {
   Findings findings;
   findings.processes = {process("tour", true, "Visiting."), process("display", true, "Shows the tour."),
                         process("tracker", true, "Follows.")};
-  set_gauge(&findings.processes[0], "in_step_percent", 99.9);
+  set_gauge(&findings.processes[0], "synchronised_percent", 99.9);
   wire::Stage* const stage = findings.processes[0].status->add_stages();
   stage->set_name("farm_round_trip");
   stage->set_count(10);
@@ -54,10 +54,10 @@ Findings well() {
   findings.machine = {50'000'000'000, 100'000'000'000, false, 55.0, 100.0, true, 0.5, {}, 0};
   findings.is_museum = true;
   findings.provisioning.emplace();
-  findings.provisioning->verdict = Verdict::kInstalled;
+  findings.provisioning->verdict = provision::ProvisioningVerdict::kInstalled;
   findings.provisioning->in_use = "000001";
   findings.provisioning->certificate_until = "2028-01-01";
-  findings.update = UpdateStatus{UpdateStatus::State::kCurrent, "0.1.0", "", "", ""};
+  findings.update = update::UpdateStatus{update::UpdateStatus::State::kCurrent, "0.1.0", "", "", ""};
   std::tm day{};
   ::strptime("2026-11-22", "%Y-%m-%d", &day);
   findings.now = std::chrono::system_clock::from_time_t(::timegm(&day));
@@ -68,12 +68,12 @@ Check find(const Findings& findings, std::string_view id) {
   for (const Check& check : checks_of(findings)) {
     if (check.id == id) return check;
   }
-  return {"", "not in the list", Level::kOk, "", ""};
+  return {"", "not in the list", CheckLevel::kOk, "", ""};
 }
 
 TEST(Checks, find_nothing_where_all_is_well) {
   for (const Check& check : checks_of(well())) {
-    EXPECT_EQ(check.level, Level::kOk) << check.id << ": " << check.sentence;
+    EXPECT_EQ(check.level, CheckLevel::kOk) << check.id << ": " << check.sentence;
     EXPECT_THAT(check.remedy, IsEmpty()) << check.id;
     EXPECT_THAT(check.sentence, Not(IsEmpty())) << check.id;
   }
@@ -83,7 +83,7 @@ TEST(Checks, find_nothing_where_all_is_well) {
 /// One problem: the id and level that its check must have, and how to cause it.
 struct Trouble {
   const char* id;
-  Level level;
+  CheckLevel level;
   void (*make)(Findings*);
 };
 class Troubles : public testing::TestWithParam<Trouble> {};
@@ -96,7 +96,7 @@ TEST_P(Troubles, are_found_alone_and_with_a_remedy) {
   EXPECT_THAT(check.remedy, Not(IsEmpty()));
   const auto checks = checks_of(findings);
   EXPECT_EQ(worst_of(checks), GetParam().level);
-  EXPECT_EQ(std::count_if(checks.begin(), checks.end(), [](const Check& c) { return c.level != Level::kOk; }), 1);
+  EXPECT_EQ(std::count_if(checks.begin(), checks.end(), [](const Check& c) { return c.level != CheckLevel::kOk; }), 1);
   const std::string table = checks_table(checks);
   EXPECT_EQ(table.find(to_text(GetParam().level)), 0u) << "the worst first";
   EXPECT_THAT(table, HasSubstr("-> " + check.remedy));
@@ -105,47 +105,53 @@ TEST_P(Troubles, are_found_alone_and_with_a_remedy) {
 INSTANTIATE_TEST_SUITE_P(
     Each, Troubles,
     testing::Values(
-        Trouble{"part-tour", Level::kFault, [](Findings* f) { f->processes[0].status->set_healthy(false); }},
-        Trouble{"part-tracker", Level::kWarning, [](Findings* f) { f->processes[2].status->set_healthy(false); }},
-        Trouble{"part-nobody", Level::kFault,
+        Trouble{"part-tour", CheckLevel::kFault, [](Findings* f) { f->processes[0].status->set_healthy(false); }},
+        Trouble{"part-tracker", CheckLevel::kWarning, [](Findings* f) { f->processes[2].status->set_healthy(false); }},
+        Trouble{"part-nobody", CheckLevel::kFault,
                 [](Findings* f) {
                   f->processes.push_back(process("nobody", false, "It cannot be reached."));
                   f->processes.back().away = true;
                 }},
-        Trouble{"heads", Level::kFault, [](Findings* f) { f->processes[1].status->mutable_gauges(0)->set_value(0.0); }},
-        Trouble{"in-step", Level::kWarning,
+        Trouble{"heads", CheckLevel::kFault,
+                [](Findings* f) { f->processes[1].status->mutable_gauges(0)->set_value(0.0); }},
+        Trouble{"in-step", CheckLevel::kWarning,
                 [](Findings* f) { f->processes[0].status->mutable_gauges(0)->set_value(98.0); }},
-        Trouble{"in-step", Level::kFault,
+        Trouble{"in-step", CheckLevel::kFault,
                 [](Findings* f) { f->processes[0].status->mutable_gauges(0)->set_value(50.0); }},
-        Trouble{"camera", Level::kWarning,
+        Trouble{"camera", CheckLevel::kWarning,
                 [](Findings* f) { f->processes[2].status->mutable_gauges(0)->set_value(1.0); }},
-        Trouble{"farm", Level::kWarning,
+        Trouble{"farm", CheckLevel::kWarning,
                 [](Findings* f) { f->processes[0].status->mutable_stages(0)->set_p95_ms(900); }},
-        Trouble{"settings", Level::kWarning, [](Findings* f) { f->provisioning->verdict = Verdict::kRefused; }},
-        Trouble{"settings", Level::kFault,
+        Trouble{"settings", CheckLevel::kWarning,
+                [](Findings* f) { f->provisioning->verdict = provision::ProvisioningVerdict::kRefused; }},
+        Trouble{"settings", CheckLevel::kFault,
                 [](Findings* f) {
-                  f->provisioning->verdict = Verdict::kRefused;
+                  f->provisioning->verdict = provision::ProvisioningVerdict::kRefused;
                   f->provisioning->in_use = "";
                 }},
-        Trouble{"settings", Level::kWarning, [](Findings* f) { f->provisioning.reset(); }},
-        Trouble{"certificate", Level::kWarning, [](Findings* f) { f->provisioning->certificate_until = "2026-12-01"; }},
-        Trouble{"certificate", Level::kFault, [](Findings* f) { f->provisioning->certificate_until = "2026-11-01"; }},
-        Trouble{"clock", Level::kWarning, [](Findings* f) { f->machine.is_clock_set = false; }},
-        Trouble{"clock", Level::kFault, [](Findings* f) { f->now = std::chrono::system_clock::from_time_t(0); }},
-        Trouble{"disk", Level::kWarning, [](Findings* f) { f->machine.disk_free_bytes = 5'000'000'000; }},
-        Trouble{"disk", Level::kFault, [](Findings* f) { f->machine.disk_free_bytes = 1'000; }},
-        Trouble{"disk", Level::kFault, [](Findings* f) { f->machine.is_read_only = true; }},
-        Trouble{"memory", Level::kWarning, [](Findings* f) { f->machine.memory_free_share = 0.01; }},
-        Trouble{"disk", Level::kFault, [](Findings* f) { f->machine.only_in_memory = "the TPM is gone"; }},
-        Trouble{"temperature", Level::kWarning, [](Findings* f) { f->machine.warmest_c = 91.0; }},
-        Trouble{"temperature", Level::kFault, [](Findings* f) { f->machine.warmest_c = 99.0; }},
-        Trouble{"update", Level::kWarning, [](Findings* f) { f->update->state = UpdateStatus::State::kFailed; }},
-        Trouble{"update", Level::kWarning, [](Findings* f) { f->update->state = UpdateStatus::State::kRolledBack; }}));
+        Trouble{"settings", CheckLevel::kWarning, [](Findings* f) { f->provisioning.reset(); }},
+        Trouble{"certificate", CheckLevel::kWarning,
+                [](Findings* f) { f->provisioning->certificate_until = "2026-12-01"; }},
+        Trouble{"certificate", CheckLevel::kFault,
+                [](Findings* f) { f->provisioning->certificate_until = "2026-11-01"; }},
+        Trouble{"clock", CheckLevel::kWarning, [](Findings* f) { f->machine.is_clock_set = false; }},
+        Trouble{"clock", CheckLevel::kFault, [](Findings* f) { f->now = std::chrono::system_clock::from_time_t(0); }},
+        Trouble{"disk", CheckLevel::kWarning, [](Findings* f) { f->machine.disk_free_bytes = 5'000'000'000; }},
+        Trouble{"disk", CheckLevel::kFault, [](Findings* f) { f->machine.disk_free_bytes = 1'000; }},
+        Trouble{"disk", CheckLevel::kFault, [](Findings* f) { f->machine.is_read_only = true; }},
+        Trouble{"memory", CheckLevel::kWarning, [](Findings* f) { f->machine.memory_free_share = 0.01; }},
+        Trouble{"disk", CheckLevel::kFault, [](Findings* f) { f->machine.only_in_memory = "the TPM is gone"; }},
+        Trouble{"temperature", CheckLevel::kWarning, [](Findings* f) { f->machine.warmest_c = 91.0; }},
+        Trouble{"temperature", CheckLevel::kFault, [](Findings* f) { f->machine.warmest_c = 99.0; }},
+        Trouble{"update", CheckLevel::kWarning,
+                [](Findings* f) { f->update->state = update::UpdateStatus::State::kFailed; }},
+        Trouble{"update", CheckLevel::kWarning,
+                [](Findings* f) { f->update->state = update::UpdateStatus::State::kRolledBack; }}));
 
 TEST(Checks, take_dark_projectors_of_a_closed_museum_for_well) {
   Findings findings = well();
   for (int i = 0; i < 3; ++i) findings.processes[1].status->mutable_gauges(i)->set_value(0.0);
-  EXPECT_EQ(find(findings, "heads").level, Level::kOk);
+  EXPECT_EQ(find(findings, "heads").level, CheckLevel::kOk);
 }
 
 TEST(Checks, say_nothing_of_what_is_not_known) {
@@ -207,38 +213,38 @@ TEST(Checks, tell_how_each_projector_is) {
     return std::find_if(checks.begin(), checks.end(), [&](const Check& check) { return check.id == id; });
   };
   ASSERT_NE(find("projector-right"), checks.end());
-  EXPECT_EQ(find("projector-right")->level, Level::kFault);
+  EXPECT_EQ(find("projector-right")->level, CheckLevel::kFault);
   EXPECT_THAT(find("projector-right")->remedy, HasSubstr("remote control"));
-  EXPECT_EQ(find("projector-left")->level, Level::kOk);
+  EXPECT_EQ(find("projector-left")->level, CheckLevel::kOk);
   EXPECT_EQ(find("part-projectors"), checks.end()) << "what is wrong is said once";
   table->clear_rows();
   findings.processes.back() = process("projectors", true, "No projector has a network address in the settings.");
   EXPECT_THAT(checks_table(checks_of(findings)), HasSubstr("No projector has a network address"));
 }
 
-TEST(DoorChecks, tell_why_nobody_can_enter_and_nothing_else) {
+TEST(LoginChecks, tell_why_nobody_can_enter_and_nothing_else) {
   Findings findings = well();
   findings.is_museum = false;
   findings.provisioning.reset();
-  std::vector<Check> told = door_checks(findings);
+  std::vector<Check> told = login_checks(findings);
   ASSERT_EQ(told.size(), 1u);
   EXPECT_THAT(told[0].sentence, HasSubstr("No stick with settings was ever plugged in"));
   EXPECT_THAT(told[0].remedy, HasSubstr("site.toml"));
 
   findings.provisioning.emplace();
   findings.provisioning->at = "2026-11-22T09:00:00Z";
-  findings.provisioning->problems = {"site.toml:3: farm.head: is not a setting; did you mean 'heads'?"};
+  findings.provisioning->problems = {"site.toml:3: farm.coordinator: is not a setting; did you mean 'coordinators'?"};
   findings.machine.only_in_memory = "the disk cannot be read";
-  told = door_checks(findings);
+  told = login_checks(findings);
   ASSERT_EQ(told.size(), 2u);
-  EXPECT_THAT(told[0].sentence, HasSubstr("no settings in use. site.toml:3: farm.head"));
+  EXPECT_THAT(told[0].sentence, HasSubstr("no settings in use. site.toml:3: farm.coordinator"));
   EXPECT_FALSE(told[0].sentence.ends_with('\n'));
   EXPECT_THAT(told[1].sentence, HasSubstr("forgets when it is switched off: the disk cannot be read"));
   EXPECT_FALSE(told[1].remedy.empty());
 
   findings = well();
   findings.provisioning->museum = "hall-3";
-  told = door_checks(findings);
+  told = login_checks(findings);
   ASSERT_EQ(told.size(), 2u);
   EXPECT_EQ(told[1].id, "pin");
   EXPECT_THAT(told[1].remedy, HasSubstr("operator.toml"));
@@ -269,15 +275,15 @@ TEST(MachineFacts, a_mount_that_a_service_may_not_write_to_is_no_broken_disk) {
   std::filesystem::remove_all(root);
 }
 
-TEST(UpdateStatus, is_read_from_what_the_updater_writes) {
-  const auto status = parse_update_status(
+TEST(update::UpdateStatus, is_read_from_what_the_updater_writes) {
+  const auto status = update::parse_update_status(
       R"({"state": "ready", "version": "0.1.0", "available": "0.2.0", "at": "2026-11-22T03:10:00Z", "later": 1})");
   ASSERT_TRUE(status);
-  EXPECT_EQ(status->state, UpdateStatus::State::kReady);
+  EXPECT_EQ(status->state, update::UpdateStatus::State::kReady);
   EXPECT_EQ(status->available, "0.2.0");
   for (const char* const bad : {"", "[]", "{}", R"({"state": "odd", "version": "1"})", R"({"state": "ready"})",
                                 R"({"state": 1, "version": "1"})"}) {
-    EXPECT_FALSE(parse_update_status(bad)) << bad;
+    EXPECT_FALSE(update::parse_update_status(bad)) << bad;
   }
 }
 
@@ -293,4 +299,4 @@ TEST(NetworkTest, says_where_the_way_ends) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using testing::ElementsAre;
@@ -22,11 +22,11 @@ TEST(UsualWatches, are_those_of_what_this_computer_is) {
   std::ofstream(root / "usr/bin/cyclorama-node").flush();
   EXPECT_THAT(usual_watches(root), IsEmpty());
   std::ofstream(root / "run/cyclorama-farm/inspect.sock").flush();
-  EXPECT_THAT(usual_watches(root), ElementsAre("head=unix:/run/cyclorama-farm/inspect.sock"));
+  EXPECT_THAT(usual_watches(root), ElementsAre("coordinator=unix:/run/cyclorama-farm/inspect.sock"));
   std::ofstream(root / "usr/bin/cyclorama-tour").flush();
   EXPECT_THAT(usual_watches(root), SizeIs(3));
   std::filesystem::remove_all(root);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

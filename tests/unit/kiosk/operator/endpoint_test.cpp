@@ -8,7 +8,7 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using testing::HasSubstr;
@@ -56,4 +56,4 @@ TEST(Endpoints, are_refused_with_the_remedy) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

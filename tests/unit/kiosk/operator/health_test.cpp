@@ -8,7 +8,7 @@
 
 #include "tests/doubles/fake_process.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using testing::Contains;
@@ -98,7 +98,7 @@ TEST(Health, counts_anew_when_a_process_died_between_two_looks) {
   HealthRules rules;
   rules.looks = 2;
   HealthCount count(rules);
-  HealthLook look = look_at(museum.links);
+  HealthSnapshot look = look_at(museum.links);
   count.take(look);
   EXPECT_FALSE(count.is_well());
   look.processes[0].status->set_uptime_s(0.0);
@@ -121,4 +121,4 @@ TEST(Health, is_not_well_before_anybody_looked) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

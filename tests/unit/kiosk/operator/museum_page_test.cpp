@@ -15,7 +15,7 @@
 #include "tests/doubles/fake_process.h"
 #include "tests/doubles/museum_stick.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using namespace std::chrono_literals;
@@ -53,16 +53,16 @@ struct Page {
   std::optional<PageCertificate> certificate;
   HttpTls tls;
   std::unique_ptr<Sessions> sessions;
-  std::unique_ptr<CalibrationDesk> desk;
+  std::unique_ptr<CalibrationController> controller;
   std::unique_ptr<Watch> watch;
-  MuseumDesk museum;
+  MuseumServices museum;
   std::unique_ptr<PageServer> server;
   std::optional<httplib::SSLClient> client;
   httplib::Headers cookie;
 
   Page() {
-    CHECK(stick.install().verdict == Verdict::kInstalled);
-    EXPECT_TRUE(write_file_atomically(stick.root() / "provisioning.json", report_json(stick.install())));
+    CHECK(stick.install().verdict == provision::ProvisioningVerdict::kInstalled);
+    EXPECT_TRUE(write_file_atomically(stick.root() / "provisioning.json", provision::report_json(stick.install())));
     keep = stick.root() / "keep";
     fs::create_directories(keep / "wishes");
     auto made = page_certificate(keep, std::time(nullptr));
@@ -70,13 +70,13 @@ struct Page {
     certificate = *std::move(made);
     tls = {certificate->certificate_pem, certificate->key_pem};
     sessions = std::make_unique<Sessions>(clock, MuseumState{stick.root()}.pin_file());
-    desk = *CalibrationDesk::make(calibrator.address());
+    controller = *CalibrationController::make(calibrator.address());
     watch = std::make_unique<Watch>(*make_links({{"tour", tour.address()}}));
     museum.watch = watch.get();
-    museum.calibration = desk.get();
+    museum.calibration = controller.get();
     museum.support.museum.root = stick.root();
     museum.support.journal = {"sh", "-c", "cat '" + (stick.root() / "journal").string() + "'"};
-    museum.wishes = keep / "wishes";
+    museum.requests = keep / "wishes";
     museum.fingerprint = certificate->fingerprint;
     auto started = PageServer::start("[::1]:0", watch.get(), {&museum, sessions.get(), &tls});
     CHECK(started);
@@ -129,7 +129,8 @@ TEST(MuseumPage, tells_at_the_door_why_there_is_no_pin_until_there_is_one) {
   page.stick.write("site.toml", "[farm]\nhead = [\"[::1]:1\"]\n");
   page.stick.write("operator.toml", "pin = 401773\n");
   const auto plug_in = [&] {
-    EXPECT_TRUE(write_file_atomically(page.stick.root() / "provisioning.json", report_json(page.stick.install())));
+    EXPECT_TRUE(
+        write_file_atomically(page.stick.root() / "provisioning.json", provision::report_json(page.stick.install())));
   };
   plug_in();
   for (const std::string& told :
@@ -231,7 +232,7 @@ TEST(MuseumPage, calibrates_tests_the_network_and_passes_wishes_on) {
   EXPECT_EQ(state(), "done");
   EXPECT_EQ(page.post("/calibration", R"({"do": "dance"})"), 400);
   page.stick.write("site.toml", "[farm]\nheads = [\"[::1]:1\", \"" + page.tour.address() + "\"]\n");
-  ASSERT_EQ(page.stick.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(page.stick.install().verdict, provision::ProvisioningVerdict::kInstalled);
   const Json network = Json::parse(page.client->Post("/network-test", page.cookie, "{}", "application/json")->body);
   const std::string text = network.dump();
   EXPECT_THAT(text, HasSubstr("its program does not run"));
@@ -285,7 +286,7 @@ TEST(MuseumPage, gives_a_support_bundle_without_any_secret) {
   ASSERT_TRUE(key);
   const std::string inner_line = key->substr(key->find('\n') + 1, 40);
   page.stick.write("notes.toml", "# " + inner_line + "\npin = \"401773\"\npjlink_password = 'open-sesame-9'\n" + *key);
-  ASSERT_EQ(page.stick.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(page.stick.install().verdict, provision::ProvisioningVerdict::kInstalled);
   const std::string hash = page.stick.in_use("operator-pin");
   EXPECT_TRUE(write_file_atomically(
       page.stick.root() / "journal",
@@ -337,4 +338,4 @@ TEST(PageCertificate, is_made_once_kept_private_and_renewed_in_time) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

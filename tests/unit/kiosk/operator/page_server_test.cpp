@@ -14,7 +14,7 @@
 #include "kiosk/operator/page_files.h"
 #include "tests/doubles/fake_process.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using namespace std::chrono_literals;
@@ -165,4 +165,4 @@ TEST(PageServer, refuses_a_port_where_another_operator_listens) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -8,7 +8,7 @@
 #include "kiosk/provision/pin.h"
 #include "tests/doubles/manual_clock.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using namespace std::chrono_literals;
@@ -16,23 +16,23 @@ using testing::HasSubstr;
 
 constexpr const char* kHere = "192.0.2.7";
 
-struct Door {
+struct LoginFixture {
   ManualClock clock;
   std::filesystem::path folder;
   std::unique_ptr<Sessions> sessions;
 
-  explicit Door(SessionRules rules = {}) {
+  explicit LoginFixture(SessionRules rules = {}) {
     std::string name = (std::filesystem::temp_directory_path() / "door-XXXXXX").string();
     CHECK(::mkdtemp(name.data()) != nullptr);
     folder = name;
     set_pin("401773");
     sessions = std::make_unique<Sessions>(clock, folder / "pin", rules);
   }
-  ~Door() { std::filesystem::remove_all(folder); }
-  Door(const Door&) = delete;
-  Door& operator=(const Door&) = delete;
+  ~LoginFixture() { std::filesystem::remove_all(folder); }
+  LoginFixture(const LoginFixture&) = delete;
+  LoginFixture& operator=(const LoginFixture&) = delete;
   void set_pin(const char* pin) const {
-    const auto hash = hashed_pin(pin);
+    const auto hash = provision::hashed_pin(pin);
     CHECK(hash);
     CHECK(write_file_atomically(folder / "pin", std::string_view(*hash)));
   }
@@ -43,7 +43,7 @@ struct Door {
 };
 
 TEST(Sessions, let_in_who_knows_the_pin_for_a_while) {
-  Door door;
+  LoginFixture door;
   const auto token = door.sessions->open("40 17 73", kHere);
   ASSERT_TRUE(token);
   EXPECT_EQ(token->size(), 64u);
@@ -59,7 +59,7 @@ TEST(Sessions, let_in_who_knows_the_pin_for_a_while) {
 }
 
 TEST(Sessions, end_after_half_an_hour_of_rest_or_half_a_day) {
-  Door door;
+  LoginFixture door;
   const auto idle = door.sessions->open("401773", kHere);
   ASSERT_TRUE(idle);
   door.clock.advance(31min);
@@ -75,7 +75,7 @@ TEST(Sessions, end_after_half_an_hour_of_rest_or_half_a_day) {
 }
 
 TEST(Sessions, let_who_guesses_wait_longer_and_longer_even_with_the_right_pin) {
-  Door door;
+  LoginFixture door;
   for (int i = 0; i < 3; ++i) EXPECT_EQ(door.refused("000001"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(door.refused("401773"), ErrorCode::kBusy) << "within the wait no PIN is looked at";
   EXPECT_EQ(door.refused("401773", "2001:db8::1"), ErrorCode::kSystem) << "others come in";
@@ -94,7 +94,7 @@ TEST(Sessions, let_who_guesses_wait_longer_and_longer_even_with_the_right_pin) {
 }
 
 TEST(Sessions, take_all_addresses_of_one_network_for_one) {
-  Door door;
+  LoginFixture door;
   for (int i = 1; i <= 3; ++i) {
     EXPECT_EQ(door.refused("000001", "2001:db8:0:7::" + std::to_string(i)), ErrorCode::kInvalidArgument);
   }
@@ -107,7 +107,7 @@ TEST(Sessions, take_all_addresses_of_one_network_for_one) {
 TEST(Sessions, bound_the_guesses_of_all_networks_together) {
   SessionRules rules;
   rules.tries_at_once = 5.0;
-  Door door(rules);
+  LoginFixture door(rules);
   int looked_at = 0;
   for (int i = 0; i < 20; ++i) {
     looked_at += door.refused("000001", "192.0.2." + std::to_string(i)) == ErrorCode::kInvalidArgument ? 1 : 0;
@@ -119,7 +119,7 @@ TEST(Sessions, bound_the_guesses_of_all_networks_together) {
 }
 
 TEST(Sessions, ask_for_another_pin_as_soon_as_it_is_provisioned) {
-  Door door;
+  LoginFixture door;
   door.set_pin("771340");
   EXPECT_EQ(door.refused("401773"), ErrorCode::kInvalidArgument);
   EXPECT_TRUE(door.sessions->open("771340", kHere));
@@ -134,8 +134,8 @@ TEST(Sessions, ask_for_another_pin_as_soon_as_it_is_provisioned) {
 
 TEST(Sessions, are_not_more_than_there_may_be) {
   SessionRules rules;
-  rules.most = 2;
-  Door door(rules);
+  rules.max = 2;
+  LoginFixture door(rules);
   const auto first = door.sessions->open("401773", kHere);
   door.clock.advance(1s);
   const auto second = door.sessions->open("401773", kHere);
@@ -148,4 +148,4 @@ TEST(Sessions, are_not_more_than_there_may_be) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

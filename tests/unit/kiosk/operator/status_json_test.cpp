@@ -10,14 +10,14 @@
 #include "kiosk/operator/metrics.h"
 #include "kiosk/operator/status_table.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using testing::HasSubstr;
 using testing::Not;
 
-Observation seen(const std::string& name, wire::ProcessStatus status) {
-  Observation observation;
+ProcessObservation seen(const std::string& name, wire::ProcessStatus status) {
+  ProcessObservation observation;
   observation.endpoint = {name, "[::1]:1"};
   observation.asked = true;
   observation.away = false;
@@ -53,7 +53,7 @@ TEST(StatusJson, is_json_whatever_a_process_says) {
 }
 
 TEST(StatusJson, is_well_only_when_every_process_is) {
-  Observation away;
+  ProcessObservation away;
   away.endpoint = {"display", "[::1]:2"};
   away.asked = true;
   EXPECT_THAT(status_json({seen("tour", odd_status())}), HasSubstr("\"well\": true"));
@@ -61,11 +61,11 @@ TEST(StatusJson, is_well_only_when_every_process_is) {
 }
 
 TEST(Steer, takes_any_of_three_numbers) {
-  const auto wish = parse_steer(R"({"forward": -1, "right": 0.25})");
-  ASSERT_TRUE(wish);
-  EXPECT_EQ(wish->forward(), -1.0);
-  EXPECT_EQ(wish->right(), 0.25);
-  EXPECT_EQ(wish->turn(), 0.0);
+  const auto wanted = parse_steer(R"({"forward": -1, "right": 0.25})");
+  ASSERT_TRUE(wanted);
+  EXPECT_EQ(wanted->forward(), -1.0);
+  EXPECT_EQ(wanted->right(), 0.25);
+  EXPECT_EQ(wanted->turn(), 0.0);
   EXPECT_TRUE(parse_steer("{}"));
 }
 
@@ -73,9 +73,9 @@ TEST(Steer, refuses_everything_else_by_name) {
   for (const char* const text :
        {"", "null", "[]", "3", "{", R"({"forward": "1"})", R"({"forward": 1.0001})", R"({"forward": 1e999})",
         R"({"forward": null})", R"({"turn": [1]})", R"({"up": 1})", "\xff\xfe", R"({"forward": NaN})"}) {
-    const auto wish = parse_steer(text);
-    ASSERT_FALSE(wish) << text;
-    EXPECT_EQ(wish.error().code(), ErrorCode::kBadData);
+    const auto wanted = parse_steer(text);
+    ASSERT_FALSE(wanted) << text;
+    EXPECT_EQ(wanted.error().code(), ErrorCode::kBadData);
   }
   EXPECT_THAT(parse_steer(R"({"up": 1})").error().message(), HasSubstr("'up'"));
   EXPECT_THAT(parse_steer(R"({"turn": 2})").error().message(), HasSubstr("'turn'"));
@@ -90,7 +90,7 @@ TEST(Metrics, are_in_prometheus_format_whatever_a_process_says) {
 }
 
 TEST(Metrics, give_no_old_numbers_of_a_process_that_is_away) {
-  Observation gone = seen("tour", odd_status());
+  ProcessObservation gone = seen("tour", odd_status());
   gone.away = true;
   const std::string text = metrics_text({gone});
   EXPECT_THAT(text, HasSubstr("cyclorama_up{process=\"tour\"} 0\n"));
@@ -104,4 +104,4 @@ TEST(StatusTable, has_a_line_for_each_part_and_stage) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -11,7 +11,7 @@
 #include "kiosk/operator/picture_check.h"
 #include "tests/doubles/fake_process.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 using namespace std::chrono_literals;
@@ -226,4 +226,4 @@ TEST(PictureCheck, lays_pictures_out_side_by_side) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -12,7 +12,7 @@
 #include "common/base/text.h"
 #include "kiosk/operator/board_sheet.h"
 
-namespace cyclorama {
+namespace cyclorama::operations {
 namespace {
 
 constexpr double kPixelsPerPoint = 2.0;
@@ -50,10 +50,10 @@ GreyImage rasterised(const std::string& pdf, const Paper& paper) {
 TEST(BoardSheet, shows_a_camera_all_corners_at_their_places) {
   for (const Paper& paper : papers()) {
     const GreyImage picture = rasterised(to_pdf(board_sheet(paper)), paper);
-    auto detector = make_board_detector();
+    auto detector = camera_calibration::make_board_detector();
     ASSERT_TRUE(detector.has_value());
     const TagBoard board = board_on(paper);
-    const auto view = find_board(picture, {board}, &*detector);
+    const auto view = camera_calibration::find_board(picture, {board}, &*detector);
     ASSERT_TRUE(view) << paper.name << ": " << view.error().message();
     ASSERT_EQ(static_cast<int>(view->board_m.size()), board.corners()) << paper.name;
     const Eigen::Vector2d middle_m = 0.5 * (board.corner_m(0) + board.corner_m(board.corners() - 1));
@@ -69,15 +69,15 @@ TEST(BoardSheet, shows_a_camera_all_corners_at_their_places) {
 TEST(WandSheet, shows_a_detector_the_tags_at_their_places_and_sizes) {
   for (const Paper& paper : papers()) {
     const GreyImage picture = rasterised(to_pdf(wand_sheet(11, paper)), paper);
-    DetectorSettings settings;
+    tags::DetectorSettings settings;
     settings.refine_corners = false;
-    auto detector = TagDetector::create(settings);
+    auto detector = tags::TagDetector::create(settings);
     ASSERT_TRUE(detector.has_value());
     const auto found = detector->detect(picture);
     ASSERT_TRUE(found.has_value());
     ASSERT_EQ(found->size(), 3U) << paper.name;
     const FoldedCard card = card_on(paper);
-    for (const TagDetection& tag : *found) {
+    for (const tags::TagDetection& tag : *found) {
       const Eigen::Vector2d left = tag.corners[0] / kPixelsPerMm;
       const Eigen::Vector2d right = tag.corners[1] / kPixelsPerMm;
       EXPECT_NEAR((right - left).norm(), 1e3 * card.tag_size_m, 0.3);
@@ -109,4 +109,4 @@ TEST(VectorPage, keeps_words_from_ending_the_string_they_are_in) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::operations

@@ -9,7 +9,7 @@
 #include "kiosk/provision/provision.h"
 #include "tests/doubles/test_authority.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
 namespace fs = std::filesystem;
@@ -18,12 +18,13 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr const char* kHead =
+constexpr const char* kCoordinator =
     "museums = \"[::]:7401\"\nnodes = \"[::]:7402\"\n[[scene]]\nname = \"cave\"\npath = \"/etc/cyclorama/cave\"\non = "
-    "\"head\"\n[tls]\nauthority = \"tls-head/authority.crt\"\ncertificate = \"tls-head/certificate.crt\"\nkey = "
-    "\"tls-head/key.pem\"\n";
+    "\"coordinator\"\n[tls]\nauthority = \"tls-coordinator/authority.crt\"\ncertificate = "
+    "\"tls-coordinator/certificate.crt\"\nkey = "
+    "\"tls-coordinator/key.pem\"\n";
 constexpr const char* kNode =
-    "heads = [\"[2001:db8::1]:7402\"]\n[tls]\nauthority = \"tls-node/authority.crt\"\ncertificate = "
+    "coordinators = [\"[2001:db8::1]:7402\"]\n[tls]\nauthority = \"tls-node/authority.crt\"\ncertificate = "
     "\"tls-node/certificate.crt\"\nkey = \"tls-node/key.pem\"\n";
 
 /// Shared by all tests, since it takes seconds to make.
@@ -31,8 +32,8 @@ TestAuthority& authority() {
   static TestAuthority made;
   return made;
 }
-const TlsFiles& head_certificates() {
-  static const TlsFiles files = authority().head();
+const TlsFiles& coordinator_certificates() {
+  static const TlsFiles files = authority().coordinator();
   return files;
 }
 const TlsFiles& node_certificates() {
@@ -48,11 +49,11 @@ class FarmStick {
     EXPECT_NE(::mkdtemp(folder.data()), nullptr);
     place_ = folder;
     fs::create_directories(place_ / "state");
-    for (const char* const inner : {"cave", "tls-head", "tls-node"}) fs::create_directories(stick() / inner);
-    write("farm.toml", kHead);
+    for (const char* const inner : {"cave", "tls-coordinator", "tls-node"}) fs::create_directories(stick() / inner);
+    write("farm.toml", kCoordinator);
     write("node.toml", kNode);
     write("cave/scene.toml", "title = \"Cave\"\n");
-    copy(head_certificates(), "tls-head");
+    copy(coordinator_certificates(), "tls-coordinator");
     copy(node_certificates(), "tls-node");
   }
   ~FarmStick() { fs::remove_all(place_); }
@@ -85,11 +86,11 @@ class FarmStick {
 TEST(FarmHost, takes_head_node_and_a_scene_from_one_stick) {
   const FarmStick host;
   const ProvisioningReport report = host.install();
-  EXPECT_EQ(report.verdict, Verdict::kInstalled) << report_json(report);
+  EXPECT_EQ(report.verdict, ProvisioningVerdict::kInstalled) << report_json(report);
   EXPECT_THAT(report.farm, ElementsAre("[2001:db8::1]:7402"));
   EXPECT_EQ(report.certificate_until.size(), 10u);
   EXPECT_TRUE(fs::exists(host.settings() / "cave" / "scene.toml"));
-  for (const char* const secret : {"tls-head/key.pem", "tls-node/key.pem"}) {
+  for (const char* const secret : {"tls-coordinator/key.pem", "tls-node/key.pem"}) {
     struct stat info {};
     ASSERT_EQ(::stat((host.settings() / secret).c_str(), &info), 0);
     EXPECT_EQ(info.st_mode & 0007, 0u) << secret << " is for all to read";
@@ -99,10 +100,10 @@ TEST(FarmHost, takes_head_node_and_a_scene_from_one_stick) {
 TEST(FarmHost, may_be_a_head_or_a_node_alone) {
   const FarmStick host;
   host.remove("node.toml");
-  EXPECT_EQ(host.install().verdict, Verdict::kInstalled);
+  EXPECT_EQ(host.install().verdict, ProvisioningVerdict::kInstalled);
   host.write("node.toml", kNode);
   host.remove("farm.toml");
-  EXPECT_EQ(host.install().verdict, Verdict::kInstalled);
+  EXPECT_EQ(host.install().verdict, ProvisioningVerdict::kInstalled);
   EXPECT_FALSE(fs::exists(host.settings() / "farm.toml")) << "what is not on the stick is not in use any more";
 }
 
@@ -129,7 +130,7 @@ TEST_P(BadFarmStick, is_refused_with_a_reason) {
   const FarmStick host;
   GetParam().spoil(host);
   const ProvisioningReport report = host.install();
-  EXPECT_EQ(report.verdict, Verdict::kRefused);
+  EXPECT_EQ(report.verdict, ProvisioningVerdict::kRefused);
   EXPECT_THAT(report.problems, ElementsAre(HasSubstr(GetParam().says))) << report_json(report);
   EXPECT_FALSE(fs::exists(host.settings()));
 }
@@ -144,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(
                },
                "neither farm.toml nor node.toml"},
         Spoilt{"head_cut", [](const FarmStick& s) { s.write("farm.toml", "museums = \"[:"); }, "farm.toml:1"},
-        Spoilt{"node_cut", [](const FarmStick& s) { s.write("node.toml", "heads = [\"[20"); }, "node.toml:1"},
+        Spoilt{"node_cut", [](const FarmStick& s) { s.write("node.toml", "coordinators = [\"[20"); }, "node.toml:1"},
         Spoilt{"key_missing", [](const FarmStick& s) { s.remove("tls-node/key.pem"); },
                "'tls-node/key.pem', which is not there"},
         Spoilt{"certificates_elsewhere",
@@ -154,34 +155,38 @@ INSTANTIATE_TEST_SUITE_P(
                          "key = \"../key.pem\"\n");
                },
                "which is not in the folder"},
-        Spoilt{"head_with_a_nodes_certificate", [](const FarmStick& s) { s.copy(node_certificates(), "tls-head"); },
-               "a head needs one"},
-        Spoilt{"node_with_a_heads_certificate", [](const FarmStick& s) { s.copy(head_certificates(), "tls-node"); },
-               "a node needs one"},
+        Spoilt{"head_with_a_nodes_certificate",
+               [](const FarmStick& s) { s.copy(node_certificates(), "tls-coordinator"); }, "a coordinator needs one"},
+        Spoilt{"node_with_a_heads_certificate",
+               [](const FarmStick& s) { s.copy(coordinator_certificates(), "tls-node"); }, "a node needs one"},
         Spoilt{"scene_missing", [](const FarmStick& s) { s.remove("cave"); }, "scene 'cave' lies at"},
         Spoilt{"scene_beyond",
                [](const FarmStick& s) {
-                 s.write("farm.toml", std::string(kHead).replace(std::string(kHead).find("cave\"\non"), 4, "../no"));
+                 s.write("farm.toml",
+                         std::string(kCoordinator).replace(std::string(kCoordinator).find("cave\"\non"), 4, "../no"));
                },
                "which is not there"},
-        Spoilt{"grants_missing",
-               [](const FarmStick& s) { s.write("farm.toml", std::string("museums_file = \"m.toml\"\n") + kHead); },
-               "'m.toml', which is not there"},
+        Spoilt{
+            "grants_missing",
+            [](const FarmStick& s) { s.write("farm.toml", std::string("museums_file = \"m.toml\"\n") + kCoordinator); },
+            "'m.toml', which is not there"},
         Spoilt{"token_missing",
-               [](const FarmStick& s) { s.write("farm.toml", std::string(kHead) + "[watch]\ntoken_file = \"t\"\n"); },
+               [](const FarmStick& s) {
+                 s.write("farm.toml", std::string(kCoordinator) + "[watch]\ntoken_file = \"t\"\n");
+               },
                "'t', which is not there"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(FarmHost, keeps_room_for_what_runs_and_takes_settings_alone_on_a_full_disk) {
   constexpr std::uintmax_t kMiB = 1 << 20;
-  const FolderLimits most{200, 4096 * kMiB, 16384 * kMiB};
-  EXPECT_EQ(within(std::numeric_limits<std::uintmax_t>::max(), most).most_bytes, most.most_bytes);
-  EXPECT_EQ(within(1256 * kMiB, most).most_bytes, 1000 * kMiB);
+  const FolderLimits max{200, 4096 * kMiB, 16384 * kMiB};
+  EXPECT_EQ(within(std::numeric_limits<std::uintmax_t>::max(), max).max_bytes, max.max_bytes);
+  EXPECT_EQ(within(1256 * kMiB, max).max_bytes, 1000 * kMiB);
   for (const std::uintmax_t full : {257 * kMiB, 256 * kMiB, 255 * kMiB, kMiB, std::uintmax_t{0}}) {
-    EXPECT_EQ(within(full, most).most_bytes, kMiB) << full;
+    EXPECT_EQ(within(full, max).max_bytes, kMiB) << full;
   }
-  EXPECT_EQ(within(0, most).most_files, most.most_files);
-  EXPECT_EQ(within(0, {200, 10, 10}).most_bytes, 10U);
+  EXPECT_EQ(within(0, max).max_files, max.max_files);
+  EXPECT_EQ(within(0, {200, 10, 10}).max_bytes, 10U);
 }
 
 TEST(FarmHost, asks_the_programs_about_their_own_tables) {
@@ -201,4 +206,4 @@ TEST(FarmHost, asks_the_programs_about_their_own_tables) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

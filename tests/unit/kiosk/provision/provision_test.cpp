@@ -8,7 +8,7 @@
 #include "kiosk/provision/pin.h"
 #include "tests/doubles/museum_stick.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
 namespace fs = std::filesystem;
@@ -21,7 +21,7 @@ using testing::Not;
 TEST(Provision, takes_a_good_stick_into_use_and_tells_what_is_in_it) {
   const MuseumStick museum;
   const ProvisioningReport report = museum.install();
-  EXPECT_EQ(report.verdict, Verdict::kInstalled);
+  EXPECT_EQ(report.verdict, ProvisioningVerdict::kInstalled);
   EXPECT_THAT(report.problems, IsEmpty());
   EXPECT_THAT(report.remarks, IsEmpty());
   EXPECT_EQ(report.museum, "hall-3");
@@ -36,7 +36,7 @@ TEST(Provision, takes_a_good_stick_into_use_and_tells_what_is_in_it) {
 
 TEST(Provision, keeps_the_pin_as_a_hash_alone_and_the_key_for_nobody_else) {
   const MuseumStick museum;
-  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   EXPECT_FALSE(fs::exists(museum.root() / "settings" / "operator.toml"));
   const auto right = is_pin(kStickPin, museum.in_use("operator-pin"));
   const auto wrong = is_pin("401774", museum.in_use("operator-pin"));
@@ -60,7 +60,7 @@ TEST(Provision, lets_every_service_read_the_rest_whatever_the_umask) {
   const MuseumStick museum;
   fs::remove_all(museum.root());
   const mode_t before = ::umask(0077);
-  EXPECT_EQ(museum.install().verdict, Verdict::kInstalled);
+  EXPECT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   ::umask(before);
   for (const char* const folder : {".", "generations", "settings", "settings/tls"}) {
     struct stat info {};
@@ -74,25 +74,25 @@ TEST(Provision, lets_every_service_read_the_rest_whatever_the_umask) {
 
 TEST(Provision, changes_nothing_for_the_same_stick_again) {
   const MuseumStick museum;
-  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   const ProvisioningReport again = museum.install();
-  EXPECT_EQ(again.verdict, Verdict::kUnchanged);
+  EXPECT_EQ(again.verdict, ProvisioningVerdict::kUnchanged);
   EXPECT_EQ(again.in_use, "000001");
   museum.write("operator.toml", "pin = \"771340\"\n");
-  EXPECT_EQ(museum.install().verdict, Verdict::kInstalled) << "another PIN is another set";
+  EXPECT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled) << "another PIN is another set";
 }
 
 TEST(Provision, brings_the_settings_of_before_back_and_forth) {
   const MuseumStick museum;
-  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   museum.write("site.toml", MuseumStick::site("hall-4"));
-  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   for (const char* const expected : {"hall-3", "hall-4", "hall-3"}) {
     auto store = SettingsStore::open(museum.root());
     ASSERT_TRUE(store);
     const auto report = restore_settings("2026-11-22T16:04:05Z", &*store);
     ASSERT_TRUE(report) << report.error().message();
-    EXPECT_EQ(report->verdict, Verdict::kRestored);
+    EXPECT_EQ(report->verdict, ProvisioningVerdict::kRestored);
     EXPECT_EQ(report->museum, expected);
     EXPECT_TRUE(report->has_pin);
     EXPECT_THAT(museum.in_use("site.toml"), HasSubstr(expected));
@@ -104,7 +104,7 @@ TEST(Provision, brings_the_settings_of_before_back_and_forth) {
 
 TEST(Provision, has_nothing_to_bring_back_after_the_first_stick) {
   const MuseumStick museum;
-  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   auto store = SettingsStore::open(museum.root());
   ASSERT_TRUE(store);
   const auto report = restore_settings("", &*store);
@@ -123,11 +123,11 @@ class BadStick : public testing::TestWithParam<Spoilt> {};
 
 TEST_P(BadStick, is_refused_with_a_reason_and_the_settings_before_stay) {
   const MuseumStick museum;
-  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   museum.write("site.toml", MuseumStick::site("hall-4"));
   GetParam().spoil(museum);
   const ProvisioningReport report = museum.install();
-  EXPECT_EQ(report.verdict, Verdict::kRefused);
+  EXPECT_EQ(report.verdict, ProvisioningVerdict::kRefused);
   EXPECT_THAT(report.problems, Contains(HasSubstr(GetParam().says))) << report_json(report);
   EXPECT_THAT(report.problems, Not(Contains(HasSubstr("staging")))) << "where it lay for now is nothing to the reader";
   EXPECT_EQ(report.in_use, "000001");
@@ -145,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(
         Spoilt{"hours_wrong", [](const MuseumStick& m) { m.write("site.toml", "[hours]\nopen = [\"Sum 25:00\"]\n"); },
                "site.toml:2"},
         Spoilt{"address_wrong", [](const MuseumStick& m) { m.write("site.toml", "[farm]\nheads = [\"farm\"]\n"); },
-               "heads"},
+               "coordinators"},
         Spoilt{"installation_missing", [](const MuseumStick& m) { m.remove("installation.toml"); },
                "installation.toml is missing"},
         Spoilt{"installation_cut",
@@ -227,7 +227,7 @@ TEST(Provision, quotes_no_secret_however_it_was_written) {
   ASSERT_TRUE(good_room);
   const auto refusal = [&] {
     const ProvisioningReport report = museum.install();
-    EXPECT_EQ(report.verdict, Verdict::kRefused);
+    EXPECT_EQ(report.verdict, ProvisioningVerdict::kRefused);
     EXPECT_FALSE(report.problems.empty());
     return report_json(report);
   };
@@ -272,7 +272,7 @@ TEST(Provision, leaves_out_what_computers_put_on_sticks_and_says_so) {
   museum.write("._site.toml", "junk");
   museum.write("desktop.ini", "junk");
   const ProvisioningReport report = museum.install();
-  EXPECT_EQ(report.verdict, Verdict::kInstalled);
+  EXPECT_EQ(report.verdict, ProvisioningVerdict::kInstalled);
   EXPECT_THAT(report.remarks, ElementsAre("'._site.toml' was left out", "'desktop.ini' was left out"));
   EXPECT_EQ(museum.in_use("desktop.ini"), "");
 }
@@ -283,7 +283,7 @@ TEST(Provision, says_what_is_not_as_one_may_have_meant_it) {
   museum.remove("tracker.toml");
   museum.remove("operator.toml");
   const ProvisioningReport report = museum.install();
-  EXPECT_EQ(report.verdict, Verdict::kInstalled);
+  EXPECT_EQ(report.verdict, ProvisioningVerdict::kInstalled);
   EXPECT_THAT(report.remarks,
               ElementsAre(HasSubstr("not encrypted"), HasSubstr("no camera follows"), HasSubstr("no PIN")));
 }
@@ -297,7 +297,7 @@ TEST(Provision, takes_the_calibrator_s_cameras_and_their_lenses) {
   museum.write("cameras/left.json", "{\"of\": \"left\"}");
   museum.write("cameras/rigth.json", "{}");
   const ProvisioningReport report = museum.install();
-  EXPECT_EQ(report.verdict, Verdict::kInstalled);
+  EXPECT_EQ(report.verdict, ProvisioningVerdict::kInstalled);
   EXPECT_THAT(report.remarks,
               ElementsAre(HasSubstr("cameras/right.json is missing"), HasSubstr("cameras/rigth.json is there, but")));
   EXPECT_THAT(museum.in_use("calibrator.toml"), HasSubstr("left"));
@@ -332,7 +332,7 @@ TEST(Provision, only_checks_when_asked_to) {
   ASSERT_TRUE(store);
   const auto report = provision({museum.stick(), {}, {}, true, ""}, &*store);
   ASSERT_TRUE(report);
-  EXPECT_EQ(report->verdict, Verdict::kInstalled);
+  EXPECT_EQ(report->verdict, ProvisioningVerdict::kInstalled);
   EXPECT_EQ(report->in_use, "");
   EXPECT_EQ(store->in_use(), "");
 }
@@ -364,4 +364,4 @@ TEST(Pin, has_another_hash_each_time) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

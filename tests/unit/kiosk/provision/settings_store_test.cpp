@@ -14,7 +14,7 @@
 
 #include "tests/doubles/museum_stick.h"
 
-namespace cyclorama {
+namespace cyclorama::provision {
 namespace {
 
 namespace fs = std::filesystem;
@@ -37,7 +37,7 @@ int install_until(const MuseumStick& museum, int last_step) {
     const ProvisioningReport report = museum.install([&](std::string_view) {
       if (++steps == last_step) ::_exit(kPowerCut);
     });
-    return report.verdict == Verdict::kInstalled ? 0 : 1;
+    return report.verdict == ProvisioningVerdict::kInstalled ? 0 : 1;
   });
 }
 
@@ -58,7 +58,7 @@ void expect_whole(const MuseumStick& museum, const std::string& where) {
 
 TEST(SettingsStore, has_one_whole_set_in_use_whenever_the_power_fails) {
   const MuseumStick museum;
-  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   int cuts = 0;
   int old_ones = 0;
   for (int step = 1;; ++step) {
@@ -75,7 +75,7 @@ TEST(SettingsStore, has_one_whole_set_in_use_whenever_the_power_fails) {
     old_ones += now == before ? 1 : 0;
     // The next attempt succeeds whatever the power cut left.
     const ProvisioningReport again = museum.install();
-    EXPECT_EQ(again.verdict, now == before ? Verdict::kInstalled : Verdict::kUnchanged);
+    EXPECT_EQ(again.verdict, now == before ? ProvisioningVerdict::kInstalled : ProvisioningVerdict::kUnchanged);
     EXPECT_EQ(museum.in_use("site.toml"), MuseumStick::site(museum_name));
     // The previous settings are still there.
     auto store = SettingsStore::open(museum.root());
@@ -90,9 +90,9 @@ TEST(SettingsStore, has_one_whole_set_in_use_whenever_the_power_fails) {
 
 TEST(SettingsStore, survives_cuts_while_it_brings_settings_back) {
   const MuseumStick museum;
-  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   museum.write("site.toml", MuseumStick::site("hall-4"));
-  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   for (int step = 1;; ++step) {
     const std::string before = museum.in_use("site.toml");
     const int end = in_a_child([&] {
@@ -115,7 +115,7 @@ TEST(SettingsStore, survives_cuts_while_it_brings_settings_back) {
 
 TEST(SettingsStore, keeps_the_old_settings_when_a_file_cannot_be_written_whole) {
   const MuseumStick museum;
-  ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+  ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   museum.write("site.toml", MuseumStick::site("hall-4"));
   museum.write("relief.obj", std::string(40'000, 'v'));
   for (const rlim_t bytes : {rlim_t{0}, rlim_t{100}, rlim_t{4096}, rlim_t{20'000}}) {
@@ -155,7 +155,7 @@ TEST(SettingsStore, keeps_the_old_settings_on_a_disk_that_is_full) {
     if (!has_own_mounts()) return kNotAllowed;
     if (::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0) return kNotAllowed;
     if (::mount("disk", museum.root().c_str(), "tmpfs", 0, size.c_str()) != 0) return kNotAllowed;
-    if (museum.install().verdict != Verdict::kInstalled) return 1;
+    if (museum.install().verdict != ProvisioningVerdict::kInstalled) return 1;
     museum.write("relief.obj", std::string(300'000, 'v'));
     auto store = SettingsStore::open(museum.root());
     if (!store) return 2;
@@ -165,7 +165,7 @@ TEST(SettingsStore, keeps_the_old_settings_on_a_disk_that_is_full) {
     museum.remove("relief.obj");
     museum.write("site.toml", MuseumStick::site("hall-4"));
     const auto again = provision({museum.stick(), {}, {}, false, ""}, &*store);
-    return again && again->verdict == Verdict::kInstalled ? 0 : 5;
+    return again && again->verdict == ProvisioningVerdict::kInstalled ? 0 : 5;
   });
   if (end == kNotAllowed) GTEST_SKIP() << "this user may not mount a small disk";
   EXPECT_EQ(end, 0);
@@ -184,7 +184,7 @@ TEST(SettingsStore, keeps_two_sets_and_no_more) {
   const MuseumStick museum;
   for (int i = 0; i < 5; ++i) {
     museum.write("site.toml", MuseumStick::site("hall-" + std::to_string(i)));
-    ASSERT_EQ(museum.install().verdict, Verdict::kInstalled);
+    ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   }
   EXPECT_EQ(std::distance(fs::directory_iterator(museum.root() / "generations"), fs::directory_iterator()), 2);
 }
@@ -203,4 +203,4 @@ TEST(Checksums, are_read_as_sha256sum_writes_them) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::provision

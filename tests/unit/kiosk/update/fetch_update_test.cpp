@@ -11,7 +11,7 @@
 #include "renderfarm/coordinator/coordinator.h"
 #include "tests/doubles/test_authority.h"
 
-namespace cyclorama {
+namespace cyclorama::update {
 namespace {
 
 namespace fs = std::filesystem;
@@ -44,7 +44,7 @@ class Farm {
     sign("ours");
   }
   ~Farm() {
-    if (head_) head_->stop();
+    if (coordinator_) coordinator_->stop();
     fs::remove_all(place_);
   }
   Farm(const Farm&) = delete;
@@ -62,17 +62,18 @@ class Farm {
     openssl("dgst -sha256 -sign " + key + " -out '" + shelf().string() + "/SHA256SUMS.sig' '" + shelf().string() +
             "/SHA256SUMS'");
   }
-  void start(TrustOptions trust = {}) {
-    HeadOptions options;
+  void start(trust::TrustOptions trust = {}) {
+    coordinator::CoordinatorOptions options;
     options.scenes.push_back({.name = "grotto", .path = "/srv/grotto"});
     options.museums = options.nodes = "[::1]:0";
     options.updates = place_ / "shelf";
     options.trust = std::move(trust);
-    auto head = Head::start(std::move(options), [](const std::string&, const NoticeAbout&) {});
-    CHECK(head);
-    head_ = *std::move(head);
+    auto coordinator =
+        coordinator::Coordinator::start(std::move(options), [](const std::string&, const coordinator::NoticeAbout&) {});
+    CHECK(coordinator);
+    coordinator_ = *std::move(coordinator);
   }
-  [[nodiscard]] std::uint64_t sent_bytes() const { return head_->sent_file_bytes(); }
+  [[nodiscard]] std::uint64_t sent_bytes() const { return coordinator_->sent_file_bytes(); }
 
   [[nodiscard]] FetchOrder order() const {
     return {.image = kImage,
@@ -86,14 +87,14 @@ class Farm {
   [[nodiscard]] Result<FetchOutcome> fetch(
       const FetchOrder& order, const std::optional<TlsFiles>& tls = std::nullopt,
       const std::function<bool()>& go_on = [] { return true; }) const {
-    auto client = UpdateClient::make({"[::1]:" + std::to_string(head_->museum_port())}, tls);
+    auto client = client::UpdateClient::make({"[::1]:" + std::to_string(coordinator_->museum_port())}, tls);
     CHECK(client);
     return fetch_update(order, &*client, go_on);
   }
 
  private:
   fs::path place_;
-  std::unique_ptr<Head> head_;
+  std::unique_ptr<coordinator::Coordinator> coordinator_;
 };
 
 std::string text_of(const fs::path& path) {
@@ -211,10 +212,10 @@ TEST(FetchUpdate, refuses_more_than_it_may_be_and_more_than_the_disk_has_room_fo
   Farm farm;
   farm.start();
   FetchOrder order = farm.order();
-  order.limits.largest_bytes = kRootBytes - 1;
+  order.limits.max_file_bytes = kRootBytes - 1;
   EXPECT_EQ(farm.fetch(order).error().code(), ErrorCode::kInvalidArgument);
   order = farm.order();
-  order.limits.most_bytes = kRootBytes + 11;
+  order.limits.max_bytes = kRootBytes + 11;
   EXPECT_EQ(farm.fetch(order).error().code(), ErrorCode::kInvalidArgument);
   order = farm.order();
   order.limits.keep_free_bytes = std::uint64_t{1} << 60;
@@ -232,7 +233,7 @@ TEST(FetchUpdate, is_for_museums_that_are_granted_it) {
   EXPECT_TRUE(
       write_file_atomically(museums, std::string_view("[[museum]]\nname = \"hall-3\"\nscenes = [\"*\"]\n[[museum]]\n"
                                                       "name = \"hall-4\"\nscenes = [\"*\"]\nupdates = false\n")));
-  farm.start({.tls = authority.head(), .museums = museums});
+  farm.start({.tls = authority.coordinator(), .museums = museums});
   EXPECT_EQ(farm.fetch(farm.order(), authority.museum("hall-3"))->kind, Kind::kReady);
   for (const char* const other : {"hall-4", "hall-5"}) {
     const auto refused = farm.fetch(farm.order(), authority.museum(other));
@@ -244,9 +245,9 @@ TEST(FetchUpdate, is_for_museums_that_are_granted_it) {
 }
 
 /// A coordinator that replies with the test's offer.
-class LyingHead final : public wire::Updates::Service {
+class LyingCoordinator final : public wire::Updates::Service {
  public:
-  explicit LyingHead(wire::UpdateOffer offer) : offer_(std::move(offer)) {}
+  explicit LyingCoordinator(wire::UpdateOffer offer) : offer_(std::move(offer)) {}
   grpc::Status Offer(grpc::ServerContext*, const wire::OfferUpdateRequest*, wire::UpdateOffer* reply) override {
     *reply = offer_;
     return grpc::Status::OK;
@@ -274,28 +275,28 @@ TEST(FetchUpdate, believes_no_lengths_and_no_order) {
   offer.set_signature(text_of(farm.shelf() / "SHA256SUMS.sig"));
   for (const std::uint64_t bytes : {std::uint64_t{6}, std::uint64_t{kRootBytes}, std::uint64_t{6}})
     offer.add_bytes(bytes);
-  LyingHead head(offer);
-  auto server = WireServer::start("[::1]:0", {&head});
+  LyingCoordinator coordinator(offer);
+  auto server = WireServer::start("[::1]:0", {&coordinator});
   ASSERT_TRUE(server);
-  auto client = UpdateClient::make({"[::1]:" + std::to_string((*server)->port())}, std::nullopt);
+  auto client = client::UpdateClient::make({"[::1]:" + std::to_string((*server)->port())}, std::nullopt);
   ASSERT_TRUE(client);
   const auto said = [&] {
     const auto outcome = fetch_update(farm.order(), &*client, [] { return true; });
     return outcome ? std::string("taken") : outcome.error().message();
   };
   EXPECT_THAT(said(), HasSubstr("sends more of"));
-  head.shift = 1;
+  coordinator.shift = 1;
   EXPECT_THAT(said(), HasSubstr("out of order"));
-  head.shift = 0;
-  head.data = "";
+  coordinator.shift = 0;
+  coordinator.data = "";
   EXPECT_THAT(said(), HasSubstr("ends after 0 of 6 bytes"));
-  head.data = "kornel";
+  coordinator.data = "kornel";
   EXPECT_THAT(said(), HasSubstr("is not the file"));
 }
 
 TEST(FetchUpdate, says_that_the_farm_is_away) {
   const Farm farm;
-  auto client = UpdateClient::make({"[::1]:1"}, std::nullopt);
+  auto client = client::UpdateClient::make({"[::1]:1"}, std::nullopt);
   ASSERT_TRUE(client);
   const auto outcome = fetch_update(farm.order(), &*client, [] { return true; });
   ASSERT_FALSE(outcome);
@@ -303,4 +304,4 @@ TEST(FetchUpdate, says_that_the_farm_is_away) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::update

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::update {
 namespace {
 
 using testing::HasSubstr;
@@ -74,4 +74,4 @@ TEST(UpdateSettings, name_what_is_wrong) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::update

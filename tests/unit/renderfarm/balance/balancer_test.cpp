@@ -13,7 +13,7 @@
 
 #include "tests/doubles/block_tiling.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -34,12 +34,12 @@ SplitRequest request(PictureSize size, const std::vector<double>& speeds, double
   return {size, speeds, heading_rad, std::numbers::pi};
 }
 
-std::vector<MeasuredBlock> measured(const std::vector<PlannedBlock>& plan, std::mt19937* random, bool tells_cells) {
+std::vector<MeasuredBlock> measured(const std::vector<PlannedBlock>& plan, std::mt19937* random, bool reports_cells) {
   std::uniform_real_distribution<double> cost(0.0, 3.0);
   std::vector<MeasuredBlock> out;
   for (const PlannedBlock& block : plan) {
     MeasuredBlock& m = out.emplace_back(MeasuredBlock{block.rect, cost(*random)});
-    if (!tells_cells) continue;
+    if (!reports_cells) continue;
     const std::size_t cells = cells_of(block.rect).count();
     for (std::size_t i = 0; i < cells; ++i) {
       m.cell_cpu_seconds.push_back(static_cast<float>(cost(*random) / static_cast<double>(cells)));
@@ -220,4 +220,4 @@ TEST(BalanceEfficiency, is_mean_over_largest) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 constexpr PictureSize kSize{640, 320};  // 40 x 20 cells.
@@ -14,7 +14,7 @@ const CostMapOptions kSharp{.spreads = 0.0};
 
 using Density = std::function<double(double x, double y)>;  // Seconds per pixel at a position in pixels.
 
-MeasuredBlock measured(PictureSize size, const Density& density, bool tells_cells = true) {
+MeasuredBlock measured(PictureSize size, const Density& density, bool reports_cells = true) {
   WorkGrid work(size);
   for (int y = 0; y < work.rows(); ++y) {
     for (int x = 0; x < work.columns(); ++x) {
@@ -23,7 +23,7 @@ MeasuredBlock measured(PictureSize size, const Density& density, bool tells_cell
     }
   }
   MeasuredBlock block{{0, 0, size.width, size.height}, work.total()};
-  if (tells_cells) block.cell_cpu_seconds.assign(work.cells().begin(), work.cells().end());
+  if (reports_cells) block.cell_cpu_seconds.assign(work.cells().begin(), work.cells().end());
   return block;
 }
 
@@ -203,4 +203,4 @@ TEST(CostMap, begins_the_second_eye_with_what_the_first_one_costs) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -12,7 +12,7 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 using testing::HasSubstr;
@@ -29,7 +29,7 @@ class CostRecord : public testing::Test {
     auto recorder = CostRecorder::create(path_);
     EXPECT_TRUE(recorder);
     for (const RecordedFrame& f : frames) EXPECT_TRUE(recorder->add(f));
-    auto bytes = read_file(path_, kMostRecordBytes);
+    auto bytes = read_file(path_, kMaxRecordBytes);
     std::filesystem::remove(path_);
     return *bytes;
   }
@@ -124,4 +124,4 @@ TEST_F(CostRecord, takes_no_frame_that_could_not_be_read_again) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -5,7 +5,7 @@
 
 #include "renderfarm/balance/levelling.h"
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 TEST(WorkSums, sum_any_rectangle) {
@@ -93,4 +93,4 @@ TEST(Levelling, moves_nothing_that_is_not_worth_it) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 using Nodes = std::vector<NodeQueue>;
@@ -95,4 +95,4 @@ TEST(Stealing, bears_numbers_that_are_none) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

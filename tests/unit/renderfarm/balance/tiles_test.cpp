@@ -5,7 +5,7 @@
 
 #include <set>
 
-namespace cyclorama {
+namespace cyclorama::balance {
 namespace {
 
 TEST(Tiles, cover_the_block_exactly_on_the_grid_and_are_small) {
@@ -16,8 +16,8 @@ TEST(Tiles, cover_the_block_exactly_on_the_grid_and_are_small) {
     std::set<std::pair<int, int>> corners;
     for (const PixelRect& tile : tiles_of(block)) {
       EXPECT_FALSE(tile.empty());
-      EXPECT_LE(tile.width, kLargestTilePx);
-      EXPECT_LE(tile.height, kLargestTilePx);
+      EXPECT_LE(tile.width, kMaxTilePx);
+      EXPECT_LE(tile.height, kMaxTilePx);
       EXPECT_EQ((tile.x - block.x) % kCutPx, 0);
       EXPECT_EQ((tile.y - block.y) % kCutPx, 0);
       EXPECT_LE(tile.x + tile.width, block.x + block.width);
@@ -40,4 +40,4 @@ TEST(Tiles, have_no_slivers) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::balance

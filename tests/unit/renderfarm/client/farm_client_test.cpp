@@ -8,7 +8,7 @@
 #include "tests/doubles/fake_farm.h"
 #include "tests/doubles/recording_farm_listener.h"
 
-namespace cyclorama {
+namespace cyclorama::client {
 namespace {
 
 using std::chrono::seconds;
@@ -28,14 +28,15 @@ wire::View view_of(std::uint64_t number, std::uint32_t width = 600, std::uint32_
   return view;
 }
 
-std::unique_ptr<FarmClient> start(const std::vector<std::string>& heads, FarmListener& listener,
-                                  Duration patience = seconds(30)) {
-  auto client = FarmClient::start({.heads = heads, .scene = "plain", .museum = "test", .patience = patience}, listener);
+std::unique_ptr<FarmClient> start(const std::vector<std::string>& coordinators, FarmListener& listener,
+                                  Duration timeout = seconds(30)) {
+  auto client = FarmClient::start(
+      {.coordinators = coordinators, .scene = "plain", .museum = "test", .timeout = timeout}, listener);
   CHECK(client);
   return *std::move(client);
 }
 
-TEST(FarmClient, opens_a_visit_and_brings_whole_frames_in_order) {
+TEST(FarmClient, opens_a_session_and_brings_whole_frames_in_order) {
   FakeFarm farm;
   RecordingFarmListener listener;
   const auto client = start({farm.address()}, listener);
@@ -80,7 +81,7 @@ TEST(FarmClient, has_two_frames_in_flight_and_drops_to_the_newest_view) {
   EXPECT_EQ(listener.seen().frames.back().view.number(), 50u);
 }
 
-TEST(FarmClient, comes_back_by_itself_when_the_head_restarts_and_asks_again) {
+TEST(FarmClient, comes_back_by_itself_when_the_coordinator_restarts_and_asks_again) {
   auto farm = std::make_unique<FakeFarm>();
   farm->set_gate(false);
   const int port = farm->port();
@@ -112,7 +113,7 @@ TEST(FarmClient, ends_a_frame_that_breaks_and_delivers_it_whole_afterwards) {
   EXPECT_EQ(seen.frames[1].view.number(), 1u);
 }
 
-TEST(FarmClient, tries_the_next_head_when_one_is_away) {
+TEST(FarmClient, tries_the_next_coordinator_when_one_is_away) {
   std::string away;
   { away = FakeFarm().address(); }
   FakeFarm farm;
@@ -124,17 +125,17 @@ TEST(FarmClient, tries_the_next_head_when_one_is_away) {
 
 TEST(FarmClient, tells_a_refusal_once_and_goes_on_trying) {
   FakeFarm farm;
-  farm.refuse_visits({grpc::StatusCode::NOT_FOUND, "no scene 'plain'"});
+  farm.refuse_sessions({grpc::StatusCode::NOT_FOUND, "no scene 'plain'"});
   RecordingFarmListener listener;
   const auto client = start({farm.address()}, listener);
-  ASSERT_TRUE(listener.wait([&](const auto&) { return farm.visits() >= 3; }));
+  ASSERT_TRUE(listener.wait([&](const auto&) { return farm.sessions() >= 3; }));
   EXPECT_EQ(listener.seen().reasons.size(), 1u);
   EXPECT_THAT(listener.seen().reasons.front(), HasSubstr("no scene 'plain'"));
-  farm.refuse_visits(grpc::Status::OK);
+  farm.refuse_sessions(grpc::Status::OK);
   ASSERT_TRUE(listener.wait([](const auto& seen) { return seen.opened == 1; }));
 }
 
-TEST(FarmClient, gives_up_a_head_that_owes_a_frame_and_says_nothing) {
+TEST(FarmClient, gives_up_a_coordinator_that_owes_a_frame_and_says_nothing) {
   FakeFarm farm;
   farm.set_gate(false);
   RecordingFarmListener listener;
@@ -147,7 +148,7 @@ TEST(FarmClient, gives_up_a_head_that_owes_a_frame_and_says_nothing) {
       listener.wait([](const auto& seen) { return !seen.frames.empty() && seen.frames.back().end.complete(); }));
 }
 
-TEST(FarmClient, leaves_a_head_whose_message_cannot_be_read_and_dials_again) {
+TEST(FarmClient, leaves_a_coordinator_whose_message_cannot_be_read_and_dials_again) {
   wire::SceneDescription garbage = fake_scene("plain");
   garbage.set_title("\xff");  // A string that is not UTF-8 makes the message invalid.
   FakeFarm farm(garbage);
@@ -186,8 +187,8 @@ TEST(FarmClient, stops_at_any_moment_and_twice) {
 TEST(FarmClient, refuses_to_start_without_a_good_address) {
   RecordingFarmListener listener;
   EXPECT_EQ(FarmClient::start({}, listener).error().code(), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(FarmClient::start({.heads = {"::1:7401"}}, listener).error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(FarmClient::start({.coordinators = {"::1:7401"}}, listener).error().code(), ErrorCode::kInvalidArgument);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::client

@@ -9,7 +9,7 @@
 #include "common/wire/convert.h"
 #include "tests/doubles/fake_scene.h"
 
-namespace cyclorama {
+namespace cyclorama::client {
 namespace {
 
 using testing::HasSubstr;
@@ -33,24 +33,24 @@ wire::View dome_of(std::uint64_t number, int size_px, double tilt_rad) {
   return view;
 }
 
-wire::VisitReply opened() {
-  wire::VisitReply reply;
+wire::SessionReply opened() {
+  wire::SessionReply reply;
   *reply.mutable_opened() = fake_scene("plain");
   return reply;
 }
 
-wire::VisitReply begin_of(const wire::View& view) {
-  wire::VisitReply reply;
+wire::SessionReply begin_of(const wire::View& view) {
+  wire::SessionReply reply;
   *reply.mutable_begin() = view;
   return reply;
 }
 
-wire::VisitReply begin_of(std::uint64_t number, std::uint32_t width = 64, std::uint32_t height = 32) {
+wire::SessionReply begin_of(std::uint64_t number, std::uint32_t width = 64, std::uint32_t height = 32) {
   return begin_of(view_of(number, width, height));
 }
 
-wire::VisitReply tile_of(std::uint64_t number, std::uint32_t x, std::uint32_t width) {
-  wire::VisitReply reply;
+wire::SessionReply tile_of(std::uint64_t number, std::uint32_t x, std::uint32_t width) {
+  wire::SessionReply reply;
   wire::Tile& tile = *reply.mutable_tile();
   tile.set_view_number(number);
   tile.set_x_px(x);
@@ -59,8 +59,8 @@ wire::VisitReply tile_of(std::uint64_t number, std::uint32_t x, std::uint32_t wi
   return reply;
 }
 
-wire::VisitReply end_of(std::uint64_t number, std::uint32_t tiles, bool complete = true) {
-  wire::VisitReply reply;
+wire::SessionReply end_of(std::uint64_t number, std::uint32_t tiles, bool complete = true) {
+  wire::SessionReply reply;
   wire::FrameEnd& end = *reply.mutable_end();
   end.set_view_number(number);
   end.set_tiles(tiles);
@@ -80,7 +80,7 @@ TEST(ViewWindow, wants_the_scene_first_and_once) {
   window.put(view_of(1));
   EXPECT_FALSE(window.take_sendable()) << "nobody knows yet what is to be seen";
   EXPECT_THAT(window.take(begin_of(1)).error().message(), HasSubstr("the scene first"));
-  wire::VisitReply nowhere = opened();
+  wire::SessionReply nowhere = opened();
   nowhere.mutable_opened()->clear_walkable();
   EXPECT_FALSE(window.take(nowhere));
   EXPECT_FALSE(window.is_opened());
@@ -252,7 +252,7 @@ TEST(ViewWindow, asks_again_for_the_newest_view_after_a_loss) {
   }
   ASSERT_TRUE(window.take(begin_of(1)));
   EXPECT_EQ(window.lose(), 1u);
-  EXPECT_FALSE(window.take_sendable()) << "no visit is open";
+  EXPECT_FALSE(window.take_sendable()) << "no session is open";
   ASSERT_TRUE(window.take(opened()));
   EXPECT_EQ(window.take_sendable()->number(), 2u);
   window.put(view_of(3));
@@ -273,4 +273,4 @@ TEST(ViewWindow, takes_a_dome_that_was_asked_for_with_fewer_pixels_and_no_other)
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::client

@@ -6,15 +6,15 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 using testing::HasSubstr;
 
-Result<HeadOptions> read(const std::string& text) {
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "head_config_test_farm.toml";
+Result<CoordinatorOptions> read(const std::string& text) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "coordinator_config_test_farm.toml";
   EXPECT_TRUE(write_file_atomically(path, text));
-  return read_head_config(path);
+  return read_coordinator_config(path);
 }
 
 constexpr const char* kGood = R"(museums = "[::1]:7401"
@@ -27,7 +27,7 @@ name = "relic"
 path = "/srv/scenes/relic"
 )";
 
-TEST(HeadConfig, reads_what_it_says_and_defaults_for_the_rest) {
+TEST(CoordinatorConfig, reads_what_it_says_and_defaults_for_the_rest) {
   const auto options = read(std::string(kGood) + "[limits]\nvisits = 3\n");
   ASSERT_TRUE(options) << options.error().message();
   EXPECT_EQ(options->museums, "[::1]:7401");
@@ -35,40 +35,40 @@ TEST(HeadConfig, reads_what_it_says_and_defaults_for_the_rest) {
   ASSERT_EQ(options->scenes.size(), 2u);
   EXPECT_EQ(options->scenes[1].path, "/srv/scenes/relic");
   EXPECT_EQ(options->limits.sessions, 3u);
-  EXPECT_EQ(options->limits.nodes, HeadLimits{}.nodes);
-  EXPECT_EQ(options->strategy, BalanceStrategy::kCostMapStealing);
+  EXPECT_EQ(options->limits.nodes, CoordinatorLimits{}.nodes);
+  EXPECT_EQ(options->strategy, balance::BalanceStrategy::kCostMapStealing);
 }
 
-TEST(HeadConfig, says_which_scenes_the_head_hands_out_and_how) {
+TEST(CoordinatorConfig, says_which_scenes_the_coordinator_hands_out_and_how) {
   const auto plain = read(kGood);
   ASSERT_TRUE(plain);
-  EXPECT_FALSE(plain->scenes[1].on_head);
+  EXPECT_FALSE(plain->scenes[1].on_coordinator);
   EXPECT_EQ(plain->distribution.files.bytes_per_second, 0.0);
-  const auto options = read(std::string(kGood) + "on = \"head\"\n[distribution]\ndigests = \"/d\"\n" +
+  const auto options = read(std::string(kGood) + "on = \"coordinator\"\n[distribution]\ndigests = \"/d\"\n" +
                             "limit_mbit_per_s = 80\nfiles = 2\n");
   ASSERT_TRUE(options) << options.error().message();
-  EXPECT_FALSE(options->scenes[0].on_head);
-  EXPECT_TRUE(options->scenes[1].on_head);
+  EXPECT_FALSE(options->scenes[0].on_coordinator);
+  EXPECT_TRUE(options->scenes[1].on_coordinator);
   EXPECT_EQ(options->distribution.digests, "/d");
   EXPECT_EQ(options->distribution.files.bytes_per_second, 1e7);
   EXPECT_EQ(options->distribution.files.streams, 2u);
-  EXPECT_THAT(read(std::string(kGood) + "on = \"moon\"\n").error().message(), HasSubstr("head"));
+  EXPECT_THAT(read(std::string(kGood) + "on = \"moon\"\n").error().message(), HasSubstr("coordinator"));
 }
 
-TEST(HeadConfig, names_the_line_of_a_mistake) {
+TEST(CoordinatorConfig, names_the_line_of_a_mistake) {
   EXPECT_THAT(read(std::string("colour = 3\n") + kGood).error().message(), HasSubstr("farm.toml:1"));
   EXPECT_THAT(read(std::string("balance = \"magic\"\n") + kGood).error().message(), HasSubstr("pbt"));
   EXPECT_THAT(read(std::string(kGood) + "[limits]\nvisits = 0\n").error().message(), HasSubstr("farm.toml:10"));
   EXPECT_FALSE(read("museums = 5\n"));
 }
 
-TEST(HeadConfig, refuses_scenes_that_cannot_be_told_apart) {
+TEST(CoordinatorConfig, refuses_scenes_that_cannot_be_told_apart) {
   EXPECT_THAT(read(std::string(kGood) + "[[scene]]\nname = \"grotto\"\npath = \"x\"\n").error().message(),
               HasSubstr("twice"));
   EXPECT_THAT(read("museums = \"[::]:1\"\nnodes = \"[::]:2\"\n").error().message(), HasSubstr("no scene"));
 }
 
-TEST(HeadConfig, lets_nobody_in_from_elsewhere_without_tls) {
+TEST(CoordinatorConfig, lets_nobody_in_from_elsewhere_without_tls) {
   const std::string scenes = "[[scene]]\nname = \"grotto\"\npath = \"x\"\n";
   const std::string open = "museums = \"[::]:7401\"\nnodes = \"[::1]:7402\"\n";
   EXPECT_THAT(read(open + scenes).error().message(), HasSubstr("cyclorama-authority"));
@@ -94,4 +94,4 @@ TEST(FarmScene, is_a_name_and_a_path) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// HeadState's deadlines, turns, and nodes that are slow, silent, about to stop, or short of memory.
+// CoordinatorState's deadlines, turns, and nodes that are slow, silent, about to stop, or short of memory.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,22 +9,22 @@
 
 #include "tests/doubles/farm_simulation.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 using namespace std::chrono_literals;
 using testing::Contains;
 using testing::HasSubstr;
 
-/// A farm with one visit whose frames have taken 100 ms for a while.
+/// A farm with one session whose frames have taken 100 ms for a while.
 class Faults : public testing::Test {
  protected:
   void open(int count, double frame_budget_ms = 0.0) {
     for (int i = 0; i < count; ++i) nodes.push_back(s.add_node());
-    visit = s.add_visit(frame_budget_ms);
-    drain_opened(s, visit);
+    session = s.add_session(frame_budget_ms);
+    drain_opened(s, session);
     for (int i = 0; i < 60; ++i) {
-      s.ask(visit, view_of(++number));
+      s.request_view(session, view_of(++number));
       s.clock.advance(100ms);
       s.settle(nodes);
     }
@@ -43,9 +43,9 @@ class Faults : public testing::Test {
   }
   /// One of which the first node is slowed so many times. How much of it was that node's, in pixels.
   std::int64_t frame(double slowed) {
-    s.ask(visit, view_of(++number));
+    s.request_view(session, view_of(++number));
     std::int64_t share = 0;
-    for (const auto& block : blocks(s.peers.commands[nodes[0]])) {
+    for (const auto& block : blocks(s.delegate.commands[nodes[0]])) {
       share += std::int64_t{block.width_px()} * block.height_px();
     }
     s.slowed[nodes[0]] = slowed;
@@ -63,15 +63,15 @@ class Faults : public testing::Test {
 
   FarmSimulation s;
   std::vector<NodeId> nodes;
-  SessionId visit{};
+  SessionId session{};
   std::uint64_t number = 0;
 };
 
 TEST_F(Faults, what_a_silent_node_owes_is_shared_by_all_who_are_done) {
   open(5);
   const NodeId stuck = nodes.front();
-  s.ask(visit, view_of(++number));
-  const std::size_t owed = blocks(s.peers.commands[stuck]).size();
+  s.request_view(session, view_of(++number));
+  const std::size_t owed = blocks(s.delegate.commands[stuck]).size();
   settle_without(stuck);
   EXPECT_EQ(s.complete, 0);
   pass(59ms);
@@ -80,7 +80,7 @@ TEST_F(Faults, what_a_silent_node_owes_is_shared_by_all_who_are_done) {
   EXPECT_LE(s.state.next_deadline() - s.clock.now(), 2ms);
   pass(2ms);
   std::size_t helpers = 0;
-  for (const NodeId node : nodes) helpers += node != stuck && !blocks(s.peers.commands[node]).empty() ? 1u : 0u;
+  for (const NodeId node : nodes) helpers += node != stuck && !blocks(s.delegate.commands[node]).empty() ? 1u : 0u;
   EXPECT_EQ(helpers, 4u);
   settle_without(stuck);
   EXPECT_EQ(s.complete, 1);
@@ -92,7 +92,7 @@ TEST_F(Faults, what_a_silent_node_owes_is_shared_by_all_who_are_done) {
 
 TEST_F(Faults, nodes_that_are_only_slow_never_end_a_frame_however_many) {
   open(12);
-  s.ask(visit, view_of(++number));
+  s.request_view(session, view_of(++number));
   s.settle({nodes.back()});  // All others are silent, and so are those that are asked to help.
   for (int i = 0; i < 12; ++i) {
     pass(200ms);
@@ -106,12 +106,12 @@ TEST_F(Faults, a_node_that_is_late_again_and_again_is_one_line_of_the_log_in_ten
   open(3);
   const NodeId stuck = nodes.front();
   const auto lines = [&] {
-    return std::ranges::count_if(s.peers.notices, [](const std::string& said) {
+    return std::ranges::count_if(s.delegate.notices, [](const std::string& said) {
       return said.find("keeps a frame waiting") != std::string::npos;
     });
   };
   const auto be_late = [&] {
-    s.ask(visit, view_of(++number));
+    s.request_view(session, view_of(++number));
     settle_without(stuck);
     pass(61ms);
     settle_without(stuck);
@@ -123,18 +123,18 @@ TEST_F(Faults, a_node_that_is_late_again_and_again_is_one_line_of_the_log_in_ten
   s.clock.advance(10s);
   be_late();
   EXPECT_EQ(lines(), 2);
-  EXPECT_THAT(s.peers.notices.back(), HasSubstr("(4 times more since it was last said)"));
+  EXPECT_THAT(s.delegate.notices.back(), HasSubstr("(4 times more since it was last said)"));
 }
 
 TEST_F(Faults, a_node_that_is_done_takes_what_another_has_not_begun) {
   open(3);
-  s.ask(visit, view_of(++number));
+  s.request_view(session, view_of(++number));
   const NodeId busy = nodes[1];
-  const std::vector<wire::RenderBlock> owed = blocks(s.peers.commands[busy]);
+  const std::vector<wire::RenderBlock> owed = blocks(s.delegate.commands[busy]);
   ASSERT_GE(owed.size(), 2u);
   settle_without(busy);
   std::set<std::uint64_t> cancelled;
-  for (const wire::NodeCommand& command : s.peers.commands[busy]) {
+  for (const wire::NodeCommand& command : s.delegate.commands[busy]) {
     if (command.has_cancel()) cancelled.insert(command.cancel().block());
   }
   // All but what it is at, and what is too little to be worth the way.
@@ -143,9 +143,9 @@ TEST_F(Faults, a_node_that_is_done_takes_what_another_has_not_begun) {
   EXPECT_EQ(s.complete, 0);
   s.settle(nodes);
   EXPECT_EQ(s.complete, 1);
-  EXPECT_GE(s.peers.frames.back().moved, 1);
-  EXPECT_FALSE(s.peers.frames.back().given_again);
-  EXPECT_FALSE(s.peers.frames.back().costs.empty());  // It still teaches.
+  EXPECT_GE(s.delegate.frames.back().moved, 1);
+  EXPECT_FALSE(s.delegate.frames.back().reassigned);
+  EXPECT_FALSE(s.delegate.frames.back().costs.empty());  // It still teaches.
 }
 
 TEST_F(Faults, nodes_that_share_their_hosts_help_each_other_too) {
@@ -153,60 +153,60 @@ TEST_F(Faults, nodes_that_share_their_hosts_help_each_other_too) {
   open(2);
   for (const NodeId node : nodes) s.slowed[node] = kShared;
   for (int i = 0; i < 30; ++i) {
-    s.ask(visit, view_of(++number));
+    s.request_view(session, view_of(++number));
     pass(100ms);
     s.settle(nodes);
   }
-  s.ask(visit, view_of(++number));
+  s.request_view(session, view_of(++number));
   const NodeId busy = nodes[1];
-  while (blocks(s.peers.commands[busy]).size() > 2) s.work(busy);
-  const std::vector<wire::RenderBlock> left = blocks(s.peers.commands[busy]);
+  while (blocks(s.delegate.commands[busy]).size() > 2) s.work(busy);
+  const std::vector<wire::RenderBlock> left = blocks(s.delegate.commands[busy]);
   ASSERT_EQ(left.size(), 2u);
   pass(5ms);  // Beyond what the block under way would take alone on its host, and less than it takes.
   settle_without(busy);
   std::set<std::uint64_t> cancelled;
-  for (const wire::NodeCommand& command : s.peers.commands[busy]) {
+  for (const wire::NodeCommand& command : s.delegate.commands[busy]) {
     if (command.has_cancel()) cancelled.insert(command.cancel().block());
   }
   EXPECT_TRUE(cancelled.contains(left.back().block()));
   s.settle(nodes);
-  EXPECT_EQ(s.peers.frames.back().moved, 1);
+  EXPECT_EQ(s.delegate.frames.back().moved, 1);
 }
 
 TEST_F(Faults, the_second_frame_does_not_wait_for_a_node_that_held_up_the_first) {
   open(4);
   const NodeId stuck = nodes[2];
-  s.ask(visit, view_of(++number));
-  s.ask(visit, view_of(++number));  // In flight before anybody knows.
+  s.request_view(session, view_of(++number));
+  s.request_view(session, view_of(++number));  // In flight before anybody knows.
   settle_without(stuck);
   pass(61ms);
   settle_without(stuck);
   EXPECT_EQ(s.complete, 2);
-  s.ask(visit, view_of(++number));
+  s.request_view(session, view_of(++number));
   settle_without(stuck);
   EXPECT_EQ(s.complete, 3);  // It got nothing of this one.
 }
 
 TEST_F(Faults, a_node_whose_block_was_expected_to_take_long_is_not_silent) {
   open(3);
-  s.ask(visit, view_of(++number));
+  s.request_view(session, view_of(++number));
   std::map<NodeId, std::size_t> before;
-  for (const NodeId node : nodes) before[node] = blocks(s.peers.commands[node]).size();
+  for (const NodeId node : nodes) before[node] = blocks(s.delegate.commands[node]).size();
   // Nobody is done: however long it takes, more blocks would not help.
   pass(90ms);
-  for (const NodeId node : nodes) EXPECT_EQ(blocks(s.peers.commands[node]).size(), before[node]);
+  for (const NodeId node : nodes) EXPECT_EQ(blocks(s.delegate.commands[node]).size(), before[node]);
   s.settle(nodes);
   EXPECT_EQ(s.complete, 1);
 }
 
 TEST_F(Faults, a_late_frame_is_given_up_for_the_next_and_says_so) {
   open(1);
-  s.ask(visit, view_of(++number));
+  s.request_view(session, view_of(++number));
   pass(250ms);
   EXPECT_EQ(s.given_up, 0) << "nothing newer is there to be shown";
-  s.ask(visit, view_of(++number));
+  s.request_view(session, view_of(++number));
   pass(1ms);
-  while (s.take(visit)) {
+  while (s.take(session)) {
   }
   EXPECT_EQ(s.given_up, 1);
   EXPECT_TRUE(s.last_end.late());
@@ -219,8 +219,8 @@ TEST_F(Faults, a_late_frame_is_given_up_for_the_next_and_says_so) {
 TEST_F(Faults, a_farm_that_cannot_keep_the_deadline_still_shows_pictures) {
   open(2, 20.0);
   for (int i = 0; i < 60; ++i) {
-    s.ask(visit, view_of(++number));
-    s.ask(visit, view_of(++number));
+    s.request_view(session, view_of(++number));
+    s.request_view(session, view_of(++number));
     for (int ms = 0; ms < 900; ms += 10) pass(10ms);
     s.settle(nodes);
   }
@@ -229,15 +229,15 @@ TEST_F(Faults, a_farm_that_cannot_keep_the_deadline_still_shows_pictures) {
 
 TEST_F(Faults, a_draining_node_ends_what_it_has_and_gets_nothing_new) {
   open(2);
-  s.ask(visit, view_of(++number));
+  s.request_view(session, view_of(++number));
   wire::NodeReport report;
   report.mutable_status()->set_draining(true);
   s.state.node_reported(nodes[0], report);
   s.settle(nodes);
   EXPECT_EQ(s.complete, 1);
   EXPECT_EQ(s.last_end.nodes(), 2u);
-  s.ask(visit, view_of(++number));
-  EXPECT_TRUE(blocks(s.peers.commands[nodes[0]]).empty());
+  s.request_view(session, view_of(++number));
+  EXPECT_TRUE(blocks(s.delegate.commands[nodes[0]]).empty());
   s.settle(nodes);
   EXPECT_EQ(s.complete, 2);
 }
@@ -255,16 +255,16 @@ TEST_F(Faults, a_node_that_was_too_slow_to_help_is_tried_again_with_a_little) {
   open(8);
   const std::int64_t fair = frame(1.0);
   for (int i = 0; i < 20; ++i) frame(100.0);
-  std::int64_t most = 0;
+  std::int64_t max = 0;
   int left_out = 0;
   for (int i = 0; i < 100; ++i) {
     const std::int64_t share = frame(100.0);
-    most = std::max(most, share);
+    max = std::max(max, share);
     left_out += share == 0 ? 1 : 0;
   }
   EXPECT_GT(left_out, 50);
-  EXPECT_GT(most, 0);
-  EXPECT_LT(most, fair / 4);
+  EXPECT_GT(max, 0);
+  EXPECT_LT(max, fair / 4);
   for (int i = 0; i < 100; ++i) frame(1.0);
   EXPECT_GT(frame(1.0), fair / 2);
 }
@@ -277,18 +277,18 @@ TEST_F(Faults, a_node_that_is_stopped_now_and_then_counts_as_slow_though_most_bl
   for (int i = 0; i < 30; ++i) EXPECT_LT(frame(stopped(i)), fair / 2) << i;
 }
 
-TEST_F(Faults, a_scene_that_was_dropped_is_loaded_anew_for_the_next_visit) {
+TEST_F(Faults, a_scene_that_was_dropped_is_loaded_anew_for_the_next_session) {
   open(1);
   wire::NodeReport report;
   report.mutable_scene_dropped()->set_scene("grotto");
   s.state.node_reported(nodes[0], report);
-  const SessionId second = s.add_visit();
-  ASSERT_TRUE(s.peers.ended_visits.contains(second));
-  EXPECT_THAT(s.peers.ended_visits.at(second).message(), HasSubstr("loading"));
-  ASSERT_FALSE(s.peers.commands[nodes[0]].empty());
-  const wire::LoadScene& order = s.peers.commands[nodes[0]].back().load_scene();
+  const SessionId second = s.add_session();
+  ASSERT_TRUE(s.delegate.ended_sessions.contains(second));
+  EXPECT_THAT(s.delegate.ended_sessions.at(second).message(), HasSubstr("loading"));
+  ASSERT_FALSE(s.delegate.commands[nodes[0]].empty());
+  const wire::LoadScene& order = s.delegate.commands[nodes[0]].back().load_scene();
   EXPECT_EQ(order.scene(), "grotto");
-  EXPECT_EQ(order.in_use_size(), 1);  // The first visit's.
+  EXPECT_EQ(order.in_use_size(), 1);  // The first session's.
 }
 
 TEST_F(Faults, a_node_that_drops_what_it_never_had_is_sent_away) {
@@ -296,34 +296,34 @@ TEST_F(Faults, a_node_that_drops_what_it_never_had_is_sent_away) {
   wire::NodeReport report;
   report.mutable_scene_dropped()->set_scene("cave");
   s.state.node_reported(nodes[0], report);
-  EXPECT_TRUE(s.peers.ended_nodes.contains(nodes[0]));
+  EXPECT_TRUE(s.delegate.ended_nodes.contains(nodes[0]));
 }
 
-TEST_F(Faults, frames_of_two_visits_take_turns_and_pictures_at_rest_come_last) {
+TEST_F(Faults, frames_of_two_sessions_take_turns_and_pictures_at_rest_come_last) {
   open(1);
-  const SessionId other = s.add_visit(50.0);
+  const SessionId other = s.add_session(50.0);
   drain_opened(s, other);
-  s.ask(other, view_of(1));
+  s.request_view(other, view_of(1));
   s.settle(nodes);
   s.clock.advance(1s);
   s.state.tick();  // The other one is at rest now.
-  const auto at_rest = blocks(s.peers.commands[nodes[0]]);
+  const auto at_rest = blocks(s.delegate.commands[nodes[0]]);
   ASSERT_FALSE(at_rest.empty());
   for (const wire::RenderBlock& block : at_rest) EXPECT_TRUE(block.keep());
-  s.ask(visit, view_of(++number));
-  const auto both = blocks(s.peers.commands[nodes[0]]);
+  s.request_view(session, view_of(++number));
+  const auto both = blocks(s.delegate.commands[nodes[0]]);
   ASSERT_GT(both.size(), at_rest.size());
   EXPECT_LT(both.back().rank(), at_rest.front().rank());
 }
 
-TEST_F(Faults, nodes_forget_the_pictures_of_a_visit_that_left) {
+TEST_F(Faults, nodes_forget_the_pictures_of_a_session_that_left) {
   open(2);
-  s.state.visit_gone(visit);
+  s.state.session_disconnected(session);
   for (const NodeId node : nodes) {
-    ASSERT_FALSE(s.peers.commands[node].empty());
-    EXPECT_EQ(s.peers.commands[node].back().forget_visit().visit(), static_cast<std::uint64_t>(visit));
+    ASSERT_FALSE(s.delegate.commands[node].empty());
+    EXPECT_EQ(s.delegate.commands[node].back().forget_session().session(), static_cast<std::uint64_t>(session));
   }
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -7,7 +7,7 @@
 
 #include <fstream>
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 /// A folder that goes with the test.
@@ -16,9 +16,9 @@ class CostLogTest : public testing::Test {
   CostLogTest() { folder = mkdtemp(name.data()); }
   ~CostLogTest() override { std::filesystem::remove_all(folder); }
 
-  static FrameReport frame(std::uint64_t visit, float cost) {
+  static FrameReport frame(std::uint64_t session, float cost) {
     FrameReport report;
-    report.session = SessionId{visit};
+    report.session = SessionId{session};
     report.complete = true;
     report.view.set_samples(4);
     report.view.set_heading_rad(0.5);
@@ -40,7 +40,7 @@ class CostLogTest : public testing::Test {
   std::vector<std::string> notices;
 };
 
-TEST_F(CostLogTest, writes_one_record_per_visit_of_whole_moving_frames) {
+TEST_F(CostLogTest, writes_one_record_per_session_of_whole_moving_frames) {
   {
     const auto log = CostLog::open(folder / "costs", [&](const std::string& s) { notices.push_back(s); });
     ASSERT_TRUE(log);
@@ -56,7 +56,7 @@ TEST_F(CostLogTest, writes_one_record_per_visit_of_whole_moving_frames) {
   EXPECT_THAT(notices, testing::IsEmpty());
   std::vector<std::size_t> counts;
   for (const auto& file : files()) {
-    const auto frames = read_cost_record(file);
+    const auto frames = balance::read_cost_record(file);
     ASSERT_TRUE(frames) << frames.error().message();
     counts.push_back(frames->size());
     EXPECT_DOUBLE_EQ(frames->front().heading_rad, 0.5);
@@ -73,4 +73,4 @@ TEST_F(CostLogTest, says_where_it_cannot_write) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 /// Always serves the lowest start; each flow has the next frame ready while `wants` says so. Returns the cost served.
@@ -57,4 +57,4 @@ TEST(FairShare, ranks_pictures_at_rest_behind_all_that_move) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

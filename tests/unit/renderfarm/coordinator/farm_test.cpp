@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Head, nodes and clients together, over real gRPC on [::1], with a renderer that draws a pattern.
+// Coordinator, nodes and clients together, over real gRPC on [::1], with a renderer that draws a pattern.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 #include "tests/doubles/fake_block_renderer.h"
 #include "tests/doubles/recording_farm_listener.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 using testing::HasSubstr;
@@ -61,43 +61,46 @@ RgbImage composed(const RecordingFarmListener::Frame& frame) {
 
 struct TestNode {
   std::shared_ptr<FakeRendering> rendering = std::make_shared<FakeRendering>();
-  std::unique_ptr<FarmNode> node;
+  std::unique_ptr<node::FarmNode> node;
 };
 
 /// A farm of one process.
 class Farm : public testing::Test {
  protected:
-  void start_head(int museum_port = 0, int node_port = 0, std::vector<FarmScene> scenes = {{"grotto", "some/path"}}) {
-    HeadOptions options;
+  void start_coordinator(int museum_port = 0, int node_port = 0,
+                         std::vector<FarmScene> scenes = {{"grotto", "some/path"}}) {
+    CoordinatorOptions options;
     options.scenes = std::move(scenes);
     options.museums = "[::1]:" + std::to_string(museum_port);
     options.nodes = "[::1]:" + std::to_string(node_port);
     options.inspect = "[::1]:0";
-    auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
+    auto started = Coordinator::start(options, [](const std::string&, const NoticeAbout&) {});
     ASSERT_TRUE(started) << started.error().message();
-    head = *std::move(started);
+    coordinator = *std::move(started);
   }
   TestNode add_node(const std::string& name = "node") {
     TestNode made;
-    auto started = FarmNode::start({.heads = {"[::1]:" + std::to_string(head->node_port())}, .name = name},
-                                   fake_loader(made.rendering));
+    auto started =
+        node::FarmNode::start({.coordinators = {"[::1]:" + std::to_string(coordinator->node_port())}, .name = name},
+                              fake_loader(made.rendering));
     EXPECT_TRUE(started);
     made.node = *std::move(started);
     return made;
   }
-  std::unique_ptr<FarmClient> add_client(FarmListener& to, const std::string& scene = "", double budget_ms = 0.0) {
-    auto started = FarmClient::start({.heads = {"[::1]:" + std::to_string(head->museum_port())},
-                                      .scene = scene,
-                                      .museum = "test",
-                                      .frame_budget_ms = budget_ms,
-                                      .reference_samples = kReference},
-                                     to);
+  std::unique_ptr<client::FarmClient> add_client(client::FarmListener& to, const std::string& scene = "",
+                                                 double budget_ms = 0.0) {
+    auto started = client::FarmClient::start({.coordinators = {"[::1]:" + std::to_string(coordinator->museum_port())},
+                                              .scene = scene,
+                                              .museum = "test",
+                                              .frame_budget_ms = budget_ms,
+                                              .reference_samples = kReference},
+                                             to);
     EXPECT_TRUE(started);
     return *std::move(started);
   }
   /// Asks the operator's window until `nodes` nodes have the default scene.
   bool wait_for_nodes(std::size_t nodes) {
-    const auto channel = make_channel("[::1]:" + std::to_string(head->inspect_port()));
+    const auto channel = make_channel("[::1]:" + std::to_string(coordinator->inspect_port()));
     const auto stub = wire::Inspection::NewStub(*channel);
     const TimePoint deadline = SteadyClock().now() + std::chrono::seconds(20);
     while (SteadyClock().now() < deadline) {
@@ -123,14 +126,14 @@ class Farm : public testing::Test {
   }
 
   static constexpr int kReference = 64;
-  std::unique_ptr<Head> head;
+  std::unique_ptr<Coordinator> coordinator;
   RecordingFarmListener listener;
 };
 
 TEST_F(Farm, makes_the_same_picture_with_1_2_3_and_5_nodes) {
   std::vector<RgbImage> pictures;
   for (const std::size_t n : {1u, 2u, 3u, 5u}) {
-    start_head();
+    start_coordinator();
     std::vector<TestNode> nodes;
     for (std::size_t i = 0; i < n; ++i) nodes.push_back(add_node());
     ASSERT_TRUE(wait_for_nodes(n));
@@ -149,13 +152,13 @@ TEST_F(Farm, makes_the_same_picture_with_1_2_3_and_5_nodes) {
           std::ranges::any_of(seen.frames.back().end.stages(), [&](const auto& s) { return s.name() == stage; }));
     }
     client->stop();
-    head.reset();
+    coordinator.reset();
   }
   for (const RgbImage& picture : pictures) EXPECT_EQ(picture, pictures.front());
 }
 
 TEST_F(Farm, takes_the_noise_out_of_blocks_as_a_whole_when_a_view_asks_for_it) {
-  start_head();
+  start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
   const auto client = add_client(listener);
@@ -179,7 +182,7 @@ TEST_F(Farm, takes_the_noise_out_of_blocks_as_a_whole_when_a_view_asks_for_it) {
 }
 
 TEST_F(Farm, makes_whole_frames_when_a_node_dies_in_the_middle_of_one) {
-  start_head();
+  start_coordinator();
   TestNode steady = add_node("steady");
   TestNode dying = add_node("dying");
   ASSERT_TRUE(wait_for_nodes(2));
@@ -207,7 +210,7 @@ TEST_F(Farm, makes_whole_frames_when_a_node_dies_in_the_middle_of_one) {
 TEST_F(Farm, refines_to_the_same_picture_whoever_makes_it) {
   std::vector<RgbImage> pictures;
   for (const std::size_t n : {1u, 2u, 3u}) {
-    start_head();
+    start_coordinator();
     std::vector<TestNode> nodes;
     for (std::size_t i = 0; i < n; ++i) nodes.push_back(add_node());
     ASSERT_TRUE(wait_for_nodes(n));
@@ -233,13 +236,13 @@ TEST_F(Farm, refines_to_the_same_picture_whoever_makes_it) {
       EXPECT_LE(nodes[0].rendering->samples, 6 * kReference) << "of six tiles";
     }
     client->stop();
-    head.reset();
+    coordinator.reset();
   }
   for (const RgbImage& picture : pictures) EXPECT_EQ(picture, pictures.front());
 }
 
 TEST_F(Farm, sends_nothing_at_rest_and_starts_again_with_the_next_view) {
-  start_head();
+  start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
   const auto client = add_client(listener, "", 50.0);
@@ -258,7 +261,7 @@ TEST_F(Farm, sends_nothing_at_rest_and_starts_again_with_the_next_view) {
 }
 
 TEST_F(Farm, helps_a_node_that_hangs_and_shows_each_tile_once) {
-  start_head();
+  start_coordinator();
   TestNode steady = add_node("steady");
   TestNode hanging = add_node("hanging");
   ASSERT_TRUE(wait_for_nodes(2));
@@ -271,7 +274,7 @@ TEST_F(Farm, helps_a_node_that_hangs_and_shows_each_tile_once) {
 }
 
 TEST_F(Farm, ends_frames_with_a_reason_when_the_last_node_goes_and_comes_back_with_the_next) {
-  start_head();
+  start_coordinator();
   TestNode only = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
   const auto client = add_client(listener);
@@ -292,7 +295,7 @@ TEST_F(Farm, ends_frames_with_a_reason_when_the_last_node_goes_and_comes_back_wi
 }
 
 TEST_F(Farm, uses_a_late_node_from_a_later_frame_on) {
-  start_head();
+  start_coordinator();
   TestNode first = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
   const auto client = add_client(listener);
@@ -309,26 +312,26 @@ TEST_F(Farm, uses_a_late_node_from_a_later_frame_on) {
   EXPECT_EQ(composed(listener.seen().frames.back()).width(), 1200);
 }
 
-TEST_F(Farm, heals_by_itself_when_the_head_restarts) {
-  start_head();
+TEST_F(Farm, heals_by_itself_when_the_coordinator_restarts) {
+  start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
   const auto client = add_client(listener);
   client->request(view_of(1));
   ASSERT_TRUE(wait_for_frames(1));
-  const int museum_port = head->museum_port();
-  const int node_port = head->node_port();
-  head.reset();
+  const int museum_port = coordinator->museum_port();
+  const int node_port = coordinator->node_port();
+  coordinator.reset();
   ASSERT_TRUE(listener.wait([](const auto& seen) { return !seen.reasons.empty(); }));
-  EXPECT_THAT(listener.seen().reasons.front(), HasSubstr("the farm's head stops"));
-  start_head(museum_port, node_port);
+  EXPECT_THAT(listener.seen().reasons.front(), HasSubstr("the farm's coordinator stops"));
+  start_coordinator(museum_port, node_port);
   client->request(view_of(2));
   ASSERT_TRUE(wait_for_frames(2));
   EXPECT_TRUE(listener.seen().frames.back().end.complete());
 }
 
 TEST_F(Farm, serves_two_museums_at_once) {
-  start_head(0, 0, {{"grotto", "a"}, {"relic", "b"}});
+  start_coordinator(0, 0, {{"grotto", "a"}, {"relic", "b"}});
   std::vector<TestNode> nodes;
   for (int i = 0; i < 2; ++i) nodes.push_back(add_node());
   ASSERT_TRUE(wait_for_nodes(2));
@@ -350,8 +353,8 @@ TEST_F(Farm, serves_two_museums_at_once) {
   EXPECT_EQ(other.seen().scene.name(), "relic");
 }
 
-TEST_F(Farm, says_what_is_wrong_with_a_visit) {
-  start_head(0, 0, {{"grotto", "some/path"}, {"broken", "missing"}, {"large", "huge"}});
+TEST_F(Farm, says_what_is_wrong_with_a_session) {
+  start_coordinator(0, 0, {{"grotto", "some/path"}, {"broken", "missing"}, {"large", "huge"}});
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
   for (const auto& [scene, reason] :
@@ -365,27 +368,27 @@ TEST_F(Farm, says_what_is_wrong_with_a_visit) {
   }
 }
 
-class RawVisit {
+class RawSession {
  public:
-  explicit RawVisit(int port)
+  explicit RawSession(int port)
       : channel_(*make_channel("[::1]:" + std::to_string(port))), stub_(wire::Farm::NewStub(channel_)) {
     context_.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));
-    stream_ = stub_->Visit(&context_);
+    stream_ = stub_->Session(&context_);
   }
   void open() {
-    wire::VisitRequest request;
+    wire::SessionRequest request;
     request.mutable_open();
     stream_->Write(request);
   }
-  void ask(const wire::View& view) {
-    wire::VisitRequest request;
+  void request_view(const wire::View& view) {
+    wire::SessionRequest request;
     *request.mutable_view() = view;
     stream_->Write(request);
   }
   void close() { stream_->WritesDone(); }
-  bool read(wire::VisitReply* reply) { return stream_->Read(reply); }
+  bool read(wire::SessionReply* reply) { return stream_->Read(reply); }
   grpc::Status end() {
-    wire::VisitReply reply;
+    wire::SessionReply reply;
     while (stream_->Read(&reply)) {
     }
     return stream_->Finish();
@@ -395,20 +398,20 @@ class RawVisit {
   grpc::ClientContext context_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<wire::Farm::Stub> stub_;
-  std::unique_ptr<grpc::ClientReaderWriter<wire::VisitRequest, wire::VisitReply>> stream_;
+  std::unique_ptr<grpc::ClientReaderWriter<wire::SessionRequest, wire::SessionReply>> stream_;
 };
 
 TEST_F(Farm, refuses_views_out_of_range_and_goes_on_serving_others) {
-  start_head();
+  start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
   const auto refusal_of = [&](const std::function<void(wire::View&)>& spoil) {
-    RawVisit visit(head->museum_port());
-    visit.open();
+    RawSession session(coordinator->museum_port());
+    session.open();
     wire::View view = view_of(1);
     spoil(view);
-    visit.ask(view);
-    const grpc::Status status = visit.end();
+    session.request_view(view);
+    const grpc::Status status = session.end();
     EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
     return status.error_message();
   };
@@ -423,10 +426,10 @@ TEST_F(Farm, refuses_views_out_of_range_and_goes_on_serving_others) {
                 v.mutable_panorama()->set_height_px(16384);
               }),
               HasSubstr("at most"));
-  RawVisit unopened(head->museum_port());
-  unopened.ask(view_of(1));
+  RawSession unopened(coordinator->museum_port());
+  unopened.request_view(view_of(1));
   EXPECT_EQ(unopened.end().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  RawVisit twice(head->museum_port());
+  RawSession twice(coordinator->museum_port());
   twice.open();
   twice.open();
   EXPECT_EQ(twice.end().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
@@ -436,23 +439,23 @@ TEST_F(Farm, refuses_views_out_of_range_and_goes_on_serving_others) {
   EXPECT_TRUE(listener.seen().frames.front().end.complete());
 }
 
-TEST_F(Farm, ends_a_visit_with_ok_when_the_museum_closes_it) {
-  start_head();
+TEST_F(Farm, ends_a_session_with_ok_when_the_museum_closes_it) {
+  start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
-  RawVisit visit(head->museum_port());
-  visit.open();
-  visit.close();
-  EXPECT_TRUE(visit.end().ok());
+  RawSession session(coordinator->museum_port());
+  session.open();
+  session.close();
+  EXPECT_TRUE(session.end().ok());
 }
 
 TEST_F(Farm, goes_on_for_others_when_a_museum_takes_nothing) {
-  start_head();
+  start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
-  RawVisit slow(head->museum_port());
+  RawSession slow(coordinator->museum_port());
   slow.open();
-  for (std::uint64_t number = 1; number <= 200; ++number) slow.ask(view_of(number, 2000, 1000));
+  for (std::uint64_t number = 1; number <= 200; ++number) slow.request_view(view_of(number, 2000, 1000));
   const auto client = add_client(listener);
   for (std::uint64_t number = 1; number <= 30; ++number) {
     client->request(view_of(number));
@@ -473,7 +476,7 @@ grpc::Status refusal_of_node(int port, const std::vector<wire::NodeReport>& repo
 }
 
 TEST_F(Farm, sends_broken_nodes_away) {
-  start_head();
+  start_coordinator();
   wire::NodeReport hello;
   hello.mutable_hello()->set_version(CYCLORAMA_VERSION);
   hello.mutable_hello()->set_threads(1);
@@ -500,19 +503,19 @@ TEST_F(Farm, sends_broken_nodes_away) {
                                                                         {hello, unasked_end},
                                                                         {hello, unasked_scene},
                                                                         {hello, empty_scene}}) {
-    const grpc::Status status = refusal_of_node(head->node_port(), reports);
+    const grpc::Status status = refusal_of_node(coordinator->node_port(), reports);
     EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << status.error_message();
   }
-  EXPECT_FALSE(refusal_of_node(head->node_port(), {oversized}).ok());
+  EXPECT_FALSE(refusal_of_node(coordinator->node_port(), {oversized}).ok());
   TestNode good = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
 }
 
 TEST_F(Farm, lists_its_scenes) {
-  start_head(0, 0, {{"grotto", "some/path"}, {"relic", "other"}});
+  start_coordinator(0, 0, {{"grotto", "some/path"}, {"relic", "other"}});
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
-  const auto stub = wire::Farm::NewStub(*make_channel("[::1]:" + std::to_string(head->museum_port())));
+  const auto stub = wire::Farm::NewStub(*make_channel("[::1]:" + std::to_string(coordinator->museum_port())));
   grpc::ClientContext context;
   wire::ListScenesReply reply;
   ASSERT_TRUE(stub->ListScenes(&context, {}, &reply).ok());
@@ -522,9 +525,9 @@ TEST_F(Farm, lists_its_scenes) {
 }
 
 TEST_F(Farm, refuses_to_start_with_bad_options) {
-  const auto refusal_of = [](HeadOptions options) {
+  const auto refusal_of = [](CoordinatorOptions options) {
     options.museums = options.nodes = "[::1]:0";
-    const auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
+    const auto started = Coordinator::start(options, [](const std::string&, const NoticeAbout&) {});
     return started ? "" : started.error().message();
   };
   EXPECT_THAT(refusal_of({}), HasSubstr("no scene"));
@@ -536,4 +539,4 @@ TEST_F(Farm, refuses_to_start_with_bad_options) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files from a head to a node's cache, over real gRPC on [::1].
+// Files from a coordinator to a node's cache, over real gRPC on [::1].
 #include "renderfarm/coordinator/file_server.h"
 
 #include <gmock/gmock.h>
@@ -14,29 +14,30 @@
 #include "tests/doubles/scene_folder.h"
 #include "tests/doubles/test_authority.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// What of the head hands files out.
-class ServingHead {
+/// What of the coordinator hands files out.
+class ServingCoordinator {
  public:
-  explicit ServingHead(const fs::path& scene, FileServer::Options options = {}, int port = 0,
-                       const ServerOptions& serving = {})
-      : library_({{"grotto", scene}}, {}, [this](const SceneLibrary::News& news) { tell(news); }),
+  explicit ServingCoordinator(const fs::path& scene, FileServer::Options options = {}, int port = 0,
+                              const ServerOptions& serving = {})
+      : library_({{"grotto", scene}}, {},
+                 [this](const scene_distribution::SceneLibrary::News& news) { on_news(news); }),
         files_(library_, options) {
     auto server = WireServer::start("[::1]:" + std::to_string(port), {&service_}, serving);
     CHECK(server);
     server_ = *std::move(server);
   }
-  ~ServingHead() {
+  ~ServingCoordinator() {
     files_.stop();
     server_->stop(std::chrono::milliseconds(200));
   }
-  ServingHead(const ServingHead&) = delete;
-  ServingHead& operator=(const ServingHead&) = delete;
+  ServingCoordinator(const ServingCoordinator&) = delete;
+  ServingCoordinator& operator=(const ServingCoordinator&) = delete;
 
   [[nodiscard]] int port() const { return server_->port(); }
   [[nodiscard]] std::shared_ptr<grpc::Channel> dial(const std::optional<TlsFiles>& tls = std::nullopt) const {
@@ -62,27 +63,27 @@ class ServingHead {
    private:
     FileServer& files_;
   };
-  void tell(const SceneLibrary::News& news) {
+  void on_news(const scene_distribution::SceneLibrary::News& news) {
     if (!news.digest.empty()) digest_.set_value(news.digest);
     if (news.digest.empty()) complaint_.set_value(news.sentence);
   }
 
   std::promise<std::string> digest_;
   std::promise<std::string> complaint_;
-  SceneLibrary library_;
+  scene_distribution::SceneLibrary library_;
   FileServer files_;
   Service service_{files_};
   std::unique_ptr<WireServer> server_;
 };
 
-/// A head that says what the test wants.
-class LyingHead final : public wire::Nodes::Service {
+/// A coordinator that says what the test wants.
+class LyingCoordinator final : public wire::Nodes::Service {
  public:
-  explicit LyingHead(wire::SceneFiles list, std::vector<wire::FileChunk> chunks)
+  explicit LyingCoordinator(wire::SceneFiles list, std::vector<wire::FileChunk> chunks)
       : list_(std::move(list)), chunks_(std::move(chunks)), server_(*WireServer::start("[::1]:0", {this})) {}
-  ~LyingHead() override { server_->stop(Duration::zero()); }
-  LyingHead(const LyingHead&) = delete;
-  LyingHead& operator=(const LyingHead&) = delete;
+  ~LyingCoordinator() override { server_->stop(Duration::zero()); }
+  LyingCoordinator(const LyingCoordinator&) = delete;
+  LyingCoordinator& operator=(const LyingCoordinator&) = delete;
   [[nodiscard]] std::shared_ptr<grpc::Channel> dial() const {
     return *make_channel("[::1]:" + std::to_string(server_->port()));
   }
@@ -127,23 +128,24 @@ void silently(const std::string&) {}
 /// What of a node fetches files.
 class FetchingNode {
  public:
-  FetchingNode(std::shared_ptr<grpc::Channel> head, const fs::path& cache)
-      : head_(std::move(head)), fetcher_({cache, 0}) {}
-  Result<SceneCache::Held> find(const wire::LoadScene& order, const std::function<void(std::string)>& tell,
-                                const std::function<bool()>& cancelled) {
-    return fetcher_.find(order, head_, tell, cancelled);
+  FetchingNode(std::shared_ptr<grpc::Channel> coordinator, const fs::path& cache)
+      : coordinator_(std::move(coordinator)), fetcher_({cache, 0}) {}
+  Result<scene_distribution::SceneCache::Held> find(const wire::LoadScene& order,
+                                                    const std::function<void(std::string)>& on_news,
+                                                    const std::function<bool()>& cancelled) {
+    return fetcher_.find(order, coordinator_, on_news, cancelled);
   }
 
  private:
-  const std::shared_ptr<grpc::Channel> head_;
-  SceneFetcher fetcher_;
+  const std::shared_ptr<grpc::Channel> coordinator_;
+  node::SceneFetcher fetcher_;
 };
 
 /// A node's call for one file, read as the test wants.
 class Transfer {
  public:
-  Transfer(const std::shared_ptr<grpc::Channel>& head, const std::string& sha256, std::uint64_t offset = 0)
-      : stub_(wire::Nodes::NewStub(head)), offset_(offset) {
+  Transfer(const std::shared_ptr<grpc::Channel>& coordinator, const std::string& sha256, std::uint64_t offset = 0)
+      : stub_(wire::Nodes::NewStub(coordinator)), offset_(offset) {
     wire::FetchFileRequest request;
     request.set_sha256(sha256);
     request.set_offset(offset);
@@ -179,7 +181,7 @@ bool finds_a_place(const std::shared_ptr<grpc::Channel>& channel, const std::str
   const TimePoint deadline = clock.now() + std::chrono::seconds(20);
   const std::uint64_t nothing_left = file.size();
   while (clock.now() < deadline) {
-    if (Transfer(channel, sha256_of(file), nothing_left).end().ok()) return true;
+    if (Transfer(channel, scene_distribution::sha256_of(file), nothing_left).end().ok()) return true;
     clock.wait_until(clock.now() + std::chrono::milliseconds(20));
   }
   return false;
@@ -190,11 +192,13 @@ class Files : public testing::Test {
   void SetUp() override {
     for (const auto& [path, bytes] : scene) write_bytes(folder / path, bytes);
   }
-  [[nodiscard]] FetchingNode fetcher(std::shared_ptr<grpc::Channel> head) const { return {std::move(head), cache}; }
+  [[nodiscard]] FetchingNode fetcher(std::shared_ptr<grpc::Channel> coordinator) const {
+    return {std::move(coordinator), cache};
+  }
   /// What one call answers, and how many bytes it brings.
-  static grpc::Status fetch(const ServingHead& head, const std::string& sha256, std::uint64_t offset,
+  static grpc::Status fetch(const ServingCoordinator& coordinator, const std::string& sha256, std::uint64_t offset,
                             std::string* ret_bytes) {
-    Transfer transfer(head.dial(), sha256, offset);
+    Transfer transfer(coordinator.dial(), sha256, offset);
     const grpc::Status end = transfer.end();
     *ret_bytes += transfer.bytes();
     return end;
@@ -208,34 +212,34 @@ class Files : public testing::Test {
 };
 
 TEST_F(Files, reach_an_empty_cache_whole) {
-  ServingHead head(folder);
-  FetchingNode node = fetcher(head.dial());
+  ServingCoordinator coordinator(folder);
+  FetchingNode node = fetcher(coordinator.dial());
   std::vector<std::string> told;
   const auto found = node.find(
-      order(head.digest()), [&](const std::string& s) { told.push_back(s); }, never);
+      order(coordinator.digest()), [&](const std::string& s) { told.push_back(s); }, never);
   ASSERT_TRUE(found) << found.error().message();
   EXPECT_EQ(scene_in(found->path), scene);
-  EXPECT_EQ(found->fetched_bytes, bytes_of(files_of(scene)));
-  EXPECT_EQ(head.files().sent_bytes(), found->fetched_bytes);
+  EXPECT_EQ(found->fetched_bytes, scene_distribution::bytes_of(files_of(scene)));
+  EXPECT_EQ(coordinator.files().sent_bytes(), found->fetched_bytes);
   EXPECT_THAT(told, testing::Contains("fetching scene 'grotto': 100 %"));
 }
 
 TEST_F(Files, go_on_where_the_node_was_when_it_died) {
-  ServingHead head(folder);
-  const std::string digest = head.digest();
+  ServingCoordinator coordinator(folder);
+  const std::string digest = coordinator.digest();
   std::atomic<bool> enough = false;
   {
-    FetchingNode first = fetcher(head.dial());
+    FetchingNode first = fetcher(coordinator.dial());
     const auto broken = first.find(
         order(digest), [&](const std::string& sentence) { enough = enough || is_under_way(sentence); },
         [&] { return enough.load(); });
     ASSERT_FALSE(broken);
     EXPECT_EQ(broken.error().code(), ErrorCode::kUnavailable);
   }
-  const auto came = fs::file_size(cache / "files" / (sha256_of(walls) + ".part"));
+  const auto came = fs::file_size(cache / "files" / (scene_distribution::sha256_of(walls) + ".part"));
   EXPECT_GT(came, 0u);
   EXPECT_LT(came, walls.size());
-  FetchingNode second = fetcher(head.dial());
+  FetchingNode second = fetcher(coordinator.dial());
   const auto found = second.find(order(digest), silently, never);
   ASSERT_TRUE(found);
   EXPECT_EQ(scene_in(found->path), scene);
@@ -243,15 +247,15 @@ TEST_F(Files, go_on_where_the_node_was_when_it_died) {
   for (const char* const small : {"a/b.png", "scene.toml"}) {  // The order of the list: what came before the walls.
     had += scene.at(small).size();
   }
-  EXPECT_EQ(found->fetched_bytes + had, bytes_of(files_of(scene)));
+  EXPECT_EQ(found->fetched_bytes + had, scene_distribution::bytes_of(files_of(scene)));
 }
 
-TEST_F(Files, wait_for_a_head_that_starts_again) {
-  // A low rate, so that the head can be stopped in the middle.
-  auto head = std::make_unique<ServingHead>(folder, FileServer::Options{.bytes_per_second = 20e6});
-  const int port = head->port();
-  const std::string digest = head->digest();
-  FetchingNode node = fetcher(head->dial());
+TEST_F(Files, wait_for_a_coordinator_that_starts_again) {
+  // A low rate, so that the coordinator can be stopped in the middle.
+  auto coordinator = std::make_unique<ServingCoordinator>(folder, FileServer::Options{.bytes_per_second = 20e6});
+  const int port = coordinator->port();
+  const std::string digest = coordinator->digest();
+  FetchingNode node = fetcher(coordinator->dial());
   std::promise<void> begun;
   bool is_begun = false;
   auto found = std::async(std::launch::async, [&] {
@@ -264,10 +268,10 @@ TEST_F(Files, wait_for_a_head_that_starts_again) {
         never);
   });
   begun.get_future().wait();
-  const std::uint64_t sent_before = head->files().sent_bytes();
-  EXPECT_LT(sent_before, bytes_of(files_of(scene)));
-  head.reset();
-  ServingHead again(folder, {}, port);
+  const std::uint64_t sent_before = coordinator->files().sent_bytes();
+  EXPECT_LT(sent_before, scene_distribution::bytes_of(files_of(scene)));
+  coordinator.reset();
+  ServingCoordinator again(folder, {}, port);
   (void)again.digest();
   const auto held = found.get();
   ASSERT_TRUE(held) << held.error().message();
@@ -276,56 +280,60 @@ TEST_F(Files, wait_for_a_head_that_starts_again) {
 }
 
 TEST_F(Files, of_no_scene_are_given_to_nobody) {
-  ServingHead head(folder);
-  const std::string digest = head.digest();
+  ServingCoordinator coordinator(folder);
+  const std::string digest = coordinator.digest();
   std::string bytes;
-  EXPECT_EQ(fetch(head, sha256_of("other"), 0, &bytes).error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_EQ(fetch(head, "../scene.toml", 0, &bytes).error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_EQ(fetch(head, sha256_of(walls), walls.size() + 1, &bytes).error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_TRUE(fetch(head, sha256_of(walls), walls.size(), &bytes).ok());
+  EXPECT_EQ(fetch(coordinator, scene_distribution::sha256_of("other"), 0, &bytes).error_code(),
+            grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(fetch(coordinator, "../scene.toml", 0, &bytes).error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(fetch(coordinator, scene_distribution::sha256_of(walls), walls.size() + 1, &bytes).error_code(),
+            grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_TRUE(fetch(coordinator, scene_distribution::sha256_of(walls), walls.size(), &bytes).ok());
   EXPECT_EQ(bytes, "");
-  EXPECT_TRUE(fetch(head, sha256_of(walls), walls.size() - 3, &bytes).ok());
+  EXPECT_TRUE(fetch(coordinator, scene_distribution::sha256_of(walls), walls.size() - 3, &bytes).ok());
   EXPECT_EQ(bytes, walls.substr(walls.size() - 3));
-  FetchingNode node = fetcher(head.dial());
-  EXPECT_THAT(node.find(order(sha256_of("x")), silently, never).error().message(), HasSubstr("no such scene"));
+  FetchingNode node = fetcher(coordinator.dial());
+  EXPECT_THAT(node.find(order(scene_distribution::sha256_of("x")), silently, never).error().message(),
+              HasSubstr("no such scene"));
 }
 
-TEST_F(Files, that_were_changed_on_the_head_are_refused) {
-  ServingHead head(folder);
-  const std::string digest = head.digest();
+TEST_F(Files, that_were_changed_on_the_coordinator_are_refused) {
+  ServingCoordinator coordinator(folder);
+  const std::string digest = coordinator.digest();
   write_bytes(folder / "walls.ply", walls + "!");
-  FetchingNode node = fetcher(head.dial());
+  FetchingNode node = fetcher(coordinator.dial());
   const auto found = node.find(order(digest), silently, never);
   ASSERT_FALSE(found);
-  EXPECT_THAT(found.error().message(), HasSubstr("'walls.ply' was changed on the head"));
-  EXPECT_THAT(found.error().message(), HasSubstr("restart the head"));
+  EXPECT_THAT(found.error().message(), HasSubstr("'walls.ply' was changed on the coordinator"));
+  EXPECT_THAT(found.error().message(), HasSubstr("restart the coordinator"));
 }
 
 TEST_F(Files, that_cannot_be_read_are_told_and_tried_again) {
   fs::rename(folder / "scene.toml", folder / "elsewhere");
-  ServingHead head(folder);
-  EXPECT_THAT(head.complaint(), HasSubstr("scene 'grotto' cannot be given to nodes"));
+  ServingCoordinator coordinator(folder);
+  EXPECT_THAT(coordinator.complaint(), HasSubstr("scene 'grotto' cannot be given to nodes"));
   fs::rename(folder / "elsewhere", folder / "scene.toml");
-  EXPECT_EQ(head.digest(), digest_of(files_of(scene)));
+  EXPECT_EQ(coordinator.digest(), scene_distribution::digest_of(files_of(scene)));
 }
 
 TEST_F(Files, are_on_their_way_to_so_many_at_once_and_no_more) {
-  ServingHead head(folder, {.streams = 1});
-  const std::string digest = head.digest();
+  ServingCoordinator coordinator(folder, {.streams = 1});
+  const std::string digest = coordinator.digest();
   grpc::ChannelArguments narrow;  // Else the window grows until the whole file is on its way, on a fast machine.
   narrow.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   narrow.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  const auto stub = wire::Nodes::NewStub(
-      grpc::CreateCustomChannel("[::1]:" + std::to_string(head.port()), grpc::InsecureChannelCredentials(), narrow));
+  const auto stub = wire::Nodes::NewStub(grpc::CreateCustomChannel("[::1]:" + std::to_string(coordinator.port()),
+                                                                   grpc::InsecureChannelCredentials(), narrow));
   grpc::ClientContext context;
   wire::FetchFileRequest request;
-  request.set_sha256(sha256_of(walls));
+  request.set_sha256(scene_distribution::sha256_of(walls));
   const auto slow = stub->FetchFile(&context, request);
   wire::FileChunk piece;
   ASSERT_TRUE(slow->Read(&piece));  // It has its place, and takes no more.
   std::string bytes;
-  EXPECT_EQ(fetch(head, sha256_of("b"), 0, &bytes).error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  FetchingNode node = fetcher(head.dial());
+  EXPECT_EQ(fetch(coordinator, scene_distribution::sha256_of("b"), 0, &bytes).error_code(),
+            grpc::StatusCode::RESOURCE_EXHAUSTED);
+  FetchingNode node = fetcher(coordinator.dial());
   int asked = 0;
   const auto found = node.find(
       order(digest),
@@ -340,12 +348,12 @@ TEST_F(Files, are_on_their_way_to_so_many_at_once_and_no_more) {
 }
 
 TEST_F(Files, reach_many_nodes_at_once) {
-  ServingHead head(folder);
-  const std::string digest = head.digest();
+  ServingCoordinator coordinator(folder);
+  const std::string digest = coordinator.digest();
   std::vector<std::future<bool>> nodes;
   for (int i = 0; i < 6; ++i) {
     nodes.push_back(std::async(std::launch::async, [&, i] {
-      FetchingNode node(head.dial(), temporary.path() / std::to_string(i));
+      FetchingNode node(coordinator.dial(), temporary.path() / std::to_string(i));
       const auto found = node.find(order(digest), silently, never);
       return found && scene_in(found->path) == scene;
     }));
@@ -353,10 +361,10 @@ TEST_F(Files, reach_many_nodes_at_once) {
   for (auto& node : nodes) EXPECT_TRUE(node.get());
 }
 
-TEST_F(Files, end_when_the_node_wants_them_no_more_while_the_head_is_silent) {
-  ServingHead head(folder, {.bytes_per_second = 1.0});
-  const std::string digest = head.digest();
-  FetchingNode node = fetcher(head.dial());
+TEST_F(Files, end_when_the_node_wants_them_no_more_while_the_coordinator_is_silent) {
+  ServingCoordinator coordinator(folder, {.bytes_per_second = 1.0});
+  const std::string digest = coordinator.digest();
+  FetchingNode node = fetcher(coordinator.dial());
   std::atomic<bool> enough = false;
   const auto found = node.find(
       order(digest), [&](const std::string& sentence) { enough = enough || sentence.starts_with("fetching"); },
@@ -368,18 +376,19 @@ TEST_F(Files, end_when_the_node_wants_them_no_more_while_the_head_is_silent) {
 TEST_F(Files, of_a_revoked_node_are_cut_in_the_middle_and_those_of_others_are_not) {
   TestAuthority authority;
   // So slowly that no file is through before it is cut.
-  ServingHead head(folder, {.bytes_per_second = 5e6, .streams = 2}, 0,
-                   {.tls = authority.head(), .admit = [](const Identity&) { return std::nullopt; }});
-  (void)head.digest();
-  const auto other_node = head.dial(authority.node("n2"));
+  ServingCoordinator coordinator(
+      folder, {.bytes_per_second = 5e6, .streams = 2}, 0,
+      {.tls = authority.coordinator(), .admit = [](const Identity&) { return std::nullopt; }});
+  (void)coordinator.digest();
+  const auto other_node = coordinator.dial(authority.node("n2"));
   // Neither reads on, so neither comes to an end by itself.
-  Transfer revoked(head.dial(authority.node("n1")), sha256_of(walls));
-  Transfer other(other_node, sha256_of(walls));
+  Transfer revoked(coordinator.dial(authority.node("n1")), scene_distribution::sha256_of(walls));
+  Transfer other(other_node, scene_distribution::sha256_of(walls));
   ASSERT_TRUE(revoked.read());
   ASSERT_TRUE(other.read());
-  EXPECT_EQ(Transfer(other_node, sha256_of(walls), walls.size()).end().error_code(),
+  EXPECT_EQ(Transfer(other_node, scene_distribution::sha256_of(walls), walls.size()).end().error_code(),
             grpc::StatusCode::RESOURCE_EXHAUSTED);
-  head.files().cut([](const Identity& who) { return who.name == "n1"; });
+  coordinator.files().cut([](const Identity& who) { return who.name == "n1"; });
   EXPECT_EQ(revoked.end().error_code(), grpc::StatusCode::CANCELLED);
   EXPECT_LT(revoked.bytes().size(), walls.size());
   EXPECT_TRUE(finds_a_place(other_node, walls));
@@ -388,38 +397,39 @@ TEST_F(Files, of_a_revoked_node_are_cut_in_the_middle_and_those_of_others_are_no
 }
 
 TEST_F(Files, that_are_cut_before_their_turn_hold_no_place) {
-  ServingHead head(folder, {.bytes_per_second = 1.0, .streams = 1});
-  (void)head.digest();
-  Transfer transfer(head.dial(), sha256_of(walls));
+  ServingCoordinator coordinator(folder, {.bytes_per_second = 1.0, .streams = 1});
+  (void)coordinator.digest();
+  Transfer transfer(coordinator.dial(), scene_distribution::sha256_of(walls));
   ASSERT_TRUE(transfer.read()) << "the next piece is due in days";
-  head.files().cut([](const Identity&) { return true; });
+  coordinator.files().cut([](const Identity&) { return true; });
   EXPECT_EQ(transfer.end().error_code(), grpc::StatusCode::CANCELLED);
-  EXPECT_TRUE(finds_a_place(head.dial(), walls));
+  EXPECT_TRUE(finds_a_place(coordinator.dial(), walls));
 }
 
-TEST_F(Files, of_a_lying_head_are_refused) {
+TEST_F(Files, of_a_lying_coordinator_are_refused) {
   const SceneBytes small{{"scene.toml", "right"}};
-  const wire::SceneFiles list = to_wire(files_of(small));
-  const std::string digest = digest_of(files_of(small));
+  const wire::SceneFiles list = scene_distribution::to_wire(files_of(small));
+  const std::string digest = scene_distribution::digest_of(files_of(small));
   const auto refusal = [&](const wire::SceneFiles& told, const std::vector<wire::FileChunk>& chunks) {
     fs::remove_all(cache);
-    LyingHead head(told, chunks);
-    FetchingNode node = fetcher(head.dial());
+    LyingCoordinator coordinator(told, chunks);
+    FetchingNode node = fetcher(coordinator.dial());
     const auto found = node.find(order(digest), silently, never);
     EXPECT_FALSE(found);
-    EXPECT_FALSE(fs::exists(cache / "files" / sha256_of("right")));
+    EXPECT_FALSE(fs::exists(cache / "files" / scene_distribution::sha256_of("right")));
     return found ? "" : found.error().message();
   };
   wire::SceneFiles outside = list;
   outside.mutable_files(0)->set_path("../../etc/passwd");
   EXPECT_THAT(refusal(outside, {}), HasSubstr("begins with a dot"));
-  EXPECT_THAT(refusal(to_wire({{"scene.toml", 5, sha256_of("wrong")}}), {}), HasSubstr("not the one that was asked"));
+  EXPECT_THAT(refusal(scene_distribution::to_wire({{"scene.toml", 5, scene_distribution::sha256_of("wrong")}}), {}),
+              HasSubstr("not the one that was asked"));
   EXPECT_THAT(refusal({}, {}), HasSubstr("no files"));
   EXPECT_THAT(refusal(list, {chunk(0, "wrong")}), HasSubstr("other bytes for 'scene.toml'"));
   EXPECT_THAT(refusal(list, {chunk(0, "right!")}), HasSubstr("more of 'scene.toml'"));
   EXPECT_THAT(refusal(list, {chunk(0, "ri"), chunk(3, "ght")}), HasSubstr("out of order"));
   EXPECT_THAT(refusal(list, {chunk(0, "ri")}), HasSubstr("less of 'scene.toml'"));
-  LyingHead honest(list, {chunk(0, "ri"), chunk(2, ""), chunk(2, "ght")});
+  LyingCoordinator honest(list, {chunk(0, "ri"), chunk(2, ""), chunk(2, "ght")});
   fs::remove_all(cache);
   FetchingNode node = fetcher(honest.dial());
   EXPECT_TRUE(node.find(order(digest), silently, never));
@@ -428,11 +438,12 @@ TEST_F(Files, of_a_lying_head_are_refused) {
 TEST_F(Files, need_a_place) {
   const auto channel = *make_channel("[::1]:1");
   FetchingNode none(channel, {});
-  EXPECT_THAT(none.find(order(sha256_of("x")), silently, never).error().message(), HasSubstr("'cache' in node.toml"));
+  EXPECT_THAT(none.find(order(scene_distribution::sha256_of("x")), silently, never).error().message(),
+              HasSubstr("'cache' in node.toml"));
   EXPECT_EQ(none.find(order("", "/srv/x"), silently, never)->path, "/srv/x");
   FetchingNode node = fetcher(channel);
   EXPECT_THAT(node.find(order("../x"), silently, never).error().message(), HasSubstr("neither a path nor a digest"));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

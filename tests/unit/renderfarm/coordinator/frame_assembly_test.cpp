@@ -8,7 +8,7 @@
 
 #include "renderfarm/balance/tiles.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 constexpr NodeId kA{1};
@@ -34,7 +34,7 @@ wire::BlockEnd end_of(double cpu_seconds) {
 
 TEST(FrameAssembly, is_complete_when_all_tiles_and_ends_came) {
   FrameAssembly frame = planned();
-  for (const PixelRect& tile : tiles_of(kLeft)) EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
+  for (const PixelRect& tile : balance::tiles_of(kLeft)) EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
   frame.end(1, end_of(2.0));
   EXPECT_EQ(frame.accept(2, kRight), Verdict::kNew);
   EXPECT_FALSE(frame.is_missing_tiles());
@@ -51,7 +51,7 @@ TEST(FrameAssembly, is_complete_when_all_tiles_and_ends_came) {
 
 TEST(FrameAssembly, tells_new_from_duplicate_from_foreign) {
   FrameAssembly frame = planned();
-  const PixelRect tile = tiles_of(kLeft).front();
+  const PixelRect tile = balance::tiles_of(kLeft).front();
   EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
   EXPECT_EQ(frame.accept(1, tile), Verdict::kDuplicate);
   EXPECT_EQ(frame.accept(2, tile), Verdict::kForeign);
@@ -61,24 +61,24 @@ TEST(FrameAssembly, tells_new_from_duplicate_from_foreign) {
 
 TEST(FrameAssembly, gives_up_only_what_is_missing_and_takes_it_from_whoever_is_first) {
   FrameAssembly frame = planned();
-  const auto tiles = tiles_of(kLeft);
+  const auto tiles = balance::tiles_of(kLeft);
   EXPECT_EQ(frame.accept(1, tiles[0]), Verdict::kNew);
   EXPECT_EQ(frame.give_up(1), std::vector{tiles[1]});
   EXPECT_TRUE(frame.give_up(1).empty());
-  frame.plan_again(3, kB, tiles[1]);
+  frame.replan(3, kB, tiles[1]);
   EXPECT_EQ(frame.attempts(tiles[1]), 2);
   EXPECT_EQ(frame.accept(1, tiles[1]), Verdict::kNew);
   EXPECT_EQ(frame.accept(3, tiles[1]), Verdict::kDuplicate);
   EXPECT_EQ(frame.accept(2, kRight), Verdict::kNew);
   EXPECT_TRUE(frame.is_complete());
-  EXPECT_TRUE(frame.was_given_again());
+  EXPECT_TRUE(frame.was_reassigned());
 }
 
 /// A frame of one tile whose node is silent, cut in parts.
 std::vector<PixelRect> cut_right(FrameAssembly& frame, std::size_t parts) {
   EXPECT_EQ(frame.give_up(2), std::vector{kRight});
   const std::vector<PixelRect> cut = frame.cut(kRight, parts);
-  for (std::size_t i = 0; i < cut.size(); ++i) frame.plan_again(10 + i, kA, cut[i]);
+  for (std::size_t i = 0; i < cut.size(); ++i) frame.replan(10 + i, kA, cut[i]);
   return cut;
 }
 
@@ -114,8 +114,8 @@ TEST(FrameAssembly, takes_a_cut_tile_from_its_first_node_only_while_no_part_came
   EXPECT_EQ(other.give_up(10), std::vector{parts[0]});
   const auto again = other.cut(parts[0], 2);
   ASSERT_EQ(again.size(), 2u);
-  other.plan_again(20, kB, again[0]);
-  other.plan_again(21, kB, again[1]);
+  other.replan(20, kB, again[0]);
+  other.replan(21, kB, again[1]);
   EXPECT_EQ(other.accept(20, again[0]), Verdict::kNew);
   EXPECT_EQ(other.accept(10, parts[0]), Verdict::kDuplicate);
   EXPECT_EQ(other.accept(21, again[1]), Verdict::kNew);
@@ -124,7 +124,7 @@ TEST(FrameAssembly, takes_a_cut_tile_from_its_first_node_only_while_no_part_came
 TEST(FrameAssembly, counts_a_moved_block_where_it_went) {
   FrameAssembly frame = planned();
   frame.move(2, 3, kA, 2.0);
-  for (const PixelRect& tile : tiles_of(kLeft)) EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
+  for (const PixelRect& tile : balance::tiles_of(kLeft)) EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
   frame.end(1, end_of(2.0));
   EXPECT_EQ(frame.accept(3, kRight), Verdict::kNew);
   EXPECT_EQ(frame.accept(2, kRight), Verdict::kDuplicate);
@@ -133,7 +133,7 @@ TEST(FrameAssembly, counts_a_moved_block_where_it_went) {
   frame.end(2, cancelled);
   frame.end(3, end_of(1.0));
   EXPECT_TRUE(frame.is_complete());
-  EXPECT_FALSE(frame.was_given_again());
+  EXPECT_FALSE(frame.was_reassigned());
   const auto sum = frame.summary();
   ASSERT_EQ(sum.costs.size(), 2u);
   EXPECT_EQ(sum.costs[1].rect, kRight);
@@ -163,4 +163,4 @@ TEST(FrameAssembly, does_not_believe_times_that_are_none) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

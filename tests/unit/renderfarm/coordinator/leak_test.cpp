@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Geometry never leaves the farm: a whole session at the museums' port, with a real head, a real node and a scene whose
+// Geometry never leaves the farm: a whole session at the museums' port, with a real coordinator, a real node and a scene whose
 // vertices are recognised wherever they turn up.
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
@@ -25,7 +25,7 @@
 #include "renderfarm/node/embree_block_renderer.h"
 #include "renderfarm/node/farm_node.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 using google::protobuf::Descriptor;
@@ -108,10 +108,10 @@ const std::set<std::string> kReviewed = {
     "View.sequence: uint32",
     "View.shutter_ns: int64",
     "View.subsample_chroma: bool",
-    "VisitReply.begin: View",
-    "VisitReply.end: FrameEnd",
-    "VisitReply.opened: SceneDescription",
-    "VisitReply.tile: Tile",
+    "SessionReply.begin: View",
+    "SessionReply.end: FrameEnd",
+    "SessionReply.opened: SceneDescription",
+    "SessionReply.tile: Tile",
 };
 
 void add_fields(const Descriptor& message, std::set<std::string>* ret_fields) {
@@ -125,7 +125,7 @@ void add_fields(const Descriptor& message, std::set<std::string>* ret_fields) {
 }
 
 TEST(Leak, the_port_of_the_museums_has_no_field_that_was_not_reviewed) {
-  const auto* const service = wire::VisitReply::descriptor()->file()->FindServiceByName("Farm");
+  const auto* const service = wire::SessionReply::descriptor()->file()->FindServiceByName("Farm");
   ASSERT_NE(service, nullptr);
   std::set<std::string> fields;
   for (int i = 0; i < service->method_count(); ++i) add_fields(*service->method(i)->output_type(), &fields);
@@ -250,41 +250,41 @@ void expect_plain(const std::string& jpeg) {
 class Session : public testing::Test {
  protected:
   void SetUp() override {
-    HeadOptions options;
+    CoordinatorOptions options;
     options.scenes = {{"odd", scene.folder.string()}, {"absent", (scene.folder / "absent").string()}};
     options.museums = options.nodes = "[::1]:0";
-    auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
+    auto started = Coordinator::start(options, [](const std::string&, const NoticeAbout&) {});
     ASSERT_TRUE(started) << started.error().message();
-    head = *std::move(started);
-    FarmNodeOptions node_options;
-    node_options.heads = {"[::1]:" + std::to_string(head->node_port())};
+    coordinator = *std::move(started);
+    node::FarmNodeOptions node_options;
+    node_options.coordinators = {"[::1]:" + std::to_string(coordinator->node_port())};
     node_options.name = "node";
-    auto node_started = FarmNode::start(node_options, embree_scene_loader(1));
+    auto node_started = node::FarmNode::start(node_options, node::embree_scene_loader(1));
     ASSERT_TRUE(node_started);
     node = *std::move(node_started);
-    channel = *make_channel("[::1]:" + std::to_string(head->museum_port()));
+    channel = *make_channel("[::1]:" + std::to_string(coordinator->museum_port()));
   }
   void TearDown() override {
     if (node) node->stop();
-    if (head) head->stop();
+    if (coordinator) coordinator->stop();
     std::filesystem::remove_all(scene.folder);
   }
   static void set_deadline(grpc::ClientContext* context) {
     context->set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(30));
   }
-  /// Visits, asks for the views, reads until that many frames have ended, or as far as it comes.
-  grpc::Status visit(const wire::OpenVisit& open, const std::vector<wire::View>& views, std::size_t frames) {
+  /// Sessions, asks for the views, reads until that many frames have ended, or as far as it comes.
+  grpc::Status session(const wire::OpenSession& open, const std::vector<wire::View>& views, std::size_t frames) {
     grpc::ClientContext context;
     set_deadline(&context);
     const auto stub = wire::Farm::NewStub(channel);
-    const auto stream = stub->Visit(&context);
-    wire::VisitRequest request;
+    const auto stream = stub->Session(&context);
+    wire::SessionRequest request;
     *request.mutable_open() = open;
     stream->Write(request);
-    wire::VisitReply reply;
+    wire::SessionReply reply;
     std::size_t next = 0;
     std::size_t ended = 0;
-    const auto ask = [&] {
+    const auto request_view = [&] {
       if (next == views.size()) return;
       *request.mutable_view() = views[next++];
       stream->Write(request);
@@ -292,10 +292,10 @@ class Session : public testing::Test {
     while (ended < frames && stream->Read(&reply)) {
       searcher.search(reply);
       said.push_back(reply);
-      if (reply.has_opened()) ask();
+      if (reply.has_opened()) request_view();
       if (reply.has_end()) {
         ++ended;
-        ask();
+        request_view();
       }
     }
     stream->WritesDone();
@@ -305,21 +305,22 @@ class Session : public testing::Test {
     return status;
   }
   /// Until the node has the scene.
-  grpc::Status patient_visit(const wire::OpenVisit& open, const std::vector<wire::View>& views, std::size_t frames) {
+  grpc::Status patient_session(const wire::OpenSession& open, const std::vector<wire::View>& views,
+                               std::size_t frames) {
     const TimePoint deadline = SteadyClock().now() + std::chrono::seconds(30);
     grpc::Status status;
     do {
-      status = visit(open, views, frames);
+      status = session(open, views, frames);
     } while (status.error_code() == grpc::StatusCode::UNAVAILABLE && SteadyClock().now() < deadline);
     return status;
   }
 
   OddScene scene = odd_scene();
   Searcher searcher{scene};
-  std::unique_ptr<Head> head;
-  std::unique_ptr<FarmNode> node;
+  std::unique_ptr<Coordinator> coordinator;
+  std::unique_ptr<node::FarmNode> node;
   std::shared_ptr<grpc::Channel> channel;
-  std::vector<wire::VisitReply> said;
+  std::vector<wire::SessionReply> said;
 };
 
 wire::View view_of(std::uint64_t number, double heading) {
@@ -338,12 +339,12 @@ wire::View view_of(std::uint64_t number, double heading) {
 }
 
 TEST_F(Session, tells_pictures_and_nothing_of_the_geometry) {
-  ASSERT_TRUE(patient_visit({}, {view_of(1, 0.0), view_of(2, 1.5), view_of(3, -2.5)}, 3).ok());
-  wire::OpenVisit governed;  // Stands still: refined pictures come as well.
+  ASSERT_TRUE(patient_session({}, {view_of(1, 0.0), view_of(2, 1.5), view_of(3, -2.5)}, 3).ok());
+  wire::OpenSession governed;  // Stands still: refined pictures come as well.
   governed.set_scene("odd");
   governed.set_frame_budget_ms(200);
   governed.set_reference_samples(4);
-  ASSERT_TRUE(visit(governed, {view_of(1, 0.3)}, 2).ok());
+  ASSERT_TRUE(session(governed, {view_of(1, 0.3)}, 2).ok());
 
   grpc::ClientContext context;
   set_deadline(&context);
@@ -357,7 +358,7 @@ TEST_F(Session, tells_pictures_and_nothing_of_the_geometry) {
   std::size_t tiles = 0;
   std::size_t other_bytes = 0;
   std::set<int> colours;
-  for (const wire::VisitReply& reply : said) {
+  for (const wire::SessionReply& reply : said) {
     other_bytes += reply.ByteSizeLong() - (reply.has_tile() ? reply.tile().jpeg().size() : 0);
     frames += reply.has_end() ? 1u : 0u;
     if (!reply.has_tile()) continue;
@@ -373,11 +374,11 @@ TEST_F(Session, tells_pictures_and_nothing_of_the_geometry) {
 }
 
 TEST_F(Session, ends_with_words_that_tell_no_geometry) {
-  wire::OpenVisit open;
+  wire::OpenSession open;
   open.set_scene("absent");
-  EXPECT_FALSE(visit(open, {}, 1).ok());
+  EXPECT_FALSE(session(open, {}, 1).ok());
   open.set_scene("unheard of");
-  EXPECT_EQ(visit(open, {}, 1).error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(session(open, {}, 1).error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
 TEST_F(Session, the_museums_port_answers_none_of_the_nodes_questions) {
@@ -416,7 +417,7 @@ TEST(Searcher, finds_a_vertex_wherever_it_is_hidden) {
     }
     return failures.size() > 0;
   };
-  wire::VisitReply reply;
+  wire::SessionReply reply;
   EXPECT_FALSE(is_found(reply));
   reply.mutable_opened()->mutable_start_eye_m()->set_z(vertex[2] + 1e-8);
   EXPECT_TRUE(is_found(reply));
@@ -435,4 +436,4 @@ TEST(Searcher, finds_a_vertex_wherever_it_is_hidden) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 using namespace std::chrono_literals;
@@ -15,17 +15,17 @@ struct Wire {
   RelayTimes times;
 
   RelayTimes::Times begin(TimePoint cause, TimePoint taken) {
-    wire::VisitReply reply;
+    wire::SessionReply reply;
     reply.mutable_begin();
     return both(reply, cause, taken);
   }
   RelayTimes::Times tile(TimePoint cause, TimePoint taken) {
-    wire::VisitReply reply;
+    wire::SessionReply reply;
     reply.mutable_tile();
     return both(reply, cause, taken);
   }
-  static wire::VisitReply end(std::uint64_t number) {
-    wire::VisitReply reply;
+  static wire::SessionReply end(std::uint64_t number) {
+    wire::SessionReply reply;
     reply.mutable_end()->set_view_number(number);
     return reply;
   }
@@ -41,7 +41,7 @@ struct Wire {
   }
 
  private:
-  RelayTimes::Times both(const wire::VisitReply& reply, TimePoint cause, TimePoint taken) {
+  RelayTimes::Times both(const wire::SessionReply& reply, TimePoint cause, TimePoint taken) {
     times.sent(kVisit, cause);
     return times.taken(kVisit, reply, taken);
   }
@@ -54,7 +54,7 @@ TEST(RelayTimes, a_tile_takes_from_its_cause_until_it_is_written) {
   // Two are on their way at once: each has its own cause.
   wire.times.sent(kVisit, kStart + 20ms);
   wire.times.sent(kVisit, kStart + 21ms);
-  wire::VisitReply tile;
+  wire::SessionReply tile;
   tile.mutable_tile();
   EXPECT_DOUBLE_EQ(*wire.times.taken(kVisit, tile, kStart + 25ms).relay_seconds, 0.005);
   EXPECT_DOUBLE_EQ(*wire.times.taken(kVisit, tile, kStart + 26ms).relay_seconds, 0.005);
@@ -74,7 +74,7 @@ TEST(RelayTimes, a_frames_overhead_is_all_but_its_turn_and_its_rays) {
 TEST(RelayTimes, only_whole_frames_whose_blocks_stayed_where_they_were_count) {
   for (const auto& spoil : std::initializer_list<void (*)(FrameReport&)>{
            [](FrameReport& r) { r.complete = false; }, [](FrameReport& r) { r.refined = true; },
-           [](FrameReport& r) { r.given_again = true; }, [](FrameReport& r) { r.moved = 1; }}) {
+           [](FrameReport& r) { r.reassigned = true; }, [](FrameReport& r) { r.moved = 1; }}) {
     Wire wire;
     wire.tile(kStart, kStart + 35ms);
     wire.times.sent(kVisit, kStart);
@@ -95,14 +95,14 @@ TEST(RelayTimes, a_refined_end_of_the_same_view_is_not_taken_for_the_first) {
   EXPECT_FALSE(wire.times.taken(kVisit, Wire::end(7), kStart + 80ms).overhead_seconds);
 }
 
-TEST(RelayTimes, a_visit_that_has_ended_leaves_nothing) {
+TEST(RelayTimes, a_session_that_has_ended_leaves_nothing) {
   Wire wire;
   wire.times.sent(kVisit, kStart);
-  wire.times.visit_ended(kVisit);
-  wire::VisitReply tile;
+  wire.times.session_ended(kVisit);
+  wire::SessionReply tile;
   tile.mutable_tile();
   EXPECT_FALSE(wire.times.taken(kVisit, tile, kStart + 1ms).relay_seconds);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A head that hands a scene out, nodes that have nothing, and the real ray tracer.
+// A coordinator that hands a scene out, nodes that have nothing, and the real ray tracer.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "tests/doubles/recording_farm_listener.h"
 #include "tests/doubles/scene_folder.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 namespace fs = std::filesystem;
@@ -45,26 +45,26 @@ class Distribution : public testing::Test {
     write_bytes(folder / "scene.toml", kScene);
     write_bytes(folder / "parts/tent.ply", kTent);
   }
-  void start_head(bool on_head) {
-    HeadOptions options;
-    options.scenes = {{"tent", folder.string(), on_head}};
+  void start_coordinator(bool on_coordinator) {
+    CoordinatorOptions options;
+    options.scenes = {{"tent", folder.string(), on_coordinator}};
     options.museums = options.nodes = "[::1]:0";
-    auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
+    auto started = Coordinator::start(options, [](const std::string&, const NoticeAbout&) {});
     ASSERT_TRUE(started) << started.error().message();
-    head = *std::move(started);
+    coordinator = *std::move(started);
   }
-  [[nodiscard]] std::unique_ptr<FarmNode> add_node(const std::string& cache) const {
-    FarmNodeOptions options{.heads = {"[::1]:" + std::to_string(head->node_port())}, .name = cache};
+  [[nodiscard]] std::unique_ptr<node::FarmNode> add_node(const std::string& cache) const {
+    node::FarmNodeOptions options{.coordinators = {"[::1]:" + std::to_string(coordinator->node_port())}, .name = cache};
     options.cache = {temporary.path() / cache, 0};
-    auto started = FarmNode::start(options, embree_scene_loader(1));
+    auto started = node::FarmNode::start(options, node::embree_scene_loader(1));
     EXPECT_TRUE(started);
     return *std::move(started);
   }
   /// The tiles' bytes, by place.
   [[nodiscard]] std::map<std::pair<std::uint32_t, std::uint32_t>, std::string> picture() const {
     RecordingFarmListener listener;
-    const auto client =
-        FarmClient::start({.heads = {"[::1]:" + std::to_string(head->museum_port())}, .museum = "test"}, listener);
+    const auto client = client::FarmClient::start(
+        {.coordinators = {"[::1]:" + std::to_string(coordinator->museum_port())}, .museum = "test"}, listener);
     EXPECT_TRUE(client);
     EXPECT_TRUE(listener.wait([](const auto& seen) { return seen.opened > 0; }))
         << testing::PrintToString(listener.seen().reasons);
@@ -80,37 +80,37 @@ class Distribution : public testing::Test {
 
   TemporaryFolder temporary;
   const fs::path folder = temporary.path() / "scene";
-  std::unique_ptr<Head> head;
+  std::unique_ptr<Coordinator> coordinator;
 };
 
 TEST_F(Distribution, gives_a_node_with_nothing_the_scene_and_so_the_same_picture) {
-  start_head(false);
+  start_coordinator(false);
   auto node = add_node("unused");
   const auto from_disk = picture();
   EXPECT_FALSE(from_disk.empty());
   node.reset();
-  head.reset();
-  start_head(true);
+  coordinator.reset();
+  start_coordinator(true);
   node = add_node("cache");
   EXPECT_EQ(picture(), from_disk);
-  EXPECT_EQ(head->sent_file_bytes(), std::string(kScene).size() + std::string(kTent).size());
+  EXPECT_EQ(coordinator->sent_file_bytes(), std::string(kScene).size() + std::string(kTent).size());
   EXPECT_FALSE(fs::exists(temporary.path() / "unused"));
 }
 
-TEST_F(Distribution, loads_a_scene_anew_that_was_changed_while_the_head_was_away) {
-  start_head(true);
+TEST_F(Distribution, loads_a_scene_anew_that_was_changed_while_the_coordinator_was_away) {
+  start_coordinator(true);
   auto node = add_node("cache");
   const auto before = picture();
   node.reset();
-  head.reset();
+  coordinator.reset();
   std::string darker = kScene;
   darker.replace(darker.find("zenith = [1, 1, 1]"), 18, "zenith = [0, 0, 1]");
   write_bytes(folder / "scene.toml", darker);
-  start_head(true);
+  start_coordinator(true);
   node = add_node("cache");
   EXPECT_NE(picture(), before);
-  EXPECT_EQ(head->sent_file_bytes(), darker.size());  // The tent itself was there.
+  EXPECT_EQ(coordinator->sent_file_bytes(), darker.size());  // The tent itself was there.
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The head's ports as museums and nodes meet them: real gRPC on [::1], with certificates of a throw-away authority.
+// The coordinator's ports as museums and nodes meet them: real gRPC on [::1], with certificates of a throw-away authority.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "renderfarm/coordinator/coordinator.h"
 #include "tests/doubles/test_authority.h"
 
-namespace cyclorama {
+namespace cyclorama::coordinator {
 namespace {
 
 using testing::ElementsAre;
@@ -68,24 +68,24 @@ class RawNode {
   std::unique_ptr<grpc::ClientReaderWriter<wire::NodeReport, wire::NodeCommand>> stream_;
 };
 
-class RawVisit {
+class RawSession {
  public:
-  explicit RawVisit(const std::shared_ptr<grpc::Channel>& channel) : stub_(wire::Farm::NewStub(channel)) {
+  explicit RawSession(const std::shared_ptr<grpc::Channel>& channel) : stub_(wire::Farm::NewStub(channel)) {
     set_deadline(context_);
-    stream_ = stub_->Visit(&context_);
+    stream_ = stub_->Session(&context_);
   }
-  RawVisit(int port, const std::optional<TlsFiles>& tls)
-      : RawVisit(*make_channel("[::1]:" + std::to_string(port), tls)) {}
+  RawSession(int port, const std::optional<TlsFiles>& tls)
+      : RawSession(*make_channel("[::1]:" + std::to_string(port), tls)) {}
   /// True once it is open.
   bool open(const std::string& scene) {
-    wire::VisitRequest request;
+    wire::SessionRequest request;
     request.mutable_open()->set_scene(scene);
-    wire::VisitReply reply;
+    wire::SessionReply reply;
     return stream_->Write(request) && stream_->Read(&reply) && reply.has_opened();
   }
-  bool write(const wire::VisitRequest& request) { return stream_->Write(request); }
+  bool write(const wire::SessionRequest& request) { return stream_->Write(request); }
   grpc::Status end() {
-    wire::VisitReply reply;
+    wire::SessionReply reply;
     while (stream_->Read(&reply)) {
     }
     return stream_->Finish();
@@ -98,7 +98,7 @@ class RawVisit {
  private:
   grpc::ClientContext context_;
   std::unique_ptr<wire::Farm::Stub> stub_;
-  std::unique_ptr<grpc::ClientReaderWriter<wire::VisitRequest, wire::VisitReply>> stream_;
+  std::unique_ptr<grpc::ClientReaderWriter<wire::SessionRequest, wire::SessionReply>> stream_;
 };
 
 class Trust : public testing::Test {
@@ -106,28 +106,28 @@ class Trust : public testing::Test {
   /// With two scenes and a node that has them.
   void start(const std::filesystem::path& audit = "audit.jsonl") {
     grant("[[museum]]\nname = \"hall-3\"\nscenes = [\"grotto\"]\n[[museum]]\nname = \"hall-4\"\nscenes = [\"*\"]\n");
-    HeadOptions options;
+    CoordinatorOptions options;
     options.scenes = {{"grotto", "a"}, {"relic", "b"}};
     options.museums = options.nodes = "[::]:0";
-    options.trust.tls = authority_.head();
+    options.trust.tls = authority_.coordinator();
     options.trust.revoked = authority_.revocations();
     options.trust.museums = museums();
     options.trust.audit = authority_.folder() / audit;
-    auto started = Head::start(options, [](const std::string&, const NoticeAbout&) {});
+    auto started = Coordinator::start(options, [](const std::string&, const NoticeAbout&) {});
     ASSERT_TRUE(started) << started.error().message();
-    head_ = *std::move(started);
-    node_ = std::make_unique<RawNode>(head_->node_port(), authority_.node("n1"));
+    coordinator_ = *std::move(started);
+    node_ = std::make_unique<RawNode>(coordinator_->node_port(), authority_.node("n1"));
     ASSERT_TRUE(node_->load(2));
-    // Loaded once a visit of the last scene opens.
+    // Loaded once a session of the last scene opens.
     const TlsFiles any = authority_.museum("hall-4");
     const TimePoint deadline = SteadyClock().now() + std::chrono::seconds(20);
-    while (!RawVisit(head_->museum_port(), any).open("relic")) ASSERT_LT(SteadyClock().now(), deadline);
+    while (!RawSession(coordinator_->museum_port(), any).open("relic")) ASSERT_LT(SteadyClock().now(), deadline);
   }
   void grant(const std::string& text) { ASSERT_TRUE(write_file_atomically(museums(), text)); }
   [[nodiscard]] std::filesystem::path museums() const { return authority_.folder() / "museums.toml"; }
   [[nodiscard]] std::string audit() const { return *read_text_file(authority_.folder() / "audit.jsonl", 1 << 20); }
   std::vector<std::string> scenes_of(const TlsFiles& tls) {
-    const auto stub = wire::Farm::NewStub(*make_channel("[::1]:" + std::to_string(head_->museum_port()), tls));
+    const auto stub = wire::Farm::NewStub(*make_channel("[::1]:" + std::to_string(coordinator_->museum_port()), tls));
     grpc::ClientContext context;
     set_deadline(context);
     wire::ListScenesReply reply;
@@ -136,10 +136,10 @@ class Trust : public testing::Test {
     for (const wire::SceneSummary& scene : reply.scenes()) names.push_back(scene.name());
     return names;
   }
-  RawVisit visit(const TlsFiles& tls) { return {head_->museum_port(), tls}; }
+  RawSession session(const TlsFiles& tls) { return {coordinator_->museum_port(), tls}; }
 
   TestAuthority authority_;
-  std::unique_ptr<Head> head_;
+  std::unique_ptr<Coordinator> coordinator_;
   std::unique_ptr<RawNode> node_;
 };
 
@@ -149,11 +149,11 @@ TEST_F(Trust, shows_and_opens_to_a_museum_what_it_is_granted) {
   EXPECT_THAT(scenes_of(tls), ElementsAre("grotto"));
   EXPECT_THAT(scenes_of(authority_.museum("hall-4")), ElementsAre("grotto", "relic"));
   EXPECT_THAT(scenes_of(authority_.museum("stranger")), IsEmpty());
-  EXPECT_TRUE(visit(tls).open("grotto"));
-  RawVisit forbidden = visit(tls);
+  EXPECT_TRUE(session(tls).open("grotto"));
+  RawSession forbidden = session(tls);
   EXPECT_FALSE(forbidden.open("relic"));
   const grpc::Status hidden = forbidden.end();
-  RawVisit missing = visit(tls);
+  RawSession missing = session(tls);
   EXPECT_FALSE(missing.open("nowhere"));
   const grpc::Status absent = missing.end();
   EXPECT_EQ(hidden.error_code(), grpc::StatusCode::NOT_FOUND);
@@ -163,22 +163,22 @@ TEST_F(Trust, shows_and_opens_to_a_museum_what_it_is_granted) {
   EXPECT_EQ(as_absent, absent.error_message()) << "nobody learns what else the farm has";
 }
 
-TEST_F(Trust, opens_visits_while_the_disk_of_the_audit_log_is_full) {
+TEST_F(Trust, opens_sessions_while_the_disk_of_the_audit_log_is_full) {
   start("/dev/full");
-  RawVisit open = visit(authority_.museum("hall-3"));
+  RawSession open = session(authority_.museum("hall-3"));
   EXPECT_TRUE(open.open("grotto"));
   EXPECT_TRUE(open.close().ok());
 }
 
 TEST_F(Trust, keeps_museums_and_nodes_at_their_own_ports) {
   start();
-  RawVisit as_museum(head_->museum_port(), authority_.node("n2"));
+  RawSession as_museum(coordinator_->museum_port(), authority_.node("n2"));
   EXPECT_FALSE(as_museum.open("grotto"));
   EXPECT_EQ(as_museum.end().error_code(), grpc::StatusCode::PERMISSION_DENIED);
-  RawNode as_node(head_->node_port(), authority_.museum("hall-3"));
+  RawNode as_node(coordinator_->node_port(), authority_.museum("hall-3"));
   EXPECT_EQ(as_node.end().error_code(), grpc::StatusCode::PERMISSION_DENIED);
-  const auto stub =
-      wire::Nodes::NewStub(*make_channel("[::1]:" + std::to_string(head_->node_port()), authority_.museum("hall-3")));
+  const auto stub = wire::Nodes::NewStub(
+      *make_channel("[::1]:" + std::to_string(coordinator_->node_port()), authority_.museum("hall-3")));
   grpc::ClientContext context;
   set_deadline(context);
   wire::SceneFiles files;
@@ -188,10 +188,10 @@ TEST_F(Trust, keeps_museums_and_nodes_at_their_own_ports) {
 
 TEST_F(Trust, lets_nobody_in_without_a_certificate_of_its_authority) {
   start();
-  RawVisit plain(head_->museum_port(), std::nullopt);
+  RawSession plain(coordinator_->museum_port(), std::nullopt);
   EXPECT_FALSE(plain.open("grotto"));
   TestAuthority other;
-  RawVisit foreign = visit(other.museum("hall-3"));
+  RawSession foreign = session(other.museum("hall-3"));
   EXPECT_FALSE(foreign.open("grotto"));
   EXPECT_EQ(foreign.end().error_code(), grpc::StatusCode::UNAVAILABLE);
 }
@@ -199,27 +199,27 @@ TEST_F(Trust, lets_nobody_in_without_a_certificate_of_its_authority) {
 TEST_F(Trust, ends_what_is_open_when_its_certificate_is_revoked) {
   start();
   const TlsFiles tls = authority_.museum("hall-3");
-  RawVisit open = visit(tls);
+  RawSession open = session(tls);
   ASSERT_TRUE(open.open("grotto"));
-  RawVisit other = visit(authority_.museum("hall-4"));
+  RawSession other = session(authority_.museum("hall-4"));
   ASSERT_TRUE(other.open("grotto"));
   authority_.run("revoke hall-3");
   const grpc::Status ended = open.end();
   EXPECT_EQ(ended.error_code(), grpc::StatusCode::PERMISSION_DENIED);
   EXPECT_THAT(ended.error_message(), HasSubstr("revoked"));
-  RawVisit again = visit(tls);
+  RawSession again = session(tls);
   EXPECT_FALSE(again.open("grotto"));
   EXPECT_THAT(again.end().error_message(), HasSubstr("revoked"));
   EXPECT_TRUE(other.close().ok()) << "others go on";
   authority_.run("revoke n1");
   EXPECT_EQ(node_->end().error_code(), grpc::StatusCode::PERMISSION_DENIED);
-  EXPECT_TRUE(visit(authority_.museum("hall-3")).end().error_message().find("revoked") == std::string::npos)
+  EXPECT_TRUE(session(authority_.museum("hall-3")).end().error_message().find("revoked") == std::string::npos)
       << "a new certificate is welcome";
 }
 
-TEST_F(Trust, ends_a_visit_whose_grant_is_taken_away) {
+TEST_F(Trust, ends_a_session_whose_grant_is_taken_away) {
   start();
-  RawVisit open = visit(authority_.museum("hall-3"));
+  RawSession open = session(authority_.museum("hall-3"));
   ASSERT_TRUE(open.open("grotto"));
   grant("[[museum]]\nname = \"hall-3\"\nscenes = [\"relic\"]\n");
   const grpc::Status ended = open.end();
@@ -231,15 +231,15 @@ TEST_F(Trust, ends_a_visit_whose_grant_is_taken_away) {
 TEST_F(Trust, ends_a_flood_and_a_message_that_no_museum_sends) {
   start();
   const TlsFiles tls = authority_.museum("hall-3");
-  RawVisit large = visit(tls);
-  wire::VisitRequest request;
+  RawSession large = session(tls);
+  wire::SessionRequest request;
   request.mutable_open()->set_scene(std::string(65 << 10, 'x'));
   large.write(request);
   EXPECT_EQ(large.end().error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
-  RawVisit flood = visit(tls);
+  RawSession flood = session(tls);
   ASSERT_TRUE(flood.open("grotto"));
-  wire::VisitRequest ask;
-  wire::View& view = *ask.mutable_view();
+  wire::SessionRequest request_view;
+  wire::View& view = *request_view.mutable_view();
   view.set_samples(1);
   view.set_jpeg_quality(85);
   view.mutable_eye_m()->set_y(1.6);
@@ -250,17 +250,18 @@ TEST_F(Trust, ends_a_flood_and_a_message_that_no_museum_sends) {
   view.mutable_panorama()->set_tan_elevation_bottom(-0.5);
   for (std::uint64_t number = 1; number <= 100'000; ++number) {
     view.set_number(number);
-    if (!flood.write(ask)) break;
+    if (!flood.write(request_view)) break;
   }
   EXPECT_THAT(flood.end().error_message(), HasSubstr("views per second"));
 }
 
-TEST_F(Trust, goes_on_for_others_while_a_museum_opens_a_thousand_visits) {
+TEST_F(Trust, goes_on_for_others_while_a_museum_opens_a_thousand_sessions) {
   start();
-  const auto channel = *make_channel("[::1]:" + std::to_string(head_->museum_port()), authority_.museum("hall-3"));
-  std::vector<std::unique_ptr<RawVisit>> many;
-  for (int i = 0; i < 1000; ++i) many.push_back(std::make_unique<RawVisit>(channel));
-  RawVisit other = visit(authority_.museum("hall-4"));
+  const auto channel =
+      *make_channel("[::1]:" + std::to_string(coordinator_->museum_port()), authority_.museum("hall-3"));
+  std::vector<std::unique_ptr<RawSession>> many;
+  for (int i = 0; i < 1000; ++i) many.push_back(std::make_unique<RawSession>(channel));
+  RawSession other = session(authority_.museum("hall-4"));
   EXPECT_TRUE(other.open("grotto"));
   EXPECT_TRUE(other.close().ok());
 }
@@ -268,19 +269,19 @@ TEST_F(Trust, goes_on_for_others_while_a_museum_opens_a_thousand_visits) {
 TEST_F(Trust, writes_down_who_came_and_how_it_ended) {
   start();
   {
-    RawVisit seen = visit(authority_.museum("hall-3"));
+    RawSession seen = session(authority_.museum("hall-3"));
     ASSERT_TRUE(seen.open("grotto"));
     EXPECT_TRUE(seen.close().ok());
   }
-  head_.reset();
+  coordinator_.reset();
   const std::string log = audit();
   for (const char* const part :
        {"\"event\":\"grants read\"", "\"event\":\"node came\",\"role\":\"node\",\"name\":\"n1\"",
-        "\"event\":\"visit opened\",\"role\":\"museum\",\"name\":\"hall-3\"", "\"event\":\"visit ended\"",
+        "\"event\":\"session opened\",\"role\":\"museum\",\"name\":\"hall-3\"", "\"event\":\"session ended\"",
         "\"event\":\"node gone\""}) {
     EXPECT_THAT(log, HasSubstr(part));
   }
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::coordinator

@@ -8,7 +8,7 @@
 
 #include "tests/doubles/analytic_film.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -16,7 +16,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// A grey wall five metres away that emits `light`, without noise yet.
 struct Wall {
-  Film film;
+  render::Film film;
   PixelRays rays;
 
   Wall(int width, int height, int samples, float light = 1.0f) : film(width, height, true) {
@@ -49,7 +49,7 @@ struct Wall {
       }
     }
   }
-  [[nodiscard]] RadianceImage denoised() const { return cyclorama::denoised(film, rays); }
+  [[nodiscard]] RadianceImage denoised() const { return cyclorama::denoise::denoised(film, rays); }
 };
 
 double mean_of(const RadianceImage& image) {
@@ -70,13 +70,13 @@ bool is_finite(const RadianceImage& image) {
 }
 
 TEST(Denoiser, keeps_the_mean_of_an_even_wall_and_takes_its_noise) {
-  constexpr double kMostLoss = 0.02;  // Caused by fireflies, and by the weight of the brightest pixels.
+  constexpr double kMaxLoss = 0.02;  // Caused by fireflies, and by the weight of the brightest pixels.
   for (const int samples : {1, 2, 4}) {
     Wall wall(96, 96, samples);
     wall.add_noise(samples, 5, [](int, int) { return 1.0f; });
     const RadianceImage truth(96, 96, 1.0f);
     const RadianceImage picture = wall.denoised();
-    EXPECT_NEAR(mean_of(picture) / mean_of(wall.film.mean()), 1.0, kMostLoss) << samples;
+    EXPECT_NEAR(mean_of(picture) / mean_of(wall.film.mean()), 1.0, kMaxLoss) << samples;
     EXPECT_LT(squared_error(picture, truth), 0.1 * squared_error(wall.film.mean(), truth)) << samples;
   }
 }
@@ -101,21 +101,21 @@ void expect_edge_kept(const Change& change) {
 }
 
 TEST(Denoiser, keeps_an_edge_of_albedo) {
-  expect_edge_kept([](FilmFeatures* features, int x, int y) {
+  expect_edge_kept([](render::FilmFeatures* features, int x, int y) {
     std::fill_n(features->albedo.at(x, y), 3, 0.9f);
     std::fill_n(features->albedo.at(x - 32, y), 3, 0.09f);
   });
 }
 
 TEST(Denoiser, keeps_an_edge_of_the_normal) {
-  expect_edge_kept([](FilmFeatures* features, int x, int y) {
+  expect_edge_kept([](render::FilmFeatures* features, int x, int y) {
     features->normal.at(x, y)[0] = 0.7071f;
     features->normal.at(x, y)[2] = 0.7071f;
   });
 }
 
 TEST(Denoiser, keeps_an_edge_of_depth) {
-  expect_edge_kept([](FilmFeatures* features, int x, int y) { *features->distance.at(x, y) *= 1.05f; });
+  expect_edge_kept([](render::FilmFeatures* features, int x, int y) { *features->distance.at(x, y) *= 1.05f; });
 }
 
 TEST(Denoiser, a_firefly_does_not_become_a_blob) {
@@ -155,7 +155,7 @@ TEST(Denoiser, errs_less_than_the_film_from_one_sample_to_a_thousand) {
     scene.firefly_every = stratified ? 0.0 : 2000.0;
     const RadianceImage truth = scene.truth(32);
     for (const int samples : {1, 2, 4, 16, 64, 256, 1024}) {
-      const Film film = scene.film(samples, 1);
+      const render::Film film = scene.film(samples, 1);
       // With stratified samples the film's own variance is far too large; the filter must not undo the gain of
       // stratification.
       const double allowed = stratified && samples >= 16 ? 1.1 : 1.0;
@@ -167,7 +167,7 @@ TEST(Denoiser, errs_less_than_the_film_from_one_sample_to_a_thousand) {
 
 TEST(Denoiser, a_block_with_its_halo_is_that_part_of_the_picture_to_the_last_bit) {
   AnalyticScene scene;
-  const Film film = scene.film(2, 4);
+  const render::Film film = scene.film(2, 4);
   const RadianceImage whole = denoised(film, scene.rays());
   const int halo = Denoiser::halo_px();
   Denoiser denoiser;
@@ -176,7 +176,7 @@ TEST(Denoiser, a_block_with_its_halo_is_that_part_of_the_picture_to_the_last_bit
     const int top = std::max(0, block.y - halo);
     const PixelRect rect{left, top, std::min(film.width(), block.x + block.width + halo) - left,
                          std::min(film.height(), block.y + block.height + halo) - top};
-    Film part(rect.width, rect.height, true);
+    render::Film part(rect.width, rect.height, true);
     for (int y = 0; y < rect.height; ++y) {
       const auto copy = [&](const auto& from, auto* to) {
         std::copy_n(from.at(rect.x, rect.y + y), to->row_values(), to->at(0, y));
@@ -206,7 +206,7 @@ TEST(Denoiser, what_is_not_finite_never_leaves) {
     for (int which = 0; which < 6; ++which) {
       Wall wall(24, 24, 2);
       wall.add_noise(2, 1, [](int, int) { return 1.0f; });
-      FilmFeatures& features = wall.film.features;
+      render::FilmFeatures& features = wall.film.features;
       float* const places[] = {wall.film.sum.at(12, 12),     wall.film.square.at(12, 12),
                                features.albedo.at(12, 12),   features.normal.at(12, 12),
                                features.distance.at(12, 12), wall.rays.directions.at(12, 12)};
@@ -262,4 +262,4 @@ TEST(Denoiser, a_sky_keeps_its_gradient_and_stays_out_of_the_ground) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

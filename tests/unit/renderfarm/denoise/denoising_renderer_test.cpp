@@ -9,27 +9,27 @@
 #include "renderfarm/render/tone.h"
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::denoise {
 namespace {
 
 /// A ball in front of a wall in soft light: noise, edges and a shadow.
 class DenoisingRendererTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    Scene scene = scene_of(sphere_mesh(3.0f, 12));
+    scene::Scene scene = scene_of(sphere_mesh(3.0f, 12));
     add_mesh(scene, sphere_mesh(0.4f, 8), Eigen::Affine3d(Eigen::Translation3d(0, 0, -1.5)));
-    Light light = point_light({0.5, 1.0, 0.0}, 2.0f);
+    scene::Light light = point_light({0.5, 1.0, 0.0}, 2.0f);
     light.radius_m = 0.5f;
     scene.model.lights.push_back(light);
-    scene.tone = ToneCurve::kFilmic;
-    auto built = Renderer::build(std::move(scene), 2, nullptr);
+    scene.tone = scene::ToneCurve::kFilmic;
+    auto built = render::Renderer::build(std::move(scene), 2, nullptr);
     ASSERT_TRUE(built) << built.error().message();
     renderer_ = std::move(*built);
   }
   static void TearDownTestSuite() { renderer_.reset(); }
 
-  static PanoramaView view() {
-    PanoramaView view = view_from({0, 0, 0}, 200, 150, 0.7, -0.7);
+  static render::PanoramaView view() {
+    render::PanoramaView view = view_from({0, 0, 0}, 200, 150, 0.7, -0.7);
     view.quality.samples = 2;
     view.seed = 3;
     return view;
@@ -40,17 +40,17 @@ class DenoisingRendererTest : public testing::Test {
     denoising.render(view(), rect, &picture, nullptr);
     return picture;
   }
-  static inline std::unique_ptr<Renderer> renderer_;
+  static inline std::unique_ptr<render::Renderer> renderer_;
 };
 
 TEST_F(DenoisingRendererTest, takes_noise_out_of_flat_and_round_pictures_too) {
   for (const PictureShape& shape :
        {PictureShape(Perspective{160, 120, -1.0, 1.0, 0.75, -0.75, 0.2}), PictureShape(Fisheye{128, 128, 3.0, 0.5})}) {
-    PanoramaView noisy = view();
+    render::PanoramaView noisy = view();
     noisy.projection = Projection{shape, {}};
     ASSERT_TRUE(check_denoisable(noisy));
     const PixelRect all{0, 0, width_px(shape), height_px(shape)};
-    PanoramaView clean = noisy;
+    render::PanoramaView clean = noisy;
     clean.quality.samples = 256;
     RadianceImage reference;
     RadianceImage plain;
@@ -71,10 +71,10 @@ TEST_F(DenoisingRendererTest, takes_noise_out_of_flat_and_round_pictures_too) {
 }
 
 TEST_F(DenoisingRendererTest, makes_of_any_part_the_pixels_of_the_whole_film_to_the_last_bit) {
-  Film film;
+  render::Film film;
   renderer_->render_film(view(), whole(view()), true, &film, nullptr);
   const RadianceImage light = denoised(film, panorama_rays(view().panorama, view().heading_rad, whole(view())));
-  const RgbImage expected = developed(light, ToneCurve::kFilmic);
+  const RgbImage expected = render::developed(light, scene::ToneCurve::kFilmic);
   RgbImage noisy;
   renderer_->render(view(), whole(view()), &noisy, nullptr);
   ASSERT_NE(expected, noisy);
@@ -102,21 +102,21 @@ TEST_F(DenoisingRendererTest, gives_another_size_and_an_empty_one_with_the_same_
 TEST_F(DenoisingRendererTest, counts_the_margins_rays) {
   const PixelRect part{48, 48, 16, 16};
   RgbImage picture;
-  const RenderCost plain = renderer_->render(view(), part, &picture, nullptr);
-  const RenderCost cost = DenoisingRenderer(*renderer_, 1).render(view(), part, &picture, nullptr);
+  const render::RenderCost plain = renderer_->render(view(), part, &picture, nullptr);
+  const render::RenderCost cost = DenoisingRenderer(*renderer_, 1).render(view(), part, &picture, nullptr);
   EXPECT_GT(cost.rays, 4 * plain.rays);
   EXPECT_GT(cost.wall_seconds, 0.0);
 }
 
 TEST_F(DenoisingRendererTest, counts_the_filters_processor_time) {
-  auto renderer = Renderer::build(scene_of(sphere_mesh(3.0f, 4)), 1, nullptr);
+  auto renderer = render::Renderer::build(scene_of(sphere_mesh(3.0f, 4)), 1, nullptr);
   ASSERT_TRUE(renderer) << renderer.error().message();
   DenoisingRenderer denoising(**renderer, 1);
-  PanoramaView cheap = view();
+  render::PanoramaView cheap = view();
   cheap.eye = {0, 100, 0};  // With almost nothing visible, filtering takes about as long as rendering the film.
   cheap.quality.samples = 1;
   RadianceImage light;
-  Film film;
+  render::Film film;
   double with = 0.0, without = 0.0;
   for (int i = 0; i < 6; ++i) {  // Alternates, so that a temporary slowdown affects both.
     with += denoising.render_radiance(cheap, whole(cheap), &light, nullptr).cpu_seconds;
@@ -129,7 +129,7 @@ TEST_F(DenoisingRendererTest, tells_all_that_a_part_cost_by_the_parts_own_cells)
   DenoisingRenderer denoising(*renderer_, 2);
   RgbImage picture;
   const auto columns_and_rows = [&](const PixelRect& rect, const std::function<bool()>& cancelled) {
-    const RenderCost cost = denoising.render(view(), rect, &picture, cancelled);
+    const render::RenderCost cost = denoising.render(view(), rect, &picture, cancelled);
     double sum = 0.0;
     for (const float seconds : cost.cell_cpu_seconds) sum += static_cast<double>(seconds);
     EXPECT_NEAR(sum, cost.cpu_seconds, 1e-5 * cost.cpu_seconds);
@@ -148,7 +148,7 @@ TEST_F(DenoisingRendererTest, stops_when_it_is_cancelled) {
   EXPECT_EQ(picture, RgbImage(200, 150));
 }
 
-PanoramaView for_eyes(PanoramaView view, Eyes eyes, int height_px) {
+render::PanoramaView for_eyes(render::PanoramaView view, Eyes eyes, int height_px) {
   view.panorama.height_px = height_px;
   view.projection = Projection{view.panorama, {}};
   view.projection->viewing = {eyes, 0.3, 2.0};
@@ -157,12 +157,12 @@ PanoramaView for_eyes(PanoramaView view, Eyes eyes, int height_px) {
 
 TEST_F(DenoisingRendererTest, lets_nothing_of_one_eyes_picture_into_the_others) {
   constexpr int kHeight = 96;
-  const PanoramaView both = for_eyes(view(), Eyes::kOverUnder, kHeight);
+  const render::PanoramaView both = for_eyes(view(), Eyes::kOverUnder, kHeight);
   ASSERT_TRUE(check_denoisable(both));
   DenoisingRenderer denoising(*renderer_, 2);
   RadianceImage all;
   const PixelRect whole{0, 0, 200, 2 * kHeight};
-  const RenderCost cost = denoising.render_radiance(both, whole, &all, nullptr);
+  const render::RenderCost cost = denoising.render_radiance(both, whole, &all, nullptr);
   EXPECT_EQ(cost.cell_cpu_seconds.size(), 13u * 12u);
   // The left eye's picture has the samples of a picture of its own, and no row of the other contributes to it.
   RadianceImage left;
@@ -181,8 +181,8 @@ TEST_F(DenoisingRendererTest, lets_nothing_of_one_eyes_picture_into_the_others) 
 
 TEST_F(DenoisingRendererTest, takes_noise_out_of_both_eyes_pictures) {
   constexpr int kHeight = 96;
-  const PanoramaView noisy = for_eyes(view(), Eyes::kOverUnder, kHeight);
-  PanoramaView clean = noisy;
+  const render::PanoramaView noisy = for_eyes(view(), Eyes::kOverUnder, kHeight);
+  render::PanoramaView clean = noisy;
   clean.quality.samples = 256;
   RadianceImage reference, plain, smooth;
   const PixelRect whole{0, 0, 200, 2 * kHeight};
@@ -214,4 +214,4 @@ TEST_F(DenoisingRendererTest, wants_two_eyes_pictures_parted_by_a_cut) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::denoise

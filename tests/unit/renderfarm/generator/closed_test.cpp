@@ -22,14 +22,14 @@ class ClosedGrotto : public testing::TestWithParam<std::uint64_t> {
     parent_ = name;
     const PackageOrder order{.triangles = GetParam(), .seed = 2, .folder = parent_ / "grotto", .threads = 2};
     ASSERT_TRUE(write_package(order, [](double) { return true; }).has_value());
-    auto scene = load_scene(order.folder, ImportLimits{}, nullptr);
+    auto scene = scene::load_scene(order.folder, scene::ImportLimits{}, nullptr);
     ASSERT_TRUE(scene.has_value()) << scene.error().message();
     scene_ = std::move(*scene);
   }
   void TearDown() override { fs::remove_all(parent_); }
 
   fs::path parent_;
-  Scene scene_;
+  scene::Scene scene_;
 };
 
 TEST_P(ClosedGrotto, no_sky_is_seen_from_anywhere_inside) {
@@ -38,9 +38,9 @@ TEST_P(ClosedGrotto, no_sky_is_seen_from_anywhere_inside) {
   scene_.ambient.setZero();
   scene_.eye_lamp = Eigen::Vector3f::Constant(1e-9f);  // Otherwise a scene without light would be given a lamp.
   scene_.sky.zenith = scene_.sky.horizon = scene_.sky.ground = Eigen::Vector3f::Constant(100.0f);
-  const auto renderer = Renderer::build(std::move(scene_), 2, nullptr);
+  const auto renderer = render::Renderer::build(std::move(scene_), 2, nullptr);
   ASSERT_TRUE(renderer.has_value()) << renderer.error().message();
-  PanoramaView view;
+  render::PanoramaView view;
   view.panorama = {360, 240, 2.0 * std::numbers::pi, 6.0, -6.0};
   view.quality.samples = 1;
   RadianceImage image;

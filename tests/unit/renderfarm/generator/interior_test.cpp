@@ -44,7 +44,7 @@ TEST(Interior, gives_the_same_light_however_many_lamps_it_has) {
     return sum;
   };
   const Vec3 four = light(4);
-  for (const int lamps : {1, 2, 7, 300, kMostInteriorLamps}) EXPECT_TRUE(light(lamps).isApprox(four, 1e-3f)) << lamps;
+  for (const int lamps : {1, 2, 7, 300, kMaxInteriorLamps}) EXPECT_TRUE(light(lamps).isApprox(four, 1e-3f)) << lamps;
 }
 
 TEST(Interior, its_four_lamps_are_one_and_a_half_metres_wide_and_do_not_touch) {
@@ -62,9 +62,9 @@ TEST(Interior, its_four_lamps_are_one_and_a_half_metres_wide_and_do_not_touch) {
 TEST(Interior, refuses_what_it_cannot_make) {
   EXPECT_EQ(plan_interior(1'000, 1, 4).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(plan_interior(60'000, 1, 0).error().code(), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(plan_interior(60'000, 1, kMostInteriorLamps + 1).error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(plan_interior(60'000, 1, kMaxInteriorLamps + 1).error().code(), ErrorCode::kInvalidArgument);
   // The ten thousand trays alone have more triangles.
-  EXPECT_EQ(plan_interior(60'000, 1, kMostInteriorLamps).error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(plan_interior(60'000, 1, kMaxInteriorLamps).error().code(), ErrorCode::kInvalidArgument);
 }
 
 }  // namespace

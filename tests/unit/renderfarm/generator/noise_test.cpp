@@ -48,19 +48,19 @@ TEST_F(Noise, is_zero_on_the_lattice_and_differs_between_seeds) {
 }
 
 TEST_F(Noise, marks_and_cracks_are_fractions) {
-  float most_marks = 0.0f;
-  float most_crack = 0.0f;
+  float max_marks = 0.0f;
+  float max_crack = 0.0f;
   for (int i = 0; i < 20'000; ++i) {
     const Vec3 p = place();
     const float marks = chisel_marks({p.x(), p.y()}, 5u);
     const float crack = crack_lines(p, 5u);
     ASSERT_TRUE(marks >= 0.0f && marks <= 1.0f) << marks;
     ASSERT_TRUE(crack >= 0.0f && crack <= 1.0f) << crack;
-    most_marks = std::max(most_marks, marks);
-    most_crack = std::max(most_crack, crack);
+    max_marks = std::max(max_marks, marks);
+    max_crack = std::max(max_crack, crack);
   }
-  EXPECT_GT(most_marks, 0.8f);
-  EXPECT_GT(most_crack, 0.5f);  // There are some cracks.
+  EXPECT_GT(max_marks, 0.8f);
+  EXPECT_GT(max_crack, 0.5f);  // There are some cracks.
 }
 
 TEST(RandomUnit, is_spread_evenly_below_one) {

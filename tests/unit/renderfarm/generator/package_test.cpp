@@ -48,7 +48,7 @@ class GrottoPackage : public testing::Test {
 TEST_F(GrottoPackage, is_a_scene_that_loads) {
   const auto report = write_package(order_, always);
   ASSERT_TRUE(report.has_value()) << report.error().message();
-  const auto scene = load_scene(order_.folder, ImportLimits{}, nullptr);
+  const auto scene = scene::load_scene(order_.folder, scene::ImportLimits{}, nullptr);
   ASSERT_TRUE(scene.has_value()) << scene.error().message();
   EXPECT_EQ(scene->triangles_stored(), report->counts.triangles);
   EXPECT_THAT(scene->model.notes, testing::IsEmpty());
@@ -61,7 +61,7 @@ TEST_F(GrottoPackage, is_a_scene_that_loads) {
 
 TEST_F(GrottoPackage, starts_and_stops_where_one_may_walk) {
   ASSERT_TRUE(write_package(order_, always).has_value());
-  const auto scene = load_scene(order_.folder, ImportLimits{}, nullptr);
+  const auto scene = scene::load_scene(order_.folder, scene::ImportLimits{}, nullptr);
   ASSERT_TRUE(scene.has_value());
   const auto inside = [&](const Eigen::Vector3d& eye) {
     bool in = false;
@@ -75,7 +75,7 @@ TEST_F(GrottoPackage, starts_and_stops_where_one_may_walk) {
     return in;
   };
   EXPECT_TRUE(inside(scene->info.start_eye - Eigen::Vector3d(0.0, 0.0, 0.01)));
-  for (const SceneTourStop& stop : scene->info.stops)
+  for (const scene::SceneTourStop& stop : scene->info.stops)
     EXPECT_TRUE(inside(stop.eye - Eigen::Vector3d(0.0, 0.0, 0.01))) << stop.title;
   for (const Eigen::Vector2d& corner : scene->info.walkable) {
     EXPECT_GT(corner.y(), static_cast<double>(kAltarFront));

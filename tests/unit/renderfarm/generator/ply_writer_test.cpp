@@ -37,10 +37,10 @@ TEST_F(PlyWriter, what_it_writes_the_importer_reads) {
   ASSERT_TRUE((*file)->finish().has_value());
   EXPECT_EQ(std::filesystem::file_size(folder_ / "a.ply"), ply_bytes(counts, Shading::kSmooth));
 
-  const auto model = import_ply(folder_ / "a.ply", ImportLimits{});
+  const auto model = scene::import_ply(folder_ / "a.ply", scene::ImportLimits{});
   ASSERT_TRUE(model.has_value()) << model.error().message();
   ASSERT_EQ(model->meshes.size(), 1u);
-  const Mesh& mesh = model->meshes[0];
+  const scene::Mesh& mesh = model->meshes[0];
   ASSERT_EQ(mesh.positions.size(), kVertices.size());
   for (std::size_t i = 0; i < kVertices.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -62,7 +62,7 @@ TEST_F(PlyWriter, leaves_the_normals_out_where_shading_is_flat) {
   ASSERT_TRUE((*file)->add_triangles(kTriangles).has_value());
   ASSERT_TRUE((*file)->finish().has_value());
   EXPECT_EQ(std::filesystem::file_size(folder_ / "a.ply"), ply_bytes(counts, Shading::kFlat));
-  const auto model = import_ply(folder_ / "a.ply", ImportLimits{});
+  const auto model = scene::import_ply(folder_ / "a.ply", scene::ImportLimits{});
   ASSERT_TRUE(model.has_value()) << model.error().message();
   EXPECT_TRUE(model->meshes[0].normals.empty());
   EXPECT_EQ(model->meshes[0].colours[1][0], 255);

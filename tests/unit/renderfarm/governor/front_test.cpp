@@ -5,19 +5,19 @@
 
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::governor {
 namespace {
 
-FrontPoint point_of(double cost, double error) {
-  FrontPoint point;
+ParetoPoint point_of(double cost, double error) {
+  ParetoPoint point;
   point.cost = cost;
   point.error = error;
   return point;
 }
 
-TEST(Front, keeps_what_no_cheaper_point_beats_in_the_order_of_cost) {
-  const auto front =
-      Front::make({point_of(8, 1), point_of(1, 9), point_of(2, 9), point_of(4, 3), point_of(4, 2), point_of(16, 1)});
+TEST(ParetoFront, keeps_what_no_cheaper_point_beats_in_the_order_of_cost) {
+  const auto front = ParetoFront::make(
+      {point_of(8, 1), point_of(1, 9), point_of(2, 9), point_of(4, 3), point_of(4, 2), point_of(16, 1)});
   ASSERT_TRUE(front);
   ASSERT_EQ(front->size(), 3u);
   EXPECT_EQ((*front)[0].cost, 1.0);
@@ -25,21 +25,21 @@ TEST(Front, keeps_what_no_cheaper_point_beats_in_the_order_of_cost) {
   EXPECT_EQ(front->best().cost, 8.0);
 }
 
-TEST(Front, refuses_no_points_and_points_that_are_none) {
+TEST(ParetoFront, refuses_no_points_and_points_that_are_none) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  EXPECT_FALSE(Front::make({}));
-  for (const FrontPoint& bad : {point_of(0, 1), point_of(-1, 1), point_of(kNan, 1), point_of(kInfinite, 1),
-                                point_of(1, kNan), point_of(1, -1), point_of(1, kInfinite)}) {
-    EXPECT_FALSE(Front::make({point_of(1, 1), bad}));
+  EXPECT_FALSE(ParetoFront::make({}));
+  for (const ParetoPoint& bad : {point_of(0, 1), point_of(-1, 1), point_of(kNan, 1), point_of(kInfinite, 1),
+                                 point_of(1, kNan), point_of(1, -1), point_of(1, kInfinite)}) {
+    EXPECT_FALSE(ParetoFront::make({point_of(1, 1), bad}));
   }
-  FrontPoint bad = point_of(1, 1);
+  ParetoPoint bad = point_of(1, 1);
   bad.quality.scale = 2.0;
-  EXPECT_FALSE(Front::make({bad}));
+  EXPECT_FALSE(ParetoFront::make({bad}));
 }
 
-TEST(Front, has_a_standard_one_in_which_every_point_is_on_the_front) {
-  const Front front = Front::standard();
+TEST(ParetoFront, has_a_standard_one_in_which_every_point_is_on_the_front) {
+  const ParetoFront front = ParetoFront::standard();
   EXPECT_GE(front.size(), 8u);
   for (std::size_t i = 1; i < front.size(); ++i) {
     EXPECT_GT(front[i].cost, front[i - 1].cost);
@@ -48,4 +48,4 @@ TEST(Front, has_a_standard_one_in_which_every_point_is_on_the_front) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::governor

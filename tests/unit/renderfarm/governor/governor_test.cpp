@@ -8,17 +8,17 @@
 #include <limits>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::governor {
 namespace {
 
 /// Costs 1, 2, 4 ... and errors that halve.
-Front front_of(int points) {
-  std::vector<FrontPoint> made(static_cast<std::size_t>(points));
+ParetoFront front_of(int points) {
+  std::vector<ParetoPoint> made(static_cast<std::size_t>(points));
   for (int i = 0; i < points; ++i) {
     made[static_cast<std::size_t>(i)].cost = static_cast<double>(1 << i);
     made[static_cast<std::size_t>(i)].error = 1.0 / static_cast<double>(1 << i);
   }
-  return *Front::make(std::move(made));
+  return *ParetoFront::make(std::move(made));
 }
 
 /// Runs the governor for frames whose time is `ms_of(frame, cost)`; returns its choices.
@@ -139,12 +139,12 @@ TEST(Governor, never_chooses_a_larger_error_for_a_larger_budget) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> any(0.0, 1.0);
   for (int trial = 0; trial < 20; ++trial) {
-    std::vector<FrontPoint> points(12);
-    for (FrontPoint& point : points) {
+    std::vector<ParetoPoint> points(12);
+    for (ParetoPoint& point : points) {
       point.cost = std::exp(6.0 * any(random));
       point.error = any(random);
     }
-    const Front front = *Front::make(points);
+    const ParetoFront front = *ParetoFront::make(points);
     const double overhead = 5.0 * any(random);
     double last = std::numeric_limits<double>::infinity();
     for (const double budget : {10.0, 20.0, 33.0, 50.0, 100.0, 1000.0, 10000.0}) {
@@ -158,4 +158,4 @@ TEST(Governor, never_chooses_a_larger_error_for_a_larger_budget) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::governor

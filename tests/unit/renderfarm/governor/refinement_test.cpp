@@ -6,18 +6,20 @@
 #include <algorithm>
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::governor {
 namespace {
 
-FrontPoint point_of(double cost, double error, int samples) {
-  FrontPoint point;
+ParetoPoint point_of(double cost, double error, int samples) {
+  ParetoPoint point;
   point.cost = cost;
   point.error = error;
   point.quality.render.samples = samples;
   return point;
 }
 
-Front plain_front() { return *Front::make({point_of(1, 1, 1), point_of(4, 0.25, 4), point_of(16, 0.0625, 16)}); }
+ParetoFront plain_pareto_front() {
+  return *ParetoFront::make({point_of(1, 1, 1), point_of(4, 0.25, 4), point_of(16, 0.0625, 16)});
+}
 
 std::vector<int> steps(Refinement refinement, double ms_per_sample = 0.01) {
   std::vector<int> ends;
@@ -45,7 +47,7 @@ TEST(CutSamples, cuts_every_range_where_any_other_range_is_cut) {
 }
 
 TEST(Refinement, doubles_until_the_reference_and_then_rests) {
-  const Front front = plain_front();
+  const ParetoFront front = plain_pareto_front();
   EXPECT_EQ(steps(Refinement(front, front[1], 1024)), (std::vector<int>{8, 16, 32, 64, 128, 256, 512, 1024}));
   EXPECT_EQ(steps(Refinement(front, front[0], 100)), (std::vector<int>{2, 4, 8, 16, 32, 64, 100}));
   EXPECT_EQ(steps(Refinement(front, front[2], 1)), (std::vector<int>{1}));
@@ -53,7 +55,7 @@ TEST(Refinement, doubles_until_the_reference_and_then_rests) {
 }
 
 TEST(Refinement, takes_about_a_second_for_a_picture_when_samples_are_slow) {
-  const Front front = plain_front();
+  const ParetoFront front = plain_pareto_front();
   EXPECT_EQ(steps(Refinement(front, front[1], 320), 10.0), (std::vector<int>{8, 16, 32, 64, 128, 256, 320}));
   EXPECT_EQ(steps(Refinement(front, front[1], 320), 1e6), (std::vector<int>{8, 16, 32, 64, 128, 192, 256, 320}));
   EXPECT_EQ(steps(Refinement(front, front[1], 320), 0.0).back(), 320) << "speed unknown";
@@ -61,8 +63,8 @@ TEST(Refinement, takes_about_a_second_for_a_picture_when_samples_are_slow) {
 }
 
 TEST(Refinement, ends_every_picture_but_the_last_at_a_cut) {
-  const Front front = plain_front();
-  for (const int reference : {3, 64, 65, 1000, kMostSamples}) {
+  const ParetoFront front = plain_pareto_front();
+  for (const int reference : {3, 64, 65, 1000, render::kMaxSamples}) {
     const auto whole = cut_samples({0, reference});
     for (const double ms : {0.0, 0.1, 3.0, 1e9}) {
       for (const int end : steps(Refinement(front, front[0], reference), ms)) {
@@ -73,19 +75,19 @@ TEST(Refinement, ends_every_picture_but_the_last_at_a_cut) {
 }
 
 TEST(Refinement, begins_no_worse_than_the_moving_picture_was) {
-  FrontPoint denoised = point_of(2, 0.02, 2);
+  ParetoPoint denoised = point_of(2, 0.02, 2);
   denoised.quality.denoise = true;
-  FrontPoint small = point_of(1, 1.5, 1);
+  ParetoPoint small = point_of(1, 1.5, 1);
   small.quality.scale = 0.5;
-  const Front front = *Front::make({small, point_of(1.5, 1, 1), denoised, point_of(64, 1.0 / 64, 64)});
+  const ParetoFront front = *ParetoFront::make({small, point_of(1.5, 1, 1), denoised, point_of(64, 1.0 / 64, 64)});
   EXPECT_EQ(Refinement(front, front[2], 1024).next(0.0)->end, 64) << "50 plain samples err as much";
   EXPECT_EQ(Refinement(front, front[0], 1024).next(0.0)->end, 2);
-  const Front only = *Front::make({denoised});
+  const ParetoFront only = *ParetoFront::make({denoised});
   EXPECT_EQ(Refinement(only, only[0], 1024).next(0.0)->end, 4) << "nothing to compare with";
 }
 
 TEST(Refinement, leaves_out_what_makes_a_reference_wrong) {
-  FrontPoint best = point_of(1, 1, 4);
+  ParetoPoint best = point_of(1, 1, 4);
   best.quality.scale = 0.5;
   best.quality.denoise = true;
   best.quality.render.firefly_limit = 5.0f;
@@ -93,9 +95,9 @@ TEST(Refinement, leaves_out_what_makes_a_reference_wrong) {
   best.quality.render.bounces = 3;
   best.quality.jpeg_quality = 93;
   best.quality.subsample_chroma = true;
-  const Front front = *Front::make({best});
+  const ParetoFront front = *ParetoFront::make({best});
   const Refinement refinement(front, front[0], 256);
-  const PictureQuality& quality = refinement.quality();
+  const render::PictureQuality& quality = refinement.quality();
   EXPECT_EQ(quality.scale, 1.0);
   EXPECT_FALSE(quality.denoise);
   EXPECT_EQ(quality.render.firefly_limit, 0.0f);
@@ -107,4 +109,4 @@ TEST(Refinement, leaves_out_what_makes_a_reference_wrong) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::governor

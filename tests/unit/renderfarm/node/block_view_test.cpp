@@ -10,7 +10,7 @@
 #include "renderfarm/render/camera.h"
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 constexpr double kEyes_m = 0.063;
@@ -46,7 +46,7 @@ TEST(BlockView, of_two_eyes_has_rays_from_exactly_where_they_are) {
     ASSERT_TRUE(view) << view.error().message();
     const Projection picture = view->picture();
     ASSERT_EQ(picture.height_px(), 640);
-    const Camera camera(picture, 0.0);
+    const render::RayCamera camera(picture, 0.0);
     for (const int row : {0, 1, 160, 318, 319}) {
       for (const int column : {0, 100, 320, 639}) {
         const Eigen::Vector3d on_screen = kWall_m * *direction_at(shape, {column + 0.5, row + 0.5});
@@ -54,7 +54,7 @@ TEST(BlockView, of_two_eyes_has_rays_from_exactly_where_they_are) {
         const double azimuth = shape.index() == 0 ? round.azimuth_at(column + 0.5) : 0.0;
         const Eigen::Vector3d right(std::cos(azimuth), 0.0, std::sin(azimuth));
         for (const int eye : {0, 1}) {
-          CameraRay ray;
+          render::CameraRay ray;
           ASSERT_TRUE(camera.ray(static_cast<float>(column) + 0.5f, static_cast<float>(row + 320 * eye) + 0.5f, &ray));
           const Eigen::Vector3d place = (eye == 0 ? -0.5 : 0.5) * kEyes_m * right;
           EXPECT_LT((ray.origin.cast<double>() - place).norm(), 1e-8) << row << ", " << column;
@@ -91,15 +91,15 @@ TEST(BlockView, shows_what_is_nearer_than_the_wall_with_crossed_disparity_and_le
   const Panorama panorama{512, kHeight, 0.512, 0.048, -0.048};  // A milliradian per pixel.
   for (const double distance_m : {1.5, 3.0, 12.0}) {
     // A small ball ahead.
-    Scene scene = scene_of(sphere_mesh(static_cast<float>(0.01 * distance_m), 24));
+    scene::Scene scene = scene_of(sphere_mesh(static_cast<float>(0.01 * distance_m), 24));
     scene.ambient = Eigen::Vector3f::Ones();
-    auto renderer = Renderer::build(std::move(scene), 1, nullptr);
+    auto renderer = render::Renderer::build(std::move(scene), 1, nullptr);
     ASSERT_TRUE(renderer) << renderer.error().message();
     wire::RenderBlock block = whole_block(for_two(panorama));
     block.mutable_view()->mutable_eye_m()->set_z(distance_m);
     const auto view = view_of(block);
     ASSERT_TRUE(view) << view.error().message();
-    Film film;
+    render::Film film;
     (*renderer)->render_film(*view, {0, 0, 512, 2 * kHeight}, false, &film, nullptr);
     for (int y = 0; y < 2 * kHeight; ++y) {
       for (int x = 0; x < 512; ++x) ASSERT_EQ(*film.samples.at(x, y), 4) << x << ", " << y;
@@ -115,4 +115,4 @@ TEST(BlockView, shows_what_is_nearer_than_the_wall_with_crossed_disparity_and_le
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -6,7 +6,7 @@
 #include "common/image/watermark.h"
 #include "tests/doubles/fake_block_renderer.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 enum class Kind { kMoving, kDenoised, kAtRest };
@@ -59,4 +59,4 @@ TEST_P(BlockWorkMarks, every_tile_by_its_place_in_the_picture_if_there_is_a_key)
 INSTANTIATE_TEST_SUITE_P(OfAllKinds, BlockWorkMarks, testing::Values(Kind::kMoving, Kind::kDenoised, Kind::kAtRest));
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -11,7 +11,7 @@
 #include "renderfarm/render/tone.h"
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 constexpr int kReference = 256;
@@ -30,8 +30,8 @@ std::unique_ptr<BlockRenderer> folded_sheet() {
   return *std::move(loaded);
 }
 
-PanoramaView view_of_sheet() {
-  PanoramaView view = view_from({0.0, 0.5, 1.5}, 64, 32, 0.5, -0.8);
+render::PanoramaView view_of_sheet() {
+  render::PanoramaView view = view_from({0.0, 0.5, 1.5}, 64, 32, 0.5, -0.8);
   view.quality.bounces = 1;
   view.quality.sequence = kReference;
   view.seed = 7;
@@ -39,12 +39,13 @@ PanoramaView view_of_sheet() {
 }
 
 /// All samples up to `end`, in steps that end at these counts, each in its pieces.
-Film accumulated(BlockRenderer& renderer, const PanoramaView& view, const PixelRect& rect, std::vector<int> steps) {
-  Film film(rect.width, rect.height, false);
+render::Film accumulated(BlockRenderer& renderer, const render::PanoramaView& view, const PixelRect& rect,
+                         std::vector<int> steps) {
+  render::Film film(rect.width, rect.height, false);
   int have = 0;
   for (const int end : steps) {
-    for (const SampleRange& range : cut_samples({have, end})) {
-      Film part(rect.width, rect.height, false);
+    for (const governor::SampleRange& range : governor::cut_samples({have, end})) {
+      render::Film part(rect.width, rect.height, false);
       renderer.render_film(view, rect, range, &part, nullptr);
       film.add(part);
     }
@@ -64,12 +65,12 @@ double squared_error(const RadianceImage& a, const RadianceImage& b) {
 
 TEST(EmbreeBlockRenderer, accumulates_bit_for_bit_what_it_renders_afresh_however_it_is_cut) {
   const auto renderer = folded_sheet();
-  const PanoramaView view = view_of_sheet();
-  const Film steps = accumulated(*renderer, view, kRect, {2, 8, 16, 64, 128});
-  const Film afresh = accumulated(*renderer, view, kRect, {128});
+  const render::PanoramaView view = view_of_sheet();
+  const render::Film steps = accumulated(*renderer, view, kRect, {2, 8, 16, 64, 128});
+  const render::Film afresh = accumulated(*renderer, view, kRect, {128});
   EXPECT_EQ(steps.sum, afresh.sum);
   EXPECT_EQ(renderer->developed(steps), renderer->developed(afresh));
-  const Film part = accumulated(*renderer, view, {32, 16, 16, 16}, {128});
+  const render::Film part = accumulated(*renderer, view, {32, 16, 16, 16}, {128});
   for (int y = 0; y < 16; ++y) {
     for (int c = 0; c < 48; ++c) ASSERT_EQ(part.sum.at(0, y)[c], afresh.sum.at(16, 16 + y)[c]);
   }
@@ -85,23 +86,23 @@ TEST(EmbreeBlockRenderer, develops_a_film_to_the_codes_of_render_by_the_scenes_o
     const auto loaded = embree_scene_loader(1)(folder.string(), [](double) {});
     std::filesystem::remove_all(folder);
     ASSERT_TRUE(loaded) << loaded.error().message();
-    PanoramaView view = view_of_sheet();
+    render::PanoramaView view = view_of_sheet();
     view.quality.samples = 7;  // A division that rounds.
     RgbImage picture;
     (*loaded)->render(view, kRect, &picture, nullptr);
-    Film film(kRect.width, kRect.height, false);
+    render::Film film(kRect.width, kRect.height, false);
     (*loaded)->render_film(view, kRect, {0, 7}, &film, nullptr);
     EXPECT_EQ((*loaded)->developed(film), picture) << curve;
-    const bool shoulder = cyclorama::developed(film.mean(), ToneCurve::kShoulder) == picture;
+    const bool shoulder = cyclorama::render::developed(film.mean(), scene::ToneCurve::kShoulder) == picture;
     EXPECT_EQ(shoulder, curve == std::string("shoulder"));
   }
 }
 
 TEST(EmbreeBlockRenderer, accumulates_up_to_float_rounding_what_one_render_of_all_samples_gives) {
   const auto renderer = folded_sheet();
-  const PanoramaView view = view_of_sheet();
+  const render::PanoramaView view = view_of_sheet();
   const RadianceImage pieces = accumulated(*renderer, view, kRect, {64}).mean();
-  Film whole(kRect.width, kRect.height, false);
+  render::Film whole(kRect.width, kRect.height, false);
   renderer->render_film(view, kRect, {0, 64}, &whole, nullptr);
   const RadianceImage once = whole.mean();
   for (std::size_t i = 0; i < once.data().size(); ++i) {
@@ -111,7 +112,7 @@ TEST(EmbreeBlockRenderer, accumulates_up_to_float_rounding_what_one_render_of_al
 
 TEST(EmbreeBlockRenderer, errs_less_from_picture_to_picture_by_at_least_the_square_root_law) {
   const auto renderer = folded_sheet();
-  PanoramaView view = view_of_sheet();
+  render::PanoramaView view = view_of_sheet();
   view.quality.sequence = 2048;
   view.seed = 12345;
   const RadianceImage reference = accumulated(*renderer, view, kRect, {2048}).mean();
@@ -137,4 +138,4 @@ TEST(EmbreeBlockRenderer, says_how_fast_this_host_is_with_it) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A node over real gRPC on [::1], with heads that do as they are told.
+// A node over real gRPC on [::1], with coordinators that do as they are told.
 #include "renderfarm/node/farm_node.h"
 
 #include <gmock/gmock.h>
@@ -9,9 +9,9 @@
 #include <future>
 
 #include "tests/doubles/fake_block_renderer.h"
-#include "tests/doubles/scripted_head.h"
+#include "tests/doubles/scripted_coordinator.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 using testing::HasSubstr;
@@ -44,8 +44,8 @@ wire::NodeCommand block(std::uint64_t number) {
   return command;
 }
 
-auto count(std::size_t least, const std::function<bool(const wire::NodeReport&)>& is) {
-  return [=](const Reports& reports) { return static_cast<std::size_t>(std::ranges::count_if(reports, is)) >= least; };
+auto count(std::size_t min, const std::function<bool(const wire::NodeReport&)>& is) {
+  return [=](const Reports& reports) { return static_cast<std::size_t>(std::ranges::count_if(reports, is)) >= min; };
 }
 bool is_hello(const wire::NodeReport& report) { return report.has_hello(); }
 bool is_status(const wire::NodeReport& report) { return report.has_status(); }
@@ -56,31 +56,31 @@ bool is_good_end(const wire::NodeReport& report) { return report.has_end() && re
 
 class FarmNodeTest : public testing::Test {
  protected:
-  std::unique_ptr<FarmNode> start(std::vector<std::string> heads) {
-    auto started = FarmNode::start({.heads = std::move(heads), .name = "r7", .memory_limit_bytes = 1 << 20},
-                                   fake_loader(rendering));
+  std::unique_ptr<FarmNode> start(std::vector<std::string> coordinators) {
+    auto started = FarmNode::start(
+        {.coordinators = std::move(coordinators), .name = "r7", .memory_limit_bytes = 1 << 20}, fake_loader(rendering));
     EXPECT_TRUE(started) << started.error().message();
     return *std::move(started);
   }
   std::shared_ptr<FakeRendering> rendering = std::make_shared<FakeRendering>();
 };
 
-TEST_F(FarmNodeTest, serves_all_its_heads_at_once_and_goes_on_when_one_dies) {
-  auto one = std::make_unique<ScriptedHead>();
-  ScriptedHead other;
+TEST_F(FarmNodeTest, serves_all_its_coordinators_at_once_and_goes_on_when_one_dies) {
+  auto one = std::make_unique<ScriptedCoordinator>();
+  ScriptedCoordinator other;
   const int port = one->port();
   const auto node = start({one->address(), other.address()});
-  for (ScriptedHead* const head : {one.get(), &other}) {
-    ASSERT_TRUE(head->wait([](const Reports& reports) {
+  for (ScriptedCoordinator* const coordinator : {one.get(), &other}) {
+    ASSERT_TRUE(coordinator->wait([](const Reports& reports) {
       return !reports.empty() && reports[0].hello().name() == "r7" &&
              reports[0].hello().memory_limit_bytes() == 1 << 20;
     }));
-    ASSERT_TRUE(head->wait(count(1, is_status)));
-    head->order(load("grotto", "a"));
-    ASSERT_TRUE(head->wait(count(1, is_loaded)));
-    head->order(block(1));
-    ASSERT_TRUE(head->wait(count(1, is_good_end)));
-    EXPECT_TRUE(head->wait(count(2, is_tile)));
+    ASSERT_TRUE(coordinator->wait(count(1, is_status)));
+    coordinator->order(load("grotto", "a"));
+    ASSERT_TRUE(coordinator->wait(count(1, is_loaded)));
+    coordinator->order(block(1));
+    ASSERT_TRUE(coordinator->wait(count(1, is_good_end)));
+    EXPECT_TRUE(coordinator->wait(count(2, is_tile)));
   }
   rendering->set_gate(false);
   one->order(block(2));
@@ -88,69 +88,69 @@ TEST_F(FarmNodeTest, serves_all_its_heads_at_once_and_goes_on_when_one_dies) {
   rendering->set_gate(true);
   other.order(block(2));
   ASSERT_TRUE(other.wait(count(2, is_good_end)));
-  ScriptedHead again(port);
+  ScriptedCoordinator again(port);
   ASSERT_TRUE(again.wait(count(1, is_hello)));
   ASSERT_TRUE(again.wait(count(2, is_status))) << "once a second";
-  EXPECT_THAT(node->state(), HasSubstr("serving the head at " + other.address()));
+  EXPECT_THAT(node->state(), HasSubstr("serving the coordinator at " + other.address()));
 }
 
 TEST_F(FarmNodeTest, drains_before_it_stops) {
-  ScriptedHead head;
-  const auto node = start({head.address()});
-  ASSERT_TRUE(head.wait(count(1, is_hello)));
-  head.order(load("grotto", "a"));
-  ASSERT_TRUE(head.wait(count(1, is_loaded)));
+  ScriptedCoordinator coordinator;
+  const auto node = start({coordinator.address()});
+  ASSERT_TRUE(coordinator.wait(count(1, is_hello)));
+  coordinator.order(load("grotto", "a"));
+  ASSERT_TRUE(coordinator.wait(count(1, is_loaded)));
   rendering->set_gate(false);
-  head.order(block(1));
-  ASSERT_TRUE(head.wait([](const Reports& reports) {
+  coordinator.order(block(1));
+  ASSERT_TRUE(coordinator.wait([](const Reports& reports) {
     return std::ranges::any_of(reports, [](const auto& r) { return r.status().blocks_waiting() == 1; });
   }));
   const auto drained = std::async(std::launch::async, [&] { node->drain(std::chrono::seconds(20)); });
-  ASSERT_TRUE(head.wait(count(1, is_draining)));
-  head.order(block(2));  // It had not heard yet.
+  ASSERT_TRUE(coordinator.wait(count(1, is_draining)));
+  coordinator.order(block(2));  // It had not heard yet.
   rendering->set_gate(true);
-  ASSERT_TRUE(head.wait(count(2, is_good_end)));
-  EXPECT_TRUE(head.wait(count(4, is_tile)));
-  EXPECT_TRUE(head.wait_for_ended(1)) << "in order, not broken off";
+  ASSERT_TRUE(coordinator.wait(count(2, is_good_end)));
+  EXPECT_TRUE(coordinator.wait(count(4, is_tile)));
+  EXPECT_TRUE(coordinator.wait_for_ended(1)) << "in order, not broken off";
   drained.wait();
   node->stop();
 }
 
 TEST_F(FarmNodeTest, gives_up_what_is_not_done_in_time) {
-  ScriptedHead head;
-  const auto node = start({head.address(), "[::1]:1"});
-  ASSERT_TRUE(head.wait(count(1, is_hello)));
-  head.order(load("grotto", "a"));
-  ASSERT_TRUE(head.wait(count(1, is_loaded)));
+  ScriptedCoordinator coordinator;
+  const auto node = start({coordinator.address(), "[::1]:1"});
+  ASSERT_TRUE(coordinator.wait(count(1, is_hello)));
+  coordinator.order(load("grotto", "a"));
+  ASSERT_TRUE(coordinator.wait(count(1, is_loaded)));
   rendering->set_gate(false);
-  head.order(block(1));
+  coordinator.order(block(1));
   node->drain(std::chrono::milliseconds(50));
   node->stop();
-  EXPECT_TRUE(head.wait(count(1, is_draining)));
-  EXPECT_FALSE(head.wait(count(1, is_good_end), Duration::zero()));
+  EXPECT_TRUE(coordinator.wait(count(1, is_draining)));
+  EXPECT_FALSE(coordinator.wait(count(1, is_good_end), Duration::zero()));
 }
 
-TEST_F(FarmNodeTest, leaves_a_head_that_is_broken_and_dials_again) {
-  ScriptedHead head;
-  const auto node = start({head.address()});
-  ASSERT_TRUE(head.wait(count(1, is_hello)));
-  head.order(load("grotto", "a"));
-  ASSERT_TRUE(head.wait(count(1, is_loaded)));
+TEST_F(FarmNodeTest, leaves_a_coordinator_that_is_broken_and_dials_again) {
+  ScriptedCoordinator coordinator;
+  const auto node = start({coordinator.address()});
+  ASSERT_TRUE(coordinator.wait(count(1, is_hello)));
+  coordinator.order(load("grotto", "a"));
+  ASSERT_TRUE(coordinator.wait(count(1, is_loaded)));
   rendering->set_gate(false);
-  head.order(block(1));
-  head.order(block(1));
-  ASSERT_TRUE(head.wait(count(2, is_hello)));
+  coordinator.order(block(1));
+  coordinator.order(block(1));
+  ASSERT_TRUE(coordinator.wait(count(2, is_hello)));
   rendering->set_gate(true);
-  head.order(load("grotto", "a"));
-  ASSERT_TRUE(head.wait(count(2, is_loaded)));
-  head.order(block(1));
-  EXPECT_TRUE(head.wait(count(1, is_good_end)));
+  coordinator.order(load("grotto", "a"));
+  ASSERT_TRUE(coordinator.wait(count(2, is_loaded)));
+  coordinator.order(block(1));
+  EXPECT_TRUE(coordinator.wait(count(1, is_good_end)));
 }
 
-TEST_F(FarmNodeTest, refuses_to_start_without_a_head_that_could_be) {
+TEST_F(FarmNodeTest, refuses_to_start_without_a_coordinator_that_could_be) {
   EXPECT_FALSE(FarmNode::start({}, fake_loader()));
-  EXPECT_FALSE(FarmNode::start({.heads = {"[::1]:7402", "nowhere"}}, fake_loader()));
+  EXPECT_FALSE(FarmNode::start({.coordinators = {"[::1]:7402", "nowhere"}}, fake_loader()));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::node

@@ -3,14 +3,14 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 constexpr PixelRect kLeft = {0, 0, 16, 16};
 constexpr PixelRect kRight = {16, 0, 16, 16};
 constexpr std::size_t kTileBytes = std::size_t{20} * 16 * 16;
 
-FilmStore::Kept kept_of(int samples) { return {Film(16, 16, false), samples}; }
+FilmStore::Kept kept_of(int samples) { return {render::Film(16, 16, false), samples}; }
 
 TEST(FilmStore, gives_back_what_was_kept_of_that_very_picture_and_tile) {
   FilmStore films;
@@ -26,7 +26,7 @@ TEST(FilmStore, gives_back_what_was_kept_of_that_very_picture_and_tile) {
   EXPECT_EQ(films.bytes(), 0u);
 }
 
-TEST(FilmStore, keeps_one_picture_a_visit) {
+TEST(FilmStore, keeps_one_picture_a_session) {
   FilmStore films;
   films.put({1, 1}, "a", kLeft, kept_of(4));
   films.put({1, 2}, "a", kLeft, kept_of(5));
@@ -39,7 +39,7 @@ TEST(FilmStore, keeps_one_picture_a_visit) {
   EXPECT_EQ(films.take({1, 2}, "a", kLeft).samples, 5);
 }
 
-TEST(FilmStore, keeps_visits_of_two_heads_apart) {
+TEST(FilmStore, keeps_sessions_of_two_coordinators_apart) {
   FilmStore films;
   films.put({1, 7}, "a", kLeft, kept_of(4));
   films.put({2, 7}, "b", kLeft, kept_of(5));
@@ -62,7 +62,7 @@ TEST(FilmStore, replaces_a_tile_without_counting_it_twice) {
   EXPECT_EQ(films.take({1, 1}, "a", kLeft).samples, 8);
 }
 
-TEST(FilmStore, forgets_the_visit_that_was_used_longest_ago_when_memory_is_short) {
+TEST(FilmStore, forgets_the_session_that_was_used_longest_ago_when_memory_is_short) {
   FilmStore films(2 * kTileBytes);
   films.put({1, 1}, "a", kLeft, kept_of(1));
   films.put({1, 2}, "a", kLeft, kept_of(2));
@@ -84,4 +84,4 @@ TEST(FilmStore, keeps_nothing_without_memory) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::node

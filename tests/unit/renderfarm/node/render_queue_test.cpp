@@ -10,7 +10,7 @@
 
 #include "common/wire/rank.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 std::shared_ptr<BlockOrder> order(LinkId link, std::uint64_t block, std::uint64_t rank) {
@@ -55,15 +55,15 @@ TEST(RenderQueue, keeps_the_block_at_work_until_it_is_done_and_says_when_another
   EXPECT_EQ(queue.next(all)->block.block(), 1u);
 }
 
-/// Of which heads the blocks are, in the order in which they are worked at; each head always has another waiting.
-std::string heads_at_work(RenderQueue& queue, std::vector<std::uint64_t> ranks, const std::vector<std::uint64_t>& steps,
-                          int count) {
-  std::string heads;
+/// Of which coordinators the blocks are, in the order in which they are worked at; each coordinator always has another waiting.
+std::string coordinators_at_work(RenderQueue& queue, std::vector<std::uint64_t> ranks,
+                                 const std::vector<std::uint64_t>& steps, int count) {
+  std::string coordinators;
   std::uint64_t number = 1000;
   const auto go_on = [&](LinkId link) {
-    const std::size_t head = link - 1;
-    EXPECT_TRUE(queue.add(order(link, number++, ranks[head])));
-    ranks[head] += steps[head];
+    const std::size_t coordinator = link - 1;
+    EXPECT_TRUE(queue.add(order(link, number++, ranks[coordinator])));
+    ranks[coordinator] += steps[coordinator];
   };
   for (LinkId link = 1; link <= ranks.size(); ++link) {
     go_on(link);
@@ -71,32 +71,34 @@ std::string heads_at_work(RenderQueue& queue, std::vector<std::uint64_t> ranks, 
   }
   for (int i = 0; i < count; ++i) {
     const auto next = queue.next([](LinkId) { return true; });
-    heads += static_cast<char>('0' + next->link);
+    coordinators += static_cast<char>('0' + next->link);
     queue.remove(next->link, next->block.block());
     go_on(next->link);
   }
-  return heads;
+  return coordinators;
 }
 
-TEST(RenderQueue, shares_between_heads_that_began_at_different_times) {
+TEST(RenderQueue, shares_between_coordinators_that_began_at_different_times) {
   RenderQueue queue;
-  for (const auto& began : {std::vector<std::uint64_t>{0, 7'000'000'000}, {7'000'000'000, 0}, {4'000'000'000'000'000'000, 3}}) {
-    const std::string heads = heads_at_work(queue, began, {10'000, 10'000}, 40);
-    EXPECT_EQ(std::count(heads.begin(), heads.end(), '1'), 20) << heads;
-    EXPECT_EQ(heads.find("111"), std::string::npos) << heads;
-    EXPECT_EQ(heads.find("222"), std::string::npos) << heads;
+  for (const auto& began :
+       {std::vector<std::uint64_t>{0, 7'000'000'000}, {7'000'000'000, 0}, {4'000'000'000'000'000'000, 3}}) {
+    const std::string coordinators = coordinators_at_work(queue, began, {10'000, 10'000}, 40);
+    EXPECT_EQ(std::count(coordinators.begin(), coordinators.end(), '1'), 20) << coordinators;
+    EXPECT_EQ(coordinators.find("111"), std::string::npos) << coordinators;
+    EXPECT_EQ(coordinators.find("222"), std::string::npos) << coordinators;
     queue.drop(1);
     queue.drop(2);
   }
 }
 
-TEST(RenderQueue, gives_a_head_whose_blocks_cost_half_as_much_twice_as_many) {
+TEST(RenderQueue, gives_a_coordinator_whose_blocks_cost_half_as_much_twice_as_many) {
   RenderQueue queue;
-  const std::string heads = heads_at_work(queue, {500, 90'000'000}, {10'000, 20'000}, 60);
-  EXPECT_NEAR(static_cast<double>(std::count(heads.begin(), heads.end(), '1')), 40.0, 1.0) << heads;
+  const std::string coordinators = coordinators_at_work(queue, {500, 90'000'000}, {10'000, 20'000}, 60);
+  EXPECT_NEAR(static_cast<double>(std::count(coordinators.begin(), coordinators.end(), '1')), 40.0, 1.0)
+      << coordinators;
 }
 
-TEST(RenderQueue, lets_a_head_that_had_nothing_waiting_join_now_and_not_in_its_past) {
+TEST(RenderQueue, lets_a_coordinator_that_had_nothing_waiting_join_now_and_not_in_its_past) {
   RenderQueue queue;
   for (std::uint64_t i = 0; i < 5; ++i) queue.add(order(1, i, 1'000'000 * i));
   queue.add(order(2, 100, 50));
@@ -107,7 +109,7 @@ TEST(RenderQueue, lets_a_head_that_had_nothing_waiting_join_now_and_not_in_its_p
   EXPECT_EQ(emptied(queue), (std::vector<std::uint64_t>{101, 3, 4, 102}));
 }
 
-TEST(RenderQueue, renders_what_rests_after_all_that_moves_whichever_head_wants_it) {
+TEST(RenderQueue, renders_what_rests_after_all_that_moves_whichever_coordinator_wants_it) {
   RenderQueue queue;
   queue.add(order(1, 1, kRankAtRest));
   queue.add(order(1, 2, ~std::uint64_t{0}));
@@ -145,7 +147,7 @@ TEST(RenderQueue, refuses_a_number_in_use_and_more_blocks_of_a_link_than_a_pictu
   RenderQueue queue;
   EXPECT_TRUE(queue.add(order(1, 1, 0)));
   EXPECT_FALSE(queue.add(order(1, 1, 3)));
-  EXPECT_TRUE(queue.add(order(2, 1, 0))) << "another head's";
+  EXPECT_TRUE(queue.add(order(2, 1, 0))) << "another coordinator's";
   for (std::uint64_t block = 2; block <= 8192; ++block) ASSERT_TRUE(queue.add(order(1, block, 0)));
   EXPECT_FALSE(queue.add(order(1, 8193, 0)));
   EXPECT_TRUE(queue.add(order(2, 8193, 0)));
@@ -169,4 +171,4 @@ TEST(RenderQueue, drops_all_of_a_link_and_nothing_else) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::node

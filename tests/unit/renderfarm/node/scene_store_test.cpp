@@ -10,7 +10,7 @@
 
 #include "tests/doubles/fake_block_renderer.h"
 
-namespace cyclorama {
+namespace cyclorama::node {
 namespace {
 
 using testing::HasSubstr;
@@ -66,7 +66,7 @@ TEST(SceneStore, loads_a_scene_once_and_keeps_it) {
   EXPECT_EQ(loads, 3) << "one name stands for one scene";
 }
 
-TEST(SceneStore, shares_scenes_between_heads_whatever_they_call_them) {
+TEST(SceneStore, shares_scenes_between_coordinators_whatever_they_call_them) {
   int loads = 0;
   SceneStore store(sized_loader({{"a", 1}, {"b", 1}}, &loads));
   load(store, "grotto", "a", 1);
@@ -77,7 +77,7 @@ TEST(SceneStore, shares_scenes_between_heads_whatever_they_call_them) {
   EXPECT_EQ(store.find(1, "grotto"), store.find(2, "cave"));
   EXPECT_EQ(store.find(2, "grotto"), nullptr);
   load(store, "grotto", "b", 1);
-  EXPECT_NE(store.find(2, "cave"), nullptr) << "the other head goes on with it";
+  EXPECT_NE(store.find(2, "cave"), nullptr) << "the other coordinator goes on with it";
   store.forget_link(2);
   EXPECT_EQ(store.find(2, "cave"), nullptr);
   load(store, "cave", "a", 3);
@@ -124,7 +124,7 @@ TEST(SceneStore, lets_no_scene_leave_that_is_in_use_and_says_so) {
   EXPECT_TRUE(left.empty()) << "nobody leaves for nothing";
   load(store, "A", "a", 1, &left, {"A"});
   EXPECT_THAT(load(store, "C", "d", 2, &left).error(), HasSubstr("'d' takes"));
-  EXPECT_NE(store.find(1, "A"), nullptr) << "another head's visit holds it";
+  EXPECT_NE(store.find(1, "A"), nullptr) << "another coordinator's session holds it";
 }
 
 TEST(SceneStore, answers_with_the_reason_when_a_scene_cannot_be_loaded) {
@@ -158,4 +158,4 @@ TEST(SceneStore, survives_a_loader_that_throws) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::node

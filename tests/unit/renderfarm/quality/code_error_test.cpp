@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::quality {
 namespace {
 
 RgbImage constant(int code, int width = 24, int height = 20) {
@@ -99,4 +99,4 @@ TEST(Ssim, a_picture_smaller_than_its_window_is_refused) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::quality {
 namespace {
 
 TEST(Enlarged, a_picture_of_that_size_stays_bit_for_bit) {
@@ -47,4 +47,4 @@ TEST(Enlarged, codes_are_mixed_as_light) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

@@ -11,7 +11,7 @@
 
 #include "common/image/colour.h"
 
-namespace cyclorama {
+namespace cyclorama::quality {
 namespace {
 
 using Colour3 = std::array<double, 3>;
@@ -132,9 +132,9 @@ class AtOnePixel {
 double flip_at(const RgbImage& a, const RgbImage& b, int x, int y, double ppd) {
   const AtOnePixel at_a(a, x, y, ppd);
   const AtOnePixel at_b(b, x, y, ppd);
-  const double most = std::pow(AtOnePixel::hyab(AtOnePixel::hunt({0, 1, 0}), AtOnePixel::hunt({0, 0, 1})), 0.7);
+  const double max = std::pow(AtOnePixel::hyab(AtOnePixel::hunt({0, 1, 0}), AtOnePixel::hunt({0, 0, 1})), 0.7);
   const double power = std::pow(AtOnePixel::hyab(at_a.colour(), at_b.colour()), 0.7);
-  const double colour = power < 0.4 * most ? 0.95 * power / (0.4 * most) : 0.95 + 0.05 * (power / most - 0.4) / 0.6;
+  const double colour = power < 0.4 * max ? 0.95 * power / (0.4 * max) : 0.95 + 0.05 * (power / max - 0.4) / 0.6;
   const auto fa = at_a.features();
   const auto fb = at_b.features();
   const double feature = std::max(std::abs(fa[0] - fb[0]), std::abs(fa[1] - fb[1]));
@@ -239,4 +239,4 @@ TEST(Flip, other_sizes_and_impossible_eyes_are_refused) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

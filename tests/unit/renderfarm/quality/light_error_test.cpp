@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::quality {
 namespace {
 
 using testing::HasSubstr;
@@ -72,4 +72,4 @@ TEST(LightError, what_is_not_finite_is_reported_with_its_place_and_never_left_ou
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

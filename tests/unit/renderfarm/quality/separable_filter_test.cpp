@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::quality {
 namespace {
 
 using Plane = Image<double, 1>;
@@ -54,4 +54,4 @@ TEST(SeparableFilter, float_and_double_agree) {
 TEST(SeparableFilter, no_pixels_stay_no_pixels) { EXPECT_TRUE(filtered(Plane(), {1}, {1}).empty()); }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::quality

@@ -9,7 +9,7 @@
 
 #include "renderfarm/render/bsdf.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 
 struct BsdfCase {
   std::string name;
@@ -18,22 +18,23 @@ struct BsdfCase {
 };
 
 /// Returns a white, rough dielectric.
-inline Material white_material(float roughness) {
-  Material material;
+inline scene::Material white_material(float roughness) {
+  scene::Material material;
   material.metallic = 0.0f;
   material.roughness = roughness;
   return material;
 }
 
-inline Material glass_material(float roughness, float ior, bool thin) {
-  Material material = white_material(roughness);
+inline scene::Material glass_material(float roughness, float ior, bool thin) {
+  scene::Material material = white_material(roughness);
   material.transmission = 1.0f;
   material.ior = ior;
   material.thickness = thin ? 0.0f : 1.0f;
   return material;
 }
 
-inline BsdfCase bsdf_case(const std::string& name, const Material& material, SurfaceLevel level, bool inside = false) {
+inline BsdfCase bsdf_case(const std::string& name, const scene::Material& material, SurfaceLevel level,
+                          bool inside = false) {
   return {name, level, make_bsdf(material, SurfaceTexels{}, inside, level)};
 }
 
@@ -42,7 +43,7 @@ inline std::vector<BsdfCase> white_cases() {
   std::vector<BsdfCase> cases = {bsdf_case("matte", white_material(1.0f), SurfaceLevel::kMatte)};
   for (const float roughness : {0.0f, 0.02f, 0.05f, 0.1f, 0.3f, 0.6f, 1.0f}) {
     const std::string rough = " of roughness " + std::to_string(roughness).substr(0, 4);
-    Material material = white_material(roughness);
+    scene::Material material = white_material(roughness);
     cases.push_back(bsdf_case("plastic" + rough, material, SurfaceLevel::kGlossy));
     material.metallic = 1.0f;
     cases.push_back(bsdf_case("metal" + rough, material, SurfaceLevel::kGlossy));
@@ -77,7 +78,7 @@ inline std::vector<BsdfCase> tinted_cases() {
   std::vector<BsdfCase> cases;
   for (const float roughness : {0.0f, 0.04f, 0.25f, 0.7f, 1.0f}) {
     const std::string rough = " of roughness " + std::to_string(roughness).substr(0, 4);
-    Material material = white_material(roughness);
+    scene::Material material = white_material(roughness);
     material.base_colour << 0.9f, 0.5f, 0.1f, 1.0f;
     cases.push_back(bsdf_case("matte ochre", material, SurfaceLevel::kMatte));
     material.specular_colour << 0.2f, 0.6f, 3.0f;
@@ -98,7 +99,7 @@ inline std::vector<BsdfCase> tinted_cases() {
     material.thickness = 0.0f;
     cases.push_back(bsdf_case("coated thin blue glass" + rough, material, SurfaceLevel::kLayered));
   }
-  Material bumpy = white_material(0.3f);
+  scene::Material bumpy = white_material(0.3f);
   bumpy.clearcoat = 1.0f;
   bumpy.clearcoat_roughness = 0.3f;
   cases.push_back(bsdf_case("a coat with a normal of its own", bumpy, SurfaceLevel::kLayered));
@@ -125,4 +126,4 @@ inline Vec3 direction(double polar, double azimuth) {
           static_cast<float>(std::sin(polar) * std::sin(azimuth)), static_cast<float>(std::cos(polar))};
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -7,7 +7,7 @@
 #include "renderfarm/render/sampler.h"
 #include "tests/unit/renderfarm/render/bsdf_cases.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Returns the reflected and transmitted light under uniform illumination of radiance 1. Sampling is verified
@@ -87,7 +87,7 @@ TEST(BsdfEnergy, light_and_viewer_may_be_swapped_through_the_surface) {
   for (const float coat : {0.0f, 1.0f}) {
     for (const bool thin : {false, true}) {
       for (const float roughness : {0.2f, 0.5f, 1.0f}) {
-        Material material = glass_material(roughness, 1.5f, thin);
+        scene::Material material = glass_material(roughness, 1.5f, thin);
         material.clearcoat = coat;
         const float ior2 = thin ? 1.0f : material.ior * material.ior;
         const BsdfCase outside = bsdf_case("outside", material, SurfaceLevel::kLayered);
@@ -106,4 +106,4 @@ TEST(BsdfEnergy, light_and_viewer_may_be_swapped_through_the_surface) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

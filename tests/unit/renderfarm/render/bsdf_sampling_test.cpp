@@ -6,7 +6,7 @@
 #include "tests/doubles/statistics.h"
 #include "tests/unit/renderfarm/render/bsdf_cases.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 std::vector<BsdfCase> all_cases() {
@@ -21,11 +21,11 @@ template <typename Scatter>
 SamplerCheck check_of(const Scatter& scattering, unsigned seed) {
   const auto sample = [&](const Vec2& u, float choice) -> std::optional<Vec3> {
     const ScatterSample drawn = scattering.sample(u, choice);
-    if (!(drawn.density > 0.0f)) return std::nullopt;
+    if (!(drawn.pdf > 0.0f)) return std::nullopt;
     return drawn.wi;
   };
-  const auto density = [&](const Vec3& wi) { return scattering.density(wi); };
-  return check_sampler(sample, density, 1 << 13, seed, 5);
+  const auto pdf = [&](const Vec3& wi) { return scattering.pdf(wi); };
+  return check_sampler(sample, pdf, 1 << 13, seed, 5);
 }
 
 TEST(BsdfSampling, directions_are_distributed_as_the_density_says) {
@@ -56,11 +56,11 @@ TEST(BsdfSampling, weights_are_the_bsdf_over_the_density) {
           if (drawn.weight.isZero(0.0f)) continue;
           ASSERT_NEAR(drawn.wi.norm(), 1.0f, 1e-5f) << at.name;
           EXPECT_EQ(drawn.through, drawn.wi.dot(normal) < 0.0f) << at.name;
-          if (drawn.density == 0.0f) continue;
+          if (drawn.pdf == 0.0f) continue;
           // In narrow lobes, rounding of the direction causes errors of several percent.
           const float slack = at.bsdf.alpha < 0.01f ? 0.05f : 2e-3f;
-          ASSERT_NEAR(scattering.density(drawn.wi) / drawn.density, 1.0f, slack) << at.name;
-          const Vec3 value = scattering.evaluate(drawn.wi) / scattering.density(drawn.wi);
+          ASSERT_NEAR(scattering.pdf(drawn.wi) / drawn.pdf, 1.0f, slack) << at.name;
+          const Vec3 value = scattering.evaluate(drawn.wi) / scattering.pdf(drawn.wi);
           ASSERT_LE((value - drawn.weight).cwiseAbs().maxCoeff(), slack * std::max(1.0f, value.maxCoeff())) << at.name;
         }
       });
@@ -72,15 +72,15 @@ TEST(BsdfSampling, no_sample_of_a_white_surface_is_a_firefly) {
   constexpr int kSamples = 1 << 10;
   for (const BsdfCase& at : white_cases()) {
     with_scattering(at, Vec3::UnitZ(), direction(1.2, 0.5), [&](const auto& scattering) {
-      float most = 0.0f;
+      float max = 0.0f;
       for (int i = 0; i < kSamples; ++i) {
         const SampleSequence sequence(9, 0, 0, i, kSamples);
-        most = std::max(most, scattering.sample(sequence.pair(0), sequence.pair(1).x()).weight.maxCoeff());
+        max = std::max(max, scattering.sample(sequence.pair(0), sequence.pair(1).x()).weight.maxCoeff());
       }
-      EXPECT_LT(most, 8.0f) << at.name;
+      EXPECT_LT(max, 8.0f) << at.name;
     });
   }
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

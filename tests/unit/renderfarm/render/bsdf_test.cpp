@@ -6,7 +6,7 @@
 #include "renderfarm/render/requirements.h"
 #include "tests/unit/renderfarm/render/bsdf_cases.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 TEST(Scattering, a_matte_surface_is_exactly_lambert_at_every_level) {
@@ -25,8 +25,8 @@ TEST(Scattering, a_matte_surface_is_exactly_lambert_at_every_level) {
 }
 
 TEST(Scattering, a_level_shows_what_the_one_below_it_shows) {
-  const Material material = [] {
-    Material plastic = white_material(0.4f);
+  const scene::Material material = [] {
+    scene::Material plastic = white_material(0.4f);
     plastic.base_colour << 0.7f, 0.3f, 0.2f, 1.0f;
     return plastic;
   }();
@@ -37,7 +37,7 @@ TEST(Scattering, a_level_shows_what_the_one_below_it_shows) {
   for (const double polar : {0.0, 0.5, 0.8, 1.5}) {
     const Vec3 wi = direction(polar, 3.0);
     EXPECT_TRUE(glossy.evaluate(wi).isApprox(layered.evaluate(wi), 1e-5f));
-    EXPECT_NEAR(glossy.density(wi), layered.density(wi), 1e-4f * glossy.density(wi));
+    EXPECT_NEAR(glossy.pdf(wi), layered.pdf(wi), 1e-4f * glossy.pdf(wi));
   }
 }
 
@@ -48,7 +48,7 @@ TEST(Scattering, a_polished_metal_is_a_mirror) {
   const Vec3 mirrored(-wo.x(), -wo.y(), wo.z());
   EXPECT_TRUE(scattering.evaluate(mirrored).isZero(1e-6f));
   const ScatterSample sample = scattering.sample({0.1f, 0.2f}, 0.5f);
-  EXPECT_EQ(sample.density, 0.0f);
+  EXPECT_EQ(sample.pdf, 0.0f);
   EXPECT_TRUE(sample.wi.isApprox(mirrored, 1e-6f));
   EXPECT_NEAR(sample.weight.x(), 0.9f, 1e-2f);
 }
@@ -104,7 +104,7 @@ TEST(Scattering, a_clear_sheet_does_not_bend_light) {
 }
 
 TEST(Scattering, without_specular_a_dielectric_is_matte) {
-  Material material = white_material(0.2f);
+  scene::Material material = white_material(0.2f);
   material.specular = 0.0f;
   const Bsdf bsdf = make_bsdf(material, {}, false, SurfaceLevel::kGlossy);
   const Scattering<SurfaceLevel::kGlossy> scattering(bsdf, Vec3::UnitZ(), direction(0.5, 0.0));
@@ -112,7 +112,7 @@ TEST(Scattering, without_specular_a_dielectric_is_matte) {
 }
 
 TEST(Absorption, is_that_of_the_attenuation_colour_after_its_distance) {
-  Material material = glass_material(0.0f, 1.5f, false);
+  scene::Material material = glass_material(0.0f, 1.5f, false);
   EXPECT_TRUE(absorption_of(material).isZero(0.0f));
   material.attenuation_colour << 0.5f, 1.0f, 0.0f;
   material.attenuation_distance = 0.25f;
@@ -131,7 +131,7 @@ TEST(Absorption, is_that_of_the_attenuation_colour_after_its_distance) {
 }
 
 TEST(SurfaceLevel, is_the_least_that_shows_a_material) {
-  Material material = white_material(1.0f);
+  scene::Material material = white_material(1.0f);
   EXPECT_EQ(surface_level_of(material), SurfaceLevel::kMatte);
   material.ior = 1.8f;
   EXPECT_EQ(surface_level_of(material), SurfaceLevel::kGlossy);
@@ -154,12 +154,12 @@ void expect_numbers(const BsdfCase& at, const Vec3& wo) {
                            Vec3(0.99999994f, 0, 1e-6f), Vec3(0.99999994f, 0, -1e-6f)}) {
       EXPECT_TRUE(is_finite(scattering.evaluate(wi))) << at.name;
       EXPECT_GE(scattering.evaluate(wi).minCoeff(), 0.0f) << at.name;
-      EXPECT_TRUE(std::isfinite(scattering.density(wi)) && scattering.density(wi) >= 0.0f) << at.name;
+      EXPECT_TRUE(std::isfinite(scattering.pdf(wi)) && scattering.pdf(wi) >= 0.0f) << at.name;
     }
     for (const Vec2& u : {Vec2(0, 0), Vec2(0.99999994f, 0.99999994f), Vec2(0.5f, 0.0f), Vec2(0.0f, 0.99999994f)}) {
       for (const float choice : {0.0f, 0.25f, 0.5f, 0.75f, 0.99999994f}) {
         const ScatterSample sample = scattering.sample(u, choice);
-        EXPECT_TRUE(is_finite(sample.weight) && std::isfinite(sample.density)) << at.name;
+        EXPECT_TRUE(is_finite(sample.weight) && std::isfinite(sample.pdf)) << at.name;
         EXPECT_GE(sample.weight.minCoeff(), 0.0f) << at.name;
         EXPECT_NEAR(sample.wi.norm(), 1.0f, 1e-3f) << at.name;
       }
@@ -170,9 +170,9 @@ void expect_numbers(const BsdfCase& at, const Vec3& wo) {
 TEST(Scattering, extremes_give_numbers) {
   std::vector<BsdfCase> cases = white_cases();
   for (const float roughness : {0.0f, 1e-6f, 0.0316f, 0.032f, 1.0f, -1.0f, 5.0f, NAN}) {
-    for (const float ior : {1.0f, 1.0005f, 1.002f, 1e3f, kLargestIor}) {
+    for (const float ior : {1.0f, 1.0005f, 1.002f, 1e3f, scene::kMaxIor}) {
       for (const float base : {0.0f, 1.0f}) {
-        Material material = glass_material(roughness, ior, false);
+        scene::Material material = glass_material(roughness, ior, false);
         material.base_colour.head<3>().setConstant(base);
         material.clearcoat = 1.0f;
         material.clearcoat_roughness = roughness;
@@ -196,4 +196,4 @@ TEST(Scattering, extremes_give_numbers) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -12,7 +12,7 @@
 
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -75,7 +75,7 @@ Places places_in(const Projection& projection, int count, unsigned seed = 5) {
 }
 
 /// Expects identical bits, and rays that exist for the same pixels.
-void expect_same(const Camera& a, const Camera& b, const Places& places) {
+void expect_same(const RayCamera& a, const RayCamera& b, const Places& places) {
   const auto count = static_cast<int>(places.x.size());
   Rays from_a(places.x.size());
   Rays from_b(places.x.size());
@@ -87,12 +87,12 @@ void expect_same(const Camera& a, const Camera& b, const Places& places) {
   }
 }
 
-TEST(Camera, looks_within_a_hundredth_of_a_pixel_of_where_double_looks) {
+TEST(RayCamera, looks_within_a_hundredth_of_a_pixel_of_where_double_looks) {
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(-kHeading, Eigen::Vector3d::UnitY()).toRotationMatrix();
   for (const PictureShape& shape : large_shapes()) {
     for (const Eyes eyes : {Eyes::kMono, Eyes::kLeft, Eyes::kRight}) {
       const Projection projection = with_eyes(shape, eyes);
-      const Camera camera(projection, kHeading);
+      const RayCamera camera(projection, kHeading);
       const Places places = places_in(projection, 3000);
       for (std::size_t i = 0; i < places.x.size(); ++i) {
         const auto expected = projection.ray_at({static_cast<double>(places.x[i]), static_cast<double>(places.y[i])});
@@ -110,25 +110,25 @@ TEST(Camera, looks_within_a_hundredth_of_a_pixel_of_where_double_looks) {
   }
 }
 
-TEST(Camera, two_eyes_at_one_place_see_what_one_sees_bit_for_bit) {
+TEST(RayCamera, two_eyes_at_one_place_see_what_one_sees_bit_for_bit) {
   for (const PictureShape& shape : large_shapes()) {
     const Projection mono = with_eyes(shape, Eyes::kMono);
-    const Camera camera(mono, kHeading);
+    const RayCamera camera(mono, kHeading);
     EXPECT_FALSE(camera.moves_eye());
     const Places places = places_in(mono, 500);
     for (const Eyes eyes : {Eyes::kLeft, Eyes::kRight}) {
-      expect_same(camera, Camera(with_eyes(shape, eyes, 0.0), kHeading), places);
+      expect_same(camera, RayCamera(with_eyes(shape, eyes, 0.0), kHeading), places);
     }
   }
 }
 
-TEST(Camera, over_under_holds_both_eyes_pictures_bit_for_bit) {
+TEST(RayCamera, over_under_holds_both_eyes_pictures_bit_for_bit) {
   for (const PictureShape& shape :
        {PictureShape(Panorama{800, 300, 2.0, 0.5, -0.5}), PictureShape(Perspective::from_field(800, 300, 1.0, 0.1)),
         PictureShape(Fisheye{512, 512}), PictureShape(Equirectangular{600, 300})}) {
-    const Camera both(with_eyes(shape, Eyes::kOverUnder), kHeading);
-    const Camera left(with_eyes(shape, Eyes::kLeft), kHeading);
-    const Camera right(with_eyes(shape, Eyes::kRight), kHeading);
+    const RayCamera both(with_eyes(shape, Eyes::kOverUnder), kHeading);
+    const RayCamera left(with_eyes(shape, Eyes::kLeft), kHeading);
+    const RayCamera right(with_eyes(shape, Eyes::kRight), kHeading);
     Places places = places_in(Projection{shape, {}}, 500);
     // Makes the addition of the other picture's height exact.
     for (float& y : places.y) y = std::floor(y * 16.0f) / 16.0f;
@@ -145,11 +145,11 @@ TEST(Camera, over_under_holds_both_eyes_pictures_bit_for_bit) {
   }
 }
 
-TEST(Camera, a_batch_of_any_length_gives_the_bits_of_single_rays) {
+TEST(RayCamera, a_batch_of_any_length_gives_the_bits_of_single_rays) {
   for (const PictureShape& shape : large_shapes()) {
     for (const Eyes eyes : {Eyes::kMono, Eyes::kLeft}) {
       const Projection projection = with_eyes(shape, eyes);
-      const Camera camera(projection, kHeading);
+      const RayCamera camera(projection, kHeading);
       for (const int count : {0, 1, 3, 16, 37, 100}) {
         const Places places = places_in(projection, count + 1);
         const auto size = static_cast<std::size_t>(count);
@@ -171,11 +171,11 @@ TEST(Camera, a_batch_of_any_length_gives_the_bits_of_single_rays) {
   }
 }
 
-TEST(Camera, turning_a_panorama_by_whole_pixels_shifts_it) {
+TEST(RayCamera, turning_a_panorama_by_whole_pixels_shifts_it) {
   const Panorama panorama{4096, 512, 2.0 * kPi, 0.5, -0.5};
-  const Camera ahead(Projection{panorama, {}}, 0.0);
+  const RayCamera ahead(Projection{panorama, {}}, 0.0);
   for (const int columns : {1, 100, 1024, 3000}) {
-    const Camera turned(Projection{panorama, {}}, columns * panorama.radians_per_px());
+    const RayCamera turned(Projection{panorama, {}}, columns * panorama.radians_per_px());
     for (int i = 0; i < 500; ++i) {
       const float x = static_cast<float>(i) * 2.17f;
       const float y = static_cast<float>(i) + 0.3f;
@@ -189,12 +189,12 @@ TEST(Camera, turning_a_panorama_by_whole_pixels_shifts_it) {
   }
 }
 
-TEST(Camera, the_cone_is_the_larger_angle_between_neighbouring_pixels) {
+TEST(RayCamera, the_cone_is_the_larger_angle_between_neighbouring_pixels) {
   const Viewing displaced{Eyes::kMono, 0.0, 3.0, {0, 0, -1.5}};  // The centre of the screen is half as far away.
   for (const PictureShape& shape :
        {PictureShape(Panorama{2000, 1000, 5.0, 2.0, -1.0}), PictureShape(Perspective::from_field(2000, 1000, 2.0, 0.1)),
         PictureShape(Fisheye{1000, 1000, 3.0, 0.5}), PictureShape(Equirectangular{2000, 1000})}) {
-    const Camera camera(Projection{shape, {}}, kHeading);
+    const RayCamera camera(Projection{shape, {}}, kHeading);
     const Places places = places_in(Projection{shape, {}}, 300);
     const auto direction = [&](double x, double y) { return direction_at(shape, {x, y})->normalized(); };
     for (std::size_t i = 0; i < places.x.size(); ++i) {
@@ -216,13 +216,13 @@ TEST(Camera, the_cone_is_the_larger_angle_between_neighbouring_pixels) {
   const PictureShape wall = Perspective::from_field(1001, 1001, 0.5, 0.0);
   CameraRay near_ray;
   CameraRay far_ray;
-  ASSERT_TRUE(Camera(Projection{wall, displaced}, 0.0).ray(500.5f, 500.5f, &near_ray));
-  ASSERT_TRUE(Camera(Projection{wall, {}}, 0.0).ray(500.5f, 500.5f, &far_ray));
+  ASSERT_TRUE(RayCamera(Projection{wall, displaced}, 0.0).ray(500.5f, 500.5f, &near_ray));
+  ASSERT_TRUE(RayCamera(Projection{wall, {}}, 0.0).ray(500.5f, 500.5f, &far_ray));
   EXPECT_NEAR(near_ray.cone, 2.0f * far_ray.cone, 1e-6f * far_ray.cone);
 }
 
-TEST(Camera, places_outside_of_a_fisheyes_circle_have_no_ray) {
-  const Camera camera(Projection{Fisheye{100, 60, kPi, 0.0}, {}}, 0.0);
+TEST(RayCamera, places_outside_of_a_fisheyes_circle_have_no_ray) {
+  const RayCamera camera(Projection{Fisheye{100, 60, kPi, 0.0}, {}}, 0.0);
   EXPECT_TRUE(camera.leaves_out_pixels());
   CameraRay ray;
   EXPECT_FALSE(camera.ray(19.5f, 30.0f, &ray));
@@ -232,8 +232,8 @@ TEST(Camera, places_outside_of_a_fisheyes_circle_have_no_ray) {
   EXPECT_EQ(ray.direction, Vec3(0, 0, -1));
 }
 
-TEST(Camera, the_whole_circle_of_a_360_degree_fisheye_looks_backwards_at_its_edge) {
-  const Camera camera(Projection{Fisheye{1000, 1000, 2.0 * kPi, 0.0}, {}}, 0.0);
+TEST(RayCamera, the_whole_circle_of_a_360_degree_fisheye_looks_backwards_at_its_edge) {
+  const RayCamera camera(Projection{Fisheye{1000, 1000, 2.0 * kPi, 0.0}, {}}, 0.0);
   CameraRay ray;
   for (int i = 0; i < 16; ++i) {
     const double angle = i * kPi / 8.0;
@@ -243,8 +243,8 @@ TEST(Camera, the_whole_circle_of_a_360_degree_fisheye_looks_backwards_at_its_edg
   }
 }
 
-TEST(Camera, every_shape_shows_the_same_scene_from_the_same_eye) {
-  Scene scene = scene_of(square_mesh(200.0f));
+TEST(RayCamera, every_shape_shows_the_same_scene_from_the_same_eye) {
+  scene::Scene scene = scene_of(square_mesh(200.0f));
   scene.model.lights = {point_light({0, 2, 0}, 10.0f)};
   const auto renderer = *Renderer::build(std::move(scene), 1, nullptr);
   // Looks down onto the plane, 45 degrees below the horizon: the law of a point light holds for every shape.
@@ -265,8 +265,8 @@ TEST(Camera, every_shape_shows_the_same_scene_from_the_same_eye) {
   EXPECT_NEAR(middle(Equirectangular{1, 1, small, -0.25 * kPi + small, -0.25 * kPi - small}) / law, 1.0, 1e-3);
 }
 
-TEST(Camera, a_picture_is_black_where_the_fisheye_has_no_ray) {
-  Scene scene = scene_of(sphere_mesh(5.0f, 8));
+TEST(RayCamera, a_picture_is_black_where_the_fisheye_has_no_ray) {
+  scene::Scene scene = scene_of(sphere_mesh(5.0f, 8));
   scene.ambient = Eigen::Vector3f::Ones();
   const auto renderer = *Renderer::build(std::move(scene), 1, nullptr);
   PanoramaView view;
@@ -279,8 +279,8 @@ TEST(Camera, a_picture_is_black_where_the_fisheye_has_no_ray) {
   EXPECT_NEAR(static_cast<double>(cost.rays), 1600.0 * kPi / 4.0, 60.0);
 }
 
-TEST(Camera, a_near_thing_lies_where_each_eye_sees_it) {
-  Scene scene = scene_of(sphere_mesh(0.02f, 16));
+TEST(RayCamera, a_near_thing_lies_where_each_eye_sees_it) {
+  scene::Scene scene = scene_of(sphere_mesh(0.02f, 16));
   scene.ambient = Eigen::Vector3f::Ones();
   const auto renderer = *Renderer::build(std::move(scene), 1, nullptr);
   const auto centre = [&](Eyes eyes, double distance_m) {
@@ -307,4 +307,4 @@ TEST(Camera, a_near_thing_lies_where_each_eye_sees_it) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

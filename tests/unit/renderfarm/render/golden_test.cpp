@@ -11,12 +11,12 @@
 #include "tests/doubles/mixed_room.h"
 #include "tests/doubles/z_test.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 constexpr int kPiece = 64;
 
-std::unique_ptr<Renderer> renderer_of(Scene scene) {
+std::unique_ptr<Renderer> renderer_of(scene::Scene scene) {
   auto built = Renderer::build(std::move(scene), 1, nullptr);
   CHECK(built.has_value());
   return std::move(*built);
@@ -24,10 +24,10 @@ std::unique_ptr<Renderer> renderer_of(Scene scene) {
 
 /// Interreflection in a closed room, with a ball that casts a soft shadow, and colour bleeding.
 std::unique_ptr<Renderer> room() {
-  Scene scene = scene_of(sphere_mesh(3.0f, 12), {0.7f, 0.6f, 0.5f});
+  scene::Scene scene = scene_of(sphere_mesh(3.0f, 12), {0.7f, 0.6f, 0.5f});
   scene.model.materials.push_back(matte_material({0.2f, 0.5f, 0.8f}));
   add_mesh(scene, sphere_mesh(0.5f, 8, 1), Eigen::Affine3d(Eigen::Translation3d(0.2, -0.2, -1.6)));
-  Light light = point_light({0.8, 1.2, -0.5}, 2.0f);
+  scene::Light light = point_light({0.8, 1.2, -0.5}, 2.0f);
   light.radius_m = 0.3f;
   scene.model.lights.push_back(light);
   return renderer_of(std::move(scene));
@@ -35,10 +35,10 @@ std::unique_ptr<Renderer> room() {
 
 /// A lamp with edges: soft shadows, direct light only.
 std::unique_ptr<Renderer> lamp_room() {
-  Scene scene = scene_of(sphere_mesh(3.0f, 12), {0.7f, 0.6f, 0.5f});
+  scene::Scene scene = scene_of(sphere_mesh(3.0f, 12), {0.7f, 0.6f, 0.5f});
   add_mesh(scene, sphere_mesh(0.5f, 8), Eigen::Affine3d(Eigen::Translation3d(0.2, -0.4, -1.6)));
-  Light light;
-  light.kind = LightKind::kRectangle;
+  scene::Light light;
+  light.kind = scene::LightKind::kRectangle;
   light.position = {0.4, 1.2, -1.4};
   light.direction = Eigen::Vector3d(-0.1, -1.0, 0.1).normalized();
   light.size_m = {1.0, 0.5};
@@ -50,7 +50,7 @@ std::unique_ptr<Renderer> lamp_room() {
 
 /// Metal, plastic, lacquer and glass outdoors, under a sky with a sun.
 std::unique_ptr<Renderer> garden() {
-  Scene scene = scene_of(square_mesh(8.0f), {0.5f, 0.5f, 0.4f});
+  scene::Scene scene = scene_of(square_mesh(8.0f), {0.5f, 0.5f, 0.4f});
   for (const auto& [roughness, metallic] : {std::pair{0.2f, 1.0f}, std::pair{0.4f, 0.0f}, std::pair{0.6f, 0.5f}}) {
     scene.model.materials.push_back(white_material(roughness, metallic));
   }
@@ -61,7 +61,7 @@ std::unique_ptr<Renderer> garden() {
   for (int i = 0; i < 4; ++i) {
     add_mesh(scene, sphere_mesh(0.4f, 8, i + 1), Eigen::Affine3d(Eigen::Translation3d(0.9 * i - 1.3, 0.4, -1.6)));
   }
-  auto map = std::make_shared<EnvironmentMap>();
+  auto map = std::make_shared<scene::EnvironmentMap>();
   map->pixels = RadianceImage(16, 8, 0.4f);
   std::fill_n(map->pixels.at(9, 1), 3, 6.0f);
   scene.environment = map;
@@ -115,4 +115,4 @@ TEST(Golden, a_room_that_lacks_the_last_bounce_is_found) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

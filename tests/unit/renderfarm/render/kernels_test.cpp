@@ -10,7 +10,7 @@
 #include "renderfarm/render/requirements.h"
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 std::vector<SceneNeeds> all_needs() {
@@ -37,23 +37,23 @@ TEST(KernelFor, tells_which_kernel_is_picked) {
 }
 
 /// A ball on a floor.
-Scene ball_on_floor() {
-  Scene scene = scene_of(square_mesh(4.0f), {0.7f, 0.5f, 0.3f});
+scene::Scene ball_on_floor() {
+  scene::Scene scene = scene_of(square_mesh(4.0f), {0.7f, 0.5f, 0.3f});
   add_mesh(scene, sphere_mesh(0.5f, 12), Eigen::Affine3d(Eigen::Translation3d(0.2, 0.5, -1.0)));
   return scene;
 }
-Scene under_lamp(Scene scene) {
-  Light lamp = point_light({0.5, 2.0, 0.3}, 3.0f);
+scene::Scene under_lamp(scene::Scene scene) {
+  scene::Light lamp = point_light({0.5, 2.0, 0.3}, 3.0f);
   lamp.radius_m = 0.1;
   scene.model.lights.push_back(lamp);
   return scene;
 }
-Scene under_sky(Scene scene) {
+scene::Scene under_sky(scene::Scene scene) {
   scene.sky = {{0.4f, 0.5f, 0.8f}, {0.3f, 0.3f, 0.3f}, {0.1f, 0.1f, 0.1f}};
   return scene;
 }
 
-RadianceImage picture(Scene scene, const SceneNeeds& more) {
+RadianceImage picture(scene::Scene scene, const SceneNeeds& more) {
   auto renderer = Renderer::build(std::move(scene), 1, nullptr);
   EXPECT_TRUE(renderer.has_value());
   (*renderer)->compile_for(more);
@@ -82,7 +82,7 @@ TEST(MoreGeneralKernels, change_no_bit_by_lights_that_are_not_there) {
 }
 
 /// Returns the largest difference of a value relative to the mean.
-double largest_difference(const RadianceImage& a, const RadianceImage& b) {
+double max_difference(const RadianceImage& a, const RadianceImage& b) {
   double largest = 0.0;
   for (std::size_t i = 0; i < a.data().size(); ++i) {
     largest = std::max(largest, std::abs(static_cast<double>(a.data()[i]) - static_cast<double>(b.data()[i])));
@@ -96,13 +96,13 @@ TEST(MoreGeneralKernels, show_matte_surfaces_alike) {
   for (const SurfaceLevel surface : {SurfaceLevel::kGlossy, SurfaceLevel::kLayered}) {
     const RadianceImage other = picture(under_sky(under_lamp(ball_on_floor())), {.surface = surface});
     EXPECT_NEAR(mean_of(other) / mean_of(own), 1.0, 1e-3);
-    EXPECT_LT(largest_difference(own, other), 0.5);
+    EXPECT_LT(max_difference(own, other), 0.5);
   }
 }
 
 TEST(MoreGeneralKernels, show_glossy_surfaces_alike) {
   const auto glossy = [] {
-    Scene scene = under_sky(under_lamp(ball_on_floor()));
+    scene::Scene scene = under_sky(under_lamp(ball_on_floor()));
     scene.model.materials[0].roughness = 0.4f;
     return scene;
   };
@@ -112,4 +112,4 @@ TEST(MoreGeneralKernels, show_glossy_surfaces_alike) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

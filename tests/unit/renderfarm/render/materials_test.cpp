@@ -7,16 +7,16 @@
 #include "renderfarm/render/renderer.h"
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
-std::unique_ptr<Renderer> built(Scene scene) {
+std::unique_ptr<Renderer> built(scene::Scene scene) {
   auto renderer = Renderer::build(std::move(scene), 1, nullptr);
   EXPECT_TRUE(renderer.has_value()) << renderer.error().message();
   return *std::move(renderer);
 }
 
-Sky even_sky(float radiance) {
+scene::Sky even_sky(float radiance) {
   const Eigen::Vector3f light = Eigen::Vector3f::Constant(radiance);
   return {light, light, light};
 }
@@ -26,8 +26,8 @@ Eigen::Affine3d upright(double z = -1.0) {
   return Eigen::Affine3d(Eigen::Translation3d(0, 0, z)) *
          Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX());
 }
-Scene wall(const Eigen::Vector3f& albedo = Eigen::Vector3f::Constant(0.5f)) {
-  Scene scene;
+scene::Scene wall(const Eigen::Vector3f& albedo = Eigen::Vector3f::Constant(0.5f)) {
+  scene::Scene scene;
   scene.model.materials.push_back(matte_material(albedo));
   add_mesh(scene, square_mesh(2.0f), upright());
   return scene;
@@ -43,8 +43,8 @@ Eigen::Vector3f seen(const Renderer& renderer, double x, double y, int samples =
 }
 
 /// Upper left red, upper right green, lower left blue, lower right white.
-Texture four_colours() {
-  Texture texture;
+scene::Texture four_colours() {
+  scene::Texture texture;
   texture.pixels = RgbaImage(2, 2, 255);
   texture.nearest = true;
   const std::array<std::array<std::uint8_t, 4>, 4> colours = {
@@ -56,7 +56,7 @@ Texture four_colours() {
 
 TEST(Materials, a_texture_lies_on_the_wall_the_right_way_round_by_either_set_of_coordinates) {
   for (const int set : {0, 1}) {
-    Scene scene = wall(Eigen::Vector3f::Ones());
+    scene::Scene scene = wall(Eigen::Vector3f::Ones());
     scene.model.textures.push_back(four_colours());
     scene.model.materials[0].base_colour_texture.texture = 0;
     scene.model.materials[0].base_colour_texture.texcoord = set;
@@ -71,9 +71,9 @@ TEST(Materials, a_texture_lies_on_the_wall_the_right_way_round_by_either_set_of_
 }
 
 TEST(Materials, a_texture_transform_moves_what_is_looked_up) {
-  Scene scene = wall(Eigen::Vector3f::Ones());
+  scene::Scene scene = wall(Eigen::Vector3f::Ones());
   scene.model.textures.push_back(four_colours());
-  TextureUse& use = scene.model.materials[0].base_colour_texture;
+  scene::TextureUse& use = scene.model.materials[0].base_colour_texture;
   use.texture = 0;
   use.transform << 1, 0, 0.5f, 0, 1, 0;  // Half a picture to the right.
   scene.ambient = Eigen::Vector3f::Ones();
@@ -85,10 +85,10 @@ TEST(Materials, a_texture_transform_moves_what_is_looked_up) {
 TEST(Materials, colour_textures_are_srgb) {
   constexpr float kLinearOf188 = 0.5029f;  // Source: IEC 61966-2-1.
   for (const bool emissive : {false, true}) {
-    Scene scene = wall(emissive ? Eigen::Vector3f::Zero() : Eigen::Vector3f::Ones());
+    scene::Scene scene = wall(emissive ? Eigen::Vector3f::Zero() : Eigen::Vector3f::Ones());
     scene.model.textures.emplace_back();
     scene.model.textures[0].pixels = RgbaImage(1, 1, 188);
-    Material& material = scene.model.materials[0];
+    scene::Material& material = scene.model.materials[0];
     (emissive ? material.emissive_texture : material.base_colour_texture).texture = 0;
     if (emissive) material.emissive.setOnes();
     scene.ambient = Eigen::Vector3f::Ones();
@@ -97,7 +97,7 @@ TEST(Materials, colour_textures_are_srgb) {
 }
 
 TEST(Materials, vertex_colours_are_srgb_and_multiply) {
-  Scene scene = wall({0.5f, 1.0f, 1.0f});
+  scene::Scene scene = wall({0.5f, 1.0f, 1.0f});
   scene.model.meshes[0].colours.assign(4, {255, 128, 0, 255});
   scene.ambient = Eigen::Vector3f::Ones();
   EXPECT_TRUE(seen(*built(std::move(scene)), 0.1, 0.2).isApprox(Eigen::Vector3f(0.5f, 0.2158605f, 0.0f), 1e-4f));
@@ -105,12 +105,12 @@ TEST(Materials, vertex_colours_are_srgb_and_multiply) {
 
 TEST(Materials, a_hole_shows_what_is_behind_and_lets_light_through) {
   for (const bool twice : {false, true}) {  // Baked, and as instances.
-    Scene scene = wall();
-    Texture mask = four_colours();
+    scene::Scene scene = wall();
+    scene::Texture mask = four_colours();
     mask.pixels.at(0, 0)[3] = 100;  // Upper left: below the cut-off.
     scene.model.textures.push_back(mask);
     scene.model.materials[0].base_colour_texture.texture = 0;
-    scene.model.materials[0].alpha_mode = AlphaMode::kMask;
+    scene.model.materials[0].alpha_mode = scene::AlphaMode::kMask;
     if (twice) scene.model.instances.push_back({0, Eigen::Affine3d(Eigen::Translation3d(100, 0, 0))});
     scene.model.materials.push_back(matte_material(Eigen::Vector3f::Ones()));
     add_mesh(scene, square_mesh(2.0f, 1), upright(-2.0));
@@ -125,14 +125,14 @@ TEST(Materials, a_hole_shows_what_is_behind_and_lets_light_through) {
 }
 
 TEST(Materials, half_transparent_layers_add_up_in_order) {
-  Scene scene;
+  scene::Scene scene;
   scene.model.materials.push_back(matte_material({1, 0, 0}));
   scene.model.materials.push_back(matte_material({0, 1, 0}));
   scene.model.materials.push_back(matte_material({0, 0, 1}));
   scene.model.materials[0].base_colour.w() = 0.5f;
-  scene.model.materials[0].alpha_mode = AlphaMode::kBlend;
+  scene.model.materials[0].alpha_mode = scene::AlphaMode::kBlend;
   scene.model.materials[1].base_colour.w() = 0.25f;
-  scene.model.materials[1].alpha_mode = AlphaMode::kBlend;
+  scene.model.materials[1].alpha_mode = scene::AlphaMode::kBlend;
   for (int i = 0; i < 3; ++i) add_mesh(scene, square_mesh(2.0f, i), upright(-1.0 - i));
   scene.ambient = Eigen::Vector3f::Ones();
   const Eigen::Vector3f expected(0.5f, 0.5f * 0.25f, 0.5f * 0.75f);
@@ -141,26 +141,26 @@ TEST(Materials, half_transparent_layers_add_up_in_order) {
 }
 
 TEST(Materials, many_half_transparent_layers_end_and_keep_the_mean) {
-  Scene scene;
+  scene::Scene scene;
   scene.model.materials.push_back(matte_material({0, 0, 0}));
   scene.model.materials[0].base_colour.w() = 0.05f;
-  scene.model.materials[0].alpha_mode = AlphaMode::kBlend;
+  scene.model.materials[0].alpha_mode = scene::AlphaMode::kBlend;
   for (int i = 0; i < 40; ++i) add_mesh(scene, square_mesh(20.0f), upright(-1.0 - 0.1 * i));
   scene.sky = even_sky(1.0f);
   EXPECT_NEAR(seen(*built(std::move(scene)), 0, 0, 4096).x(), std::pow(0.95f, 40.0f), 0.02f);
 }
 
 TEST(Materials, half_transparent_glass_dims_the_light_behind_it) {
-  Scene scene = wall(Eigen::Vector3f::Ones());
+  scene::Scene scene = wall(Eigen::Vector3f::Ones());
   scene.model.materials.push_back(matte_material({0, 0, 0}));
   scene.model.materials[1].base_colour.w() = 0.3f;
-  scene.model.materials[1].alpha_mode = AlphaMode::kBlend;
+  scene.model.materials[1].alpha_mode = scene::AlphaMode::kBlend;
   // Between lamp and wall, but not between eye and wall.
   add_mesh(scene, square_mesh(0.2f, 1),
            Eigen::Affine3d(Eigen::Translation3d(0, 0.9, -0.5)) *
                Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitX()));
   scene.model.lights = {point_light({0, 1.8, 0}, 10.0f)};
-  Scene open = scene;
+  scene::Scene open = scene;
   open.model.instances.pop_back();
   const float with = seen(*built(std::move(scene)), 0, 0, 4096).x();
   const float without = seen(*built(std::move(open)), 0, 0, 4096).x();
@@ -168,7 +168,7 @@ TEST(Materials, half_transparent_glass_dims_the_light_behind_it) {
 }
 
 TEST(Materials, what_shines_is_seen) {
-  Scene scene = wall();
+  scene::Scene scene = wall();
   scene.model.materials[0].emissive = {2.0f, 0.5f, 0.0f};
   EXPECT_TRUE(seen(*built(std::move(scene)), 0, 0).isApprox(Eigen::Vector3f(2.0f, 0.5f, 0.0f)));
 }
@@ -176,8 +176,8 @@ TEST(Materials, what_shines_is_seen) {
 TEST(Materials, both_sides_are_lit_whatever_the_winding) {
   for (const bool flipped : {false, true}) {
     for (const float normal : {1.0f, -1.0f}) {
-      Scene scene = wall();
-      Mesh& mesh = scene.model.meshes[0];
+      scene::Scene scene = wall();
+      scene::Mesh& mesh = scene.model.meshes[0];
       mesh.normals.assign(4, {0, normal, 0});
       if (flipped) {
         for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
@@ -192,22 +192,22 @@ TEST(Materials, both_sides_are_lit_whatever_the_winding) {
 TEST(Materials, a_normal_map_leans_the_way_its_texture_runs) {
   for (const bool tangents : {false, true}) {
     for (const bool mirrored : {false, true}) {
-      Scene scene = wall();
-      Texture bump;
+      scene::Scene scene = wall();
+      scene::Texture bump;
       bump.pixels = RgbaImage(1, 1, 255);
       // Right by 0.6 and up by 0.3.
       const std::array<std::uint8_t, 4> texel = {204, 166, 222, 255};
       std::copy(texel.begin(), texel.end(), bump.pixels.at(0, 0));
       scene.model.textures.push_back(bump);
       scene.model.materials[0].normal_texture.texture = 0;
-      Mesh& mesh = scene.model.meshes[0];
+      scene::Mesh& mesh = scene.model.meshes[0];
       mesh.normals.assign(4, {0, 1, 0});
       if (tangents) mesh.tangents.assign(4, {1, 0, 0, 1});
       if (mirrored) {  // The same wall with its mesh mirrored and placed by a mirror: the bump points the other way.
         scene.model.instances[0].T_model_mesh = upright() * Eigen::Scaling(-1.0, 1.0, 1.0);
       }
       const auto lit_from = [&](double x, double y) {
-        Scene lit = scene;
+        scene::Scene lit = scene;
         lit.model.lights = {point_light({x, y, 0}, 10.0f)};
         return seen(*built(std::move(lit)), 0, 0).x();
       };
@@ -222,7 +222,7 @@ TEST(Materials, a_normal_map_leans_the_way_its_texture_runs) {
 
 TEST(Materials, a_polished_metal_mirrors_the_lamp_and_a_matte_wall_does_not) {
   const auto lit = [](float roughness, double lamp_x) {
-    Scene scene = wall(Eigen::Vector3f::Constant(0.9f));
+    scene::Scene scene = wall(Eigen::Vector3f::Constant(0.9f));
     scene.model.materials[0].metallic = 1.0f;
     scene.model.materials[0].roughness = roughness;
     scene.model.lights = {point_light({lamp_x, 0, 0}, 1.0f)};
@@ -234,7 +234,7 @@ TEST(Materials, a_polished_metal_mirrors_the_lamp_and_a_matte_wall_does_not) {
 
 TEST(Materials, a_white_metal_under_an_even_sky_is_nearly_as_bright) {
   for (const float roughness : {0.1f, 0.3f}) {
-    Scene scene = wall(Eigen::Vector3f::Ones());
+    scene::Scene scene = wall(Eigen::Vector3f::Ones());
     scene.model.materials[0].metallic = 1.0f;
     scene.model.materials[0].roughness = roughness;
     scene.sky = even_sky(1.0f);
@@ -245,9 +245,9 @@ TEST(Materials, a_white_metal_under_an_even_sky_is_nearly_as_bright) {
 }
 
 TEST(Materials, a_coarse_mirror_ball_has_no_black_rings) {
-  Mesh ball = sphere_mesh(1.0f, 8);
+  scene::Mesh ball = sphere_mesh(1.0f, 8);
   for (const auto& p : ball.positions) ball.normals.push_back(p);
-  Scene scene = scene_of(std::move(ball), Eigen::Vector3f::Constant(0.9f));
+  scene::Scene scene = scene_of(std::move(ball), Eigen::Vector3f::Constant(0.9f));
   scene.model.materials[0].metallic = 1.0f;
   scene.model.materials[0].roughness = 0.0f;
   scene.sky = even_sky(1.0f);
@@ -263,11 +263,11 @@ TEST(Materials, a_coarse_mirror_ball_has_no_black_rings) {
 /// A board half a metre wide, 1 m above the floor, under a lamp of radius r, 2 m above it: umbra in the middle, no
 /// shadow far out, and a penumbra between them at the geometric position.
 TEST(Materials, a_sphere_light_makes_a_penumbra_within_its_bounds) {
-  Scene scene = scene_of(square_mesh(20.0f));
+  scene::Scene scene = scene_of(square_mesh(20.0f));
   add_mesh(scene, square_mesh(1.0f), Eigen::Affine3d(Eigen::Translation3d(0, 1, 0)));
   scene.model.lights = {point_light({0, 2, 0}, 10.0f)};
   scene.model.lights[0].radius_m = 0.2;
-  Scene open = scene;
+  scene::Scene open = scene;
   open.model.instances.pop_back();
   const auto shaded = built(std::move(scene));
   const auto unshaded = built(std::move(open));
@@ -289,7 +289,7 @@ TEST(Materials, a_sphere_light_makes_a_penumbra_within_its_bounds) {
 }
 
 TEST(Materials, the_eye_lamp_follows_the_inverse_square_and_throws_no_shadow) {
-  Scene scene = wall();
+  scene::Scene scene = wall();
   scene.eye_lamp = Eigen::Vector3f::Constant(static_cast<float>(2.0 * std::numbers::pi));
   const auto renderer = built(std::move(scene));
   EXPECT_NEAR(seen(*renderer, 0, 0).x(), 1.0f, 1e-3f);
@@ -299,7 +299,7 @@ TEST(Materials, the_eye_lamp_follows_the_inverse_square_and_throws_no_shadow) {
 }
 
 TEST(Materials, no_light_leaks_into_a_closed_room) {
-  Scene scene = scene_of(sphere_mesh(3.0f, 24));
+  scene::Scene scene = scene_of(sphere_mesh(3.0f, 24));
   scene.sky = even_sky(1000.0f);
   scene.model.lights = {point_light({0, 10, 0}, 1e6f)};
   PanoramaView view = view_from({0.3, 0.2, 0.1}, 128, 64, 2.0, -2.0);
@@ -308,4 +308,4 @@ TEST(Materials, no_light_leaks_into_a_closed_room) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

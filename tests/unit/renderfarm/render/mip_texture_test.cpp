@@ -9,14 +9,14 @@
 #include "common/image/colour.h"
 #include "renderfarm/render/texture_lookup.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 using Rgba = std::array<std::uint8_t, 4>;
 
 template <typename Texel>
-Texture drawn(int width, int height, const Texel& texel) {
-  Texture texture;
+scene::Texture drawn(int width, int height, const Texel& texel) {
+  scene::Texture texture;
   texture.pixels = RgbaImage(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -27,7 +27,7 @@ Texture drawn(int width, int height, const Texel& texel) {
   return texture;
 }
 
-Texture noise(int width, int height) {
+scene::Texture noise(int width, int height) {
   std::mt19937 random(3);
   const auto byte = [&] { return static_cast<std::uint8_t>(random()); };
   return drawn(width, height, [&](int, int) { return Rgba{byte(), byte(), byte(), byte()}; });
@@ -39,7 +39,7 @@ Rgba texel(const MipTexture& mips, std::size_t level, int x = 0, int y = 0) {
 }
 
 TEST(MipTexture, a_checkerboard_becomes_mid_grey_in_light_and_not_in_code) {
-  const Texture board = drawn(8, 8, [](int x, int y) {
+  const scene::Texture board = drawn(8, 8, [](int x, int y) {
     const auto c = static_cast<std::uint8_t>((x + y) % 2 == 0 ? 255 : 0);
     return Rgba{c, c, c, 255};
   });
@@ -53,18 +53,18 @@ TEST(MipTexture, a_checkerboard_becomes_mid_grey_in_light_and_not_in_code) {
 }
 
 TEST(MipTexture, what_is_transparent_does_not_colour_what_is_not) {
-  const Texture leaf = drawn(2, 2, [](int x, int y) {
+  const scene::Texture leaf = drawn(2, 2, [](int x, int y) {
     return x + y == 0 ? Rgba{0, 255, 0, 255} : Rgba{255, 0, 255, 0};
   });
   EXPECT_EQ(texel(MipTexture(leaf, TextureContent::kColourWithAlpha), 1), (Rgba{0, 255, 0, 64}));
   EXPECT_NE(texel(MipTexture(leaf, TextureContent::kColour), 1)[0], 0);
-  const Texture air = drawn(2, 2, [](int, int) { return Rgba{10, 20, 30, 0}; });
+  const scene::Texture air = drawn(2, 2, [](int, int) { return Rgba{10, 20, 30, 0}; });
   EXPECT_EQ(texel(MipTexture(air, TextureContent::kColourWithAlpha), 1), (Rgba{10, 20, 30, 0}));
 }
 
 TEST(MipTexture, normals_are_averaged_as_vectors) {
   // 45 degrees to the left, 45 degrees to the right, and straight: the mean is straight.
-  const Texture bumps = drawn(4, 1, [](int x, int) {
+  const scene::Texture bumps = drawn(4, 1, [](int x, int) {
     return x == 0 ? Rgba{218, 128, 218, 255} : x == 1 ? Rgba{38, 128, 218, 255} : Rgba{128, 128, 255, 255};
   });
   const MipTexture mips(bumps, TextureContent::kData);
@@ -73,7 +73,7 @@ TEST(MipTexture, normals_are_averaged_as_vectors) {
 }
 
 TEST(MipTexture, level_0_is_the_scenes_own_picture_and_the_others_a_third_of_it) {
-  const Texture texture = noise(256, 256);
+  const scene::Texture texture = noise(256, 256);
   const MipTexture mips(texture, TextureContent::kColour);
   EXPECT_EQ(mips.levels().front().texels, texture.pixels.data().data());
   EXPECT_EQ(mips.bytes(), mip_bytes(texture));
@@ -84,7 +84,7 @@ TEST(MipTexture, level_0_is_the_scenes_own_picture_and_the_others_a_third_of_it)
 TEST(MipTexture, the_mean_is_kept_whatever_the_size) {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{1, 7}, std::pair{64, 1}, std::pair{3, 3},
                                       std::pair{5, 128}, std::pair{127, 33}, std::pair{640, 257}}) {
-    const Texture texture = noise(width, height);
+    const scene::Texture texture = noise(width, height);
     for (const TextureContent content : {TextureContent::kData, TextureContent::kColour}) {
       const MipTexture mips(texture, content);
       EXPECT_EQ(mips.levels().back().width, 1);
@@ -100,7 +100,7 @@ TEST(MipTexture, the_mean_is_kept_whatever_the_size) {
 }
 
 TEST(MipTexture, seven_texels_lie_evenly_under_three) {
-  const Texture seven = drawn(7, 1, [](int x, int) {
+  const scene::Texture seven = drawn(7, 1, [](int x, int) {
     return Rgba{static_cast<std::uint8_t>(x == 2 ? 252 : 0), 0, 0, 255};
   });
   const MipTexture mips(seven, TextureContent::kData);
@@ -110,16 +110,16 @@ TEST(MipTexture, seven_texels_lie_evenly_under_three) {
 }
 
 TEST(MipTexture, one_texel_and_sixteen_thousand_by_a_thousand_both_work) {
-  const Texture one = drawn(1, 1, [](int, int) { return Rgba{1, 2, 3, 4}; });
+  const scene::Texture one = drawn(1, 1, [](int, int) { return Rgba{1, 2, 3, 4}; });
   const MipTexture single(one, TextureContent::kColour);
   EXPECT_EQ(single.levels().size(), 1U);
   EXPECT_EQ(single.bytes(), 0U);
   EXPECT_NEAR(lookup(single, {0.3f, 9.0f}, Coding::kLinear, 50.0f).z(), 3.0f / 255.0f, 1e-6f);
 
   for (const int height : {4, 1024}) {
-    Texture wide;
+    scene::Texture wide;
     wide.pixels = RgbaImage(16384, height, 77);
-    wide.wrap_u = wide.wrap_v = WrapMode::kClamp;
+    wide.wrap_u = wide.wrap_v = scene::WrapMode::kClamp;
     std::fill_n(wide.pixels.at(16383, 0), 4, std::uint8_t{177});
     const MipTexture mips(wide, TextureContent::kData);
     ASSERT_EQ(mips.levels().size(), 15U);
@@ -132,8 +132,8 @@ TEST(MipTexture, one_texel_and_sixteen_thousand_by_a_thousand_both_work) {
 }
 
 TEST(MipTexture, wraps_at_every_level) {
-  for (const WrapMode mode : {WrapMode::kRepeat, WrapMode::kMirror, WrapMode::kClamp}) {
-    Texture texture = drawn(16, 16, [](int x, int) {
+  for (const scene::WrapMode mode : {scene::WrapMode::kRepeat, scene::WrapMode::kMirror, scene::WrapMode::kClamp}) {
+    scene::Texture texture = drawn(16, 16, [](int x, int) {
       return Rgba{static_cast<std::uint8_t>(x < 8 ? 200 : 0), 0, 0, 255};
     });
     texture.wrap_u = mode;
@@ -141,10 +141,10 @@ TEST(MipTexture, wraps_at_every_level) {
     const float light = 200.0f / 255.0f;
     for (const float lod : {0.0f, 1.0f, 2.0f, 3.0f}) {
       const auto red = [&](float u) { return lookup(mips, {u, 0.5f}, Coding::kLinear, lod).x(); };
-      EXPECT_NEAR(red(0.0f), mode == WrapMode::kRepeat ? 0.5f * light : light, 1e-5f) << lod;
-      EXPECT_NEAR(red(1.0f), mode == WrapMode::kRepeat ? 0.5f * light : 0.0f, 1e-5f) << lod;
-      EXPECT_NEAR(red(1.25f), mode == WrapMode::kRepeat ? light : 0.0f, 1e-5f) << lod;
-      EXPECT_NEAR(red(-0.25f), mode == WrapMode::kRepeat ? 0.0f : light, 1e-5f) << lod;
+      EXPECT_NEAR(red(0.0f), mode == scene::WrapMode::kRepeat ? 0.5f * light : light, 1e-5f) << lod;
+      EXPECT_NEAR(red(1.0f), mode == scene::WrapMode::kRepeat ? 0.5f * light : 0.0f, 1e-5f) << lod;
+      EXPECT_NEAR(red(1.25f), mode == scene::WrapMode::kRepeat ? light : 0.0f, 1e-5f) << lod;
+      EXPECT_NEAR(red(-0.25f), mode == scene::WrapMode::kRepeat ? 0.0f : light, 1e-5f) << lod;
       EXPECT_NEAR(red(0.5f), 0.5f * light, 1e-5f) << lod;
     }
     EXPECT_NEAR(lookup(mips, {0.9f, 0.1f}, Coding::kLinear, 4.0f).x(), 0.5f * light, 1e-5f);
@@ -152,7 +152,7 @@ TEST(MipTexture, wraps_at_every_level) {
 }
 
 TEST(MipTexture, between_two_levels_it_is_linear_and_beyond_the_last_it_stays) {
-  const Texture texture = drawn(2, 2, [](int x, int) {
+  const scene::Texture texture = drawn(2, 2, [](int x, int) {
     return Rgba{static_cast<std::uint8_t>(x == 0 ? 200 : 100), 0, 0, 255};
   });
   const MipTexture mips(texture, TextureContent::kData);
@@ -165,7 +165,7 @@ TEST(MipTexture, between_two_levels_it_is_linear_and_beyond_the_last_it_stays) {
 }
 
 TEST(MipTexture, nearest_stays_nearest_between_texels_and_between_levels) {
-  Texture texture = drawn(4, 4, [](int x, int y) {
+  scene::Texture texture = drawn(4, 4, [](int x, int y) {
     return Rgba{static_cast<std::uint8_t>(40 * x + 10 * y), 0, 0, 255};
   });
   texture.nearest = true;
@@ -180,9 +180,9 @@ TEST(MipTexture, nearest_stays_nearest_between_texels_and_between_levels) {
 }
 
 TEST(MipTextures, one_picture_is_made_once_for_each_thing_that_it_holds) {
-  Model model;
+  scene::Model model;
   model.textures.push_back(noise(8, 8));
-  TextureUse use;
+  scene::TextureUse use;
   MipTextures textures;
   EXPECT_EQ(textures.request(model, use, TextureContent::kColour), nullptr);
   use.texture = 0;
@@ -197,4 +197,4 @@ TEST(MipTextures, one_picture_is_made_once_for_each_thing_that_it_holds) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

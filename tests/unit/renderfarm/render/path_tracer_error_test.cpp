@@ -12,7 +12,7 @@
 #include "tests/doubles/measured_light.h"
 #include "tests/doubles/mixed_room.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Half the mean squared difference of two pictures is the variance of one.
@@ -34,11 +34,11 @@ double squared_error(const Renderer& renderer, PanoramaView view) {
 }
 
 TEST(PathTracerError, the_squared_error_falls_at_least_as_fast_as_samples_grow) {
-  Scene scene = scene_of(sphere_mesh(3.0f, 12), {0.7f, 0.6f, 0.5f});
+  scene::Scene scene = scene_of(sphere_mesh(3.0f, 12), {0.7f, 0.6f, 0.5f});
   scene.model.materials.push_back(white_material(0.5f, 1.0f));
   add_mesh(scene, sphere_mesh(0.6f, 8, 1), Eigen::Affine3d(Eigen::Translation3d(0.5, -0.6, -1.6)));
-  Light light;
-  light.kind = LightKind::kRectangle;
+  scene::Light light;
+  light.kind = scene::LightKind::kRectangle;
   light.position = {0.0, 1.8, -0.5};
   light.size_m = {1.0, 0.6};
   light.intensity.setConstant(5.0f);
@@ -54,9 +54,9 @@ TEST(PathTracerError, the_squared_error_falls_at_least_as_fast_as_samples_grow) 
 
 /// A lamp at the corner of four pixels, `size` pixels wide, and nothing else.
 std::unique_ptr<Renderer> lamp_in_the_dark(double size) {
-  Scene scene = scene_of(square_mesh(0.01f));
-  Light lamp;
-  lamp.kind = LightKind::kRectangle;
+  scene::Scene scene = scene_of(square_mesh(0.01f));
+  scene::Light lamp;
+  lamp.kind = scene::LightKind::kRectangle;
   lamp.position = {0, 3, -4};
   lamp.direction = {0, 0, 1};
   lamp.size_m = {size, size};
@@ -105,7 +105,7 @@ TEST(PathTracerError, adaptive_sampling_keeps_the_error_that_it_was_asked_for) {
       const auto shown = [](const RadianceImage& image, std::size_t pixel) {
         const float* const rgb = &image.data()[3 * pixel];
         const float light = luminance(Vec3(rgb[0], rgb[1], rgb[2]));
-        return static_cast<double>(linear_to_srgb(tone_mapped(light, ToneCurve::kShoulder)));
+        return static_cast<double>(linear_to_srgb(tone_mapped(light, scene::ToneCurve::kShoulder)));
       };
       count += a.data().size() / 3;
       for (std::size_t i = 0; i < a.data().size() / 3; ++i) sum += 0.5 * std::pow(shown(a, i) - shown(b, i), 2.0);
@@ -118,4 +118,4 @@ TEST(PathTracerError, adaptive_sampling_keeps_the_error_that_it_was_asked_for) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

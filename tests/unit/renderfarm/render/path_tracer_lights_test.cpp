@@ -12,7 +12,7 @@
 #include "renderfarm/render/requirements.h"
 #include "tests/doubles/measured_light.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 using Eigen::Vector3d;
@@ -25,7 +25,7 @@ struct Glimpse {
 
 struct Lighting {
   std::string name;
-  Scene scene;  ///< Excludes the floor.
+  scene::Scene scene;  ///< Excludes the floor.
   std::vector<Glimpse> glimpses;
 };
 
@@ -54,19 +54,19 @@ void see_ball(const Vector3d& middle, double radius, double radiance, std::vecto
   constexpr int kSteps = 160;
   const Vector3d axis = middle.normalized();
   const Vector3d across = axis.unitOrthogonal();
-  const double least = std::sqrt(1.0 - radius * radius / middle.squaredNorm());
+  const double min = std::sqrt(1.0 - radius * radius / middle.squaredNorm());
   for (int i = 0; i < kSteps; ++i) {
     for (int j = 0; j < kSteps; ++j) {
-      const double z = least + (1.0 - least) * (i + 0.5) / kSteps;
+      const double z = min + (1.0 - min) * (i + 0.5) / kSteps;
       const double angle = 2.0 * std::numbers::pi * (j + 0.5) / kSteps;
       const double r = std::sqrt(1.0 - z * z);
       ret->push_back({z * axis + r * std::cos(angle) * across + r * std::sin(angle) * axis.cross(across),
-                      radiance * 2.0 * std::numbers::pi * (1.0 - least) / (kSteps * kSteps)});
+                      radiance * 2.0 * std::numbers::pi * (1.0 - min) / (kSteps * kSteps)});
     }
   }
 }
 
-void see_environment(const Scene& scene, std::vector<Glimpse>* ret) {
+void see_environment(const scene::Scene& scene, std::vector<Glimpse>* ret) {
   constexpr int kSteps = 256;
   const EnvironmentLight environment(scene.sky, scene.environment);
   for (int i = 0; i < kSteps; ++i) {
@@ -84,8 +84,8 @@ void see_environment(const Scene& scene, std::vector<Glimpse>* ret) {
 constexpr double kRadiance = 3.0;
 const Vector3d kPlace(0.25, 1.0, -0.9);  // Approximate position at which a mirror on the floor would show it.
 
-Light flat_light(LightKind kind, bool visible) {
-  Light light;
+scene::Light flat_light(scene::LightKind kind, bool visible) {
+  scene::Light light;
   light.kind = kind;
   light.position = kPlace;
   light.direction = Vector3d(-0.2, -1.0, 0.4).normalized();
@@ -99,7 +99,7 @@ Light flat_light(LightKind kind, bool visible) {
 
 Lighting rectangle(bool visible) {
   Lighting lit{"rectangle", {}, {}};
-  const Light light = flat_light(LightKind::kRectangle, visible);
+  const scene::Light light = flat_light(scene::LightKind::kRectangle, visible);
   lit.scene.model.lights = {light};
   const Vector3d up = light.direction.cross(light.across);
   see(light.position, 0.35 * light.across, 0.2 * up, kRadiance, false, everywhere, &lit.glimpses);
@@ -108,7 +108,7 @@ Lighting rectangle(bool visible) {
 
 Lighting disk(bool visible) {
   Lighting lit{"disk", {}, {}};
-  const Light light = flat_light(LightKind::kDisk, visible);
+  const scene::Light light = flat_light(scene::LightKind::kDisk, visible);
   lit.scene.model.lights = {light};
   const Vector3d up = light.direction.cross(light.across);
   see(light.position, 0.3 * light.across, 0.3 * up, kRadiance, false, in_circle, &lit.glimpses);
@@ -118,7 +118,7 @@ Lighting disk(bool visible) {
 Lighting ball(bool visible) {
   Lighting lit{"ball", {}, {}};
   constexpr double kRadius = 0.3;
-  Light light = point_light(kPlace, static_cast<float>(kRadiance * std::numbers::pi * kRadius * kRadius));
+  scene::Light light = point_light(kPlace, static_cast<float>(kRadiance * std::numbers::pi * kRadius * kRadius));
   light.radius_m = kRadius;
   light.visible = visible;
   lit.scene.model.lights = {light};
@@ -129,7 +129,7 @@ Lighting ball(bool visible) {
 /// An emissive square without reflection, with its front up, or down if turned by `turned`.
 Lighting glowing_square(const std::string& name, const std::vector<Eigen::Affine3d>& places, bool double_sided) {
   Lighting lit{name, {}, {}};
-  Material glow = matte_material(Eigen::Vector3f::Zero());
+  scene::Material glow = matte_material(Eigen::Vector3f::Zero());
   glow.emissive = Eigen::Vector3f::Constant(static_cast<float>(kRadiance));
   glow.double_sided = double_sided;
   lit.scene.model.materials.push_back(glow);
@@ -164,7 +164,7 @@ Lighting sky() {
 
 Lighting environment_map() {
   Lighting lit{"environment map", {}, {}};
-  auto map = std::make_shared<EnvironmentMap>();
+  auto map = std::make_shared<scene::EnvironmentMap>();
   map->pixels = RadianceImage(16, 8, 0.5f);
   std::fill_n(map->pixels.at(8, 2), 3, 40.0f);  // A lamp, ahead and above.
   std::fill_n(map->pixels.at(3, 1), 3, 10.0f);
@@ -179,14 +179,14 @@ Lighting all_of_them() {
   Lighting lit = rectangle(true);
   lit.name = "all";
   for (const Lighting& more : {ball(true), environment_map()}) {
-    for (Light light : more.scene.model.lights) {
+    for (scene::Light light : more.scene.model.lights) {
       light.position = Vector3d(-0.8, 1.1, -0.4);
       lit.scene.model.lights.push_back(light);
     }
     if (more.scene.environment != nullptr) lit.scene.environment = more.scene.environment;
   }
   // The part of the environment hidden by the lamps is too large to ignore: only what they leave visible is counted.
-  const Light& front = lit.scene.model.lights[0];
+  const scene::Light& front = lit.scene.model.lights[0];
   const Vector3d middle = lit.scene.model.lights[1].position;
   see_ball(middle, 0.3, kRadiance, &lit.glimpses);
   std::vector<Glimpse> far;
@@ -203,16 +203,16 @@ Lighting all_of_them() {
   return lit;
 }
 
-Material floor_material(float alpha) {
+scene::Material floor_material(float alpha) {
   if (alpha == 1.0f) return matte_material(Eigen::Vector3f::Constant(0.7f));
-  Material material = matte_material(Eigen::Vector3f::Constant(0.7f));
+  scene::Material material = matte_material(Eigen::Vector3f::Constant(0.7f));
   material.metallic = 0.5f;
   material.roughness = std::sqrt(alpha);
   return material;
 }
 
 template <SurfaceLevel kLevel>
-double sum_of(const std::vector<Glimpse>& glimpses, const Material& material) {
+double sum_of(const std::vector<Glimpse>& glimpses, const scene::Material& material) {
   const Bsdf bsdf = make_bsdf(material, SurfaceTexels{}, false, kLevel);
   const Scattering<kLevel> scattering(bsdf, Vec3::UnitY(), Vec3(0.0f, 1.0f, 1.0f).normalized());
   double sum = 0.0;
@@ -222,15 +222,15 @@ double sum_of(const std::vector<Glimpse>& glimpses, const Material& material) {
   return sum;
 }
 
-double expected_light(const std::vector<Glimpse>& glimpses, const Material& material) {
+double expected_light(const std::vector<Glimpse>& glimpses, const scene::Material& material) {
   if (surface_level_of(material) == SurfaceLevel::kMatte) return sum_of<SurfaceLevel::kMatte>(glimpses, material);
   return sum_of<SurfaceLevel::kGlossy>(glimpses, material);
 }
 
 void expect_light_of(const Lighting& lit) {
   for (const float alpha : {0.05f, 0.3f, 0.8f, 1.0f}) {
-    Scene scene = lit.scene;
-    const Material material = floor_material(alpha);
+    scene::Scene scene = lit.scene;
+    const scene::Material material = floor_material(alpha);
     scene.model.materials.push_back(material);
     add_mesh(scene, square_mesh(0.01f, static_cast<int>(scene.model.materials.size()) - 1));
     const double expected = expected_light(lit.glimpses, material);
@@ -276,8 +276,8 @@ TEST(PathTracerLights, lights_of_all_kinds_together_give_what_their_integral_say
 /// Light sampling covers the front only; scattered rays see the back emit.
 TEST(PathTracerLights, the_back_of_a_glowing_mesh_is_found_by_scattering) {
   const Lighting lit = glowing_square("from behind", {placed(kPlace, 0.3, {0.4, 1.0, 0.4})}, false);
-  Scene scene = lit.scene;
-  const Material material = floor_material(1.0f);
+  scene::Scene scene = lit.scene;
+  const scene::Material material = floor_material(1.0f);
   scene.model.materials.push_back(material);
   add_mesh(scene, square_mesh(0.01f, 1));
   const auto renderer = built(std::move(scene));
@@ -288,4 +288,4 @@ TEST(PathTracerLights, the_back_of_a_glowing_mesh_is_found_by_scattering) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -8,7 +8,7 @@
 #include "tests/doubles/measured_light.h"
 #include "tests/doubles/mixed_room.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 constexpr int kWidth = 35;
@@ -125,4 +125,4 @@ TEST(PathTracerSampling, a_picture_in_steps_is_the_picture_in_one) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -10,14 +10,14 @@
 #include "tests/doubles/measured_light.h"
 #include "tests/doubles/mixed_room.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 constexpr double kFurnaceTolerance = 0.025;
 
 /// A closed hollow ball that emits and reflects.
-Scene glowing_furnace(float albedo, float radiance, bool double_sided) {
-  Scene scene = scene_of(sphere_mesh(2.0f, 16), Eigen::Vector3f::Constant(albedo));
+scene::Scene glowing_furnace(float albedo, float radiance, bool double_sided) {
+  scene::Scene scene = scene_of(sphere_mesh(2.0f, 16), Eigen::Vector3f::Constant(albedo));
   scene.model.materials[0].emissive.setConstant(radiance);
   scene.model.materials[0].double_sided = double_sided;
   return scene;
@@ -30,10 +30,10 @@ PanoramaView view_around(int bounces, int samples) {
   return view;
 }
 
-Sky even_sky() { return {Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones()}; }
+scene::Sky even_sky() { return {Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones()}; }
 
 /// Returns 1 + albedo + ... + albedo^most.
-double series(double albedo, int most) { return (1.0 - std::pow(albedo, most + 1)) / (1.0 - albedo); }
+double series(double albedo, int max) { return (1.0 - std::pow(albedo, max + 1)) / (1.0 - albedo); }
 
 TEST(PathTracer, a_glowing_furnace_is_a_geometric_series_that_bounces_cut) {
   constexpr double kGlow = 0.5;
@@ -63,8 +63,8 @@ TEST(PathTracer, a_furnace_that_glows_from_behind_lacks_what_the_last_bounce_wou
 TEST(PathTracer, paths_that_end_by_lot_keep_the_series) {
   for (const float albedo : {0.3f, 0.6f, 0.9f}) {
     const auto renderer = built(glowing_furnace(albedo, 1.0f, true));
-    const double expected = series(static_cast<double>(albedo), kMostBounces + 1);
-    const MeasuredLight light = measured(*renderer, view_around(kMostBounces, 4), 16);
+    const double expected = series(static_cast<double>(albedo), kMaxBounces + 1);
+    const MeasuredLight light = measured(*renderer, view_around(kMaxBounces, 4), 16);
     EXPECT_NEAR(light.mean / expected, 1.0, kFurnaceTolerance) << albedo;
     expect_light(light, expected);
   }
@@ -72,7 +72,7 @@ TEST(PathTracer, paths_that_end_by_lot_keep_the_series) {
 
 struct NamedMaterial {
   std::string name;
-  Material material;
+  scene::Material material;
 };
 
 std::vector<NamedMaterial> white_materials() {
@@ -81,11 +81,11 @@ std::vector<NamedMaterial> white_materials() {
     const std::string rough = " of roughness " + std::to_string(roughness).substr(0, 3);
     all.push_back({"plastic" + rough, white_material(roughness, 0.0f)});
     all.push_back({"metal" + rough, white_material(roughness, 1.0f)});
-    Material coated = white_material(roughness, 0.5f);
+    scene::Material coated = white_material(roughness, 0.5f);
     coated.clearcoat = 1.0f;
     coated.clearcoat_roughness = 0.2f;
     all.push_back({"coated" + rough, coated});
-    Material glass = white_material(roughness, 0.0f);
+    scene::Material glass = white_material(roughness, 0.0f);
     glass.transmission = 1.0f;
     all.push_back({"thin glass" + rough, glass});
     glass.thickness = 1.0f;
@@ -101,13 +101,13 @@ std::vector<NamedMaterial> white_materials() {
 TEST(PathTracer, white_balls_of_every_material_vanish_in_even_light) {
   for (const NamedMaterial& at : white_materials()) {
     SCOPED_TRACE(at.name);
-    Scene scene = scene_of(sphere_mesh(1.0f, 16));
+    scene::Scene scene = scene_of(sphere_mesh(1.0f, 16));
     scene.model.materials[0] = at.material;
     scene.sky = even_sky();
     PanoramaView view = view_from({0, 0, 2.5}, 16, 16, 0.3, -0.3);
     view.panorama.azimuth_span_rad = 0.6;
     view.quality.samples = 8;
-    view.quality.bounces = kMostBounces;
+    view.quality.bounces = kMaxBounces;
     const MeasuredLight light = measured(*built(std::move(scene)), view, 4);
     EXPECT_NEAR(light.mean, 1.0, kFurnaceTolerance) << "error " << light.error;
   }
@@ -143,7 +143,7 @@ TEST(PathTracer, more_bounces_are_never_darker) {
   MeasuredLight before;
   for (const int bounces : {0, 1, 2, 4, 8, 16}) {
     const MeasuredLight light = measured(*renderer, room_view(bounces, 8), 16);
-    EXPECT_GT(light.mean, before.mean - kMostErrors * std::hypot(light.error, before.error)) << bounces;
+    EXPECT_GT(light.mean, before.mean - kMaxErrors * std::hypot(light.error, before.error)) << bounces;
     before = light;
   }
 }
@@ -164,19 +164,19 @@ TEST(PathTracer, the_firefly_limit_tells_how_much_light_it_took) {
   double removed = 0.0;
   const double all = light(&removed);
   EXPECT_EQ(removed, 0.0);
-  double least = 0.0;
+  double min = 0.0;
   for (const float limit : {1.0f, 0.3f, 0.1f}) {
     view.quality.firefly_limit = limit;
     const double left = light(&removed);
-    EXPECT_GT(removed, least);
+    EXPECT_GT(removed, min);
     EXPECT_NEAR(left / (1.0 - removed), all, 1e-4 * all) << limit;
-    least = removed;
+    min = removed;
   }
 }
 
-Light overhead_lamp() {
-  Light light;
-  light.kind = LightKind::kRectangle;
+scene::Light overhead_lamp() {
+  scene::Light light;
+  light.kind = scene::LightKind::kRectangle;
   light.position = {0.1, 2.0, -0.3};
   light.size_m = {0.8, 0.8};
   light.intensity.setConstant(5.0f);
@@ -187,13 +187,13 @@ Light overhead_lamp() {
 /// Only scattered rays find a lamp behind glass, because shadow rays end at the pane.
 TEST(PathTracer, light_comes_through_clear_panes) {
   for (const bool body : {false, true}) {
-    Scene scene = scene_of(square_mesh(0.01f));
+    scene::Scene scene = scene_of(square_mesh(0.01f));
     scene.model.lights = {overhead_lamp()};
     PanoramaView view = view_of_one_point();
     view.quality.bounces = 1;
     view.quality.samples = 32;
     const MeasuredLight open = measured(*built(scene), view);
-    Material glass = white_material(0.0f, 0.0f);
+    scene::Material glass = white_material(0.0f, 0.0f);
     glass.transmission = 1.0f;
     glass.thickness = body ? 0.1f : 0.0f;
     scene.model.materials.push_back(glass);
@@ -201,7 +201,7 @@ TEST(PathTracer, light_comes_through_clear_panes) {
     // The eye is not behind the pane.
     add_mesh(scene, square_mesh(7.0f, 1), above(1.5));
     if (body) {
-      Mesh under = square_mesh(7.0f, 1);
+      scene::Mesh under = square_mesh(7.0f, 1);
       for (auto& t : under.triangles) std::swap(t[1], t[2]);
       add_mesh(scene, std::move(under), above(1.499));
     }
@@ -217,7 +217,7 @@ TEST(PathTracer, light_comes_through_clear_panes) {
 TEST(PathTracer, what_is_seen_through_a_veil_and_lit_through_it_is_dimmed_twice) {
   constexpr double kAlpha = 0.4;
   for (const int bounces : {0, 1}) {
-    Scene scene = scene_of(square_mesh(0.01f));
+    scene::Scene scene = scene_of(square_mesh(0.01f));
     scene.model.lights = {overhead_lamp()};
     PanoramaView view = view_of_one_point();
     view.quality.bounces = bounces;
@@ -225,7 +225,7 @@ TEST(PathTracer, what_is_seen_through_a_veil_and_lit_through_it_is_dimmed_twice)
     const MeasuredLight open = measured(*built(scene), view);
     scene.model.materials.push_back(matte_material(Eigen::Vector3f::Zero()));
     scene.model.materials[1].base_colour.w() = static_cast<float>(kAlpha);
-    scene.model.materials[1].alpha_mode = AlphaMode::kBlend;
+    scene.model.materials[1].alpha_mode = scene::AlphaMode::kBlend;
     add_mesh(scene, square_mesh(20.0f, 1), Eigen::Affine3d(Eigen::Translation3d(0, 0.5, 4.0)));
     const MeasuredLight veiled = measured(*built(std::move(scene)), view);
     expect_light(veiled, (1.0 - kAlpha) * (1.0 - kAlpha) * open.mean);
@@ -233,10 +233,10 @@ TEST(PathTracer, what_is_seen_through_a_veil_and_lit_through_it_is_dimmed_twice)
 }
 
 TEST(PathTracer, pictures_of_other_seeds_see_a_veil_by_other_lots) {
-  Scene scene = scene_of(square_mesh(4.0f));
+  scene::Scene scene = scene_of(square_mesh(4.0f));
   scene.sky = even_sky();
   scene.model.materials[0].base_colour << 0.0f, 0.0f, 0.0f, 0.5f;
-  scene.model.materials[0].alpha_mode = AlphaMode::kBlend;
+  scene.model.materials[0].alpha_mode = scene::AlphaMode::kBlend;
   const auto renderer = built(std::move(scene));
   PanoramaView view = view_from({0, -1, 1}, 16, 16, 1.0 + 1e-4, 1.0 - 1e-4);
   view.panorama.azimuth_span_rad = 2e-4;
@@ -246,10 +246,10 @@ TEST(PathTracer, pictures_of_other_seeds_see_a_veil_by_other_lots) {
 }
 
 TEST(PathTracer, a_visible_lamp_is_as_bright_as_it_says_to_the_eye_and_in_a_mirror) {
-  Scene scene;
+  scene::Scene scene;
   scene.model.materials.push_back(white_material(0.0f, 1.0f));
   add_mesh(scene, square_mesh(0.1f));
-  Light lamp = overhead_lamp();
+  scene::Light lamp = overhead_lamp();
   lamp.position = {0, 1, -1};
   lamp.direction = Eigen::Vector3d(0, -1, 1).normalized();
   lamp.size_m = {0.5, 0.5};
@@ -270,4 +270,4 @@ TEST(PathTracer, a_visible_lamp_is_as_bright_as_it_says_to_the_eye_and_in_a_mirr
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

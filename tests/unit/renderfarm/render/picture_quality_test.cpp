@@ -7,7 +7,7 @@
 #include <functional>
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 using testing::HasSubstr;
@@ -35,7 +35,7 @@ TEST(PictureQuality, a_knob_out_of_range_is_named_with_its_range) {
 
 TEST(PictureQuality, the_knobs_of_rendering_are_checked_too) {
   EXPECT_THAT(refusal_of([](auto* q) { q->render.samples = 0; }), HasSubstr("samples"));
-  EXPECT_THAT(refusal_of([](auto* q) { q->render.first_sample = kMostSamples; }), HasSubstr("first_sample"));
+  EXPECT_THAT(refusal_of([](auto* q) { q->render.first_sample = kMaxSamples; }), HasSubstr("first_sample"));
   EXPECT_THAT(refusal_of([](auto* q) { q->render.bounces = -1; }), HasSubstr("bounces"));
   EXPECT_THAT(refusal_of([](auto* q) { q->render.light_samples = 0; }), HasSubstr("light_samples"));
   EXPECT_THAT(refusal_of([](auto* q) { q->render.firefly_limit = static_cast<float>(kNan); }), HasSubstr("firefly"));
@@ -44,4 +44,4 @@ TEST(PictureQuality, the_knobs_of_rendering_are_checked_too) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

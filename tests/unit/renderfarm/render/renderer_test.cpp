@@ -9,22 +9,22 @@
 
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
-std::unique_ptr<Renderer> built(Scene scene, int threads = 2) {
+std::unique_ptr<Renderer> built(scene::Scene scene, int threads = 2) {
   auto renderer = Renderer::build(std::move(scene), threads, nullptr);
   EXPECT_TRUE(renderer.has_value()) << renderer.error().message();
   return *std::move(renderer);
 }
 
 /// A room with boxes, lamps and sky, which exercises every part of the plain kernels.
-Scene busy_scene(const Eigen::Vector3d& shift = Eigen::Vector3d::Zero()) {
-  Mesh floor = square_mesh(10.0f);
+scene::Scene busy_scene(const Eigen::Vector3d& shift = Eigen::Vector3d::Zero()) {
+  scene::Mesh floor = square_mesh(10.0f);
   floor.origin = shift;
-  Scene scene = scene_of(std::move(floor), {0.6f, 0.5f, 0.4f});
+  scene::Scene scene = scene_of(std::move(floor), {0.6f, 0.5f, 0.4f});
   for (int i = 0; i < 5; ++i) {
-    Mesh ball = sphere_mesh(0.5f, 12);
+    scene::Mesh ball = sphere_mesh(0.5f, 12);
     ball.origin = shift + Eigen::Vector3d(2.0 * std::sin(i), 0.5, 2.0 * std::cos(i));
     add_mesh(scene, std::move(ball));
   }
@@ -38,14 +38,14 @@ Scene busy_scene(const Eigen::Vector3d& shift = Eigen::Vector3d::Zero()) {
 }
 
 TEST(Renderer, refuses_a_scene_without_triangles) {
-  const auto renderer = Renderer::build(Scene{}, 1, nullptr);
+  const auto renderer = Renderer::build(scene::Scene{}, 1, nullptr);
   ASSERT_FALSE(renderer.has_value());
   EXPECT_EQ(renderer.error().code(), ErrorCode::kInvalidArgument);
   EXPECT_THAT(renderer.error().message(), testing::HasSubstr("no triangles"));
 }
 
 TEST(Renderer, a_sphere_under_an_even_sky_shows_its_albedo) {
-  Scene scene = scene_of(sphere_mesh(1.0f, 32), {0.8f, 0.5f, 0.2f});
+  scene::Scene scene = scene_of(sphere_mesh(1.0f, 32), {0.8f, 0.5f, 0.2f});
   scene.sky = {Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones()};
   PanoramaView view = view_from({0, 0, 3}, 32, 32, 0.1, -0.1);
   view.panorama.azimuth_span_rad = 0.2;  // Nothing but the sphere is visible.
@@ -61,7 +61,7 @@ TEST(Renderer, a_sphere_under_an_even_sky_shows_its_albedo) {
 }
 
 TEST(Renderer, a_plane_under_a_point_light_follows_the_inverse_square_law) {
-  Scene scene = scene_of(square_mesh(20.0f));
+  scene::Scene scene = scene_of(square_mesh(20.0f));
   scene.model.lights = {point_light({0, 2, 0}, 10.0f)};
   const PanoramaView view = view_from({0, 1, 0}, 64, 16, -0.5, -2.0);
   const RadianceImage image = radiance_of(*built(std::move(scene)), view);
@@ -234,4 +234,4 @@ TEST(Renderer, building_reports_progress_that_grows_to_one) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 std::vector<Vec2> points_of_pixels(int side, int samples, std::uint32_t dimension, std::uint64_t seed, int x0 = 8) {
@@ -97,4 +97,4 @@ TEST(SampleSequence, integrates_better_than_independent_numbers) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

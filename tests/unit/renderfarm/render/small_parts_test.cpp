@@ -11,7 +11,7 @@
 #include "renderfarm/render/tone.h"
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 TEST(ToneMapped, keeps_the_lower_half_and_never_reaches_white) {
@@ -31,8 +31,8 @@ TEST(ToneMapped, what_is_no_light_is_black) {
   EXPECT_EQ(tone_mapped(std::numeric_limits<float>::quiet_NaN()), 0.0f);
 }
 
-TEST(Sky, is_a_gradient_from_ground_over_horizon_to_zenith) {
-  const Sky sky{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+TEST(scene::Sky, is_a_gradient_from_ground_over_horizon_to_zenith) {
+  const scene::Sky sky{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   EXPECT_TRUE(sky_radiance(sky, {0, 1, 0}).isApprox(Vec3(1, 0, 0)));
   EXPECT_TRUE(sky_radiance(sky, {1, 0, 0}).isApprox(Vec3(0, 1, 0)));
   EXPECT_TRUE(sky_radiance(sky, {0, -1, 0}).isApprox(Vec3(0, 0, 1)));
@@ -64,7 +64,7 @@ TEST(Memory, a_scene_that_would_not_fit_is_refused_by_its_name_with_the_need) {
 }
 
 TEST(SceneNeeds, are_those_of_what_is_used) {
-  Scene scene = scene_of(square_mesh(1.0f));
+  scene::Scene scene = scene_of(square_mesh(1.0f));
   EXPECT_EQ(needs_of(scene), SceneNeeds{});
   EXPECT_EQ(describe(needs_of(scene)), "nothing");
   scene.sky.horizon = {0.1f, 0, 0};
@@ -82,21 +82,21 @@ TEST(SceneNeeds, are_those_of_what_is_used) {
 }
 
 TEST(Blending, needs_something_to_see_through) {
-  Scene scene = scene_of(square_mesh(1.0f));
+  scene::Scene scene = scene_of(square_mesh(1.0f));
   scene.model.textures.emplace_back();
   scene.model.textures[0].pixels = RgbaImage(2, 2, 255);
-  Material& material = scene.model.materials[0];
+  scene::Material& material = scene.model.materials[0];
   material.base_colour_texture.texture = 0;
-  material.alpha_mode = AlphaMode::kBlend;
+  material.alpha_mode = scene::AlphaMode::kBlend;
   const auto lets_light_through = [&] {
     return blends(material, scene.model.meshes[0], see_through_textures(scene.model));
   };
   EXPECT_FALSE(lets_light_through());
   scene.model.textures[0].pixels.at(1, 1)[3] = 100;
   EXPECT_TRUE(lets_light_through());
-  material.alpha_mode = AlphaMode::kMask;
+  material.alpha_mode = scene::AlphaMode::kMask;
   EXPECT_FALSE(lets_light_through());
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 Vec3 uniform_sphere(const Vec2& u) { return uniform_cap(u, 2.0f); }
 
-double uniform_density(const Vec3&) { return 0.25 / std::numbers::pi; }
+double uniform_pdf(const Vec3&) { return 0.25 / std::numbers::pi; }
 
 TEST(ChiSquare, p_values_are_those_of_the_tables) {
   EXPECT_NEAR(chi_square_p_value(3.841458820694124, 1), 0.05, 1e-12);
@@ -35,7 +35,7 @@ TEST(SphereHistogram, p_values_of_a_right_density_are_evenly_spread) {
   int low = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     const SamplerCheck check = check_sampler([](const Vec2& u, float) { return std::optional(uniform_sphere(u)); },
-                                             uniform_density, 1 << 13, seed, 5);
+                                             uniform_pdf, 1 << 13, seed, 5);
     EXPECT_NEAR(check.integral, 1.0, 1e-9);
     if (check.chi_square.p_value < 0.5) ++low;
   }
@@ -43,9 +43,9 @@ TEST(SphereHistogram, p_values_of_a_right_density_are_evenly_spread) {
 }
 
 TEST(SphereHistogram, finds_a_density_that_is_a_few_percent_off) {
-  const auto density = [](const Vec3& v) { return uniform_density(v) * (1.0 + 0.1 * static_cast<double>(v.z())); };
+  const auto pdf = [](const Vec3& v) { return uniform_pdf(v) * (1.0 + 0.1 * static_cast<double>(v.z())); };
   const auto sample = [](const Vec2& u, float) { return std::optional(uniform_sphere(u)); };
-  const SamplerCheck check = check_sampler(sample, density);
+  const SamplerCheck check = check_sampler(sample, pdf);
   EXPECT_NEAR(check.integral, 1.0, 1e-4);
   EXPECT_LT(check.chi_square.p_value, 1e-6);
 }
@@ -54,8 +54,8 @@ TEST(SphereHistogram, finds_samples_that_are_lost_unsaid) {
   const auto sample = [](const Vec2& u, float choice) {
     return choice < 0.01f ? std::nullopt : std::optional(uniform_sphere(u));
   };
-  EXPECT_LT(check_sampler(sample, uniform_density).chi_square.p_value, 1e-6);
-  const auto honest = [](const Vec3& v) { return 0.99 * uniform_density(v); };
+  EXPECT_LT(check_sampler(sample, uniform_pdf).chi_square.p_value, 1e-6);
+  const auto honest = [](const Vec3& v) { return 0.99 * uniform_pdf(v); };
   EXPECT_GT(check_sampler(sample, honest).chi_square.p_value, 1e-3);
 }
 
@@ -64,18 +64,18 @@ TEST(SphereHistogram, resolves_what_is_narrow_and_has_hard_edges) {
   constexpr float kHeight = 4e-5f;
   const Vec3 axis = Vec3(0.3f, -0.5f, 0.8f).normalized();
   const auto sample = [&](const Vec2& u, float) { return std::optional(from_frame_of(axis, uniform_cap(u, kHeight))); };
-  const auto density = [&](const Vec3& v) {
+  const auto pdf = [&](const Vec3& v) {
     const bool inside = 0.5f * (v - axis).squaredNorm() <= kHeight;
     return inside ? 1.0 / (2.0 * std::numbers::pi * static_cast<double>(kHeight)) : 0.0;
   };
-  const SamplerCheck check = check_sampler(sample, density);
+  const SamplerCheck check = check_sampler(sample, pdf);
   EXPECT_NEAR(check.integral, 1.0, 0.01);
   EXPECT_GT(check.chi_square.p_value, 1e-3);
   const auto off_centre = [&](const Vec2& u, float) {
     return std::optional(from_frame_of(axis, uniform_cap(Vec2(std::pow(u.x(), 1.1f), u.y()), kHeight)));
   };
-  EXPECT_LT(check_sampler(off_centre, density).chi_square.p_value, 1e-6);
+  EXPECT_LT(check_sampler(off_centre, pdf).chi_square.p_value, 1e-6);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -11,17 +11,17 @@
 #include "renderfarm/render/ray_queue.h"
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// A scene with its BVH, for tracing individual rays.
 struct Traced {
-  explicit Traced(Scene s) : scene(std::move(s)) {
+  explicit Traced(scene::Scene s) : scene(std::move(s)) {
     auto built = Accelerator::build(scene, 1, nullptr, &traced);
     EXPECT_TRUE(built.has_value());
     accelerator = *std::move(built);
   }
-  Scene scene;
+  scene::Scene scene;
   TraceScene traced;
   std::unique_ptr<Accelerator> accelerator;
 };
@@ -44,7 +44,7 @@ bool hits_anything(const Traced& t, const Vec3& origin, const Vec3& direction) {
 }
 
 /// Traces rays from inside a closed sphere. Each must hit it, and a second ray from the hit must behave for either
-/// side: inwards it hits again (closed: no leak) and never the same triangle (no self-hit); outwards it hits nothing.
+/// side: inwards it hits again (closed: no black_level) and never the same triangle (no self-hit); outwards it hits nothing.
 void expect_tight(const Traced& t, const Vec3& centre, int rays) {
   std::mt19937 random(9);
   std::normal_distribution<float> normal;
@@ -74,10 +74,10 @@ void expect_tight(const Traced& t, const Vec3& centre, int rays) {
 }
 
 /// A second object at the start eye keeps the render origin there while the sphere is `distance` away.
-Scene far_sphere(double distance, float radius, bool instanced) {
-  Mesh sphere = sphere_mesh(radius, 40);
+scene::Scene far_sphere(double distance, float radius, bool instanced) {
+  scene::Mesh sphere = sphere_mesh(radius, 40);
   const Eigen::Vector3d place = Eigen::Vector3d(0.6, 0.48, 0.64) * distance;
-  Scene scene = scene_of(square_mesh(0.01f));
+  scene::Scene scene = scene_of(square_mesh(0.01f));
   add_mesh(scene, std::move(sphere), Eigen::Affine3d(Eigen::Translation3d(place)));
   if (instanced) scene.model.instances.push_back({1, Eigen::Affine3d(Eigen::Translation3d(-1000.0 - distance, 0, 0))});
   return scene;
@@ -106,7 +106,7 @@ TEST(Surface, a_turned_and_stretched_instance_is_as_tight) {
   Eigen::Affine3d placed = Eigen::Affine3d(Eigen::Translation3d(30, -20, 10)) *
                            Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()) *
                            Eigen::Scaling(3.0, 0.2, -1.0);
-  Scene scene = scene_of(sphere_mesh(1.0f, 40));
+  scene::Scene scene = scene_of(sphere_mesh(1.0f, 40));
   scene.model.instances = {{0, placed}, {0, Eigen::Affine3d(Eigen::Translation3d(500, 0, 0))}};
   scene.bounds = Eigen::AlignedBox3d(Eigen::Vector3d(-500, -100, -100), Eigen::Vector3d(500, 100, 100));
   const Traced t(std::move(scene));
@@ -114,15 +114,15 @@ TEST(Surface, a_turned_and_stretched_instance_is_as_tight) {
 }
 
 TEST(Surface, baked_equals_instanced) {
-  Mesh sphere = sphere_mesh(1.0f, 20);
+  scene::Mesh sphere = sphere_mesh(1.0f, 20);
   for (const auto& p : sphere.positions) sphere.normals.push_back(p);
   sphere.origin = {5, 0, 0};
   const Eigen::Affine3d placed = Eigen::Affine3d(Eigen::Translation3d(1, 2, -3)) *
                                  Eigen::AngleAxisd(0.7, Eigen::Vector3d(3, 1, 2).normalized()) *
                                  Eigen::Scaling(-2.0, 0.5, 1.0);
-  Scene once = scene_of(sphere);
+  scene::Scene once = scene_of(sphere);
   once.model.instances = {{0, placed}};
-  Scene twice = once;
+  scene::Scene twice = once;
   twice.model.instances.push_back({0, Eigen::Affine3d(Eigen::Translation3d(0, 1000, 0))});
   const Traced a(std::move(once));
   const Traced b(std::move(twice));
@@ -145,13 +145,13 @@ TEST(Surface, baked_equals_instanced) {
 
 /// Triangles without area, normals without length and textures without extent could introduce NaN into scattering.
 TEST(Surface, degenerate_triangles_give_directions) {
-  Mesh mesh;
+  scene::Mesh mesh;
   mesh.positions = {{0, 0, 0},      {0, 0, 0},      {0, 0, 0},     {1, 0, 0},    {2, 0, 0},
                     {1e-38f, 0, 0}, {0, 1e-38f, 0}, {3e38f, 0, 0}, {0, 3e38f, 0}};
   mesh.triangles = {{0, 1, 2}, {0, 3, 4}, {0, 5, 6}, {0, 7, 8}};
   mesh.normals.assign(9, {0, 0, 0});
   mesh.texcoords[0].assign(9, {0.5f, 0.5f});
-  Scene scene = scene_of(std::move(mesh));
+  scene::Scene scene = scene_of(std::move(mesh));
   scene.model.textures.emplace_back();
   scene.model.textures[0].pixels = RgbaImage(1, 1, 10);
   scene.model.materials[0].normal_texture.texture = 0;
@@ -177,7 +177,7 @@ TEST(Surface, degenerate_triangles_give_directions) {
 }
 
 TEST(Bake, a_mirror_keeps_normals_outside) {
-  Mesh sphere = sphere_mesh(1.0f, 10);
+  scene::Mesh sphere = sphere_mesh(1.0f, 10);
   for (const auto& p : sphere.positions) sphere.normals.push_back(p);
   bake(sphere, Eigen::Affine3d(Eigen::Scaling(-1.0, 1.0, 1.0)), Eigen::Vector3d::Zero());
   for (std::size_t i = 0; i < sphere.positions.size(); ++i) {
@@ -191,7 +191,7 @@ TEST(Bake, a_mirror_keeps_normals_outside) {
 }
 
 TEST(Bake, large_coordinates_keep_their_millimetres) {
-  Mesh mesh = square_mesh(1.0f);
+  scene::Mesh mesh = square_mesh(1.0f);
   mesh.origin = {4.5e6, 300.0, 5.2e6};
   bake(mesh, Eigen::Affine3d::Identity(), {4.5e6 + 0.001, 300.0, 5.2e6});
   EXPECT_NEAR(mesh.positions[0][0], -0.501f, 1e-6f);
@@ -199,13 +199,13 @@ TEST(Bake, large_coordinates_keep_their_millimetres) {
 }
 
 TEST(RenderOrigin, is_the_start_eye_if_it_is_in_the_scene) {
-  Scene scene = scene_of(square_mesh(2.0f));
+  scene::Scene scene = scene_of(square_mesh(2.0f));
   scene.info.start_eye = {0.5, 0, 0};
   EXPECT_EQ(render_origin(scene), Eigen::Vector3d(0.5, 0, 0));
   scene.info.start_eye = {50, 0, 0};
   EXPECT_EQ(render_origin(scene), Eigen::Vector3d::Zero());
-  EXPECT_EQ(render_origin(Scene{}), Eigen::Vector3d::Zero());
+  EXPECT_EQ(render_origin(scene::Scene{}), Eigen::Vector3d::Zero());
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -12,7 +12,7 @@
 #include "renderfarm/render/texture_lookup.h"
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 constexpr int kTexels = 256;
@@ -31,9 +31,9 @@ struct Square {
     const TriangleHit hit{&traced, &placement, mesh.triangles[triangle], Vec3::Constant(1.0f / 3.0f)};
     return lod_of(hit, use, *mips, footprint);
   }
-  Mesh mesh = square_mesh(1.0f);
-  Model material;
-  TextureUse use;
+  scene::Mesh mesh = square_mesh(1.0f);
+  scene::Model material;
+  scene::TextureUse use;
   std::unique_ptr<MipTexture> mips;
   SurfaceMesh traced;
   Placement placement;
@@ -97,13 +97,13 @@ TEST(TextureLevel, without_a_width_it_is_the_finest_and_without_a_triangle_still
 struct Floor {
   Floor() : scene(scene_of(square_mesh(kSide), Eigen::Vector3f::Ones())) {
     std::mt19937 random(5);
-    Texture noise;
+    scene::Texture noise;
     noise.pixels = RgbaImage(kTexels, kTexels, 255);
     for (int y = 0; y < kTexels; ++y) {
       for (int x = 0; x < kTexels; ++x) std::fill_n(noise.pixels.at(x, y), 3, (random() & 1U) != 0 ? 255 : 0);
     }
     scene.model.textures.push_back(std::move(noise));
-    TextureUse& use = scene.model.materials[0].base_colour_texture;
+    scene::TextureUse& use = scene.model.materials[0].base_colour_texture;
     use.texture = 0;
     use.transform.leftCols<2>() *= 64.0f;
     material = trace_material(scene.model, scene.model.materials[0], &textures);
@@ -129,7 +129,7 @@ struct Floor {
         .x();
   }
   static constexpr float kSide = 400.0f;
-  Scene scene;
+  scene::Scene scene;
   MipTextures textures;
   SurfaceMaterial material;
   SurfaceMesh mesh;
@@ -161,4 +161,4 @@ TEST(TextureLevel, a_far_floor_has_the_mean_of_the_supersampled_one_at_a_fractio
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

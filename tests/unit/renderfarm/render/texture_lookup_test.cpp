@@ -5,12 +5,12 @@
 
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// Four texels in a row or column: R = 0, 85, 170, 255.
-Texture ramp(bool vertical, WrapMode wrap) {
-  Texture texture;
+scene::Texture ramp(bool vertical, scene::WrapMode wrap) {
+  scene::Texture texture;
   texture.pixels = vertical ? RgbaImage(1, 4, 255) : RgbaImage(4, 1, 255);
   for (int i = 0; i < 4; ++i)
     texture.pixels.at(vertical ? 0 : i, vertical ? i : 0)[0] = static_cast<std::uint8_t>(85 * i);
@@ -18,42 +18,42 @@ Texture ramp(bool vertical, WrapMode wrap) {
   texture.wrap_v = wrap;
   return texture;
 }
-MipTexture mips(const Texture& texture) { return {texture, TextureContent::kData}; }
-float red(const Texture& texture, float u, float v = 0.5f, float lod = 0.0f) {
+MipTexture mips(const scene::Texture& texture) { return {texture, TextureContent::kData}; }
+float red(const scene::Texture& texture, float u, float v = 0.5f, float lod = 0.0f) {
   return lookup(mips(texture), {u, v}, Coding::kLinear, lod).x();
 }
 
 TEST(TextureLookup, a_texels_centre_is_the_texel) {
-  const Texture texture = ramp(false, WrapMode::kClamp);
+  const scene::Texture texture = ramp(false, scene::WrapMode::kClamp);
   for (int i = 0; i < 4; ++i) {
     EXPECT_NEAR(red(texture, (static_cast<float>(i) + 0.5f) / 4.0f), static_cast<float>(i) / 3.0f, 1e-6f);
   }
 }
 
 TEST(TextureLookup, between_two_centres_it_is_linear) {
-  EXPECT_NEAR(red(ramp(false, WrapMode::kClamp), 0.25f), 0.5f / 3.0f, 1e-6f);
-  EXPECT_NEAR(red(ramp(false, WrapMode::kClamp), 0.5f), 0.5f, 1e-6f);
+  EXPECT_NEAR(red(ramp(false, scene::WrapMode::kClamp), 0.25f), 0.5f / 3.0f, 1e-6f);
+  EXPECT_NEAR(red(ramp(false, scene::WrapMode::kClamp), 0.5f), 0.5f, 1e-6f);
 }
 
 TEST(TextureLookup, v_counts_down_from_the_first_row) {
-  EXPECT_NEAR(red(ramp(true, WrapMode::kClamp), 0.5f, 0.125f), 0.0f, 1e-6f);
-  EXPECT_NEAR(red(ramp(true, WrapMode::kClamp), 0.5f, 0.875f), 1.0f, 1e-6f);
+  EXPECT_NEAR(red(ramp(true, scene::WrapMode::kClamp), 0.5f, 0.125f), 0.0f, 1e-6f);
+  EXPECT_NEAR(red(ramp(true, scene::WrapMode::kClamp), 0.5f, 0.875f), 1.0f, 1e-6f);
 }
 
 TEST(TextureLookup, wraps_at_the_corners_as_asked) {
-  const Texture clamp = ramp(false, WrapMode::kClamp);
+  const scene::Texture clamp = ramp(false, scene::WrapMode::kClamp);
   EXPECT_NEAR(red(clamp, 0.0f), 0.0f, 1e-6f);
   EXPECT_NEAR(red(clamp, 1.0f), 1.0f, 1e-6f);
   EXPECT_NEAR(red(clamp, -7.3f), 0.0f, 1e-6f);
   EXPECT_NEAR(red(clamp, 7.3f), 1.0f, 1e-6f);
 
-  const Texture repeat = ramp(false, WrapMode::kRepeat);
+  const scene::Texture repeat = ramp(false, scene::WrapMode::kRepeat);
   EXPECT_NEAR(red(repeat, 0.0f), 0.5f, 1e-6f);  // Half of the last texel, half of the first.
   EXPECT_NEAR(red(repeat, 1.0f), 0.5f, 1e-6f);
   EXPECT_NEAR(red(repeat, 3.375f), 1.0f / 3.0f, 1e-6f);
   EXPECT_NEAR(red(repeat, -0.125f), 1.0f, 1e-6f);
 
-  const Texture mirror = ramp(false, WrapMode::kMirror);
+  const scene::Texture mirror = ramp(false, scene::WrapMode::kMirror);
   EXPECT_NEAR(red(mirror, 0.0f), 0.0f, 1e-6f);
   EXPECT_NEAR(red(mirror, 1.0f), 1.0f, 1e-6f);
   EXPECT_NEAR(red(mirror, 1.125f), 1.0f, 1e-6f);
@@ -63,20 +63,20 @@ TEST(TextureLookup, wraps_at_the_corners_as_asked) {
 }
 
 TEST(TextureLookup, nearest_takes_one_texel_whole) {
-  Texture texture = ramp(false, WrapMode::kRepeat);
+  scene::Texture texture = ramp(false, scene::WrapMode::kRepeat);
   texture.nearest = true;
   EXPECT_EQ(red(texture, 0.26f), 85.0f / 255.0f);
   EXPECT_EQ(red(texture, 0.49f), 85.0f / 255.0f);
   EXPECT_EQ(red(texture, 1.0f), 0.0f);
-  texture.wrap_u = WrapMode::kClamp;
+  texture.wrap_u = scene::WrapMode::kClamp;
   EXPECT_EQ(red(texture, 1.0f), 1.0f);
 }
 
 TEST(TextureLookup, filters_in_linear_light_and_leaves_alpha_linear) {
-  Texture texture;
+  scene::Texture texture;
   texture.pixels = RgbaImage(2, 1);
   for (int c = 0; c < 4; ++c) texture.pixels.at(1, 0)[c] = 255;
-  texture.wrap_u = WrapMode::kClamp;
+  texture.wrap_u = scene::WrapMode::kClamp;
   const Eigen::Vector4f middle = lookup(mips(texture), {0.5f, 0.5f}, Coding::kSrgb, 0.0f);
   EXPECT_NEAR(middle.x(), 0.5f, 1e-6f);
   EXPECT_NEAR(middle.w(), 0.5f, 1e-6f);
@@ -87,9 +87,9 @@ TEST(TextureLookup, filters_in_linear_light_and_leaves_alpha_linear) {
 }
 
 TEST(TextureLookup, coordinates_beyond_all_sense_give_a_colour) {
-  for (const WrapMode wrap : {WrapMode::kRepeat, WrapMode::kMirror, WrapMode::kClamp}) {
+  for (const scene::WrapMode wrap : {scene::WrapMode::kRepeat, scene::WrapMode::kMirror, scene::WrapMode::kClamp}) {
     for (const bool nearest : {false, true}) {
-      Texture texture = ramp(false, wrap);
+      scene::Texture texture = ramp(false, wrap);
       texture.nearest = nearest;
       for (const float u : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                             -std::numeric_limits<float>::infinity(), 3e38f, -3e38f, 1e-45f, 999999.9f, -1e-9f}) {
@@ -100,16 +100,16 @@ TEST(TextureLookup, coordinates_beyond_all_sense_give_a_colour) {
       }
     }
   }
-  EXPECT_TRUE(lookup(mips(Texture{}), {0.5f, 0.5f}, Coding::kSrgb, 3.0f).isOnes());
+  EXPECT_TRUE(lookup(mips(scene::Texture{}), {0.5f, 0.5f}, Coding::kSrgb, 3.0f).isOnes());
 }
 
 TEST(TextureLookup, knows_whether_anything_is_transparent) {
-  Texture texture = ramp(false, WrapMode::kClamp);
+  scene::Texture texture = ramp(false, scene::WrapMode::kClamp);
   EXPECT_FALSE(has_transparency(texture));
   texture.pixels.at(3, 0)[3] = 254;
   EXPECT_TRUE(has_transparency(texture));
-  EXPECT_FALSE(has_transparency(Texture{}));
+  EXPECT_FALSE(has_transparency(scene::Texture{}));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -9,15 +9,16 @@
 
 #include "common/image/colour.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr ToneCurve kCurves[] = {ToneCurve::kShoulder, ToneCurve::kLinear, ToneCurve::kFilmic};
+constexpr scene::ToneCurve kCurves[] = {scene::ToneCurve::kShoulder, scene::ToneCurve::kLinear,
+                                        scene::ToneCurve::kFilmic};
 
 TEST(Tone, every_curve_rises_from_black_to_white_and_never_beyond) {
-  for (const ToneCurve curve : kCurves) {
+  for (const scene::ToneCurve curve : kCurves) {
     float before = 0.0f;
     for (float light = 1e-6f; light < 1e6f; light *= 1.01f) {
       const float shown = tone_mapped(light, curve);
@@ -32,7 +33,7 @@ TEST(Tone, every_curve_rises_from_black_to_white_and_never_beyond) {
 }
 
 TEST(Tone, what_is_no_light_is_black) {
-  for (const ToneCurve curve : kCurves) {
+  for (const scene::ToneCurve curve : kCurves) {
     for (const float light : {kNan, -kNan, -1.0f, -0.0f, -kInfinity}) {
       EXPECT_EQ(tone_mapped(light, curve), 0.0f);
       EXPECT_EQ(tone_table(curve).code(light), 0);
@@ -41,18 +42,18 @@ TEST(Tone, what_is_no_light_is_black) {
 }
 
 TEST(Tone, linear_keeps_and_clips_and_filmic_is_the_published_fit) {
-  EXPECT_EQ(tone_mapped(0.7f, ToneCurve::kLinear), 0.7f);
-  EXPECT_EQ(tone_mapped(1.5f, ToneCurve::kLinear), 1.0f);
+  EXPECT_EQ(tone_mapped(0.7f, scene::ToneCurve::kLinear), 0.7f);
+  EXPECT_EQ(tone_mapped(1.5f, scene::ToneCurve::kLinear), 1.0f);
   // x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14), computed by hand.
-  EXPECT_NEAR(tone_mapped(1.0f, ToneCurve::kFilmic), 2.54f / 3.16f, 1e-6f);
-  EXPECT_NEAR(tone_mapped(0.1f, ToneCurve::kFilmic), 0.0281f / 0.2233f, 1e-6f);
-  EXPECT_GT(tone_mapped(7.2f, ToneCurve::kFilmic), 0.999f);
+  EXPECT_NEAR(tone_mapped(1.0f, scene::ToneCurve::kFilmic), 2.54f / 3.16f, 1e-6f);
+  EXPECT_NEAR(tone_mapped(0.1f, scene::ToneCurve::kFilmic), 0.0281f / 0.2233f, 1e-6f);
+  EXPECT_GT(tone_mapped(7.2f, scene::ToneCurve::kFilmic), 0.999f);
 }
 
 TEST(Tone, the_table_gives_the_code_of_the_formula) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> exponent(-14.0f, 5.0f);
-  for (const ToneCurve curve : kCurves) {
+  for (const scene::ToneCurve curve : kCurves) {
     const ToneTable& table = tone_table(curve);
     for (int i = 0; i < 200000; ++i) {
       const float light = std::exp2(exponent(random));
@@ -69,11 +70,11 @@ TEST(Tone, a_developed_picture_has_every_value_in_its_place) {
   RadianceImage light(3, 2);
   for (std::size_t i = 0; i < light.data().size(); ++i) light.data()[i] = 0.05f * static_cast<float>(i);
   light.data()[4] = kNan;
-  const RgbImage codes = developed(light, ToneCurve::kLinear);
+  const RgbImage codes = developed(light, scene::ToneCurve::kLinear);
   ASSERT_EQ(codes.width(), 3);
   ASSERT_EQ(codes.height(), 2);
   for (std::size_t i = 0; i < light.data().size(); ++i) EXPECT_EQ(codes.data()[i], linear_to_srgb8(light.data()[i]));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

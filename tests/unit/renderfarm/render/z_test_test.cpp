@@ -6,7 +6,7 @@
 
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 constexpr int kWidth = 16;
@@ -105,4 +105,4 @@ TEST(Golden, that_is_cut_short_or_goes_on_is_refused) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -9,7 +9,7 @@
 #include "tests/doubles/model_invariants.h"
 #include "tests/doubles/shared_data.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 constexpr ImportLimits kLimits{.memory_bytes = std::size_t{1} << 30};
@@ -57,4 +57,4 @@ TEST(BadGeometry, files_that_are_invalid_are_refused) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -13,7 +13,7 @@
 #include "common/base/check.h"
 #include "tests/unit/renderfarm/scene/gltf_builder.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 inline constexpr int kDracoSide = 12;
 inline constexpr int kDracoTriangles = 2 * kDracoSide * kDracoSide;
@@ -70,4 +70,4 @@ inline GltfBuilder draco_file(const std::vector<std::uint8_t>& data) {
   return file;
 }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -12,7 +12,7 @@
 #include "common/image/pfm.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using testing::ElementsAre;
@@ -110,4 +110,4 @@ TEST_F(EnvironmentFileTest, a_scene_lit_by_nothing_else_is_exposed_by_its_mean) 
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

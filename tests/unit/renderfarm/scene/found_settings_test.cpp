@@ -9,7 +9,7 @@
 #include "renderfarm/scene/area.h"
 #include "renderfarm/scene/assemble.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using Box = Eigen::AlignedBox3d;
@@ -40,7 +40,7 @@ Model model_of(std::vector<Mesh> meshes) {
   return model;
 }
 
-Box box(const Eigen::Vector3d& least, const Eigen::Vector3d& most) { return {least, most}; }
+Box box(const Eigen::Vector3d& min, const Eigen::Vector3d& max) { return {min, max}; }
 
 FoundSettings settings_of(const Model& model) {
   const FoundSettings found = find_settings(model, bounds_of(model), std::nullopt);
@@ -199,4 +199,4 @@ TEST(FindExposure, brings_any_lamp_to_the_same_picture) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

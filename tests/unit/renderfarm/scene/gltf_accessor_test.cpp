@@ -5,7 +5,7 @@
 
 #include "tests/unit/renderfarm/scene/gltf_builder.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using ::testing::ElementsAre;
@@ -178,4 +178,4 @@ TEST_F(GltfAccessorTest, zeros_without_data_are_paid_for) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

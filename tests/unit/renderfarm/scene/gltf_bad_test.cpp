@@ -16,7 +16,7 @@
 #include "tests/doubles/shared_data.h"
 #include "tests/unit/renderfarm/scene/gltf_builder.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using nlohmann::json;
@@ -251,4 +251,4 @@ TEST(GltfBad, errors_of_missing_and_unreadable_files_have_their_codes) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -12,7 +12,7 @@
 
 #include "renderfarm/scene/gltf_import.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 
 /// Starts as a valid empty file; tests may change `json` as needed.
 struct GltfBuilder {
@@ -98,4 +98,4 @@ inline GltfBuilder one_triangle() {
 /// The message of an import that must fail, or "loaded".
 inline std::string error_of(const Result<Model>& model) { return model ? "loaded" : model.error().message(); }
 
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -5,7 +5,7 @@
 
 #include "tests/unit/renderfarm/scene/gltf_builder.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using ::testing::HasSubstr;
@@ -98,4 +98,4 @@ TEST(GltfContainer, an_empty_scene_is_a_model_without_instances_and_with_a_mater
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

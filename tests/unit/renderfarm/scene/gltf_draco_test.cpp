@@ -5,7 +5,7 @@
 
 #include "tests/unit/renderfarm/scene/draco_builder.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using ::testing::HasSubstr;
@@ -87,4 +87,4 @@ TEST(GltfDracoPromise, work_memory_is_paid_for) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using nlohmann::json;
@@ -67,4 +67,4 @@ TEST(GltfJson, extensions_are_found_by_name) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -8,7 +8,7 @@
 #include "common/image/png.h"
 #include "tests/unit/renderfarm/scene/gltf_builder.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using ::testing::Contains;
@@ -160,7 +160,7 @@ TEST(GltfMaterial, gloss_coat_and_body_are_kept_within_what_can_be) {
     EXPECT_THAT(model.notes, Contains(HasSubstr(name)));
   }
   extensions = {{"KHR_materials_ior", {{"ior", 0}}}};
-  EXPECT_EQ(import_good(file).materials[0].ior, kLargestIor);  // The specification's value for a perfect mirror.
+  EXPECT_EQ(import_good(file).materials[0].ior, kMaxIor);  // The specification's value for a perfect mirror.
   extensions = {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}, {"clearcoatTexture", {{"index", 7}}}}}};
   EXPECT_THAT(error_of(file.import()), HasSubstr("clearcoatTexture/index: index 7 of 1 textures"));
   extensions = {{"KHR_materials_specular", {{"specularColorFactor", {1, 2}}}}};
@@ -342,4 +342,4 @@ TEST(GltfMaterial, a_thousand_like_notes_are_one_sentence) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

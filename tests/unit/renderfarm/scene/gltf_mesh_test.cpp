@@ -8,7 +8,7 @@
 
 #include "tests/unit/renderfarm/scene/gltf_builder.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using ::testing::Contains;
@@ -233,4 +233,4 @@ TEST(GltfMesh, morph_targets_and_skins_are_noted) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

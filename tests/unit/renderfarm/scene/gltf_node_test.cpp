@@ -8,7 +8,7 @@
 #include "renderfarm/scene/gltf_transform.h"
 #include "tests/unit/renderfarm/scene/gltf_builder.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using nlohmann::json;
@@ -231,4 +231,4 @@ TEST(GltfTransform, invertible_means_finite_and_with_volume) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

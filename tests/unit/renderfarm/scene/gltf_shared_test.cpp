@@ -7,7 +7,7 @@
 #include "renderfarm/scene/model.h"
 #include "tests/doubles/shared_data.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using ::testing::Contains;
@@ -225,4 +225,4 @@ TEST(GltfSharedDetails, every_primitive_mode_of_the_generator_with_a_surface_cov
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

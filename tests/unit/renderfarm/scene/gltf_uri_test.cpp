@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 std::string text_of(const Result<std::vector<std::byte>>& bytes) {
@@ -54,4 +54,4 @@ TEST(GltfUri, never_leaves_the_folder_of_the_scene) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

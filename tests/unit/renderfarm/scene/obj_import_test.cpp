@@ -11,7 +11,7 @@
 #include "tests/doubles/memory_file.h"
 #include "tests/doubles/model_invariants.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using testing::Contains;
@@ -212,4 +212,4 @@ TEST_F(ObjFolder, a_material_file_may_have_blanks_in_its_name) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

@@ -11,7 +11,7 @@
 #include "tests/doubles/model_invariants.h"
 #include "tests/doubles/shared_data.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using testing::HasSubstr;
@@ -223,4 +223,4 @@ TEST(PlyImport, reads_a_million_triangles_of_a_scan_with_colours) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

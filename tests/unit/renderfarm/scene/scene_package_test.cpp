@@ -9,7 +9,7 @@
 #include <fstream>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using testing::HasSubstr;
@@ -32,10 +32,10 @@ class ScenePackageTest : public testing::Test {
   std::filesystem::path folder_;
 };
 
-const std::string kLeast = "title = 'x'\n[[geometry]]\nfile = 'a.ply'\n";
+const std::string kMinimalPackage = "title = 'x'\n[[geometry]]\nfile = 'a.ply'\n";
 
 TEST_F(ScenePackageTest, the_least_package_is_a_title_and_a_file) {
-  const auto package = parse(kLeast);
+  const auto package = parse(kMinimalPackage);
   ASSERT_TRUE(package.has_value()) << package.error().message();
   EXPECT_EQ(package->title, "x");
   ASSERT_EQ(package->geometry.size(), 1u);
@@ -45,10 +45,10 @@ TEST_F(ScenePackageTest, the_least_package_is_a_title_and_a_file) {
 }
 
 TEST_F(ScenePackageTest, bounces_are_the_usual_ones_unless_given) {
-  EXPECT_EQ(parse(kLeast)->bounces, kUsualBounces);
-  EXPECT_EQ(parse("bounces = 0\n" + kLeast)->bounces, 0);
-  EXPECT_EQ(parse("bounces = 64\n" + kLeast)->bounces, 64);
-  EXPECT_THAT(complaint("bounces = 65\n" + kLeast), HasSubstr("bounces"));
+  EXPECT_EQ(parse(kMinimalPackage)->bounces, kUsualBounces);
+  EXPECT_EQ(parse("bounces = 0\n" + kMinimalPackage)->bounces, 0);
+  EXPECT_EQ(parse("bounces = 64\n" + kMinimalPackage)->bounces, 64);
+  EXPECT_THAT(complaint("bounces = 65\n" + kMinimalPackage), HasSubstr("bounces"));
 }
 
 TEST_F(ScenePackageTest, everything_is_read) {
@@ -115,7 +115,7 @@ heading_deg = -90
 }
 
 TEST_F(ScenePackageTest, flat_lamps_are_read) {
-  const auto package = parse(kLeast + R"(
+  const auto package = parse(kMinimalPackage + R"(
 [[lamp]]
 kind = "rectangle"
 position_m = [0, 3, 0]
@@ -159,7 +159,7 @@ visible = true
 }
 
 TEST_F(ScenePackageTest, mistakes_in_flat_lamps_name_their_remedy) {
-  const std::string lamp = kLeast + "[[lamp]]\nposition_m = [0,0,0]\n";
+  const std::string lamp = kMinimalPackage + "[[lamp]]\nposition_m = [0,0,0]\n";
   EXPECT_THAT(complaint(lamp + "kind = 'rectangle'\nluminance_nits = [1,1,1]\n"), HasSubstr("size_m: is missing"));
   EXPECT_THAT(complaint(lamp + "kind = 'disk'\nluminance_nits = [1,1,1]\n"), HasSubstr("radius_m: is missing"));
   EXPECT_THAT(complaint(lamp + "kind = 'disk'\nradius_m = 1\n"), HasSubstr("luminance_nits: is missing"));
@@ -173,7 +173,7 @@ TEST_F(ScenePackageTest, mistakes_in_flat_lamps_name_their_remedy) {
 }
 
 TEST_F(ScenePackageTest, rotations_are_applied_about_x_then_y_then_z) {
-  const auto package = parse(kLeast + "rotation_deg = [90, 90, 0]\nscale = 2\nposition_m = [1, 0, 0]\n");
+  const auto package = parse(kMinimalPackage + "rotation_deg = [90, 90, 0]\nscale = 2\nposition_m = [1, 0, 0]\n");
   ASSERT_TRUE(package.has_value());
   // y goes to z by the rotation about x, and z to x by the rotation about y.
   const Eigen::Vector3d p = package->geometry[0].T_scene_part[0] * Eigen::Vector3d(0, 1, 0);
@@ -181,7 +181,7 @@ TEST_F(ScenePackageTest, rotations_are_applied_about_x_then_y_then_z) {
 }
 
 TEST_F(ScenePackageTest, instances_turn_to_the_right_and_stand_where_they_are_put) {
-  const auto package = parse(kLeast +
+  const auto package = parse(kMinimalPackage +
                              "scale = 2\n[[geometry.instance]]\nposition_m = [0, 0, 5]\nheading_deg = 90\n"
                              "[[geometry.instance]]\nscale = 3\n");
   ASSERT_TRUE(package.has_value()) << package.error().message();
@@ -205,48 +205,55 @@ TEST_F(ScenePackageTest, files_outside_of_the_folder_are_refused) {
 
 TEST_F(ScenePackageTest, mistakes_name_their_line) {
   EXPECT_THAT(complaint("title = 'x'\n"), HasSubstr("at least one [[geometry]]"));
-  EXPECT_THAT(complaint(kLeast.substr(kLeast.find('['))), HasSubstr("title: is missing"));
-  EXPECT_THAT(complaint(kLeast + "unit_mm = 1\n"), HasSubstr("write 'unit_m', in that unit"));
-  EXPECT_THAT(complaint(kLeast + "up = 'x'\n"), HasSubstr("must be one of: y, z"));
-  EXPECT_THAT(complaint(kLeast + "scale = 0\n"), StartsWith("scene.toml:4: geometry[0].scale"));
-  EXPECT_THAT(complaint(kLeast + "[visitor]\nwalkable_m = [[0,0],[1,1]]\n"), HasSubstr("corners of an area"));
-  EXPECT_THAT(complaint(kLeast + "[visitor]\nwalkable_m = [[0,0],[1,1],[2,2]]\n"), HasSubstr("corners of an area"));
-  EXPECT_THAT(complaint(kLeast + "[[lamp]]\nkind = 'point'\nposition_m = [0,0,0]\n"),
+  EXPECT_THAT(complaint(kMinimalPackage.substr(kMinimalPackage.find('['))), HasSubstr("title: is missing"));
+  EXPECT_THAT(complaint(kMinimalPackage + "unit_mm = 1\n"), HasSubstr("write 'unit_m', in that unit"));
+  EXPECT_THAT(complaint(kMinimalPackage + "up = 'x'\n"), HasSubstr("must be one of: y, z"));
+  EXPECT_THAT(complaint(kMinimalPackage + "scale = 0\n"), StartsWith("scene.toml:4: geometry[0].scale"));
+  EXPECT_THAT(complaint(kMinimalPackage + "[visitor]\nwalkable_m = [[0,0],[1,1]]\n"), HasSubstr("corners of an area"));
+  EXPECT_THAT(complaint(kMinimalPackage + "[visitor]\nwalkable_m = [[0,0],[1,1],[2,2]]\n"),
+              HasSubstr("corners of an area"));
+  EXPECT_THAT(complaint(kMinimalPackage + "[[lamp]]\nkind = 'point'\nposition_m = [0,0,0]\n"),
               HasSubstr("intensity_cd: is missing"));
-  EXPECT_THAT(complaint(kLeast + "[[lamp]]\nkind = 'directional'\nintensity_lux = [1,1,1]\nintensity_cd = [1,1,1]\n"),
-              HasSubstr("lamp[0].intensity_cd"));
-  EXPECT_THAT(complaint(kLeast + "[[lamp]]\nkind = 'spot'\nposition_m = [0,0,0]\nintensity_cd = [1,1,1]\n"
-                                 "direction = [0,0,0]\n"),
+  EXPECT_THAT(
+      complaint(kMinimalPackage + "[[lamp]]\nkind = 'directional'\nintensity_lux = [1,1,1]\nintensity_cd = [1,1,1]\n"),
+      HasSubstr("lamp[0].intensity_cd"));
+  EXPECT_THAT(complaint(kMinimalPackage + "[[lamp]]\nkind = 'spot'\nposition_m = [0,0,0]\nintensity_cd = [1,1,1]\n"
+                                          "direction = [0,0,0]\n"),
               HasSubstr("has no length"));
-  EXPECT_THAT(complaint(kLeast + "[[lamp]]\nkind = 'spot'\nposition_m = [0,0,0]\nintensity_cd = [1,1,1]\n"
-                                 "inner_cone_deg = 50\n"),
+  EXPECT_THAT(complaint(kMinimalPackage + "[[lamp]]\nkind = 'spot'\nposition_m = [0,0,0]\nintensity_cd = [1,1,1]\n"
+                                          "inner_cone_deg = 50\n"),
               HasSubstr("must be below outer_cone_deg"));
-  EXPECT_THAT(complaint(kLeast + "[visitor]\nwalkable_m = [[0,0],[9,0],[9,9]]\n[start]\neye_m = [0, 1.6, 5]\n"),
-              HasSubstr("outside of walkable_m"));
-  EXPECT_THAT(complaint(kLeast + "[visitor]\nwalkable_m = [[0,0],[9,0],[9,9]]\n"), HasSubstr("give [start] eye_m"));
+  EXPECT_THAT(
+      complaint(kMinimalPackage + "[visitor]\nwalkable_m = [[0,0],[9,0],[9,9]]\n[start]\neye_m = [0, 1.6, 5]\n"),
+      HasSubstr("outside of walkable_m"));
+  EXPECT_THAT(complaint(kMinimalPackage + "[visitor]\nwalkable_m = [[0,0],[9,0],[9,9]]\n"),
+              HasSubstr("give [start] eye_m"));
 }
 
 TEST_F(ScenePackageTest, an_environment_is_a_file_of_the_package_with_strength_and_rotation) {
   std::ofstream(folder_ / "in" / "x.hdr") << "hdr";
-  const auto package = parse(kLeast + "[environment]\nfile = 'in/x.hdr'\nstrength = 2.5\nrotation_deg = -90\n");
+  const auto package =
+      parse(kMinimalPackage + "[environment]\nfile = 'in/x.hdr'\nstrength = 2.5\nrotation_deg = -90\n");
   ASSERT_TRUE(package.has_value()) << package.error().message();
   ASSERT_TRUE(package->environment.has_value());
   EXPECT_EQ(package->environment->file.filename(), "x.hdr");
   EXPECT_EQ(package->environment->strength, 2.5f);
   EXPECT_NEAR(package->environment->rotation_rad, -0.5 * std::numbers::pi, 1e-6);
-  const auto plain = parse(kLeast + "[environment]\nfile = 'in/x.hdr'\n");
+  const auto plain = parse(kMinimalPackage + "[environment]\nfile = 'in/x.hdr'\n");
   ASSERT_TRUE(plain.has_value() && plain->environment);
   EXPECT_EQ(plain->environment->strength, 1.0f);
   EXPECT_EQ(plain->environment->rotation_rad, 0.0f);
 }
 
 TEST_F(ScenePackageTest, an_environment_from_elsewhere_of_no_file_or_beside_a_sky_is_refused) {
-  EXPECT_THAT(complaint(kLeast + "[environment]\nfile = '/etc/passwd'\n"), HasSubstr("inside the package"));
-  EXPECT_THAT(complaint(kLeast + "[environment]\nfile = 'none.hdr'\n"), HasSubstr("not a file of the package"));
-  EXPECT_THAT(complaint(kLeast + "[environment]\nstrength = 2\n"), HasSubstr("file"));
-  EXPECT_THAT(complaint(kLeast + "[environment]\nfile = 'a.ply'\nstrength = -1\n"), HasSubstr("strength"));
-  EXPECT_THAT(complaint(kLeast + "[environment]\nfile = 'a.ply'\n[sky]\nzenith = [1, 1, 1]\n"), HasSubstr("[sky]"));
+  EXPECT_THAT(complaint(kMinimalPackage + "[environment]\nfile = '/etc/passwd'\n"), HasSubstr("inside the package"));
+  EXPECT_THAT(complaint(kMinimalPackage + "[environment]\nfile = 'none.hdr'\n"),
+              HasSubstr("not a file of the package"));
+  EXPECT_THAT(complaint(kMinimalPackage + "[environment]\nstrength = 2\n"), HasSubstr("file"));
+  EXPECT_THAT(complaint(kMinimalPackage + "[environment]\nfile = 'a.ply'\nstrength = -1\n"), HasSubstr("strength"));
+  EXPECT_THAT(complaint(kMinimalPackage + "[environment]\nfile = 'a.ply'\n[sky]\nzenith = [1, 1, 1]\n"),
+              HasSubstr("[sky]"));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

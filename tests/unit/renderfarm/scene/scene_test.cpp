@@ -13,7 +13,7 @@
 #include "tests/doubles/model_invariants.h"
 #include "tests/doubles/shared_data.h"
 
-namespace cyclorama {
+namespace cyclorama::scene {
 namespace {
 
 using testing::Contains;
@@ -200,4 +200,4 @@ TEST(Scenes, every_real_scene_and_relic_loads_with_a_visitor_in_it) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene

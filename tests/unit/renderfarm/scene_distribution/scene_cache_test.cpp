@@ -12,7 +12,7 @@
 
 #include "tests/doubles/scene_folder.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 namespace {
 
 namespace fs = std::filesystem;
@@ -283,4 +283,4 @@ TEST_F(Cache, says_where_it_cannot_write) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -6,7 +6,7 @@
 
 #include "renderfarm/scene_distribution/sha256.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 namespace {
 
 using testing::HasSubstr;
@@ -63,10 +63,10 @@ TEST(SceneFiles, refuse_what_could_harm_or_confuse) {
   EXPECT_THAT(refusal_of({{"WALL.ply", 1, kA}, {"wall.ply", 1, kA}}), HasSubstr("case of its letters"));
   EXPECT_THAT(refusal_of({{"a", 1, kA}, {"a/b", 1, kA}}), HasSubstr("both a file and a folder"));
   EXPECT_THAT(refusal_of({{"A", 1, kA}, {"a/b", 1, kA}}), HasSubstr("both a file and a folder"));
-  EXPECT_THAT(refusal_of({{"a", kMostSceneBytes, kA}, {"b", 1, kB}}), HasSubstr("more than 1024 GiB"));
+  EXPECT_THAT(refusal_of({{"a", kMaxSceneBytes, kA}, {"b", 1, kB}}), HasSubstr("more than 1024 GiB"));
   EXPECT_THAT(refusal_of({{"a", ~std::uint64_t{0}, kA}, {"b", ~std::uint64_t{0}, kB}}), HasSubstr("GiB"));
   SceneFiles many;
-  for (std::size_t i = 0; i <= kMostSceneFiles; ++i) many.push_back({"f" + std::to_string(100'000 + i), 1, kA});
+  for (std::size_t i = 0; i <= kMaxSceneFiles; ++i) many.push_back({"f" + std::to_string(100'000 + i), 1, kA});
   EXPECT_THAT(refusal_of(many), HasSubstr("at most 10000"));
   many.pop_back();
   EXPECT_EQ(refusal_of(many), "");
@@ -91,4 +91,4 @@ TEST(SceneFiles, have_paths_that_stay_inside_and_mean_the_same_everywhere) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -8,7 +8,7 @@
 
 #include "tests/doubles/scene_folder.h"
 
-namespace cyclorama {
+namespace cyclorama::scene_distribution {
 namespace {
 
 namespace fs = std::filesystem;
@@ -138,4 +138,4 @@ TEST_F(Listing, believes_its_memory_while_a_file_has_its_stamp) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scene_distribution

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -67,4 +67,4 @@ TEST(CameraOptions, what_does_not_fit_is_refused_in_one_sentence) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

@@ -12,7 +12,7 @@
 #include "common/image/pfm.h"
 #include "common/image/png.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 using testing::HasSubstr;
@@ -78,4 +78,4 @@ TEST_F(CompareFiles, other_sizes_no_file_and_no_picture_are_refused) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

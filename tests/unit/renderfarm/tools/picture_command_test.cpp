@@ -9,7 +9,7 @@
 
 #include "common/base/file.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 class PictureCommand : public testing::Test {
@@ -56,4 +56,4 @@ TEST_F(PictureCommand, has_the_bounces_of_the_scene_unless_it_is_told_otherwise)
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

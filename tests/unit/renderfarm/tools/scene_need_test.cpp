@@ -6,14 +6,14 @@
 
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-std::string what(const Scene& scene, const std::string& name) {
+std::string what(const scene::Scene& scene, const std::string& name) {
   for (const NamedNeed& need : named_needs(scene)) {
     if (need.name == name) return need.what;
   }
@@ -21,7 +21,7 @@ std::string what(const Scene& scene, const std::string& name) {
   return "";
 }
 
-std::vector<std::string> found(const Scene& scene) {
+std::vector<std::string> found(const scene::Scene& scene) {
   std::vector<std::string> names;
   for (const NamedNeed& need : named_needs(scene)) {
     if (!need.what.empty()) names.push_back(need.name);
@@ -30,7 +30,7 @@ std::vector<std::string> found(const Scene& scene) {
 }
 
 TEST(NamedNeeds, are_indirect_light_alone_for_matte_triangles_in_the_dark) {
-  Scene scene = scene_of(square_mesh(1.0f));
+  scene::Scene scene = scene_of(square_mesh(1.0f));
   EXPECT_THAT(found(scene), ElementsAre("indirect light"));
   EXPECT_EQ(what(scene, "indirect light"), "4 bounces");
   scene.bounces = 0;
@@ -38,8 +38,8 @@ TEST(NamedNeeds, are_indirect_light_alone_for_matte_triangles_in_the_dark) {
 }
 
 TEST(NamedNeeds, name_the_material_and_why) {
-  Scene scene = scene_of(square_mesh(1.0f));
-  Material& material = scene.model.materials[0];
+  scene::Scene scene = scene_of(square_mesh(1.0f));
+  scene::Material& material = scene.model.materials[0];
   material.name = "lacquer";
   material.roughness = 0.5f;
   EXPECT_EQ(what(scene, "glossy surfaces"), "1 material: 'lacquer' (dielectric's gloss)");
@@ -53,17 +53,17 @@ TEST(NamedNeeds, name_the_material_and_why) {
 }
 
 TEST(NamedNeeds, of_many_materials_name_three) {
-  Scene scene = scene_of(square_mesh(1.0f));
+  scene::Scene scene = scene_of(square_mesh(1.0f));
   for (int i = 1; i < 5; ++i) {
     scene.model.materials.push_back(scene.model.materials[0]);
     add_mesh(scene, square_mesh(1.0f, i));
   }
-  for (Material& material : scene.model.materials) material.alpha_mode = AlphaMode::kMask;
+  for (scene::Material& material : scene.model.materials) material.alpha_mode = scene::AlphaMode::kMask;
   EXPECT_THAT(what(scene, "alpha cut-outs"), HasSubstr("5 materials: '', '', '', ..."));
 }
 
 TEST(NamedNeeds, leave_out_what_no_triangle_has) {
-  Scene scene = scene_of(square_mesh(1.0f));
+  scene::Scene scene = scene_of(square_mesh(1.0f));
   scene.model.materials.emplace_back();
   scene.model.materials[1].emissive.setOnes();
   EXPECT_EQ(what(scene, "emitters"), "");
@@ -72,28 +72,28 @@ TEST(NamedNeeds, leave_out_what_no_triangle_has) {
 }
 
 TEST(NamedNeeds, tell_lamps_apart) {
-  Scene scene = scene_of(square_mesh(1.0f));
-  const auto add = [&](LightKind kind, double radius) {
-    Light light = point_light({0, 1, 0}, 1.0f);
+  scene::Scene scene = scene_of(square_mesh(1.0f));
+  const auto add = [&](scene::LightKind kind, double radius) {
+    scene::Light light = point_light({0, 1, 0}, 1.0f);
     light.kind = kind;
     light.radius_m = radius;
     scene.model.lights.push_back(light);
   };
-  add(LightKind::kPoint, 0.0);
-  add(LightKind::kSpot, 0.1);
-  add(LightKind::kDisk, 0.1);
-  add(LightKind::kDirectional, 0.1);
+  add(scene::LightKind::kPoint, 0.0);
+  add(scene::LightKind::kSpot, 0.1);
+  add(scene::LightKind::kDisk, 0.1);
+  add(scene::LightKind::kDirectional, 0.1);
   EXPECT_EQ(what(scene, "lamps without size"), "1");
   EXPECT_EQ(what(scene, "lamps with a size"), "2");
   EXPECT_EQ(what(scene, "suns"), "1");
 }
 
 TEST(NamedNeeds, instancing_is_a_mesh_that_stands_more_than_once) {
-  Scene scene = scene_of(square_mesh(1.0f));
+  scene::Scene scene = scene_of(square_mesh(1.0f));
   EXPECT_EQ(what(scene, "instancing"), "");
   scene.model.instances.push_back(scene.model.instances[0]);
   EXPECT_EQ(what(scene, "instancing"), "1 meshes stand 2 times");
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

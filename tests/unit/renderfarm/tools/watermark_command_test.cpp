@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::tools {
 namespace {
 
 RgbImage waves(int width, int height) {
@@ -20,7 +20,7 @@ RgbImage waves(int width, int height) {
 }
 
 TEST(FindMuseum, tells_which_one_of_several) {
-  const auto grants = Grants::parse(
+  const auto grants = trust::Grants::parse(
       "[[museum]]\nname = \"a\"\nscenes = [\"*\"]\nwatermark = \"000000000000000b\"\n"
       "[[museum]]\nname = \"b\"\nscenes = [\"*\"]\nwatermark = \"000000000000000c\"\n"
       "[[museum]]\nname = \"none\"\nscenes = [\"*\"]\n"
@@ -38,4 +38,4 @@ TEST(FindMuseum, tells_which_one_of_several) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tools

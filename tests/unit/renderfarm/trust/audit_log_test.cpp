@@ -13,22 +13,22 @@
 #include "common/base/file.h"
 #include "tests/doubles/scene_folder.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr Duration kPatience = std::chrono::seconds(20);
+constexpr Duration kTimeout = std::chrono::seconds(20);
 
 class Audit : public testing::Test {
  protected:
-  void open(std::uint64_t most_bytes = AuditLog::kMostBytes) {
-    auto opened = AuditLog::open(path, most_bytes);
+  void open(std::uint64_t max_bytes = AuditLog::kMaxBytes) {
+    auto opened = AuditLog::open(path, max_bytes);
     ASSERT_TRUE(opened) << opened.error().message();
     log = *std::move(opened);
   }
-  Status write(const std::string& reason) { return log->write({.event = "visit refused", .reason = reason}); }
+  Status write(const std::string& reason) { return log->write({.event = "session refused", .reason = reason}); }
   /// Returns the reasons of a file's lines, each of which must be complete.
   static std::vector<std::string> reasons(const std::filesystem::path& file) {
     const auto text = read_text_file(file, 1 << 20);
@@ -73,7 +73,7 @@ TEST_F(Audit, keeps_one_predecessor_and_never_more_than_its_limit) {
   for (std::size_t i = 0; i < last.size(); ++i) EXPECT_EQ(last[i], std::to_string(30 - last.size() + i));
   const auto files = std::distance(std::filesystem::directory_iterator(temporary.path()), {});
   EXPECT_EQ(files, 2);
-  EXPECT_TRUE(log->wait_for_disk(kPatience)) << "files that were left are kept too";
+  EXPECT_TRUE(log->wait_for_disk(kTimeout)) << "files that were left are kept too";
 }
 
 TEST_F(Audit, grows_and_says_so_where_it_cannot_be_moved_away) {
@@ -90,7 +90,7 @@ TEST_F(Audit, has_its_lines_on_disk_soon) {
   open();
   for (const char* const reason : {"a", "b"}) {
     EXPECT_TRUE(write(reason));
-    EXPECT_TRUE(log->wait_for_disk(kPatience));
+    EXPECT_TRUE(log->wait_for_disk(kTimeout));
   }
   EXPECT_TRUE(write("c"));
   log.reset();
@@ -126,4 +126,4 @@ TEST(AuditDevice, that_is_full_refuses_each_line_and_is_never_moved) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

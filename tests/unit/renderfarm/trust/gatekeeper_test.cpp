@@ -8,7 +8,7 @@
 #include "tests/doubles/manual_clock.h"
 #include "tests/doubles/test_authority.h"
 
-namespace cyclorama {
+namespace cyclorama::trust {
 namespace {
 
 using testing::AllOf;
@@ -20,7 +20,7 @@ using testing::Not;
 constexpr const char* kGrants = R"([[museum]]
 name = "hall-3"
 scenes = ["grotto"]
-visits = 2
+sessions = 2
 [[museum]]
 name = "hall-4"
 scenes = ["*"]
@@ -32,16 +32,16 @@ class GatekeeperTest : public testing::Test {
   void open() {
     write(museums(), kGrants);
     TrustOptions options;
-    options.tls = authority_.head();
+    options.tls = authority_.coordinator();
     options.revoked = authority_.revocations();
     options.museums = museums();
     options.audit = authority_.folder() / "audit.jsonl";
-    options.most_views_per_second = 100.0;
-    auto opened = Gatekeeper::open(options, clock_, [this](const std::string& said) { said_.push_back(said); });
+    options.max_views_per_second = 100.0;
+    auto opened = Gatekeeper::open(options, clock_, [this](const std::string& said) { notices_.push_back(said); });
     ASSERT_TRUE(opened) << opened.error().message();
     gate_ = *std::move(opened);
     clock_.advance(std::chrono::seconds(1));
-    EXPECT_THAT(gate_->tick().visits, IsEmpty());
+    EXPECT_THAT(gate_->tick().sessions, IsEmpty());
   }
   static void write(const std::filesystem::path& path, const std::string& text) {
     ASSERT_TRUE(write_file_atomically(path, text));
@@ -65,7 +65,7 @@ class GatekeeperTest : public testing::Test {
 
   TestAuthority authority_;
   ManualClock clock_;
-  std::vector<std::string> said_;
+  std::vector<std::string> notices_;
   std::unique_ptr<Gatekeeper> gate_;
 };
 
@@ -79,13 +79,13 @@ TEST_F(GatekeeperTest, lets_each_port_have_its_own_role) {
 
 TEST_F(GatekeeperTest, gives_a_museum_what_its_grant_says) {
   open();
-  EXPECT_EQ(gate_->visit_came(1, museum("hall-3"))->scenes, std::vector<std::string>{"grotto"});
-  EXPECT_TRUE(gate_->visit_came(2, museum("hall-3")));
-  EXPECT_EQ(gate_->visit_came(3, museum("hall-3")).error().code(), ErrorCode::kBusy);
-  EXPECT_TRUE(gate_->visit_came(4, museum("hall-4")));
-  gate_->visit_ended(1, "");
-  EXPECT_TRUE(gate_->visit_came(5, museum("hall-3")));
-  EXPECT_EQ(gate_->visit_came(6, museum("stranger")).error().code(), ErrorCode::kNotFound);
+  EXPECT_EQ(gate_->session_connected(1, museum("hall-3"))->scenes, std::vector<std::string>{"grotto"});
+  EXPECT_TRUE(gate_->session_connected(2, museum("hall-3")));
+  EXPECT_EQ(gate_->session_connected(3, museum("hall-3")).error().code(), ErrorCode::kBusy);
+  EXPECT_TRUE(gate_->session_connected(4, museum("hall-4")));
+  gate_->session_ended(1, "");
+  EXPECT_TRUE(gate_->session_connected(5, museum("hall-3")));
+  EXPECT_EQ(gate_->session_connected(6, museum("stranger")).error().code(), ErrorCode::kNotFound);
   EXPECT_FALSE(gate_->grant_of(museum("stranger")).allows("grotto"));
 }
 
@@ -93,50 +93,50 @@ TEST_F(GatekeeperTest, lets_those_go_that_are_revoked) {
   open();
   const Identity hall = museum("hall-3");
   const Identity node = *check(authority_.node("n1"));
-  ASSERT_TRUE(gate_->visit_came(1, hall));
-  ASSERT_TRUE(gate_->visit_came(2, museum("hall-4")));
-  gate_->node_came(7, node);
+  ASSERT_TRUE(gate_->session_connected(1, hall));
+  ASSERT_TRUE(gate_->session_connected(2, museum("hall-4")));
+  gate_->node_connected(7, node);
   authority_.run("revoke hall-3");
   authority_.run("revoke n1");
   const auto leavers = tick();
-  EXPECT_THAT(ids(leavers.visits), ElementsAre(1));
+  EXPECT_THAT(ids(leavers.sessions), ElementsAre(1));
   EXPECT_THAT(ids(leavers.nodes), ElementsAre(7));
   EXPECT_THAT(*gate_->refusal(hall, Role::kMuseum), HasSubstr("revoked"));
   EXPECT_FALSE(gate_->refusal(museum("hall-4"), Role::kMuseum));
 }
 
-TEST_F(GatekeeperTest, lets_those_go_that_lost_the_scene_they_visit) {
+TEST_F(GatekeeperTest, lets_those_go_that_lost_the_scene_they_use) {
   open();
-  ASSERT_TRUE(gate_->visit_came(1, museum("hall-3")));
-  gate_->visit_opened(1, "grotto");
-  ASSERT_TRUE(gate_->visit_came(2, museum("hall-4")));
+  ASSERT_TRUE(gate_->session_connected(1, museum("hall-3")));
+  gate_->session_opened(1, "grotto");
+  ASSERT_TRUE(gate_->session_connected(2, museum("hall-4")));
   write(museums(), "[[museum]]\nname = \"hall-3\"\nscenes = [\"relic\"]\n");
   const auto leavers = tick();
-  EXPECT_THAT(ids(leavers.visits), ElementsAre(1, 2));
-  EXPECT_THAT(leavers.visits[0].reason, HasSubstr("'grotto' is not granted"));
+  EXPECT_THAT(ids(leavers.sessions), ElementsAre(1, 2));
+  EXPECT_THAT(leavers.sessions[0].reason, HasSubstr("'grotto' is not granted"));
   EXPECT_TRUE(gate_->grant_of(museum("hall-3")).allows("relic"));
 }
 
 TEST_F(GatekeeperTest, keeps_the_last_good_files_and_says_so_once) {
   open();
   authority_.run("revoke hall-4");
-  EXPECT_THAT(tick().visits, IsEmpty());
+  EXPECT_THAT(tick().sessions, IsEmpty());
   ASSERT_TRUE(gate_->refusal(museum("hall-3"), Role::kMuseum) == std::nullopt);
-  said_.clear();
+  notices_.clear();
   write(museums(), "[[museum]]\nname = 3\n");
   write(authority_.revocations(), "what?");
-  EXPECT_THAT(tick().visits, IsEmpty());
-  EXPECT_THAT(said_, ElementsAre(HasSubstr("museums.toml:"), HasSubstr("crl.pem")));
-  EXPECT_THAT(tick().visits, IsEmpty());
+  EXPECT_THAT(tick().sessions, IsEmpty());
+  EXPECT_THAT(notices_, ElementsAre(HasSubstr("museums.toml:"), HasSubstr("crl.pem")));
+  EXPECT_THAT(tick().sessions, IsEmpty());
   std::filesystem::remove(authority_.revocations());
   tick();
   tick();
-  EXPECT_EQ(said_.size(), 3u) << "the list is missing now";
+  EXPECT_EQ(notices_.size(), 3u) << "the list is missing now";
   EXPECT_TRUE(gate_->grant_of(museum("hall-3")).allows("grotto"));
   TestAuthority other;
   write(authority_.revocations(), *read_text_file(other.revocations(), 1 << 20));
   tick();
-  EXPECT_THAT(said_.back(), HasSubstr("was not signed by the farm's authority"));
+  EXPECT_THAT(notices_.back(), HasSubstr("was not signed by the farm's authority"));
 }
 
 TEST_F(GatekeeperTest, still_knows_the_revoked_when_the_list_is_gone) {
@@ -151,56 +151,57 @@ TEST_F(GatekeeperTest, still_knows_the_revoked_when_the_list_is_gone) {
 
 TEST_F(GatekeeperTest, ends_a_flood_of_views) {
   open();
-  ASSERT_TRUE(gate_->visit_came(1, museum("hall-3")));
+  ASSERT_TRUE(gate_->session_connected(1, museum("hall-3")));
   int borne = 0;
-  while (borne < 5000 && gate_->view_came(1)) ++borne;
+  while (borne < 5000 && gate_->view_received(1)) ++borne;
   EXPECT_EQ(borne, 1000);
   clock_.advance(std::chrono::seconds(2));
-  for (int i = 0; i < 190; ++i) EXPECT_TRUE(gate_->view_came(1));
+  for (int i = 0; i < 190; ++i) EXPECT_TRUE(gate_->view_received(1));
 }
 
 TEST_F(GatekeeperTest, holds_a_museum_to_its_bytes_per_second) {
   open();
-  ASSERT_TRUE(gate_->visit_came(1, museum("hall-3")));
-  ASSERT_TRUE(gate_->visit_came(2, museum("hall-4")));
-  wire::VisitReply tile;
+  ASSERT_TRUE(gate_->session_connected(1, museum("hall-3")));
+  ASSERT_TRUE(gate_->session_connected(2, museum("hall-4")));
+  wire::SessionReply tile;
   tile.mutable_tile()->set_jpeg(std::string(1'000'000, 'x'));
-  wire::VisitReply end;
+  wire::SessionReply end;
   end.mutable_end()->set_complete(true);
   for (int frame = 0; frame < 4; ++frame) {
-    EXPECT_EQ(gate_->took(1, tile), clock_.now());
-    EXPECT_EQ(gate_->took(1, end), clock_.now()) << "it has no limit";
-    gate_->took(2, tile);
-    EXPECT_NEAR(to_seconds(gate_->took(2, end) - clock_.now()), frame, 1e-6) << "the first second is a reserve";
+    EXPECT_EQ(gate_->reply_written(1, tile), clock_.now());
+    EXPECT_EQ(gate_->reply_written(1, end), clock_.now()) << "it has no limit";
+    gate_->reply_written(2, tile);
+    EXPECT_NEAR(to_seconds(gate_->reply_written(2, end) - clock_.now()), frame, 1e-6)
+        << "the first second is a reserve";
   }
 }
 
 TEST_F(GatekeeperTest, writes_one_line_per_coming_and_going) {
   open();
   const Identity hall = museum("hall-3");
-  ASSERT_TRUE(gate_->visit_came(1, hall));
-  gate_->visit_opened(1, "grotto");
-  wire::VisitReply reply;
+  ASSERT_TRUE(gate_->session_connected(1, hall));
+  gate_->session_opened(1, "grotto");
+  wire::SessionReply reply;
   reply.mutable_tile()->set_jpeg("0123456789");
-  gate_->took(1, reply);
+  gate_->reply_written(1, reply);
   reply.mutable_end()->set_complete(true);
-  gate_->took(1, reply);
+  gate_->reply_written(1, reply);
   clock_.advance(std::chrono::milliseconds(2500));
-  gate_->visit_ended(1, "it was \"long\"\n");
-  gate_->visit_ended(1, "again");
-  EXPECT_THAT(audit(), HasSubstr("\"event\":\"visit opened\",\"role\":\"museum\",\"name\":\"hall-3\",\"serial\":\"" +
+  gate_->session_ended(1, "it was \"long\"\n");
+  gate_->session_ended(1, "again");
+  EXPECT_THAT(audit(), HasSubstr("\"event\":\"session opened\",\"role\":\"museum\",\"name\":\"hall-3\",\"serial\":\"" +
                                  hall.serial + "\",\"address\":\"ipv6:[::1]:1234\",\"scene\":\"grotto\"}\n"));
   EXPECT_THAT(audit(), HasSubstr("\"reason\":\"it was \\\"long\\\"?\",\"seconds\":2.5,\"frames\":1,\"bytes\":10}\n"));
   EXPECT_THAT(audit(), Not(HasSubstr("again")));
-  for (int i = 0; i < 10; ++i) EXPECT_FALSE(gate_->visit_came(2, museum("stranger")).has_value());
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(gate_->session_connected(2, museum("stranger")).has_value());
   const std::string log = audit();
-  EXPECT_EQ(log.find("visit refused"), log.rfind("visit refused")) << "once a minute";
+  EXPECT_EQ(log.find("session refused"), log.rfind("session refused")) << "once a minute";
 }
 
 TEST_F(GatekeeperTest, begins_a_new_log_when_the_old_was_moved_away) {
   open();
   std::filesystem::rename(authority_.folder() / "audit.jsonl", authority_.folder() / "audit.jsonl.1");
-  gate_->node_came(1, *check(authority_.node("n1")));
+  gate_->node_connected(1, *check(authority_.node("n1")));
   EXPECT_THAT(audit(), HasSubstr("node came"));
 }
 
@@ -211,34 +212,35 @@ TEST_F(GatekeeperTest, wants_good_files_to_begin_with) {
   };
   EXPECT_EQ(refusal_of({}), "");
   EXPECT_THAT(refusal_of({.museums = museums()}), HasSubstr("need [tls]"));
-  EXPECT_THAT(refusal_of({.tls = authority_.head(), .museums = museums()}), HasSubstr("museums.toml"));
-  EXPECT_THAT(refusal_of({.tls = authority_.head(), .revoked = "/nowhere/crl.pem"}), HasSubstr("/nowhere/crl.pem"));
+  EXPECT_THAT(refusal_of({.tls = authority_.coordinator(), .museums = museums()}), HasSubstr("museums.toml"));
+  EXPECT_THAT(refusal_of({.tls = authority_.coordinator(), .revoked = "/nowhere/crl.pem"}),
+              HasSubstr("/nowhere/crl.pem"));
   EXPECT_THAT(refusal_of({.audit = "/nowhere/audit"}), HasSubstr("/nowhere/audit"));
 }
 
-TEST(FullDisk, is_told_once_and_harms_no_visit) {
+TEST(FullDisk, is_told_once_and_harms_no_session) {
   ManualClock clock;
   std::vector<std::string> said;
   const auto gate =
       *Gatekeeper::open({.audit = "/dev/full"}, clock, [&](const std::string& sentence) { said.push_back(sentence); });
   for (std::uint64_t id = 1; id <= 3; ++id) {
-    EXPECT_TRUE(gate->visit_came(id, {})->allows("grotto"));
-    gate->visit_opened(id, "grotto");
-    EXPECT_TRUE(gate->view_came(id));
-    gate->visit_ended(id, "");
-    gate->node_came(id, {});
+    EXPECT_TRUE(gate->session_connected(id, {})->allows("grotto"));
+    gate->session_opened(id, "grotto");
+    EXPECT_TRUE(gate->view_received(id));
+    gate->session_ended(id, "");
+    gate->node_connected(id, {});
     clock.advance(std::chrono::seconds(1));
     EXPECT_FALSE(gate->tick().changed);
-    gate->node_gone(id, "");
+    gate->node_disconnected(id, "");
   }
-  EXPECT_THAT(said, ElementsAre(AllOf(HasSubstr("/dev/full"), HasSubstr("visits go on without it"))));
+  EXPECT_THAT(said, ElementsAre(AllOf(HasSubstr("/dev/full"), HasSubstr("sessions go on without it"))));
 }
 
 TEST(Nobody, may_do_everything_where_there_is_no_tls) {
   ManualClock clock;
   const auto gate = *Gatekeeper::open({}, clock, [](const std::string&) {});
-  for (std::uint64_t id = 1; id < 100; ++id) EXPECT_TRUE(gate->visit_came(id, {})->allows("grotto"));
+  for (std::uint64_t id = 1; id < 100; ++id) EXPECT_TRUE(gate->session_connected(id, {})->allows("grotto"));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::trust {
 namespace {
 
 using testing::HasSubstr;
@@ -20,7 +20,7 @@ TEST(Grants, say_what_a_museum_may_do) {
 name = "hall-3"
 scenes = ["grotto", "relic"]
 weight = 2.0
-visits = 1
+sessions = 1
 megabytes_per_s = 20
 watermark = "9e1f2bad2af9ea4e"
 [[museum]]
@@ -35,10 +35,10 @@ scenes = ["*"]
   EXPECT_FALSE(first->allows("cave"));
   EXPECT_FALSE(first->allows("*"));
   EXPECT_EQ(first->weight, 2.0);
-  EXPECT_EQ(first->visits, 1);
+  EXPECT_EQ(first->sessions, 1);
   EXPECT_EQ(first->bytes_per_second, 20e6);
   EXPECT_EQ(first->watermark, 0x9e1f2bad2af9ea4eu);
-  EXPECT_EQ(*grants->find("hall-4"), (Grant{.museum = "hall-4", .visits = 4}));
+  EXPECT_EQ(*grants->find("hall-4"), (Grant{.museum = "hall-4", .sessions = 4}));
   EXPECT_TRUE(grants->find("hall-4")->allows("cave"));
   EXPECT_EQ(grants->find("hall-5"), nullptr);
 }
@@ -59,4 +59,4 @@ TEST(Grants, name_the_line_of_a_mistake) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::trust

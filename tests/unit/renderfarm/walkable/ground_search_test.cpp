@@ -7,7 +7,7 @@
 #include "renderfarm/scene/area.h"
 #include "tests/doubles/plain_rooms.h"
 
-namespace cyclorama {
+namespace cyclorama::walkable {
 namespace {
 
 using testing::HasSubstr;
@@ -17,14 +17,14 @@ constexpr double kCell = 0.05;
 /// Polygons follow cells: the tolerance is half a cell, and three quarters of one for the simplification.
 constexpr double kNear = 0.07;
 
-Result<WalkableGround> search(const Scene& scene) {
+Result<WalkableGround> search(const scene::Scene& scene) {
   const auto probe = RayProbe::build(scene, scene.info.start_eye);
   CHECK(probe);
   return find_walkable(*probe, scene.info, scene.bounds, {});
 }
 
 /// Options for rooms in which somebody can walk.
-WalkableGround found(const Scene& scene) {
+WalkableGround found(const scene::Scene& scene) {
   auto ground = search(scene);
   CHECK(ground);
   return *std::move(ground);
@@ -32,9 +32,9 @@ WalkableGround found(const Scene& scene) {
 
 bool holds(const WalkableGround& ground, double x, double z) {
   for (const auto& hole : ground.holes) {
-    if (is_inside(hole, {x, z})) return false;
+    if (scene::is_inside(hole, {x, z})) return false;
   }
-  return is_inside(ground.outline, {x, z});
+  return scene::is_inside(ground.outline, {x, z});
 }
 
 /// Returns the distance from the start to the border along x, in the direction of `x_sign`.
@@ -47,7 +47,7 @@ double reach(const WalkableGround& ground, double x_sign, double z = 0.0) {
 TEST(GroundSearch, finds_an_empty_room_up_to_a_body_from_its_walls) {
   const WalkableGround ground = found(plain_room(4));
   EXPECT_NEAR(ground.area_m2, 7.4 * 7.4, 7.4 * 4 * kCell);
-  EXPECT_NEAR(area_of(ground.outline), ground.area_m2, 0.5);
+  EXPECT_NEAR(scene::area_of(ground.outline), ground.area_m2, 0.5);
   EXPECT_TRUE(ground.holes.empty());
   EXPECT_LE(ground.outline.size(), 12u);
   EXPECT_NEAR(reach(ground, 1), 4 - kRadius, kNear);
@@ -56,7 +56,7 @@ TEST(GroundSearch, finds_an_empty_room_up_to_a_body_from_its_walls) {
 }
 
 TEST(GroundSearch, leaves_a_hole_around_a_pillar_and_around_a_pole_that_is_thinner_than_a_cell) {
-  Scene scene = plain_room(4);
+  scene::Scene scene = plain_room(4);
   add_box(scene, {1.5f, 0, -0.5f}, {2.5f, 3, 0.5f});
   add_box(scene, {-2.01f, 0, -0.01f}, {-1.99f, 3, 0.01f});
   const WalkableGround ground = found(scene);
@@ -72,7 +72,7 @@ TEST(GroundSearch, leaves_a_hole_around_a_pillar_and_around_a_pole_that_is_thinn
 
 TEST(GroundSearch, steps_onto_a_low_step_and_not_onto_a_high_one) {
   for (const float height : {0.18f, 0.32f}) {
-    Scene scene = plain_room(4);
+    scene::Scene scene = plain_room(4);
     add_box(scene, {1, 0, -4}, {4, height, 4});
     const WalkableGround ground = found(scene);
     EXPECT_EQ(holds(ground, 3, 0), height < 0.25f) << height;
@@ -82,26 +82,26 @@ TEST(GroundSearch, steps_onto_a_low_step_and_not_onto_a_high_one) {
 
 TEST(GroundSearch, steps_over_a_door_sill_and_not_over_a_railing) {
   for (const float height : {0.1f, 0.9f}) {
-    Scene scene = plain_room(4);
+    scene::Scene scene = plain_room(4);
     add_box(scene, {1, 0, -4}, {1.02f, height, 4});
     EXPECT_EQ(holds(found(scene), 3, 0), height < 0.25f) << height;
   }
 }
 
 TEST(GroundSearch, is_stopped_by_a_bar_at_the_height_of_the_chest_and_by_glass_that_is_one_triangle_thick) {
-  Scene bar = plain_room(4);
+  scene::Scene bar = plain_room(4);
   add_box(bar, {1, 1.2f, -4}, {1.02f, 1.25f, 4});
   EXPECT_FALSE(holds(found(bar), 3, 0));
-  Scene pane = plain_room(4);
+  scene::Scene pane = plain_room(4);
   add_mesh(pane, quad_mesh({1, 0, -4}, {1, 3, -4}, {1, 3, 4}, {1, 0, 4}));
   EXPECT_FALSE(holds(found(pane), 3, 0));
 }
 
 TEST(GroundSearch, walks_through_what_only_blends) {
-  Scene scene = plain_room(4);
+  scene::Scene scene = plain_room(4);
   add_mesh(scene, quad_mesh({1, 0, -4}, {1, 3, -4}, {1, 3, 4}, {1, 0, 4}));
-  Material shaft = matte_material({1, 1, 1});
-  shaft.alpha_mode = AlphaMode::kBlend;
+  scene::Material shaft = matte_material({1, 1, 1});
+  shaft.alpha_mode = scene::AlphaMode::kBlend;
   scene.model.materials.push_back(shaft);
   scene.model.meshes.back().material = 1;
   EXPECT_TRUE(holds(found(scene), 3, 0));
@@ -109,7 +109,7 @@ TEST(GroundSearch, walks_through_what_only_blends) {
 
 TEST(GroundSearch, needs_head_room) {
   for (const float height : {1.70f, 1.85f}) {
-    Scene scene = plain_room(4);
+    scene::Scene scene = plain_room(4);
     add_box(scene, {1, height, -4}, {4, 3, 4});
     const WalkableGround ground = found(scene);
     EXPECT_EQ(holds(ground, 3, 0), height > 1.75f) << height;
@@ -121,7 +121,7 @@ TEST(GroundSearch, needs_head_room) {
 
 TEST(GroundSearch, does_not_notice_a_crack_and_stops_before_a_ditch) {
   for (const float width : {0.08f, 0.6f}) {
-    Scene scene = scene_of(box_mesh({-4, -1, -4}, {1, 0, 4}));
+    scene::Scene scene = scene_of(box_mesh({-4, -1, -4}, {1, 0, 4}));
     add_box(scene, {1 + width, -1, -4}, {5, 0, 4});
     scene.info.start_eye = {0, 1.6, 0};
     scene.info.eye_height_m = 1.6;
@@ -135,7 +135,7 @@ TEST(GroundSearch, does_not_notice_a_crack_and_stops_before_a_ditch) {
 
 TEST(GroundSearch, goes_up_a_ramp_until_the_eye_would_be_too_low_and_not_up_a_steep_one) {
   const auto ramp = [](float rise) {
-    Scene scene = scene_of(quad_mesh({-4, 0, -4}, {1, 0, -4}, {1, 0, 4}, {-4, 0, 4}));
+    scene::Scene scene = scene_of(quad_mesh({-4, 0, -4}, {1, 0, -4}, {1, 0, 4}, {-4, 0, 4}));
     add_mesh(scene, quad_mesh({1, 0, -4}, {9, 8 * rise, -4}, {9, 8 * rise, 4}, {1, 0, 4}));
     scene.info.start_eye = {0, 1.6, 0};
     scene.info.eye_height_m = 1.6;
@@ -148,7 +148,7 @@ TEST(GroundSearch, goes_up_a_ramp_until_the_eye_would_be_too_low_and_not_up_a_st
 
 TEST(GroundSearch, goes_round_a_spiral_as_far_as_it_suits_the_height_of_the_eye) {
   // One turn of a ramp between the radii 1 and 3, rising 3 m from angle 0 (+x), around a newel.
-  Scene scene = scene_of(box_mesh({-0.9f, -1, -0.9f}, {0.9f, 5, 0.9f}));
+  scene::Scene scene = scene_of(box_mesh({-0.9f, -1, -0.9f}, {0.9f, 5, 0.9f}));
   constexpr int kParts = 120;
   const auto at = [](float radius, int i) {
     const double angle = 2.0 * std::numbers::pi * i / kParts;
@@ -173,7 +173,7 @@ TEST(GroundSearch, goes_round_a_spiral_as_far_as_it_suits_the_height_of_the_eye)
 
 TEST(GroundSearch, reaches_the_next_room_through_a_door_and_not_through_a_slit) {
   for (const float width : {0.9f, 0.5f}) {
-    Scene scene = plain_room(4);
+    scene::Scene scene = plain_room(4);
     add_box(scene, {1, 0, -4}, {1.2f, 3, -width / 2});
     add_box(scene, {1, 0, width / 2}, {1.2f, 3, 4});
     EXPECT_EQ(holds(found(scene), 3, 0), width > 0.6f) << width;
@@ -182,7 +182,7 @@ TEST(GroundSearch, reaches_the_next_room_through_a_door_and_not_through_a_slit) 
 
 TEST(GroundSearch, does_not_mind_which_way_triangles_face_nor_how_large_or_far_all_is) {
   for (const double scale : {0.01, 1.0, 50.0}) {
-    Scene scene = scene_of(Mesh{});
+    scene::Scene scene = scene_of(scene::Mesh{});
     scene.model.meshes.clear();
     scene.model.instances.clear();
     const Eigen::Affine3d T =
@@ -199,16 +199,16 @@ TEST(GroundSearch, does_not_mind_which_way_triangles_face_nor_how_large_or_far_a
 }
 
 TEST(GroundSearch, says_what_is_wrong_with_a_start) {
-  Scene in_the_air = plain_room(4);
+  scene::Scene in_the_air = plain_room(4);
   in_the_air.info.start_eye.y() = 50;
   EXPECT_THAT(search(in_the_air).error().message(), HasSubstr("no ground within"));
-  Scene in_a_pillar = plain_room(4);
+  scene::Scene in_a_pillar = plain_room(4);
   add_box(in_a_pillar, {-0.02f, 0, -4}, {0.02f, 1.4f, 4});
   EXPECT_THAT(search(in_a_pillar).error().message(), HasSubstr("start"));
 }
 
 TEST(GroundSearch, keeps_a_smaller_distance_where_the_start_has_no_more) {
-  Scene scene = plain_room(4);
+  scene::Scene scene = plain_room(4);
   add_box(scene, {-4, 0, 0.2f}, {4, 3, 0.3f});
   const WalkableGround ground = found(scene);
   EXPECT_LT(ground.radius_m, 0.2);
@@ -216,4 +216,4 @@ TEST(GroundSearch, keeps_a_smaller_distance_where_the_start_has_no_more) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::walkable

@@ -9,7 +9,7 @@
 
 #include "renderfarm/scene/scene_package.h"
 
-namespace cyclorama {
+namespace cyclorama::walkable {
 namespace {
 
 using testing::HasSubstr;
@@ -32,7 +32,9 @@ class WalkableFile : public testing::Test {
     std::filesystem::create_directories(folder_);
     std::ofstream(folder_ / "a.ply") << "ply\n";
   }
-  Result<ScenePackage> read(const std::string& text) { return parse_scene_package(text, "scene.toml", folder_); }
+  Result<scene::ScenePackage> read(const std::string& text) {
+    return scene::parse_scene_package(text, "scene.toml", folder_);
+  }
   std::filesystem::path folder_;
 };
 
@@ -100,4 +102,4 @@ TEST_F(WalkableFile, is_read_with_its_mistakes_named) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::walkable

@@ -6,7 +6,7 @@
 #include "common/base/file.h"
 #include "renderfarm/watch/watch_options.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 
 constexpr const char* kToken = "aladdin-opens-sesame";
@@ -75,4 +75,4 @@ TEST(WatchOptions, ask_for_a_token_where_others_can_look) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

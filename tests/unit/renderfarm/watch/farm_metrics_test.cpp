@@ -14,7 +14,7 @@
 #include "common/base/file.h"
 #include "tests/doubles/prometheus_text.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 
 using testing::Contains;
@@ -27,8 +27,8 @@ FarmOverview small_farm() {
   FarmOverview farm;
   farm.healthy = true;
   farm.scene_nodes = {{"grotto", 2}};
-  farm.visits = {{1, "Hall 3", "grotto", 20.0, 4, 0.75, 1920, 480, 50.0, 47.0, 3e5, 0.97},
-                 {2, "Hall 3", "grotto", 20.0, 16, 1.0, 1920, 480, 40.0, 41.0, 2e5, 0.99}};
+  farm.sessions = {{1, "Hall 3", "grotto", 20.0, 4, 0.75, 1920, 480, 50.0, 47.0, 3e5, 0.97},
+                   {2, "Hall 3", "grotto", 20.0, 16, 1.0, 1920, 480, 40.0, 41.0, 2e5, 0.99}};
   farm.nodes = {{7, "render-07", "ready", 8, 1.0, 3, 2, std::uint64_t{1} << 31, 60.0, 0.98, {"grotto"}},
                 {9, "render-07", "late", 4, 0.5, 1, 0, 1000, 6.0, 0.5, {}}};
   return farm;
@@ -36,7 +36,7 @@ FarmOverview small_farm() {
 
 TEST(FarmMetrics, counts_frames_by_museum_and_outcome) {
   FarmMetrics metrics;
-  metrics.visit_opened("Hall 3");
+  metrics.session_opened("Hall 3");
   metrics.add({"Hall 3", Outcome::kWhole, 1000, 50, true, 2});
   metrics.add({"Hall 3", Outcome::kWhole, 1000, 50, false, 0});
   metrics.add({"Hall 3", Outcome::kLate, 10, 5, false, 0});
@@ -61,14 +61,14 @@ TEST(FarmMetrics, sorts_each_step_of_a_frame_into_buckets) {
   EXPECT_DOUBLE_EQ(samples.at("cyclorama_frame_seconds_sum{stage=\"plan\"}"), 0.7004);
 }
 
-TEST(FarmMetrics, shows_of_several_visits_of_a_museum_the_worst_and_numbers_nodes_of_one_name) {
+TEST(FarmMetrics, shows_of_several_sessions_of_a_museum_the_worst_and_numbers_nodes_of_one_name) {
   FarmMetrics metrics;
   metrics.show(small_farm());
   const auto samples = samples_of(metrics.text());
-  EXPECT_EQ(samples.at("cyclorama_visits{museum=\"Hall 3\"}"), 2);
-  EXPECT_EQ(samples.at("cyclorama_visit_samples_per_pixel{museum=\"Hall 3\"}"), 4);
-  EXPECT_DOUBLE_EQ(samples.at("cyclorama_visit_frame_seconds{museum=\"Hall 3\"}"), 0.047);
-  EXPECT_DOUBLE_EQ(samples.at("cyclorama_visit_balance_efficiency_ratio{museum=\"Hall 3\"}"), 0.97);
+  EXPECT_EQ(samples.at("cyclorama_sessions{museum=\"Hall 3\"}"), 2);
+  EXPECT_EQ(samples.at("cyclorama_session_samples_per_pixel{museum=\"Hall 3\"}"), 4);
+  EXPECT_DOUBLE_EQ(samples.at("cyclorama_session_frame_seconds{museum=\"Hall 3\"}"), 0.047);
+  EXPECT_DOUBLE_EQ(samples.at("cyclorama_session_balance_efficiency_ratio{museum=\"Hall 3\"}"), 0.97);
   EXPECT_EQ(samples.at("cyclorama_nodes"), 2);
   EXPECT_EQ(samples.at("cyclorama_node_memory_bytes{node=\"render-07\"}"), 2147483648.0);
   EXPECT_EQ(samples.at("cyclorama_node_late{node=\"render-07 #2\"}"), 1);
@@ -97,16 +97,16 @@ TEST(FarmMetrics, a_museums_name_cannot_break_the_text) {
 
 TEST(FarmMetrics, museums_beyond_the_limit_share_one_series) {
   FarmMetrics metrics;
-  for (std::size_t i = 0; i < FarmMetrics::kMostMuseums + 10; ++i) {
+  for (std::size_t i = 0; i < FarmMetrics::kMaxMuseums + 10; ++i) {
     metrics.add({fmt::format("museum {}", i), Outcome::kWhole, 1, 1, false, 0});
   }
   FarmOverview farm;
-  farm.visits = {{1, "another", "grotto"}, {2, "museum 70", "grotto"}, {3, "museum 1", "grotto"}};
+  farm.sessions = {{1, "another", "grotto"}, {2, "museum 70", "grotto"}, {3, "museum 1", "grotto"}};
   metrics.show(farm);
   const auto samples = samples_of(metrics.text());
   EXPECT_EQ(samples.at("cyclorama_frames_total{museum=\"(others)\"}"), 10);
-  EXPECT_EQ(samples.at("cyclorama_visits{museum=\"(others)\"}"), 2);
-  EXPECT_EQ(samples.at("cyclorama_visits{museum=\"museum 1\"}"), 1);
+  EXPECT_EQ(samples.at("cyclorama_sessions{museum=\"(others)\"}"), 2);
+  EXPECT_EQ(samples.at("cyclorama_sessions{museum=\"museum 1\"}"), 1);
 }
 
 TEST(FarmMetrics, counts_the_bytes_of_scenes_once) {
@@ -116,21 +116,21 @@ TEST(FarmMetrics, counts_the_bytes_of_scenes_once) {
   EXPECT_EQ(samples_of(metrics.text()).at("cyclorama_scene_bytes_sent_total"), 3'500'000);
 }
 
-TEST(FarmMetrics, says_why_visits_were_refused) {
+TEST(FarmMetrics, says_why_sessions_were_refused) {
   FarmMetrics metrics;
-  metrics.visit_refused(ErrorCode::kBusy);
-  metrics.visit_refused(ErrorCode::kBusy);
+  metrics.session_refused(ErrorCode::kBusy);
+  metrics.session_refused(ErrorCode::kBusy);
   metrics.node_sent_away();
   const auto samples = samples_of(metrics.text());
-  EXPECT_EQ(samples.at("cyclorama_visits_refused_total{reason=\"full\"}"), 2);
+  EXPECT_EQ(samples.at("cyclorama_sessions_refused_total{reason=\"full\"}"), 2);
   EXPECT_EQ(samples.at("cyclorama_nodes_sent_away_total"), 1);
 }
 
 /// Adds one sample to each family, so that all are exposed.
 std::set<std::string> all_families() {
   FarmMetrics metrics;
-  metrics.visit_opened("Hall 3");
-  metrics.visit_refused(ErrorCode::kBusy);
+  metrics.session_opened("Hall 3");
+  metrics.session_refused(ErrorCode::kBusy);
   metrics.add_stage("plan", 0.001);
   metrics.add({"Hall 3", Outcome::kWhole, 1, 1, false, 0});
   metrics.show(small_farm());
@@ -176,4 +176,4 @@ TEST(FarmMetrics, the_operators_page_lists_exactly_what_is_there) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -10,7 +10,7 @@
 #include "renderfarm/watch/farm_tables.h"
 #include "renderfarm/watch/status_json.h"
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 
 using testing::ContainsRegex;
@@ -19,16 +19,16 @@ using testing::StartsWith;
 
 wire::ProcessStatus status_of_a_farm() {
   FarmOverview farm;
-  farm.visits = {{1, "Hall 3", "grotto", 20.04, 4, 0.75, 1920, 480, 50.0, 47.0, 3e5, 0.97, 812, 3, 1, 0},
-                 {2, "Musée de la préhistoire, grande salle", "relic"}};
+  farm.sessions = {{1, "Hall 3", "grotto", 20.04, 4, 0.75, 1920, 480, 50.0, 47.0, 3e5, 0.97, 812, 3, 1, 0},
+                   {2, "Musée de la préhistoire, grande salle", "relic"}};
   farm.nodes = {{7, "render-07", "ready", 8, 1.0, 3, 2, std::uint64_t{2} << 30, 60.0, 0.98, {"grotto", "relic"}}};
   wire::ProcessStatus status;
-  status.set_process("head");
+  status.set_process("coordinator");
   status.set_version("1.2.3");
   status.set_uptime_s(7300.0);
-  status.set_state("2 visits on 1 nodes");
+  status.set_state("2 sessions on 1 nodes");
   status.set_healthy(true);
-  *status.add_tables() = visits_table(farm);
+  *status.add_tables() = sessions_table(farm);
   *status.add_tables() = nodes_table(farm);
   for (const char* const name : {"farm", "plan", "mystery", "relay"}) {
     wire::Stage* const stage = status.add_stages();
@@ -51,10 +51,10 @@ std::size_t characters(const std::string& line) {
   return static_cast<std::size_t>(std::ranges::count_if(line, [](char c) { return (c & 0xc0) != 0x80; }));
 }
 
-TEST(TopText, shows_visits_nodes_and_steps_in_the_order_of_a_frame) {
+TEST(TopText, shows_sessions_nodes_and_steps_in_the_order_of_a_frame) {
   const auto lines = lines_of(top_text(status_of_a_farm(), 160));
   ASSERT_EQ(lines.size(), 15u);
-  EXPECT_EQ(lines[0], "cyclorama-farm 1.2.3, up 2 h: 2 visits on 1 nodes");
+  EXPECT_EQ(lines[0], "cyclorama-farm 1.2.3, up 2 h: 2 sessions on 1 nodes");
   EXPECT_THAT(lines[4], ContainsRegex("^Hall 3 +grotto +20\\.0 +4 +0\\.75 +50 +47\\.0 +300 +0\\.97 +1 +0 +812$"));
   EXPECT_THAT(lines[8], ContainsRegex("^render-07 +ready +8 +1\\.00 +0\\.98 +3 +2 +2147 +grotto, relic$"));
   EXPECT_THAT(lines[10], HasSubstr("p99 ms"));
@@ -83,21 +83,21 @@ TEST(TopText, a_farm_without_anything_says_so) {
 
 TEST(StatusJson, has_the_tables_under_their_names) {
   const auto json = nlohmann::json::parse(status_json(status_of_a_farm()));
-  EXPECT_EQ(json["visits"][0]["museum"], "Hall 3");
-  EXPECT_EQ(json["visits"][0]["id"].dump(), "1");
-  EXPECT_EQ(json["visits"][0]["scale"].dump(), "0.75");
-  EXPECT_EQ(json["visits"][0]["late_frames"], 1);
+  EXPECT_EQ(json["sessions"][0]["museum"], "Hall 3");
+  EXPECT_EQ(json["sessions"][0]["id"].dump(), "1");
+  EXPECT_EQ(json["sessions"][0]["scale"].dump(), "0.75");
+  EXPECT_EQ(json["sessions"][0]["late_frames"], 1);
   EXPECT_EQ(json["nodes"][0]["scenes"], "grotto, relic");
   EXPECT_EQ(json["stages"]["plan"]["p99_ms"], 0.75);
   EXPECT_EQ(json["healthy"], true);
-  EXPECT_EQ(nlohmann::json::parse(table_json(status_of_a_farm(), "visits")).size(), 2u);
+  EXPECT_EQ(nlohmann::json::parse(table_json(status_of_a_farm(), "sessions")).size(), 2u);
   EXPECT_EQ(nlohmann::json::parse(table_json(status_of_a_farm(), "none")), nlohmann::json::array());
 }
 
 TEST(StatusJson, survives_text_that_is_no_utf8_numbers_that_are_none_and_rows_that_are_short) {
   wire::ProcessStatus status;
   wire::Table* const table = status.add_tables();
-  table->set_name("visits");
+  table->set_name("sessions");
   table->add_columns("museum");
   table->add_columns("scale");
   table->add_rows()->add_cells()->set_text("\"");
@@ -106,9 +106,9 @@ TEST(StatusJson, survives_text_that_is_no_utf8_numbers_that_are_none_and_rows_th
   row->add_cells()->set_number(std::nan(""));
   row->add_cells()->set_number(1);
   const auto json = nlohmann::json::parse(status_json(status));
-  EXPECT_EQ(json["visits"][0], (nlohmann::json{{"museum", "\""}}));
-  EXPECT_EQ(json["visits"][1], (nlohmann::json{{"museum", nullptr}, {"scale", nullptr}}));
+  EXPECT_EQ(json["sessions"][0], (nlohmann::json{{"museum", "\""}}));
+  EXPECT_EQ(json["sessions"][1], (nlohmann::json{{"museum", nullptr}, {"scale", nullptr}}));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -17,7 +17,7 @@
 
 #include <httplib.h>  // Last, because it defines the resolver's macro _res, which conflicts with Eigen.
 
-namespace cyclorama {
+namespace cyclorama::watch {
 namespace {
 
 using namespace std::chrono_literals;
@@ -26,7 +26,7 @@ using testing::Not;
 
 struct Farm {
   std::filesystem::path folder = testing::TempDir() + "cyclorama-watch-" + std::to_string(::getpid());
-  InspectionService inspection{"head"};
+  InspectionService inspection{"coordinator"};
   FarmWatch watch{inspection};
   std::optional<httplib::Client> client;
 
@@ -42,10 +42,10 @@ struct Farm {
     client.emplace("::1", watch.port());
     client->set_read_timeout(20);
     FarmOverview farm;
-    farm.visits = {{4, "Hall 3", "grotto"}};
-    inspection.set_table(visits_table(farm));
-    inspection.set_state("1 visits on 1 nodes", true);
-    wire::VisitReply opened;
+    farm.sessions = {{4, "Hall 3", "grotto"}};
+    inspection.set_table(sessions_table(farm));
+    inspection.set_state("1 sessions on 1 nodes", true);
+    wire::SessionReply opened;
     opened.mutable_opened()->set_name("grotto");
     watch.pictures()->taken(4, std::move(opened));
   }
@@ -55,23 +55,23 @@ struct Farm {
   }
   void show(int shift) {
     const auto picture = ramp_picture(shift);
-    wire::VisitReply begin;
+    wire::SessionReply begin;
     begin.mutable_begin()->mutable_panorama()->set_width_px(64);
     begin.mutable_begin()->mutable_panorama()->set_height_px(32);
     watch.pictures()->taken(4, std::move(begin));
     for (wire::Tile& tile : tiles_of(1, *picture)) {
-      wire::VisitReply reply;
+      wire::SessionReply reply;
       *reply.mutable_tile() = std::move(tile);
       watch.pictures()->taken(4, std::move(reply));
     }
-    wire::VisitReply end;
+    wire::SessionReply end;
     *end.mutable_end() = end_of(1, 1);
     watch.pictures()->taken(4, std::move(end));
   }
   /// Returns what is received until there are `count` pictures.
   std::string stream(int count) {
     std::string bytes;
-    client->Get("/visits/4.mjpeg", [&](const char* data, std::size_t length) {
+    client->Get("/sessions/4.mjpeg", [&](const char* data, std::size_t length) {
       bytes.append(data, length);
       std::size_t parts = 0;
       for (std::size_t at = 0; (at = bytes.find("Content-Length", at)) != std::string::npos; ++at) ++parts;
@@ -97,10 +97,10 @@ TEST(WatchServer, serves_the_page_and_all_that_it_refers_to_and_nothing_from_els
   }
 }
 
-TEST(WatchServer, tells_state_visits_and_metrics) {
+TEST(WatchServer, tells_state_sessions_and_metrics) {
   Farm farm;
-  EXPECT_EQ(nlohmann::json::parse(farm.client->Get("/visits")->body)[0]["museum"], "Hall 3");
-  EXPECT_EQ(nlohmann::json::parse(farm.client->Get("/status")->body)["state"], "1 visits on 1 nodes");
+  EXPECT_EQ(nlohmann::json::parse(farm.client->Get("/sessions")->body)[0]["museum"], "Hall 3");
+  EXPECT_EQ(nlohmann::json::parse(farm.client->Get("/status")->body)["state"], "1 sessions on 1 nodes");
   const auto metrics = farm.client->Get("/metrics");
   EXPECT_THAT(metrics->get_header_value("Content-Type"), HasSubstr("version=0.0.4"));
   EXPECT_TRUE(samples_of(metrics->body).contains("cyclorama_nodes"));
@@ -114,7 +114,7 @@ TEST(WatchServer, tells_state_visits_and_metrics) {
 TEST(WatchServer, lets_only_the_token_in) {
   Farm farm(true);
   for (const char* const path :
-       {"/", "/status", "/visits", "/metrics", "/visits/4.jpg", "/visits/4.mjpeg", "/nothing"}) {
+       {"/", "/status", "/sessions", "/metrics", "/sessions/4.jpg", "/sessions/4.mjpeg", "/nothing"}) {
     const auto refused = farm.client->Get(path);
     ASSERT_TRUE(refused) << path;
     EXPECT_EQ(refused->status, 401) << path;
@@ -133,21 +133,21 @@ TEST(WatchServer, without_a_token_refuses_a_page_that_came_by_another_name) {
   EXPECT_EQ(farm.client->Get("/status", {{"Host", "evil.example"}})->status, 403);
 }
 
-TEST(WatchServer, shows_the_newest_picture_of_a_visit) {
+TEST(WatchServer, shows_the_newest_picture_of_a_session) {
   Farm farm;
-  EXPECT_EQ(farm.client->Get("/visits/4.jpg")->status, 404) << "none yet";
+  EXPECT_EQ(farm.client->Get("/sessions/4.jpg")->status, 404) << "none yet";
   farm.show(0);
-  const auto whole = farm.client->Get("/visits/4.jpg");
-  const auto half = farm.client->Get("/visits/4.jpg?half");
+  const auto whole = farm.client->Get("/sessions/4.jpg");
+  const auto half = farm.client->Get("/sessions/4.jpg?half");
   JpegDecoder decoder;
   EXPECT_EQ(decoder.size_of(std::as_bytes(std::span(whole->body)))->width, 64);
   EXPECT_EQ(decoder.size_of(std::as_bytes(std::span(half->body)))->width, 32);
-  EXPECT_EQ(farm.client->Get("/visits/5.jpg")->status, 404);
-  EXPECT_EQ(farm.client->Get("/visits/5.mjpeg")->status, 404);
-  EXPECT_EQ(farm.client->Get("/visits/99999999999999999999.jpg")->status, 404);
+  EXPECT_EQ(farm.client->Get("/sessions/5.jpg")->status, 404);
+  EXPECT_EQ(farm.client->Get("/sessions/5.mjpeg")->status, 404);
+  EXPECT_EQ(farm.client->Get("/sessions/99999999999999999999.jpg")->status, 404);
 }
 
-TEST(WatchServer, streams_a_visits_pictures_one_after_the_other) {
+TEST(WatchServer, streams_a_sessions_pictures_one_after_the_other) {
   Farm farm;
   farm.show(0);
   const std::string bytes = farm.stream(3);
@@ -166,27 +166,27 @@ TEST(WatchServer, streams_a_visits_pictures_one_after_the_other) {
   EXPECT_NE(pictures[0], pictures[1]);
 }
 
-TEST(WatchServer, ends_the_stream_with_the_visit_and_takes_no_more_watchers_than_it_may) {
+TEST(WatchServer, ends_the_stream_with_the_session_and_takes_no_more_watchers_than_it_may) {
   Farm farm;
   std::vector<std::thread> watchers;
   std::atomic<int> began = 0;
-  for (int i = 0; i < WatchServer::kMostWatchers; ++i) {
+  for (int i = 0; i < WatchServer::kMaxWatchers; ++i) {
     watchers.emplace_back([&] {
       httplib::Client client("::1", farm.watch.port());
       client.set_read_timeout(20);
       bool first = true;
-      client.Get("/visits/4.mjpeg", [&](const char*, std::size_t) {
+      client.Get("/sessions/4.mjpeg", [&](const char*, std::size_t) {
         began += std::exchange(first, false);
         return true;
       });
     });
   }
-  while (began < WatchServer::kMostWatchers) std::this_thread::yield();
-  EXPECT_EQ(farm.client->Get("/visits/4.mjpeg")->status, 429);
+  while (began < WatchServer::kMaxWatchers) std::this_thread::yield();
+  EXPECT_EQ(farm.client->Get("/sessions/4.mjpeg")->status, 429);
   EXPECT_EQ(farm.client->Get("/status")->status, 200) << "watchers take no one else's place";
-  farm.watch.pictures()->visit_ended(4);
+  farm.watch.pictures()->session_ended(4);
   for (std::thread& watcher : watchers) watcher.join();
-  EXPECT_EQ(farm.client->Get("/visits/4.mjpeg")->status, 404);
+  EXPECT_EQ(farm.client->Get("/sessions/4.mjpeg")->status, 404);
 }
 
 TEST(FarmWatch, writes_the_metrics_into_a_file_and_takes_it_away_at_the_end) {
@@ -220,7 +220,7 @@ TEST(MetricsFile, is_written_again_each_period) {
 }
 
 TEST(FarmWatch, without_options_nothing_listens_and_no_picture_is_kept) {
-  InspectionService inspection("head");
+  InspectionService inspection("coordinator");
   FarmWatch watch(inspection);
   ASSERT_TRUE(watch.start({}, [](const std::string&) {}));
   EXPECT_EQ(watch.port(), 0);
@@ -229,4 +229,4 @@ TEST(FarmWatch, without_options_nothing_listens_and_no_picture_is_kept) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::watch

@@ -6,11 +6,11 @@
 #include <random>
 
 #include "appliance/healing/estimator/areas.h"
-#include "appliance/healing/estimator/look_time.h"
+#include "appliance/healing/estimator/exposure_timing.h"
 #include "appliance/healing/estimator/patch_alignment.h"
 #include "appliance/healing/estimator/show_timeline.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 using namespace std::chrono_literals;
@@ -126,10 +126,10 @@ TEST(Areas, somebody_who_stands_is_in_the_way_until_places_fit_again_for_a_while
   EXPECT_TRUE(map.is_trusted(3));
 }
 
-ShowProjector small_projector() {
-  ShowProjector projector;
+calibration::ShowProjector small_projector() {
+  calibration::ShowProjector projector;
   projector.lens = {8, 4, 10.0, 10.0, 4.0, 2.0};
-  projector.light.fill(gamma_light(1.0));
+  projector.light.fill(calibration::gamma_light(1.0));
   projector.grey = {1.0f, 0.0f, 0.0f};
   return projector;
 }
@@ -204,11 +204,11 @@ TEST(ShowTimeline, tells_a_picture_that_stands_from_one_that_moves) {
   timeline.add({0, TimePoint{} + 200ms, step_at(3), 2});
   timeline.add({0, TimePoint{} + 300ms, step_at(5), 3});
   timeline.known_until({0, TimePoint{} + 290ms, 2});
-  EXPECT_TRUE(timeline.stands_still(TimePoint{} + 150ms, TimePoint{} + 250ms));
+  EXPECT_TRUE(timeline.is_still(TimePoint{} + 150ms, TimePoint{} + 250ms));
   timeline.known_until({0, TimePoint{} + 400ms, 3});
-  EXPECT_FALSE(timeline.stands_still(TimePoint{} + 150ms, TimePoint{} + 250ms)) << "it moved since";
-  EXPECT_TRUE(timeline.stands_still(TimePoint{} + 310ms, TimePoint{} + 390ms));
-  EXPECT_FALSE(timeline.stands_still(TimePoint{} + 310ms, TimePoint{} + 500ms)) << "not known";
+  EXPECT_FALSE(timeline.is_still(TimePoint{} + 150ms, TimePoint{} + 250ms)) << "it moved since";
+  EXPECT_TRUE(timeline.is_still(TimePoint{} + 310ms, TimePoint{} + 390ms));
+  EXPECT_FALSE(timeline.is_still(TimePoint{} + 310ms, TimePoint{} + 500ms)) << "not known";
 }
 
 std::vector<PatchShift> patches_off_by(std::vector<double> off_px) {
@@ -225,24 +225,24 @@ std::vector<PatchShift> patches_off_by(std::vector<double> off_px) {
   return patches;
 }
 
-TEST(LookTime, a_wrong_clock_is_all_projectors_and_a_bump_is_one) {
+TEST(ExposureTiming, a_wrong_clock_is_all_projectors_and_a_bump_is_one) {
   const auto judged = [](std::vector<double> said, std::vector<double> earlier, std::vector<double> later) {
     const std::size_t count = said.size();
-    return judge_time(patches_off_by(std::move(said)), patches_off_by(std::move(earlier)),
-                      patches_off_by(std::move(later)), count);
+    return estimate_timing(patches_off_by(std::move(said)), patches_off_by(std::move(earlier)),
+                           patches_off_by(std::move(later)), count);
   };
   EXPECT_TRUE(judged({0.1, 0.1, 0.1}, {1.1, 1.0, 1.2}, {1.1, 1.1, 1.1}).is_its_own);
   EXPECT_TRUE(judged({0.1, 4.0, 0.1}, {1.1, 4.0, 1.2}, {1.1, 4.0, 1.1}).is_its_own) << "the second was bumped";
   EXPECT_TRUE(judged({0.1, 2.0, 0.1}, {1.1, 1.0, 1.2}, {1.1, 3.0, 1.1}).is_its_own) << "alike, and towards there";
-  const LookTime late = judged({2.0, 2.0, 2.1}, {3.0, 3.0, 3.1}, {1.0, 1.0, 1.0});
+  const ExposureTiming late = judged({2.0, 2.0, 2.1}, {3.0, 3.0, 3.1}, {1.0, 1.0, 1.0});
   EXPECT_FALSE(late.is_its_own);
   EXPECT_EQ(late.towards, 1);
   EXPECT_EQ(judged({2.0, 2.0}, {1.0, 1.0}, {3.0, 3.0}).towards, -1);
-  const LookTime far = judged({4.0, 4.0, 4.0}, {4.0, 4.0, 4.0}, {4.0, 4.0, 4.0});
+  const ExposureTiming far = judged({4.0, 4.0, 4.0}, {4.0, 4.0, 4.0}, {4.0, 4.0, 4.0});
   EXPECT_FALSE(far.is_its_own);
   EXPECT_EQ(far.towards, 0);
-  EXPECT_FALSE(judge_time({}, {}, {}, 3).is_its_own);
+  EXPECT_FALSE(estimate_timing({}, {}, {}, 3).is_its_own);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -7,7 +7,7 @@
 
 #include "tests/doubles/bumped_show.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 BumpedShowOptions small_options() {
@@ -41,8 +41,8 @@ std::vector<Correction> run(BumpedShow* show, int steps, std::string* log = null
   return corrections;
 }
 
-PoseStep turned(double degrees) {
-  PoseStep step = PoseStep::Zero();
+calibration::PoseStep turned(double degrees) {
+  calibration::PoseStep step = calibration::PoseStep::Zero();
   step[1] = degrees * 0.01745329;
   step[0] = 0.3 * step[1];
   return step;
@@ -92,13 +92,13 @@ TEST(ContinuousCalibrator, holds_and_says_why) {
   for (int i = 0; i < 2; ++i) report = show.step();
   EXPECT_TRUE(report->corrections.empty());
   for (const ProjectorHealth& one : report->projectors) {
-    EXPECT_EQ(one.hold, Hold::kDark) << one.reason;
+    EXPECT_EQ(one.hold, HoldReason::kDark) << one.reason;
     EXPECT_FALSE(one.reason.empty());
   }
   show.set_content(painted_content(3072, 3));
   show.set_lamp(2, false);
   for (int i = 0; i < 3; ++i) report = show.step();
-  EXPECT_EQ(report->projectors[2].hold, Hold::kNoLight) << report->projectors[2].reason;
+  EXPECT_EQ(report->projectors[2].hold, HoldReason::kNoLight) << report->projectors[2].reason;
   EXPECT_TRUE(report->corrections.empty());
 }
 
@@ -149,7 +149,7 @@ TEST(ContinuousCalibrator, does_not_guess_whether_a_projector_moved_or_the_one_c
   EXPECT_TRUE(run(&show, 6, &log).empty()) << log;
   const auto report = show.step();
   ASSERT_TRUE(report);
-  EXPECT_NE(report->projectors[1].hold, Hold::kNone) << log;
+  EXPECT_NE(report->projectors[1].hold, HoldReason::kNone) << log;
   EXPECT_FALSE(report->projectors[1].reason.empty());
   EXPECT_EQ(log.find("camera 'camera 2' moved"), std::string::npos) << log;
 }
@@ -164,7 +164,7 @@ TEST(ContinuousCalibrator, what_was_refused_is_not_taken_for_drift_later) {
   EXPECT_TRUE(run(&show, 24, &log).empty()) << log;
   const auto report = show.step();
   ASSERT_TRUE(report);
-  EXPECT_NE(report->projectors[1].hold, Hold::kNone) << log;
+  EXPECT_NE(report->projectors[1].hold, HoldReason::kNone) << log;
 }
 
 /// While the picture turns by some pixels from one look to the next.
@@ -242,7 +242,7 @@ TEST(ContinuousCalibrator, a_small_bump_while_it_was_away_is_one) {
 TEST(ContinuousCalibrator, a_restart_forgets_no_drift_that_is_still_too_small_to_be_corrected) {
   BumpedShow show = small_show();
   run(&show, 14);
-  PoseStep creep = PoseStep::Zero();
+  calibration::PoseStep creep = calibration::PoseStep::Zero();
   creep[1] = 0.00003;
   for (int i = 0; i < 3; ++i) {
     show.bump(1, creep);
@@ -250,24 +250,24 @@ TEST(ContinuousCalibrator, a_restart_forgets_no_drift_that_is_still_too_small_to
     const ContinuousCalibrator& calibrator = show.calibrator();
     const auto before = calibrator.learned();
     ASSERT_TRUE(before);
-    const ShowCalibration applied = calibrator.applied();
+    const calibration::ShowCalibration applied = calibrator.applied();
     ASSERT_TRUE(show.restart());
     const auto after = calibrator.learned();
     ASSERT_TRUE(after);
     for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_LT(step_between(before->at_rest[k], after->at_rest[k]).norm(), 1e-12);
-      EXPECT_LT(
-          step_between(before->believed.projectors[k].T_room_projector, after->believed.projectors[k].T_room_projector)
-              .norm(),
-          1e-12);
-      EXPECT_LT(
-          step_between(applied.projectors[k].T_room_projector, calibrator.applied().projectors[k].T_room_projector)
-              .norm(),
-          1e-12);
+      EXPECT_LT(calibration::step_between(before->at_rest[k], after->at_rest[k]).norm(), 1e-12);
+      EXPECT_LT(calibration::step_between(before->believed.projectors[k].T_room_projector,
+                                          after->believed.projectors[k].T_room_projector)
+                    .norm(),
+                1e-12);
+      EXPECT_LT(calibration::step_between(applied.projectors[k].T_room_projector,
+                                          calibrator.applied().projectors[k].T_room_projector)
+                    .norm(),
+                1e-12);
     }
     for (std::size_t k = 0; k < before->roots.size(); ++k) {
-      const PoseMatrix a = before->roots[k] * before->roots[k].transpose();
-      const PoseMatrix b = after->roots[k] * after->roots[k].transpose();
+      const calibration::PoseMatrix a = before->roots[k] * before->roots[k].transpose();
+      const calibration::PoseMatrix b = after->roots[k] * after->roots[k].transpose();
       EXPECT_LT((a - b).norm(), 1e-6 * a.norm());
     }
   }
@@ -277,7 +277,7 @@ TEST(ContinuousCalibrator, refuses_what_was_learned_of_another_room) {
   BumpedShow show = small_show();
   EXPECT_FALSE(show.calibrator().learned()) << "it has only begun";
   run(&show, 7);
-  const ShowCalibration applied = show.calibrator().applied();
+  const calibration::ShowCalibration applied = show.calibrator().applied();
   const LearnedRoom good = *show.calibrator().learned();
   ASSERT_TRUE(ContinuousCalibrator::resume(applied, good));
   LearnedRoom bad = good;
@@ -312,19 +312,19 @@ TEST(ContinuousCalibrator, refuses_a_room_without_cameras) {
 TEST(ContinuousCalibrator, pictures_without_times_that_fit_change_nothing) {
   BumpedShow show = small_show();
   run(&show, 3);
-  const ShowCalibration before = show.calibrator().believed();
+  const calibration::ShowCalibration before = show.calibrator().believed();
   ShowMoment moment;
   moment.now = TimePoint{} + std::chrono::seconds(200);
   moment.seen.push_back({0, moment.now, moment.now, std::make_shared<const GreyImage>(516, 387)});
   moment.seen.push_back({9, moment.now, moment.now, nullptr});
   const ShowReport report = show.calibrator().step(moment);
   EXPECT_TRUE(report.corrections.empty());
-  EXPECT_EQ(report.projectors[0].hold, Hold::kNoPicture);
-  EXPECT_LT(
-      step_between(before.projectors[0].T_room_projector, show.calibrator().believed().projectors[0].T_room_projector)
-          .norm(),
-      1e-15);
+  EXPECT_EQ(report.projectors[0].hold, HoldReason::kNoPicture);
+  EXPECT_LT(calibration::step_between(before.projectors[0].T_room_projector,
+                                      show.calibrator().believed().projectors[0].T_room_projector)
+                .norm(),
+            1e-15);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

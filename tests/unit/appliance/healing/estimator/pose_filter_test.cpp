@@ -8,56 +8,56 @@
 #include <Eigen/LU>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
-PoseMatrix random_information(std::mt19937* random, double scale) {
+calibration::PoseMatrix random_information(std::mt19937* random, double scale) {
   std::normal_distribution<double> normal;
-  PoseMatrix a;
+  calibration::PoseMatrix a;
   for (double& v : a.reshaped()) v = normal(*random);
-  return scale * (a * a.transpose() + 0.1 * PoseMatrix::Identity());
+  return scale * (a * a.transpose() + 0.1 * calibration::PoseMatrix::Identity());
 }
 
-PoseStep random_step(std::mt19937* random, double scale) {
+calibration::PoseStep random_step(std::mt19937* random, double scale) {
   std::normal_distribution<double> normal;
-  PoseStep step;
+  calibration::PoseStep step;
   for (double& v : step) v = scale * normal(*random);
   return step;
 }
 
-TEST(PoseStep, stepping_and_the_step_between_are_inverses) {
+TEST(calibration::PoseStep, stepping_and_the_step_between_are_inverses) {
   std::mt19937 random(3);
   for (int i = 0; i < 100; ++i) {
-    const PoseStep place = random_step(&random, 1.0);
-    const auto from = stepped(RigidTransform<frame::Room, frame::Projector>(), place);
-    const PoseStep step = random_step(&random, 0.5);
-    EXPECT_LT((step_between(from, stepped(from, step)) - step).norm(), 1e-12);
+    const calibration::PoseStep position = random_step(&random, 1.0);
+    const auto from = calibration::stepped(RigidTransform<frame::Room, frame::Projector>(), position);
+    const calibration::PoseStep step = random_step(&random, 0.5);
+    EXPECT_LT((calibration::step_between(from, calibration::stepped(from, step)) - step).norm(), 1e-12);
   }
 }
 
-TEST(PoseStep, half_of_the_way_and_its_rest_are_the_whole) {
+TEST(calibration::PoseStep, half_of_the_way_and_its_rest_are_the_whole) {
   std::mt19937 random(4);
-  const auto from = stepped(RigidTransform<frame::Room, frame::Projector>(), random_step(&random, 1.0));
-  PoseStep turn = random_step(&random, 0.3);
+  const auto from = calibration::stepped(RigidTransform<frame::Room, frame::Projector>(), random_step(&random, 1.0));
+  calibration::PoseStep turn = random_step(&random, 0.3);
   turn.tail<3>().setZero();
-  const auto to = stepped(from, turn);
-  const auto middle = between(from, to, 0.5);
-  EXPECT_LT((step_between(middle, to) - 0.5 * turn).norm(), 1e-12);
+  const auto to = calibration::stepped(from, turn);
+  const auto middle = calibration::between(from, to, 0.5);
+  EXPECT_LT((calibration::step_between(middle, to) - 0.5 * turn).norm(), 1e-12);
 }
 
 /// The textbook's filter, with inverses of whole matrices, where numbers are kind.
 TEST(PoseFilter, agrees_with_the_information_filter) {
   std::mt19937 random(5);
   PoseFilter filter(1.0, 1.0, {0.1, 0.2});
-  PoseMatrix covariance = PoseMatrix::Identity();
-  PoseStep walk;
+  calibration::PoseMatrix covariance = calibration::PoseMatrix::Identity();
+  calibration::PoseStep walk;
   walk << Eigen::Vector3d::Constant(0.01), Eigen::Vector3d::Constant(0.04);
   for (int i = 0; i < 50; ++i) {
     filter.predict(2.0);
-    covariance += PoseMatrix((2.0 * walk).asDiagonal());
+    covariance += calibration::PoseMatrix((2.0 * walk).asDiagonal());
     const PoseFilter::Measured measured{random_step(&random, 1.0), random_information(&random, 3.0)};
-    const PoseMatrix posterior = (covariance.inverse() + measured.information).inverse();
-    const PoseStep mean = posterior * measured.information * measured.step;
+    const calibration::PoseMatrix posterior = (covariance.inverse() + measured.information).inverse();
+    const calibration::PoseStep mean = posterior * measured.information * measured.step;
     const double squared = measured.step.dot((covariance + measured.information.inverse()).inverse() * measured.step);
     EXPECT_NEAR(filter.innovation(measured).squared, squared, 1e-9 * squared);
     EXPECT_EQ(filter.innovation(measured).directions, 6);
@@ -73,7 +73,7 @@ TEST(PoseFilter, leaves_directions_alone_that_were_not_measured) {
   measured.step << 5e-4, 7.0, 7.0, 7.0, 7.0, 7.0;
   measured.information(0, 0) = 1e8;
   EXPECT_EQ(filter.innovation(measured).directions, 1);
-  const PoseStep step = filter.update(measured);
+  const calibration::PoseStep step = filter.update(measured);
   EXPECT_NEAR(step[0], 5e-4, 1e-5);
   EXPECT_LT(step.tail<5>().norm(), 1e-12);
   EXPECT_NEAR(filter.covariance()(1, 1), 1e-6, 1e-15);
@@ -85,8 +85,8 @@ TEST(PoseFilter, stays_positive_and_consistent_however_unequal_noise_and_knowled
     std::normal_distribution<double> normal;
     const double walk = 1e-5;
     PoseFilter filter(walk, walk, {walk, walk});
-    PoseStep truth = random_step(&random, walk);
-    PoseStep believed = PoseStep::Zero();
+    calibration::PoseStep truth = random_step(&random, walk);
+    calibration::PoseStep believed = calibration::PoseStep::Zero();
     double nees = 0.0;
     constexpr int kSteps = 4000;
     for (int i = 0; i < kSteps; ++i) {
@@ -94,13 +94,13 @@ TEST(PoseFilter, stays_positive_and_consistent_however_unequal_noise_and_knowled
       truth += random_step(&random, walk);
       const double variance = ratio * walk * walk;
       PoseFilter::Measured measured;
-      measured.information = PoseMatrix::Identity() / variance;
+      measured.information = calibration::PoseMatrix::Identity() / variance;
       measured.step = truth - believed + random_step(&random, std::sqrt(variance));
       believed += filter.update(measured);
-      const PoseStep whitened = filter.root().fullPivLu().solve(truth - believed);
+      const calibration::PoseStep whitened = filter.root().fullPivLu().solve(truth - believed);
       nees += whitened.squaredNorm();
     }
-    const Eigen::SelfAdjointEigenSolver<PoseMatrix> parts(filter.covariance());
+    const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(filter.covariance());
     EXPECT_GT(parts.eigenvalues().minCoeff(), 0.0) << ratio;
     // With R/P of 1e12 nothing is ever learned, and all errors are one long walk's: only its size can be asked for.
     const double mean = nees / kSteps;
@@ -113,10 +113,10 @@ TEST(PoseFilter, stays_positive_and_consistent_however_unequal_noise_and_knowled
 
 TEST(PoseFilter, without_prior_gives_back_what_was_measured) {
   std::mt19937 random(8);
-  const PoseMatrix information = random_information(&random, 1e6);
-  const PoseMatrix prior = random_information(&random, 1e5);
-  const PoseStep measured = random_step(&random, 1e-3);
-  const PoseStep posterior = (information + prior).inverse() * (information * measured);
+  const calibration::PoseMatrix information = random_information(&random, 1e6);
+  const calibration::PoseMatrix prior = random_information(&random, 1e5);
+  const calibration::PoseStep measured = random_step(&random, 1e-3);
+  const calibration::PoseStep posterior = (information + prior).inverse() * (information * measured);
   EXPECT_LT((without_prior(posterior, information, prior).step - measured).norm(), 1e-10);
 }
 
@@ -161,7 +161,7 @@ TEST(InnovationWindow, is_not_surprised_by_what_is_undisturbed) {
 
 TEST(PoseFilter, a_step_is_as_many_deviations_as_its_covariance_says) {
   PoseFilter filter(2e-3, 5e-2, {});
-  PoseStep step = PoseStep::Zero();
+  calibration::PoseStep step = calibration::PoseStep::Zero();
   EXPECT_EQ(filter.squared_deviations(step), 0.0);
   step[1] = 4e-3;
   step[5] = 1.5e-1;
@@ -171,4 +171,4 @@ TEST(PoseFilter, a_step_is_as_many_deviations_as_its_covariance_says) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

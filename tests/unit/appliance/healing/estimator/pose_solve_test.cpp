@@ -8,12 +8,12 @@
 
 #include "appliance/healing/estimator/feature_matching.h"
 
-namespace cyclorama {
+namespace cyclorama::healing {
 namespace {
 
 /// Three projectors and three cameras before a cylinder.
-ShowCalibration room() {
-  ShowCalibration made;
+calibration::ShowCalibration room() {
+  calibration::ShowCalibration made;
   CylinderWall wall;
   wall.radius_m = 4.3;
   wall.arc_rad = 2.2;
@@ -24,12 +24,12 @@ ShowCalibration room() {
   for (int i = -1; i <= 1; ++i) {
     const Eigen::Quaterniond ahead(Eigen::AngleAxisd(-0.65 * i, Eigen::Vector3d::UnitY()) *
                                    Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
-    ShowProjector projector;
+    calibration::ShowProjector projector;
     projector.name = "projector " + std::to_string(i + 2);
     projector.lens = {1920, 1080, 2000.0, 2000.0, 960.0, 540.0, -0.03, 0.01, 5e-4, -3e-4};
     projector.T_room_projector = {ahead, Eigen::Vector3d(-0.2 * i, 1.7, 0.4)};
     made.projectors.push_back(projector);
-    ShowCamera camera;
+    calibration::ShowCamera camera;
     camera.name = "camera " + std::to_string(i + 2);
     camera.lens = {1600, 1200, 950.0, 950.0, 800.0, 600.0, -0.1, 0.02};
     camera.T_room_camera = {ahead, Eigen::Vector3d(-0.2 * i + 0.15, 1.8, 0.4)};
@@ -39,25 +39,29 @@ ShowCalibration room() {
 }
 
 /// What the cameras of the `real` room see of `believed`'s projectors' pixels.
-std::vector<Sighting> sightings(const ShowCalibration& believed, const ShowCalibration& real, double noise_px,
-                                double gross = 0.0) {
-  std::vector<Sighting> made;
+std::vector<PatchObservation> observations(const calibration::ShowCalibration& believed,
+                                           const calibration::ShowCalibration& real, double noise_px,
+                                           double gross = 0.0) {
+  std::vector<PatchObservation> made;
   std::mt19937 random(11);
   std::normal_distribution<double> noise(0.0, noise_px);
   std::uniform_real_distribution<double> chance(0.0, 1.0);
   for (std::size_t j = 0; j < real.projectors.size(); ++j) {
     for (int k = 0; k < 15 * 9; ++k) {
       const Eigen::Vector2d shown((k % 15 + 0.5) * 128.0, (k / 15 + 0.5) * 120.0);
-      const auto wall = wall_lit_at(real, real.projectors[j], shown);
+      const auto wall = calibration::wall_lit_at(real, real.projectors[j], shown);
       if (!wall) continue;
       for (std::size_t c = 0; c < real.cameras.size(); ++c) {
-        const ShowCamera& camera = real.cameras[c];
-        const auto seen = pixel_of(camera.lens, (camera.T_room_camera.inverse() * Point<frame::Room>{*wall}).xyz);
-        if (!seen || !contains(camera.lens, *seen) || std::abs(static_cast<int>(c) - static_cast<int>(j)) > 1) continue;
+        const calibration::ShowCamera& camera = real.cameras[c];
+        const auto seen =
+            calibration::pixel_of(camera.lens, (camera.T_room_camera.inverse() * Point<frame::Room>{*wall}).xyz);
+        if (!seen || !calibration::contains(camera.lens, *seen) ||
+            std::abs(static_cast<int>(c) - static_cast<int>(j)) > 1)
+          continue;
         Eigen::Vector2d at = *seen + Eigen::Vector2d(noise(random), noise(random));
         if (chance(random) < gross) at += Eigen::Vector2d(60.0 * chance(random), -50.0 * chance(random));
-        const auto one =
-            sighting(believed, c, j, shown, at, std::max(noise_px * noise_px, 1e-6) * Eigen::Matrix2d::Identity(), 0.1);
+        const auto one = patch_observation(believed, c, j, shown, at,
+                                           std::max(noise_px * noise_px, 1e-6) * Eigen::Matrix2d::Identity(), 0.1);
         if (one) made.push_back(*one);
       }
     }
@@ -65,39 +69,39 @@ std::vector<Sighting> sightings(const ShowCalibration& believed, const ShowCalib
   return made;
 }
 
-std::vector<BodyPrior> tight_priors(const ShowCalibration& room) {
+std::vector<BodyPrior> tight_priors(const calibration::ShowCalibration& room) {
   BodyPrior prior;
-  PoseStep weights;
+  calibration::PoseStep weights;
   weights << Eigen::Vector3d::Constant(1e8), Eigen::Vector3d::Constant(1e7);
   prior.information = weights.asDiagonal();
   return std::vector<BodyPrior>(room.projectors.size() + room.cameras.size(), prior);
 }
 
-PoseStep bump() {
-  PoseStep step;
+calibration::PoseStep bump() {
+  calibration::PoseStep step;
   step << 0.004, -0.007, 0.003, 0.01, -0.004, 0.006;
   return step;
 }
 
-TEST(ShowCalibration, slopes_and_pixels_are_inverses) {
-  const ShowProjector projector = room().projectors[0];
+TEST(calibration::ShowCalibration, slopes_and_pixels_are_inverses) {
+  const calibration::ShowProjector projector = room().projectors[0];
   for (double u : {0.0, 300.0, 1919.0}) {
     for (double v : {0.0, 700.0, 1080.0}) {
-      const auto slope = slope_at(projector.lens, {u, v});
+      const auto slope = calibration::slope_at(projector.lens, {u, v});
       ASSERT_TRUE(slope);
-      EXPECT_LT((*pixel_of(projector.lens, slope->homogeneous()) - Eigen::Vector2d(u, v)).norm(), 1e-8);
+      EXPECT_LT((*calibration::pixel_of(projector.lens, slope->homogeneous()) - Eigen::Vector2d(u, v)).norm(), 1e-8);
     }
   }
-  EXPECT_FALSE(slope_at({100, 100, 50.0, 50.0, 50.0, 50.0, -1.0}, {2000.0, 0.0}));
+  EXPECT_FALSE(calibration::slope_at({100, 100, 50.0, 50.0, 50.0, 50.0, -1.0}, {2000.0, 0.0}));
 }
 
 TEST(FindMovers, names_the_projector_that_moved_and_where_it_stands) {
-  const ShowCalibration believed = room();
-  ShowCalibration real = believed;
-  real.projectors[1].T_room_projector = stepped(believed.projectors[1].T_room_projector, bump());
+  const calibration::ShowCalibration believed = room();
+  calibration::ShowCalibration real = believed;
+  real.projectors[1].T_room_projector = calibration::stepped(believed.projectors[1].T_room_projector, bump());
   const auto priors = tight_priors(believed);
-  const std::vector<PoseStep> starts(priors.size(), PoseStep::Zero());
-  const auto movers = find_movers(believed, sightings(believed, real, 0.05, 0.1), {}, priors, starts);
+  const std::vector<calibration::PoseStep> starts(priors.size(), calibration::PoseStep::Zero());
+  const auto movers = find_moved_bodies(believed, observations(believed, real, 0.05, 0.1), {}, priors, starts);
   ASSERT_TRUE(movers) << movers.error().message();
   ASSERT_EQ(movers->bodies, std::vector<BodyIndex>{1});
   const PixelMotion motion = pixel_motion(believed, believed.projectors[1]);
@@ -107,62 +111,63 @@ TEST(FindMovers, names_the_projector_that_moved_and_where_it_stands) {
 }
 
 TEST(FindMovers, tells_a_camera_that_moved_from_projectors) {
-  const ShowCalibration believed = room();
-  ShowCalibration real = believed;
-  real.cameras[1].T_room_camera = stepped(believed.cameras[1].T_room_camera, bump());
+  const calibration::ShowCalibration believed = room();
+  calibration::ShowCalibration real = believed;
+  real.cameras[1].T_room_camera = calibration::stepped(believed.cameras[1].T_room_camera, bump());
   const auto priors = tight_priors(believed);
-  const std::vector<PoseStep> starts(priors.size(), PoseStep::Zero());
-  const auto movers = find_movers(believed, sightings(believed, real, 0.05), {}, priors, starts);
+  const std::vector<calibration::PoseStep> starts(priors.size(), calibration::PoseStep::Zero());
+  const auto movers = find_moved_bodies(believed, observations(believed, real, 0.05), {}, priors, starts);
   ASSERT_TRUE(movers);
   EXPECT_EQ(movers->bodies, std::vector<BodyIndex>{4});
 }
 
 TEST(FindMovers, finds_two_at_once_and_nobody_where_nobody_moved) {
-  const ShowCalibration believed = room();
-  ShowCalibration real = believed;
+  const calibration::ShowCalibration believed = room();
+  calibration::ShowCalibration real = believed;
   const auto priors = tight_priors(believed);
-  const std::vector<PoseStep> starts(priors.size(), PoseStep::Zero());
-  EXPECT_TRUE(find_movers(believed, sightings(believed, real, 0.05, 0.1), {}, priors, starts)->bodies.empty());
-  real.projectors[0].T_room_projector = stepped(believed.projectors[0].T_room_projector, bump());
-  real.projectors[2].T_room_projector = stepped(believed.projectors[2].T_room_projector, PoseStep(-bump()));
-  auto movers = find_movers(believed, sightings(believed, real, 0.05), {}, priors, starts);
+  const std::vector<calibration::PoseStep> starts(priors.size(), calibration::PoseStep::Zero());
+  EXPECT_TRUE(find_moved_bodies(believed, observations(believed, real, 0.05, 0.1), {}, priors, starts)->bodies.empty());
+  real.projectors[0].T_room_projector = calibration::stepped(believed.projectors[0].T_room_projector, bump());
+  real.projectors[2].T_room_projector =
+      calibration::stepped(believed.projectors[2].T_room_projector, calibration::PoseStep(-bump()));
+  auto movers = find_moved_bodies(believed, observations(believed, real, 0.05), {}, priors, starts);
   ASSERT_TRUE(movers);
   std::ranges::sort(movers->bodies);
   EXPECT_EQ(movers->bodies, (std::vector<BodyIndex>{0, 2}));
 }
 
 TEST(SolvePoses, its_covariance_tells_what_is_seen_and_its_rank_what_is_not) {
-  const ShowCalibration believed = room();
+  const calibration::ShowCalibration believed = room();
   std::vector<BodyPrior> priors = tight_priors(believed);
   priors[0].information = loose_information();
-  std::vector<Sighting> all = sightings(believed, believed, 0.05);
+  std::vector<PatchObservation> all = observations(believed, believed, 0.05);
   const auto whole = solve_poses(believed, all, {}, priors);
   ASSERT_TRUE(whole);
   EXPECT_EQ(whole->bodies[0].rank, 6);
-  // Two sightings are four numbers.
-  std::erase_if(all, [](const Sighting& s) { return s.projector == 0; });
+  // Two observations are four numbers.
+  std::erase_if(all, [](const PatchObservation& s) { return s.projector == 0; });
   EXPECT_EQ(solve_poses(believed, all, {}, priors)->bodies[0].rank, 0);
-  const auto own = sightings(believed, believed, 0.05);
+  const auto own = observations(believed, believed, 0.05);
   all.insert(all.end(), own.begin(), own.begin() + 2);
   EXPECT_LE(solve_poses(believed, all, {}, priors)->bodies[0].rank, 4);
   EXPECT_FALSE(solve_poses(believed, {}, {}, priors));
 }
 
 TEST(Features, a_pose_is_found_from_sightings_of_which_a_third_are_wrong) {
-  const ShowCalibration believed = room();
-  ShowCalibration real = believed;
-  PoseStep far = bump();
+  const calibration::ShowCalibration believed = room();
+  calibration::ShowCalibration real = believed;
+  calibration::PoseStep far = bump();
   far *= 8.0;
-  real.projectors[1].T_room_projector = stepped(believed.projectors[1].T_room_projector, far);
-  const auto step = find_projector(believed, 1, sightings(believed, real, 0.3, 0.33));
+  real.projectors[1].T_room_projector = calibration::stepped(believed.projectors[1].T_room_projector, far);
+  const auto step = find_projector(believed, 1, observations(believed, real, 0.3, 0.33));
   ASSERT_TRUE(step);
   EXPECT_LT(pixel_motion(believed, believed.projectors[1]).rms_px(*step - far), 6.0);
   real = believed;
-  real.cameras[2].T_room_camera = stepped(believed.cameras[2].T_room_camera, far);
-  const auto eye = find_camera(believed, 2, sightings(believed, real, 0.3, 0.33));
+  real.cameras[2].T_room_camera = calibration::stepped(believed.cameras[2].T_room_camera, far);
+  const auto eye = find_camera(believed, 2, observations(believed, real, 0.3, 0.33));
   ASSERT_TRUE(eye);
   EXPECT_LT((*eye - far).head<3>().norm(), 4e-3);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::healing

@@ -10,7 +10,7 @@
 #include "appliance/scan/realign/camera_pose.h"
 #include "appliance/scan/realign/projector_displacement.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
@@ -26,22 +26,22 @@ TEST(SeenEnd, is_where_the_line_meets_the_wall) {
   for (int i = 0; i < 500; ++i) {
     const Eigen::Vector3d centre(1.5 * any(random), any(random), 1.5 * any(random));
     const Eigen::Vector3d along(any(random), 0.3 * any(random), any(random) - 1.2);
-    for (const auto& wall : {NearnessAt(cylinder), NearnessAt(plane)}) {
-      const auto d = seen_end(centre, along, wall);
+    for (const auto& wall : {InverseDepthAt(cylinder), InverseDepthAt(plane)}) {
+      const auto d = wall_direction_from(centre, along, wall);
       ASSERT_TRUE(d.has_value());
-      const Eigen::Vector3d place = *d / wall(*d);
+      const Eigen::Vector3d position = *d / wall(*d);
       // On the line, and in front.
-      EXPECT_LT((place - centre).cross(along).norm() / along.norm(), 1e-8);
-      EXPECT_GT((place - centre).dot(along), 0.0);
+      EXPECT_LT((position - centre).cross(along).norm() / along.norm(), 1e-8);
+      EXPECT_GT((position - centre).dot(along), 0.0);
     }
   }
 }
 
 TEST(SeenEnd, is_nothing_where_there_is_no_wall) {
-  EXPECT_FALSE(seen_end({0, 0, 0}, {0, 0, 1}, plane).has_value()) << "away from it";
-  EXPECT_FALSE(seen_end({0, 0, -3.5}, {0, 0, -1}, plane).has_value()) << "behind it";
-  EXPECT_FALSE(seen_end({0, 0, 0}, {0, 0, 0}, plane).has_value());
-  EXPECT_FALSE(seen_end({0, std::nan(""), 0}, {0, 0, -1}, plane).has_value());
+  EXPECT_FALSE(wall_direction_from({0, 0, 0}, {0, 0, 1}, plane).has_value()) << "away from it";
+  EXPECT_FALSE(wall_direction_from({0, 0, -3.5}, {0, 0, -1}, plane).has_value()) << "behind it";
+  EXPECT_FALSE(wall_direction_from({0, 0, 0}, {0, 0, 0}, plane).has_value());
+  EXPECT_FALSE(wall_direction_from({0, std::nan(""), 0}, {0, 0, -1}, plane).has_value());
 }
 
 std::vector<ReferenceObservation> observations_from(const LocatedCamera& camera, double noise_rad) {
@@ -60,7 +60,7 @@ std::vector<ReferenceObservation> observations_from(const LocatedCamera& camera,
 }
 
 TEST(LocateCamera, finds_the_turn_and_says_when_the_centre_is_elsewhere) {
-  TurnPlate plate;
+  calibration::TurnPlate plate;
   plate.pitch_rad = 0.05;
   plate.roll_rad = -0.01;
   plate.offset_m = {0.006, -0.004};
@@ -96,21 +96,22 @@ TEST(LocateCamera, refuses_too_few_witnesses) {
   EXPECT_FALSE(locate_camera(planned, {observations.data(), 20}).has_value());
 }
 
-FittedProjector projector_at(const Eigen::Vector3d& place, const Eigen::Quaterniond& turn) {
-  FittedProjector projector;
-  projector.lens = MeasuredLens::from_focal(1280, 800, 1500.0);
-  projector.lens.values[MeasuredLens::kK1] = -0.03;
+calibration::FittedProjector projector_at(const Eigen::Vector3d& position, const Eigen::Quaterniond& turn) {
+  calibration::FittedProjector projector;
+  projector.lens = calibration::MeasuredLens::from_focal(1280, 800, 1500.0);
+  projector.lens.values[calibration::MeasuredLens::kK1] = -0.03;
   // Looks to -z, its x to the right.
   const Eigen::Quaterniond ahead(Eigen::AngleAxisd(3.14159265358979, Eigen::Vector3d::UnitX()));
-  projector.T_eye_projector = {turn * ahead, place};
+  projector.T_eye_projector = {turn * ahead, position};
   return projector;
 }
 
-std::vector<MapSample> seen_of(const FittedProjector& projector, const NearnessAt& wall, double noise_px) {
+std::vector<solve::MapSample> seen_of(const calibration::FittedProjector& projector, const InverseDepthAt& wall,
+                                      double noise_px) {
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, noise_px);
-  const BrownLens lens = *projector.lens.brown();
-  std::vector<MapSample> samples;
+  const calibration::BrownLens lens = *projector.lens.brown();
+  std::vector<solve::MapSample> samples;
   for (int y = 8; y < 800; y += 16) {
     for (int x = 8; x < 1280; x += 16) {
       const auto d = drawn_direction(projector, lens, {x, y}, wall);
@@ -124,14 +125,14 @@ class FindDisplacement : public ::testing::Test {
  protected:
   FindDisplacement()
       : before_(projector_at({0.3, 0.8, 0.5}, Eigen::Quaterniond::Identity())),
-        map_(*fit_measured_map(1280, 800, seen_of(before_, cylinder, 0.05))) {}
-  FittedProjector before_;
-  MeasuredMap map_;
+        map_(*solve::fit_measured_map(1280, 800, seen_of(before_, cylinder, 0.05))) {}
+  calibration::FittedProjector before_;
+  calibration::MeasuredMap map_;
 };
 
 TEST_F(FindDisplacement, tells_by_how_much_from_little_to_much) {
   for (const auto& [degrees, metres] : {std::pair(0.05, 0.001), {0.5, 0.02}, {5.0, 0.1}}) {
-    FittedProjector now = before_;
+    calibration::FittedProjector now = before_;
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(degrees * kDegree, Eigen::Vector3d(0.3, 0.9, 0.2).normalized()));
     now.T_eye_projector = {before_.T_eye_projector.rotation() * turn,
                            before_.T_eye_projector.translation() + metres * Eigen::Vector3d(0.6, 0.64, 0.48)};
@@ -146,8 +147,8 @@ TEST_F(FindDisplacement, tells_by_how_much_from_little_to_much) {
 }
 
 TEST_F(FindDisplacement, parts_a_lens_that_was_turned_from_a_push) {
-  FittedProjector now = before_;
-  now.lens.values[MeasuredLens::kFocal] *= 1.1;
+  calibration::FittedProjector now = before_;
+  now.lens.values[calibration::MeasuredLens::kFocal] *= 1.1;
   const auto found = find_displacement(before_, map_, seen_of(now, cylinder, 0.1), cylinder);
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->verdict, DisplacementVerdict::kLensTurned);
@@ -161,51 +162,53 @@ TEST_F(FindDisplacement, does_not_explain_another_wall) {
   EXPECT_EQ(found->verdict, DisplacementVerdict::kUnexplained);
 }
 
-KeptLight some_light() {
-  KeptLight light;
+photometry::SavedLight some_light() {
+  photometry::SavedLight light;
   for (const char* name : {"left", "right"}) {
     light.names.emplace_back(name);
-    ProjectorLighting& one = light.lighting.projectors.emplace_back();
+    photometry::ProjectorLighting& one = light.lighting.projectors.emplace_back();
     one.log_white = {1280, 800, 2, 1, {}, -1.0, 1.0};
     for (int i = 0; i < 5 * 4; ++i) one.log_white.coefficients.push_back(0.02 * i - 0.3);
-    one.leak = {0.001, 0.002, 0.0015};
+    one.black_level = {0.001, 0.002, 0.0015};
   }
   light.lighting.ambient(1, 3) = 0.01;
   return light;
 }
 
 TEST(LightFile, reads_what_it_wrote) {
-  const std::string text = light_json(some_light());
-  const auto back = parse_light(text, "light.json");
+  const std::string text = photometry::light_json(some_light());
+  const auto back = photometry::parse_light(text, "light.json");
   ASSERT_TRUE(back.has_value()) << back.error().message();
-  EXPECT_EQ(light_json(*back), text);
+  EXPECT_EQ(photometry::light_json(*back), text);
 }
 
 TEST(LightFile, names_the_place_of_what_is_wrong) {
-  std::string text = light_json(some_light());
+  std::string text = photometry::light_json(some_light());
   text.replace(text.find("\"left\""), 6, "\"right\"");
-  const auto twice = parse_light(text, "light.json");
+  const auto twice = photometry::parse_light(text, "light.json");
   ASSERT_FALSE(twice.has_value());
   EXPECT_EQ(twice.error().message(), "light.json: /projectors/1/name: is another projector's name; give each its own");
-  EXPECT_FALSE(parse_light("{", "light.json").has_value());
+  EXPECT_FALSE(photometry::parse_light("{", "light.json").has_value());
 }
 
 TEST(MoveLight, is_the_light_over_the_wall_that_it_falls_on) {
   // Twice as far from a plane there is a quarter of the light.
   const auto map_from = [](double z) {
-    return *fit_measured_map(1280, 800, seen_of(projector_at({0, 0, z}, Eigen::Quaterniond::Identity()), plane, 0.05));
+    return *solve::fit_measured_map(1280, 800,
+                                    seen_of(projector_at({0, 0, z}, Eigen::Quaterniond::Identity()), plane, 0.05));
   };
-  ProjectorLighting light = some_light().lighting.projectors[0];
+  photometry::ProjectorLighting light = some_light().lighting.projectors[0];
   const double before = light.log_white.at({640, 400});
-  move_light(map_from(-1.0), map_from(1.0), plane, &light);
+  photometry::move_light(map_from(-1.0), map_from(1.0), plane, &light);
   EXPECT_NEAR(light.log_white.at({640, 400}) - before, std::log(0.25), 0.02);
 }
 
 TEST(Reblended, refuses_what_is_not_of_one_calibration) {
-  EXPECT_FALSE(reblended({}, {}, {}).has_value());
-  const std::vector<CalibratedColour> colours(2);
-  EXPECT_FALSE(reblended(std::vector<PhotometricProjector>(2), some_light().lighting, colours).has_value());
+  EXPECT_FALSE(photometry::reblended({}, {}, {}).has_value());
+  const std::vector<calibration::CalibratedColour> colours(2);
+  EXPECT_FALSE(photometry::reblended(std::vector<photometry::PhotometricProjector>(2), some_light().lighting, colours)
+                   .has_value());
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

@@ -8,10 +8,10 @@
 #include <numbers>
 
 #include "appliance/calibration/calibration_file.h"
+#include "tests/doubles/displaced_museum.h"
 #include "tests/doubles/photometry_museum.h"
-#include "tests/doubles/pushed_museum.h"
 
-namespace cyclorama {
+namespace cyclorama::scan {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,9 +27,9 @@ class Realignment : public ::testing::Test {
     if (!master_.empty()) return;  // The suites of all tests here calibrate one museum, once.
     master_ = fs::path(::testing::TempDir()) / ("realign-" + std::to_string(getpid()));
     fs::create_directories(master_);
-    const PushedMuseum museum = small_museum();
+    const DisplacedMuseum museum = small_museum();
     const Status done =
-        museum.inside([&](SimulatedMuseum& room, const ScanDevices& devices, const ScanSettings& settings) {
+        museum.inside([&](simulated::SimulatedMuseum& room, const ScanDevices& devices, const ScanSettings& settings) {
           const auto outcome =
               run_calibration(room.installation(), settings, devices, master_, kFirst, SteadyClock(), {}, {});
           ASSERT_TRUE(outcome.has_value()) << outcome.error().message();
@@ -46,13 +46,13 @@ class Realignment : public ::testing::Test {
     fs::remove_all(folder_, ignored);
   }
 
-  static PushedMuseum small_museum() {
-    PresetOptions options;
+  static DisplacedMuseum small_museum() {
+    simulated::PresetOptions options;
     options.projectors = 3;
     options.projector_width_px = 320;
     options.projector_height_px = 200;
     options.camera_megapixels = 0.25;
-    return {*make_preset("cylinder126", 3, options), 70.0 * kDegree, 0.0};
+    return {*simulated::make_preset("cylinder126", 3, options), 70.0 * kDegree, 0.0};
   }
 
   struct Happened {
@@ -66,8 +66,8 @@ class Realignment : public ::testing::Test {
   Happened realign(const std::string& projector, std::stop_token stop = {}) {
     Happened happened;
     const Status done =
-        museum_.inside([&](SimulatedMuseum& room, const ScanDevices& devices, const ScanSettings& settings) {
-          happened.before = score_of(room, *read_calibration(folder_));
+        museum_.inside([&](simulated::SimulatedMuseum& room, const ScanDevices& devices, const ScanSettings& settings) {
+          happened.before = score_of(room, *calibration::read_calibration(folder_));
           const double begun_s = room.now_s();
           happened.outcome = realign_projector(
               room.installation(), projector, settings, devices, folder_, kSecond, SteadyClock(),
@@ -77,7 +77,7 @@ class Realignment : public ::testing::Test {
               },
               stop);
           happened.museum_s = room.now_s() - begun_s;
-          happened.after = score_of(room, *read_calibration(folder_));
+          happened.after = score_of(room, *calibration::read_calibration(folder_));
           if (happened.outcome && happened.outcome->outcome.light)
             happened.seams = seam_score(room.truth(), *happened.outcome->outcome.light);
         });
@@ -88,8 +88,8 @@ class Realignment : public ::testing::Test {
     ASSERT_FALSE(happened.outcome.has_value());
     EXPECT_EQ(happened.outcome.error().code(), code);
     EXPECT_THAT(happened.outcome.error().message(), HasSubstr(why));
-    EXPECT_EQ(read_calibration(folder_)->date, kFirst);
-    EXPECT_EQ(kept_calibrations(folder_).size(), 1u);
+    EXPECT_EQ(calibration::read_calibration(folder_)->date, kFirst);
+    EXPECT_EQ(calibration::kept_calibrations(folder_).size(), 1u);
   }
 
   /// Goes with the process.
@@ -102,16 +102,16 @@ class Realignment : public ::testing::Test {
   };
   static inline Folder master_;
   fs::path folder_;
-  PushedMuseum museum_;
+  DisplacedMuseum museum_;
 };
 
 struct Push {
   double degrees;
   double millimetres;
 };
-class PushedProjector : public Realignment, public ::testing::WithParamInterface<Push> {};
+class DisplacedProjector : public Realignment, public ::testing::WithParamInterface<Push> {};
 
-TEST_P(PushedProjector, is_put_back_within_ten_seconds) {
+TEST_P(DisplacedProjector, is_put_back_within_ten_seconds) {
   const auto [degrees, millimetres] = GetParam();
   museum_.push(1, degrees * kDegree, {0.5, 0.8, 0.33}, 1e-3 * millimetres, {1.0, -0.5, 1.0});
   const Happened happened = realign("projector 2");
@@ -132,14 +132,14 @@ TEST_P(PushedProjector, is_put_back_within_ten_seconds) {
   EXPECT_NEAR(happened.outcome->turned_rad, degrees * kDegree, 0.3 * kDegree);
   EXPECT_NEAR(happened.outcome->moved_m, 1e-3 * millimetres, 0.03);
 
-  const auto written = read_calibration(folder_);
+  const auto written = calibration::read_calibration(folder_);
   ASSERT_TRUE(written.has_value()) << written.error().message();
   EXPECT_EQ(written->date, kSecond);
-  const auto old = read_calibration(master_);
+  const auto old = calibration::read_calibration(master_);
   EXPECT_EQ(written->projectors[0].map.directions.front(), old->projectors[0].map.directions.front());
   EXPECT_TRUE(written->projectors[0].is_previous);
   EXPECT_FALSE(written->projectors[1].is_previous);
-  EXPECT_EQ(kept_calibrations(folder_).size(), 2u);
+  EXPECT_EQ(calibration::kept_calibrations(folder_).size(), 2u);
   EXPECT_TRUE(fs::exists(happened.outcome->outcome.report));
   // Colours followed: its masks still add up, and a second push finds all it needs.
   ASSERT_TRUE(happened.outcome->has_colours);
@@ -147,17 +147,17 @@ TEST_P(PushedProjector, is_put_back_within_ten_seconds) {
   if (degrees < 2.0) {
     EXPECT_LE(happened.seams.mask_sum_error, 0.02);
   }
-  EXPECT_EQ(read_colours(calibration_folder(folder_, kSecond))->size(), 3u);
-  EXPECT_TRUE(fs::exists(calibration_folder(folder_, kSecond) / "light.json"));
+  EXPECT_EQ(calibration::read_colours(calibration::calibration_folder(folder_, kSecond))->size(), 3u);
+  EXPECT_TRUE(fs::exists(calibration::calibration_folder(folder_, kSecond) / "light.json"));
 }
 
-INSTANTIATE_TEST_SUITE_P(by, PushedProjector, ::testing::Values(Push{0.25, 1.0}, Push{0.7, 15.0}, Push{5.0, 100.0}));
+INSTANTIATE_TEST_SUITE_P(by, DisplacedProjector, ::testing::Values(Push{0.25, 1.0}, Push{0.7, 15.0}, Push{5.0, 100.0}));
 
 TEST_F(Realignment, of_a_projector_that_stands_where_it_stood_changes_nothing) {
   const Happened happened = realign("projector 2");
   ASSERT_TRUE(happened.outcome.has_value()) << happened.outcome.error().message();
   EXPECT_FALSE(happened.outcome->has_moved);
-  EXPECT_EQ(kept_calibrations(folder_).size(), 1u);
+  EXPECT_EQ(calibration::kept_calibrations(folder_).size(), 1u);
   EXPECT_THAT(happened.outcome->outcome.calibration.remarks, ::testing::Contains(HasSubstr("nothing was changed")));
 }
 
@@ -190,7 +190,7 @@ TEST_F(Realignment, says_that_a_projector_is_dark) {
 TEST_F(Realignment, needs_a_projector_that_was_calibrated_and_a_calibration) {
   expect_refused(realign("projector 9"), ErrorCode::kNotFound, "no projector 'projector 9' was calibrated before");
   // Whatever files are missing: nothing is half done.
-  fs::remove(calibration_folder(folder_, kFirst) / "light.json");
+  fs::remove(calibration::calibration_folder(folder_, kFirst) / "light.json");
   museum_.push(1, 0.7 * kDegree, {0.0, 1.0, 0.0}, 0.0, {1.0, 0.0, 0.0});
   expect_refused(realign("projector 2"), ErrorCode::kBadData, "the light of before was not kept");
 }
@@ -203,4 +203,4 @@ TEST_F(Realignment, cancelled_leaves_what_was) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::scan

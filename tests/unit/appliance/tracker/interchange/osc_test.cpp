@@ -9,7 +9,7 @@
 
 #include "appliance/tracker/interchange/osc_pose.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 using testing::HasSubstr;
@@ -98,4 +98,4 @@ TEST(OscPose, reads_numbers_of_any_type_and_passes_over_what_is_not_ours) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

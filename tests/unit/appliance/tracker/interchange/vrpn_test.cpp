@@ -8,7 +8,7 @@
 
 #include "appliance/tracker/interchange/bytes.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 const PoseReport kPose{2, 1, 1'700'000'000'123'456'000, true, {0.1, -0.2, 1.3}, {0.9, 0.1, -0.2, 0.3}};
@@ -100,4 +100,4 @@ TEST(PoseReport, is_no_pose_with_numbers_that_are_none) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

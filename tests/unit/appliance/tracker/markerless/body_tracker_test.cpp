@@ -8,7 +8,7 @@
 
 #include "tests/doubles/visitor_stories.h"
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
 constexpr double kRate = 15.0;
@@ -197,4 +197,4 @@ TEST(BodyPose, leans_as_the_camera_sees_it) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

@@ -5,11 +5,11 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::tracker {
 namespace {
 
-std::vector<LightSample> samples_of(const LightGain& gain, double somebody_from_x = 2.0) {
-  std::vector<LightSample> samples;
+std::vector<LogLightSample> samples_of(const LightGain& gain, double somebody_from_x = 2.0) {
+  std::vector<LogLightSample> samples;
   for (double y = -1.0; y <= 1.0; y += 0.1) {
     for (double x = -1.0; x <= 1.0; x += 0.1) {
       const double other = x > somebody_from_x ? 0.8 * std::sin(9.0 * x + 7.0 * y) - 0.5 : 0.0;
@@ -27,7 +27,7 @@ LightGain any_gain() {
 
 TEST(LightFit, finds_the_surface_that_the_light_is) {
   const LightGain fitted = fitted_light(samples_of(any_gain()));
-  for (const LightSample& s : samples_of(any_gain())) EXPECT_NEAR(fitted.at(s.x, s.y), s.log_ratio, 0.01);
+  for (const LogLightSample& s : samples_of(any_gain())) EXPECT_NEAR(fitted.at(s.x, s.y), s.log_ratio, 0.01);
 }
 
 TEST(LightFit, is_not_swayed_by_somebody_in_a_third_of_the_picture) {
@@ -37,13 +37,13 @@ TEST(LightFit, is_not_swayed_by_somebody_in_a_third_of_the_picture) {
 
 TEST(LightFit, says_no_change_without_samples) {
   EXPECT_TRUE(fitted_light({}).coefficients.isZero());
-  std::vector<LightSample> masked(100, LightSample{0.0, 0.0, 1.0, 0.0});
+  std::vector<LogLightSample> masked(100, LogLightSample{0.0, 0.0, 1.0, 0.0});
   EXPECT_TRUE(fitted_light(masked).coefficients.isZero());
   // All at one place: a surface that is not determined is flat.
-  std::vector<LightSample> same(100, LightSample{0.5, 0.5, 1.0, 1.0});
+  std::vector<LogLightSample> same(100, LogLightSample{0.5, 0.5, 1.0, 1.0});
   EXPECT_TRUE(fitted_light(same).coefficients.allFinite());
   EXPECT_NEAR(fitted_light(same).at(0.5, 0.5), 1.0, 0.05);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tracker

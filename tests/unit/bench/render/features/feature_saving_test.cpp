@@ -5,17 +5,18 @@
 
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
-Result<FeatureReport> measured(Scene scene, int repetitions = 1, const std::function<bool()>& cancelled = nullptr) {
+Result<FeatureReport> measured(scene::Scene scene, int repetitions = 1,
+                               const std::function<bool()>& cancelled = nullptr) {
   TRY_ASSIGN(const std::unique_ptr<Renderer> renderer, Renderer::build(std::move(scene), 1, nullptr));
   return measure_features(renderer.get(), view_from({0, 1, 0}, 32, 16, 0.5, -1.0), repetitions, cancelled);
 }
 
 TEST(Features, are_measured_one_by_one_and_all_together) {
   for (const int repetitions : {1, 2}) {
-    Scene scene = scene_of(square_mesh(4.0f));
+    scene::Scene scene = scene_of(square_mesh(4.0f));
     scene.model.lights.push_back(point_light({0, 2, 0}, 1.0f));
     const auto report = measured(std::move(scene), repetitions);
     ASSERT_TRUE(report.has_value());
@@ -30,12 +31,12 @@ TEST(Features, are_measured_one_by_one_and_all_together) {
       EXPECT_LT(saved.time_saving, 1.0);
     }
     ASSERT_TRUE(report->everything.has_value());
-    EXPECT_EQ(report->everything->kernel, kEverything);
+    EXPECT_EQ(report->everything->kernel, tools::kEverything);
   }
 }
 
 TEST(Features, of_a_scene_that_needs_everything_save_nothing) {
-  Scene scene = scene_of(square_mesh(4.0f));
+  scene::Scene scene = scene_of(square_mesh(4.0f));
   scene.model.textures.emplace_back();
   scene.model.textures[0].pixels = RgbaImage(1, 1, 255);
   scene.model.materials[0].normal_texture.texture = 0;
@@ -53,4 +54,4 @@ TEST(Features, stop_when_they_are_told_to) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 TEST(InstructionCounter, counts_on_or_says_that_this_machine_does_not_count) {
@@ -16,12 +16,12 @@ TEST(InstructionCounter, counts_on_or_says_that_this_machine_does_not_count) {
   }
   const auto before = counter->count();
   volatile int sum = 0;
-  constexpr int kLeastInstructions = 10000;
-  for (int i = 0; i < kLeastInstructions; ++i) sum = sum + i;
+  constexpr int kMinInstructions = 10000;
+  for (int i = 0; i < kMinInstructions; ++i) sum = sum + i;
   const auto after = counter->count();
   ASSERT_TRUE(before.has_value() && after.has_value());
-  EXPECT_GE(*after - *before, static_cast<std::uint64_t>(kLeastInstructions));
+  EXPECT_GE(*after - *before, static_cast<std::uint64_t>(kMinInstructions));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -6,7 +6,7 @@
 
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 using testing::HasSubstr;
@@ -52,4 +52,4 @@ TEST(PlotSvg, nothing_to_draw_is_no_fault) {
 TEST(PlotSvg, text_cannot_break_out) { EXPECT_THAT(plot_svg("a<b & c", {}), HasSubstr("a&lt;b &amp; c")); }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

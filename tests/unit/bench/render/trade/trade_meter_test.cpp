@@ -7,16 +7,16 @@
 
 #include "tests/doubles/simple_scenes.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// The inside of a sphere with a soft shadow: light that is noisy, and none that is endless.
 class TradeMeterTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    Scene scene = scene_of(sphere_mesh(3.0f, 16));
+    scene::Scene scene = scene_of(sphere_mesh(3.0f, 16));
     add_mesh(scene, sphere_mesh(0.4f, 8), Eigen::Affine3d(Eigen::Translation3d(0, 0, -1.5)));
-    Light light = point_light({0.5, 1.0, 0.0}, 2.0f);
+    scene::Light light = point_light({0.5, 1.0, 0.0}, 2.0f);
     light.radius_m = 0.3f;
     scene.model.lights.push_back(light);
     auto built = Renderer::build(std::move(scene), 1, nullptr);
@@ -121,4 +121,4 @@ TEST_F(TradeMeterTest, the_reference_knows_about_its_own_noise) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

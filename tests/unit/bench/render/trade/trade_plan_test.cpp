@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 TEST(TradePlan, has_legal_settings_once_each) {
@@ -73,4 +73,4 @@ TEST(TradePlan, quick_is_a_tenth_of_the_work) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

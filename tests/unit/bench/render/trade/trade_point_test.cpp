@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 using testing::HasSubstr;
@@ -23,9 +23,9 @@ TradePoint point_of(int samples, double cpu_s, double flip, int jpeg_quality = t
   return point;
 }
 
-TEST(TradeFront, holds_what_nothing_cheaper_beats_per_shown_pixel) {
+TEST(TradeParetoFront, holds_what_nothing_cheaper_beats_per_shown_pixel) {
   const std::vector<TradePoint> points = {point_of(1, 1.0, 0.4), point_of(2, 3.0, 0.5), point_of(4, 4.0, 0.2)};
-  const auto front = trade_front(points, 1000.0);
+  const auto front = trade_pareto_front(points, 1000.0);
   ASSERT_TRUE(front) << front.error().message();
   ASSERT_EQ(front->size(), 2u);
   EXPECT_DOUBLE_EQ((*front)[0].cost, 1000.0);
@@ -34,23 +34,23 @@ TEST(TradeFront, holds_what_nothing_cheaper_beats_per_shown_pixel) {
   EXPECT_FALSE(is_on(*front, points[1]));
 }
 
-TEST(TradeFront, errs_in_the_light_as_the_standard_one) {
+TEST(TradeParetoFront, errs_in_the_light_as_the_standard_one) {
   TradePoint point = point_of(1, 1.0, 0.4);
   point.relmse = 0.03;
-  EXPECT_EQ((*trade_front({point}, 1000.0))[0].error, 0.03);
+  EXPECT_EQ((*trade_pareto_front({point}, 1000.0))[0].error, 0.03);
 }
 
-TEST(TradeFront, leaves_out_what_buys_accuracy_with_bytes) {
-  const auto front = trade_front({point_of(1, 1.0, 0.4), point_of(1, 1.0, 0.1, 98)}, 1000.0);
+TEST(TradeParetoFront, leaves_out_what_buys_accuracy_with_bytes) {
+  const auto front = trade_pareto_front({point_of(1, 1.0, 0.4), point_of(1, 1.0, 0.1, 98)}, 1000.0);
   ASSERT_TRUE(front);
   ASSERT_EQ(front->size(), 1u);
   EXPECT_EQ((*front)[0].error, 0.4);
-  EXPECT_FALSE(trade_front({point_of(1, 1.0, 0.1, 98)}, 1000.0));
+  EXPECT_FALSE(trade_pareto_front({point_of(1, 1.0, 0.1, 98)}, 1000.0));
 }
 
 TEST(TradeCsv, has_as_many_columns_in_each_line) {
   const std::vector<TradePoint> points = {point_of(1, 1.0, 0.4), point_of(4, 4.0, 0.2)};
-  const std::string csv = trade_csv(points, *trade_front(points, 1.0));
+  const std::string csv = trade_csv(points, *trade_pareto_front(points, 1.0));
   EXPECT_EQ(std::ranges::count(csv, '\n'), 3);
   EXPECT_EQ(std::ranges::count(csv, ','), 3 * 19);
   EXPECT_THAT(csv, HasSubstr("\nsamples,4,2,1,0,0,1,0,85,1,4000.000,"));
@@ -58,10 +58,10 @@ TEST(TradeCsv, has_as_many_columns_in_each_line) {
 
 TEST(TradeSvg, names_axes_and_knobs) {
   const std::vector<TradePoint> points = {point_of(1, 1.0, 0.4), point_of(4, 4.0, 0.2)};
-  EXPECT_THAT(trade_svg(points, *trade_front(points, 1.0), "grotto"),
+  EXPECT_THAT(trade_svg(points, *trade_pareto_front(points, 1.0), "grotto"),
               testing::AllOf(HasSubstr("grotto"), HasSubstr("FLIP"), HasSubstr("relMSE"), HasSubstr("bytes"),
                              HasSubstr("adaptive"), HasSubstr("front")));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -14,7 +14,7 @@
 #include "tests/doubles/manual_clock.h"
 #include "tests/doubles/shared_data.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 using std::chrono::milliseconds;
@@ -45,7 +45,7 @@ class FileCameraTest : public testing::Test {
     EXPECT_TRUE((*camera)->start().has_value());
     return *std::move(camera);
   }
-  [[nodiscard]] Result<std::shared_ptr<const Frame>> next(Camera* camera) const {
+  [[nodiscard]] Result<std::shared_ptr<const CameraFrame>> next(Camera* camera) const {
     return camera->next_frame(clock_.now() + std::chrono::seconds(10));
   }
 
@@ -153,7 +153,7 @@ TEST_F(FileCameraTest, replays_a_video_at_its_own_rate_and_loops) {
   CYCLORAMA_SHARED_DATA(video, kVideo);
   const auto camera = started(video, {});
   const TimePoint start = clock_.now();
-  std::vector<std::shared_ptr<const Frame>> frames;
+  std::vector<std::shared_ptr<const CameraFrame>> frames;
   for (int i = 0; i < 8; ++i) {
     const auto frame = next(camera.get());
     ASSERT_TRUE(frame.has_value()) << frame.error().message();
@@ -236,4 +236,4 @@ TEST_F(FileCameraTest, takes_every_damaged_photo_or_refuses_it_in_words) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -10,7 +10,7 @@
 
 #include "drivers/camera/libcamera/completed_requests.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 using std::chrono::seconds;
@@ -67,4 +67,4 @@ TEST(CompletedRequests, wakes_who_waits_for_a_picture_and_at_the_end) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

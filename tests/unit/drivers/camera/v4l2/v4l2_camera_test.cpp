@@ -9,7 +9,7 @@
 
 #include "tests/doubles/fake_video/fake_video.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 using std::chrono::milliseconds;
@@ -29,7 +29,7 @@ struct Started {
     const auto started = camera->start();
     EXPECT_TRUE(started.has_value()) << started.error().message();
   }
-  Result<std::shared_ptr<const Frame>> next() { return camera->next_frame(clock.now() + seconds(1)); }
+  Result<std::shared_ptr<const CameraFrame>> next() { return camera->next_frame(clock.now() + seconds(1)); }
 };
 
 /// Picture n of the fake's, exactly.
@@ -61,7 +61,7 @@ TEST(V4l2Camera, reads_every_layout_without_a_wrong_pixel) {
 
 TEST(V4l2Camera, decodes_jpegs_where_nothing_else_is_quick_enough) {
   V4l2CameraOptions options;
-  options.wish = {1280, 720, 30.0};
+  options.preferred = {1280, 720, 30.0};
   Started started(usb_camera(), options);
   for (std::uint32_t i = 0; i < 3; ++i) {
     const auto frame = started.next();
@@ -73,7 +73,7 @@ TEST(V4l2Camera, decodes_jpegs_where_nothing_else_is_quick_enough) {
 
 TEST(V4l2Camera, takes_the_nearest_of_a_range) {
   V4l2CameraOptions options;
-  options.wish = {643, 485, 55.0};
+  options.preferred = {643, 485, 55.0};
   Started started(grey_camera(), options);
   const auto first = started.next();
   ASSERT_TRUE(first.has_value());
@@ -103,7 +103,7 @@ TEST(V4l2Camera, reads_colours_when_it_is_asked_for_them_and_holds_their_balance
     ASSERT_TRUE(frame.has_value()) << frame.error().message();
     EXPECT_TRUE((*frame)->colour.empty());
   }
-  options.wish.is_coloured = true;
+  options.preferred.is_coloured = true;
   Started started(device, options);
   EXPECT_EQ(started.video.device(0).controls.at(V4L2_CID_AUTO_WHITE_BALANCE).value, 0);
   const auto frame = started.next();
@@ -128,13 +128,13 @@ TEST(V4l2Camera, leaves_exposure_to_the_device_when_told) {
 TEST(V4l2Camera, follows_the_light_with_its_gain_on_the_gain_s_steps) {
   FakeVideoDevice device = usb_camera();
   Started started(device);
-  long most = 0;
+  long max = 0;
   for (int i = 0; i < 60; ++i) {
     ASSERT_TRUE(started.next().has_value());
-    most = std::max(most, started.video.device(0).controls.at(V4L2_CID_GAIN).value);
+    max = std::max(max, started.video.device(0).controls.at(V4L2_CID_GAIN).value);
   }
   // The fake's pictures are bright enough whatever the gain: it must not move.
-  EXPECT_EQ(most, 0);
+  EXPECT_EQ(max, 0);
 }
 
 TEST(V4l2Camera, says_when_a_picture_was_taken_by_the_kernel_s_stamp) {
@@ -322,4 +322,4 @@ TEST(V4l2Camera, lists_what_it_may_not_open_and_why) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

@@ -12,7 +12,7 @@
 #include "drivers/camera/v4l2/v4l2_camera.h"
 #include "tests/doubles/fake_video/fake_video.h"
 
-namespace cyclorama {
+namespace cyclorama::camera {
 namespace {
 
 using std::chrono::seconds;
@@ -60,7 +60,7 @@ TEST_P(V4l2Faults, nothing_leaks_and_the_camera_comes_back_whichever_call_fails)
       const Kind made = kind(GetParam());
       V4l2CameraOptions options;
       options.memory = made.memory;
-      options.wish = {64, 48, 30.0};
+      options.preferred = {64, 48, 30.0};
       ManualClock clock;
       FakeVideo video({made.device}, &clock);
       video.fail_nth(nth, error);
@@ -127,4 +127,4 @@ TEST(V4l2Unplugged, at_any_moment_of_a_visit_leaks_nothing) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::camera

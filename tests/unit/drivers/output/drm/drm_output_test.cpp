@@ -9,7 +9,7 @@
 #include "drivers/output/gl_objects.h"
 #include "tests/doubles/fake_card/fake_machine.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 using ::testing::ElementsAre;
@@ -149,7 +149,7 @@ TEST_F(DrmOutputTest, shows_every_8_bit_value_unchanged_through_10_bits) {
   FakeCard card = three_projectors();
   for (FakeConnector& connector : card.connectors) {
     connector.edid = fake_edid("deep", 10);
-    connector.most_bpc = 12;
+    connector.max_bpc = 12;
   }
   use({card});
   open(three_heads());
@@ -164,10 +164,10 @@ TEST_F(DrmOutputTest, shows_every_8_bit_value_unchanged_through_10_bits) {
 TEST_F(DrmOutputTest, is_not_deeper_than_cable_projector_and_card) {
   FakeCard card = three_projectors();
   card.connectors[0].edid = fake_edid("shallow", 8);
-  card.connectors[0].most_bpc = 12;
+  card.connectors[0].max_bpc = 12;
   card.connectors[1].edid = fake_edid("deep", 12);
   card.connectors[2].edid = fake_edid("deep", 12);
-  card.connectors[2].most_bpc = 12;
+  card.connectors[2].max_bpc = 12;
   use({card});
   open(three_heads());
   EXPECT_FALSE(machine_->is_deep(0, 0));
@@ -216,7 +216,7 @@ TEST_F(DrmOutputTest, takes_lesser_modes_where_the_card_cannot_feed_all) {
   FakeCard card = three_projectors();
   for (FakeConnector& connector : card.connectors) connector.modes.push_back(fake_mode(16, 9, 60.0));
   const std::uint64_t full = fake_mode(64, 36, 60.0).clock;
-  card.most_clock_khz = 2 * full + fake_mode(16, 9, 60.0).clock;
+  card.max_clock_khz = 2 * full + fake_mode(16, 9, 60.0).clock;
   use({card});
   open(three_heads());
   ASSERT_TRUE(refresh(3));
@@ -362,4 +362,4 @@ TEST_F(DrmOutputTest, holds_nothing_whichever_call_fails) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

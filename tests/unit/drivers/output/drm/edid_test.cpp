@@ -8,7 +8,7 @@
 
 #include "tests/doubles/fake_card/fake_machine.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 using ::testing::HasSubstr;
@@ -75,4 +75,4 @@ TEST(Edid, refuses_what_is_none) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

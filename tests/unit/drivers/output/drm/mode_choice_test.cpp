@@ -6,18 +6,18 @@
 
 #include "tests/doubles/fake_card/fake_machine.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 using ::testing::ElementsAre;
 
-std::vector<std::string> texts(std::vector<drmModeModeInfo> offered, ModeWish wish) {
+std::vector<std::string> texts(std::vector<drmModeModeInfo> offered, ModePreference preferred) {
   std::vector<std::string> texts;
-  for (const drmModeModeInfo& mode : modes_to_try(offered, wish)) texts.push_back(text_of(mode));
+  for (const drmModeModeInfo& mode : modes_to_try(offered, preferred)) texts.push_back(text_of(mode));
   return texts;
 }
-std::string best(std::vector<drmModeModeInfo> offered, ModeWish wish) {
-  return texts(std::move(offered), wish).front();
+std::string best(std::vector<drmModeModeInfo> offered, ModePreference preferred) {
+  return texts(std::move(offered), preferred).front();
 }
 
 TEST(ModeChoice, takes_the_wished_size_at_the_nearest_rate) {
@@ -65,4 +65,4 @@ TEST(ModeChoice, gives_few_and_each_once) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

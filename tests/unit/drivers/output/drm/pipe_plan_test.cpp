@@ -6,7 +6,7 @@
 
 #include <set>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 using Crtcs = std::vector<std::optional<std::size_t>>;
@@ -43,7 +43,7 @@ TEST(PipePlan, believes_nothing_impossible_of_what_was) {
 TEST(PipePlan, lights_as_many_as_can_be) {
   for (std::uint32_t all = 0; all < 512; ++all) {
     const std::vector<std::uint32_t> possible{all & 7, all >> 3 & 7, all >> 6 & 7};
-    std::size_t most = 0;
+    std::size_t max = 0;
     for (int a = -1; a < 3; ++a) {
       for (int b = -1; b < 3; ++b) {
         for (int c = -1; c < 3; ++c) {
@@ -55,7 +55,7 @@ TEST(PipePlan, lights_as_many_as_can_be) {
             can = can && (crtc < 0 || (possible[static_cast<std::size_t>(i)] >> crtc & 1U) != 0);
             ++i;
           }
-          if (can && std::set<int>(used.begin(), used.end()).size() == used.size()) most = std::max(most, used.size());
+          if (can && std::set<int>(used.begin(), used.end()).size() == used.size()) max = std::max(max, used.size());
         }
       }
     }
@@ -66,9 +66,9 @@ TEST(PipePlan, lights_as_many_as_can_be) {
       EXPECT_NE(possible[i] >> *assigned[i] & 1U, 0U);
       EXPECT_TRUE(given.insert(*assigned[i]).second);
     }
-    EXPECT_EQ(given.size(), most) << all;
+    EXPECT_EQ(given.size(), max) << all;
   }
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 using std::chrono::milliseconds;
@@ -52,4 +52,4 @@ TEST(RefreshPace, waits_for_the_refresh_itself_where_flips_do_not) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -6,14 +6,14 @@
 
 #include "tests/doubles/fake_projector.h"
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 using std::chrono::milliseconds;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr auto kPatience = std::chrono::seconds(20);
+constexpr auto kTimeout = std::chrono::seconds(20);
 
 PjlinkProjector at(const FakeProjector& fake, std::string password = {}) {
   return {{"::1", fake.port()}, std::move(password)};
@@ -21,8 +21,8 @@ PjlinkProjector at(const FakeProjector& fake, std::string password = {}) {
 
 TEST(Pjlink, switches_on_and_off) {
   const FakeProjector fake("PJLINK 0\r", [](const std::string&) { return "%1POWR=OK\r"; });
-  EXPECT_TRUE(set_power(at(fake), true, kPatience));
-  EXPECT_TRUE(set_power(at(fake), false, kPatience));
+  EXPECT_TRUE(set_power(at(fake), true, kTimeout));
+  EXPECT_TRUE(set_power(at(fake), false, kTimeout));
   EXPECT_THAT(fake.heard(), ElementsAre("%1POWR 1", "%1POWR 0"));
 }
 
@@ -32,7 +32,7 @@ TEST(Pjlink, asks_how_it_is) {
         std::pair("2", ProjectorPower::kCooling), std::pair("3", ProjectorPower::kWarming)}) {
     const std::string answer = std::string("%1POWR=") + digit + "\r";
     const FakeProjector fake("PJLINK 0\r", [&](const std::string&) { return answer; });
-    const auto asked = ask_power(at(fake), kPatience);
+    const auto asked = query_power(at(fake), kTimeout);
     ASSERT_TRUE(asked) << asked.error().message();
     EXPECT_EQ(*asked, power);
     EXPECT_THAT(fake.heard(), ElementsAre("%1POWR ?"));
@@ -44,12 +44,12 @@ TEST(Pjlink, proves_that_it_knows_the_password) {
   const FakeProjector fake("PJLINK 1 498e4a67\r", [](const std::string& line) {
     return line.starts_with("5d8409bc1c3fa39749434aa3a5c38682%1POWR") ? "%1POWR=1\r" : "PJLINK ERRA\r";
   });
-  EXPECT_TRUE(ask_power(at(fake, "JBMIAProjectorLink"), kPatience));
-  const auto wrong = ask_power(at(fake, "wrong"), kPatience);
+  EXPECT_TRUE(query_power(at(fake, "JBMIAProjectorLink"), kTimeout));
+  const auto wrong = query_power(at(fake, "wrong"), kTimeout);
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().code(), ErrorCode::kInvalidArgument);
   EXPECT_THAT(wrong.error().message(), HasSubstr("refuses the password"));
-  EXPECT_THAT(ask_power(at(fake), kPatience).error().message(), HasSubstr("wants a password"));
+  EXPECT_THAT(query_power(at(fake), kTimeout).error().message(), HasSubstr("wants a password"));
 }
 
 TEST(Pjlink, tells_what_a_projector_refuses) {
@@ -67,19 +67,19 @@ TEST(Pjlink, knows_who_does_not_speak_it) {
   for (const char* wrong : {"", "PJLINK", "PJLINK 2", "PJLINK 1 ", "PJLINK 1 498e4a6", "PJLINK 1 498e4a6g", "SSH-2.0"})
     EXPECT_EQ(pjlink::authorise(wrong, "x").error().code(), ErrorCode::kBadData) << wrong;
   const FakeProjector endless(std::string(1000, 'x'), [](const std::string&) { return ""; });
-  EXPECT_EQ(ask_power(at(endless), kPatience).error().code(), ErrorCode::kBadData);
+  EXPECT_EQ(query_power(at(endless), kTimeout).error().code(), ErrorCode::kBadData);
 }
 
 TEST(Pjlink, gives_up_on_one_that_is_silent_or_gone) {
   const FakeProjector silent("", [](const std::string&) { return ""; });
-  const auto asked = ask_power(at(silent), milliseconds(30));
+  const auto asked = query_power(at(silent), milliseconds(30));
   ASSERT_FALSE(asked);
   EXPECT_EQ(asked.error().code(), ErrorCode::kUnavailable);
   EXPECT_THAT(asked.error().message(), HasSubstr("projector at ::1:"));
   const FakeProjector hangs_up("PJLINK 0\r", [](const std::string&) { return ""; });
-  EXPECT_EQ(ask_power(at(hangs_up), kPatience).error().code(), ErrorCode::kUnavailable);
-  EXPECT_EQ(ask_power({{"::1", 1}, ""}, kPatience).error().code(), ErrorCode::kUnavailable);
+  EXPECT_EQ(query_power(at(hangs_up), kTimeout).error().code(), ErrorCode::kUnavailable);
+  EXPECT_EQ(query_power({{"::1", 1}, ""}, kTimeout).error().code(), ErrorCode::kUnavailable);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 using enum ProjectorPower;
@@ -57,4 +57,4 @@ TEST(ProjectorDuty, makes_one_right_that_was_without_power) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::output {
 namespace {
 
 using namespace std::chrono_literals;
@@ -86,4 +86,4 @@ TEST(ProjectorReport, passes_on_what_the_projector_tells_of_itself) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::output

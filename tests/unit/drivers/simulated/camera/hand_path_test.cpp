@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -99,4 +99,4 @@ TEST(HandPath, refuses_what_is_no_movement) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

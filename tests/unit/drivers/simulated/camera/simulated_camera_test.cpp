@@ -8,7 +8,7 @@
 
 #include "tests/doubles/manual_clock.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 using std::chrono::milliseconds;
@@ -126,4 +126,4 @@ TEST(SimulatedCamera, gives_each_picture_when_its_exposure_ends) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

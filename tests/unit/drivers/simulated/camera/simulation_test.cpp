@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 using testing::HasSubstr;
@@ -91,4 +91,4 @@ TEST(Simulation, names_the_line_of_a_mistake) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

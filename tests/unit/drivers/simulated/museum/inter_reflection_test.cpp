@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -138,4 +138,4 @@ TEST(WallCells, shares_sum_to_one_and_give_back_a_plane) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -9,7 +9,7 @@
 #include "drivers/simulated/museum/simulated_museum.h"
 #include "drivers/simulated/museum/true_museum.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 /// A museum with few pixels and cells, which a test has time for.
@@ -50,7 +50,7 @@ TEST_P(Presets, projectors_light_most_of_the_wall_and_overlap) {
     const TrueMuseum museum = *TrueMuseum::make(preset.installation, preset.truth);
     int lit = 0;
     int twice = 0;
-    int places = 0;
+    int positions = 0;
     std::vector<int> of_projector(preset.truth.projectors.size(), 0);
     for (std::size_t part = 0; part < museum.wall().part_count(); ++part) {
       for (double across = 0.0125; across < 1.0; across += 0.025) {
@@ -63,15 +63,15 @@ TEST_P(Presets, projectors_light_most_of_the_wall_and_overlap) {
             ++count;
             ++of_projector[i];
           }
-          ++places;
+          ++positions;
           lit += count > 0 ? 1 : 0;
           twice += count > 1 ? 1 : 0;
         }
       }
     }
-    EXPECT_GT(lit, 0.85 * places) << seed;
-    EXPECT_GT(twice, 0.05 * places) << seed;
-    for (const int count : of_projector) EXPECT_GT(count, places / 8) << seed;
+    EXPECT_GT(lit, 0.85 * positions) << seed;
+    EXPECT_GT(twice, 0.05 * positions) << seed;
+    for (const int count : of_projector) EXPECT_GT(count, positions / 8) << seed;
   }
 }
 
@@ -109,16 +109,16 @@ TEST_P(Presets, the_truth_comes_back_from_its_file) {
 TEST(PresetWalls, the_not_quite_cylinder_has_the_radii_that_were_measured) {
   for (std::uint32_t seed = 0; seed < 50; ++seed) {
     const Preset preset = *small_preset("not-quite-cylinder", seed);
-    const TrueWall wall = *TrueWall::make(preset.truth.wall, preset.truth.T_room_wall, preset.truth.relief);
-    double least = 10.0;
-    double most = 0.0;
+    const TrueWall wall = *TrueWall::make(preset.truth.wall, preset.truth.T_room_wall, preset.truth.deviation);
+    double min = 10.0;
+    double max = 0.0;
     for (int i = 0; i <= 2000; ++i) {
       const Eigen::Vector3d point = wall.at({0, i / 2000.0, 0.5}).point.xyz;
-      least = std::min(least, std::hypot(point.x(), point.z()));
-      most = std::max(most, std::hypot(point.x(), point.z()));
+      min = std::min(min, std::hypot(point.x(), point.z()));
+      max = std::max(max, std::hypot(point.x(), point.z()));
     }
-    EXPECT_NEAR(least, 4.06, 1e-4) << seed;
-    EXPECT_NEAR(most, 4.6, 1e-4) << seed;
+    EXPECT_NEAR(min, 4.06, 1e-4) << seed;
+    EXPECT_NEAR(max, 4.6, 1e-4) << seed;
   }
 }
 
@@ -129,7 +129,7 @@ TEST(PresetWalls, a_tilted_cylinder_leans_and_a_plain_one_does_not) {
     const double degrees = std::acos(axis.y()) * 180.0 / 3.14159265358979;
     EXPECT_GE(degrees, 1.5);
     EXPECT_LE(degrees, 4.0);
-    EXPECT_TRUE(small_preset("cylinder126", seed)->truth.relief.is_flat());
+    EXPECT_TRUE(small_preset("cylinder126", seed)->truth.deviation.is_flat());
   }
 }
 
@@ -152,4 +152,4 @@ TEST(MuseumTruth, mistakes_in_its_file_are_named_with_their_line) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

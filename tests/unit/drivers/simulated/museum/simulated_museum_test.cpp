@@ -9,7 +9,7 @@
 
 #include "drivers/simulated/museum/true_museum.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -283,9 +283,9 @@ TEST(SimulatedMuseum, light_of_two_pictures_adds_up_and_black_leaks) {
   const GreyPhotograph dark = photograph(room, RgbImage(320, 180, 0), 1.0);
   const GreyPhotograph off = photograph(room, {}, 1.0);
   EXPECT_EQ(*off.at(200, 150), 0);
-  const double leak = 0.2126 * 0.001 + 0.7152 * 0.002 + 0.0722 * 0.003;
+  const double black_level = 0.2126 * 0.001 + 0.7152 * 0.002 + 0.0722 * 0.003;
   const auto at = *museum.wall_at(0, 160.4, 90.4);
-  EXPECT_NEAR(*dark.at(200, 150), museum.gain_lux(0, at) * leak * 0.8 / kPi * 3000.0 / 60000.0 * 65535.0, 2.0);
+  EXPECT_NEAR(*dark.at(200, 150), museum.gain_lux(0, at) * black_level * 0.8 / kPi * 3000.0 / 60000.0 * 65535.0, 2.0);
 }
 
 // --- Sharpness ---
@@ -404,4 +404,4 @@ TEST(SimulatedMuseum, eight_bits_of_any_camera_run_from_0_to_255) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

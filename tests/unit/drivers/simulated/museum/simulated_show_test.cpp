@@ -7,7 +7,7 @@
 
 #include "drivers/simulated/museum/presets.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 Preset small_preset() {
@@ -94,4 +94,4 @@ TEST(SimulatedShow, a_projector_that_is_moved_lights_elsewhere_once_it_shows_aga
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

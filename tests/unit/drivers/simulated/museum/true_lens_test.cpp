@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 const Pinhole kPinhole{1920, 1080, 1500.0, 980.0, 300.0};
@@ -72,7 +72,7 @@ TEST(TrueLens, each_pixel_comes_back_or_has_no_ray) {
 TEST(TrueLens, sees_nothing_beyond_where_it_turns_back) {
   const TrueLens lens(kPinhole, {-0.4, 0.0, 0.0});
   const double turning = std::sqrt(1.0 / 1.2);  // 1 + 3 k1 r^2 = 0
-  EXPECT_NEAR(lens.widest_tangent(), turning, 1e-9);
+  EXPECT_NEAR(lens.max_tangent(), turning, 1e-9);
   EXPECT_TRUE(lens.pixel_of({0.99 * turning, 0.0, 1.0}));
   EXPECT_FALSE(lens.pixel_of({1.01 * turning, 0.0, 1.0}));
   const double farthest = turning * (1.0 - 0.4 * turning * turning);
@@ -81,4 +81,4 @@ TEST(TrueLens, sees_nothing_beyond_where_it_turns_back) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 TrueCamera linear_camera() {
@@ -126,4 +126,4 @@ TEST(TrueResponse, stays_between_dark_and_bright) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

@@ -6,24 +6,24 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 const RigidTransform<frame::Room, frame::Room> kStays;
 const CylinderWall kCylinder{4.3, 2.2, 0.5, 2.7};
 const DomeWall kDome{{Eigen::Vector3d(0.0, 1.6, 0.0)}, 4.0, 1.6, 0.4};
 
-Relief some_relief() {
-  Relief relief;
-  relief.waves = {{0.02, 1.5, 0.7, 0.3}, {0.01, -3.0, 1.0, 1.0}};
-  relief.bumps = {{0.03, 0.5, 0.2, 0.3}, {-0.02, -1.0, -0.3, 0.5}};
-  return relief;
+WallDeviation some_deviation() {
+  WallDeviation deviation;
+  deviation.waves = {{0.02, 1.5, 0.7, 0.3}, {0.01, -3.0, 1.0, 1.0}};
+  deviation.bumps = {{0.03, 0.5, 0.2, 0.3}, {-0.02, -1.0, -0.3, 0.5}};
+  return deviation;
 }
 
-std::vector<TrueWall> walls_with(const Relief& relief) {
+std::vector<TrueWall> walls_with(const WallDeviation& deviation) {
   const PlanesWall plane{{WallRectangle::facing({Eigen::Vector3d(0.0, 1.6, -4.0)}, 0.2, 0.1, 6.0, 2.4)}};
-  return {*TrueWall::make(kCylinder, kStays, relief), *TrueWall::make(plane, kStays, relief),
-          *TrueWall::make(kDome, kStays, relief)};
+  return {*TrueWall::make(kCylinder, kStays, deviation), *TrueWall::make(plane, kStays, deviation),
+          *TrueWall::make(kDome, kStays, deviation)};
 }
 
 TEST(TrueWall, without_relief_is_the_wall_of_the_installation) {
@@ -44,16 +44,16 @@ TEST(TrueWall, without_relief_is_the_wall_of_the_installation) {
 // Two ways to one place: a ray meets the surface where the surface's own coordinates say that it is.
 TEST(TrueWall, a_ray_to_a_place_of_the_wall_meets_it_there) {
   const Eigen::Vector3d eye(0.3, 1.5, 0.2);
-  for (const Relief& relief : {Relief(), some_relief()}) {
-    for (const TrueWall& wall : walls_with(relief)) {
+  for (const WallDeviation& deviation : {WallDeviation(), some_deviation()}) {
+    for (const TrueWall& wall : walls_with(deviation)) {
       for (double across = 0.03; across < 1.0; across += 0.09) {
         for (double along = 0.03; along < 1.0; along += 0.11) {
           const TrueWall::Hit at = wall.at({0, across, along});
           const auto met = wall.hit({{eye}, at.point.xyz - eye});
           ASSERT_TRUE(met);
           EXPECT_LT((met->point.xyz - at.point.xyz).norm(), 1e-9);
-          EXPECT_NEAR(met->place.across, across, 1e-9);
-          EXPECT_NEAR(met->place.along, along, 1e-9);
+          EXPECT_NEAR(met->position.across, across, 1e-9);
+          EXPECT_NEAR(met->position.along, along, 1e-9);
           EXPECT_LT((met->normal - at.normal).norm(), 1e-6);
         }
       }
@@ -62,7 +62,7 @@ TEST(TrueWall, a_ray_to_a_place_of_the_wall_meets_it_there) {
 }
 
 TEST(TrueWall, its_normal_is_that_of_three_near_places) {
-  for (const TrueWall& wall : walls_with(some_relief())) {
+  for (const TrueWall& wall : walls_with(some_deviation())) {
     constexpr double kStep = 1e-5;
     const Eigen::Vector3d eye(0.0, 1.6, 0.0);
     for (double across = 0.1; across < 1.0; across += 0.17) {
@@ -75,22 +75,22 @@ TEST(TrueWall, its_normal_is_that_of_three_near_places) {
 }
 
 TEST(TrueWall, a_grazing_ray_over_bumps_meets_the_first_one) {
-  Relief relief;
-  relief.bumps = {{0.2, -1.0, 0.0, 0.15}};
+  WallDeviation deviation;
+  deviation.bumps = {{0.2, -1.0, 0.0, 0.15}};
   const PlanesWall plane{{WallRectangle::facing({Eigen::Vector3d(0.0, 1.6, -4.0)}, 0.0, 0.0, 6.0, 2.4)}};
-  const TrueWall wall = *TrueWall::make(plane, kStays, relief);
+  const TrueWall wall = *TrueWall::make(plane, kStays, deviation);
   const Eigen::Vector3d origin(-2.9, 1.6, -3.85);
   const auto met = wall.hit({{origin}, Eigen::Vector3d(1.0, 0.0, -0.04)});
   ASSERT_TRUE(met);
   EXPECT_LT(met->point.xyz.x(), -1.0);  // On the bump's near side.
-  EXPECT_NEAR(met->point.xyz.z(), -4.0 + relief.at(met->point.xyz.x(), 0.0).m, 1e-6);
+  EXPECT_NEAR(met->point.xyz.z(), -4.0 + deviation.at(met->point.xyz.x(), 0.0).m, 1e-6);
 }
 
 TEST(TrueWall, moves_as_a_whole) {
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.05, Eigen::Vector3d(1.0, 0.2, 0.3).normalized()));
   const RigidTransform<frame::Room, frame::Room> moved(turned, {0.1, -0.05, 0.02});
-  const TrueWall there = *TrueWall::make(kCylinder, moved, some_relief());
-  const TrueWall here = *TrueWall::make(kCylinder, kStays, some_relief());
+  const TrueWall there = *TrueWall::make(kCylinder, moved, some_deviation());
+  const TrueWall here = *TrueWall::make(kCylinder, kStays, some_deviation());
   const RoomRay ray{{Eigen::Vector3d(0.2, 1.5, 0.3)}, Eigen::Vector3d(0.4, 0.05, -1.0)};
   const RoomRay moved_ray{moved * ray.origin, moved.rotation() * ray.direction};
   const auto a = here.hit(ray);
@@ -108,10 +108,10 @@ TEST(TrueWall, its_area_is_that_of_the_shape) {
 TEST(TrueWall, refuses_what_it_cannot_be) {
   const PlanesWall corner{{WallRectangle::above({-3, 0}, {0, -3}, 0, 2), WallRectangle::above({0, -3}, {3, 0}, 0, 2)}};
   EXPECT_TRUE(TrueWall::make(corner, kStays, {}));
-  EXPECT_FALSE(TrueWall::make(corner, kStays, some_relief()));
+  EXPECT_FALSE(TrueWall::make(corner, kStays, some_deviation()));
   EXPECT_FALSE(TrueWall::make(PlanesWall{}, kStays, {}));
   EXPECT_FALSE(TrueWall::make(*MeshWall::read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), kStays, {}));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

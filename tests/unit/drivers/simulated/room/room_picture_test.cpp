@@ -5,7 +5,7 @@
 
 #include "common/image/colour.h"
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 constexpr const char* kRoom = R"(
@@ -81,4 +81,4 @@ TEST_F(RoomPictureTest, a_dark_room_is_dark_and_a_lit_one_glows_on_the_floor) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

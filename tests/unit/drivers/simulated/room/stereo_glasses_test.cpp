@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::simulated {
 namespace {
 
 TEST(StereoGlasses, let_through_each_eyes_part_over_the_whole_field) {
@@ -30,4 +30,4 @@ TEST(StereoGlasses, let_through_each_eyes_part_over_the_whole_field) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::simulated

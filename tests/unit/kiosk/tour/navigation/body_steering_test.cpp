@@ -7,7 +7,7 @@
 
 #include "kiosk/tour/navigation/visit_walk.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using namespace std::chrono_literals;
@@ -27,25 +27,25 @@ Pose standing_at(double right_m, double distance_m, double head_to_the_right_m) 
 }
 
 TEST(BodySteering, rests_at_the_mark_and_through_fidgeting) {
-  EXPECT_TRUE(body_wish(standing_at(0, 2.0, 0), {}).is_rest());
-  EXPECT_TRUE(body_wish(standing_at(0.1, 2.1, 0.05), {}).is_rest());
+  EXPECT_TRUE(body_command(standing_at(0, 2.0, 0), {}).is_rest());
+  EXPECT_TRUE(body_command(standing_at(0.1, 2.1, 0.05), {}).is_rest());
 }
 
 TEST(BodySteering, turns_to_where_one_leans_slides_to_where_one_steps_walks_to_where_one_goes) {
-  EXPECT_GT(body_wish(standing_at(0, 2.0, 0.2), {}).turn, 0.3);
-  EXPECT_LT(body_wish(standing_at(0, 2.0, -0.2), {}).turn, -0.3);
-  EXPECT_GT(body_wish(standing_at(0.35, 2.0, 0), {}).right, 0.3);
-  EXPECT_LT(body_wish(standing_at(-0.35, 2.0, 0), {}).right, -0.3);
-  EXPECT_GT(body_wish(standing_at(0, 1.6, 0), {}).forward, 0.3);
-  EXPECT_LT(body_wish(standing_at(0, 2.4, 0), {}).forward, -0.3);
-  EXPECT_EQ(body_wish(standing_at(0, 1.6, 0), {}).turn, 0.0);
+  EXPECT_GT(body_command(standing_at(0, 2.0, 0.2), {}).turn, 0.3);
+  EXPECT_LT(body_command(standing_at(0, 2.0, -0.2), {}).turn, -0.3);
+  EXPECT_GT(body_command(standing_at(0.35, 2.0, 0), {}).right, 0.3);
+  EXPECT_LT(body_command(standing_at(-0.35, 2.0, 0), {}).right, -0.3);
+  EXPECT_GT(body_command(standing_at(0, 1.6, 0), {}).forward, 0.3);
+  EXPECT_LT(body_command(standing_at(0, 2.4, 0), {}).forward, -0.3);
+  EXPECT_EQ(body_command(standing_at(0, 1.6, 0), {}).turn, 0.0);
 }
 
 TEST(BodySteering, stays_within_bounds_wherever_the_body_is) {
   for (const double far : {-1e9, -3.0, 3.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
-    const SteeringWish wish = body_wish(Pose(Eigen::Quaterniond::Identity(), {far, far, far}), {});
-    EXPECT_LE(std::hypot(wish.forward, wish.right), 1.0 + 1e-12);
-    EXPECT_LE(std::abs(wish.turn), 1.0);
+    const SteeringCommand command = body_command(Pose(Eigen::Quaterniond::Identity(), {far, far, far}), {});
+    EXPECT_LE(std::hypot(command.forward, command.right), 1.0 + 1e-12);
+    EXPECT_LE(std::abs(command.turn), 1.0);
   }
 }
 
@@ -64,14 +64,14 @@ TEST(BodySteering, gives_way_to_a_wand_and_does_not_take_from_one) {
   const Pose leaning = standing_at(0, 2.0, 0.3);
   const Pose wand(Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5});  // Near the camera: forward.
   walk = after(walk, seen_by(1, 1, true, leaning), now += 30ms, settings);
-  EXPECT_GT(walk.navigation.tag_wish.turn, 0.0);
+  EXPECT_GT(walk.navigation.tag_command.turn, 0.0);
   for (std::uint64_t i = 2; i < 40; ++i) {
     walk = after(walk, seen_by(2, i, false, wand), now += 15ms, settings);
     walk = after(walk, seen_by(1, i, true, leaning), now += 15ms, settings);
   }
-  EXPECT_GT(walk.navigation.tag_wish.forward, 0.9);
-  EXPECT_LT(walk.navigation.tag_wish.turn, 0.01);
+  EXPECT_GT(walk.navigation.tag_command.forward, 0.9);
+  EXPECT_LT(walk.navigation.tag_command.turn, 0.01);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

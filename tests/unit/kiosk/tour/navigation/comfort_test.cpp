@@ -10,7 +10,7 @@
 #include "kiosk/tour/navigation/view_meter.h"
 #include "tests/doubles/random_hand.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using namespace std::chrono_literals;
@@ -61,14 +61,14 @@ Shown visit(std::uint64_t seed, double scale, Duration step, int steps, bool odd
       until_picture = 33ms;
     }
     if (hand.chance(0.001)) {
-      const SteeringWish wish{hand.normal(1.0), hand.normal(1.0), hand.normal(1.0)};
-      walk = after(std::move(walk), KeysPressed{wish}, now, settings);
+      const SteeringCommand command{hand.normal(1.0), hand.normal(1.0), hand.normal(1.0)};
+      walk = after(std::move(walk), KeysPressed{command}, now, settings);
     }
     walk = after(std::move(walk), Tick{}, now, settings);
     const Walker& walker = walk.navigation.walker;
-    CHECK(walk.site.area->allows(walker.place_m));
-    meter.add(walker.place_m, walker.heading_rad, now);
-    if (walk.navigation.steerer == Steerer::kGuide) shown.guided += step;
+    CHECK(walk.site.area->allows(walker.position_m));
+    meter.add(walker.position_m, walker.heading_rad, now);
+    if (walk.navigation.steering_source == SteeringSource::kGuide) shown.guided += step;
   }
   shown.peaks = meter.peaks();
   return shown;
@@ -109,8 +109,8 @@ TEST(Comfort, is_not_reached_by_a_hand_that_holds_still) {
     walk = after(std::move(walk), seen, now, settings);
     walk = after(std::move(walk), Tick{}, now, settings);
   }
-  EXPECT_EQ(walk.navigation.steerer, Steerer::kTag);
-  EXPECT_EQ(walk.navigation.walker.place_m, before.place_m) << "a trembling hand does not walk";
+  EXPECT_EQ(walk.navigation.steering_source, SteeringSource::kTag);
+  EXPECT_EQ(walk.navigation.walker.position_m, before.position_m) << "a trembling hand does not walk";
   EXPECT_EQ(walk.navigation.walker.heading_rad, before.heading_rad);
 }
 
@@ -122,9 +122,9 @@ TEST(Comfort, slows_down_towards_a_wall_instead_of_running_into_it) {
   for (int i = 0; i < 60 * 30; ++i) {
     now += 16'666'667ns;
     walker = walked(walker, {1, 0, 0}, 16'666'667ns, WalkLimits{}, 1.0, area.get());
-    meter.add(walker.place_m, walker.heading_rad, now);
+    meter.add(walker.position_m, walker.heading_rad, now);
   }
-  EXPECT_LT(walker.place_m.y(), -4.89) << "and gets there";
+  EXPECT_LT(walker.position_m.y(), -4.89) << "and gets there";
   EXPECT_LE(meter.peaks().acceleration_m_per_s2, kComfort.acceleration_m_per_s2 + 1e-6);
   EXPECT_LE(meter.peaks().jerk_m_per_s3, 1.5 * kComfort.jerk_m_per_s3);
 }
@@ -134,7 +134,7 @@ TEST(Comfort, slides_along_a_wall_at_the_speed_that_is_left) {
   Walker walker;
   walker.heading_rad = std::numbers::pi / 4;  // To the right and ahead, towards the wall.
   for (int i = 0; i < 60 * 20; ++i) walker = walked(walker, {1, 0, 0}, 16'666'667ns, WalkLimits{}, 1.0, area.get());
-  EXPECT_NEAR(walker.place_m.y(), -5.0, 0.11);
+  EXPECT_NEAR(walker.position_m.y(), -5.0, 0.11);
   const Vector2d velocity = walker.velocity_m_per_s.x() * right_of(walker.heading_rad) +
                             walker.velocity_m_per_s.y() * forward_of(walker.heading_rad);
   EXPECT_NEAR(velocity.x(), std::sqrt(0.5), 0.01);
@@ -144,17 +144,19 @@ TEST(Comfort, slides_along_a_wall_at_the_speed_that_is_left) {
 TEST(Comfort, does_not_bump_into_a_wall_when_it_glides_to_rest_beside_it_while_turning) {
   const auto area = area_of({{-50, -5}, {50, -5}, {50, 5}, {-50, 5}});
   Walker walker;
-  walker.place_m = {-20, -4.5};
+  walker.position_m = {-20, -4.5};
   walker.heading_rad = std::numbers::pi / 2;  // Along the wall, which is on the left.
   ViewMeter meter(1.0);
   TimePoint now(1s);
   for (int i = 0; i < 60 * 12; ++i) {
     now += 16'666'667ns;
-    const SteeringWish wish = i < 600 ? SteeringWish{0.7, -0.7, 0} : i < 630 ? SteeringWish{1, 0, -1} : SteeringWish{};
-    walker = walked(walker, wish, 16'666'667ns, WalkLimits{}, 1.0, area.get());
-    meter.add(walker.place_m, walker.heading_rad, now);
+    const SteeringCommand command = i < 600   ? SteeringCommand{0.7, -0.7, 0}
+                                    : i < 630 ? SteeringCommand{1, 0, -1}
+                                              : SteeringCommand{};
+    walker = walked(walker, command, 16'666'667ns, WalkLimits{}, 1.0, area.get());
+    meter.add(walker.position_m, walker.heading_rad, now);
   }
-  EXPECT_LT(walker.place_m.y(), -4.88);
+  EXPECT_LT(walker.position_m.y(), -4.88);
   EXPECT_TRUE(walker.is_at_rest());
   EXPECT_LE(meter.peaks().acceleration_m_per_s2, kComfort.acceleration_m_per_s2 + 1e-6);
 }
@@ -175,4 +177,4 @@ TEST(ApproachSpeed, can_be_stopped_and_has_no_corner) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using namespace std::chrono_literals;
@@ -44,12 +44,13 @@ struct Walk {
     const Walker before = state.walker;
     state = advanced(std::move(state), site, settings, now);
     const Walker& after = state.walker;
-    const double seconds = to_seconds(std::min(tick, kLongestStep));
+    const double seconds = to_seconds(std::min(tick, kMaxStep));
     const WalkLimits& limits = settings.limits;
-    ASSERT_TRUE(after.place_m.allFinite() && after.velocity_m_per_s.allFinite());
+    ASSERT_TRUE(after.position_m.allFinite() && after.velocity_m_per_s.allFinite());
     ASSERT_TRUE(std::isfinite(after.heading_rad) && std::isfinite(after.turn_rate_rad_per_s));
     ASSERT_LE(after.velocity_m_per_s.norm(), limits.forward_m_per_s + 1e-9);
-    ASSERT_LE((after.place_m - before.place_m).norm(), (limits.forward_m_per_s * seconds + 1e-9) * site.walking_scale);
+    ASSERT_LE((after.position_m - before.position_m).norm(),
+              (limits.forward_m_per_s * seconds + 1e-9) * site.walking_scale);
     ASSERT_LE(std::abs(after.turn_rate_rad_per_s), limits.turn_rad_per_s + 1e-9);
     ASSERT_LE(std::abs(after.heading_rad - before.heading_rad), limits.turn_rad_per_s * seconds + 1e-9);
     ASSERT_LE(std::abs(after.turn_rate_rad_per_s - before.turn_rate_rad_per_s),
@@ -58,8 +59,8 @@ struct Walk {
     ASSERT_LE(after.velocity_m_per_s.norm() - before.velocity_m_per_s.norm(),
               std::numbers::sqrt2 * limits.acceleration_m_per_s2 * seconds + 1e-6);
     if (site.area) {
-      ASSERT_TRUE(site.area->allows(after.place_m));
-      if (is_far_from_walls(before.place_m)) {
+      ASSERT_TRUE(site.area->allows(after.position_m));
+      if (is_far_from_walls(before.position_m)) {
         ASSERT_LE((after.velocity_m_per_s - before.velocity_m_per_s).cwiseAbs().maxCoeff(),
                   limits.acceleration_m_per_s2 * seconds + 1e-6);
         ASSERT_LE((after.acceleration_m_per_s2 - before.acceleration_m_per_s2).cwiseAbs().maxCoeff(),
@@ -67,11 +68,11 @@ struct Walk {
       }
     }
   }
-  [[nodiscard]] bool is_far_from_walls(const Vector2d& place) const {
+  [[nodiscard]] bool is_far_from_walls(const Vector2d& position) const {
     const double far = 0.2 * site.walking_scale;
     for (int i = 0; i < 16; ++i) {
-      const Vector2d beside = place + far * Vector2d(std::cos(0.4 * i), std::sin(0.4 * i));
-      if (!site.area->allows(beside) || !site.area->sees(place, beside)) return false;
+      const Vector2d beside = position + far * Vector2d(std::cos(0.4 * i), std::sin(0.4 * i));
+      if (!site.area->allows(beside) || !site.area->sees(position, beside)) return false;
     }
     return true;
   }
@@ -88,9 +89,9 @@ TEST(Navigator, walks_where_the_visitor_looks) {
   Walk walk;
   walk.site.start.heading_rad = walk.state.walker.heading_rad = std::numbers::pi / 2;  // To the right: along +x.
   walk.hold(tag_at(0, 0.5, 0), 2s);
-  EXPECT_EQ(walk.state.steerer, Steerer::kTag);
-  EXPECT_GT(walk.state.walker.place_m.x(), 1.0);
-  EXPECT_NEAR(walk.state.walker.place_m.y(), 0.0, 1e-9);
+  EXPECT_EQ(walk.state.steering_source, SteeringSource::kTag);
+  EXPECT_GT(walk.state.walker.position_m.x(), 1.0);
+  EXPECT_NEAR(walk.state.walker.position_m.y(), 0.0, 1e-9);
 }
 
 TEST(Navigator, turns_right_with_a_pattern_that_points_right) {
@@ -109,7 +110,7 @@ TEST(Navigator, glides_to_rest_within_a_second_of_losing_the_tag) {
   EXPECT_FALSE(walk.state.walker.is_at_rest()) << "a glide, not a stop";
   walk.run(867ms);
   EXPECT_TRUE(walk.state.walker.is_at_rest());
-  EXPECT_EQ(walk.state.steerer, Steerer::kNobody);
+  EXPECT_EQ(walk.state.steering_source, SteeringSource::kNobody);
 }
 
 TEST(Navigator, does_not_feel_a_missed_picture) {
@@ -135,11 +136,11 @@ TEST(Navigator, lets_keys_win_while_they_are_pressed_and_forgets_them_after_300_
     walk.see(tag_at(0, 0.4, 0));
     walk.state = with_keys(std::move(walk.state), {-1, 0, 0}, walk.now);
     walk.run(100ms);
-    EXPECT_EQ(walk.state.steerer, Steerer::kKeys);
+    EXPECT_EQ(walk.state.steering_source, SteeringSource::kKeys);
   }
   EXPECT_LT(walk.state.walker.velocity_m_per_s.y(), -0.9);
   walk.hold(tag_at(0, 0.4, 0), 1600ms);
-  EXPECT_EQ(walk.state.steerer, Steerer::kTag);
+  EXPECT_EQ(walk.state.steering_source, SteeringSource::kTag);
   EXPECT_GT(walk.state.walker.velocity_m_per_s.y(), 0.5);
 }
 
@@ -158,7 +159,7 @@ TEST(Navigator, releases_keys_at_once_when_asked_for_rest) {
   walk.run(50ms);
   walk.state = with_keys(std::move(walk.state), {}, walk.now);
   walk.run(16ms);
-  EXPECT_EQ(walk.state.steerer, Steerer::kNobody);
+  EXPECT_EQ(walk.state.steering_source, SteeringSource::kNobody);
 }
 
 TEST(Navigator, starts_the_guide_when_nobody_steers_and_hands_over_smoothly) {
@@ -166,14 +167,14 @@ TEST(Navigator, starts_the_guide_when_nobody_steers_and_hands_over_smoothly) {
   walk.settings.guide_after = 10s;
   walk.site.stops = {{"a", {3, 3}, 0.5}, {"b", {-3, 2}, -2.0}};
   walk.run(9900ms);
-  EXPECT_EQ(walk.state.steerer, Steerer::kNobody);
+  EXPECT_EQ(walk.state.steering_source, SteeringSource::kNobody);
   walk.run(4s);
-  EXPECT_EQ(walk.state.steerer, Steerer::kGuide);
+  EXPECT_EQ(walk.state.steering_source, SteeringSource::kGuide);
   EXPECT_FALSE(walk.state.walker.is_at_rest());
   walk.hold(tag_at(0, 0.4, 0), 500ms);
-  EXPECT_EQ(walk.state.steerer, Steerer::kTag);
+  EXPECT_EQ(walk.state.steering_source, SteeringSource::kTag);
   walk.run(5s);
-  EXPECT_EQ(walk.state.steerer, Steerer::kNobody);
+  EXPECT_EQ(walk.state.steering_source, SteeringSource::kNobody);
 }
 
 TEST(Navigator, visits_every_stop_and_looks_where_it_looks) {
@@ -186,7 +187,7 @@ TEST(Navigator, visits_every_stop_and_looks_where_it_looks) {
     for (std::size_t s = 0; s < 3; ++s) {
       const GuideStop& stop = walk.site.stops[s];
       const double off = std::remainder(stop.heading_rad - walk.state.walker.heading_rad, 2 * std::numbers::pi);
-      if ((walk.state.walker.place_m - stop.place_m).norm() < 0.1 && std::abs(off) < 0.2) seen[s] = true;
+      if ((walk.state.walker.position_m - stop.position_m).norm() < 0.1 && std::abs(off) < 0.2) seen[s] = true;
     }
   }
   EXPECT_EQ(seen, std::vector<bool>(3, true));
@@ -197,12 +198,12 @@ TEST(Navigator, leads_round_corners) {
   auto area = WalkableArea::make({{0, 0}, {10, 0}, {10, 3}, {3, 3}, {3, 10}, {0, 10}});
   ASSERT_TRUE(area);
   walk.site.area = std::make_shared<const WalkableArea>(*std::move(area));
-  walk.site.start.place_m = {9, 2};
+  walk.site.start.position_m = {9, 2};
   walk.site.stops = {{"behind the corner", {2, 9}, 0.0}};
   walk.state = started(walk.site);
   walk.settings.guide_after = 1s;
   walk.run(60s, 20ms);
-  EXPECT_LT((walk.state.walker.place_m - Vector2d(2, 9)).norm(), 0.2);
+  EXPECT_LT((walk.state.walker.position_m - Vector2d(2, 9)).norm(), 0.2);
 }
 
 TEST(Navigator, looks_around_where_there_are_no_stops) {
@@ -210,20 +211,20 @@ TEST(Navigator, looks_around_where_there_are_no_stops) {
   walk.settings.guide_after = 1s;
   walk.run(10s);
   EXPECT_GT(walk.state.walker.heading_rad, 0.5);
-  EXPECT_EQ(walk.state.walker.place_m, Vector2d(0, 0));
+  EXPECT_EQ(walk.state.walker.position_m, Vector2d(0, 0));
 }
 
 TEST(Navigator, has_no_guide_when_told_so_and_none_while_a_visitor_holds_still) {
   Walk off;
   off.settings.guide_after = 0s;
   off.run(300s, 90ms);
-  EXPECT_EQ(off.state.steerer, Steerer::kNobody);
+  EXPECT_EQ(off.state.steering_source, SteeringSource::kNobody);
   Walk held;
   held.settings.guide_after = 5s;
   held.hold(tag_at(0, 1, 0), 30s);
-  EXPECT_EQ(held.state.steerer, Steerer::kTag);
+  EXPECT_EQ(held.state.steering_source, SteeringSource::kTag);
   held.hold(tag_at(0, 1, 0), 15s);
-  EXPECT_EQ(held.state.steerer, Steerer::kGuide) << "forgotten on its stand";
+  EXPECT_EQ(held.state.steering_source, SteeringSource::kGuide) << "forgotten on its stand";
 }
 
 TEST(Navigator, ignores_measurements_that_are_none) {
@@ -235,11 +236,11 @@ TEST(Navigator, ignores_measurements_that_are_none) {
   walk.see(tag_at(0, -1, 0));
   walk.see(tag_at(0, 1e9, 0));
   walk.see({Eigen::Quaterniond(kNaN, 0, 0, 0), {0, 0, 1}});
-  EXPECT_EQ(walk.state.tag_wish, before.tag_wish);
+  EXPECT_EQ(walk.state.tag_command, before.tag_command);
   EXPECT_EQ(walk.state.tag_seen_at, before.tag_seen_at);
   walk.state = with_keys(std::move(walk.state), {kNaN, 1e300, -1e300}, walk.now);
   walk.run(200ms);
-  EXPECT_EQ(walk.state.keys_wish.forward, 0.0);
+  EXPECT_EQ(walk.state.keys_command.forward, 0.0);
 }
 
 TEST(Navigator, stands_still_when_time_runs_backwards_and_does_not_leap_after_a_stall) {
@@ -247,20 +248,20 @@ TEST(Navigator, stands_still_when_time_runs_backwards_and_does_not_leap_after_a_
   walk.hold(tag_at(0, 0.3, 0.8), 1s);
   const Walker before = walk.state.walker;
   walk.state = advanced(std::move(walk.state), walk.site, walk.settings, walk.now - 10s);
-  EXPECT_EQ(walk.state.walker.place_m, before.place_m);
+  EXPECT_EQ(walk.state.walker.position_m, before.position_m);
   walk.see(tag_at(0, 0.3, 0.8));
   const TimePoint seen = *walk.state.tag_seen_at;
   walk.state = with_tag(std::move(walk.state), tag_at(1, 1, -1), seen - 5s, walk.settings);
   EXPECT_EQ(*walk.state.tag_seen_at, seen);
   walk.step(3600s);
-  EXPECT_LT((walk.state.walker.place_m - before.place_m).norm(), 0.11);
+  EXPECT_LT((walk.state.walker.position_m - before.position_m).norm(), 0.11);
 }
 
 TEST(Navigator, turns_but_does_not_walk_without_an_area) {
   Walk walk;
   walk.site.area = nullptr;
   walk.hold(tag_at(-1, 0.3, 1.0), 1s);
-  EXPECT_EQ(walk.state.walker.place_m, Vector2d(0, 0));
+  EXPECT_EQ(walk.state.walker.position_m, Vector2d(0, 0));
   EXPECT_GT(walk.state.walker.heading_rad, 0.1);
 }
 
@@ -297,4 +298,4 @@ TEST(Navigator, keeps_every_limit_for_600000_random_steps) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 constexpr RampLimits kLimits{2.2, 18.0};
@@ -32,7 +32,7 @@ TEST(Ramp, comes_to_rest_from_any_state_within_the_longest_stop) {
       if (std::abs(speed + acceleration * std::abs(acceleration) / (2 * kLimits.jerk)) > 1.0) continue;
       double seconds = 0.0;
       for (; ramp != Ramp{} && seconds < 3.0; seconds += 1e-3) ramp = ramped(ramp, 0.0, 1e-3, kLimits);
-      EXPECT_LE(seconds, longest_stop_s(1.0, kLimits) + 0.01) << speed << " " << acceleration;
+      EXPECT_LE(seconds, max_stop_s(1.0, kLimits) + 0.01) << speed << " " << acceleration;
     }
   }
 }
@@ -42,20 +42,20 @@ TEST(Ramp, keeps_its_limits_and_never_overshoots_whatever_the_steps_are) {
   std::uniform_real_distribution<double> uniform;
   Ramp ramp;
   double wanted = 0.0;
-  double least = 0.0;  // Lower and upper bound of all speeds wanted so far.
-  double most = 0.0;
+  double min = 0.0;  // Lower and upper bound of all speeds wanted so far.
+  double max = 0.0;
   for (int i = 0; i < 1'000'000; ++i) {
     if (i % 37 == 0) wanted = 2.0 * uniform(random) - 1.0;
-    least = std::min(least, wanted);
-    most = std::max(most, wanted);
+    min = std::min(min, wanted);
+    max = std::max(max, wanted);
     const double step = std::pow(10.0, -6.0 + 5.0 * uniform(random));  // From a microsecond to a tenth of a second.
     const Ramp next = ramped(ramp, wanted, step, kLimits);
     ASSERT_LE(std::abs(next.acceleration), kLimits.acceleration + 1e-12);
     ASSERT_LE(std::abs(next.acceleration - ramp.acceleration), kLimits.jerk * step + 0.0061)
         << "0.006: when it settles";
     ASSERT_NEAR(next.speed - ramp.speed, next.acceleration * step, 2e-6);
-    ASSERT_GE(next.speed, least - 1e-9);
-    ASSERT_LE(next.speed, most + 1e-9);
+    ASSERT_GE(next.speed, min - 1e-9);
+    ASSERT_LE(next.speed, max + 1e-9);
     ramp = next;
   }
 }
@@ -67,4 +67,4 @@ TEST(Ramp, stays_where_it_is_without_time) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

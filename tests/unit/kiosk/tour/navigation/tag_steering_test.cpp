@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using TagPose = RigidTransform<frame::Camera, frame::Tag>;
@@ -26,8 +26,8 @@ TagPose held_at(double right_m, double nearer_to_visitor_m, double yaw_right_rad
   R_room_tag.col(2) = -print;
   R_room_tag.col(1) = Eigen::Vector3d(0, -1, 0);
   R_room_tag.col(0) = R_room_tag.col(1).cross(R_room_tag.col(2));
-  const Eigen::Vector3d place(right_m, 0, nearer_to_visitor_m);
-  return {Eigen::Quaterniond(R_room_camera.transpose() * R_room_tag), R_room_camera.transpose() * place};
+  const Eigen::Vector3d position(right_m, 0, nearer_to_visitor_m);
+  return {Eigen::Quaterniond(R_room_camera.transpose() * R_room_tag), R_room_camera.transpose() * position};
 }
 
 constexpr TagSteeringSettings kSettings{};
@@ -35,26 +35,26 @@ constexpr TagSteeringSettings kSettings{};
 TEST(TagSteering, rests_when_the_pattern_is_held_straight_at_the_neutral_place) {
   const TagPose straight = held_at(0, kSettings.neutral_distance_m, 0);
   EXPECT_TRUE(straight.rotation().isApprox(Eigen::Quaterniond::Identity())) << "tag axes equal camera axes";
-  EXPECT_TRUE(tag_wish(straight, kSettings).is_rest());
+  EXPECT_TRUE(tag_command(straight, kSettings).is_rest());
 }
 
 TEST(TagSteering, turns_the_view_to_the_side_that_the_pattern_is_turned_to) {
   EXPECT_NEAR(pointing_yaw(held_at(0, 1, 0.5)), 0.5, 1e-12);
   EXPECT_NEAR(pointing_yaw(held_at(0.3, 2, -0.7)), -0.7, 1e-12);
-  EXPECT_GT(tag_wish(held_at(0, 1, 0.4), kSettings).turn, 0.0);
-  EXPECT_LT(tag_wish(held_at(0, 1, -0.4), kSettings).turn, 0.0);
+  EXPECT_GT(tag_command(held_at(0, 1, 0.4), kSettings).turn, 0.0);
+  EXPECT_LT(tag_command(held_at(0, 1, -0.4), kSettings).turn, 0.0);
 }
 
 TEST(TagSteering, walks_to_the_side_that_the_pattern_is_held_at_though_the_camera_sees_it_on_the_other) {
   const TagPose at_right_hand = held_at(0.2, kSettings.neutral_distance_m, 0);
   EXPECT_LT(at_right_hand.translation().x(), 0.0) << "left of the camera's middle";
-  EXPECT_GT(tag_wish(at_right_hand, kSettings).right, 0.0);
-  EXPECT_LT(tag_wish(held_at(-0.2, kSettings.neutral_distance_m, 0), kSettings).right, 0.0);
+  EXPECT_GT(tag_command(at_right_hand, kSettings).right, 0.0);
+  EXPECT_LT(tag_command(held_at(-0.2, kSettings.neutral_distance_m, 0), kSettings).right, 0.0);
 }
 
 TEST(TagSteering, walks_forward_when_the_pattern_is_nearer_to_the_wall_and_back_when_it_is_farther) {
-  EXPECT_GT(tag_wish(held_at(0, kSettings.neutral_distance_m - 0.3, 0), kSettings).forward, 0.0);
-  EXPECT_LT(tag_wish(held_at(0, kSettings.neutral_distance_m + 0.3, 0), kSettings).forward, 0.0);
+  EXPECT_GT(tag_command(held_at(0, kSettings.neutral_distance_m - 0.3, 0), kSettings).forward, 0.0);
+  EXPECT_LT(tag_command(held_at(0, kSettings.neutral_distance_m + 0.3, 0), kSettings).forward, 0.0);
 }
 
 TEST(TagSteering, does_not_mind_a_pattern_that_is_tilted_or_turned_in_its_own_plane) {
@@ -86,4 +86,4 @@ TEST(GainCurve, is_dead_then_gentle_then_full_and_odd) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

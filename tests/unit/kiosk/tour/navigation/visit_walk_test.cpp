@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using namespace std::chrono_literals;
@@ -16,7 +16,7 @@ Site room(double half, const Vector2d& start = {0, 0}) {
   auto area = WalkableArea::make({{-half, -half}, {half, -half}, {half, half}, {-half, half}});
   CHECK(area);
   site.area = std::make_shared<const WalkableArea>(*std::move(area));
-  site.start.place_m = start;
+  site.start.position_m = start;
   return site;
 }
 
@@ -52,11 +52,11 @@ struct Visit {
     }
   }
   [[nodiscard]] double sideways() const { return walk.navigation.walker.velocity_m_per_s.x(); }
-  [[nodiscard]] Steerer steerer() const { return walk.navigation.steerer; }
+  [[nodiscard]] SteeringSource steering_source() const { return walk.navigation.steering_source; }
 };
 
-TEST(WandChoice, leaves_control_with_the_first_until_it_has_lost_the_tag_for_a_second) {
-  WandChoice choice;
+TEST(WandSelector, leaves_control_with_the_first_until_it_has_lost_the_tag_for_a_second) {
+  WandSelector choice;
   const TimePoint now(10s);
   EXPECT_TRUE(choice.sees_tag(1, now));
   EXPECT_FALSE(choice.sees_tag(2, now + 500ms));
@@ -70,16 +70,16 @@ TEST(WandChoice, leaves_control_with_the_first_until_it_has_lost_the_tag_for_a_s
   EXPECT_TRUE(choice.sees_tag(1, now + 2300ms));
 }
 
-TEST(PictureOrder, passes_over_what_repeats_and_what_is_late) {
-  PictureOrder order;
+TEST(PoseOrder, passes_over_what_repeats_and_what_is_late) {
+  PoseOrder order;
   EXPECT_TRUE(order.is_news(1, 1000, TimePoint(1s)));
   EXPECT_FALSE(order.is_news(1, 1000, TimePoint(2s))) << "the same, however late";
   EXPECT_FALSE(order.is_news(2, 900, TimePoint(1s + 10ms)));
   EXPECT_TRUE(order.is_news(2, 1000, TimePoint(1s + 20ms))) << "two pictures of one instant";
 }
 
-TEST(PictureOrder, follows_a_clock_that_has_jumped) {
-  PictureOrder order;
+TEST(PoseOrder, follows_a_clock_that_has_jumped) {
+  PoseOrder order;
   EXPECT_TRUE(order.is_news(1, 1'000'000, TimePoint(1s)));
   EXPECT_TRUE(order.is_news(2, 9'000'000'000, TimePoint(1s + 33ms))) << "ahead";
   EXPECT_FALSE(order.is_news(3, 3'000'000, TimePoint(1s + 66ms))) << "and back: perhaps just late";
@@ -122,14 +122,14 @@ TEST(VisitWalk, keeps_its_place_when_the_same_scene_comes_back_and_starts_anew_i
   Visit visit;
   visit.hold(1, -0.4, 3s);
   visit.wait(2s);
-  const Vector2d place = visit.walk.navigation.walker.place_m;
-  EXPECT_GT(place.x(), 1.0);
+  const Vector2d position = visit.walk.navigation.walker.position_m;
+  EXPECT_GT(position.x(), 1.0);
   visit.give(SceneOpened{"room", room(20)});
-  EXPECT_EQ(visit.walk.navigation.walker.place_m, place);
+  EXPECT_EQ(visit.walk.navigation.walker.position_m, position);
   visit.give(SceneOpened{"room", room(0.5)});
-  EXPECT_TRUE(visit.walk.site.area->allows(visit.walk.navigation.walker.place_m)) << "what is left of the room";
+  EXPECT_TRUE(visit.walk.site.area->allows(visit.walk.navigation.walker.position_m)) << "what is left of the room";
   visit.give(SceneOpened{"cave", room(20, {3, 4})});
-  EXPECT_EQ(visit.walk.navigation.walker.place_m, Vector2d(3, 4));
+  EXPECT_EQ(visit.walk.navigation.walker.position_m, Vector2d(3, 4));
 }
 
 TEST(VisitWalk, does_nothing_before_a_scene_is_there) {
@@ -144,32 +144,32 @@ TEST(VisitWalk, does_nothing_before_a_scene_is_there) {
 
 TEST(Turn, ends_after_its_time_and_the_next_one_begins_after_the_pause) {
   Visit visit;
-  visit.settings.turn_longest = 20s;
+  visit.settings.max_turn = 20s;
   visit.settings.turn_pause = 5s;
   visit.hold(1, -0.4, 15s);
-  EXPECT_EQ(visit.steerer(), Steerer::kTag);
+  EXPECT_EQ(visit.steering_source(), SteeringSource::kTag);
   EXPECT_NEAR(to_seconds(*turn_left(visit.walk.navigation, visit.settings, visit.now)), 5.0, 0.1);
   visit.hold(1, -0.4, 6s);
-  EXPECT_EQ(visit.steerer(), Steerer::kGuide) << "though the wand is still held";
+  EXPECT_EQ(visit.steering_source(), SteeringSource::kGuide) << "though the wand is still held";
   visit.hold(1, -0.4, 6s);
-  EXPECT_EQ(visit.steerer(), Steerer::kTag) << "the next visitor has it";
+  EXPECT_EQ(visit.steering_source(), SteeringSource::kTag) << "the next visitor has it";
   EXPECT_GT(*turn_left(visit.walk.navigation, visit.settings, visit.now), 15s);
 }
 
 TEST(Turn, is_over_when_the_wand_was_put_down) {
   Visit visit;
-  visit.settings.turn_longest = 10s;
+  visit.settings.max_turn = 10s;
   visit.settings.turn_pause = 60s;
   visit.hold(1, -0.4, 11s);
-  EXPECT_EQ(visit.steerer(), Steerer::kGuide);
+  EXPECT_EQ(visit.steering_source(), SteeringSource::kGuide);
   visit.wait(1500ms);
   visit.hold(1, -0.4, 500ms);
-  EXPECT_EQ(visit.steerer(), Steerer::kTag) << "handed over: no need to wait for the pause";
+  EXPECT_EQ(visit.steering_source(), SteeringSource::kTag) << "handed over: no need to wait for the pause";
 }
 
 TEST(Turn, is_the_next_visitors_after_ten_seconds_without_a_wand) {
   Visit visit;
-  visit.settings.turn_longest = 60s;
+  visit.settings.max_turn = 60s;
   visit.hold(1, -0.4, 30s);
   visit.wait(11s);
   EXPECT_FALSE(turn_left(visit.walk.navigation, visit.settings, visit.now));
@@ -180,14 +180,14 @@ TEST(Turn, is_the_next_visitors_after_ten_seconds_without_a_wand) {
 TEST(Turn, does_not_limit_keys_nor_anybody_by_default) {
   Visit visit;
   visit.hold(1, -0.1, 3600s);
-  EXPECT_EQ(visit.steerer(), Steerer::kTag);
-  visit.settings.turn_longest = 1s;
+  EXPECT_EQ(visit.steering_source(), SteeringSource::kTag);
+  visit.settings.max_turn = 1s;
   for (int i = 0; i < 100; ++i) {
     visit.give(KeysPressed{{0, 0, 1}});
     visit.wait(100ms);
-    ASSERT_EQ(visit.steerer(), Steerer::kKeys);
+    ASSERT_EQ(visit.steering_source(), SteeringSource::kKeys);
   }
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

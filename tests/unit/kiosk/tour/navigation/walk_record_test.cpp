@@ -6,7 +6,7 @@
 
 #include "tests/doubles/random_hand.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using namespace std::chrono_literals;
@@ -27,7 +27,7 @@ Site site() {
 std::string recorded_visit(std::uint64_t seed) {
   NavigationSettings settings;
   settings.guide_after = 3s;
-  settings.turn_longest = 40s;
+  settings.max_turn = 40s;
   settings.limits.turn_rad_per_s = 40.0 * 3.14159 / 180.0;
   std::string text = record_head(settings);
   VisitWalk walk;
@@ -130,4 +130,4 @@ TEST(WalkRecord, names_line_and_mistake) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using Eigen::Vector2d;
@@ -62,44 +62,44 @@ TEST(WalkableArea, turns_a_step_into_a_wall_along_the_wall) {
 
 TEST(WalkableArea, keeps_walking_along_a_wall_it_is_pressed_against) {
   const WalkableArea area = area_of(kSquare);
-  Vector2d place(0, 0);
-  for (int i = 0; i < 2000; ++i) place = area.walk(place, {0.004, 0.001});
-  EXPECT_NEAR(place.x(), 5.0 - area.margin_m(), 1e-3);
-  EXPECT_NEAR(place.y(), 2.0, 0.05);
+  Vector2d position(0, 0);
+  for (int i = 0; i < 2000; ++i) position = area.walk(position, {0.004, 0.001});
+  EXPECT_NEAR(position.x(), 5.0 - area.margin_m(), 1e-3);
+  EXPECT_NEAR(position.y(), 2.0, 0.05);
 }
 
 TEST(WalkableArea, stops_in_a_corner_and_leaves_it_again) {
   const WalkableArea area = area_of(kSquare);
-  Vector2d place(4, 4);
-  for (int i = 0; i < 300; ++i) place = area.walk(place, {0.02, 0.02});
-  EXPECT_LT((place - Vector2d(5, 5)).norm(), 0.05);
-  for (int i = 0; i < 100; ++i) place = area.walk(place, {-0.01, -0.02});
-  EXPECT_LT((place - Vector2d(4, 3)).norm(), 0.1);
+  Vector2d position(4, 4);
+  for (int i = 0; i < 300; ++i) position = area.walk(position, {0.02, 0.02});
+  EXPECT_LT((position - Vector2d(5, 5)).norm(), 0.05);
+  for (int i = 0; i < 100; ++i) position = area.walk(position, {-0.01, -0.02});
+  EXPECT_LT((position - Vector2d(4, 3)).norm(), 0.1);
 }
 
 TEST(WalkableArea, goes_round_a_corner_that_juts_in) {
   const WalkableArea area = area_of(kAngle);
-  Vector2d place(2.5, 6);
+  Vector2d position(2.5, 6);
   // Pressed against the inner wall, towards the other arm.
-  for (int i = 0; i < 600; ++i) place = area.walk(place, {0.01, -0.01});
-  EXPECT_GT(place.x(), 5.9);
-  EXPECT_LT(place.y(), 3.0);
+  for (int i = 0; i < 600; ++i) position = area.walk(position, {0.01, -0.01});
+  EXPECT_GT(position.x(), 5.9);
+  EXPECT_LT(position.y(), 3.0);
 }
 
 TEST(WalkableArea, passes_a_narrow_passage) {
   const WalkableArea area = area_of(kDumbbell);
-  Vector2d place(1, 2);
-  for (int i = 0; i < 1000; ++i) place = area.walk(place, {0.01, 0.0});
-  EXPECT_GT(place.x(), 10.0);
+  Vector2d position(1, 2);
+  for (int i = 0; i < 1000; ++i) position = area.walk(position, {0.01, 0.0});
+  EXPECT_GT(position.x(), 10.0);
 }
 
 TEST(WalkableArea, never_passes_a_thin_wall_however_long_the_step) {
   // A room divided by a wall with a gap at the far end.
   const WalkableArea area =
       area_of({{0, 0}, {4.999, 0}, {4.999, 9}, {5.001, 9}, {5.001, 0}, {10, 0}, {10, 10}, {0, 10}});
-  Vector2d place(1, 2);
-  for (int i = 0; i < 100; ++i) place = area.walk(place, {8.0, 0.0});
-  EXPECT_LT(place.x(), 5.0);
+  Vector2d position(1, 2);
+  for (int i = 0; i < 100; ++i) position = area.walk(position, {8.0, 0.0});
+  EXPECT_LT(position.x(), 5.0);
 }
 
 TEST(WalkableArea, never_lets_a_walk_of_100000_random_steps_out) {
@@ -108,18 +108,18 @@ TEST(WalkableArea, never_lets_a_walk_of_100000_random_steps_out) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> angle(-std::numbers::pi, std::numbers::pi);
     std::exponential_distribution<double> length(20.0);
-    Vector2d place = area.nearest_allowed({1, 1});
+    Vector2d position = area.nearest_allowed({1, 1});
     double direction = 0.0;
     double walked = 0.0;
     for (int i = 0; i < 100'000; ++i) {
       if (i % 40 == 0) direction = angle(random);
       const double metres = i % 1000 == 0 ? 30.0 : length(random);
-      const Vector2d next = area.walk(place, metres * Vector2d(std::cos(direction), std::sin(direction)));
+      const Vector2d next = area.walk(position, metres * Vector2d(std::cos(direction), std::sin(direction)));
       ASSERT_TRUE(area.allows(next)) << i;
       ASSERT_TRUE(winds_around(corners, next)) << i;
-      ASSERT_LE((next - place).norm(), metres + 32 * 2e-3 * area.margin_m() + 1e-9) << i;
-      walked += (next - place).norm();
-      place = next;
+      ASSERT_LE((next - position).norm(), metres + 32 * 2e-3 * area.margin_m() + 1e-9) << i;
+      walked += (next - position).norm();
+      position = next;
     }
     EXPECT_GT(walked, 500.0);  // Never permanently stuck.
   }
@@ -135,13 +135,13 @@ TEST(WalkableArea, goes_around_a_pillar_and_never_through) {
     EXPECT_FALSE(area->sees({-2, 0}, {2, 0.1}));
     EXPECT_GE((area->nearest_allowed({0.3, 0})).cwiseAbs().maxCoeff(), 1.0);
     EXPECT_EQ(area->polygons(), (std::vector<Corners>{kSquare, hole}));
-    Vector2d place(-3, 0.2);
+    Vector2d position(-3, 0.2);
     for (int i = 0; i < 2000; ++i) {
-      place = area->walk(place, {0.01, 0.004});
-      ASSERT_TRUE(area->allows(place));
-      ASSERT_FALSE(winds_around(hole, place));
+      position = area->walk(position, {0.01, 0.004});
+      ASSERT_TRUE(area->allows(position));
+      ASSERT_FALSE(winds_around(hole, position));
     }
-    EXPECT_GT(place.x(), 2.0) << "slid along it, and on";
+    EXPECT_GT(position.x(), 2.0) << "slid along it, and on";
   }
 }
 
@@ -162,10 +162,10 @@ TEST(WalkableArea, puts_any_start_inside_near_where_it_was) {
     std::uniform_real_distribution<double> coordinate(-20.0, 20.0);
     for (int i = 0; i < 2000; ++i) {
       const Vector2d start(coordinate(random), coordinate(random));
-      const Vector2d place = area.nearest_allowed(start);
-      ASSERT_TRUE(area.allows(place));
+      const Vector2d position = area.nearest_allowed(start);
+      ASSERT_TRUE(area.allows(position));
       if (area.allows(start)) {
-        EXPECT_EQ(place, start);
+        EXPECT_EQ(position, start);
       }
     }
   }
@@ -193,12 +193,12 @@ TEST(WalkableArea, works_for_a_relic_of_a_millimetre_and_for_a_valley_far_from_t
       Corners corners = kAngle;
       for (Vector2d& corner : corners) corner = scale * corner + offset;
       const WalkableArea area = area_of(corners);
-      Vector2d place = area.nearest_allowed(offset + scale * Vector2d(2.5, 6));
+      Vector2d position = area.nearest_allowed(offset + scale * Vector2d(2.5, 6));
       for (int i = 0; i < 2000; ++i) {
-        place = area.walk(place, scale * Vector2d(0.01, -0.01));
-        ASSERT_TRUE(area.allows(place));
+        position = area.walk(position, scale * Vector2d(0.01, -0.01));
+        ASSERT_TRUE(area.allows(position));
       }
-      EXPECT_GT(place.x() - offset.x(), 6.0 * scale);
+      EXPECT_GT(position.x() - offset.x(), 6.0 * scale);
     }
   }
 }
@@ -227,4 +227,4 @@ TEST(WalkableArea, sees_along_a_straight_line_only) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 SharedShowMessage begin(std::uint64_t number) {
@@ -26,8 +26,8 @@ SharedShowMessage end(std::uint64_t number) {
   message->mutable_end()->set_complete(true);
   return message;
 }
-Outbox introduced(std::size_t most_bytes = 1000) {
-  Outbox outbox(wire::Panorama(), most_bytes);
+Outbox introduced(std::size_t max_bytes = 1000) {
+  Outbox outbox(wire::Panorama(), max_bytes);
   outbox.put_heading(0.0, 0);
   EXPECT_TRUE(outbox.take()->has_heading());
   return outbox;
@@ -179,4 +179,4 @@ TEST(Outbox, keeps_its_promises_for_any_order_of_putting_and_taking) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -9,7 +9,7 @@
 
 #include "kiosk/tour/session/display_roster.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using namespace std::chrono_literals;
@@ -121,22 +121,22 @@ TEST(DisplayRoster, knows_the_display_that_is_least_in_step) {
   DisplayRoster roster;
   roster.joined(1, hello(60.0, "left\n"));
   roster.joined(2, hello(60.0, "right"));
-  EXPECT_FALSE(roster.in_step());
+  EXPECT_FALSE(roster.synchronised_share());
   wire::ClockQuestion question;
-  question.set_in_step(0.999);
+  question.set_synchronised_share(0.999);
   question.set_skew_s(-0.0123);
   question.set_skew_error_s(0.0002);
   question.set_frame_need_s(0.02);
   roster.heard(1, question);
-  EXPECT_FALSE(roster.in_step()) << "in step with whom?";
+  EXPECT_FALSE(roster.synchronised_share()) << "in step with whom?";
   question.clear_frame_need_s();
   roster.heard(1, question);
-  question.set_in_step(0.5);
+  question.set_synchronised_share(0.5);
   roster.heard(2, question);
-  EXPECT_EQ(roster.in_step(), 0.5);
-  question.set_in_step(std::nan(""));
+  EXPECT_EQ(roster.synchronised_share(), 0.5);
+  question.set_synchronised_share(std::nan(""));
   roster.heard(2, question);
-  EXPECT_FALSE(roster.in_step());
+  EXPECT_FALSE(roster.synchronised_share());
   roster.heard(9, question);  // This display has left, or never joined.
 
   const wire::Table table = roster.table();
@@ -153,4 +153,4 @@ TEST(DisplayRoster, knows_the_display_that_is_least_in_step) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

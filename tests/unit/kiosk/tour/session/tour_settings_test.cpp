@@ -6,7 +6,7 @@
 
 #include <numbers>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using testing::HasSubstr;
@@ -16,7 +16,7 @@ TEST(TourSettings, are_the_defaults_for_an_empty_file) {
   const auto settings = parse_tour_settings("", "site.toml");
   ASSERT_TRUE(settings) << settings.error().message();
   const TourSettings defaults = default_tour_settings();
-  EXPECT_EQ(settings->heads, defaults.heads);
+  EXPECT_EQ(settings->coordinators, defaults.coordinators);
   EXPECT_NEAR(settings->picture.guard_rad, defaults.picture.guard_rad, 1e-12);
   EXPECT_NEAR(settings->picture.guard_rad, 8.0 * kDegree, 0.1 * kDegree);
   EXPECT_NEAR(settings->navigation.limits.turn_rad_per_s, defaults.navigation.limits.turn_rad_per_s, 1e-12);
@@ -30,7 +30,7 @@ TEST(TourSettings, leave_what_is_the_displays) {
 TEST(TourSettings, read_every_key_in_its_unit) {
   const auto settings = parse_tour_settings(R"(
 [farm]
-heads = ["[2001:db8::1]:7401", "[2001:db8::2]:7401"]
+coordinators = ["[2001:db8::1]:7401", "[2001:db8::2]:7401"]
 scene = "grotto"
 museum = "Hall 3"
 [picture]
@@ -46,12 +46,12 @@ acceleration_m_per_s2 = 3
 jerk_m_per_s3 = 30
 turn_acceleration_deg_per_s2 = 120
 turn_jerk_deg_per_s3 = 900
-longest_turn_minutes = 5
+max_turn_minutes = 5
 turn_pause_s = 3
 neutral_distance_m = 1.5
 neutral_right_m = -0.1
-stand_m = 2.5
-stand_right_m = 0.2
+mark_distance_m = 2.5
+mark_right_m = 0.2
 lean_dead_deg = 4
 lean_full_deg = 25
 step_dead_m = 0.2
@@ -69,7 +69,7 @@ guide_after_s = 0
 )",
                                             "site.toml");
   ASSERT_TRUE(settings) << settings.error().message();
-  EXPECT_EQ(settings->heads.size(), 2u);
+  EXPECT_EQ(settings->coordinators.size(), 2u);
   EXPECT_EQ(settings->museum, "Hall 3");
   EXPECT_EQ(settings->picture.frame_budget_ms, 0.0) << "the quality is fixed";
   EXPECT_EQ(settings->picture.jpeg_quality, 92);
@@ -77,14 +77,14 @@ guide_after_s = 0
   EXPECT_NEAR(settings->picture.guard_rad, 12 * kDegree, 1e-12);
   EXPECT_NEAR(settings->navigation.limits.turn_rad_per_s, 30 * kDegree, 1e-12);
   EXPECT_NEAR(settings->navigation.tag.yaw_rad.full, 40 * kDegree, 1e-12);
-  EXPECT_EQ(settings->navigation.body.stand_m, 2.5);
+  EXPECT_EQ(settings->navigation.body.mark_distance_m, 2.5);
   EXPECT_NEAR(settings->navigation.body.lean_rad.full, 25 * kDegree, 1e-12);
   EXPECT_EQ(settings->navigation.body.distance_m.full, 0.7);
   EXPECT_EQ(settings->navigation.tag_smoothing, std::chrono::milliseconds(80));
   EXPECT_EQ(settings->navigation.guide_after, Duration::zero());
   EXPECT_EQ(settings->navigation.limits.jerk_m_per_s3, 30.0);
   EXPECT_NEAR(settings->navigation.limits.turn_jerk_rad_per_s3, 900 * kDegree, 1e-12);
-  EXPECT_EQ(settings->navigation.turn_longest, std::chrono::minutes(5));
+  EXPECT_EQ(settings->navigation.max_turn, std::chrono::minutes(5));
   EXPECT_EQ(settings->navigation.turn_pause, std::chrono::seconds(3));
 }
 
@@ -107,7 +107,7 @@ struct Wrong {
 
 TEST(TourSettings, name_line_and_remedy_of_every_mistake) {
   for (const Wrong& wrong : std::vector<Wrong>{
-           {"[farm]\nheads = []", "site.toml:2", "name the farm's head"},
+           {"[farm]\nheads = []", "site.toml:2", "name the farm's coordinator"},
            {"[farm]\nheads = [1]", "site.toml:2", "texts"},
            {"[picture]\nsamples = 0", "site.toml:2", "between 1 and 4096"},
            {"[picture]\njpeg_quality = 101", "site.toml:2", "between 1 and 100"},
@@ -148,4 +148,4 @@ TEST(TourSettings, say_which_file_is_missing) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

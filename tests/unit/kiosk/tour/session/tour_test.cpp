@@ -15,7 +15,7 @@
 #include "tests/doubles/fake_farm.h"
 #include "tests/doubles/fake_tracker.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using namespace std::chrono_literals;
@@ -40,7 +40,7 @@ class TourProcess {
     server_->stop(200ms);
   }
   [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(server_->port()); }
-  [[nodiscard]] std::optional<KeptPlace> place() { return tour_->place(); }
+  [[nodiscard]] std::optional<SavedPosition> position() { return tour_->position(); }
   [[nodiscard]] std::string recording() { return tour_->take_recording(); }
   [[nodiscard]] wire::ProcessStatus status() const { return inspection_.status(); }
   [[nodiscard]] double gauge(const std::string& name) const {
@@ -93,7 +93,7 @@ class TourProcess {
 TourSettings settings_for(const FakeFarm& farm) {
   TourSettings settings = default_tour_settings();
   settings.picture.frame_budget_ms = 0.0;
-  settings.heads = {farm.address()};
+  settings.coordinators = {farm.address()};
   settings.navigation.guide_after = 0s;
   return settings;
 }
@@ -171,7 +171,7 @@ TEST(Tour, records_a_walk_that_replays_to_the_bit) {
 
 TEST(Tour, goes_on_after_a_restart_where_the_visitor_was) {
   FakeFarm farm;
-  KeptPlace left;
+  SavedPosition left;
   {
     TourProcess tour(settings_for(farm));
     FakeDisplay display(tour.address());
@@ -179,8 +179,8 @@ TEST(Tour, goes_on_after_a_restart_where_the_visitor_was) {
     ASSERT_TRUE(tour.steer(1, 0, 1).ok());
     EXPECT_TRUE(tour.eventually([&] { return tour.gauge("eye_z_m") < -0.05 && tour.gauge("heading_deg") > 1; }));
     EXPECT_TRUE(tour.eventually([&] { return tour.gauge("forward_m_per_s") == 0.0; }));
-    ASSERT_TRUE(tour.place());
-    left = *tour.place();
+    ASSERT_TRUE(tour.position());
+    left = *tour.position();
   }
   const std::size_t views = farm.views().size();
   TourSettings settings = settings_for(farm);
@@ -189,19 +189,19 @@ TEST(Tour, goes_on_after_a_restart_where_the_visitor_was) {
     TourProcess tour(settings);
     FakeDisplay display(tour.address());
     ASSERT_TRUE(display.wait_for_frames(1));
-    EXPECT_EQ(farm.views()[views].eye_m().z(), left.place_m.y());
+    EXPECT_EQ(farm.views()[views].eye_m().z(), left.position_m.y());
     EXPECT_EQ(farm.views()[views].heading_rad(), left.heading_rad);
-    EXPECT_EQ(tour.place(), left);
+    EXPECT_EQ(tour.position(), left);
   }
   // Another scene, and then a position inside a wall.
   settings.resume->scene = "another";
   TourProcess elsewhere(settings);
-  EXPECT_TRUE(elsewhere.eventually([&] { return elsewhere.place().has_value(); }));
-  EXPECT_EQ(elsewhere.place()->place_m, Eigen::Vector2d(0, 0));
-  settings.resume = KeptPlace{left.scene, {1e5, 0.0}, 0.0};
+  EXPECT_TRUE(elsewhere.eventually([&] { return elsewhere.position().has_value(); }));
+  EXPECT_EQ(elsewhere.position()->position_m, Eigen::Vector2d(0, 0));
+  settings.resume = SavedPosition{left.scene, {1e5, 0.0}, 0.0};
   TourProcess inside(settings);
-  EXPECT_TRUE(inside.eventually([&] { return inside.place().has_value(); }));
-  EXPECT_NEAR(inside.place()->place_m.x(), 10.0, 0.1);
+  EXPECT_TRUE(inside.eventually([&] { return inside.position().has_value(); }));
+  EXPECT_NEAR(inside.position()->position_m.x(), 10.0, 0.1);
 }
 
 TEST(Tour, refuses_keys_out_of_range) {
@@ -345,12 +345,12 @@ TEST(Tour, tells_a_display_alone_nothing_of_when_and_several_the_same) {
   FakeDisplay second(tour.address());
   wire::ClockQuestion question;
   question.set_frame_need_s(0.030);
-  question.set_in_step(0.75);
+  question.set_synchronised_share(0.75);
   second.ask(question);
   first->ask(question);
   ASSERT_TRUE(turn(second, [](const auto& d) { return d.frames_complete() > 5 && d.headings_with_show_at() > 5; }));
   EXPECT_TRUE(tour.eventually([&] { return tour.gauge("frame_lead_ms") == 32.0; }));
-  EXPECT_TRUE(tour.eventually([&] { return tour.gauge("in_step_percent") == 75.0; }));
+  EXPECT_TRUE(tour.eventually([&] { return tour.gauge("synchronised_percent") == 75.0; }));
   EXPECT_THAT(tour.status().state(), HasSubstr("2 displays synchronised (75.00 %)"));
   EXPECT_EQ(tour.status().tables(0).rows_size(), 2);
   first->leave();
@@ -474,7 +474,7 @@ TEST(Tour, tells_displays_that_it_stops) {
 
 TEST(Tour, starts_without_a_farm_and_says_so) {
   TourSettings settings = default_tour_settings();
-  settings.heads = {"[::1]:1"};
+  settings.coordinators = {"[::1]:1"};
   TourProcess tour(settings);
   FakeDisplay display(tour.address());
   EXPECT_TRUE(display.wait_until([](const auto& d) { return !d.headings().empty(); }));
@@ -485,10 +485,10 @@ TEST(Tour, starts_without_a_farm_and_says_so) {
 
 TEST(Tour, refuses_an_address_that_is_none) {
   TourSettings settings = default_tour_settings();
-  settings.heads = {"::1:7401"};
+  settings.coordinators = {"::1:7401"};
   InspectionService inspection("tour");
   EXPECT_FALSE(Tour::start(settings, &inspection));
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using namespace std::chrono_literals;
@@ -35,7 +35,7 @@ TEST(ViewPacer, leaves_a_farm_that_refines_alone_until_somebody_has_not_seen_the
   pacer.ended(1);
   EXPECT_FALSE(pacer.wants(view(2, 0.0), now + 1h));
   EXPECT_TRUE(pacer.wants(view(2, 1e-6), now + 1ms));
-  pacer.ask_again();
+  pacer.request_again();
   EXPECT_TRUE(pacer.wants(view(2, 0.0), now + 1h));
   pacer.asked(view(2, 0.0), now + 1h);
   EXPECT_FALSE(pacer.wants(view(3, 0.0), now + 2h));
@@ -72,4 +72,4 @@ TEST(ViewPacer, keeps_the_newest_in_flight_when_the_farm_is_lost) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

@@ -8,7 +8,7 @@
 #include "kiosk/tour/session/display_hub.h"
 #include "kiosk/tour/session/site.h"
 
-namespace cyclorama {
+namespace cyclorama::tour {
 namespace {
 
 using namespace std::chrono_literals;
@@ -231,12 +231,12 @@ TEST(Site, puts_start_and_stops_inside_and_says_when_nobody_can_walk) {
   std::string warning;
   const Site site = site_of(scene, &warning);
   EXPECT_EQ(warning, "");
-  EXPECT_TRUE(site.area->allows(site.start.place_m));
-  EXPECT_TRUE(site.area->allows(site.stops.front().place_m));
+  EXPECT_TRUE(site.area->allows(site.start.position_m));
+  EXPECT_TRUE(site.area->allows(site.stops.front().position_m));
   scene.clear_walkable();
   EXPECT_EQ(site_of(scene, &warning).area, nullptr);
   EXPECT_NE(warning.find("scene.toml"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::tour

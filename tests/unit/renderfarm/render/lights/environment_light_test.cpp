@@ -8,16 +8,16 @@
 #include "tests/doubles/light_checks.h"
 #include "tests/doubles/statistics.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
-std::shared_ptr<EnvironmentMap> map_of(int width, int height, float value) {
-  auto map = std::make_shared<EnvironmentMap>();
+std::shared_ptr<scene::EnvironmentMap> map_of(int width, int height, float value) {
+  auto map = std::make_shared<scene::EnvironmentMap>();
   map->pixels = RadianceImage(width, height, value);
   return map;
 }
 
-std::shared_ptr<EnvironmentMap> noisy_map(int width, int height) {
+std::shared_ptr<scene::EnvironmentMap> noisy_map(int width, int height) {
   auto map = map_of(width, height, 0.0f);
   std::mt19937 random(1);
   for (float& value : map->pixels.data()) {
@@ -28,26 +28,27 @@ std::shared_ptr<EnvironmentMap> noisy_map(int width, int height) {
   return map;
 }
 
-void expect_right_density(const EnvironmentLight& light, const char* name, const Vec3& n = Vec3::Zero()) {
+void expect_right_pdf(const EnvironmentLight& light, const char* name, const Vec3& n = Vec3::Zero()) {
   const auto sample = [&](const Vec2& u, float) -> std::optional<Vec3> {
     LightSample aim;
     if (!light.sample(n, u, &aim)) return std::nullopt;
-    EXPECT_NEAR(light.density(n, aim.direction) / aim.density, 1.0f, 0.02f) << name;
+    EXPECT_NEAR(light.pdf(n, aim.direction) / aim.pdf, 1.0f, 0.02f) << name;
     return aim.direction;
   };
   const SamplerCheck check = check_sampler(
-      sample, [&](const Vec3& d) { return light.density(n, d); }, 1 << 14, 3, 6);
+      sample, [&](const Vec3& d) { return light.pdf(n, d); }, 1 << 14, 3, 6);
   EXPECT_GT(check.chi_square.p_value, 0.002) << name;
   EXPECT_NEAR(check.integral, 1.0, 0.02) << name;
 }
 
 TEST(EnvironmentLight, aims_are_distributed_as_its_density_says) {
-  const Sky sky{Eigen::Vector3f(0.4f, 0.5f, 0.8f), Eigen::Vector3f::Constant(0.2f), Eigen::Vector3f::Constant(0.05f)};
-  expect_right_density(EnvironmentLight(sky, nullptr), "sky");
-  expect_right_density(EnvironmentLight(sky, nullptr), "sky over a slope", Vec3(0.6f, 0.48f, -0.64f));
-  expect_right_density(EnvironmentLight({}, map_of(7, 5, 1.0f)), "even map");
-  expect_right_density(EnvironmentLight({}, noisy_map(9, 6)), "noisy map");
-  expect_right_density(EnvironmentLight({}, map_of(1, 1, 1.0f)), "one texel");
+  const scene::Sky sky{Eigen::Vector3f(0.4f, 0.5f, 0.8f), Eigen::Vector3f::Constant(0.2f),
+                       Eigen::Vector3f::Constant(0.05f)};
+  expect_right_pdf(EnvironmentLight(sky, nullptr), "sky");
+  expect_right_pdf(EnvironmentLight(sky, nullptr), "sky over a slope", Vec3(0.6f, 0.48f, -0.64f));
+  expect_right_pdf(EnvironmentLight({}, map_of(7, 5, 1.0f)), "even map");
+  expect_right_pdf(EnvironmentLight({}, noisy_map(9, 6)), "noisy map");
+  expect_right_pdf(EnvironmentLight({}, map_of(1, 1, 1.0f)), "one texel");
 }
 
 TEST(EnvironmentLight, every_constant_map_lights_a_surface_with_pi) {
@@ -91,23 +92,23 @@ TEST(EnvironmentLight, a_sun_of_one_texel_is_found_without_noise) {
     ASSERT_TRUE(light.sample(Vec3::Zero(), SampleSequence(3, 0, 0, i, 256).pair(0), &aim));
     // Light over pdf equals the light of the whole sphere in every direction, except for the variation of the sine
     // within a texel.
-    EXPECT_NEAR(aim.radiance_over_density.x() / light.estimate(Vec3::Zero()), 1.0f, 0.15f);
+    EXPECT_NEAR(aim.radiance_over_pdf.x() / light.estimate(Vec3::Zero()), 1.0f, 0.15f);
   }
 }
 
 TEST(EnvironmentLight, black_does_not_shine) {
   EXPECT_FALSE(EnvironmentLight({}, nullptr).shines());
   EXPECT_FALSE(EnvironmentLight({}, map_of(4, 2, 0.0f)).shines());
-  EXPECT_EQ(EnvironmentLight({}, map_of(4, 2, 0.0f)).density(Vec3::Zero(), Vec3::UnitY()), 0.0f);
+  EXPECT_EQ(EnvironmentLight({}, map_of(4, 2, 0.0f)).pdf(Vec3::Zero(), Vec3::UnitY()), 0.0f);
 }
 
 TEST(EnvironmentLight, poles_give_numbers) {
   const EnvironmentLight light({}, noisy_map(16, 8));
   for (const Vec3& direction : {Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(1e-20f, 1, 0), Vec3(-1, 0, 0), Vec3(0, 0, 1)}) {
-    EXPECT_TRUE(std::isfinite(light.density(Vec3::Zero(), direction)));
+    EXPECT_TRUE(std::isfinite(light.pdf(Vec3::Zero(), direction)));
     EXPECT_TRUE(is_finite(light.radiance(direction)));
   }
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

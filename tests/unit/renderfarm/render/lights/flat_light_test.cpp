@@ -8,19 +8,19 @@
 #include "tests/doubles/light_checks.h"
 #include "tests/doubles/statistics.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 /// A light as seen from the origin.
 struct Case {
   std::string name;
-  Light light;
+  scene::Light light;
   bool is_small = false;  ///< Too small or thin for integration over the bins of a histogram.
 };
 
-Light rectangle(const Eigen::Vector3d& at, const Eigen::Vector3d& direction, double width, double height) {
-  Light light;
-  light.kind = LightKind::kRectangle;
+scene::Light rectangle(const Eigen::Vector3d& at, const Eigen::Vector3d& direction, double width, double height) {
+  scene::Light light;
+  light.kind = scene::LightKind::kRectangle;
   light.position = at;
   light.direction = direction.normalized();
   light.across = light.direction.unitOrthogonal();
@@ -29,9 +29,9 @@ Light rectangle(const Eigen::Vector3d& at, const Eigen::Vector3d& direction, dou
   return light;
 }
 
-Light disk(const Eigen::Vector3d& at, const Eigen::Vector3d& direction, double radius) {
-  Light light = rectangle(at, direction, 0.0, 0.0);
-  light.kind = LightKind::kDisk;
+scene::Light disk(const Eigen::Vector3d& at, const Eigen::Vector3d& direction, double radius) {
+  scene::Light light = rectangle(at, direction, 0.0, 0.0);
+  light.kind = scene::LightKind::kDisk;
   light.radius_m = radius;
   return light;
 }
@@ -57,7 +57,7 @@ const std::vector<Case>& cases() {
   return all;
 }
 
-FlatLight flat(const Light& light) { return make_flat_light(light, Eigen::Vector3d::Zero()); }
+FlatLight flat(const scene::Light& light) { return make_flat_light(light, Eigen::Vector3d::Zero()); }
 
 /// Finds the point where a ray from `p` hits the light; returns false if it misses.
 bool meets(const FlatLight& light, const Vec3& p, const Vec3& direction, double* ret_distance) {
@@ -83,12 +83,12 @@ TEST(FlatLight, aims_are_distributed_as_its_density_says) {
       if (!sample_flat(light, Vec3::Zero(), u, &aim)) return std::nullopt;
       return aim.direction;
     };
-    const auto density = [&](const Vec3& direction) {
+    const auto pdf = [&](const Vec3& direction) {
       double distance = 0.0;
       if (!meets(light, Vec3::Zero(), direction, &distance)) return 0.0f;
-      return flat_density(light, Vec3::Zero(), direction, static_cast<float>(distance));
+      return flat_pdf(light, Vec3::Zero(), direction, static_cast<float>(distance));
     };
-    const SamplerCheck check = check_sampler(sample, density, 1 << 14, 7, 6);
+    const SamplerCheck check = check_sampler(sample, pdf, 1 << 14, 7, 6);
     EXPECT_GT(check.chi_square.p_value, level) << at.name << " " << check.chi_square.statistic;
     EXPECT_NEAR(check.integral + check.lost, 1.0, 0.03) << at.name;
   }
@@ -104,11 +104,10 @@ TEST(FlatLight, the_density_of_an_aim_is_that_of_a_ray_which_goes_the_same_way) 
       ++aims;
       const double cosine = -(light.normal.dot(aim.direction));
       const double distance = -light.centre.dot(light.normal) / cosine;
-      EXPECT_NEAR(flat_density(light, Vec3::Zero(), aim.direction, static_cast<float>(distance)) / aim.density, 1.0f,
-                  0.01f)
+      EXPECT_NEAR(flat_pdf(light, Vec3::Zero(), aim.direction, static_cast<float>(distance)) / aim.pdf, 1.0f, 0.01f)
           << at.name;
       EXPECT_LT(aim.distance, distance) << at.name;
-      EXPECT_NEAR(aim.radiance_over_density.x() * aim.density, 1.0f, 1e-4f) << at.name;
+      EXPECT_NEAR(aim.radiance_over_pdf.x() * aim.pdf, 1.0f, 1e-4f) << at.name;
     }
     EXPECT_GT(aims, 32) << at.name;
   }
@@ -116,7 +115,7 @@ TEST(FlatLight, the_density_of_an_aim_is_that_of_a_ray_which_goes_the_same_way) 
 
 TEST(FlatLight, a_rectangle_gives_what_lamberts_formula_says) {
   for (const Case& at : cases()) {
-    if (at.light.kind != LightKind::kRectangle) continue;
+    if (at.light.kind != scene::LightKind::kRectangle) continue;
     const FlatLight light = flat(at.light);
     std::vector<Eigen::Vector3d> corners;
     for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
@@ -148,17 +147,17 @@ TEST(FlatLight, a_disk_overhead_gives_pi_times_the_squared_sine_of_its_half_angl
 
 TEST(FlatLight, shines_on_one_side_and_gives_numbers_on_itself) {
   LightSample aim;
-  for (const Light& light : {rectangle({0, 0, 0}, {0, -1, 0}, 1, 1), disk({0, 0, 0}, {0, -1, 0}, 1)}) {
+  for (const scene::Light& light : {rectangle({0, 0, 0}, {0, -1, 0}, 1, 1), disk({0, 0, 0}, {0, -1, 0}, 1)}) {
     const FlatLight made = flat(light);
     for (const float height : {0.0f, 1e-30f, 1.0f, 1e20f}) {
       EXPECT_FALSE(sample_flat(made, {0.1f, height, 0.1f}, {0.5f, 0.5f}, &aim)) << height;
-      EXPECT_EQ(flat_density(made, {0.1f, height, 0.1f}, -Vec3::UnitY(), height), 0.0f);
+      EXPECT_EQ(flat_pdf(made, {0.1f, height, 0.1f}, -Vec3::UnitY(), height), 0.0f);
     }
     for (const float depth : {-1e-30f, -1e-10f, -1e10f, -1e18f}) {
       for (const Vec2& u : {Vec2(0.0f, 0.0f), Vec2(0.5f, 0.5f), Vec2(0.99999994f, 0.99999994f)}) {
         if (!sample_flat(made, {0.4f, depth, 0.4f}, u, &aim)) continue;
-        EXPECT_TRUE(is_finite(aim.direction) && is_finite(aim.radiance_over_density)) << depth;
-        EXPECT_FALSE(std::isnan(aim.density) || std::isnan(aim.distance)) << depth;
+        EXPECT_TRUE(is_finite(aim.direction) && is_finite(aim.radiance_over_pdf)) << depth;
+        EXPECT_FALSE(std::isnan(aim.pdf) || std::isnan(aim.distance)) << depth;
       }
     }
   }
@@ -169,19 +168,19 @@ TEST(FlatLight, without_an_area_or_numbers_it_is_not_lit) {
   EXPECT_FALSE(is_lit(flat(rectangle({0, 0, 0}, {0, -1, 0}, 1e-30, 1e-30))));
   EXPECT_FALSE(is_lit(flat(disk({0, 0, 0}, {0, -1, 0}, 0))));
   EXPECT_FALSE(is_lit(flat(disk({std::nan(""), 0, 0}, {0, -1, 0}, 1))));
-  Light dark = disk({0, 0, 0}, {0, -1, 0}, 1);
+  scene::Light dark = disk({0, 0, 0}, {0, -1, 0}, 1);
   dark.intensity.setConstant(-1.0f);
   EXPECT_FALSE(is_lit(flat(dark)));
 }
 
 TEST(FlatLight, what_no_ray_meets_has_no_density_to_weigh) {
-  Light light = rectangle({0, 2, 0}, {0, -1, 0}, 1, 1);
+  scene::Light light = rectangle({0, 2, 0}, {0, -1, 0}, 1, 1);
   light.visible = false;
   LightSample aim;
   ASSERT_TRUE(sample_flat(flat(light), Vec3::Zero(), {0.3f, 0.3f}, &aim));
-  EXPECT_EQ(aim.density, 0.0f);
-  EXPECT_GT(aim.radiance_over_density.x(), 0.0f);
+  EXPECT_EQ(aim.pdf, 0.0f);
+  EXPECT_GT(aim.radiance_over_pdf.x(), 0.0f);
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

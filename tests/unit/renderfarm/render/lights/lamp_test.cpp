@@ -7,13 +7,13 @@
 #include "tests/doubles/simple_scenes.h"
 #include "tests/doubles/statistics.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
-Lamp lamp_of(const Light& light) { return make_lamp(light, Eigen::Vector3d::Zero()); }
+Lamp lamp_of(const scene::Light& light) { return make_lamp(light, Eigen::Vector3d::Zero()); }
 
-Light sphere(const Eigen::Vector3d& at, double radius, float candela = 1.0f) {
-  Light light = point_light(at, candela);
+scene::Light sphere(const Eigen::Vector3d& at, double radius, float candela = 1.0f) {
+  scene::Light light = point_light(at, candela);
   light.radius_m = radius;
   light.visible = true;
   return light;
@@ -38,18 +38,18 @@ TEST(Lamp, a_sphere_gives_what_a_point_gives_while_all_of_it_is_above_the_horizo
 }
 
 TEST(Lamp, aims_are_distributed_as_its_density_says) {
-  for (const Light& light : {sphere({1, 2, 0.5}, 0.5), sphere({0, 0, 2}, 1.9), sphere({0.1, 0.2, 0}, 3.0)}) {
+  for (const scene::Light& light : {sphere({1, 2, 0.5}, 0.5), sphere({0, 0, 2}, 1.9), sphere({0.1, 0.2, 0}, 3.0)}) {
     const Lamp lamp = lamp_of(light);
     const float cos_rim = std::sqrt(std::max(0.0f, 1.0f - std::pow(lamp.radius / lamp.position.norm(), 2.0f)));
     const bool inside = lamp.position.norm() < lamp.radius;
     const auto sample = [&](const Vec2& u, float) -> std::optional<Vec3> {
       return sample_lamp(lamp, Vec3::Zero(), u).direction;
     };
-    const auto density = [&](const Vec3& direction) {
+    const auto pdf = [&](const Vec3& direction) {
       const bool meets = inside || direction.dot(lamp.position.normalized()) >= cos_rim;
-      return meets ? lamp_density(lamp, Vec3::Zero()) : 0.0f;
+      return meets ? lamp_pdf(lamp, Vec3::Zero()) : 0.0f;
     };
-    const SamplerCheck check = check_sampler(sample, density, 1 << 14, 3, 5);
+    const SamplerCheck check = check_sampler(sample, pdf, 1 << 14, 3, 5);
     EXPECT_GT(check.chi_square.p_value, 0.003) << light.radius_m << " " << check.chi_square.statistic;
     EXPECT_NEAR(check.integral, 1.0, 0.02) << light.radius_m;
   }
@@ -62,7 +62,7 @@ TEST(Lamp, aims_end_before_its_surface) {
     const float off = (aim.direction * aim.distance - lamp.position).norm();
     EXPECT_NEAR(off, 0.5f, 2e-3f);
     EXPECT_GE(off, 0.5f - 1e-6f);
-    EXPECT_EQ(aim.density, lamp_density(lamp, Vec3::Zero()));
+    EXPECT_EQ(aim.pdf, lamp_pdf(lamp, Vec3::Zero()));
   }
 }
 
@@ -74,8 +74,8 @@ TEST(Lamp, inside_the_sphere_light_comes_from_everywhere) {
 
 TEST(Lamp, a_directional_one_gives_its_lux_whatever_its_size) {
   for (const double tangent : {0.0, 0.00465, 0.2}) {
-    Light light;
-    light.kind = LightKind::kDirectional;
+    scene::Light light;
+    light.kind = scene::LightKind::kDirectional;
     light.direction = Eigen::Vector3d(0, -1, 0);
     light.intensity = Eigen::Vector3f::Constant(5.0f);
     light.radius_m = tangent;
@@ -85,8 +85,8 @@ TEST(Lamp, a_directional_one_gives_its_lux_whatever_its_size) {
 }
 
 TEST(Lamp, a_spot_shines_inside_its_cone_only_and_fades_between) {
-  Light light = point_light({0, 1, 0}, 1.0f);
-  light.kind = LightKind::kSpot;
+  scene::Light light = point_light({0, 1, 0}, 1.0f);
+  light.kind = scene::LightKind::kSpot;
   light.inner_cone_rad = 0.3;
   light.outer_cone_rad = 0.6;
   const Lamp lamp = lamp_of(light);
@@ -102,7 +102,7 @@ TEST(Lamp, a_spot_shines_inside_its_cone_only_and_fades_between) {
 }
 
 TEST(Lamp, light_ends_at_the_range) {
-  Light light = point_light({0, 2, 0}, 1.0f);
+  scene::Light light = point_light({0, 2, 0}, 1.0f);
   light.range_m = 1.9;
   EXPECT_EQ(irradiance(lamp_of(light), Vec3::Zero(), Vec3::UnitY()), 0.0);
   light.range_m = 2.1;
@@ -114,11 +114,11 @@ TEST(Lamp, a_place_on_it_gives_numbers) {
     const Lamp lamp = lamp_of(sphere({0, 0, 0}, radius));
     for (const Vec3& p : {Vec3(0, 0, 0), Vec3(static_cast<float>(radius), 0, 0), Vec3(1e-20f, 0, 0)}) {
       const LightSample aim = sample_lamp(lamp, p, {0.5f, 0.5f});
-      EXPECT_TRUE(is_finite(aim.radiance_over_density) && is_finite(aim.direction)) << radius;
-      EXPECT_FALSE(std::isnan(aim.distance) || std::isnan(aim.density)) << radius;
+      EXPECT_TRUE(is_finite(aim.radiance_over_pdf) && is_finite(aim.direction)) << radius;
+      EXPECT_FALSE(std::isnan(aim.distance) || std::isnan(aim.pdf)) << radius;
     }
   }
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

@@ -10,12 +10,13 @@
 #include "tests/doubles/simple_scenes.h"
 #include "tests/doubles/statistics.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
-Light rectangle(const Eigen::Vector3d& at, const Eigen::Vector3d& direction, double width, double height, float nits) {
-  Light light;
-  light.kind = LightKind::kRectangle;
+scene::Light rectangle(const Eigen::Vector3d& at, const Eigen::Vector3d& direction, double width, double height,
+                       float nits) {
+  scene::Light light;
+  light.kind = scene::LightKind::kRectangle;
   light.position = at;
   light.direction = direction.normalized();
   light.across = light.direction.unitOrthogonal();
@@ -28,7 +29,7 @@ Light rectangle(const Eigen::Vector3d& at, const Eigen::Vector3d& direction, dou
 /// The scene's tables without a BVH.
 class Glowing {
  public:
-  explicit Glowing(Mesh mesh, float radiance, const Eigen::Affine3d& T = Eigen::Affine3d::Identity()) {
+  explicit Glowing(scene::Mesh mesh, float radiance, const Eigen::Affine3d& T = Eigen::Affine3d::Identity()) {
     model_.materials.push_back(matte_material(Eigen::Vector3f::Zero()));
     model_.materials[0].emissive.setConstant(radiance);
     model_.meshes.push_back(std::move(mesh));
@@ -38,21 +39,21 @@ class Glowing {
     meshes_[0].material = materials_.data();
     placements_.push_back(place(meshes_[0], T));
   }
-  Material& material() { return model_.materials[0]; }
+  scene::Material& material() { return model_.materials[0]; }
   const std::vector<Placement>& placements() const { return placements_; }
-  LightSet lights(const std::vector<Light>& lamps = {}, const Sky& sky = {}) const {
+  LightSet lights(const std::vector<scene::Light>& lamps = {}, const scene::Sky& sky = {}) const {
     return {lamps, Eigen::Vector3d::Zero(), placements_, sky, nullptr};
   }
 
  private:
-  Model model_;
+  scene::Model model_;
   MipTextures textures_;
   std::vector<SurfaceMaterial> materials_;
   std::vector<SurfaceMesh> meshes_;
   std::vector<Placement> placements_;
 };
 
-LightSet set_of(const std::vector<Light>& lamps, const Sky& sky = {}) {
+LightSet set_of(const std::vector<scene::Light>& lamps, const scene::Sky& sky = {}) {
   return {lamps, Eigen::Vector3d::Zero(), {}, sky, nullptr};
 }
 
@@ -61,8 +62,8 @@ double irradiance(const LightSet& lights, const Vec3& p, const Vec3& n, int samp
       [&](float choice, const Vec2& u, LightSample* aim) { return lights.sample(p, n, choice, u, aim); }, n, samples);
 }
 
-Mesh triangle_mesh(const std::array<Eigen::Vector3f, 3>& corners) {
-  Mesh mesh;
+scene::Mesh triangle_mesh(const std::array<Eigen::Vector3f, 3>& corners) {
+  scene::Mesh mesh;
   for (const Eigen::Vector3f& c : corners) mesh.positions.push_back({c.x(), c.y(), c.z()});
   mesh.triangles = {{0, 1, 2}};
   return mesh;
@@ -73,12 +74,12 @@ TEST(LightSet, nothing_shines_in_the_dark) {
   EXPECT_TRUE(LightSet().empty());
   EXPECT_FALSE(LightSet().sample(Vec3::Zero(), Vec3::UnitY(), 0.5f, {0.5f, 0.5f}, &aim));
   EXPECT_FALSE(set_of({point_light({0, 1, 0}, 0.0f)}).sample(Vec3::Zero(), Vec3::UnitY(), 0.5f, {0.5f, 0.5f}, &aim));
-  EXPECT_EQ(LightSet().environment_density(Vec3::Zero(), Vec3::UnitY(), Vec3::UnitY()), 0.0f);
+  EXPECT_EQ(LightSet().environment_pdf(Vec3::Zero(), Vec3::UnitY(), Vec3::UnitY()), 0.0f);
 }
 
 TEST(LightSet, choosing_one_of_many_is_unbiased) {
   for (const int count : {1, 4, 20, 65, 500}) {
-    std::vector<Light> lamps;
+    std::vector<scene::Light> lamps;
     double expected = 0.0;
     for (int i = 0; i < count; ++i) {
       const Eigen::Vector3d at(std::sin(i) * 5.0, 2.0 + std::cos(3.0 * i), std::cos(i) * 5.0);
@@ -92,10 +93,11 @@ TEST(LightSet, choosing_one_of_many_is_unbiased) {
 }
 
 TEST(LightSet, lamps_suns_and_sky_add_up) {
-  Light sun;
-  sun.kind = LightKind::kDirectional;
+  scene::Light sun;
+  sun.kind = scene::LightKind::kDirectional;
   sun.intensity.setConstant(3.0f);
-  const Sky sky{Eigen::Vector3f::Constant(0.5f), Eigen::Vector3f::Constant(0.5f), Eigen::Vector3f::Constant(0.5f)};
+  const scene::Sky sky{Eigen::Vector3f::Constant(0.5f), Eigen::Vector3f::Constant(0.5f),
+                       Eigen::Vector3f::Constant(0.5f)};
   const LightSet lights = set_of({sun, point_light({0, 2, 0}, 8.0f)}, sky);
   const double expected = 3.0 + 2.0 + 0.5 * std::numbers::pi;
   EXPECT_NEAR(irradiance(lights, Vec3::Zero(), Vec3::UnitY()), expected, 0.01 * expected);
@@ -125,16 +127,16 @@ TEST(LightSet, aims_at_a_near_triangle_are_uniform_in_solid_angle) {
     if (!lights.sample(Vec3::Zero(), Vec3::UnitY(), choice, u, &aim)) return std::nullopt;
     return aim.direction;
   };
-  const auto density = [&](const Vec3& d) {
+  const auto pdf = [&](const Vec3& d) {
     if (!(d.y() > 0.0f)) return 0.0f;
     const float t = 0.5f / d.y();
     const float x = d.x() * t;
     const float z = d.z() * t;
     const bool inside = z >= -1.0f && 2.5f * std::abs(x) <= 1.5f - z;
-    return inside ? lights.density(Vec3::Zero(), Vec3::UnitY(), 0, d, t) : 0.0f;
+    return inside ? lights.pdf(Vec3::Zero(), Vec3::UnitY(), 0, d, t) : 0.0f;
   };
   // Bins so fine that the triangle's tip does not fall between them.
-  const SamplerCheck check = check_sampler(sample, density, 1 << 14, 3, 3);
+  const SamplerCheck check = check_sampler(sample, pdf, 1 << 14, 3, 3);
   EXPECT_GT(check.chi_square.p_value, 0.01) << check.chi_square.statistic << " " << check.lost;
   EXPECT_NEAR(check.integral, 1.0, 0.02);
 }
@@ -170,11 +172,11 @@ class Traced {
   LampGeometries lamps_;
 };
 
-std::vector<Light> visible_lamps() {
-  std::vector<Light> lamps = {rectangle({0, 2, 0}, {0, -1, 0}, 1.5, 1.0, 2.0f),
-                              rectangle({3, 1, 0}, {-1, 0, 0.2}, 1, 1, 1.0f),
-                              rectangle({-2, 1, 1}, {1, -0.3, 0}, 0.5, 2, 3.0f)};
-  lamps[1].kind = LightKind::kDisk;
+std::vector<scene::Light> visible_lamps() {
+  std::vector<scene::Light> lamps = {rectangle({0, 2, 0}, {0, -1, 0}, 1.5, 1.0, 2.0f),
+                                     rectangle({3, 1, 0}, {-1, 0, 0.2}, 1, 1, 1.0f),
+                                     rectangle({-2, 1, 1}, {1, -0.3, 0}, 0.5, 2, 3.0f)};
+  lamps[1].kind = scene::LightKind::kDisk;
   lamps[1].radius_m = 0.7;
   lamps.push_back(point_light({0, 1, -3}, 2.0f));
   lamps.back().radius_m = 0.5;
@@ -184,10 +186,10 @@ std::vector<Light> visible_lamps() {
 }
 
 TEST(LightSet, rays_meet_visible_lamps_where_aims_go_with_the_same_density_and_radiance) {
-  std::vector<Light> few = visible_lamps();
-  std::vector<Light> many = few;
+  std::vector<scene::Light> few = visible_lamps();
+  std::vector<scene::Light> many = few;
   for (int i = 0; i < 80; ++i) many.push_back(point_light({0.1 * i - 3.0, 8.0, 0.0}, 1.0f));
-  for (const std::vector<Light>& lamps : {few, many}) {
+  for (const std::vector<scene::Light>& lamps : {few, many}) {
     const LightSet lights = set_of(lamps);
     const Traced traced(lights);
     const Vec3 p(0.1f, 0.2f, 0.3f);
@@ -195,16 +197,15 @@ TEST(LightSet, rays_meet_visible_lamps_where_aims_go_with_the_same_density_and_r
     for (int i = 0; i < 2000; ++i) {
       const SampleSequence sequence(5, 0, 0, i, 2000);
       LightSample aim;
-      if (!lights.sample(p, Vec3::UnitY(), sequence.pair(0).x(), sequence.pair(1), &aim) || aim.density == 0.0f)
-        continue;
+      if (!lights.sample(p, Vec3::UnitY(), sequence.pair(0).x(), sequence.pair(1), &aim) || aim.pdf == 0.0f) continue;
       float distance = 0.0f;
       const LightIndex light = traced.meet(p, aim.direction, &distance);
       if (light == kNoLight) continue;  // Beyond a rim.
       ++met;
       EXPECT_LT(aim.distance, distance);
       EXPECT_GT(aim.distance, 0.999f * distance);
-      EXPECT_NEAR(lights.density(p, Vec3::UnitY(), light, aim.direction, distance) / aim.density, 1.0f, 0.01f);
-      const Vec3 expected = aim.radiance_over_density * aim.density;
+      EXPECT_NEAR(lights.pdf(p, Vec3::UnitY(), light, aim.direction, distance) / aim.pdf, 1.0f, 0.01f);
+      const Vec3 expected = aim.radiance_over_pdf * aim.pdf;
       EXPECT_NEAR(lights.radiance(light, p, aim.direction).x() / expected.x(), 1.0f, 0.01f);
     }
     EXPECT_GT(met, 300);
@@ -221,31 +222,31 @@ TEST(LightSet, rays_and_aims_agree_about_the_light_that_arrives) {
     const SampleSequence sequence(6, 0, 0, i, kSamples);
     const Vec3 local = cosine_hemisphere(sequence.pair(0));
     const Vec3 direction(local.x(), local.z(), local.y());
-    const float cosine_density = direction.y() / kPi;
+    const float cosine_pdf = direction.y() / kPi;
     float distance = 0.0f;
     const LightIndex met = traced.meet(Vec3::Zero(), direction, &distance);
     if (met != kNoLight) {
       const double light = static_cast<double>(lights.radiance(met, Vec3::Zero(), direction).x() * kPi);
-      const float density = lights.density(Vec3::Zero(), Vec3::UnitY(), met, direction, distance);
+      const float pdf = lights.pdf(Vec3::Zero(), Vec3::UnitY(), met, direction, distance);
       by_rays += light;
-      weighed += light * static_cast<double>(cosine_density / (cosine_density + density));
+      weighed += light * static_cast<double>(cosine_pdf / (cosine_pdf + pdf));
     }
     LightSample aim;
     if (!lights.sample(Vec3::Zero(), Vec3::UnitY(), sequence.pair(1).x(), sequence.pair(2), &aim)) continue;
     const float cosine = std::max(0.0f, aim.direction.y());
-    const float share = aim.density > 0.0f ? aim.density / (aim.density + cosine / kPi) : 1.0f;
-    if (aim.density == 0.0f) continue;  // A lamp that no ray can hit.
-    weighed += static_cast<double>(aim.radiance_over_density.x() * cosine * share);
+    const float share = aim.pdf > 0.0f ? aim.pdf / (aim.pdf + cosine / kPi) : 1.0f;
+    if (aim.pdf == 0.0f) continue;  // A lamp that no ray can hit.
+    weighed += static_cast<double>(aim.radiance_over_pdf.x() * cosine * share);
   }
   EXPECT_NEAR(weighed / by_rays, 1.0, 0.02);
 }
 
 TEST(LightSet, light_scales_exactly) {
-  std::vector<Light> lamps = visible_lamps();
+  std::vector<scene::Light> lamps = visible_lamps();
   const LightSet lights = set_of(lamps);
   for (const float factor : {0x1p-20f, 0x1p20f}) {
-    std::vector<Light> scaled = lamps;
-    for (Light& lamp : scaled) lamp.intensity *= factor;
+    std::vector<scene::Light> scaled = lamps;
+    for (scene::Light& lamp : scaled) lamp.intensity *= factor;
     const LightSet other = set_of(scaled);
     for (int i = 0; i < 200; ++i) {
       const SampleSequence sequence(5, 0, 0, i, 200);
@@ -255,14 +256,14 @@ TEST(LightSet, light_scales_exactly) {
       ASSERT_EQ(any, other.sample(Vec3::Zero(), Vec3::UnitY(), sequence.pair(0).x(), sequence.pair(1), &b));
       if (!any) continue;
       EXPECT_EQ(a.direction, b.direction);
-      EXPECT_EQ(a.density, b.density);
-      EXPECT_EQ(Vec3(a.radiance_over_density * factor), b.radiance_over_density);
+      EXPECT_EQ(a.pdf, b.pdf);
+      EXPECT_EQ(Vec3(a.radiance_over_pdf * factor), b.radiance_over_pdf);
     }
   }
 }
 
 TEST(LightSet, bright_beside_dim_and_places_on_lights_give_numbers) {
-  std::vector<Light> lamps = visible_lamps();
+  std::vector<scene::Light> lamps = visible_lamps();
   lamps[0].intensity.setConstant(1e10f);
   lamps[2].intensity.setConstant(1e-3f);
   const Glowing glowing(sphere_mesh(1.0f, 8), 5.0f);
@@ -274,18 +275,18 @@ TEST(LightSet, bright_beside_dim_and_places_on_lights_give_numbers) {
         const SampleSequence sequence(9, 0, 0, i, 64);
         LightSample aim;
         if (!lights.sample(p, n, sequence.pair(0).x(), sequence.pair(1), &aim)) continue;
-        EXPECT_TRUE(is_finite(aim.radiance_over_density) && is_finite(aim.direction)) << p.transpose();
-        EXPECT_FALSE(std::isnan(aim.density) || std::isnan(aim.distance));
+        EXPECT_TRUE(is_finite(aim.radiance_over_pdf) && is_finite(aim.direction)) << p.transpose();
+        EXPECT_FALSE(std::isnan(aim.pdf) || std::isnan(aim.distance));
       }
       for (LightIndex light = 0; light < static_cast<LightIndex>(lights.size()); ++light) {
-        EXPECT_FALSE(std::isnan(lights.density(p, n, light, Vec3::UnitX(), 0.0f))) << light;
+        EXPECT_FALSE(std::isnan(lights.pdf(p, n, light, Vec3::UnitX(), 0.0f))) << light;
       }
     }
   }
 }
 
 TEST(LightSet, finds_the_light_of_a_triangle) {
-  Mesh mesh = square_mesh(2.0f);
+  scene::Mesh mesh = square_mesh(2.0f);
   mesh.triangles.push_back({0, 0, 1});  // A triangle without area.
   const Glowing glowing(std::move(mesh), 1.0f);
   const LightSet lights = glowing.lights({point_light({0, 1, 0}, 1.0f)});
@@ -297,4 +298,4 @@ TEST(LightSet, finds_the_light_of_a_triangle) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

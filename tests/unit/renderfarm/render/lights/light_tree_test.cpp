@@ -8,7 +8,7 @@
 
 #include "renderfarm/render/lights/light_list.h"
 
-namespace cyclorama {
+namespace cyclorama::render {
 namespace {
 
 class Random {
@@ -259,4 +259,4 @@ TEST(DirectionCone, holds_what_it_was_made_of) {
 }
 
 }  // namespace
-}  // namespace cyclorama
+}  // namespace cyclorama::render

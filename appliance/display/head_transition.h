@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "appliance/display/head_set.h"
+#include "drivers/output/output.h"
+
+namespace cyclorama::display {
+
+/// What the heads are drawn with, and how one calibration gives way to the next:
+///
+///   shown alone ──a new set──▶ its heads given to the card, one per refresh ──▶ its first frame is decoded
+///        ▲                                                                               │ (or it takes too long)
+///        └──────────── the old set goes back to be freed ◀── half a second of both ◀─────┘
+///
+/// Thread-bound to the GL context. A change allocates nothing, but shaders that no head has needed before, and what the
+/// driver does.
+class HeadTransition {
+ public:
+  /// kSystem  the graphics card refused something. Borrows the Gl table and the mailbox.
+  static Result<std::unique_ptr<HeadTransition>> make(const Gl& gl, Texels texels, HeadPlans plans,
+                                                      HeadMailbox* mailbox);
+
+  /// One refresh's step; `newest_frame` is the DisplayFrame::order of what is shown, 0 when it is the display's own picture.
+  /// True when what the heads show is no longer what they should. kSystem  the graphics card refused something.
+  Result<bool> step(TimePoint now, std::uint64_t newest_frame);
+
+  [[nodiscard]] const std::vector<HeadPainter>& painters() const { return now_->painters; }
+  /// RandomStream a head with what is to be seen now, into its framebuffer, which is bound: as HeadPainter::draw().
+  void draw(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, double share, Eye eye) const;
+  [[nodiscard]] std::size_t count() const { return depths_bits_.size(); }
+  [[nodiscard]] int depth_bits(std::size_t head) const { return depths_bits_[head]; }
+  void set_depth(std::size_t head, int depth_bits);
+  /// Makes the driver compile what is needed, in the bound framebuffer of that head; with `may_change` also what mixes
+  /// two sets.
+  void warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, bool may_change,
+               const std::function<void()>& stepped) const;
+  /// Of the newest set, for the next presenter.
+  [[nodiscard]] HeadPlans newest_plans() const { return (next_ != nullptr ? next_ : now_)->plans; }
+
+ private:
+  HeadTransition(const Gl& gl, Texels texels, HeadMailbox* mailbox)
+      : gl_(gl), programs_(gl), texels_(texels), mailbox_(*mailbox) {}
+  Status add_painter(HeadSet* set);
+  [[nodiscard]] bool is_ready(TimePoint now, std::uint64_t newest_frame) const;
+
+  const Gl& gl_;
+  HeadPrograms programs_;
+  Texels texels_;
+  HeadMailbox& mailbox_;
+  std::vector<int> depths_bits_;  // That the painters dither to.
+  std::unique_ptr<HeadSet> now_;
+  std::unique_ptr<HeadSet> next_;  // Null but during a change.
+  TimePoint began_at_{};           // To show both; zero: not yet.
+  double share_ = 0.0;             // Of the next one.
+};
+
+}  // namespace cyclorama::display

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+namespace cyclorama::simulated {
+
+/// How far a wall stands out from the shape that it was meant to have, towards the visitor: waves and bumps over the
+/// surface's coordinates (s to the right, t upwards, metres from its middle). Gentle: what it would hide from a
+/// projector behind itself is not looked for. A value; reentrant.
+struct WallDeviation {
+  struct Wave {
+    double height_m = 0.0;
+    double s_rad_per_m = 0.0;
+    double t_rad_per_m = 0.0;
+    double phase_rad = 0.0;
+  };
+  struct Bump {
+    double height_m = 0.0;
+    double s_m = 0.0;
+    double t_m = 0.0;
+    double sigma_m = 1.0;
+  };
+  std::vector<Wave> waves;
+  std::vector<Bump> bumps;
+
+  struct Height {
+    double m = 0.0;
+    double by_s = 0.0;
+    double by_t = 0.0;
+  };
+  [[nodiscard]] Height at(double s_m, double t_m) const;
+  [[nodiscard]] bool is_flat() const { return waves.empty() && bumps.empty(); }
+  /// No point stands out or in by more.
+  [[nodiscard]] double bound_m() const;
+};
+
+}  // namespace cyclorama::simulated

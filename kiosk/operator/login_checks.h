@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Findings for the operator page's login, before anybody has entered a PIN: why nobody can.
+///
+///   no PIN in use     what became of the USB stick, whether this computer keeps its state in memory only, and the
+///                     remedy: a person in front of it can read that nowhere else
+///   a PIN in use      nothing, since an unauthenticated peer must not learn anything
+#pragma once
+
+#include <vector>
+
+#include "kiosk/operator/checks.h"
+#include "kiosk/operator/museum_state.h"
+
+namespace cyclorama::operations {
+
+/// Returns false only if there is surely no PIN: one that is unreadable or damaged still counts as one.
+[[nodiscard]] bool has_pin(const MuseumState& museum);
+/// Returns the findings while no PIN is in use; never empty. Pure.
+[[nodiscard]] std::vector<Check> login_checks(Findings findings);
+/// Returns login_checks() of the museum on disk, or nothing while a PIN is in use.
+[[nodiscard]] std::vector<Check> login_page_checks(const MuseumState& museum);
+
+}  // namespace cyclorama::operations

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+// CoordinatorState's governed sessions: the quality of moving pictures, and pictures at rest.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/picture_cut.h"
+#include "renderfarm/coordinator/coordinator_state.h"
+
+namespace cyclorama::coordinator {
+namespace {
+
+/// A museum that has asked for nothing this long, with nothing on its way, stands still. Longer than a tour's step and
+/// a network's round trip, so that no work is begun in vain between two views of a walk.
+constexpr Duration kStill = std::chrono::milliseconds(150);
+/// After a refined picture was given up, the next one is ordered so late, and twice as late after each further one, so
+/// that a lost node can come back and a broken one does not keep the farm busy.
+constexpr Duration kFirstRetry = std::chrono::seconds(5);
+constexpr Duration kLastRetry = std::chrono::seconds(60);
+constexpr int kMaxDoublings = 4;  ///< From the first to the last.
+
+/// To a multiple of `cut`.
+std::uint32_t scaled(std::uint32_t px, double scale, int cut = kCutPx) {
+  if (scale >= 1.0) return px;
+  return std::min(px, static_cast<std::uint32_t>(cut * std::max(1.0, std::round(scale * px / cut))));
+}
+
+double megapixels(const wire::View& view) {
+  return 1e-6 * static_cast<double>(view.panorama().width_px()) * static_cast<double>(view.panorama().height_px());
+}
+
+}  // namespace
+
+void apply(const render::PictureQuality& quality, wire::View* view) {
+  view->set_samples(static_cast<std::uint32_t>(quality.render.samples));
+  view->set_first_sample(static_cast<std::uint32_t>(quality.render.first_sample));
+  view->set_sequence(static_cast<std::uint32_t>(quality.render.sequence));
+  view->set_bounces(static_cast<std::uint32_t>(quality.render.bounces));
+  view->set_light_samples(static_cast<std::uint32_t>(quality.render.light_samples));
+  view->set_firefly_limit(quality.render.firefly_limit);
+  view->set_adaptive_error(quality.render.adaptive_error);
+  view->set_adaptive_minimum(static_cast<std::uint32_t>(quality.render.adaptive_minimum));
+  view->set_denoise(quality.denoise);
+  view->set_jpeg_quality(static_cast<std::uint32_t>(quality.jpeg_quality));
+  view->set_subsample_chroma(quality.subsample_chroma);
+  wire::Panorama& panorama = *view->mutable_panorama();
+  panorama.set_width_px(scaled(panorama.width_px(), quality.scale));
+  // Between two eyes' pictures lies a cut.
+  panorama.set_height_px(scaled(panorama.height_px(), quality.scale, panorama.has_eyes() ? 2 * kCutPx : kCutPx));
+}
+
+void CoordinatorState::govern(GovernorState& governed, FrameInFlight* frame) {
+  governed.asked = frame->view;
+  frame->point = governed.point = governed.governor.choose(megapixels(frame->view));
+  apply(governed.governor.front()[frame->point].quality, &frame->view);
+}
+
+void CoordinatorState::learn(GovernorState& governed, const WrittenFrame& frame) {
+  const TimePoint now = clock_.now();
+  // While two frames are at work, the later one has the farm from the earlier one's end on.
+  const double ms = 1e3 * to_seconds(now - std::max(frame.planned_at, governed.written_at));
+  governed.written_at = governed.still_since = now;
+  if (frame.reassigned) return;  // It took long for another reason than its quality.
+  if (frame.samples_added > 0) {
+    governed.ms_per_sample = ms / (frame.samples_added * frame.megapixels);
+  } else {
+    governed.governor.measured(frame.point, frame.megapixels, ms);
+  }
+}
+
+void CoordinatorState::leave_rest(Session& session) {
+  GovernorState& governed = *session.governed;
+  governed.still_since = clock_.now();
+  governed.refinement.reset();
+  governed.blocks.clear();
+  governed.failures = 0;
+  governed.retry_at = {};
+  if (session.frames.empty() || !session.frames.front().refines) return;
+  fail(session.frames.front(), "a newer view came", session);
+  session.views.finish(session.frames.front().view.number());
+  session.frames.clear();
+}
+
+void CoordinatorState::refine(SessionId id, Session& session) {
+  if (!session.governed || session.views.is_waiting() || !session.frames.empty() || session.messages_waiting > 0)
+    return;
+  GovernorState& governed = *session.governed;
+  if (!governed.asked || clock_.now() < governed.retry_at || nodes_with(session.scene) == 0) return;
+  if (!governed.refinement) {
+    if (clock_.now() - governed.still_since < kStill) return;
+    const governor::ParetoFront& front = governed.governor.front();
+    governed.refinement.emplace(front, front[governed.point], governed.reference_samples);
+  }
+  const governor::Refinement& refinement = *governed.refinement;
+  const auto range = refinement.next(governed.ms_per_sample * megapixels(*governed.asked));
+  if (!range) return;
+  FrameInFlight& frame = session.frames.emplace_back();
+  frame.id = ++last_frame_;
+  frame.refines = range;
+  frame.view = *governed.asked;
+  frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
+  frame.view.set_shutter_ns(0);
+  render::PictureQuality quality = refinement.quality();
+  quality.render.first_sample = range->first;
+  quality.render.samples = range->end - range->first;
+  apply(quality, &frame.view);
+  session.views.add(frame.view.number(), {});
+  frame.received_at = frame.turn_began_at = frame.planned_at = frame.last_tile_at = clock_.now();
+  if (governed.blocks.empty()) governed.blocks = split(session, frame.view, true);  // Frozen from now on.
+  frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
+  for (AssignedBlock& block : governed.blocks) {
+    const std::vector<NodeId> able = nodes_for(session.scene);
+    if (std::ranges::find(able, block.node) == able.end()) block.node = least_loaded(able);
+    frame.assembly.plan(++last_block_, block.node, block.rect);
+    order_block(id, session, frame, last_block_, block.node, block.rect);
+  }
+  session.next_due = next_due(session);
+}
+
+void CoordinatorState::finish_refined(SessionId id, Session& session, FrameInFlight& frame, const FrameReport& report) {
+  GovernorState& governed = *session.governed;
+  if (frame.failure) {
+    // Nothing of it was sent, so that no end will be written.
+    session.views.finish(frame.view.number());
+    const int doublings = std::min(governed.failures++, kMaxDoublings);
+    governed.retry_at = clock_.now() + std::min(kLastRetry, kFirstRetry * (1 << doublings));
+    return;
+  }
+  governed.failures = 0;
+  governed.refinement->done(*frame.refines);
+  begin(id, session, frame);
+  end(id, session, frame, report);
+}
+
+std::string CoordinatorState::quality_summary(const Session& session) {
+  if (!session.governed || !session.governed->asked) return "";
+  const GovernorState& governed = *session.governed;
+  if (!governed.refinement) {
+    const render::PictureQuality& quality = governed.governor.front()[governed.point].quality;
+    return fmt::format("moving, {} sample{} at {:.0f} % of the size", quality.render.samples,
+                       quality.render.samples == 1 ? "" : "s", 100.0 * quality.scale);
+  }
+  const governor::Refinement& refinement = *governed.refinement;
+  if (governed.failures > 0) return fmt::format("at rest with {} samples, more failed", refinement.samples());
+  if (refinement.rests()) return fmt::format("at rest with {} samples", refinement.samples());
+  return fmt::format("refining {} of {} samples", refinement.samples(), refinement.reference_samples());
+}
+
+}  // namespace cyclorama::coordinator

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A Pareto front in a file, as measured by `cyclorama-bench-render trade`:
+///
+///   # front.toml
+///   [[point]]
+///   cpu_us_per_px = 1.9   # Processor time per displayed pixel.
+///   error = 0.041         # The same measure for the whole file.
+///   samples = 4           # Parameters of PictureQuality; those left out have their defaults.
+///   bounces = 1
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "common/base/result.h"
+#include "renderfarm/governor/front.h"
+
+namespace cyclorama::governor {
+
+/// Reads a file. Errors: those of Config, and kBadData for a file without points. Reentrant.
+Result<ParetoFront> read_pareto_front(const std::filesystem::path& path);
+/// Parses a file's text. `name` identifies the file in errors.
+Result<ParetoFront> parse_pareto_front(std::string_view text, std::string name);
+
+/// Formats a front; parse_pareto_front() restores it bit for bit. `comment` comes first, with "# " before each of its lines.
+[[nodiscard]] std::string pareto_front_text(const ParetoFront& front, std::string_view comment);
+
+}  // namespace cyclorama::governor

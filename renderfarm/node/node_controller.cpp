@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/node_controller.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "renderfarm/node/resident_memory.h"
+
+namespace cyclorama::node {
+namespace {
+
+constexpr std::uint64_t kMaxFilmBytes = std::uint64_t{1} << 30;
+
+std::uint64_t film_bytes(std::uint64_t memory_limit_bytes) {
+  return memory_limit_bytes == 0 ? kMaxFilmBytes : std::min(kMaxFilmBytes, memory_limit_bytes / 4);
+}
+
+}  // namespace
+
+NodeController::NodeController(SceneLoader loader, std::uint64_t memory_limit_bytes,
+                               scene_distribution::SceneCacheOptions cache)
+    : begun_(SteadyClock().now()),
+      scenes_(std::move(loader), memory_limit_bytes == 0 ? 0 : memory_limit_bytes - film_bytes(memory_limit_bytes)),
+      renders_(scenes_, film_bytes(memory_limit_bytes)),
+      loads_(scenes_, std::move(cache),
+             [this](LinkId link, wire::NodeReport report) { send_report(link, std::move(report)); }) {}
+
+std::shared_ptr<NodeLink> NodeController::open(std::shared_ptr<grpc::Channel> files) {
+  std::shared_ptr<NodeLink> link;
+  {
+    const std::lock_guard lock(mutex_);
+    link = std::make_shared<NodeLink>(++opened_, std::move(files));
+    links_.emplace(link->id(), link);
+  }
+  renders_.open(link);
+  return link;
+}
+
+Status NodeController::take(const std::shared_ptr<NodeLink>& link, const wire::NodeCommand& command) {
+  if (command.has_load_scene()) return loads_.take(link, command.load_scene());
+  if (command.has_render()) return renders_.take(link->id(), command.render());
+  if (command.has_cancel()) renders_.cancel(link->id(), command.cancel().block());
+  if (command.has_forget_session()) renders_.forget_session({link->id(), command.forget_session().session()});
+  return Done{};
+}
+
+void NodeController::close(NodeLink& link) {
+  link.close();
+  {
+    const std::lock_guard lock(mutex_);
+    links_.erase(link.id());
+  }
+  renders_.drop(link.id());
+  scenes_.forget_link(link.id());
+}
+
+wire::NodeReport NodeController::status() const {
+  wire::NodeReport report;
+  wire::NodeStatus* const status = report.mutable_status();
+  status->set_memory_bytes(resident_memory_bytes());
+  status->set_blocks_waiting(static_cast<std::uint32_t>(renders_.waiting()));
+  status->set_uptime_s(to_seconds(SteadyClock().now() - begun_));
+  status->set_draining(draining_);
+  return report;
+}
+
+void NodeController::drain() {
+  draining_ = true;
+  const wire::NodeReport report = status();
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, link] : links_) link->push(report);
+}
+
+void NodeController::send_report(LinkId link, wire::NodeReport report) {
+  const std::lock_guard lock(mutex_);
+  if (const auto found = links_.find(link); found != links_.end()) found->second->push(std::move(report));
+}
+
+}  // namespace cyclorama::node

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "common/base/result.h"
+#include "renderfarm/node/node_link.h"
+#include "renderfarm/node/scene_fetcher.h"
+#include "renderfarm/node/scene_store.h"
+
+namespace cyclorama::node {
+
+/// The scenes that coordinators want loaded, one after another, while blocks of others are rendered. Orders come from any
+/// thread; the work is done by whoever calls wait() and work(), always the same thread. Keeps a reference to the
+/// scenes, which must outlive it.
+class SceneLoadWorker {
+ public:
+  /// Tells a coordinator something; nothing happens when it has gone.
+  using ReportSink = std::function<void(LinkId, wire::NodeReport)>;
+  /// `cache` as SceneFetcher.
+  SceneLoadWorker(SceneStore& scenes, scene_distribution::SceneCacheOptions cache, ReportSink send_report)
+      : scenes_(scenes), fetcher_(std::move(cache)), send_report_(std::move(send_report)) {}
+
+  // Thread-safe:
+
+  /// kBadData  too many loads wait, or the message is huge: the coordinator is broken.
+  Status take(std::shared_ptr<NodeLink> link, const wire::LoadScene& order);
+  [[nodiscard]] bool is_loading() const { return loading_; }
+  /// One sentence for an operator: the scene that is being loaded or was loaded last; empty before the first.
+  [[nodiscard]] std::string state() const;
+  /// Ends wait(), and gives up what is being fetched. A load cannot be broken off.
+  void stop();
+
+  // The load thread's:
+
+  /// Waits for work; false once stopped.
+  bool wait();
+  /// Loads one scene and answers. False when none waits.
+  bool work();
+
+ private:
+  struct Waiting {
+    std::shared_ptr<NodeLink> link;
+    wire::LoadScene order;
+  };
+  /// Where the scene is: fetched, if the coordinator hands it out and it is not in memory.
+  Result<scene_distribution::SceneCache::Held> find(const NodeLink& link, const wire::LoadScene& order);
+  [[nodiscard]] bool is_stopping() const;
+  wire::SceneLoaded load(const NodeLink& link, const wire::LoadScene& order);
+  void set_state(std::string sentence);
+
+  SceneStore& scenes_;
+  SceneFetcher fetcher_;  ///< Load thread only.
+  const ReportSink send_report_;
+  std::atomic<bool> loading_ = false;
+
+  mutable std::mutex mutex_;  ///< Guards the following.
+  std::condition_variable changed_;
+  bool stopping_ = false;
+  std::deque<Waiting> waiting_;
+  std::string state_;
+};
+
+}  // namespace cyclorama::node

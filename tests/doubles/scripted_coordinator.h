@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A farm's coordinator without one: it orders what the test says, and keeps what nodes report.
+#pragma once
+
+#include <grpcpp/server_context.h>
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/base/clock.h"
+#include "common/wire/channel.h"
+#include "common/wire/nodes.grpc.pb.h"
+
+namespace cyclorama {
+
+/// Listens on [::1] from construction on, on a free port, or on the one given (so that a test can restart it), and
+/// takes one node at a time. Thread-safe.
+class ScriptedCoordinator final : public wire::Nodes::Service {
+ public:
+  explicit ScriptedCoordinator(int port = 0) {
+    auto server = WireServer::start("[::1]:" + std::to_string(port), {this});
+    CHECK(server);
+    server_ = *std::move(server);
+  }
+  ~ScriptedCoordinator() override { server_->stop(Duration::zero()); }
+  ScriptedCoordinator(const ScriptedCoordinator&) = delete;
+  ScriptedCoordinator& operator=(const ScriptedCoordinator&) = delete;
+
+  [[nodiscard]] int port() const { return server_->port(); }
+  [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(port()); }
+
+  /// Precondition: a node has come.
+  void order(const wire::NodeCommand& command) {
+    const std::lock_guard lock(mutex_);
+    CHECK(stream_ != nullptr);
+    stream_->Write(command);
+  }
+  /// Waits until the test is content with all that was reported so far; false at the deadline.
+  bool wait(const std::function<bool(const std::vector<wire::NodeReport>&)>& content,
+            Duration limit = std::chrono::seconds(20)) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, limit, [&] { return content(reports_); });
+  }
+  /// Streams that their nodes ended in order.
+  bool wait_for_ended(int streams, Duration limit = std::chrono::seconds(20)) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, limit, [&] { return ended_ >= streams; });
+  }
+
+ private:
+  using Stream = grpc::ServerReaderWriter<wire::NodeCommand, wire::NodeReport>;
+
+  grpc::Status Work(grpc::ServerContext* context, Stream* stream) override {
+    wire::NodeReport report;
+    while (stream->Read(&report)) {
+      const std::lock_guard lock(mutex_);
+      stream_ = stream;
+      reports_.push_back(report);
+      changed_.notify_all();
+    }
+    const std::lock_guard lock(mutex_);
+    stream_ = nullptr;
+    if (!context->IsCancelled()) ++ended_;
+    changed_.notify_all();
+    return grpc::Status::OK;
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  Stream* stream_ = nullptr;
+  std::vector<wire::NodeReport> reports_;
+  int ended_ = 0;
+
+  std::unique_ptr<WireServer> server_;
+};
+
+}  // namespace cyclorama

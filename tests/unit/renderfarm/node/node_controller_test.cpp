@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+// A node without threads and network: orders in, what is on its way to the coordinators out.
+#include "renderfarm/node/node_controller.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <vector>
+
+#include "common/image/cells.h"
+#include "tests/doubles/fake_block_renderer.h"
+
+namespace cyclorama::node {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr int kWidth = 512;
+constexpr int kHeight = 256;
+
+/// A block of the left half or of all of a picture of two tiles.
+wire::NodeCommand block(std::uint64_t number, std::uint64_t rank = 0, std::uint32_t width = kWidth) {
+  wire::NodeCommand command;
+  wire::RenderBlock& render = *command.mutable_render();
+  render.set_block(number);
+  render.set_rank(rank);
+  render.set_scene("grotto");
+  render.set_session(1);
+  render.set_width_px(width);
+  render.set_height_px(kHeight);
+  wire::View& view = *render.mutable_view();
+  view.set_number(1);
+  view.set_samples(1);
+  view.set_jpeg_quality(90);
+  view.mutable_panorama()->set_width_px(kWidth);
+  view.mutable_panorama()->set_height_px(kHeight);
+  view.mutable_panorama()->set_azimuth_span_rad(2.0);
+  view.mutable_panorama()->set_tan_elevation_top(0.5);
+  view.mutable_panorama()->set_tan_elevation_bottom(-0.5);
+  return command;
+}
+wire::NodeCommand kept(wire::NodeCommand command, std::uint32_t first, std::uint32_t samples) {
+  command.mutable_render()->set_keep(true);
+  command.mutable_render()->mutable_view()->set_first_sample(first);
+  command.mutable_render()->mutable_view()->set_samples(samples);
+  return command;
+}
+wire::NodeCommand cancel(std::uint64_t number) {
+  wire::NodeCommand command;
+  command.mutable_cancel()->set_block(number);
+  return command;
+}
+
+class NodeDeskTest : public testing::Test {
+ protected:
+  std::shared_ptr<NodeLink> opened(const std::string& path = "a") {
+    auto link = controller.open();
+    wire::NodeCommand command;
+    command.mutable_load_scene()->set_scene("grotto");
+    command.mutable_load_scene()->set_path(path);
+    EXPECT_TRUE(controller.take(link, command));
+    while (controller.loads().work()) {
+    }
+    const auto answer = link->pop(SteadyClock().now());
+    EXPECT_TRUE(answer && std::get<wire::NodeReport>(*answer).scene_loaded().error().empty());
+    return link;
+  }
+  void take(const std::shared_ptr<NodeLink>& to, const wire::NodeCommand& command) {
+    const Status fine = controller.take(to, command);
+    EXPECT_TRUE(fine) << fine.error().message();
+  }
+  /// All that is on its way: "tile 3", "end 3", "end 4: cancelled", "dropped grotto".
+  std::vector<std::string> sent(NodeLink& from) {
+    std::vector<std::string> all;
+    while (const auto item = from.pop(SteadyClock().now())) {
+      if (const auto* const tile = std::get_if<RenderedTile>(&*item)) {
+        all.push_back("tile " + std::to_string(tile->block));
+        pictures[tile->block].push_back(tile->pixels);
+      } else if (const auto* const end = std::get_if<RenderedBlock>(&*item)) {
+        all.push_back("end " + std::to_string(end->block) + (end->error.empty() ? "" : ": " + end->error));
+        ends[end->block] = *end;
+      } else {
+        const auto& report = std::get<wire::NodeReport>(*item);
+        if (report.has_scene_dropped()) all.push_back("dropped " + report.scene_dropped().scene());
+        if (report.has_scene_loaded()) all.push_back("loaded " + report.scene_loaded().scene());
+        if (report.has_status()) all.push_back(report.status().draining() ? "draining" : "status");
+      }
+    }
+    return all;
+  }
+  std::vector<std::string> all_work(NodeLink& from) {
+    std::vector<std::string> all;
+    while (controller.renders().work()) {
+      for (std::string& item : sent(from)) all.push_back(std::move(item));
+    }
+    return all;
+  }
+
+  std::shared_ptr<FakeRendering> rendering = std::make_shared<FakeRendering>();
+  NodeController controller{fake_loader(rendering), 0};
+  std::map<std::uint64_t, std::vector<RgbImage>> pictures;
+  std::map<std::uint64_t, RenderedBlock> ends;
+};
+
+TEST_F(NodeDeskTest, renders_blocks_by_rank_and_changes_between_two_tiles) {
+  const auto link = opened();
+  take(link, block(1, 5));
+  take(link, block(2, 5));
+  ASSERT_TRUE(controller.renders().work());
+  EXPECT_THAT(sent(*link), ElementsAre("tile 1"));
+  take(link, block(3, 2));
+  EXPECT_EQ(controller.renders().waiting(), 3u);
+  EXPECT_THAT(all_work(*link),
+              ElementsAre("tile 3", "tile 3", "end 3", "tile 1", "end 1", "tile 2", "tile 2", "end 2"));
+  EXPECT_EQ(controller.renders().waiting(), 0u);
+}
+
+TEST_F(NodeDeskTest, tells_what_each_cell_of_a_block_cost) {
+  const auto link = opened();
+  wire::NodeCommand command = block(1);
+  command.mutable_render()->set_x_px(32);
+  command.mutable_render()->set_y_px(16);
+  command.mutable_render()->set_width_px(kWidth - 32);
+  command.mutable_render()->set_height_px(kHeight - 16);
+  for (const bool denoise : {false, true}) {
+    command.mutable_render()->mutable_view()->set_denoise(denoise);
+    take(link, command);
+    all_work(*link);
+    EXPECT_EQ(ends[1].cost.cell_cpu_seconds.size(), 30u * 15u);
+    EXPECT_THAT(ends[1].cost.cell_cpu_seconds, testing::Each(FakeBlockRenderer::kCellSeconds)) << denoise;
+  }
+  take(link, kept(command, 0, 4));
+  all_work(*link);
+  EXPECT_THAT(ends[1].cost.cell_cpu_seconds, testing::Each(4 * FakeBlockRenderer::kCellSeconds)) << "of four samples";
+}
+
+TEST_F(NodeDeskTest, gives_way_within_a_tile_at_rest_and_neither_loses_nor_repeats_a_cell) {
+  const auto calm = opened();
+  take(calm, kept(block(1, 100), 0, 4));
+  all_work(*calm);
+  const std::vector<RgbImage> expected = pictures[1];
+  const int cells = rendering->film_cells;
+  EXPECT_EQ(cells, 3 * 512);  // Three pieces of samples.
+
+  const auto link = opened("b");
+  int moving = 0;
+  int next = cells + 50;
+  rendering->set_before_cell([&] {
+    if (rendering->film_cells != next || moving >= 5) return;
+    next += 250;
+    take(link, block(100 + static_cast<std::uint64_t>(++moving), 1, 16));
+  });
+  take(link, kept(block(2, 100), 0, 4));
+  const std::vector<std::string> order = all_work(*link);
+  rendering->set_before_cell(nullptr);
+  EXPECT_THAT(order, ElementsAre("tile 101", "end 101", "tile 102", "end 102", "tile 103", "end 103", "tile 2",
+                                 "tile 104", "end 104", "tile 105", "end 105", "tile 2", "end 2"));
+  EXPECT_EQ(pictures[2], expected);
+  EXPECT_EQ(rendering->film_cells - cells, cells);
+}
+
+TEST_F(NodeDeskTest, adds_to_the_samples_that_it_has_unless_the_session_ended) {
+  const auto link = opened();
+  take(link, kept(block(1), 0, 4));
+  all_work(*link);
+  const int first = rendering->film_cells;
+  take(link, kept(block(2), 4, 4));
+  all_work(*link);
+  EXPECT_EQ(rendering->film_cells - first, 512) << "one piece";
+  wire::NodeCommand forget;
+  forget.mutable_forget_session()->set_session(1);
+  take(link, forget);
+  take(link, kept(block(3), 4, 4));
+  all_work(*link);
+  EXPECT_EQ(rendering->film_cells - first, 512 + 4 * 512) << "all four";
+  EXPECT_EQ(pictures[3], pictures[2]);
+}
+
+TEST_F(NodeDeskTest, ends_a_cancelled_block_at_once_whether_it_waits_or_is_half_done) {
+  const auto link = opened();
+  take(link, block(1, 1));
+  take(link, block(2, 2));
+  take(link, block(3, 3));
+  ASSERT_TRUE(controller.renders().work());
+  take(link, cancel(3));
+  take(link, cancel(1));
+  take(link, cancel(77));
+  EXPECT_THAT(all_work(*link),
+              ElementsAre("tile 1", "end 1: cancelled", "end 3: cancelled", "tile 2", "tile 2", "end 2"));
+  EXPECT_EQ(rendering->renders, 3);
+  // In the middle of a tile, of a moving picture and of one at rest.
+  take(link, kept(block(4), 0, 64));
+  rendering->set_before_cell([&] { take(link, cancel(4)); });
+  EXPECT_THAT(all_work(*link), ElementsAre("end 4: cancelled"));
+}
+
+TEST_F(NodeDeskTest, keeps_two_coordinators_apart) {
+  const auto one = opened();
+  const auto other = opened();
+  take(one, kept(block(1), 0, 2));
+  take(other, kept(block(1), 0, 2));
+  EXPECT_THAT(all_work(*one), ElementsAre("tile 1", "tile 1", "end 1"));
+  EXPECT_THAT(sent(*other), ElementsAre("tile 1", "tile 1", "end 1"));
+  EXPECT_EQ(rendering->film_cells, 2 * 2 * 512) << "session 1 of another coordinator is another session";
+  take(one, block(2));
+  take(other, block(2));
+  take(other, cancel(2));
+  controller.close(*one);
+  EXPECT_THAT(all_work(*other), ElementsAre("end 2: cancelled"));
+  take(other, block(3));
+  EXPECT_THAT(all_work(*other), ElementsAre("tile 3", "tile 3", "end 3")) << "scenes stay";
+}
+
+TEST_F(NodeDeskTest, goes_on_for_a_coordinator_that_takes_tiles_while_another_takes_none) {
+  const auto stuck = opened();
+  const auto link = opened();
+  for (std::uint64_t number = 1; number <= 8; ++number) take(stuck, block(number, 0));
+  take(link, block(1, 9));
+  std::vector<std::string> order = all_work(*link);
+  EXPECT_THAT(order, ElementsAre("tile 1", "tile 1", "end 1"));
+  EXPECT_GT(controller.renders().waiting(), 0u);
+  EXPECT_LT(sent(*stuck).size(), 8u) << "a few, not all";
+  while (controller.renders().waiting() > 0) {
+    ASSERT_TRUE(controller.renders().work());
+    sent(*stuck);
+  }
+}
+
+TEST_F(NodeDeskTest, says_what_is_wrong_with_a_block) {
+  const auto link = opened();
+  wire::NodeCommand unknown = block(1);
+  unknown.mutable_render()->set_scene("cave");
+  wire::NodeCommand crooked = block(2);
+  crooked.mutable_render()->set_x_px(7);
+  take(link, unknown);
+  take(link, crooked);
+  EXPECT_THAT(all_work(*link), ElementsAre("end 1: scene 'cave' is not loaded", HasSubstr("end 2: ")));
+  take(link, block(3));
+  EXPECT_THAT(controller.take(link, block(3)).error().message(), HasSubstr("block 3 twice"));
+  wire::NodeCommand huge = block(4);
+  huge.mutable_render()->set_scene(std::string(5000, 'x'));
+  EXPECT_FALSE(controller.take(link, huge));
+}
+
+TEST_F(NodeDeskTest, renders_what_is_loaded_while_it_loads) {
+  const auto link = opened();
+  wire::NodeCommand load;
+  load.mutable_load_scene()->set_scene("cave");
+  load.mutable_load_scene()->set_path("b");
+  take(link, load);
+  take(link, block(1));
+  EXPECT_THAT(all_work(*link), ElementsAre("tile 1", "tile 1", "end 1"));
+  ASSERT_TRUE(controller.loads().work());
+  EXPECT_THAT(sent(*link), ElementsAre("loaded cave"));
+}
+
+TEST_F(NodeDeskTest, tells_every_coordinator_when_a_scene_had_to_leave) {
+  NodeController small(fake_loader(rendering), 2000);  // 500 for films; the fake scenes take 1000 each.
+  const auto one = small.open();
+  const auto other = small.open();
+  const auto load = [&](const std::shared_ptr<NodeLink>& link, const char* scene) {
+    wire::NodeCommand command;
+    command.mutable_load_scene()->set_scene(scene);
+    command.mutable_load_scene()->set_path(scene);
+    EXPECT_TRUE(small.take(link, command));
+    EXPECT_TRUE(small.loads().work());
+  };
+  load(one, "grotto");
+  load(other, "grotto");
+  load(other, "cave");
+  EXPECT_THAT(sent(*one), ElementsAre("loaded grotto", "dropped grotto"));
+  EXPECT_THAT(sent(*other), ElementsAre("loaded grotto", "dropped grotto", "loaded cave"));
+}
+
+TEST_F(NodeDeskTest, says_how_it_is_and_that_it_drains) {
+  const auto link = opened();
+  take(link, block(1));
+  const wire::NodeStatus status = controller.status().status();
+  EXPECT_GT(status.memory_bytes(), 1u << 20);
+  EXPECT_EQ(status.blocks_waiting(), 1u);
+  EXPECT_GE(status.uptime_s(), 0.0);
+  EXPECT_FALSE(status.draining());
+  controller.drain();
+  EXPECT_TRUE(controller.status().status().draining());
+  EXPECT_THAT(all_work(*link), ElementsAre("draining", "tile 1", "tile 1", "end 1"));
+  link->finish();
+  take(link, block(2));
+  EXPECT_THAT(all_work(*link), ElementsAre()) << "nothing after the end";
+  EXPECT_TRUE(link->is_finished());
+}
+
+TEST_F(NodeDeskTest, waits_until_nothing_waits) {
+  const auto link = opened();
+  const auto idle = [&] {
+    return controller.renders().wait_until_idle(SteadyClock().now() + std::chrono::milliseconds(20),
+                                                std::chrono::milliseconds(1));
+  };
+  EXPECT_TRUE(idle());
+  take(link, block(1));
+  EXPECT_FALSE(idle());
+  all_work(*link);
+  EXPECT_TRUE(idle());
+}
+
+}  // namespace
+}  // namespace cyclorama::node

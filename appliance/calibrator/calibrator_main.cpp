@@ -109,7 +109,7 @@ void add_scan_options(CLI::App& app, Options* ret) {
       ->check(within(Ranges::kPitch_deg));
   app.add_option("--settle-ms", ret->settle_ms, "From a projector's signal to its light; 100")
       ->check(within(Ranges::kSettle_ms));
-  app.add_option("--longest-exposure-ms", ret->max_exposure_ms, "Of the camera; 250")
+  app.add_option("--max-exposure-ms", ret->max_exposure_ms, "Of the camera; 250")
       ->check(within(Ranges::kMaxExposure_ms));
 }
 

@@ -95,6 +95,7 @@ Result<CalibratorSettings> from_config(Config* config, const std::filesystem::pa
   settings.field_of_view_rad =
       kDegree * camera.number("field_of_view_deg", Ranges::kFieldOfView_deg, settings.field_of_view_rad / kDegree);
   settings.pitch_rad = kDegree * camera.number("pitch_deg", Ranges::kPitch_deg, settings.pitch_rad / kDegree);
+  camera.refuse_renamed("longest_exposure_ms", "max_exposure_ms");
   settings.max_exposure_s =
       kMillisecond * camera.number("max_exposure_ms", Ranges::kMaxExposure_ms, settings.max_exposure_s / kMillisecond);
   read_watched(root.table("watch"), &settings);

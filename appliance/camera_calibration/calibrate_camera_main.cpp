@@ -61,7 +61,7 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--views", options->views, "With a camera: how many different views to take")
       ->check(CLI::Range(static_cast<int>(kMinViews), 200))
       ->capture_default_str();
-  app.add_option("--patience", options->timeout_s, "With a camera: seconds to wait for them")->capture_default_str();
+  app.add_option("--timeout", options->timeout_s, "With a camera: seconds to wait for them")->capture_default_str();
   app.add_option("--out", options->out, "The file to write")->capture_default_str();
 }
 

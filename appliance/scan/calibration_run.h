@@ -2,7 +2,7 @@
 /// One calibration from beginning to end:
 ///
 ///     scan_wall() ─▶ scan_light() ─▶ calibrate() ─▶ photometry() ─▶ photograph_seams() ─▶ save_calibration()
-///         │ FOLDER/scan: what was seen, to go on with                   FOLDER/calibration.json and what it names
+///         │ FOLDER/scan: the views so far, for resuming           FOLDER/calibration.json and the files it names
 #pragma once
 
 #include <filesystem>
@@ -19,29 +19,29 @@
 namespace cyclorama::scan {
 
 struct CalibrationOutcome {
-  calibration::Calibration calibration;  ///< With the scan's remarks among its own.
+  calibration::Calibration calibration;  ///< Its remarks include those of the scan.
   solve::MeasuredRegistration registration;
-  std::optional<photometry::Photometry> light;  ///< Absent where it could not be measured: a remark says why.
-  std::filesystem::path report;  ///< The page for the installer; empty: it could not be written, a remark says why.
+  std::optional<photometry::Photometry> light;  ///< Absent if it could not be measured; a remark gives the reason.
+  std::filesystem::path report;  ///< HTML page for the installer; empty if it could not be written (a remark says why).
   int pictures = 0;
   int retries = 0;
-  double scan_s = 0.0;  ///< By the clock that was given: of a simulated museum these are its computer's, not its own.
+  double scan_s = 0.0;  ///< By the given clock; for a simulated museum this is computing time, not simulated time.
   double solve_s = 0.0;
   double seams_s = 0.0;
 };
 
-/// `date` names the calibration: "2026-11-22T13-05-00Z". The one of before is never replaced by a worse one.
-/// Where brightness and colour cannot be found, those of before are carried over to the new maps, or, where there were
-/// none, the geometry is all that is written; a remark says what to do;
-/// likewise where seams cannot be photographed.
-/// Errors of scan_wall(), scan_light(), calibrate() and save_calibration(), each with its remedy; the calibration that
-/// counts is the one of before then. Blocks, for minutes.
+/// `date` names the calibration: "2026-11-22T13-05-00Z". The previous calibration is never replaced by a worse one. If
+/// brightness and colour cannot be measured, the previous ones are carried over to the new maps; if there are none,
+/// only the geometry is written. If the seams cannot be photographed, the report lacks them. A remark gives the remedy
+/// in each case.
+/// Errors: those of scan_wall(), scan_light(), calibrate() and save_calibration(), each with its remedy; the previous
+/// calibration then stays in force. Blocks for minutes.
 Result<CalibrationOutcome> run_calibration(const Installation& installation, const ScanSettings& settings,
                                            const ScanDevices& devices, const std::filesystem::path& folder,
                                            const std::string& date, const Clock& clock, const ScanListener& listener,
                                            std::stop_token stop);
 
-/// Now, in UTC, as save_calibration() wants it.
+/// Returns the current time in UTC in the format that save_calibration() expects.
 [[nodiscard]] std::string calibration_date();
 
 }  // namespace cyclorama::scan

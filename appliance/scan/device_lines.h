@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The devices of a calibration as people write them, each in one line.
+/// One-line texts that name the devices of a calibration, as people write them.
 #pragma once
 
 #include <string>
@@ -9,28 +9,28 @@
 
 namespace cyclorama::scan {
 
-/// A display, and which of the installation's projectors it drives.
+/// A display and the projectors of the installation that it drives.
 struct PatternDisplay {
-  std::string address;                    ///< HOST:PORT, or unix:PATH, of its PatternScreen service.
-  std::vector<std::string> projectors{};  ///< By name; none: all.
+  std::string address;                    ///< Address of its PatternScreen service: HOST:PORT or unix:PATH.
+  std::vector<std::string> projectors{};  ///< Names; empty means all projectors.
 };
 
-/// "HOST:PORT", or "left,middle=HOST:PORT". kInvalidArgument  another form.
+/// Parses "HOST:PORT" or "left,middle=HOST:PORT". Errors: kInvalidArgument for any other form.
 Result<PatternDisplay> parse_pattern_display(const std::string& text);
 
-/// Which of the displays drives a projector. kInvalidArgument  none, or two.
+/// Returns the index of the display that drives a projector. Errors: kInvalidArgument if none or two do.
 Result<std::size_t> display_of(const std::string& projector, const std::vector<PatternDisplay>& displays);
 
 /// A fixed camera that watches the show.
 struct CameraSource {
   std::string name;
-  std::string spec;  ///< For make_camera().
+  std::string spec;  ///< Argument for make_camera().
 };
 
-/// "NAME=CAMERA". kInvalidArgument  another form, or a name that is no file's.
+/// Parses "NAME=CAMERA". Errors: kInvalidArgument for another form, or if the name cannot be a file name.
 Result<CameraSource> parse_camera_source(const std::string& text);
-/// Letters, digits, '.', '-' and '_', 60 at most, not beginning with '.' or '-': its lens is NAME.json, also on a
-/// stick.
+/// Returns true for 1 to 60 letters, digits, '.', '-' and '_' that do not begin with '.' or '-': the lens is stored in
+/// NAME.json, also on a USB stick.
 [[nodiscard]] bool is_camera_name(const std::string& name);
 
 }  // namespace cyclorama::scan

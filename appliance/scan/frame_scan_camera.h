@@ -10,15 +10,15 @@
 
 namespace cyclorama::scan {
 
-/// A camera of drivers/camera as the scan wants one. These take their exposure when they are opened, so another
-/// exposure is another opening: about a second, a few times in a scan. Thread-bound.
+/// Adapts a camera of drivers/camera to ScanCamera. Such a camera takes its exposure when it is opened, so a change of
+/// exposure reopens it, which takes about a second and happens a few times in a scan. Thread-bound.
 class FrameScanCamera final : public ScanCamera {
  public:
-  /// Opens the camera with this exposure, its gain and white balance held; with its colours, if it has any.
+  /// Opens the camera with this exposure and with gain and white balance fixed; in colour if the camera has colour.
   using Opener = std::function<Result<std::unique_ptr<camera::Camera>>(double exposure_s)>;
 
-  /// Takes one photograph, to know its size. `clock` is that of the frames, and borrowed. Errors as the opener's and
-  /// photograph()'s.
+  /// Takes one photograph to find the picture's size. `clock` is the clock of the frames' time stamps and is borrowed.
+  /// Errors: those of the opener and of photograph().
   static Result<std::unique_ptr<FrameScanCamera>> open(Opener opener, double exposure_s, const Clock& clock);
   ~FrameScanCamera() override;
   FrameScanCamera(const FrameScanCamera&) = delete;
@@ -28,7 +28,7 @@ class FrameScanCamera final : public ScanCamera {
   [[nodiscard]] int width_px() const override { return width_px_; }
   [[nodiscard]] int height_px() const override { return height_px_; }
   [[nodiscard]] bool has_colour() const override { return has_colour_; }
-  /// kUnavailable  also of a camera that does not hold an exposure: what it photographs cannot be compared.
+  /// Errors: kUnavailable also if the camera does not hold an exposure, since its photographs cannot be compared.
   Result<ScanPhotograph> photograph(double exposure_s) override;
   [[nodiscard]] double exposed_s(double) const override { return exposed_s_; }
 
@@ -39,8 +39,8 @@ class FrameScanCamera final : public ScanCamera {
   Opener opener_;
   const Clock& clock_;
   std::unique_ptr<camera::Camera> camera_;
-  double exposure_s_ = 0.0;  ///< As it was opened.
-  double exposed_s_ = 0.0;   ///< As it told with its last frame.
+  double exposure_s_ = 0.0;  ///< The exposure that was requested when the camera was opened.
+  double exposed_s_ = 0.0;   ///< The exposure that the last frame reported.
   std::string id_;
   int width_px_ = 0;
   int height_px_ = 0;

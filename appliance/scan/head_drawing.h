@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a head shows of a test picture, plainly: pixel by pixel, as the display would draw it through the warp.
+/// The picture that a head shows of a test picture, computed pixel by pixel as the display would draw it through the
+/// warp.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,24 +13,24 @@
 namespace cyclorama::scan {
 
 enum class TestPicture {
-  kLines,  ///< Every two degrees of azimuth and elevation, every tenth stronger: where pictures meet lines go on.
-  kWhite,  ///< Evenly: where pictures meet nothing is to be seen.
+  kLines,  ///< Lines every 2 degrees of azimuth and elevation, each tenth stronger; they must continue across seams.
+  kWhite,  ///< Uniform white; no seam may be visible.
 };
 
-/// Linear light, 0 to 1, that an eye at the sweet spot should see along a direction.
+/// Returns the linear light, 0 to 1, that an eye at the sweet spot should see in a direction.
 [[nodiscard]] double test_light(TestPicture picture, const Eigen::Vector3d& direction);
 
-/// How one head is drawn. Borrows mask and colour.
+/// Description of how one head is drawn. Borrows mask and colour.
 struct DrawnHead {
   int width_px = 0;
   int height_px = 0;
-  /// Of a pixel, continuous; nothing where nothing is drawn.
+  /// Maps a continuous pixel position to its direction; returns nothing where the head draws nothing.
   std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)> direction_at;
-  const warp::MaskImage* mask = nullptr;     ///< Of the head's size; null: none.
-  const warp::HeadColour* colour = nullptr;  ///< Null: sRGB.
+  const warp::MaskImage* mask = nullptr;     ///< Mask of the head's size; null: none.
+  const warp::HeadColour* colour = nullptr;  ///< Null means sRGB.
 };
 
-/// Reentrant.
+/// Draws the head. Reentrant.
 [[nodiscard]] RgbImage drawn_head(const DrawnHead& head, TestPicture picture);
 
 }  // namespace cyclorama::scan

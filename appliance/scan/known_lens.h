@@ -10,13 +10,14 @@
 
 namespace cyclorama::scan {
 
-/// Of the scan's camera, what `cyclorama calibrate-camera` found, with its covariance: a prior for the solver.
+/// Returns the lens of the scan's camera, with its covariance, as `cyclorama calibrate-camera` measured it. It serves
+/// as a prior for the solver.
 ///
-///     `file`                  where one is named: it is this camera's, whatever id stands in it
-///     FOLDER/camera.json      else, where there is one and its id is the camera's
+///     `file`                  if one is named: used whatever camera id it contains
+///     FOLDER/camera.json      otherwise, if it exists and its id is `camera_id`
 ///
-/// Nothing where neither is there: the field of view serves then. kInvalidArgument  it is of pictures of another shape.
-/// Others as read_camera(), with what to do.
+/// Returns nothing if neither exists; the field of view serves instead. Errors: kInvalidArgument if the lens belongs to
+/// pictures of another aspect ratio; otherwise those of read_camera(), with the remedy.
 Result<std::optional<calibration::MeasuredLens>> known_lens(const std::filesystem::path& file,
                                                             const std::filesystem::path& folder,
                                                             const std::string& camera_id, int width_px, int height_px);

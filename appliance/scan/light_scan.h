@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The scan's second half: how bright each projector is, and which colours it has.
+/// The second half of a scan: brightness and colours of each projector.
 ///
 ///     for each direction:  turn ─▶ for each projector that was seen from here:  black, white
 ///                                    and once, where it was seen best:           ramps of red, green, blue
@@ -18,15 +18,15 @@
 namespace cyclorama::scan {
 
 struct LightScan {
-  /// All but the projectors' maps, which are not known yet.
+  /// Complete except for the projectors' maps, which are not known yet.
   photometry::PhotometryInput input;
   int pictures = 0;
 };
 
-/// `views` as scan_wall() gave them tell which pixels of the camera see which projector. What the projectors have is
-/// photographed in colour where ScanDevices has a camera for it. Whatever happens, no pattern is left on the wall.
-/// kUnavailable  cancelled, or a device is gone.   kBadData  no exposure at which white is not clipped: says what to
-/// do. Others as Turnplate's. Blocks, for a minute or two.
+/// `views`, as scan_wall() returned them, give the camera pixels that see each projector. Photographs are taken in
+/// colour if ScanDevices has a colour camera. All projectors are dark afterwards, after an error too.
+/// Errors: kUnavailable if cancelled or if a device is gone; kBadData if white is clipped at every exposure (with the
+/// remedy); otherwise those of Turnplate. Blocks for a minute or two.
 Result<LightScan> scan_light(const Installation& installation, std::span<const ScanView> views,
                              const structured_light::ExposureLimits& limits, const ScanDevices& devices,
                              const ScanListener& listener, std::stop_token stop);

@@ -12,13 +12,14 @@
 
 namespace cyclorama::scan {
 
-/// The heads of displays elsewhere, by the service PatternScreen (common/wire/calibration.proto). Thread-bound.
+/// Shows patterns on the heads of remote displays through their PatternScreen service (common/wire/calibration.proto).
+/// Thread-bound.
 class RemotePatternScreen final : public PatternScreen {
  public:
-  /// Begins a stream with every display; their heads are dark when it returns. `settle` is what a projector takes from
-  /// its signal to its light, and is waited for in each show().
-  /// kInvalidArgument  a projector belongs to no display, or to two.     kBusy  another calibration shows its patterns.
-  /// kUnavailable, kTimedOut  a display cannot be reached: says which.
+  /// Begins a stream with every display; their heads are dark when it returns. `settle` is the projectors' delay from
+  /// signal to light; each show() waits for it.
+  /// Errors: kInvalidArgument if a projector belongs to no display or to two; kBusy if another calibration shows its
+  /// patterns; kUnavailable or kTimedOut, with the display's address, if a display cannot be reached.
   static Result<std::unique_ptr<RemotePatternScreen>> open(const std::vector<InstalledProjector>& projectors,
                                                            const std::vector<PatternDisplay>& displays,
                                                            std::chrono::milliseconds settle);

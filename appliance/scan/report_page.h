@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What an installer reads after a calibration: one page of HTML that needs no other file and loads nothing.
+/// The installer's report of a calibration: one self-contained HTML page that loads nothing.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,14 +13,14 @@
 
 namespace cyclorama::scan {
 
-/// Where a projector's pixel was seen, and how far its map draws it from there, in its pixels.
+/// Observed direction of a projector's pixel, and the error of the projector's map there in projector pixels.
 struct WallResidual {
-  std::size_t projector = 0;  ///< Counts Calibration::projectors.
+  std::size_t projector = 0;  ///< Index in Calibration::projectors.
   Eigen::Vector3d direction;  ///< Eye frame, unit length.
   double error_px = 0.0;
 };
 
-/// What a calibration's own file does not tell. What is absent is left out of the page.
+/// Findings that a calibration's own file lacks. The page omits what is absent.
 struct ReportFindings {
   std::vector<WallResidual> residuals;
   struct Registration {
@@ -33,19 +33,19 @@ struct ReportFindings {
     std::string caption;
     std::vector<std::byte> jpeg;
   };
-  std::vector<Photograph> photographs;  ///< In twos, side by side: before and after.
+  std::vector<Photograph> photographs;  ///< In pairs, side by side: before and after.
 };
 
-/// Pure; reentrant.
+/// Returns the page as HTML. Pure; reentrant.
 [[nodiscard]] std::string report_page(const calibration::Calibration& calibration, const ReportFindings& findings = {});
 
-/// Of at most `most` measurements, evenly taken; those where camera or map see nothing are left out. Precondition: the
-/// calibration is of these measurements.
+/// Returns residuals of at most `max` correspondences, sampled evenly; those outside the camera's lens or the map are
+/// skipped. Precondition: the calibration was computed from these measurements.
 [[nodiscard]] std::vector<WallResidual> wall_residuals(const solve::Measurements& measurements,
                                                        const calibration::Calibration& calibration,
                                                        std::size_t max = 6000);
 
-/// FOLDER/calibrations/DATE/report.html, and its path. kSystem  errno says why.
+/// Writes FOLDER/calibrations/DATE/report.html and returns its path. Errors: kSystem with the reason from errno.
 Result<std::filesystem::path> write_report(const std::filesystem::path& folder,
                                            const calibration::Calibration& calibration, const ReportFindings& findings);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a scan of the wall needs of the world, besides a turn-plate (drivers/turnplate): something that shows patterns
-/// on all projectors, and a camera whose exposure is the scan's choice.
+/// The devices that a scan of the wall needs besides a turntable (drivers/turnplate): a screen that shows patterns on
+/// all projectors, and a camera whose exposure the scan chooses.
 #pragma once
 
 #include <string>
@@ -10,15 +10,15 @@
 
 namespace cyclorama::scan {
 
-/// Projectors count as in installation.toml. While it lives the heads show patterns, dark at first; when it is gone
-/// the show comes back as it was. Thread-bound; calls block.
+/// Projectors are numbered as in installation.toml. While this object exists the heads show patterns, dark at first;
+/// its destruction restores the show. Thread-bound; calls block.
 class PatternScreen {
  public:
   virtual ~PatternScreen() = default;
 
-  /// Returns when the wall shows it; the other projectors keep what they show. An empty picture is dark.
-  /// kInvalidArgument  no such projector, or a picture of another size than it has.
-  /// kUnavailable  a head is away, or the display is.
+  /// Returns when the wall shows the picture; the other projectors keep theirs. An empty picture is dark.
+  /// Errors: kInvalidArgument if there is no such projector or the picture's size differs from the projector's;
+  /// kUnavailable if a head or the display is gone.
   virtual Status show(std::size_t projector, const RgbImage& picture) = 0;
 
  protected:
@@ -30,7 +30,7 @@ class PatternScreen {
 /// Camera codes, 0 to 1.
 using ScanPhotograph = Image<float, 3>;
 
-/// Thread-bound; calls block.
+/// The camera of a scan. Thread-bound; calls block.
 class ScanCamera {
  public:
   virtual ~ScanCamera() = default;
@@ -39,15 +39,16 @@ class ScanCamera {
   [[nodiscard]] virtual const std::string& id() const = 0;
   [[nodiscard]] virtual int width_px() const = 0;
   [[nodiscard]] virtual int height_px() const = 0;
-  /// A grey camera gives the same in all channels.
+  /// False for a grey camera, whose photographs have the same values in all channels.
   [[nodiscard]] virtual bool has_colour() const = 0;
-  /// Between one code and the next, in parts of the largest: of 8 bits, where a camera does not say otherwise.
+  /// Step between adjacent camera codes as a fraction of the largest code; assumes 8 bits unless overridden.
   [[nodiscard]] virtual double code_step() const { return 1.0 / 255.0; }
-  /// What was exposed wholly after the call began. Codes as the sensor has them, divided by the largest.
-  /// kInvalidArgument  an exposure that it cannot do.   kTimedOut, kUnavailable  as Camera::next_frame().
+  /// Takes a photograph that was exposed entirely after the call began. Values are the sensor's codes divided by the
+  /// largest code. Errors: kInvalidArgument if the camera cannot use this exposure; kTimedOut and kUnavailable as
+  /// Camera::next_frame().
   virtual Result<ScanPhotograph> photograph(double exposure_s) = 0;
-  /// How long the last photograph was exposed, which photometry takes as exact: cameras have steps and limits. Of one
-  /// that does what it is asked to, what was asked.
+  /// Returns the actual exposure of the last photograph, which photometry takes as exact, since cameras have steps and
+  /// limits. The default assumes that the requested exposure was used.
   [[nodiscard]] virtual double exposed_s(double asked_s) const { return asked_s; }
 
  protected:

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where the turn-plate stops, and which projectors are looked at from there: decided before anything moves, by what
-/// installation.toml says of the room.
+/// Plans the directions of the turntable and the projectors to measure in each, before anything moves, from the room
+/// that installation.toml describes.
 ///
-///          direction 0    1    2         every place that is lit is seen from one direction at least,
-///        ╲────┼───╱╲──┼──╱╲──┼───╱      and neighbours share enough to hang together
+///          direction 0    1    2         every lit part of the wall is seen from at least one direction,
+///        ╲────┼───╱╲──┼──╱╲──┼───╱      and neighbouring directions overlap enough to be joined
 #pragma once
 
 #include <string>
@@ -17,30 +17,31 @@
 namespace cyclorama::scan {
 
 struct ScanDirection {
-  double angle_rad = 0.0;                 ///< Of the plate.
-  std::vector<std::size_t> projectors{};  ///< Those that should be seen, by number.
+  double angle_rad = 0.0;                 ///< Angle of the turntable.
+  std::vector<std::size_t> projectors{};  ///< Indices of the projectors that should be seen.
 };
 
 struct ScanPlan {
   std::vector<ScanDirection> directions;
-  double wall_distance_m = 0.0;        ///< From the sweet spot, mean of what is lit.
-  double wall_distance_sigma_m = 0.0;  ///< How much it differs.
+  double wall_distance_m = 0.0;        ///< Mean distance from the sweet spot, over what is lit.
+  double wall_distance_sigma_m = 0.0;  ///< Standard deviation of that distance.
   std::vector<std::string> remarks;    ///< For the installer.
 };
 
 struct ScanPlanOptions {
-  calibration::MeasuredLens camera;  ///< Its focal length decides how much one direction sees.
-  double pitch_rad = 0.0;            ///< How far it looks up.
+  calibration::MeasuredLens camera;  ///< Its focal length determines how much one direction sees.
+  double pitch_rad = 0.0;            ///< Upward tilt of the camera.
   turnplate::TurnRange range{-3.15, 3.15};
-  int directions = 0;              ///< 0: as few as it takes.
-  double min_overlap = 0.3;        ///< Of what a direction sees, so much its neighbour sees too;
-  double preferred_overlap = 0.5;  ///< where there is a choice, so much.
+  int directions = 0;              ///< Number of directions; 0: as few as necessary.
+  double min_overlap = 0.3;        ///< Minimum part of a direction's view that its neighbour sees too.
+  double preferred_overlap = 0.5;  ///< Preferred overlap if there is a choice.
 };
 
-/// Evenly spaced directions. The camera is taken to stand on the sweet spot; the rim of its picture is not relied upon,
-/// since nothing stands exactly as planned. Two directions at least: one alone cannot tell how the camera stands.
-/// kInvalidArgument  no projector lights the wall, or the camera sees too little of what is lit: says what to change.
-/// Reentrant.
+/// Returns evenly spaced directions, at least two, because one alone cannot determine the camera's pose. The camera is
+/// assumed to stand at the sweet spot; the rim of its picture is not relied upon, since nothing stands exactly as
+/// planned.
+/// Errors: kInvalidArgument, with the remedy, if no projector lights the wall or the camera sees too little of what is
+/// lit. Reentrant.
 Result<ScanPlan> plan_scan(const Installation& installation, const ScanPlanOptions& options);
 
 }  // namespace cyclorama::scan

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What one direction of the plate saw of one projector, and the folder that keeps it, so that a scan that was cut
-/// short goes on where it was.
+/// The correspondences that one direction of the turntable gave for one projector, and the folder that stores them so
+/// that an interrupted scan can be resumed.
 ///
-///     FOLDER/manifest.json      which scan this is, and which views there are; replaced by a rename
-///     FOLDER/D-P.view           of direction D and projector P: places, written before the manifest names them
+///     FOLDER/manifest.json      identity of the scan and list of its views; replaced by a rename
+///     FOLDER/D-P.view           correspondences of direction D and projector P, written before the manifest names them
 ///
-/// Views are what was decoded, not photographs: a view is some megabytes instead of some hundred.
+/// A view stores decoded correspondences instead of photographs: some megabytes instead of some hundred.
 #pragma once
 
 #include <cstddef>
@@ -20,18 +20,18 @@
 
 namespace cyclorama::scan {
 
-/// A value.
+/// Measurement of one projector from one direction. A value.
 struct ScanView {
   std::size_t direction = 0;
   std::size_t projector = 0;
-  double angle_rad = 0.0;   ///< As the plate told.
+  double angle_rad = 0.0;   ///< As the turntable reported.
   double exposure_s = 0.0;  ///< 0: the projector lights nothing here.
-  double disturbed = 0.0;   ///< Of the lit pixels: something moved before them.
-  int pictures = 0;         ///< Photographs that it took, of all tries.
+  double disturbed = 0.0;   ///< Fraction of the lit pixels before which something moved.
+  int pictures = 0;         ///< Photographs taken, over all attempts.
   std::vector<solve::Correspondence> correspondences{};
 };
 
-/// What makes two scans the same, so that one can go on with the other's views. A value.
+/// What two scans must have in common for one to be resumed with the other's views. A value.
 struct ScanIdentity {
   struct Projector {
     std::string name;
@@ -39,53 +39,55 @@ struct ScanIdentity {
     int height_px = 0;
     friend bool operator==(const Projector&, const Projector&) = default;
   };
-  std::string camera;  ///< Its id.
+  std::string camera;  ///< Camera id.
   int camera_width_px = 0;
   int camera_height_px = 0;
   std::vector<Projector> projectors;
   std::vector<double> angles_rad;  ///< As planned.
-  std::string patterns;            ///< What tells one way to measure from another.
+  std::string patterns;            ///< ViewSettings::text(): distinguishes one way of measuring from another.
 
   friend bool operator==(const ScanIdentity&, const ScanIdentity&) = default;
 };
 
-/// What manifest.json says. A value.
+/// Contents of manifest.json. A value.
 struct ScanManifest {
   struct Entry {
-    ScanView view;  ///< Without its places.
+    ScanView view;  ///< Without its correspondences.
     std::size_t correspondences = 0;
-    std::string checksum;  ///< Of the view's file: 16 hexadecimal digits.
+    std::string checksum;  ///< Checksum of the view's file: 16 hexadecimal digits.
   };
   ScanIdentity identity;
   std::vector<Entry> entries;
 };
 
 [[nodiscard]] std::string manifest_text(const ScanManifest& manifest);
-/// The opposite. `name` stands for the file in errors. kBadData  "manifest.json: /views/0/direction: ...; remedy".
+/// Inverse of manifest_text(). `name` stands for the file in errors. Errors: kBadData, as in "manifest.json:
+/// /views/0/direction: ...; remedy".
 Result<ScanManifest> parse_manifest(std::string_view text, const std::string& name);
 
-/// PicturePositions as bytes, and back. kBadData  bytes that are none, or places that no camera or projector of these sizes has.
+/// Correspondences as bytes, and back. Errors: kBadData for malformed bytes, or positions outside the camera's or
+/// projector's size.
 [[nodiscard]] std::vector<std::byte> encode_correspondences(std::span<const solve::Correspondence> correspondences);
 Result<std::vector<solve::Correspondence>> decode_correspondences(std::span<const std::byte> bytes,
                                                                   const ScanIdentity& identity, std::size_t projector);
 
-/// Thread-bound.
+/// The folder of a scan's views. Thread-bound.
 class ScanFolder {
  public:
-  /// Makes the folder, and empties it of an earlier scan. kSystem  errno says why.
+  /// Creates the folder and removes an earlier scan from it. Errors: kSystem with the reason from errno.
   static Result<ScanFolder> begin(std::filesystem::path folder, const ScanIdentity& identity);
-  /// Goes on with what is there. kNotFound  nothing is.     kBadData  it is damaged, of another scan, or was left alone
-  /// for half a day, in which projectors move: says what differs, and what to do.
+  /// Resumes the scan in the folder. Errors: kNotFound if there is none; kBadData, with the difference and the remedy,
+  /// if it is damaged, belongs to another scan, or is more than half a day old, in which time projectors move.
   static Result<ScanFolder> resume(std::filesystem::path folder, const ScanIdentity& identity);
 
-  /// What it was for has been calibrated: there is nothing to go on with any more.
+  /// Removes a scan that has been calibrated, so that it cannot be resumed.
   static void end(const std::filesystem::path& folder);
 
-  /// Null: it is not there. Lives until the next keep().
+  /// Returns null if there is no such view. The pointer is valid until the next keep().
   [[nodiscard]] const ScanView* find(std::size_t direction, std::size_t projector) const;
   [[nodiscard]] const std::vector<ScanView>& views() const { return views_; }
-  /// Kept before it returns; the place of an earlier one of the same direction and projector is taken.
-  /// kSystem  errno says why: the disk is full...
+  /// Stores the view before it returns and replaces an earlier one of the same direction and projector. Errors: kSystem
+  /// with the reason from errno, such as a full disk.
   Status keep(ScanView view);
 
  private:

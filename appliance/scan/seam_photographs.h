@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The seams as a visitor will see them, before and after: photographs for the installer.
+/// Photographs of the seams for the installer, as a visitor will see them, before and after a calibration.
 ///
-///     for each two projectors that meet:  turn to the middle of what both light
-///         ─▶ lines by the old calibration, by the new one; white likewise ─▶ four photographs
+///     for each two projectors that meet:  turn to the middle of their overlap
+///         ─▶ lines by the old calibration, then by the new one; white likewise ─▶ four photographs
 #pragma once
 
 #include <span>
@@ -16,21 +16,23 @@
 
 namespace cyclorama::scan {
 
-/// What the wall is drawn by. Colours may be none; then the projectors are blended by their maps.
+/// What the heads are drawn with. Without colours the projectors are blended by their maps.
 struct DrawnBy {
   std::string when;  ///< "by the calibration of ...", for captions.
   const calibration::Calibration* calibration =
-      nullptr;  ///< Null: by installation.toml alone, as before any calibration.
+      nullptr;  ///< Null: drawn by installation.toml alone, as before any calibration.
   std::span<const calibration::CalibratedColour> colours{};
 };
 
 struct SeamPhotographs {
-  std::vector<ReportFindings::Photograph> photographs;  ///< By seam: lines before, after, white before, after.
+  /// Per seam: lines before, lines after, white before, white after.
+  std::vector<ReportFindings::Photograph> photographs;
   int pictures = 0;
 };
 
-/// `after` has a calibration; `exposure_s` is one at which a single projector's white is not clipped. Whatever happens,
-/// no pattern is left on the wall. Errors as take_photograph(), PatternScreen and Turnplate. Blocks, for some seconds.
+/// `after` must have a calibration; `exposure_s` is an exposure at which a single projector's white is not clipped. All
+/// projectors are dark afterwards, after an error too. Errors: those of take_photograph(), PatternScreen and Turnplate.
+/// Blocks for some seconds.
 Result<SeamPhotographs> photograph_seams(const Installation& installation, const DrawnBy& before, const DrawnBy& after,
                                          double exposure_s, const ScanDevices& devices, const ScanListener& listener,
                                          std::stop_token stop);

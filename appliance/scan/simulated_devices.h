@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A simulated museum as a scan sees it. The turn-plate is drivers/simulated/turntable.
+/// A simulated museum as the devices of a scan. Its turntable is in drivers/simulated/turntable.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace cyclorama::scan {
 
-/// A dark head shows black: its lamp burns, and some of its light leaks, as in a museum. Afterwards all lamps are off:
-/// a museum that is simulated for a calibration has no show. Borrows the museum for its whole life.
+/// A dark head shows black with its lamp on, so that its black level remains, as in a museum. All lamps are off
+/// afterwards, since a museum that is simulated for a calibration has no show. Borrows the museum for its whole life.
 class SimulatedPatternScreen final : public PatternScreen {
  public:
   explicit SimulatedPatternScreen(simulated::SimulatedMuseum* museum);
@@ -27,8 +27,8 @@ class SimulatedPatternScreen final : public PatternScreen {
 
 enum class PhotographColour { kGrey, kColour };
 
-/// With its colour filters or, three times as fast, without. Another exposure takes it as long as it takes a camera
-/// that must be opened anew for it. Borrows the museum for its whole life.
+/// Photographs with colour filters or, three times as fast, without. A change of exposure takes as long as it takes a
+/// camera that must be reopened for it. Borrows the museum for its whole life.
 class SimulatedScanCamera final : public ScanCamera {
  public:
   SimulatedScanCamera(simulated::SimulatedMuseum* museum, PhotographColour colour) : museum_(museum), colour_(colour) {}
@@ -42,7 +42,7 @@ class SimulatedScanCamera final : public ScanCamera {
 
  private:
   std::string id_ = "simulated";
-  double exposure_s_ = 0.0;  ///< Of the last photograph.
+  double exposure_s_ = 0.0;  ///< Exposure of the last photograph.
   simulated::SimulatedMuseum* museum_;
   PhotographColour colour_;
 };

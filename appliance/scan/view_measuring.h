@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One projector from one direction: light found, exposure chosen, patterns shown and photographed, places decoded.
+/// Measures one projector from one direction: finds its light, chooses the exposure, shows and photographs the
+/// patterns, and decodes correspondences.
 #pragma once
 
 #include <functional>
@@ -17,48 +18,49 @@
 
 namespace cyclorama::scan {
 
-/// How every view is measured. The defaults, all bits of the Gray code and nothing else, are chosen on the curve of
-/// `./bench.sh calibration-trade` and on a room at full size (docs/trade.md).
+/// How every view is measured. The defaults (all bits of the Gray code and nothing else) were chosen on the curve of
+/// `./bench.sh calibration-trade` and in a room at full size (docs/trade.md).
 struct ViewSettings {
-  int finest_bit = 0;  ///< As PatternChoice's, all five.
+  int finest_bit = 0;  ///< This and the next four: as in PatternChoice.
   int base_bit = -1;
   double phase_period_px = 0.0;
   int phase_steps = 0;
-  int photographs = 1;  ///< Of each picture, averaged.
+  int photographs = 1;  ///< Photographs of each picture, which are averaged.
   structured_light::DecodeSettings decode{};
   structured_light::ExposureLimits exposure{};
 
-  /// Views that were measured otherwise are not put together: ScanIdentity::patterns.
+  /// Identifies these settings in ScanIdentity::patterns: views that were measured differently are not combined.
   [[nodiscard]] std::string text() const;
 };
 
-/// For people who wait.
+/// Receives each photograph, for progress displays.
 using PhotographListener =
     std::function<void(const std::string& picture, double fraction, const ScanPhotograph& photograph)>;
 
 struct ViewOrder {
   std::size_t projector = 0;
-  std::string name;  ///< Of it.
+  std::string name;  ///< Name of the projector.
   int width_px = 0;
   int height_px = 0;
-  /// Where the search for the exposure begins: what was right before. Nothing: anywhere.
+  /// Start of the search for the exposure, such as the previous view's exposure. Nothing: no hint.
   std::optional<double> exposure_s{};
 };
 
-/// Codes as Photo: mean of the channels.
+/// Returns codes as Photo: the mean of the channels.
 [[nodiscard]] structured_light::Photo photo_of(const ScanPhotograph& photograph);
 
-/// One of the size that the camera told. kUnavailable  `stop` was requested, with "cancelled".     kBadData  it has
-/// another size than before. Others as ScanCamera::photograph().
+/// Takes one photograph and checks its size. Errors: kUnavailable ("cancelled") if `stop` was requested; kBadData if
+/// the size has changed; otherwise those of ScanCamera::photograph().
 Result<ScanPhotograph> take_photograph(ScanCamera& camera, double exposure_s, const std::stop_token& stop);
 
-/// All other projectors must be dark; this one is, afterwards. A view in which the projector lights nothing has no
-/// places and exposure 0, and is no error: projectors do not reach everywhere.
-/// kUnavailable  `stop` was requested, with "cancelled"; else the devices' errors, and of next_exposure(). Blocks.
+/// All other projectors must be dark; this one is dark afterwards. A view in which the projector lights nothing has no
+/// correspondences and exposure 0 and is not an error, because no direction sees all projectors.
+/// Errors: kUnavailable ("cancelled") if `stop` was requested; otherwise those of the devices and of next_exposure().
+/// Blocks.
 Result<ScanView> measure_view(const ViewOrder& order, const ViewSettings& settings, PatternScreen& screen,
                               ScanCamera& camera, const PhotographListener& listener, std::stop_token stop);
 
-/// What a cancelled scan ends with.
+/// Returns the error of a cancelled scan.
 [[nodiscard]] Error cancelled();
 
 }  // namespace cyclorama::scan

@@ -11,32 +11,32 @@
 
 namespace cyclorama::scan {
 
-/// One value of a plot's scale: everything up to `most`.
+/// One step of a plot's colour scale: all values up to `max`.
 struct PlotStep {
   double max;
   const char* colour;
   const char* text;
 };
-/// Errors and sigmas in projector pixels, from good to bad; the last step has no end.
+/// Scale for errors and sigmas in projector pixels, from good to bad; the last step is unbounded.
 [[nodiscard]] std::span<const PlotStep> pixel_scale_steps();
-/// What projector number `i` is drawn in.
+/// Returns the colour of projector number `i`.
 [[nodiscard]] const char* projector_colour(std::size_t i);
 
-/// A plot of the wall as the sweet spot sees it, azimuth across and elevation up, in degrees, as inline SVG. Its reach
-/// is what the maps reach. A value; reentrant.
+/// A plot of the wall as seen from the sweet spot, as inline SVG: azimuth across and elevation up, in degrees. It
+/// extends over the directions of the maps. A value; reentrant.
 class WallPlot {
  public:
   explicit WallPlot(std::span<const calibration::MeasuredMap* const> maps);
 
   /// The part of the wall that a map covers.
   void add_area(const calibration::MeasuredMap& map, const char* colour, std::string_view name);
-  /// How sure a map is, cell by cell.
+  /// Colours each cell of a map by its sigma.
   void add_sigmas(const calibration::MeasuredMap& map);
   struct Spot {
     Eigen::Vector3d direction;
     double value_px = 0.0;
   };
-  /// Dots of the scale's colours.
+  /// Draws dots in the scale's colours.
   void add_spots(std::span<const Spot> spots);
   [[nodiscard]] std::string svg(std::string_view title) const;
 
@@ -52,7 +52,7 @@ class WallPlot {
   std::string drawn_;
 };
 
-/// For text between tags and in attributes.
+/// Escapes text for use between tags and in attributes.
 [[nodiscard]] std::string html_text(std::string_view text);
 
 }  // namespace cyclorama::scan

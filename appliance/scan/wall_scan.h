@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The scan of the whole wall: turns the plate, lights one projector after the other, and keeps what was seen.
+/// The scan of the whole wall: turns the turntable, lights one projector after another, and stores the views.
 ///
 ///     for each direction:  turn ─▶ for each projector that is seen from here:  measure_view() ─▶ ScanFolder
-///                                        ▲ once more, when somebody walked through │
-///                                        └──────────────────────────────────────────┘
+///                                        ▲ once more, if somebody walked through  │
+///                                        └────────────────────────────────────────┘
 #pragma once
 
 #include <filesystem>
@@ -20,55 +20,56 @@
 
 namespace cyclorama::scan {
 
-/// What a scan holds while it works. Borrows them all.
+/// Devices that a scan uses. Borrows them all.
 struct ScanDevices {
   PatternScreen& screen;
   ScanCamera& camera;
   turnplate::Turnplate& plate;
-  /// The same camera with its colour filters, where `camera` is without: brightness and colour are measured with it.
+  /// The same camera with its colour filters if `camera` is used without; it measures brightness and colour. May be
+  /// null.
   ScanCamera* colour_camera = nullptr;
 };
 
 struct ScanSettings {
   calibration::MeasuredLens camera;  ///< With the covariance of its own calibration, or of a data sheet.
-  double pitch_rad = 0.0;            ///< How far it looks up, about.
-  double plate_sigma_rad = 1e-3;     ///< How far the plate's angles may be wrong.
+  double pitch_rad = 0.0;            ///< Approximate upward tilt of the camera.
+  double plate_sigma_rad = 1e-3;     ///< Standard deviation of the turntable's angles.
   ViewSettings view{};
-  int directions = 0;           ///< As ScanPlanOptions'.
-  double max_disturbed = 0.02;  ///< Of the lit pixels; with more the view is measured once more.
+  int directions = 0;           ///< As in ScanPlanOptions.
+  double max_disturbed = 0.02;  ///< Fraction of the lit pixels; above it the view is measured once more.
   bool resume = false;
-  bool with_seams = true;  ///< Photograph them for the report: some seconds.
-  bool with_wall = true;   ///< Find out its shape too, for eyes off the sweet spot: most of the time of solving.
+  bool with_seams = true;  ///< Photographs the seams for the report, which takes some seconds.
+  bool with_wall = true;   ///< Also fits the wall, for eyes off the sweet spot; this is most of the solving time.
 };
 
-/// Turns there; a plate that stalled has forgotten where it stands, and is homed and asked once more. Errors as
-/// Turnplate's.
+/// Turns the turntable to an angle. A turntable that stalled has lost its position; it is homed and commanded once
+/// more. Errors: those of Turnplate.
 Status turn_plate(turnplate::Turnplate& plate, double angle_rad);
 
-/// A lens of which one knows the field of view, as its data sheet has it, and no more: the directions of the plate
-/// teach the rest.
+/// Returns a lens of which only the field of view is known, as from a data sheet; the bundle adjustment over the
+/// directions refines it.
 [[nodiscard]] calibration::MeasuredLens data_sheet_lens(int width_px, int height_px, double field_of_view_rad);
 
 struct ScanProgress {
   std::string step;       ///< One sentence for people.
-  double fraction = 0.0;  ///< Of the scan, 0 to 1; never falls.
-  /// Null between photographs. Lives for the call.
+  double fraction = 0.0;  ///< Fraction of the scan, 0 to 1; never decreases.
+  /// Null between photographs; valid during the call only.
   const ScanPhotograph* newest = nullptr;
 };
 using ScanListener = std::function<void(const ScanProgress&)>;
 
 struct WallScan {
   solve::Measurements measurements;
-  std::vector<ScanView> views;       ///< What the measurements were made of.
+  std::vector<ScanView> views;       ///< The views that the measurements consist of.
   std::vector<std::string> remarks;  ///< For the installer.
-  int pictures = 0;                  ///< Photographs, of this scan and of those that it went on with.
-  int retries = 0;                   ///< Views that were measured again, because somebody was in the way.
+  int pictures = 0;                  ///< Photographs of this scan and of the scan that it resumed.
+  int retries = 0;                   ///< Views that were measured again because somebody was in the way.
 };
 
-/// Whatever happens, no pattern is left on the wall. A plate that stalls is homed and asked once more. What was
-/// measured is in `folder` when it returns, with an error too: with ScanSettings::resume another call goes on there.
-/// kUnavailable  cancelled, or a device is gone: plug it in, and resume; or a projector lights nothing anywhere.
-/// Others as plan_scan(), ScanFolder, measure_view() and Turnplate. Blocks, for minutes.
+/// All projectors are dark afterwards, after an error too. A turntable that stalls is homed and commanded once more. On
+/// return, with an error too, `folder` holds what was measured, so that a call with ScanSettings::resume can continue.
+/// Errors: kUnavailable if cancelled, if a device is gone (plug it in, and resume), or if a projector lights nothing
+/// anywhere; otherwise those of plan_scan(), ScanFolder, measure_view() and Turnplate. Blocks for minutes.
 Result<WallScan> scan_wall(const Installation& installation, const ScanSettings& settings, const ScanDevices& devices,
                            const std::filesystem::path& folder, const ScanListener& listener, std::stop_token stop);
 

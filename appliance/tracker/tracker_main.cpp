@@ -50,7 +50,7 @@ void add_options(CLI::App* app, Options* ret) {
   app->add_option("--steer-by", ret->steer_by,
                   "wand (default), or body: visitors carry nothing, and stand at a mark; leaning turns, stepping walks")
       ->check(CLI::IsMember({"wand", "body"}));
-  app->add_option("--stand-m", ret->mark_distance_m, "Of --steer-by body: from the camera to the mark; 2 m")
+  app->add_option("--mark-distance-m", ret->mark_distance_m, "Of --steer-by body: from the camera to the mark; 2 m")
       ->check(CLI::Range(0.5, 10.0));
   app->add_option("--tag-size-mm", ret->tag_size_mm, "Follow flat tags instead of wands: edge of the black square")
       ->check(CLI::Range(1.0, 10000.0));

@@ -64,6 +64,8 @@ void read_detector(ConfigTable detector, tags::DetectorSettings* ret) {
   ret->threads = detector.integer("threads", {1, 16}, ret->threads);
   ret->refine_edges = detector.flag("refine_edges", ret->refine_edges);
   ret->refine_corners = detector.flag("refine_corners", ret->refine_corners);
+  detector.refuse_renamed("most_hamming", "max_hamming");
+  detector.refuse_renamed("least_margin_grey", "min_margin_grey");
   ret->max_hamming = detector.integer("max_hamming", {0, 2}, ret->max_hamming);
   ret->min_margin = detector.number("min_margin_grey", {0, 255}, ret->min_margin);
 }
@@ -83,6 +85,8 @@ void read_filter(ConfigTable filter, TrackingSettings* ret) {
 
 void read_body(ConfigTable body, TrackerSettings* ret) {
   BodySettings& settings = ret->body;
+  body.refuse_renamed("stand_m", "mark_distance_m");
+  body.refuse_renamed("reach_m", "follow_radius_m");
   settings.mark_distance_m = body.number("mark_distance_m", {0.5, 10.0}, settings.mark_distance_m);
   settings.follow_radius_m = body.number("follow_radius_m", {0.2, 5.0}, settings.follow_radius_m);
   settings.begin_within_m = body.number("begin_within_m", {0.1, 5.0}, settings.begin_within_m);

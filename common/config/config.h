@@ -52,6 +52,8 @@ class ConfigTable {
 
   /// Records a mistake that only the caller can see, at the key's line (or the table's, when it is absent).
   void refuse(std::string_view key, std::string_view what_and_remedy);
+  /// Records a mistake if the file uses a setting's former name `key`; the message gives `new_key`.
+  void refuse_renamed(std::string_view key, std::string_view new_key);
 
  private:
   friend class Config;

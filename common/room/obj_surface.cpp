@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kMaxDistanceM = 100.0;
 constexpr std::size_t kMaxTriangles = 2'000'000;
-constexpr double kLeastArea_m2 = 1e-12;  // A square micrometre: less has no direction that can be trusted.
+constexpr double kMinArea_m2 = 1e-12;  // A square micrometre: less has no direction that can be trusted.
 
 /// Statements that say nothing about where the surface is.
 constexpr std::string_view kPassedOver[] = {"vn", "g", "o", "s", "usemtl", "mtllib", "usemap", "maplib", "p", "l"};
@@ -114,7 +114,7 @@ class Reader {
   Status add_triangle(const std::array<std::uint32_t, 3>& t) {
     const Eigen::Vector3d& a = surface_.positions[t[0]];
     const double area = 0.5 * (surface_.positions[t[1]] - a).cross(surface_.positions[t[2]] - a).norm();
-    if (!(area > kLeastArea_m2)) return refuse("a face has no area; merge corners that lie in one place");
+    if (!(area > kMinArea_m2)) return refuse("a face has no area; merge corners that lie in one place");
     for (std::size_t i = 0; i < 3; ++i) {
       const auto edge = std::pair(t[i], t[(i + 1) % 3]);
       const auto known = lines_.emplace(edge, statements_.line());

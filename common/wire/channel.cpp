@@ -43,8 +43,8 @@ Error cannot_listen(const std::string& address) {
 
 /// Parts of gRPC's messages about an untrusted peer, and the sentences shown instead.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kDistrust{{
-    {"certificate verify failed", "its certificate is not of this side's authority, or has run out"},
-    {"Hostname Verification Check failed", "its certificate does not name the address that was dialled"},
+    {"certificate verify failed", "its certificate is not from this side's authority, or has expired"},
+    {"Hostname Verification Check failed", "its certificate does not contain the address used to connect"},
 }};
 
 /// If nobody listens, gRPC returns a long message with a percent-encoded address; its last part is sufficient.
@@ -109,7 +109,7 @@ void wait_until_connected(grpc::Channel& channel, Duration time, const std::func
 }
 
 grpc::Status unreadable() {
-  return {grpc::StatusCode::DATA_LOSS, "it sent what cannot be read; install the same version on both sides"};
+  return {grpc::StatusCode::DATA_LOSS, "it sent a message that cannot be read; install the same version on both sides"};
 }
 
 grpc::Status finish_after_read(grpc::ClientContext& context, const std::function<grpc::Status()>& finish) {

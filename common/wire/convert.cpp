@@ -101,7 +101,7 @@ Result<Projection> from_wire(const wire::Panorama& p) {
       break;
     default:
       return Error(ErrorCode::kInvalidArgument,
-                   fmt::format("panorama projection is {}, which this program does not know; update it",
+                   fmt::format("panorama projection is {}, which this program does not support; update it",
                                static_cast<int>(p.projection())));
   }
   const Projection picture{shape, viewing};

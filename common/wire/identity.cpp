@@ -41,7 +41,7 @@ std::string_view to_text(Role role) {
 }
 
 std::string to_text(const Identity& who) {
-  if (who.role == Role::kNobody) return fmt::format("somebody without a certificate at {}", printable(who.address));
+  if (who.role == Role::kNobody) return fmt::format("a peer without a certificate at {}", printable(who.address));
   return fmt::format("the {} '{}' (serial {})", to_text(who.role), who.name, who.serial);
 }
 
@@ -77,7 +77,7 @@ Result<Identity> identity_in(std::string_view certificate_pem) {
   }
   if (!name || name->empty() || printable(*name, 64) != *name || who.role == Role::kNobody) {
     return Error(ErrorCode::kBadData,
-                 "does not say whose it is; it needs a common name, and the unit coordinator, museum or node");
+                 "does not identify its owner; it needs a common name, and the unit coordinator, museum or node");
   }
   who.name = *name;
   who.serial = serial_text(X509_get0_serialNumber(certificate.get()));

@@ -53,10 +53,10 @@ Result<OpensslCertificate> read_certificate(const std::filesystem::path& file) {
   const ASN1_TIME* const first = X509_get0_notBefore(certificate->get());
   const ASN1_TIME* const last = X509_get0_notAfter(certificate->get());
   if (X509_cmp_current_time(last) < 0) {
-    return about(file, fmt::format("ran out on {}; renew it with cyclorama-authority", day_text(last)));
+    return about(file, fmt::format("expired on {}; renew it with cyclorama-authority", day_text(last)));
   }
   if (X509_cmp_current_time(first) > 0) {
-    return about(file, fmt::format("is valid from {} on; look at this machine's clock", day_text(first)));
+    return about(file, fmt::format("is valid from {} on; check this machine's clock", day_text(first)));
   }
   return certificate;
 }
@@ -74,7 +74,7 @@ class Doorman final : public grpc::AuthMetadataProcessor {
   grpc::Status Process(const InputMetadata&, grpc::AuthContext* context, OutputMetadata*, OutputMetadata*) override {
     const Identity who = identity_of(*context);
     if (who.role == Role::kNobody) {
-      return {grpc::StatusCode::PERMISSION_DENIED, "the certificate does not say whether it is a museum's or a node's"};
+      return {grpc::StatusCode::PERMISSION_DENIED, "the certificate states no role, such as museum or node"};
     }
     const std::optional<std::string> refusal = admit_ ? admit_(who) : std::nullopt;
     return refusal ? grpc::Status(grpc::StatusCode::PERMISSION_DENIED, *refusal) : grpc::Status::OK;
@@ -86,7 +86,7 @@ class Doorman final : public grpc::AuthMetadataProcessor {
 
 Status hold_to_tls_1_3() {
   if (speak_tls_1_3_only()) return Done{};
-  return Error(ErrorCode::kSystem, "OpenSSL cannot be held to TLS 1.3; look at /etc/ssl/openssl.cnf");
+  return Error(ErrorCode::kSystem, "OpenSSL cannot be restricted to TLS 1.3; check /etc/ssl/openssl.cnf");
 }
 
 }  // namespace

@@ -211,7 +211,7 @@ class List {
                              : left < kCertificateWarning_days ? CheckLevel::kWarning
                                                                : CheckLevel::kOk;
     add("certificate", "Certificate for the farm", level,
-        left_s < 0.0 ? fmt::format("It ran out on {}.", until)
+        left_s < 0.0 ? fmt::format("It expired on {}.", until)
                      : fmt::format("It is good until {}, {} days.", until, left),
         "Ask those who run the farm for a new bundle, put it on a stick with the other settings, and plug it in.");
   }

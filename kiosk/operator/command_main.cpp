@@ -74,7 +74,7 @@ void add_options(CLI::App& app, Options* options) {
       ->capture_default_str();
   record.add_option("--out", options->out, "The folder to write")->required();
   record.add_option("--expect-frames", options->expect_frames, "Fail with fewer frames")->capture_default_str();
-  record.add_option("--patience", options->timeout_s, "Seconds to wait for the first frame")->capture_default_str();
+  record.add_option("--timeout", options->timeout_s, "Seconds to wait for the first frame")->capture_default_str();
   record.add_option("--started", options->started_s,
                     "Start of the demo in seconds of Unix time: summary.json then has the "
                     "time to the first picture");

@@ -60,7 +60,7 @@ Status set_hours(const MuseumState& museum, const HoursRequest& wanted, WallTime
 std::vector<std::string> farm_of(const MuseumState& museum) {
   auto config = Config::read(museum.site());
   if (!config) return {};
-  return config->root().table("farm").texts("heads", std::vector<std::string>{});
+  return config->root().table("farm").texts("coordinators", std::vector<std::string>{});
 }
 
 Findings findings_of(std::vector<ProcessObservation> processes, const MuseumState& museum) {

@@ -140,8 +140,8 @@ void FarmClient::write_views(Session& session) {
     const bool awaits_answer = !window_.is_opened() || window_.in_flight() > 0;
     const TimePoint until = awaits_answer ? heard_at_ + options_.timeout : SteadyClock().now() + options_.timeout;
     if (awaits_answer && SteadyClock().now() >= until) {
-      session.given_up =
-          Error(ErrorCode::kTimedOut, fmt::format("the farm said nothing for {:.0f} s", to_seconds(options_.timeout)));
+      session.given_up = Error(ErrorCode::kTimedOut,
+                               fmt::format("the farm did not answer for {:.0f} s", to_seconds(options_.timeout)));
       session.context.TryCancel();
       return;
     }

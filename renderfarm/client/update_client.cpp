@@ -17,9 +17,9 @@ constexpr auto kReadDeadline = std::chrono::minutes(2);
 /// Maps a gRPC status; a coordinator without this service is too old for updates.
 Error said_by(const grpc::Status& status) {
   if (status.error_code() == grpc::StatusCode::UNIMPLEMENTED) {
-    return Error(ErrorCode::kNotFound, "this farm hands out no updates");
+    return Error(ErrorCode::kNotFound, "this farm provides no updates");
   }
-  return from_grpc(status, "asking the farm for updates");
+  return from_grpc(status, "requesting updates from the farm");
 }
 
 }  // namespace

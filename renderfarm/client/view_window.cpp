@@ -20,7 +20,7 @@ Status check_shape(const Projection& asked, const Projection& begun) {
   const bool fits = begun.width_px() <= asked.width_px() && begun.height_px() <= asked.height_px() &&
                     begun.viewing == asked.viewing &&
                     with_pixels(begun.shape, width_px(asked.shape), height_px(asked.shape)) == asked.shape;
-  return fits ? Status(Done{}) : broken("sent a frame in another shape");
+  return fits ? Status(Done{}) : broken("sent a frame of another shape");
 }
 
 }  // namespace
@@ -60,9 +60,9 @@ Status ViewWindow::begin(const wire::View& view) {
   const bool is_refined = answered_ && answered_->number() == view.number();
   const wire::View* const asked = is_refined ? &*answered_ : views_.find(view.number());
   if (!asked) {
-    return broken(fmt::format("sent frame {}, which nobody asked for", view.number()));
+    return broken(fmt::format("sent frame {}, which was not requested", view.number()));
   }
-  if (!is_same_place(view, *asked)) return broken("sent a frame from another place");
+  if (!is_same_place(view, *asked)) return broken("sent a frame from another position");
   TRY_ASSIGN(const Projection field, from_wire(asked->panorama()));
   const auto begun = from_wire(view.panorama());
   if (!begun) return broken("sent a frame whose " + begun.error().message());

@@ -58,6 +58,7 @@ Result<CoordinatorOptions> options_of(Config config, const std::string& name) {
     ConfigTable limits = root.table("limits");
     options.limits.nodes =
         static_cast<std::size_t>(limits.integer("nodes", {1, 4096}, static_cast<int>(defaults.nodes)));
+    limits.refuse_renamed("visits", "sessions");
     options.limits.sessions =
         static_cast<std::size_t>(limits.integer("sessions", {1, 1024}, static_cast<int>(defaults.sessions)));
     options.limits.picture_px = static_cast<std::int64_t>(

@@ -52,7 +52,7 @@ class Workshop {
     const std::lock_guard lock(mutex_);
     if (error_) return *error_;
     if (stop_.load(std::memory_order_relaxed))
-      return Error(ErrorCode::kUnavailable, "stopped before the grotto was whole");
+      return Error(ErrorCode::kUnavailable, "stopped before the grotto was complete");
     return Done{};
   }
 

@@ -20,19 +20,21 @@ int main(int argc, char** argv) {
   order.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 8);
   CLI::App& options = program.options();
   std::string kind = "grotto";
-  options.add_option("--kind", kind, "A grotto; for measuring, a matte museum hall, or a relic before nothing")
+  options
+      .add_option("--kind", kind,
+                  "A grotto, or for measurements a matte museum hall or a relic before an empty background")
       ->check(CLI::IsMember({"grotto", "interior", "relic"}))
       ->capture_default_str();
-  options.add_option("--lamps", order.lamps, "Of an interior; all together give the same light")
+  options.add_option("--lamps", order.lamps, "Number of lamps of an interior; their total light is always the same")
       ->check(CLI::Range(1, grotto::kMaxInteriorLamps))
       ->capture_default_str();
-  options.add_option("--triangles", order.triangles, "About this many, never more")
+  options.add_option("--triangles", order.triangles, "Maximum number of triangles, nearly reached")
       ->check(CLI::Range(grotto::kMinTriangles, grotto::kMaxTriangles))
       ->capture_default_str();
-  options.add_option("--seed", order.seed, "Decides rock, damage and who stands where")->capture_default_str();
+  options.add_option("--seed", order.seed, "Seed of rock, damage and the order of the figures")->capture_default_str();
   options.add_option("--out", order.folder, "The scene package: a folder that does not exist yet")->required();
-  options.add_flag("--force", order.replace, "Replace the grotto that --out holds");
-  options.add_option("--threads", order.threads, "Makes no difference to the result")
+  options.add_flag("--force", order.replace, "Replace an existing grotto in --out");
+  options.add_option("--threads", order.threads, "Number of threads; does not affect the result")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   return program.run(argc, argv, [&](const StopSignal& stop) -> Status {

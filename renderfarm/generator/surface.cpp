@@ -106,7 +106,7 @@ class RowWindow {
   std::vector<Surfel> rows_[3];
 };
 
-Status stopped() { return Error(ErrorCode::kUnavailable, "stopped before the grotto was whole"); }
+Status stopped() { return Error(ErrorCode::kUnavailable, "stopped before the grotto was complete"); }
 
 Status write_vertices(const Patch& patch, GeometryFile& file, const RowsDone& rows_done) {
   RowWindow window(patch);
@@ -169,7 +169,7 @@ Status share_triangles(std::vector<Part>& parts, std::uint64_t triangles) {
   const std::uint64_t fewest = set_resolution(parts, 0.0);
   if (fewest > triangles) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("a grotto needs at least {} triangles; {} were asked for", fewest, triangles));
+                 fmt::format("a grotto needs at least {} triangles; {} were requested", fewest, triangles));
   }
   double low = 0.0;
   double high = 1.0;

@@ -27,6 +27,8 @@ TlsFiles read_tls(ConfigTable tls, const std::filesystem::path& folder) {
 Result<FarmNodeOptions> options_of(Config config, const std::filesystem::path& folder) {
   ConfigTable root = config.root();
   FarmNodeOptions options;
+  root.refuse_renamed("heads", "coordinators");
+  root.refuse_renamed("head", "coordinator");
   options.coordinators = root.texts("coordinators", std::vector<std::string>{});
   if (root.has("coordinator")) {
     if (root.has("coordinators")) root.refuse("coordinator", "stands beside 'coordinators'; write all of them there");

@@ -51,7 +51,8 @@ Result<GltfChunks> split_binary(std::span<const std::byte> bytes) {
     const std::uint32_t size = read_u32(bytes, at);
     const std::uint32_t type = read_u32(bytes, at + 4);
     at += kChunkHeaderBytes;
-    if (size > length - at) return damaged(fmt::format("chunk {} is longer than the file says it is", number));
+    if (size > length - at)
+      return damaged(fmt::format("chunk {} extends beyond the length that the header states", number));
     // Writers that omit the padding disagree about where the next chunk starts.
     if (size % 4 != 0) return damaged(fmt::format("chunk {} has {} bytes, not a multiple of 4", number, size));
     const std::span<const std::byte> content = bytes.subspan(at, size);

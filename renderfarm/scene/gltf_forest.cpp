@@ -46,7 +46,7 @@ Status check_no_loops(const GltfForest& forest, const Parents& parents, const Gl
     waiting.insert(waiting.end(), forest.children[node].begin(), forest.children[node].end());
   }
   for (std::size_t i = 0; i < reached.size(); ++i) {
-    if (!reached[i]) return gltf_damaged(nodes.place_of(i), "the node is part of a loop, or hangs on one");
+    if (!reached[i]) return gltf_damaged(nodes.place_of(i), "the node is part of a loop, or below one");
   }
   return Done{};
 }

@@ -25,7 +25,7 @@ Result<std::vector<std::array<float, N>>> read_values(GltfDocument* document, co
   const bool is_signed_unit =
       accessor.normalized && (accessor.component == GltfComponent::kI8 || accessor.component == GltfComponent::kI16);
   if (accessor.width != static_cast<int>(N) || !(is_float || (N == 4 && is_signed_unit))) {
-    return gltf_damaged(accessor.place, fmt::format("its type is none that {} may have", name));
+    return gltf_damaged(accessor.place, fmt::format("its type is not allowed for {}", name));
   }
   if (accessor.count != count->value_or(accessor.count)) {
     return attributes.damaged(name, fmt::format("{} elements for {} instances", accessor.count, **count));

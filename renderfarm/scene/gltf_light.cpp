@@ -70,7 +70,7 @@ Result<std::optional<Light>> read_node_light(const GltfDocument& document, const
     light.kind = LightKind::kSpot;
     TRY(read_cone(*object, &light));
   } else if (kind != "point") {
-    notes->add("a light is none of point, spot and directional: ignored", object->place());
+    notes->add("a light is neither point, spot nor directional: ignored", object->place());
     return std::optional<Light>();
   }
   TRY_ASSIGN(const auto colour, object->numbers<3>("color"));

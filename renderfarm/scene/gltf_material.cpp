@@ -106,7 +106,7 @@ Result<int> GltfMaterials::load_new(std::optional<std::size_t> index, const std:
     TextureUse& use = material.*at;
     if (use.texture < 0) continue;
     if (!has_texcoords[static_cast<std::size_t>(use.texcoord)]) {
-      context_->notes.add("a texture has no texture coordinates to go by: left out", place);
+      context_->notes.add("a texture has no texture coordinates: left out", place);
       use = TextureUse{};
       continue;
     }

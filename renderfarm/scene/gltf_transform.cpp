@@ -28,7 +28,8 @@ Result<Eigen::Affine3d> read_node_transform(const GltfObject& node, GltfNotes* n
   TRY_ASSIGN(const auto rotation, node.numbers<4>("rotation"));
   TRY_ASSIGN(const auto scale, node.numbers<3>("scale"));
   if (matrix) {
-    if (translation || rotation || scale) return node.damaged("matrix", "stands beside translation, rotation or scale");
+    if (translation || rotation || scale)
+      return node.damaged("matrix", "is given in addition to translation, rotation or scale");
     return from_matrix(node, *matrix);
   }
   const std::array<double, 3> t = translation.value_or(std::array{0.0, 0.0, 0.0});

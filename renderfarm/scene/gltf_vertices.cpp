@@ -113,7 +113,7 @@ void convert_colours(const std::vector<std::array<float, N>>& linear, Mesh* mesh
 
 Status check_vertex_format(const GltfAccessor& accessor, GltfVertexKind kind, bool quantized) {
   if (is_allowed(accessor, kind, quantized)) return Done{};
-  return gltf_damaged(accessor.place, "its type is none that this attribute may have");
+  return gltf_damaged(accessor.place, "its type is not allowed for this attribute");
 }
 
 Status read_positions(const GltfAccessor& accessor, const GltfSelection& selection, GltfContext* context, Mesh* mesh) {

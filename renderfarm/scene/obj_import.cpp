@@ -203,7 +203,7 @@ void add_notes(const Odd& odd, Model* model) {
   const auto note = [&](std::size_t count, const char* what) {
     if (count > 0) model->notes.push_back(fmt::format("{} {}", count, what));
   };
-  note(odd.numbers, "numbers have something behind them that is not a number: read up to there");
+  note(odd.numbers, "numbers are followed by other characters: read up to there");
   note(odd.lines_and_points, "statements draw lines or points, which cannot be ray traced: left out");
   note(odd.thin_faces, "faces have fewer than three corners: left out");
   note(odd.not_finite, "triangles have corners that are not finite: left out");

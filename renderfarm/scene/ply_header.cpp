@@ -51,7 +51,7 @@ struct HeaderReader {
     for (const TypeName& known : kTypeNames) {
       if (known.name == name) return known.type;
     }
-    return bad(fmt::format("has the type '{}', which PLY does not know", printable(name)));
+    return bad(fmt::format("has the type '{}', which is not part of PLY", printable(name)));
   }
 
   Status read_format(std::string_view rest) {
@@ -115,7 +115,7 @@ struct HeaderReader {
     if (keyword == "property") return read_property(text);
     if (keyword == "comment") return read_comment(text);
     if (keyword == "obj_info" || keyword.empty()) return Done{};
-    return bad(fmt::format("begins with '{}', which PLY does not know", printable(keyword)));
+    return bad(fmt::format("begins with '{}', which is not part of PLY", printable(keyword)));
   }
 };
 

@@ -120,7 +120,7 @@ Eigen::Vector3d across_of(const Eigen::Vector3d& direction, double rotation_rad)
 /// Precondition: the lamp's size has been read.
 Eigen::Vector3f read_radiance(ConfigTable* table, const Light& light) {
   if (table->has("luminance_nits") && table->has("flux_lm")) {
-    table->refuse("flux_lm", "says again what luminance_nits says; keep one of them");
+    table->refuse("flux_lm", "repeats luminance_nits; keep one of them");
   }
   if (!table->has("flux_lm")) return colour_of(table->numbers("luminance_nits", 3, kLight));
   const double lumen_per_nit = std::numbers::pi * area_of(light);
@@ -207,7 +207,7 @@ std::size_t read_holes(ConfigTable* visitor, ScenePackage* package) {
     if (!(area_of(polygon) > 0.0)) {
       hole.refuse("corners_m", "must be the [x, z] corners of what is in the way: three or more, not all on a line");
     } else if (package->walkable.empty()) {
-      hole.refuse("corners_m", "is a hole in nothing; give walkable_m as well");
+      hole.refuse("corners_m", "is a hole without an area; give walkable_m as well");
     }
   }
   return corners;

@@ -196,7 +196,7 @@ Status SceneCache::fetch(const SceneFile& wanted, FileSource& source, Count& cou
     // A crash may have damaged the earlier part: try once more from the beginning.
     if (have == 0) {
       return Error(ErrorCode::kBadData,
-                   fmt::format("the coordinator sent other bytes for '{}' than its list says; if the "
+                   fmt::format("the coordinator sent bytes for '{}' that do not match its list; if the "
                                "file was changed there, restart the coordinator",
                                wanted.path));
     }
@@ -216,7 +216,7 @@ Status SceneCache::append(const SceneFile& wanted, int fd, std::uint64_t have, F
     const auto want = static_cast<std::size_t>(std::min<std::uint64_t>(piece.size(), have - done));
     const ssize_t n = ::pread(fd, piece.data(), want, static_cast<off_t>(done));
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return Error::from_errno(fmt::format("reading what came of '{}'", wanted.path));
+    if (n <= 0) return Error::from_errno(fmt::format("reading the received part of '{}'", wanted.path));
     sum.add(std::span(piece).first(static_cast<std::size_t>(n)));
     done += static_cast<std::uint64_t>(n);
     if (!count.add("checking", static_cast<std::uint64_t>(n))) return given_up();
@@ -225,8 +225,8 @@ Status SceneCache::append(const SceneFile& wanted, int fd, std::uint64_t have, F
   std::optional<Error> mine;  // Failure here, as opposed to one of the source.
   const auto sink = [&](std::span<const std::byte> bytes) -> Status {
     if (bytes.size() > wanted.bytes - have) {
-      mine =
-          Error(ErrorCode::kBadData, fmt::format("the coordinator sent more of '{}' than its list says", wanted.path));
+      mine = Error(ErrorCode::kBadData,
+                   fmt::format("the coordinator sent more of '{}' than its list states", wanted.path));
     } else if (const Status written = write_at(fd, have, bytes); !written) {
       mine = write_error(wanted, written.error());
     } else {
@@ -244,7 +244,8 @@ Status SceneCache::append(const SceneFile& wanted, int fd, std::uint64_t have, F
     if (!read) return Error(read.error()).while_doing(fmt::format("fetching '{}'", wanted.path));
   }
   if (have < wanted.bytes) {
-    return Error(ErrorCode::kBadData, fmt::format("the coordinator sent less of '{}' than its list says", wanted.path));
+    return Error(ErrorCode::kBadData,
+                 fmt::format("the coordinator sent less of '{}' than its list states", wanted.path));
   }
   *ret_sha256 = sum.hexadecimal();
   return Done{};

@@ -116,7 +116,7 @@ Result<SceneFiles> from_wire(const wire::SceneFiles& message, std::string_view d
   for (const wire::SceneFile& file : message.files()) files.push_back({file.path(), file.bytes(), file.sha256()});
   std::ranges::sort(files, {}, &SceneFile::path);
   TRY(validate(files));
-  if (digest_of(files) != digest) return bad("the list of files is not the one that was asked for");
+  if (digest_of(files) != digest) return bad("the list of files is not the requested one");
   return files;
 }
 

@@ -19,15 +19,16 @@ void add_camera_options(CLI::App* command, CameraOptions* options) {
       ->check(CLI::IsMember({"panorama", "perspective", "fisheye", "equirectangular"}))
       ->capture_default_str();
   command->add_option("--field-deg,--azimuth-deg", options->field_deg,
-                      "Width of the view; 360, of a fisheye 180, of a perspective 90 if left out");
-  command->add_option("--tilt-deg", options->tilt_deg, "Upwards; of a fisheye or a perspective")->capture_default_str();
-  command
-      ->add_option("--stereo", options->stereo, "Which eye; over-under is the left one's picture above the right one's")
+                      "Width of the field of view; default: 360, fisheye 180, perspective 90");
+  command->add_option("--tilt-deg", options->tilt_deg, "Tilt upwards; only for fisheye and perspective")
+      ->capture_default_str();
+  command->add_option("--stereo", options->stereo, "Eyes; over-under puts the left eye's picture above the right eye's")
       ->check(CLI::IsMember({"mono", "left", "right", "over-under"}))
       ->capture_default_str();
-  command->add_option("--eye-distance-m", options->eye_distance_m, "Between the pupils")->capture_default_str();
+  command->add_option("--eye-distance-m", options->eye_distance_m, "Distance between the pupils")
+      ->capture_default_str();
   command->add_option("--screen-distance-m,--screen-radius-m", options->screen_distance_m,
-                      "From the eyes to the screen, where both see the same");
+                      "Distance from the eyes to the screen, where they converge");
 }
 
 Result<Projection> projection_of(const CameraOptions& options, int width_px, int height_px) {
@@ -37,7 +38,7 @@ Result<Projection> projection_of(const CameraOptions& options, int width_px, int
   const double field = options.field_deg.value_or(perspective ? 90.0 : fisheye ? 180.0 : 360.0) * kDegree;
   const double tilt = options.tilt_deg * kDegree;
   const double half_height = 0.5 * field * height_px / width_px;
-  if (tilt != 0.0 && !perspective && !fisheye) return refuse("--tilt-deg is of a fisheye or a perspective camera");
+  if (tilt != 0.0 && !perspective && !fisheye) return refuse("--tilt-deg needs a fisheye or perspective camera");
   if (perspective) {
     // Beyond half a turn the tangent would describe a different picture.
     if (!(field > 0.0 && field < std::numbers::pi)) {
@@ -55,7 +56,7 @@ Result<Projection> projection_of(const CameraOptions& options, int width_px, int
   if (options.stereo != "mono") {
     if (!options.screen_distance_m) {
       return refuse(
-          "--stereo needs --screen-distance-m: where the eyes see the same; 'inf' for eyes that look in parallel");
+          "--stereo needs --screen-distance-m, the distance at which the eyes converge; 'inf' for parallel eyes");
     }
     Viewing& viewing = projection.viewing;
     viewing.eyes = options.stereo == "left" ? Eyes::kLeft : options.stereo == "right" ? Eyes::kRight : Eyes::kOverUnder;

@@ -86,7 +86,7 @@ RenderCommand add_compare_command(CLI::App* program) {
   CLI::App* const parser = program->add_subcommand("compare", "Print the errors of a picture against a reference");
   const auto options = std::make_shared<CompareOptions>();
   parser->add_option("picture", options->picture, "PFM (exposed light), PNG or JPEG")->required();
-  parser->add_option("reference", options->reference, "The same size")->required();
+  parser->add_option("reference", options->reference, "A picture of the same size")->required();
   parser->add_option("--json", options->json, "Also write the figures as JSON");
   return {parser, [options](const StopSignal&) { return compare(*options); }};
 }

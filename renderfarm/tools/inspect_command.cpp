@@ -128,7 +128,7 @@ Status inspect(const SceneOptions& options) {
 }  // namespace
 
 RenderCommand add_inspect_command(CLI::App* program) {
-  CLI::App* const parser = program->add_subcommand("inspect", "Print what a scene holds and which kernel it gets");
+  CLI::App* const parser = program->add_subcommand("inspect", "Print the content of a scene and its kernel");
   const auto options = std::make_shared<SceneOptions>();
   add_scene_options(parser, options.get());
   return {parser, [options](const StopSignal&) { return inspect(*options); }};

@@ -58,7 +58,7 @@ Status measure_load(const LoadOptions& options, const StopSignal& stop) {
 }  // namespace
 
 RenderCommand add_load_command(CLI::App* program) {
-  CLI::App* const parser = program->add_subcommand("load", "Measure loading: seconds and bytes");
+  CLI::App* const parser = program->add_subcommand("load", "Measure the time and memory of loading");
   const auto options = std::make_shared<LoadOptions>();
   add_scene_options(parser, &options->scene);
   parser->add_option("--json", options->json, "Also write the figures as JSON");

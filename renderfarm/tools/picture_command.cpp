@@ -94,16 +94,19 @@ RenderCommand add_picture_command(CLI::App* program) {
   add_view_options(parser, &options->view);
   options->quality.samples = 16;
   parser->add_option("--samples", options->quality.samples, "Samples per pixel")->capture_default_str();
-  parser->add_option("--bounces", options->bounces,
-                     "Times that light goes from surface to surface; as many as the scene says if left out");
-  parser->add_option("--light-samples", options->quality.light_samples, "Shadow rays at what the eye sees")
+  parser->add_option("--bounces", options->bounces, "Bounces of light between surfaces; default: the scene's");
+  parser->add_option("--light-samples", options->quality.light_samples, "Shadow rays at directly visible surfaces")
       ->capture_default_str();
-  parser->add_option("--firefly-limit", options->quality.firefly_limit, "Of a sample's indirect light; 0 is none")
+  parser
+      ->add_option("--firefly-limit", options->quality.firefly_limit,
+                   "Upper bound of a sample's indirect light; 0 disables it")
       ->capture_default_str();
-  parser->add_option("--adaptive-error", options->quality.adaptive_error, "Stop a pixel at this error; 0 is never")
+  parser
+      ->add_option("--adaptive-error", options->quality.adaptive_error,
+                   "Stop sampling a pixel at this error; 0 disables it")
       ->capture_default_str();
-  parser->add_flag("--denoise", options->denoise, "Take the noise out, with a bias; of a panorama for one eye");
-  parser->add_option("--json", options->json, "Also write what it cost, as JSON");
+  parser->add_flag("--denoise", options->denoise, "Denoise, with a bias; only for a panorama for one eye");
+  parser->add_option("--json", options->json, "Also write the cost, as JSON");
   return {parser, [options](const StopSignal& stop) { return picture(*options, stop); }};
 }
 

@@ -12,7 +12,7 @@ namespace cyclorama::tools {
 
 void add_scene_options(CLI::App* command, SceneOptions* options) {
   command->add_option("scene", options->scene, "A scene package, or one .glb, .gltf, .ply or .obj file")->required();
-  command->add_option("--threads", options->threads, "Threads; 0 is all")->check(CLI::Range(0, 1024));
+  command->add_option("--threads", options->threads, "Threads; 0 means all")->check(CLI::Range(0, 1024));
 }
 
 Result<LoadedScene> load_with_progress(const SceneOptions& options) {
@@ -32,7 +32,7 @@ Result<std::unique_ptr<render::Renderer>> build_with_progress(scene::Scene scene
                                  [&](double fraction) { progress.update(fraction); });
 }
 
-Error stopped() { return Error(ErrorCode::kUnavailable, "stopped before it was done"); }
+Error stopped() { return Error(ErrorCode::kUnavailable, "stopped before it was finished"); }
 
 Status write_json(const std::string& path, const nlohmann::json& values) {
   return write_file_atomically(path, std::string_view(values.dump(2) + "\n"));

@@ -12,7 +12,7 @@
 int main(int argc, char** argv) {
   using namespace cyclorama;
   using namespace cyclorama::tools;  // NOLINT(google-build-using-namespace)
-  Program program("cyclorama-render", "Pictures and facts of a scene, without a farm.");
+  Program program("cyclorama-render", "Renders pictures of a scene and prints its properties, without a farm.");
   CLI::App* const options = &program.options();
   options->require_subcommand(1);
   const std::array commands{add_picture_command(options), add_inspect_command(options), add_load_command(options),

@@ -29,13 +29,13 @@ Result<std::pair<int, int>> parse_size(const std::string& size) {
 }  // namespace
 
 void add_view_options(CLI::App* command, ViewOptions* options) {
-  command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels, of each eye")->capture_default_str();
+  command->add_option("--size", options->size, "WIDTHxHEIGHT in pixels for each eye")->capture_default_str();
   add_camera_options(command, &options->camera);
-  command->add_option("--eye", options->eye, "x,y,z in metres; the scene's start if left out")
+  command->add_option("--eye", options->eye, "x,y,z in metres; default: the scene's start")
       ->delimiter(',')
       ->expected(3);
-  command->add_option("--heading-deg", options->heading_deg, "Positive to the right; the scene's start if left out");
-  command->add_option("--seed", options->seed, "Changes the noise")->capture_default_str();
+  command->add_option("--heading-deg", options->heading_deg, "Positive to the right; default: the scene's start");
+  command->add_option("--seed", options->seed, "Seed of the noise")->capture_default_str();
 }
 
 Result<render::PanoramaView> view_of(const ViewOptions& options, const scene::SceneInfo& info) {

@@ -159,7 +159,7 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
   fmt::print("{}\n", summary.dump(2));
   if (!arguments.json.empty()) TRY(write_file_atomically(arguments.json, summary.dump(2) + "\n"));
   if (!arguments.picture.empty() && visitor.picture().width() > 0) TRY(write_png(arguments.picture, visitor.picture()));
-  if (!done) return Error(ErrorCode::kTimedOut, "not all frames came; the lines above say why");
+  if (!done) return Error(ErrorCode::kTimedOut, "not all frames arrived; the lines above give the reasons");
   return Done{};
 }
 
@@ -169,28 +169,33 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
 int main(int argc, char** argv) {
   using namespace cyclorama;
   using namespace cyclorama::tools;
-  Program program("cyclorama-visit",
-                  "Visits a render farm without a museum: asks for views that turn, and prints how fast they come.");
+  Program program(
+      "cyclorama-visit",
+      "Opens a session with a render farm without a museum: requests turning views and prints how fast they arrive.");
   Arguments arguments;
   CLI::App& app = program.options();
   constexpr int kMaxSidePx = 16384;
   app.add_option("--farm", arguments.farm.coordinators,
                  "The farm's coordinator, such as [::1]:7401; several are tried in turn")
       ->required();
-  app.add_option("--scene", arguments.farm.scene, "Which scene (default: the farm's first)");
-  app.add_option("--frames", arguments.frames, "How many")->check(CLI::Range(1, 1000000))->capture_default_str();
-  app.add_option("--width", arguments.width, "Of the picture, in pixels")
+  app.add_option("--scene", arguments.farm.scene, "The scene (default: the farm's first)");
+  app.add_option("--frames", arguments.frames, "Number of frames")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  app.add_option("--width", arguments.width, "Width of the picture in pixels")
       ->check(CLI::Range(1, kMaxSidePx))
       ->capture_default_str();
-  app.add_option("--height", arguments.height, "Of the picture, in pixels")
+  app.add_option("--height", arguments.height, "Height of the picture in pixels")
       ->check(CLI::Range(1, kMaxSidePx))
       ->capture_default_str();
-  app.add_option("--samples", arguments.samples, "Per pixel")->check(CLI::Range(1, 4096))->capture_default_str();
-  app.add_option("--quality", arguments.quality, "Of the JPEG")->check(CLI::Range(1, 100))->capture_default_str();
-  app.add_option("--turn-deg", arguments.turn_deg, "To the right, per frame")->capture_default_str();
-  app.add_option("--limit-s", arguments.limit_s, "Give up after so long")->capture_default_str();
+  app.add_option("--samples", arguments.samples, "Samples per pixel")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  app.add_option("--quality", arguments.quality, "JPEG quality")->check(CLI::Range(1, 100))->capture_default_str();
+  app.add_option("--turn-deg", arguments.turn_deg, "Rotation to the right per frame")->capture_default_str();
+  app.add_option("--limit-s", arguments.limit_s, "Time limit")->capture_default_str();
   app.add_option("--picture", arguments.picture, "Write the last frame here, as PNG");
-  app.add_option("--json", arguments.json, "Write the figures here");
+  app.add_option("--json", arguments.json, "Write the figures here, as JSON");
   arguments.farm.museum = "cyclorama-visit";
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
 }

@@ -30,13 +30,13 @@ struct Options {
 void add_options(CLI::App& app, Options* options) {
   app.add_option("scene", options->scene, "A scene package (a folder with scene.toml), or one geometry file")
       ->required();
-  app.add_flag("--save", options->save, "Write the area into the package's scene.toml, in place of the one it has");
-  app.add_option("--picture", options->picture, "Draw what was found, from above, as PNG")->type_name("FILE");
-  app.add_option("--json", options->json, "Write the figures")->type_name("FILE");
+  app.add_flag("--save", options->save, "Write the area into the package's scene.toml, replacing the existing one");
+  app.add_option("--picture", options->picture, "Draw the result from above, as PNG")->type_name("FILE");
+  app.add_option("--json", options->json, "Write the figures as JSON")->type_name("FILE");
   app.add_option("--cell-m", options->ground.cell_m, "Size of the cells, for an eye at 1.6 m")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
-  app.add_option("--reach-m", options->ground.reach_m, "How far from the start to look; the same")
+  app.add_option("--reach-m", options->ground.reach_m, "Maximum distance from the start, for an eye at 1.6 m")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
 }
@@ -92,7 +92,7 @@ Status run(const Options& options) {
   for (const scene::SceneTourStop& stop : scene.info.stops) {
     if (holds(ground, stop.eye)) continue;
     ++stops_outside;
-    fmt::print("the stop '{}' is not in it: the tour goes to the place in it that is nearest\n", stop.title);
+    fmt::print("the stop '{}' is outside the area: the tour goes to the nearest point inside\n", stop.title);
   }
   if (!options.picture.empty()) TRY(write_png(options.picture, walkable::walkable_picture(ground, scene.info)));
   if (!options.json.empty()) TRY(write_json(options, ground, seconds, stops_outside));

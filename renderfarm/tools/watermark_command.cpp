@@ -65,10 +65,10 @@ std::vector<WatermarkVerdict> find_museum(const RgbImage& picture, const trust::
 }
 
 RenderCommand add_watermark_command(CLI::App* program) {
-  CLI::App* const parser = program->add_subcommand("watermark", "Tell for which museum a picture was made");
+  CLI::App* const parser = program->add_subcommand("watermark", "Find the museum for which a picture was made");
   const auto options = std::make_shared<WatermarkOptions>();
   parser->add_option("picture", options->picture, "PNG or JPEG; a part of a picture will do")->required();
-  parser->add_option("--museums", options->museums, "The farm's museums.toml, with their keys")->required();
+  parser->add_option("--museums", options->museums, "The farm's museums.toml, which contains the keys")->required();
   parser->add_option("--json", options->json, "Also write the figures as JSON");
   return {parser, [options](const StopSignal&) { return detect(*options); }};
 }

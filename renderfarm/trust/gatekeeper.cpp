@@ -27,7 +27,7 @@ Grant nothing_for(const std::string& museum) { return {.museum = museum, .scenes
 Result<std::unique_ptr<Gatekeeper>> Gatekeeper::open(TrustOptions options, const Clock& clock, Notice notice) {
   if (!options.tls && !(options.revoked.empty() && options.museums.empty())) {
     return Error(ErrorCode::kInvalidArgument,
-                 "'museums_file' and 'revoked' need [tls]: without certificates nobody knows who dials");
+                 "'museums_file' and 'revoked' need [tls]: without certificates no peer can be identified");
   }
   std::unique_ptr<Gatekeeper> made(new Gatekeeper(std::move(options), clock, std::move(notice)));
   TRY(made->read_files());
@@ -127,12 +127,12 @@ Result<Grant> Gatekeeper::session_connected(std::uint64_t id, const Identity& wh
   };
   if (grant.scenes.empty()) {
     return refuse(ErrorCode::kNotFound,
-                  fmt::format("the farm has nothing for '{}'; its operator names it in museums.toml", who.name));
+                  fmt::format("the farm has no grant for '{}'; its operator must add it to museums.toml", who.name));
   }
   if (who.role != Role::kNobody) {
     const auto open = std::ranges::count_if(sessions_, [&](const auto& v) { return v.second.who.name == who.name; });
     if (open >= grant.sessions) {
-      return refuse(ErrorCode::kBusy, fmt::format("'{}' may have {} sessions at once and has them", who.name, open));
+      return refuse(ErrorCode::kBusy, fmt::format("'{}' already has its maximum of {} sessions", who.name, open));
     }
   }
   sessions_.insert_or_assign(id, Session{.who = who, .grant = grant, .views = {options_.max_views_per_second, 1000.0}});
@@ -152,7 +152,7 @@ Status Gatekeeper::view_received(std::uint64_t id) {
   const TimePoint now = clock_.now();
   if (found == sessions_.end() || found->second.views.take(1.0, now) <= now) return Done{};
   return Error(ErrorCode::kInvalidArgument,
-               fmt::format("more than {:.0f} views per second were asked for", options_.max_views_per_second));
+               fmt::format("more than {:.0f} views per second were requested", options_.max_views_per_second));
 }
 
 TimePoint Gatekeeper::reply_written(std::uint64_t id, const wire::SessionReply& reply) {
@@ -203,7 +203,7 @@ void Gatekeeper::node_disconnected(std::uint64_t id, const std::string& reason) 
 std::optional<std::string> Gatekeeper::why_leave(const Session& session) const {
   if (is_revoked(session.who)) return "its certificate was revoked";
   const Grant now = grant_of(session.who);
-  if (now.scenes.empty()) return "the farm has nothing for it any more";
+  if (now.scenes.empty()) return "the farm has no grant for it any more";
   if (!session.scene.empty() && !now.allows(session.scene))
     return fmt::format("scene '{}' is not granted any more", session.scene);
   return std::nullopt;
@@ -218,7 +218,7 @@ Gatekeeper::Leavers Gatekeeper::tick() {
       changed = changed || *read;
       continue;
     }
-    const std::string sentence = read.error().message() + "; what it said before stays in force";
+    const std::string sentence = read.error().message() + "; its previous content stays in force";
     notice_(sentence);
     record({.event = "settings refused", .reason = sentence});
   }
@@ -231,7 +231,7 @@ Gatekeeper::Leavers Gatekeeper::tick() {
     }
     if (const auto failure = std::exchange(audit_failure_, std::nullopt);
         failure && !std::exchange(logged_audit_failure_, true)) {
-      notice_(*failure + "; sessions go on without it");
+      notice_(*failure + "; sessions continue without it");
     }
   }
   if (!changed) return {};

@@ -25,6 +25,7 @@ Grant read_grant(ConfigTable& table) {
   grant.museum = table.text("name");
   grant.scenes = table.texts("scenes");
   grant.weight = table.number("weight", {0.01, 100.0}, 1.0);
+  table.refuse_renamed("visits", "sessions");
   grant.sessions = table.integer("sessions", {1, 1024}, kUsualSessions);
   if (table.has("megabytes_per_s")) grant.bytes_per_second = 1e6 * table.number("megabytes_per_s", {0.1, 1e5});
   if (table.has("watermark")) {

@@ -84,20 +84,22 @@ void add_nodes(const std::vector<WatchedNode>& nodes, Gauges* gauges) {
     return [state](const WatchedNode& node) { return node.state == state ? 1.0 : 0.0; };
   };
   each("cyclorama_node_threads", "Threads that render", [](const auto& n) { return n.threads; });
-  each("cyclorama_node_speed_ratio", "Of one thread: 1 is the first node's that was measured",
+  each("cyclorama_node_speed_ratio", "Speed of one thread, relative to the first measured node",
        [](const auto& n) { return n.speed; });
-  each("cyclorama_node_blocks", "Blocks ordered and not yet ended",
+  each("cyclorama_node_blocks", "Blocks ordered and not yet finished",
        [](const auto& n) { return static_cast<double>(n.blocks); });
-  each("cyclorama_node_blocks_waiting", "Blocks that the node has not begun",
+  each("cyclorama_node_blocks_waiting", "Blocks that the node has not started",
        [](const auto& n) { return static_cast<double>(n.blocks_waiting); });
   each("cyclorama_node_memory_bytes", "Resident set of the node's process",
        [](const auto& n) { return static_cast<double>(n.memory_bytes); });
-  each("cyclorama_node_uptime_seconds", "Since the node's process started", [](const auto& n) { return n.uptime_s; });
-  each("cyclorama_node_load_ratio", "Load over the largest load in a frame, smoothed: all at 1 is a perfect balance",
+  each("cyclorama_node_uptime_seconds", "Time since the node's process started",
+       [](const auto& n) { return n.uptime_s; });
+  each("cyclorama_node_load_ratio",
+       "Load over the largest load in a frame, smoothed; 1 for all nodes is a perfect balance",
        [](const auto& n) { return n.load_share; });
   each("cyclorama_node_scenes", "Scenes loaded", [](const auto& n) { return static_cast<double>(n.scenes.size()); });
-  each("cyclorama_node_ready", "1 when it has a scene and is given blocks", is("ready"));
-  each("cyclorama_node_late", "1 while it keeps frames waiting and gets no blocks", is("late"));
+  each("cyclorama_node_ready", "1 if it has a scene and receives blocks", is("ready"));
+  each("cyclorama_node_late", "1 while it delays frames and receives no blocks", is("late"));
   each("cyclorama_node_draining", "1 while it is about to stop", is("stops"));
 }
 
@@ -106,24 +108,24 @@ void add_nodes(const std::vector<WatchedNode>& nodes, Gauges* gauges) {
 struct FarmMetrics::Series {
   prometheus::Registry registry;
   Family<Counter>& frames = counter(registry, "cyclorama_frames_total", "Whole frames of moving pictures");
-  Family<Counter>& refined =
-      counter(registry, "cyclorama_frames_refined_total", "Pictures at rest, again with more samples");
+  Family<Counter>& refined = counter(registry, "cyclorama_frames_refined_total", "Refined pictures at rest");
   Family<Counter>& late = counter(registry, "cyclorama_frames_late_total", "Frames given up at their deadline");
   Family<Counter>& given_up =
-      counter(registry, "cyclorama_frames_given_up_total", "Frames given up for another reason than the deadline");
+      counter(registry, "cyclorama_frames_given_up_total", "Frames given up for other reasons than the deadline");
   Family<Counter>& bytes = counter(registry, "cyclorama_frame_bytes_total", "JPEG bytes of all frames");
   Family<Counter>& sessions = counter(registry, "cyclorama_sessions_opened_total", "Sessions that were opened");
   Family<Counter>& refusals =
       counter(registry, "cyclorama_sessions_refused_total", "Sessions refused or ended by the farm, and why");
   Counter& rays = counter(registry, "cyclorama_rays_total", "Rays traced for frames").Add({});
-  Counter& reassigned =
-      counter(registry, "cyclorama_frames_given_again_total", "Frames of which others made what a node owed").Add({});
+  Counter& reassigned = counter(registry, "cyclorama_frames_given_again_total",
+                                "Frames for which other nodes rendered what one failed to deliver")
+                            .Add({});
   Counter& moved =
-      counter(registry, "cyclorama_blocks_moved_total", "Blocks that a node that was done took from another").Add({});
+      counter(registry, "cyclorama_blocks_moved_total", "Blocks that an idle node took from another").Add({});
   Counter& sent_away =
       counter(registry, "cyclorama_nodes_sent_away_total", "Nodes whose stream the coordinator ended").Add({});
   Counter& scene_bytes =
-      counter(registry, "cyclorama_scene_bytes_sent_total", "Bytes of scenes' files that nodes were given").Add({});
+      counter(registry, "cyclorama_scene_bytes_sent_total", "Bytes of scene files sent to nodes").Add({});
   Family<Histogram>& stages = prometheus::BuildHistogram()
                                   .Name("cyclorama_frame_seconds")
                                   .Help("One step of a frame's way through the farm")
@@ -164,14 +166,15 @@ struct FarmMetrics::Series {
         gauges->sample({{"museum", museum}}, min ? std::ranges::min(values) : std::ranges::max(values));
       }
     };
-    worst("cyclorama_session_samples_per_pixel", "Of the last frame, in all", true,
+    worst("cyclorama_session_samples_per_pixel", "Samples per pixel of the last frame, in total", true,
           [](const auto& v) { return v.samples_per_pixel; });
-    worst("cyclorama_session_scale_ratio", "Rendered over asked width of the last frame", true,
+    worst("cyclorama_session_scale_ratio", "Rendered width over requested width of the last frame", true,
           [](const auto& v) { return v.scale; });
-    worst("cyclorama_session_budget_seconds", "Time per frame that the session asked for; 0: it sets its own quality",
-          true, [](const auto& v) { return 1e-3 * v.budget_ms; });
-    worst("cyclorama_session_frame_seconds", "Of the last frame, from the view's arrival to its end", false,
-          [](const auto& v) { return 1e-3 * v.frame_ms; });
+    worst("cyclorama_session_budget_seconds",
+          "Time per frame that the session requested; 0: its views state their quality", true,
+          [](const auto& v) { return 1e-3 * v.budget_ms; });
+    worst("cyclorama_session_frame_seconds", "Duration of the last frame, from the view's arrival to the frame's end",
+          false, [](const auto& v) { return 1e-3 * v.frame_ms; });
     worst("cyclorama_session_frame_bytes", "JPEG bytes of the last frame", false,
           [](const auto& v) { return v.bytes_per_frame; });
     worst("cyclorama_session_balance_efficiency_ratio", "Mean load over largest load of the nodes in the last frame",
@@ -236,9 +239,9 @@ std::string FarmMetrics::text() const {
   {
     const std::lock_guard lock(series_->mutex);
     const FarmOverview& farm = series_->overview;
-    gauges.add("cyclorama_build_info", "Which version runs");
+    gauges.add("cyclorama_build_info", "Running version");
     gauges.sample({{"version", CYCLORAMA_VERSION}}, 1.0);
-    gauges.add("cyclorama_healthy", "1 when every session finds nodes that have its scene");
+    gauges.add("cyclorama_healthy", "1 if every session has nodes with its scene");
     gauges.sample({}, farm.healthy ? 1.0 : 0.0);
     gauges.add("cyclorama_nodes", "Nodes connected");
     gauges.sample({}, static_cast<double>(farm.nodes.size()));

@@ -24,7 +24,7 @@ Result<wire::ProcessStatus> request_status(wire::Inspection::Stub& stub, const s
   context.set_deadline(std::chrono::system_clock::now() + kDeadline);
   wire::ProcessStatus status;
   const grpc::Status answer = stub.GetStatus(&context, {}, &status);
-  if (!answer.ok()) return from_grpc(answer, fmt::format("asking the coordinator at {}", address));
+  if (!answer.ok()) return from_grpc(answer, fmt::format("requesting the status of the coordinator at {}", address));
   return status;
 }
 

@@ -101,7 +101,7 @@ void WatchServer::stop() {
 bool WatchServer::turn_away(const httplib::Request& request, httplib::Response& response) const {
   if (request.path == "/health") return false;
   if (access_.admits(request.get_header_value("Authorization"), request.get_header_value("Host"))) return false;
-  Error error(ErrorCode::kInvalidArgument, "this page is for this machine only: ask for it at [::1] or localhost");
+  Error error(ErrorCode::kInvalidArgument, "this page is for this machine only; open it at [::1] or localhost");
   response.status = 403;
   if (access_.has_token()) {
     response.status = 401;

@@ -52,7 +52,7 @@ class MuseumStick {
   MuseumStick& operator=(const MuseumStick&) = delete;
 
   static std::string site(const std::string& museum = "hall-3") {
-    return "[farm]\nheads = [\"[2001:db8::1]:7401\"]\nmuseum = \"" + museum +
+    return "[farm]\ncoordinators = [\"[2001:db8::1]:7401\"]\nmuseum = \"" + museum +
            "\"\nauthority = \"tls/authority.crt\"\ncertificate = \"tls/certificate.crt\"\nkey = \"tls/key.pem\"\n"
            "[display]\nattract_picture = \"evening.png\"\n[hours]\nopen = [\"Tue-Sun 10:00-18:00\"]\n";
   }

@@ -57,7 +57,7 @@ def visit(programs, farm, seconds, wanted=3):
     build's bin."""
     began = time.monotonic()
     command = [pathlib.Path(programs).parent / "tests/test-museum", "--farm", f"127.0.0.1:{FORWARDED}", "--bundle", farm.folder / "museum",
-               "--museum", MUSEUM, "--width", "256", "--height", "128", "--rate-hz", "1", "--patience-s", str(seconds)]
+               "--museum", MUSEUM, "--width", "256", "--height", "128", "--rate-hz", "1", "--timeout-s", str(seconds)]
     museum = subprocess.Popen(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     newest, whole = None, 0
     enough = threading.Timer(seconds, museum.kill)

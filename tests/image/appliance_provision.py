@@ -7,7 +7,7 @@ from appliance_boot import computer
 from disk_image import stick
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-GOOD = '[farm]\nheads = ["[2001:db8::1]:7401"]\nmuseum = "Hall 3"\n'
+GOOD = '[farm]\ncoordinators = ["[2001:db8::1]:7401"]\nmuseum = "Hall 3"\n'
 BAD = '[farm]\nheds = ["[2001:db8::1]:7401"]\n'
 
 def plug(machine, folder, name, site):

@@ -45,7 +45,7 @@ class HostFarm:
 
     def site(self):
         """Returns a site.toml with slow turns and long timeouts: an emulated computer needs seconds for a picture."""
-        return (f'[farm]\nheads = ["[{HOST_FROM_WITHIN}]:{MUSEUMS}"]\nmuseum = "{MUSEUM}"\nauthority = "tls/authority.crt"\n'
+        return (f'[farm]\ncoordinators = ["[{HOST_FROM_WITHIN}]:{MUSEUMS}"]\nmuseum = "{MUSEUM}"\nauthority = "tls/authority.crt"\n'
                 'certificate = "tls/certificate.crt"\nkey = "tls/key.pem"\n[picture]\nsamples = 1\njpeg_quality = 70\n'
                 '[walk]\nturn_deg_per_s = 5\nguide_after_s = 0\n[display]\nattract_after_s = 90\n')
 

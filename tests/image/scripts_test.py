@@ -14,8 +14,8 @@ import subprocess
 import sys
 import tempfile
 
-GOOD = '[farm]\nheads = ["[2001:db8::1]:7401"]\nmuseum = "Hall 3"\n'
-DEFAULT = '[farm]\nheads = ["[::1]:7401"]\n'
+GOOD = '[farm]\ncoordinators = ["[2001:db8::1]:7401"]\nmuseum = "Hall 3"\n'
+DEFAULT = '[farm]\ncoordinators = ["[::1]:7401"]\n'
 
 
 class Computer:
@@ -320,7 +320,7 @@ def check_fetch_program(build, folder):
     tls = 'authority = "{0}/authority.crt"\ncertificate = "{0}/certificate.crt"\nkey = "{0}/key.pem"\n'
     (here / "farm.toml").write_text(f'museums = "[::1]:{port}"\nnodes = "[::1]:{free_port()}"\n[[scene]]\nname = "a"\npath = "/srv/a"\n'
                                     f'[updates]\nfolder = "{here}/store"\n[tls]\n' + tls.format("coordinator"))
-    (here / "site.toml").write_text(f'[farm]\nheads = ["[::1]:{port}"]\nmuseum = "hall-3"\n' + tls.format("museum") + '[hours]\nopen = ["Mon-Sun 00:00-24:00"]\n')
+    (here / "site.toml").write_text(f'[farm]\ncoordinators = ["[::1]:{port}"]\nmuseum = "hall-3"\n' + tls.format("museum") + '[hours]\nopen = ["Mon-Sun 00:00-24:00"]\n')
     (here / "os-release").write_text('NAME=Debian\nIMAGE_ID="cyclorama-museum"\nIMAGE_VERSION=1\n')
     (here / "at").mkdir()
 

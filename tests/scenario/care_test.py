@@ -57,7 +57,7 @@ def check_provisioning(source, build, folder):
     """Each settings table is checked by the program that owns it."""
     stick, state = folder / "stick", folder / "state"
     stick.mkdir()
-    (stick / "site.toml").write_text('[farm]\nheads = ["[::1]:1"]\nmuseum = "hall-3"\n[display]\nattract_after_s = 5\n')
+    (stick / "site.toml").write_text('[farm]\ncoordinators = ["[::1]:1"]\nmuseum = "hall-3"\n[display]\nattract_after_s = 5\n')
     shutil.copy(source / "demo/installation.toml", stick)
     (stick / "tracker.toml").write_text('[camera]\nkind = "v4l2"\nport = "usb-0000:00:14.0-2"\n')
     (stick / "calibrator.toml").write_text('turnplate = "manual"\n[[watch.camera]]\nname = "left"\nkind = "v4l2"\nport = "usb-0000:00:14.0-3"\n')
@@ -159,7 +159,7 @@ def check_hours(build, state):
 def check_projectors(source, build, folder):
     """Without a projector with a network address cyclorama-projectors runs idle; switching none is an error."""
     site = folder / "hours.toml"
-    site.write_text('[farm]\nheads = ["[::1]:7401"]\n')
+    site.write_text('[farm]\ncoordinators = ["[::1]:7401"]\n')
     projectors = [build / "bin/cyclorama-projectors", "--installation", source / "demo/installation.toml"]
     service = subprocess.Popen([*map(str, projectors), "keep", "--config", site], stderr=subprocess.PIPE, text=True)
     assert "none is switched" in service.stderr.readline()
@@ -189,7 +189,7 @@ class Projector:
 def check_lamps(source, build, folder):
     """A projector's own report reaches the operator, with a remedy."""
     site, room = folder / "lamps.toml", folder / "installation.toml"
-    site.write_text('[farm]\nheads = ["[::1]:7401"]\n')
+    site.write_text('[farm]\ncoordinators = ["[::1]:7401"]\n')
     text = (source / "demo/installation.toml").read_text()
     room.write_text(text.replace("[[projector]]\n", f'[[projector]]\npjlink = "[::1]:{Projector().port}"\n', 1))
     for mesh in (source / "demo").glob("*.obj"):

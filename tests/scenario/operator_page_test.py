@@ -117,7 +117,7 @@ class Museum:
         self.parts = subprocess.Popen([build / "bin/test-parts", *parts_options], stdout=subprocess.PIPE, text=True)
         tour, display, tracker, calibrator, projectors = self.parts.stdout.readline().split()
         # The tour's port stands for a coordinator that answers; the other one is closed.
-        (stick / "site.toml").write_text(f'[farm]\nheads = ["{tour}", "[::1]:1"]\nmuseum = "hall-3"\n'
+        (stick / "site.toml").write_text(f'[farm]\ncoordinators = ["{tour}", "[::1]:1"]\nmuseum = "hall-3"\n'
                                          '[hours]\nopen = ["Tue-Sun 10:00-18:00", "Thu 19:00-22:00"]\n')
         shutil.copy(source / "demo/installation.toml", stick)
         (stick / "operator.toml").write_text(f'pni = "{PIN}"\n')

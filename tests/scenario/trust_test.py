@@ -39,7 +39,7 @@ class TrustedFarm:
         (self.folder / "node.toml").write_text(
             f'coordinator = "[::1]:{self.nodes}"\nthreads = 1\n[tls]\n' + TLS.format("n1"))
         (self.folder / "site.toml").write_text(
-            f'[farm]\nheads = ["[::1]:{self.museums}"]\n' + TLS.format("hall-3"))
+            f'[farm]\ncoordinators = ["[::1]:{self.museums}"]\n' + TLS.format("hall-3"))
         self.start("farm", "farm.toml")
         self.start("node", "node.toml")
         self.start("tour", "site.toml", "--listen", f"[::1]:{free_port()}")

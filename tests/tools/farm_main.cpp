@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
   double max_ms = 65.0;
   bool striped = false;
   program.options().add_flag("--striped", striped);
-  program.options().add_option("--least-ms", min_ms);
-  program.options().add_option("--most-ms", max_ms);
+  program.options().add_option("--min-ms", min_ms);
+  program.options().add_option("--max-ms", max_ms);
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(min_ms, max_ms, striped, stop); });
 }

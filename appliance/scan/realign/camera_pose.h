@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The camera's pose, found by reference projectors: those that did not move since they were calibrated.
+/// Estimates the camera's pose from reference projectors, which were not displaced since they were calibrated.
 ///
-///     camera's pixel ─▶ ray r ◀── should be ──  R (d - n c)  ◀── direction d, by the reference projector's map
-///                                               R: rotation, c: camera's centre, n: inverse distance of the wall along d
+///     camera pixel ─▶ ray r ◀─ expected ─  R (d - n c)  ◀── direction d, from the reference projector's map
+///                                           R: rotation, c: camera's centre, n: inverse distance of the wall along d
 #pragma once
 
 #include <Eigen/Core>
@@ -17,8 +17,8 @@ struct LocatedCamera {
   Eigen::Matrix3d R_camera_eye = Eigen::Matrix3d::Identity();
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< Eye frame.
   Eigen::Vector3d centre_sigma_m = Eigen::Vector3d::Zero();
-  bool is_elsewhere = false;  ///< The centre was estimated; otherwise it is the one that the turntable's model gives.
-  double rms_rad = 0.0;       ///< Per axis, over observations that were used, without the worst twentieth.
+  bool is_elsewhere = false;  ///< The centre was estimated; otherwise it is the one of the turntable's model.
+  double rms_rad = 0.0;       ///< Per axis, over the observations used, without the worst twentieth.
   double heldout_rad = 0.0;   ///< The same over observations that were left out.
 };
 
@@ -31,12 +31,12 @@ struct ReferenceObservation {
   bool is_left_out = false;
 };
 
-/// The pose that the calibrated turntable gives the camera at `angle_rad`.
+/// Returns the pose that the calibrated turntable gives the camera at `angle_rad`.
 [[nodiscard]] LocatedCamera planned_camera(const calibration::TurnPlate& plate, double angle_rad);
 
-/// Robust least squares from `planned`: a rotation alone, or a rotation and another centre where the latter is clear
-/// (three sigma) and predicts the observations that were left out better.
-/// kBadData  there are too few observations, or no pose fits them. Reentrant.
+/// Robust least squares from `planned`: either a rotation alone, or a rotation and a new centre if the latter is
+/// significant (three sigma) and predicts the left-out observations better.
+/// Errors: kBadData if there are too few observations or no pose fits them. Reentrant.
 Result<LocatedCamera> locate_camera(const LocatedCamera& planned, std::span<const ReferenceObservation> observations);
 
 }  // namespace cyclorama::scan

@@ -20,19 +20,20 @@ namespace cyclorama::scan {
 struct DisplacedMap {
   calibration::MeasuredMap map;
   Displacement displacement;
-  solve::MeasuredRegistration registration;  ///< Over places that no map was fitted to.
+  solve::MeasuredRegistration registration;  ///< Over correspondences that no map was fitted to.
   double seen_fraction = 1.0;                ///< Part of the map that was measured; the displacement gives the rest.
 };
 
 struct NewMap {
-  solve::MeasuredRegistration before;  ///< With the old map, over the same places as DisplacedMap::registration.
-  double camera_moved_m = 0.0;         ///< Distance of the camera from its planned centre; 0 where that is not clear.
-  std::optional<DisplacedMap> displaced;  ///< Nothing where the old map still predicts what is seen.
-  double old_error_px = 0.0;              ///< The old map's error; set only where that map still holds.
+  /// With the old map, over the same correspondences as DisplacedMap::registration.
+  solve::MeasuredRegistration before;
+  double camera_moved_m = 0.0;  ///< Distance of the camera from its planned centre; 0 where that is not clear.
+  std::optional<DisplacedMap> displaced;  ///< Absent if the old map still predicts what is seen.
+  double old_error_px = 0.0;              ///< Error of the old map; set only if that map still holds.
 };
 
-/// kBadData  the camera's pose was not found, the lens was turned, no displacement explains what is seen, the new map
-/// would be no better, or too little was seen; each with its remedy. Takes seconds. Reentrant.
+/// Errors: kBadData, each with its remedy, if the camera's pose was not found, the lens was turned, no displacement
+/// explains the photographs, the new map would be no better, or too little was seen. Takes seconds. Reentrant.
 Result<NewMap> find_new_map(const RealignmentBaseline& baseline, const RealignmentPhotographs& photographs);
 
 }  // namespace cyclorama::scan

@@ -14,17 +14,18 @@
 namespace cyclorama::scan {
 
 struct RealignmentPhotographs {
-  LocatedCamera planned;     ///< The pose that the turntable was told to give the camera.
+  LocatedCamera planned;     ///< The pose that the turntable was commanded to give the camera.
   ScanView target;           ///< The displaced projector, seen with its own patterns.
-  ReferenceView references;  ///< The others, seen with sines.
+  ReferenceView references;  ///< The other projectors, seen with sines.
   int pictures = 0;
   int retries = 0;
   std::vector<std::string> remarks;  ///< For the installer.
 };
 
-/// Turns the camera to where it sees all of the displaced projector's light and as much as possible of the others'.
-/// All projectors are dark afterwards.
-/// kUnavailable  the projector gives no light, or `stop` was requested. Others as measure_view() and Turnplate. Blocks.
+/// Turns the camera to where it sees all of the displaced projector's light and as much as possible of the others'. All
+/// projectors are dark afterwards.
+/// Errors: kUnavailable if the projector gives no light or `stop` was requested; otherwise those of measure_view() and
+/// Turnplate. Blocks.
 Result<RealignmentPhotographs> photograph_displaced(const RealignmentBaseline& baseline,
                                                     const Installation& installation, const ScanSettings& settings,
                                                     const ScanDevices& devices, const ScanListener& listener,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Explains what is seen of a projector by the wall and the lens that were fitted before: it was displaced, which six
-/// numbers describe; or its lens was turned; or neither.
+/// Explains the new observations of a projector with the wall and lens that were fitted before: the projector was
+/// displaced (a rigid motion, six parameters), its lens was turned, or neither.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,14 +31,15 @@ struct Displacement {
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  ///< Shift of the principal point in that trial.
 };
 
-/// `seen` are pixels of its picture with the directions in which the sweet spot sees them now. Nothing where there are
-/// too few, or no pose fits them. Reentrant.
+/// `seen` holds pixels of the projector's picture with the directions in which the sweet spot sees them now. Returns
+/// nothing if there are too few or no pose fits them. Reentrant.
 [[nodiscard]] std::optional<Displacement> find_displacement(const calibration::FittedProjector& before,
                                                             const calibration::MeasuredMap& map,
                                                             std::span<const solve::MapSample> seen,
                                                             const InverseDepthAt& inverse_depth);
 
-/// The direction in which the sweet spot sees a projector's pixel on the wall; nothing where it misses the wall.
+/// Returns the direction in which the sweet spot sees a projector's pixel on the wall; nothing if the pixel misses the
+/// wall.
 [[nodiscard]] std::optional<Eigen::Vector3d> drawn_direction(const calibration::FittedProjector& projector,
                                                              const calibration::BrownLens& lens,
                                                              const Eigen::Vector2d& pixel,

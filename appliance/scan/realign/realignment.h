@@ -1,43 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One projector that somebody displaced, put back into the picture within seconds, by the calibration that exists:
+/// Realigns one displaced projector within seconds, using the existing calibration:
 ///
-///     read_baseline()         the calibration of before, and the projectors that serve as references
+///     read_baseline()         the previous calibration and the projectors that serve as references
 ///           ▼
-///     photograph_displaced()  the projector's own patterns, coarse ones only, then sines on all references at once
+///     photograph_displaced()  the projector's own patterns (coarse ones only), then sines on all references at once
 ///           ▼
-///     find_new_map()          the camera's pose by the references, the displacement, a map checked by left-out blocks
+///     find_new_map()          the camera's pose from the references, the displacement, a map checked by left-out
+///     blocks
 ///           ▼
-///     follow_light()          masks and colours of all projectors by the light that was measured before
+///     follow_light()          masks and colours of all projectors from the light that was measured before
 ///           ▼
-///     save_calibration()      another calibration
+///     save_calibration()      a new calibration
 #pragma once
 
 #include "appliance/scan/calibration_run.h"
 
 namespace cyclorama::scan {
 
-/// The result of a realignment, beside that of any calibration.
+/// The result of a realignment, in addition to that of any calibration.
 struct RealignmentOutcome {
-  /// Like that of run_calibration(). Its registration is that of the displaced projector and its neighbours, over places that
-  /// its map was not fitted to. If nothing has moved, it is the calibration of before, and none was written.
+  /// As from run_calibration(). Its registration is that of the displaced projector and its neighbours, over
+  /// correspondences that its map was not fitted to. If nothing has moved, it is the previous calibration and none was
+  /// written.
   CalibrationOutcome outcome;
-  solve::MeasuredRegistration before;  ///< The same with the projector's map of before.
+  solve::MeasuredRegistration before;  ///< The same registration with the projector's previous map.
   bool has_moved = false;
-  double turned_rad = 0.0;  ///< The displacement's rotation and translation.
+  double turned_rad = 0.0;  ///< Rotation of the displacement; its translation follows.
   double moved_m = 0.0;
   double explained_px = 0.0;    ///< RMS per axis of what the displacement leaves unexplained.
-  double camera_moved_m = 0.0;  ///< Distance of the camera from where it stood; 0 where that is not clear.
+  double camera_moved_m = 0.0;  ///< Distance of the camera from its calibrated position; 0 if not significant.
   double seen_fraction = 0.0;   ///< Part of the map that was measured; the rest follows from the displacement.
   bool has_colours = false;     ///< Masks and colours follow the new map.
 };
 
-/// All other projectors must stand as they were calibrated, and the camera about where it stood (a quarter of a degree
-/// beyond what the plate errs by, some centimetres). A worse map than before is never taken.
-/// kNotFound  no calibration is there, or it has no such projector.
-/// kBadData   its lens was turned, what it shows is not explained by a push, others have moved too, the camera is
-///            another one or stands elsewhere, it meets no other projector any more, or the calibration lacks what is
-///            needed (the wall, the light): each says so, and to calibrate all of them.
-/// kUnavailable  it is dark; or cancelled.   Others as measure_view() and Turnplate. Blocks, for some ten seconds.
+/// All other projectors must stand as they were calibrated, and the camera about where it stood (to within a quarter of
+/// a degree beyond the turntable's error, and some centimetres). A map worse than the previous one is never taken.
+/// Errors: kNotFound if there is no calibration or it lacks that projector; kBadData, with the advice to calibrate all
+/// projectors, if the lens was turned, a displacement does not explain what is seen, other projectors have moved too,
+/// the camera is a different one or stands elsewhere, the projector no longer overlaps another, or the calibration
+/// lacks what is needed (wall, light); kUnavailable if the projector is dark or the call was cancelled; otherwise those
+/// of measure_view() and Turnplate. Blocks for about ten seconds.
 Result<RealignmentOutcome> realign_projector(const Installation& installation, const std::string& projector,
                                              const ScanSettings& settings, const ScanDevices& devices,
                                              const std::filesystem::path& folder, const std::string& date,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Photographs of the reference projectors, those that did not move: all at once, with a few sines, because the
-/// calibration predicts to some pixels what each of the camera's pixels sees.
+/// Photographs of the reference projectors, which were not displaced: all at once and with a few sines, because the
+/// calibration predicts to within some pixels which projector pixel each camera pixel sees.
 ///
-///     white, black │ columns: 4 sines, moved by a quarter of a period │ rows likewise     ten photographs
+///     white, black │ columns: 4 sines, shifted by a quarter of a period │ rows likewise     ten photographs
 #pragma once
 
 #include <stop_token>
@@ -14,7 +14,7 @@
 
 namespace cyclorama::scan {
 
-/// Period of the sines, in projector pixels; the prediction must be right to a quarter of it.
+/// Period of the sines in projector pixels; the prediction must be right to within a quarter of it.
 inline constexpr double kReferencePeriod_px = 64.0;
 
 struct ReferenceProjector {
@@ -23,10 +23,10 @@ struct ReferenceProjector {
   int height_px = 0;
 };
 
-/// The pixel of a reference projector that each of the camera's pixels should see. Both images have the camera's size.
+/// The pixel of a reference projector that each camera pixel should see. Both images have the camera's size.
 struct ExpectedReferences {
   Image<float, 2> pixel_px;
-  Image<std::int16_t, 1> reference;  ///< Its index; -1: none, more than one, or not used.
+  Image<std::int16_t, 1> reference;  ///< Index of the reference projector; -1: none, more than one, or not used.
 };
 
 struct ReferenceView {
@@ -34,8 +34,8 @@ struct ReferenceView {
   int pictures = 0;
 };
 
-/// All projectors must be dark, and are afterwards. `exposure_s` is where the search for the exposure begins.
-/// Errors as measure_view(). Blocks.
+/// All projectors must be dark before the call, and are dark after it. The search for the exposure begins at
+/// `exposure_s`. Errors: those of measure_view(). Blocks.
 Result<ReferenceView> measure_references(const std::vector<ReferenceProjector>& references,
                                          const ExpectedReferences& expected, double exposure_s,
                                          const structured_light::ExposureLimits& limits, PatternScreen& screen,

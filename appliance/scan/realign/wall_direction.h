@@ -10,8 +10,8 @@ namespace cyclorama::scan {
 /// Inverse distance of the wall along a unit vector from the sweet spot, in 1/m; 0 or less where there is none.
 using InverseDepthAt = std::function<double(const Eigen::Vector3d&)>;
 
-/// The direction in which the sweet spot sees the point where a ray from `centre_m` along `along` meets the wall (Eye
-/// frame; `along` of any length). Nothing where the ray misses the wall or begins behind it. Reentrant.
+/// Returns the direction in which the sweet spot sees the point where a ray from `centre_m` along `along` meets the
+/// wall (Eye frame; `along` of any length). Returns nothing if the ray misses the wall or begins behind it. Reentrant.
 [[nodiscard]] std::optional<Eigen::Vector3d> wall_direction_from(const Eigen::Vector3d& centre_m,
                                                                  const Eigen::Vector3d& along,
                                                                  const InverseDepthAt& inverse_depth);

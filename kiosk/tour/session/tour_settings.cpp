@@ -61,6 +61,9 @@ void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
   read_gain(walk, "sideways", "m", 1.0, 5.0, &tag.sideways_m);
   read_gain(walk, "distance", "m", 1.0, 5.0, &tag.distance_m);
   BodySteeringSettings& body = ret_settings->body;
+  walk.refuse_renamed("stand_m", "mark_distance_m");
+  walk.refuse_renamed("stand_right_m", "mark_right_m");
+  walk.refuse_renamed("longest_turn_minutes", "max_turn_minutes");
   body.mark_distance_m = walk.number("mark_distance_m", {0.5, 10.0}, body.mark_distance_m);
   body.neutral_right_m = walk.number("mark_right_m", {-5.0, 5.0}, body.neutral_right_m);
   read_gain(walk, "lean", "deg", kDegree, 60.0, &body.lean_rad);
@@ -86,6 +89,7 @@ Result<TourSettings> read_from(Config config, const std::filesystem::path& folde
   // Read by other programs.
   for (const char* const others : {"display", "hours", "update"}) static_cast<void>(root.has(others));
   ConfigTable farm = root.table("farm");
+  farm.refuse_renamed("heads", "coordinators");
   settings.coordinators = farm.texts("coordinators", settings.coordinators);
   if (settings.coordinators.empty())
     farm.refuse("coordinators", "is empty; name the farm's coordinator, such as [\"[::1]:7401\"]");

@@ -275,7 +275,7 @@ int main(int argc, char** argv) {
   app.add_option("--json", json);
   app.add_option("--recording", video);
   app.add_option("--field-of-view-deg", field_of_view_deg);
-  app.add_option("--stand-m", mark_distance_m);
+  app.add_option("--mark-distance-m", mark_distance_m);
   app.add_option("--pictures", out, "every 20th picture of the recording, drawn, goes to this folder");
   CLI11_PARSE(app, argc, argv);
   nlohmann::json figures;

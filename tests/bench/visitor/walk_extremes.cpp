@@ -76,7 +76,7 @@ tour::ViewPeaks walk_through(const Case& at) {
     walk = tour::after(std::move(walk), tour::Tick{}, now, settings);
     const tour::Walker& walker = walk.navigation.walker;
     if (!walk.site.area->allows(walker.position_m)) meter.add({std::nan(""), 0.0}, 0.0, now);
-    // Time that runs back, or stands, must not move anything; time that leaps moves as if by kLongestStep.
+    // Time that runs back, or stands, must not move anything; time that leaps moves as if by kMaxStep.
     meter.add(walker.position_m, walker.heading_rad, now);
   }
   return meter.peaks();

@@ -99,7 +99,7 @@ TEST(Convert, an_unknown_projection_is_one_clear_error) {
   const Status status = validate(view);
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().code(), ErrorCode::kInvalidArgument);
-  EXPECT_THAT(status.error().message(), HasSubstr("projection is 7, which this program does not know; update it"));
+  EXPECT_THAT(status.error().message(), HasSubstr("projection is 7, which this program does not support; update it"));
 }
 
 TEST(Convert, other_projections_are_checked_too) {

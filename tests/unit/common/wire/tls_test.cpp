@@ -88,7 +88,7 @@ TEST_F(Tls, refuses_whoever_has_no_certificate_of_its_authority) {
   EXPECT_FALSE(call(std::nullopt).ok());
   EXPECT_THAT(dial("-tls1_3"), Not(HasSubstr("DONE")));
   TestAuthority other;
-  EXPECT_THAT(from_grpc(call(other.museum("hall-3")), "calling").message(), HasSubstr("not of this side's authority"))
+  EXPECT_THAT(from_grpc(call(other.museum("hall-3")), "calling").message(), HasSubstr("not from this side's authority"))
       << "it does not believe the coordinator";
   TlsFiles mixed = other.museum("hall-4");
   mixed.authority = authority_.coordinator().authority;
@@ -111,7 +111,7 @@ TEST_F(Tls, speaks_1_3_and_nothing_older) {
 TEST_F(Tls, refuses_a_coordinator_that_is_not_what_was_dialled) {
   serve(authority_.coordinator("farm.example.org"));
   EXPECT_THAT(from_grpc(call(authority_.museum("hall-3")), "calling").message(),
-              HasSubstr("does not name the address"));
+              HasSubstr("does not contain the address"));
 }
 
 TEST_F(Tls, uses_a_renewed_certificate_without_a_restart) {

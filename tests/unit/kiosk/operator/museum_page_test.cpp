@@ -231,7 +231,7 @@ TEST(MuseumPage, calibrates_tests_the_network_and_passes_wishes_on) {
   while (state() == "running" && SteadyClock().now() < deadline) std::this_thread::yield();
   EXPECT_EQ(state(), "done");
   EXPECT_EQ(page.post("/calibration", R"({"do": "dance"})"), 400);
-  page.stick.write("site.toml", "[farm]\nheads = [\"[::1]:1\", \"" + page.tour.address() + "\"]\n");
+  page.stick.write("site.toml", "[farm]\ncoordinators = [\"[::1]:1\", \"" + page.tour.address() + "\"]\n");
   ASSERT_EQ(page.stick.install().verdict, provision::ProvisioningVerdict::kInstalled);
   const Json network = Json::parse(page.client->Post("/network-test", page.cookie, "{}", "application/json")->body);
   const std::string text = network.dump();

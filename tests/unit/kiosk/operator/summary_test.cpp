@@ -89,10 +89,10 @@ TEST(Summary, holds_what_the_demo_promises_in_frame_order) {
 
 TEST(Summary, counts_the_nodes_of_the_farm_not_those_of_the_last_frame) {
   FakeProcess tour("tour");
-  FakeProcess farm("head");
+  FakeProcess farm("coordinator");
   tour.inspection.set_gauge("nodes", 1);
   farm.inspection.set_gauge("nodes", 2);
-  auto links = make_links({{"tour", tour.address()}, {"head", farm.address()}});
+  auto links = make_links({{"tour", tour.address()}, {"coordinator", farm.address()}});
   ASSERT_TRUE(links);
   Recording recording(*std::move(links));
   recording.look(TimePoint{1s});

@@ -141,10 +141,10 @@ INSTANTIATE_TEST_SUITE_P(
         Spoilt{"site_missing", [](const MuseumStick& m) { m.remove("site.toml"); }, "site.toml is missing"},
         Spoilt{"site_misspelt", [](const MuseumStick& m) { m.write("site.toml", "[farm]\nhead = [\"[::1]:1\"]\n"); },
                "site.toml:2"},
-        Spoilt{"site_cut", [](const MuseumStick& m) { m.write("site.toml", "[farm]\nheads = [\"[20"); }, "site.toml:2"},
+        Spoilt{"site_cut", [](const MuseumStick& m) { m.write("site.toml", "[farm]\ncoordinators = [\"[20"); }, "site.toml:2"},
         Spoilt{"hours_wrong", [](const MuseumStick& m) { m.write("site.toml", "[hours]\nopen = [\"Sum 25:00\"]\n"); },
                "site.toml:2"},
-        Spoilt{"address_wrong", [](const MuseumStick& m) { m.write("site.toml", "[farm]\nheads = [\"farm\"]\n"); },
+        Spoilt{"address_wrong", [](const MuseumStick& m) { m.write("site.toml", "[farm]\ncoordinators = [\"farm\"]\n"); },
                "coordinators"},
         Spoilt{"installation_missing", [](const MuseumStick& m) { m.remove("installation.toml"); },
                "installation.toml is missing"},
@@ -279,7 +279,7 @@ TEST(Provision, leaves_out_what_computers_put_on_sticks_and_says_so) {
 
 TEST(Provision, says_what_is_not_as_one_may_have_meant_it) {
   const MuseumStick museum;
-  museum.write("site.toml", "[farm]\nheads = [\"[2001:db8::1]:7401\"]\n");
+  museum.write("site.toml", "[farm]\ncoordinators = [\"[2001:db8::1]:7401\"]\n");
   museum.remove("tracker.toml");
   museum.remove("operator.toml");
   const ProvisioningReport report = museum.install();

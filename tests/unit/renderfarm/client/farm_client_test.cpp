@@ -142,7 +142,7 @@ TEST(FarmClient, gives_up_a_coordinator_that_owes_a_frame_and_says_nothing) {
   const auto client = start({farm.address()}, listener, std::chrono::milliseconds(50));
   client->request(view_of(1));
   ASSERT_TRUE(listener.wait([](const auto& seen) { return !seen.reasons.empty(); }));
-  EXPECT_THAT(listener.seen().reasons.front(), HasSubstr("said nothing"));
+  EXPECT_THAT(listener.seen().reasons.front(), HasSubstr("did not answer"));
   farm.set_gate(true);
   ASSERT_TRUE(
       listener.wait([](const auto& seen) { return !seen.frames.empty() && seen.frames.back().end.complete(); }));

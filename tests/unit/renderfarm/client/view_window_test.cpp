@@ -108,7 +108,7 @@ TEST(ViewWindow, refuses_a_frame_from_where_nobody_stands) {
   ASSERT_TRUE(window.take_sendable());
   wire::View turned = view_of(1);
   turned.set_heading_rad(std::numeric_limits<double>::quiet_NaN());
-  EXPECT_THAT(window.take(begin_of(turned)).error().message(), HasSubstr("another place"));
+  EXPECT_THAT(window.take(begin_of(turned)).error().message(), HasSubstr("another position"));
   wire::View moved = view_of(1);
   moved.mutable_eye_m()->set_y(1e300);
   EXPECT_FALSE(window.take(begin_of(moved)));

@@ -423,7 +423,7 @@ TEST_F(Files, of_a_lying_coordinator_are_refused) {
   outside.mutable_files(0)->set_path("../../etc/passwd");
   EXPECT_THAT(refusal(outside, {}), HasSubstr("begins with a dot"));
   EXPECT_THAT(refusal(scene_distribution::to_wire({{"scene.toml", 5, scene_distribution::sha256_of("wrong")}}), {}),
-              HasSubstr("not the one that was asked"));
+              HasSubstr("not the requested one"));
   EXPECT_THAT(refusal({}, {}), HasSubstr("no files"));
   EXPECT_THAT(refusal(list, {chunk(0, "wrong")}), HasSubstr("other bytes for 'scene.toml'"));
   EXPECT_THAT(refusal(list, {chunk(0, "right!")}), HasSubstr("more of 'scene.toml'"));

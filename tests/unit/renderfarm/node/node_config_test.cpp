@@ -54,7 +54,7 @@ TEST(NodeConfig, says_what_is_wrong_and_where) {
     const auto options = read(text);
     return options ? std::string() : options.error().message();
   };
-  EXPECT_THAT(refusal_of("coordinator = \"a:1\"\nheads = [\"b:1\"]\n"), HasSubstr("beside 'coordinators'"));
+  EXPECT_THAT(refusal_of("coordinator = \"a:1\"\ncoordinators = [\"b:1\"]\n"), HasSubstr("beside 'coordinators'"));
   EXPECT_THAT(refusal_of("coordinator = \"a:1\"\nmemory_gib = 0.1\n"), HasSubstr("memory_gib"));
   EXPECT_THAT(refusal_of("coordinator = \"a:1\"\nmemory_mib = 100\n"), HasSubstr("memory_mib"));
   EXPECT_THAT(refusal_of("coordinators = 7\n"), HasSubstr("coordinators"));

@@ -140,7 +140,7 @@ TEST(ObjImport, what_cannot_be_shown_is_left_out_and_noted) {
   EXPECT_THAT(model->notes, Contains(HasSubstr("not finite")));
   EXPECT_THAT(model->notes, Contains(HasSubstr("fewer than three corners")));
   EXPECT_THAT(model->notes, Contains(HasSubstr("lines or points")));
-  EXPECT_THAT(model->notes, Contains(HasSubstr("not a number")));
+  EXPECT_THAT(model->notes, Contains(HasSubstr("other characters")));
 }
 
 TEST(ObjImport, a_file_without_faces_is_refused_with_a_remedy) {

@@ -233,7 +233,7 @@ TEST(FullDisk, is_told_once_and_harms_no_session) {
     EXPECT_FALSE(gate->tick().changed);
     gate->node_disconnected(id, "");
   }
-  EXPECT_THAT(said, ElementsAre(AllOf(HasSubstr("/dev/full"), HasSubstr("sessions go on without it"))));
+  EXPECT_THAT(said, ElementsAre(AllOf(HasSubstr("/dev/full"), HasSubstr("sessions continue without it"))));
 }
 
 TEST(Nobody, may_do_everything_where_there_is_no_tls) {

@@ -107,8 +107,8 @@ struct Wrong {
 
 TEST(TourSettings, name_line_and_remedy_of_every_mistake) {
   for (const Wrong& wrong : std::vector<Wrong>{
-           {"[farm]\nheads = []", "site.toml:2", "name the farm's coordinator"},
-           {"[farm]\nheads = [1]", "site.toml:2", "texts"},
+           {"[farm]\ncoordinators = []", "site.toml:2", "name the farm's coordinator"},
+           {"[farm]\ncoordinators = [1]", "site.toml:2", "texts"},
            {"[picture]\nsamples = 0", "site.toml:2", "between 1 and 4096"},
            {"[picture]\njpeg_quality = 101", "site.toml:2", "between 1 and 100"},
            {"[picture]\nframe_budget_ms = -1", "site.toml:2", "between 0 and 60000"},

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From what was measured to what the displays draw with.
+/// From a scan's measurements to the maps that the displays draw with.
 ///
-///     correspondences ─▶ cell means ─▶ turn-plate ─▶ directions ─┬─▶ a map per projector (always)
-///                                                                 └─▶ wall and projectors' places (if asked) ─▶ maps
-///                                                                     for other eyes
+///     correspondences ─▶ cell means ─▶ turntable ─▶ directions ─┬─▶ a map per projector (always)
+///                                                               └─▶ wall and projectors' poses (optional) ─▶ maps
+///                                                                   for other eyes
 #pragma once
 
 #include <optional>
@@ -22,18 +22,19 @@ struct CalibrateOptions {
   TurnPlateOptions plate{};
   MapOptions map{};
   ModelOptions model{};
-  std::size_t wall_samples = 1200;                     ///< Over all projectors.
-  const calibration::Calibration* previous = nullptr;  ///< Never a worse map than before. Borrowed for the call.
+  std::size_t wall_samples = 1200;  ///< Total over all projectors.
+  /// A map worse than the previous one is not taken. Borrowed for the call.
+  const calibration::Calibration* previous = nullptr;
 };
 
-/// Errors of Measurements::validate(), solve_turn_plate() and, with the projector's name, fit_measured_map(). A wall
-/// that cannot be found is a remark: the maps need none. Projectors that were not seen at all are an error. A thread
-/// for each map and each fold works while it blocks; the answer does not depend on them. Reentrant.
+/// Errors: those of Measurements::validate(), solve_turn_plate() and, with the projector's name, fit_measured_map(). If
+/// the wall cannot be fitted, a remark says so, since the maps need no wall. A projector that was not seen at all is an
+/// error. Blocks while one thread works per map and per fold; the result does not depend on the threads. Reentrant.
 Result<calibration::Calibration> calibrate(const Measurements& measurements, std::string date,
                                            const CalibrateOptions& options = {});
 
-/// The same map for an eye that is `eye_m` from the sweet spot (Eye frame): the wall tells where the light lands.
-/// NaN where the wall has no place. Precondition: a wall.
+/// Returns the same map for an eye at `eye_m` from the sweet spot (Eye frame); the wall gives the points that the
+/// projector lights. Directions that miss the wall become NaN. Precondition: a wall.
 [[nodiscard]] calibration::MeasuredMap seen_from(const calibration::MeasuredMap& map, const calibration::Surface& wall,
                                                  const Eigen::Vector3d& eye_m);
 

@@ -8,30 +8,32 @@
 
 namespace cyclorama::solve {
 
-/// What one direction's picture says of a small square of a projector's picture: a robust mean of what was decoded in
-/// it, brought to the square's centre.
+/// A robust mean of the correspondences that one direction gave within a small square of a projector's picture, moved
+/// to the square's centre.
 struct CellMean {
   int direction = 0;
   int projector = 0;
-  int cell = 0;                          ///< Row by row, in the projector's lattice; the same in every direction.
+  int cell = 0;                          ///< Row by row in the projector's lattice; the same in every direction.
   Eigen::Vector2d projector_px;          ///< The cell's centre.
-  Eigen::Vector2d camera_px;             ///< Where the camera sees it.
-  Eigen::Matrix2d camera_per_projector;  ///< Slope there.
-  double sigma_px = 0.0;                 ///< Of the mean, in projector pixels, each way.
+  Eigen::Vector2d camera_px;             ///< Where the camera sees that centre.
+  Eigen::Matrix2d camera_per_projector;  ///< Jacobian there.
+  double sigma_px = 0.0;                 ///< Standard deviation of the mean in projector pixels, per axis.
 };
 
 struct CellMeans {
   int cell_px = 0;
   std::vector<CellMean> cells;  ///< By projector, then direction.
-  std::size_t used = 0;         ///< Correspondences.
-  std::size_t refused = 0;      ///< Those that disagree with their neighbours, or have too few of them.
+  std::size_t used = 0;         ///< Number of correspondences used.
+  std::size_t refused = 0;      ///< Number that disagree with their neighbours or have too few of them.
 };
 
-/// Gross errors go (a correspondence that is far from what its neighbourhood says), noise becomes small, and millions
-/// become thousands. Precondition: measurements.validate(); cell_px of 2 and more. Reentrant.
+/// Averages correspondences over cells: it removes gross errors (correspondences far from what their neighbourhood
+/// predicts), reduces noise, and turns millions of correspondences into thousands of means. Precondition:
+/// measurements.validate(); cell_px >= 2. Reentrant.
 [[nodiscard]] CellMeans average_cells(const Measurements& measurements, int cell_px);
 
-/// The least cell of 8, 16, 32 or 64 pixels that holds enough: decoders differ in how many they deliver.
+/// Returns the smallest cell of 8, 16, 32 or 64 pixels that holds enough correspondences; decoders differ in how many
+/// they deliver.
 [[nodiscard]] int fitting_cell_px(const Measurements& measurements);
 
 }  // namespace cyclorama::solve

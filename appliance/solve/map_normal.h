@@ -10,30 +10,30 @@
 
 namespace cyclorama::solve {
 
-/// One bend that smoothness keeps small: the weighted sum of up to four control points.
+/// One smoothness term: the weighted sum of up to four control points, expected to be 0.
 struct Bend {
   std::array<int, 4> nodes{};
   std::array<double, 4> factors{};
   int count = 0;
 };
 
-/// Along rows, along columns, and across each cell.
+/// Returns the bends along rows, along columns and across each cell.
 [[nodiscard]] std::vector<Bend> bends_of(const calibration::MapGrid& grid);
 
-/// The normal equations of a map's control points: what samples say, and what bends say over the square of a stiffness.
-/// The two are summed apart, so that another stiffness costs no new sums; which entries there are never changes.
-/// Thread-bound.
+/// The normal equations of a map's control points: the sum of the samples' terms and of the bends' terms divided by the
+/// square of a stiffness. The two sums are separate, so a new stiffness needs no new summation; the sparsity pattern
+/// never changes. Thread-bound.
 class MapNormal {
  public:
   MapNormal(const calibration::MapGrid& grid, const std::vector<Bend>& bends);
 
   void forget_samples();
   void forget_bends() { by_bends_.setZero(); }
-  /// That the weighted sum of a sample's nodes is `target`.
+  /// Adds the equation that the weighted sum of a sample's nodes equals `target`.
   void add(const calibration::GridWeights& sample, const Eigen::Vector2d& target, double weight);
-  /// That a bend is 0, at stiffness 1.
+  /// Adds the equation that a bend is 0, at stiffness 1.
   void add(const Bend& bend, double weight);
-  /// Its lower triangle.
+  /// Returns the lower triangle.
   [[nodiscard]] const Eigen::SparseMatrix<double>& at_stiffness(double stiffness);
   [[nodiscard]] const Eigen::MatrixX2d& right() const { return right_; }
 
@@ -41,7 +41,7 @@ class MapNormal {
   [[nodiscard]] Eigen::Index place_of(int a, int b) const;
 
   Eigen::SparseMatrix<double> sum_;
-  Eigen::VectorXd by_samples_;  ///< Of each of its entries.
+  Eigen::VectorXd by_samples_;  ///< One per stored entry of `sum_`.
   Eigen::VectorXd by_bends_;
   Eigen::MatrixX2d right_;
 };

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the camera on the turn-plate saw, as the decoder hands it to the solver.
+/// The measurements of a scan, as the decoder passes them to the solver.
 ///
-///     plate's axis (y)          a direction = one angle of the plate; in it
-///          │  . heading              camera pixel ──▶ projector, and the projector's pixel that lights what is there
+///     turntable's axis (y)      a direction = one angle of the turntable; it gives correspondences
+///          │  . heading              camera pixel ──▶ projector, and the projector's pixel that lights that point
 ///          │ /
-///     ─────┼──── camera: turned with the plate, its centre off the axis by (right, forward), pitched and rolled
+///     ─────┼──── camera: turned with the turntable, its centre off the axis by (right, forward), pitched and rolled
 ///
-/// CameraFrame: Eye (x right, y up along the plate's axis, z back), its origin where the axis passes the camera's height: the
-/// sweet spot. Angles are headings: positive to the right.
+/// Frame: Eye (x right, y up along the turntable's axis, z back); its origin, the sweet spot, is on the axis at the
+/// camera's height. Angles are headings: positive to the right.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,23 +22,23 @@
 
 namespace cyclorama::solve {
 
-/// The camera's pixel is exact; the projector's has noise of `sigma_px` each way.
+/// The camera's pixel is exact; the projector's has noise of `sigma_px` per axis.
 struct Correspondence {
   float camera_u = 0.0f;
   float camera_v = 0.0f;
   float projector_x = 0.0f;
   float projector_y = 0.0f;
   float sigma_px = 0.3f;
-  std::uint32_t projector = 0;  ///< Counts Measurements::projectors.
+  std::uint32_t projector = 0;  ///< Index in Measurements::projectors.
 };
 
 struct PlateDirection {
-  double angle_rad = 0.0;     ///< As the plate tells.
-  double sigma_rad = 1.0e-3;  ///< How far that may be wrong.
+  double angle_rad = 0.0;     ///< As the turntable reports.
+  double sigma_rad = 1.0e-3;  ///< Standard deviation of that angle.
   std::vector<Correspondence> correspondences;
 };
 
-/// Where a projector stands as the installation has it: where the search begins, and how far it may go.
+/// Prior pose of a projector, from the installation: start of the fit, with standard deviations.
 struct ProjectorPosePrior {
   calibration::MeasuredLens lens;
   RigidTransform<frame::Eye, frame::Projector> T_eye_projector;
@@ -50,18 +50,20 @@ struct MeasuredProjector {
   std::string name;
   int width_px = 0;
   int height_px = 0;
-  std::optional<ProjectorPosePrior> position{};  ///< Only a fitted surface needs it.
+  std::optional<ProjectorPosePrior> position{};  ///< Needed only to fit a surface.
 };
 
 struct Measurements {
-  calibration::MeasuredLens camera;  ///< With the covariance that its own calibration left.
-  double pitch_rad = 0.0;            ///< How far the camera looks up, about; the solver finds it and the roll.
+  calibration::MeasuredLens camera;  ///< With the covariance from its own calibration.
+  /// Approximate upward tilt of the camera; the solver refines it and finds the roll.
+  double pitch_rad = 0.0;
   std::vector<PlateDirection> directions;
   std::vector<MeasuredProjector> projectors;
-  double wall_distance_m = 4.0;        ///< From the sweet spot to the wall, about: lengths are measured by it.
-  double wall_distance_sigma_m = 1.0;  ///< How much it differs along the wall, and is wrong.
+  /// Approximate distance from the sweet spot to the wall; it sets the scale of all lengths.
+  double wall_distance_m = 4.0;
+  double wall_distance_sigma_m = 1.0;  ///< Standard deviation from variation along the wall and from error.
 
-  /// kInvalidArgument  with the direction, projector or correspondence at fault, and what to do.
+  /// Errors: kInvalidArgument, with the direction, projector or correspondence at fault and the remedy.
   [[nodiscard]] Status validate() const;
 };
 

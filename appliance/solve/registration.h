@@ -7,16 +7,16 @@
 
 namespace cyclorama::solve {
 
-/// How far apart two projectors draw what one pixel of the camera saw both of: in projector pixels, on the wall, with
-/// the noise of those single places in it.
+/// Registration error: the distance on the wall, in projector pixels, between two projectors' drawings of a point that
+/// one camera pixel saw lit by both. It includes the noise of those single correspondences.
 struct MeasuredRegistration {
   double mean_px = 0.0;
   double p95_px = 0.0;
   std::size_t correspondences = 0;  ///< 0: no two projectors were seen to overlap.
 };
 
-/// A pixel of the camera belongs to one place of the wall, whatever is known of the camera: what is told here needs no
-/// model of it. Reentrant.
+/// Measures the registration. A camera pixel sees one point of the wall whatever the camera's model, so the result does
+/// not depend on that model. Reentrant.
 [[nodiscard]] MeasuredRegistration measured_registration(const Measurements& measurements,
                                                          const calibration::Calibration& calibration);
 

@@ -5,18 +5,19 @@
 
 namespace cyclorama::solve {
 
-/// How much an error counts that is many sigmas large.
+/// The cost of a residual of many sigmas.
 enum class RobustLoss {
-  kHuber,   ///< In proportion: draws from afar.
-  kCauchy,  ///< Ever less: lets gross errors go.
+  kHuber,   ///< Linear in the residual: converges from afar.
+  kCauchy,  ///< Logarithmic in the residual: ignores gross errors.
 };
 
 struct WeighedSquare {
-  double cost = 0.0;    ///< Half of what the loss makes of the square.
-  double weight = 1.0;  ///< What the square counts in the normal equations: the loss's slope.
+  double cost = 0.0;    ///< Half the loss of the squared residual.
+  double weight = 1.0;  ///< Derivative of the loss: the weight of the residual in the normal equations.
 };
 
-/// Of the squared length of a residual, both in sigmas; errors of up to `limit` count as squares, about.
+/// Evaluates the loss at `square`, the squared length of a residual in sigmas; residuals of up to `limit` sigmas count
+/// about quadratically.
 [[nodiscard]] inline WeighedSquare weighed(RobustLoss loss, double limit, double square) {
   const double limits = limit * limit;
   if (loss == RobustLoss::kCauchy) return {0.5 * limits * std::log1p(square / limits), 1.0 / (1.0 + square / limits)};

@@ -6,8 +6,8 @@
 
 namespace cyclorama::solve {
 
-/// The diagonal of a sparse positive definite matrix's inverse, from its factors, without the inverse: only the entries
-/// where the factor has any are made. Precondition: `factor` succeeded.
+/// Returns the diagonal of a sparse positive definite matrix's inverse from its factors, without computing the inverse:
+/// only the entries in the factor's sparsity pattern are computed. Precondition: `factor` succeeded.
 /// Source: Takahashi, Fagan and Chin, "Formation of a sparse bus impedance matrix", 1973.
 [[nodiscard]] std::vector<double> inverse_diagonal(const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>& factor);
 

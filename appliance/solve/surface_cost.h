@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The residuals of surface_fit.cpp and their derivatives: the distance, in projector pixels, between the pixel that
-/// was decoded and the one that a fitted projector would light.
+/// The residuals of surface_fit.cpp and their derivatives: the distance in projector pixels between the decoded pixel
+/// and the pixel with which a fitted projector would light that point.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -13,8 +13,9 @@
 
 namespace cyclorama::solve {
 
-/// A projector where a solver has it, for the residuals of many samples. Its numbers: the turn (3, an angle axis
-/// applied in its own frame after `R_eye_projector`), its place (3) and its lens (8). A value; reentrant.
+/// A projector at the solver's current parameters, for the residuals of many samples. Its parameters: the rotation (3,
+/// an angle axis applied in its own frame after `R_eye_projector`), its position (3) and its lens (8). A value;
+/// reentrant.
 class LitProjector {
  public:
   static constexpr int kNumbers = 6 + calibration::MeasuredLens::kParameters;
@@ -24,29 +25,32 @@ class LitProjector {
   };
 
   LitProjector(const Eigen::Matrix3d& R_eye_projector, const double* numbers);
-  /// Two, in sigmas, of a sample where the wall is so near; `ret_slopes` may be null. False behind the projector.
+  /// Computes the two residuals of a sample, in sigmas, at the given inverse depth of the wall; `ret_slopes` may be
+  /// null. Returns false if the point is behind the projector.
   bool residuals(const MapSample& sample, double inverse_depth, Eigen::Vector2d* ret_residuals,
                  Slopes* ret_slopes) const;
 
  private:
-  Eigen::Matrix3d R_projector_eye_;          ///< With the turn,
-  std::array<Eigen::Matrix3d, 3> R_slopes_;  ///< and how it changes with each of its numbers.
+  Eigen::Matrix3d R_projector_eye_;          ///< Includes the rotation parameters.
+  std::array<Eigen::Matrix3d, 3> R_slopes_;  ///< Derivatives of that matrix by the rotation parameters.
   Eigen::Vector3d place_;
   std::array<double, calibration::MeasuredLens::kParameters> lens_{};
 };
 
-/// Smoothness of a profile or a mesh, and the scale of all. Sigmas are relative to the wall's inverse_depth straight ahead.
+/// Smoothness prior of a profile or a mesh, and prior of the overall scale. Sigmas are relative to the wall's inverse
+/// depth straight ahead.
 class SplinePrior {
  public:
   SplinePrior(const calibration::Surface& shape, double bend_sigma);
-  /// Half the sum of squares; nothing where the wall has no inverse_depth straight ahead. `ret_gradient` and the lower
-  /// triangle of `ret_normal` (both or none may be null) get its share added, at the surface's parameters.
+  /// Returns half the sum of squares; nothing if the wall has no inverse depth straight ahead. Adds its terms to
+  /// `ret_gradient` and to the lower triangle of `ret_normal` (both or neither may be null), at the surface's
+  /// parameters.
   [[nodiscard]] std::optional<double> add(const calibration::Surface& shape, const double* parameters,
                                           Eigen::VectorXd* ret_gradient, Eigen::MatrixXd* ret_normal) const;
 
  private:
   double weight_;
-  std::vector<std::array<int, 3>> bends_;  ///< Parameters beside one another.
+  std::vector<std::array<int, 3>> bends_;  ///< Triples of adjacent parameters.
 };
 
 }  // namespace cyclorama::solve

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The least-squares problem of surface_fit.cpp: a wall and all projectors at once. A sample knows one projector and
-/// the few numbers of the wall nearby, so its share of the normal equations is added where it belongs; Jacobians of all
-/// samples by all numbers are mostly zeros.
+/// The least-squares problem of surface_fit.cpp: a wall and all projectors at once. A sample depends on one projector
+/// and the few wall parameters nearby, so its terms are added directly to the normal equations; a Jacobian of all
+/// samples by all parameters would be mostly zeros.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@
 
 namespace cyclorama::solve {
 
-/// Borrows all for its life. Thread-bound.
+/// Borrows its arguments for its life. Thread-bound.
 class SurfaceProblem final : public DampedProblem {
  public:
   SurfaceProblem(const std::vector<MeasuredProjector>& projectors, std::span<const MapSample> samples,
@@ -26,22 +26,22 @@ class SurfaceProblem final : public DampedProblem {
   std::optional<Attempt> attempt(double damping) override;
   void accept() override { numbers_ = candidate_; }
 
-  /// The lower triangle of J'J where it stands, of all free numbers: the surface's, then each projector's turn, place
-  /// and what its lens has free. Without priors if `measured_alone`.
+  /// Returns the lower triangle of J'J at the current state, for all free parameters: the surface's, then each
+  /// projector's rotation, position and free lens parameters. Without priors if `measured_alone`.
   [[nodiscard]] Eigen::MatrixXd normal(bool measured_alone) const;
-  /// The priors' sigmas in that order.
+  /// Returns the priors' sigmas in that order.
   [[nodiscard]] std::vector<double> scales() const;
-  /// Of the lens's numbers, those that are free.
+  /// Indices of the free lens parameters.
   [[nodiscard]] const std::vector<int>& free_of_lens() const { return free_of_lens_; }
   [[nodiscard]] const calibration::Surface& surface() const { return surface_; }
-  /// What was found, without covariances.
+  /// Returns the current estimate without covariances.
   [[nodiscard]] calibration::SurfaceFit found(double cost) const;
 
  private:
   [[nodiscard]] Eigen::Index first_of(std::size_t projector) const;
   [[nodiscard]] std::array<double, LitProjector::kNumbers> numbers_of(const Eigen::VectorXd& at,
                                                                       std::size_t projector) const;
-  /// Half the sum of robust squares; adds to gradient and normal matrix unless they are null.
+  /// Returns half the sum of robust squares; adds to gradient and normal matrix unless they are null.
   std::optional<double> add_samples(const Eigen::VectorXd& at, Eigen::VectorXd* ret_gradient,
                                     Eigen::MatrixXd* ret_normal) const;
   std::optional<double> add_priors(const Eigen::VectorXd& at, Eigen::VectorXd* ret_gradient,
@@ -52,12 +52,12 @@ class SurfaceProblem final : public DampedProblem {
   const std::vector<MeasuredProjector>& projectors_;
   std::span<const MapSample> samples_;
   const calibration::SurfaceFit& start_;
-  calibration::Surface surface_;  ///< Its parameters are the start's.
+  calibration::Surface surface_;  ///< Holds the start's parameters.
   std::vector<int> free_of_lens_;
-  std::vector<Eigen::Matrix3d> axes_;  ///< Of each projector where the search begins: R_eye_projector.
+  std::vector<Eigen::Matrix3d> axes_;  ///< R_eye_projector of each projector at the start.
   std::optional<SplinePrior> spline_prior_;
-  Eigen::VectorXd prior_means_;   ///< Of the projectors' numbers;
-  Eigen::VectorXd prior_sigmas_;  ///< from first_of(0) on.
+  Eigen::VectorXd prior_means_;   ///< Prior means of the projectors' parameters, from first_of(0) on.
+  Eigen::VectorXd prior_sigmas_;  ///< Their sigmas.
   RobustLoss loss_ = RobustLoss::kHuber;
   Eigen::VectorXd numbers_;
   Eigen::VectorXd candidate_;

@@ -8,9 +8,9 @@
 
 namespace cyclorama::solve {
 
-/// One cell of a projector as several directions see it.
+/// One cell of a projector that several directions see (a track in bundle adjustment).
 struct Track {
-  std::vector<std::size_t> cells;  ///< Into CellMeans::cells.
+  std::vector<std::size_t> cells;  ///< Indices into CellMeans::cells.
 };
 
 struct ChosenTracks {
@@ -20,9 +20,9 @@ struct ChosenTracks {
 
 inline constexpr std::size_t kMinTracks = 12;
 
-/// Tracks spread over what directions share, of each pair of them alike, some left out to be predicted.
-/// kInvalidArgument  directions do not hang together by overlaps, or there is but one: says which, and what to add.
-/// Reentrant.
+/// Chooses tracks that are spread over the overlaps of directions, evenly over the pairs of directions, and sets some
+/// aside as left-out data. Errors: kInvalidArgument, with the remedy, if the directions are not all connected by
+/// overlaps or there is only one. Reentrant.
 Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellMeans& means, std::size_t max,
                                    std::size_t left_out_every);
 

@@ -13,11 +13,12 @@
 
 namespace cyclorama::solve {
 
-/// What the eye at the sweet spot sees, for many pixels. Borrows the plate for its life. Reentrant.
+/// Maps camera pixels to directions from the sweet spot. Borrows the turntable's calibration for its life. Reentrant.
 class WallDirections {
  public:
   explicit WallDirections(const calibration::TurnPlate& plate);
-  /// Where the camera's pixel looks; a unit vector. Nothing outside of the lens.
+  /// Returns the unit direction, from the sweet spot, of the wall point that a camera pixel sees; nothing outside the
+  /// lens's domain.
   [[nodiscard]] std::optional<Eigen::Vector3d> at(std::size_t direction, const Eigen::Vector2d& camera_px) const;
 
  private:
@@ -25,18 +26,18 @@ class WallDirections {
   std::optional<calibration::BrownLens> lens_;
 };
 
-/// WallDirections::at() for a single pixel: it finds where the lens folds anew at each call.
+/// WallDirections::at() for a single pixel; each call searches again for the fold of the distortion.
 [[nodiscard]] std::optional<Eigen::Vector3d> seen_direction(const calibration::TurnPlate& plate, std::size_t direction,
                                                             const Eigen::Vector2d& camera_px);
 
-/// Solves once without the camera's offset, and then as often as more is known. Borrows what create() was given for its
-/// life. Reentrant.
+/// Solves once without the camera's offset, and then again as more becomes known. Borrows the arguments of create() for
+/// its life. Reentrant.
 class TurnPlateSolver {
  public:
-  /// Errors as solve_turn_plate().
+  /// Errors: those of solve_turn_plate().
   static Result<TurnPlateSolver> create(const Measurements& measurements, const CellMeans& means,
                                         const TurnPlateOptions& options);
-  /// With an offset if it is clear and predicts tracks that were left out, else without.
+  /// Solves with an offset if that is significant and predicts the left-out tracks better, otherwise without.
   [[nodiscard]] Result<calibration::TurnPlate> solve(const PlateHints& hints = {}) const;
 
  private:
@@ -52,9 +53,9 @@ class TurnPlateSolver {
   SolvedPlate plain_;
 };
 
-/// kInvalidArgument  it cannot be determined; the message says what to add (a direction, an overlap, light).
-/// kBadData  the directions contradict one another: the plate or the projectors moved, or the angles are wrong.
-/// Precondition: measurements.validate(). Reentrant.
+/// Solves the bundle adjustment of the turntable. Errors: kInvalidArgument if it is underdetermined; the message says
+/// what to add (a direction, an overlap, light); kBadData if the directions contradict one another: the turntable or
+/// the projectors moved, or the angles are wrong. Precondition: measurements.validate(). Reentrant.
 Result<calibration::TurnPlate> solve_turn_plate(const Measurements& measurements, const CellMeans& means,
                                                 const TurnPlateOptions& options = {});
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The turn-plate's bundle adjustment as a least-squares problem. What all directions share is few numbers; each track
-/// adds a direction of its own, which is eliminated (Schur), so the equations that are solved stay small.
+/// The bundle adjustment of the turntable as a least-squares problem. The directions share a few parameters; each track
+/// adds a direction of its own, which is eliminated (Schur complement), so the system to be solved stays small.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,10 +13,11 @@
 
 namespace cyclorama::solve {
 
-/// Borrows all for its life, and moves `state`. Thread-bound.
+/// Borrows its arguments for its life, and modifies `state`. Thread-bound.
 class PlateAdjustment final : public DampedProblem {
  public:
-  /// `tracks`, with a direction each in `state`. Camera's offset and wall's inverse_depth move only if `with_offset`.
+  /// `state` holds one direction for each of `tracks`. The camera's offset and the wall's inverse depth are free only
+  /// if `with_offset`.
   PlateAdjustment(const PlateTask& task, const PlateHints& hints, bool with_offset,
                   const std::vector<const Track*>& tracks, PlateState* state);
 
@@ -25,15 +26,15 @@ class PlateAdjustment final : public DampedProblem {
   std::optional<Attempt> attempt(double damping) override;
   void accept() override { std::swap(*state_, candidate_); }
 
-  /// Of what is shared, the tracks eliminated: the lower triangle of the normal matrix where it stands; of the
-  /// measurements without priors and without what is known of before if `measured_alone`.
+  /// Returns the lower triangle of the normal matrix of the shared parameters at the current state, with the tracks
+  /// eliminated. If `measured_alone`, without priors and without the known directions of an earlier calibration.
   [[nodiscard]] Eigen::MatrixXd reduced_normal(bool measured_alone) const;
-  /// Of what is shared, in the order of those matrices.
+  /// Names of the shared parameters, in the order of those matrices.
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] std::vector<double> prior_sigmas() const;
 
  private:
-  /// One of the numbers that are shared.
+  /// One shared parameter.
   struct Shared {
     enum Kind { kLens, kMount, kOffset, kInverseDepth, kTurn, kAngle } kind;
     std::size_t index;
@@ -48,9 +49,9 @@ class PlateAdjustment final : public DampedProblem {
     double wall_inverse_depth = 0.0;
     std::optional<KnownDirection> known{};
   };
-  /// What one track adds to the equations.
+  /// The contribution of one track to the equations.
   struct TrackEquations {
-    Eigen::Matrix<double, 3, 2> tangent;  ///< In which its direction moves.
+    Eigen::Matrix<double, 3, 2> tangent;  ///< Basis of the tangent plane in which its direction moves.
     Eigen::Matrix2d own = Eigen::Matrix2d::Zero();
     Eigen::Vector2d own_gradient = Eigen::Vector2d::Zero();
     Eigen::Matrix<double, 2, 3> by_turn = Eigen::Matrix<double, 2, 3>::Zero();
@@ -58,8 +59,8 @@ class PlateAdjustment final : public DampedProblem {
   using ObservationCross = Eigen::Matrix<double, 2, kObservationParameters>;
   struct Equations {
     std::vector<TrackEquations> tracks;
-    std::vector<ObservationCross> crosses;  ///< Own direction by what is shared, of each sight.
-    Eigen::VectorXd gradient;               ///< Of what is shared.
+    std::vector<ObservationCross> crosses;  ///< Own direction by shared parameters, per observation.
+    Eigen::VectorXd gradient;               ///< By the shared parameters.
     Eigen::MatrixXd normal;                 ///< Lower triangle.
   };
   struct Elimination {
@@ -71,12 +72,12 @@ class PlateAdjustment final : public DampedProblem {
   [[nodiscard]] double* number(PlateState* state, const Shared& shared) const;
   [[nodiscard]] double prior_sigma(const Shared& shared) const;
   [[nodiscard]] Eigen::VectorXd shared_numbers(PlateState* state) const;
-  /// Where a sight's numbers lie among those that are shared; -1: it stays as it is.
+  /// Returns the column of an observation's parameter among the shared parameters; -1: the parameter is held.
   [[nodiscard]] Eigen::Index column_of(int parameter_index, std::size_t direction) const;
-  /// Half the sum of robust squares; fills the equations unless they are null.
+  /// Returns half the sum of robust squares; fills the equations unless they are null.
   std::optional<double> add_measured(PlateState* state, bool with_known, Equations* ret) const;
   double add_priors(PlateState* state, Eigen::VectorXd* ret_gradient, Eigen::MatrixXd* ret_normal) const;
-  /// A track's cross matrix: only these columns of it are not 0.
+  /// Computes a track's cross matrix, restricted to its nonzero columns.
   void cross_of(const Equations& equations, std::size_t track, std::vector<Eigen::Index>* ret_columns,
                 Eigen::Matrix2Xd* ret_cross) const;
   [[nodiscard]] Elimination eliminated(const Equations& equations, double damping) const;
@@ -89,8 +90,8 @@ class PlateAdjustment final : public DampedProblem {
   std::vector<TrackData> tracks_;
   std::vector<TrackObservation> observations_;
   std::vector<Shared> shared_;
-  std::vector<Eigen::Index> columns_;        ///< Of a sight's numbers but the angle.
-  std::vector<Eigen::Index> angle_columns_;  ///< By direction.
+  std::vector<Eigen::Index> columns_;        ///< Columns of an observation's parameters except the angle.
+  std::vector<Eigen::Index> angle_columns_;  ///< Angle columns, by direction.
   Eigen::Index turn_column_ = -1;
   Eigen::VectorXd prior_means_;
   Eigen::MatrixXd prior_normal_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a turned camera sees of a direction: the residuals of the turn-plate's bundle adjustment, and how they change
-/// with each number.
+/// The projection of a direction into the turned camera: the residuals of the turntable's bundle adjustment and their
+/// derivatives.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,12 +11,12 @@
 
 namespace cyclorama::solve {
 
-/// What each term is multiplied by.
+/// Returns the basis function that each term multiplies.
 [[nodiscard]] Eigen::Matrix<double, calibration::kInverseDepthTerms, 1> inverse_depth_basis(
     const Eigen::Vector3d& direction);
 [[nodiscard]] double inverse_depth_at(const calibration::InverseDepthTerms& terms, const Eigen::Vector3d& direction);
 
-/// From what the eye at the sweet spot sees to what the camera does: turned by the heading, moved off the axis by
+/// Transforms a direction from the sweet spot into the camera frame: turned by the heading, translated off the axis by
 /// (right, forward), pitched up and rolled clockwise. `mount` is {pitch, roll}.
 template <typename T>
 void to_camera(const T* mount, const T* offset, const T& angle, const T* direction, const T& inverse_depth,
@@ -38,21 +38,21 @@ void to_camera(const T* mount, const T* offset, const T& angle, const T* directi
   ret_point[2] = forward;
 }
 
-/// Where a calibration of before has a place of a projector's picture.
+/// Direction of a projector's pixel according to an earlier calibration.
 struct KnownDirection {
   Eigen::Vector3d direction;  ///< A unit vector.
   double sigma_rad = 1e-4;
 };
 
-/// One camera pixel that a direction of the plate sees of a track.
+/// One camera pixel at which a direction of the turntable sees a track.
 struct PlateObservation {
   Eigen::Vector2d camera_px;
-  Eigen::Matrix2d whitening;  ///< From camera pixels to sigmas of the projector's.
+  Eigen::Matrix2d whitening;  ///< From camera pixels to sigmas of the projector's pixel.
 
   explicit PlateObservation(const CellMean& cell);
 };
 
-/// What directions of the plate share, and one of them. Its numbers lie in a residual's Jacobian at:
+/// Indices of an observation's parameters (those shared by all directions, and one angle) in a residual's Jacobian.
 enum ObservationParameter : int {
   kLensIndex = 0,
   kMountIndex = 8,
@@ -62,8 +62,8 @@ enum ObservationParameter : int {
 };
 inline constexpr int kObservationParameters = 22;
 
-/// A camera where a solver has it, for the residuals of many sights. What it sees is linear in a direction and in the
-/// wall's inverse_depth there, so sines and cosines are needed once. A value; reentrant.
+/// The camera at the solver's current parameters, for the residuals of many observations. Its projection is linear in a
+/// direction and in the wall's inverse depth there, so sines and cosines are computed once. A value; reentrant.
 class SeenFrom {
  public:
   struct Slopes {
@@ -72,8 +72,8 @@ class SeenFrom {
   };
 
   SeenFrom(const std::array<double, 2>& mount, const std::array<double, 2>& offset, double angle_rad);
-  /// In sigmas, of the unit vector `direction` where the wall is `wall_inverse_depth` and the terms near; `ret_slopes` may
-  /// be null. False behind the camera.
+  /// Computes the residuals, in sigmas, of the unit vector `direction` where the wall has the inverse depth
+  /// `wall_inverse_depth` plus that of `terms`; `ret_slopes` may be null. Returns false behind the camera.
   bool residuals(const PlateObservation& observation, const double* lens, const calibration::InverseDepthTerms& terms,
                  double wall_inverse_depth, const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals,
                  Slopes* ret_slopes) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The bundle adjustment of turn_plate.cpp: what it moves, what holds it, and what it found.
+/// The bundle adjustment of turntable.cpp: its parameters, priors and results.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,49 +18,50 @@
 namespace cyclorama::solve {
 
 struct TurnPlateOptions {
-  double offset_sigma_m = 0.03;  ///< How far the camera may have been mounted off the axis.
+  double offset_sigma_m = 0.03;  ///< Prior standard deviation of the camera's offset from the axis.
   double mount_sigma_rad = 0.1;
   std::size_t max_tracks = 1500;
-  /// Added to where the search begins: pitch, roll, right, forward. Restarts must agree.
+  /// Added to the initial pitch, roll, right and forward. Restarts from different values must agree.
   Eigen::Vector4d start = Eigen::Vector4d::Zero();
 };
 
-/// What else is known when the plate is solved again.
+/// Further information for solving the turntable again.
 struct PlateHints {
-  /// Where a calibration of before has a projector's pixel, turned about as this one is; nothing where it has none.
+  /// Direction of a projector's pixel in an earlier calibration, whose rotation relative to this one is estimated;
+  /// nothing if it has none.
   std::function<std::optional<KnownDirection>(std::size_t projector, const Eigen::Vector2d& pixel)> known{};
   const calibration::Surface* wall =
-      nullptr;  ///< Fitted to a solution of before: it tells inverse_depth better. Borrowed for the call.
+      nullptr;  ///< Fitted to an earlier solution: describes the inverse depth better. Borrowed for the call.
 };
 
-/// 1/m, never less than a little.
+/// Inverse distance of the wall in 1/m, with a small positive lower bound.
 struct InverseDepthField {
   calibration::InverseDepthTerms terms{};
-  const calibration::Surface* wall = nullptr;  ///< The terms are added to it. Borrowed.
+  const calibration::Surface* wall = nullptr;  ///< The terms are added to its inverse depth. Borrowed.
   [[nodiscard]] double wall_at(const Eigen::Vector3d& direction) const;
   [[nodiscard]] double at(const Eigen::Vector3d& direction) const;
 };
 
-/// Where the camera is in one direction of the plate.
+/// Pose of the camera in one direction of the turntable.
 struct CameraPose {
   std::array<double, 2> mount{};   ///< Pitch, roll.
   std::array<double, 2> offset{};  ///< Right, forward.
   double angle_rad = 0.0;
 };
 
-/// What the eye at the sweet spot sees of what the camera sees along `ray`; a unit vector.
+/// Returns the unit direction from the sweet spot to the wall point that the camera sees along `ray`.
 [[nodiscard]] Eigen::Vector3d wall_direction_along(const CameraPose& pose, const InverseDepthField& inverse_depth,
                                                    const Eigen::Vector3d& ray);
 
-/// What the bundle adjustment moves. Ceres holds pointers into it.
+/// The parameters of the bundle adjustment. Solvers keep pointers into it.
 struct PlateState {
   std::array<double, calibration::MeasuredLens::kParameters> lens{};
   std::array<double, 2> mount{};
   std::array<double, 2> offset{};
   std::vector<double> angles;
   InverseDepthField inverse_depth{};
-  std::array<double, 3> turn{};                   ///< Of what is known of before.
-  std::vector<std::array<double, 3>> directions;  ///< Of the tracks.
+  std::array<double, 3> turn{};                   ///< Rotation of the earlier calibration relative to this one.
+  std::vector<std::array<double, 3>> directions;  ///< One per track.
 
   [[nodiscard]] CameraPose camera(std::size_t direction) const { return {mount, offset, angles[direction]}; }
 };
@@ -75,31 +76,33 @@ struct SolvedPlate {
   double cost = 0.0;
   Eigen::MatrixXd covariance;
   int rank = 0;
-  std::vector<std::string> names;  ///< Of the covariance's rows.
+  std::vector<std::string> names;  ///< Names of the covariance's rows.
   std::size_t tracks = 0;
   TrackError used;
   TrackError left_out;
 
-  /// Of the offset, right and forward, in metres at the inverse_depth that was found in the tracks' mean. Only their product
-  /// is seen: the scale that the two share, which a prior alone holds, is no part of it. Precondition: with an offset.
+  /// Standard deviation of the offset, right and forward, in metres at the mean inverse depth of the tracks. Only the
+  /// product of offset and inverse depth is observable: their common scale, which a prior alone holds, is excluded.
+  /// Precondition: solved with an offset.
   [[nodiscard]] Eigen::Vector2d offset_sigma_m() const;
 };
 
-/// What does not change from one solution to the next. Borrows all for its life.
+/// Inputs that all solutions share. Borrows its members for its life.
 struct PlateTask {
   const Measurements& measurements;
   const CellMeans& means;
   const TurnPlateOptions& options;
   const ChosenTracks& tracks;
-  std::size_t reference = 0;  ///< The direction whose angle is as told.
+  std::size_t reference = 0;  ///< The direction that keeps its reported angle.
 };
 
-/// `from` is where the search begins, of a solution without an offset; null: from what was told, and without one.
-/// kInvalidArgument  the lens has no directions for the tracks.  kBadData  no start leads anywhere.  Reentrant.
+/// Solves the bundle adjustment. `from` is the initial state, a solution without an offset; null: starts from the
+/// reported values and solves without an offset. Errors: kInvalidArgument if the lens has no directions for the tracks;
+/// kBadData if no start converges. Reentrant.
 Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, const PlateState* from,
                                 const Eigen::Vector2d& offset_m);
 
-/// With the numbers of a state.
+/// Returns the camera's lens with the parameters of a state.
 [[nodiscard]] calibration::MeasuredLens lens_of(const Measurements& measurements, const PlateState& state);
 
 }  // namespace cyclorama::solve

@@ -9,19 +9,21 @@
 namespace cyclorama::solve {
 
 struct Uncertainty {
-  Eigen::MatrixXd covariance;  ///< Of the first parameters, with all residuals.
-  int rank = 0;                ///< Of what `measured` alone tells about them.
+  Eigen::MatrixXd covariance;  ///< Covariance of the first parameters, from all residuals.
+  int rank = 0;                ///< Number of parameters that `measured` alone determines.
 };
 
-/// Of a least-squares problem at its solution. `blocks`: first those of which `shared` tangent parameters are asked,
-/// then small ones of `small` tangent parameters each that no residual has two of; these are eliminated (Schur).
-/// `scale` are the priors' sigmas: what the measurements alone tell better than these counts for the rank. Not by
-/// Ceres' Covariance: that takes minutes where thousands of small blocks stand beside few shared ones.
+/// Computes the uncertainty of a least-squares problem at its solution. `blocks` lists first the blocks whose `shared`
+/// tangent parameters are reported, then blocks of `small` tangent parameters each, which are eliminated (Schur
+/// complement); no residual depends on two of the latter. `scale` holds the priors' sigmas: a parameter counts for the
+/// rank if the measurements alone determine it better than its sigma. Ceres' Covariance is not used, since it takes
+/// minutes with thousands of small blocks and few shared ones.
 [[nodiscard]] Uncertainty uncertainty_of(ceres::Problem* problem, const std::vector<double*>& blocks, int shared,
                                          int small, const std::vector<double>& scale,
                                          const std::vector<ceres::ResidualBlockId>& measured);
 
-/// The same of normal matrices (lower triangles, not scaled) in which nothing small is left: `all` with all residuals.
+/// The same for normal matrices (lower triangles, unscaled) without small blocks: `all` from all residuals, `measured`
+/// from the measurements.
 [[nodiscard]] Uncertainty uncertainty_of(const Eigen::MatrixXd& all, const Eigen::MatrixXd& measured,
                                          const std::vector<double>& scale);
 

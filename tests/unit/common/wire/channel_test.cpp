@@ -74,7 +74,7 @@ TEST_F(InspectionTest, a_second_server_on_a_taken_port_is_refused) {
   EXPECT_EQ(second.error().code(), ErrorCode::kBusy);
 }
 
-TEST_F(InspectionTest, status_tells_stages_gauges_and_state) {
+TEST_F(InspectionTest, status_reports_stages_gauges_and_state) {
   service_.set_state("waits for the farm", false);
   for (int ms = 1; ms <= 100; ++ms) service_.add_stage_time("plan", std::chrono::milliseconds(ms));
   wire::Table table;
@@ -98,7 +98,7 @@ TEST_F(InspectionTest, status_tells_stages_gauges_and_state) {
   EXPECT_EQ(status.gauges(0).value(), 3.0);
 }
 
-TEST_F(InspectionTest, a_picture_is_made_only_after_somebody_asked) {
+TEST_F(InspectionTest, a_picture_is_made_only_on_request) {
   EXPECT_FALSE(service_.is_watched("wall"));
   wire::PictureRequest request;
   request.set_name("wall");

@@ -64,7 +64,7 @@ class Tls : public testing::Test {
   std::unique_ptr<WireServer> server_;
 };
 
-TEST_F(Tls, tells_who_calls) {
+TEST_F(Tls, reports_the_caller) {
   serve(authority_.coordinator());
   const TlsFiles museum = authority_.museum("hall-3");
   const grpc::Status status = call(museum);
@@ -75,7 +75,7 @@ TEST_F(Tls, tells_who_calls) {
   EXPECT_EQ(check(museum)->serial, last_seen().serial);
 }
 
-TEST_F(Tls, asks_about_every_call_and_hands_on_the_answer) {
+TEST_F(Tls, checks_every_call_and_returns_the_reason) {
   serve(authority_.coordinator());
   const grpc::Status status = call(authority_.node("n1"));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::PERMISSION_DENIED);
@@ -108,7 +108,7 @@ TEST_F(Tls, speaks_1_3_and_nothing_older) {
   EXPECT_THAT(older, HasSubstr("no peer certificate available"));
 }
 
-TEST_F(Tls, refuses_a_coordinator_that_is_not_what_was_dialled) {
+TEST_F(Tls, refuses_a_coordinator_with_another_address) {
   serve(authority_.coordinator("farm.example.org"));
   EXPECT_THAT(from_grpc(call(authority_.museum("hall-3")), "calling").message(),
               HasSubstr("does not contain the address"));
@@ -130,7 +130,7 @@ TEST_F(Tls, uses_a_renewed_certificate_without_a_restart) {
   EXPECT_TRUE(call(authority_.museum("hall-3")).ok());
 }
 
-TEST_F(Tls, says_which_file_is_not_what_it_should_be) {
+TEST_F(Tls, names_the_invalid_file) {
   const TlsFiles museum = authority_.museum("hall-3");
   const auto refusal_of = [](const TlsFiles& files) {
     const auto answer = check(files);

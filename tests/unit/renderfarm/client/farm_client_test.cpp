@@ -81,7 +81,7 @@ TEST(FarmClient, has_two_frames_in_flight_and_drops_to_the_newest_view) {
   EXPECT_EQ(listener.seen().frames.back().view.number(), 50u);
 }
 
-TEST(FarmClient, comes_back_by_itself_when_the_coordinator_restarts_and_asks_again) {
+TEST(FarmClient, reconnects_and_requests_again_after_the_coordinator_restarts) {
   auto farm = std::make_unique<FakeFarm>();
   farm->set_gate(false);
   const int port = farm->port();
@@ -98,7 +98,7 @@ TEST(FarmClient, comes_back_by_itself_when_the_coordinator_restarts_and_asks_aga
   EXPECT_TRUE(listener.seen().frames.front().end.complete());
 }
 
-TEST(FarmClient, ends_a_frame_that_breaks_and_delivers_it_whole_afterwards) {
+TEST(FarmClient, ends_a_broken_frame_and_delivers_it_whole_afterwards) {
   FakeFarm farm;
   farm.break_next_frame_after(2);
   RecordingFarmListener listener;
@@ -123,7 +123,7 @@ TEST(FarmClient, tries_the_next_coordinator_when_one_is_away) {
   EXPECT_THAT(listener.seen().reasons.front(), HasSubstr(away));
 }
 
-TEST(FarmClient, tells_a_refusal_once_and_goes_on_trying) {
+TEST(FarmClient, reports_a_refusal_once_and_keeps_trying) {
   FakeFarm farm;
   farm.refuse_sessions({grpc::StatusCode::NOT_FOUND, "no scene 'plain'"});
   RecordingFarmListener listener;
@@ -135,7 +135,7 @@ TEST(FarmClient, tells_a_refusal_once_and_goes_on_trying) {
   ASSERT_TRUE(listener.wait([](const auto& seen) { return seen.opened == 1; }));
 }
 
-TEST(FarmClient, gives_up_a_coordinator_that_owes_a_frame_and_says_nothing) {
+TEST(FarmClient, gives_up_a_coordinator_that_does_not_answer) {
   FakeFarm farm;
   farm.set_gate(false);
   RecordingFarmListener listener;
@@ -148,7 +148,7 @@ TEST(FarmClient, gives_up_a_coordinator_that_owes_a_frame_and_says_nothing) {
       listener.wait([](const auto& seen) { return !seen.frames.empty() && seen.frames.back().end.complete(); }));
 }
 
-TEST(FarmClient, leaves_a_coordinator_whose_message_cannot_be_read_and_dials_again) {
+TEST(FarmClient, reconnects_after_an_unreadable_message) {
   wire::SceneDescription garbage = fake_scene("plain");
   garbage.set_title("\xff");  // A string that is not UTF-8 makes the message invalid.
   FakeFarm farm(garbage);
@@ -158,7 +158,7 @@ TEST(FarmClient, leaves_a_coordinator_whose_message_cannot_be_read_and_dials_aga
   EXPECT_THAT(listener.seen().reasons.front(), HasSubstr("cannot be read"));
 }
 
-TEST(FarmClient, refuses_a_scene_that_nobody_can_walk_in) {
+TEST(FarmClient, refuses_a_scene_without_a_walkable_area) {
   wire::SceneDescription scene = fake_scene("plain");
   scene.set_walking_scale(std::numeric_limits<double>::quiet_NaN());
   FakeFarm farm(scene);

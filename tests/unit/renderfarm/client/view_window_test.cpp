@@ -75,7 +75,7 @@ ViewWindow open_window() {
   return window;
 }
 
-TEST(ViewWindow, wants_the_scene_first_and_once) {
+TEST(ViewWindow, expects_the_scene_first_and_once) {
   ViewWindow window;
   window.put(view_of(1));
   EXPECT_FALSE(window.take_sendable()) << "nobody knows yet what is to be seen";
@@ -90,7 +90,7 @@ TEST(ViewWindow, wants_the_scene_first_and_once) {
   EXPECT_TRUE(window.take_sendable());
 }
 
-TEST(ViewWindow, refuses_tiles_over_others_that_add_up_to_a_whole_picture) {
+TEST(ViewWindow, refuses_overlapping_tiles_whose_pixels_add_up) {
   ViewWindow window = open_window();
   window.put(view_of(1));
   ASSERT_TRUE(window.take_sendable());
@@ -102,7 +102,7 @@ TEST(ViewWindow, refuses_tiles_over_others_that_add_up_to_a_whole_picture) {
   EXPECT_TRUE(window.take(end_of(1, 2)));
 }
 
-TEST(ViewWindow, refuses_a_frame_from_where_nobody_stands) {
+TEST(ViewWindow, refuses_a_frame_from_another_position) {
   ViewWindow window = open_window();
   window.put(view_of(1));
   ASSERT_TRUE(window.take_sendable());
@@ -117,7 +117,7 @@ TEST(ViewWindow, refuses_a_frame_from_where_nobody_stands) {
   EXPECT_TRUE(window.take(begin_of(1)));
 }
 
-TEST(ViewWindow, wants_both_eyes_of_a_frame_and_the_eyes_that_were_asked_for) {
+TEST(ViewWindow, expects_the_requested_eyes_in_a_frame) {
   const auto two = [](std::uint64_t number, int height_px, double distance_m) {
     wire::View view = view_of(number);
     Projection picture{Panorama{64, height_px, 1.0, 0.5, -0.5}, {}};
@@ -137,7 +137,7 @@ TEST(ViewWindow, wants_both_eyes_of_a_frame_and_the_eyes_that_were_asked_for) {
   EXPECT_TRUE(window.take(end_of(1, 2)));
 }
 
-TEST(ViewWindow, lets_two_out_and_keeps_only_the_newest_of_the_rest) {
+TEST(ViewWindow, sends_two_views_and_keeps_only_the_newest_of_the_rest) {
   ViewWindow window = open_window();
   EXPECT_FALSE(window.put(view_of(1)));
   EXPECT_EQ(window.take_sendable()->number(), 1u);
@@ -244,7 +244,7 @@ TEST(ViewWindow, expects_no_refined_frame_from_the_next_farm) {
   EXPECT_FALSE(window.take(begin_of(1)));
 }
 
-TEST(ViewWindow, asks_again_for_the_newest_view_after_a_loss) {
+TEST(ViewWindow, requests_the_newest_view_again_after_a_loss) {
   ViewWindow window = open_window();
   for (std::uint64_t n : {1u, 2u}) {
     window.put(view_of(n));
@@ -262,7 +262,7 @@ TEST(ViewWindow, asks_again_for_the_newest_view_after_a_loss) {
   EXPECT_FALSE(window.take_sendable());
 }
 
-TEST(ViewWindow, takes_a_dome_that_was_asked_for_with_fewer_pixels_and_no_other) {
+TEST(ViewWindow, accepts_a_requested_dome_with_fewer_pixels_only) {
   ViewWindow window = open_window();
   window.put(dome_of(1, 64, 0.5));
   ASSERT_TRUE(window.take_sendable());

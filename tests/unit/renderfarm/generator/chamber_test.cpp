@@ -36,7 +36,7 @@ TEST(Chamber, walls_and_ceiling_face_inwards) {
   }
 }
 
-TEST(Chamber, floor_corridor_and_altar_face_those_who_walk_there) {
+TEST(Chamber, floor_corridor_and_altar_face_the_visitor) {
   for (const Patch& patch : floor_and_corridor(3)) EXPECT_GT(share_facing(patch, {0.0f, 1.5f, 5.0f}), 0.85);
   for (const Patch& patch : altar(3)) EXPECT_GT(share_facing(patch, {0.0f, 3.0f, 2.0f}), 0.7);
 }

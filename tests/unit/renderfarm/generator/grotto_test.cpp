@@ -29,7 +29,7 @@ std::map<std::string, std::uint64_t> digests(const std::map<std::string, Counted
   return digests;
 }
 
-TEST(Grotto, has_nearly_as_many_triangles_as_asked_and_never_more) {
+TEST(Grotto, has_nearly_as_many_triangles_as_requested_and_never_more) {
   for (const std::uint64_t asked :
        {10'000u, 10'001u, 12'345u, 50'000u, 333'333u, 1'000'000u, 6'000'000u, 25'000'000u, 60'000'000u}) {
     for (const std::uint32_t seed : {0u, 1u, 4'000'000'000u}) {
@@ -51,7 +51,7 @@ TEST(Grotto, is_refused_below_and_above_its_range) {
   }
 }
 
-TEST(Grotto, gives_every_file_what_it_promised_in_sound_numbers) {
+TEST(Grotto, writes_the_announced_counts_of_finite_numbers) {
   for (const std::uint64_t asked : {10'000u, 120'000u}) {
     const auto grotto = plan_grotto(asked, 5);
     ASSERT_TRUE(grotto.has_value());
@@ -121,7 +121,7 @@ class FailingSink final : public GeometrySink {
   CountingSink inner_;
 };
 
-TEST(Grotto, says_why_a_file_could_not_be_written_whichever_it_is) {
+TEST(Grotto, reports_why_any_file_could_not_be_written) {
   const auto grotto = plan_grotto(10'000, 1);
   ASSERT_TRUE(grotto.has_value());
   for (int n = 0; n < static_cast<int>(grotto->parts.size()); ++n) {

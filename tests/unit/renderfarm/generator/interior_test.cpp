@@ -8,7 +8,7 @@
 namespace cyclorama::grotto {
 namespace {
 
-TEST(Interior, has_nearly_as_many_triangles_as_asked_for_and_never_more) {
+TEST(Interior, has_nearly_as_many_triangles_as_requested_and_never_more) {
   for (const std::uint64_t asked : {30'000u, 1'440'000u, 6'000'000u}) {
     const auto hall = plan_interior(asked, 1, 4);
     ASSERT_TRUE(hall.has_value()) << hall.error().message();

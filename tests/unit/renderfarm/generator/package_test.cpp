@@ -59,7 +59,7 @@ TEST_F(GrottoPackage, is_a_scene_that_loads) {
   EXPECT_TRUE(scene->bounds.contains(Eigen::Vector3d(0.0, 1.6, 3.1)));
 }
 
-TEST_F(GrottoPackage, starts_and_stops_where_one_may_walk) {
+TEST_F(GrottoPackage, starts_and_stops_in_the_walkable_area) {
   ASSERT_TRUE(write_package(order_, always).has_value());
   const auto scene = scene::load_scene(order_.folder, scene::ImportLimits{}, nullptr);
   ASSERT_TRUE(scene.has_value());
@@ -99,7 +99,7 @@ TEST_F(GrottoPackage, is_the_same_to_the_byte_for_the_same_order) {
   for (const auto& [name, content] : first) EXPECT_EQ(bytes(name), content) << name;
 }
 
-TEST_F(GrottoPackage, keeps_what_is_there_unless_it_is_a_grotto_to_be_replaced) {
+TEST_F(GrottoPackage, keeps_the_folder_unless_it_is_a_grotto_to_be_replaced) {
   ASSERT_TRUE(write_package(order_, always).has_value());
   const std::string old = bytes("scene.toml");
   const auto names = everything();
@@ -159,7 +159,7 @@ TEST_F(GrottoPackage, leaves_nothing_when_a_file_cannot_be_written) {
   EXPECT_THAT(everything(), testing::IsEmpty());
 }
 
-TEST_F(GrottoPackage, says_so_when_the_folder_above_is_missing) {
+TEST_F(GrottoPackage, reports_a_missing_parent_folder) {
   order_.folder = parent_ / "absent" / "one";
   const auto failed = write_package(order_, always);
   ASSERT_FALSE(failed.has_value());

@@ -27,7 +27,7 @@ const std::array<Vertex, 4> kVertices = {{{{0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f
                                           {{0.0f, 0.0f, 3.25f}, {1.0f, 0.0f, 0.0f}, {9, 8, 7}}}};
 const std::array<Triangle, 2> kTriangles = {{{0, 1, 2}, {3, 2, 1}}};
 
-TEST_F(PlyWriter, what_it_writes_the_importer_reads) {
+TEST_F(PlyWriter, writes_files_that_the_importer_reads) {
   const GeometryCounts counts{kVertices.size(), kTriangles.size()};
   PlySink sink(folder_, Shading::kSmooth);
   auto file = sink.open("a.ply", counts);

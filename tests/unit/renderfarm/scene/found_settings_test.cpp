@@ -90,7 +90,7 @@ TEST(FindSettings, ground_under_the_sky_is_a_site) {
   EXPECT_NEAR(found.eye.y(), 1.6, 0.05);
 }
 
-TEST(FindSettings, the_top_of_a_big_thing_is_no_site) {
+TEST(FindSettings, the_top_of_a_large_object_is_no_site) {
   const FoundSettings found = settings_of(model_of({box_mesh(box({0, 0, 0}, {6, 6, 6}), false)}));
   EXPECT_EQ(found.kind, SceneKind::kObject);
   EXPECT_GT(found.eye.z(), 6.0);
@@ -127,7 +127,7 @@ TEST(FindSettings, the_walkable_area_goes_round_corners_and_keeps_from_walls) {
   EXPECT_LT(found.walkable.size(), 20u);
 }
 
-TEST(FindSettings, an_eye_that_somebody_chose_is_kept_and_can_walk) {
+TEST(FindSettings, a_chosen_eye_is_kept_and_can_walk) {
   const Model model = model_of({box_mesh(box({0, 0, 0}, {6, 3, 6}), true)});
   for (const Eigen::Vector3d& eye :
        {Eigen::Vector3d(1, 1.2, 1), Eigen::Vector3d(0.05, 1.6, 3), Eigen::Vector3d(3, 2.9, 3),
@@ -140,7 +140,7 @@ TEST(FindSettings, an_eye_that_somebody_chose_is_kept_and_can_walk) {
   EXPECT_NEAR(find_settings(model, bounds_of(model), Eigen::Vector3d(1, 1.2, 1)).eye_height_m, 1.2, 0.05);
 }
 
-TEST(FindSettings, what_has_no_thickness_or_no_size_still_gets_a_view) {
+TEST(FindSettings, geometry_without_thickness_or_size_still_gets_a_view) {
   Mesh flat = box_mesh(box({0, 0, 0}, {1, 1, 0}), false);
   settings_of(model_of({flat}));
   Mesh point;

@@ -167,7 +167,7 @@ TEST_F(GltfAccessorTest, missing_and_unknown_properties_name_their_place) {
   EXPECT_THAT(error(file), HasSubstr("5124 is no component type"));
 }
 
-TEST_F(GltfAccessorTest, zeros_without_data_are_paid_for) {
+TEST_F(GltfAccessorTest, zeros_without_data_are_charged) {
   GltfBuilder file = three_pairs();
   file.json["accessors"][0].erase("bufferView");
   file.json["accessors"][0]["count"] = 4'000'000'000;

@@ -39,7 +39,7 @@ TEST(GltfContainer, a_byte_order_mark_is_ignored) {
   EXPECT_EQ(import_text("\xef\xbb\xbf{\"asset\":{\"version\":\"2.0\"}}"), "loaded");
 }
 
-TEST(GltfContainer, what_is_no_gltf_is_named) {
+TEST(GltfContainer, files_that_are_not_gltf_are_named) {
   EXPECT_THAT(import_text(""), HasSubstr("empty"));
   EXPECT_THAT(import_text("PK\x03\x04"), HasSubstr("not glTF"));
   EXPECT_THAT(import_text("[]"), HasSubstr("not glTF"));
@@ -47,7 +47,7 @@ TEST(GltfContainer, what_is_no_gltf_is_named) {
   EXPECT_THAT(import_text("glTF"), HasSubstr("header"));
 }
 
-TEST(GltfContainer, json_errors_say_where) {
+TEST(GltfContainer, json_errors_name_the_place) {
   EXPECT_THAT(import_text("{\"asset\":{\"version\":\"2.0\"},\n \"nodes\": [1,}"), HasSubstr("line 2"));
   EXPECT_THAT(import_text("{\"asset\":{\"version\":\"2.0\"}, \"x\":1e999}"), HasSubstr("cannot be read"));
   EXPECT_THAT(import_text("{\"a\":\"\xff\"}"), HasSubstr("cannot be read"));

@@ -79,7 +79,7 @@ TEST(GltfDracoPromise, attributes_must_be_what_their_accessors_say) {
   EXPECT_THAT(error_of(file.import()), HasSubstr("no attribute"));
 }
 
-TEST(GltfDracoPromise, work_memory_is_paid_for) {
+TEST(GltfDracoPromise, working_memory_is_charged) {
   ImportLimits limits;
   limits.memory_bytes = 40'000;
   EXPECT_THAT(error_of(draco_file(compressed_square(draco::MESH_EDGEBREAKER_ENCODING)).import(limits)),

@@ -53,7 +53,7 @@ TEST(GltfJson, places_escape_what_json_pointers_escape) {
   EXPECT_THAT(object(value).number("a/b~c").error().message(), HasSubstr("/things/3/a~1b~0c"));
 }
 
-TEST(GltfJson, a_name_that_is_no_text_is_no_name) {
+TEST(GltfJson, a_name_that_is_not_text_is_ignored) {
   const json value = {{"name", 7}};
   EXPECT_EQ(object(value).name(), "");
 }

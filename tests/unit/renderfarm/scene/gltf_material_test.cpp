@@ -138,7 +138,7 @@ TEST(GltfMaterial, reads_gloss_coat_and_body) {
   EXPECT_THAT(model.notes, IsEmpty());
 }
 
-TEST(GltfMaterial, gloss_coat_and_body_are_kept_within_what_can_be) {
+TEST(GltfMaterial, gloss_coat_and_body_are_clipped_to_valid_values) {
   Painted file;
   auto& extensions = file.material()["extensions"];
   extensions = {{"KHR_materials_ior", {{"ior", 0.5}}},

@@ -48,7 +48,7 @@ TEST(GltfMesh, counts_vertices_up_where_there_are_no_indices) {
   EXPECT_THAT(triangles_of(one_triangle()), ElementsAre(Triangle{0, 1, 2}));
 }
 
-TEST(GltfMesh, a_count_that_no_data_is_behind_is_refused_before_triangles_are_made_of_it) {
+TEST(GltfMesh, a_count_without_data_is_refused_before_triangles_are_made) {
   for (const bool has_view : {false, true}) {
     GltfBuilder file = square(4, {});
     nlohmann::json& accessor = file.json["accessors"][0];
@@ -58,7 +58,7 @@ TEST(GltfMesh, a_count_that_no_data_is_behind_is_refused_before_triangles_are_ma
   }
 }
 
-TEST(GltfBudget, what_a_small_file_may_take_is_bounded_and_stored_bytes_earn_more) {
+TEST(GltfBudget, a_small_file_is_bounded_and_stored_bytes_release_more) {
   constexpr std::size_t kGiB = std::size_t{1} << 30;
   GltfBudget budget(8 * kGiB);
   EXPECT_EQ(budget.left_bytes(), 4 * kGiB);
@@ -71,7 +71,7 @@ TEST(GltfBudget, what_a_small_file_may_take_is_bounded_and_stored_bytes_earn_mor
   EXPECT_EQ(GltfBudget(1000).left_bytes(), 1000u);
 }
 
-TEST(GltfMesh, strips_lose_the_triangles_that_only_stitch) {
+TEST(GltfMesh, strips_lose_the_triangles_that_only_connect) {
   EXPECT_THAT(triangles_of(square(5, {0, 1, 2, 2, 3, 0})), ElementsAre(Triangle{0, 1, 2}, Triangle{2, 0, 3}));
 }
 

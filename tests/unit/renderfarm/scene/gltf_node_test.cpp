@@ -45,7 +45,7 @@ TEST(GltfNode, a_matrix_is_read_by_columns) {
   EXPECT_TRUE((model->instances[0].T_model_mesh * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(5, 7, 7)));
 }
 
-TEST(GltfNode, transforms_that_are_none_are_refused) {
+TEST(GltfNode, invalid_transforms_are_refused) {
   const json identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   json projective = identity;
   projective[3] = 1;
@@ -94,7 +94,7 @@ TEST(GltfNode, loops_and_second_parents_are_refused_and_named) {
   EXPECT_THAT(error_of(with_nodes({{{"mesh", 7}}}, {0}).import()), HasSubstr("/nodes/0/mesh: index 7 of 1 meshes"));
 }
 
-TEST(GltfNode, a_hundred_thousand_nodes_deep_is_no_deeper_for_us) {
+TEST(GltfNode, a_hierarchy_of_a_hundred_thousand_levels_is_read) {
   json nodes = json::array();
   constexpr int kDeep = 100'000;
   for (int i = 0; i < kDeep; ++i) nodes.push_back({{"children", {i + 1}}, {"translation", {0, 0, 1}}});
@@ -138,7 +138,7 @@ TEST(GltfNode, gpu_instancing_shows_a_mesh_many_times) {
   EXPECT_THAT(error_of(file.import()), HasSubstr("is needed here"));
 }
 
-TEST(GltfNode, instances_are_paid_for) {
+TEST(GltfNode, instances_are_charged) {
   GltfBuilder file = one_triangle();
   file.add_floats({0, 0, 0}, "VEC3");
   file.json["accessors"][1].erase("bufferView");
@@ -159,7 +159,7 @@ GltfBuilder with_light(const json& light, const json& node) {
   return file;
 }
 
-TEST(GltfLight, a_spot_stands_and_shines_as_its_node_does) {
+TEST(GltfLight, a_spot_has_the_pose_of_its_node) {
   const Result<Model> model =
       with_light({{"type", "spot"},
                   {"name", "lamp"},
@@ -203,7 +203,7 @@ TEST(GltfLight, what_cannot_be_a_light_is_refused_or_noted) {
   EXPECT_THAT(error_of(file.import()), HasSubstr("index 3 of 1 lights"));
 }
 
-TEST(GltfViewpoint, a_camera_is_where_one_may_stand) {
+TEST(GltfViewpoint, a_camera_becomes_a_viewpoint) {
   GltfBuilder file =
       with_nodes({{{"mesh", 0}},
                   {{"camera", 0}, {"name", "stop"}, {"translation", {1, 2, 3}}, {"rotation", {0, kHalf, 0, kHalf}}}},

@@ -141,7 +141,7 @@ TEST(GltfSharedDetails, khronos_materials_are_read_whole) {
   EXPECT_EQ(material_called(read(shiny), "M1.2_specFac").specular, 0.051269f);
 }
 
-TEST(GltfSharedDetails, what_a_sphere_of_every_extension_lacks_is_said_once) {
+TEST(GltfSharedDetails, missing_features_of_a_sphere_with_every_extension_are_noted_once) {
   CYCLORAMA_SHARED_DATA(file, "materials/pbr_next_sphere/sphere.gltf");
   const Result<Model> model = import_gltf(file, ImportLimits{});
   ASSERT_TRUE(model.has_value()) << model.error().message();

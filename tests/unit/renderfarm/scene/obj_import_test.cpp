@@ -165,7 +165,7 @@ TEST_F(ObjFolder, one_mesh_is_made_for_each_material) {
   EXPECT_EQ(model->instances.size(), 2u);
 }
 
-TEST_F(ObjFolder, materials_come_as_near_as_they_can) {
+TEST_F(ObjFolder, materials_are_converted_as_closely_as_possible) {
   const Material m = material("newmtl m\nKd 0.5 0.25 0\nKe 1 2 3\nNs 98\nKs 1 1 1\nd 0.5\nmap_bump x.png\n");
   EXPECT_EQ(m.base_colour, Eigen::Vector4f(0.5f, 0.25f, 0.0f, 0.5f));
   EXPECT_EQ(m.emissive, Eigen::Vector3f(1, 2, 3));
@@ -180,7 +180,7 @@ TEST_F(ObjFolder, materials_come_as_near_as_they_can) {
   EXPECT_EQ(material("newmtl m\nKd 0.3\nKd x\nKd\nNs nan\n").base_colour[1], 0.3f);
 }
 
-TEST_F(ObjFolder, textures_are_read_whatever_path_their_author_had) {
+TEST_F(ObjFolder, textures_are_found_despite_their_authors_paths) {
   ASSERT_TRUE(write_png(folder_ / "t.png", RgbImage(2, 2, 99)).has_value());
   for (const char* const name : {"t.png", "-s 1 1 1 -o 0 0 t.png", "-clamp on t.png", "-bm 0.5 t.png",
                                  "C:\\Users\\me\\t.png", "/home/me/t.png", "../../t.png", "./t.png"}) {

@@ -180,7 +180,7 @@ TEST_F(ScenePackageTest, rotations_are_applied_about_x_then_y_then_z) {
   EXPECT_LT((p - Eigen::Vector3d(3, 0, 0)).norm(), 1e-12);
 }
 
-TEST_F(ScenePackageTest, instances_turn_to_the_right_and_stand_where_they_are_put) {
+TEST_F(ScenePackageTest, instances_are_rotated_to_the_right_and_placed) {
   const auto package = parse(kMinimalPackage +
                              "scale = 2\n[[geometry.instance]]\nposition_m = [0, 0, 5]\nheading_deg = 90\n"
                              "[[geometry.instance]]\nscale = 3\n");

@@ -43,7 +43,7 @@ class SceneFolder : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(SceneFolder, a_package_stands_in_metres_and_y_up_and_stores_its_geometry_once) {
+TEST_F(SceneFolder, a_package_is_in_metres_with_y_up_and_stores_its_geometry_once) {
   write("a.obj", kObj);
   write("scene.toml",
         "title = 'x'\nunit_m = 0.5\nup = 'z'\n[[geometry]]\nfile = 'a.obj'\n[[geometry.instance]]\n"
@@ -72,7 +72,7 @@ TEST_F(SceneFolder, several_files_keep_their_materials) {
   EXPECT_EQ(scene->model.materials[static_cast<std::size_t>(scene->model.meshes[1].material)].name, "blue");
 }
 
-TEST_F(SceneFolder, what_a_package_says_is_kept_and_what_it_leaves_open_is_found) {
+TEST_F(SceneFolder, settings_of_a_package_are_kept_and_missing_ones_derived) {
   write("a.obj", kObj);
   write("scene.toml",
         "title = 'x'\ncredits = 'me'\nexposure = 3\n[start]\neye_m = [1, 2, 3]\nheading_deg = 90\n"
@@ -105,7 +105,7 @@ TEST_F(SceneFolder, errors_name_the_file_and_the_remedy) {
   EXPECT_FALSE(load("").has_value()) << "a package in a package";
 }
 
-TEST_F(SceneFolder, the_format_is_told_by_content_before_the_name) {
+TEST_F(SceneFolder, the_format_is_detected_by_content_before_the_name) {
   write("a.obj",
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
         "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
@@ -114,7 +114,7 @@ TEST_F(SceneFolder, the_format_is_told_by_content_before_the_name) {
   EXPECT_TRUE(load("B.OBJ").has_value());
 }
 
-TEST_F(SceneFolder, a_file_of_thousands_of_units_is_taken_as_millimetres_and_says_so) {
+TEST_F(SceneFolder, a_file_of_thousands_of_units_is_taken_as_millimetres_with_a_note) {
   write("a.obj", "v 500000 0 0\nv 504000 0 0\nv 500000 3000 6000\nf 1 2 3\n");
   const auto scene = load("a.obj");
   ASSERT_TRUE(scene.has_value());
@@ -133,7 +133,7 @@ TEST_F(SceneFolder, progress_rises_to_one) {
   EXPECT_EQ(last, 1.0);
 }
 
-TEST(Assemble, lamps_of_a_file_in_millimetres_shine_as_their_author_saw) {
+TEST(Assemble, lamps_of_a_file_in_millimetres_keep_their_appearance) {
   Model part;
   part.materials.emplace_back();
   Light lamp;

@@ -67,7 +67,7 @@ TEST_F(Cache, gives_the_path_of_a_scene_that_is_one_file) {
   EXPECT_EQ(bytes_in(held->path), walls);
 }
 
-TEST_F(Cache, goes_on_where_it_stopped_wherever_that_was) {
+TEST_F(Cache, continues_wherever_it_stopped) {
   for (std::size_t cut = 0; cut <= walls.size(); ++cut) {
     fs::remove_all(folder);
     SceneCache cache = open();
@@ -163,7 +163,7 @@ TEST_F(Cache, mends_a_scenes_folder) {
   EXPECT_EQ(bring(again, scene), 0u);
 }
 
-TEST_F(Cache, refuses_a_source_that_lies) {
+TEST_F(Cache, refuses_a_source_with_wrong_bytes) {
   SceneCache cache = open();
   const auto refusal = [&](const std::string& lie) {
     ScriptedSource source(scene);
@@ -181,7 +181,7 @@ TEST_F(Cache, refuses_a_source_that_lies) {
   bring(cache, scene);
 }
 
-TEST_F(Cache, lets_the_scenes_go_that_were_not_wanted_for_longest) {
+TEST_F(Cache, drops_the_least_recently_requested_scenes) {
   SceneCache cache = open(250);
   const auto of = [](unsigned seed) { return SceneBytes{{"scene.toml", noise_bytes(100, seed)}}; };
   const auto is_there = [&](unsigned seed) { return fs::exists(folder / "scenes" / digest_of(files_of(of(seed)))); };
@@ -218,7 +218,7 @@ TEST_F(Cache, drops_what_belongs_to_no_scene_first) {
   EXPECT_TRUE(fs::exists(file(walls)));
 }
 
-TEST_F(Cache, says_so_when_a_scene_is_larger_than_it_may_be) {
+TEST_F(Cache, reports_a_scene_over_the_limit) {
   SceneCache cache = open(all - 1);
   ScriptedSource source(scene);
   const auto held = cache.bring(files_of(scene), source, go_on);
@@ -229,7 +229,7 @@ TEST_F(Cache, says_so_when_a_scene_is_larger_than_it_may_be) {
   EXPECT_EQ(bring(enough, scene), all);
 }
 
-TEST_F(Cache, says_so_when_the_disk_is_full) {
+TEST_F(Cache, reports_a_full_disk) {
   SceneCache cache = open();
   const SceneBytes large{{"scene.toml", noise_bytes(100'000, 1)}};
   ScriptedSource source(large);
@@ -247,7 +247,7 @@ TEST_F(Cache, says_so_when_the_disk_is_full) {
   EXPECT_EQ(bring(cache, large), 50'000u);  // Bytes fetched earlier are kept.
 }
 
-TEST_F(Cache, gives_up_at_any_step_when_told) {
+TEST_F(Cache, gives_up_at_any_step_on_request) {
   for (int step = 0;; ++step) {
     fs::remove_all(folder);
     SceneCache cache = open();
@@ -275,7 +275,7 @@ TEST_F(Cache, is_shared_by_several_nodes_of_one_host) {
   EXPECT_EQ(fetched, all + 5'000u);
 }
 
-TEST_F(Cache, says_where_it_cannot_write) {
+TEST_F(Cache, reports_where_it_cannot_write) {
   write_bytes(folder, "a file in the way");
   const auto opened = SceneCache::open({folder, 0});
   ASSERT_FALSE(opened);

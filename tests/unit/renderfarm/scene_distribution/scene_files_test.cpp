@@ -30,7 +30,7 @@ TEST(Sha256, is_that_of_the_standard) {
   }
 }
 
-TEST(SceneFiles, have_a_digest_that_every_field_decides) {
+TEST(SceneFiles, have_a_digest_that_depends_on_every_field) {
   const SceneFiles files{{"a.ply", 3, kA}, {"scene.toml", 5, kB}};
   EXPECT_EQ(text_of(files), "cyclorama scene files 1\n" + kA + " 3 a.ply\n" + kB + " 5 scene.toml\n");
   EXPECT_EQ(digest_of(files), sha256_of(text_of(files)));
@@ -54,7 +54,7 @@ TEST(SceneFiles, cross_the_wire_in_any_order) {
   EXPECT_FALSE(from_wire(message, digest_of(files)));
 }
 
-TEST(SceneFiles, refuse_what_could_harm_or_confuse) {
+TEST(SceneFiles, refuse_harmful_or_ambiguous_lists) {
   EXPECT_THAT(refusal_of({}), HasSubstr("no files"));
   EXPECT_THAT(refusal_of({{"a", 1, "no digest"}}), HasSubstr("no SHA-256"));
   EXPECT_THAT(refusal_of({{"a", 1, kA}, {"b", 2, kA}}), HasSubstr("another size"));

@@ -73,7 +73,7 @@ TEST_F(Listing, refuses_folders_that_are_no_scene) {
   EXPECT_EQ(refusal(folder), "");
 }
 
-TEST_F(Listing, tells_how_far_it_is_and_gives_up_when_told) {
+TEST_F(Listing, reports_progress_and_gives_up_on_request) {
   DigestMemory memory{fs::path()};
   double last = 0.0;
   ASSERT_TRUE(list_scene(folder, memory, [&](double done) {
@@ -126,7 +126,7 @@ TEST_F(Listing, forgets_what_it_cannot_read) {
   EXPECT_EQ(memory.find("/srv/y", {1, 2, 3, 4}), std::nullopt);
 }
 
-TEST_F(Listing, believes_its_memory_while_a_file_has_its_stamp) {
+TEST_F(Listing, trusts_its_memory_while_a_file_keeps_its_stamp) {
   const FileStamp stamp = open_stamped(folder / "walls.ply")->stamp;
   const fs::path file = temporary.path() / "digests";
   write_bytes(file, fmt::format("{} {} {} {} {} {}\n", std::string(64, 'c'), stamp.inode, stamp.bytes,

@@ -61,7 +61,7 @@ TEST_F(CompareFiles, light_is_shown_before_it_is_compared_with_code_values) {
   EXPECT_EQ(result->shown.flip, 0.0);
 }
 
-TEST_F(CompareFiles, light_that_is_none_is_told_with_file_and_place) {
+TEST_F(CompareFiles, light_that_is_not_finite_is_reported_with_file_and_position) {
   const auto result = compare_files(codes("a.png", 0), light("bad.pfm", std::numeric_limits<float>::quiet_NaN()));
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code(), ErrorCode::kBadData);

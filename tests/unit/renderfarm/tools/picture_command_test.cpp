@@ -46,7 +46,7 @@ class PictureCommand : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(PictureCommand, has_the_bounces_of_the_scene_unless_it_is_told_otherwise) {
+TEST_F(PictureCommand, has_the_bounces_of_the_scene_by_default) {
   const std::uint64_t direct = rays("bounces = 0\n", {});
   const std::uint64_t scattered_twice = rays("bounces = 2\n", {});
   EXPECT_GT(direct, 0u);

@@ -88,7 +88,7 @@ TEST(NamedNeeds, tell_lamps_apart) {
   EXPECT_EQ(what(scene, "suns"), "1");
 }
 
-TEST(NamedNeeds, instancing_is_a_mesh_that_stands_more_than_once) {
+TEST(NamedNeeds, instancing_is_a_mesh_with_several_placements) {
   scene::Scene scene = scene_of(square_mesh(1.0f));
   EXPECT_EQ(what(scene, "instancing"), "");
   scene.model.instances.push_back(scene.model.instances[0]);

@@ -19,7 +19,7 @@ RgbImage waves(int width, int height) {
   return picture;
 }
 
-TEST(FindMuseum, tells_which_one_of_several) {
+TEST(FindMuseum, finds_one_of_several) {
   const auto grants = trust::Grants::parse(
       "[[museum]]\nname = \"a\"\nscenes = [\"*\"]\nwatermark = \"000000000000000b\"\n"
       "[[museum]]\nname = \"b\"\nscenes = [\"*\"]\nwatermark = \"000000000000000c\"\n"

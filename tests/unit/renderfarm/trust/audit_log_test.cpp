@@ -49,7 +49,7 @@ class Audit : public testing::Test {
   std::unique_ptr<AuditLog> log;
 };
 
-TEST_F(Audit, goes_on_in_the_file_that_is_there_and_in_a_new_one_when_it_was_moved) {
+TEST_F(Audit, appends_to_an_existing_file_and_begins_a_new_one_after_a_move) {
   open();
   EXPECT_TRUE(write("a"));
   log.reset();
@@ -76,7 +76,7 @@ TEST_F(Audit, keeps_one_predecessor_and_never_more_than_its_limit) {
   EXPECT_TRUE(log->wait_for_disk(kTimeout)) << "files that were left are kept too";
 }
 
-TEST_F(Audit, grows_and_says_so_where_it_cannot_be_moved_away) {
+TEST_F(Audit, grows_and_reports_it_if_it_cannot_be_moved_away) {
   open(100);  // One line.
   EXPECT_TRUE(write("a"));
   std::filesystem::create_directory(previous);

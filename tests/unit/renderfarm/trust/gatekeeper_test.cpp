@@ -89,7 +89,7 @@ TEST_F(GatekeeperTest, gives_a_museum_what_its_grant_says) {
   EXPECT_FALSE(gate_->grant_of(museum("stranger")).allows("grotto"));
 }
 
-TEST_F(GatekeeperTest, lets_those_go_that_are_revoked) {
+TEST_F(GatekeeperTest, disconnects_revoked_peers) {
   open();
   const Identity hall = museum("hall-3");
   const Identity node = *check(authority_.node("n1"));
@@ -105,7 +105,7 @@ TEST_F(GatekeeperTest, lets_those_go_that_are_revoked) {
   EXPECT_FALSE(gate_->refusal(museum("hall-4"), Role::kMuseum));
 }
 
-TEST_F(GatekeeperTest, lets_those_go_that_lost_the_scene_they_use) {
+TEST_F(GatekeeperTest, disconnects_peers_that_lost_their_scene) {
   open();
   ASSERT_TRUE(gate_->session_connected(1, museum("hall-3")));
   gate_->session_opened(1, "grotto");
@@ -117,7 +117,7 @@ TEST_F(GatekeeperTest, lets_those_go_that_lost_the_scene_they_use) {
   EXPECT_TRUE(gate_->grant_of(museum("hall-3")).allows("relic"));
 }
 
-TEST_F(GatekeeperTest, keeps_the_last_good_files_and_says_so_once) {
+TEST_F(GatekeeperTest, keeps_the_last_valid_files_and_reports_it_once) {
   open();
   authority_.run("revoke hall-4");
   EXPECT_THAT(tick().sessions, IsEmpty());
@@ -139,7 +139,7 @@ TEST_F(GatekeeperTest, keeps_the_last_good_files_and_says_so_once) {
   EXPECT_THAT(notices_.back(), HasSubstr("was not signed by the farm's authority"));
 }
 
-TEST_F(GatekeeperTest, still_knows_the_revoked_when_the_list_is_gone) {
+TEST_F(GatekeeperTest, keeps_revocations_when_the_list_is_gone) {
   open();
   const Identity hall = museum("hall-3");
   authority_.run("revoke hall-3");
@@ -205,7 +205,7 @@ TEST_F(GatekeeperTest, begins_a_new_log_when_the_old_was_moved_away) {
   EXPECT_THAT(audit(), HasSubstr("node came"));
 }
 
-TEST_F(GatekeeperTest, wants_good_files_to_begin_with) {
+TEST_F(GatekeeperTest, requires_valid_files_at_the_start) {
   const auto refusal_of = [&](const TrustOptions& options) {
     const auto opened = Gatekeeper::open(options, clock_, [](const std::string&) {});
     return opened ? "" : opened.error().message();
@@ -218,7 +218,7 @@ TEST_F(GatekeeperTest, wants_good_files_to_begin_with) {
   EXPECT_THAT(refusal_of({.audit = "/nowhere/audit"}), HasSubstr("/nowhere/audit"));
 }
 
-TEST(FullDisk, is_told_once_and_harms_no_session) {
+TEST(FullDisk, is_reported_once_and_harms_no_session) {
   ManualClock clock;
   std::vector<std::string> said;
   const auto gate =

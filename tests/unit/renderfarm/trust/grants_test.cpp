@@ -14,7 +14,7 @@ std::string refusal_of(const std::string& lines) {
   return grants ? "" : grants.error().message();
 }
 
-TEST(Grants, say_what_a_museum_may_do) {
+TEST(Grants, state_the_rights_of_a_museum) {
   const auto grants = Grants::parse(R"(
 [[museum]]
 name = "hall-3"

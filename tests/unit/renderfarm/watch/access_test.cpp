@@ -27,7 +27,7 @@ TEST(Access, lets_nobody_else_in) {
   }
 }
 
-TEST(Access, without_a_token_only_this_machine_is_asked_by_its_own_name) {
+TEST(Access, without_a_token_only_this_machines_own_names_are_admitted) {
   const Access access;
   for (const char* const own : {"localhost:7404", "[::1]:7404", "127.0.0.1", "[::1]"}) {
     EXPECT_TRUE(access.admits("", own)) << own;
@@ -53,7 +53,7 @@ TEST(Access, reads_the_first_line_of_its_file) {
   EXPECT_EQ(Access::read(file).error().code(), ErrorCode::kNotFound);
 }
 
-TEST(WatchOptions, ask_for_a_token_where_others_can_look) {
+TEST(WatchOptions, require_a_token_if_others_can_connect) {
   const auto parsed = [](const char* text) {
     auto config = Config::parse(text, "farm.toml");
     CHECK(config);

@@ -76,7 +76,7 @@ TEST(FarmMetrics, shows_of_several_sessions_of_a_museum_the_worst_and_numbers_no
   EXPECT_EQ(samples.at("cyclorama_scene_nodes{scene=\"grotto\"}"), 2);
 }
 
-TEST(FarmMetrics, what_is_gone_leaves_no_number_behind) {
+TEST(FarmMetrics, removed_sessions_and_nodes_leave_no_samples) {
   FarmMetrics metrics;
   metrics.show(small_farm());
   metrics.show({});
@@ -116,7 +116,7 @@ TEST(FarmMetrics, counts_the_bytes_of_scenes_once) {
   EXPECT_EQ(samples_of(metrics.text()).at("cyclorama_scene_bytes_sent_total"), 3'500'000);
 }
 
-TEST(FarmMetrics, says_why_sessions_were_refused) {
+TEST(FarmMetrics, counts_refused_sessions_by_reason) {
   FarmMetrics metrics;
   metrics.session_refused(ErrorCode::kBusy);
   metrics.session_refused(ErrorCode::kBusy);
@@ -157,7 +157,7 @@ std::set<std::string> names_in(const std::string& text) {
   return names;
 }
 
-TEST(FarmMetrics, the_dashboard_asks_for_nothing_that_is_not_there) {
+TEST(FarmMetrics, the_dashboard_uses_existing_metrics_only) {
   const auto dashboard = nlohmann::json::parse(document("docs/reference/dashboard.json"));
   std::set<std::string> asked;
   int queries = 0;
@@ -171,7 +171,7 @@ TEST(FarmMetrics, the_dashboard_asks_for_nothing_that_is_not_there) {
   EXPECT_THAT(asked, testing::Each(testing::AnyOfArray(all_families())));
 }
 
-TEST(FarmMetrics, the_operators_page_lists_exactly_what_is_there) {
+TEST(FarmMetrics, the_operators_page_lists_exactly_the_existing_metrics) {
   EXPECT_EQ(names_in(document("docs/reference/metrics.md")), all_families());
 }
 

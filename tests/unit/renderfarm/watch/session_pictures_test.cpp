@@ -81,7 +81,7 @@ TEST(SessionPictures, a_frame_that_was_given_up_is_never_shown) {
   EXPECT_EQ(session.now()->tiles.size(), 1u) << "a begin throws away what was there";
 }
 
-TEST(SessionPictures, a_frame_beyond_all_bounds_is_left_out) {
+TEST(SessionPictures, a_frame_over_the_limit_is_left_out) {
   Session session;
   session.begin(64, 32);
   wire::Tile large;
@@ -109,7 +109,7 @@ TEST(SessionPictures, tiles_that_do_not_fit_are_an_error) {
   }
 }
 
-TEST(SessionPictures, who_waits_wakes_for_a_picture_and_for_the_end) {
+TEST(SessionPictures, waiting_ends_with_a_picture_or_the_session) {
   Session session;
   std::thread loop([&] { session.frame(*ramp_picture(0)); });
   EXPECT_NE(session.pictures.newest(1, 0, SteadyClock().now() + 20s), nullptr);

@@ -94,7 +94,7 @@ TEST(StatusJson, has_the_tables_under_their_names) {
   EXPECT_EQ(nlohmann::json::parse(table_json(status_of_a_farm(), "none")), nlohmann::json::array());
 }
 
-TEST(StatusJson, survives_text_that_is_no_utf8_numbers_that_are_none_and_rows_that_are_short) {
+TEST(StatusJson, survives_invalid_utf8_invalid_numbers_and_short_rows) {
   wire::ProcessStatus status;
   wire::Table* const table = status.add_tables();
   table->set_name("sessions");

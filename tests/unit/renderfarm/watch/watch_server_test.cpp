@@ -97,7 +97,7 @@ TEST(WatchServer, serves_the_page_and_all_that_it_refers_to_and_nothing_from_els
   }
 }
 
-TEST(WatchServer, tells_state_sessions_and_metrics) {
+TEST(WatchServer, reports_state_sessions_and_metrics) {
   Farm farm;
   EXPECT_EQ(nlohmann::json::parse(farm.client->Get("/sessions")->body)[0]["museum"], "Hall 3");
   EXPECT_EQ(nlohmann::json::parse(farm.client->Get("/status")->body)["state"], "1 sessions on 1 nodes");
@@ -128,7 +128,7 @@ TEST(WatchServer, lets_only_the_token_in) {
   EXPECT_EQ(farm.client->Get("/")->status, 200);
 }
 
-TEST(WatchServer, without_a_token_refuses_a_page_that_came_by_another_name) {
+TEST(WatchServer, without_a_token_refuses_requests_by_another_host_name) {
   Farm farm;
   EXPECT_EQ(farm.client->Get("/status", {{"Host", "evil.example"}})->status, 403);
 }
@@ -189,7 +189,7 @@ TEST(WatchServer, ends_the_stream_with_the_session_and_takes_no_more_watchers_th
   EXPECT_EQ(farm.client->Get("/sessions/4.mjpeg")->status, 404);
 }
 
-TEST(FarmWatch, writes_the_metrics_into_a_file_and_takes_it_away_at_the_end) {
+TEST(FarmWatch, writes_the_metrics_into_a_file_and_removes_it_at_the_end) {
   std::filesystem::path file;
   {
     Farm farm;

@@ -11,18 +11,18 @@
 
 namespace cyclorama::photometry {
 
-/// How several measured projectors share each direction. A picture fades towards the stretches of its sides that lie on
-/// another's picture, and towards no others:
+/// The blend of several measured projectors in each direction. A picture fades towards the parts of its sides that lie
+/// on another picture, and towards no others:
 ///
-///      ┌─────────────┐   A       A fades towards this stretch of its lower side, and of its right one, and B towards
-///      │        ┌────┼──────┐    those of its upper and left ones. Where pictures' sides cross at the rim of all that
-///      └────────┼────┘      │ B  is lit (twice here) all weights meet in a point: they change by their distance to it
-///      only,
-///               └───────────┘    and not within the few pixels by which one picture looks out beyond another.
+///      ┌─────────────┐   A       A fades towards the covered part of its lower and right sides, B towards that of its
+///      │        ┌────┼──────┐    upper and left sides. Where the sides of two pictures cross at the rim of the lit
+///      └────────┼────┘      │ B  area (twice here), all weights meet in a point: near it they depend only on the
+///               └───────────┘    distances to the sides, and do not jump within the few pixels by which one picture
+///                                extends beyond another.
 ///
-/// Where a map ends inside of another's picture (a column hides the wall, say) it fades there too.
-/// weight_i = r_i / sum of r, r = square of the product over the sides of t (2 - t), t: the distance from the
-/// stretches, in half pictures, at most 1. The product, and its square, as blend_weights() of appliance/warp has them.
+/// A picture also fades where its map ends inside another picture, as when a column hides the wall.
+/// weight_i = r_i / sum of r, r = square of the product over the sides of t (2 - t), t: the distance from the covered
+/// parts in half pictures, at most 1. The product and its square are those of blend_weights() of appliance/warp.
 /// Reentrant; borrows the inverse maps.
 class BlendWeights {
  public:
@@ -33,14 +33,14 @@ class BlendWeights {
     Eigen::Vector2d pixel;
     double weight = 0.0;
   };
-  /// All projectors that are seen there; their weights add up to 1. Empty where there is none.
+  /// Returns the shares of all projectors that light this direction; their weights add up to 1. Empty if there is none.
   [[nodiscard]] std::vector<Share> at(const Eigen::Vector3d& direction) const;
-  /// The same for a direction of a projector's own pixel, which inverting might miss by rounding.
+  /// The same for the direction of a projector's own pixel, which the inverse map might miss by rounding.
   [[nodiscard]] std::vector<Share> at(const Eigen::Vector3d& direction, std::size_t projector,
                                       const Eigen::Vector2d& pixel) const;
 
  private:
-  /// A part of a side that lies on another's picture.
+  /// A part of a side that lies on another picture.
   struct Stretch {
     Eigen::Vector2d from;
     Eigen::Vector2d to;
@@ -51,7 +51,7 @@ class BlendWeights {
     int cells_x = 0;
     int cells_y = 0;
     std::array<std::vector<Stretch>, 4> sides{};  ///< Upper, lower, left, right.
-    std::vector<double> inward_px;  ///< Per control point: how far from where the map ends inside of another's.
+    std::vector<double> inward_px;  ///< Per control point: distance to where the map ends inside another picture.
   };
   [[nodiscard]] bool is_on_another(std::size_t picture, const calibration::MeasuredMap& map,
                                    const Eigen::Vector2d& pixel) const;

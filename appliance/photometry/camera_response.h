@@ -5,17 +5,17 @@
 
 namespace cyclorama::photometry {
 
-/// The light that makes a camera's code, in parts of what makes its highest; 0 in darkness, so perhaps below 0 for
-/// code 0. A cubic spline over the code. A value; reentrant.
+/// Light as a function of the camera's code, in fractions of the light that gives the highest code; 0 in darkness, so
+/// code 0 may have negative light. A cubic spline over the code. A value; reentrant.
 struct CameraResponse {
   std::vector<double> coefficients{};  ///< At least four.
 
   static CameraResponse linear(int intervals);
   [[nodiscard]] int intervals() const { return static_cast<int>(coefficients.size()) - 3; }
-  /// `code` outside [0, 1] counts as the end.
+  /// A `code` outside [0, 1] is clamped.
   [[nodiscard]] double light_of(double code) const;
   [[nodiscard]] double slope_at(double code) const;
-  /// The least code whose light is not below 0.
+  /// Returns the smallest code whose light is not negative.
   [[nodiscard]] double dark_code() const;
 };
 

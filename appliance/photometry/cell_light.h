@@ -11,20 +11,20 @@
 
 namespace cyclorama::photometry {
 
-/// What one cell of a projector's picture gives at one stop, linear, per unit of exposure. A channel that the camera
-/// has not is as the first.
+/// Light of one cell of a projector's picture, seen from one stop of the turntable: linear, per unit of exposure. A
+/// channel that the camera lacks equals the first.
 struct CellLight {
   std::size_t cell = 0;
   Eigen::Vector3d black = Eigen::Vector3d::Zero();
   Eigen::Vector3d black_sigma = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d primaries = Eigen::Matrix3d::Zero();  ///< Columns: red, green, blue at their brightest, above black.
+  Eigen::Matrix3d primaries = Eigen::Matrix3d::Zero();  ///< Columns: red, green, blue at full code, above black.
   bool has_primaries = false;
   Eigen::Vector3d white = Eigen::Vector3d::Zero();  ///< Above black.
   bool has_white = false;
-  double sigma = 0.0;  ///< Of white, relative; of the sum of the primaries where there is no white.
+  double sigma = 0.0;  ///< Relative standard deviation of white, or of the sum of the primaries if there is no white.
 };
 
-/// Cells whose black and something bright were seen. Reentrant.
+/// Returns the cells whose black and at least one bright light were seen. Reentrant.
 [[nodiscard]] std::vector<CellLight> cell_lights(const PhotometryInput& input, const ProjectorView& view,
                                                  const CameraResponse& camera,
                                                  const std::array<ChannelResponse, 3>& curves);

@@ -14,29 +14,30 @@ namespace cyclorama::photometry {
 /// A measured point of a channel's response.
 struct ResponsePoint {
   double level = 0.0;  ///< Code value, 0 to 1.
-  double light = 0.0;  ///< Above black, in parts of the channel's most.
+  double light = 0.0;  ///< Above black, as a fraction of the channel's maximum.
   double sigma = 0.0;
 };
 
-/// What light a projector's channel makes of each code value: 0 at 0, 1 at its brightest. A value; reentrant.
+/// Response of a projector's channel: light for each code value, 0 at code 0 and 1 at its maximum. A value; reentrant.
 struct ChannelResponse {
-  std::vector<double> light;           ///< At even steps of the code value from 0 to 1; at least two. Any shape.
-  double sigma = 0.0;                  ///< Of `light`, root mean square over the measured points.
-  std::optional<double> flat_above{};  ///< Code value from which on nothing gets brighter.
-  std::optional<double> dark_below{};  ///< Code value up to which nothing shines.
-  std::optional<double> falls_at{};    ///< Code value from which the light falls although the code grows.
+  std::vector<double> light;           ///< At equal steps of the code value from 0 to 1; at least two. Any shape.
+  double sigma = 0.0;                  ///< Standard deviation of `light`: RMS over the measured points.
+  std::optional<double> flat_above{};  ///< Code value above which the light no longer increases.
+  std::optional<double> dark_below{};  ///< Code value up to which the channel gives no light.
+  std::optional<double> falls_at{};    ///< Code value above which the light decreases as the code grows.
 
   [[nodiscard]] double light_of(double level) const;
-  /// The least code value that makes a light: exact for every continuous response, also where it falls for a while,
-  /// since then the codes past the first crossing are not used.
+  /// Returns the smallest code value for each light. Exact for every continuous response, even one that decreases for a
+  /// while, because codes past the first crossing are not used.
   [[nodiscard]] warp::ResponseCurve inverse(std::size_t steps = 1024) const;
 };
 
-/// A smooth curve through the points, monotone where they are. kInvalidArgument  less than 3 points, levels that do
-/// not rise from 0 to 1, or none that shines. Reentrant.
+/// Fits a smooth curve through the points, monotone where they are. Errors: kInvalidArgument if there are fewer than 3
+/// points, the levels do not increase from 0 to 1, or no point has light. Reentrant.
 Result<ChannelResponse> channel_response(std::span<const ResponsePoint> points);
 
-/// What is wrong with it, and what to do, for the installer; empty: nothing. `whose` is "projector 'left', red".
+/// Returns defects of the response with their remedies, for the installer; empty if there are none. `whose` is, for
+/// example, "projector 'left', red".
 [[nodiscard]] std::vector<std::string> remarks_on(const ChannelResponse& response, const std::string& whose);
 
 }  // namespace cyclorama::photometry

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The colours that every projector of a wall can make.
+/// The colour gamut that all projectors of a wall have in common.
 ///
-///      G          each projector's primaries are a triangle in the plane of chromaticities; all can make what lies in
-///     ╱╲╲         all triangles: a convex polygon. The largest triangle inside a convex polygon has its corners at
-///    ╱──╲╲        corners of the polygon, so trying all threes of them finds it.
+///      G          each projector's primaries form a triangle in the chromaticity plane; the common gamut is the
+///     ╱╲╲         intersection of the triangles, a convex polygon. The largest triangle inside a convex polygon has
+///    ╱──╲╲        its corners at corners of the polygon, so an exhaustive search over triples finds it.
 ///   B────R╲
 #pragma once
 
@@ -17,17 +17,18 @@
 namespace cyclorama::photometry {
 
 struct CommonGamut {
-  Eigen::Matrix3d wall;  ///< Columns: red, green, blue that all can make; they add up to a white of luminance 1.
-  /// Per projector: from the wall's red, green, blue to its own, and no row adds up to more than 1.
+  Eigen::Matrix3d wall;  ///< Columns: the common red, green and blue; they add up to a white of luminance 1.
+  /// Per projector: from the common red, green and blue to its own; no row adds up to more than 1.
   std::vector<Eigen::Matrix3d> matrices;
-  /// Per projector: the luminance that its brightest wall white keeps of its own white's.
+  /// Per projector: luminance of its brightest common white relative to that of its own white.
   std::vector<double> kept;
-  double area_kept = 1.0;  ///< Of the smallest projector's triangle.
+  double area_kept = 1.0;  ///< Area of the common triangle relative to that of the smallest projector triangle.
 };
 
-/// `primaries`: columns are a projector's red, green and blue in the camera's linear colours; `luminance` weighs these.
-/// The white is the one that costs the worst-off projector least.
-/// kBadData  a projector's primaries have no triangle, or the triangles have nothing in common: says which. Reentrant.
+/// `primaries`: the columns are a projector's red, green and blue in the camera's linear colours; `luminance` weights
+/// these channels. The common white is the one with which the worst-off projector loses least luminance.
+/// Errors: kBadData, with the projector's name, if its primaries do not form a triangle or the triangles do not
+/// intersect. Reentrant.
 Result<CommonGamut> common_gamut(std::span<const Eigen::Matrix3d> primaries, const Eigen::Vector3d& luminance,
                                  std::span<const std::string> names);
 

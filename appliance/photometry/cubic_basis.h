@@ -6,14 +6,15 @@
 
 namespace cyclorama::photometry {
 
-/// Four neighbours' shares in a uniform cubic B-spline, which is smooth to its second derivative, and their slopes.
+/// Weights and derivatives of the four coefficients that determine a uniform cubic B-spline at one point; the spline is
+/// smooth to its second derivative.
 struct CubicWeights {
-  int first = 0;  ///< Of intervals + 3 coefficients.
+  int first = 0;  ///< Index of the first of the four; there are intervals + 3 coefficients.
   std::array<double, 4> value{};
-  std::array<double, 4> slope{};  ///< By x, in intervals.
+  std::array<double, 4> slope{};  ///< Derivatives by x, in intervals.
 };
 
-/// `x` counts intervals, from 0 to `intervals`; what lies outside counts as the end.
+/// `x` counts intervals, from 0 to `intervals`; values outside are clamped.
 [[nodiscard]] inline CubicWeights cubic_weights(double x, int intervals) {
   const double at = x > 0.0 ? std::min(x, static_cast<double>(intervals)) : 0.0;
   CubicWeights w;

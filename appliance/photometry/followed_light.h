@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Brightness and colours of a calibration, carried over to the maps of one that has none of its own.
+/// Carries the brightness and colours of a calibration over to the maps of another that has none of its own.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,13 +19,14 @@ namespace cyclorama::photometry {
 struct FollowedLight {
   std::vector<calibration::CalibratedColour> colours;
   WallLighting lighting;  ///< For light_part().
-  Photometry photometry;  ///< As reblended() tells it.
+  Photometry photometry;  ///< As reblended() returns it.
 };
 
 /// `own_folder` holds colours.json and light.json of the calibration whose maps are `before`; `after` are the same
-/// projectors, in the same order. `inverse_depth` as move_light() has it: 1 everywhere where no wall is known.
-/// Nothing: that calibration had no colours.     kBadData, kNotFound  its files cannot be used.
-/// kInvalidArgument  other projectors.           Others as reblended(). Takes seconds.
+/// projectors in the same order. `inverse_depth` as in move_light(): 1 everywhere if no wall is known. Returns nothing
+/// if that calibration had no colours.
+/// Errors: kBadData or kNotFound if its files cannot be used; kInvalidArgument if the projectors differ; otherwise
+/// those of reblended(). Takes seconds.
 Result<std::optional<FollowedLight>> follow_light(const std::filesystem::path& own_folder,
                                                   std::span<const calibration::CalibratedProjector> before,
                                                   std::span<const calibration::CalibratedProjector> after,

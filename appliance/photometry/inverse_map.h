@@ -11,18 +11,19 @@
 
 namespace cyclorama::photometry {
 
-/// Which of a projector's pixels is seen in a direction: the exact inverse of MeasuredMap::direction_at(). Reentrant.
+/// The exact inverse of MeasuredMap::direction_at(): from a direction to a projector's pixel. Reentrant.
 class InverseMap {
  public:
-  /// kInvalidArgument  a map without directions, whose counts do not fit, or that goes round the sweet spot.
+  /// Errors: kInvalidArgument if the map has no directions, its counts are inconsistent, or it surrounds the sweet
+  /// spot.
   static Result<InverseMap> make(const calibration::MeasuredMap& map);
 
-  /// Nothing where the projector's picture is not seen. `direction` has unit length.
+  /// Returns nothing if the projector's picture does not cover the direction. `direction` has unit length.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_at(const Eigen::Vector3d& direction) const;
 
  private:
   struct Triangle {
-    Eigen::Matrix3d shares;  ///< Of a direction, in its corners.
+    Eigen::Matrix3d shares;  ///< Matrix from a direction to its barycentric weights.
     Eigen::Matrix<double, 2, 3> corners_px;
   };
   InverseMap(const calibration::MeasuredMap& map, const calibration::DirectionChart& chart);

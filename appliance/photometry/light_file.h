@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// light.json: what each projector lights, as brightness and colours of a calibration were made from, so that masks can
-/// follow a projector that is moved without photographs of light.
+/// light.json: the projectors' light from which the brightness and colours of a calibration were computed, so that
+/// masks can follow a moved projector without new photographs of its light.
 ///
 ///     FOLDER/calibrations/DATE/light.json      beside colours.json
 ///
@@ -24,18 +24,19 @@ namespace cyclorama::photometry {
 
 struct SavedLight {
   std::vector<std::string> names;  ///< Of the projectors.
-  WallLighting lighting;           ///< What masks are made from: no vignetting, no remarks.
+  WallLighting lighting;           ///< The input of the masks, without vignetting and remarks.
 };
 
 [[nodiscard]] std::string light_json(const SavedLight& light);
-/// The opposite. kBadData  "light.json: /projectors/0/black_level: ...; remedy", as parse_calibration().
+/// Inverse of light_json(). Errors: kBadData, as in "light.json: /projectors/0/black_level: ...; remedy", like
+/// parse_calibration().
 Result<SavedLight> parse_light(std::string_view text, const std::string& name);
 
-/// For save_calibration(), which writes it before the calibration counts. kInvalidArgument  not as many projectors as
-/// their light.
+/// Returns the file for save_calibration(), which writes it before the calibration takes effect. Errors:
+/// kInvalidArgument if the numbers of projectors and of their lighting differ.
 Result<calibration::CalibrationPart> light_part(std::span<const calibration::CalibratedProjector> projectors,
                                                 const WallLighting& lighting);
-/// kNotFound  there is none.     Others as parse_light().
+/// Errors: kNotFound if there is no such file; otherwise those of parse_light().
 Result<WallLighting> read_light(const std::filesystem::path& own_folder);
 
 }  // namespace cyclorama::photometry

@@ -11,8 +11,9 @@
 
 namespace cyclorama::photometry {
 
-/// Masks, lifts and matrices of all heads from what the projectors light. `gamut` is null where the camera sees no
-/// colours. Writes heads, wall and light kept. Errors of DirectionField::over(). Reentrant.
+/// Computes masks, black lifts and matrices of all heads from the projectors' lighting. `gamut` is null if the camera
+/// sees no colours. Writes the heads, wall and light_kept members of `result`. Errors: those of DirectionField::over().
+/// Reentrant.
 Status make_heads(const PhotometryInput& input, const PhotometryOptions& options, const WallLighting& lighting,
                   const BlendWeights& weights, const CommonGamut* gamut, Photometry* result);
 

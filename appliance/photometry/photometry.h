@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From photographs of evenly lit projectors to one even wall: what each head must do to brightness and colour.
+/// From photographs of evenly lit projectors to one even wall: the mask and colour correction of each head.
 ///
 ///   ramps, several exposures ─▶ solve_responses() ─▶ camera's response, each channel's response
 ///                                                        │ light of every cell, as the camera sees it
@@ -11,17 +11,19 @@
 ///                                                        ▼
 ///                             mask = weight * target / light;  HeadColour {matrix, black, black_lift, response}
 ///
-/// How a scan uses it (appliance/scan): the lamps are warm, the camera has no automatic exposure or gain.
+/// Use by a scan (appliance/scan). The lamps are warm, and the camera has no automatic exposure or gain.
 ///
-///   e: an exposure at which the brightest projector's white is just not clipped (structured_light/exposure.h); all others dark.
-///   at each stop of the turn-plate, for each projector that the camera sees there (Decoded says so):
+///   e: an exposure at which the brightest projector's white is just not clipped (structured_light/exposure.h); all
+///   other projectors are dark.
+///   at each stop of the turntable, for each projector that the camera sees there (according to Decoded):
 ///     cells = camera_cells(decoded, width, height)
-///     show black and white, exposures kRampExposures * e; black also kBlackExposure * e
+///     show black and white at exposures kRampExposures * e; black also at kBlackExposure * e
 ///     once per projector, at the stop that sees most of it, also ramps(width, height, kRampSteps, {kRed, kGreen,
-///     kBlue}) each photograph: view.readings.push_back(*read_light(cells, photograph, picture, exposure))
+///     kBlue}); for each photograph: view.readings.push_back(*read_light(cells, photograph, picture, exposure))
 ///   photometry({camera's size, views, projectors with their maps})
 ///
-/// Neighbouring stops should see half of the same wall: only that tells the camera's vignetting from the projectors'.
+/// Neighbouring stops should share half of their view of the wall: only this separates the camera's vignetting from the
+/// projectors'.
 #pragma once
 
 #include <Eigen/Core>
@@ -38,59 +40,61 @@
 
 namespace cyclorama::photometry {
 
-/// How many levels of each light a scan shows, and how much longer than the shortest its exposures are.
+/// Number of levels of each light that a scan shows, and the exposures relative to the shortest.
 inline constexpr int kRampSteps = 17;
 inline constexpr std::array<double, 2> kRampExposures = {1.0, 3.0};
-/// Black is some thousandths of white. Cameras that cannot expose so long do what they can.
+/// Black is some thousandths of white. A camera that cannot expose so long uses its longest exposure.
 inline constexpr double kBlackExposure = 32.0;
 
 struct PhotometryOptions {
-  /// How much brightness may change over the wall, relative, per degree seen from the sweet spot. Eyes do not notice
-  /// slopes of a few percent per degree. 0: flat, as dark as the darkest place.
+  /// Maximum relative change of brightness over the wall, per degree seen from the sweet spot. Slopes of a few percent
+  /// per degree are not noticed. 0: uniform, as dark as the darkest place.
   double max_slope_per_deg = 0.02;
-  /// The same where a picture begins or ends upon another: there an eye looks for a step, and has an edge to hold the
-  /// slope against. Chosen on the curve in docs/trade.md: with it 95 % of the steps across borders are below a percent.
+  /// The same limit where a picture begins or ends upon another, because a step is looked for there and the edge makes
+  /// a slope visible. Chosen on the curve in docs/trade.md: with it 95 % of the steps across borders are below a
+  /// percent.
   double max_slope_at_borders_per_deg = 0.01;
   bool lifts_black = true;
 };
 
-/// What one display head needs, and what was found out of its projector.
+/// Settings of one display head, and findings about its projector.
 struct PhotometricHead {
   warp::HeadColour colour;  ///< For HeadPlan::colour.
-  warp::MaskImage mask;     ///< For HeadPlan::mask: blend and evenness in one, linear light.
-  warp::MaskImage weight;   ///< The blend alone: adds up to 1 over the projectors that light a place.
+  warp::MaskImage mask;     ///< For HeadPlan::mask: blend and uniformity in one, linear light.
+  warp::MaskImage weight;   ///< The blend alone: adds up to 1 over the projectors that light a point.
   std::array<ChannelResponse, 3> response;
   Eigen::Matrix3d primaries = Eigen::Matrix3d::Identity();  ///< Columns: its red, green, blue as the camera sees them;
                                                             ///< the luminance of white is 1.
-  Eigen::Vector3d black = Eigen::Vector3d::Zero();          ///< What leaks at code 0, likewise, in parts of white.
-  double brightness = 0.0;                                  ///< Of its middle, in parts of the brightest projector's.
+  /// Black level (light at code 0), likewise, as a fraction of white.
+  Eigen::Vector3d black = Eigen::Vector3d::Zero();
+  /// Brightness of its middle relative to the brightest projector's.
+  double brightness = 0.0;
 };
 
 struct WallLighting;
 
 struct Photometry {
-  std::vector<PhotometricHead> heads;                  ///< As PhotometryInput::projectors.
-  Eigen::Matrix3d wall = Eigen::Matrix3d::Identity();  ///< The common primaries, as PhotometricHead::primaries.
-  std::vector<double> camera_light;  ///< The camera's light for even steps of its code, 0 to 1; 1 at 1.
+  std::vector<PhotometricHead> heads;                  ///< In the order of PhotometryInput::projectors.
+  Eigen::Matrix3d wall = Eigen::Matrix3d::Identity();  ///< The common primaries, like PhotometricHead::primaries.
+  std::vector<double> camera_light;  ///< The camera's light at equal steps of its code, 0 to 1; 1 at code 1.
   double camera_dark_code = 0.0;     ///< Its code in darkness.
-  double camera_corner = 1.0;        ///< What it sees of light in its corners, in parts of its middle.
-  /// Of the light that the projectors could throw together, by area as seen; and what one brightness everywhere, as
-  /// dark as the darkest place, would keep.
+  /// Vignetting: the camera's response to light in its corners relative to its middle.
+  double camera_corner = 1.0;
+  /// Fraction of the light that the projectors could give together, weighted by solid angle; and the fraction that a
+  /// uniform brightness, as dark as the darkest place, would keep.
   double light_kept = 0.0;
   double light_kept_flat = 0.0;
-  double step_unexplained = 0.0;     ///< Relative rms of what the model leaves of the readings of white.
-  std::vector<std::string> remarks;  ///< For the installer: what is not as it could be, and what to do.
+  double step_unexplained = 0.0;     ///< Relative RMS of white's readings about the model.
+  std::vector<std::string> remarks;  ///< For the installer: shortcomings and their remedies.
 
-  /// What masks were made from: light_file.h keeps it.
+  /// Input of the masks; saved by light_file.h.
   std::shared_ptr<const WallLighting> lighting{};
 };
 
-/// The one function to call. Takes seconds. Reentrant.
-/// kInvalidArgument  counts or sizes that do not go together, no ramps of a projector, or exposures that are all alike:
-/// names the projector and what to photograph.
-/// kBadData  a projector or one of its channels without light, photographs all clipped or all dark: says which, and
-/// what to look after.
-/// No number of a result is ever NaN.
+/// The entry point of this folder. Takes seconds. Reentrant. No number of the result is ever NaN.
+/// Errors: kInvalidArgument, with the projector's name and what to photograph, if counts or sizes are inconsistent, a
+/// projector has no ramps, or all exposures are the same; kBadData, with the remedy, if a projector or one of its
+/// channels has no light, or all photographs are clipped or dark.
 Result<Photometry> photometry(const PhotometryInput& input, const PhotometryOptions& options = {});
 
 }  // namespace cyclorama::photometry

@@ -13,9 +13,9 @@
 
 namespace cyclorama::photometry {
 
-/// What the camera saw of one projector while it stood at one stop.
+/// Observations of one projector from one stop of the turntable.
 struct ProjectorView {
-  std::size_t projector = 0;  ///< Counts PhotometryInput::projectors.
+  std::size_t projector = 0;  ///< Index in PhotometryInput::projectors.
   CameraCells cells;
   std::vector<LightReading> readings;
 };
@@ -28,15 +28,15 @@ struct PhotometricProjector {
 struct PhotometryInput {
   int camera_width_px = 0;
   int camera_height_px = 0;
-  /// Where the camera's axis meets its picture: it darkens from there on. Nothing: the middle. A hundredth of the width
-  /// beside it is a few percent of light from one end of the picture to the other.
+  /// Pixel on the camera's optical axis, about which it vignettes. Nothing: the picture's middle. An error of a
+  /// hundredth of the width changes the light by a few percent from one end of the picture to the other.
   std::optional<Eigen::Vector2d> camera_centre_px{};
-  bool has_colour = true;          ///< Else all three channels are the same, and colours stay as they are.
-  double code_step = 1.0 / 255.0;  ///< Of the camera's codes.
+  bool has_colour = true;          ///< If false, all three channels are the same and colours are not corrected.
+  double code_step = 1.0 / 255.0;  ///< Step between adjacent camera codes.
   std::vector<PhotometricProjector> projectors;
   std::vector<ProjectorView> views;
 
-  /// kInvalidArgument  with the projector or view at fault, and what to do.
+  /// Errors: kInvalidArgument, with the projector or view at fault and the remedy.
   [[nodiscard]] Status validate() const;
 };
 

@@ -9,17 +9,18 @@
 
 namespace cyclorama::photometry {
 
-/// A number for each place of a projector's picture that varies smoothly: a bicubic spline. A value; reentrant.
+/// A smooth scalar field over a projector's picture: a bicubic spline. A value; reentrant.
 struct PictureField {
   int width_px = 0;
   int height_px = 0;
-  int cells_x = 0;  ///< Between the spline's knots.
+  int cells_x = 0;  ///< Number of intervals between the spline's knots.
   int cells_y = 0;
   std::vector<double> coefficients{};  ///< (cells_x + 3) * (cells_y + 3), row by row.
-  double min = 0.0;                    ///< What it says is kept within these: gaps are filled with slopes.
+  /// The field's values are clamped to [min, max], because gaps are extrapolated with slopes.
+  double min = 0.0;
   double max = 0.0;
 
-  /// PicturePositions outside count as the edge.
+  /// Positions outside the picture are clamped to its edge.
   [[nodiscard]] double at(const Eigen::Vector2d& pixel) const;
 };
 
@@ -28,17 +29,17 @@ struct FieldSample {
   double sigma = 1.0;
 };
 
-/// Least squares with the energy of a thin plate. Movable.
+/// Least-squares fit with thin-plate smoothness. Movable.
 class FieldFit {
  public:
-  /// `bend` is the change of slope that is expected from a knot to the next.
+  /// `bend` is the expected change of slope from one knot to the next.
   FieldFit(int width_px, int height_px, int knot_px, double bend, std::span<const FieldSample> samples);
   ~FieldFit();
   FieldFit(FieldFit&&) noexcept;
   FieldFit& operator=(FieldFit&&) noexcept;
 
   [[nodiscard]] bool is_solved() const;
-  /// One value per sample. Linear in them.
+  /// `values` has one value per sample. The fit is linear in the values.
   [[nodiscard]] PictureField fit(const Eigen::VectorXd& values) const;
 
  private:

@@ -10,35 +10,39 @@
 
 namespace cyclorama::photometry {
 
-/// Standard deviation of a cell's mean code: of a pixel's noise, and of the rounding that noise does not spread.
+/// Returns the standard deviation of a cell's mean code from a pixel's noise and from the part of the rounding that
+/// noise does not average out.
 [[nodiscard]] double code_sigma(const CellCode& code, std::size_t channel, int pixels, double code_step);
 
 /// One reading of one cell by one channel of the camera.
 struct RampReading {
-  int light = -1;    ///< 0, 1, 2: red, green, blue; 3: white; -1: black.
-  int unknown = -1;  ///< Of the response at its level; -1 where that is known: 0 at black, 1 at full.
+  int light = -1;  ///< 0, 1, 2: red, green, blue; 3: white; -1: black.
+  /// Index of the unknown response at its level; -1 if the response is known: 0 at black, 1 at full level.
+  int unknown = -1;
   double code = 0.0;
-  double exposure = 1.0;  ///< In parts of the shortest of all.
-  double sigma = 0.0;     ///< Of the code.
+  double exposure = 1.0;  ///< Relative to the shortest exposure.
+  double sigma = 0.0;     ///< Standard deviation of the code.
 };
 
-/// What shares one `rest` and one `share` per light.
+/// Readings that share one `rest` and one `share` per light.
 struct RampBlock {
   std::size_t projector = 0;
   std::array<bool, 4> has_light{};
   std::vector<RampReading> readings;
 };
 
-/// All ramps as a problem to be solved.
+/// The least-squares problem over all ramps.
 struct RampProblem {
   std::vector<RampBlock> blocks;
-  /// Levels between black and full, rising, per projector and light; and the first of their unknowns.
+  /// Intermediate levels (neither black nor full), increasing, per projector and light; and the index of their first
+  /// unknown.
   std::vector<std::array<std::vector<double>, 4>> levels;
   std::vector<std::array<int, 4>> first_unknown;
   int unknowns = 0;
 };
 
-/// Some cells of each projector, from its darkest to its brightest. Errors as solve_responses(). Reentrant.
+/// Builds the problem from some cells of each projector, from its darkest to its brightest. Errors: those of
+/// solve_responses(). Reentrant.
 Result<RampProblem> ramp_problem(const PhotometryInput& input);
 
 }  // namespace cyclorama::photometry

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Masks and colours for maps that changed, by the light that was measured before: nothing is photographed.
+/// Recomputes masks and colours for changed maps from the light that was measured before, without photographs.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,15 +14,15 @@
 
 namespace cyclorama::photometry {
 
-/// A projector's light falls on more of the wall, or on less, where its map is another one. `inverse_depth` is the wall's,
-/// in 1/m by direction; where it or a map says nothing the light stays as it was.
+/// Adapts a projector's light to another map, with which it falls on a larger or smaller part of the wall.
+/// `inverse_depth` is the wall's, in 1/m by direction; where it or a map has no value the light is unchanged.
 void move_light(const calibration::MeasuredMap& before, const calibration::MeasuredMap& after,
                 const std::function<double(const Eigen::Vector3d&)>& inverse_depth, ProjectorLighting* light);
 
-/// What photometry() would make of the same light with these maps: responses stay, masks, matrices and lifts follow.
-/// `before` says which colours there are. Of the answer, heads (without what was measured of their responses), wall and
-/// light kept are told. kInvalidArgument  counts or names that do not go together. Others as
-/// make_heads() and common_gamut(). Reentrant.
+/// Returns what photometry() would compute from the same light with these maps: responses are kept; masks, matrices and
+/// black lifts follow. `before` holds the previous colours. The result has only heads (without the measurements of
+/// their responses), wall and light kept. Errors: kInvalidArgument if counts or names are inconsistent; otherwise those
+/// of make_heads() and common_gamut(). Reentrant.
 Result<Photometry> reblended(const std::vector<PhotometricProjector>& projectors, const WallLighting& light,
                              std::span<const calibration::CalibratedColour> before,
                              const PhotometryOptions& options = {});

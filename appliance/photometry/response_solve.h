@@ -4,9 +4,9 @@
 ///
 ///     light_of(code) = exposure * (rest + share_l * response_l(level))          l: red, green, blue, white
 ///
-/// `rest` is what shines at black: ambient light, leaks. `rest` and `share` are each cell's own, so vignetting, the
-/// wall's paint and incidence cancel; exposures are known exactly, so the camera's light is known up to its unit, and
-/// its code of darkness too, since that does not grow with the exposure.
+/// `rest` is the light at black: ambient light and black level. `rest` and `share` are individual to each cell, so
+/// vignetting, the wall's paint and incidence cancel. Exposures are known exactly, so the camera's light is determined
+/// up to its unit, and its dark code too, since that does not grow with the exposure.
 ///   Source: Debevec and Malik, "Recovering High Dynamic Range Radiance Maps from Photographs", SIGGRAPH 1997, for the
 ///   idea; here with unknown curves on both sides, after Golub and Pereyra (variable projection), SIAM J. Numer. Anal.
 ///   10 (2), 1973.
@@ -25,12 +25,11 @@ namespace cyclorama::photometry {
 struct SolvedResponses {
   CameraResponse camera;
   std::vector<std::array<std::vector<ResponsePoint>, 3>> channels;  ///< Per projector: red, green, blue.
-  double residual = 0.0;  ///< Of the readings, root mean square, in parts of the camera's full scale.
+  double residual = 0.0;  ///< RMS over the readings, as a fraction of the camera's full scale.
 };
 
-/// kInvalidArgument  a projector without ramps of red, green and blue, or exposures that are all alike.
-/// kBadData  a projector or one of its channels that does not shine, or readings all clipped or all dark.
-/// Reentrant.
+/// Errors: kInvalidArgument if a projector lacks ramps of red, green and blue, or all exposures are the same; kBadData
+/// if a projector or one of its channels has no light, or all readings are clipped or dark. Reentrant.
 Result<SolvedResponses> solve_responses(const PhotometryInput& input);
 
 }  // namespace cyclorama::photometry

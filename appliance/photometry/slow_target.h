@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Brightness that varies so slowly that nobody notices, and wastes as little light as that allows.
+/// A target brightness that varies too slowly to be noticed and wastes as little light as that allows.
 ///
-///   light   ╭──╮  what can be reached                 the largest target below it whose relative slope is bounded is
+///   light   ╭──╮  achievable luminance                the largest target below it whose relative slope is bounded is
 ///          ╱ ╭──╲───╮                                 its lower envelope of cones:
-///         ╱ ╱    ╰─╲ ╲                                  log target(d) = min over e of log reach(e) + slope * angle(d,
-///         e)
-///        ╱ ╱ target  ╰╲                               It is the largest at every place, so also in sum.
+///         ╱ ╱    ╰─╲ ╲                                  log target(d) = min over e of
+///        ╱ ╱ target  ╰╲                                                 log achievable(e) + slope * angle(d, e)
+///                                                     It is the largest in every direction, so also in sum.
 ///   Source: Majumder and Stevens, "Perceptual photometric seamlessness in projection-based tiled displays", ACM Trans.
 ///   Graph. 24 (1), 2005: the same bound and aim, there by dynamic programming on pixels.
 #pragma once
@@ -21,28 +21,29 @@
 
 namespace cyclorama::photometry {
 
-/// A positive number for each direction, on a grid over all that the projectors light. A value; reentrant.
+/// A positive scalar field over directions, on a grid that covers all that the projectors light. A value; reentrant.
 class DirectionField {
  public:
-  /// Over all directions of the maps, from `step_rad` on (wider where there would be too many places), with a margin.
-  /// kInvalidArgument  maps without directions, or all round the sweet spot in every way.
+  /// Creates a grid over all directions of the maps, with a margin; the step is `step_rad`, or wider if there would be
+  /// too many grid points. Errors: kInvalidArgument if the maps have no directions or surround the sweet spot in every
+  /// direction.
   static Result<DirectionField> over(const std::vector<PhotometricProjector>& projectors, double step_rad);
 
-  /// `value` of each place's direction; infinite: no bound there.
+  /// Sets each grid point to `value` of its direction; infinite means no bound.
   void fill(const std::function<double(const Eigen::Vector3d&)>& value);
-  /// The largest field at or below this whose logarithm changes by at most `slope_per_rad`; rounded off over
-  /// `blur_rad`, which costs at most slope * blur. What has no bound gets one from its neighbours. Precondition: some
-  /// place has a bound, and all are above 0.
+  /// Returns the largest field that is nowhere above this one and whose logarithm changes by at most `slope_per_rad`,
+  /// smoothed over `blur_rad`, which costs at most slope * blur. Points without a bound get one from their neighbours.
+  /// Precondition: at least one point has a bound, and all bounds are above 0.
   [[nodiscard]] DirectionField slow_below(double slope_per_rad, double blur_rad) const;
-  /// With a slope for each place, in the order of places(); between two places their mean counts.
+  /// The same with a slope for each grid point, in the order of positions(); between two points their mean applies.
   [[nodiscard]] DirectionField slow_below(const std::vector<double>& slopes_per_rad, double blur_rad) const;
-  /// The places within about `radius_rad` of where `label` changes from one number to another, neither of them 0.
+  /// Returns the grid points within about `radius_rad` of a border between two different nonzero values of `label`.
   [[nodiscard]] std::vector<bool> near_borders(const std::function<unsigned(const Eigen::Vector3d&)>& label,
                                                double radius_rad) const;
 
-  /// Between places bilinear, by the logarithm.
+  /// Interpolates the logarithm bilinearly.
   [[nodiscard]] double at(const Eigen::Vector3d& direction) const;
-  /// Steradians of each place; and its value.
+  /// Solid angle in steradians and value of one grid point.
   struct Place {
     double area_sr = 0.0;
     double value = 0.0;

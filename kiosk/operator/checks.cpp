@@ -29,7 +29,7 @@ constexpr std::string_view kLit = "lit: ";
 struct Part {
   std::string_view name;
   std::string_view title;
-  CheckLevel unwell;  ///< CheckLevel while the part is not well.
+  CheckLevel unwell;  ///< Level while the part is not well.
   std::string_view remedy;
 };
 constexpr std::array<Part, 8> kParts{{

@@ -4,11 +4,11 @@
 ///   GET  /museum                 {"level", "checks": [], "schedule", "provisioning", "update", ...}
 ///   POST /network-test           {"checks": []}; takes some seconds; 429: one runs
 ///   GET  /support-bundle.zip     429: one is being made
-///   POST /calibration            {"do": "start"} and others of calibration_desk.h; 204, or {"date"}
-///   POST /realign                {}; aligns the projectors anew (healing_desk.h); 204
+///   POST /calibration            {"do": "start"} and others of calibration_controller.h; 204, or {"date"}
+///   POST /realign                {}; aligns the projectors anew (healing_controller.h); 204
 ///   GET  /calibration.jpg        the calibration camera's newest picture
 ///   POST /hours                  {"do": "open", "until": "22:00"}, "closed" (for today) or "settings"; 204
-///   POST /wanted                   {"wanted": "update" | "factory-reset"}; 204
+///   POST /wish                   {"wish": "update" | "factory-reset"}; 204
 #pragma once
 
 #include <atomic>

@@ -3,7 +3,7 @@
 ///
 ///   with a PIN (HTTPS):    POST /login {"pin"} ──▶ a cookie __Host-cyclorama (Secure, HttpOnly, SameSite=Strict)
 ///                          required by everything but the login page; POST /logout ends it
-///                          while there is no PIN yet, GET /access reports why (login_checks.h), and so does /login
+///                          while there is no PIN yet, GET /door reports why (login_checks.h), and so does /login
 ///   without (loopback):    open to everybody on this computer, but only under a loopback name, so that a foreign name
 ///                          that resolves to it (DNS rebinding) is refused
 ///

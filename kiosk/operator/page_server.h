@@ -5,7 +5,7 @@
 ///   GET  /status                     status_json.h
 ///   GET  /picture/PROCESS/NAME.jpg   the newest picture; NAME may hold '/' (encoded or not). 404: none (yet)
 ///   GET  /metrics                    metrics.h
-///   GET  /access                       {"checks": []}: why nobody can log in yet; needs no PIN (login_checks.h)
+///   GET  /door                       {"checks": []}: why nobody can log in yet; needs no PIN (login_checks.h)
 ///   POST /steer                      {"forward", "right", "turn"} as application/json; 204
 ///   and those of museum_routes.h.
 ///

@@ -28,7 +28,7 @@ class VectorPage {
   /// black.
   void fill(const std::vector<std::pair<PagePoint, PagePoint>>& rectangles, double grey);
   void fill(const std::vector<PagePoint>& polygon, double grey);
-  /// RandomStream text in Helvetica, `height_mm` from line to line, from `at` along its base line. ASCII; other bytes become
+  /// Draws text in Helvetica, `height_mm` from line to line, from `at` along its base line. ASCII; other bytes become
   /// '?'.
   void text(const PagePoint& at, double height_mm, std::string_view words);
 

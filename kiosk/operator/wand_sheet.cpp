@@ -16,7 +16,7 @@ constexpr double kFoldMm = 0.2;
 constexpr double kFlapMm = 9.0;
 constexpr double kBarMm = 20.0;
 
-/// RandomStream the card's lines, in millimetres from the middle of the sheet.
+/// Draws the card's lines, in millimetres from the middle of the sheet.
 class CardDrawing {
  public:
   CardDrawing(const FoldedCard& card, VectorPage* page)
@@ -63,7 +63,7 @@ class CardDrawing {
     }
   }
 
-  /// RandomStream the scale bar beside the upper lid, where nothing is cut.
+  /// Draws the scale bar beside the upper lid, where nothing is cut.
   void draw_scale() {
     const double right = 3.0 * half_panel_;
     const double y = -half_height_ - lid_depth_ + 10.0;
@@ -92,7 +92,7 @@ class CardDrawing {
   VectorPage* page_;
 };
 
-/// RandomStream the folded card from above, as the instructions describe it.
+/// Draws the folded card from above, as the instructions describe it.
 void draw_folded(const FoldedCard& card, double scale, const PagePoint& middle, VectorPage* page) {
   const double half = scale * 500.0 * card.panel_width_m;
   const double depth = scale * 1e3 * card.lid_depth_m();

@@ -134,7 +134,7 @@ class MuseumChecker {
     }
   }
 
-  /// Checks the files that calibrator.toml names, and that cameras and lens files match; the calibrator checks the rest.
+  /// Checks the files that calibrator.toml names, and that cameras match lens files; the calibrator checks the rest.
   void check_calibrator() {
     std::vector<std::string> lenses;
     if (check_.has("calibrator.toml")) {

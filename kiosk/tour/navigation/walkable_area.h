@@ -28,7 +28,7 @@ class WalkableArea {
   static constexpr std::size_t kMaxCorners = 1024;
 
   [[nodiscard]] bool allows(const Eigen::Vector2d& position) const;
-  /// Returns `place` itself when it is allowed, else an allowed position near the nearest edge; for NaN, any allowed
+  /// Returns `position` itself when it is allowed, else an allowed position near the nearest edge; for NaN, any allowed
   /// one.
   [[nodiscard]] Eigen::Vector2d nearest_allowed(const Eigen::Vector2d& position) const;
   /// Returns the end of a walk from `from` by `step`. An edge in the way turns the step along itself, also round a
@@ -38,8 +38,8 @@ class WalkableArea {
   /// Returns true when the straight line between two allowed positions crosses no edge.
   [[nodiscard]] bool sees(const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
 
-  /// Calls `use(point, distance)` for each edge nearer than `within_m`, with its point nearest to `place`. Skips an
-  /// edge that `place` lies ON: there is no direction to it, and such a position is never allowed.
+  /// Calls `use(point, distance)` for each edge nearer than `within_m`, with its point nearest to `position`. Skips an
+  /// edge that `position` lies ON: there is no direction to it, and such a position is never allowed.
   template <typename Use>
   void for_edges_within(const Eigen::Vector2d& position, double within_m, const Use& use) const {
     for (const Edge& edge : edges_) {

@@ -40,7 +40,7 @@ class WandSelector {
 /// clock all its pictures look old, and are rejected only for a limited time:
 ///
 ///   the same picture again       rejected
-///   older than the newest        rejected, until none was accepted for kReorderTimeout: then the order restarts with it
+///   older than the newest        rejected until none was accepted for kReorderTimeout; then the order restarts with it
 class PoseOrder {
  public:
   static constexpr Duration kReorderTimeout = std::chrono::milliseconds(200);

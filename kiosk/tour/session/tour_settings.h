@@ -14,7 +14,7 @@
 ///   turn_deg_per_s = 40
 ///   neutral_distance_m = 1.0
 ///   guide_after_s = 45                   # 0: never.
-///   max_turn_minutes = 0             # Limit of one visitor's turn where others queue; 0: none.
+///   max_turn_minutes = 0                 # Limit of one visitor's turn where others queue; 0: none.
 ///   [picture]
 ///   frame_budget_ms = 50                 # The farm chooses a quality that fits, and refines at rest
 ///   reference_samples = 1024             # up to this many samples per pixel.

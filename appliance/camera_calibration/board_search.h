@@ -8,19 +8,20 @@
 
 namespace cyclorama::camera_calibration {
 
-/// What to look for in pictures.
+/// Description of the board to search for.
 struct BoardKind {
   TagBoard tags{};
-  bool is_chessboard = false;  ///< Without tags: all of it must be seen; columns and rows count squares as well.
+  /// A board without tags: all of it must be visible; columns and rows still count squares.
+  bool is_chessboard = false;
 };
 
-/// Errors as TagDetector::create().
+/// Errors: those of TagDetector::create().
 Result<tags::TagDetector> make_board_detector();
 
-/// The corners of a board in one picture. With tags a part of the board is enough: tags are read, each corner is
-/// expected where the tags around it say, and moved to where four squares meet.
-///
-/// kNotFound  no such board, or fewer than kMinCorners of it: says what to look at.  Others as find_chessboard().
+/// Finds the corners of a board in one picture. With tags, part of the board suffices: tags are detected, each corner
+/// is predicted from the tags around it and refined to where four squares meet.
+/// Errors: kNotFound, with advice, if there is no such board or fewer than kMinCorners of its corners are found;
+/// otherwise those of find_chessboard().
 Result<LensView> find_board(const GreyImage& picture, const BoardKind& kind, tags::TagDetector* detector);
 
 inline constexpr std::size_t kMinCorners = 8;

@@ -12,7 +12,7 @@ namespace frame {
 struct Board;  ///< A chessboard: origin at its first inner corner, x along the rows, y along the columns, z = 0.
 }
 
-/// One pose of a flat board, seen by the camera and lit by the projector: three lists of the same length.
+/// One pose of a flat board, seen by the camera and lit by the projector: three lists of equal length.
 struct BoardView {
   std::vector<Eigen::Vector2d> board_m;
   std::vector<Eigen::Vector2d> camera_px;     ///< First pixel's centre at (0.5, 0.5).

@@ -7,10 +7,9 @@
 
 namespace cyclorama::camera_calibration {
 
-/// One picture of a flat board: where its corners are on the board, and where the camera sees them. Lists of one
-/// length.
+/// One picture of a flat board: the corners' positions on the board and in the picture. Lists of equal length.
 struct LensView {
-  std::string name;  ///< Of the picture, for who reads errors.
+  std::string name;  ///< Name of the picture, for error messages.
   std::vector<Eigen::Vector2d> board_m;
   std::vector<Eigen::Vector2d> camera_px;  ///< First pixel's centre at (0.5, 0.5).
 };

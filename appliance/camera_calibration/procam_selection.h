@@ -7,31 +7,31 @@
 
 namespace cyclorama::camera_calibration {
 
-/// Models of both lenses and of the board, and what they predict.
+/// One combination of models of both lenses and of the board, with its prediction errors.
 struct ProcamCandidate {
   calibration::LensModel camera = calibration::LensModel::kPinhole;
   calibration::LensModel projector = calibration::LensModel::kPinhole;
   BoardModel board = BoardModel::kFlat;
-  int freedom = 0;               ///< Numbers that lenses and board leave free.
-  double training_rms_px = 0.0;  ///< Stereo, of all views; never what a model is chosen by.
+  int freedom = 0;               ///< Number of free parameters of lenses and board.
+  double training_rms_px = 0.0;  ///< Stereo, over all views; for information, never used to choose.
   double heldout_rms_px =
-      0.0;  ///< Over all left-out views, HeldOut::stereo_rms_px; infinite when one was not determined.
-  double prediction_rms_px = 0.0;   ///< Likewise, HeldOut::projector_rms_px: nothing of the projector is fitted.
-  double centre_scatter_px = 0.0;   ///< How far apart the left-out views put the projector's centre, at most.
-  std::vector<HeldOut> folds = {};  ///< By the view left out.
+      0.0;  ///< HeldOut::stereo_rms_px over all left-out views; infinite if a fold was undetermined.
+  double prediction_rms_px = 0.0;   ///< HeldOut::projector_rms_px likewise: nothing of the projector is fitted.
+  double centre_scatter_px = 0.0;   ///< Largest distance between the projector centres of the folds.
+  std::vector<HeldOut> folds = {};  ///< One per view left out.
 };
 
 struct ProcamSelection {
   std::vector<ProcamCandidate> models;
-  std::size_t chosen = 0;         ///< Of models.
-  ProcamCalibration calibration;  ///< With it, of all views.
+  std::size_t chosen = 0;         ///< Index in `models`.
+  ProcamCalibration calibration;  ///< The chosen model fitted to all views.
 };
 
-/// Climbs twice, with a flat board and with a bent one: from the least lenses, always to that model one or two models
-/// richer in one lens which predicts left-out views best, as long as that is gain it. Of all that were tried, the
-/// least that predicts about as well as the best is taken.
+/// Forward selection, once with a flat and once with a bent board: from the smallest lenses, moves to the best of the
+/// models that are one or two steps richer in one lens, as long as left-out views are predicted better by a sufficient
+/// gain. Of all candidates tried, chooses the smallest that predicts about as well as the best.
 ///
-/// Errors as solve_procam(); kBadData also with fewer than three views, for then there is nothing to leave out.
+/// Errors: those of solve_procam(); kBadData also for fewer than three views, which leave nothing to leave out.
 Result<ProcamSelection> select_procam_model(const std::vector<BoardView>& views, ImageSize camera, ImageSize projector);
 
 }  // namespace cyclorama::camera_calibration

@@ -19,13 +19,13 @@ struct ImageSize {
 
 inline constexpr int kMaxStarts = 3;
 
-/// What a board is like: paper is seldom as flat, or as square, as it was printed.
+/// Shape of the board: printed paper is seldom perfectly flat or square.
 enum class BoardModel {
   kFlat,
   kBent,  ///< Stretched along y, and bent to second order; the same in all views.
 };
 struct BoardShape {
-  double stretch = 0.0;  ///< y is this share longer than it should be.
+  double stretch = 0.0;  ///< Relative elongation along y.
   /// z = bend_xx x² + bend_xy x y + bend_yy y²; per metre, in the board's frame.
   double bend_xx = 0.0;
   double bend_xy = 0.0;
@@ -33,7 +33,7 @@ struct BoardShape {
 };
 inline constexpr int kBoardValues = 4;
 
-/// What is to be solved, and how freely.
+/// The models to fit.
 struct ProcamChoice {
   ImageSize camera;
   ImageSize projector;
@@ -43,39 +43,39 @@ struct ProcamChoice {
   int starts = kMaxStarts;  ///< Starting points to try, 1 to kMaxStarts.
 };
 
-/// A camera and a projector, and where they stand to each other.
+/// The intrinsics of a camera and a projector, and their relative pose.
 struct ProcamCalibration {
   calibration::BrownParameters camera;
   calibration::BrownParameters projector;
-  calibration::BrownBlock camera_sigma = {};  ///< One deviation of each value, from the residuals; 0 of what was held.
+  /// Standard deviation of each parameter, from the residuals; 0 if it was held.
+  calibration::BrownBlock camera_sigma = {};
   calibration::BrownBlock projector_sigma = {};
   RigidTransform<frame::Projector, frame::Camera> T_projector_camera;
   BoardShape board;
   std::vector<RigidTransform<frame::Camera, frame::Board>> T_camera_board;  ///< One per view.
-  double camera_rms_px = 0.0;  ///< Root of the mean squared distance, of all corners.
+  double camera_rms_px = 0.0;  ///< Root mean square distance over all corners.
   double projector_rms_px = 0.0;
-  double stereo_rms_px = 0.0;  ///< Of both together, as OpenCV's stereoCalibrate() has it.
+  double stereo_rms_px = 0.0;  ///< Over both devices, as in OpenCV's stereoCalibrate().
   int unknowns = 0;
-  int rank = 0;             ///< Equal to the unknowns, or there would be no answer.
-  int starts_agreeing = 0;  ///< Of the starting points, those that led to the same place.
+  int rank = 0;             ///< Always equal to `unknowns`; otherwise solve_procam() fails.
+  int starts_agreeing = 0;  ///< Number of starting points that converged to the same solution.
 };
 
-/// One bundle adjustment of everything: lenses, the two devices' places, and each board's. Starting points are found
+/// One bundle adjustment of everything: both lenses, the relative pose and each board's pose. The starting points come
 /// from the views alone. The gauge is the camera's frame; the board's size gives the scale. Reentrant.
 ///
-/// kInvalidArgument  no views, lists of different lengths, fewer than 8 corners, numbers that are not finite, or a
-/// board
-///                   with no size.
-/// kBadData          the views do not determine it: says what to add.
+/// Errors: kInvalidArgument if there are no views, lists of different lengths, fewer than 8 corners, a number that is
+/// not finite, or a board without size; kBadData, with the remedy, if the views do not determine the solution.
 Result<ProcamCalibration> solve_procam(const std::vector<BoardView>& views, const ProcamChoice& choice);
 
-/// How well a calibration predicts a view that it has not seen.
+/// Prediction errors of a calibration for a view that was not used in its fit.
 struct HeldOut {
-  double camera_rms_px = 0.0;     ///< Of the corners that place the board: six numbers are fitted to them.
-  double projector_rms_px = 0.0;  ///< Of the corners on the projector, predicted with nothing fitted.
-  double stereo_rms_px = 0.0;     ///< Of both, when both place the board, as stereo_rms_px above.
+  /// Over the corners that determine the board's pose: six parameters are fitted to them.
+  double camera_rms_px = 0.0;
+  double projector_rms_px = 0.0;  ///< Over the projector's corners, predicted with nothing fitted.
+  double stereo_rms_px = 0.0;     ///< Over both if both determine the board's pose, like stereo_rms_px above.
 };
-/// Errors as solve_procam().
+/// Errors: those of solve_procam().
 Result<HeldOut> held_out(const BoardView& view, const ProcamCalibration& calibration);
 
 }  // namespace cyclorama::camera_calibration

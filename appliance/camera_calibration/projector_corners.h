@@ -9,11 +9,11 @@
 
 namespace cyclorama::camera_calibration {
 
-/// Where on the projector a camera's place shines, from the decoded pixels within `radius_px` of it: a second-order
-/// surface through them, weighted by their sigmas, without those that lie far off. Nothing where fewer than 30 pixels
-/// are decoded or they lie on one side only. Instead of a local homography (Moreno and Taubin, "Simple, Accurate, and
-/// Robust Projector-Camera Calibration", 3DIMPVT 2012), which is not linear and bends no further. Reentrant.
-/// Precondition: radius_px > 0.
+/// Returns the projector pixel that lights a camera position, from the decoded pixels within `radius_px` of it: a
+/// second-order surface through them, weighted by their sigmas, without outliers. Returns nothing if fewer than 30
+/// pixels are decoded or they lie on one side only. A local homography (Moreno and Taubin, "Simple, Accurate, and
+/// Robust Projector-Camera Calibration", 3DIMPVT 2012) is not used, since it is not linear and bends no further.
+/// Reentrant. Precondition: radius_px > 0.
 [[nodiscard]] std::optional<Eigen::Vector2d> projector_pixel_at(const structured_light::Decoded& decoded,
                                                                 const Eigen::Vector2d& camera_px, double radius_px);
 

@@ -11,46 +11,46 @@
 
 namespace cyclorama::structured_light {
 
-/// Pattern less inverse, one unit is 1 / kDifferenceScale of full scale: half the memory of float, and finer than any
+/// Pattern minus inverse, in units of 1 / kDifferenceScale of full scale: half the memory of float and finer than any
 /// camera.
 using Difference = Image<std::int16_t, 1>;
 inline constexpr float kDifferenceScale = 32767.0f;
 
-/// One axis of a view: its bits as they were photographed.
+/// The photographed bits of one axis of a view.
 struct AxisBits {
   int finest_bit = 0;
   int bits = 0;  ///< Bits finest_bit to bits - 1 were shown.
   int base_bit = -1;
   int extent_px = 0;                    ///< The projector's columns or rows.
-  std::vector<Difference> differences;  ///< By bit, from 0; those below finest_bit are empty.
+  std::vector<Difference> differences;  ///< By bit, from 0; empty for bits below finest_bit.
 };
 
-/// What was read, for every pixel of the camera.
+/// The stripe read at every camera pixel.
 struct StripeReading {
-  Image<std::uint16_t, 1> position;   ///< The stripe read, in projector pixels; its bits below finest_bit are 0.
-  Image<std::uint16_t, 1> undecided;  ///< The bits (of the Gray code) that might as well be the other way.
+  Image<std::uint16_t, 1> position;   ///< The stripe in projector pixels; its bits below finest_bit are 0.
+  Image<std::uint16_t, 1> undecided;  ///< Bits of the Gray code that are undecided.
 };
 
-/// How large a difference must be to decide a bit: `sigmas` times its own deviation, and `contrast` of the pixel's
+/// Minimum difference that decides a bit: `sigmas` times its standard deviation, and `contrast` times the pixel's
 /// amplitude.
 struct BitThreshold {
   double sigmas = 0.0;
   double contrast = 0.0;
 };
 
-/// `amplitude` and `noise` as Decoded's. Precondition: the differences are complete. Reentrant.
+/// `amplitude` and `noise` as in Decoded. Precondition: the differences are complete. Reentrant.
 [[nodiscard]] StripeReading read_bits(const AxisBits& axis, const Image<float, 1>& amplitude, double noise,
                                       const BitThreshold& threshold);
 
-/// Whether all readings that the undecided bits leave open lie in the same cell of 2^level pixels, or the next. Gray
-/// code promises this at the edge of a stripe: there one bit is open, and both its readings are true. Where all finer
-/// bits are decided they must agree that there is an edge: the readings lie no further apart than a cell.
+/// Returns true if all readings that the undecided bits allow lie in the same cell of 2^level pixels or an adjacent
+/// one. Gray code guarantees this at the edge of a stripe: one bit is undecided there, and both its readings are true.
+/// If all finer bits are decided they must agree that there is an edge: the readings are at most a cell apart.
 [[nodiscard]] inline bool is_settled(std::uint16_t position, std::uint16_t undecided, int level) {
   const auto whole = static_cast<unsigned>(position);
   const int cell = static_cast<int>(whole >> level);
   for (unsigned open = static_cast<unsigned>(undecided) >> level << level; open != 0; open &= open - 1) {
     const unsigned lowest = open & (~open + 1U);
-    // Flipping one bit of a Gray code mirrors all that is below.
+    // Flipping one bit of a Gray code mirrors all lower bits.
     const unsigned other = whole ^ (2U * lowest - 1U);
     if (std::abs(static_cast<int>(other >> level) - cell) > 1) return false;
     const bool finer_are_decided = (static_cast<unsigned>(undecided) & (lowest - 1U)) == 0;

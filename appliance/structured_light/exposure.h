@@ -11,26 +11,28 @@ namespace cyclorama::structured_light {
 
 using ExposureTime = std::chrono::duration<double>;
 
-/// What a camera can do, and what the projector asks of it.
+/// Exposure limits of the camera, and requirements of the projector.
 struct ExposureLimits {
   ExposureTime shortest{1e-4};
   ExposureTime longest{0.25};
-  /// Longer ones are taken only as far as the picture would be too dim without: a scan has hundreds of photographs.
+  /// Longer exposures are used only if the picture would otherwise be too dim, since a scan has hundreds of
+  /// photographs.
   ExposureTime preferred_longest{0.1};
-  /// A projector that makes its colours one after the other looks right only over whole refreshes: exposures are
-  /// multiples of this where that is possible. 0: it does not matter.
+  /// A projector with sequential colours is seen correctly only over whole refreshes, so exposures are multiples of
+  /// this if possible. 0: no such requirement.
   ExposureTime projector_period{1.0 / 60.0};
 };
 
-/// What a photograph of the white picture says about its exposure.
+/// Statistics of a photograph of the white picture, for judging its exposure.
 struct ExposureSample {
   ExposureTime exposure{0.0};
   double saturated = 0.0;  ///< Fraction of the pixels that the projector lights.
-  double bright = 0.0;     ///< What 99.5 % of those stay below, as Photo.
+  double bright = 0.0;     ///< 99.5th percentile of those pixels, as Photo.
   double lit = 0.0;        ///< Fraction of all pixels that the projector lights.
 };
 
-/// `white` and `black` photographed alike. A pixel is lit when it gains at least 0.02 or is saturated. Reentrant.
+/// `white` and `black` must have the same exposure. A pixel is lit if it gains at least 0.02 or is saturated.
+/// Reentrant.
 [[nodiscard]] ExposureSample exposure_sample(ExposureTime exposure, const Photo& white, const Photo& black);
 
 struct ExposureAdvice {
@@ -38,15 +40,16 @@ struct ExposureAdvice {
   bool is_good = false;  ///< The newest sample has this exposure already, and may be used.
 };
 
-/// What 99.5 % of the lit pixels are to stay below: 0.6 to 0.9 is good, and 0.8 is aimed at. From
-/// ExposureLimits::preferred_longest on 0.3 is enough, and 0.35 is aimed at.
+/// Target of the 99.5th percentile of the lit pixels; 0.6 to 0.9 is accepted. From ExposureLimits::preferred_longest
+/// on, 0.3 is accepted and kDimAim is the target.
 inline constexpr double kBrightAim = 0.8;
 inline constexpr double kDimAim = 0.35;
 
-/// From all samples so far to the exposure to try next: two or three lead to a good one. A pure function.
+/// Returns the exposure to try next, given all samples so far; two or three samples lead to a good one. A pure
+/// function.
 ///
-/// kInvalidArgument  limits that are none, or no sample with an exposure.
-/// kBadData  no exposure within the limits will do; says whether to open or to close the iris.
+/// Errors: kInvalidArgument for invalid limits or if no sample has an exposure; kBadData if no exposure within the
+/// limits is suitable, with the advice to open or to close the iris.
 [[nodiscard]] Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples,
                                                    const ExposureLimits& limits);
 

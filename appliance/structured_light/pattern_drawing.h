@@ -6,11 +6,11 @@
 
 namespace cyclorama::structured_light {
 
-/// The code value, 0 to 1, that a picture of the set shows at a projector's pixel. Reentrant.
-/// Precondition: the pixel is on the projector.
+/// Returns the code value, 0 to 1, that a picture of the set shows at a projector's pixel. Reentrant. Precondition: the
+/// pixel is on the projector.
 [[nodiscard]] double level_at(const PatternSet& set, const PatternPicture& picture, int x, int y);
 
-/// The picture as code values of 8 bits, the same in all channels but those that its light leaves dark. Reentrant.
+/// Draws the picture as code values of 8 bits; channels that its light excludes are dark. Reentrant.
 [[nodiscard]] RgbImage drawn(const PatternSet& set, const PatternPicture& picture);
 
 }  // namespace cyclorama::structured_light

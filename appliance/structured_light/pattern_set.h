@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which pictures a projector shows so that a camera learns where each of its pixels shines.
+/// The pictures that a projector shows so that a camera can find the projector pixel that lights each of its pixels.
 ///
 ///   white  black │ bit 9  its inverse  bit 8  its inverse …  bit 0  its inverse │ phase 0 … N-1 │ the rows likewise
 ///   ▓▓▓▓   ░░░░  │ ▓▓░░   ░░▓▓         ▓░░▓   ░▓▓░           the finest stripes: 2 pixels wide
 ///
-/// Stripes that tell columns are vertical. Columns count from 0 at the left, rows from 0 at the top; a position that is
-/// told is ours: the first pixel reaches from 0 to 1. Levels are code values as a projector takes them, 0 to 1.
+/// Stripes that encode columns are vertical. Columns count from 0 at the left, rows from 0 at the top; the first pixel
+/// of a position extends from 0 to 1. Levels are code values of the projector, 0 to 1.
 ///
 /// Gray code: column x shows bit b of x ^ (x >> 1), highest bit first, so that neighbours differ in one bit.
 ///   Source: Inokuchi, Sato and Matsuda, "Range imaging system for 3-D object recognition", ICPR 1984. The order and
 ///   the pictures are those of OpenCV's structured-light module (a test compares them).
 /// XOR code: every bit coarser than the base is shown XORed with the base, so that no stripe is wider than its, and
-///   light that goes from wall to wall arrives the same from a pattern as from its inverse.
-///   Source: Gupta, Agrawal, Veeraraghavan and Narasimhan, "Structured Light 3D Scanning in the Presence of Global
+/// XOR code: every bit coarser than the base is shown XORed with the base, so that no stripe is wider than the base's,
+///   and interreflected light is the same for a pattern and its inverse.
 ///   Illumination", CVPR 2011, section 4.
 /// Phase shift: N sines of one period, moved by 1/N of it each; it tells the place within a period.
-///   Source: Srinivasan, Liu and Halioua, "Automated phase-measuring profilometry", Applied Optics 23 (18), 1984.
+/// Phase shift: N sines of one period, each shifted by 1/N of it; they give the position within a period.
 #pragma once
 
 #include <cstddef>
@@ -30,20 +30,20 @@ enum class PatternAxis { kColumns, kRows };
 enum class PatternKind { kWhite, kBlack, kBit, kPhase, kLevel };
 enum class PatternLight { kAll, kRed, kGreen, kBlue };
 
-/// What one picture of a set is.
+/// One picture of a set.
 struct PatternPicture {
   PatternKind kind = PatternKind::kWhite;
-  PatternAxis axis = PatternAxis::kColumns;  ///< Of kBit and kPhase.
-  int bit = 0;                               ///< Of kBit: 0 is the finest.
-  bool is_inverse = false;                   ///< Of kBit.
-  int step = 0;                              ///< Of kPhase: moved by step / steps of a period.
-  double level = 1.0;                        ///< Of kLevel: code value, 0 to 1.
+  PatternAxis axis = PatternAxis::kColumns;  ///< For kBit and kPhase.
+  int bit = 0;                               ///< For kBit: 0 is the finest.
+  bool is_inverse = false;                   ///< For kBit.
+  int step = 0;                              ///< For kPhase: shifted by step / steps of a period.
+  double level = 1.0;                        ///< For kLevel: code value, 0 to 1.
   PatternLight light = PatternLight::kAll;
 
   friend bool operator==(const PatternPicture&, const PatternPicture&) = default;
 };
 
-/// A value: what to show, in order, and all that is needed to read it back.
+/// The pictures in order, with all parameters that decoding needs. A value.
 struct PatternSet {
   int width_px = 0;
   int height_px = 0;
@@ -55,32 +55,32 @@ struct PatternSet {
   friend bool operator==(const PatternSet&, const PatternSet&) = default;
 };
 
-/// How many bits tell `pixels` apart: 10 for 1024, 11 for 1025.
+/// Returns the number of bits that distinguish `pixels` values: 10 for 1024, 11 for 1025.
 [[nodiscard]] int bits_for(int pixels);
 
 struct PatternChoice {
   int width_px = 1920;
   int height_px = 1080;
   int finest_bit = 0;            ///< Finer bits are not shown: the stripes of bit b are 2^(b+1) pixels wide.
-  int base_bit = -1;             ///< As PatternSet's.
-  double phase_period_px = 0.0;  ///< 0: no phases. Else at least 4, and twice the finest stripe or more.
-  int phase_steps = 0;           ///< 3 or more with a period; N steps cancel a response's harmonics up to N - 2.
+  int base_bit = -1;             ///< As in PatternSet.
+  double phase_period_px = 0.0;  ///< 0: no phases. Otherwise at least 4 and at least twice the finest stripe.
+  int phase_steps = 0;           ///< 3 or more with a period; N steps cancel the response's harmonics up to N - 2.
 };
 
-/// White and black first, since exposure is judged by them; then columns, then rows.
-/// kInvalidArgument  names the field and what it may be.
+/// White and black come first, since exposure is judged by them; then columns, then rows. Errors: kInvalidArgument with
+/// the field and its valid range.
 Result<PatternSet> structured_light(const PatternChoice& choice);
 
-/// Levels 0 to 1 in `steps` equal steps of code value, in each of the lights: what a response curve is measured with.
-/// kInvalidArgument  a size that is not 1 to 16384, or not 2 to 256 steps.
+/// Returns levels 0 to 1 in `steps` equal steps of code value for each light, to measure a response curve. Errors:
+/// kInvalidArgument if a size is not 1 to 16384 or `steps` is not 2 to 256.
 Result<PatternSet> ramps(int width_px, int height_px, int steps, const std::vector<PatternLight>& lights);
 
-/// "column bit 3, inverse"; for progress and errors.
+/// Returns, for example, "column bit 3, inverse"; for progress and errors.
 [[nodiscard]] std::string name_of(const PatternPicture& picture);
 
-/// As text that read_pattern_set() takes: a record beside the photographs of what they show.
+/// Returns the text that read_pattern_set() parses; stored beside the photographs as a record of their pictures.
 [[nodiscard]] std::string to_text(const PatternSet& set);
-/// kBadData  with the line and what was expected there.
+/// Errors: kBadData with the line and what was expected there.
 Result<PatternSet> read_pattern_set(const std::string& text);
 
 }  // namespace cyclorama::structured_light

@@ -8,7 +8,7 @@
 
 namespace cyclorama::structured_light {
 
-/// The shifted sines of one axis, summed as they come: the place within a period, whatever the wall's colour.
+/// The shifted sines of one axis, accumulated one by one: the position within a period, whatever the wall's colour.
 class PhaseReading {
  public:
   PhaseReading() = default;
@@ -16,15 +16,15 @@ class PhaseReading {
 
   void add(int step, const Photo& photo);
   [[nodiscard]] bool is_complete() const { return steps_ > 0 && seen_ == steps_; }
-  /// Puts the phase's place where the bits' own is uncertain by less than a quarter of a period and agrees; a pixel
-  /// whose phase and bits contradict each other by more loses its place.
+  /// Replaces a position from the bits by that from the phase if the former is uncertain by less than a quarter of a
+  /// period and both agree. A pixel whose phase and bits disagree by more loses its position.
   void refine(double noise, AxisPositions* positions) const;
 
  private:
   double period_px_ = 0.0;
   int steps_ = 0;
   int seen_ = 0;
-  Image<float, 2> sums_;  ///< Light times cosine and sine of each step's angle.
+  Image<float, 2> sums_;  ///< Sums of light times cosine and sine of each step's angle.
 };
 
 }  // namespace cyclorama::structured_light

@@ -9,11 +9,11 @@
 
 namespace cyclorama::calibration {
 
-/// Why a pixel has no direction.
+/// Reason why a pixel has no direction.
 enum class LensRefusal {
   kNone,
   kNotFinite,   ///< The pixel is NaN or infinite.
-  kBeyondFold,  ///< No direction this side of the fold is imaged there.
+  kBeyondFold,  ///< No direction on this side of the fold is imaged there.
 };
 
 struct SlopeAnswer {
@@ -22,21 +22,21 @@ struct SlopeAnswer {
   explicit operator bool() const { return refusal == LensRefusal::kNone; }
 };
 
-/// A lens with distortion, in both directions: of a camera, or of a projector.
+/// A camera's or projector's lens with distortion, and its exact inverse.
 ///
-/// A polynomial of distortion turns back somewhere: beyond, two directions meet in one pixel, and the usual inverse of
-/// a fixed number of steps answers something. This one answers to 1e-9 px, or refuses:
+/// A polynomial distortion folds somewhere: beyond the fold two directions meet in one pixel, and the usual inverse
+/// with a fixed number of iterations returns an arbitrary value. This one is accurate to 1e-9 px, or refuses:
 ///
 ///      distance from the axis in the picture
 ///         │        ╭──╮            the distortion is the gradient of a potential, so where its Jacobian is positive
 ///         │      ╱ fold ╲          definite in a whole disc, it is one-to-one there, and its inverse is the only
-///         │    ╱     ┊    ╲        minimum of a convex function: Newton's steps, each of which goes down, find it
-///         │  ╱       ┊             from anywhere.
+///         │    ╱     ┊    ╲        minimum of a convex function: Newton's method, each step of which decreases it,
+///         │  ╱       ┊             converges from anywhere.
 ///         └──────────┴────────▶ slope
 ///            trusted   not
 ///
 /// The disc is the largest about the axis in which no direction's magnification falls below kMinMagnification of the
-/// centre's; with decentring (p1, p2) some of what lies just outside of it could be trusted too, and is not.
+/// centre's; with decentring (p1, p2) some slopes just outside it would be valid too, but are refused.
 /// A value; reentrant.
 class BrownLens {
  public:
@@ -44,23 +44,24 @@ class BrownLens {
   static constexpr double kMaxSlope = 57.0;  ///< 89° from the axis.
   static constexpr double kRoundTripPx = 1e-9;
 
-  /// kInvalidArgument  a size or a focal length that is not positive, or a number that is not finite.
+  /// Errors: kInvalidArgument for a size or a focal length that is not positive, or a number that is not finite.
   static Result<BrownLens> from(const BrownParameters& parameters);
 
   [[nodiscard]] const BrownParameters& parameters() const { return parameters_; }
-  /// The slope up to which the lens is trusted, at most kMaxSlope.
+  /// Returns the slope up to which the lens is trusted, at most kMaxSlope.
   [[nodiscard]] double trusted_slope() const { return trusted_slope_; }
 
-  /// Perhaps outside of the picture. Nothing when it is behind the lens, beyond what is trusted, or not finite.
+  /// The pixel may be outside the picture. Returns nothing if the point is behind the lens, beyond the trusted slope,
+  /// or not finite.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& point) const;
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of_slope(const Eigen::Vector2d& slope) const;
-  /// pixel_of_slope(answer) is the pixel to within kRoundTripPx.
+  /// The inverse of pixel_of_slope(), accurate to kRoundTripPx.
   [[nodiscard]] SlopeAnswer slope_at(const Eigen::Vector2d& pixel) const;
-  /// How far the pixel moves, in pixels per slope: d(u, v) / d(x, y).
+  /// Returns the derivative of the pixel by the slope: d(u, v) / d(x, y).
   [[nodiscard]] Eigen::Matrix2d jacobian(const Eigen::Vector2d& slope) const;
 
-  /// Whether every place of the picture has a direction.
-  /// kInvalidArgument  names the first that has none, and the slope of the fold.
+  /// Checks that every position of the picture has a direction. Errors: kInvalidArgument with the first position that
+  /// has none, and the slope of the fold.
   [[nodiscard]] Status covers_picture() const;
 
  private:

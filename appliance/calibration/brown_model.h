@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Brown's lens: what distortion does to a slope (x/z, y/z), as a formula that solvers differentiate as well.
+/// Brown's lens model: the distortion of a slope (x/z, y/z), as a formula that solvers differentiate as well.
 ///
 ///   r² = x² + y²        R = 1 + k1 r² + k2 r⁴ + k3 r⁶
 ///   x' = x R + 2 p1 x y + p2 (r² + 2 x²)
 ///   y' = y R + p1 (r² + 2 y²) + 2 p2 x y             u = fu x' + cu,  v = fv y' + cv
 ///
-/// Source: Brown, "Decentering Distortion of Lenses", Photogrammetric Engineering 32 (3), 1966; in OpenCV's order of
-/// the coefficients (k1, k2, p1, p2, k3). Pixels are ours: the CENTRE of the first one is at (0.5, 0.5), so OpenCV's
-/// centre (cx, cy) is (cu - 0.5, cv - 0.5).
+/// Source: Brown, "Decentering Distortion of Lenses", Photogrammetric Engineering 32 (3), 1966; the coefficients are in
+/// OpenCV's order (k1, k2, p1, p2, k3). The CENTRE of the first pixel is at (0.5, 0.5), so OpenCV's centre (cx, cy) is
+/// (cu - 0.5, cv - 0.5).
 #pragma once
 
 #include <array>
 
 namespace cyclorama::calibration {
 
-/// Focal lengths and centre in pixels; coefficients without unit.
+/// Focal lengths and principal point in pixels; dimensionless coefficients.
 struct BrownParameters {
   int width_px = 0;
   int height_px = 0;
@@ -29,7 +29,7 @@ struct BrownParameters {
   double k3 = 0.0;
 };
 
-/// How a solver holds them: one block of numbers.
+/// The parameters as one block of numbers, for solvers.
 inline constexpr int kBrownValues = 9;
 enum BrownValue : int { kFocalU, kFocalV, kCentreU, kCentreV, kK1, kK2, kP1, kP2, kK3 };
 using BrownBlock = std::array<double, kBrownValues>;
@@ -43,7 +43,7 @@ using BrownBlock = std::array<double, kBrownValues>;
           block[kK1], block[kK2], block[kP1],     block[kP2],     block[kK3]};
 }
 
-/// `block` as above; (x, y) a slope, (u, v) its pixel. T: double, or a number that carries its derivatives.
+/// `block` as above; (x, y) is a slope, (u, v) its pixel. T is double or an automatic differentiation type.
 template <typename T>
 void brown_pixel(const T* block, const T& x, const T& y, T* u, T* v) {
   const T xx = x * x;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The result of a scan: a map per projector, where the camera was, and the wall, if it was asked for.
-/// appliance/solve computes it; calibration_file.h writes and reads it.
+/// The result of a scan: a map per projector, the camera's poses, and the wall if it was requested. appliance/solve
+/// computes it; calibration_file.h writes and reads it.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,21 +17,22 @@
 
 namespace cyclorama::calibration {
 
-/// Inverse distance of the wall per direction, in 1/m, as a sum of the spherical harmonics up to degree two. It is exact
-/// for a plane and not for a corner, so where a wall was fitted it is added to the inverse distance of that wall.
+/// Inverse distance of the wall per direction, in 1/m, as a sum of the spherical harmonics up to degree two. It is
+/// exact for a plane and not for a corner, so if a wall was fitted, the sum is a correction to the inverse distance of
+/// that wall.
 inline constexpr int kInverseDepthTerms = 9;
 using InverseDepthTerms = std::array<double, kInverseDepthTerms>;
 
-/// The camera's pose in each direction, found by one bundle adjustment over what several directions saw.
+/// The camera's pose in each direction, from one bundle adjustment over the points that several directions saw.
 ///
 /// Gauge: the reference direction has the angle that the turntable reported, the turntable's axis is the Eye frame's y,
 /// and the sweet spot is at the camera's height. The axis is as plumb as the turntable was set up.
 struct TurnPlate {
-  MeasuredLens camera;  ///< Refined by the directions.
+  MeasuredLens camera;  ///< Refined by the bundle adjustment.
   double pitch_rad = 0.0;
   double roll_rad = 0.0;
   Eigen::Vector2d offset_m{0.0, 0.0};  ///< From the axis to the camera's centre: right, forward.
-  /// Standard deviation, at the wall's mean inverse distance; where the offset is taken for 0, it includes the offset
+  /// Standard deviation, at the wall's mean inverse distance; if the offset is taken to be 0, it includes the offset
   /// that was found.
   Eigen::Vector2d offset_sigma_m{0.0, 0.0};
   InverseDepthTerms inverse_depth{};  ///< Inverse distance of the wall, added to that of `wall` if there is one.
@@ -40,7 +41,7 @@ struct TurnPlate {
   std::size_t reference = 0;          ///< The direction that keeps its reported angle.
 
   bool is_offset_estimated = false;
-  std::string offset_reason;            ///< The reason, for the installer.
+  std::string offset_reason;            ///< Reason why the offset was or was not estimated, for the installer.
   std::vector<std::string> parameters;  ///< Names of the covariance's rows.
   Eigen::MatrixXd covariance;           ///< Priors included.
   int rank = 0;                         ///< Number of parameters that the measurements alone determine.
@@ -94,7 +95,7 @@ struct Calibration {
   std::string date;  ///< "2026-11-22T13-05-00Z": also a folder's name.
   TurnPlate plate;
   std::vector<CalibratedProjector> projectors;
-  std::optional<ModelChoice> wall;   ///< Absent where it was not requested, or could not be found.
+  std::optional<ModelChoice> wall;   ///< Absent if it was not requested or could not be found.
   std::vector<std::string> remarks;  ///< Shortcomings and remedies, for the installer.
 };
 

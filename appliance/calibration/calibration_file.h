@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// calibration.json: what a calibration found, and how sure it is, for displays, operators and the next calibration.
+/// calibration.json: the result of a calibration with its uncertainties, for displays, operators and the next one.
 ///
-///     FOLDER/calibration.json                     the one that counts; replaced by a rename, so whole or not at all
-///     FOLDER/calibrations/DATE/calibration.json   the same, kept: to go back to
+///     FOLDER/calibration.json                     the current calibration; replaced atomically by a rename
+///     FOLDER/calibrations/DATE/calibration.json   the same, kept for restoring
 ///     FOLDER/calibrations/DATE/N.map.pfm          directions of the control points of projector N (from 1); NaN: none
-///     FOLDER/calibrations/DATE/N.sigma.pfm        how sure they are, in projector pixels; infinite where there is none
+///     FOLDER/calibrations/DATE/N.sigma.pfm        their sigmas, in projector pixels; infinite where there is none
 ///     FOLDER/calibrations/DATE/colours.json       brightness and colours, if they were measured: colour_file.h
-///     FOLDER/calibrations/DATE/light.json         what they were made from: photometry/light_file.h
+///     FOLDER/calibrations/DATE/light.json         the light they were computed from: photometry/light_file.h
 ///
-/// FOLDER/calibration.json is written last, and the others are never changed: whoever reads it finds all that belongs
-/// to it, also after a power cut. What a power cut left unfinished counts for nothing, and goes with the next one.
+/// FOLDER/calibration.json is written last, and the others are never changed, so a reader always finds all files that
+/// belong to it, also after a power cut. An unfinished calibration is ignored, and the next one removes it.
 #pragma once
 
 #include <filesystem>
@@ -24,37 +24,38 @@
 
 namespace cyclorama::calibration {
 
-/// A calibration as text, without its maps: their files' names stand in it.
+/// Returns a calibration as text without its maps, whose file names it contains.
 [[nodiscard]] std::string calibration_json(const Calibration& calibration);
 
-/// The opposite: maps have their sizes and no directions. `name` stands for the file in errors.
-/// kBadData  "calibration.json: /projectors/0/cells_x: ...; remedy": a key that is missing, unknown or of another kind,
-/// a number out of range, counts that do not fit one another, or no JSON at all (then the byte).
+/// Inverse of calibration_json(): maps have their sizes and no directions. `name` stands for the file in errors.
+/// Errors: kBadData, as in "calibration.json: /projectors/0/cells_x: ...; remedy", for a key that is missing, unknown
+/// or of another type, a number out of range, inconsistent counts, or text that is not JSON (then with the byte).
 Result<Calibration> parse_calibration(std::string_view text, const std::string& name);
 
-/// A file of a calibration's own folder that others read and write.
+/// A further file in a calibration's own folder that other modules read and write.
 struct CalibrationPart {
-  std::string file;  ///< Its name, without folders.
+  std::string file;  ///< File name without folders.
   std::string text;
 };
 
-/// Writes all files, then replaces FOLDER/calibration.json. Keeps the newest ten. kInvalidArgument  the date is no
-/// folder's name, or there is one of that date already; a part's name is no file's; or as write_colours().
-/// kSystem  errno says why. Nothing that counts has changed then.
+/// Writes all files, then replaces FOLDER/calibration.json. Keeps the newest ten calibrations. Errors: kInvalidArgument
+/// if the date cannot be a folder's name or already exists, a part's name cannot be a file name, or as write_colours();
+/// kSystem with the reason from errno. After an error the current calibration is unchanged.
 Status save_calibration(const std::filesystem::path& folder, const Calibration& calibration,
                         std::span<const CalibratedColour> colours = {}, std::span<const CalibrationPart> parts = {});
 
-/// FOLDER/calibration.json and its maps. Errors as parse_calibration(), and the files'.
+/// Reads FOLDER/calibration.json and its maps. Errors: those of parse_calibration() and of reading the files.
 Result<Calibration> read_calibration(const std::filesystem::path& folder);
 
-/// Where the maps, colours and pictures of the calibration of that date lie. Precondition: it was read from there.
+/// Returns the folder with the maps, colours and pictures of the calibration of that date. Precondition: it was read
+/// from there.
 [[nodiscard]] std::filesystem::path calibration_folder(const std::filesystem::path& folder, const std::string& date);
 
-/// Dates that can be gone back to, the newest first.
+/// Returns the dates that can be restored, newest first.
 [[nodiscard]] std::vector<std::string> kept_calibrations(const std::filesystem::path& folder);
 
-/// Makes the calibration of that date the one that counts, after reading all of it. kNotFound  there is none of that
-/// date.
+/// Makes the calibration of that date the current one after reading all of it. Errors: kNotFound if there is none of
+/// that date.
 Status restore_calibration(const std::filesystem::path& folder, const std::string& date);
 
 }  // namespace cyclorama::calibration

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// camera.json: what is known of one camera's lens. Written by cyclorama-calibrate-camera, read by whoever looks
-/// through that camera: the tracker, the calibration of the wall.
+/// camera.json: the calibrated lens of one camera. Written by cyclorama-calibrate-camera; read by the tracker and by
+/// the calibration of the wall.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@
 namespace cyclorama::calibration {
 
 struct CameraFile {
-  std::string camera;  ///< Camera::id(), or the pictures' folder.
+  std::string camera;  ///< Camera::id(), or the folder of the pictures.
   std::string date;
   MeasuredLens lens;
   LensModel model = LensModel::kPinhole;
@@ -24,14 +24,14 @@ struct CameraFile {
 };
 
 [[nodiscard]] std::string camera_json(const CameraFile& camera);
-/// kBadData  names the place of what is wrong: a key that is not known, a number out of range, a lens that folds over
-///           within its picture.
+/// Errors: kBadData, with the position of the error, for an unknown key, a number out of range, or a lens whose
+/// distortion folds within its picture.
 Result<CameraFile> parse_camera(std::string_view text, const std::string& name);
-/// Others as read_file().
+/// Errors: those of read_file() and parse_camera().
 Result<CameraFile> read_camera(const std::filesystem::path& path);
 
-/// For pictures of another size of the same camera, when they show the same field in other pixels.
-/// kInvalidArgument  the picture has another shape: says what the lens was calibrated for.
+/// Adapts a lens to pictures of another size from the same camera that show the same field of view. Errors:
+/// kInvalidArgument, with the calibrated size, if the picture has another aspect ratio.
 Result<MeasuredLens> lens_for_picture(const MeasuredLens& lens, int width_px, int height_px);
 
 }  // namespace cyclorama::calibration

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-/// colours.json: how bright each projector's pixels may be and which codes make its light, beside a calibration's maps.
+/// colours.json: the mask and colour correction of each projector, beside a calibration's maps.
 ///
-///     FOLDER/calibrations/DATE/colours.json      absent where only geometry was measured
-///     FOLDER/calibrations/DATE/N.mask.png        of projector N (from 1): grey, 16 bits: a factor on linear light,
-///                                                65535 is 1
-///     FOLDER/calibrations/DATE/N.black_lift.png        the same of the head's black; where there is any
+///     FOLDER/calibrations/DATE/colours.json        absent if only geometry was measured
+///     FOLDER/calibrations/DATE/N.mask.png          mask of projector N (from 1): grey, 16 bits: a factor on linear
+///                                                  light, 65535 is 1
+///     FOLDER/calibrations/DATE/N.black_lift.png    the black lift likewise, if there is any
 ///
 ///     {"format": "cyclorama-colours", "version": 1,
 ///      "projectors": [{"name": "left", "mask": "1.mask.png",
-///                      "black_lift": "1.black_lift.png", "black_linear": [0.002, 0.002, 0.003],     with `black_lift` only
-///                      "matrix": [[0.98, 0.01, 0], [0.01, 0.97, 0], [0, 0, 1]],            or left out
-///                      "response": {"red": [0, ..., 1], "green": [...], "blue": [...]}}]}  or left out: sRGB
+///                      "black_lift": "1.black_lift.png", "black_linear": [0.002, 0.002, 0.003],  both or neither
+///                      "matrix": [[0.98, 0.01, 0], [0.01, 0.97, 0], [0, 0, 1]],                  or left out
+///                      "response": {"red": [0, ..., 1], "green": [...], "blue": [...]}}]}        or left out: sRGB
 ///
-/// Matrix, black and response as HeadColour has them (appliance/warp/head_colour.h).
+/// Matrix, black and response as in HeadColour (appliance/warp/head_colour.h).
 #pragma once
 
 #include <filesystem>
@@ -28,21 +28,21 @@
 namespace cyclorama::calibration {
 
 struct CalibratedColour {
-  std::string name;  ///< The projector's.
+  std::string name;  ///< Name of the projector.
   warp::MaskImage mask;
   warp::HeadColour colour;
 };
 
-/// Without the pictures: their files' names stand in it.
+/// Returns the text without the pictures, whose file names it contains.
 [[nodiscard]] std::string colours_json(std::span<const CalibratedColour> colours);
-/// The opposite: masks are empty, a black_lift too. Errors as parse_calibration().
+/// Inverse of colours_json(): masks and black lifts are empty. Errors: those of parse_calibration().
 Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const std::string& name);
 
-/// Into a calibration's own folder, pictures first. kInvalidArgument  a projector's name twice.     kSystem  errno says
-/// why.
+/// Writes to a calibration's own folder, pictures first. Errors: kInvalidArgument for a duplicate projector name;
+/// kSystem with the reason from errno.
 Status write_colours(const std::filesystem::path& own_folder, std::span<const CalibratedColour> colours);
-/// None where there is no colours.json. kBadData  a file is not what it should be, and which; sizes of pictures are the
-/// caller's to compare.
+/// Returns an empty list if there is no colours.json. The caller must compare the pictures' sizes. Errors: kBadData,
+/// with the file's name, for malformed contents.
 Result<std::vector<CalibratedColour>> read_colours(const std::filesystem::path& own_folder);
 
 }  // namespace cyclorama::calibration

@@ -9,8 +9,8 @@
 
 namespace cyclorama::calibration {
 
-/// Directions as places in a plane: angle from a middle, as an arrow. Smooth but at the direction against the middle,
-/// so a map has no seam and no pole. A value; reentrant.
+/// Directions as positions in a plane (azimuthal equidistant projection): the angle from a middle direction, with its
+/// bearing. Smooth everywhere except opposite the middle, so a map has no seam and no pole. A value; reentrant.
 class DirectionChart {
  public:
   explicit DirectionChart(const Eigen::Vector3d& middle) : middle_(middle.normalized()) {
@@ -18,7 +18,8 @@ class DirectionChart {
     up_ = right_.cross(middle_);
   }
 
-  /// About the mean of all `samples` (each with a `direction`); nothing when some are more than 170 degrees from it.
+  /// Creates a chart about the mean of all `samples` (each with a `direction`); nothing if some are more than 170
+  /// degrees from it.
   template <typename Samples>
   static std::optional<DirectionChart> around(const Samples& samples) {
     constexpr double kMinCos = -0.985;
@@ -32,7 +33,7 @@ class DirectionChart {
     return chart;
   }
 
-  /// Nothing against the middle. Precondition: unit length.
+  /// Returns nothing opposite the middle. Precondition: unit length.
   [[nodiscard]] std::optional<Eigen::Vector2d> place_of(const Eigen::Vector3d& direction) const {
     const Eigen::Vector2d side(direction.dot(right_), direction.dot(up_));
     const double sine = side.norm();
@@ -41,7 +42,7 @@ class DirectionChart {
     if (sine < 1e-12) return side;
     return side * (std::atan2(sine, cosine) / sine);
   }
-  /// A unit vector; nothing more than half a turn from the middle.
+  /// Returns a unit vector; nothing more than half a turn from the middle.
   [[nodiscard]] std::optional<Eigen::Vector3d> direction_of(const Eigen::Vector2d& position) const {
     const double angle = position.norm();
     if (!(angle < 3.14159265)) return std::nullopt;

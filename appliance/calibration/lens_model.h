@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The selection of lens models, from the least: whoever calibrates climbs it only as far as left-out measurements agree.
+/// The candidate lens models, from the smallest; model selection takes a richer one only if left-out measurements
+/// justify it.
 #pragma once
 
 #include <array>
@@ -12,27 +13,27 @@
 namespace cyclorama::calibration {
 
 enum class LensModel {
-  kPinhole,     ///< One focal length and the centre.
-  kRadial1,     ///< and k1
-  kRadial2,     ///< and k2
-  kDecentred,   ///< and p1, p2
-  kFull,        ///< and k3
-  kFullOblong,  ///< and a second focal length
+  kPinhole,     ///< One focal length and the principal point.
+  kRadial1,     ///< Adds k1.
+  kRadial2,     ///< Adds k2.
+  kDecentred,   ///< Adds p1, p2.
+  kFull,        ///< Adds k3.
+  kFullOblong,  ///< Adds a second focal length.
 };
 inline constexpr std::array kLensModels = {LensModel::kPinhole,   LensModel::kRadial1, LensModel::kRadial2,
                                            LensModel::kDecentred, LensModel::kFull,    LensModel::kFullOblong};
 
-/// A richer model must predict left-out views of a board better by this share, or the smaller one stays.
+/// Minimum relative improvement on left-out views of a board with which a richer model replaces a smaller one.
 inline constexpr double kMinModelGain = 0.04;
 
 [[nodiscard]] std::string_view name_of(LensModel model);
-/// Nothing for any other text.
+/// Returns nothing for any other text.
 [[nodiscard]] std::optional<LensModel> lens_model(std::string_view name);
-/// How many numbers the model leaves free.
+/// Returns the number of free parameters.
 [[nodiscard]] int freedom_of(LensModel model);
-/// Whether both focal lengths are one number.
+/// Returns true if both focal lengths are one parameter.
 [[nodiscard]] bool has_square_pixels(LensModel model);
-/// Which of a block's coefficients the model holds at 0.
+/// Returns the indices of the coefficients of a block that the model holds at 0.
 [[nodiscard]] std::vector<int> fixed_values(LensModel model);
 
 }  // namespace cyclorama::calibration

@@ -8,13 +8,13 @@
 
 namespace cyclorama::calibration {
 
-/// Three control points, and how much of each; the factors add up to 1.
+/// Three control points and their barycentric weights, which add up to 1.
 struct GridWeights {
   std::array<int, 3> nodes{};
   std::array<double, 3> factors{};
 };
 
-/// Control points over a projector's picture, and the triangles between them, as a WarpMesh has them. A value.
+/// Control points over a projector's picture and the triangles between them, as in WarpMesh. A value.
 struct MapGrid {
   int width_px = 0;
   int height_px = 0;
@@ -26,7 +26,7 @@ struct MapGrid {
   [[nodiscard]] double cell_width() const { return static_cast<double>(width_px) / cells_x; }
   [[nodiscard]] double cell_height() const { return static_cast<double>(height_px) / cells_y; }
 
-  /// Nothing outside of the picture.
+  /// Returns nothing outside the picture.
   [[nodiscard]] std::optional<GridWeights> weights_at(const Eigen::Vector2d& pixel) const {
     if (cells_x < 1 || cells_y < 1) return std::nullopt;
     const double u = pixel.x() / cell_width();

@@ -9,10 +9,10 @@
 
 namespace cyclorama::calibration {
 
-/// make_blend_masks() of measured maps: the same weights, of places in the picture instead of points of the wall. Null:
-/// a projector of which nothing is known; its mask is empty, and the others blend without it. Where a map has no
-/// direction a pixel is dark. They add up to 1 within half a percent on heads of 160 pixels, and the better the more
-/// pixels there are. Reentrant.
+/// Counterpart of make_blend_masks() for measured maps: the same weights, from positions in the picture instead of
+/// points of the wall. A null map means an unknown projector: its mask is empty, and the others are blended without it.
+/// A pixel for which the map has no direction is dark. The weights add up to 1 within half a percent on heads of 160
+/// pixels, and more closely with more pixels. Reentrant.
 [[nodiscard]] std::vector<warp::MaskImage> measured_blend_masks(std::span<const MeasuredMap* const> maps,
                                                                 const PictureShape& picture);
 

@@ -11,8 +11,8 @@
 
 namespace cyclorama::calibration {
 
-/// A lens as measurements tell it, of a camera or of a projector: Brown's with square pixels, and how sure one is. The
-/// formula and its inverse are those of brown_model.h; this adds which numbers are free, and their covariance.
+/// A measured lens of a camera or projector: Brown's model with square pixels, and its covariance. The formula and its
+/// inverse are those of brown_model.h and brown_lens.h.
 ///
 /// Frames: x right, y down, z forward; the CENTRE of the first pixel is (0.5, 0.5). A value; reentrant.
 struct MeasuredLens {
@@ -22,33 +22,33 @@ struct MeasuredLens {
 
   int width_px = 0;
   int height_px = 0;
-  std::array<double, kParameters> values{};    ///< By Parameter; the first three in pixels.
-  Covariance covariance = Covariance::Zero();  ///< A parameter without variance is known.
+  std::array<double, kParameters> values{};    ///< Indexed by Parameter; the first three in pixels.
+  Covariance covariance = Covariance::Zero();  ///< A parameter with variance 0 is exact.
 
-  /// Without distortion, centred, with the uncertainties of a data sheet: a twentieth of the focal length, a fiftieth
-  /// of the picture's width for its centre.
+  /// Returns an undistorted, centred lens with the uncertainties of a data sheet: a twentieth of the focal length, and
+  /// a fiftieth of the picture's width for the principal point.
   static MeasuredLens from_focal(int width_px, int height_px, double focal_px);
 
-  /// Without the covariance. Errors as BrownLens::from().
+  /// Returns the lens without its covariance. Errors: those of BrownLens::from().
   [[nodiscard]] Result<BrownLens> brown() const;
 
-  /// Nothing when the point is not in front, or where the distortion has turned back (so no picture has it). Finds the
-  /// fold anew at each call, as does direction_at(): who asks for many pixels keeps a brown().
+  /// Returns nothing if the point is not in front of the lens or is beyond the fold of the distortion. Each call, like
+  /// one of direction_at(), searches for the fold again; for many pixels keep a brown().
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& point) const;
-  /// Not normalised: z is 1. Nothing when no direction before the distortion's turning point leads there.
+  /// Returns a direction with z = 1, not normalised; nothing if no direction within the distortion's fold leads there.
   [[nodiscard]] std::optional<Eigen::Vector3d> direction_at(const Eigen::Vector2d& pixel) const;
   [[nodiscard]] bool contains(const Eigen::Vector2d& pixel) const {
     return pixel.x() >= 0.0 && pixel.x() <= width_px && pixel.y() >= 0.0 && pixel.y() <= height_px;
   }
 };
 
-/// Which of MeasuredLens::values a model holds at 0.
+/// Returns the indices of MeasuredLens::values that a model holds at 0.
 [[nodiscard]] std::vector<int> held_parameters(LensModel model);
 
-/// As MeasuredLens::direction_at().
+/// Like MeasuredLens::direction_at().
 [[nodiscard]] std::optional<Eigen::Vector3d> direction_through(const BrownLens& lens, const Eigen::Vector2d& pixel);
 
-/// The formula alone, for automatic differentiation too. Precondition: point[2] > 0.
+/// Projection through a lens, also for automatic differentiation. Precondition: point[2] > 0.
 template <typename T>
 void project_through_lens(const T* lens, const T* point, T* ret_pixel) {
   using L = MeasuredLens;
@@ -59,7 +59,7 @@ void project_through_lens(const T* lens, const T* point, T* ret_pixel) {
   brown_pixel(block, x, y, &ret_pixel[0], &ret_pixel[1]);
 }
 
-/// The same, with what it changes by.
+/// The projected pixel with its derivatives.
 struct LensSlopes {
   Eigen::Vector2d pixel;
   Eigen::Matrix<double, 2, 3> by_point;

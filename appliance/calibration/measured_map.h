@@ -11,28 +11,28 @@
 
 namespace cyclorama::calibration {
 
-/// From a projector's pixels to directions from the sweet spot, with no model of the wall: a grid of control points
-/// over its whole picture, linear in triangles, which are a WarpMesh's (cut from a cell's upper left to its lower
-/// right). A value; reentrant.
+/// A projector's map from pixels to directions from the sweet spot, without a model of the wall: a grid of control
+/// points over its whole picture, linear in the triangles of a WarpMesh (each cell is cut from its upper left to its
+/// lower right). A value; reentrant.
 struct MeasuredMap {
   int width_px = 0;
   int height_px = 0;
   int cells_x = 0;
   int cells_y = 0;
-  /// (cells_x + 1) * (cells_y + 1) unit vectors, Eye frame, row by row from the top; NaN where nothing near was seen.
+  /// (cells_x + 1) * (cells_y + 1) unit vectors, Eye frame, row by row from the top; NaN where nothing nearby was seen.
   std::vector<Eigen::Vector3d> directions;
-  std::vector<double> sigma_px;  ///< Of each, in projector pixels, each way; large in gaps and past the rim.
-  double heldout_rms_px = 0.0;   ///< Per axis, of cells that the fit did not see.
+  std::vector<double> sigma_px;  ///< One per direction, in projector pixels per axis; large in gaps and beyond the rim.
+  double heldout_rms_px = 0.0;   ///< Per axis, over cells that were left out of the fit.
   double stiffness_px = 0.0;  ///< The change of slope per cell that the smoothness expects; chosen by held-out cells.
   std::size_t samples = 0;
 
-  /// A unit vector; nothing outside of the picture and where the map has none.
+  /// Returns a unit vector; nothing outside the picture or where the map has no direction.
   [[nodiscard]] std::optional<Eigen::Vector3d> direction_at(const Eigen::Vector2d& pixel) const;
-  /// Infinite where direction_at() has nothing.
+  /// Infinite where direction_at() returns nothing.
   [[nodiscard]] double sigma_at(const Eigen::Vector2d& pixel) const;
 };
 
-/// What a display draws with. kBadData  no control point has a place in the picture.
+/// Converts a map to the warp that a display uses. Errors: kBadData if no control point has a position in the picture.
 Result<warp::Warp> warp_of(const MeasuredMap& map, const PictureShape& picture);
 
 }  // namespace cyclorama::calibration

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Small changes of a pose, as the filter and the solver count them.
+/// Small changes of a pose, as parametrised by the filter and the solver.
 ///
-///   step = (turn, shift), both in the body's own frame:   T' = T * [exp(turn), shift]
+///   step = (rotation, translation), both in the body's own frame:   T' = T * [exp(rotation), translation]
 ///
-/// A chart of SE(3) about T: exact both ways for turns below half a circle. Reentrant.
+/// A chart of SE(3) about T: exact both ways for rotations below half a turn. Reentrant.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,11 +13,11 @@
 
 namespace cyclorama::calibration {
 
-/// Radians, then metres.
+/// Rotation in radians, then translation in metres.
 using PoseStep = Eigen::Matrix<double, 6, 1>;
 using PoseMatrix = Eigen::Matrix<double, 6, 6>;
 
-/// What a bump may do at most; beyond, somebody has rebuilt the room.
+/// Largest displacement by a bump; beyond it, a new calibration is needed.
 inline constexpr double kMaxTurn_rad = 0.12;
 inline constexpr double kMaxShift_m = 0.15;
 
@@ -32,7 +32,7 @@ template <typename To, typename Body>
   return T * RigidTransform<Body, Body>(turned_by(step.head<3>()), step.tail<3>());
 }
 
-/// The step for which stepped(from, step) is `to`.
+/// Returns the step for which stepped(from, step) is `to`.
 template <typename To, typename Body>
 [[nodiscard]] PoseStep step_between(const RigidTransform<To, Body>& from, const RigidTransform<To, Body>& to) {
   const RigidTransform<Body, Body> change = from.inverse() * to;
@@ -43,7 +43,7 @@ template <typename To, typename Body>
   return step;
 }
 
-/// The way from one pose to another, at a part of it in [0, 1]: how a display moves over without a jump.
+/// Interpolates between two poses, with `part` in [0, 1], so that a display can change over without a jump.
 template <typename To, typename Body>
 [[nodiscard]] RigidTransform<To, Body> between(const RigidTransform<To, Body>& from, const RigidTransform<To, Body>& to,
                                                double part) {

@@ -13,50 +13,52 @@
 
 namespace cyclorama::calibration {
 
-/// Light of a channel for each code of 8 bits, in [0, 1].
+/// Light of a channel for each 8-bit code, in [0, 1].
 using CodeLight = std::array<float, 256>;
 [[nodiscard]] CodeLight gamma_light(double gamma);
-/// In steps of 1/65535, as files keep it.
+/// Rounds to steps of 1/65535, the resolution of the files.
 [[nodiscard]] CodeLight rounded_light(CodeLight light);
 
 struct ShowProjector {
   std::string name;
   BrownParameters lens;
   RigidTransform<frame::Room, frame::Projector> T_room_projector;
-  std::array<CodeLight, 3> light{};             ///< As measured; gamma_light(2.2) will do.
-  std::array<float, 3> grey{.21f, .72f, .07f};  ///< How bright a camera finds each channel.
-  std::string unplaced{};  ///< Why nobody knows where it stands; its light is then nobody's. Empty: it is known.
+  std::array<CodeLight, 3> light{};             ///< As measured; gamma_light(2.2) is an adequate substitute.
+  std::array<float, 3> grey{.21f, .72f, .07f};  ///< Grey response of a camera to each channel.
+  /// Reason why the pose is unknown; the light is then unattributed. Empty: the pose is known.
+  std::string unplaced{};
 };
 
 struct ShowCamera {
   std::string name;
   BrownParameters lens;
   RigidTransform<frame::Room, frame::Camera> T_room_camera;
-  CodeLight light{};  ///< What falls on it, for each of its codes.
+  CodeLight light{};  ///< Incident light for each of its codes.
 };
 
-/// What the last calibration found out, and what the continuous one keeps true: where everything stands. A value.
+/// Poses of all projectors and fixed cameras: the result of the last calibration, kept up to date by the continuous
+/// one. A value.
 struct ShowCalibration {
   Wall wall;
   Point<frame::Room> sweet_spot;
   std::vector<ShowProjector> projectors;
-  std::vector<ShowCamera> cameras;  ///< That look at the show, each in its place.
+  std::vector<ShowCamera> cameras;  ///< Fixed cameras that watch the show.
 
-  /// kInvalidArgument  no projector or no camera, or a lens that is none; says which.
+  /// Errors: kInvalidArgument, with the name, if there is no projector or no camera, or a lens is invalid.
   [[nodiscard]] Status validate() const;
 };
 
-/// The slope (x/z, y/z) that a lens images at a pixel, by Newton's method; nothing where it does not settle within 1e-9
-/// pixels, as beyond the fold of a distortion.
+/// Returns the slope (x/z, y/z) that a lens images at a pixel, by Newton's method; nothing if it does not converge to
+/// within 1e-9 pixels, as beyond the fold of the distortion.
 [[nodiscard]] std::optional<Eigen::Vector2d> slope_at(const BrownParameters& lens, const Eigen::Vector2d& pixel);
-/// Perhaps outside of the picture; nothing behind the lens.
+/// The pixel may be outside the picture; nothing behind the lens.
 [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const BrownParameters& lens, const Eigen::Vector3d& point);
 [[nodiscard]] bool contains(const BrownParameters& lens, const Eigen::Vector2d& pixel);
 
-/// What a camera's pixel looks at on the wall continued past its edges.
+/// Returns the point that a camera's pixel sees on the wall, which is extended beyond its edges.
 [[nodiscard]] std::optional<Eigen::Vector3d> wall_seen_at(const ShowCalibration& room, const ShowCamera& camera,
                                                           const Eigen::Vector2d& pixel);
-/// Where a projector's pixel lands, alike.
+/// Returns the point that a projector's pixel lights, likewise.
 [[nodiscard]] std::optional<Eigen::Vector3d> wall_lit_at(const ShowCalibration& room, const ShowProjector& projector,
                                                          const Eigen::Vector2d& pixel);
 

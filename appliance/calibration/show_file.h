@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where everything stands while the show goes on, as the continuous calibration keeps it beside calibration.json:
+/// The poses of the continuous calibration, which it keeps beside calibration.json during the show:
 ///
-///     FOLDER/watch.json        the calibrator's own: fixed cameras, and all it needs to go on after a restart
-///     FOLDER/correction.json   what displays correct their maps by (corrected_map.h): no cameras
+///     FOLDER/watch.json        for the calibrator itself: fixed cameras, and all it needs to resume after a restart
+///     FOLDER/correction.json   for displays, which correct their maps by it (corrected_map.h): no cameras
 ///
-/// Both are replaced by a rename, so whole or not at all, and belong to the calibration of one date: of another they
-/// are nobody's. `scanned` is where a projector's map, the wall and its lens say that it stood when the wall was
-/// measured; only the way from there to `applied` counts.
+/// Both are replaced atomically by a rename and belong to the calibration of one date; with another calibration they
+/// are ignored. `scanned` is the projector's pose at the time of the scan, according to its map, the wall and its lens;
+/// only the motion from there to `applied` matters.
 #pragma once
 
 #include <array>
@@ -21,31 +21,33 @@
 
 namespace cyclorama::calibration {
 
-/// A value.
+/// Contents of watch.json or correction.json. A value.
 struct ShowFile {
   struct Projector {
     std::string name;
     BrownParameters lens;
     RigidTransform<frame::Room, frame::Projector> scanned;
     RigidTransform<frame::Room, frame::Projector> applied;
-    /// Once the continuous calibration has learned what the scan left over.
+    /// Present once the continuous calibration has estimated the scan's residual error.
     struct Learned {
-      RigidTransform<frame::Room, frame::Projector> believed;  ///< Where it is believed to stand.
-      RigidTransform<frame::Room, frame::Projector> at_rest;   ///< Where it would be if `applied` were right.
-      PoseMatrix root;                                         ///< How sure that is, as PoseFilter::root().
+      RigidTransform<frame::Room, frame::Projector> believed;  ///< Estimated pose.
+      /// Estimate that would result if `applied` were exact.
+      RigidTransform<frame::Room, frame::Projector> at_rest;
+      /// Square root of the covariance, as PoseFilter::root().
+      PoseMatrix root;
     };
     std::optional<Learned> learned{};
-    std::string unplaced{};  ///< As ShowProjector::unplaced; `scanned` is then where it was installed.
-    /// Per channel, as rounded_light() has it; nothing: not measured.
+    std::string unplaced{};  ///< As ShowProjector::unplaced; `scanned` is then the installed pose.
+    /// Per channel, rounded as by rounded_light(); absent if not measured.
     std::optional<std::array<CodeLight, 3>> light{};
   };
   struct Camera {
     std::string name;
     BrownParameters lens;
     RigidTransform<frame::Room, frame::Camera> T_room_camera;
-    std::optional<PoseMatrix> root{};  ///< How sure that is, once it was learned.
+    std::optional<PoseMatrix> root{};  ///< Square root of the pose's covariance, once estimated.
   };
-  std::string calibration;  ///< Its date.
+  std::string calibration;  ///< Date of the calibration.
   std::vector<Projector> projectors;
   std::vector<Camera> cameras;
 };
@@ -54,11 +56,12 @@ inline constexpr const char* kWatchFile = "watch.json";
 inline constexpr const char* kCorrectionFile = "correction.json";
 
 [[nodiscard]] std::string show_json(const ShowFile& show);
-/// The opposite. `name` stands for the file in errors. kBadData  "watch.json: /projectors/0/lens: ...; remedy".
+/// Inverse of show_json(). `name` stands for the file in errors. Errors: kBadData, as in "watch.json:
+/// /projectors/0/lens: ...; remedy".
 Result<ShowFile> parse_show(std::string_view text, const std::string& name);
-/// Others as read_text_file().
+/// Errors: those of read_text_file() and parse_show().
 Result<ShowFile> read_show(const std::filesystem::path& path);
-/// Errors as write_file_atomically().
+/// Errors: those of write_file_atomically().
 Status write_show(const std::filesystem::path& path, const ShowFile& show);
 
 }  // namespace cyclorama::calibration

@@ -15,33 +15,33 @@
 
 namespace cyclorama::calibrator {
 
-/// What one calibration works with. Made for it and let go after it, so that the show comes back, and the camera and
-/// the plate are free for others between.
+/// Devices of one calibration. They are opened for it and released after it, so that the show returns and camera and
+/// turntable are free for others in between.
 struct CalibrationDevices {
   std::unique_ptr<turnplate::Turnplate> plate;
   std::unique_ptr<scan::ScanCamera> camera;
-  std::unique_ptr<scan::ScanCamera> colour_camera;  ///< As ScanDevices has it. May be null.
-  std::unique_ptr<scan::PatternScreen> screen;      ///< Last: it is let go first.
-  scan::ScanSettings settings;                      ///< With this camera's lens.
+  std::unique_ptr<scan::ScanCamera> colour_camera;  ///< As in ScanDevices. May be null.
+  std::unique_ptr<scan::PatternScreen> screen;      ///< Last member, so that it is released first.
+  scan::ScanSettings settings;                      ///< Includes this camera's lens.
 };
 using DeviceOpener = std::function<Result<CalibrationDevices>()>;
 
-/// Calibrates when told to, one at a time. Thread-safe; a calibration runs in its call's thread.
+/// Runs calibrations on request, one at a time. Thread-safe; a calibration runs in the thread of its call.
 class CalibratorService final : public wire::Calibrator::Service {
  public:
   /// `folder` holds the calibrations (calibration_file.h). Borrows `inspection` and `clock`.
   CalibratorService(Installation installation, std::filesystem::path folder, DeviceOpener opener, const Clock& clock,
                     InspectionService* inspection);
 
-  /// Before the first call: what is let go of while a calibration runs is held by what `hold` returns.
+  /// Call before the first request: the object that `hold` returns pauses other work while a calibration runs.
   void hold_with(std::function<std::shared_ptr<void>()> hold) { hold_ = std::move(hold); }
-  /// Before the first call: where its turn-plate asks. Borrowed.
+  /// Call before the first request: sets the prompt through which a manual turntable asks. Borrowed.
   void set_prompt(TurntablePrompt* prompt) { prompt_ = prompt; }
-  /// What else the process does, for its state: "keeps 3 projectors in place".
+  /// Adds a sentence about the process's other work to its state: "keeps 3 projectors in place".
   void also(std::string sentence, bool is_healthy);
-  /// Cancels what runs; later calls are refused. It ends within a picture.
+  /// Cancels a running calibration, which ends within one picture; refuses later calls.
   void stop();
-  /// For people: "is calibrating: ...".
+  /// Returns the state for people: "is calibrating: ...".
   [[nodiscard]] std::string state() const;
 
  private:
@@ -62,14 +62,14 @@ class CalibratorService final : public wire::Calibrator::Service {
   const Clock& clock_;
   InspectionService* inspection_;
 
-  std::mutex busy_;  ///< Held by the one that works.
+  std::mutex busy_;  ///< Held by the call that is working.
   mutable std::mutex mutex_;
   std::string state_;
   bool is_healthy_ = true;
   std::string also_;
   bool is_also_healthy_ = true;
   std::function<std::shared_ptr<void>()> hold_;
-  TurntablePrompt* prompt_ = nullptr;  ///< Null: no plate asks.
+  TurntablePrompt* prompt_ = nullptr;  ///< Null: no turntable asks.
   std::stop_source stop_;
 };
 

@@ -13,7 +13,7 @@
 
 namespace cyclorama::calibrator {
 
-/// What a calibrator's numbers may be, in a file as on the command line.
+/// Valid ranges of a calibrator's numbers, in the file and on the command line.
 struct CalibratorRanges {
   static constexpr Range kFieldOfView_deg{5, 150};
   static constexpr Range kPitch_deg{-60, 60};
@@ -24,33 +24,36 @@ struct CalibratorRanges {
   static constexpr Range kLatency_ms{0, 1000};
 };
 
-/// Everything that cyclorama-calibrator is told of its devices. The defaults are those of a museum that has not said
-/// anything yet: it starts, and says what it lacks when it is to calibrate.
+/// All settings of cyclorama-calibrator's devices. With the defaults it starts, and reports what is missing when it is
+/// to calibrate.
 struct CalibratorSettings {
   std::string listen = "[::1]:7410";
-  std::vector<scan::PatternDisplay> displays{};  ///< None: that of this computer.
-  double settle_s = 0.1;                         ///< From a projector's signal to its light.
-  std::string turnplate = "manual";              ///< For make_turnplate().
+  std::vector<scan::PatternDisplay> displays{};  ///< Empty: the display of this computer.
+  double settle_s = 0.1;                         ///< Delay from a projector's signal to its light.
+  std::string turnplate = "manual";              ///< Argument for make_turnplate().
 
-  std::string camera = "v4l2:";  ///< On the turn-plate; for make_camera().
-  std::filesystem::path lens{};  ///< Of it; empty: the calibration's camera.json where that is of it.
-  double field_of_view_rad = 70.0 * std::numbers::pi / 180.0;  ///< Of its picture's width, where its lens is not known.
-  double pitch_rad = 0.0;                                      ///< How far it looks up, about.
+  std::string camera = "v4l2:";  ///< Camera on the turntable; argument for make_camera().
+  std::filesystem::path lens{};  ///< Its lens; empty: the calibration's camera.json if it belongs to this camera.
+  /// Horizontal field of view, used if the lens is unknown.
+  double field_of_view_rad = 70.0 * std::numbers::pi / 180.0;
+  double pitch_rad = 0.0;  ///< Approximate upward tilt.
   double max_exposure_s = 0.25;
 
   std::vector<scan::CameraSource> watch{};  ///< Fixed cameras.
-  std::filesystem::path lenses{};           ///< Theirs: NAME.json, where the calibration has none; empty: nowhere.
+  /// Folder with NAME.json for cameras whose lens the calibration lacks; empty: none.
+  std::filesystem::path lenses{};
   double watch_exposure_s = 1.0 / 30.0;
   double watch_hz = 4.0;
-  double latency_s = 0.03;  ///< From a refresh of the display to the projector's light.
+  double latency_s = 0.03;  ///< Delay from a refresh of the display to the projector's light.
 
-  /// calibrator.toml, whose keys docs/reference/settings.md lists. Lenses lie beside it: what [camera] names, and
-  /// cameras/NAME.json. Reads none of them.
-  /// kBadData  file, line and remedy.     Others as read_file().
+  /// Reads calibrator.toml, whose keys docs/reference/settings.md lists. Lens files lie beside it: the one that
+  /// [camera] names, and cameras/NAME.json. Does not read them. Errors: kBadData with file, line and remedy; otherwise
+  /// those of read_file().
   static Result<CalibratorSettings> read(const std::filesystem::path& path);
   static Result<CalibratorSettings> parse(std::string_view text, std::string name);
 
-  /// That lenses which are there can be read; fixed cameras may have none. Errors of read_camera(), with whose it is.
+  /// Checks that the existing lens files can be read; fixed cameras may have none. Errors: those of read_camera(), with
+  /// the camera's name.
   [[nodiscard]] Status check_lenses() const;
 };
 

@@ -11,19 +11,19 @@
 
 namespace cyclorama::calibrator {
 
-/// Where a turn-plate that a person turns asks, and the calibration's client answers: the terminal of `cyclorama
-/// calibrate`, or the operator's page. Thread-safe.
+/// Passes the questions of a manual turntable to the calibration's client, which answers them: the terminal of
+/// `cyclorama calibrate`, or the operator's page. Thread-safe.
 class TurntablePrompt {
  public:
-  /// Hears a new question, and every fifth of a second that it is still open; empty: it is answered. False: nobody
-  /// wants the calibration any more. Called by the thread that asks.
+  /// Receives a new question, and repeats it every fifth of a second while it is open; empty: it was answered. Returns
+  /// false if the calibration is no longer wanted. Called by the thread that asks.
   using Listener = std::function<bool(const std::string& question)>;
 
-  /// Of the calibration that begins; null: it has ended.
+  /// Sets the listener of the calibration that begins; null: it has ended.
   void set_listener(Listener listener);
-  /// False: nothing is asked. "" means done as it was asked.
+  /// Returns false if no question is open. "" means that the request was carried out as asked.
   bool answer(const std::string& text);
-  /// As TurnplateOperator::answer().
+  /// Like TurnplateOperator::answer().
   Result<std::string> ask(const std::string& question, std::chrono::milliseconds timeout);
 
  private:
@@ -34,7 +34,7 @@ class TurntablePrompt {
   std::optional<std::string> answer_;
 };
 
-/// What a ManualTurnplate asks through. Borrows the prompt.
+/// Adapts a TurntablePrompt to ManualTurnplate. Borrows the prompt.
 class PromptOperator final : public turnplate::TurnplateOperator {
  public:
   explicit PromptOperator(TurntablePrompt* prompt) : prompt_(*prompt) {}

@@ -22,10 +22,9 @@ struct AxisPositions {
 ///                  e      e+1
 ///
 /// If the finest stripes cannot be read, stripes twice as wide are tried, up to a factor of eight. A pixel with a
-/// stripe
-/// but no edges gets the stripe's middle. `is_lit` marks the pixels that have light; a line of the photograph is
-/// followed
-/// only through these. Source: Trobina, "Error model of a coded-light range sensor", ETH Zürich BIWI-TR-164, 1995.
+/// stripe but no edges gets the stripe's middle. `is_lit` marks the pixels that have light; a line of the photograph is
+/// followed only through these.
+/// Source: Trobina, "Error model of a coded-light range sensor", ETH Zürich BIWI-TR-164, 1995.
 [[nodiscard]] AxisPositions interpolate_edges(const AxisBits& axis, const StripeReading& reading,
                                               const Image<float, 1>& amplitude, const Image<std::uint8_t, 1>& is_lit,
                                               double noise);

@@ -5,8 +5,7 @@
 ///           ▼
 ///     photograph_displaced()  the projector's own patterns (coarse ones only), then sines on all references at once
 ///           ▼
-///     find_new_map()          the camera's pose from the references, the displacement, a map checked by left-out
-///     blocks
+///     find_new_map()          the camera's pose from the references, the displacement, a map tested on left-out blocks
 ///           ▼
 ///     follow_light()          masks and colours of all projectors from the light that was measured before
 ///           ▼

@@ -23,7 +23,7 @@ struct ShowProjector {
   std::string name;
   BrownParameters lens;
   RigidTransform<frame::Room, frame::Projector> T_room_projector;
-  std::array<CodeLight, 3> light{};             ///< As measured; gamma_light(2.2) is an adequate substitute.
+  std::array<CodeLight, 3> light{};             ///< Measured response; gamma_light(2.2) is an adequate substitute.
   std::array<float, 3> grey{.21f, .72f, .07f};  ///< Grey response of a camera to each channel.
   /// Reason why the pose is unknown; the light is then unattributed. Empty: the pose is known.
   std::string unplaced{};

@@ -20,7 +20,7 @@ namespace cyclorama::calibrator {
 struct CalibrationDevices {
   std::unique_ptr<turnplate::Turnplate> plate;
   std::unique_ptr<scan::ScanCamera> camera;
-  std::unique_ptr<scan::ScanCamera> colour_camera;  ///< As in ScanDevices. May be null.
+  std::unique_ptr<scan::ScanCamera> colour_camera;  ///< See ScanDevices; may be null.
   std::unique_ptr<scan::PatternScreen> screen;      ///< Last member, so that it is released first.
   scan::ScanSettings settings;                      ///< Includes this camera's lens.
 };

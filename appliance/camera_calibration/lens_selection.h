@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A camera's lens from pictures of a board: selects the views that count and the smallest model that predicts left-out
-/// views, and says what to add if the views do not suffice.
+/// views, and reports what to add if the views do not suffice.
 #pragma once
 
 #include <string>

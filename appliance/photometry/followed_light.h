@@ -19,7 +19,7 @@ namespace cyclorama::photometry {
 struct FollowedLight {
   std::vector<calibration::CalibratedColour> colours;
   WallLighting lighting;  ///< For light_part().
-  Photometry photometry;  ///< As reblended() returns it.
+  Photometry photometry;  ///< Result of reblended().
 };
 
 /// `own_folder` holds colours.json and light.json of the calibration whose maps are `before`; `after` are the same

@@ -23,7 +23,7 @@
 namespace cyclorama::photometry {
 
 struct SavedLight {
-  std::vector<std::string> names;  ///< Of the projectors.
+  std::vector<std::string> names;  ///< Names of the projectors.
   WallLighting lighting;           ///< The input of the masks, without vignetting and remarks.
 };
 

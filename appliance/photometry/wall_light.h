@@ -34,7 +34,8 @@ struct WallLighting {
   std::vector<ProjectorLighting> projectors;
   /// Colour of the ambient light, linear in the direction (x, y, z, 1).
   Eigen::Matrix<double, 3, 4> ambient = Eigen::Matrix<double, 3, 4>::Zero();
-  Eigen::Vector3d vignetting = Eigen::Vector3d::Zero();  ///< Of log(light) by r^2, r^4, r^6; r is 1 in a corner.
+  Eigen::Vector3d vignetting =
+      Eigen::Vector3d::Zero();  ///< Coefficients of log(light) for r^2, r^4, r^6; r is 1 in a corner.
   /// If false, no cell was seen from two stops and the camera's vignetting is attributed to the projectors.
   bool has_vignetting = false;
   double unexplained = 0.0;  ///< Relative RMS of white's readings about the model.

@@ -25,7 +25,7 @@ struct CalibrationOutcome {
   std::filesystem::path report;  ///< HTML page for the installer; empty if it could not be written (a remark says why).
   int pictures = 0;
   int retries = 0;
-  double scan_s = 0.0;  ///< By the given clock; for a simulated museum this is computing time, not simulated time.
+  double scan_s = 0.0;  ///< Measured with the given clock; for a simulated museum: computing time, not simulated time.
   double solve_s = 0.0;
   double seams_s = 0.0;
 };

@@ -24,7 +24,7 @@ namespace cyclorama::scan {
 struct ScanView {
   std::size_t direction = 0;
   std::size_t projector = 0;
-  double angle_rad = 0.0;   ///< As the turntable reported.
+  double angle_rad = 0.0;   ///< Reported by the turntable.
   double exposure_s = 0.0;  ///< 0: the projector lights nothing here.
   double disturbed = 0.0;   ///< Fraction of the lit pixels before which something moved.
   int pictures = 0;         ///< Photographs taken, over all attempts.
@@ -43,7 +43,7 @@ struct ScanIdentity {
   int camera_width_px = 0;
   int camera_height_px = 0;
   std::vector<Projector> projectors;
-  std::vector<double> angles_rad;  ///< As planned.
+  std::vector<double> angles_rad;  ///< Planned angles.
   std::string patterns;            ///< ViewSettings::text(): distinguishes one way of measuring from another.
 
   friend bool operator==(const ScanIdentity&, const ScanIdentity&) = default;

@@ -16,7 +16,7 @@
 
 namespace cyclorama::scan {
 
-/// What the heads are drawn with. Without colours the projectors are blended by their maps.
+/// Calibration and colours with which the heads are drawn. Without colours the projectors are blended by their maps.
 struct DrawnBy {
   std::string when;  ///< "by the calibration of ...", for captions.
   const calibration::Calibration* calibration =

@@ -15,14 +15,14 @@ struct CellMean {
   int projector = 0;
   int cell = 0;                          ///< Row by row in the projector's lattice; the same in every direction.
   Eigen::Vector2d projector_px;          ///< The cell's centre.
-  Eigen::Vector2d camera_px;             ///< Where the camera sees that centre.
+  Eigen::Vector2d camera_px;             ///< Position of that centre in the camera's picture.
   Eigen::Matrix2d camera_per_projector;  ///< Jacobian there.
   double sigma_px = 0.0;                 ///< Standard deviation of the mean in projector pixels, per axis.
 };
 
 struct CellMeans {
   int cell_px = 0;
-  std::vector<CellMean> cells;  ///< By projector, then direction.
+  std::vector<CellMean> cells;  ///< Sorted by projector, then direction.
   std::size_t used = 0;         ///< Number of correspondences used.
   std::size_t refused = 0;      ///< Number that disagree with their neighbours or have too few of them.
 };

@@ -33,7 +33,7 @@ struct Correspondence {
 };
 
 struct PlateDirection {
-  double angle_rad = 0.0;     ///< As the turntable reports.
+  double angle_rad = 0.0;     ///< Reported by the turntable.
   double sigma_rad = 1.0e-3;  ///< Standard deviation of that angle.
   std::vector<Correspondence> correspondences;
 };

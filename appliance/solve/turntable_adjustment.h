@@ -60,7 +60,7 @@ class PlateAdjustment final : public DampedProblem {
   struct Equations {
     std::vector<TrackEquations> tracks;
     std::vector<ObservationCross> crosses;  ///< Own direction by shared parameters, per observation.
-    Eigen::VectorXd gradient;               ///< By the shared parameters.
+    Eigen::VectorXd gradient;               ///< Derivative by the shared parameters.
     Eigen::MatrixXd normal;                 ///< Lower triangle.
   };
   struct Elimination {

@@ -22,7 +22,7 @@ struct AxisBits {
   int bits = 0;  ///< Bits finest_bit to bits - 1 were shown.
   int base_bit = -1;
   int extent_px = 0;                    ///< The projector's columns or rows.
-  std::vector<Difference> differences;  ///< By bit, from 0; empty for bits below finest_bit.
+  std::vector<Difference> differences;  ///< Indexed by bit, from 0; empty for bits below finest_bit.
 };
 
 /// The stripe read at every camera pixel.

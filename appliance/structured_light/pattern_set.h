@@ -62,7 +62,7 @@ struct PatternChoice {
   int width_px = 1920;
   int height_px = 1080;
   int finest_bit = 0;            ///< Finer bits are not shown: the stripes of bit b are 2^(b+1) pixels wide.
-  int base_bit = -1;             ///< As in PatternSet.
+  int base_bit = -1;             ///< See PatternSet.
   double phase_period_px = 0.0;  ///< 0: no phases. Otherwise at least 4 and at least twice the finest stripe.
   int phase_steps = 0;           ///< 3 or more with a period; N steps cancel the response's harmonics up to N - 2.
 };

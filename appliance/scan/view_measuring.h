@@ -18,8 +18,8 @@
 
 namespace cyclorama::scan {
 
-/// Settings for the measurement of a view. The defaults (all bits of the Gray code and nothing else) were chosen on the curve of
-/// `./bench.sh calibration-trade` and in a room at full size (docs/trade.md).
+/// Settings for the measurement of a view. The defaults (all bits of the Gray code and nothing else) were chosen on the
+/// curve of `./bench.sh calibration-trade` and in a room at full size (docs/trade.md).
 struct ViewSettings {
   int finest_bit = 0;  ///< This and the next four: as in PatternChoice.
   int base_bit = -1;

@@ -4,18 +4,18 @@
 ///   white  black │ bit 9  its inverse  bit 8  its inverse …  bit 0  its inverse │ phase 0 … N-1 │ the rows likewise
 ///   ▓▓▓▓   ░░░░  │ ▓▓░░   ░░▓▓         ▓░░▓   ░▓▓░           the finest stripes: 2 pixels wide
 ///
-/// Stripes that encode columns are vertical. Columns count from 0 at the left, rows from 0 at the top; the first pixel
-/// of a position extends from 0 to 1. Levels are code values of the projector, 0 to 1.
+/// Stripes that encode columns are vertical. Columns count from 0 at the left, rows from 0 at the top; in a
+/// position, the first pixel extends from 0 to 1. Levels are code values of the projector, 0 to 1.
 ///
 /// Gray code: column x shows bit b of x ^ (x >> 1), highest bit first, so that neighbours differ in one bit.
 ///   Source: Inokuchi, Sato and Matsuda, "Range imaging system for 3-D object recognition", ICPR 1984. The order and
 ///   the pictures are those of OpenCV's structured-light module (a test compares them).
-/// XOR code: every bit coarser than the base is shown XORed with the base, so that no stripe is wider than its, and
 /// XOR code: every bit coarser than the base is shown XORed with the base, so that no stripe is wider than the base's,
 ///   and interreflected light is the same for a pattern and its inverse.
+///   Source: Gupta, Agrawal, Veeraraghavan and Narasimhan, "Structured Light 3D Scanning in the Presence of Global
 ///   Illumination", CVPR 2011, section 4.
-/// Phase shift: N sines of one period, moved by 1/N of it each; it tells the place within a period.
 /// Phase shift: N sines of one period, each shifted by 1/N of it; they give the position within a period.
+///   Source: Srinivasan, Liu and Halioua, "Automated phase-measuring profilometry", Applied Optics 23 (18), 1984.
 #pragma once
 
 #include <cstddef>

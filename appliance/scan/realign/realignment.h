@@ -18,9 +18,9 @@ namespace cyclorama::scan {
 
 /// The result of a realignment, in addition to that of any calibration.
 struct RealignmentOutcome {
-  /// Same as the outcome of run_calibration(). Its registration is that of the displaced projector and its neighbours, over
-  /// correspondences that its map was not fitted to. If nothing has moved, it is the previous calibration and none was
-  /// written.
+  /// Same as the outcome of run_calibration(). Its registration is that of the displaced projector and its neighbours,
+  /// over correspondences that its map was not fitted to. If nothing has moved, it is the previous calibration and none
+  /// was written.
   CalibrationOutcome outcome;
   solve::MeasuredRegistration before;  ///< The same registration with the projector's previous map.
   bool has_moved = false;

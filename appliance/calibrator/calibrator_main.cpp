@@ -364,9 +364,9 @@ int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-calibrator",
                              "Measures the wall with a camera on a turn-plate when it is told to, writes "
                              "calibration.json, and keeps projectors in their places while the show goes on.");
-  cyclorama::Options options;
-  cyclorama::add_file_options(program.options(), &options);
-  cyclorama::add_scan_options(program.options(), &options);
-  cyclorama::add_watch_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
+  cyclorama::calibrator::Options options;
+  cyclorama::calibrator::add_file_options(program.options(), &options);
+  cyclorama::calibrator::add_scan_options(program.options(), &options);
+  cyclorama::calibrator::add_watch_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::calibrator::run(options, stop); });
 }

@@ -6,11 +6,11 @@
 
 #include "common/geometry/rigid_transform.h"
 
-namespace cyclorama::camera_calibration {
-
-namespace frame {
+namespace cyclorama::frame {
 struct Board;  ///< A chessboard: origin at its first inner corner, x along the rows, y along the columns, z = 0.
-}
+}  // namespace cyclorama::frame
+
+namespace cyclorama::camera_calibration {
 
 /// One pose of a flat board, seen by the camera and lit by the projector: three lists of equal length.
 struct BoardView {

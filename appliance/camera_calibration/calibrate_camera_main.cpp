@@ -211,7 +211,7 @@ Status run(const Options& options, const StopSignal& stop) {
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-calibrate-camera",
                              "A camera's lens from pictures of a printed board (cyclorama calibrate-camera --print).");
-  cyclorama::Options options;
-  cyclorama::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
+  cyclorama::camera_calibration::Options options;
+  cyclorama::camera_calibration::add_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::camera_calibration::run(options, stop); });
 }

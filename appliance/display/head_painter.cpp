@@ -26,7 +26,7 @@ bool needs_edges(const TurnedPicture& turned) {
 }
 
 /// A texture of one value per pixel of the head, read at pixel centres.
-void upload_nearest(const Gl& gl, const output::GlTexture& texture, GLint kept_as, GLenum channels, int width,
+void upload_nearest(const output::Gl& gl, const output::GlTexture& texture, GLint kept_as, GLenum channels, int width,
                     int height, const std::vector<float>& values) {
   gl.BindTexture(GL_TEXTURE_2D, texture.id());
   for (const int filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
@@ -51,7 +51,7 @@ Eigen::Matrix3d turning(const PictureShape& shape, double turn_rad, const Eigen:
 
 }  // namespace
 
-Texels texels_for(const Gl& gl, const std::vector<HeadPlan>& plans) {
+Texels texels_for(const output::Gl& gl, const std::vector<HeadPlan>& plans) {
   const std::string renderer = gl.renderer();
   const bool is_software =
       std::ranges::any_of(std::array{"llvmpipe", "softpipe", "SwiftShader"},
@@ -65,7 +65,7 @@ Texels texels_for(const Gl& gl, const std::vector<HeadPlan>& plans) {
   return HeadProgram::make(gl, features) ? Texels::kPacked : Texels::kHalves;  // Not with OpenGL ES 3.0.
 }
 
-HeadPainter::HeadPainter(const Gl& gl, const HeadUpload& upload, Texels texels)
+HeadPainter::HeadPainter(const output::Gl& gl, const HeadUpload& upload, Texels texels)
     : gl_(&gl),
       width_px_(upload.width_px),
       height_px_(upload.height_px),
@@ -87,7 +87,7 @@ void HeadPainter::set_depth(int depth_bits) {
   code_step_ = 1.0f / static_cast<float>((1 << depth_bits) - 1);
 }
 
-Result<HeadPainter> HeadPainter::make(const Gl& gl, HeadPrograms* programs, const HeadUpload& upload, Texels texels) {
+Result<HeadPainter> HeadPainter::make(const output::Gl& gl, HeadPrograms* programs, const HeadUpload& upload, Texels texels) {
   HeadPainter painter(gl, upload, texels);
   painter.upload_textures(upload);
   painter.upload_triangles(upload);

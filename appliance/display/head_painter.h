@@ -11,7 +11,7 @@ namespace cyclorama::display {
 
 /// Which texels the heads' pictures may have for each code value of 8 bits to be right within one: packed ones where a
 /// processor draws, and does so quickest with them, unless a head's matrix, black or response needs more.
-[[nodiscard]] Texels texels_for(const Gl& gl, const std::vector<HeadPlan>& plans);
+[[nodiscard]] Texels texels_for(const output::Gl& gl, const std::vector<HeadPlan>& plans);
 
 /// A picture, and how far the visitor has turned to the right since it was asked for: a panorama moves to the left by
 /// as much, and in the others each place moves as turned() in common/geometry/picture_place.h says.
@@ -20,20 +20,20 @@ struct TurnedPicture {
   double yaw_shift_rad = 0.0;
 };
 
-/// RandomStream the picture for one projector: pass 2. Thread-bound to the GL context; borrows the Gl table and the programs.
+/// Draws the picture for one projector: pass 2. Thread-bound to the GL context; borrows the Gl table and the programs.
 class HeadPainter {
  public:
   /// For pictures with such texels. Where `programs` has what is needed, only the driver allocates.
   /// kSystem  the graphics card refused them.
-  static Result<HeadPainter> make(const Gl& gl, HeadPrograms* programs, const HeadUpload& upload, Texels texels);
-  static Result<HeadPainter> make(const Gl& gl, HeadPrograms* programs, const HeadPlan& plan, Texels texels) {
+  static Result<HeadPainter> make(const output::Gl& gl, HeadPrograms* programs, const HeadUpload& upload, Texels texels);
+  static Result<HeadPainter> make(const output::Gl& gl, HeadPrograms* programs, const HeadPlan& plan, Texels texels) {
     return make(gl, programs, HeadUpload(plan), texels);
   }
 
   /// The plan's, until another device hangs there. Precondition: in [1, 16].
   void set_depth(int depth_bits);
 
-  /// Into the bound framebuffer. What the warp leaves out becomes black. WarpKind beyond the picture show its edge; in a
+  /// Into the bound framebuffer. What the warp leaves out becomes black. Positions beyond the picture show its edge; in a
   /// panorama of a whole turn there is no beyond. A head for two eyes shows both, or `now` where they take turns; a
   /// picture for one eye is shown to both. Precondition: the pictures have the plan's places.
   void draw(const TurnedPicture& shown, Eye now = Eye::kLeft) const;
@@ -41,7 +41,7 @@ class HeadPainter {
   void draw(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now = Eye::kLeft) const;
   /// The same upon what was drawn there, for blending.
   void draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const;
-  /// RandomStream with every program once: drivers compile when one is first used.
+  /// Draws with every program once: drivers compile when one is first used.
   void warm_up(const TurnedPicture& shown, const TurnedPicture& other, const std::function<void()>& stepped) const;
   /// Whether what it draws depends on whose turn it is.
   [[nodiscard]] bool takes_turns() const { return packing_ == StereoPacking::kFrameSequential; }
@@ -54,7 +54,7 @@ class HeadPainter {
     GLsizei first = 0;  ///< Index.
     GLsizei count = 0;
   };
-  HeadPainter(const Gl& gl, const HeadUpload& upload, Texels texels);
+  HeadPainter(const output::Gl& gl, const HeadUpload& upload, Texels texels);
   void upload_triangles(const HeadUpload& upload);
   void upload_textures(const HeadUpload& upload);
   void clear() const;
@@ -64,7 +64,7 @@ class HeadPainter {
   void use(const HeadProgram& program, const TurnedPicture& shown, const TurnedPicture* other, double fade,
            Eye eye) const;
 
-  const Gl* gl_;
+  const output::Gl* gl_;
   int width_px_;
   int height_px_;
   PictureShape picture_;

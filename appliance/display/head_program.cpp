@@ -248,7 +248,7 @@ std::string with_features(const HeadFeatures& features, const char* shader) {
 
 }  // namespace
 
-Result<HeadProgram> HeadProgram::make(const Gl& gl, const HeadFeatures& features) {
+Result<HeadProgram> HeadProgram::make(const output::Gl& gl, const HeadFeatures& features) {
   CHECK(features.mask || !features.black_lift);
   TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, with_features(features, kVertexShader).c_str(),
                                                                with_features(features, kFragmentShader).c_str()));

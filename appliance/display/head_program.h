@@ -45,7 +45,7 @@ struct HeadFeatures {
 class HeadProgram {
  public:
   /// kSystem  the driver's compiler refuses the shader, and why.
-  static Result<HeadProgram> make(const Gl& gl, const HeadFeatures& features);
+  static Result<HeadProgram> make(const output::Gl& gl, const HeadFeatures& features);
 
   enum Unit : GLint { kPicture, kOther, kMask, kMap, kResponse };
   static constexpr GLuint kPosition = 0;  ///< Attribute: in clip space.
@@ -58,7 +58,7 @@ class HeadProgram {
 
   /// Uniforms of one of the two pictures.
   struct Picture {
-    GLint to_texture = -1;  ///< WarpKind in the texture = direction * xy + zw; x in turns, where it is a whole turn.
+    GLint to_texture = -1;  ///< Position in the texture = direction * xy + zw; x in turns, where it is a whole turn.
     GLint turned = -1;      ///< kFlat: from (place, 1) to the texture, times the third; kFisheye: turns directions.
     GLint turn = -1;        ///< x: 1 for a whole turn, else 0; then x = fract(x) * y + z.
     GLint edges = -1;       ///< Least x, y, most x, y.
@@ -83,12 +83,12 @@ class HeadProgram {
 /// The programs of a context's heads, each made when it is first asked for. Thread-bound; borrows the Gl table.
 class HeadPrograms {
  public:
-  explicit HeadPrograms(const Gl& gl) : gl_(gl) {}
+  explicit HeadPrograms(const output::Gl& gl) : gl_(gl) {}
   /// It lives as long as this. Errors of HeadProgram::make().
   Result<const HeadProgram*> get(const HeadFeatures& features);
 
  private:
-  const Gl& gl_;
+  const output::Gl& gl_;
   std::vector<std::unique_ptr<HeadProgram>> programs_;
 };
 

@@ -8,7 +8,7 @@ namespace {
 constexpr double kBlend_s = 0.5;
 }
 
-Result<std::unique_ptr<HeadTransition>> HeadTransition::make(const Gl& gl, Texels texels, HeadPlans plans,
+Result<std::unique_ptr<HeadTransition>> HeadTransition::make(const output::Gl& gl, Texels texels, HeadPlans plans,
                                                              HeadMailbox* mailbox) {
   std::unique_ptr<HeadTransition> change(new HeadTransition(gl, texels, mailbox));
   for (const HeadPlan& plan : *plans) change->depths_bits_.push_back(plan.depth_bits);

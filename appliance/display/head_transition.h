@@ -21,7 +21,7 @@ namespace cyclorama::display {
 class HeadTransition {
  public:
   /// kSystem  the graphics card refused something. Borrows the Gl table and the mailbox.
-  static Result<std::unique_ptr<HeadTransition>> make(const Gl& gl, Texels texels, HeadPlans plans,
+  static Result<std::unique_ptr<HeadTransition>> make(const output::Gl& gl, Texels texels, HeadPlans plans,
                                                       HeadMailbox* mailbox);
 
   /// One refresh's step; `newest_frame` is the DisplayFrame::order of what is shown, 0 when it is the display's own picture.
@@ -29,7 +29,7 @@ class HeadTransition {
   Result<bool> step(TimePoint now, std::uint64_t newest_frame);
 
   [[nodiscard]] const std::vector<HeadPainter>& painters() const { return now_->painters; }
-  /// RandomStream a head with what is to be seen now, into its framebuffer, which is bound: as HeadPainter::draw().
+  /// Draws a head with what is to be seen now, into its framebuffer, which is bound: as HeadPainter::draw().
   void draw(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, double share, Eye eye) const;
   [[nodiscard]] std::size_t count() const { return depths_bits_.size(); }
   [[nodiscard]] int depth_bits(std::size_t head) const { return depths_bits_[head]; }
@@ -42,12 +42,12 @@ class HeadTransition {
   [[nodiscard]] HeadPlans newest_plans() const { return (next_ != nullptr ? next_ : now_)->plans; }
 
  private:
-  HeadTransition(const Gl& gl, Texels texels, HeadMailbox* mailbox)
+  HeadTransition(const output::Gl& gl, Texels texels, HeadMailbox* mailbox)
       : gl_(gl), programs_(gl), texels_(texels), mailbox_(*mailbox) {}
   Status add_painter(HeadSet* set);
   [[nodiscard]] bool is_ready(TimePoint now, std::uint64_t newest_frame) const;
 
-  const Gl& gl_;
+  const output::Gl& gl_;
   HeadPrograms programs_;
   Texels texels_;
   HeadMailbox& mailbox_;

@@ -96,8 +96,8 @@ YawCorrection turning_of(const PictureShape& shape) {
 }  // namespace
 
 HeadUpload::HeadUpload(const HeadPlan& plan)
-    : width_px(cyclorama::width_px(plan.warp)),
-      height_px(cyclorama::height_px(plan.warp)),
+    : width_px(warp::width_px(plan.warp)),
+      height_px(warp::height_px(plan.warp)),
       picture(plan.picture),
       packing(plan.packing),
       depth_bits(plan.depth_bits),

@@ -38,7 +38,7 @@ struct OutputState {
 ///                              ▲                               │         of before, or a frame that came meanwhile
 ///                              └───── an error: pause doubled ─┘
 ///
-/// Pauses grow from 0.1 s to 5 s, and begin anew once an output lasted for 30 s. PresenterState keeps what Presenter promises.
+/// Pauses grow from 0.1 s to 5 s, and begin anew once an output lasted for 30 s. The presenter keeps what Presenter promises.
 /// Borrows the mailbox and the clock. Thread-bound.
 class OutputSupervisor {
  public:

@@ -54,7 +54,7 @@ void main() {
 }
 )";
 
-void filter(const Gl& gl, GLint filter, GLint wrap) {
+void filter(const output::Gl& gl, GLint filter, GLint wrap) {
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap);
@@ -63,7 +63,7 @@ void filter(const Gl& gl, GLint filter, GLint wrap) {
 
 }  // namespace
 
-Result<PictureProgram> PictureProgram::make(const Gl& gl, Texels texels) {
+Result<PictureProgram> PictureProgram::make(const output::Gl& gl, Texels texels) {
   const std::string fragment_shader =
       std::string("#version 300 es\n") + (texels == Texels::kPacked ? "#define PACKED\n" : "") + kFragmentShader;
   TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, kVertexShader, fragment_shader.c_str()));
@@ -82,7 +82,7 @@ Result<PictureProgram> PictureProgram::make(const Gl& gl, Texels texels) {
   return program;
 }
 
-PanoramaTexture::PanoramaTexture(const Gl& gl, const PictureProgram& program)
+PanoramaTexture::PanoramaTexture(const output::Gl& gl, const PictureProgram& program)
     : gl_(&gl),
       program_(&program),
       luma_{output::GlTexture(gl)},

@@ -11,7 +11,7 @@ namespace cyclorama::display {
 class PictureProgram {
  public:
   /// kSystem  the driver's compiler refuses the shader, and why.
-  static Result<PictureProgram> make(const Gl& gl, Texels texels);
+  static Result<PictureProgram> make(const output::Gl& gl, Texels texels);
 
  private:
   friend class PanoramaTexture;
@@ -32,7 +32,7 @@ class PictureProgram {
 /// nothing. Thread-bound to the GL context; borrows the Gl table and the program.
 class PanoramaTexture {
  public:
-  PanoramaTexture(const Gl& gl, const PictureProgram& program);
+  PanoramaTexture(const output::Gl& gl, const PictureProgram& program);
 
   /// Binds a framebuffer of its own. Precondition: frame.picture is set and has the size of frame.shape, frame.stacked
   /// times one above another; then each has a height that is a multiple of two.
@@ -60,7 +60,7 @@ class PanoramaTexture {
   void upload(const GreyImage& pixels, const PixelRect& part, Plane* ret_plane);
   void draw(const PixelRect& part, int moved_px, int chroma_step) const;
 
-  const Gl* gl_;
+  const output::Gl* gl_;
   const PictureProgram* program_;
   Plane luma_;
   Plane blue_;

@@ -24,7 +24,7 @@ void main() {
 
 }  // namespace
 
-Result<PatternPainter> PatternPainter::make(const Gl& gl, const std::vector<output::HeadMode>& heads) {
+Result<PatternPainter> PatternPainter::make(const output::Gl& gl, const std::vector<output::HeadMode>& heads) {
   TRY_ASSIGN(output::GlProgram program, output::GlProgram::link(gl, kVertexShader, kFragmentShader));
   PatternPainter painter(gl, std::move(program));
   painter.last_row_ = painter.program_.uniform("last_row");

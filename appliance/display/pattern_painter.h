@@ -13,7 +13,7 @@ namespace cyclorama::display {
 class PatternPainter {
  public:
   /// kSystem  the driver's compiler refuses the shader, and why.
-  static Result<PatternPainter> make(const Gl& gl, const std::vector<output::HeadMode>& heads);
+  static Result<PatternPainter> make(const output::Gl& gl, const std::vector<output::HeadMode>& heads);
 
   /// What draw() shows on that head from now on. The first one of a head makes the card allocate its texture, later
   /// ones nothing. Precondition: it has the head's size.
@@ -22,14 +22,14 @@ class PatternPainter {
   void draw(std::size_t head) const;
 
  private:
-  PatternPainter(const Gl& gl, output::GlProgram program) : gl_(&gl), program_(std::move(program)), nothing_(gl) {}
+  PatternPainter(const output::Gl& gl, output::GlProgram program) : gl_(&gl), program_(std::move(program)), nothing_(gl) {}
   struct Head {
     output::GlTexture texture;
     int width_px = 0;
     int height_px = 0;
     bool has_storage = false;
   };
-  const Gl* gl_;
+  const output::Gl* gl_;
   output::GlProgram program_;
   output::GlVertexArray nothing_;  // The corners come from their numbers; GL wants an array to be bound all the same.
   GLint last_row_ = -1;

@@ -5,7 +5,7 @@
 
 namespace cyclorama::display {
 
-Result<std::unique_ptr<PatternShow>> PatternShow::make(const Gl& gl, const std::vector<output::HeadMode>& heads,
+Result<std::unique_ptr<PatternShow>> PatternShow::make(const output::Gl& gl, const std::vector<output::HeadMode>& heads,
                                                        PatternMailbox* mailbox) {
   TRY_ASSIGN(PatternPainter painter, PatternPainter::make(gl, heads));
   return std::unique_ptr<PatternShow>(new PatternShow(gl, std::move(painter), heads.size(), mailbox));

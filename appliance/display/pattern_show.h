@@ -18,7 +18,7 @@ namespace cyclorama::display {
 class PatternShow {
  public:
   /// Errors of PatternPainter::make(). Borrows the Gl table and the mailbox.
-  static Result<std::unique_ptr<PatternShow>> make(const Gl& gl, const std::vector<output::HeadMode>& heads,
+  static Result<std::unique_ptr<PatternShow>> make(const output::Gl& gl, const std::vector<output::HeadMode>& heads,
                                                    PatternMailbox* mailbox);
 
   /// Takes a newer wall, if there is one. True when the show has just come back.
@@ -35,14 +35,14 @@ class PatternShow {
   void go_on_with(std::unique_ptr<PatternWall> wall);
 
  private:
-  PatternShow(const Gl& gl, PatternPainter painter, std::size_t head_count, PatternMailbox* mailbox)
+  PatternShow(const output::Gl& gl, PatternPainter painter, std::size_t head_count, PatternMailbox* mailbox)
       : gl_(gl), painter_(std::move(painter)), mailbox_(*mailbox), heads_(head_count) {}
   struct Head {
     bool is_uploaded = false;  // What the wall says is on the card.
     bool is_pending = false;   // No refresh has shown it yet,
     bool is_drawn = false;     // but the next one may.
   };
-  const Gl& gl_;
+  const output::Gl& gl_;
   PatternPainter painter_;
   PatternMailbox& mailbox_;
   std::vector<Head> heads_;

@@ -26,7 +26,7 @@ Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadP
                                                    const DisplayFrame& attract, const AttractTimes& times,
                                                    PresentMailbox* mailbox, const Clock* clock) {
   CHECK(plans->size() == output->heads().size() && mailbox->heads.size() == plans->size());
-  const Gl& gl = output->gl();
+  const output::Gl& gl = output->gl();
   gl.Disable(GL_DITHER);  // The shaders do it.
   // Plans that come later may need more of the texels than these.
   const Texels texels = may_change ? Texels::kHalves : texels_for(gl, *plans);

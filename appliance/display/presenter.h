@@ -26,7 +26,7 @@ struct PresenterState {
   HeadPlans plans;                        ///< What the heads draw with, or are about to.
 };
 
-/// RandomStream and shows: the inside of the present thread. On heads where two eyes take turns it is the left one's at
+/// Draws and shows: the inside of the present thread. On heads where two eyes take turns it is the left one's at
 /// refreshes of an even number, as all displays of a tour count them (synchronised_refresh.h). Thread-bound to the output's
 /// GL context. After warm-up (the first frames of the largest size) it allocates and frees nothing, takes no lock,
 /// writes no log and opens nothing; what the graphics driver does inside is the driver's.

@@ -178,7 +178,7 @@ int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-hand",
                              "Steers the tour by gamepad, keyboard or 3D mouse, and by poses that other trackers send "
                              "(OSC, VRPN).");
-  cyclorama::Options options;
-  cyclorama::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
+  cyclorama::hand::Options options;
+  cyclorama::hand::add_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::hand::run(options, stop); });
 }

@@ -9,7 +9,7 @@
 
 #include "appliance/interchange/warp_set.h"
 
-namespace cyclorama::mpcdi {
+namespace cyclorama::interchange::mpcdi {
 
 inline constexpr std::string_view kManifest = "mpcdi.xml";
 
@@ -57,4 +57,4 @@ template <typename T, std::size_t N>
   return {};
 }
 
-}  // namespace cyclorama::mpcdi
+}  // namespace cyclorama::interchange::mpcdi

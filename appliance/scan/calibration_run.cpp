@@ -15,19 +15,19 @@
 
 namespace cyclorama::scan {
 namespace {
-constexpr double kWallPart = 0.7;  // Of the bar.
+constexpr double kWallPart = 0.7;  // Progress at the end of each step, as a fraction of the whole.
 constexpr double kLightPart = 0.9;
 constexpr double kSolvePart = 0.94;
 constexpr double kSeamPart = 0.98;
 
-/// What is not there yet, its maps, comes from the calibration.
+/// Adds the maps of the calibration, which the light scan lacked, and computes the photometry.
 Result<photometry::Photometry> photometry_of(LightScan light, const calibration::Calibration& calibration) {
   for (const calibration::CalibratedProjector& projector : calibration.projectors)
     light.input.projectors.push_back({projector.name, projector.map});
   const calibration::MeasuredLens& lens = calibration.plate.camera;
   light.input.camera_centre_px = Eigen::Vector2d(lens.values[calibration::MeasuredLens::kCentreU],
                                                  lens.values[calibration::MeasuredLens::kCentreV]);
-  return photometry(light.input);
+  return photometry::photometry(light.input);
 }
 
 std::vector<calibration::CalibratedColour> colours_of(const photometry::Photometry& photometry,
@@ -38,12 +38,13 @@ std::vector<calibration::CalibratedColour> colours_of(const photometry::Photomet
   return colours;
 }
 
-/// For the maps of now; nothing where there was none, or where it cannot be used: the wall lost it then.
+/// Carries the previous light over to the new maps; nothing if there was none or it is unusable, in which case the wall
+/// loses it.
 std::optional<photometry::FollowedLight> light_of_before(const std::filesystem::path& folder,
                                                          const std::optional<calibration::Calibration>& previous,
                                                          const calibration::Calibration& calibration) {
   if (!previous) return std::nullopt;
-  // Projectors that stand where they stood light the wall as they did; of one that was moved, the solid angle tells.
+  // Projectors that did not move light the wall as before; for a moved one the solid angle gives the change of light.
   auto followed =
       photometry::follow_light(calibration::calibration_folder(folder, previous->date), previous->projectors,
                                calibration.projectors, [](const Eigen::Vector3d&) { return 1.0; });
@@ -51,7 +52,7 @@ std::optional<photometry::FollowedLight> light_of_before(const std::filesystem::
   return *std::move(followed);
 }
 
-/// How the wall looks by the calibration of before, or by installation.toml alone, and how it will.
+/// Photographs the wall as drawn by the previous calibration (or by installation.toml alone) and by the new one.
 Result<SeamPhotographs> seams_before_and_after(const Installation& installation, const ScanSettings& settings,
                                                const ScanDevices& devices, const std::filesystem::path& folder,
                                                const std::vector<ScanView>& views,
@@ -61,7 +62,7 @@ Result<SeamPhotographs> seams_before_and_after(const Installation& installation,
                                                const ScanListener& listener, std::stop_token stop) {
   std::vector<calibration::CalibratedColour> old_colours;
   if (previous != nullptr) {
-    // Colours that cannot be read would not be drawn either.
+    // Unreadable colours are left out, as in a display.
     if (auto read = calibration::read_colours(calibration::calibration_folder(folder, previous->date)))
       old_colours = *std::move(read);
   }
@@ -100,7 +101,7 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
 
   tell("finds out where everything is", kLightPart);
   begun = clock.now();
-  // One that cannot be read is no reason to have none: it is only not compared with.
+  // An unreadable previous calibration does not prevent a new one; it is only not compared with it.
   std::optional<calibration::Calibration> previous;
   if (auto read = calibration::read_calibration(folder)) {
     previous = *std::move(read);

@@ -8,8 +8,8 @@
 namespace cyclorama::scan {
 namespace {
 
-constexpr double kWait_s = 3.0;  // Besides the exposure: some cameras take that long to start.
-/// A camera that was just opened delivers pictures whose exposure is not yet the new one.
+constexpr double kWait_s = 3.0;  // In addition to the exposure, since some cameras take that long to start.
+/// The first frames of a newly opened camera do not yet have the new exposure.
 constexpr int kWarmUpFrames = 4;
 
 constexpr float kCode = 1.0f / 255.0f;
@@ -51,7 +51,7 @@ Result<std::shared_ptr<const camera::CameraFrame>> FrameScanCamera::next(double 
   int warm_up = 0;
   if (!camera_ || exposure_s != exposure_s_) {
     if (camera_) camera_->stop();
-    camera_.reset();  // Before the next one: a device is one process's and one opening's.
+    camera_.reset();  // Closed before it is opened again, since a device allows one user at a time.
     TRY_ASSIGN(camera_, opener_(exposure_s));
     if (auto started = camera_->start(); !started) {
       camera_.reset();
@@ -66,10 +66,10 @@ Result<std::shared_ptr<const camera::CameraFrame>> FrameScanCamera::next(double 
   for (;;) {
     auto frame = camera_->next_frame(deadline);
     if (!frame) {
-      if (frame.error().code() == ErrorCode::kUnavailable) camera_.reset();  // Perhaps it comes back.
+      if (frame.error().code() == ErrorCode::kUnavailable) camera_.reset();  // It may come back.
       return frame;
     }
-    // Some drivers stamp the end of the exposure and call it the start: an exposure later both are right.
+    // Some drivers stamp the end of the exposure as its start; one exposure later both are right.
     const TimePoint begins_at = asked_at + (*frame)->exposure;
     if ((*frame)->captured_at >= begins_at && warm_up-- <= 0) return frame;
     if (clock_.now() >= deadline) {

@@ -15,12 +15,12 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kLine_deg = 2;
 constexpr int kStrong_deg = 10;
 constexpr double kHalfWidth_deg = 0.06;
-constexpr double kSoft_deg = 0.03;  // A line's edge: about a projector's pixel.
+constexpr double kSoft_deg = 0.03;  // Edge of a line: about a projector's pixel.
 constexpr double kGround = 0.03;
 constexpr double kFaint = 0.45;
 constexpr int kCurveSteps = 1024;
 
-/// How much of a line is at an angle.
+/// Returns the strength of a line at an angle.
 double line_at(double angle_rad) {
   const double angle = angle_rad / kDegree;
   const double nearest = std::round(angle / kLine_deg) * kLine_deg;
@@ -34,7 +34,8 @@ double srgb_code(double light) {
   return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
 }
 
-/// Codes of 8 bits by light, for each channel: curves are dear to ask, and pixels many. Even steps of the square root.
+/// 8-bit codes by light for each channel, tabulated at equal steps of the square root because evaluating curves per
+/// pixel is slow.
 std::array<std::vector<std::uint8_t>, 3> code_tables(const warp::HeadColour* colour) {
   std::array<std::vector<std::uint8_t>, 3> tables;
   for (std::size_t c = 0; c < 3; ++c) {

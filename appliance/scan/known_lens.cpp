@@ -17,7 +17,7 @@ Result<std::optional<calibration::MeasuredLens>> known_lens(const std::filesyste
     if (!is_named && read.error().code() == ErrorCode::kNotFound) return std::optional<calibration::MeasuredLens>();
     return std::move(read).error().while_doing(fmt::format("reading the camera's lens from '{}'", path.string()));
   }
-  // One that lies about may be another camera's.
+  // A file that was not named explicitly may belong to another camera.
   if (!is_named && read->camera != camera_id) return std::optional<calibration::MeasuredLens>();
   auto lens = calibration::lens_for_picture(read->lens, width_px, height_px);
   if (!lens) return std::move(lens).error().while_doing(fmt::format("using the lens of '{}'", path.string()));

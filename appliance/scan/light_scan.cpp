@@ -13,9 +13,9 @@
 namespace cyclorama::scan {
 namespace {
 
-// Of white's exposure, black's light is some thousandth: it is exposed for so much longer.
+// Black's light is some thousandths of white's, so its exposure is this many times longer.
 constexpr double kBlackExposure = 32.0;
-// Brighter codes than this are near the end of what a camera tells apart.
+// Larger codes are near the end of the camera's range.
 constexpr float kBrightest = 0.9f;
 constexpr int kMaxTries = 12;
 
@@ -34,7 +34,7 @@ class LightScanning {
 
   Result<LightScan> run() {
     auto scan = scanned();
-    // Dark again, whatever happened; the first error counts.
+    // All projectors are made dark in every case; the first error counts.
     for (std::size_t p = 0; p < installation_.projectors.size(); ++p) {
       const Status dark = devices_.screen.show(p, RgbImage());
       if (scan && !dark) return dark.error();
@@ -55,7 +55,7 @@ class LightScanning {
       const ScanView*& best = best_[view.projector];
       if (best == nullptr || view.correspondences.size() > best->correspondences.size()) best = &view;
     }
-    // One exposure for all of them: a projector's light is told in parts of another's.
+    // All projectors share one exposure, since their light is compared with one another.
     double exposure_s = limits_.longest.count();
     for (const auto& [projector, view] : best_) exposure_s = std::min(exposure_s, view->exposure_s);
     for (const auto& [projector, view] : best_) {
@@ -75,14 +75,15 @@ class LightScanning {
     return turn_plate(devices_.plate, view.angle_rad);
   }
 
-  /// Whole refreshes, where it is one or more: a projector may show its colours one after the other.
+  /// Rounds down to whole refreshes if it is at least one, since a projector may show its colours in sequence.
   [[nodiscard]] double within(double exposure_s) const {
     const double period_s = limits_.projector_period.count();
     if (period_s > 0.0 && exposure_s >= period_s) exposure_s = std::floor(exposure_s / period_s + 1e-6) * period_s;
     return std::clamp(exposure_s, limits_.shortest.count(), limits_.longest.count());
   }
 
-  /// At the shortest of its exposures white is not clipped; at the others what is darker than white is.
+  /// Returns an exposure of at most `exposure_s` at which white is not clipped; darker pictures are also taken at
+  /// longer ones.
   Result<double> unclipped(const ScanView& view, double exposure_s) {
     TRY_ASSIGN(const photometry::CameraCells cells, cells_of(view));
     TRY(show(view.projector, {.kind = structured_light::PatternKind::kWhite}));
@@ -123,7 +124,7 @@ class LightScanning {
         if (picture.level > 0.0) pictures.push_back(picture);
       }
     }
-    // All of one exposure, then all of the next: another exposure is another opening of many cameras.
+    // Pictures are ordered by exposure, since many cameras must be reopened to change it.
     for (const double exposure_s : exposures_s_) {
       for (const structured_light::PatternPicture& picture : pictures) TRY(read_picture(picture, exposure_s, &read));
     }
@@ -189,7 +190,7 @@ class LightScanning {
   const ScanListener& listener_;
   std::stop_token stop_;
   LightScan scan_;
-  std::map<std::size_t, const ScanView*> best_;  ///< Of each projector, where most of it is seen.
+  std::map<std::size_t, const ScanView*> best_;  ///< For each projector, the view that sees most of it.
   std::vector<double> exposures_s_;
   std::size_t done_ = 0;
 };

@@ -15,13 +15,13 @@
 
 namespace cyclorama::scan {
 namespace {
-/// A refresh, and decoding a PNG of some megabytes; but a display waits ten seconds for a head before it says which one
-/// is away.
+/// Covers a refresh and the decoding of a PNG of some megabytes; a display waits ten seconds for a head before it
+/// reports that head as missing.
 constexpr Duration kAnswerTimeout = std::chrono::seconds(15);
 }  // namespace
 
-/// One display's stream. A blocking read has no deadline of its own, so a thread beside it cancels the call when one
-/// passes.
+/// The stream of one display. A blocking read has no deadline of its own, so a watchdog thread cancels the call when
+/// the deadline passes.
 class RemotePatternScreen::Stream {
  public:
   static Result<std::unique_ptr<Stream>> open(const std::string& address) {
@@ -30,8 +30,8 @@ class RemotePatternScreen::Stream {
     return stream;
   }
   ~Stream() {
-    if (status_) return;  // It has ended by itself.
-    // The display sees the end of the stream, and shows what it showed before.
+    if (status_) return;  // The stream has already ended.
+    // The end of the stream makes the display restore its previous picture.
     stream_->WritesDone();
     set_deadline(clock_.now() + kAnswerTimeout);
     wire::PatternShown ignored;
@@ -123,7 +123,7 @@ class RemotePatternScreen::Stream {
   std::condition_variable_any changed_;
   std::optional<TimePoint> deadline_;
   bool is_late_ = false;
-  std::jthread watch_;  // Last: it uses all above.
+  std::jthread watch_;  // Last member, since it uses all the others.
 };
 
 RemotePatternScreen::RemotePatternScreen(std::vector<Head> heads, std::vector<std::unique_ptr<Stream>> streams,
@@ -165,7 +165,8 @@ Status RemotePatternScreen::show(std::size_t projector, const RgbImage& picture)
     png.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
   TRY(streams_[head.display]->order(head.name, std::move(png)));
-  std::this_thread::sleep_for(settle_);  // Of the projector's electronics, which tell nobody.
+  // Delay of the projector's electronics, which give no signal when they are done.
+  std::this_thread::sleep_for(settle_);
   return Done{};
 }
 

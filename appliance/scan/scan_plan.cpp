@@ -16,14 +16,14 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kColumns = 24;
 constexpr int kRows = 14;
-constexpr int kStep_deg = 2;  // Of the headings that are tried.
+constexpr int kStep_deg = 2;  // Step of the headings that are tried.
 constexpr int kMaxDirections = 36;
-constexpr double kRim = 0.04;     // Of the picture, each side: not relied upon.
-constexpr double kBeyond = 0.03;  // As far past the picture something may still be seen.
+constexpr double kRim = 0.04;     // Fraction of the picture at each side that is not relied upon.
+constexpr double kBeyond = 0.03;  // Margin beyond the picture within which something may still be seen.
 constexpr double kMinCoverage = 0.5;
 constexpr double kMinUnremarkedShare = 0.98;
 
-/// A place that a projector lights, as the sweet spot sees it.
+/// A direction in which the sweet spot sees a point that a projector lights.
 struct DirectionSample {
   std::size_t projector;
   Eigen::Vector3d direction;
@@ -50,7 +50,7 @@ std::vector<DirectionSample> observations_of(const Installation& installation, s
   return observations;
 }
 
-/// `rim` of the picture's size is left out at each side; a negative one is added.
+/// `rim`, a fraction of the picture's size, is excluded at each side; a negative value extends the picture.
 bool is_seen(const ScanPlanOptions& options, double angle_rad, const Eigen::Vector3d& direction, double rim) {
   const double mount[2] = {options.pitch_rad, 0.0};
   const double offset[2] = {0.0, 0.0};
@@ -63,11 +63,11 @@ bool is_seen(const ScanPlanOptions& options, double angle_rad, const Eigen::Vect
   return u >= rim && u <= 1.0 - rim && v >= rim && v <= 1.0 - rim;
 }
 
-using Seen = std::vector<char>;  // By sight.
+using Seen = std::vector<char>;  // Indexed by sample.
 
 std::size_t count_of(const Seen& seen) { return static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 1)); }
 
-/// Of the one that sees less, what both see.
+/// Returns the common part as a fraction of the view that sees less.
 double overlap_of(const Seen& a, const Seen& b) {
   std::size_t both = 0;
   for (std::size_t i = 0; i < a.size(); ++i) both += static_cast<std::size_t>(a[i] != 0 && b[i] != 0);
@@ -76,14 +76,14 @@ double overlap_of(const Seen& a, const Seen& b) {
 }
 
 struct Choice {
-  int first = 0;  ///< Into the headings.
+  int first = 0;  ///< Index into the headings.
   int step = 0;
   int count = 0;
   std::size_t covered = 0;
   double overlap = 0.0;
 };
 
-/// Prefers what covers more, then what overlaps as requested.
+/// Prefers larger coverage, then the requested overlap.
 bool is_better(const Choice& a, const Choice& b, double requested) {
   if (a.covered != b.covered) return a.covered > b.covered;
   return std::abs(a.overlap - requested) < std::abs(b.overlap - requested);
@@ -205,7 +205,7 @@ Result<ScanPlan> plan_scan(const Installation& installation, const ScanPlanOptio
   plan.wall_distance_m = sum / static_cast<double>(distances.size());
   for (const double distance : distances)
     squares += (distance - plan.wall_distance_m) * (distance - plan.wall_distance_m);
-  // At least a tenth: walls are built otherwise than they were drawn.
+  // At least a tenth, since walls are not built exactly as drawn.
   plan.wall_distance_sigma_m =
       std::hypot(std::sqrt(squares / static_cast<double>(distances.size())), 0.1 * plan.wall_distance_m);
   return plan;

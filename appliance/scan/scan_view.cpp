@@ -32,7 +32,7 @@ constexpr const char* kManifest = "manifest.json";
 constexpr const char* kAnew = "; calibrate anew, without resuming";
 static_assert(std::endian::native == std::endian::little, "places are written as they lie in memory");
 
-/// FNV-1a of 64 bits: against damage, not against malice.
+/// 64-bit FNV-1a: detects damage, not manipulation.
 std::string checksum_of(std::span<const std::byte> bytes) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const std::byte b : bytes) hash = (hash ^ static_cast<std::uint64_t>(b)) * 0x100000001b3u;
@@ -165,7 +165,7 @@ Result<std::vector<solve::Correspondence>> decode_correspondences(std::span<cons
   }
   const ScanIdentity::Projector& format = identity.projectors.at(projector);
   const auto is_within = [](float value, int size) { return value >= 0.0f && value <= static_cast<float>(size); };
-  // Which of the camera's pixels it is: there is none at the very end.
+  // A camera pixel must exist, so the upper bound is exclusive.
   const auto is_pixel = [](float value, int size) { return value >= 0.0f && value < static_cast<float>(size); };
   std::vector<solve::Correspondence> correspondences((bytes.size() - kMagic.size()) / kCorrespondenceBytes);
   const std::byte* from = bytes.data() + kMagic.size();
@@ -187,7 +187,7 @@ Result<ScanFolder> ScanFolder::begin(std::filesystem::path folder, const ScanIde
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return Error(ErrorCode::kSystem, fmt::format("making '{}': {}", folder.string(), error.message()));
-  // The manifest first: views that nobody names are no scan.
+  // The manifest is removed first: views without a manifest are not a scan.
   std::filesystem::remove(folder / kManifest, error);
   for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
     std::error_code ignored;

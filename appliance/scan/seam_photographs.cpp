@@ -20,11 +20,11 @@
 namespace cyclorama::scan {
 namespace {
 
-constexpr int kWidth_px = 640;       // Of a photograph in the report: a page of some hundred kilobytes.
-constexpr double kShownWidth = 0.6;  // Of the photograph, the seam in its middle.
-constexpr float kLit = 0.15f;        // Of the brightest code.
+constexpr int kWidth_px = 640;       // Width of a photograph in the report, which stays within some hundred kilobytes.
+constexpr double kShownWidth = 0.6;  // Fraction of the photograph that is shown, with the seam in its middle.
+constexpr float kLit = 0.15f;        // Fraction of the brightest code.
 constexpr int kQuality = 80;
-constexpr std::size_t kMinSharedPoints = 6;  // Control points that two maps share: fewer are a corner.
+constexpr std::size_t kMinSharedPoints = 6;  // Control points that two maps share; fewer are only a corner.
 constexpr float kClipped = 0.97f;
 constexpr double kMaxClipped = 0.002;
 constexpr int kMaxExposures = 6;
@@ -43,7 +43,7 @@ const calibration::CalibratedProjector* find(const calibration::Calibration& cal
   return at == calibration.projectors.end() ? nullptr : &*at;
 }
 
-/// Which projectors meet, and where the middle is of what they share.
+/// Returns the pairs of projectors that overlap, with the middle of each overlap.
 std::vector<Seam> seams_of(const calibration::Calibration& calibration) {
   std::vector<Seam> seams;
   for (std::size_t b = 1; b < calibration.projectors.size(); ++b) {
@@ -64,7 +64,7 @@ std::vector<Seam> seams_of(const calibration::Calibration& calibration) {
   return seams;
 }
 
-/// What each head shows, of both test pictures; empty where nothing is known of a projector.
+/// The picture of each head for both test pictures; empty for unknown projectors.
 using Drawn = std::array<std::vector<RgbImage>, kPictures.size()>;
 
 Drawn drawn_by(const Installation& installation, const DrawnBy& by) {
@@ -87,7 +87,7 @@ Drawn drawn_by(const Installation& installation, const DrawnBy& by) {
     colours.push_back(has_colour ? &*colour : nullptr);
   }
   const bool is_planned = by.calibration == nullptr;
-  // Any picture that holds all directions: the weights are of places.
+  // Any picture shape that covers all directions works, since the weights are computed in the projectors' pictures.
   const std::vector<warp::MaskImage> masks = is_planned
                                                  ? warp::make_blend_masks(planned)
                                                  : calibration::measured_blend_masks(maps, Equirectangular{4096, 2048});
@@ -117,7 +117,7 @@ Drawn drawn_by(const Installation& installation, const DrawnBy& by) {
   return drawn;
 }
 
-/// The seam in the middle, and what is lit of the height in a white photograph, with some of what is not.
+/// Returns a part of a white photograph: the seam in the middle, and the lit height with a margin.
 PixelRect about_the_seam(const ScanPhotograph& white) {
   const int width = static_cast<int>(kShownWidth * white.width());
   const int left = (white.width() - width) / 2;
@@ -139,7 +139,7 @@ PixelRect about_the_seam(const ScanPhotograph& white) {
   return {left, top, width, bottom - top};
 }
 
-/// Small, by means of squares of pixels.
+/// Downscales by averaging squares of pixels.
 RgbImage small(const ScanPhotograph& photograph, const PixelRect& part) {
   const int every = std::max(1, part.width / kWidth_px);
   RgbImage picture(part.width / every, part.height / every);
@@ -172,7 +172,7 @@ class SeamPhotographing {
     exposure_s_ = exposure_s;
     const std::array<Drawn, 2> drawn{drawn_by(installation_, before), drawn_by(installation_, after)};
     Result<SeamPhotographs> result = photographed(drawn, {before.when, after.when}, seams_of(*after.calibration));
-    // Dark again, whatever happened; the first error counts.
+    // All projectors are made dark in every case; the first error counts.
     const Status dark = show({});
     if (result && !dark) return dark.error();
     return result;
@@ -193,7 +193,7 @@ class SeamPhotographing {
       const Seam& seam = seams[s];
       if (stop_.stop_requested()) return cancelled();
       TRY(turn_plate(devices_.plate, std::clamp(seam.heading_rad, range.min_rad, range.max_rad)));
-      // White is the brightest that is shown; what is right for it is right for all four, so that they compare.
+      // White is the brightest picture; one exposure serves all four photographs, so that they can be compared.
       if (s == 0) TRY(find_exposure(drawn));
       std::vector<ScanPhotograph> taken;
       for (std::size_t k = 0; k < kPictures.size(); ++k) {

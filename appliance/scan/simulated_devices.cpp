@@ -6,7 +6,7 @@
 namespace cyclorama::scan {
 namespace {
 
-/// Closing, opening, four pictures to warm up.
+/// Time to close and reopen the camera, with four warm-up pictures.
 constexpr double kOpening_s = 0.5;
 
 template <int Channels>
@@ -35,7 +35,7 @@ SimulatedPatternScreen::~SimulatedPatternScreen() {
 void SimulatedPatternScreen::show_dark(std::size_t projector) {
   const Pinhole& lens = museum_->installation().projectors[projector].lens;
   const Status shown = museum_->show(projector, RgbImage(lens.width_px, lens.height_px));
-  CHECK(shown.has_value());  // The installation's own size.
+  CHECK(shown.has_value());  // Always succeeds: the size is the installation's own.
 }
 
 Status SimulatedPatternScreen::show(std::size_t projector, const RgbImage& picture) {

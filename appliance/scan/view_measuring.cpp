@@ -12,11 +12,10 @@
 namespace cyclorama::scan {
 namespace {
 
-// A projector whose light falls on fewer of the camera's pixels is not seen: what is left comes by way of the wall, or
-// is noise.
+// Minimum fraction of the camera's pixels that a visible projector lights; less is indirect light or noise.
 constexpr double kMinLitShare = 0.002;
 constexpr int kMaxExposures = 12;
-// A pattern and its inverse together are white and black together; cameras' curves bend that by a sixth at most.
+// A pattern plus its inverse equals white plus black; the response curves of cameras change that by a sixth at most.
 constexpr float kUneven = 0.3f;
 constexpr float kUnevenCodes = 0.03f;
 constexpr float kLitGain = 0.05f;
@@ -42,7 +41,7 @@ class ViewMeasuring {
     choice.phase_steps = settings_.phase_steps;
     TRY_ASSIGN(set_, structured_light::structured_light(choice));
     auto view = measured();
-    // Dark again, whatever happened; the first error counts.
+    // The projector is made dark in every case; the first error counts.
     const Status dark = screen_.show(order_.projector, RgbImage());
     if (view && !dark) return dark.error();
     return view;
@@ -59,7 +58,7 @@ class ViewMeasuring {
     }
     TRY_ASSIGN(structured_light::Decoder decoder,
                structured_light::Decoder::from(set_, settings_.decode, camera_.width_px(), camera_.height_px()));
-    // White and black come first in every set, and were photographed for the exposure.
+    // White and black come first in every set, and were already photographed for the exposure.
     structured_light::Photo pattern;
     TRY(decoder.add(white_));
     TRY(decoder.add(black_));
@@ -74,7 +73,7 @@ class ViewMeasuring {
     view.pictures = pictures_;
     view.exposure_s = exposure_s_;
     const auto decoded = decoder.finish();
-    if (!decoded) {  // It lights nothing directly: what was seen came by way of the wall.
+    if (!decoded) {  // The projector lights nothing directly; the light came by way of the wall.
       if (decoded.error().code() != ErrorCode::kBadData) return decoded.error();
       view.exposure_s = 0.0;
       return view;
@@ -83,8 +82,8 @@ class ViewMeasuring {
     return view;
   }
 
-  /// Of the lit pixels, those where a pattern and its inverse do not add up: somebody is in the way of some of the
-  /// photographs. The decoder's own judgement cannot tell that from noise when no pixel was spared.
+  /// Returns the fraction of the lit pixels for which a pattern and its inverse do not add up, because somebody is in
+  /// the way of some of the photographs. The decoder cannot distinguish that from noise if all pixels are affected.
   [[nodiscard]] double uneven_share(const structured_light::Photo& pattern,
                                     const structured_light::Photo& inverse) const {
     std::size_t lit = 0;
@@ -116,10 +115,10 @@ class ViewMeasuring {
     return mean;
   }
 
-  /// False: it lights nothing that the camera sees.
+  /// Returns false if the projector lights nothing that the camera sees.
   Result<bool> find_exposure() {
     std::vector<structured_light::ExposureSample> samples;
-    // Until one is known to be good, one photograph is enough.
+    // One photograph suffices until an exposure is known to be good.
     structured_light::ExposureTime next{order_.exposure_s.value_or(0.0)};
     if (!order_.exposure_s) {
       TRY_ASSIGN(const structured_light::ExposureAdvice first,
@@ -133,7 +132,7 @@ class ViewMeasuring {
       samples.push_back(structured_light::exposure_sample(next, white_, black_));
       const auto advice = structured_light::next_exposure(samples, settings_.exposure);
       if (!advice) {
-        // At the longest exposure nothing gains light: it shines elsewhere, or is dark.
+        // Nothing gains light at the longest exposure: the projector lights something else, or is dark.
         const structured_light::ExposureSample& newest = samples.back();
         if (newest.lit < kMinLitShare && newest.saturated <= 0.0) return false;
         return Error(advice.error()).while_doing(fmt::format("photographing projector '{}'", order_.name));
@@ -158,7 +157,7 @@ class ViewMeasuring {
         pixel.camera_v = static_cast<float>(y) + 0.5f;
         pixel.projector_x = std::clamp(position[0], 0.0f, static_cast<float>(order_.width_px));
         pixel.projector_y = std::clamp(position[1], 0.0f, static_cast<float>(order_.height_px));
-        // One number for both: the solver weighs places, not axes. No place is surer than a hundredth.
+        // One sigma for both axes, since the solver weights correspondences, not axes; at least a hundredth of a pixel.
         pixel.sigma_px = std::max({sigma[0], sigma[1], 0.01f});
         pixel.projector = static_cast<std::uint32_t>(order_.projector);
         view->correspondences.push_back(pixel);

@@ -18,7 +18,7 @@ namespace {
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kWidth_px = 1000.0;
 constexpr double kMargin_px = 40.0;
-constexpr int kMaxCells = 40;  // Across a projector's picture: what an eye tells apart, and a page can hold.
+constexpr int kMaxCells = 40;  // Across a projector's picture: enough for the eye, and small enough for a page.
 constexpr std::array<PlotStep, 6> kSteps{{{0.1, "#1a7f37", "to 0.1 px"},
                                           {0.25, "#7cb342", "to 0.25 px"},
                                           {0.5, "#fdd835", "to 0.5 px"},
@@ -34,14 +34,14 @@ std::size_t step_of(double value_px) {
   return step;
 }
 
-/// In degrees; nothing for what is no direction.
+/// Returns azimuth and elevation in degrees; nothing for an invalid direction.
 std::optional<Eigen::Vector2d> degrees_of(const Eigen::Vector3d& direction) {
   if (!direction.allFinite() || !(direction.norm() > 0.0)) return std::nullopt;
   return Eigen::Vector2d(std::atan2(direction.x(), -direction.z()) * kDegrees,
                          std::asin(std::clamp(direction.y() / direction.norm(), -1.0, 1.0)) * kDegrees);
 }
 
-/// A round number of degrees between lines, so that there are about ten.
+/// Returns a round spacing in degrees that gives about ten lines.
 double spacing_deg(double span_deg) {
   for (const double step : {1.0, 2.0, 5.0, 10.0, 15.0, 30.0}) {
     if (span_deg / step <= 14.0) return step;
@@ -72,7 +72,7 @@ std::string html_text(std::string_view text) {
         escaped += "&quot;";
         break;
       default:
-        // Control characters have no place in a page.
+        // Other control characters are not allowed in a page.
         if (static_cast<unsigned char>(c) >= 0x20 || c == '\n') escaped += c;
     }
   }
@@ -103,7 +103,7 @@ std::optional<Eigen::Vector2d> WallPlot::place_of(const Eigen::Vector3d& directi
                          (max_deg_.y() - position->y()) * px_per_deg_);
 }
 
-/// `path_of(sigma)` is the path that gets a cell of at most that sigma; null: none.
+/// `path_of(sigma)` returns the path to which a cell of that sigma is added; null: none.
 template <typename PathOf>
 void WallPlot::add_cells(const calibration::MeasuredMap& map, const PathOf& path_of) {
   const calibration::MapGrid grid{map.width_px, map.height_px, map.cells_x, map.cells_y};
@@ -122,7 +122,7 @@ void WallPlot::add_cells(const calibration::MeasuredMap& map, const PathOf& path
         sigma_px = std::max(sigma_px, map.sigma_px[static_cast<std::size_t>(node)]);
         corners[static_cast<std::size_t>(n++)] = position.value_or(Eigen::Vector2d::Zero());
       }
-      // A cell across azimuth 180 has no place on a flat plot.
+      // A cell across azimuth 180 degrees cannot be drawn on a flat plot.
       const bool is_torn = std::abs(corners[0].x() - corners[1].x()) > 0.5 * kWidth_px;
       std::string* const path = is_whole && !is_torn ? path_of(sigma_px) : nullptr;
       if (path == nullptr) continue;
@@ -162,7 +162,7 @@ void WallPlot::add_spots(std::span<const Spot> spots) {
     if (!at || !std::isfinite(spot.value_px)) continue;
     paths[step_of(spot.value_px)] += fmt::format("M{:.1f} {:.1f}h0", at->x(), at->y());
   }
-  // The worst last: they must not hide.
+  // The worst are drawn last, so that they are not hidden.
   for (std::size_t i = 0; i < paths.size(); ++i)
     add_path(paths[i], "fill=\"none\" stroke-width=\"3\" stroke-linecap=\"round\" stroke", kSteps[i].colour);
 }

@@ -13,7 +13,7 @@ namespace cyclorama::scan {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-// A view of fewer places tells nothing, and what tells is somewhere else.
+// A view with fewer correspondences is not used.
 constexpr std::size_t kMinCorrespondences = 200;
 
 ScanIdentity identity_of(const Installation& installation, const ScanPlan& plan, const ScanSettings& settings,
@@ -80,9 +80,9 @@ class WallScanning {
     return Done{};
   }
 
-  /// All views of a direction are of one stop of the plate, which has one pose: it never stops twice at the same angle,
-  /// so what an interrupted scan has of a direction counts only if nothing is missing. What lit nothing is looked at
-  /// again: perhaps it has been switched on since.
+  /// All views of a direction must come from one stop of the turntable, with one pose, because it never stops twice at
+  /// exactly the same angle. So a direction of an interrupted scan counts only if it is complete. Views that showed no
+  /// light are measured again, since the projector may have been switched on since.
   [[nodiscard]] bool is_complete(const ScanFolder& kept, std::size_t d) const {
     return std::ranges::all_of(plan_.directions[d].projectors, [&](std::size_t p) {
       const ScanView* before = kept.find(d, p);
@@ -90,7 +90,7 @@ class WallScanning {
     });
   }
 
-  /// Measured again, once, when somebody was in the way; the better one counts.
+  /// Measures once more if somebody was in the way, and returns the better view.
   Result<ScanView> undisturbed_view(std::size_t d, std::size_t p) {
     TRY_ASSIGN(ScanView view, view_of(d, p));
     if (view.disturbed <= settings_.max_disturbed) return view;
@@ -129,7 +129,7 @@ class WallScanning {
   void tell(const std::string& step, double fraction_of_view, const ScanPhotograph* newest) {
     const double fraction =
         (static_cast<double>(done_) + fraction_of_view) / static_cast<double>(std::max<std::size_t>(1, views_));
-    // A view that is measured again does not turn the bar back.
+    // A view that is measured again does not decrease the progress.
     told_ = std::max(told_, std::min(fraction, 1.0));
     if (listener_) listener_({step, told_, newest});
   }
@@ -160,7 +160,7 @@ class WallScanning {
       position.lens = calibration::MeasuredLens::from_focal(p.lens.width_px, p.lens.height_px, p.lens.focal_px);
       position.lens.values[calibration::MeasuredLens::kCentreU] = p.lens.centre_u_px;
       position.lens.values[calibration::MeasuredLens::kCentreV] = p.lens.centre_v_px;
-      // The Eye frame has the Room's axes, and its origin on the sweet spot.
+      // The Eye frame has the Room's axes; its origin is the sweet spot.
       position.T_eye_projector = {p.T_room_projector.rotation(),
                                   p.T_room_projector.translation() - installation_.sweet_spot.xyz};
       projector.position = position;
@@ -212,7 +212,7 @@ calibration::MeasuredLens data_sheet_lens(int width_px, int height_px, double fi
   const auto allow = [&](calibration::MeasuredLens::Parameter parameter, double sigma) {
     lens.covariance(parameter, parameter) = sigma * sigma;
   };
-  // What lenses for cameras have: barrels of some percent, seldom more.
+  // Priors for the distortion of camera lenses: a few percent of barrel distortion, seldom more.
   allow(calibration::MeasuredLens::kK1, 0.15);
   allow(calibration::MeasuredLens::kK2, 0.05);
   allow(calibration::MeasuredLens::kP1, 0.001);

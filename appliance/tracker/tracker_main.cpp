@@ -69,7 +69,7 @@ void add_options(CLI::App* app, Options* ret) {
 
 /// A block per camera that can be pasted into tracker.toml.
 void print_cameras() {
-  const std::vector<camera::ListedCamera> cameras = list_cameras();
+  const std::vector<camera::ListedCamera> cameras = devices::list_cameras();
   if (cameras.empty()) fmt::print("# No camera is plugged in, or none that the kernel or libcamera drives.\n");
   for (const camera::ListedCamera& camera : cameras) {
     fmt::print("# {}{}{}\n", camera.name, camera.name.empty() ? "" : ", now ", camera.path);
@@ -147,7 +147,7 @@ int main(int argc, char** argv) {
   cyclorama::Program program(
       "cyclorama-tracker",
       "Finds the visitor's wand, or the visitor, in a camera's pictures and tells the tour the pose.");
-  cyclorama::Options options;
+  cyclorama::tracker::Options options;
   add_options(&program.options(), &options);
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return run(options, stop); });
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -D OUTPUT=page_files.cpp -D HEADER=kiosk/operator/page_files.h -D FUNCTION=page_files
+# cmake -D OUTPUT=page_files.cpp -D HEADER=kiosk/operator/page_files.h -D FUNCTION=operations::page_files
 #       -D FILES=page/index.html,page/page.css -P embed_page.cmake: writes a page's files as one C++ source.
 set(types_html "text/html; charset=utf-8")
 set(types_css "text/css; charset=utf-8")
@@ -25,11 +25,9 @@ foreach(file IN LISTS files)
 endforeach()
 file(WRITE "${OUTPUT}" "#include \"${HEADER}\"
 
-namespace cyclorama {
 namespace {
-${arrays}const PageFile kFiles[] = {
+${arrays}const cyclorama::PageFile kFiles[] = {
 ${entries}};
 }  // namespace
-std::span<const PageFile> ${FUNCTION}() { return kFiles; }
-}  // namespace cyclorama
+std::span<const cyclorama::PageFile> cyclorama::${FUNCTION}() { return kFiles; }
 ")

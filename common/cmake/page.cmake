@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# project_page(SOURCE page HEADER kiosk/operator/page_files.h FUNCTION page_files FILES index.html page.css)
+# project_page(SOURCE page HEADER kiosk/operator/page_files.h FUNCTION operations::page_files FILES index.html page.css)
 # Embeds files of ./page, and common/http/page/helpers.js, in the program: ${page} is the generated source that holds them.
 # HEADER declares FUNCTION, which returns a span of PageFile.
 function(project_page)
   cmake_parse_arguments(PARSE_ARGV 0 arg "" "SOURCE;HEADER;FUNCTION" "FILES")
-  set(made "${CMAKE_CURRENT_BINARY_DIR}/${arg_FUNCTION}.cpp")
+  string(REPLACE "::" "_" name "${arg_FUNCTION}")
+  set(made "${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp")
   list(TRANSFORM arg_FILES PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/page/" OUTPUT_VARIABLE paths)
   list(APPEND paths "${PROJECT_SOURCE_DIR}/common/http/page/helpers.js")
   list(JOIN paths "," files)

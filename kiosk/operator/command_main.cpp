@@ -200,9 +200,9 @@ int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama",
                              "The operator's command line: watches a running visit, calibrates the "
                              "wall, and prints wands.");
-  cyclorama::Options options;
-  cyclorama::add_options(program.options(), &options);
+  cyclorama::operations::Options options;
+  cyclorama::operations::add_options(program.options(), &options);
   const int code = program.run(
-      argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, program.options(), stop); });
+      argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::operations::run(options, program.options(), stop); });
   return code == cyclorama::kExitOk ? options.exit_code : code;
 }

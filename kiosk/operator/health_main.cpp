@@ -103,7 +103,7 @@ int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-health",
                              "Waits until every part of a museum works and every head shows a picture; fails when that "
                              "takes too long; the computer then returns to the previous version.");
-  cyclorama::Options options;
-  cyclorama::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
+  cyclorama::operations::Options options;
+  cyclorama::operations::add_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::operations::run(options, stop); });
 }

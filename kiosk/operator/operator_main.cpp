@@ -112,7 +112,7 @@ int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-operator",
                              "Serves a page that shows the visit live: pictures, numbers, the state "
                              "of every part, and steering by keys.");
-  cyclorama::Options options;
-  cyclorama::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
+  cyclorama::operations::Options options;
+  cyclorama::operations::add_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::operations::run(options, stop); });
 }

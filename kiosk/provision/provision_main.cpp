@@ -142,8 +142,8 @@ int main(int argc, char** argv) {
   cyclorama::Program program(
       "cyclorama-provision",
       "Takes a museum's or a render host's settings from a USB stick into use: all of them, checked, or none.");
-  cyclorama::Options options;
-  cyclorama::add_options(program.options(), &options);
+  cyclorama::provision::Options options;
+  cyclorama::provision::add_options(program.options(), &options);
   return program.run(argc, argv,
-                     [&](const cyclorama::StopSignal&) { return cyclorama::run(options, program.options()); });
+                     [&](const cyclorama::StopSignal&) { return cyclorama::provision::run(options, program.options()); });
 }

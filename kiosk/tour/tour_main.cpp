@@ -201,7 +201,7 @@ int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-tour",
                              "Leads the visit: follows the wand or the keys, requests pictures "
                              "from the farm, and feeds the displays.");
-  cyclorama::Options options;
-  cyclorama::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
+  cyclorama::tour::Options options;
+  cyclorama::tour::add_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::tour::run(options, stop); });
 }

@@ -137,7 +137,7 @@ int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-fetch-update",
                              "Fetches a newer version of this museum's image from the farm, if there is one: signed, "
                              "whole, and resumed where it was cut. It installs nothing.");
-  cyclorama::Options options;
-  cyclorama::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::run(options, stop); });
+  cyclorama::update::Options options;
+  cyclorama::update::add_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::update::run(options, stop); });
 }

@@ -132,7 +132,7 @@ class CoordinatorState {
   /// The same against the wall's clock: forecasts are thread time, of which nodes that share their hosts get a part.
   [[nodiscard]] double wall_speed_of(const Node& node, const std::string& scene) const;
 
-  // GovernorState sessions: coordinator_refinement.cpp
+  // Governed sessions: coordinator_refinement.cpp
   /// Chooses the view's quality.
   static void govern(GovernorState& governed, FrameInFlight* frame);
   /// What a frame that the museum has taken teaches.

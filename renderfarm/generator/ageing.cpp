@@ -3,7 +3,7 @@
 #include "renderfarm/generator/noise.h"
 #include "renderfarm/generator/paint.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 Age age_of(const Vec3& p3, float loss, std::uint32_t seed) {
   Age age;
@@ -36,4 +36,4 @@ Vec3 aged(const Vec3& colour, const Age& age, const Vec3& p3, float loss, std::u
   return spot.colour();
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

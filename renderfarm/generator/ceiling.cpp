@@ -4,7 +4,7 @@
 #include "renderfarm/generator/noise.h"
 #include "renderfarm/generator/paint.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 constexpr float kRise = kTopHeight - kWallHeight;
@@ -97,4 +97,4 @@ std::vector<Patch> ceiling(std::uint32_t seed) {
           cove(up + Vec3(kHalfLength, 0.0f, 0.0f), Vec3::UnitZ(), -Vec3::UnitX(), kHalfDepth, seed), top(seed)};
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

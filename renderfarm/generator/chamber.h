@@ -9,7 +9,7 @@
 
 #include "renderfarm/generator/surface.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 // The room: x along the length, z across (the altar at -z), y up; the origin is in the middle of the floor.
 inline constexpr float kHalfLength = 9.0f;
@@ -52,4 +52,4 @@ enum class Side { kAltar, kHead, kFeet, kEntrance };
 [[nodiscard]] std::vector<Patch> floor_and_corridor(std::uint32_t seed);
 [[nodiscard]] std::vector<Patch> altar(std::uint32_t seed);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

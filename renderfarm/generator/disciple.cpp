@@ -7,7 +7,7 @@
 #include "renderfarm/generator/solid.h"
 #include "renderfarm/generator/statue_head.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
@@ -109,4 +109,4 @@ std::vector<Patch> mourning_disciple(const Pose& pose, std::uint32_t variety, fl
   return {wrapped(trunk(robes, grief), standing, density), wrapped(statue_head(face), head_pose, 1.5f * density)};
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -7,7 +7,7 @@
 
 #include "renderfarm/generator/sculpture.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 /// A Buddha in meditation on a lotus throne: legs crossed, hands in the lap. The pose's scale is its height from the
 /// seat to the crown; the throne extends 0.22 of that below the pose's origin. `variety` selects robe and nimbus.
@@ -23,4 +23,4 @@ namespace cyclorama::grotto {
 /// The nimbus behind a head or a body: an ellipse with the given radii, facing +z in the pose's frame.
 [[nodiscard]] Patch nimbus_disc(const Pose& pose, const Vec2& radii, int scheme, float density);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -7,7 +7,7 @@
 #include "renderfarm/generator/sculpture.h"
 #include "renderfarm/generator/solid.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 const Vec3 kBrass{0.62f, 0.47f, 0.22f};
@@ -87,4 +87,4 @@ std::vector<Lamp> lamp_lights() {
   return lamps;
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -8,7 +8,7 @@
 #include "renderfarm/generator/surface.h"
 #include "renderfarm/generator/vec.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 /// A [[lamp]] of the scene package; the fields are its keys.
 struct Lamp {
@@ -30,4 +30,4 @@ struct Lamp {
 /// Light of those lamps, of the daylight in the corridor, and of the museum's lighting.
 [[nodiscard]] std::vector<Lamp> lamp_lights();
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -9,7 +9,7 @@
 #include "common/base/clock.h"
 #include "renderfarm/generator/grotto.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 constexpr auto kPollPeriod = std::chrono::milliseconds(100);
@@ -104,4 +104,4 @@ Status generate(const Grotto& grotto, GeometrySink& sink, int threads, const Kee
   return Done{};
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -10,7 +10,7 @@
 
 #include "common/base/result.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 struct Vertex {
   std::array<float, 3> position;       ///< Metres.
@@ -40,4 +40,4 @@ class GeometrySink {
   virtual Result<std::unique_ptr<GeometryFile>> open(const std::string& name, const GeometryCounts& counts) = 0;
 };
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

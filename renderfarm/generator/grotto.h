@@ -13,7 +13,7 @@
 #include "renderfarm/generator/geometry_sink.h"
 #include "renderfarm/generator/surface.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 inline constexpr std::uint64_t kMinTriangles = 10'000;
 inline constexpr std::uint64_t kMaxTriangles = 60'000'000;
@@ -43,4 +43,4 @@ using KeepGoing = std::function<bool(double)>;
 /// least 1); memory is some rows per thread. Blocks. Errors: those of the sink; kUnavailable if stopped.
 Status generate(const Grotto& grotto, GeometrySink& sink, int threads, const KeepGoing& keep_going);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

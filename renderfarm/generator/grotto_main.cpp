@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
   Program program(
       "cyclorama-grotto",
       "Makes a painted cave temple, a museum hall or a relic, of any number of triangles, as a scene package.");
-  grotto::PackageOrder order;
+  PackageOrder order;
   // More threads than there are large files gain nothing.
   order.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 8);
   CLI::App& options = program.options();
@@ -26,10 +26,10 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"grotto", "interior", "relic"}))
       ->capture_default_str();
   options.add_option("--lamps", order.lamps, "Number of lamps of an interior; their total light is always the same")
-      ->check(CLI::Range(1, grotto::kMaxInteriorLamps))
+      ->check(CLI::Range(1, kMaxInteriorLamps))
       ->capture_default_str();
   options.add_option("--triangles", order.triangles, "Maximum number of triangles, nearly reached")
-      ->check(CLI::Range(grotto::kMinTriangles, grotto::kMaxTriangles))
+      ->check(CLI::Range(kMinTriangles, kMaxTriangles))
       ->capture_default_str();
   options.add_option("--seed", order.seed, "Seed of rock, damage and the order of the figures")->capture_default_str();
   options.add_option("--out", order.folder, "The scene package: a folder that does not exist yet")->required();
@@ -38,11 +38,11 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   return program.run(argc, argv, [&](const StopSignal& stop) -> Status {
-    order.kind = kind == "interior" ? grotto::Kind::kInterior
-                 : kind == "relic"  ? grotto::Kind::kRelic
-                                    : grotto::Kind::kGrotto;
+    order.kind = kind == "interior" ? Kind::kInterior
+                 : kind == "relic"  ? Kind::kRelic
+                                    : Kind::kGrotto;
     Progress progress(kind);
-    TRY_ASSIGN(const grotto::PackageReport report, grotto::write_package(order, [&](double fraction) {
+    TRY_ASSIGN(const PackageReport report, write_package(order, [&](double fraction) {
                  progress.update(fraction);
                  return !stop.requested();
                }));

@@ -7,7 +7,7 @@
 #include "renderfarm/generator/noise.h"
 #include "renderfarm/generator/paint.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
@@ -195,4 +195,4 @@ std::vector<Patch> floor_and_corridor(std::uint32_t seed) {
 
 std::vector<Patch> altar(std::uint32_t seed) { return {altar_front(seed), altar_top(seed)}; }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

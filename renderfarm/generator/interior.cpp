@@ -10,7 +10,7 @@
 #include "renderfarm/generator/sculpture.h"
 #include "renderfarm/generator/solid.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 // The hall: x across, z along it, y up; the origin is in the middle of the floor.
@@ -295,4 +295,4 @@ Result<Grotto> plan_interior(std::uint64_t triangles, std::uint32_t seed, int la
   return hall;
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

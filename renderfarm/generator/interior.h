@@ -8,7 +8,7 @@
 
 #include "renderfarm/generator/grotto.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 inline constexpr int kMaxInteriorLamps = 10'000;
 
@@ -17,4 +17,4 @@ inline constexpr int kMaxInteriorLamps = 10'000;
 /// differently. Errors: kInvalidArgument for too few triangles, or a number of lamps outside [1, kMaxInteriorLamps].
 Result<Grotto> plan_interior(std::uint64_t triangles, std::uint32_t seed, int lamps);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

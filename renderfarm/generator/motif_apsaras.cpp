@@ -6,7 +6,7 @@
 #include "renderfarm/generator/noise.h"
 #include "renderfarm/generator/paint.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
@@ -92,4 +92,4 @@ Vec3 flying_apsaras(const Vec2& p, float height, float spacing) {
   return spot.colour();
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -4,7 +4,7 @@
 #include "renderfarm/generator/motifs.h"
 #include "renderfarm/generator/paint.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
@@ -99,4 +99,4 @@ Vec3 brocade(const Vec2& p, const Vec3& ground, const Vec3& figure, float spacin
   return spot.colour();
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -4,7 +4,7 @@
 #include "renderfarm/generator/motifs.h"
 #include "renderfarm/generator/paint.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
@@ -119,4 +119,4 @@ Vec3 floor_tile(const Vec2& p, float spacing, float* ret_relief) {
   return spot.colour();
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

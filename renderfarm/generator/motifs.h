@@ -9,7 +9,7 @@
 
 #include "renderfarm/generator/vec.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 /// Size of one of the thousand small seated Buddhas.
 inline constexpr float kCellWidth = 0.27f;
@@ -56,4 +56,4 @@ struct Age {
 [[nodiscard]] Age age_of(const Vec3& p3, float loss, std::uint32_t seed);
 [[nodiscard]] Vec3 aged(const Vec3& colour, const Age& age, const Vec3& p3, float loss, std::uint32_t seed);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -2,7 +2,7 @@
 #include "renderfarm/generator/figures.h"
 #include "renderfarm/generator/motifs.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 Patch nimbus_disc(const Pose& pose, const Vec2& radii, int scheme, float density) {
   Patch patch;
@@ -23,4 +23,4 @@ Patch nimbus_disc(const Pose& pose, const Vec2& radii, int scheme, float density
   return patch;
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

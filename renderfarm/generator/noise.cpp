@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/generator/noise.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 struct Lattice {
@@ -103,4 +103,4 @@ float chisel_marks(const Vec2& p, std::uint32_t seed) {
   return sum / weight;
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -7,7 +7,7 @@
 
 #include "renderfarm/generator/vec.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 /// Hashes the integers so that neighbouring inputs give unrelated values.
 [[nodiscard]] std::uint32_t hash(int x, int y, int z, std::uint32_t seed);
@@ -29,4 +29,4 @@ namespace cyclorama::grotto {
 /// changes every hand's breadth.
 [[nodiscard]] float chisel_marks(const Vec2& p, std::uint32_t seed);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -16,7 +16,7 @@
 #include "renderfarm/generator/relic.h"
 #include "renderfarm/generator/scene_writer.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,4 +127,4 @@ Result<PackageReport> write_package(const PackageOrder& order, const KeepGoing& 
   return report;
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -6,7 +6,7 @@
 
 #include "renderfarm/generator/grotto.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 struct PackageOrder {
   Kind kind = Kind::kGrotto;
@@ -34,4 +34,4 @@ struct PackageReport {
 /// kSystem           the disk is full or reports an error.
 Result<PackageReport> write_package(const PackageOrder& order, const KeepGoing& keep_going);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

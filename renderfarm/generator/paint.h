@@ -5,7 +5,7 @@
 
 #include "renderfarm/generator/vec.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 namespace pigment {
 inline const Vec3 kCinnabar{0.62f, 0.20f, 0.14f};
@@ -75,4 +75,4 @@ struct Repeat {
 /// Non-negative remainder, for cycles of colours.
 [[nodiscard]] inline int cycle(int i, int length) { return ((i % length) + length) % length; }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -6,7 +6,7 @@
 #include "renderfarm/generator/grotto.h"
 #include "renderfarm/generator/noise.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 constexpr float kFigureDensity = 0.75f;
@@ -89,4 +89,4 @@ Result<Grotto> plan_grotto(std::uint64_t triangles, std::uint32_t seed) {
   return grotto;
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -11,7 +11,7 @@
 
 #include "common/base/unique_fd.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 constexpr std::size_t kBuffer = std::size_t{1} << 20;
@@ -109,4 +109,4 @@ Result<std::unique_ptr<GeometryFile>> PlySink::open(const std::string& name, con
   return std::unique_ptr<GeometryFile>(std::move(file));
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -7,7 +7,7 @@
 
 #include "renderfarm/generator/geometry_sink.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 /// Flat: the file has no normals, and readers use the triangles'.
 enum class Shading { kSmooth, kFlat };
@@ -27,4 +27,4 @@ class PlySink final : public GeometrySink {
   Shading shading_;
 };
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -9,7 +9,7 @@
 #include "renderfarm/generator/solid.h"
 #include "renderfarm/generator/statue_head.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
@@ -291,4 +291,4 @@ std::vector<Patch> reclining_buddha(const Pose& pose, float density) {
           nimbus_disc(composed(pose, nimbus), {1.45f, 1.45f}, 0, 1.7f * density)};
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -3,7 +3,7 @@
 
 #include "renderfarm/generator/figures.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 Result<Grotto> plan_relic(std::uint64_t triangles, std::uint32_t seed) {
   TRY(check_triangles(triangles));
@@ -24,4 +24,4 @@ Result<Grotto> plan_relic(std::uint64_t triangles, std::uint32_t seed) {
   return relic;
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -7,9 +7,9 @@
 
 #include "renderfarm/generator/grotto.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 /// Same contract as plan_grotto(), for a Buddha in meditation, about 1.2 m high, between two lamps.
 Result<Grotto> plan_relic(std::uint64_t triangles, std::uint32_t seed);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -7,7 +7,7 @@
 
 #include "renderfarm/generator/chamber.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 std::string list(const Vec3& v) { return fmt::format("[{:.4g}, {:.4g}, {:.4g}]", v.x(), v.y(), v.z()); }
@@ -145,4 +145,4 @@ std::string scene_toml(const Grotto& grotto, std::uint32_t seed) {
   return text;
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -5,7 +5,7 @@
 
 #include "renderfarm/generator/grotto.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 /// First line of every grotto's scene.toml; identifies a folder that may be replaced.
 inline constexpr const char* kSceneMark = "# Made by cyclorama-grotto";
@@ -13,4 +13,4 @@ inline constexpr const char* kSceneMark = "# Made by cyclorama-grotto";
 /// Returns the scene.toml of the package. `seed` is for the record.
 [[nodiscard]] std::string scene_toml(const Grotto& grotto, std::uint32_t seed);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

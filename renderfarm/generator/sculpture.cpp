@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/generator/sculpture.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 /// A viewing position on the axis, and the viewing direction.
@@ -87,4 +87,4 @@ Patch wrapped(const Sculpture& sculpture, const Pose& pose, float density) {
   return patch;
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

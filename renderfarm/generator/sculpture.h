@@ -7,7 +7,7 @@
 #include "renderfarm/generator/surface.h"
 #include "renderfarm/generator/vec.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 /// Pose of a sculpture: p_room = position + scale * rotation * p.
 struct Pose {
@@ -42,4 +42,4 @@ struct Sculpture {
 /// `density` as in Patch.
 [[nodiscard]] Patch wrapped(const Sculpture& sculpture, const Pose& pose, float density);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

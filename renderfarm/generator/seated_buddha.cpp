@@ -7,7 +7,7 @@
 #include "renderfarm/generator/solid.h"
 #include "renderfarm/generator/statue_head.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
@@ -141,4 +141,4 @@ std::vector<Patch> seated_buddha(const Pose& pose, std::uint32_t variety, float 
           nimbus_disc(halo, {0.29f, 0.29f}, static_cast<int>(variety) + 1, 0.9f * density)};
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -5,7 +5,7 @@
 
 #include "renderfarm/generator/vec.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 [[nodiscard]] inline float sphere(const Vec3& p, const Vec3& centre, float radius) {
   return (p - centre).norm() - radius;
@@ -49,4 +49,4 @@ namespace cyclorama::grotto {
 /// Visibility of a pattern of the given period on a grid, in [0, 1]; 0 below about three vertices per period.
 [[nodiscard]] inline float shown(float period, float spacing) { return smooth_step(0.42f, 0.25f, spacing / period); }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

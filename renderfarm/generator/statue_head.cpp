@@ -5,7 +5,7 @@
 #include "renderfarm/generator/paint.h"
 #include "renderfarm/generator/solid.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 /// Height of the brow at `x` from the middle.
@@ -160,4 +160,4 @@ Sculpture statue_head(const StatueHeadStyle& style) {
   return s;
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

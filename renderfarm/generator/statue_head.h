@@ -4,7 +4,7 @@
 
 #include "renderfarm/generator/sculpture.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 struct StatueHeadStyle {
   bool buddha = true;
@@ -17,4 +17,4 @@ struct StatueHeadStyle {
 /// -1.6.
 [[nodiscard]] Sculpture statue_head(const StatueHeadStyle& style);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 constexpr int kMinQuads = 4;  ///< Along either side of a patch; an arch or a head is still recognisable with these.
@@ -192,4 +192,4 @@ Status write_part(const Part& part, GeometryFile& file, const RowsDone& rows_don
   return file.finish();
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

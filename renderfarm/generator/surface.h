@@ -11,7 +11,7 @@
 #include "renderfarm/generator/geometry_sink.h"
 #include "renderfarm/generator/vec.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 struct Surfel {
   Vec3 position;
@@ -58,4 +58,4 @@ using RowsDone = std::function<bool(std::uint64_t triangles)>;
 /// those of `file`.
 Status write_part(const Part& part, GeometryFile& file, const RowsDone& rows_done);
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 using Vec2 = Eigen::Vector2f;
 using Vec3 = Eigen::Vector3f;
@@ -31,4 +31,4 @@ inline constexpr float kPi = std::numbers::pi_v<float>;
   return smooth_step(from - edge, from + edge, x) * (1.0f - smooth_step(to - edge, to + edge, x));
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

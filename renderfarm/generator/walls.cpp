@@ -6,7 +6,7 @@
 #include "renderfarm/generator/noise.h"
 #include "renderfarm/generator/paint.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 using namespace pigment;  // NOLINT(google-build-using-namespace): colours by name, in this file only.
@@ -216,4 +216,4 @@ std::vector<Patch> wall(Side side, std::uint32_t seed) {
   return entrance(frame, seed);
 }
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -29,7 +29,7 @@ inline constexpr float kRouletteChance = 3.0f;
 /// Number of mirrors and clear surfaces that a path may meet in addition to its bounces; then it ends.
 inline constexpr int kMaxPassages = 16;
 
-/// RandomStream the random numbers of one surface for every ray in flight.
+/// Draws the random numbers of one surface for every ray in flight.
 void draw_random_numbers(PathBatch& batch);
 /// Returns the seed for decisions at half-transparent surfaces along a ray that starts at the path's surface number
 /// `surfaces`, counted from 1; that of a camera ray is 0. A path that meets the same surface twice draws a new number

@@ -29,7 +29,7 @@ SeenMaterials seen_materials(const scene::Model& model) {
     if (uses[i] == 0 || mesh.triangles.empty()) continue;
     const auto material = static_cast<std::size_t>(mesh.material);
     found.seen[material] = true;
-    if (blends(model.materials[material], mesh, see_through)) found.blends[material] = true;
+    if (render::blends(model.materials[material], mesh, see_through)) found.blends[material] = true;
   }
   return found;
 }

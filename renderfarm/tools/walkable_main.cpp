@@ -107,7 +107,7 @@ int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-walkable",
                              "Finds where visitors can walk in a scene, from its geometry: ground, head room, steps, "
                              "slopes, and what is in the way.");
-  cyclorama::Options options;
-  cyclorama::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal&) { return cyclorama::run(options); });
+  cyclorama::tools::Options options;
+  cyclorama::tools::add_options(program.options(), &options);
+  return program.run(argc, argv, [&](const cyclorama::StopSignal&) { return cyclorama::tools::run(options); });
 }

@@ -6,7 +6,7 @@
 
 namespace cyclorama::walkable {
 
-/// RandomStream the ground from above, -z up, cropped to the probed cells: walkable green, blocked red, steep orange, no
+/// Draws the ground from above, -z up, cropped to the probed cells: walkable green, blocked red, steep orange, no
 /// ground blue, not reached black; the outline white, holes yellow, the scene's current area cyan, the start a cross,
 /// stops small crosses.
 [[nodiscard]] RgbImage walkable_picture(const WalkableGround& ground, const scene::SceneInfo& info);

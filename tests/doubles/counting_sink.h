@@ -9,7 +9,7 @@
 
 #include "renderfarm/generator/geometry_sink.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 
 /// What arrived in one file, summed up: a grotto of any size can be checked without keeping it.
 struct CountedFile {
@@ -96,4 +96,4 @@ class CountingSink final : public generator::GeometrySink {
   std::map<std::string, CountedFile> files_;
 };
 
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

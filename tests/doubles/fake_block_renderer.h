@@ -67,7 +67,7 @@ class FakeRendering {
   int rects_left_ = -1;
 };
 
-/// RandomStream a pattern that depends on the pixel and on every field of the view, and on nothing else.
+/// Draws a pattern that depends on the pixel and on every field of the view, and on nothing else.
 class FakeBlockRenderer final : public node::BlockRenderer {
  public:
   explicit FakeBlockRenderer(std::shared_ptr<FakeRendering> shared, std::uint64_t memory_bytes = 1000)

@@ -38,7 +38,7 @@ class LosableOutputs {
     [[nodiscard]] const std::vector<output::HeadMode>& heads() const override { return real_->heads(); }
     [[nodiscard]] double refresh_hz() const override { return real_->refresh_hz(); }
     [[nodiscard]] std::string kind() const override { return real_->kind(); }
-    [[nodiscard]] const Gl& gl() const override { return real_->gl(); }
+    [[nodiscard]] const output::Gl& gl() const override { return real_->gl(); }
     Status wait_for_refresh() override {
       if (all_.hangs_) {
         all_.is_in_refresh_ = true;

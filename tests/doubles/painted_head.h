@@ -23,7 +23,7 @@ class PaintedHead {
   /// From the upper row downwards.
   RgbImage drawn(const display::HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape, double shift,
                  const std::vector<PixelRect>* parts = nullptr) {
-    return drawn(plan, [&](const Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
+    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
                            output::Output* output) {
       display::PanoramaTexture texture(gl, program);
       CHECK(texture.upload(frame(picture, shape, parts)));
@@ -34,7 +34,7 @@ class PaintedHead {
   /// After another picture was in its place.
   RgbImage drawn_after(const display::HeadPlan& plan, const PlanarPicture& before, const PictureShape& shape_before,
                        const PlanarPicture& picture, const PictureShape& shape) {
-    return drawn(plan, [&](const Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
+    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
                            output::Output* output) {
       display::PanoramaTexture texture(gl, program);
       CHECK(texture.upload(frame(before, shape_before, nullptr)));
@@ -45,7 +45,7 @@ class PaintedHead {
   }
   RgbImage faded(const display::HeadPlan& plan, const PlanarPicture& a, const PlanarPicture& b,
                  const PictureShape& shape, double share) {
-    return drawn(plan, [&](const Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
+    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
                            output::Output* output) {
       display::PanoramaTexture first(gl, program);
       display::PanoramaTexture second(gl, program);
@@ -58,7 +58,7 @@ class PaintedHead {
   /// The whole head, of both eyes' pictures one above the other, each of `shape`; or of one for both.
   RgbImage drawn_for_two(const display::HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape,
                          double shift, Eye now = Eye::kLeft) {
-    return drawn(plan, [&](const Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
+    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
                            output::Output* output) {
       display::PanoramaTexture texture(gl, program);
       display::DisplayFrame both = frame(picture, shape, nullptr);
@@ -85,7 +85,7 @@ class PaintedHead {
     const int height = height_px(plan.warp) * (plan.packing == StereoPacking::kTopBottom ? 2 : 1);
     auto output = output::open_headless_output({{{"head", width, height}}, 100.0, {}, renderer_}, clock_);
     CHECK(output.has_value());
-    const Gl& gl = (*output)->gl();
+    const output::Gl& gl = (*output)->gl();
     const display::Texels texels = texels_.value_or(display::texels_for(gl, {plan}));
     auto program = display::PictureProgram::make(gl, texels);
     CHECK(program.has_value());

@@ -94,7 +94,7 @@ class HeadPacing {
 Status show(output::Output* output, const Clock& clock) {
   TRY_ASSIGN(const output::GlProgram program, output::GlProgram::link(output->gl(), kVertexShader, kFragmentShader));
   const output::GlVertexArray no_attributes(output->gl());
-  const Gl& gl = output->gl();
+  const output::Gl& gl = output->gl();
   std::string said;
   std::vector<HeadPacing> pacing(output->heads().size());
   int pictures = 0;

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMinObservations = 24;
 constexpr int kMaxRounds = 30;
 constexpr double kRobust_sigmas = 3.0;
-// Of the camera's centre: who puts a tripod back on its marks is no farther off.
+// Prior of the camera's centre: a tripod that is put back on its marks is no farther off.
 constexpr double kCentre_m = 0.1;
 constexpr double kClear_sigmas = 3.0;
 constexpr double kPredictsBetter = 0.98;
@@ -28,7 +28,7 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   return m;
 }
 
-/// Two axes across a ray.
+/// Returns two axes perpendicular to a ray.
 Eigen::Matrix<double, 3, 2> across(const Eigen::Vector3d& ray) {
   Eigen::Matrix<double, 3, 2> axes;
   axes.col(0) = ray.unitOrthogonal();
@@ -55,7 +55,7 @@ double trimmed_rms(const LocatedCamera& camera, std::span<const ReferenceObserva
   return std::sqrt(sum / static_cast<double>(squares.size()));
 }
 
-/// Gauss and Newton with Cauchy's weights. Nothing where the normal matrix has no inverse.
+/// Gauss-Newton with Cauchy weights. Returns nothing if the normal matrix is singular.
 std::optional<LocatedCamera> solved(const LocatedCamera& planned, std::span<const ReferenceObservation> observations,
                                     bool with_centre) {
   LocatedCamera camera = planned;
@@ -125,7 +125,7 @@ LocatedCamera planned_camera(const calibration::TurnPlate& plate, double angle_r
     solve::to_camera(mount.data(), none.data(), angle_rad, unit.data(), 0.0, turned.data());
     camera.R_camera_eye.col(axis) = turned;
   }
-  // Of no direction at all, what is left is the centre.
+  // The zero direction leaves the camera's centre as the only term.
   const Eigen::Vector3d nowhere = Eigen::Vector3d::Zero();
   Eigen::Vector3d from_centre;
   solve::to_camera(mount.data(), offset.data(), angle_rad, nowhere.data(), 1.0, from_centre.data());
@@ -142,7 +142,7 @@ Result<LocatedCamera> locate_camera(const LocatedCamera& planned, std::span<cons
   }
   const auto turned = solved(planned, observations, false);
   if (!turned) return Error(ErrorCode::kBadData, "what the camera sees of the other projectors lies on a line");
-  // From there, so that a camera that was turned far does not mislead it.
+  // Starts from the fitted rotation, so that a camera that was turned far does not mislead the fit.
   LocatedCamera start = *turned;
   start.centre_m = planned.centre_m;
   const auto moved = solved(start, observations, true);

@@ -16,17 +16,17 @@ namespace {
 constexpr std::size_t kMinCells = 60;
 constexpr int kMinFitting_px = 8;
 constexpr int kCellsAcross = 60;
-constexpr double kMaxReferenceError_px = 1.0;  // A reference projector that moved does not fit so well.
-// An old map is kept if it predicts what is seen as well as a new one predicts what it left out.
+constexpr double kMaxReferenceError_px = 1.0;  // A displaced reference projector does not fit this well.
+// An old map is kept if its error is at most this multiple of the new map's error on left-out cells.
 constexpr double kStillRight = 1.1;
-constexpr double kStillRightFloor_px = 0.1;  // At 1920 pixels across: nobody sees less.
-constexpr double kMinSeen = 0.4;             // Share of the old map.
-constexpr unsigned kBlock_px = 64;           // Whole blocks are left out: smoothness bridges less.
+constexpr double kStillRightFloor_px = 0.1;  // At a width of 1920 pixels; smaller errors are invisible.
+constexpr double kMinSeen = 0.4;             // Fraction of the old map.
+constexpr unsigned kBlock_px = 64;           // Whole blocks are left out, because smoothness could bridge single cells.
 constexpr unsigned kLeftOutEvery = 6;
 constexpr int kFill_px = 32;
-constexpr double kFillFloor_px = 0.4;  // Sigma of directions that the displacement alone gives.
+constexpr double kFillFloor_px = 0.4;  // Sigma of directions that follow from the displacement alone.
 
-/// True for one block of pixels in kLeftOutEvery; a fixed hash scatters them.
+/// Returns true for one block of pixels in kLeftOutEvery, scattered by a fixed hash.
 bool is_left_out(const Eigen::Vector2d& pixel) {
   const auto column = static_cast<unsigned>(std::max(0.0, pixel.x())) / kBlock_px;
   const auto row = static_cast<unsigned>(std::max(0.0, pixel.y())) / kBlock_px;
@@ -47,7 +47,8 @@ Result<calibration::MeasuredMap> fit_map(const calibration::CalibratedProjector&
   return map;
 }
 
-/// One direction of the turntable; projector 0 is the displaced one, the reference projectors follow in their order.
+/// Returns one direction of the turntable; projector 0 is the displaced one, followed by the reference projectors in
+/// their order.
 solve::Measurements measurements_of(const RealignmentBaseline& baseline, const RealignmentPhotographs& photographs) {
   solve::Measurements all;
   const calibration::CalibratedProjector& target = baseline.projector();
@@ -71,13 +72,14 @@ solve::Measurements measurements_of(const RealignmentBaseline& baseline, const R
   return all;
 }
 
-/// Cells of each kind have their own size: the reference projectors are seen in every fourth pixel only.
+/// Averages cells of the displaced projector or of the references, whose sizes differ: the references are seen in every
+/// fourth pixel only.
 solve::CellMeans cells_of(const solve::Measurements& all, bool of_target) {
   solve::Measurements some = all;
   auto& places = some.directions[0].correspondences;
   std::erase_if(places, [&](const solve::Correspondence& position) { return (position.projector == 0) != of_target; });
   int cell_px = solve::fitting_cell_px(some);
-  // A very small picture that is seen densely would give too few cells.
+  // A very small, densely seen picture would give too few cells.
   if (cell_px == kMinFitting_px) cell_px = std::clamp(some.projectors[0].width_px / kCellsAcross, 2, cell_px);
   return solve::average_cells(some, cell_px);
 }
@@ -112,7 +114,7 @@ Result<LocatedCamera> camera_by_references(const RealignmentBaseline& baseline, 
   return camera;
 }
 
-/// The directions in which the sweet spot sees the displaced projector's cells.
+/// Returns the directions in which the sweet spot sees the displaced projector's cells.
 std::vector<solve::MapSample> samples_of(const RealignmentBaseline& baseline, const LocatedCamera& camera,
                                          const solve::CellMeans& means) {
   const InverseDepthAt inverse_depth = [&](const Eigen::Vector3d& d) { return baseline.camera_inverse_depth(d); };
@@ -126,7 +128,7 @@ std::vector<solve::MapSample> samples_of(const RealignmentBaseline& baseline, co
   return samples;
 }
 
-/// The displacement that explains the samples; refused where a turned lens or nothing does.
+/// Finds the displacement that explains the samples. Refuses if the lens was turned or nothing explains them.
 Result<Displacement> displacement_of(const RealignmentBaseline& baseline, std::span<const solve::MapSample> samples) {
   const calibration::CalibratedProjector& target = baseline.projector();
   const InverseDepthAt inverse_depth = [&](const Eigen::Vector3d& d) { return baseline.wall_inverse_depth(d); };
@@ -152,7 +154,7 @@ struct FilledMap {
   double seen_fraction = 1.0;
 };
 
-/// Adds what the camera did not see of the picture, from wall and displacement; without it the map would lose its rim.
+/// Adds the unseen part of the picture, computed from wall and displacement; otherwise the map would lose its rim.
 Result<FilledMap> filled(const RealignmentBaseline& baseline, const Displacement& displacement,
                          std::span<const solve::MapSample> samples, const calibration::MeasuredMap& map) {
   const calibration::CalibratedProjector& target = baseline.projector();
@@ -192,7 +194,7 @@ Result<FilledMap> filled(const RealignmentBaseline& baseline, const Displacement
   return FilledMap{std::move(whole), seen};
 }
 
-/// Over places that a map of the displaced projector was not fitted to.
+/// Measures the registration over correspondences that no map of the displaced projector was fitted to.
 solve::MeasuredRegistration registration_with(const RealignmentBaseline& baseline, const solve::Measurements& all,
                                               const calibration::MeasuredMap& map) {
   solve::Measurements held = all;

@@ -14,11 +14,11 @@ namespace cyclorama::scan {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-// Finer bits cost pictures, and cells of many pixels need none: docs/design/calibration.md.
+// Finer bits need more pictures, and cells of many pixels do not benefit from them: docs/design/calibration.md.
 constexpr int kFinestBit = 2;
 constexpr int kHeadings = 15;  // Candidates on either side of the projector's middle.
 constexpr double kHeadingStep_rad = 1.0 * kDegree;
-constexpr double kTargetRim = 0.08;  // In parts of the camera's picture: a displaced picture is not quite where it was.
+constexpr double kTargetRim = 0.08;  // Fraction of the camera's picture; a displaced picture is not quite where it was.
 constexpr double kReferenceRim = 0.02;
 constexpr double kReferenceGain = 0.3;  // Gain per direction; 1 for the displaced projector.
 constexpr int kManyPixels = 1000;       // Camera width above which every other pixel is enough.
@@ -45,7 +45,7 @@ double best_angle(const RealignmentBaseline& baseline, const turnplate::TurnRang
     const double angle = std::remainder(towards + i * kHeadingStep_rad, 2.0 * std::numbers::pi);
     if (angle < range.min_rad || angle > range.max_rad) continue;
     const LocatedCamera camera = planned_camera(baseline.calibration.plate, angle);
-    double gain = -1e-3 * std::abs(i);  // Straight at it, where nothing else matters.
+    double gain = -1e-3 * std::abs(i);  // Prefers the direct heading if all else is equal.
     int n = 0;
     for (std::size_t p = 0; p < projectors.size(); ++p) {
       const bool is_target = p == baseline.target;
@@ -63,7 +63,7 @@ double best_angle(const RealignmentBaseline& baseline, const turnplate::TurnRang
   return best;
 }
 
-/// The settings of a scan, without the patterns that a single projector's cells do not need.
+/// Returns the settings of a scan without the fine patterns that a projector's cells do not need.
 ViewSettings coarse(ViewSettings settings) {
   settings.finest_bit = std::max(settings.finest_bit, kFinestBit);
   settings.phase_period_px = 0.0;
@@ -79,7 +79,7 @@ PhotographListener telling(const ScanListener& listener, std::string what, doubl
   };
 }
 
-/// Measures the displaced projector, and once more when somebody was in the way; the better view counts.
+/// Measures the displaced projector, and once more if somebody was in the way; takes the better view.
 Status photograph_target(const RealignmentBaseline& baseline, const ScanSettings& settings, const ScanDevices& devices,
                          const ScanListener& listener, const std::stop_token& stop, RealignmentPhotographs* all) {
   const calibration::CalibratedProjector& target = baseline.projector();
@@ -92,7 +92,7 @@ Status photograph_target(const RealignmentBaseline& baseline, const ScanSettings
              measured(telling(listener, fmt::format("measures projector '{}': ", target.name), 0.05, 0.6)));
   all->pictures += view.pictures;
   if (view.disturbed > settings.max_disturbed) {
-    // The fraction may not fall, so it stays.
+    // The progress is held during the second measurement, since it may not decrease.
     TRY_ASSIGN(ScanView second,
                measured(telling(listener, fmt::format("measures projector '{}' once more: ", target.name), 0.65, 0.0)));
     all->pictures += second.pictures;
@@ -114,7 +114,7 @@ Status photograph_target(const RealignmentBaseline& baseline, const ScanSettings
   return Done{};
 }
 
-/// The pixel that each of the camera's pixels should see; pixels near a picture's edge or in an overlap are not used.
+/// Predicts the pixel that each camera pixel should see; pixels near a picture's edge or in an overlap are not used.
 ExpectedReferences expected_from(const RealignmentBaseline& baseline, const LocatedCamera& camera) {
   const int width = baseline.calibration.plate.camera.width_px;
   const int height = baseline.calibration.plate.camera.height_px;

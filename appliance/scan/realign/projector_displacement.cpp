@@ -13,17 +13,18 @@ constexpr std::size_t kMinSamples = 24;
 constexpr std::size_t kMaxSamples = 2500;
 constexpr int kMaxRounds = 40;
 constexpr double kRobust_sigmas = 3.0;
-constexpr double kFloor_px = 0.1;  // Sigma of a sample: what wall and lens models leave.
-// At 1920 pixels across. Wall and lens were fitted to where it lit before, and are a little worse beside that.
+constexpr double kFloor_px = 0.1;  // Sigma of a sample: residual errors of the wall and lens models.
+// At a width of 1920 pixels. Wall and lens were fitted where the projector lit before and are a little worse beside it.
 constexpr double kWorstFit_px = 0.7;
 constexpr double kWorseFit = 3.0;
-// Who pushes a projector farther has taken it down. A lens that was turned looks much as if the projector were nearer
-// to the wall, so what asks for such a push is first asked about the lens, which then may stand off its place by this.
+// A projector that was displaced beyond these limits was taken down. A turned lens looks much like a projector nearer
+// to the wall, so for such a displacement the lens is tried first, with kPositionPrior_m as the position's sigma.
 constexpr double kMaxMoved_m = 0.3;
 constexpr double kMaxTurned_rad = 0.26;
 constexpr double kPositionPrior_m = 0.02;
 
-// Turn (in the projector's frame), place, and of the lens: focal length (relative), centre (in picture widths).
+// Parameters: rotation (in the projector's frame), position, and of the lens: focal length (relative) and principal
+// point (in picture widths).
 constexpr int kPose = 6;
 constexpr int kWithLens = 9;
 constexpr double kNudge = 1e-6;
@@ -72,8 +73,8 @@ double trimmed_rms(const calibration::FittedProjector& projector, const std::vec
   return std::sqrt(sum / static_cast<double>(squares.size()));
 }
 
-/// Levenberg and Marquardt with Cauchy's weights, in `free` numbers. Writes the pose's covariance.
-/// `position_sigma_m` holds its place where it was; 0: nothing does.
+/// Levenberg-Marquardt with Cauchy weights over the first `free` parameters. Writes the pose's covariance.
+/// `position_sigma_m` is the prior sigma of the position; 0: no prior.
 std::optional<calibration::FittedProjector> fitted(const calibration::FittedProjector& from,
                                                    const std::vector<Sample>& samples, int free,
                                                    double position_sigma_m = 0.0) {
@@ -83,7 +84,7 @@ std::optional<calibration::FittedProjector> fitted(const calibration::FittedProj
   };
   calibration::FittedProjector best = from;
   double damping = 1e-6;
-  // What is seen may be far from where it begins: then the weights' scale is, and becomes that of the noise.
+  // The initial residuals may be large, so the weights' scale begins with theirs and decreases to that of the noise.
   double scale_px = trimmed_rms(best, samples);
   for (int round = 0; round < kMaxRounds; ++round) {
     Matrix9 normal = Matrix9::Zero();
@@ -156,7 +157,7 @@ std::optional<calibration::FittedProjector> fitted(const calibration::FittedProj
 std::vector<Sample> samples_of(std::span<const solve::MapSample> seen, const InverseDepthAt& inverse_depth) {
   std::vector<Sample> samples;
   std::size_t every = std::max<std::size_t>(1, seen.size() / kMaxSamples);
-  if (every > 1 && every % 2 == 0) ++every;  // Shares no factor with the lattice's rows, as a rule.
+  if (every > 1 && every % 2 == 0) ++every;  // Usually coprime to the length of the lattice's rows.
   for (std::size_t i = 0; i < seen.size(); i += every) {
     const double near = inverse_depth(seen[i].direction);
     if (!(near >= 0.0) || !std::isfinite(near)) continue;
@@ -165,7 +166,7 @@ std::vector<Sample> samples_of(std::span<const solve::MapSample> seen, const Inv
   return samples;
 }
 
-/// The map of before as if it had been seen.
+/// Returns the previous map's control points as samples.
 std::vector<solve::MapSample> places_of(const calibration::MeasuredMap& map) {
   std::vector<solve::MapSample> correspondences;
   constexpr double kSure_px = 0.5;
@@ -192,7 +193,7 @@ std::optional<Displacement> find_displacement(const calibration::FittedProjector
   const std::vector<Sample> then = samples_of(old_places, inverse_depth);
   const std::vector<Sample> now = samples_of(seen, inverse_depth);
   if (then.size() < kMinSamples || now.size() < kMinSamples) return std::nullopt;
-  // By the same rule as now, so that what it was pushed by has no share of another rule's.
+  // Fits the old map with the same procedure, so that systematic errors of the fit cancel in the displacement.
   const auto stood = fitted(before, then, kPose);
   if (!stood) return std::nullopt;
   const auto stands = fitted(*stood, now, kPose);

@@ -19,13 +19,13 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr const char* kRemark = "was measured anew alone: ";
-constexpr double kNearlyAll = 0.98;  // Share of a map above which no remark says that the rest was computed.
+constexpr double kNearlyAll = 0.98;  // Fraction of a map above which no remark mentions the computed rest.
 
 void report_step(const ScanListener& listener, const std::string& step, double fraction) {
   if (listener) listener({step, fraction, nullptr});
 }
 
-/// The result as far as the geometry goes; nothing is written yet.
+/// Returns the geometric part of the result; nothing is written yet.
 RealignmentOutcome outcome_of(const RealignmentBaseline& baseline, const RealignmentPhotographs& photographs,
                               const NewMap& found) {
   RealignmentOutcome result;
@@ -58,7 +58,7 @@ RealignmentOutcome outcome_of(const RealignmentBaseline& baseline, const Realign
   return result;
 }
 
-/// Masks and colours of all projectors for the new map; nothing where the calibration of before had none.
+/// Returns masks and colours of all projectors for the new map; nothing if the previous calibration had none.
 Result<std::optional<photometry::FollowedLight>> follow_with_colours(const RealignmentBaseline& baseline,
                                                                      const calibration::Calibration& calibration,
                                                                      const std::filesystem::path& folder) {
@@ -69,7 +69,7 @@ Result<std::optional<photometry::FollowedLight>> follow_with_colours(const Reali
   return followed;
 }
 
-/// Replaces what an earlier realignment of the projector remarked.
+/// Replaces the remarks of an earlier realignment of this projector.
 void add_remarks(const RealignmentBaseline& baseline, RealignmentOutcome* result) {
   auto& remarks = result->outcome.calibration.remarks;
   const std::string mine = fmt::format("projector '{}' {}", baseline.projector().name, kRemark);
@@ -87,7 +87,7 @@ void add_remarks(const RealignmentBaseline& baseline, RealignmentOutcome* result
   }
 }
 
-/// Writes the calibration with its light, then the report, without which a calibration counts all the same.
+/// Writes the calibration with its light, then the report, whose failure does not invalidate the calibration.
 Status write(const std::filesystem::path& folder, const std::optional<photometry::FollowedLight>& light,
              CalibrationOutcome* outcome) {
   std::vector<calibration::CalibrationPart> parts;

@@ -11,15 +11,15 @@
 namespace cyclorama::scan {
 namespace {
 
-constexpr int kSteps = 4;             // A response's second harmonic is gone, and gammas have little of the third.
-constexpr float kExpected_px = 6.0f;  // Sigma of what is expected: a sine takes its place where it can be read.
-constexpr float kRead_px = 1.0f;      // Who is less sure was not read.
+constexpr int kSteps = 4;             // Cancels the response's second harmonic; gamma curves have little of the third.
+constexpr float kExpected_px = 6.0f;  // Sigma of the prediction; replaced by the sine's phase where that can be read.
+constexpr float kRead_px = 1.0f;      // Maximum sigma of a phase that counts as read.
 constexpr float kSaturated = 0.98f;
 constexpr float kBright = 0.5f;
 constexpr float kMinLight = 0.04f;
 constexpr double kMaxSaturated = 0.01;
 constexpr int kMaxExposures = 6;
-constexpr double kNoise = 0.006;  // Of one photograph at one pixel, as Photo; cells of many pixels find their own.
+constexpr double kNoise = 0.006;  // Of one photograph at one pixel, as Photo; cells of many pixels estimate their own.
 
 class ReferenceMeasuring {
  public:
@@ -36,7 +36,7 @@ class ReferenceMeasuring {
   Result<ReferenceView> run(double exposure_s, const structured_light::ExposureLimits& limits) {
     exposure_s_ = exposure_s;
     auto view = measured(limits);
-    // Dark again, whatever happened; the first error counts.
+    // All projectors are made dark in every case; the first error counts.
     for (const ReferenceProjector& reference : references_) {
       const Status dark = screen_.show(reference.projector, RgbImage());
       if (view && !dark) return dark.error();
@@ -64,7 +64,7 @@ class ReferenceMeasuring {
     return photo_of(photograph);
   }
 
-  /// White that is not clipped.
+  /// Finds an exposure at which white is not clipped.
   Status find_exposure(const structured_light::ExposureLimits& limits) {
     const structured_light::PatternPicture white{.kind = structured_light::PatternKind::kWhite};
     TRY(show(white));
@@ -87,7 +87,7 @@ class ReferenceMeasuring {
       } else if (*high < kBright) {
         next_s *= std::min(4.0, 0.8 / std::max(0.05, static_cast<double>(*high)));
       }
-      // Whole refreshes, where it is one or more: a projector may show its colours one after the other.
+      // Whole refreshes if it is at least one, since a projector may show its colours in sequence.
       const double period_s = limits.projector_period.count();
       if (period_s > 0.0 && next_s >= period_s) next_s = std::floor(next_s / period_s + 1e-6) * period_s;
       next_s = std::clamp(next_s, limits.shortest.count(), limits.longest.count());

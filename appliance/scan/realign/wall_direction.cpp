@@ -16,7 +16,7 @@ std::optional<Eigen::Vector3d> wall_direction_from(const Eigen::Vector3d& centre
   const double length = along.norm();
   if (!(length > 0.0) || !centre_m.allFinite() || !std::isfinite(length)) return std::nullopt;
   const Eigen::Vector3d step = along / length;
-  // Below 0 on this side of the wall, above 0 behind it.
+  // Negative in front of the wall, positive behind it.
   const auto beyond = [&](double s) {
     const Eigen::Vector3d position = centre_m + s * step;
     const double distance = position.norm();
@@ -36,7 +36,7 @@ std::optional<Eigen::Vector3d> wall_direction_from(const Eigen::Vector3d& centre
     if (high > kMaxDistanceM) return std::nullopt;
     at_high = beyond(high);
   }
-  // False position that halves the side which stays (Illinois): sure as bisection, and soon there.
+  // Regula falsi in the Illinois variant, which halves the value at a stagnant end: as safe as bisection, and faster.
   int stays = 0;
   double s = high;
   for (int round = 0; round < kMaxSteps && high - low > kOnTheWall * high; ++round) {

@@ -57,7 +57,7 @@ class CardHeads {
   /// "HDMI-A-1 1920x1080@60.00 10 bit EPS EB-L1755U": what a head is shown with; "dark" else.
   [[nodiscard]] std::string text_of_head(std::size_t head) const;
 
-  /// RandomStream a head's canvas to its back buffer, if it is lit. The GL commands must have finished before flip().
+  /// Draws a head's canvas to its back buffer, if it is lit. The GL commands must have finished before flip().
   void paint(const CanvasCopier& copier, std::size_t head);
   /// Whether there is something for flip().
   [[nodiscard]] bool is_painted() const;

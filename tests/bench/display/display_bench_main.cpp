@@ -111,7 +111,7 @@ class Bench {
       must(textures_.back()->upload(frame));
     }
   }
-  const Gl& gl() const { return output->gl(); }
+  const output::Gl& gl() const { return output->gl(); }
   const Panorama& panorama() const { return panorama_; }
   const Installation& room() const { return room_; }
   std::vector<display::HeadPainter> painters(const std::vector<display::HeadPlan>& of) {
@@ -165,7 +165,7 @@ class Bench {
 class Blit {
  public:
   explicit Blit(Bench* bench) : bench_(*bench), texture_(bench->gl()), array_(bench->gl()) {
-    const Gl& gl = bench_.gl();
+    const output::Gl& gl = bench_.gl();
     const RgbImage picture = picture_of(bench_.panorama());
     RgbaImage pixels(picture.width(), picture.height(), 255);
     for (std::size_t i = 0; i < picture.data().size(); ++i) pixels.data()[i / 3 * 4 + i % 3] = picture.data()[i];
@@ -196,7 +196,7 @@ void main() { colour = texture(picture, at); }
 )")));
   }
   void draw() {
-    const Gl& gl = bench_.gl();
+    const output::Gl& gl = bench_.gl();
     gl.UseProgram(program_->id());
     gl.BindVertexArray(array_.id());
     gl.ActiveTexture(GL_TEXTURE0);

@@ -68,7 +68,7 @@ class Show {
   }
   Status draw() {
     TRY(output_->wait_for_refresh());
-    const Gl& gl = output_->gl();
+    const output::Gl& gl = output_->gl();
     for (std::size_t head = 0; head < kHeads; ++head) {
       TRY(output_->draw_to(head));
       gl.ClearColor(static_cast<float>(colour_ % 256) / 255.0f, static_cast<float>(head) / 255.0f, 0.0f, 1.0f);

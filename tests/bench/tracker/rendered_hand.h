@@ -75,7 +75,7 @@ struct HandScene {
   [[nodiscard]] HandPose truth(int picture) const { return pose_at(picture / kPicturesPerSecond + 0.5 * exposure_s); }
 };
 
-/// RandomStream scenes. Reentrant.
+/// Draws scenes. Reentrant.
 class HandStudio {
  public:
   explicit HandStudio(Wand wand = standard_wand(0), const Pinhole& lens = kBenchLens)

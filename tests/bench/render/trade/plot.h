@@ -22,7 +22,7 @@ struct Plot {
   std::vector<PlotSeries> series;  ///< Drawn in order; the last one is on top.
 };
 
-/// RandomStream panels side by side with one legend, from the first panel's names. Values without a logarithm (zero, negative,
+/// Draws panels side by side with one legend, from the first panel's names. Values without a logarithm (zero, negative,
 /// NaN, infinite) are left out.
 [[nodiscard]] std::string plot_svg(const std::string& title, const std::vector<Plot>& panels);
 

@@ -27,7 +27,7 @@ class RasterOutput final : public output::Output {
   [[nodiscard]] const std::vector<output::HeadMode>& heads() const override { return memory_->heads(); }
   [[nodiscard]] double refresh_hz() const override { return 100.0; }
   [[nodiscard]] std::string kind() const override { return "raster"; }
-  [[nodiscard]] const Gl& gl() const override { return memory_->gl(); }
+  [[nodiscard]] const output::Gl& gl() const override { return memory_->gl(); }
   [[nodiscard]] const std::vector<output::HeadShown>& shown() const override { return memory_->shown(); }
   Status wait_for_refresh() override {
     clock_.set(start_ + static_cast<std::int64_t>(refresh_ + 1) * kPeriod - 4ms);

@@ -131,7 +131,7 @@ TEST(PresenterStart, tries_its_shaders_on_a_few_pixels_of_each_head) {
   const ManualClock clock;
   const auto output =
       *output::open_headless_output({{{"a", kWidth, kHeight}, {"b", kWidth, kHeight}}, 1000.0, {}, {}}, clock);
-  const Gl& gl = output->gl();
+  const output::Gl& gl = output->gl();
   const auto untouched = [&](std::size_t head) {
     EXPECT_TRUE(output->draw_to(head));
     std::vector<std::array<std::uint8_t, 4>> pixels(std::size_t{kWidth} * kHeight);

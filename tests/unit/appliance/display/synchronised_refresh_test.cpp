@@ -25,7 +25,7 @@ class Numbering : public ::testing::Test {
     shared_.set_clock({true, 0, 0ns});
     shared_.learn(at(0));
   }
-  /// RandomStream and shows the next refresh, `late` after its time; its number.
+  /// Draws and shows the next refresh, `late` after its time; its number.
   std::optional<std::int64_t> refresh(Duration late = 0ns, std::uint64_t missed = 0) {
     shared_.begin(now_);
     count_ += 1 + missed;

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 /// Share of a patch's area whose front faces `eye`.
@@ -57,4 +57,4 @@ TEST(Chamber, a_niche_is_a_hollow_that_holds_a_figure) {
 }
 
 }  // namespace
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -9,7 +9,7 @@
 #include "renderfarm/render/renderer.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 namespace fs = std::filesystem;
@@ -61,4 +61,4 @@ TEST_P(ClosedGrotto, no_sky_is_seen_from_anywhere_inside) {
 INSTANTIATE_TEST_SUITE_P(Sizes, ClosedGrotto, testing::Values(10'000u, 37'000u, 250'000u));
 
 }  // namespace
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -9,7 +9,7 @@
 #include "renderfarm/generator/chamber.h"
 #include "tests/doubles/counting_sink.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 bool always(double) { return true; }
@@ -159,4 +159,4 @@ TEST(Grotto, reports_progress_that_ends_at_one) {
 }
 
 }  // namespace
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -5,7 +5,7 @@
 
 #include "tests/doubles/counting_sink.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 TEST(Interior, has_nearly_as_many_triangles_as_requested_and_never_more) {
@@ -68,4 +68,4 @@ TEST(Interior, refuses_what_it_cannot_make) {
 }
 
 }  // namespace
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

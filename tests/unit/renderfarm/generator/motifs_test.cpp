@@ -6,7 +6,7 @@
 #include <functional>
 #include <random>
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 using Motif = std::function<Vec3(const Vec2&, float)>;
@@ -105,4 +105,4 @@ TEST(Age, grows_with_loss) {
 }
 
 }  // namespace
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 class Noise : public testing::Test {
@@ -74,4 +74,4 @@ TEST(RandomUnit, is_spread_evenly_below_one) {
 }
 
 }  // namespace
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

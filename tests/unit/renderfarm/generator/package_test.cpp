@@ -10,7 +10,7 @@
 #include "renderfarm/generator/chamber.h"
 #include "renderfarm/scene/scene.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,4 +167,4 @@ TEST_F(GrottoPackage, reports_a_missing_parent_folder) {
 }
 
 }  // namespace
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

@@ -6,7 +6,7 @@
 #include "common/base/file.h"
 #include "renderfarm/scene/model.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 class PlyWriter : public testing::Test {
@@ -82,4 +82,4 @@ TEST_F(PlyWriter, says_when_its_folder_is_missing) {
 }
 
 }  // namespace
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

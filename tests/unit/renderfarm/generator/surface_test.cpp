@@ -6,7 +6,7 @@
 #include "renderfarm/generator/sculpture.h"
 #include "renderfarm/generator/solid.h"
 
-namespace cyclorama::grotto {
+namespace cyclorama::generator {
 namespace {
 
 /// Keeps everything that it receives.
@@ -170,4 +170,4 @@ TEST(Solid, distances_are_zero_on_the_surface_and_blends_stay_between) {
 }
 
 }  // namespace
-}  // namespace cyclorama::grotto
+}  // namespace cyclorama::generator

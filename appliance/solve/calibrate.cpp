@@ -14,23 +14,25 @@
 namespace cyclorama::solve {
 namespace {
 
-constexpr double kWallFloor_px = 0.05;  // Of a sample's sigma: what lens models leave.
-// A map that predicts new measurements as well as the new one predicts what it left out is still right; left-out
-// errors of some hundred places scatter by some percent.
+constexpr double kWallFloor_px = 0.05;  // Added to a sample's sigma: residual errors of the lens models.
+// An old map stays valid if it predicts new measurements about as well as the new map predicts its left-out ones;
+// left-out errors of some hundred correspondences scatter by some percent.
 constexpr double kStillRight = 1.1;
-// Of all maps alike: what they are off by is less than three quarters of the new measurements' scatter.
+// Bound within which all old maps may be kept: their own error is less than three quarters of the new scatter.
 constexpr double kHardlyWorse = 1.25;
-/// What differs by less in the scatter of single places is no sign that something moved.
+/// A smaller relative difference of the registration is within the scatter of single correspondences and no evidence of
+/// motion.
 constexpr double kMeetAsWell = 1.02;
-/// Of the new measurements, where an old map may have no direction: at the rim either map may end a little earlier.
+/// Fraction of the new measurements for which an old map may have no direction, since either map may end a little
+/// earlier at the rim.
 constexpr double kMaxUnknownShare = 0.01;
 constexpr double kMaxUnremarkedError_px = 0.5;  // Held-out error of a map.
-// Tracks that were left out are predicted as well as without the hint, or it is wrong; they scatter by some percent.
+// A hint is wrong if it worsens the prediction of left-out tracks by more than this; they scatter by some percent.
 constexpr double kHintAgrees = 1.02;
 constexpr int kRefitSteps = 20;
-constexpr double kKnownFloor_px = 0.1;  // Of a place on a map of before: its cells are flat.
+constexpr double kKnownFloor_px = 0.1;  // Sigma added to a direction of an old map, whose cells are flat.
 
-using Samples = std::vector<std::vector<MapSample>>;  // By projector.
+using Samples = std::vector<std::vector<MapSample>>;  // Indexed by projector.
 
 Samples samples_of(const Measurements& measurements, const CellMeans& means, const calibration::TurnPlate& plate) {
   Samples samples(measurements.projectors.size());
@@ -50,8 +52,8 @@ const calibration::CalibratedProjector* projector_of(const calibration::Calibrat
   return at == calibration->projectors.end() ? nullptr : &*at;
 }
 
-/// What turns directions of the calibration before onto the new ones: the plate's heading and tilt are told anew each
-/// time. Without what is farther off than most, since a projector may have been moved.
+/// Returns the rotation from directions of the previous calibration to the new ones, since the turntable's heading and
+/// tilt are estimated anew each time. Robust against projectors that have been moved.
 Eigen::Matrix3d turn_of(const calibration::Calibration& before, const Measurements& measurements,
                         const Samples& samples) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
@@ -87,13 +89,13 @@ calibration::MeasuredMap turned(const calibration::MeasuredMap& map, const Eigen
   return moved;
 }
 
-/// Few, spread evenly over each projector's picture.
+/// Returns a few samples, spread evenly over each projector's picture.
 std::vector<MapSample> wall_samples(const Samples& samples, std::size_t count) {
   std::vector<MapSample> chosen;
   const std::size_t each = std::max<std::size_t>(1, count / std::max<std::size_t>(1, samples.size()));
   for (std::size_t p = 0; p < samples.size(); ++p) {
     if (samples[p].empty()) continue;
-    // A step that shares no factor with the rows' length scatters the samples.
+    // A step that is coprime to the rows' length scatters the samples.
     std::size_t step = std::max<std::size_t>(1, samples[p].size() / each);
     if (step > 1 && step % 2 == 0) ++step;
     for (std::size_t i = 0; i < samples[p].size(); i += step) {
@@ -104,7 +106,7 @@ std::vector<MapSample> wall_samples(const Samples& samples, std::size_t count) {
   return chosen;
 }
 
-/// The maps of before as one more reference of where the camera was.
+/// Looks up a pixel in a previous map, which serves as a further reference for the camera's pose.
 std::optional<KnownDirection> known_direction(const calibration::MeasuredMap& map, const Eigen::Matrix3d& turn,
                                               const Eigen::Vector2d& pixel) {
   const auto at = map.direction_at(pixel);
@@ -115,7 +117,7 @@ std::optional<KnownDirection> known_direction(const calibration::MeasuredMap& ma
   return KnownDirection{turn * *at, sigma_rad};
 }
 
-/// One calibration on its way; each step takes what the one before it left.
+/// The steps of one calibration; each uses the results of the one before.
 class Calibrating {
  public:
   Calibrating(const Measurements& measurements, const CellMeans& means, const CalibrateOptions& options)
@@ -148,9 +150,9 @@ class Calibrating {
  private:
   void remark(std::string words) { calibration_.remarks.push_back(std::move(words)); }
 
-  /// Where the camera was is seen by parallax alone, and noise hides that: then all directions are off together, and
-  /// maps that are right would seem wrong. So if the calibration before knew it better, its maps help to find it;
-  /// what moved since then is an outlier among them.
+  /// The camera's offset is observable by parallax alone and may be lost in noise; then all directions share an error,
+  /// and correct maps would seem wrong. So if the previous calibration determined the offset better, its maps help to
+  /// estimate it; projectors that have moved since then are outliers.
   void ask_the_maps_of_before(const TurnPlateSolver& solver) {
     const calibration::Calibration& before = *options_.previous;
     if (!(before.plate.offset_sigma_m.norm() <= calibration_.plate.offset_sigma_m.norm())) return;
@@ -169,14 +171,15 @@ class Calibrating {
                       before.date, plate ? plate->heldout_rms_px : 0.0, calibration_.plate.heldout_rms_px));
       return;
     }
-    // No better than what it was told by.
+    // The result is no more accurate than the maps that it was derived from.
     const Eigen::Vector2d both = plate->offset_sigma_m.array().square() + before.plate.offset_sigma_m.array().square();
     plate->offset_sigma_m = both.cwiseSqrt();
     take(*std::move(plate));
     hints_.known = hints.known;
   }
 
-  /// A wall tells inverse_depth where harmonics cannot follow it (a corner), and with that where the camera was.
+  /// A fitted wall describes the inverse depth where spherical harmonics cannot (a corner), and so improves the
+  /// camera's offset.
   void find_wall(const TurnPlateSolver& solver) {
     auto wall = choose_model(measurements_.projectors, wall_samples(samples_, options_.wall_samples),
                              measurements_.wall_distance_m, options_.model);
@@ -212,7 +215,7 @@ class Calibrating {
       calibration::MeasuredMap old = turned(before->map, turn_);
       const auto error = map_error_px(old, samples_[p]);
       const double own = projector.map.heldout_rms_px;
-      // One with a hole where the new one has none does not do as well, however right the rest of it is.
+      // An old map with a hole that the new one lacks is replaced, however accurate the rest is.
       const bool has_hole = known_part(old, samples_[p]) < known_part(projector.map, samples_[p]) - kMaxUnknownShare;
       projector.is_previous = error && *error < kStillRight * own && !has_hole;
       if (projector.is_previous) projector.map = old;
@@ -238,9 +241,9 @@ class Calibrating {
     return Done{};
   }
 
-  /// Where some maps stay and others do not, old and new ones have to meet; and where none stays, all may have missed
-  /// by a hair. If all of the old ones meet as well, then what is new is the camera's error (few degrees seen, much
-  /// noise), and no projector has moved.
+  /// If some maps are kept and others are not, old and new ones have to register with each other; and if none is kept,
+  /// all may have missed the limit narrowly. If the old maps together register as well, the new ones differ by the
+  /// camera's error (few degrees seen, much noise), and no projector has moved.
   void keep_all_that_meet_as_well() {
     std::vector<calibration::CalibratedProjector>& projectors = calibration_.projectors;
     const auto kept = std::ranges::count_if(projectors, &calibration::CalibratedProjector::is_previous);
@@ -264,11 +267,12 @@ class Calibrating {
   const CellMeans& means_;
   const CalibrateOptions& options_;
   calibration::Calibration calibration_;
-  std::vector<std::pair<std::size_t, calibration::MeasuredMap>> maps_of_before_;  ///< Turned; without holes.
-  double worst_of_before_ = 0.0;  ///< Error of one of them, in parts of the new one's on what that left out.
+  /// Rotated to the new frame; without those that have holes.
+  std::vector<std::pair<std::size_t, calibration::MeasuredMap>> maps_of_before_;
+  double worst_of_before_ = 0.0;  ///< Largest error of an old map relative to the new map's error on left-out samples.
   Samples samples_;
   PlateHints hints_;
-  Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();  ///< Of the calibration before.
+  Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();  ///< Rotation from the previous calibration.
 };
 
 }  // namespace
@@ -286,7 +290,7 @@ calibration::MeasuredMap seen_from(const calibration::MeasuredMap& map, const ca
   for (Eigen::Vector3d& direction : moved.directions) {
     if (!direction.allFinite()) continue;
     const auto inverse_depth = wall.inverse_depth_at(direction);
-    // direction / inverse_depth - eye, times the inverse_depth, which may be 0.
+    // direction / inverse_depth - eye, times the inverse depth, which may be 0.
     const Eigen::Vector3d seen = direction - inverse_depth.value_or(0.0) * eye_m;
     if (inverse_depth && seen.norm() > 1e-9) {
       direction = seen.normalized();

@@ -8,12 +8,12 @@
 namespace cyclorama::solve {
 namespace {
 
-constexpr int kCellsPerPatch = 4;  // Each way: over so many a straight line describes the wall well enough.
+constexpr int kCellsPerPatch = 4;  // Per axis: the wall is nearly linear over so many cells.
 constexpr std::size_t kMinPixelsInPatch = 8;
 constexpr int kMinPixelsInCell = 3;
 constexpr double kMadToSigma = 1.4826;
 constexpr double kFarSigmas = 4.5;
-constexpr double kMinSigma_px = 0.01;  // However many are averaged: optics and decoding are not better.
+constexpr double kMinSigma_px = 0.01;  // Lower bound however many are averaged, set by optics and decoding.
 
 struct Item {
   Eigen::Vector2d camera;
@@ -47,14 +47,14 @@ bool fit(const std::vector<Item>& items, const Eigen::Vector2d& centre, Patch* r
   }
   if (used < kMinPixelsInPatch) return false;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normal);
-  if (!(eigen.eigenvalues()(0) > 1e-9 * eigen.eigenvalues()(2))) return false;  // All on one line.
+  if (!(eigen.eigenvalues()(0) > 1e-9 * eigen.eigenvalues()(2))) return false;  // Collinear.
   const Eigen::Matrix<double, 3, 2> solved = normal.ldlt().solve(right);
   ret_patch->at = solved.row(0).transpose();
   ret_patch->slope = solved.bottomRows<2>().transpose();
   return solved.allFinite() && std::abs(ret_patch->slope.determinant()) > 1e-9;
 }
 
-/// Marks what is far from what the others say. Returns whether enough agree.
+/// Marks outliers. Returns true if enough items agree.
 bool refuse_far_ones(const Eigen::Vector2d& centre, std::vector<Item>* items, Patch* ret_patch) {
   std::vector<double> us, vs;
   for (const Item& item : *items) {

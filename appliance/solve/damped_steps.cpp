@@ -10,10 +10,11 @@ namespace {
 
 constexpr double kFirstDamping = 1e-4;
 constexpr double kMinDamping = 1e-16;
-constexpr double kMaxDamping = 1e16;    // No step is so small that it goes downhill.
-constexpr double kNearEnough = 1e-6;    // Of the cost, for the loss that only leads to where the other one begins.
-constexpr double kMinQuality = 1e-3;    // Of the decrease that the slopes promised.
-constexpr double kMinCurvature = 1e-6;  // So that what nothing holds stays where it is.
+constexpr double kMaxDamping = 1e16;  // With more damping no step decreases the cost.
+// Relative decrease of the cost that ends the first pass, which only provides a start for the second.
+constexpr double kNearEnough = 1e-6;
+constexpr double kMinQuality = 1e-3;    // Minimum ratio of actual to predicted decrease.
+constexpr double kMinCurvature = 1e-6;  // Keeps unconstrained parameters where they are.
 
 }  // namespace
 

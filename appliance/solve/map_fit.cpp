@@ -17,11 +17,11 @@
 namespace cyclorama::solve {
 namespace {
 
-constexpr double kFloor_px = 0.02;  // Of a sample's sigma: what averaging does not take away.
+constexpr double kFloor_px = 0.02;  // Part of a sample's sigma that averaging does not reduce.
 constexpr double kRobust_sigmas = 3.0;
-constexpr double kSharpBends = 2.0;  // A bend of more expected bends counts less.
+constexpr double kSharpBends = 2.0;  // Bends larger than this many expected bends are down-weighted.
 constexpr std::array<double, 5> kStiffnesses_px = {0.01, 0.03, 0.1, 0.3, 1.0};
-constexpr int kAttempt = 2;  // The stiffness to begin with.
+constexpr int kAttempt = 2;  // Index of the initial stiffness.
 constexpr double kAttempt_px = kStiffnesses_px[kAttempt];
 
 struct Placed {
@@ -42,7 +42,7 @@ class MapFit {
     factor_.analyzePattern(normal_.at_stiffness(kAttempt_px));
   }
 
-  /// What solve() has to fit, as far as it is believed.
+  /// Sums the weighted equations that solve() uses.
   void sum(bool with_left_out) {
     normal_.forget_samples();
     for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -57,7 +57,7 @@ class MapFit {
     }
   }
 
-  /// False when the matrix cannot be factored.
+  /// Returns false if the matrix cannot be factored.
   bool solve(double stiffness_px) {
     factor_.factorize(normal_.at_stiffness(stiffness_px));
     if (factor_.info() != Eigen::Success) return false;
@@ -65,7 +65,7 @@ class MapFit {
     return positions_.allFinite();
   }
 
-  /// How much each sample and each bend is believed, from the last solution; and the chart's scale at each node.
+  /// Updates the robust weights of all samples and bends from the last solution, and the chart's scale at each node.
   void weigh(double stiffness_px) {
     for (int y = 0; y <= grid_.cells_y; ++y) {
       for (int x = 0; x <= grid_.cells_x; ++x) {
@@ -79,7 +79,7 @@ class MapFit {
                                      ((below - above) / (grid_.cells_x + 1) * grid_.cell_height());
         const double area = std::abs(across.x() * down.y() - across.y() * down.x());
         auto& scale = scale_[static_cast<std::size_t>(grid_.node(x, y))];
-        // Within a factor of eight of before: far outside of the samples a map may be anything.
+        // Limited to a factor of eight per round, since a map is arbitrary far outside the samples.
         if (std::isfinite(area)) scale = std::clamp(std::sqrt(area), scale / 8.0, scale * 8.0);
       }
     }
@@ -107,7 +107,7 @@ class MapFit {
     return (mapped - sample.target).norm() / scale_at(sample.weights);
   }
 
-  /// Per axis, of what was left out, without the worst twentieth.
+  /// Returns the RMS over the left-out samples, per axis, without the worst twentieth.
   [[nodiscard]] double left_out_rms_px() const {
     std::vector<double> squares;
     for (const Placed& sample : samples_) {
@@ -116,14 +116,14 @@ class MapFit {
     return trimmed_root_mean(&squares);
   }
 
-  /// Per axis, in sigmas, of all.
+  /// Returns the RMS over all samples in sigmas, per axis.
   [[nodiscard]] double chi() const {
     std::vector<double> squares;
     for (const Placed& sample : samples_) squares.push_back(0.5 * square(error_px(sample) / sample.sigma_px));
     return trimmed_root_mean(&squares);
   }
 
-  /// Of each node, in cells, to the nearest that a believed sample touches.
+  /// Returns for each node the distance in cells to the nearest node with a sample that has enough weight.
   [[nodiscard]] std::vector<int> cells_from_samples() const {
     constexpr double kBelieved = 0.2;
     std::vector<int> steps(static_cast<std::size_t>(grid_.nodes()), -1);
@@ -179,14 +179,14 @@ class MapFit {
   std::vector<Placed> samples_;
   std::vector<Bend> bends_;
   MapNormal normal_;
-  std::vector<double> scale_;  ///< Of the chart per projector pixel, at each node.
+  std::vector<double> scale_;  ///< Chart units per projector pixel, at each node.
   std::vector<double> sample_trust_;
   std::vector<double> bend_trust_;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
   Eigen::MatrixX2d positions_;
 };
 
-/// Of the chart per pixel over all samples; 0 when they lie on a line.
+/// Returns the chart units per pixel over all samples; 0 if they are collinear.
 double overall_scale(const std::vector<Placed>& placed, std::span<const MapSample> samples) {
   Eigen::Vector2d pixel_mean = Eigen::Vector2d::Zero();
   Eigen::Vector2d target_mean = Eigen::Vector2d::Zero();
@@ -208,8 +208,8 @@ double overall_scale(const std::vector<Placed>& placed, std::span<const MapSampl
   return std::sqrt(std::abs((cross * spread.inverse()).determinant()));
 }
 
-/// The stiffness that predicts best what was left out, and its error in pixels: the error falls towards it and rises
-/// behind it, so the search goes downhill.
+/// Returns the stiffness that best predicts left-out samples, and its error in pixels. The error has one minimum over
+/// the stiffness, so the search descends from the initial one.
 std::pair<double, double> best_stiffness_of(MapFit* fit) {
   const auto error_at = [&](int i) {
     if (i < 0 || i >= static_cast<int>(kStiffnesses_px.size())) return std::numeric_limits<double>::infinity();
@@ -226,7 +226,7 @@ std::pair<double, double> best_stiffness_of(MapFit* fit) {
       if (is_falling) best += step;
       if (is_falling) min = error;
     }
-    if (best != kAttempt) break;  // Downhill one way is uphill the other.
+    if (best != kAttempt) break;  // If one direction descends, the other ascends.
   }
   return {kStiffnesses_px[static_cast<std::size_t>(best)], min};
 }
@@ -255,7 +255,7 @@ Result<calibration::MeasuredMap> fit_measured_map(int width_px, int height_px, s
     const auto weights = grid.weights_at(sample.projector_px);
     const auto position = chart->place_of(sample.direction);
     if (!weights || !position || !(sample.sigma_px > 0.0)) continue;
-    // A fixed hash scatters the blocks; neighbouring directions leave out the same.
+    // A fixed hash scatters the blocks; neighbouring directions leave out the same blocks.
     const auto column = static_cast<unsigned>(sample.projector_px.x()) / static_cast<unsigned>(block_px);
     const auto row = static_cast<unsigned>(sample.projector_px.y()) / static_cast<unsigned>(block_px);
     const unsigned hash = (column * 2654435761U) ^ (row * 2246822519U);

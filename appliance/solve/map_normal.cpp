@@ -23,7 +23,7 @@ std::vector<Bend> bends_of(const calibration::MapGrid& grid) {
 
 MapNormal::MapNormal(const calibration::MapGrid& grid, const std::vector<Bend>& bends)
     : sum_(grid.nodes(), grid.nodes()), right_(Eigen::MatrixX2d::Zero(grid.nodes(), 2)) {
-  // The bend across a cell has all pairs of its corners, so samples have no others.
+  // The bend across a cell couples all pairs of its corners, so samples add no further entries.
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(8 * bends.size());
   for (const Bend& bend : bends) {

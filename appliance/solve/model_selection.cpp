@@ -15,10 +15,11 @@ constexpr double kBlock_px = 96.0;
 constexpr double kFlat_sigmas = 3.0;
 constexpr int kFoldSteps = 15;
 constexpr calibration::LensModel kWallsLens =
-    calibration::LensModel::kRadial1;  // With which the selection of walls is climbed first.
-constexpr double kLensMatters = 1.02;  // Of its left-out error: less is chance.
-// A model whose prediction is already as good as the measurements themselves, and not bettered by the next one, ends the
-// climb. As good is not enough: what is less than noise for one sample is clear in a thousand.
+    calibration::LensModel::kRadial1;  // The lens model with which the walls are compared first.
+constexpr double kLensMatters = 1.02;  // Minimum ratio of left-out errors; less is chance.
+// The search ends at a model whose prediction is already as good as the measurements themselves and is not improved by
+// the next model. The first condition alone is not enough: an error below the noise of one sample is significant over a
+// thousand.
 constexpr double kAsGoodAsNoise = 1.25;
 
 int fold_of(const MapSample& sample, int folds) {
@@ -49,7 +50,7 @@ class ModelSelection {
     }
   }
 
-  /// The best of several starts, then its folds from there.
+  /// Fits the best of several starts, then fits the folds from there.
   Tried attempt(std::string name, int parameters, const std::vector<calibration::SurfaceFit>& starts,
                 calibration::LensModel lens) const {
     Tried tried;
@@ -132,7 +133,7 @@ calibration::SurfaceFit richer(const calibration::SurfaceFit& from, calibration:
   return start;
 }
 
-/// Starts of a model from what the lesser models found.
+/// Returns starts for a model from the results of smaller models.
 std::vector<calibration::SurfaceFit> starts_of(calibration::SurfaceModel model, const calibration::SurfaceFit& first,
                                                const std::map<calibration::SurfaceModel, Tried>& tried,
                                                const std::vector<Eigen::Vector3d>& spread, double knot_rad) {
@@ -163,15 +164,17 @@ std::vector<calibration::SurfaceFit> starts_of(calibration::SurfaceModel model, 
       starts.push_back(richer(cylinder, model, spread, knot_rad));
       starts.push_back(richer(bent(round), model, spread, knot_rad));
       if (const calibration::SurfaceFit* profile = found(calibration::SurfaceModel::kProfile); profile != nullptr) {
-        starts.push_back(starts.back());  // Where the projectors stand is told by what bends as it likes.
+        starts.push_back(starts.back());  // The flexible profile gives the projectors' poses.
         starts.back().projectors = profile->projectors;
       }
       starts.push_back(richer(first, model, spread, knot_rad));
-      for (const std::size_t bend : {2U, 3U, 4U}) starts.back().surface.parameters[bend] = 0.5 * round;  // A dome.
+      // Starts from a dome.
+      for (const std::size_t bend : {2U, 3U, 4U}) starts.back().surface.parameters[bend] = 0.5 * round;
       break;
     case calibration::SurfaceModel::kProfile:
       starts.push_back(richer(cylinder, model, spread, knot_rad));
-      // In a corner plane and cylinder may both have ended on one of its walls, from where no way leads round it.
+      // In a corner, plane and cylinder may both have converged to one of its walls, from where no descent leads round
+      // it.
       for (const double curvature : {round, 0.4 * round})
         starts.push_back(richer(bent(curvature), model, spread, knot_rad));
       break;
@@ -190,9 +193,9 @@ std::vector<calibration::SurfaceFit> starts_of(calibration::SurfaceModel model, 
   return starts;
 }
 
-/// All models of lenses from one wall.
+/// Results of all lens models for one wall.
 struct LensSelectionTest {
-  std::vector<Tried> tried;  ///< As kProjectorLensModels.
+  std::vector<Tried> tried;  ///< In the order of kProjectorLensModels.
   std::size_t best_at = 0;
 
   [[nodiscard]] const calibration::ModelTrial& best() const { return tried[best_at].trial; }
@@ -235,7 +238,7 @@ LensSelectionTest climb_lenses(const ModelSelection& selection, const Tried& wal
   return lenses;
 }
 
-/// The least wall that predicts as well as the best of them.
+/// Returns the smallest wall model that predicts about as well as the best one.
 std::optional<calibration::SurfaceModel> least_of(const std::map<calibration::SurfaceModel, Tried>& tried,
                                                   const ModelOptions& options) {
   double best = std::numeric_limits<double>::infinity();
@@ -283,8 +286,8 @@ Result<calibration::ModelChoice> choose_model(const std::vector<MeasuredProjecto
                  "about right");
   }
   LensSelectionTest lenses = climb_lenses(selection, tried[*chosen]);
-  // Where lenses are richer than those with which walls were compared, richer walls made up for them: compare walls
-  // again, with the lenses that they have.
+  // If the lenses are richer than the model with which walls were compared, richer walls may have compensated for them;
+  // so walls are compared again with these lenses.
   if (kLensMatters * lenses.best().heldout_rms_px < lenses.of(kWallsLens).trial.heldout_rms_px) {
     const calibration::LensModel lens = kProjectorLensModels[lenses.best_at];
     std::map<calibration::SurfaceModel, Tried> again;

@@ -6,17 +6,18 @@
 namespace cyclorama::solve {
 
 std::vector<double> inverse_diagonal(const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>& factor) {
-  // P A P' = L D L', L with ones on its diagonal. With Z the inverse of P A P': Z = D^-1 L^-1 + (1 - L') Z, whose
-  // entries below the diagonal need only entries of the factor's pattern.
+  // P A P' = L D L' with a unit diagonal in L. Let Z be the inverse of P A P'. Then Z = D^-1 L^-1 + (1 - L') Z, whose
+  // entries below the diagonal need only entries in the factor's pattern.
   const Eigen::SparseMatrix<double> lower = factor.matrixL().nestedExpression();
   const auto& d = factor.vectorD();
   const Eigen::Index n = lower.cols();
   const auto begin = [&](Eigen::Index column) { return lower.outerIndexPtr()[column]; };
-  std::vector<double> z(static_cast<std::size_t>(lower.nonZeros()), 0.0);  // As the factor's entries lie.
+  // Stored in the order of the factor's entries.
+  std::vector<double> z(static_cast<std::size_t>(lower.nonZeros()), 0.0);
   std::vector<double> diagonal(static_cast<std::size_t>(n), 0.0);
   std::vector<double> column_of_z(static_cast<std::size_t>(n), 0.0);
   for (Eigen::Index j = n - 1; j >= 0; --j) {
-    // Rows below the diagonal with an entry, rising.
+    // Rows below the diagonal with an entry, ascending.
     std::vector<std::pair<std::size_t, double>> entries;
     std::vector<std::size_t> positions;
     for (auto k = begin(j); k < begin(j + 1); ++k) {

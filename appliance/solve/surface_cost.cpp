@@ -10,7 +10,7 @@ namespace cyclorama::solve {
 namespace {
 
 constexpr double kScaleSigma = 1e-5;  // Relative: the scale is a gauge, not a measurement.
-constexpr double kMinDepth = 1e-4;    // Of what is before the projector, relative to its distance from the eye.
+constexpr double kMinDepth = 1e-4;    // Minimum depth in front of the projector, relative to its distance from the eye.
 
 }  // namespace
 
@@ -18,7 +18,7 @@ LitProjector::LitProjector(const Eigen::Matrix3d& R_eye_projector, const double*
     : place_(numbers[3], numbers[4], numbers[5]) {
   using Jet = ceres::Jet<double, 3>;
   const Jet back[3] = {-Jet(numbers[0], 0), -Jet(numbers[1], 1), -Jet(numbers[2], 2)};
-  Jet turn[9];  // Column-major, as Eigen's.
+  Jet turn[9];  // Column-major, as in Eigen.
   ceres::AngleAxisToRotationMatrix(back, turn);
   Eigen::Matrix3d R = Eigen::Matrix3d::Zero();
   std::array<Eigen::Matrix3d, 3> slopes;
@@ -79,7 +79,7 @@ std::optional<double> SplinePrior::add(const calibration::Surface& shape, const 
     const double sum = parameters[bend[0]] - 2.0 * parameters[bend[1]] + parameters[bend[2]];
     cost += 0.5 * square * sum * sum;
     if (ret_gradient == nullptr) continue;
-    for (std::size_t i = 0; i < 3; ++i) {  // They rise.
+    for (std::size_t i = 0; i < 3; ++i) {  // Ascending indices.
       (*ret_gradient)[bend[i]] += square * kFactors[i] * sum;
       for (std::size_t j = 0; j <= i; ++j) (*ret_normal)(bend[i], bend[j]) += square * kFactors[i] * kFactors[j];
     }

@@ -8,7 +8,8 @@ namespace cyclorama::solve {
 namespace {
 
 constexpr double kLoss_sigmas = 3.0;
-constexpr double kBendSigma = 0.05;  // Per knot: a right-angled corner bends by three of it, noise by a hundredth.
+// Per knot; a right-angled corner bends by three sigmas, noise by a hundredth of one.
+constexpr double kBendSigma = 0.05;
 constexpr double kMinSigma = 1e-9;
 
 }  // namespace
@@ -35,7 +36,7 @@ SurfaceProblem::SurfaceProblem(const std::vector<MeasuredProjector>& projectors,
     const Eigen::Index first = first_of(p);
     const Eigen::Index prior = first - first_of(0);
     numbers_.segment<3>(first + 3) = from.T_eye_projector.translation();
-    // Towards the installation's places, from wherever the search begins.
+    // Pulls towards the installation's poses, wherever the search begins.
     const Eigen::AngleAxisd told(
         Eigen::Matrix3d(axes_[p].transpose() * position.T_eye_projector.rotation().toRotationMatrix()));
     prior_means_.segment<3>(prior) = told.angle() * told.axis();
@@ -59,7 +60,7 @@ Eigen::Index SurfaceProblem::first_of(std::size_t projector) const {
 
 std::array<double, LitProjector::kNumbers> SurfaceProblem::numbers_of(const Eigen::VectorXd& at,
                                                                       std::size_t projector) const {
-  std::array<double, LitProjector::kNumbers> numbers{};  // What the model holds is 0.
+  std::array<double, LitProjector::kNumbers> numbers{};  // Parameters that the model holds are 0.
   const Eigen::Index first = first_of(projector);
   for (int i = 0; i < 6; ++i) numbers[static_cast<std::size_t>(i)] = at[first + i];
   for (std::size_t i = 0; i < free_of_lens_.size(); ++i) {
@@ -93,7 +94,8 @@ std::optional<double> SurfaceProblem::add_samples(const Eigen::VectorXd& at, Eig
     for (std::size_t i = 0; i < free_of_lens_.size(); ++i) {
       free.col(static_cast<Eigen::Index>(6 + i)) = slopes.by_numbers.col(6 + free_of_lens_[i]);
     }
-    // The wall's part of the Jacobian is of rank one: what the inverse_depth moves, times what moves the inverse_depth.
+    // The wall's part of the Jacobian has rank one: the derivative by the inverse depth times the inverse depth's
+    // derivatives.
     const Eigen::Vector2d by_inverse_depth = share.weight * slopes.by_inverse_depth;
     const double curvature = by_inverse_depth.dot(slopes.by_inverse_depth);
     const double slope = by_inverse_depth.dot(error);
@@ -101,7 +103,7 @@ std::optional<double> SurfaceProblem::add_samples(const Eigen::VectorXd& at, Eig
     for (std::size_t i = 0; i < static_cast<std::size_t>(wall.count); ++i) {
       const int a = wall.parameters[i];
       (*ret_gradient)[a] += wall.slopes[i] * slope;
-      for (std::size_t j = 0; j <= i; ++j) {  // They rise.
+      for (std::size_t j = 0; j <= i; ++j) {  // Ascending indices.
         (*ret_normal)(a, wall.parameters[j]) += curvature * wall.slopes[i] * wall.slopes[j];
       }
       ret_normal->col(a).segment(first, own) += wall.slopes[i] * mixed;

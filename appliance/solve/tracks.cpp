@@ -14,7 +14,7 @@ namespace {
 
 double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
 
-/// Directions that hang together have the same number.
+/// Union-find: directions that are connected have the same number.
 class Groups {
  public:
   explicit Groups(std::size_t count) : of_(count) { std::iota(of_.begin(), of_.end(), std::size_t{0}); }
@@ -48,7 +48,7 @@ Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellM
                  "one direction alone does not tell where the plate's axis is; add a direction that overlaps it by at "
                  "least a tenth");
   }
-  // Tracks by the first and last direction that see them.
+  // Tracks indexed by the first and last direction that see them.
   std::map<std::pair<int, int>, std::vector<const Track*>> by_pair;
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> shared;
   for (const auto& [position, track] : by_position) {
@@ -67,7 +67,7 @@ Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellM
   }
   std::size_t first = count;
   for (std::size_t d = 0; d < count; ++d) {
-    if (seen[d] == 0) continue;  // It looked where no projector shines: no harm.
+    if (seen[d] == 0) continue;  // A direction that sees no projector does no harm.
     if (first == count) first = d;
     if (groups.of(d) == groups.of(first)) continue;
     const double a = degrees(measurements.directions[first].angle_rad);

@@ -9,9 +9,9 @@
 namespace cyclorama::solve {
 namespace {
 
-constexpr std::size_t kHeldOutEvery = 5;     // One track in so many is left out.
-constexpr double kClearOffset_sigmas = 3.0;  // Else it is taken for 0.
-constexpr double kWorstRms_sigmas = 25.0;    // More is no noise.
+constexpr std::size_t kHeldOutEvery = 5;     // One track in this many is left out.
+constexpr double kClearOffset_sigmas = 3.0;  // Below this significance the offset is taken to be 0.
+constexpr double kWorstRms_sigmas = 25.0;    // Larger errors are not noise.
 
 calibration::TurnPlate plate_of(const PlateTask& task, const SolvedPlate& solved, bool with_offset) {
   calibration::TurnPlate plate;
@@ -91,14 +91,14 @@ Result<calibration::TurnPlate> TurnPlateSolver::solve(const PlateHints& hints) c
   TRY_ASSIGN(SolvedPlate moved, solve_plate(task(), hints, &plain_.state, Eigen::Vector2d::Zero()));
   if (!options_.start.tail<2>().isZero()) {
     auto other = solve_plate(task(), hints, &plain_.state, options_.start.tail<2>());
-    constexpr double kBetter = 1.0 - 1e-6;  // Else it is the same place, not quite reached.
+    constexpr double kBetter = 1.0 - 1e-6;  // A smaller difference is the same minimum, reached less exactly.
     if (other && other->cost < kBetter * moved.cost) moved = *std::move(other);
   }
   const Eigen::Vector2d offset(moved.state.offset[0], moved.state.offset[1]);
   const Eigen::Vector2d sigma = moved.offset_sigma_m();
   const bool is_clear = (offset.cwiseAbs().array() > kClearOffset_sigmas * sigma.array()).any();
   const bool is_known = sigma.maxCoeff() < 0.5 * options_.offset_sigma_m;
-  // What is known of before tells of the offset what tracks do not.
+  // Known directions constrain the offset more than the tracks do.
   const bool predicts = hints.known || moved.left_out.rms_px < plain_.left_out.rms_px;
   const bool with_offset = is_clear && predicts;
   const SolvedPlate& best = with_offset ? moved : plain_;

@@ -11,8 +11,9 @@ namespace cyclorama::solve {
 namespace {
 
 constexpr double kLoss_sigmas = 2.5;
-constexpr double kTurn_rad = 0.05;   // How far what is known of before may still be turned.
-constexpr double kWallTrust = 0.03;  // Of a fitted wall's inverse_depth, relative to straight ahead.
+constexpr double kTurn_rad = 0.05;  // Prior sigma of the rotation of known directions.
+// Prior sigma of the correction to a fitted wall's inverse depth, relative to straight ahead.
+constexpr double kWallTrust = 0.03;
 
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& covariance) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
@@ -21,7 +22,7 @@ Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& covariance) {
          eigen.eigenvectors().transpose();
 }
 
-/// Two unit vectors across `d`.
+/// Returns two unit vectors perpendicular to `d`.
 Eigen::Matrix<double, 3, 2> tangent_of(const Eigen::Vector3d& d) {
   Eigen::Index min = 0;
   d.cwiseAbs().minCoeff(&min);
@@ -161,7 +162,7 @@ std::optional<double> PlateAdjustment::add_measured(PlateState* state, bool with
   using ObservationGradient = Eigen::Matrix<double, kObservationParameters, 1>;
   std::vector<SeenFrom> cameras;
   for (const double angle : state->angles) cameras.emplace_back(state->mount, state->offset, angle);
-  // All sights of a direction know the same numbers: they are summed before they are put where they belong.
+  // All observations of a direction share the same parameters, so they are summed before they are distributed.
   std::vector<ObservationNormal> normals;
   std::vector<ObservationGradient> gradients;
   if (ret != nullptr) {
@@ -205,7 +206,7 @@ std::optional<double> PlateAdjustment::add_measured(PlateState* state, bool with
       gradients[seen.direction] += error[0] * across + error[1] * down;
     }
     if (!track.known || !with_known) continue;
-    // The turn is small: another one went before.
+    // The rotation is small, since a first estimate of it was applied already.
     const Eigen::Vector3d& told = track.known->direction;
     const Eigen::Vector3d turn(state->turn.data());
     const double per_sigma = 1.0 / track.known->sigma_rad;
@@ -227,7 +228,7 @@ std::optional<double> PlateAdjustment::add_measured(PlateState* state, bool with
       const Eigen::Index row = column_of(i, d);
       if (row < 0) continue;
       ret->gradient[row] += gradients[d][i];
-      for (int j = 0; j <= i; ++j) {  // Their places rise, and an angle's is the last.
+      for (int j = 0; j <= i; ++j) {  // Columns ascend, and an angle's is the last.
         const Eigen::Index column = column_of(j, d);
         if (column >= 0) ret->normal(row, column) += normals[d](i, j);
       }
@@ -254,7 +255,7 @@ std::optional<double> PlateAdjustment::linearise() {
 
 void PlateAdjustment::cross_of(const Equations& equations, std::size_t track, std::vector<Eigen::Index>* ret_columns,
                                Eigen::Matrix2Xd* ret_cross) const {
-  // What all sights know, the turn, and then an angle each.
+  // The shared parameters, the rotation, and then one angle per direction.
   const TrackData& data = tracks_[track];
   ret_columns->clear();
   for (const Eigen::Index position : columns_) {
@@ -294,7 +295,8 @@ PlateAdjustment::Elimination PlateAdjustment::eliminated(const Equations& equati
     const Eigen::Matrix2d inverse = own.inverse();
     const Eigen::Matrix2Xd solved = inverse * cross;
     const Eigen::Vector2d solved_gradient = inverse * track.own_gradient;
-    for (std::size_t i = 0; i < columns.size(); ++i) {  // They rise, but for angles, whose order is a track's.
+    // Columns ascend except for angles, which follow the track's order.
+    for (std::size_t i = 0; i < columns.size(); ++i) {
       const auto a = static_cast<Eigen::Index>(i);
       left.gradient[columns[i]] -= cross.col(a).dot(solved_gradient);
       for (std::size_t j = 0; j < columns.size(); ++j) {

@@ -14,7 +14,8 @@ namespace {
 constexpr double kMinInverseDepth_per_m = 1e-6;
 constexpr DampedOptions kSteps{100, 1e-11, 1e-12};
 
-/// The mean of what its directions see; nothing when the lens has no place for a pixel.
+/// Returns the mean of the directions that the track's observations give; nothing if a pixel is outside the lens's
+/// domain.
 std::optional<Eigen::Vector3d> mean_direction(const PlateState& state, const calibration::BrownLens& lens,
                                               const CellMeans& means, const Track& track) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -29,7 +30,7 @@ std::optional<Eigen::Vector3d> mean_direction(const PlateState& state, const cal
   return sum.normalized();
 }
 
-/// In projector pixels; nothing behind the camera.
+/// Returns the error in projector pixels; nothing behind the camera.
 std::optional<Eigen::Vector2d> error_px(const PlateState& state, const CellMean& cell, const Eigen::Vector3d& d) {
   Eigen::Vector3d point;
   to_camera(state.mount.data(), state.offset.data(), state.angles[static_cast<std::size_t>(cell.direction)], d.data(),
@@ -40,8 +41,8 @@ std::optional<Eigen::Vector2d> error_px(const PlateState& state, const CellMean&
   return cell.camera_per_projector.inverse() * (pixel - cell.camera_px);
 }
 
-/// Of tracks whose directions are their means: with n of them, 2n - 2 numbers are free. The worst twentieth is left
-/// out, as gross errors are for the decoder to count.
+/// Returns the residual of tracks whose direction is the mean of their n observations, so 2n - 2 degrees of freedom
+/// remain. The worst twentieth is left out, since gross errors are counted by the decoder.
 TrackError residual_of(const PlateState& state, const calibration::BrownLens& lens, const CellMeans& means,
                        const std::vector<Track>& tracks) {
   std::vector<std::pair<double, double>> squares;
@@ -95,7 +96,8 @@ Eigen::Vector3d wall_direction_along(const CameraPose& pose, const InverseDepthF
   if (centre.isZero()) return seen;
   Eigen::Vector3d d = seen;
   for (int round = 0; round < 4; ++round) {
-    // The wall's point is d / inverse_depth = centre + s seen, for some s: s from its distance, which depends on d.
+    // The wall point is d / inverse_depth = centre + s seen for some s; s follows from its distance, which depends on
+    // d.
     const double near = inverse_depth.at(d);
     const double along = centre.dot(seen);
     const double s = -along + std::sqrt(std::max(0.0, along * along + 1.0 / (near * near) - centre.squaredNorm()));
@@ -131,7 +133,7 @@ Eigen::Vector2d SolvedPlate::offset_sigma_m() const {
   Eigen::Vector2d sigma;
   for (const Eigen::Index axis : {0, 1}) {
     const Eigen::Index at = place_of(axis == 0 ? "offset_right_m" : "offset_forward_m");
-    Eigen::VectorXd product = Eigen::VectorXd::Zero(covariance.rows());  // Slopes of offset times inverse_depth.
+    Eigen::VectorXd product = Eigen::VectorXd::Zero(covariance.rows());  // Gradient of offset times inverse depth.
     product[at] = inverse_depth;
     product.segment<calibration::kInverseDepthTerms>(terms) = state.offset[static_cast<std::size_t>(axis)] * slopes;
     sigma[axis] = std::sqrt(std::max(0.0, product.dot(covariance * product))) / inverse_depth;
@@ -147,7 +149,7 @@ Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, 
   state.lens = task.measurements.camera.values;
   state.mount = {task.measurements.pitch_rad + task.options.start[0], task.options.start[1]};
   for (const PlateDirection& direction : task.measurements.directions) state.angles.push_back(direction.angle_rad);
-  if (with_offset) {  // From where the camera is without one: two unknowns that are small count little there.
+  if (with_offset) {  // Starts from the solution without an offset, near which two small unknowns have little effect.
     state.lens = from->lens;
     state.mount = from->mount;
     state.angles = from->angles;

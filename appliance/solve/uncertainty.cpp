@@ -10,7 +10,7 @@
 namespace cyclorama::solve {
 namespace {
 
-/// The normal matrix of the shared parameters, scaled, after the small blocks are eliminated.
+/// Returns the scaled normal matrix of the shared parameters after the small blocks are eliminated.
 Eigen::MatrixXd reduced_normal(ceres::Problem* problem, const std::vector<double*>& blocks, int shared, int small,
                                const std::vector<double>& scale, const std::vector<ceres::ResidualBlockId>* residuals) {
   ceres::Problem::EvaluateOptions options;
@@ -51,18 +51,18 @@ Eigen::MatrixXd reduced_normal(ceres::Problem* problem, const std::vector<double
   return normal;
 }
 
-/// Of normal matrices that are scaled.
+/// Computes the uncertainty from scaled normal matrices.
 Uncertainty uncertainty_of_scaled(const Eigen::MatrixXd& all, const Eigen::MatrixXd& measured,
                                   const std::vector<double>& scale) {
   Uncertainty uncertainty;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(all);
   const Eigen::Map<const Eigen::VectorXd> scales(scale.data(), all.rows());
-  // A direction that nothing holds has an uncertainty of a million of its scale: large, and still a number.
+  // An unconstrained direction gets a finite uncertainty of a million times its scale.
   const Eigen::VectorXd variances = eigen.eigenvalues().cwiseMax(1e-12).cwiseInverse();
   uncertainty.covariance = scales.asDiagonal() * eigen.eigenvectors() * variances.asDiagonal() *
                            eigen.eigenvectors().transpose() * scales.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> alone(measured, Eigen::EigenvaluesOnly);
-  // Worth a rank: the measurements alone tell it at least as well as the prior does.
+  // An eigenvalue above 1 means that the measurements alone determine the direction at least as well as the prior.
   uncertainty.rank = static_cast<int>((alone.eigenvalues().array() > 1.0).count());
   return uncertainty;
 }
@@ -78,7 +78,7 @@ Uncertainty uncertainty_of(ceres::Problem* problem, const std::vector<double*>& 
 Uncertainty uncertainty_of(const Eigen::MatrixXd& all, const Eigen::MatrixXd& measured,
                            const std::vector<double>& scale) {
   const Eigen::Map<const Eigen::VectorXd> scales(scale.data(), all.rows());
-  // An eigensolver reads the lower triangle alone.
+  // An eigensolver reads only the lower triangle.
   const auto scaled = [&](const Eigen::MatrixXd& normal) -> Eigen::MatrixXd {
     return scales.asDiagonal() * normal * scales.asDiagonal();
   };

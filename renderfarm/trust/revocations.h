@@ -23,7 +23,7 @@ class Revocations {
   [[nodiscard]] std::size_t size() const { return serials_.size(); }
   /// True after the time by which the authority promised a newer list.
   [[nodiscard]] bool is_out_of_date() const;
-  /// A day; "?" when it has none.  A day; "?" if the list has none.
+  /// A day; "?" if the list has none.
   [[nodiscard]] const std::string& next_update() const { return next_update_; }
 
  private:

@@ -6,8 +6,8 @@
 
 namespace cyclorama::display {
 
-/// One slot between threads, without a lock: what is put replaces what is there, and the putter gets that back.
-/// For the present thread, which must never wait. Thread-safe.
+/// One slot between threads, without a lock: a new value replaces the one that is there, which put() returns. It serves
+/// the present thread, which must never wait. Thread-safe.
 template <typename T>
 class AtomicSlot {
  public:

@@ -6,13 +6,14 @@
 namespace cyclorama::display {
 
 struct AttractTimes {
-  Duration after = std::chrono::seconds(20);  ///< A picture may be wrong for so long.
-  Duration fade = std::chrono::seconds(2);    ///< From one picture to the other; at least a millisecond.
+  Duration after = std::chrono::seconds(20);  ///< How long a wrong picture stays before it fades.
+  /// Duration of the fade from one picture to the other; at least a millisecond.
+  Duration fade = std::chrono::seconds(2);
 };
 
 /// How much of the attract picture is seen. A picture that is wrong (the visitor has turned and no frame follows, the
-/// tour is gone, frames are given up) is kept for a while and then fades; the next frame fades in. Whatever happens,
-/// and however late a refresh is, the share never jumps.
+/// tour is gone, frames are given up) stays for a while and then fades; the next frame fades in. The share never jumps,
+/// however late a refresh is.
 ///
 ///          wrong for `after`
 ///   frame ──────────────────► fading ──► attract        Thread-bound; allocates nothing.
@@ -22,10 +23,10 @@ class AttractFade {
  public:
   explicit AttractFade(const AttractTimes& times) : times_(times) {}
 
-  /// Once per refresh. `is_new_frame`: this refresh shows a frame first; `is_wrong`: what is shown is not what should
-  /// be.
+  /// Called once per refresh. `is_new_frame`: this refresh shows a frame for the first time; `is_wrong`: the picture on
+  /// the wall is not the one that should be there.
   void step(TimePoint now, bool is_new_frame, bool is_wrong);
-  /// In [0, 1]; 1 until the first frame.
+  /// Share of the attract picture in [0, 1]; 1 until the first frame.
   [[nodiscard]] double share() const;
   [[nodiscard]] bool is_towards_attract() const { return is_attracting_; }
 

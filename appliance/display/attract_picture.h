@@ -8,13 +8,12 @@
 
 namespace cyclorama::display {
 
-/// What the wall shows before the first frame and when the farm fails, if the museum has no picture of its own: a dim
-/// evening sky over a dark ground, never garbage.
+/// Returns the picture that the wall shows before the first frame and when the farm fails, if the museum has none of
+/// its own: a dim evening sky over a dark ground.
 [[nodiscard]] DisplayFrame attract_frame(const PictureShape& shown);
 
-/// The museum's own picture (PNG or JPEG), stretched over the wall from edge to edge; a dome's is its largest circle.
-/// Errors of read_image();
-/// kInvalidArgument  a side is over 16384 pixels.
+/// Reads the museum's own picture (PNG or JPEG) and stretches it over the wall from edge to edge; on a dome it is the
+/// largest circle of the picture. Errors: those of read_image(); kInvalidArgument if a side exceeds 16384 pixels.
 Result<DisplayFrame> attract_frame(const PictureShape& shown, const std::filesystem::path& picture);
 
 }  // namespace cyclorama::display

@@ -10,26 +10,26 @@
 
 namespace cyclorama::display {
 
-/// What the heads draw with as long as nothing was measured: an installation's model, and warps of other programs.
-/// kInvalidArgument  the picture is none. Errors of measured_head().
+/// Returns what the heads draw with as long as nothing has been measured: the installation's model, and warps of other
+/// programs. Errors: kInvalidArgument if the picture's shape is invalid; those of measured_head().
 Result<std::vector<HeadPlan>> planned_heads(const Installation& installation, const PictureShape& picture);
 
-/// What a calibration makes of the heads.
+/// The heads as a calibration defines them.
 struct CalibratedHeads {
-  std::vector<HeadPlan> heads;              ///< As the installation's projectors.
-  std::string date;                         ///< The calibration's.
-  std::vector<std::string> lacking;         ///< Projectors of which it knows nothing: they keep what was planned.
-  std::vector<std::string> corrected = {};  ///< Those that moved since, and are drawn for from where they stand now.
+  std::vector<HeadPlan> heads;              ///< In the order of the installation's projectors.
+  std::string date;                         ///< Date of the calibration.
+  std::vector<std::string> lacking;         ///< Projectors that the calibration lacks; they keep their planned heads.
+  /// Projectors displaced since the calibration, whose heads draw for their present poses.
+  std::vector<std::string> corrected = {};
 };
 
 /// Reads FOLDER/calibration.json with its maps, and colours where there are any (appliance/calibration). Without
-/// colours the projectors are blended by where their maps lie; a projector that it does not know is blended as planned.
-/// FOLDER/correction.json moves projectors from where they were measured to where they stand now, if it is of this
-/// calibration (appliance/healing).
-/// A head of two eyes' pictures side by side or one above the other keeps to the maps: colours are of whole heads.
-/// Takes seconds. Reentrant.
-/// kNotFound  there is no calibration.     kBadData  as read_calibration() and read_colours().     kInvalidArgument  it
-/// is of other projectors: none of these, or of another size.
+/// colours the projectors are blended by where their maps lie; a projector that the calibration lacks is blended as
+/// planned. FOLDER/correction.json moves projectors from their measured poses to their present ones, if it belongs to
+/// this calibration (appliance/healing). A head that packs two eyes' pictures side by side or one above the other uses
+/// only the maps, since colours cover whole heads. Takes seconds. Reentrant.
+/// Errors: kNotFound if there is no calibration; kBadData as read_calibration() and read_colours(); kInvalidArgument if
+/// it is of other projectors: none of these, or of another size.
 Result<CalibratedHeads> calibrated_heads(const std::filesystem::path& folder, const Installation& installation,
                                          const PictureShape& picture, std::vector<HeadPlan> planned);
 

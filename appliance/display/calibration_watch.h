@@ -17,33 +17,33 @@
 
 namespace cyclorama::display {
 
-/// What a change of the calibration comes to, made ready for the presenter.
+/// A change of the calibration, made ready for the presenter.
 struct CalibrationUpdate {
-  std::optional<Error> trouble;        ///< Why it cannot be used; then the rest is empty.
-  std::string date;                    ///< The calibration's.
-  std::vector<std::string> lacking;    ///< As CalibratedHeads,
-  std::vector<std::string> corrected;  ///< and these.
+  std::optional<Error> trouble;        ///< Why the calibration cannot be used; if set, the rest is empty.
+  std::string date;                    ///< Date of the calibration.
+  std::vector<std::string> lacking;    ///< Same as CalibratedHeads::lacking.
+  std::vector<std::string> corrected;  ///< Same as CalibratedHeads::corrected.
   std::unique_ptr<HeadSet> set;
   std::vector<HeadFootprint> footprints;
 };
 
-/// Looks after a calibration's folder, four times a second, on a thread of its own, and reads it whenever the
-/// calibration that counts has changed: its files are replaced by renames, so what is read is whole.
+/// Watches a calibration's folder four times a second on a thread of its own, and reads it whenever the current
+/// calibration has changed. Its files are replaced by renames, so that a read never sees half of one.
 class CalibrationWatch {
  public:
-  /// `planned`: what heads keep of which a calibration knows nothing.
+  /// `planned` are the heads that projectors keep if a calibration lacks them.
   CalibrationWatch(std::filesystem::path folder, Installation installation, PictureShape picture,
                    std::vector<HeadPlan> planned);
 
-  /// Reads it now, if there is one: kNotFound. For the start, before run().
+  /// Reads the calibration now, for the start, before run(). Errors: kNotFound if there is none.
   Result<CalibratedHeads> read();
-  /// Begins to look.
+  /// Starts the thread.
   void run();
-  /// What was read since; null: nothing new.
+  /// Returns the newest update since the last call; null if there is none.
   [[nodiscard]] std::unique_ptr<CalibrationUpdate> take() { return news_.take(); }
 
  private:
-  /// What tells that files are others than they were.
+  /// Returns a text that changes whenever one of the files does.
   [[nodiscard]] std::string mark() const;
   void find_colours();
   void look_until(const std::stop_token& stop);
@@ -52,8 +52,8 @@ class CalibrationWatch {
   const Installation installation_;
   const PictureShape picture_;
   const std::vector<HeadPlan> planned_;
-  std::string mark_;                      // Of what was read.
-  std::filesystem::path colours_folder_;  // Of it; empty: nothing could be read.
+  std::string mark_;                      // The mark() of the files that were read last.
+  std::filesystem::path colours_folder_;  // Their colours' folder; empty if nothing could be read.
   AtomicSlot<CalibrationUpdate> news_;
   std::mutex mutex_;
   std::condition_variable_any woken_;

@@ -12,13 +12,14 @@
 
 namespace cyclorama::display {
 
-/// A few threads that decode tiles, first come first served. Who submits bounds the work. Thread-safe.
+/// A few threads that decode tiles in the order of submission. The queue is unbounded: the caller limits the work.
+/// Thread-safe.
 class DecodePool {
  public:
   using Job = std::function<void(JpegDecoder&)>;
 
   explicit DecodePool(int threads);
-  /// Jobs that have not begun are destroyed unrun.
+  /// Destroys jobs that have not begun, without running them.
   ~DecodePool();
   DecodePool(const DecodePool&) = delete;
   DecodePool& operator=(const DecodePool&) = delete;

@@ -27,22 +27,24 @@ namespace cyclorama::display {
 
 struct DisplayOptions {
   Installation installation;
-  std::string tour;                ///< HOST:PORT that is dialled.
-  std::string listen = "[::1]:0";  ///< HOST:PORT of inspection, patterns and what is shown.
-  int width_px = 1024;             ///< Of the picture that is asked for.
-  int height_px = 0;               ///< 0: as high as square pixels make it.
+  std::string tour;                ///< HOST:PORT of the tour to connect to.
+  std::string listen = "[::1]:0";  ///< HOST:PORT that serves inspection, patterns and ShownPictures.
+  int width_px = 1024;             ///< Width of the requested picture.
+  int height_px = 0;               ///< Its height; 0: as high as square pixels make it.
   double refresh_hz = 30.0;
   OutputChoice output;
   int decode_threads = 2;
-  Duration patterns_idle = std::chrono::minutes(10);  ///< A calibration that orders nothing for so long is ended.
-  std::filesystem::path calibration;                  ///< Its folder; empty: the heads draw as the installation says.
+  Duration patterns_idle = std::chrono::minutes(10);  ///< A calibration that sends no order for this long is ended.
+  /// The calibration's folder; empty: the heads draw as the installation describes.
+  std::filesystem::path calibration;
   std::filesystem::path attract_picture;              ///< PNG or JPEG; empty: an evening sky.
   AttractTimes attract_times;
   OpeningHours hours;                    ///< The heads are dark outside of them.
-  std::filesystem::path hours_override;  ///< What the operator said for once; empty: nothing.
+  std::filesystem::path hours_override;  ///< File with the operator's override of the hours for one day; empty: none.
   SystemClock system_clock = std::chrono::system_clock::now;
-  std::function<void()> on_start_step;                  ///< While the output opens: it came further. May be null.
-  std::function<void(const RefreshEvent&)> on_refresh;  ///< For tools: told of every refresh, on main; may be null.
+  /// Called while the output opens, whenever a step is done. May be null.
+  std::function<void()> on_start_step;
+  std::function<void(const RefreshEvent&)> on_refresh;  ///< For tools: called on main for every refresh; may be null.
 };
 
 /// One projection computer's picture, from the tour's tiles to the heads.
@@ -50,20 +52,20 @@ struct DisplayOptions {
 ///   main     serve(): connection, reports, numbers       gRPC's threads  messages -> assembler, headings
 ///   decode   x N: JPEG -> pixels                          present         owns GL: draws and shows
 ///
-/// Keeps showing the last whole frame whatever happens to the tour, and dials it again for ever; opens an output that
-/// is lost again for ever. Whoever reaches its port may show patterns in the show's place. Thread-bound to main.
+/// Keeps showing the last whole frame whatever happens to the tour, and reconnects to it without end; likewise reopens
+/// an output that was lost. Any client that reaches its port may show patterns in place of the show. Thread-bound to
+/// main.
 class Display : private FrameSink {
  public:
-  /// Opens the output and starts to show. `clock` must outlive it.
-  /// kInvalidArgument  an option or the installation cannot work, and why.   kBusy  the port of `listen` is taken.
-  /// kUnavailable  no GL.
+  /// Opens the output and starts to show. `clock` must outlive it. Errors: kInvalidArgument if an option or the
+  /// installation cannot work, with the reason; kBusy if the port of `listen` is taken; kUnavailable if there is no GL.
   static Result<std::unique_ptr<Display>> start(DisplayOptions options, const Clock& clock);
   ~Display() override;
 
-  /// Does main's part until `deadline`.
+  /// Does main's part of the work until `deadline`.
   void serve(TimePoint deadline);
 
-  /// False when the graphics driver hangs; for the watchdog.
+  /// False if the graphics driver hangs; for the watchdog.
   [[nodiscard]] bool is_presenting() const { return present_->is_alive(); }
   [[nodiscard]] InspectionService& inspection() { return inspection_; }
   [[nodiscard]] int port() const { return server_->port(); }
@@ -103,7 +105,7 @@ class Display : private FrameSink {
   RefreshReporter reporter_;
   PresentMailbox mailbox_;
   PatternService patterns_;
-  std::unique_ptr<ShownHistory> history_;  // Made in prepare(), before anybody may ask.
+  std::unique_ptr<ShownHistory> history_;  // Made in prepare(), before the first request.
   std::unique_ptr<ShownService> showing_;
   TourClock tour_clock_;
   OverriddenHours hours_;
@@ -118,14 +120,14 @@ class Display : private FrameSink {
   std::vector<Drop> drops_;
   std::uint64_t newest_ready_ = 0;  // DisplayFrame::order of the newest frame that was handed over.
 
-  std::vector<HeadFootprint> footprints_;  // Of what the heads draw with, or are about to.
+  std::vector<HeadFootprint> footprints_;  // Footprints of the heads that are drawn with, or are about to be.
   std::optional<Error> misfit_;            // Why the newest calibration is not used.
   std::optional<Error> loss_;              // Why there is no output.
   std::optional<Error> trouble_;           // Why there is no connection.
   TimePoint connect_at_{};
   std::uint64_t reported_after_ = 0;  // Frames up to this DisplayFrame::order came by an earlier connection.
 
-  // Made in this order and gone in the reverse: nobody calls what is gone.
+  // The order of construction; destruction in reverse keeps callbacks from reaching destroyed members.
   std::unique_ptr<WireServer> server_;
   JpegDecoder pictures_;                     // For watchers.
   std::unique_ptr<CalibrationWatch> watch_;  // Null without a calibration's folder.

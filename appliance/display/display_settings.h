@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The display's part of site.toml; the tour reads the rest of the same file. Without a file everything has its
-/// default.
+/// The display's part of site.toml; the tour reads the rest of the same file. Every setting has a default, also without
+/// a file.
 ///
 ///   # site.toml
 ///   [display]
@@ -26,18 +26,18 @@
 namespace cyclorama::display {
 
 struct DisplaySettings {
-  std::filesystem::path attract_picture;  ///< Empty: none of the museum's own.
+  std::filesystem::path attract_picture;  ///< Empty: no picture of the museum's own.
   AttractTimes attract_times;
   std::filesystem::path calibration;  ///< Empty: none.
   int picture_width_px = 1024;        ///< 16 to 16384.
   int picture_height_px = 0;          ///< 0: as high as square pixels make it.
-  std::optional<double> refresh_hz;   ///< 0.1 to 1000. None: as the output likes it.
+  std::optional<double> refresh_hz;   ///< 0.1 to 1000; absent: the output's default.
   OpeningHours hours;
 };
 
-/// Errors as Config::read().
+/// Errors: those of Config::read().
 Result<DisplaySettings> read_display_settings(const std::filesystem::path& path);
-/// `name` stands for the file in errors.
+/// Parses `text`; `name` stands for the file in errors.
 Result<DisplaySettings> parse_display_settings(std::string_view text, std::string name);
 
 }  // namespace cyclorama::display

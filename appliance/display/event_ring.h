@@ -9,12 +9,12 @@
 
 namespace cyclorama::display {
 
-/// A bounded queue from one thread to one other, without a lock or memory of its own making. When it is full, what is
-/// pushed is lost and counted: the present thread never waits for whoever listens.
+/// A bounded queue from one thread to one other, without a lock and without allocation. When it is full, a pushed event
+/// is lost and counted: the present thread never waits for a consumer.
 template <typename T, std::size_t Capacity>
 class EventRing {
  public:
-  /// By the one producer.
+  /// Called by the only producer.
   void push(const T& event) {
     const std::size_t at = written_.load(std::memory_order_relaxed);
     if (at - read_.load(std::memory_order_acquire) == Capacity) {
@@ -24,7 +24,7 @@ class EventRing {
     events_[at % Capacity] = event;
     written_.store(at + 1, std::memory_order_release);
   }
-  /// By the one consumer.
+  /// Called by the only consumer.
   std::optional<T> pop() {
     const std::size_t at = read_.load(std::memory_order_relaxed);
     if (at == written_.load(std::memory_order_acquire)) return std::nullopt;

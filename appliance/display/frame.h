@@ -14,36 +14,36 @@ namespace cyclorama::display {
 
 inline constexpr std::int64_t kMaxShowAt_ns = std::int64_t{1} << 62;
 
-/// When something is to be seen first: wire::ShowAt, checked. Without one (period 0) at once.
-/// Its refresh is within kMaxShowAt_ns of the clock's zero: 146 years, so that nothing overflows.
+/// When a frame or heading is to be seen first: wire::ShowAt, checked. With period 0 it is shown at once. The refresh
+/// lies within kMaxShowAt_ns of the clock's zero (146 years), so that nothing overflows.
 struct ShowAt {
-  std::int64_t refresh = 0;  ///< The shared refresh's number.
+  std::int64_t refresh = 0;  ///< Number of the synchronised refresh.
   std::int64_t period_ns = 0;
-  std::int64_t told_ns = 0;  ///< On the tour's clock.
+  std::int64_t told_ns = 0;  ///< When the tour sent it, on the tour's clock.
 };
 
-/// A whole picture, ready to be shown: every tile came, and those that the heads show were decoded. A value; its pixels
-/// are shared and never change.
+/// A whole picture, ready to be shown: every tile has come, and those that the heads show are decoded. A value; its
+/// pixels are shared and never change.
 struct DisplayFrame {
-  std::uint64_t order = 0;   ///< Counts frames begun by this display; a greater one is newer, whatever `number` says.
-  std::uint64_t number = 0;  ///< The view's; 0 is a picture of the display's own.
+  std::uint64_t order = 0;   ///< Counts frames begun by this display; a greater one is newer, whatever `number` is.
+  std::uint64_t number = 0;  ///< Number of the view; 0 is a picture of the display's own.
   double heading_rad = 0.0;
-  std::int64_t shutter_ns = 0;  ///< As wire::View; 0 when keys steered.
-  PictureShape shape;           ///< Of one eye's picture, with its guard band.
-  int stacked = 1;              ///< Such pictures in `picture`: 2 are the left eye's above the right eye's.
+  std::int64_t shutter_ns = 0;  ///< Same as in wire::View; 0 when keys steered.
+  PictureShape shape;           ///< Shape of one eye's picture, with its guard band.
+  int stacked = 1;              ///< Number of such pictures in `picture`; 2: the left eye's above the right eye's.
   std::shared_ptr<const PlanarPicture> picture;
-  std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Of the picture that are valid; null: all of it.
-  double turn_limit_rad = 0.0;  ///< How far it may be turned either way, for the heads to see valid parts only.
+  std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Valid parts of the picture; null: all of it.
+  double turn_limit_rad = 0.0;  ///< Maximum turn either way at which the heads show valid parts only.
   std::size_t bytes = 0;        ///< JPEG bytes of all tiles.
-  std::uint32_t tiles = 0;      ///< That came,
-  std::uint32_t decoded = 0;    ///< and that a head shows.
+  std::uint32_t tiles = 0;      ///< Number of tiles that came.
+  std::uint32_t decoded = 0;    ///< Number of tiles that a head shows, and that were decoded.
   TimePoint begun_at{};
   TimePoint decoded_at{};
   ShowAt show_at;
   bool was_shown = false;
 };
 
-/// A heading of the visitor's.
+/// A heading of the visitor.
 struct HeadingNow {
   double heading_rad = 0.0;
   std::int64_t shutter_ns = 0;

@@ -31,16 +31,16 @@ class FrameSink {
   FrameSink& operator=(const FrameSink&) = default;
 };
 
-/// The largest frame that is taken, and how many may be in the making at once: they bound the memory whatever comes.
+/// Limits of a frame's size and of the frames in assembly at once; they bound the memory for any input.
 inline constexpr std::size_t kMaxFramePx = std::size_t{64} << 20;
 inline constexpr std::size_t kMaxFrameBytes = std::size_t{256} << 20;
 inline constexpr int kMaxFramesInFlight = 3;
 
-/// What the heads show of any picture.
+/// The part of any picture that the heads show.
 struct ShownByHeads {
   std::vector<HeadFootprint> heads;
-  PictureShape wall;    ///< What the whole wall shows; a picture of another kind or tilt is refused.
-  bool stereo = false;  ///< Whether they can show two eyes' pictures; if not, such frames are refused.
+  PictureShape wall;    ///< Shape of the whole wall's picture; a picture of another kind or tilt is refused.
+  bool stereo = false;  ///< Whether the heads can show two eyes' pictures; if not, such frames are refused.
 };
 
 /// Messages come from one thread at a time. Borrows the pool, the sink and the clock, which outlive it and its frames.
@@ -53,9 +53,10 @@ class FrameAssembler {
 
   /// Precondition: the message is a begin, a tile or an end.
   void take(wire::ShowMessage message);
-  /// The stream ended: what is unfinished will never be.
+  /// Reports that the stream has ended; the unfinished frame is dropped.
   void stream_lost();
-  /// From the next frame on the heads show this. Returns the newest DisplayFrame::order so far: greater ones are such frames.
+  /// Sets what the heads show from the next frame on. Returns the newest DisplayFrame::order so far: frames with a
+  /// greater one are assembled for these heads.
   std::uint64_t set_heads(std::vector<HeadFootprint> heads);
 
  private:
@@ -76,7 +77,7 @@ class FrameAssembler {
     int stacked = 1;
     std::shared_ptr<const ShownParts> parts;
   };
-  // Of the newest few shapes: a farm that keeps its pace changes between some sizes.
+  // Parts for the newest few shapes: a farm that keeps its pace alternates between some sizes.
   std::vector<KnownParts> known_parts_;
   JpegDecoder headers_;
   std::shared_ptr<PictureStore> pictures_;

@@ -9,28 +9,28 @@
 
 namespace cyclorama::display {
 
-/// How a turn moves the places of a picture (common/geometry/picture_place.h).
+/// How a turn moves the positions of a picture (common/geometry/picture_place.h).
 enum class YawCorrection {
-  kShift,    ///< Of a panorama: all alike.
-  kFlat,     ///< Of a perspective: lines stay straight.
-  kFisheye,  ///< Of a fisheye: each on a curve.
+  kShift,    ///< Panorama: all positions shift alike.
+  kFlat,     ///< Perspective: a homography; straight lines stay straight.
+  kFisheye,  ///< Fisheye: each position moves along a curve.
 };
 
-/// Where a pixel's place comes from.
+/// Source of a pixel's position in the picture.
 enum class WarpKind {
-  kTriangles,  ///< Even between the corners of a triangle.
+  kTriangles,  ///< Linear interpolation between the corners of a triangle.
   kPatches,    ///< A polynomial of second degree in each rectangle.
   kPixelMap,   ///< A texture.
 };
 
-/// What pass 2 must do for some triangles of a head. What it need not do is not compiled in.
+/// What pass 2 must do for some triangles of a head; anything else is not compiled in.
 struct HeadFeatures {
   YawCorrection turning = YawCorrection::kShift;
   WarpKind warp_kind = WarpKind::kTriangles;
   Texels texels = Texels::kHalves;
-  bool edges = false;  ///< The texture does not end where the picture ends, or it is a whole turn.
+  bool edges = false;  ///< The texture extends beyond the picture's edge, or the picture is a whole turn.
   bool mask = false;
-  bool black_lift = false;  ///< Black is added; needs `mask`, whose second channel it is.
+  bool black_lift = false;  ///< Black lift is added; needs `mask`, whose second channel holds it.
   bool matrix = false;
   bool response = false;  ///< A table of code values; else sRGB.
   bool dither = false;
@@ -39,39 +39,42 @@ struct HeadFeatures {
   friend auto operator<=>(const HeadFeatures&, const HeadFeatures&) = default;
 };
 
-/// Pass 2's shader with some features. For each pixel: where in the picture it lies; the light there, filtered in
-/// linear light (halves by the card, whose weights may have as few as 8 bits, a 256th of a pixel; packed texels by the
-/// shader); mask, matrix, black, response, dithering. Thread-bound to the GL context.
+/// Pass 2's shader with a set of features. Per pixel it computes the position in the picture, the light there, filtered
+/// in linear light (half floats by the card, whose weights may have as few as 8 bits, a 256th of a pixel; packed texels
+/// by the shader), then mask, matrix, black lift, response and dither. Thread-bound to the GL context.
 class HeadProgram {
  public:
-  /// kSystem  the driver's compiler refuses the shader, and why.
+  /// Errors: kSystem if the driver's compiler refuses the shader, with its message.
   static Result<HeadProgram> make(const output::Gl& gl, const HeadFeatures& features);
 
   enum Unit : GLint { kPicture, kOther, kMask, kMap, kResponse };
-  static constexpr GLuint kPosition = 0;  ///< Attribute: in clip space.
+  static constexpr GLuint kPosition = 0;  ///< Attribute: position in clip space.
   static constexpr GLuint kDirection =
-      1;                               ///< Attribute: azimuth, tangent of elevation; or other places. kPatches: s, t.
-  static constexpr GLuint kTerms = 2;  ///< kPatches, three attributes: of 1 and s, of t and s^2, of s t and t^2.
+      /// Attribute: azimuth and tangent of elevation, or another projection's position. kPatches: s, t.
+      1;
+  /// kPatches, three attributes: coefficients of 1 and s, of t and s^2, of s t and t^2.
+  static constexpr GLuint kTerms = 2;
 
   [[nodiscard]] const HeadFeatures& features() const { return features_; }
   [[nodiscard]] GLuint id() const { return program_.id(); }
 
   /// Uniforms of one of the two pictures.
   struct Picture {
-    GLint to_texture = -1;  ///< Position in the texture = direction * xy + zw; x in turns, where it is a whole turn.
-    GLint turned = -1;      ///< kFlat: from (place, 1) to the texture, times the third; kFisheye: turns directions.
+    /// Position in the texture = direction * xy + zw; x in turns if the picture is a whole turn.
+    GLint to_texture = -1;
+    GLint turned = -1;      ///< kFlat: maps (position, 1) to the texture, homogeneous; kFisheye: rotates directions.
     GLint turn = -1;        ///< x: 1 for a whole turn, else 0; then x = fract(x) * y + z.
-    GLint edges = -1;       ///< Least x, y, most x, y.
+    GLint edges = -1;       ///< Minimum x, y, maximum x, y.
     GLint per_texel = -1;   ///< kPacked: 1 / the texture's size.
   };
   Picture picture;
   Picture other;
-  GLint fade = -1;      ///< How much of the other.
+  GLint fade = -1;      ///< Share of the other picture.
   GLint per_px = -1;    ///< 1 / the head's size.
   GLint matrix = -1;    ///< Column by column.
   GLint black = -1;     ///< Linear light.
-  GLint response = -1;  ///< Steps - 1 over steps, 0.5 / steps.
-  GLint step = -1;      ///< Of the output's code values, 1 / 255 for 8 bits.
+  GLint response = -1;  ///< Scale and offset of the table: (steps - 1) / steps, 0.5 / steps.
+  GLint step = -1;      ///< Step of the output's code values; 1 / 255 for 8 bits.
 
  private:
   HeadProgram(output::GlProgram program, const HeadFeatures& features)
@@ -80,11 +83,11 @@ class HeadProgram {
   HeadFeatures features_;
 };
 
-/// The programs of a context's heads, each made when it is first asked for. Thread-bound; borrows the Gl table.
+/// The programs of a context's heads, each made when it is first requested. Thread-bound; borrows the Gl table.
 class HeadPrograms {
  public:
   explicit HeadPrograms(const output::Gl& gl) : gl_(gl) {}
-  /// It lives as long as this. Errors of HeadProgram::make().
+  /// Returns a program that lives as long as this object. Errors: those of HeadProgram::make().
   Result<const HeadProgram*> get(const HeadFeatures& features);
 
  private:

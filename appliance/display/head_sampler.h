@@ -10,18 +10,19 @@
 
 namespace cyclorama::display {
 
-/// What the graphics card makes of a picture for one head, made again by the processor and smaller: for who compares
-/// what the wall shows with what a camera sees. A value; reentrant.
+/// Computes on the processor, at reduced size, what the graphics card makes of a picture for one head. Used to compare
+/// the wall's picture with a camera's. A value; reentrant.
 ///
-/// Of `factor` pixels each way the middle is sampled (a panorama has about as many pixels as the heads, so that hardly
-/// anything falls between), the mask is their mean. Without dither.
+/// Each output pixel samples the middle of `factor` by `factor` head pixels (a panorama has about as many pixels as the
+/// heads, so that hardly any detail is missed) and takes the mean of their mask. No dither.
 class HeadSampler {
  public:
-  /// Preconditions: the plan is of one eye's picture, and factor > 0. Smaller by `factor` each way, rounded down.
+  /// The result is smaller by `factor` each way, rounded down. Preconditions: the plan is for one eye's picture, and
+  /// factor > 0.
   HeadSampler(const HeadPlan& plan, int factor);
 
-  /// Code values of the head while it shows `frame`, turned to the right by `turn_rad`. Black where the picture has
-  /// nothing. Precondition: the frame's places are those of the plan's picture.
+  /// Returns the head's code values while it shows `frame` turned to the right by `turn_rad`; black where the picture
+  /// has nothing. Precondition: the frame has the kind and tilt of the plan's picture.
   [[nodiscard]] RgbImage draw(const DisplayFrame& frame, double turn_rad) const;
 
   [[nodiscard]] int width_px() const { return width_; }
@@ -41,7 +42,7 @@ class HeadSampler {
   PictureShape picture_;
   warp::HeadColour colour_;
   std::vector<Place> samples_;
-  /// By the light's square root.
+  /// Code values indexed by the light's square root.
   std::array<std::vector<std::uint8_t>, 3> codes_;
 };
 

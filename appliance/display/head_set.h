@@ -12,7 +12,7 @@ namespace cyclorama::display {
 
 using HeadPlans = std::shared_ptr<const std::vector<HeadPlan>>;
 
-/// What all heads draw with, on its way to the presenter and, when another came in its place, back to be freed.
+/// What all heads draw with, on its way to the presenter and, once replaced, back to be freed.
 struct HeadSet {
   explicit HeadSet(HeadPlans of) : plans(std::move(of)) {
     uploads.reserve(plans->size());
@@ -22,15 +22,15 @@ struct HeadSet {
 
   HeadPlans plans;
   std::vector<HeadUpload> uploads;
-  std::vector<HeadPainter> painters;  ///< The presenter's; none on the way there and back.
-  /// Frames of greater DisplayFrame::order have all parts decoded that these heads show; with others they are not used before
-  /// `latest_at`.
+  std::vector<HeadPainter> painters;  ///< Made by the presenter; empty on the way there and back.
+  /// Frames with a greater DisplayFrame::order have all parts decoded that these heads show. With older frames the set
+  /// is not used before `latest_at`.
   std::uint64_t needs_frames_after = 0;
   TimePoint latest_at{};
 };
 
-/// In: heads to draw with from now on, the newest wins. Out: those of before; until they are freed, no others are
-/// taken.
+/// `wanted` goes in: heads to draw with from now on, the newest wins. `replaced` comes out: the former ones; until they
+/// are freed, no others are taken.
 struct HeadMailbox {
   AtomicSlot<HeadSet> wanted;
   AtomicSlot<HeadSet> replaced;

@@ -10,35 +10,36 @@
 
 namespace cyclorama::display {
 
-/// What the heads are drawn with, and how one calibration gives way to the next:
+/// The heads' present painters, and the transition from one calibration to the next:
 ///
 ///   shown alone ──a new set──▶ its heads given to the card, one per refresh ──▶ its first frame is decoded
 ///        ▲                                                                               │ (or it takes too long)
 ///        └──────────── the old set goes back to be freed ◀── half a second of both ◀─────┘
 ///
-/// Thread-bound to the GL context. A change allocates nothing, but shaders that no head has needed before, and what the
-/// driver does.
+/// Thread-bound to the GL context. A change allocates nothing, except for shaders that no head has needed before and
+/// for the driver's own needs.
 class HeadTransition {
  public:
-  /// kSystem  the graphics card refused something. Borrows the Gl table and the mailbox.
+  /// Borrows the Gl table and the mailbox. Errors: kSystem if the graphics card refuses a resource.
   static Result<std::unique_ptr<HeadTransition>> make(const output::Gl& gl, Texels texels, HeadPlans plans,
                                                       HeadMailbox* mailbox);
 
-  /// One refresh's step; `newest_frame` is the DisplayFrame::order of what is shown, 0 when it is the display's own picture.
-  /// True when what the heads show is no longer what they should. kSystem  the graphics card refused something.
+  /// Does one refresh's step; `newest_frame` is the DisplayFrame::order of the frame that is shown, 0 for the display's
+  /// own picture. Returns true if the heads must be drawn again. Errors: kSystem if the graphics card refuses a
+  /// resource.
   Result<bool> step(TimePoint now, std::uint64_t newest_frame);
 
   [[nodiscard]] const std::vector<HeadPainter>& painters() const { return now_->painters; }
-  /// Draws a head with what is to be seen now, into its framebuffer, which is bound: as HeadPainter::draw().
+  /// Draws a head's present picture into its framebuffer, which is bound; same as HeadPainter::draw().
   void draw(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, double share, Eye eye) const;
   [[nodiscard]] std::size_t count() const { return depths_bits_.size(); }
   [[nodiscard]] int depth_bits(std::size_t head) const { return depths_bits_[head]; }
   void set_depth(std::size_t head, int depth_bits);
-  /// Makes the driver compile what is needed, in the bound framebuffer of that head; with `may_change` also what mixes
-  /// two sets.
+  /// Makes the driver compile the needed programs, in the bound framebuffer of that head; with `may_change` also those
+  /// that mix two sets.
   void warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, bool may_change,
                const std::function<void()>& stepped) const;
-  /// Of the newest set, for the next presenter.
+  /// Returns the newest set's plans, for the next presenter.
   [[nodiscard]] HeadPlans newest_plans() const { return (next_ != nullptr ? next_ : now_)->plans; }
 
  private:
@@ -51,11 +52,11 @@ class HeadTransition {
   HeadPrograms programs_;
   Texels texels_;
   HeadMailbox& mailbox_;
-  std::vector<int> depths_bits_;  // That the painters dither to.
+  std::vector<int> depths_bits_;  // Bits that the painters dither to.
   std::unique_ptr<HeadSet> now_;
-  std::unique_ptr<HeadSet> next_;  // Null but during a change.
-  TimePoint began_at_{};           // To show both; zero: not yet.
-  double share_ = 0.0;             // Of the next one.
+  std::unique_ptr<HeadSet> next_;  // Null except during a change.
+  TimePoint began_at_{};           // When both began to be shown; zero: not yet.
+  double share_ = 0.0;             // Share of the next set.
 };
 
 }  // namespace cyclorama::display

@@ -13,18 +13,18 @@ namespace cyclorama::display {
 
 /// Part of a patch.
 struct LitRect {
-  PixelRect part;         ///< Of the head, in pixels.
-  std::size_t patch = 0;  ///< Into WarpPatches::patches.
+  PixelRect part;         ///< In pixels of the head.
+  std::size_t patch = 0;  ///< Index into WarpPatches::patches.
 };
 
-/// A head's patches cut by what the mask does to them: few rectangles, with edges where rasterisers cut anyway. What it
-/// blackens and what gets no black_lift is left out.
+/// A head's patches, cut by the effect of the mask: few rectangles, with edges where rasterisers cut anyway. Areas that
+/// the mask blackens and that get no black lift are left out.
 struct LitRects {
   std::vector<LitRect> whole;   ///< The mask is 1 at all their pixels.
   std::vector<LitRect> masked;  ///< The others.
 };
 
-/// Precondition: mask, warp and black_lift, if there is any, have one size.
+/// Precondition: mask, warp and black lift, if there is any, have one size.
 [[nodiscard]] LitRects lit_rects(const warp::WarpPatches& warp, const warp::MaskImage& mask,
                                  const warp::BlackLiftImage* black_lift = nullptr);
 

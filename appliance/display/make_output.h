@@ -14,7 +14,7 @@
 
 namespace cyclorama::display {
 
-/// Which output; and what the installation's file says otherwise of cards and plugs.
+/// The choice of output, and overrides of the installation's cards and connectors.
 struct OutputChoice {
   enum class Kind { kHeadless, kDrm };
   /// A projector's connector and how its picture is turned.
@@ -26,21 +26,21 @@ struct OutputChoice {
 
   Kind kind = Kind::kHeadless;
   output::HeadlessOptions::Renderer renderer = output::HeadlessOptions::Renderer::kAny;  ///< Headless.
-  std::filesystem::path run_dir;             ///< Headless: for shared pictures; empty: none.
-  std::vector<Head> heads;                   ///< DRM: those not named here hang where the installation says.
-  std::vector<std::filesystem::path> cards;  ///< DRM: in the place of the installation's, unless empty.
+  std::filesystem::path run_dir;             ///< Headless: folder for shared pictures; empty: none.
+  std::vector<Head> heads;                   ///< DRM: heads that differ from the installation's connectors.
+  std::vector<std::filesystem::path> cards;  ///< DRM: replaces the installation's cards unless empty.
   /// While false, the heads are dark. Null: always on. Outlives the output; another thread may write it.
   const std::atomic<bool>* is_awake = nullptr;
 };
 
-/// "left=HDMI-A-1", "left=1:HDMI-A-1" on the second card, "left=HDMI-A-1,90" turned clockwise by 0, 90, 180 or 270
-/// degrees. kInvalidArgument  another form.
+/// Parses "left=HDMI-A-1"; "left=1:HDMI-A-1" on the second card; "left=HDMI-A-1,90" turned clockwise by 0, 90, 180 or
+/// 270 degrees. Errors: kInvalidArgument if the form is another.
 Result<OutputChoice::Head> parse_head(std::string_view text);
 
-/// What is asked of a DRM output. kInvalidArgument  a head of a projector that is not installed.
+/// Returns the options of a DRM output. Errors: kInvalidArgument if a head's projector is not installed.
 Result<output::DrmOptions> drm_options(const OutputChoice& choice, const Installation& installation, double refresh_hz);
 
-/// Errors of open_headless_output(), drm_options() and open_drm_output().
+/// Errors: those of open_headless_output(), drm_options() and open_drm_output().
 Result<std::unique_ptr<output::Output>> make_output(const OutputChoice& choice, const Installation& installation,
                                                     double refresh_hz, const Clock& clock);
 

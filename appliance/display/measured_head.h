@@ -6,12 +6,13 @@
 
 namespace cyclorama::display {
 
-/// What a projector needs whose warp another program measured: its file's warp, mask (alpha) and black level (beta).
+/// Returns the head of a projector whose warp another program measured: its file's warp, mask (alpha) and black level
+/// (beta).
 ///
-/// A flat map's picture (2d, PFM, meshes) is the whole of `picture`; points in space that do not begin at the eye are
-/// taken for the room's, seen from the sweet spot. Precondition: that projector has a warp.
-/// kNotFound, kSystem, kBadData  the file, as its reader says.   kInvalidArgument  it has no such region, another size
-/// than the projector, or says too little. All name projector, file, place and remedy.
+/// The picture of a flat map (2d, PFM, meshes) is the whole of `picture`. Points in space that do not begin at the eye
+/// are taken as points of the room, seen from the sweet spot. Precondition: that projector has a warp.
+/// Errors: kNotFound, kSystem, kBadData of the file's reader; kInvalidArgument if the file has no such region, has
+/// another size than the projector, or contains too little. All name projector, file, place and remedy.
 Result<HeadPlan> measured_head(const Installation& installation, std::size_t projector, const PictureShape& picture);
 
 }  // namespace cyclorama::display

@@ -7,19 +7,20 @@
 
 namespace cyclorama::display {
 
-/// The newest of small values from one thread to one other, without a lock or memory: what is put replaces what was not
-/// taken. Neither side ever waits. Three places: one is written, one is read, and one lies between them.
+/// Passes the newest of small values from one thread to one other, without a lock or allocation: a new value replaces
+/// one that was not taken. Neither side ever waits. Of its three slots one is written, one is read, and one lies
+/// between.
 template <typename T>
 class NewestValue {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
-  /// By the one producer (or several, one at a time).
+  /// Called by the only producer (or several, one at a time).
   void put(const T& value) {
     slots_[written_] = value;
     written_ = between_.exchange(written_ | kIsNew, std::memory_order_acq_rel) & kSlot;
   }
-  /// By the one consumer. False when there is nothing new; `*ret_value` is then left alone.
+  /// Called by the only consumer. Returns false and leaves `*ret_value` alone if there is nothing new.
   bool take(T* ret_value) {
     if ((between_.load(std::memory_order_relaxed) & kIsNew) == 0) return false;
     read_ = between_.exchange(read_, std::memory_order_acq_rel) & kSlot;

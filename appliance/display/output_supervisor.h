@@ -11,43 +11,47 @@
 
 namespace cyclorama::display {
 
-/// What is needed to show.
+/// Everything that a presenter needs.
 struct PresentPlan {
-  /// Called on the thread that shows, which then owns the output and its GL context; again whenever it was lost.
+  /// Called on the present thread, which then owns the output and its GL context; called again whenever the output was
+  /// lost.
   std::function<Result<std::unique_ptr<output::Output>>()> open_output;
   std::vector<HeadPlan> heads;
-  bool may_change = false;  ///< Others may come by PresentMailbox::plans.
+  bool may_change = false;  ///< Whether other plans may come by PresentMailbox::plans.
   DisplayFrame attract;     ///< Shown until a frame comes, and when frames fail.
   AttractTimes times;
 };
 
-/// How the output fares.
+/// State of the output.
 struct OutputState {
-  std::optional<Error> loss;  ///< Why there is none just now.
+  std::optional<Error> loss;  ///< Why there is no output just now.
   int losses = 0;             ///< Since the start.
-  std::string kind;           ///< "headless EGL", and what GL says of itself, of the newest that was opened.
+  /// Kind of the output opened last, such as "headless EGL"; then what GL reports as its renderer.
+  std::string kind;
   std::string renderer;
-  int max_side_px = 0;  ///< Of a picture that its graphics card takes.
+  int max_side_px = 0;  ///< Maximum side of a picture on its graphics card.
 };
 
-/// A presenter on an output that is opened anew whenever it is lost, for ever: the graphics processor was reset, the
-/// card is gone, nothing helped. The inside of the present thread.
+/// A presenter on an output that is reopened whenever it is lost, without end: after a reset of the graphics processor,
+/// or if a card disappears. Runs on the present thread.
 ///
 ///              an error                  the pause is over
 ///   showing ─────────────▶ lost, waiting ─────────────────▶ opening ──▶ showing: the frame, the heading and the fade
 ///                              ▲                               │         of before, or a frame that came meanwhile
 ///                              └───── an error: pause doubled ─┘
 ///
-/// Pauses grow from 0.1 s to 5 s, and begin anew once an output lasted for 30 s. The presenter keeps what Presenter promises.
-/// Borrows the mailbox and the clock. Thread-bound.
+/// Pauses grow from 0.1 s to 5 s, and start over once an output has lasted for 30 s. Keeps Presenter's guarantees about
+/// allocation and locks while an output is open. Borrows the mailbox and the clock. Thread-bound.
 class OutputSupervisor {
  public:
-  /// The first time an output that cannot be opened is an error: the output's, or Presenter::make()'s.
+  /// Opens the output for the first time; a failure is an error here. Errors: the output's, or those of
+  /// Presenter::make().
   static Result<std::unique_ptr<OutputSupervisor>> open(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock);
   OutputSupervisor(const OutputSupervisor&) = delete;
   OutputSupervisor& operator=(const OutputSupervisor&) = delete;
 
-  /// One refresh; or, while there is no output, at most 50 ms of the pause, or one attempt. True when state() changed.
+  /// Does one refresh; or, while there is no output, at most 50 ms of the pause, or one attempt. Returns true if
+  /// state() changed.
   bool refresh();
   [[nodiscard]] const OutputState& state() const { return state_; }
 
@@ -60,9 +64,9 @@ class OutputSupervisor {
   PresentMailbox& mailbox_;
   const Clock& clock_;
   OutputState state_;
-  std::optional<PresenterState> showing_;  // While nothing is open.
+  std::optional<PresenterState> showing_;  // Set while nothing is open.
   std::unique_ptr<output::Output> output_;
-  std::unique_ptr<Presenter> presenter_;  // After the output: it dies first.
+  std::unique_ptr<Presenter> presenter_;  // After the output, so that it is destroyed first.
   TimePoint opened_at_{};
   TimePoint try_at_{};
   Duration pause_;

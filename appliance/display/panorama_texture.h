@@ -7,10 +7,10 @@
 
 namespace cyclorama::display {
 
-/// Pass 1's shader, shared by all pictures of a context: luma and chroma to linear light.
+/// Pass 1's shader, shared by all pictures of a context: converts luma and chroma to linear light.
 class PictureProgram {
  public:
-  /// kSystem  the driver's compiler refuses the shader, and why.
+  /// Errors: kSystem if the driver's compiler refuses the shader, with its message.
   static Result<PictureProgram> make(const output::Gl& gl, Texels texels);
 
  private:
@@ -18,34 +18,35 @@ class PictureProgram {
   PictureProgram(output::GlProgram program, Texels texels) : program_(std::move(program)), texels_(texels) {}
   output::GlProgram program_;
   Texels texels_;
-  output::GlVertexArray nothing_;  // The corners come from their numbers; GL wants an array to be bound all the same.
+  // The vertex shader computes the corners from their numbers; GL still requires a bound array.
+  output::GlVertexArray nothing_;
   GLint place_ = -1;
   GLint luma_ = -1;
   GLint chroma_ = -1;
   GLint chroma_end_ = -1;
 };
 
-/// Pass 1, once per frame: the newest frame's picture as a texture of light. It has a column more on each side of the
-/// picture: of a whole turn, the other side's; else the same once more, so that clamping there repeats it.
+/// Pass 1, once per frame: the newest frame's picture as a texture of light. It has an additional column on each side
+/// of the picture: for a whole turn the opposite side's; else the edge column again, so that clamping there repeats it.
 ///
-/// The textures grow to the largest picture and never shrink: a picture of a size that was there before allocates
-/// nothing. Thread-bound to the GL context; borrows the Gl table and the program.
+/// The textures grow to the largest picture and never shrink: a picture of a former size allocates nothing.
+/// Thread-bound to the GL context; borrows the Gl table and the program.
 class PanoramaTexture {
  public:
   PanoramaTexture(const output::Gl& gl, const PictureProgram& program);
 
-  /// Binds a framebuffer of its own. Precondition: frame.picture is set and has the size of frame.shape, frame.stacked
-  /// times one above another; then each has a height that is a multiple of two.
-  /// kSystem  the graphics card refused it (too large); the old picture may be lost.
+  /// Converts `frame` and binds a framebuffer of its own. Precondition: frame.picture is set and contains frame.stacked
+  /// pictures of frame.shape's size, one above another; if there are two, each has an even height. Errors: kSystem if
+  /// the graphics card refuses the picture (too large); the old picture may be lost.
   Status upload(const DisplayFrame& frame);
 
   [[nodiscard]] GLuint id() const { return light_.id(); }
   [[nodiscard]] Texels texels() const { return program_->texels_; }
-  /// Of one eye's picture.
+  /// Shape of one eye's picture.
   [[nodiscard]] const PictureShape& shape() const { return shape_; }
-  /// 2: below it is the right eye's.
+  /// Number of eyes' pictures; 2: the right eye's lies below the left eye's.
   [[nodiscard]] int stacked() const { return stacked_; }
-  /// Of the texture, in pixels; the picture's first column is column 1 of it.
+  /// Size of the texture in pixels; the picture's first column is its column 1.
   [[nodiscard]] int texture_width() const { return width_; }
   [[nodiscard]] int texture_height() const { return height_; }
   static constexpr int kFirstColumn = 1;

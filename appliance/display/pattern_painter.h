@@ -8,17 +8,17 @@
 
 namespace cyclorama::display {
 
-/// Pictures straight onto heads: each pixel's code value is the pattern's. Thread-bound to the GL context; borrows the
-/// Gl table.
+/// Draws pictures straight onto heads: each pixel's code value is the pattern's. Thread-bound to the GL context;
+/// borrows the Gl table.
 class PatternPainter {
  public:
-  /// kSystem  the driver's compiler refuses the shader, and why.
+  /// Errors: kSystem if the driver's compiler refuses the shader, with its message.
   static Result<PatternPainter> make(const output::Gl& gl, const std::vector<output::HeadMode>& heads);
 
-  /// What draw() shows on that head from now on. The first one of a head makes the card allocate its texture, later
-  /// ones nothing. Precondition: it has the head's size.
+  /// Sets the picture that draw() shows on that head from now on. A head's first picture makes the card allocate its
+  /// texture; later ones allocate nothing. Precondition: the picture has the head's size.
   void upload(std::size_t head, const RgbaImage& picture);
-  /// Into the bound framebuffer, which is that head's. Precondition: one was uploaded.
+  /// Draws into the bound framebuffer, which is that head's. Precondition: a picture was uploaded.
   void draw(std::size_t head) const;
 
  private:
@@ -31,7 +31,8 @@ class PatternPainter {
   };
   const output::Gl* gl_;
   output::GlProgram program_;
-  output::GlVertexArray nothing_;  // The corners come from their numbers; GL wants an array to be bound all the same.
+  // The vertex shader computes the corners from their numbers; GL still requires a bound array.
+  output::GlVertexArray nothing_;
   GLint last_row_ = -1;
   std::vector<Head> heads_;
 };

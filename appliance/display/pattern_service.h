@@ -14,23 +14,23 @@
 
 namespace cyclorama::display {
 
-/// What calibration.proto's PatternScreen promises, between its one stream and the presenter. Pictures are decoded on
-/// gRPC's threads. Thread-safe, but tend().
+/// Implements calibration.proto's PatternScreen, between its one stream and the presenter. Decodes pictures on gRPC's
+/// threads. Thread-safe, except tend().
 class PatternService final : public wire::PatternScreen::Service {
  public:
-  /// `heads`: the output's, in order. Borrows the mailbox. A call without an order for `idle` is ended: whoever turns
-  /// the plate by hand may take his time, but a calibration that hangs must not keep the wall from visitors. A head
-  /// that shows nothing for `timeout` is away.
+  /// `heads`: the output's, in order. Borrows the mailbox. A call without an order for `idle` is ended: a user who
+  /// turns the turntable by hand may take time, but a calibration that hangs must not keep the wall from visitors. A
+  /// head that has not shown its pattern within `timeout` is reported as absent.
   PatternService(std::vector<output::HeadMode> heads, PatternMailbox* mailbox, Duration idle,
                  Duration timeout = std::chrono::seconds(10))
       : heads_(std::move(heads)), mailbox_(*mailbox), idle_(idle), timeout_(timeout) {}
 
-  /// Hears from the presenter, frees what it is done with, and ends a call that is idle. By one thread, at each
-  /// refresh.
+  /// Takes the presenter's reports, frees what it no longer uses, and ends a call that is idle. Called by one thread,
+  /// at each refresh.
   void tend();
-  /// The presenter is about to end: nobody waits for it any more.
+  /// Called before the presenter ends; wakes every call that waits for it.
   void stop();
-  /// Whether patterns are shown in the show's place.
+  /// Whether patterns are shown in place of the show.
   [[nodiscard]] bool is_open() const { return is_open_; }
 
  private:
@@ -47,12 +47,12 @@ class PatternService final : public wire::PatternScreen::Service {
   const Duration idle_;
   const Duration timeout_;
   std::atomic<bool> is_open_{false};
-  std::uint64_t order_ = 0;  // Of the newest wall; the one stream's.
+  std::uint64_t order_ = 0;  // Order of the newest wall; used by the one stream only.
   std::mutex mutex_;         // Guards the rest; never taken by the present thread.
   PatternsShown shown_;
   bool stops_ = false;
-  grpc::ServerContext* waiting_ = nullptr;  // The call that waits for an order,
-  TimePoint waits_since_{};                 // and since when.
+  grpc::ServerContext* waiting_ = nullptr;  // The call that waits for an order; null if none does.
+  TimePoint waits_since_{};                 // Time since which it waits.
   std::condition_variable changed_;
 };
 

@@ -9,28 +9,28 @@
 
 namespace cyclorama::display {
 
-/// The presenter's part of showing patterns. In each refresh:
+/// The presenter's part of showing patterns. At each refresh:
 ///
 ///   take() ──▶ is_open()? ──▶ for each head that needs_drawing(): draw() ──▶ present ──▶ presented()
 ///
-/// A head is drawn again until a refresh shows it: one that was asleep, or whose flip failed, has it later than the
-/// others. Thread-bound to the GL context. After the first pattern of each head it allocates and frees nothing.
+/// A head is drawn again until a refresh shows it: a head that was asleep, or whose flip failed, shows it later than
+/// the others. Thread-bound to the GL context. After the first pattern of each head it allocates and frees nothing.
 class PatternShow {
  public:
-  /// Errors of PatternPainter::make(). Borrows the Gl table and the mailbox.
+  /// Borrows the Gl table and the mailbox. Errors: those of PatternPainter::make().
   static Result<std::unique_ptr<PatternShow>> make(const output::Gl& gl, const std::vector<output::HeadMode>& heads,
                                                    PatternMailbox* mailbox);
 
-  /// Takes a newer wall, if there is one. True when the show has just come back.
+  /// Takes a newer wall, if there is one. Returns true if the show has just come back.
   bool take();
   [[nodiscard]] bool is_open() const { return wall_ != nullptr && wall_->is_open; }
   [[nodiscard]] bool needs_drawing(std::size_t head) const { return heads_[head].is_pending; }
-  /// Into the bound framebuffer, which is that head's.
+  /// Draws into the bound framebuffer, which is that head's.
   void draw(std::size_t head);
-  /// After present(): what the heads did.
+  /// Records after present() which heads showed their pattern.
   void presented(const output::Presented& presented, const std::vector<output::HeadShown>& shown);
 
-  /// Of a presenter whose output was lost, for the next one.
+  /// Takes the wall from a presenter whose output was lost, for the next one.
   [[nodiscard]] std::unique_ptr<PatternWall> take_wall() { return std::move(wall_); }
   void go_on_with(std::unique_ptr<PatternWall> wall);
 
@@ -38,9 +38,9 @@ class PatternShow {
   PatternShow(const output::Gl& gl, PatternPainter painter, std::size_t head_count, PatternMailbox* mailbox)
       : gl_(gl), painter_(std::move(painter)), mailbox_(*mailbox), heads_(head_count) {}
   struct Head {
-    bool is_uploaded = false;  // What the wall says is on the card.
-    bool is_pending = false;   // No refresh has shown it yet,
-    bool is_drawn = false;     // but the next one may.
+    bool is_uploaded = false;  // The wall's picture is on the card.
+    bool is_pending = false;   // No refresh has shown it yet.
+    bool is_drawn = false;     // The next refresh may show it.
   };
   const output::Gl& gl_;
   PatternPainter painter_;
@@ -48,7 +48,7 @@ class PatternShow {
   std::vector<Head> heads_;
   std::unique_ptr<PatternWall> wall_;  // Null before the first.
   std::uint64_t answered_ = 0;         // Order of the newest wall that all awaited heads showed.
-  TimePoint last_at_{};                // When a head of the present wall had it.
+  TimePoint last_at_{};                // When the last head of the present wall showed it.
 };
 
 }  // namespace cyclorama::display

@@ -13,24 +13,24 @@
 
 namespace cyclorama::display {
 
-/// The thread that owns GL and shows, whatever happens to the output. Thread-bound to whoever starts it.
+/// The thread that owns GL and shows, whatever happens to the output. Thread-bound to the thread that starts it.
 class PresentThread {
  public:
-  /// Opens the output and draws nothing yet; blocks as long as that takes, and calls `on_step`, which may be null,
-  /// about every second in which it came further (PresentMailbox::stepped_at). Borrows the mailbox and the clock.
-  /// Errors of OutputSupervisor::open().
+  /// Opens the output and draws nothing yet; blocks until that is done, and calls `on_step`, which may be null, about
+  /// every second in which there was progress (PresentMailbox::stepped_at). Borrows the mailbox and the clock. Errors:
+  /// those of OutputSupervisor::open().
   static Result<std::unique_ptr<PresentThread>> start(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock,
                                                       const std::function<void()>& on_step = nullptr);
-  /// Ends with the refresh that it is in.
+  /// Ends after the present refresh.
   ~PresentThread() = default;
 
-  /// How the output fares; null when nothing has changed since the last time. The first comes with start().
+  /// Returns the output's state; null if nothing has changed since the last call. The first is ready after start().
   [[nodiscard]] std::unique_ptr<OutputState> take_state() { return state_.take(); }
-  /// The largest side of a picture that the graphics card takes. Thread-safe.
+  /// Maximum side of a picture on the graphics card. Thread-safe.
   [[nodiscard]] int max_side_px() const { return max_side_px_; }
-  /// False when one step lasts longer than 20 s, and than four times the longest that ended: the driver hangs.
+  /// Returns false if a step lasts longer than 20 s and than four times the longest that ended: the driver hangs.
   [[nodiscard]] bool is_alive() const;
-  /// Readable whenever a refresh was told to the mailbox, and now and then; for poll(). Reset it with drain().
+  /// Readable after every refresh in the mailbox, and occasionally without one; for poll(). Reset it with drain().
   [[nodiscard]] int event_fd() const { return event_fd_.get(); }
   void drain() const;
 

@@ -15,7 +15,7 @@
 
 namespace cyclorama::display {
 
-/// What is shown, apart from where: it outlives an output that is lost.
+/// Everything that is shown, independent of the output: it survives the loss of one.
 struct PresenterState {
   std::unique_ptr<DisplayFrame> frame;                   ///< Null before the first.
   std::array<std::unique_ptr<DisplayFrame>, 8> waiting;  ///< Not due yet, in any order.
@@ -23,18 +23,18 @@ struct PresenterState {
   RecentHeadings headings;
   AttractFade fade;
   std::unique_ptr<PatternWall> patterns;  ///< Null before the first.
-  HeadPlans plans;                        ///< What the heads draw with, or are about to.
+  HeadPlans plans;                        ///< Plans that the heads draw with, or are about to.
 };
 
-/// Draws and shows: the inside of the present thread. On heads where two eyes take turns it is the left one's at
-/// refreshes of an even number, as all displays of a tour count them (synchronised_refresh.h). Thread-bound to the output's
-/// GL context. After warm-up (the first frames of the largest size) it allocates and frees nothing, takes no lock,
-/// writes no log and opens nothing; what the graphics driver does inside is the driver's.
+/// Draws and shows; runs on the present thread. On heads where two eyes alternate, refreshes with an even number in the
+/// count of all displays of a tour (synchronised_refresh.h) show the left eye. Thread-bound to the output's GL context.
+/// After warm-up (the first frames of the largest size) it allocates and frees nothing, takes no lock, writes no log
+/// and opens nothing, apart from what the graphics driver does inside.
 class Presenter {
  public:
-  /// Shows `attract` until a frame comes, and when frames fail. `plans` are the output's heads', in order;
+  /// Shows `attract` until a frame comes, and when frames fail. `plans` are for the output's heads, in order;
   /// `may_change`: others may come later (PresentMailbox::plans). Borrows the output, the mailbox and the clock.
-  /// kSystem  the graphics card refused something.
+  /// Errors: kSystem if the graphics card refuses a resource.
   static Result<std::unique_ptr<Presenter>> make(output::Output* output, HeadPlans plans, bool may_change,
                                                  const DisplayFrame& attract, const AttractTimes& times,
                                                  PresentMailbox* mailbox, const Clock* clock);
@@ -44,16 +44,16 @@ class Presenter {
     return make(output, std::make_shared<std::vector<HeadPlan>>(plans), false, attract, times, mailbox, clock);
   }
 
-  /// Goes on with what another one showed. kSystem  the graphics card refused the frame.
+  /// Resumes what another presenter showed. Errors: kSystem if the graphics card refuses the frame.
   Status go_on_with(PresenterState showing);
-  /// For the next one. Afterwards this one may only die.
+  /// Moves the state out for the next presenter; afterwards this one may only be destroyed.
   [[nodiscard]] PresenterState take_state() {
     return {std::move(frame_),      std::move(waiting_),   heading_, headings_, fade_,
             patterns_->take_wall(), heads_->newest_plans()};
   }
 
-  /// Waits for a refresh and shows the newest frame for the newest heading, of those that are due (synchronised_refresh.h).
-  /// Errors of Output: it is lost.
+  /// Waits for a refresh and shows the newest due frame for the newest due heading (synchronised_refresh.h). Errors:
+  /// the output's, which is lost then.
   Status refresh();
 
  private:
@@ -84,7 +84,7 @@ class Presenter {
   AttractFade fade_;
   DisplayFrame attract_frame_;
   std::unique_ptr<DisplayFrame> frame_;  // Null before the first.
-  // Those that one refresh passes over and the one that it replaces find room among the retired.
+  // Frames that one refresh passes over, and the one that it replaces, fit into RetiredFrames.
   decltype(PresenterState::waiting) waiting_;
   std::uint64_t newest_taken_ = 0;
   HeadingNow heading_;  // Its order is 0 before the first.
@@ -92,8 +92,8 @@ class Presenter {
   SynchronisedRefresh shared_;
   YawShift shift_;
   double drawn_share_ = -1.0;
-  bool is_drawn_ = false;     // What the heads show is what they should.
-  bool takes_turns_ = false;  // A head shows another eye's picture at each refresh.
+  bool is_drawn_ = false;     // The heads show the present picture.
+  bool takes_turns_ = false;  // A head alternates the eyes' pictures at each refresh.
 };
 
 }  // namespace cyclorama::display

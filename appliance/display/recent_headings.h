@@ -11,18 +11,18 @@
 
 namespace cyclorama::display {
 
-/// The newest headings, the newest first. A value. More than these never wait to be shown: a heading is told two or
-/// three refreshes ahead, and a tracker sends one or two for each.
+/// The newest headings, the newest first. A value. No more than these ever wait to be shown: a heading arrives two or
+/// three refreshes ahead, and a tracker sends one or two for each refresh.
 struct RecentHeadings {
   std::array<HeadingNow, 16> headings{};
   std::size_t count = 0;
 };
 
-/// Headings on their way to the presenter. What is put is never lost: only the oldest of those that wait are forgotten.
+/// Passes headings to the presenter. A new heading is never lost: only the oldest of the waiting ones are dropped.
 /// Neither side ever waits. Each side on one thread at a time.
 class HeadingTrack {
  public:
-  /// `order` is set here.
+  /// Adds a heading and sets its `order`.
   void put(HeadingNow heading) {
     heading.order = ++order_;
     std::ranges::move_backward(recent_.headings.begin(), recent_.headings.end() - 1, recent_.headings.end());
@@ -30,7 +30,7 @@ class HeadingTrack {
     recent_.count = std::min(recent_.count + 1, recent_.headings.size());
     newest_.put(recent_);
   }
-  /// The presenter's. False when there is nothing new; `*ret_recent` is then left alone.
+  /// Presenter's side. Returns false and leaves `*ret_recent` alone if there is nothing new.
   bool take(RecentHeadings* ret_recent) { return newest_.take(ret_recent); }
 
  private:

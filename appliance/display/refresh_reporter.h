@@ -13,29 +13,29 @@
 
 namespace cyclorama::display {
 
-/// From refreshes to numbers for the operator and reports for the tour. docs/reference/frame-timing.md names the
+/// Turns refreshes into numbers for the operator and reports for the tour. docs/reference/frame-timing.md names the
 /// stages. Thread-bound.
 class RefreshReporter {
  public:
   /// `heads`: the output's, in order.
   RefreshReporter(InspectionService* inspection, const std::vector<std::string>& heads);
 
-  /// A report when the refresh was the first of a frame.
+  /// Returns a report if the refresh was the first of a frame.
   std::optional<wire::FramePresented> take(const RefreshEvent& event);
   void take(const HeadRefresh& refresh);
-  /// Nothing is shown until more refreshes come.
+  /// Nothing counts as shown until more refreshes come.
   void output_lost();
   void frame_dropped(const std::string& reason);
-  /// Renews the rates about once a second; call it often.
+  /// Updates the rates about once a second; call it often.
   void tick(TimePoint now);
 
   [[nodiscard]] double frames_per_second() const { return frames_per_second_; }
-  /// Of the last minute's refreshes; nothing where no others show the tour.
+  /// Share of the last minute's refreshes; empty if no other display shows the tour.
   [[nodiscard]] std::optional<double> synchronised_share(TimePoint now) const { return step_.share(now); }
 
  private:
   void take_step(const RefreshEvent& event);
-  /// Names of what is shown of a head, and its pace.
+  /// Names of one head's statistics, and its pacing.
   struct Head {
     std::string interval;
     std::string age;

@@ -15,27 +15,27 @@
 
 namespace cyclorama::display {
 
-/// One call of Tour.Show, from dialling to its end. When it is over, make another.
-/// Thread-safe, but for the end of its life.
+/// One call of Tour.Show, from the connection to its end. When it is over, make another. Thread-safe, except for
+/// destruction.
 class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::ShowMessage> {
  public:
   using Listener = std::function<void(wire::ShowMessage)>;
 
-  /// Says hello. `listener` is called on gRPC's threads, one message at a time, until the destructor returns.
+  /// Sends `hello`. `listener` is called on gRPC's threads, one message at a time, until the destructor returns.
   ShowStream(const std::shared_ptr<grpc::Channel>& channel, const wire::DisplayHello& hello, Listener listener);
-  /// Hangs up, and waits until the last call of the listener is over.
+  /// Cancels the call, and waits until the listener's last call is over.
   ~ShowStream() override;
   ShowStream(const ShowStream&) = delete;
   ShowStream& operator=(const ShowStream&) = delete;
 
-  /// Sends when the connection takes it; never blocks. When 256 reports wait already, or the stream is over, it is
-  /// lost.
+  /// Queues `report` and sends it when the connection is ready; never blocks. Drops it if 256 reports wait already, or
+  /// the stream is over.
   void report(wire::DisplayReport report);
 
-  /// The tour has answered.
+  /// Whether the tour has answered.
   [[nodiscard]] bool is_up() const;
-  /// Why the stream is over; nothing while it is not. To be asked now and then: a tour that sends what is no message
-  /// would otherwise be waited for.
+  /// Returns why the stream is over; empty while it is not. Call it now and then: it also ends a stream on which the
+  /// tour sent an invalid message.
   [[nodiscard]] std::optional<Error> end();
 
  private:
@@ -50,13 +50,13 @@ class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::Sh
   grpc::ClientContext context_;
   wire::ShowMessage message_;  // What gRPC reads into.
 
-  std::mutex listening_;  // Held while the listener runs: gRPC's own order between its threads is no promise to us.
+  std::mutex listening_;  // Held while the listener runs, since gRPC does not guarantee an order between its threads.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<wire::DisplayReport> reports_;  // The first is being written while is_writing_.
   bool is_writing_ = false;
   bool is_up_ = false;
-  bool is_ending_ = false;  // No write may start any more.
+  bool is_ending_ = false;  // No new write may start.
   std::optional<TimePoint> read_failed_at_;
   bool is_given_up_ = false;
   std::optional<Error> end_;

@@ -14,18 +14,18 @@ namespace cyclorama::display {
 
 struct RefreshEvent;
 
-/// What the heads began to show at a moment, until the next one. A value; what it points to never changes.
+/// The picture of the heads from one moment until the next. A value; the objects that it points to never change.
 struct ShownSince {
   std::uint64_t number = 0;  ///< Counted from 1.
   TimePoint at{};
-  std::shared_ptr<const DisplayFrame> frame;  ///< Null: it is no show, but patterns, a fade, or a change of the heads.
+  std::shared_ptr<const DisplayFrame> frame;  ///< Null: not the show, but patterns, a fade, or a change of the heads.
   double turn_rad = 0.0;
   HeadPlans plans;
 };
 
-/// What the heads showed of late, told by the refreshes after they happened: nothing here is known to the present
-/// thread. Keeps the picture that is shown, which is there anyway; and what was shown in the last two seconds as long
-/// as somebody asks. Thread-safe.
+/// The recent pictures of the heads, derived from refreshes after they happened; the present thread is not involved.
+/// Keeps the picture that is shown, which is in memory anyway, and the pictures of the last two seconds as long as
+/// clients request them. Thread-safe.
 class ShownHistory {
  public:
   static constexpr Duration kKept = std::chrono::seconds(2);
@@ -33,26 +33,26 @@ class ShownHistory {
 
   ShownHistory(DisplayFrame attract, HeadPlans plans);
 
-  /// A frame went to the presenter.
+  /// Records that a frame went to the presenter.
   void frame_ready(const DisplayFrame& frame);
-  /// `plans` went to the presenter; `was_passed_over`: those before them were not taken up.
+  /// Records that `plans` went to the presenter; `was_passed_over`: the plans before them were not used.
   void heads_wanted(HeadPlans plans, bool was_passed_over);
-  /// The presenter draws with the next of them.
+  /// Records that the presenter draws with the next plans.
   void heads_changed();
-  /// In the order in which they happened. `is_show`: no patterns stand on the wall.
+  /// Records refreshes in the order in which they happened. `is_show`: no patterns are on the wall.
   void refreshed(const RefreshEvent& event, bool is_show);
 
   struct Shown {
     std::vector<ShownSince> moments;  ///< The last one before `from`, if it is known, and all until `until`.
     TimePoint known_until{};
   };
-  /// Somebody asks.
+  /// Returns the moments between two times, and notes that a client requested them at `now`.
   [[nodiscard]] Shown between(TimePoint from, TimePoint until, TimePoint now);
 
  private:
-  std::mutex mutex_;  ///< Guards all.
+  std::mutex mutex_;  ///< Guards all members.
   std::shared_ptr<const DisplayFrame> attract_;
-  std::deque<std::shared_ptr<const DisplayFrame>> ready_;  ///< The one that is shown, and those to come.
+  std::deque<std::shared_ptr<const DisplayFrame>> ready_;  ///< The frame that is shown, and those to come.
   std::shared_ptr<const DisplayFrame> shown_;              ///< Null before the first.
   HeadPlans plans_;
   std::deque<HeadPlans> coming_;

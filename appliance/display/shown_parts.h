@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which parts of a picture the heads show, so that the others need not be decoded.
+/// Computes which parts of a picture the heads show, so that the others need not be decoded.
 #pragma once
 
 #include <memory>
@@ -11,20 +11,20 @@
 
 namespace cyclorama::display {
 
-/// The places that a head lights, as its warp names them (common/geometry/picture_place.h): for each of some slices of
-/// `up`, the least and the most `across`. A value; reentrant.
+/// The positions that a head lights, in the coordinates of its warp (common/geometry/picture_place.h): for each of some
+/// slices of `up`, the minimum and maximum `across`. A value; reentrant.
 class HeadFootprint {
  public:
-  /// Of all pixels that the mask does not blacken. Precondition: warp and mask have one size.
+  /// Covers all pixels that the mask does not blacken. Precondition: warp and mask have one size.
   HeadFootprint(const warp::Warp& warp, const warp::MaskImage& mask);
 
   struct Span {
     double min = 0.0;
     double max = 0.0;
   };
-  /// Of `up`, from the lowest to the highest; nothing when the head lights nothing.
+  /// Range of `up`; empty if the head lights nothing.
   [[nodiscard]] std::optional<Span> up() const;
-  /// Of `across` anywhere between two values of `up`; nothing where the head lights none.
+  /// Range of `across` anywhere between two values of `up`; empty if the head lights none there.
   [[nodiscard]] std::optional<Span> across_between(double min_up, double max_up) const;
 
  private:
@@ -33,21 +33,22 @@ class HeadFootprint {
   std::vector<std::optional<Span>> slices_;
 };
 
-/// How far a picture may be turned, and what of it is then seen.
+/// How far a picture may be turned, and which parts of it are visible then.
 struct ShownParts {
   double turn_limit_rad = 0.0;
   std::vector<PixelRect> parts;  ///< Whole cells of 16 pixels, cut at the picture's edges; none overlap.
 
-  /// Whether any part meets this one.
+  /// Whether any part overlaps `rect`.
   [[nodiscard]] bool meets(const PixelRect& rect) const;
 };
 
-/// Of two pictures of that height one above the other, of both of which the heads show the same.
+/// Returns the parts of two pictures of that height, one above the other, of which the heads show the same parts.
 [[nodiscard]] ShownParts shown_by_both_eyes(const ShownParts& of_one, int height_px);
 
-/// What some head shows of a picture while the visitor turns either way before a wall that shows `wall` of it sees its
-/// edge (turn_reach() in common/geometry/guard_band.h), with what filters need around it. Where it has no edge, it is
-/// half a radian, for which a visitor takes longer than a farm; or without end, where hardly more is seen by that.
+/// Returns the parts of a picture that some head shows while the visitor turns either way until a wall that shows
+/// `wall` of it would reach its edge (turn_reach() in common/geometry/guard_band.h), with a margin for filters. If the
+/// picture has no edge, the limit is half a radian, for which a visitor takes longer than a farm needs for a frame; or
+/// there is none, if hardly more becomes visible.
 [[nodiscard]] ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture,
                                      const PictureShape& wall);
 

@@ -12,11 +12,11 @@
 
 namespace cyclorama::display {
 
-/// What show.proto's ShownPictures promises. Heads are drawn on gRPC's threads, one call at a time, and only pictures
-/// that the caller has not got. Thread-safe. Borrows the history and the clock.
+/// Implements show.proto's ShownPictures. Heads are drawn on gRPC's threads, one call at a time, and only pictures that
+/// the caller does not have yet. Thread-safe. Borrows the history and the clock.
 class ShownService final : public wire::ShownPictures::Service {
  public:
-  /// `heads`: names of the output's, in order.
+  /// `heads`: names of the output's heads, in order.
   ShownService(std::vector<std::string> heads, ShownHistory* history, const Clock* clock)
       : heads_(std::move(heads)), history_(*history), clock_(*clock) {}
 
@@ -29,7 +29,7 @@ class ShownService final : public wire::ShownPictures::Service {
   ShownHistory& history_;
   const Clock& clock_;
   std::mutex mutex_;  ///< Guards the following.
-  HeadPlans plans_;   ///< Of the samplers.
+  HeadPlans plans_;   ///< Plans of the samplers.
   int factor_ = 0;
   std::vector<HeadSampler> samplers_;
   JpegEncoder encoder_;

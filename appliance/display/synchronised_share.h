@@ -9,12 +9,13 @@
 
 namespace cyclorama::display {
 
-/// Which share of the last minute's refreshes showed the frame that was to be shown at them. Thread-bound.
+/// The share of the last minute's refreshes that showed the frame that was due at them. Thread-bound.
 class SynchronisedShare {
  public:
-  /// Refreshes passed, and before some of them a frame was missing that is seen now. Both at least 0.
+  /// Adds `refreshes` that passed; during `late` of them the frame that is visible now was overdue. Both are at least
+  /// 0.
   void add(TimePoint now, std::int64_t refreshes, std::int64_t late);
-  /// Nothing when there were no refreshes.
+  /// Empty if there were no refreshes.
   [[nodiscard]] std::optional<double> share(TimePoint now) const;
 
  private:

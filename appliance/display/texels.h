@@ -3,13 +3,13 @@
 
 namespace cyclorama::display {
 
-/// How pass 1 leaves light for pass 2.
+/// The format in which pass 1 passes light to pass 2.
 enum class Texels {
-  /// Linear light in half floats, 64 bits: a 40th of a code value of 8 bits, whatever the head does with it. The card
-  /// filters.
+  /// Linear light in half floats, 64 bits: precise to a 40th of a code value of 8 bits with any head. The card filters.
   kHalves,
-  /// The light's square root in 11, 11 and 10 bits: an 11th of a code value of 8 bits on an sRGB head, a sixth in blue.
-  /// The shader filters, in linear light. Where a processor draws, half the memory is a third less time.
+  /// The light's square root in 11, 11 and 10 bits: precise to an 11th of a code value of 8 bits on an sRGB head, to a
+  /// sixth in blue. The shader filters in linear light. On a software renderer, half the memory takes a third less
+  /// time.
   kPacked,
 };
 

@@ -12,17 +12,18 @@
 
 namespace cyclorama::display {
 
-/// CLOCK_REALTIME, which chrony or PTP disciplines, unlike Clock's.
+/// CLOCK_REALTIME, which chrony or PTP disciplines, unlike Clock's time.
 using SystemTime = std::chrono::time_point<std::chrono::system_clock, std::chrono::nanoseconds>;
 using SystemClock = std::function<SystemTime()>;
 
-/// The tour's clock as this display knows it: asks the tour for the time a few times a second, and gathers what the
-/// display needs until it can show what it is told. One question is on its way at a time; one that has no answer within
+/// An estimate of the tour's clock: requests the time from the tour a few times a second, and records the time that the
+/// display needs until it can show what it receives. One question is under way at a time; one without an answer within
 /// a second is given up. Thread-safe.
 class TourClock {
  public:
-  /// How far this computer's system clock is before the tour's. It need not be small: what is shown follows the tour's
-  /// clock as measured. Yet logs are compared by it, and it tells whether this computer's clock is disciplined.
+  /// How far this computer's system clock is ahead of the tour's. It need not be small, since pictures follow the
+  /// measured clock of the tour; but logs are compared by it, and it shows whether this computer's clock is
+  /// disciplined.
   struct Skew {
     Duration ahead{};
     Duration error{};
@@ -30,17 +31,17 @@ class TourClock {
 
   explicit TourClock(SystemClock system_clock) : system_clock_(std::move(system_clock)) {}
 
-  /// Another stream: perhaps another tour. Nothing is known any more.
+  /// Discards all knowledge for a new stream, perhaps of another tour.
   void reset();
-  /// A question to be sent now, if it is time for one, with what was needed since the last.
+  /// Returns the question to send now, if one is due, with the times that were needed since the last.
   std::optional<wire::ClockQuestion> question(TimePoint now);
-  /// False when it is no answer to the last question.
+  /// Returns false if `answer` does not belong to the last question.
   bool take(const wire::ClockAnswer& answer, TimePoint now);
 
-  /// Something was ready to be shown.
+  /// Records that a frame was ready to be shown.
   void frame_ready(const ShowAt& at, TimePoint now);
   void heading_ready(const ShowAt& at, TimePoint now);
-  /// A picture was begun by so much before its shared refresh: what it shows must have been ready then.
+  /// Records that drawing began so long before its synchronised refresh: its contents must have been ready then.
   void drawn_ahead(Duration by);
 
   [[nodiscard]] ClockReading reading(TimePoint now) const;
@@ -52,7 +53,7 @@ class TourClock {
   const SystemClock system_clock_;
   mutable std::mutex mutex_;  // Guards the following.
   ClockOffset offset_;
-  std::optional<TimePoint> asked_at_;  // Of the question that has no answer yet.
+  std::optional<TimePoint> asked_at_;  // Time of the question that has no answer yet.
   TimePoint last_asked_at_{};
   std::optional<Skew> skew_;
   std::optional<Duration> frame_need_;
@@ -60,7 +61,7 @@ class TourClock {
   std::optional<Duration> drawn_ahead_;
 };
 
-/// What is wrong is none.
+/// Returns the checked schedule of `message`; one that is invalid counts as none.
 [[nodiscard]] ShowAt show_at_of(const wire::ShowMessage& message);
 
 }  // namespace cyclorama::display

@@ -10,17 +10,17 @@
 
 namespace cyclorama::display {
 
-/// Whole frames on their way to the presenter, in no order: DisplayFrame::order tells. Neither side ever waits. Each side on
-/// one thread at a time.
+/// Whole frames on their way to the presenter, unordered; DisplayFrame::order gives their order. Neither side ever
+/// waits. Each side on one thread at a time.
 class WaitingFrames {
  public:
-  /// Returns the oldest when there is no room for all, else null.
+  /// Returns the oldest frame if there is no room for all, else null.
   std::unique_ptr<DisplayFrame> put(std::unique_ptr<DisplayFrame> frame) {
     std::unique_ptr<DisplayFrame> untaken = slots_[next_].put(std::move(frame));
     next_ = (next_ + 1) % slots_.size();
     return untaken;
   }
-  /// The presenter's: any of them; null when there is none.
+  /// Presenter's side: takes any frame; null if there is none.
   std::unique_ptr<DisplayFrame> take() {
     for (auto& slot : slots_) {
       if (!slot.is_empty()) return slot.take();

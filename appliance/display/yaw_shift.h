@@ -6,12 +6,12 @@
 namespace cyclorama::display {
 
 struct YawShift {
-  double angle_rad = 0.0;      ///< How far the visitor has turned to the right since the picture was asked for.
-  bool is_past_guard = false;  ///< The visitor turned farther than the picture reaches; `angle_rad` stops there.
+  double angle_rad = 0.0;      ///< How far the visitor has turned to the right since the view was requested.
+  bool is_past_guard = false;  ///< The visitor turned farther than the picture extends; `angle_rad` stops there.
 };
 
-/// What a picture that was made for one heading must be turned by to be right for another one (a panorama is shifted),
-/// limited to `turn_limit_rad` either way (shown_parts.h), so that the wall never looks beyond what there is.
+/// Returns the turn that makes a picture for one heading right for another one (a panorama is shifted), limited to
+/// `turn_limit_rad` either way (shown_parts.h), so that the wall never shows anything beyond the picture.
 [[nodiscard]] YawShift yaw_shift(double picture_heading_rad, double heading_now_rad, double turn_limit_rad);
 
 }  // namespace cyclorama::display

@@ -56,7 +56,7 @@ bool pixel_error(const T* lens, bool is_square, const T* point, const Eigen::Vec
   if (!(point[2] > 1e-6)) return false;
   std::array<T, calibration::kBrownValues> block;
   std::copy_n(lens, calibration::kBrownValues, block.begin());
-  if (is_square) block[kFocalV] = block[kFocalU];
+  if (is_square) block[calibration::kFocalV] = block[calibration::kFocalU];
   const T x = point[0] / point[2];
   const T y = point[1] / point[2];
   T u, v;
@@ -127,7 +127,7 @@ PoseBlock block_of(const RigidTransform<To, From>& transform) {
 
 std::vector<int> held_values(calibration::LensModel model) {
   std::vector<int> held = calibration::fixed_values(model);
-  if (calibration::has_square_pixels(model)) held.push_back(kFocalV);
+  if (calibration::has_square_pixels(model)) held.push_back(calibration::kFocalV);
   return held;
 }
 
@@ -218,11 +218,11 @@ std::optional<Unknowns> started(const std::vector<BoardView>& views, const std::
   for (std::size_t i = 0; i < views.size(); ++i) add_camera(views[i], true, &unknowns, &unknowns.boards[i], &alone);
   // The centre stays until the projector's view holds it as well.
   std::vector<int> held = held_values(calibration::LensModel::kPinhole);
-  held.insert(held.end(), {kCentreU, kCentreV});
+  held.insert(held.end(), {calibration::kCentreU, calibration::kCentreV});
   hold(held, unknowns.camera.data(), &alone);
   alone.SetParameterBlockConstant(unknowns.shape.data());
   if (!minimise(&alone)) return std::nullopt;
-  unknowns.camera[kFocalV] = unknowns.camera[kFocalU];
+  unknowns.camera[calibration::kFocalV] = unknowns.camera[calibration::kFocalU];
 
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector2d> pixels;
@@ -307,7 +307,7 @@ std::size_t spread_sigmas(const std::vector<double>& sigmas, std::size_t next, c
     if (std::find(held.begin(), held.end(), i) != held.end()) continue;
     block->at(static_cast<std::size_t>(i)) = sigmas.at(next++);
   }
-  if (calibration::has_square_pixels(model)) (*block)[kFocalV] = (*block)[kFocalU];
+  if (calibration::has_square_pixels(model)) (*block)[calibration::kFocalV] = (*block)[calibration::kFocalU];
   return next;
 }
 
@@ -335,7 +335,7 @@ Result<ProcamCalibration> solve_procam(const std::vector<BoardView>& views, cons
     ceres::Problem problem;
     build(views, choice, &*unknowns, &problem);
     const auto cost = minimise(&problem);
-    if (!cost || !(unknowns->camera[kFocalU] > 0.0) || !(unknowns->projector[kFocalU] > 0.0)) continue;
+    if (!cost || !(unknowns->camera[calibration::kFocalU] > 0.0) || !(unknowns->projector[calibration::kFocalU] > 0.0)) continue;
     costs.push_back(*cost);
     if (best && *cost >= best_cost) continue;
     best_cost = *cost;
@@ -344,7 +344,7 @@ Result<ProcamCalibration> solve_procam(const std::vector<BoardView>& views, cons
   if (!best) return undetermined();
   for (auto [lens, model] :
        {std::pair{&best->camera, choice.camera_model}, std::pair{&best->projector, choice.projector_model}}) {
-    if (calibration::has_square_pixels(model)) (*lens)[kFocalV] = (*lens)[kFocalU];
+    if (calibration::has_square_pixels(model)) (*lens)[calibration::kFocalV] = (*lens)[calibration::kFocalU];
   }
   ceres::Problem problem;
   build(views, choice, &*best, &problem);

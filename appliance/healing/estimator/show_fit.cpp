@@ -81,7 +81,7 @@ bool refine(std::span<const WallCorrespondence> pixels, bool free_lens, Fit* fit
                              new ceres::CauchyLoss(kGross_px), fit->pose.data(), fit->lens.data());
   }
   if (free_lens) {
-    const double focal = fit->lens[kFocalU];
+    const double focal = fit->lens[calibration::kFocalU];
     const auto near = [&](double* block, int size, int index, double value, double sigma) {
       if (size == 6) {
         problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Near, 1, 6>(new Near{index, value, sigma}), nullptr,
@@ -92,14 +92,14 @@ bool refine(std::span<const WallCorrespondence> pixels, bool free_lens, Fit* fit
             block);
       }
     };
-    near(fit->lens.data(), calibration::kBrownValues, kFocalU, fit->lens[kFocalU], 0.03 * focal);
-    near(fit->lens.data(), calibration::kBrownValues, kFocalV, fit->lens[kFocalV], 0.03 * focal);
-    near(fit->lens.data(), calibration::kBrownValues, kCentreU, fit->lens[kCentreU], 0.05 * focal);
-    near(fit->lens.data(), calibration::kBrownValues, kCentreV, fit->lens[kCentreV], 0.05 * focal);
-    near(fit->lens.data(), calibration::kBrownValues, kK1, 0.0, 0.1);
-    near(fit->lens.data(), calibration::kBrownValues, kK2, 0.0, 0.1);
+    near(fit->lens.data(), calibration::kBrownValues, calibration::kFocalU, fit->lens[calibration::kFocalU], 0.03 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, calibration::kFocalV, fit->lens[calibration::kFocalV], 0.03 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, calibration::kCentreU, fit->lens[calibration::kCentreU], 0.05 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, calibration::kCentreV, fit->lens[calibration::kCentreV], 0.05 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, calibration::kK1, 0.0, 0.1);
+    near(fit->lens.data(), calibration::kBrownValues, calibration::kK2, 0.0, 0.1);
     for (int i = 0; i < 6; ++i) near(fit->pose.data(), 6, i, fit->pose[static_cast<std::size_t>(i)], i < 3 ? 0.1 : 0.3);
-    problem.SetManifold(fit->lens.data(), new ceres::SubsetManifold(calibration::kBrownValues, {kP1, kP2, kK3}));
+    problem.SetManifold(fit->lens.data(), new ceres::SubsetManifold(calibration::kBrownValues, {calibration::kP1, calibration::kP2, calibration::kK3}));
   } else {
     problem.SetParameterBlockConstant(fit->lens.data());
   }

@@ -61,11 +61,11 @@ solve::Measurements measurements_of(const RealignmentBaseline& baseline, const R
     all.projectors.push_back({calibrated.name, reference.width_px, reference.height_px, {}});
   }
   auto& places = all.directions.emplace_back().correspondences;
-  for (solve::Correspondence position : photographs.target.places) {
+  for (solve::Correspondence position : photographs.target.correspondences) {
     position.projector = 0;
     places.push_back(position);
   }
-  for (solve::Correspondence position : photographs.references.places) {
+  for (solve::Correspondence position : photographs.references.correspondences) {
     ++position.projector;
     places.push_back(position);
   }
@@ -242,10 +242,10 @@ Result<NewMap> find_new_map(const RealignmentBaseline& baseline, const Realignme
   TRY_ASSIGN(const Displacement displacement, displacement_of(baseline, samples));
   TRY_ASSIGN(const FilledMap whole_trial, filled(baseline, displacement, known, trial));
   const solve::MeasuredRegistration after = registration_with(baseline, all, whole_trial.map);
-  if (after.places < kMinCells)
+  if (after.correspondences < kMinCells)
     return realignment_refused(fmt::format("projector '{}' meets no other one any more; turn it back", target.name));
   const bool is_better = (!old_error || *new_error < *old_error) &&
-                         (found.before.places < kMinCells || after.p95_px < found.before.p95_px);
+                         (found.before.correspondences < kMinCells || after.p95_px < found.before.p95_px);
   if (!is_better) {
     return realignment_refused(
         fmt::format("a new map of projector '{}' would be no better ({:.2f} px instead of {:.2f})", target.name,

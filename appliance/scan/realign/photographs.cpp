@@ -104,7 +104,7 @@ Status photograph_target(const RealignmentBaseline& baseline, const ScanSettings
                       100.0 * view.disturbed));
     }
   }
-  if (!(view.exposure_s > 0.0) || view.places.empty()) {
+  if (!(view.exposure_s > 0.0) || view.correspondences.empty()) {
     return Error(ErrorCode::kUnavailable,
                  fmt::format("the camera sees no light of projector '{}': switch it on, take its cover off, or turn "
                              "it back towards the wall",

@@ -101,7 +101,7 @@ Status write(const std::filesystem::path& folder, const std::optional<photometry
   TRY(calibration::save_calibration(folder, outcome->calibration, colours, parts));
   const solve::MeasuredRegistration& registration = outcome->registration;
   ReportFindings findings;
-  findings.registration = {registration.mean_px, registration.p95_px, registration.places};
+  findings.registration = {registration.mean_px, registration.p95_px, registration.correspondences};
   if (auto report = write_report(folder, outcome->calibration, findings)) {
     outcome->report = *std::move(report);
   } else {

@@ -30,7 +30,7 @@ struct ExpectedReferences {
 };
 
 struct ReferenceView {
-  std::vector<solve::Correspondence> places;  ///< Their `projector` is the reference projector's index.
+  std::vector<solve::Correspondence> correspondences;  ///< Their `projector` is the reference projector's index.
   int pictures = 0;
 };
 

@@ -117,7 +117,7 @@ TEST(Procam, is_as_sure_as_it_says) {
     EXPECT_NEAR(found->stereo_rms_px, 0.2 * std::sqrt(2.0), 0.04);
     const calibration::BrownBlock camera = calibration::to_block(found->camera);
     const calibration::BrownBlock projector = calibration::to_block(found->projector);
-    for (const int i : {kFocalU, kCentreU, kCentreV, kK1}) {
+    for (const int i : {calibration::kFocalU, calibration::kCentreU, calibration::kCentreV, calibration::kK1}) {
       const auto at = static_cast<std::size_t>(i);
       squares += std::pow((camera.at(at) - calibration::to_block(rig.camera).at(at)) / found->camera_sigma.at(at), 2);
       squares +=

@@ -87,18 +87,18 @@ TEST(calibration::ModelChoice, finds_its_way_round_a_corner_where_plane_and_cyli
 
 /// As a lens draws it whose elements are not all on one axis, and whose bend is not one number's.
 Given through_rich_lenses(Given g) {
-  constexpr double calibration::kK2 = 0.03;
-  constexpr double calibration::kP1 = 4e-3;
-  constexpr double calibration::kP2 = -4e-3;
+  constexpr double kK2 = 0.03;
+  constexpr double kP1 = 4e-3;
+  constexpr double kP2 = -4e-3;
   for (MapSample& sample : g.samples) {
     const calibration::MeasuredLens& lens = g.projectors[sample.projector].position->lens;
     const double focal = lens.values[calibration::MeasuredLens::kFocal];
     const Eigen::Vector2d centre(lens.values[calibration::MeasuredLens::kCentreU],
                                  lens.values[calibration::MeasuredLens::kCentreV]);
     const Eigen::Vector2d t = (sample.projector_px - centre) / focal;
-    sample.projector_px += focal * calibration::kK2 * t.squaredNorm() * t.squaredNorm() * t;
-    sample.projector_px.x() += focal * (2.0 * calibration::kP1 * t.x() * t.y() + calibration::kP2 * (t.squaredNorm() + 2.0 * t.x() * t.x()));
-    sample.projector_px.y() += focal * (calibration::kP1 * (t.squaredNorm() + 2.0 * t.y() * t.y()) + 2.0 * calibration::kP2 * t.x() * t.y());
+    sample.projector_px += focal * kK2 * t.squaredNorm() * t.squaredNorm() * t;
+    sample.projector_px.x() += focal * (2.0 * kP1 * t.x() * t.y() + kP2 * (t.squaredNorm() + 2.0 * t.x() * t.x()));
+    sample.projector_px.y() += focal * (kP1 * (t.squaredNorm() + 2.0 * t.y() * t.y()) + 2.0 * kP2 * t.x() * t.y());
   }
   return g;
 }

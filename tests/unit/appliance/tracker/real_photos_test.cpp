@@ -108,15 +108,15 @@ TEST(RealPhotos, a_turned_tag_turns_by_what_the_turntable_says) {
   CYCLORAMA_SHARED_DATA(folder, "apriltag/duckietown");
   // test_info.yaml: K, tag_size. Our lens has square pixels, so corners are moved to where they would be in such a
   // lens.
-  constexpr double calibration::kFocalU = 329.8729619143081;
-  constexpr double calibration::kFocalV = 332.94611303946357;
-  const Pinhole lens{1056, 792, calibration::kFocalU, 528.0, 396.0};
+  constexpr double kFocalU = 329.8729619143081;
+  constexpr double kFocalV = 332.94611303946357;
+  const Pinhole lens{1056, 792, kFocalU, 528.0, 396.0};
   std::vector<double> errors_deg;
   for (const int angle : {-70, -60, -40, -20, 0, 20, 40, 60, 70}) {
     const auto found = found_in(folder / ("test_image_rotation_" + std::to_string(angle) + ".png"), thorough());
     ASSERT_EQ(found.size(), 1U);
     Corners corners = found[0].corners;
-    for (Eigen::Vector2d& corner : corners) corner.y() = 396.0 + (corner.y() - 396.0) * calibration::kFocalU / calibration::kFocalV;
+    for (Eigen::Vector2d& corner : corners) corner.y() = 396.0 + (corner.y() - 396.0) * kFocalU / kFocalV;
     const auto poses = estimate_poses(corners, 0.065, lens);
     ASSERT_TRUE(poses.has_value());
     // The series counts anticlockwise seen from above, we clockwise.

@@ -10,13 +10,14 @@
 namespace cyclorama::photometry {
 namespace {
 
-constexpr double kFeather_px = 96.0;  // Of a map's end inside of another projector's picture.
-constexpr double kDeep_px = 48.0;     // A place so far inside of its map is surely that projector's.
-constexpr double kMinWeight = 1e-6;   // Weights never lose everybody.
-// What another picture lights beyond a side by no more is left alone. Two sides that all but coincide would cross many
-// times by the maps' noise, and where they cross at the rim of all that is lit, weights as good as jump.
+constexpr double kFeather_px = 96.0;  // Width of the fade at a map's end inside another projector's picture.
+constexpr double kDeep_px = 48.0;     // A point this far inside its map belongs to it beyond doubt.
+constexpr double kMinWeight = 1e-6;   // Lower bound, so that the weights never all vanish.
+// If another picture extends beyond a side by less than this, the side does not fade. Two nearly coincident sides would
+// cross many times because of the maps' noise, and where they cross at the rim of the lit area, the weights nearly
+// jump.
 constexpr double kBeyond_px = 2.0;
-constexpr double kStep_px = 4.0;  // Along a side.
+constexpr double kStep_px = 4.0;  // Step along a side.
 constexpr int kHalvings = 20;
 
 double smooth_step(double x) {
@@ -24,7 +25,7 @@ double smooth_step(double x) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-/// From each control point to the nearest that `is_far` of 0, in pixels, by two sweeps over neighbours.
+/// Computes the distance in pixels from each control point to the nearest one with distance 0, by two sweeps.
 /// Source: Borgefors, "Distance transformations in digital images", CVGIP 34 (3), 1986.
 void spread(const calibration::MapGrid& grid, std::vector<double>* distances) {
   const double across = grid.cell_width();
@@ -72,13 +73,13 @@ double interpolated(const std::vector<double>& values, const calibration::MapGri
   return sum;
 }
 
-/// 0 on the stretches, 1 from `radius_px` on, where its slope is 0.
+/// Returns 0 on the stretches and 1 from `radius_px` on, where the slope is 0.
 template <typename Stretches>
 double risen(const Stretches& stretches, const Eigen::Vector2d& pixel, double radius_px) {
   double min = radius_px;
   for (const auto& stretch : stretches) {
     const Eigen::Vector2d along = stretch.to - stretch.from;
-    const double length = std::max(along.squaredNorm(), 1e-12);  // It may be a point.
+    const double length = std::max(along.squaredNorm(), 1e-12);  // The stretch may be a point.
     const double part = std::clamp((pixel - stretch.from).dot(along) / length, 0.0, 1.0);
     min = std::min(min, (pixel - stretch.from - part * along).norm());
   }
@@ -129,7 +130,7 @@ std::vector<BlendWeights::Stretch> BlendWeights::covered(std::size_t picture, co
     const double here = static_cast<double>(i) / steps;
     const bool is_on = is_on_another(picture, map, position(here));
     if (is_on != was_on) {
-      // Where it begins or ends, between the step before and this one; at its very beginning it begins there.
+      // The end of a stretch lies between the previous step and this one; at the side's beginning it is the beginning.
       double low = i == 0 ? here : static_cast<double>(i - 1) / steps;
       double high = here;
       for (int halving = 0; halving < kHalvings && low < high; ++halving) {
@@ -144,7 +145,8 @@ std::vector<BlendWeights::Stretch> BlendWeights::covered(std::size_t picture, co
   return stretches;
 }
 
-/// First: how far from any end of its map. Then ends that lie deep inside of another's map are where to fade.
+/// Computes the distance of each control point to the end of its map, then keeps the ends that lie deep inside another
+/// map.
 void BlendWeights::find_inner_ends(const std::vector<PhotometricProjector>& projectors) {
   std::vector<std::vector<double>> any_end;
   constexpr double kFar_px = 1e5;

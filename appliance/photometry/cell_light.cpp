@@ -26,7 +26,7 @@ struct Mean {
   [[nodiscard]] double sigma() const { return 1.0 / std::sqrt(weight); }
 };
 
-/// Light per unit of exposure, and its sigma.
+/// Light per unit of exposure, with its sigma.
 struct Linear {
   double light = 0.0;
   double sigma = 0.0;
@@ -44,7 +44,7 @@ std::size_t primary_of(structured_light::PatternLight light) {
   return light == structured_light::PatternLight::kRed ? 0 : light == structured_light::PatternLight::kGreen ? 1 : 2;
 }
 
-/// Of one cell and one channel of the camera.
+/// Light of one cell in one channel of the camera.
 struct ChannelLight {
   Mean black;
   std::array<Mean, 3> primaries;
@@ -74,7 +74,7 @@ ChannelLight channel_light(const ProjectorView& view, std::size_t cell, std::siz
     }
     const std::size_t light = primary_of(reading.light);
     const double part = curves.at(light).light_of(reading.level);
-    // Dark levels add more doubt of the curve than they tell of the light.
+    // At dark levels the uncertainty of the curve exceeds the information about the light.
     if (part > 0.2) result.primaries.at(light).add(seen->light - *black, part, sigma);
   }
   return result;

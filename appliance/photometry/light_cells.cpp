@@ -10,9 +10,9 @@ namespace cyclorama::photometry {
 namespace {
 
 constexpr float kClipped = 0.98f;
-constexpr double kMaxClipped = 0.01;  // Of a cell's pixels: a hot one does not spoil it.
-constexpr int kRim = 2;               // Camera pixels whose light a lens mixes with what lies beside.
-constexpr float kBorder_px = 4.0f;    // Projector pixels that a blurred picture loses light from.
+constexpr double kMaxClipped = 0.01;  // Fraction of a cell's pixels, so that a hot pixel does not spoil it.
+constexpr int kRim = 2;               // Camera pixels whose light the lens mixes with their neighbours'.
+constexpr float kBorder_px = 4.0f;    // Projector pixels at the rim whose light is reduced by blur.
 
 int count_of(int pixels, int cell_px) { return std::max(1, (pixels + cell_px / 2) / cell_px); }
 

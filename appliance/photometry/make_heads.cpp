@@ -16,22 +16,23 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTargetStep_rad = 0.35 * kDegree;
 constexpr double kBlur_rad = 1.0 * kDegree;
-constexpr double kBeside_rad = 2.0 * kDegree;  // Of a border: two deviations of the blur.
-constexpr double kNoShare = 1e-3;              // Who has less of a place does not limit it.
-constexpr int kStep_px = 2;                    // Masks are smooth: every other pixel is enough.
-constexpr float kSteep = 0.03f;                // Where pictures' corners meet weights change quickly,
-constexpr float kBent = 0.004f;                // or bend: an eighth of it is what lies between off by.
+// Half width of the zone about a border: two standard deviations of the blur.
+constexpr double kBeside_rad = 2.0 * kDegree;
+constexpr double kNoShare = 1e-3;  // A projector with a smaller share of a point does not limit it.
+constexpr int kStep_px = 2;        // Masks are smooth, so every other pixel suffices.
+constexpr float kSteep = 0.03f;    // Weights change quickly where the corners of pictures meet,
+constexpr float kBent = 0.004f;    // or bend: interpolation errs by an eighth of it.
 constexpr double kMinBlackLift = 1e-7;
 
-/// What one pixel of a head gets.
+/// Values of one head pixel.
 struct PixelShare {
   bool is_lit = false;
   float mask = 0.0f;
   float weight = 0.0f;
-  float black_lift = 0.0f;  ///< In parts of the head's own white there; not yet scaled.
+  float black_lift = 0.0f;  ///< Relative to the head's own white at that pixel; not yet scaled.
 };
 
-/// Of every kStep_px-th pixel each way.
+/// Values of every kStep_px-th pixel along both axes.
 struct CoarseShares {
   int columns = 0;
   int rows = 0;
@@ -40,7 +41,7 @@ struct CoarseShares {
   [[nodiscard]] const PixelShare& at(int column, int row) const {
     return all[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
   }
-  /// Change of slope of the weights; 0 at the rim. What is not lit bends too much.
+  /// Change of slope of the weights; 0 at the rim. Unlit neighbours count as a large bend.
   [[nodiscard]] float bend(int column, int row) const {
     float max = 0.0f;
     for (const auto& [dx, dy] : {std::pair(1, 0), std::pair(0, 1)}) {
@@ -52,7 +53,7 @@ struct CoarseShares {
     }
     return max;
   }
-  /// Whether what lies between this place and the next ones, to the right and below, is as well interpolated.
+  /// Returns true if the pixels between this one and the next to the right and below can be interpolated.
   [[nodiscard]] bool is_even(int column, int row) const {
     float min = 1.0f;
     float max = 0.0f;
@@ -75,7 +76,8 @@ class HeadMaker {
   Status find_targets(const PhotometryOptions& options);
   void report_light_kept(Photometry* result) const;
   void make_images(std::size_t projector, PhotometricHead* head) const;
-  /// The colour that `projector` adds where others' leaks are missing: in its own channels, of luminance 1.
+  /// Returns the colour that `projector` adds where the black levels of others are missing: in its own channels, with
+  /// luminance 1.
   [[nodiscard]] Eigen::Vector3d black_lift_colour(std::size_t projector) const;
 
  private:
@@ -83,7 +85,7 @@ class HeadMaker {
   [[nodiscard]] double white_of(const BlendWeights::Share& share) const {
     return lighting_.projectors[share.projector].white_at(share.pixel);
   }
-  /// The most that blending can make of a direction; infinite where nobody lights.
+  /// Returns the peak luminance that blending can give in a direction; infinite where no projector lights.
   [[nodiscard]] double peak(const Shares& shares) const {
     double min = std::numeric_limits<double>::infinity();
     for (const auto& share : shares) {
@@ -105,10 +107,10 @@ class HeadMaker {
   std::vector<double> kept_;
   std::optional<DirectionField> peak_;
   std::optional<DirectionField> target_;
-  std::optional<DirectionField> inverse_black_;  ///< One over the black to be reached.
+  std::optional<DirectionField> inverse_black_;  ///< Inverse of the black level to be reached.
 };
 
-/// How much brightness may change, for each place of the targets' fields.
+/// Returns the maximum slope of the brightness for each grid point of the target fields.
 std::vector<double> HeadMaker::slopes(const PhotometryOptions& options) const {
   const auto pictures = [this](const Eigen::Vector3d& direction) {
     unsigned which = 0;
@@ -194,7 +196,7 @@ Eigen::Vector3d HeadMaker::black_lift_colour(std::size_t projector) const {
     if (p != projector) missing += lighting_.projectors[p].black_level;
   }
   const ProjectorLighting& own = lighting_.projectors[projector];
-  const Eigen::Vector3d neutral = Eigen::Vector3d::Ones();  // White's luminance is 1.
+  const Eigen::Vector3d neutral = Eigen::Vector3d::Ones();  // The luminance of white is 1.
   if (!(kCameraLuminance.dot(missing) > 0.0)) return neutral;
   const Eigen::Vector3d channels = (own.primaries.inverse() * missing).cwiseMax(0.0);
   const double luminance = kCameraLuminance.dot(own.primaries * channels);

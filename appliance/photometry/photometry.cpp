@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<const char*, 3> kNames = {"red", "green", "blue"};
 constexpr int kCameraSteps = 256;
-// From where on an installer should know.
+// Thresholds above which the installer gets a remark.
 constexpr double kBoost = 0.03;
 constexpr double kColourSpread = 0.05;
 constexpr double kDim = 0.5;

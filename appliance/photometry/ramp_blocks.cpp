@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::size_t kCellsPerProjector = 90;
 constexpr int kMinPixels = 12;
-/// A camera's pixel: 8 electrons of read noise and a full well of 10000, as those for machine vision have about.
+/// A camera pixel with 8 electrons of read noise and a full well of 10000, typical of machine vision.
 constexpr double kReadNoise = 1e-3;
 constexpr double kShotNoise = 1e-4;
-/// What differs between photographs of the same light, however many pixels: lamps, shutters.
+/// Variation between photographs of the same light, which averaging over pixels does not reduce: lamps, shutters.
 constexpr double kFloor = 1e-4;
-/// A light below this, in parts of the camera's full scale or of the projector's brightest light, is none.
+/// Light below this fraction of the camera's full scale, or of the projector's brightest light, counts as none.
 constexpr double kNoLight = 0.004;
 constexpr double kNoShare = 0.02;
 
@@ -52,9 +52,10 @@ bool has_ramps(const ProjectorView& view) {
          std::ranges::all_of(has_between, [](bool b) { return b; });
 }
 
-/// Mean over the cells of the longest unclipped reading at full light, and of the longest at black, per exposure.
+/// Mean over the cells of the longest unclipped reading at full light and of the longest at black, per exposure.
 struct Brightness {
-  std::array<double, 4> light{};  ///< Per unit of exposure, above black, of the camera's channel that sees it best.
+  /// Per unit of exposure, above black, in the camera channel with the strongest signal.
+  std::array<double, 4> light{};
   bool is_all_clipped = true;
 };
 
@@ -76,7 +77,7 @@ double mean_code(const ProjectorView& view, const LightReading& reading, std::si
   return pixels > 0 ? sum / pixels : 0.0;
 }
 
-/// How much brighter each light makes its best photograph, in codes.
+/// Returns the increase in code by each light in its best photograph.
 Brightness brightness_of(const ProjectorView& view) {
   Brightness result;
   for (const LightReading& full : view.readings) {
@@ -123,7 +124,7 @@ Status check_lights(const ProjectorView& view, const std::string& name) {
   return Done{};
 }
 
-/// Evenly from the darkest to the brightest.
+/// Chooses cells evenly from the darkest to the brightest.
 std::vector<std::size_t> chosen_cells(const ProjectorView& view, std::size_t max) {
   const LightReading* reference = nullptr;
   for (const LightReading& reading : view.readings) {
@@ -168,7 +169,7 @@ RampBlock block_of(const ProjectorView& view, std::size_t cell, std::size_t chan
   return block;
 }
 
-/// The camera's own curve shows only where one light was photographed with two exposures.
+/// Two exposures of one light are necessary to determine the camera's response.
 bool has_two_exposures(const std::vector<const ProjectorView*>& views) {
   std::set<double> exposures;
   for (const ProjectorView* view : views) {

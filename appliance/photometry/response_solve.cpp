@@ -15,24 +15,24 @@ namespace {
 
 constexpr int kIntervals = 24;
 constexpr int kCamera = kIntervals + 3;
-// Expected change of slope per interval of the camera's curve, and of that change: two exposures alone leave waves open
-// that repeat with their ratio.
+// Expected change of slope per interval of the camera's curve, and expected change of that change: two exposures alone
+// leave oscillations undetermined that repeat with their ratio.
 constexpr double kBend = 0.02;
 constexpr double kTwist = 7e-5;
-constexpr double kGauge = 1e-6;    // How exactly the unit of light is kept.
-constexpr double kAnyCurve = 1.0;  // Prior on a response: it lies in [0, 1].
+constexpr double kGauge = 1e-6;    // Tolerance of the constraint on the unit of light.
+constexpr double kAnyCurve = 1.0;  // Prior of a response: it lies in [0, 1].
 constexpr int kRounds = 20;
 constexpr int kStartRounds = 5;
 constexpr double kConverged = 1e-6;
 
-/// Somebody walks through, a lamp flickers: what is far off counts little. `scale` of 0: all counts.
+/// Down-weights outliers, as when somebody walks through or a lamp flickers. `scale` of 0: weight 1.
 double cauchy_weight(double normalised, double scale) {
   if (!(scale > 0.0)) return 1.0;
   const double ratio = normalised / (4.0 * scale);
   return 1.0 / (1.0 + ratio * ratio);
 }
 
-/// The standard deviation of most of them.
+/// Returns a robust standard deviation.
 double scale_of(std::vector<double>* magnitudes) {
   if (magnitudes->empty()) return 1.0;
   const auto middle = magnitudes->begin() + static_cast<std::ptrdiff_t>(magnitudes->size() / 2);
@@ -40,8 +40,8 @@ double scale_of(std::vector<double>* magnitudes) {
   return std::max(0.1, 1.4826 * *middle);
 }
 
-/// Unknowns: the camera's coefficients, then the responses between black and full. Each block's own (rest, shares) are
-/// eliminated.
+/// Unknowns: the camera's coefficients, then the responses at intermediate levels. Each block's own unknowns (rest,
+/// shares) are eliminated.
 class ResponseFit {
  public:
   explicit ResponseFit(const RampProblem& problem)
@@ -50,15 +50,16 @@ class ResponseFit {
         response_(static_cast<std::size_t>(problem.unknowns), 0.0),
         gauge_(gauge_of(problem)) {}
 
-  /// The camera alone, which is a linear problem: what was photographed twice had one light. Then the responses, as the
-  /// camera tells them.
+  /// Solves for the camera alone, a linear problem because two photographs of one subject have the same light; then
+  /// computes the responses with that camera curve.
   bool start();
-  /// How far most readings are off before the first step.
+  /// Estimates the scale of the residuals before the first step.
   void find_scale();
-  /// One Gauss-Newton step for all; the largest change, or nothing when the problem has no solution.
+  /// Performs one Gauss-Newton step over all unknowns. Returns the largest change, or nothing if the problem has no
+  /// solution.
   std::optional<double> step();
 
-  /// Its highest code's light is 1, as are the units of residual().
+  /// Scaled so that the light of its highest code is 1; residual() has the same unit.
   [[nodiscard]] CameraResponse camera() const {
     CameraResponse camera = camera_;
     for (double& coefficient : camera.coefficients) coefficient /= camera_.light_of(1.0);
@@ -84,8 +85,9 @@ class ResponseFit {
     return r.unknown < 0 ? 1.0 : response(r.unknown);
   }
 
-  /// Light's unit: over all that was read, light times code sums to code squared. It must be held where readings are:
-  /// residuals are of light, so that a curve that may shrink there shrinks, noise and all.
+  /// Fixes the unit of light: over all readings, light times code sums to code squared. The constraint must lie where
+  /// the readings are: residuals are in light, so a curve that is free to shrink there would shrink together with its
+  /// noise.
   static Eigen::VectorXd gauge_of(const RampProblem& problem);
 
   const RampProblem& problem_;
@@ -94,7 +96,7 @@ class ResponseFit {
   std::vector<double> response_;
   Eigen::VectorXd gauge_;
   Eigen::VectorXd sigmas_;
-  double scale_ = 0.0;  ///< Of residuals over their sigmas; 0: not known yet.
+  double scale_ = 0.0;  ///< Scale of the residuals relative to their sigmas; 0: not known yet.
   double prior_scale_ = 1.0;
   double residual_ = 0.0;
   std::vector<double> normalised_;
@@ -131,7 +133,7 @@ void ResponseFit::add_difference(int first, const std::array<double, N>& shares,
   double difference = 0.0;
   for (std::size_t a = 0; a < N; ++a)
     difference += shares.at(a) * camera_.coefficients[static_cast<std::size_t>(first) + a];
-  // Where readings are noisier than they say, priors count as much more.
+  // If the readings are noisier than their sigmas, the priors are weighted accordingly.
   const double scale = std::max(1.0, prior_scale_);
   const double weight = scale * scale / (sigma * sigma);
   for (std::size_t a = 0; a < N; ++a) {
@@ -147,7 +149,7 @@ void ResponseFit::add_priors(Eigen::MatrixXd* normal, Eigen::VectorXd* right) co
   constexpr std::array<double, 4> kThird = {1.0, -3.0, 3.0, -1.0};
   for (int i = 0; i + 3 <= kCamera; ++i) add_difference(i, kSecond, kBend, normal, right);
   for (int i = 0; i + 4 <= kCamera; ++i) {
-    // Cameras' curves are powers of the light: straighter the brighter.
+    // Camera curves are powers of the light, so they are straighter at bright codes.
     const double code = std::max(0.5, i + 0.5) / kIntervals;
     const double darkness = std::max(1.0, 0.3 / code);
     add_difference(i, kThird, kTwist * darkness * darkness, normal, right);
@@ -177,7 +179,7 @@ void ResponseFit::start_responses() {
   };
   std::vector<Mean> products(response_.size());
   for (const RampBlock& block : problem_.blocks) {
-    // Long exposures tell the most, but for full light, where all do.
+    // Long exposures are the most accurate; at full light all exposures are used.
     Mean rest;
     std::array<Mean, 4> share;
     const auto light_of = [this](const RampReading& r) { return camera_.light_of(r.code) / r.exposure; };
@@ -201,7 +203,7 @@ void ResponseFit::start_responses() {
 }
 
 bool ResponseFit::start_camera() {
-  double scale = 0.0;  // Of residuals; none is known yet.
+  double scale = 0.0;  // Scale of the residuals; not known yet.
   for (int round = 0; round < kStartRounds; ++round) {
     std::vector<double> normalised;
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(unknowns_, unknowns_);
@@ -245,7 +247,7 @@ bool ResponseFit::start_camera() {
 }
 
 void ResponseFit::add_block(const RampBlock& block, Eigen::MatrixXd* normal, Eigen::VectorXd* right) {
-  // Own unknowns: the rest, then the share of each light that was shown.
+  // Own unknowns of the block: the rest, then the share of each light that was shown.
   std::array<int, 4> own{};
   int owns = 1;
   for (std::size_t light = 0; light < 4; ++light) own.at(light) = block.has_light.at(light) ? owns++ : -1;
@@ -258,7 +260,8 @@ void ResponseFit::add_block(const RampBlock& block, Eigen::MatrixXd* normal, Eig
     local(i, 0) = -r.exposure;
     if (r.light >= 0) local(i, own.at(static_cast<std::size_t>(r.light))) = -r.exposure * response_at(r);
     seen(i) = camera_.light_of(r.code);
-    // Of the code, not of the light: weights that follow the curve's slope would pull it flat, round by round.
+    // Weights are by the sigma of the code, not of the light: weights that follow the curve's slope would flatten it,
+    // round by round.
     weight(i) = 1.0 / (r.sigma * r.sigma);
   }
   Eigen::VectorXd values;
@@ -271,7 +274,7 @@ void ResponseFit::add_block(const RampBlock& block, Eigen::MatrixXd* normal, Eig
   };
   solve_own();
   const Eigen::VectorXd full = weight;
-  // Again and again, for a disturbed reading pulls the others at first.
+  // Iterated, because a disturbed reading affects the others at first.
   for (int round = 0; round < 3 && scale_ > 0.0; ++round) {
     for (Eigen::Index i = 0; i < n; ++i)
       weight(i) = full(i) * cauchy_weight(std::abs(residual(i)) * std::sqrt(full(i)), scale_);

@@ -13,7 +13,7 @@ namespace cyclorama::photometry {
 namespace {
 
 constexpr int kMaxGridPoints = 200000;
-constexpr int kMargin = 2;  // In grid points.
+constexpr int kMargin = 2;  // Grid points.
 constexpr int kMaxSweeps = 12;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -21,12 +21,12 @@ struct Seen {
   Eigen::Vector3d direction;
 };
 
-/// Steps to neighbours that lie before in reading order; the others are their opposites. Sixteen ways in all, so that
-/// a way over the grid is at most 2.7 % longer than the straight one.
+/// Steps to the preceding neighbours in reading order; the others are their opposites. With sixteen directions a path
+/// over the grid is at most 2.7 % longer than the straight one.
 constexpr std::array<std::pair<int, int>, 8> kBefore = {
     {{-1, 0}, {0, -1}, {-1, -1}, {1, -1}, {-2, -1}, {2, -1}, {-1, -2}, {1, -2}}};
 
-/// Angle between unit vectors, also exact for small ones.
+/// Returns the angle between unit vectors; accurate for small angles too.
 double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return 2.0 * std::asin(0.5 * (a - b).norm()); }
 
 }  // namespace
@@ -36,7 +36,7 @@ DirectionField::DirectionField(const calibration::DirectionChart& chart, const E
     : chart_(chart), low_(low), step_rad_(step), columns_(columns), rows_(rows) {
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < columns; ++x) {
-      // What the chart does not hold, far beyond all that is lit, is told by the nearest that it does.
+      // Points outside the chart, far beyond everything lit, take the nearest point inside it.
       Eigen::Vector2d position = low_ + step_rad_ * Eigen::Vector2d(x, y);
       if (position.norm() > 3.1) position *= 3.1 / position.norm();
       directions_.push_back(*chart_.direction_of(position));
@@ -54,7 +54,8 @@ Result<DirectionField> DirectionField::over(const std::vector<PhotometricProject
   }
   if (seen.empty()) return Error(ErrorCode::kInvalidArgument, "no map has a direction; measure the maps first");
   std::optional<calibration::DirectionChart> chart = calibration::DirectionChart::around(seen);
-  // All round: about the zenith or the nadir, whichever is farther from what nobody lights.
+  // For maps that surround the sweet spot: about the zenith or the nadir, whichever is farther from the unlit
+  // directions.
   for (const double up : {-1.0, 1.0}) {
     if (chart) break;
     chart.emplace(Eigen::Vector3d(0.0, up, 0.0));
@@ -157,7 +158,7 @@ std::vector<bool> DirectionField::near_borders(const std::function<unsigned(cons
       if (y + 1 < rows_) compare(index(x, y), index(x, y + 1));
     }
   }
-  // A square of that half width about each.
+  // Marks a square of that half width about each.
   const int peak = static_cast<int>(std::ceil(radius_rad / step_rad_));
   for (int axis = 0; axis < 2; ++axis) {
     const std::vector<bool> before = is_near;

@@ -15,22 +15,22 @@ namespace cyclorama::photometry {
 namespace {
 
 constexpr int kKnot_px = 32;
-constexpr double kBend = 0.01;      // Change of slope of log(light) from knot to knot that is expected.
-constexpr double kMinSigma = 2e-3;  // Relative: what a wall's paint and speckle differ by.
+constexpr double kBend = 0.01;      // Expected change of slope of log(light) from knot to knot.
+constexpr double kMinSigma = 2e-3;  // Relative variation of a wall's paint, and speckle.
 constexpr std::size_t kMinGroups = 12;
-constexpr double kVignetting = 0.7;  // Prior of each of its terms.
+constexpr double kVignetting = 0.7;  // Prior sigma of each vignetting coefficient.
 constexpr double kMinTrust = 1e-3;
-constexpr int kRounds = 3;  // Of weights against disturbed cells.
+constexpr int kRounds = 3;  // Rounds of robust weights against disturbed cells.
 constexpr double kGross = 0.01;
-constexpr double kBlackLevelPrior = 1e-3;  // A projector's contrast is about 1000 to 1 or more.
+constexpr double kBlackLevelPrior = 1e-3;  // Prior of the black level: the contrast is about 1000 to 1 or more.
 
-/// One cell of one view, with white's luminance.
+/// One cell of one view with the luminance of its white.
 struct Sample {
   const ProjectorView* view = nullptr;
   CellLight light;
   double log_white = 0.0;
   Eigen::Vector3d by_radius = Eigen::Vector3d::Zero();  ///< r^2, r^4, r^6.
-  double trust = 1.0;  ///< Of the stops that saw the same cell, against the one that saw it best.
+  double trust = 1.0;                                   ///< Weight relative to other stops that saw the same cell.
   double weight = 1.0;
 
   [[nodiscard]] Eigen::Vector2d pixel() const { return view->cells.cells[light.cell].projector_px; }
@@ -42,8 +42,8 @@ Eigen::Vector3d radius_terms(const PhotometryInput& input, const Eigen::Vector2d
   return {square, square * square, square * square * square};
 }
 
-/// How much a place of the camera's picture counts against other stops' views of the same cell: less towards its sides,
-/// so that where a view ends, what it is off by ends slowly.
+/// Returns the weight of a position in the camera's picture relative to other stops' views of the same cell. It
+/// decreases towards the sides, so that a view's error fades out at its end.
 double trust(const PhotometryInput& input, const Eigen::Vector2d& camera_px) {
   const double from_side = std::min(
       {camera_px.x(), camera_px.y(), input.camera_width_px - camera_px.x(), input.camera_height_px - camera_px.y()});
@@ -51,7 +51,8 @@ double trust(const PhotometryInput& input, const Eigen::Vector2d& camera_px) {
   return std::max(kMinTrust, t * t);
 }
 
-/// The primaries that most cells agree on: white's luminance is 1. How far cells differ goes to `spread`.
+/// Returns the median primaries of the cells, scaled to luminance 1 for white. Writes their variation between cells to
+/// `spread`.
 std::optional<Eigen::Matrix3d> common_primaries(const std::vector<Sample>& samples, double* spread) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   std::vector<Eigen::Matrix3d> all;
@@ -61,7 +62,7 @@ std::optional<Eigen::Matrix3d> common_primaries(const std::vector<Sample>& sampl
     if (luminance > 0.0) all.emplace_back(sample.light.primaries / luminance);
   }
   if (all.empty()) return std::nullopt;
-  // A median per entry: who walked through some cells changes nothing.
+  // A median per entry is robust against somebody who walked through some cells.
   for (Eigen::Index i = 0; i < 9; ++i) {
     std::vector<double> values;
     for (const Eigen::Matrix3d& m : all) values.push_back(m(i % 3, i / 3));
@@ -94,11 +95,11 @@ double white_boost(const std::vector<Sample>& samples, const std::array<ChannelR
   return *middle;
 }
 
-/// Of red, green and blue at their brightest together, also where only white was shown.
+/// Returns the luminance of red, green and blue together at full code, also where only white was shown.
 double luminance_of(const CellLight& light, const Eigen::Matrix3d& primaries,
                     const std::array<ChannelResponse, 3>& curves, double boost) {
   if (light.has_white) {
-    // White shows each channel at level 1, which is not its brightest where a response falls.
+    // White shows each channel at level 1, which is not its maximum if its response decreases.
     Eigen::Vector3d full = Eigen::Vector3d::Zero();
     for (int c = 0; c < 3; ++c) full += curves.at(static_cast<std::size_t>(c)).light_of(1.0) * primaries.col(c);
     return kCameraLuminance.dot(light.white) / (boost * kCameraLuminance.dot(full));
@@ -108,14 +109,14 @@ double luminance_of(const CellLight& light, const Eigen::Matrix3d& primaries,
 
 double sigma_of(const Sample& sample) { return std::hypot(sample.light.sigma, kMinSigma); }
 
-/// Cauchy's weight of a residual of log(light).
+/// Returns the Cauchy weight of a residual of log(light).
 double weight_of(double residual, const Sample& sample) {
   const double ratio = residual / std::max(kGross, 4.0 * sample.light.sigma);
   return 1.0 / (1.0 + ratio * ratio);
 }
 
-/// The camera's vignetting, from cells that were seen from two stops or more: what it does to one and the same light.
-/// Nothing else tells it from the projectors' own.
+/// Solves for the camera's vignetting from cells that two or more stops saw, and which therefore have the same light.
+/// Nothing else separates it from the projectors' own vignetting.
 bool solve_vignetting(std::vector<std::vector<Sample>>* samples, WallLighting* result) {
   std::vector<std::vector<Sample*>> groups;
   for (std::vector<Sample>& of_projector : *samples) {
@@ -155,7 +156,7 @@ bool solve_vignetting(std::vector<std::vector<Sample>>* samples, WallLighting* r
   return true;
 }
 
-/// A smooth field per projector, and how much of the readings it leaves unexplained.
+/// Fits a smooth field per projector, and computes the unexplained part of the readings.
 bool solve_fields(const PhotometryInput& input, std::vector<std::vector<Sample>>* all, WallLighting* result) {
   double squares = 0.0;
   double count = 0.0;
@@ -187,7 +188,8 @@ bool solve_fields(const PhotometryInput& input, std::vector<std::vector<Sample>>
   return std::isfinite(result->unexplained);
 }
 
-/// What shines when all projectors show black: ambient light, and the leaks of those that light a place.
+/// Fits the light when all projectors show black: ambient light, and the black levels of the projectors that light a
+/// point.
 void fit_black(const PhotometryInput& input, const std::vector<std::vector<Sample>>& samples,
                const std::vector<InverseMap>& inverses, WallLighting* result) {
   const auto projectors = static_cast<Eigen::Index>(input.projectors.size());
@@ -266,7 +268,7 @@ Result<WallLighting> wall_lighting(const PhotometryInput& input, const SolvedRes
       const double white = luminance_of(sample.light, lighting.primaries, curves[p], lighting.white_boost);
       sample.log_white = std::log(white);
     }
-    // What lies far below the rest is no light, but its absence.
+    // Readings far below the others are absence of light.
     std::erase_if(samples[p], [](const Sample& s) { return !std::isfinite(s.log_white); });
     if (!primaries || samples[p].empty()) {
       return Error(ErrorCode::kBadData,

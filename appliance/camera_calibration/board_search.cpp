@@ -14,8 +14,8 @@
 namespace cyclorama::camera_calibration {
 namespace {
 
-constexpr std::size_t kTagsAround = 4;  // By as many a corner is expected: what distortion bends is small among them.
-constexpr double kNearTags_squares = 2.3;  // From a corner to the middle of a tag that tells of it, at most.
+constexpr std::size_t kTagsAround = 4;     // Number of tags that predict a corner: distortion is small among so few.
+constexpr double kNearTags_squares = 2.3;  // Maximum distance from a corner to the centre of such a tag.
 
 struct SeenTag {
   Eigen::Vector2d middle_m = Eigen::Vector2d::Zero();
@@ -40,7 +40,7 @@ struct Expected {
   double square_px = 0.0;
 };
 
-/// Where the nearest tags put a point of the board; nothing where none is near.
+/// Predicts the pixel of a point of the board from the nearest tags; nothing if none is near.
 std::optional<Expected> expected_at(const Eigen::Vector2d& at_m, double square_m, std::vector<SeenTag>* tags) {
   const auto distance = [&](const SeenTag& tag) { return (tag.middle_m - at_m).squaredNorm(); };
   const std::size_t count = std::min(kTagsAround, tags->size());
@@ -91,7 +91,7 @@ Result<LensView> find_tag_board(const GreyImage& picture, const TagBoard& board,
                              "light it evenly, and keep it still",
                              tags.size(), view.board_m.size(), kMinCorners));
   }
-  // A window may not reach the tags, which begin this share of a square away.
+  // A search window may not reach the tags, which begin at this fraction of a square.
   const double clear = 0.5 * (1.0 - board.tag_m / board.square_m);
   const int half = std::clamp(static_cast<int>(0.9 * clear * min_patch_px), 2, 8);
   TRY_ASSIGN(const std::vector<Eigen::Vector2d> sharp, sharpened_corners(picture, view.camera_px, half));
@@ -111,7 +111,7 @@ Result<LensView> find_tag_board(const GreyImage& picture, const TagBoard& board,
 
 Result<tags::TagDetector> make_board_detector() {
   tags::DetectorSettings settings;
-  settings.decimate = 1.0;  // A board's tags are small, and there is time.
+  settings.decimate = 1.0;  // The tags of a board are small, and speed does not matter.
   return tags::TagDetector::create(settings);
 }
 

@@ -117,7 +117,7 @@ Result<Views> from_folder(const Options& options, const BoardKind& kind, const S
   return found;
 }
 
-/// Takes what differs from what it has, once the board is still.
+/// Collects views that differ from the previous ones while the board is at rest.
 Result<Views> from_camera(const Options& options, const BoardKind& kind, const StopSignal& stop) {
   constexpr double kStill_px = 1.0;
   const SteadyClock clock;
@@ -192,7 +192,7 @@ Status run(const Options& options, const StopSignal& stop) {
                                choice.fit.rms_px,
                                choice.heldout_rms_px};
   const std::string json = calibration::camera_json(file);
-  // What nobody could read is not written: a lens that folds over within the picture, say.
+  // Parsing rejects results that could not be read back, such as a lens that folds within the picture.
   TRY(calibration::parse_camera(json, options.out));
   TRY(write_file_atomically(options.out, std::string_view(json)));
   using L = calibration::MeasuredLens;
@@ -213,5 +213,6 @@ int main(int argc, char** argv) {
                              "A camera's lens from pictures of a printed board (cyclorama calibrate-camera --print).");
   cyclorama::camera_calibration::Options options;
   cyclorama::camera_calibration::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::camera_calibration::run(options, stop); });
+  return program.run(
+      argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::camera_calibration::run(options, stop); });
 }

@@ -10,7 +10,7 @@
 namespace cyclorama::camera_calibration {
 namespace {
 
-/// The least distance between neighbouring corners.
+/// Returns the smallest distance between neighbouring corners.
 double min_square(const std::vector<cv::Point2f>& corners, int columns) {
   double smallest = 1e9;
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
@@ -29,11 +29,12 @@ Result<std::vector<Eigen::Vector2d>> find_chessboard(const GreyImage& photo, int
     return Error(ErrorCode::kInvalidArgument, "a chessboard has 3 to 100 inner corners each way");
   }
   try {
-    // OpenCV has no view of what it may not write.
+    // OpenCV has no read-only view of memory.
     const cv::Mat image(photo.height(), photo.width(), CV_8UC1,
                         const_cast<std::uint8_t*>(photo.data().data()));  // NOLINT
     std::vector<cv::Point2f> corners;
-    // By sectors first: finer, and it sees blurred boards that the other does not; but not those at a steep angle.
+    // The sector-based detector is tried first: it is more accurate and finds blurred boards, but not those at a steep
+    // angle.
     if (!cv::findChessboardCornersSB(image, {columns, rows}, corners, cv::CALIB_CB_ACCURACY)) {
       corners.clear();
       if (!cv::findChessboardCorners(image, {columns, rows}, corners,
@@ -72,7 +73,7 @@ Result<std::vector<Eigen::Vector2d>> sharpened_corners(const GreyImage& photo, s
                      cv::TermCriteria(cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 60, 1e-3));
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const Eigen::Vector2d moved(static_cast<double>(positions[i].x) + 0.5, static_cast<double>(positions[i].y) + 0.5);
-      // A corner without contrast stays exactly where it was.
+      // A corner without contrast stays exactly at its initial position.
       const double way = (moved - corners[i]).cwiseAbs().maxCoeff();
       corners[i] = way < 0.9 * half_px ? moved : Eigen::Vector2d::Constant(std::nan(""));
     }

@@ -12,10 +12,10 @@ namespace cyclorama::camera_calibration {
 namespace {
 
 constexpr std::size_t kFolds = 5;
-constexpr double kSameView = 0.02;          // Of the picture's diagonal.
-constexpr double kWorstFocal = 0.02;        // Sigma over focal length; more is refused.
-constexpr double kWorstDirection_px = 5.0;  // More is refused,
-constexpr double kFineDirection_px = 0.5;   // and more than that is remarked.
+constexpr double kSameView = 0.02;          // Fraction of the picture's diagonal.
+constexpr double kWorstFocal = 0.02;        // Limit of sigma over focal length.
+constexpr double kWorstDirection_px = 5.0;  // Larger uncertainties are refused;
+constexpr double kFineDirection_px = 0.5;   // larger ones than this cause a remark.
 constexpr calibration::LensModel kModels[] = {calibration::LensModel::kPinhole, calibration::LensModel::kRadial1,
                                               calibration::LensModel::kRadial2, calibration::LensModel::kDecentred,
                                               calibration::LensModel::kFull};
@@ -46,8 +46,8 @@ struct WorstPosition {
   double sigma_px = 0.0;
 };
 
-/// How far a pixel of a known direction moves within the lens's uncertainty: by steps of one sigma along each axis of
-/// the covariance.
+/// Returns the largest shift of the pixel of a fixed direction within the lens's uncertainty, over steps of one sigma
+/// along each principal axis of the covariance.
 WorstPosition worst_position(const calibration::MeasuredLens& lens) {
   WorstPosition worst;
   const Eigen::SelfAdjointEigenSolver<calibration::MeasuredLens::Covariance> axes(lens.covariance);

@@ -19,9 +19,9 @@
 namespace cyclorama::camera_calibration {
 namespace {
 
-using PoseBlock = std::array<double, 6>;  // Angle-axis, then translation, of the board in the camera's frame.
+using PoseBlock = std::array<double, 6>;  // Pose of the board in the camera's frame: angle-axis, then translation.
 
-constexpr double kUsual_px = 0.1;  // Of a corner: what residuals are told in, and outliers by.
+constexpr double kUsual_px = 0.1;  // Assumed sigma of a corner: unit of the residuals and of the outlier threshold.
 constexpr double kLoss_sigmas = 5.0;
 constexpr std::size_t kMinViewCorners = 8;
 
@@ -53,7 +53,7 @@ void add_view(const LensView& view, std::size_t first, std::size_t step, double*
 
 PoseBlock block_of(const StartPose& pose) {
   PoseBlock block{};
-  ceres::RotationMatrixToAngleAxis(pose.R.data(), block.data());  // By columns, as Eigen keeps them.
+  ceres::RotationMatrixToAngleAxis(pose.R.data(), block.data());  // Column-major, as in Eigen.
   std::copy_n(pose.t.data(), 3, block.begin() + 3);
   return block;
 }
@@ -70,7 +70,7 @@ bool minimise(ceres::Problem* problem) {
   return summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
 }
 
-/// Per axis, from residuals in pairs, in units of kUsual_px.
+/// Returns the RMS per axis of residuals in pairs, in units of kUsual_px.
 double trimmed_rms_px(const std::vector<double>& residuals) {
   std::vector<double> squares;
   for (std::size_t i = 0; i + 1 < residuals.size(); i += 2) {
@@ -130,7 +130,7 @@ Result<LensFit> solve_lens(const std::vector<LensView>& views, int width_px, int
   const std::vector<int> held = calibration::held_parameters(model);
   std::optional<LensFit> best;
   double best_cost = 0.0;
-  // A wrong focal length may be a minimum of its own.
+  // A wrong focal length may be a local minimum.
   for (const double factor : factors) {
     LensFit fit;
     fit.lens = calibration::MeasuredLens::from_focal(width_px, height_px, factor * guess);
@@ -145,7 +145,8 @@ Result<LensFit> solve_lens(const std::vector<LensView>& views, int width_px, int
     for (std::size_t i = 0; i < views.size(); ++i) {
       add_view(views[i], 0, 1, lens, poses[i].data(), nullptr, &problem);
     }
-    // First without distortion and about the middle, from afar; then all that is free, outliers apart.
+    // Fits first without distortion and with a fixed principal point, to converge from afar, then all free parameters
+    // robustly.
     std::vector<int> first = calibration::held_parameters(calibration::LensModel::kPinhole);
     first.insert(first.end(), {calibration::MeasuredLens::kCentreU, calibration::MeasuredLens::kCentreV});
     problem.SetManifold(lens, new ceres::SubsetManifold(calibration::MeasuredLens::kParameters, first));
@@ -165,7 +166,7 @@ Result<LensFit> solve_lens(const std::vector<LensView>& views, int width_px, int
     for (int i = 0; i < calibration::MeasuredLens::kParameters; ++i) {
       if (std::find(held.begin(), held.end(), i) != held.end()) continue;
       free.push_back(i);
-      // What a data sheet tells of lengths; coefficients may be anything that a lens has.
+      // Sigmas of a data sheet for lengths; coefficients are only loosely constrained.
       scale.push_back(i < calibration::MeasuredLens::kK1   ? std::sqrt(sheet(i, i))
                       : i < calibration::MeasuredLens::kP1 ? 1.0
                                                            : 0.1);

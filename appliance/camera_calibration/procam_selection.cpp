@@ -8,7 +8,7 @@
 namespace cyclorama::camera_calibration {
 namespace {
 
-/// Oblong pixels are no model here: neither cameras nor projectors have them, and boards alone seldom tell.
+/// Oblong pixels are not a candidate: neither cameras nor projectors have them, and boards seldom determine them.
 constexpr std::size_t kModels = calibration::kLensModels.size() - 1;
 
 void leave_each_out(const std::vector<BoardView>& views, const ProcamChoice& choice, ProcamCandidate* model) {
@@ -56,7 +56,7 @@ ProcamCandidate tried(const std::vector<BoardView>& views, const ProcamChoice& c
   return model;
 }
 
-/// The models whose lenses are richer in one thing.
+/// Returns the models whose lenses are richer in one respect.
 std::vector<ProcamChoice> above(const ProcamChoice& choice) {
   std::vector<ProcamChoice> choices;
   for (calibration::LensModel ProcamChoice::*lens : {&ProcamChoice::camera_model, &ProcamChoice::projector_model}) {
@@ -69,7 +69,7 @@ std::vector<ProcamChoice> above(const ProcamChoice& choice) {
   return choices;
 }
 
-/// From one model upwards, as long as a step is gain it.
+/// Tries richer models from `standing` on, as long as a step improves the prediction by kMinModelGain.
 void climb(const std::vector<BoardView>& views, ProcamChoice standing, std::vector<ProcamCandidate>* models) {
   models->push_back(tried(views, standing));
   double here = models->back().heldout_rms_px;
@@ -98,7 +98,7 @@ Result<ProcamSelection> select_procam_model(const std::vector<BoardView>& views,
   }
   ProcamChoice min{camera, projector, calibration::LensModel::kPinhole, calibration::LensModel::kPinhole};
   min.starts = 1;
-  // What is wrong with the views themselves is wrong on every model.
+  // Invalid views are invalid for every model.
   const auto any = solve_procam(views, min);
   if (!any && any.error().code() == ErrorCode::kInvalidArgument) return any.error();
   ProcamSelection selection;

@@ -23,9 +23,9 @@ namespace {
 
 using PoseBlock = std::array<double, 6>;  ///< Angle-axis, then translation.
 
-using BoardBlock = std::array<double, kBoardValues>;  ///< As BoardShape.
+using BoardBlock = std::array<double, kBoardValues>;  ///< Like BoardShape.
 
-/// All unknowns. Addresses are Ceres's names for them: the lists do not grow while a problem lives.
+/// All unknowns. Ceres identifies them by address, so the lists must not grow while a problem exists.
 struct Unknowns {
   calibration::BrownBlock camera = {};
   calibration::BrownBlock projector = {};
@@ -40,7 +40,7 @@ void moved(const T* pose, const T* point, T* result) {
   for (int i = 0; i < 3; ++i) result[i] += pose[3 + i];
 }
 
-/// A number without derivatives. (A cast of double to double would be a warning.)
+/// Converts a constant without derivatives. (A cast from double to double would cause a warning.)
 template <typename T>
 T constant(double value) {
   if constexpr (std::is_same_v<T, double>) {
@@ -50,7 +50,7 @@ T constant(double value) {
   }
 }
 
-/// u and v of a point in a lens's frame, less where it was seen.
+/// Computes the reprojection error of a point in a lens's frame: (u, v) minus the observation.
 template <typename T>
 bool pixel_error(const T* lens, bool is_square, const T* point, const Eigen::Vector2d& seen, T* error) {
   if (!(point[2] > 1e-6)) return false;
@@ -66,7 +66,7 @@ bool pixel_error(const T* lens, bool is_square, const T* point, const Eigen::Vec
   return true;
 }
 
-/// A corner where it lies on the board.
+/// Returns the position of a corner on the deformed board.
 template <typename T>
 void shaped(const T* shape, const Eigen::Vector2d& corner, T* point) {
   point[0] = constant<T>(corner.x());
@@ -107,7 +107,7 @@ struct ProjectorError {
 
 PoseBlock block_of(const StartPose& pose) {
   PoseBlock block;
-  // Ceres reads matrices by columns, as Eigen keeps them.
+  // Ceres reads matrices column-major, as Eigen stores them.
   ceres::RotationMatrixToAngleAxis(pose.R.data(), block.data());
   std::copy_n(pose.t.data(), 3, block.begin() + 3);
   return block;
@@ -133,7 +133,8 @@ std::vector<int> held_values(calibration::LensModel model) {
 
 void hold(const std::vector<int>& values, double* lens, ceres::Problem* problem) {
   if (values.empty() || !problem->HasParameterBlock(lens)) return;
-  problem->SetManifold(lens, new ceres::SubsetManifold(calibration::kBrownValues, values));  // The problem owns it.
+  // The problem takes ownership.
+  problem->SetManifold(lens, new ceres::SubsetManifold(calibration::kBrownValues, values));
 }
 
 void add_camera(const BoardView& view, bool is_square, Unknowns* unknowns, PoseBlock* pose, ceres::Problem* problem) {
@@ -156,7 +157,7 @@ void add_projector(const BoardView& view, bool is_square, Unknowns* unknowns, Po
   }
 }
 
-/// Half the sum of squares; nothing when it led nowhere.
+/// Returns half the sum of squares; nothing if the solver failed.
 std::optional<double> minimise(ceres::Problem* problem) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
@@ -174,7 +175,7 @@ std::optional<double> minimise(ceres::Problem* problem) {
 double rms(double sum_of_squares, double count) { return std::sqrt(sum_of_squares / std::max(1.0, count)); }
 
 double squares_of(const std::vector<double>& residuals, bool of_camera) {
-  // Residual blocks were added camera first, then projector, in pairs of numbers.
+  // Residual blocks were added in the order camera, projector, as pairs of numbers.
   double sum = 0.0;
   const std::size_t half = residuals.size() / 2;
   for (std::size_t i = of_camera ? 0 : half; i < (of_camera ? half : residuals.size()); ++i)
@@ -207,7 +208,8 @@ Error undetermined() {
           "about another axis, and nearer or further away"};
 }
 
-/// From a camera of this focal length: the camera alone first, whose boards then give the projector points in space.
+/// Starts from a camera of this focal length: solves the camera alone, whose boards then give the projector points in
+/// space.
 std::optional<Unknowns> started(const std::vector<BoardView>& views, const std::vector<Eigen::Matrix3d>& homographies,
                                 const ProcamChoice& choice, double focal_px) {
   Unknowns unknowns;
@@ -216,7 +218,7 @@ std::optional<Unknowns> started(const std::vector<BoardView>& views, const std::
   for (const Eigen::Matrix3d& h : homographies) unknowns.boards.push_back(block_of(board_pose(h, focal_px, centre)));
   ceres::Problem alone;
   for (std::size_t i = 0; i < views.size(); ++i) add_camera(views[i], true, &unknowns, &unknowns.boards[i], &alone);
-  // The centre stays until the projector's view holds it as well.
+  // The principal point is held until the projector's view constrains it as well.
   std::vector<int> held = held_values(calibration::LensModel::kPinhole);
   held.insert(held.end(), {calibration::kCentreU, calibration::kCentreV});
   hold(held, unknowns.camera.data(), &alone);
@@ -256,10 +258,10 @@ void build(const std::vector<BoardView>& views, const ProcamChoice& choice, Unkn
   if (choice.board_model == BoardModel::kFlat) problem->SetParameterBlockConstant(unknowns->shape.data());
 }
 
-/// Rank and deviations, from the Jacobian with its columns scaled to length 1.
+/// Rank and standard deviations, from the Jacobian with its columns scaled to length 1.
 struct Certainty {
   int rank = 0;
-  std::vector<double> sigmas;  ///< Of camera, projector, and the rest, without what is held.
+  std::vector<double> sigmas;  ///< For camera, projector and the rest, without held parameters.
 };
 
 Certainty certainty_of(Unknowns* unknowns, ceres::Problem* problem) {
@@ -286,7 +288,7 @@ Certainty certainty_of(Unknowns* unknowns, ceres::Problem* problem) {
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(jacobian, Eigen::ComputeThinV);
   Certainty certainty;
   const Eigen::VectorXd& values = svd.singularValues();
-  // Single precision's gain: below it, numerical noise of the sums would pass for a measurement.
+  // The threshold is about single precision; below it, rounding of the sums would count as a measurement.
   for (const double value : values) certainty.rank += value > 1e-7 * values[0] ? 1 : 0;
   double squares = 0.0;
   for (const double residual : residuals) squares += residual * residual;
@@ -299,7 +301,8 @@ Certainty certainty_of(Unknowns* unknowns, ceres::Problem* problem) {
   return certainty;
 }
 
-/// Puts the deviations of what is free where it belongs; the second focal length of square pixels is the first.
+/// Assigns standard deviations to the free parameters; with square pixels the second focal length takes that of the
+/// first.
 std::size_t spread_sigmas(const std::vector<double>& sigmas, std::size_t next, calibration::LensModel model,
                           calibration::BrownBlock* block) {
   const std::vector<int> held = held_values(model);
@@ -335,7 +338,8 @@ Result<ProcamCalibration> solve_procam(const std::vector<BoardView>& views, cons
     ceres::Problem problem;
     build(views, choice, &*unknowns, &problem);
     const auto cost = minimise(&problem);
-    if (!cost || !(unknowns->camera[calibration::kFocalU] > 0.0) || !(unknowns->projector[calibration::kFocalU] > 0.0)) continue;
+    if (!cost || !(unknowns->camera[calibration::kFocalU] > 0.0) || !(unknowns->projector[calibration::kFocalU] > 0.0))
+      continue;
     costs.push_back(*cost);
     if (best && *cost >= best_cost) continue;
     best_cost = *cost;

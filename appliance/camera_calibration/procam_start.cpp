@@ -8,7 +8,7 @@
 namespace cyclorama::camera_calibration {
 namespace {
 
-/// Moves points to their middle and scales them to a mean distance of 1: what makes linear equations well conditioned.
+/// Centres points and scales them to a mean distance of 1, for well-conditioned linear equations.
 template <int N>
 struct Normalised {
   using Vector = Eigen::Matrix<double, N, 1>;
@@ -28,7 +28,7 @@ struct Normalised {
   }
 };
 
-/// The vector that the equations' rows annul; nothing when they leave more than one.
+/// Returns the null vector of the rows; nothing if the null space has more dimensions.
 std::optional<Eigen::VectorXd> annulled(const Eigen::MatrixXd& rows) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeFullV);
   const Eigen::VectorXd& values = svd.singularValues();
@@ -62,7 +62,7 @@ std::optional<Eigen::Matrix3d> homography(const std::vector<Eigen::Vector2d>& fr
 }
 
 std::optional<double> focal_from(const std::vector<Eigen::Matrix3d>& homographies, const Eigen::Vector2d& centre_px) {
-  // Columns 1 and 2 are images of directions of equal length at a right angle: two linear equations in 1/f² each.
+  // Columns 1 and 2 are images of perpendicular directions of equal length: two linear equations in 1/f² each.
   double sum_aa = 0.0;
   double sum_ac = 0.0;
   for (const Eigen::Matrix3d& h : homographies) {
@@ -117,10 +117,10 @@ std::optional<StartPinhole> pinhole_from(const std::vector<Eigen::Vector3d>& poi
   const Eigen::Matrix<double, 3, 4> normal =
       Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(values->data());
   Eigen::Matrix<double, 3, 4> camera = b.transform.inverse() * normal * a.transform;
-  // Up to a scale: the one that makes a rotation, with the points in front.
+  // The scale and sign are those for which M contains a rotation with the points in front.
   camera /= camera.block<1, 3>(2, 0).norm();
   if (camera.leftCols<3>().determinant() < 0.0) camera = -camera;
-  // M = K R: K is what M Mᵀ says, from below.
+  // M = K R, so K follows from M Mᵀ, beginning with its last row.
   const Eigen::Matrix3d m = camera.leftCols<3>();
   const Eigen::Matrix3d mm = m * m.transpose();
   const double cu = mm(0, 2) / mm(2, 2);

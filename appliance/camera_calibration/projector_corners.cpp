@@ -45,11 +45,11 @@ std::vector<Sample> samples_around(const structured_light::Decoded& decoded, con
   return samples;
 }
 
-/// The surface's value in the middle, by least squares that doubt what lies far off (Tukey's weights, from the
-/// deviation of the round before).
+/// Returns the surface's value in the middle, by least squares with Tukey's weights from the previous round's
+/// deviation.
 std::optional<double> middle_value(const std::vector<Sample>& samples, int axis) {
   Terms surface = Terms::Zero();
-  double spread = 0.0;  // 0: all are believed.
+  double spread = 0.0;  // 0: all samples have weight 1.
   for (int round = 0; round < 6; ++round) {
     Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
     Terms right = Terms::Zero();
@@ -73,7 +73,8 @@ std::optional<double> middle_value(const std::vector<Sample>& samples, int axis)
       distances.push_back(std::abs(sample.position[axis] - sample.terms.dot(surface)));
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
-    // 1.48 makes a deviation of a median, 4.7 loses 5 % of what is normally distributed; never below what edges give.
+    // 1.48 converts a median to a standard deviation; 4.7 gives 95 % efficiency for normal errors. The lower bound is
+    // the noise of edges.
     spread = 4.7 * std::max(0.02, 1.48 * *middle);
   }
   return surface[0];

@@ -25,7 +25,7 @@ struct Plane {
   [[nodiscard]] double at(const Sample& s) const { return c[0] + c[1] * s.u + c[2] * s.v; }
 };
 
-/// Least squares over the samples marked; u and v are small and centred, so the normal equations are well behaved.
+/// Least squares over the marked samples; u and v are small and centred, so the normal equations are well conditioned.
 Plane plane_through(const std::vector<Sample>& samples, const std::vector<char>& is_used, double Sample::*value) {
   double n = 0, su = 0, sv = 0, suu = 0, suv = 0, svv = 0, sx = 0, sux = 0, svx = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -60,7 +60,7 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// Distances from a plane that outliers do not bend: from the medians first, then from what lies near.
+/// Returns the distances from a robust plane: from the medians first, then from the samples near them.
 std::vector<double> distances_in(const std::vector<Sample>& samples) {
   std::vector<double> xs, ys;
   for (const Sample& s : samples) {
@@ -71,7 +71,7 @@ std::vector<double> distances_in(const std::vector<Sample>& samples) {
   const double y = median_of(ys);
   std::vector<char> is_used(samples.size(), 0);
   std::vector<double> distances(samples.size(), 0.0);
-  // A tile's own slope spreads its places; only what is far beyond is left out at first.
+  // The slope within a tile spreads its positions, so only samples far beyond that are left out at first.
   for (std::size_t i = 0; i < samples.size(); ++i) distances[i] = std::hypot(samples[i].x - x, samples[i].y - y);
   double max = std::max(kGrossPx, 3.0 * median_of(distances));
   for (int round = 0; round < 4; ++round) {

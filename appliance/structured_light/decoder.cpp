@@ -10,8 +10,8 @@
 namespace cyclorama::structured_light {
 namespace {
 
-/// Direct and global light are told apart by stripes that are narrow against what the light's detours blur, and wide
-/// against what lens and focus blur: those of 16 to 64 pixels, of a projector that has as many.
+/// Direct and global light are separated by stripes that are narrow compared with the blur of indirect light, and wide
+/// compared with the blur of lens and focus: those of 16 to 64 pixels, if the projector is large enough.
 constexpr int kSeparatingBit = 3;
 constexpr int kSeparatingBits = 3;
 int separating_bit(const AxisBits& axis) {
@@ -150,7 +150,8 @@ void Decoder::add_pair(const PatternPicture& picture, const Photo& pattern, cons
 }
 
 double Decoder::measured_noise(const Image<float, 1>& amplitude) const {
-  // Pattern and inverse together are the same light every time. Among the brighter pixels, which decide.
+  // Pattern plus inverse should be constant, so its variance gives the noise. Only brighter pixels are used, since they
+  // decide.
   std::vector<float> variances;
   const std::size_t count = amplitude.data().size();
   const std::size_t every = std::max<std::size_t>(1, count / 50000);

@@ -10,21 +10,21 @@ namespace cyclorama::structured_light {
 namespace {
 
 constexpr int kLevels = 4;
-/// Pixels without a reading that an edge may lie among: where a base bit of XOR codes is open, none has one.
+/// Maximum gap of undecided pixels across an edge: with XOR codes no pixel has a reading where a base bit is open.
 constexpr std::size_t kMaxBridge = 4;
-/// Edges further apart than this many camera pixels say little about what is between them.
+/// Edges farther apart than this many camera pixels do not determine positions between them.
 constexpr double kFurthestEdges = 96.0;
-/// What interpolating between edges misses, in stripes: measured against planes on real captures
+/// Error of the interpolation between edges, in stripes, measured against planes on real captures
 /// (docs/design/structured-light.md).
 constexpr double kModelSigma = 0.02;
-/// And what a straight line between two camera pixels misses of an edge between them, in camera pixels.
+/// Error of the linear interpolation of an edge between two camera pixels, in camera pixels.
 constexpr double kCrossingSigma = 0.05;
 
 struct Crossing {
   double at = 0.0;     ///< In camera pixels along the line; the centre of its first pixel is 0.
-  double sigma = 0.0;  ///< Of that.
-  int boundary = 0;    ///< Between the cells boundary - 1 and boundary.
-  bool begins = true;  ///< Nothing is known between the crossing before and this one.
+  double sigma = 0.0;  ///< Standard deviation of `at`.
+  int boundary = 0;    ///< The edge between the cells boundary - 1 and boundary.
+  bool begins = true;  ///< Nothing is known between the previous crossing and this one.
 };
 
 /// A row or a column of the photograph.
@@ -39,7 +39,7 @@ class Line {
     stride_ = stride;
     crossings_.clear();
     begins_ = true;
-    std::size_t before = count;  // None.
+    std::size_t before = count;  // `count` means none.
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t p = pixel(i);
       if (is_lit_.data()[p] == 0) {
@@ -82,7 +82,7 @@ class Line {
 
  private:
   [[nodiscard]] std::size_t pixel(std::size_t i) const { return start_ + i * stride_; }
-  /// Pattern less inverse in units of the pixel's own light, so that the wall's colour cannot move an edge.
+  /// Returns pattern minus inverse relative to the pixel's own light, so that the wall's colour does not shift an edge.
   [[nodiscard]] double profile(int bit, std::size_t i) const {
     const std::size_t p = pixel(i);
     const auto difference = static_cast<double>(axis_.differences[static_cast<std::size_t>(bit)].data()[p]);
@@ -90,12 +90,12 @@ class Line {
            (static_cast<double>(kDifferenceScale) * std::max(1e-3, static_cast<double>(amplitude_.data()[p])));
   }
 
-  /// The edges between two settled pixels of the line.
+  /// Adds the edges between two settled pixels of the line.
   void add_between(std::size_t a, std::size_t b) {
     const int from = reading_.position.data()[pixel(a)] >> level_;
     const int to = reading_.position.data()[pixel(b)] >> level_;
     if (from == to) return;
-    // Three edges would be those of one bit twice, whose order cannot be told.
+    // Three edges would be two of one bit, whose order is ambiguous.
     if (std::abs(to - from) > 2) {
       begins_ = true;
       return;
@@ -111,7 +111,7 @@ class Line {
       }
     }
     if (crossings_.size() == first + 2 && crossings_[first].at > crossings_[first + 1].at) {
-      // Blurred into each other: the stripe between them is nowhere.
+      // The edges are blurred into each other, and the stripe between them is not visible.
       crossings_.resize(first);
       begins_ = true;
     }

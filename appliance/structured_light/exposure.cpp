@@ -15,7 +15,7 @@ constexpr double kBrightLow = 0.6;
 constexpr double kDimLow = 0.3;
 constexpr double kBrightHigh = 0.9;
 constexpr double kMaxSaturated = 0.005;
-/// How far below the darkest saturated exposure one goes on, when nothing says how much too bright it is.
+/// Divisor of the darkest saturated exposure if no sample shows how much too bright it is.
 constexpr double kStepDown = 4.0;
 constexpr double kStepUp = 8.0;
 
@@ -23,7 +23,7 @@ bool is_too_bright(const ExposureSample& sample) {
   return sample.saturated > kMaxSaturated || sample.bright > kBrightHigh;
 }
 
-/// Within the limits, in whole periods where one fits.
+/// Clamps to the limits and rounds to whole periods if at least one fits.
 ExposureTime allowed(ExposureTime wanted, const ExposureLimits& limits) {
   ExposureTime exposure = std::clamp(wanted, limits.shortest, limits.longest);
   const ExposureTime period = limits.projector_period;
@@ -72,14 +72,14 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
                           false};
   }
   const ExposureSample& newest = samples.back();
-  // A period more or less, since exposures are whole ones.
+  // One period of tolerance, since exposures are whole periods.
   const bool is_long = newest.exposure >= limits.preferred_longest - 1.001 * limits.projector_period;
   const bool is_patient = limits.preferred_longest < limits.longest && is_long;
   if (!is_too_bright(newest) && newest.bright >= (is_patient ? kDimLow : kBrightLow))
     return ExposureAdvice{newest.exposure, true};
 
-  // Light is proportional to exposure: any sample that is neither black nor saturated tells the right one; the
-  // brightest best.
+  // Light is proportional to exposure, so any sample that is neither black nor saturated gives the right exposure; the
+  // brightest is the most accurate.
   std::optional<ExposureTime> shortest_too_bright;
   const ExposureSample* best = nullptr;
   for (const ExposureSample& sample : samples) {
@@ -94,7 +94,8 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
     wanted = best->exposure * (kBrightAim / best->bright);
     if (wanted > limits.preferred_longest)
       wanted = std::max(limits.preferred_longest, best->exposure * (kDimAim / best->bright));
-    // Ambient light or a response curve can mislead: never try again what is known to be too bright.
+    // Ambient light or a response curve can mislead, so an exposure that is known to be too bright is never tried
+    // again.
     if (shortest_too_bright && wanted >= *shortest_too_bright) wanted = 0.5 * (best->exposure + *shortest_too_bright);
   } else if (shortest_too_bright) {
     wanted = *shortest_too_bright / kStepDown;
@@ -104,7 +105,7 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
     return std::abs(sample.exposure / next - 1.0) < 1e-6;
   });
   if (!was_tried) return ExposureAdvice{next, false};
-  // What the limits, or whole periods, leave: as long as it is not too bright, the longest of them does.
+  // With the limits and whole periods no better exposure exists; the longest one that is not too bright is used.
   for (const ExposureSample& sample : samples) {
     if (std::abs(sample.exposure / next - 1.0) >= 1e-6) continue;
     if (is_too_bright(sample)) {

@@ -9,7 +9,7 @@
 namespace cyclorama::structured_light {
 namespace {
 
-/// Which pixels belong together.
+/// Union-find over pixels.
 class Union {
  public:
   explicit Union(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0U); }
@@ -32,13 +32,13 @@ class Union {
 
 bool is_decoded(const Decoded& decoded, std::size_t i) { return decoded.fate.data()[i] == PixelFate::kDecoded; }
 
-/// The larger of two pixels' distances on the projector's axes.
+/// Returns the larger of two pixels' distances along the projector's axes.
 float distance(const Decoded& decoded, std::size_t a, std::size_t b) {
   const auto positions = decoded.position_px.data();
   return std::max(std::abs(positions[2 * a] - positions[2 * b]), std::abs(positions[2 * a + 1] - positions[2 * b + 1]));
 }
 
-/// What neighbours usually differ by, from some ten thousand of them.
+/// Returns the median difference between neighbours, from some ten thousand of them.
 float usual_step(const Decoded& decoded, std::size_t stride) {
   const std::size_t count = decoded.fate.data().size();
   const std::size_t every = std::max<std::size_t>(1, count / 20000);

@@ -44,7 +44,7 @@ RgbImage drawn(const PatternSet& set, const PatternPicture& picture) {
   };
   const std::array<bool, 3> is_shown = {shows(PatternLight::kRed), shows(PatternLight::kGreen),
                                         shows(PatternLight::kBlue)};
-  // Stripes repeat: a picture of columns is one row many times, and one of rows has one value a row.
+  // Pictures of columns repeat one row; pictures of rows have one value per row.
   for (int y = 0; y < set.height_px; ++y) {
     if (y > 0 && picture.axis == PatternAxis::kColumns) {
       std::copy_n(image.at(0, 0), image.row_values(), image.at(0, y));

@@ -47,7 +47,7 @@ int place_of(const std::array<const char*, N>& names, const std::string& name) {
   return -1;
 }
 
-/// A picture's line: kind axis bit pattern|inverse step level light
+/// Parses a picture's line: kind axis bit pattern|inverse step level light
 Result<PatternPicture> read_picture(std::istringstream* words) {
   std::string kind, axis, bit, inverse, step, level, light, more;
   *words >> kind >> axis >> bit >> inverse >> step >> level >> light;
@@ -71,7 +71,7 @@ Result<PatternPicture> read_picture(std::istringstream* words) {
                         .light = static_cast<PatternLight>(light_place)};
 }
 
-/// The first line: patterns 1 WIDTHxHEIGHT base BIT phase PERIOD STEPS
+/// Parses the first line: patterns 1 WIDTHxHEIGHT base BIT phase PERIOD STEPS
 Result<PatternSet> read_head(const std::string& line) {
   std::istringstream words(line);
   std::string magic, version, width, height, base_word, base, phase_word, period, steps, more;
@@ -118,7 +118,7 @@ Result<PatternSet> structured_light(const PatternChoice& choice) {
   const int stripe = 2 << choice.finest_bit;
   if (has_phases && (choice.phase_steps < 3 || choice.phase_steps > 256 || !(choice.phase_period_px >= 2.0 * stripe) ||
                      !(choice.phase_period_px <= kMaxPx))) {
-    // The bits must tell one period from the next, and their own reading is uncertain by a stripe.
+    // The bits must distinguish periods, and their own reading is uncertain by a stripe.
     return bad("phases need 3 to 256 steps, and a period of " + std::to_string(2 * stripe) + " to 16384 pixels");
   }
   PatternSet set;
@@ -190,7 +190,7 @@ Result<PatternSet> read_pattern_set(const std::string& text) {
     std::istringstream words(line);
     auto picture = read_picture(&words);
     if (!picture) return std::move(picture).error().while_doing("line " + std::to_string(number));
-    // What cannot be drawn: a phase of no period.
+    // A phase without a period cannot be drawn.
     if (picture->kind == PatternKind::kPhase && (set.phase_steps < 3 || !(set.phase_period_px >= 4.0))) {
       return Error(ErrorCode::kBadData,
                    "line " + std::to_string(number) + ": a phase, but line 1 has no period and steps");

@@ -8,7 +8,8 @@ namespace cyclorama::structured_light {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-/// What a projector's response and the camera's leave of a period after N steps; the sigma never falls below it.
+/// Residual error, as a fraction of the period, from the responses of projector and camera after N steps; lower bound
+/// of the sigma.
 constexpr double kModelShare = 1e-3;
 
 }  // namespace
@@ -32,7 +33,7 @@ void PhaseReading::refine(double noise, AxisPositions* positions) const {
     const auto sine = static_cast<double>(sums_.data()[2 * i + 1]);
     const double strength = 2.0 / steps_ * std::hypot(cosine, sine);
     const double phase_sigma = noise * std::sqrt(2.0 / steps_) / std::max(strength, 1e-9);
-    // A sine lost in noise tells nothing; the bits stay.
+    // The phase is lost in noise, so the bits' position is kept.
     if (phase_sigma > 0.2) continue;
     const double within = std::atan2(sine, cosine) / kTurn * period_px_;
     float& position = positions->position_px.data()[i];

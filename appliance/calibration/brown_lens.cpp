@@ -16,8 +16,8 @@ double value_of(const std::vector<double>& polynomial, double at) {
   return sum;
 }
 
-/// All places in (0, limit) where the polynomial (lowest power first) changes its sign, in order: between two extrema,
-/// which are the roots of its derivative, there is at most one.
+/// Returns all points in (0, limit) where the polynomial (lowest power first) changes sign, in ascending order: between
+/// two extrema, which are the roots of its derivative, there is at most one.
 std::vector<double> sign_changes(const std::vector<double>& polynomial, double limit) {
   if (polynomial.size() < 2) return {};
   std::vector<double> derivative;
@@ -43,7 +43,7 @@ std::vector<double> sign_changes(const std::vector<double>& polynomial, double l
 }
 
 /// At slope r the Jacobian's eigenvalues are the magnifications across, R, and along the ray, d(rR)/dr, and decentring
-/// takes at most 6 |p| r from either: it adds 2 (p·x I + p xᵀ + x pᵀ), with p = (p2, p1).
+/// reduces either by at most 6 |p| r: it adds 2 (p·x I + p xᵀ + x pᵀ), with p = (p2, p1).
 double slope_of_min_magnification(const BrownParameters& lens) {
   const double decentring = -6.0 * std::hypot(lens.p1, lens.p2);
   const double one = 1.0 - BrownLens::kMinMagnification;
@@ -60,7 +60,7 @@ double slope_of_min_magnification(const BrownParameters& lens) {
 
 Result<BrownLens> BrownLens::from(const BrownParameters& parameters) {
   for (const double value : to_block(parameters)) {
-    // Beyond this, powers of the widest slope would overflow.
+    // Beyond this, powers of the largest slope would overflow.
     if (!(std::abs(value) < 1e100)) {
       return Error(ErrorCode::kInvalidArgument, "a lens whose numbers are not finite: calibrate the camera again");
     }
@@ -135,7 +135,7 @@ SlopeAnswer BrownLens::slope_at(const Eigen::Vector2d& pixel) const {
       const Eigen::Vector2d next = slope + share * step;
       if (!(next.norm() <= trusted_slope_)) continue;
       const Eigen::Vector2d next_error = distorted(next) - wanted;
-      // Near the minimum the potential's own rounding hides that it falls; there the error tells.
+      // Near the minimum rounding hides the potential's decrease, so the error decides there.
       if (next_error.norm() <= 0.5 * error.norm() ||
           potential(next) - wanted.dot(next) <= height + 1e-4 * share * step.dot(error)) {
         slope = next;
@@ -151,7 +151,7 @@ SlopeAnswer BrownLens::slope_at(const Eigen::Vector2d& pixel) const {
 }
 
 Status BrownLens::covers_picture() const {
-  // What the disc of trusted slopes is imaged to has no holes, so a picture lies in it when its border does.
+  // The image of the trusted disc has no holes, so a picture lies inside it if its border does.
   const int width = parameters_.width_px;
   const int height = parameters_.height_px;
   const auto check = [this](double u, double v) -> Status {

@@ -18,7 +18,7 @@ constexpr int kVersion = 1;
 constexpr double kLarge = 1e9;
 constexpr int kMaxPx = 16384;
 constexpr int kMaxCells = 4096;
-constexpr std::size_t kMaxNumbers = 8192;  // Of a wall's parameters.
+constexpr std::size_t kMaxNumbers = 8192;  // Maximum number of a wall's parameters.
 
 template <typename Vector>
 Json list_of(const Vector& values) {
@@ -135,7 +135,7 @@ SplineAxis axis_of(StrictJson json) {
   return axis;
 }
 
-/// Its keys stand beside others.
+/// Reads a surface whose keys are part of a larger object.
 Surface surface_of(StrictJson* json) {
   Surface surface;
   const auto model = surface_model(json->text("surface", 60));
@@ -296,7 +296,7 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
     projector.map.height_px = p.integer("height_px", 16, kMaxPx);
     projector.map.cells_x = p.integer("cells_x", 1, kMaxCells);
     projector.map.cells_y = p.integer("cells_y", 1, kMaxCells);
-    // Where maps lie is not theirs to choose: a file from a stranger must not make us open others.
+    // The file may not choose the paths of its maps, so that an untrusted file cannot make the program open others.
     const std::string file = fmt::format("calibrations/{}/{}", calibration.date, ++number);
     if (p.text("map", 200) != file + ".map.pfm") p.at("map").refuse("is not '" + file + ".map.pfm'; calibrate again");
     if (p.text("sigma", 200) != file + ".sigma.pfm")

@@ -28,7 +28,7 @@ constexpr std::size_t kMaxPx = std::size_t{64} << 20;
 constexpr std::size_t kMaxCodes = 65536;
 constexpr std::array<const char*, 3> kChannels{"red", "green", "blue"};
 
-// Counted from 1, as the maps are: a projector's name need not be a file's.
+// Numbered from 1 like the maps, since a projector's name may be invalid as a file name.
 std::string mask_file(std::size_t index) { return fmt::format("{}.mask.png", index + 1); }
 std::string black_lift_file(std::size_t index) { return fmt::format("{}.lift.png", index + 1); }
 
@@ -124,7 +124,7 @@ Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const
     CalibratedColour one;
     one.name = p.text("name", 60);
     if (!names.insert(one.name).second) p.at("name").refuse("is another projector's name; give each its own");
-    // Where pictures lie is not theirs to choose.
+    // The file may not choose the paths of its pictures.
     const std::size_t index = colours.size();
     if (p.text("mask", 80) != mask_file(index)) p.at("mask").refuse("is not 'N.mask.png'; calibrate again");
     if (p.has("lift") && p.text("lift", 80) != black_lift_file(index))

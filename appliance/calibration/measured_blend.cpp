@@ -10,10 +10,10 @@
 namespace cyclorama::calibration {
 namespace {
 
-constexpr int kTableAcross = 2048;  // Of a picture: weights are smooth over a hundred of its columns.
-using Table = Image<float, 1>;      // How far inside of a projector's picture each place lies.
+constexpr int kTableAcross = 2048;  // Columns of a table over the picture; weights are smooth over a hundred of them.
+using Table = Image<float, 1>;      // Inwardness of each position in a projector's picture.
 
-/// As blend_mask.cpp: 1 in the middle of the picture, 0 at its edges.
+/// Like blend_mask.cpp: 1 in the middle of the picture, 0 at its edges.
 double inwardness(const MeasuredMap& map, const Eigen::Vector2d& pixel) {
   const double w = map.width_px;
   const double h = map.height_px;
@@ -21,11 +21,11 @@ double inwardness(const MeasuredMap& map, const Eigen::Vector2d& pixel) {
   return inward * inward;
 }
 
-/// Of pictures that are a whole turn, columns repeat.
+/// Positions in a picture; in a panorama of a whole turn columns repeat.
 struct PicturePositions {
   PictureShape shape;
   PixelScale scale;
-  double turn_px = 0.0;  // 0: none.
+  double turn_px = 0.0;  // 0: not a whole turn.
 
   explicit PicturePositions(const PictureShape& picture)
       : shape(with_pixels(picture, kTableAcross,
@@ -41,7 +41,7 @@ struct PicturePositions {
     const PanoramaPixel pixel = scale.pixel_at(*position);
     return Eigen::Vector2d(pixel.u, pixel.v);
   }
-  /// The same place, near another's column.
+  /// Returns the same position in the period nearest to another column.
   [[nodiscard]] double near(double u, double other) const {
     return turn_px > 0.0 ? u - turn_px * std::round((u - other) / turn_px) : u;
   }
@@ -52,8 +52,8 @@ struct PicturePositions {
 };
 
 struct Corner {
-  Eigen::Vector2d at;     // In the table.
-  Eigen::Vector2d pixel;  // Of the projector.
+  Eigen::Vector2d at;     // Position in the table.
+  Eigen::Vector2d pixel;  // Pixel of the projector.
 };
 
 double side_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& p) {
@@ -105,7 +105,7 @@ Table table_of(const MeasuredMap& map, const PicturePositions& positions) {
   return table;
 }
 
-/// Between the four nearest; 0 outside.
+/// Interpolates bilinearly; returns 0 outside.
 double value_at(const Table& table, const PicturePositions& positions, const Eigen::Vector2d& at) {
   const double u = at.x() - 0.5;
   const double v = at.y() - 0.5;

@@ -15,7 +15,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kVersion = 1;
 constexpr int kMaxPx = 16384;
 constexpr double kMaxDistanceM = 1e3;
-constexpr double kFlattest = 1e-60;  // Determinant of six deviations of a micrometre or microradian: 1e-36.
+// Minimum determinant; for six standard deviations of a micrometre or microradian it would be 1e-36.
+constexpr double kFlattest = 1e-60;
 constexpr std::size_t kMaxDevices = 64;
 constexpr float kLightSteps = 65535.0f;
 constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
@@ -79,7 +80,7 @@ Json json_of(const std::array<CodeLight, 3>& light) {
   return values;
 }
 
-/// Channel by channel.
+/// Reads the light channel by channel.
 std::array<CodeLight, 3> light_of(StrictJson* json) {
   std::array<CodeLight, 3> light{};
   const std::size_t codes = light[0].size();
@@ -89,7 +90,7 @@ std::array<CodeLight, 3> light_of(StrictJson* json) {
   return light;
 }
 
-/// By columns.
+/// Reads a matrix in column-major order.
 PoseMatrix root_of(StrictJson* json) {
   PoseMatrix root = PoseMatrix::Identity();
   const std::vector<StrictJson> values = json->list("root", 36, 36);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-calibrator: measures the wall when it is told to, and keeps it in its place while the show goes on.
+/// cyclorama-calibrator: calibrates the wall on request, and keeps the calibration correct during the show.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -34,10 +34,10 @@ namespace {
 
 constexpr Duration kSupervisePeriod = std::chrono::milliseconds(500);
 constexpr double kFirstExposure_s = 1.0 / 60.0;
-/// About how wide heads' pictures are when they are compared with what cameras see.
+/// Approximate width at which heads' pictures are compared with camera pictures.
 constexpr double kWatchedWidth_px = 960.0;
 
-/// What the command line says; each overrides the file.
+/// Command-line options; each overrides the file.
 struct Options {
   std::string config;
   std::string installation;
@@ -137,12 +137,12 @@ void add_watch_options(CLI::App& app, Options* ret) {
 }
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kReadByEye_rad = 0.3 * kDegree;  // Off a scale of whole degrees.
+constexpr double kReadByEye_rad = 0.3 * kDegree;  // Error of reading a scale of whole degrees by eye.
 
 constexpr double kMillisecond = 1e-3;
 constexpr const char* kOwnDisplay = "[::1]:7404";
 
-/// Empty: there is none.
+/// Empty if there is none.
 std::filesystem::path config_of(const Options& options) {
   if (!options.config.empty() || options.installation.empty()) return options.config;
   const auto beside = std::filesystem::path(options.installation).parent_path() / "calibrator.toml";
@@ -163,7 +163,7 @@ Result<CalibratorSettings> settings_of(const Options& options) {
     TRY_ASSIGN(scan::PatternDisplay display, scan::parse_pattern_display(text));
     settings.displays.push_back(std::move(display));
   }
-  // A room that is simulated whole has no display.
+  // A museum that is simulated as a whole has no display.
   if (settings.displays.empty() && options.simulated.empty()) settings.displays.push_back({kOwnDisplay});
   if (options.lens) settings.lens = *options.lens;
   if (options.field_of_view_deg) settings.field_of_view_rad = kDegree * *options.field_of_view_deg;
@@ -181,14 +181,14 @@ Result<CalibratorSettings> settings_of(const Options& options) {
   return settings;
 }
 
-/// Where the lenses of fixed cameras are sought.
+/// Returns the folders that are searched for the lenses of fixed cameras.
 std::vector<std::filesystem::path> lens_folders(const Options& options, const CalibratorSettings& settings) {
   std::vector<std::filesystem::path> folders{std::filesystem::path(options.folder) / "cameras"};
   if (!settings.lenses.empty()) folders.push_back(settings.lenses);
   return folders;
 }
 
-/// --check: what would keep it from starting, or from calibrating for reasons that files tell.
+/// --check: finds problems in the files that would prevent a start or a calibration.
 Status check(const Options& options, const CalibratorSettings& settings) {
   TRY(settings.check_lenses());
   if (options.installation.empty()) return Done{};
@@ -215,7 +215,7 @@ std::chrono::milliseconds settle_of(const CalibratorSettings& settings) {
   return std::chrono::milliseconds(static_cast<int>(1e3 * settings.settle_s + 0.5));
 }
 
-/// The museum outlives all devices: the opener holds it.
+/// The opener holds the museum, so that it outlives all devices.
 DeviceOpener simulated_opener(const CalibratorSettings& settings, const std::filesystem::path& folder,
                               std::shared_ptr<simulated::SimulatedMuseum> museum) {
   return [settings, folder, museum]() -> Result<CalibrationDevices> {
@@ -229,7 +229,7 @@ DeviceOpener simulated_opener(const CalibratorSettings& settings, const std::fil
   };
 }
 
-/// A calibrator in a terminal asks there, a service asks whoever told it to calibrate.
+/// A calibrator in a terminal prompts there; a service passes the prompt to the client that requested the calibration.
 std::unique_ptr<turnplate::TurnplateOperator> operator_at(TurntablePrompt* prompt) {
   if (::isatty(STDIN_FILENO) == 1) return std::make_unique<turnplate::TerminalOperator>(STDIN_FILENO, STDERR_FILENO);
   return std::make_unique<PromptOperator>(prompt);
@@ -239,9 +239,10 @@ DeviceOpener real_opener(const CalibratorSettings& settings, const std::filesyst
                          const Installation& installation, TurntablePrompt* prompt, const Clock& clock) {
   return [settings, folder, projectors = installation.projectors, prompt, &clock]() -> Result<CalibrationDevices> {
     const scan::FrameScanCamera::Opener open_camera = [spec = settings.camera, &clock](double exposure_s) {
-      // Pictures are compared. libcamera's cameras hold their gain with a fixed exposure.
+      // Gain must be fixed, since photographs are compared. libcamera's cameras fix their gain together with the
+      // exposure.
       const std::string_view held = spec.starts_with("v4l2:") ? "&gain=held" : "";
-      // Where a picture takes less time than its exposure, cameras cut the exposure.
+      // Cameras shorten an exposure that exceeds the frame period.
       const double rate_hz = std::min(30.0, 0.9 / exposure_s);
       return devices::make_camera(
           devices::with_defaults(spec, fmt::format("{}&frames_per_second={:.4g}&colour=yes&exposure_ms={}{}",
@@ -260,7 +261,7 @@ DeviceOpener real_opener(const CalibratorSettings& settings, const std::filesyst
 
 Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
 
-/// Null: nothing watches.
+/// Null if no camera watches.
 Result<std::unique_ptr<healing::ShowRooms>> rooms_of(const Options& options, const CalibratorSettings& settings,
                                                      const Installation& installation, const Clock& clock) {
   const bool is_simulated = !options.simulated.empty() && !settings.displays.empty();
@@ -344,7 +345,7 @@ Status run(const Options& options, const StopSignal& stop) {
     notify.keep_alive(clock.now());
     const std::string state = calibrator.state();
     notify.status(state);
-    // Percents change all the time; what is gain a line is another situation.
+    // Percentages change all the time; a line is logged only when the situation changes.
     const std::string situation = state.substr(0, state.find_first_of(",;"));
     if (situation == shown) continue;
     log(LogLevel::kInfo, state);
@@ -353,7 +354,7 @@ Status run(const Options& options, const StopSignal& stop) {
   notify.stopping();
   calibrator.stop();
   healing.stop();
-  server->stop(std::chrono::seconds(5));  // A photograph may take a second, and the patterns have to go.
+  server->stop(std::chrono::seconds(5));  // A photograph may take a second, and the patterns must be removed.
   return Done{};
 }
 
@@ -368,5 +369,6 @@ int main(int argc, char** argv) {
   cyclorama::calibrator::add_file_options(program.options(), &options);
   cyclorama::calibrator::add_scan_options(program.options(), &options);
   cyclorama::calibrator::add_watch_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::calibrator::run(options, stop); });
+  return program.run(argc, argv,
+                     [&](const cyclorama::StopSignal& stop) { return cyclorama::calibrator::run(options, stop); });
 }

@@ -20,7 +20,7 @@ constexpr int kPictureWidth_px = 640;
 
 grpc::Status refused(const std::string& why) { return {grpc::StatusCode::FAILED_PRECONDITION, why}; }
 
-/// Small, for a page: every n-th pixel.
+/// Returns a small preview for a page: every n-th pixel.
 RgbImage preview_of(const scan::ScanPhotograph& photograph) {
   const int every = std::max(1, photograph.width() / kPictureWidth_px);
   RgbImage picture(photograph.width() / every, photograph.height() / every);
@@ -136,7 +136,7 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
         message.set_jpeg(std::string(reinterpret_cast<const char*>(jpeg->data()), jpeg->size()));
       }
     }
-    if (!writer->Write(message)) stop.request_stop();  // Nobody listens any more: that is a cancellation.
+    if (!writer->Write(message)) stop.request_stop();  // The client is gone, which counts as a cancellation.
   };
   std::string asked;
   const TurntablePrompt::Listener questions = [&](const std::string& question) {
@@ -192,7 +192,7 @@ grpc::Status CalibratorService::Restore(grpc::ServerContext*, const wire::Restor
   if (!now && now.error().code() != ErrorCode::kNotFound && now.error().code() != ErrorCode::kBadData) {
     return to_grpc(now.error());
   }
-  // The newest that is older than the one that counts; of one that cannot be read, the newest at all.
+  // Chooses the newest calibration older than the current one; if the current one is unreadable, the newest of all.
   for (const std::string& date : calibration::kept_calibrations(folder_)) {
     if (now && date >= now->date) continue;
     if (auto restored = calibration::restore_calibration(folder_, date); !restored) return to_grpc(restored.error());

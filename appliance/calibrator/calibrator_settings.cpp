@@ -18,7 +18,7 @@ using Ranges = CalibratorRanges;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMillisecond = 1e-3;
 
-/// The line for make_camera(). How long pictures are exposed is the calibration's matter.
+/// Returns the argument for make_camera(). The calibration chooses the exposure itself.
 std::string calibration_camera(ConfigTable* camera, const std::string& fallback) {
   if (camera->has("exposure_ms")) {
     camera->refuse("exposure_ms", "is of the tracker's camera; here the calibration chooses the exposure: remove it");

@@ -18,18 +18,18 @@ struct PlacedCamera {
   RigidTransform<frame::Room, frame::Camera> T_room_camera;
   std::size_t correspondences = 0;
   double rms_px = 0.0;
-  std::string trouble{};  ///< Why nobody knows where it stands, and what to do; empty: it is known.
+  std::string trouble{};  ///< Why the camera's pose is unknown, and the remedy; empty: it is known.
 };
 
-/// Where fixed cameras stand, by patterns: each projector that a camera sees tells where on the wall its pixels look,
-/// since the wall's calibration says where the projector's land.
+/// Finds the poses of fixed cameras by patterns. Each camera pixel is matched to a projector pixel, and the wall's
+/// calibration gives the position on the wall where that pixel lands.
 ///
 ///     camera pixel ─ patterns ─▶ projector pixel ─ its map ─▶ direction ─▶ wall ─▶ place_camera()
 ///
-/// `calibration`'s maps are where the projectors stand now.
-/// A camera that sees too little of what is lit keeps no other from being placed.
-/// kBadData  all of them do, with the first one's name.     kUnavailable  `stop`, with "cancelled", or a device. Others
-/// as measure_view(). Blocks, for some ten seconds per camera.
+/// `calibration`'s maps must describe the projectors' present poses. A camera that sees too little of the lit wall does
+/// not keep the others from being placed. Errors: kBadData if all cameras see too little, with the first one's name;
+/// kUnavailable if `stop` was requested ("cancelled") or a device fails; others as measure_view(). Blocks for some ten
+/// seconds per camera.
 Result<std::vector<PlacedCamera>> place_cameras(const std::vector<WatchingCamera>& cameras, PlacementDevices& devices,
                                                 const calibration::Calibration& calibration,
                                                 const Installation& installation,

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// FOLDER/corrections.log: a line of JSON per correction, the newest last; of one mebibyte or more it becomes
+/// FOLDER/corrections.log: one line of JSON per correction, the newest last. At one mebibyte or more it is renamed to
 /// corrections.log.1, and a new one begins.
 ///
 ///     {"at": "2026-11-23T10:00:00Z", "projector": 2, "kind": "bump", "moved_px": 23.411, "sigma_px": 0.110,
 ///      "before": {"rotation_wxyz": [...], "position_m": [...]}, "after": {...}}
 ///
-/// A projector is counted from 1; a kind is bump, drift, or undone: then `before` is the correction that was taken
-/// back, and `after` what stood before it.
+/// Projectors are counted from 1. A kind is bump, drift or undone; with undone, `before` is the correction that was
+/// taken back, and `after` the pose before it.
 #pragma once
 
 #include <filesystem>
@@ -20,29 +20,29 @@
 namespace cyclorama::healing {
 
 struct LoggedCorrection {
-  std::string at;  ///< UTC.
+  std::string at;  ///< Time in UTC.
   std::string kind;
-  std::size_t projector = 0;  ///< From 0.
-  double moved_px = 0.0;      ///< Of its own pixels.
+  std::size_t projector = 0;  ///< Counted from 0.
+  double moved_px = 0.0;      ///< In pixels of that projector.
   double sigma_px = 0.0;
   RigidTransform<frame::Room, frame::Projector> before;
   RigidTransform<frame::Room, frame::Projector> after;
 };
 
-/// One line, without its end.
+/// Returns one line, without its newline.
 [[nodiscard]] std::string correction_line(const LoggedCorrection& correction);
-/// The opposite; nothing where it is no such line.
+/// Parses one line; empty if it is no such line.
 [[nodiscard]] std::optional<LoggedCorrection> parse_correction(std::string_view line);
 
-/// What cannot be written is not said here: the wall is kept in its place without a log.
+/// Appends to the log. Failures are ignored: the wall is kept in place without a log.
 void log_corrections(const std::filesystem::path& folder, std::span<const LoggedCorrection> corrections);
 
-/// The last correction that stands: it was not taken back, and its projector is drawn for where it says (`applied`, by
-/// projector). Lines that are none are passed over.
+/// Returns the last correction that is in force: it was not taken back, and its projector is drawn for its pose
+/// (`applied`, by projector). Invalid lines are skipped.
 [[nodiscard]] std::optional<LoggedCorrection> last_correction(
     const std::filesystem::path& folder, std::span<const RigidTransform<frame::Room, frame::Projector>> applied);
 
-/// Now, as the log has it.
+/// Returns the present time in the log's format.
 [[nodiscard]] std::string utc_now();
 
 }  // namespace cyclorama::healing

@@ -11,7 +11,7 @@
 
 namespace cyclorama::healing {
 
-/// How each projector fares, for pages: as a table of now and one of the last ten minutes. Thread-bound.
+/// State of each projector for pages: one table of the present and one of the last ten minutes. Thread-bound.
 ///
 ///   "watched projectors"   projector, state, reason, off_px, sigma_px, corrections, last_correction_px,
 ///                          last_correction_s (ago), wants_scan
@@ -21,7 +21,7 @@ class HealingHealth {
   static constexpr Duration kEvery = std::chrono::seconds(5);
   static constexpr std::size_t kMaxSamples = 120;
 
-  /// `pixels`: of the projectors, for one of the calibration's: its pictures are smaller by that.
+  /// `pixels`: projector pixels per pixel of the calibration, whose pictures are smaller by that factor.
   HealingHealth(std::vector<std::string> projectors, double pixels) : names_(std::move(projectors)), pixels_(pixels) {
     last_.resize(names_.size());
   }
@@ -29,7 +29,7 @@ class HealingHealth {
   void take(const ShowReport& report, TimePoint now);
   [[nodiscard]] wire::Table projectors(TimePoint now) const;
   [[nodiscard]] wire::Table history(TimePoint now) const;
-  /// One sentence: "keeps 3 projectors in place", or what holds which.
+  /// Returns one sentence: "keeps 3 projectors in place", or why which of them are held.
   [[nodiscard]] std::string sentence() const;
   /// False while a projector wants a scan.
   [[nodiscard]] bool is_well() const;

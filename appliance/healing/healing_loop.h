@@ -19,32 +19,34 @@
 
 namespace cyclorama::healing {
 
-/// Keeps the wall in its place while the show goes on:
+/// Keeps the projectors registered while the show goes on:
 ///
-///     lacks something ──calibration, cameras' places──▶ watches ──hold()──▶ held ──▶ begins anew
-///            ▲                                             │ a display or all cameras away: waits, and says so
-///            └───────── another calibration counts ────────┘
+///     lacks something ──calibration, cameras' poses──▶ watches ──hold()──▶ held ──▶ begins anew
+///            ▲                                             │ a display or all cameras absent: waits, and reports it
+///            └───────── another calibration applies ───────┘
 ///
 /// 1. correction.json, which displays follow, is only ever replaced by a calibration that step() accepted.
-/// 2. watch.json is written with it, and when all has become surer by half, so that another process goes on where this
-///    one ended, and as sure.
+/// 2. watch.json is written with it, and whenever the uncertainty has halved, so that another process resumes in the
+///    same state, with the same certainty.
 /// 3. Each correction is a line of FOLDER/corrections.log, with before and after (correction_log.h); the last can be
 ///    taken back.
-/// 4. What cannot be written is said for as long as that lasts, counted (watch_unkept), and written at the next step.
-/// 5. Who cannot be watched, or cannot watch, is named with the remedy; the others are kept.
-///
+/// 4. A file that cannot be written is reported as long as that lasts, counted (watch_unkept), and written at the next
+///    step.
+/// 5. A projector that cannot be watched, or a camera that cannot watch, is named with the remedy; the others are kept.
 /// Threads: one, which gives way to all others. Thread-safe.
 class HealingLoop {
  public:
   struct Options {
     Duration period = std::chrono::milliseconds(250);
-    structured_light::ExposureLimits exposure{};    ///< While cameras are placed.
-    std::filesystem::path record{};                 ///< Empty: nothing is recorded.
-    std::filesystem::path installation_file{};      ///< For the record.
-    std::function<void(std::string)> on_line{};     ///< For the log; on the loop's thread; may be null.
-    std::function<void(std::string, bool)> tell{};  ///< What it does now, and whether that is well; may be null.
+    structured_light::ExposureLimits exposure{};    ///< Used while cameras are placed.
+    std::filesystem::path record{};                 ///< Folder of the record; empty: nothing is recorded.
+    std::filesystem::path installation_file{};      ///< Copied into the record.
+    /// Called on the loop's thread for each line of the log; may be null.
+    std::function<void(std::string)> on_line{};
+    /// Called with the present activity, and whether that is well; may be null.
+    std::function<void(std::string, bool)> tell{};
   };
-  /// Begins. Borrows the clock and the inspection.
+  /// Starts the loop. Borrows the clock and the inspection.
   HealingLoop(Installation installation, std::filesystem::path folder, std::unique_ptr<ShowRooms> rooms,
               const Clock& clock, InspectionService* inspection, Options options);
   /// Ends within a step.
@@ -52,7 +54,7 @@ class HealingLoop {
   HealingLoop(const HealingLoop&) = delete;
   HealingLoop& operator=(const HealingLoop&) = delete;
 
-  /// While it lives the loop has let go of displays and cameras: the wall is measured. Blocks for a step.
+  /// While it exists, the loop leaves displays and cameras to a measurement of the wall. Blocks for a step.
   class Held {
    public:
     explicit Held(HealingLoop* loop);
@@ -66,12 +68,14 @@ class HealingLoop {
   };
   [[nodiscard]] std::unique_ptr<Held> hold() { return std::make_unique<Held>(this); }
 
-  /// kUnavailable  nothing is watched: why.
+  /// Errors: kUnavailable if nothing is watched, with the reason.
   Status realign();
-  /// Takes the last correction back that stands: what is seen now counts as its projector's place. Says which it was.
-  /// kUnavailable  nothing is watched: why.     kNotFound  no correction stands.
+  /// Takes back the last correction in force: what the cameras see now counts as its projector's right position.
+  /// Returns which correction it was. Errors: kUnavailable if nothing is watched, with the reason; kNotFound if no
+  /// correction is in force.
   Result<std::string> undo();
-  /// Precondition: the caller holds it. Errors of place_cameras(); kNotFound  no camera watches, or no calibration.
+  /// Precondition: the caller holds the loop. Errors: those of place_cameras(); kNotFound if no camera watches, or
+  /// there is no calibration.
   Result<std::vector<PlacedCamera>> place_cameras(std::stop_token stop);
 
  private:
@@ -94,9 +98,9 @@ class HealingLoop {
   InspectionService& inspection_;
   const Options options_;
 
-  std::mutex working_;                  ///< Held while a step is made, and by who holds the loop; guards the two below.
-  std::unique_ptr<Watching> watching_;  ///< Null: not yet, or no longer.
-  std::string lacks_;                   ///< Then why.
+  std::mutex working_;                  ///< Held during a step and by a Held; guards the two members below.
+  std::unique_ptr<Watching> watching_;  ///< Null: not started yet, or stopped.
+  std::string lacks_;                   ///< Why watching_ is null.
   std::atomic<int> holders_{0};
   std::mutex mutex_;
   std::condition_variable_any woken_;

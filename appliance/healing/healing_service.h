@@ -8,11 +8,11 @@
 
 namespace cyclorama::healing {
 
-/// What show.proto's Healing promises. Thread-safe. Borrows the loop, which may be null: then nothing watches.
+/// Implements show.proto's Healing. Thread-safe. Borrows the loop, which may be null: then nothing is watched.
 class HealingService final : public wire::Healing::Service {
  public:
   explicit HealingService(HealingLoop* loop) : loop_(loop) {}
-  /// Cancels what runs, and refuses what comes.
+  /// Cancels running calls, and refuses new ones.
   void stop() { stop_.request_stop(); }
 
  private:

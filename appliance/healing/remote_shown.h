@@ -10,12 +10,12 @@
 
 namespace cyclorama::healing {
 
-/// What displays elsewhere showed, by the service ShownPictures (common/wire/show.proto), on this computer's clock; how
-/// it differs from theirs each answer tells (ClockOffset). Thread-bound.
+/// Retrieves what remote displays showed, by the service ShownPictures (common/wire/show.proto), in this computer's
+/// time; each reply updates the offset to the display's clock (ClockOffset). Thread-bound.
 class RemoteShown {
  public:
-  /// `latency`: from a projector's signal to its light.
-  /// kInvalidArgument  a projector belongs to no display, or to two.
+  /// `latency`: from a projector's signal to its light. Errors: kInvalidArgument if a projector belongs to no display,
+  /// or to two.
   static Result<std::unique_ptr<RemoteShown>> open(const std::vector<InstalledProjector>& projectors,
                                                    const std::vector<scan::PatternDisplay>& displays, int factor,
                                                    Duration latency, const Clock& clock);
@@ -24,14 +24,15 @@ class RemoteShown {
   RemoteShown& operator=(const RemoteShown&) = delete;
 
   struct Shown {
-    std::vector<ShownPicture> pictures;  ///< That were not told before.
-    std::vector<ShownUntil> until;       ///< Of each projector.
-    /// All the time, on all heads, and the displays' clocks are known to kTimeDoubt / 2: else nothing can be compared.
+    std::vector<ShownPicture> pictures;  ///< Pictures that were not returned before.
+    std::vector<ShownUntil> until;       ///< One per projector.
+    /// All heads showed the show throughout, and the displays' clocks are known to kTimeDoubt / 2; otherwise nothing
+    /// can be compared.
     bool is_show = true;
   };
-  /// What was lit at `opened`, and what came until `closed` and a little after it; waits some refreshes for the
-  /// displays to know.
-  /// kUnavailable, kTimedOut  a display cannot be reached, or does not refresh: says which.
+  /// Returns what was lit at `opened`, and what came until `closed` and a little after it; waits some refreshes until
+  /// the displays have recorded it. Errors: kUnavailable, kTimedOut if a display cannot be reached, or does not
+  /// refresh, with its name.
   Result<Shown> between(TimePoint opened, TimePoint closed);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What keeping a wall in its place works with: the displays that tell what they show, and the cameras that see it.
+/// Interfaces to the displays that report what they show, and to the cameras that see it.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace cyclorama::healing {
 
-/// A fixed camera and its lens; where it stands is found out (camera_places.h).
+/// A fixed camera and its lens; its pose is measured (camera_placement.h).
 struct WatchingCamera {
   std::string name;
   calibration::BrownParameters lens;
@@ -25,9 +25,9 @@ class ShowRoom {
  public:
   virtual ~ShowRoom() = default;
 
-  /// The next picture of each camera, and what was shown from before the first of them was exposed. A camera that gives
-  /// none is left out, and said in `ret_troubles`. Blocks for the longest exposure and some refreshes.
-  /// kUnavailable, kTimedOut  a display cannot be asked: says which.
+  /// Returns the next picture of each camera, and what was shown since before the first of them was exposed. A camera
+  /// that gives no picture is left out and named in `ret_troubles`. Blocks for the longest exposure and some refreshes.
+  /// Errors: kUnavailable, kTimedOut if a display cannot be reached, with its name.
   virtual Result<ShowMoment> next(std::vector<std::string>* ret_troubles) = 0;
 
  protected:
@@ -38,19 +38,19 @@ class ShowRoom {
 
 /// The same cameras and projectors while patterns are shown.
 struct PlacementDevices {
-  std::vector<std::unique_ptr<scan::ScanCamera>> cameras;  ///< As ShowRooms::cameras().
-  std::unique_ptr<scan::PatternScreen> screen;             ///< Last: it is let go first.
+  std::vector<std::unique_ptr<scan::ScanCamera>> cameras;  ///< In the order of ShowRooms::cameras().
+  std::unique_ptr<scan::PatternScreen> screen;             ///< Last, so that it is released first.
 };
 
-/// Makes either, one at a time; so the cameras are free between. Thread-bound.
+/// Opens either of them, one at a time, so that the cameras are free in between. Thread-bound.
 class ShowRooms {
  public:
   virtual ~ShowRooms() = default;
 
   [[nodiscard]] virtual const std::vector<WatchingCamera>& cameras() const = 0;
-  /// Cameras that were named and cannot watch: why, and what to do about it.
+  /// Named cameras that cannot watch, with reason and remedy.
   [[nodiscard]] virtual std::vector<std::string> troubles() const { return {}; }
-  /// By what pictures of projectors are smaller each way than they are.
+  /// Factor by which pictures of projectors are reduced each way.
   [[nodiscard]] virtual int picture_factor() const = 0;
   virtual Result<std::unique_ptr<ShowRoom>> open() = 0;
   virtual Result<PlacementDevices> open_for_placement() = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The rooms that there are: a museum's, and one that is simulated in this process but for its displays.
+/// The two kinds of room: a museum's, and one whose cameras are simulated in this process.
 #pragma once
 
 #include "appliance/healing/remote_shown.h"
@@ -10,7 +10,7 @@
 
 namespace cyclorama::healing {
 
-/// The displays, and how their pictures are asked for.
+/// The displays, and the parameters of requests for their pictures.
 struct ShowDisplays {
   std::vector<InstalledProjector> projectors;
   std::vector<scan::PatternDisplay> displays;
@@ -19,14 +19,15 @@ struct ShowDisplays {
   std::chrono::milliseconds settle{100};
 };
 
-/// Cameras of make_camera(), each with its lens, as cyclorama-calibrate-camera writes it, in the first of `lenses` that
-/// has a file NAME.json. A camera without is in troubles(), and so is one whose file is damaged. Borrows the clock.
+/// Opens cameras of make_camera(), each with its lens, as cyclorama-calibrate-camera writes it, from the first folder
+/// of `lenses` that has a file NAME.json. A camera without a lens file, or with a damaged one, is in troubles().
+/// Borrows the clock.
 [[nodiscard]] std::unique_ptr<ShowRooms> museum_rooms(ShowDisplays displays,
                                                       const std::vector<scan::CameraSource>& cameras,
                                                       const std::vector<std::filesystem::path>& lenses,
                                                       double exposure_s, const Clock& clock);
 
-/// The stage's cameras see what the displays say that they show.
+/// Simulates the stage's cameras from the pictures that the displays report.
 [[nodiscard]] std::unique_ptr<ShowRooms> simulated_rooms(ShowDisplays displays, simulated::SimulatedStage stage,
                                                          const Clock& clock);
 

@@ -10,7 +10,7 @@
 
 namespace cyclorama::healing {
 
-/// A picture that a camera took of the show.
+/// A camera's picture of the show.
 struct CameraPicture {
   std::size_t camera = 0;
   TimePoint opened;
@@ -18,7 +18,7 @@ struct CameraPicture {
   std::shared_ptr<const GreyImage> picture;
 };
 
-/// One camera's picture and what it was expected to be.
+/// One camera's picture and its prediction.
 struct CameraObservation {
   std::size_t camera = 0;
   LightPlane seen;  ///< Softened.
@@ -27,29 +27,30 @@ struct CameraObservation {
   LightScale scale;
   std::vector<PatchShift> patches;
   std::vector<EdgeObservation> edges;
-  double blown = 0.0;      ///< Part of the pixels.
-  double motion_px = 0.0;  ///< Of what was shown, the fastest projector.
+  double blown = 0.0;      ///< Share of overexposed pixels.
+  double motion_px = 0.0;  ///< Motion of the shown content, for the fastest projector.
 };
 
-/// Predicts for one camera, and keeps what only poses change. Thread-bound.
+/// Predicts for one camera, and caches everything that changes only with poses. Thread-bound.
 class CameraMonitor {
  public:
-  /// Precondition: room.cameras[camera] is there. `width_px`: about how wide pictures are made.
+  /// Precondition: room.cameras[camera] exists. `width_px`: approximate width of the reduced pictures.
   CameraMonitor(const calibration::ShowCalibration& room, std::size_t camera, int width_px,
                 const PatchOptions& patches);
 
   [[nodiscard]] int factor() const { return slopes_.factor; }
-  /// By what head pictures may be reduced for this camera, so that their pixels are about its own.
+  /// Returns the factor by which head pictures may be reduced for this camera, so that their pixels are about as large
+  /// as its own.
   [[nodiscard]] int head_factor(const calibration::ShowCalibration& room) const;
 
-  /// Warps are made anew for poses that differ from those of before by more than what moves nothing.
+  /// Recomputes the warps for poses that differ noticeably from the former ones.
   void set_room(const calibration::ShowCalibration& room);
-  /// What the warps were made for: a little behind what is believed.
+  /// Room that the warps were made for; it lags a little behind the believed one.
   [[nodiscard]] const calibration::ShowCalibration& predicted_room() const { return room_; }
 
-  /// Fills prediction, scale, patches and edges of a look whose pictures are there. `usual_gain` 0: not known yet.
+  /// Fills prediction, scale, patches and edges of a look whose pictures are set. `usual_gain` 0: not known yet.
   void compare(double usual_gain, CameraObservation* look) const;
-  /// The patches of `seen`, had this been shone.
+  /// Returns the patches of `seen` under the assumption that `shone` was projected.
   [[nodiscard]] std::vector<PatchShift> compare(std::span<const LightPlane> shone, double gain,
                                                 const LightPlane& seen) const;
 

@@ -13,19 +13,19 @@
 
 namespace cyclorama::healing {
 
-/// What happened since the last step.
+/// Everything that happened since the last step.
 struct ShowMoment {
   TimePoint now;
   std::vector<ShownPicture> shown;
-  std::vector<ShownUntil> until;    ///< Per projector; of one that is not there nothing new is known.
+  std::vector<ShownUntil> until;    ///< Per projector; for one that is absent nothing new is known.
   std::vector<CameraPicture> seen;  ///< At most one per camera.
 };
 
-/// Why a projector is not being corrected just now.
+/// Why a projector is not corrected at present.
 enum class HoldReason {
   kNone,
-  kSettling,   ///< The first seconds: what the last scan left over is being learned.
-  kNoPicture,  ///< No camera's picture, or nothing is known of what was shown during its exposure.
+  kSettling,   ///< The first seconds: the scan's residuals are being learned.
+  kNoPicture,  ///< No camera's picture, or what was shown during its exposure is unknown.
   kDark,
   kPlain,
   kFast,
@@ -33,84 +33,86 @@ enum class HoldReason {
   kInTheWay,
   kNoLight,    ///< Its part of the wall is dark and should not be.
   kSearching,  ///< Something moved, and no pose explains it yet.
-  kUnplaced,   ///< The calibration does not say where it stands.
+  kUnplaced,   ///< The calibration lacks its pose.
 };
 [[nodiscard]] std::string_view name_of(HoldReason hold);
 
-/// A projector that is drawn for from another place from now on.
+/// A projector that is drawn for another pose from now on.
 struct Correction {
   std::size_t projector = 0;
   RigidTransform<frame::Room, frame::Projector> before;
   RigidTransform<frame::Room, frame::Projector> after;
   double moved_px = 0.0;  ///< Root mean square over its picture.
-  double sigma_px = 0.0;  ///< How sure the new place is.
-  bool is_bump = false;   ///< Or slow drift.
+  double sigma_px = 0.0;  ///< Deviation of the new pose.
+  bool is_bump = false;   ///< Bump; otherwise slow drift.
 };
 
 struct ProjectorHealth {
   HoldReason hold = HoldReason::kSettling;
-  std::string reason;       ///< For people; empty while all is well.
-  double off_px = 0.0;      ///< Between where it is believed to be and what is drawn for.
-  double sigma_px = 0.0;    ///< How sure that is.
-  bool wants_scan = false;  ///< Uncertain for so long that test patterns should be shown, out of hours.
+  std::string reason;       ///< For operators; empty while all is well.
+  double off_px = 0.0;      ///< Distance between the believed and the applied pose, as pixels.
+  double sigma_px = 0.0;    ///< Deviation of that distance.
+  bool wants_scan = false;  ///< Uncertain for so long that test patterns should be shown after hours.
 };
 
 struct ShowReport {
   std::vector<Correction> corrections;
   std::vector<ProjectorHealth> projectors;
-  std::vector<std::size_t> noticed;  ///< Projectors that were found to have moved, whether or not they are found again.
-  std::vector<std::string> log;      ///< A line per correction, and per change of what holds it.
+  /// Projectors whose displacement was detected, whether or not the new pose is found.
+  std::vector<std::size_t> noticed;
+  std::vector<std::string> log;      ///< A line per correction, and per change of a hold.
 };
 
 struct ContinuousOptions {
-  int width_px = 816;            ///< About how wide cameras' pictures are looked at.
-  PatchOptions patches = {};     ///< How densely, and in how large parts, they are compared.
-  double min_sigma_px = 0.3;     ///< No patch_observation is better, in the calibration's pixels.
-  double pixels = 1.0;           ///< Of the projectors, for one of the calibration's: its pictures are smaller by that.
+  int width_px = 816;            ///< Approximate width of the reduced camera pictures.
+  PatchOptions patches = {};     ///< Density and size of the patches that are compared.
+  double min_sigma_px = 0.3;     ///< Lower bound of an observation's deviation, in the calibration's pixels.
+  /// Projector pixels per pixel of the calibration, whose pictures are smaller by that factor.
+  double pixels = 1.0;
   double correct_from_px = 0.2;  ///< Drift of less stays as it is: correcting would be seen more than the error. Of the
                                  ///< projectors' pixels.
-  double correct_from_sigmas = 4.0;  ///< As unlikely as a normal variable beyond so many, all directions together.
+  double correct_from_sigmas = 4.0;  ///< Threshold as a normal variable's deviations, for all directions together.
   Duration settle = std::chrono::seconds(3);
   Duration scan_wanted_after = std::chrono::minutes(5);
-  double fastest_px = 1.5;  ///< Content's way during an exposure, in pixels of the reduced picture.
+  double fastest_px = 1.5;  ///< Maximum motion of the content during an exposure, in pixels of the reduced picture.
   PoseFilter::Walk walk = {};
-  bool uses_arcs = true;   ///< The wall's upper and lower edge hold the cameras.
-  bool uses_sides = true;  ///< Its upright sides, alike.
+  bool uses_arcs = true;   ///< Uses the wall's upper and lower edge to locate the cameras.
+  bool uses_sides = true;  ///< Likewise its upright sides.
 };
 
-/// What has been learned of a room, for another one to go on with.
+/// Everything that has been learned of a room, for another calibrator to resume with.
 struct LearnedRoom {
-  calibration::ShowCalibration believed;  ///< Where all is believed to stand.
-  /// Per projector, where it would be believed to stand if what is applied were right: what the scan left over, without
-  /// what is about to be corrected.
+  calibration::ShowCalibration believed;  ///< Believed poses.
+  /// Per projector, the pose that would be believed if the applied one were right: the scan's residuals, without
+  /// pending corrections.
   std::vector<RigidTransform<frame::Room, frame::Projector>> at_rest;
-  std::vector<calibration::PoseMatrix> roots;  ///< How sure that is: PoseFilter::root() per projector, then per camera.
+  std::vector<calibration::PoseMatrix> roots;  ///< Certainty: PoseFilter::root() per projector, then per camera.
 };
 
-/// Keeps a calibration true while the show goes on, by what fixed cameras see of it.
+/// Keeps a calibration accurate while the show goes on, from the pictures of fixed cameras.
 ///
 ///     shown pictures ─▶ predict ─┐
 ///     camera pictures ───────────┴▶ compare ─▶ fits ──▶ solve ─▶ filter ─────────────▶ (drift beyond 0.2 px) correct
 ///                                     │          innovation too large ─┐
-///                                     └▶ differs ─▶ in the way? dark? ─┴▶ who moved? ─▶ predict again ─▶ correct
-///                                                   hold, say why         hold, say why      └ not better: hold
+///                                     └▶ differs ─▶ occluded? dark? ─┴▶ who moved? ─▶ predict again ─▶ correct
+///                                                   hold, with reason     hold, with reason └ not better: hold
 ///
-/// 1. Its answer depends on its state and its input alone: a recorded show gives the same corrections again.
+/// 1. The result depends on state and input alone: a recorded show gives the same corrections again.
 /// 2. A step that fails changes nothing.
-/// 3. No pose is taken that does not, predicted anew, make more of the picture fit than before.
-/// 4. While the show moves, a picture counts only if it fits the time that it says better than a little earlier and
-///    later, and a projector that moved only if another one, in the same picture, did not.
+/// 3. A pose is accepted only if the prediction made from it fits more of the picture than before.
+/// 4. While the show moves, a picture counts only if it fits its own time better than a little earlier and later, and a
+///    projector counts as moved only if another one, in the same picture, did not move.
 ///
 /// Used by the calibrator process and by replays. Thread-bound; a step takes tenths of a second and belongs in a thread
 /// that no refresh waits for.
 class ContinuousCalibrator {
  public:
-  /// Errors of ShowCalibration::validate().
+  /// Errors: those of ShowCalibration::validate().
   static Result<ContinuousCalibrator> make(const calibration::ShowCalibration& calibration,
                                            const ContinuousOptions& options = {});
-  /// Goes on where another one was when it ended, in mid-recovery too: `applied` is what displays draw for, `learned`
-  /// what the other one knew. It is as sure as that one was, so what moved meanwhile is a bump, not drift. Errors
-  /// alike.
+  /// Resumes the state of another calibrator, also in mid-recovery: `applied` is what displays draw for, `learned` the
+  /// other one's knowledge. The certainty is the same too, so that a displacement in the meantime is a bump, not drift.
+  /// Errors: those of make().
   static Result<ContinuousCalibrator> resume(const calibration::ShowCalibration& applied, const LearnedRoom& learned,
                                              const ContinuousOptions& options = {});
   ContinuousCalibrator(ContinuousCalibrator&&) noexcept;
@@ -118,22 +120,22 @@ class ContinuousCalibrator {
   ~ContinuousCalibrator();
 
   ShowReport step(const ShowMoment& moment);
-  /// Somebody wants it now: for ten seconds every projector is searched for as if nothing were known of late, and what
-  /// is found is corrected from 0.05 px on.
+  /// Handles a request for realignment: for ten seconds every projector is searched for as if nothing were known of
+  /// late, and displacements are corrected from 0.05 px on.
   void realign();
-  /// Somebody knows better: the displays draw for this place of a projector from now on, and how all is seen now counts
-  /// as right with it. kUnavailable  it is not settled yet.
+  /// Handles a correction by the operator: the displays draw for this pose of a projector from now on, and the present
+  /// pictures count as right with it. Errors: kUnavailable if the calibrator is not settled yet.
   Status put_back(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& T_room_projector);
-  /// Whether what the scan left over has been learned.
+  /// Whether the scan's residuals have been learned.
   [[nodiscard]] bool is_settled() const;
 
-  /// Where all is believed to be.
+  /// Believed poses of all projectors and cameras.
   [[nodiscard]] const calibration::ShowCalibration& believed() const;
-  /// What the displays draw for: the calibration and all corrections.
+  /// Poses that the displays draw for: the calibration and all corrections.
   [[nodiscard]] const calibration::ShowCalibration& applied() const;
-  /// Nothing before it is settled.
+  /// Empty before it is settled.
   [[nodiscard]] std::optional<LearnedRoom> learned() const;
-  /// Of the last step, for pages and benchmarks.
+  /// Observations of the last step, for pages and benchmarks.
   [[nodiscard]] std::span<const CameraObservation> looks() const;
   [[nodiscard]] const AreaMap& areas(std::size_t camera) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The inside of ContinuousCalibrator: for its own files alone.
+/// State of ContinuousCalibrator, for its own files only.
 #pragma once
 
 #include <map>
@@ -9,61 +9,60 @@
 
 namespace cyclorama::healing {
 
-/// So long has the show to stand still before somebody's move is believed that nobody else can reference.
+/// How long the show must stand still before a displacement is accepted without a reference projector.
 inline constexpr Duration kCalmFor = std::chrono::milliseconds(1900);
 
 struct ContinuousCalibrator::State {
   State(const calibration::ShowCalibration& calibration, const ContinuousOptions& wanted);
 
-  // What is known.
   ContinuousOptions options;
-  calibration::ShowCalibration scanned;  ///< As it began.
+  calibration::ShowCalibration scanned;  ///< Initial state.
   calibration::ShowCalibration believed;
   calibration::ShowCalibration applied;
-  calibration::ShowCalibration reference;  ///< Believed when what the scan left over had been learned.
-  std::vector<PoseFilter> filters;         ///< Projectors, then cameras.
+  calibration::ShowCalibration reference;  ///< Believed poses at the time when the scan's residuals had been learned.
+  std::vector<PoseFilter> filters;         ///< Projectors', then cameras'.
   std::vector<PixelMotion> motion;         ///< Per projector.
   std::vector<ProjectorHealth> health;
   std::vector<TimePoint> measured_at;
   std::vector<int> surprises;            ///< Steps in a row whose innovation was too large, per body.
   std::vector<InnovationWindow> lately;  ///< Per projector.
-  std::vector<bool> is_creeping;         ///< Small innovations in a row that are no drift, per projector.
-  std::vector<bool> is_refused;          ///< It seems to have moved, but no place was accepted, per body.
-  std::vector<double> seems_off_px;      ///< Where the last solution would put it, per projector.
-  std::vector<bool> is_unanchored;       ///< It or the one camera that sees it moved, per projector.
-  std::vector<bool> is_noticed;          ///< It was reported, and has not been found again.
+  std::vector<bool> is_creeping;         ///< Successive small innovations that are no drift, per projector.
+  std::vector<bool> is_refused;          ///< A displacement was detected, but no pose was accepted, per body.
+  std::vector<double> seems_off_px;      ///< Distance to the last solution's pose, per projector.
+  std::vector<bool> is_unanchored;       ///< Either the projector or the only camera that sees it moved, per projector.
+  std::vector<bool> is_noticed;          ///< Reported as displaced, and not found again since.
   std::vector<CameraMonitor> cameras;
   std::vector<AreaMap> areas;
   std::vector<double> gains;  ///< Per camera; 0: not known yet.
   std::vector<ShowTimeline> timelines;
-  std::vector<Duration> times_off;  ///< Per camera: how much later its pictures are than they say.
-  bool is_moving = false;           ///< What is shown, while the last looks were taken.
-  bool is_calm = false;             ///< It stood still long before them, too: no clock can be so wrong.
+  std::vector<Duration> times_off;  ///< Per camera: delay of its pictures relative to their time stamps.
+  bool is_moving = false;           ///< The content moved during the last observations.
+  bool is_calm = false;             ///< The content stood still long before them, too: no clock can be so wrong.
   std::optional<TimePoint> still_at;
   std::vector<CameraObservation> looks;
   std::optional<TimePoint> begun_at;
   std::optional<TimePoint> stepped_at;
   bool is_settled = false;
-  int learned = 0;  ///< Steps that taught something.
+  int learned = 0;  ///< Steps that added knowledge.
   bool wants_realignment = false;
   std::optional<TimePoint> realigns_until;
-  int fruitless = 0;  ///< Searches in a row that found nothing.
+  int fruitless = 0;  ///< Successive searches without result.
 
   [[nodiscard]] std::size_t bodies() const { return filters.size(); }
   [[nodiscard]] std::size_t projectors() const { return believed.projectors.size(); }
 
-  // show_looks.cpp
+  // show_observations.cpp
   void look_at(const ShowMoment& moment, ShowReport* report);
   std::optional<std::vector<LightPlane>> shone_between(TimePoint opened, TimePoint closed, double* ret_motion_px);
   bool is_still(TimePoint from, TimePoint until);
-  /// While the show moves: whether a look fits the time that it says better than a little earlier or later. Learns how
-  /// wrong the time is.
+  /// While the show moves: whether a look fits its own time better than a little earlier or later. Learns the error of
+  /// the time stamps.
   bool is_of_its_time(const CameraObservation& look, TimePoint opened, TimePoint closed, TimePoint now,
                       ShowReport* report);
 
   // continuous_calibrator.cpp
   void learn(TimePoint now, const PoseSolution& solution, ShowReport* report);
-  /// What was known of a body is forgotten: the next measurement is followed.
+  /// Forgets what was known of a body, so that the next measurement is followed.
   void loosen(BodyIndex body);
   void loosen_stubborn();
   void settle(TimePoint now);
@@ -76,23 +75,26 @@ struct ContinuousCalibrator::State {
   [[nodiscard]] std::vector<PatchObservation> trusted_observations() const;
   [[nodiscard]] std::vector<EdgeObservation> edges(std::span<const CameraObservation> of) const;
   [[nodiscard]] std::vector<BodyPrior> priors() const;
-  /// The same, but that the observations alone say where projectors are: a robust loss would take a bump for gross errors.
+  /// Same as priors(), but observations alone decide on projectors: a robust loss would take a bump for gross errors.
   [[nodiscard]] std::vector<BodyPrior> loose_projectors() const;
-  /// Projectors of which a camera compared much and hardly anything fits, per camera.
+  /// Pairs of projector and camera where much was compared and hardly anything fits.
   [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> lost() const;
-  /// Tries, in rising cost, what explains the looks. Whether something was found, verified and taken.
+  /// Tries explanations of the looks, in order of cost. Returns whether one was found, verified and accepted.
   bool recover(TimePoint now, bool is_lost, ShowReport* report);
-  /// No place was accepted for these: until one is, or they are seen where they were, they are not followed either.
+  /// Marks bodies for which no pose was accepted: until one is, or they are observed in their former pose, they are not
+  /// followed either.
   void refuse(const MovedBodies& movers);
   bool accept(const MovedBodies& movers, TimePoint now, ShowReport* report);
-  /// Whether the times are right with which `of` says that these moved: by calm, or by a projector that did not.
+  /// Whether the time stamps of `of` are confirmed for a displacement of these: by a still show, or by a projector that
+  /// did not move.
   [[nodiscard]] bool have_reference(std::span<const BodyIndex> movers, std::span<const CameraObservation> of) const;
-  /// Of which it can be told who moved: a camera that sees one projector's light and nothing else cannot tell its own
-  /// move from that projector's.
+  /// Bodies whose displacement can be told from others': a camera that sees one projector's light and nothing else
+  /// cannot distinguish its own displacement from that projector's.
   [[nodiscard]] std::vector<bool> anchored(std::span<const CameraObservation> of) const;
-  /// Whether all of these are; else says whose they are that are not.
+  /// Returns whether all of these are; if not, marks the projectors that are not.
   bool are_anchored(std::span<const BodyIndex> movers, std::span<const CameraObservation> anew);
-  /// All of them, or the first of them that is found alone: one that has left the wall does not keep back the others.
+  /// Accepts all of them, or the first that can be accepted alone, so that one that has left the wall does not block
+  /// the others.
   bool accept_some(const MovedBodies& movers, TimePoint now, ShowReport* report);
   [[nodiscard]] std::optional<MovedBodies> by_patches() const;
   [[nodiscard]] std::optional<MovedBodies> by_coarse_patches() const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether a picture was taken when it says. While the show moves, a camera's clock that is wrong looks like a bump of
-/// all projectors at once; so what is shown a little earlier and a little later is compared with the picture too.
+/// Checks whether a picture was taken at its time stamp. While the show moves, a wrong camera clock looks like a bump
+/// of all projectors at once; so pictures shown a little earlier and a little later are compared with it too.
 #pragma once
 
 #include <span>
@@ -10,14 +10,14 @@
 
 namespace cyclorama::healing {
 
-/// How far an exposure is moved to and fro: an error of half of it, or more, is found out.
+/// Shift of an exposure to either side; an error of at least half of it is detected.
 inline constexpr Duration kTimeDoubt = std::chrono::milliseconds(20);
 
 struct ExposureTiming {
-  bool is_its_own = false;  ///< A projector, and most of those that tell, fit best at the time that was said.
-  int towards = 0;          ///< -1: what was shown earlier fits better, 1: later; of all that tell.
+  bool is_its_own = false;  ///< At least one projector, and most of those with a result, fit best at the time stamp.
+  int towards = 0;          ///< -1: earlier content fits better, 1: later; over all projectors with a result.
 };
-/// Patches of predictions for the time that was said, and for a little earlier and later. Reentrant.
+/// Compares patches of predictions for the time stamp, and for a little earlier and later. Reentrant.
 [[nodiscard]] ExposureTiming estimate_timing(std::span<const PatchShift> said, std::span<const PatchShift> earlier,
                                              std::span<const PatchShift> later, std::size_t projectors);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Features that a prediction and a picture share, however far apart, and the pose that they tell: how a wall that was
-/// bumped out of the patches' reach is found again.
+/// Features that a prediction and a picture share, however far apart, and the pose that follows from them: recovery
+/// from a bump that is beyond the reach of patches.
 #pragma once
 
 #include <optional>
@@ -21,19 +21,19 @@ struct FeatureMatch {
 };
 
 struct FeatureMatches {
-  std::vector<FeatureMatch> matches;  ///< Of light that is one projector's; unique both ways.
-  int in_prediction = 0;              ///< Features.
+  std::vector<FeatureMatch> matches;  ///< Matches within one projector's light; unique both ways.
+  int in_prediction = 0;              ///< Number of features.
   int in_picture = 0;
 };
-/// kBadData  OpenCV refused.
+/// Errors: kBadData if OpenCV fails.
 Result<FeatureMatches> match_features(const Prediction& prediction, const LightPlane& picture, FeatureKind kind);
 
-/// The step from where a projector is believed to be to where most of its observations fit; nothing below 12 that do.
-/// Perspective-three-points in a RANSAC of fixed draws, then refined.
+/// Returns the step from a projector's believed pose to the one that fits most of its observations; empty if fewer than
+/// 12 fit. Perspective-three-points in a RANSAC with a fixed random sequence, then refined.
 [[nodiscard]] std::optional<calibration::PoseStep> find_projector(const calibration::ShowCalibration& room,
                                                                   std::size_t projector,
                                                                   std::span<const PatchObservation> observations);
-/// The same of a camera, all projectors being where they are believed to be.
+/// Does the same for a camera; all projectors keep their believed poses.
 [[nodiscard]] std::optional<calibration::PoseStep> find_camera(const calibration::ShowCalibration& room,
                                                                std::size_t camera,
                                                                std::span<const PatchObservation> observations);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The wall's outline in a camera's picture: its upper and lower edge (conics, of a cylinder) and its upright sides.
-/// They stand still whatever is shown, and so are what a camera knows the room by.
+/// The wall's outline in a camera's picture: its upper and lower edge (conics for a cylinder) and its upright sides. It
+/// stands still whatever is shown, and so locates the camera in the room.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace cyclorama::healing {
 
-/// A point of the outline where a camera, standing where it is believed to, should see it.
+/// Expected position of a point of the outline, from the camera's believed pose.
 struct EdgePoint {
   Outline part = Outline::kUpper;
   Eigen::Vector2d at{0.0, 0.0};                                                 ///< Camera pixels.
@@ -19,7 +19,7 @@ struct EdgePoint {
   Eigen::Matrix<double, 1, 6> by_camera = Eigen::Matrix<double, 1, 6>::Zero();  ///< Along `outward`, per step.
 };
 
-/// About every 16th pixel of the reduced picture. Made once per pose.
+/// Returns about one point per 16 pixels of the reduced picture. Called once per pose.
 [[nodiscard]] std::vector<EdgePoint> edge_points(const Wall& wall, const calibration::ShowCamera& camera,
                                                  const CameraSlopes& slopes, const SeenWall& seen);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where projectors and fixed cameras stand, from pixels and the places of the wall that they light or see: what the
-/// continuous calibration begins with. Reentrant.
+/// Poses of projectors and fixed cameras, from pixels and the points of the wall that they light or see: the start of
+/// the continuous calibration. Reentrant.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace cyclorama::healing {
 
-/// A pixel, and the place in the room that it lights or sees.
+/// A pixel, and the point of the room that it lights or sees.
 struct WallCorrespondence {
   Eigen::Vector2d pixel{0.0, 0.0};
   Eigen::Vector3d position{0.0, 0.0, 0.0};
@@ -21,23 +21,23 @@ template <typename Body>
 struct FittedPose {
   calibration::BrownParameters lens;
   RigidTransform<frame::Room, Body> pose;
-  double rms_px = 0.0;   ///< Of the distance, without the worst twentieth.
-  std::size_t used = 0;  ///< Pixels within some deviations.
+  double rms_px = 0.0;   ///< Distance without the worst twentieth, in pixels.
+  std::size_t used = 0;  ///< Number of pixels within some deviations.
 };
 
-/// The projector whose pixels land where its map and the wall say. `installed` is where the search begins, and what is
-/// taken where the wall does not tell: of a flat one the focal length and the distance look alike.
-/// kInvalidArgument  its map tells fewer than 40 places on the wall.     kBadData  nothing fits: says by how much.
+/// Fits the projector whose pixels land where its map and the wall require. `installed` is the start of the search, and
+/// decides where the wall does not: on a flat one, focal length and distance cannot be told apart. Errors:
+/// kInvalidArgument if the map has fewer than 40 points on the wall; kBadData if no pose fits, with the residual.
 Result<FittedPose<frame::Projector>> fit_projector(const calibration::MeasuredMap& map, const Wall& wall,
                                                    const Point<frame::Room>& sweet_spot,
                                                    const calibration::ShowProjector& installed);
 
-/// A camera of a known lens, wherever it stands; up to half of the pixels may be wrong.
-/// Errors as fit_projector().
+/// Fits the pose of a camera of a known lens, without an initial pose; up to half of the pixels may be wrong. Errors:
+/// those of fit_projector().
 Result<FittedPose<frame::Camera>> place_camera(const calibration::BrownParameters& lens,
                                                std::span<const WallCorrespondence> pixels);
 
-/// The lens of a picture that is smaller by `factor` each way, rounded down.
+/// Returns the lens of a picture that is reduced by `factor` each way, rounded down.
 [[nodiscard]] calibration::BrownParameters smaller_lens(const calibration::BrownParameters& lens, int factor);
 
 }  // namespace cyclorama::healing

@@ -94,7 +94,7 @@ TEST_F(CalibrationFile, keeps_the_newest_ten) {
   EXPECT_EQ(kept_calibrations(folder_).back(), "2026-01-14T00-00-00Z");
 }
 
-// A power cut falls between two files: whatever was not written before the last one is not there.
+// Simulates a power cut between two files: a calibration counts only once its last file is written.
 TEST_F(CalibrationFile, counts_only_when_all_that_belongs_to_it_is_written) {
   const CalibrationPart light{"light.json", "{}"};
   ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-01T00-00-00Z"), {}, {&light, 1}));
@@ -104,13 +104,13 @@ TEST_F(CalibrationFile, counts_only_when_all_that_belongs_to_it_is_written) {
   EXPECT_LE(written("2.sigma.pfm"), written("light.json"));
   EXPECT_LE(written("light.json"), written("calibration.json"));
 
-  // The last step fails: a folder lies where the file belongs.
+  // The last step fails because a folder has the file's name.
   std::filesystem::rename(folder_ / "calibration.json", folder_ / "before.json");
   std::filesystem::create_directories(folder_ / "calibration.json/in the way");
   ASSERT_FALSE(save_calibration(folder_, small_calibration("2026-01-02T00-00-00Z"), {}, {&light, 1}));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "calibrations/2026-01-02T00-00-00Z/light.json"));
 
-  // A part fails: nothing of that date counts, and the one of before still does.
+  // A part fails: nothing of that date counts, and the previous calibration still does.
   std::filesystem::remove_all(folder_ / "calibration.json");
   std::filesystem::rename(folder_ / "before.json", folder_ / "calibration.json");
   const CalibrationPart too_long{std::string(300, 'x'), ""};

@@ -27,7 +27,7 @@ BrownLens lens_of(const BrownParameters& parameters) {
   return *std::move(lens);
 }
 
-/// What is usual: a number of steps that is fixed, and no word of whether they led anywhere.
+/// The usual inverse: a fixed number of iterations without a check of convergence.
 Eigen::Vector2d fixed_steps_inverse(const BrownParameters& lens, const Eigen::Vector2d& pixel, int steps) {
   const Eigen::Vector2d wanted((pixel.x() - lens.centre_u_px) / lens.focal_u_px,
                                (pixel.y() - lens.centre_v_px) / lens.focal_v_px);
@@ -101,7 +101,7 @@ TEST(BrownLens, finds_every_direction_that_it_images) {
     ASSERT_TRUE(pixel);
     const SlopeAnswer answer = lens.slope_at(*pixel);
     ASSERT_TRUE(answer) << "lens " << i;
-    // One over the least magnification is what an error may grow by.
+    // The inverse of the minimum magnification is the largest amplification of an error.
     EXPECT_LE((answer.slope - slope).norm() * parameters.focal_v_px,
               BrownLens::kRoundTripPx / BrownLens::kMinMagnification);
   }
@@ -126,7 +126,7 @@ TEST(BrownLens, magnifies_at_least_as_promised_within_its_trusted_slope) {
       const Eigen::Matrix2d jacobian = lens.jacobian(slope);
       EXPECT_GE(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(jacobian).eigenvalues()[0],
                 BrownLens::kMinMagnification * (1.0 - 1e-6));
-      // By differences.
+      // Compares with finite differences.
       const double h = 1e-6 * std::max(1.0, slope.norm());
       for (int k = 0; k < 2; ++k) {
         const Eigen::Vector2d step = h * Eigen::Vector2d::Unit(k);
@@ -142,7 +142,7 @@ TEST(BrownLens, magnifies_at_least_as_promised_within_its_trusted_slope) {
 
 TEST(BrownLens, refuses_beyond_the_fold_where_fixed_steps_answer_wrongly) {
   BrownParameters parameters = plain_lens();
-  parameters.k1 = -0.5;  // r (1 - r²/2) turns at r = sqrt(2/3), where the picture is 0.544 from the axis.
+  parameters.k1 = -0.5;  // r (1 - r²/2) has its maximum at r = sqrt(2/3), which is imaged 0.544 from the axis.
   const BrownLens lens = lens_of(parameters);
   EXPECT_NEAR(lens.trusted_slope(), std::sqrt(2.0 / 3.0), 1e-3);
   const Eigen::Vector2d beyond(parameters.centre_u_px + 0.56 * parameters.focal_u_px, parameters.centre_v_px);

@@ -41,7 +41,7 @@ TEST(MeasuredLens, comes_back_to_a_billionth_of_a_pixel_or_refuses) {
 
 TEST(MeasuredLens, refuses_what_lies_past_the_turning_point_of_its_distortion) {
   const MeasuredLens lens = lens_with(-0.5, 0.0, 0.0, 0.0, 0.0);
-  const double turning = std::sqrt(1.0 / 1.5);  // Where r (1 - r²/2) is largest: 0.544.
+  const double turning = std::sqrt(1.0 / 1.5);  // Maximum of r (1 - r²/2), which is 0.544.
   EXPECT_FALSE(lens.pixel_of({turning * 1.01, 0.0, 1.0}));
   EXPECT_TRUE(lens.pixel_of({turning * 0.99, 0.0, 1.0}));
   EXPECT_FALSE(lens.direction_at({960.0 + 1400.0 * 0.55, 540.0}));
@@ -61,7 +61,7 @@ TEST(MeasuredLens, has_the_first_pixels_centre_at_a_half) {
   const MeasuredLens lens = lens_with(0.0, 0.0, 0.0, 0.0, 0.0);
   const auto middle = lens.pixel_of({0.0, 0.0, 2.0});
   ASSERT_TRUE(middle);
-  EXPECT_EQ(*middle, Eigen::Vector2d(960.0, 540.0));  // Between the pixels in the middle of an even picture.
+  EXPECT_EQ(*middle, Eigen::Vector2d(960.0, 540.0));  // The middle of a picture of even size is between pixels.
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The service over gRPC, with a very small simulated museum behind it.
+// The service over gRPC, backed by a very small simulated museum.
 #include "appliance/calibrator/calibrator_service.h"
 
 #include <gmock/gmock.h>
@@ -53,7 +53,7 @@ class CalibratorServiceTest : public ::testing::Test {
         scan::data_sheet_lens(devices.camera->width_px(), devices.camera->height_px(), 70.0 * std::numbers::pi / 180.0);
     return devices;
   }
-  /// Ends with `cancel_after` progress messages, or by itself.
+  /// Cancels after `cancel_after` progress messages, or runs to the end.
   grpc::Status calibrate(const wire::CalibrateOrder& order, int cancel_after = 1 << 30) {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
@@ -97,7 +97,7 @@ TEST_F(CalibratorServiceTest, calibrates_tells_its_progress_and_goes_back) {
   grpc::ClientContext nothing_before;
   wire::RestoreAnswer answer;
   EXPECT_EQ(stub_->Restore(&nothing_before, {}, &answer).error_code(), grpc::StatusCode::NOT_FOUND);
-  // A second one, as if it were later.
+  // A second calibration with a later date.
   calibration::Calibration later = *calibration::read_calibration(folder_);
   later.date = "2999-01-01T00-00-00Z";
   ASSERT_TRUE(calibration::save_calibration(folder_, later).has_value());
@@ -136,7 +136,7 @@ TEST_F(CalibratorServiceTest, puts_back_one_that_was_pushed) {
   EXPECT_NEAR(turned_deg(1), 2.0, 1.0) << "an eye elsewhere sees another angle";
 }
 
-/// A plate that somebody turns, and that the museum follows.
+/// A turntable that a person turns and that the museum follows.
 class HandTurnedPlate final : public turnplate::Turnplate {
  public:
   HandTurnedPlate(TurntablePrompt* prompt, simulated::SimulatedMuseum* museum)
@@ -182,7 +182,7 @@ TEST_F(CalibratorServiceTest, asks_its_client_to_turn_the_plate) {
   const auto reader = stub->Calibrate(&context, {});
   wire::CalibrateProgress message;
   int questions = 0;
-  // Home, the first direction, and then the operator gives up.
+  // Answers for home and the first direction; then the operator gives up.
   while (reader->Read(&message)) {
     if (message.question().empty()) continue;
     EXPECT_EQ(message.question(), "turn it");
@@ -202,7 +202,7 @@ TEST_F(CalibratorServiceTest, cancelled_leaves_no_calibration_and_goes_on_when_t
   EXPECT_FALSE(std::filesystem::exists(folder_ / "calibration.json"));
   wire::CalibrateOrder resume;
   resume.set_resume(true);
-  // The call of before may take a photograph longer to end.
+  // The previous call may take one more photograph before it ends.
   grpc::Status resumed;
   for (int i = 0; i < 100; ++i) {
     resumed = calibrate(resume);

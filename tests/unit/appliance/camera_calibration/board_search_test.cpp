@@ -20,7 +20,7 @@ struct Pose {
   Eigen::Vector3d t;
 };
 
-/// The board's middle at `at`, turned.
+/// Returns a rotated pose with the board's centre at `at`.
 Pose pose(const TagBoard& board, const Eigen::Vector3d& at, double yaw, double pitch, double roll) {
   const Eigen::Matrix3d R =
       (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()) * Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitX()) *
@@ -38,7 +38,7 @@ class BoardSearch : public testing::Test {
   }
   static void TearDownTestSuite() { photographer_.reset(); }
 
-  /// Root mean square distance of found corners from where they are.
+  /// Returns the RMS distance of the found corners from their true positions.
   double rms_px(const LensView& view, const Pose& at) const {
     double sum = 0.0;
     for (std::size_t i = 0; i < view.board_m.size(); ++i) {
@@ -52,7 +52,7 @@ class BoardSearch : public testing::Test {
 
   TagBoard board_;
   calibration::BrownLens lens_;
-  static inline std::unique_ptr<BoardPhotographer> photographer_;  ///< Finding its rays takes seconds.
+  static inline std::unique_ptr<BoardPhotographer> photographer_;  ///< Shared, since computing its rays takes seconds.
   tags::TagDetector detector_;
 };
 

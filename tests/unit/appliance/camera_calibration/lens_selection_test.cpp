@@ -20,14 +20,14 @@ calibration::BrownParameters true_lens() {
 }
 
 struct Shown {
-  double tilt_rad = 0.5;  ///< At most, about any level axis.
-  double aside = 0.45;    ///< Of the picture's half width and height, at most.
+  double tilt_rad = 0.5;  ///< Maximum tilt about any horizontal axis.
+  double aside = 0.45;    ///< Maximum offset as a fraction of the picture's half width and height.
   double near_m = 0.25;
   double far_m = 0.5;
   double noise_px = 0.05;
 };
 
-/// What a camera would see of a board that somebody shows to it.
+/// Returns views of a board that somebody holds in front of the camera.
 std::vector<LensView> shown(const calibration::BrownParameters& truth, int count, unsigned seed,
                             const Shown& how = {}) {
   std::mt19937 random(seed);
@@ -63,8 +63,8 @@ std::vector<LensView> shown(const calibration::BrownParameters& truth, int count
   return views;
 }
 
-/// The largest distance over the picture between where two lenses image a direction, turned onto each other: what a
-/// lens calls straight ahead is a gauge that poses make up for.
+/// Returns the largest distance over the picture between the images of a direction in two lenses, after the best
+/// rotation: the forward direction of a lens is a gauge that poses compensate for.
 double apart_px(const calibration::MeasuredLens& found, const calibration::BrownParameters& truth) {
   const auto a = calibration::BrownLens::from(truth);
   const auto b = found.brown();

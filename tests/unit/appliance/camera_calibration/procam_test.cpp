@@ -25,7 +25,7 @@ calibration::BrownParameters camera_lens() {
           .centre_v_px = 500.0,
           .k1 = -0.2};
 }
-/// A projector's lens is shifted: its centre lies below its picture.
+/// A projector's lens with lens shift: its principal point lies below its picture.
 calibration::BrownParameters projector_lens() {
   return {.width_px = 1024,
           .height_px = 768,
@@ -43,7 +43,7 @@ struct Rig {
   Eigen::Vector3d t{0.3, 0.5, -0.1};
 };
 
-/// Boards turned about different axes; `tilt_rad` 0: all of them face the camera.
+/// Returns views of boards tilted about different axes; `tilt_rad` 0: all of them face the camera.
 std::vector<BoardView> views_of(const Rig& rig, int count, double tilt_rad, double noise_px, unsigned seed = 5,
                                 const BoardShape& shape = {}) {
   std::mt19937 random(seed);
@@ -125,7 +125,7 @@ TEST(Procam, is_as_sure_as_it_says) {
       count += 2;
     }
   }
-  // 96 squares of deviation 1, four by four correlated.
+  // 96 squares of variance 1, correlated in groups of four.
   EXPECT_GT(squares / count, 0.5);
   EXPECT_LT(squares / count, 1.8);
 }
@@ -195,7 +195,7 @@ TEST(ProcamSelection, takes_the_least_model_that_predicts) {
   EXPECT_EQ(chosen.projector, calibration::LensModel::kPinhole) << table_of(*selection);
   EXPECT_EQ(chosen.board, BoardModel::kFlat) << table_of(*selection);
   for (const ProcamCandidate& model : selection->models) {
-    // A richer one that were better would have been taken, and so would a smaller one that is as good.
+    // A richer model that is better would have been chosen, and so would a smaller one that is as good.
     if (model.freedom > chosen.freedom) {
       EXPECT_GE(model.heldout_rms_px * 1.000001, chosen.heldout_rms_px * (1.0 - calibration::kMinModelGain));
     }
@@ -206,7 +206,7 @@ TEST(ProcamSelection, takes_the_least_model_that_predicts) {
 }
 
 TEST(ProcamSelection, finds_a_board_that_is_bent) {
-  // What such a board looks like: a corner's place is moved as its height asks.
+  // In views of such a board a corner is displaced as its height requires.
   const BoardShape shape{.stretch = 0.002, .bend_xx = 0.015, .bend_yy = -0.02};
   const auto selection = select_procam_model(views_of(Rig{}, 5, 0.5, 0.1, 5, shape), kCameraSize, kProjectorSize);
   ASSERT_TRUE(selection.has_value()) << selection.error().message();

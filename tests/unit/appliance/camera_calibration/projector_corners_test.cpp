@@ -8,7 +8,7 @@
 namespace cyclorama::camera_calibration {
 namespace {
 
-/// Seen at an angle: no straight line's map.
+/// Returns a wall seen at an angle, so that the map is not linear.
 LitWall slanted_wall() {
   LitWall wall;
   wall.projector_pixel_at = [](double u, double v) {
@@ -40,7 +40,7 @@ TEST(ProjectorPosePrior, is_told_to_some_hundredths_between_the_pixels) {
 TEST(ProjectorPosePrior, is_not_moved_by_what_is_wrong) {
   const LitWall wall = slanted_wall();
   structured_light::Decoded decoded = decoded_of(wall);
-  // A tenth of the pixels, all in the same direction.
+  // A tenth of the pixels are shifted in the same direction.
   for (int y = 30; y < 50; ++y) {
     for (int x = 30; x < 50; x += 10) decoded.position_px.at(x, y)[0] += 40.0f;
   }
@@ -55,7 +55,7 @@ TEST(ProjectorPosePrior, is_unknown_where_little_is_decoded) {
   EXPECT_FALSE(projector_pixel_at(decoded, {-50.0, 40.0}, 12.0));
   EXPECT_FALSE(projector_pixel_at(decoded, {1e300, 40.0}, 12.0));
   EXPECT_FALSE(projector_pixel_at(decoded, {std::nan(""), 40.0}, 12.0));
-  // A single line of pixels says nothing across it.
+  // A single line of pixels gives no information across it.
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 160; ++x) {
       if (y != 40) *decoded.fate.at(x, y) = structured_light::PixelFate::kDark;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// On real photographs. The first capture alone, to be quick; `./bench.sh calibration-real` measures all three.
+/// Tests on real photographs. Only the first capture, to be quick; `./bench.sh calibration-real` measures all three.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -17,7 +17,8 @@
 namespace cyclorama::camera_calibration {
 namespace {
 
-/// expected.json has OpenCV's pixels, whose first one's centre is (0, 0), in the camera and on the projector.
+/// Converts OpenCV's pixels of expected.json, where the first pixel's centre is (0, 0), in the camera and on the
+/// projector.
 std::vector<Eigen::Vector2d> points_of(const nlohmann::json& list) {
   std::vector<Eigen::Vector2d> points;
   for (const auto& point : list) points.emplace_back(point.at(0).get<double>() + 0.5, point.at(1).get<double>() + 0.5);
@@ -81,7 +82,7 @@ TEST(RealCapture, is_decoded_finely_and_without_gross_errors) {
     ASSERT_TRUE(position) << i;
     squares += (*position - expected.projector_px[i]).squaredNorm() / static_cast<double>(corners->size());
   }
-  // Two methods on the same photographs; the other one rests on whole pixels.
+  // Two methods on the same photographs; the other one uses whole pixels.
   EXPECT_LT(std::sqrt(squares), 0.35);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weights where many pictures meet, by maps that do not quite fit each other.
+// Weights where many pictures meet, with maps that do not quite fit each other.
 #include "appliance/photometry/blend_weights.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr int kWidth_px = 960;
 constexpr int kHeight_px = 540;
 
-/// Where a projector looks, in degrees.
+/// Direction of a projector in degrees.
 struct Aim {
   double pan = 0.0;
   double tilt = 0.0;
@@ -52,7 +52,7 @@ struct Maps {
   std::vector<PhotometricProjector> projectors;
   std::vector<InverseMap> inverses;
 };
-/// `off_px`: each is off in its own way, as maps that were measured one by one are.
+/// `off_px`: each map has an independent error, like maps that were measured one by one.
 Maps maps_of(const Wall& wall, double off_px) {
   Maps maps;
   for (std::size_t p = 0; p < wall.aims.size(); ++p) {
@@ -66,7 +66,7 @@ Maps maps_of(const Wall& wall, double off_px) {
   return maps;
 }
 
-/// Beyond the rim of all that is lit pictures' corners touch in a point, where any weights must jump.
+/// Beyond the rim of the lit area the corners of pictures touch in a point, where any weights must jump.
 bool is_near_the_rim(const Maps& maps, double azimuth, double elevation, double by_deg) {
   for (const double across : {-by_deg, 0.0, by_deg}) {
     for (const double up : {-by_deg, 0.0, by_deg}) {
@@ -80,11 +80,11 @@ bool is_near_the_rim(const Maps& maps, double azimuth, double elevation, double 
 
 class BlendWeightsOf : public testing::TestWithParam<Wall> {};
 
-/// What calibration_bench calls "weights off 1": each picture has the weights that its own map says, and the wall puts
-/// them together by the truth.
+/// Measures what calibration_bench calls "weights off 1": each picture has the weights of its own map, and the wall
+/// adds them up according to the truth.
 TEST_P(BlendWeightsOf, add_up_to_one_on_the_wall_though_maps_are_off_by_some_hundredths_of_a_pixel) {
   constexpr double kOff_px = 0.03;
-  constexpr double kRim_deg = 0.4;  // Some ten pixels.
+  constexpr double kRim_deg = 0.4;  // About ten pixels.
   const Maps truth = maps_of(GetParam(), 0.0);
   const Maps measured = maps_of(GetParam(), kOff_px);
   const BlendWeights weights(measured.projectors, measured.inverses);
@@ -120,7 +120,7 @@ TEST_P(BlendWeightsOf, add_up_to_one_on_the_wall_though_maps_are_off_by_some_hun
 }
 
 const Wall kWalls[] = {
-    // Looking down from above: upper sides cross in a wedge of some degrees, and two pictures end there.
+    // The projectors look down from above: upper sides cross in a wedge of some degrees, and two pictures end there.
     {"four in a row", 38.0, {{-43.5, -13.0, 0.0}, {-14.5, -13.0, 0.0}, {14.5, -13.0, 0.0}, {43.5, -13.0, 0.0}}},
     {"three over each other", 40.0, {{-13.0, -13.0, 0.0}, {0.0, -13.0, 0.0}, {13.0, -13.0, 0.0}}},
     {"four over each other", 44.0, {{-12.0, -13.0, 0.0}, {-4.0, -13.0, 1.0}, {4.0, -13.0, -1.0}, {12.0, -13.0, 0.5}}},
@@ -140,9 +140,9 @@ TEST(BlendWeights, fade_towards_sides_on_another_picture_and_no_others) {
     return -1.0;
   };
   EXPECT_NEAR(left_at({kWidth_px - 1e-6, 0.5 * kHeight_px}), 0.0, 1e-9);
-  // Where the other begins, and only left is.
+  // Here the other picture begins, so left is still alone.
   EXPECT_EQ(left_at({0.3 * kWidth_px, 0.5 * kHeight_px}), 1.0);
-  // At the rim of what is lit nothing changes: half of the overlap is half, above as in the middle.
+  // The rim of the lit area changes nothing: in the middle of the overlap the weight is a half, at its top too.
   const auto pixel = maps.inverses[0].pixel_at(-Eigen::Vector3d::UnitZ());
   ASSERT_TRUE(pixel);
   EXPECT_NEAR(left_at(*pixel), 0.5, 0.01);

@@ -86,7 +86,7 @@ TEST(ChannelResponse, tells_a_channel_that_stays_black_and_one_that_falls) {
   ASSERT_TRUE(falling->falls_at);
   EXPECT_NEAR(*falling->falls_at, 0.72, 0.07);
   EXPECT_THAT(remarks_on(*falling, "it"), ElementsAre(HasSubstr("it gets darker with growing code")));
-  // Whatever light is wanted, one of the codes that are used makes it, and codes never fall.
+  // Every light is produced by one of the codes in use, and the codes are monotone.
   const warp::ResponseCurve inverse = falling->inverse();
   for (double light = 0.0; light <= 1.0; light += 0.01)
     EXPECT_NEAR(falling->light_of(inverse.code_of(light)), light, 0.012) << light;

@@ -55,7 +55,7 @@ TEST(Photometry, light_of_both_adds_up_to_a_target_that_varies_slowly) {
   const auto result = photometry(input, options);
   ASSERT_TRUE(result) << result.error().message();
   EXPECT_NEAR(result->heads[1].brightness, 0.15 / 0.24, 0.01);
-  // Along the horizon: the sum of both projectors' light.
+  // Sums both projectors' light along the horizon.
   const auto left = *InverseMap::make(input.projectors[0].map);
   const auto right = *InverseMap::make(input.projectors[1].map);
   double before = 0.0;
@@ -114,13 +114,13 @@ TEST(Photometry, one_projector_alone_keeps_nearly_all_of_its_middle) {
   EXPECT_NEAR(result->heads[0].black.y(), 5e-4, 3e-4);
 }
 
-/// What a lens darkens of a view, from where its axis meets the picture.
+/// Returns the vignetting of a lens about its optical axis.
 double darkened(const Eigen::Vector2d& camera_px, const Eigen::Vector2d& centre_px, double exponent) {
   constexpr double kFocal_px = 400.0;
   return std::pow(1.0 + (camera_px - centre_px).squaredNorm() / (kFocal_px * kFocal_px), -0.5 * exponent);
 }
 
-/// One projector, its left two thirds seen from one stop and its right ones from another.
+/// Returns one projector, its left two thirds seen from one stop and its right two thirds from another.
 PhotometryInput seen_from_two_stops(const Eigen::Vector2d& centre_px, double exponent) {
   EvenLight dark;
   dark.ambient = 0.0;
@@ -146,7 +146,7 @@ PhotometryInput seen_from_two_stops(const Eigen::Vector2d& centre_px, double exp
   return input;
 }
 
-/// How far a projector's light is off, a common factor aside.
+/// Returns the error of a projector's light, up to a common factor.
 double off(const PhotometryInput& input) {
   const auto result = photometry(input);
   EXPECT_TRUE(result) << result.error().message();
@@ -196,7 +196,7 @@ TEST(Photometry, refuses_what_makes_no_sense) {
   EXPECT_THAT(refused.error().message(), HasSubstr("projector 'left'"));
 }
 
-// Four projectors: their pictures are less high than the wall, so that corners lie on it.
+// With four projectors the pictures are less high than the wall, so that corners lie on it.
 TEST(Photometry, makes_a_museums_wall_even_against_its_truth) {
   simulated::PresetOptions small;
   small.projectors = 4;
@@ -216,7 +216,7 @@ TEST(Photometry, makes_a_museums_wall_even_against_its_truth) {
   ASSERT_TRUE(result) << result.error().message();
   EXPECT_TRUE(is_finite(*result));
   EXPECT_LT(response_rms(museum->truth(), *result), 0.005);
-  // Pixels are four times those of full HD: so is how far from the rim the goal counts.
+  // Pixels are four times as large as in full HD, and so is the margin at the rim that does not count.
   const SeamScore score = seam_score(museum->truth(), *result, true, 0.8);
   EXPECT_GT(score.pairs, 40u);
   EXPECT_LT(score.mask_sum_error, 0.005);

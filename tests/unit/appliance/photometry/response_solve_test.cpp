@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// The worst difference of a measured point from the truth, in parts of full scale.
+/// Returns the largest error of a measured point, relative to full scale.
 double worst_error(const EvenLight& light) {
   const auto solved = solve_responses(even_light({light}));
   EXPECT_TRUE(solved) << (solved ? "" : solved.error().message());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps inverted, weights, slow targets, gamuts and fields: what photometry() is made of.
+// The parts of photometry(): inverse maps, weights, slow targets, gamuts and fields.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -91,7 +91,7 @@ TEST(BlendWeights, add_up_to_one_and_change_without_a_step) {
 
 TEST(BlendWeights, fade_where_a_column_hides_the_wall_from_one) {
   auto projectors = two_projectors();
-  // Left's picture ends within right's: the last three columns of control points are hidden.
+  // The left picture ends inside the right one: its last three columns of control points are hidden.
   for (std::size_t y = 0; y <= 10; ++y) {
     for (std::size_t x = 14; x <= 16; ++x) projectors[0].map.directions[17 * y + x] = Eigen::Vector3d::Constant(kNaN);
   }
@@ -126,12 +126,12 @@ TEST(DirectionField, is_the_largest_below_what_can_be_reached_with_that_slope) {
   for (double azimuth = -30.0; azimuth <= 30.0; azimuth += 1.3) {
     const Eigen::Vector3d d(std::sin(azimuth * kDegree), 0.03, -std::cos(azimuth * kDegree));
     const Eigen::Vector3d direction = d.normalized();
-    // The cones, written down.
+    // The expected cones in closed form.
     const double best =
         std::min({1.0, 0.5 * std::exp(slope * angle(direction, dark)), 0.7 * std::exp(slope * angle(direction, dim))});
     EXPECT_NEAR(slow.at(direction) / best, 1.0, 0.04) << azimuth;
   }
-  // Rounded off it stays below, and keeps the slope.
+  // After smoothing the field stays below and keeps the slope.
   const DirectionField smooth = field->slow_below(slope, 1.0 * kDegree);
   double before = 0.0;
   for (double azimuth = -30.0; azimuth <= 30.0; azimuth += 0.1) {
@@ -142,7 +142,7 @@ TEST(DirectionField, is_the_largest_below_what_can_be_reached_with_that_slope) {
     }
     before = smooth.at(d);
   }
-  // Flat: as dark as the darkest.
+  // With slope 0 the field is as dark as the darkest point.
   EXPECT_NEAR(field->slow_below(0.0, 0.0).at(dim), 0.5, 1e-9);
 }
 
@@ -153,7 +153,7 @@ TEST(DirectionField, varies_less_where_pictures_begin_and_end) {
   const auto at = [](double azimuth) {
     return Eigen::Vector3d(std::sin(azimuth * kDegree), 0.0, -std::cos(azimuth * kDegree));
   };
-  // Left alone, both from -5 on, right alone from 5 on; nobody from 30 on, which is no border between pictures.
+  // Only left until -5 degrees, both until 5, only right until 30, then none; the last is no border between pictures.
   const auto near = field->near_borders(
       [](const Eigen::Vector3d& d) {
         const double azimuth = std::atan2(d.x(), -d.z()) / kDegree;
@@ -164,13 +164,13 @@ TEST(DirectionField, varies_less_where_pictures_begin_and_end) {
   ASSERT_EQ(near.size(), positions.size());
   std::vector<double> slopes;
   for (const bool is_near : near) slopes.push_back((is_near ? 0.01 : 0.03) / kDegree);
-  field->fill([](const Eigen::Vector3d& d) { return d.x() < -0.45 ? 0.3 : 1.0; });  // Dark from -27 degrees on.
+  field->fill([](const Eigen::Vector3d& d) { return d.x() < -0.45 ? 0.3 : 1.0; });  // Dark until -27 degrees.
   const DirectionField slow = field->slow_below(slopes, 1.0 * kDegree);
   const auto slope = [&](double azimuth) { return std::log(slow.at(at(azimuth + 0.5)) / slow.at(at(azimuth - 0.5))); };
   EXPECT_NEAR(slope(-18.0), 0.03, 0.002);
   EXPECT_NEAR(slope(-5.0), 0.011, 0.0015);
   EXPECT_NEAR(slope(0.0), 0.03, 0.004);
-  // Of 52 degrees 8 are near borders: all of the light is reached again.
+  // Of the 52 degrees, 8 are near borders, so almost the full light is reached again.
   EXPECT_GE(slow.at(at(25.0)), 0.9);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole chain in small museums: from devices that know nothing of the truth to calibration.json, which is then
-// compared with it.
+// The whole chain in small museums: from devices that do not reveal the truth to calibration.json, which is then
+// compared with the truth.
 #include "appliance/scan/calibration_run.h"
 
 #include <gmock/gmock.h>
@@ -34,7 +34,7 @@ class InFolder : public ::testing::Test {
 class CalibrationRun : public InFolder, public ::testing::WithParamInterface<const char*> {};
 class CalibrationOfLight : public InFolder {};
 
-/// Projectors whose lamps light no colour alone.
+/// A screen whose projectors show black instead of single colours.
 class WithoutColours final : public PatternScreen {
  public:
   explicit WithoutColours(PatternScreen* screen) : screen_(screen) {}
@@ -86,16 +86,16 @@ TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
   const MuseumScore score = score_of(*museum, *written);
   RecordProperty("p95_px", std::to_string(score.p95_px));
   EXPECT_GT(score.correspondences, 100u);
-  // The goals of a projector of 1080p, in whose pixels this camera is no coarser.
+  // The goals for a projector of 1080p; in its pixels this camera is no coarser.
   EXPECT_LE(score.mean_px, 0.25);
   EXPECT_LE(score.p95_px, 0.6);
   EXPECT_LE(score.max_px, 1.0);
   EXPECT_LT(static_cast<double>(score.missing), 0.05 * static_cast<double>(score.lit));
-  // What the installer is told comes from measurements alone, and includes their noise.
+  // The installer's figures come from measurements alone and include their noise.
   EXPECT_GT(outcome->registration.correspondences, 100u);
   EXPECT_LE(outcome->registration.p95_px, 1.5);
 
-  // Once more, without a model of the wall: no worse than before. In one of the rooms, for time.
+  // Repeated without a model of the wall: no worse than before. Only in one of the rooms, to save time.
   if (is_plane) return;
   settings.with_wall = false;
   const auto again = run_calibration(museum->installation(), settings, {screen, camera, plate}, folder_,
@@ -114,7 +114,7 @@ simulated::PresetOptions two_small_projectors() {
   return options;
 }
 
-/// The sun through a window, evenly on the wall. Truth is the test's, who calibrates sees light alone.
+/// The sun through a window, evenly on the wall. The test knows the truth; the calibration sees only the light.
 TEST_F(CalibrationOfLight, in_daylight_is_right_or_refused_with_a_remedy) {
   for (const double lux : {300.0, 3000.0}) {
     auto preset = simulated::make_preset("cylinder126", 5, two_small_projectors());
@@ -163,7 +163,7 @@ TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) 
   const SeamScore before = seam_score(museum->truth(), *outcome->light, false);
   const SeamScore after = seam_score(museum->truth(), *outcome->light, true);
   EXPECT_LT(after.delta_e_p95, before.delta_e_p95);
-  // A pixel is a hundredth of these pictures: what a map is off by is as much of a weight.
+  // A pixel is a hundredth of these pictures, so an error of a map causes a weight error of the same size.
   EXPECT_LE(after.mask_sum_error, 0.02);
 
   const auto written = calibration::read_colours(calibration::calibration_folder(folder_, outcome->calibration.date));
@@ -177,7 +177,7 @@ TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) 
   EXPECT_TRUE(
       std::filesystem::exists(calibration::calibration_folder(folder_, outcome->calibration.date) / "light.json"));
 
-  // Later the projectors' light cannot be measured: masks of the new maps are made from the light of before.
+  // Later the projectors' light cannot be measured: masks for the new maps are computed from the previous light.
   WithoutColours without(&screen);
   settings.with_wall = false;
   settings.with_seams = false;

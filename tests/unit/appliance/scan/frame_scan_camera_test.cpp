@@ -12,7 +12,7 @@ namespace {
 
 constexpr Duration kPeriod = std::chrono::milliseconds(33);
 
-/// One frame per period of a clock that moves itself; each is as bright as its exposure is long.
+/// A camera with one frame per period of a simulated clock; a frame's brightness is proportional to its exposure.
 class SteadyCamera final : public camera::Camera {
  public:
   SteadyCamera(ManualClock* clock, double exposure_s, bool* is_unplugged)
@@ -21,7 +21,7 @@ class SteadyCamera final : public camera::Camera {
   Status start() override { return Done{}; }
   Result<std::shared_ptr<const camera::CameraFrame>> next_frame(TimePoint deadline) override {
     if (*is_unplugged_) return Error(ErrorCode::kUnavailable, "unplugged");
-    // What comes out now was exposed a period ago: the driver's queue.
+    // The frame that is delivered now was exposed one period ago, because of the driver's queue.
     const TimePoint captured_at = clock_->now() - kPeriod;
     clock_->wait_until(std::min(deadline, clock_->now() + kPeriod));
     auto frame = std::make_shared<camera::CameraFrame>();
@@ -73,7 +73,7 @@ TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_e
   EXPECT_EQ((*camera)->photograph(-1.0).error().code(), ErrorCode::kInvalidArgument);
   is_unplugged = true;
   EXPECT_EQ((*camera)->photograph(0.1).error().code(), ErrorCode::kUnavailable);
-  is_unplugged = false;  // It is back, and so is the scan.
+  is_unplugged = false;  // The camera is back, and the scan continues.
   EXPECT_TRUE((*camera)->photograph(0.1).has_value());
   SteadyCamera::holds_exposure_ = false;
   const auto automatic = (*camera)->photograph(0.1);
@@ -81,7 +81,7 @@ TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_e
   EXPECT_THAT(automatic.error().message(), ::testing::HasSubstr("exposure can be set by hand"));
 }
 
-/// Its pictures have colours.
+/// A camera with colour.
 class ColourCamera final : public camera::Camera {
  public:
   explicit ColourCamera(ManualClock* clock) : clock_(clock) {}

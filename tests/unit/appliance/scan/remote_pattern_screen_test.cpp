@@ -17,7 +17,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// A display that shows what it is told, until it is told to fail.
+/// A display that shows the requested patterns until a test makes it fail.
 class FakePatternDisplay final : public wire::PatternScreen::Service {
  public:
   grpc::Status ShowPatterns(grpc::ServerContext*,
@@ -95,7 +95,7 @@ TEST(RemotePatternScreen, tells_what_the_display_refused) {
   const auto screen = RemotePatternScreen::open(projectors(), {*parse_pattern_display(display.address())}, kSettle);
   ASSERT_TRUE(screen.has_value()) << screen.error().message();
   display.service.is_away = true;
-  for (int i = 0; i < 2; ++i) {  // It stays gone, and says so again.
+  for (int i = 0; i < 2; ++i) {  // The head stays away, and each call reports it.
     const auto shown = (*screen)->show(0, RgbImage());
     ASSERT_FALSE(shown.has_value());
     EXPECT_EQ(shown.error().code(), ErrorCode::kUnavailable);

@@ -21,7 +21,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// Every element is closed, in order; void ones apart.
+/// Returns true if every element except void ones is closed, in order.
 bool is_balanced(const std::string& page) {
   std::vector<std::string> open;
   for (std::size_t at = page.find('<'); at != std::string::npos; at = page.find('<', at + 1)) {
@@ -70,7 +70,7 @@ TEST(ReportPage, tells_of_a_room_with_plots_and_is_whole) {
               AllOf(Not(HasSubstr("nan")), Not(HasSubstr("inf")), Not(HasSubstr("http")), Not(HasSubstr("<script"))))
       << "nothing is loaded";
   EXPECT_LT(page.size(), std::size_t{2} << 20);
-  // Left for people to look at.
+  // The page is kept for inspection.
   EXPECT_TRUE(write_file_atomically(std::filesystem::path(::testing::TempDir()) / "cyclorama-report.html", page));
 }
 
@@ -84,7 +84,7 @@ TEST(ReportPage, tells_residuals_that_are_the_noise_of_the_measurements) {
     errors.push_back(r.error_px);
   ASSERT_GT(errors.size(), 1000U);
   std::ranges::sort(errors);
-  EXPECT_LT(errors[errors.size() / 2], 0.5);  // Of a Rayleigh law with 0.2 px each way the median is 0.24.
+  EXPECT_LT(errors[errors.size() / 2], 0.5);  // The median of a Rayleigh distribution with 0.2 px per axis is 0.24.
   EXPECT_GT(errors[errors.size() / 2], 0.1);
 }
 

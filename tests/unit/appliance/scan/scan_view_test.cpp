@@ -20,7 +20,7 @@ class ScanFolderTest : public ::testing::Test {
     std::error_code ignored;
     std::filesystem::remove_all(folder_, ignored);
   }
-  /// Resumed, it must fail, with a remedy.
+  /// Expects that resuming fails with a remedy.
   void expect_refused(const ScanIdentity& identity, const std::string& why) {
     const auto resumed = ScanFolder::resume(folder_, identity);
     ASSERT_FALSE(resumed.has_value());

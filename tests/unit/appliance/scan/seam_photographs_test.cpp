@@ -54,7 +54,7 @@ TEST(DrawnHead, masks_light_not_codes_and_leaves_dark_what_has_no_direction) {
   EXPECT_EQ(coloured.at(12, 1)[2], 0);
 }
 
-/// Of a small museum with maps that are the truth's.
+/// A small museum whose maps are exact.
 class SeamPhotographsTest : public ::testing::Test {
  protected:
   SeamPhotographsTest() {

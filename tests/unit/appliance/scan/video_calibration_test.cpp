@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A calibration with a camera of the kernel's, in its steps of exposure, its eight bits and its YUYV, whose driver is
-// the only thing that is not real: what it sees is the simulated museum.
+// A calibration with a video camera (V4L2): its exposure steps, 8 bits and YUYV. Only the driver is simulated; it
+// delivers photographs of the simulated museum.
 #include <gmock/gmock.h>
 #include <unistd.h>
 
@@ -20,7 +20,7 @@
 namespace cyclorama::scan {
 namespace {
 
-/// Counts what is shown, so that who photographs knows whether anything changed.
+/// Counts the pictures shown, so that the camera can detect a change.
 class CountingScreen final : public PatternScreen {
  public:
   explicit CountingScreen(simulated::SimulatedMuseum* museum) : screen_(museum) {}
@@ -47,7 +47,8 @@ TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s)
   CountingScreen screen(&*museum);
   simulated::SimulatedTurnplate plate(&*museum);
 
-  // The museum is photographed when it, or the exposure, has changed; the driver shows the same picture till then.
+  // The museum is photographed only after it or the exposure has changed; until then the driver repeats the same
+  // picture.
   struct State {
     int shown = -1;
     double angle_rad = 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scan against what can go wrong in a museum; a very small one, for speed. What it is for: calibration_run_test.
+// Faults during a scan, in a very small museum for speed. The accuracy of the scan is tested in calibration_run_test.
 #include "appliance/scan/wall_scan.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-/// A camera that fails, or before which somebody walks, from one photograph to another.
+/// A camera that fails, or before which somebody walks, between two given photographs.
 class TroubledCamera final : public ScanCamera {
  public:
   explicit TroubledCamera(ScanCamera* camera) : camera_(camera) {}
@@ -37,7 +37,7 @@ class TroubledCamera final : public ScanCamera {
     if (number >= smaller_from) return ScanPhotograph(width_px() / 2, height_px() / 2);
     TRY_ASSIGN(ScanPhotograph photograph, camera_->photograph(exposure_s));
     if (number >= person_from && number < person_until) {
-      // Walks from the left to the right, a third of the picture wide.
+      // A person a third of the picture wide walks from the left to the right.
       const int step = photograph.width() / std::max(1, std::min(person_until, 1000) - person_from);
       const int at = (number - person_from) * std::max(step, 3) % photograph.width();
       for (int y = 0; y < photograph.height(); ++y) {
@@ -59,7 +59,7 @@ class TroubledCamera final : public ScanCamera {
   ScanCamera* camera_;
 };
 
-/// A screen one of whose projectors stays dark, and that remembers what is lit.
+/// A screen with one projector that stays dark; it records what is lit.
 class TroubledScreen final : public PatternScreen {
  public:
   TroubledScreen(PatternScreen* screen, std::size_t projectors) : lit(projectors, false), screen_(screen) {}
@@ -91,7 +91,7 @@ class StallingPlate final : public turnplate::Turnplate {
   }
   Status move_to(double angle_rad) override {
     if (stalls-- > 0) return Error(ErrorCode::kTimedOut, "it did not arrive; free it");
-    museum_->turn_to(angle_rad + 1e-3 * turns++);  // It never stops twice at the same angle.
+    museum_->turn_to(angle_rad + 1e-3 * turns++);  // The turntable never stops twice at the same angle.
     return Done{};
   }
   int turns = 0;
@@ -239,7 +239,7 @@ TEST_F(WallScanTest, names_a_projector_that_stays_dark_and_goes_on_once_it_is_on
 TEST_F(WallScanTest, has_all_views_of_a_direction_from_one_stop_of_the_plate) {
   const auto whole = scan();
   ASSERT_TRUE(whole.has_value()) << whole.error().message();
-  // The camera is unplugged in every part of a scan in turn.
+  // The camera is unplugged in each part of a scan in turn.
   for (int part = 1; part < 8; ++part) {
     settings_.resume = false;
     camera_.unplugged_from = camera_.taken + part * whole->pictures / 8;

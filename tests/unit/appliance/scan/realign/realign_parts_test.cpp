@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The solvers of a realignment, against rooms that are written down exactly.
+// Tests of a realignment's solvers in rooms with exact formulas.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -30,7 +30,7 @@ TEST(SeenEnd, is_where_the_line_meets_the_wall) {
       const auto d = wall_direction_from(centre, along, wall);
       ASSERT_TRUE(d.has_value());
       const Eigen::Vector3d position = *d / wall(*d);
-      // On the line, and in front.
+      // The point is on the line, and in front.
       EXPECT_LT((position - centre).cross(along).norm() / along.norm(), 1e-8);
       EXPECT_GT((position - centre).dot(along), 0.0);
     }
@@ -100,7 +100,7 @@ calibration::FittedProjector projector_at(const Eigen::Vector3d& position, const
   calibration::FittedProjector projector;
   projector.lens = calibration::MeasuredLens::from_focal(1280, 800, 1500.0);
   projector.lens.values[calibration::MeasuredLens::kK1] = -0.03;
-  // Looks to -z, its x to the right.
+  // The projector looks along -z with its x to the right.
   const Eigen::Quaterniond ahead(Eigen::AngleAxisd(3.14159265358979, Eigen::Vector3d::UnitX()));
   projector.T_eye_projector = {turn * ahead, position};
   return projector;
@@ -192,7 +192,7 @@ TEST(LightFile, names_the_place_of_what_is_wrong) {
 }
 
 TEST(MoveLight, is_the_light_over_the_wall_that_it_falls_on) {
-  // Twice as far from a plane there is a quarter of the light.
+  // At twice the distance from a plane, a quarter of the light remains.
   const auto map_from = [](double z) {
     return *solve::fit_measured_map(1280, 800,
                                     seen_of(projector_at({0, 0, z}, Eigen::Quaterniond::Identity()), plane, 0.05));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small museum is calibrated; then somebody pushes, turns, hides or forgets something.
+// A small museum is calibrated; then a projector is displaced or turned, or something is hidden or missing.
 #include "appliance/scan/realign/realignment.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ constexpr const char* kSecond = "2026-01-02T00-00-00Z";
 class Realignment : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    if (!master_.empty()) return;  // The suites of all tests here calibrate one museum, once.
+    if (!master_.empty()) return;  // All suites here share one museum, which is calibrated once.
     master_ = fs::path(::testing::TempDir()) / ("realign-" + std::to_string(getpid()));
     fs::create_directories(master_);
     const DisplacedMuseum museum = small_museum();
@@ -92,7 +92,7 @@ class Realignment : public ::testing::Test {
     EXPECT_EQ(calibration::kept_calibrations(folder_).size(), 1u);
   }
 
-  /// Goes with the process.
+  /// A folder that exists until the process ends.
   struct Folder : fs::path {
     using fs::path::operator=;
     ~Folder() {
@@ -121,14 +121,14 @@ TEST_P(DisplacedProjector, is_put_back_within_ten_seconds) {
   EXPECT_LE(happened.museum_s, 10.0);
   EXPECT_DOUBLE_EQ(happened.told_fraction, 1.0);
   EXPECT_GT(happened.before.p95_px, happened.after.p95_px);
-  // The goals of a projector of 1080p, in whose pixels this camera is no coarser.
+  // The goals for a projector of 1080p; in its pixels this camera is no coarser.
   EXPECT_LE(happened.after.mean_px, 0.25);
   EXPECT_LE(happened.after.p95_px, 0.6);
   EXPECT_LE(happened.after.max_px, 1.0);
-  // The installer is told the same, by what was left out.
+  // The installer gets the same figures from left-out data.
   EXPECT_GT(happened.outcome->before.p95_px, happened.outcome->outcome.registration.p95_px);
   EXPECT_LE(happened.outcome->outcome.registration.p95_px, 1.5);
-  // How it was pushed: turn and place are nearly alike from one side, so places are told less well.
+  // Rotation and translation are nearly equivalent from one side, so the translation is less accurate.
   EXPECT_NEAR(happened.outcome->turned_rad, degrees * kDegree, 0.3 * kDegree);
   EXPECT_NEAR(happened.outcome->moved_m, 1e-3 * millimetres, 0.03);
 
@@ -141,9 +141,9 @@ TEST_P(DisplacedProjector, is_put_back_within_ten_seconds) {
   EXPECT_FALSE(written->projectors[1].is_previous);
   EXPECT_EQ(calibration::kept_calibrations(folder_).size(), 2u);
   EXPECT_TRUE(fs::exists(happened.outcome->outcome.report));
-  // Colours followed: its masks still add up, and a second push finds all it needs.
+  // Colours follow: the masks still add up, and a second displacement finds all it needs.
   ASSERT_TRUE(happened.outcome->has_colours);
-  // Of a picture that leaves the wall, the part is not counted that ends in a corner of some pixels.
+  // For a picture that leaves the wall, the part that ends in a corner of some pixels is not counted.
   if (degrees < 2.0) {
     EXPECT_LE(happened.seams.mask_sum_error, 0.02);
   }
@@ -189,7 +189,7 @@ TEST_F(Realignment, says_that_a_projector_is_dark) {
 
 TEST_F(Realignment, needs_a_projector_that_was_calibrated_and_a_calibration) {
   expect_refused(realign("projector 9"), ErrorCode::kNotFound, "no projector 'projector 9' was calibrated before");
-  // Whatever files are missing: nothing is half done.
+  // A missing file leaves nothing half done.
   fs::remove(calibration::calibration_folder(folder_, kFirst) / "light.json");
   museum_.push(1, 0.7 * kDegree, {0.0, 1.0, 0.0}, 0.0, {1.0, 0.0, 0.0});
   expect_refused(realign("projector 2"), ErrorCode::kBadData, "the light of before was not kept");

@@ -39,7 +39,7 @@ TEST(Calibrate, keeps_a_map_that_predicts_better_than_the_new_one) {
   EXPECT_TRUE(noisy->projectors[0].is_previous);
 }
 
-/// As if a projector had been knocked: its picture lies elsewhere on the wall.
+/// Simulates a bump of a projector: its picture is shifted on the wall.
 void knock(Measurements* measured, std::uint32_t projector, float by_px) {
   for (PlateDirection& direction : measured->directions) {
     for (Correspondence& c : direction.correspondences) {
@@ -79,7 +79,7 @@ TEST(Calibrate, is_never_worse_after_a_noisy_one_that_cannot_find_the_camera) {
 }
 
 TEST(Calibrate, is_never_worse_after_a_noisy_one_of_a_few_degrees) {
-  // All maps of before miss the new measurements by a hair, since those tell the camera's lens and turns badly.
+  // All previous maps narrowly fail the new measurements, which determine the camera's lens and the angles badly.
   CalibrateOptions options;
   options.with_wall = false;
   for (const auto& [arc_deg, seed] : {std::pair(5.0, 1U), std::pair(15.0, 5U), std::pair(45.0, 4U)}) {
@@ -139,7 +139,7 @@ TEST(Calibrate, replaces_a_map_with_a_hole_however_right_the_rest_of_it_is) {
           std::numeric_limits<double>::quiet_NaN());
     }
   }
-  plan.noise_px = 0.3;  // Alone it would be no reason for another map.
+  plan.noise_px = 0.3;  // The noise alone would be no reason for another map.
   options.previous = &*good;
   const auto anew = calibrate(GeneratedRoom(plan).measurements(), "2026-01-02T00-00-00Z", options);
   ASSERT_TRUE(anew) << anew.error().message();
@@ -168,7 +168,7 @@ TEST(Calibrate, is_true_in_a_corner_whose_nearness_no_harmonics_follow) {
   const auto calibration = calibrate(room.measurements(), "2026-01-01T00-00-00Z");
   ASSERT_TRUE(calibration) << calibration.error().message();
   EXPECT_TRUE(calibration->plate.wall.has_value());
-  // A profile is the wall here, which rounds the crease off by its knots; harmonics alone are 4.8 px off.
+  // The wall is a profile here, which rounds the crease by its knots; harmonics alone have an error of 4.8 px.
   EXPECT_LE(score_of(room, *calibration).true_p95_px, 0.9) << calibration->plate.offset_reason;
 }
 
@@ -178,7 +178,7 @@ TEST(Calibrate, finds_a_wall_by_which_another_eye_sees_right) {
   ASSERT_TRUE(calibration) << calibration.error().message();
   ASSERT_TRUE(calibration->wall) << calibration->remarks.back();
   EXPECT_EQ(calibration->wall->fit.surface.model, calibration::SurfaceModel::kCylinder) << calibration->wall->reason;
-  // The wall's scale is what was told of its distance; the eye moves in that scale.
+  // The given distance of the wall sets the scale, in which the eye moves.
   const calibration::Surface& wall = calibration->wall->fit.surface;
   const double scale = wall.distance_m * [&] {
     const auto point = room.wall_point_of(1, {960.0, 540.0});

@@ -11,7 +11,7 @@
 namespace cyclorama::solve {
 namespace {
 
-/// Residuals and their Jacobian; no numbers where they have no value.
+/// Residuals and their Jacobian; empty where they have no value.
 struct Given {
   Eigen::VectorXd residuals;
   Eigen::MatrixXd jacobian;
@@ -88,7 +88,7 @@ TEST(DampedSteps, turn_back_where_residuals_have_no_value) {
     given.jacobian = Eigen::MatrixXd::Constant(1, 1, 1.0 / x[0]);
     return given;
   };
-  Problem problem(log_of, Eigen::VectorXd::Constant(1, 40.0));  // The first whole step leads below 0.
+  Problem problem(log_of, Eigen::VectorXd::Constant(1, 40.0));  // The first full step leads below 0.
   ASSERT_TRUE(minimise(&problem, {}));
   EXPECT_NEAR(problem.at()[0], std::exp(1.0), 1e-6);
   Problem nowhere(log_of, Eigen::VectorXd::Constant(1, -1.0));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The ends of each sweep of `./bench.sh calibration-extremes`, once each: refused with a remedy, or right; never NaN.
+/// The ends of each sweep of `./bench.sh calibration-extremes`, once each: refused with a remedy, or correct; never
+/// NaN.
 #include <gtest/gtest.h>
 
 #include <cctype>
@@ -18,7 +19,7 @@ constexpr double kDegree = 0.017453292519943295;
 struct End {
   const char* name;
   std::function<void(RoomPlan*)> change;
-  double bound_px = 0.8;  ///< On the registration's p95.
+  double bound_px = 0.8;  ///< Bound of the registration's p95.
   bool may_refuse = false;
 };
 
@@ -40,7 +41,7 @@ const End kEnds[] = {
     {"throw 0.25",
      [](RoomPlan* plan) {
        plan->throw_ratio = 0.25;
-       plan->stride_px = 10;  // Its map bends: with fewer places cells are so large that a straight line does not do.
+       plan->stride_px = 10;  // With fewer points the cells would be too large for its curved map.
      }},
     {"throw 8",
      [](RoomPlan* plan) {

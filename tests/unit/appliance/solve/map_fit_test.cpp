@@ -14,7 +14,7 @@
 namespace cyclorama::solve {
 namespace {
 
-/// A projector whose picture is a smooth bend of directions.
+/// Directions of a projector whose map is smoothly curved.
 Eigen::Vector3d bent(const Eigen::Vector2d& p) {
   const double a = 0.3 + 4.1e-4 * (p.x() - 960.0) + 3e-8 * (p.x() - 960.0) * (p.y() - 540.0);
   const double t = -4.0e-4 * (p.y() - 540.0) + 2e-8 * (p.x() - 960.0) * (p.x() - 960.0);

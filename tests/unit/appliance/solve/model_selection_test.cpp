@@ -19,13 +19,13 @@ struct Given {
   double distance_m = 4.0;
 };
 
-/// What perfect poses of the camera would give: true directions, noisy pixels.
+/// Samples from exact camera poses: true directions, noisy pixels.
 Given given(RoomKind kind, unsigned seed, double radius_m = 4.0, double arc_rad = 2.0) {
   RoomPlan plan;
   plan.kind = kind;
   plan.seed = seed;
   plan.arc_rad = kind == RoomKind::kPlane || kind == RoomKind::kCorner ? 1.3 : arc_rad;
-  plan.stride_px = 400;  // Its own measurements are not used.
+  plan.stride_px = 400;  // Coarse, since its own measurements are not used.
   plan.radius_m = radius_m;
   const GeneratedRoom room(plan);
   Given result;
@@ -66,7 +66,7 @@ TEST(calibration::ModelChoice, finds_the_least_wall_that_predicts) {
 
 TEST(calibration::ModelChoice, follows_walls_that_are_nearly_something_else) {
   EXPECT_EQ(model_of(RoomKind::kUnevenCylinder, 1), calibration::SurfaceModel::kProfile);
-  // Two planes are a quadric, if a degenerate one: eight numbers tell them exactly, a profile only to its knots.
+  // Two planes are a degenerate quadric: eight parameters describe them exactly, a profile only to its knots.
   EXPECT_THAT(model_of(RoomKind::kCorner, 1),
               testing::AnyOf(calibration::SurfaceModel::kProfile, calibration::SurfaceModel::kQuadric));
   EXPECT_EQ(model_of(RoomKind::kBumpy, 1), calibration::SurfaceModel::kMesh);
@@ -85,7 +85,7 @@ TEST(calibration::ModelChoice, finds_its_way_round_a_corner_where_plane_and_cyli
   EXPECT_LT(left_out(calibration::SurfaceModel::kQuadric), 0.1);
 }
 
-/// As a lens draws it whose elements are not all on one axis, and whose bend is not one number's.
+/// Redraws the samples through a lens with decentred elements and a second radial coefficient.
 Given through_rich_lenses(Given g) {
   constexpr double kK2 = 0.03;
   constexpr double kP1 = 4e-3;

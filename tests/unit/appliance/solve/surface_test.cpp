@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/calibration/surface.h"
 
-// Before Ceres' headers, whose glog has a CHECK of its own.
+// Included before Ceres' headers, whose glog defines a CHECK of its own.
 #include "appliance/solve/surface_cost.h"
 
 #include <ceres/gradient_checker.h>
@@ -71,7 +71,8 @@ TEST(calibration::Surface, each_richer_start_says_what_the_lesser_said) {
         const auto a = from.inverse_depth_at(d);
         const auto b = richer.inverse_depth_at(d);
         ASSERT_TRUE(a && b);
-        // A profile's start has no tilt and a spline's coefficients are no values: near is enough to begin with.
+        // A profile's start has no tilt, and a spline's coefficients differ from its values; an approximation suffices
+        // for a start.
         const double tolerance =
             model == calibration::SurfaceModel::kQuadric || model == calibration::SurfaceModel::kCylinder ? 1e-9 : 0.02;
         EXPECT_NEAR(*a, *b, tolerance) << calibration::name_of(model);
@@ -85,7 +86,8 @@ TEST(calibration::Surface, is_missed_by_what_looks_past_a_wall_that_bulges) {
   EXPECT_FALSE(cylinder(-1.0).inverse_depth_at(Eigen::Vector3d(0.5, 0.0, -0.866)));
 }
 
-/// The residuals of one sample as Ceres' checker asks for them. Blocks: the surface's parameters, the projector's.
+/// The residuals of one sample in the form that Ceres' gradient checker needs. Blocks: the surface's parameters, the
+/// projector's.
 class SampleCost : public ceres::CostFunction {
  public:
   SampleCost(const calibration::Surface& shape, const MapSample& sample) : shape_(shape), sample_(sample) {
@@ -142,7 +144,7 @@ TEST(SurfaceCost, has_the_jacobian_that_differences_give_on_every_rung) {
     const double turned[] = {0.02, -0.03, 0.05, 0.4, 1.1, 0.3, 1500.0, 960.0, 540.0, -0.02, 0.01, 3e-3, 1e-3, 2e-3};
     const double straight[] = {0.0, 0.0, 0.0, 0.4, 1.1, 0.3, 1500.0, 960.0, 540.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     ceres::NumericDiffOptions steps;
-    steps.ridders_relative_initial_step_size = 1e-3;  // Of curvatures, which are small.
+    steps.ridders_relative_initial_step_size = 1e-3;  // Curvatures are small.
     const ceres::GradientChecker checker(&cost, static_cast<const std::vector<const ceres::Manifold*>*>(nullptr),
                                          steps);
     for (const double* numbers : {turned, straight}) {
@@ -179,7 +181,7 @@ TEST(SplinePrior, has_the_slopes_that_differences_give) {
       EXPECT_NEAR((*high - *low) / (2.0 * kStep), gradient[i], 1e-6 * scale) << calibration::name_of(model) << " " << i;
       const Eigen::VectorXd column = (slopes_at(above).first - slopes_at(below).first) / (2.0 * kStep);
       const Eigen::MatrixXd whole = normal.selfadjointView<Eigen::Lower>();
-      // The scale's own curvature is that of squares alone, without the wall's second derivatives.
+      // The scale's own curvature is that of the squares alone, without the wall's second derivatives.
       EXPECT_LE((column - whole.col(i)).norm(), 1e-3 * whole.norm()) << calibration::name_of(model) << " " << i;
     }
   }

@@ -26,7 +26,8 @@ Result<calibration::TurnPlate> solved(const Measurements& measured, const TurnPl
   return solve_turn_plate(measured, average_cells(measured, fitting_cell_px(measured)), options);
 }
 
-/// The residuals of one sight as Ceres' checker asks for them. Blocks: lens, mount, offset, angle, direction, inverse_depth.
+/// The residuals of one observation in the form that Ceres' gradient checker needs. Blocks: lens, mount, offset, angle,
+/// direction, inverse depth.
 class ObservationCost : public ceres::CostFunction {
  public:
   explicit ObservationCost(const CellMean& seen) : sight_(seen) {
@@ -79,7 +80,8 @@ TEST(PlateCost, has_the_jacobian_that_differences_give) {
   EXPECT_TRUE(checker.Probe(blocks, 1e-5, &results)) << results.error_log;
 }
 
-/// The problem's own slopes against differences of its cost: what is summed by direction, and eliminated by track, too.
+/// Compares the problem's gradient with finite differences of its cost, including the sums over directions and the
+/// elimination of tracks.
 TEST(PlateAdjustment, goes_downhill_to_where_no_shared_number_can_make_it_better) {
   const Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   const CellMeans means = average_cells(measured, fitting_cell_px(measured));

@@ -39,8 +39,8 @@ TEST(Decoder, finds_every_pixel_of_a_plain_wall_to_some_hundredths) {
   EXPECT_GT(errors.decoded, 0.99 * 160 * 120);
   EXPECT_EQ(errors.gross, 0);
   EXPECT_LT(errors.median_px, 0.03);
-  EXPECT_LT(errors.worst_px, 0.6);  // Beyond the last edge of the border there is only the stripe's middle.
-  // Its sigmas neither boast nor despair.
+  EXPECT_LT(errors.worst_px, 0.6);  // Beyond the last edge of the border only the stripe's middle is known.
+  // The sigmas are neither too small nor too large.
   EXPECT_GT(errors.mean_square_of_sigmas, 0.1);
   EXPECT_LT(errors.mean_square_of_sigmas, 2.0);
   EXPECT_NEAR(decoded.noise, wall.noise, 0.3 * wall.noise);
@@ -77,7 +77,7 @@ TEST(Decoder, says_how_sure_it_is_where_the_camera_sees_less_than_the_projector_
   for (const double pixels : {2.0, 3.0, 4.0}) {
     LitWall wall;
     wall.projector_pixel_at = [pixels](double u, double v) { return Eigen::Vector2d(pixels * u, pixels * v); };
-    wall.blur_px = 0.5 * pixels;  // The camera's own pixels.
+    wall.blur_px = 0.5 * pixels;  // Size of the camera's own pixels.
     const PatternSet set = set_of({.width_px = 512, .height_px = 384});
     const Decoded decoded = decoded_of(wall, set, {.max_sigma_px = 4.0});
     const WallErrors errors = errors_of(wall, decoded);
@@ -93,12 +93,13 @@ TEST(Decoder, says_how_sure_it_is_where_the_camera_sees_less_than_the_projector_
 TEST(Decoder, keeps_apart_why_a_pixel_was_not_decoded) {
   LitWall wall;
   wall.direct = [](int u, int v) {
-    if (v < 30) return 0.0;            // In shadow.
+    if (v < 30) return 0.0;            // Shadow.
     if (v < 60 && u < 80) return 1.5;  // Too bright.
     return 0.5;
   };
   wall.disturbance = [](int u, int v, std::size_t i, double light) {
-    return v >= 90 && u >= 80 && i >= 6 && i < 14 ? 0.03 + 0.02 * light : light;  // Somebody in the way for four pairs.
+    // Somebody is in the way for four pairs.
+    return v >= 90 && u >= 80 && i >= 6 && i < 14 ? 0.03 + 0.02 * light : light;
   };
   const Decoded decoded = decoded_of(wall, small_set());
   const auto fate_at = [&](int u, int v) { return *decoded.fate.at(u, v); };
@@ -113,7 +114,7 @@ TEST(Decoder, keeps_apart_why_a_pixel_was_not_decoded) {
 
 TEST(Decoder, loses_no_more_than_what_somebody_covers_who_walks_through) {
   LitWall wall;
-  // One step to the right with every picture, as bright as a stripe's edge.
+  // A person moves one step to the right with every picture and is as bright as a stripe's edge.
   wall.disturbance = [](int u, int, std::size_t i, double light) {
     const int person = static_cast<int>(4 * i) - 20;
     return u >= person && u < person + 12 ? 0.25 + 0.02 * light : light;
@@ -177,7 +178,7 @@ TEST(Decoder, loses_pixels_and_never_gives_wrong_ones_as_noise_rises) {
     wall.noise = noise;
     const auto decoder = wall.decoder(small_set());
     const auto decoded = decoder.finish();
-    if (!decoded) continue;  // Drowned: said so.
+    if (!decoded) continue;  // The light is lost in noise, which finish() reported.
     const WallErrors errors = errors_of(wall, *decoded);
     EXPECT_LE(errors.decoded, before + 200) << noise;
     EXPECT_LE(errors.gross, 0.01 * errors.decoded + 2) << noise;

@@ -85,7 +85,8 @@ TEST(Exposure, of_a_dim_wall_is_no_longer_than_it_must_be) {
       const ExposureSample& good = samples.back();
       EXPECT_LE(good.bright, 0.9) << radiance;
       EXPECT_GE(good.bright, 0.28) << radiance;
-      // Longer than patience: only as far as it is dim. Shorter: bright, as ever, but for a period of the projector.
+      // Exposures longer than preferred only as far as the picture is dim; shorter ones are bright, to within one
+      // period of the projector.
       if (good.exposure > limits.preferred_longest + ExposureTime(period)) {
         EXPECT_LE(good.bright, 0.45) << radiance;
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// OpenCV's structured-light module as a second implementation of patterns and decoding.
+/// Compares patterns and decoding with OpenCV's structured-light module.
 #include <gmock/gmock.h>
 
 #include <opencv2/structured_light/graycodepattern.hpp>

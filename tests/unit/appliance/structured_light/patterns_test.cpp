@@ -16,7 +16,7 @@ PatternSet set_of(const PatternChoice& choice) {
   return *std::move(set);
 }
 
-/// The code that the pictures of one axis show at a place, highest bit first.
+/// Returns the code that the pictures of one axis show at a position, highest bit first.
 std::vector<int> word_at(const PatternSet& set, PatternAxis axis, int position) {
   std::vector<int> word;
   for (const PatternPicture& picture : set.pictures) {

@@ -126,7 +126,7 @@ nlohmann::json json_of(const Line& line) {
           {"gain_at_equal_time", line.gain_at_equal_time()}};
 }
 
-Status denoise(const DenoiseOptions& options, const StopSignal& stop) {
+Status run_denoise(const DenoiseOptions& options, const StopSignal& stop) {
   TRY_ASSIGN(tools::LoadedScene loaded, tools::load_with_progress(options.scene));
   TRY(render::check_view(view_of(options, loaded.scene), {}));
   if (stop.requested()) return tools::stopped();
@@ -174,7 +174,7 @@ tools::RenderCommand add_denoise_command(CLI::App* program) {
       ->check(CLI::Range(1, render::kMaxSamples))
       ->capture_default_str();
   parser->add_option("--json", options->json, "Also write the figures as JSON");
-  return {parser, [options](const StopSignal& stop) { return denoise(*options, stop); }};
+  return {parser, [options](const StopSignal& stop) { return run_denoise(*options, stop); }};
 }
 
 }  // namespace cyclorama

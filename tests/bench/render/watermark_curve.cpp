@@ -65,10 +65,10 @@ Result<WatermarkPoint> measure(const RgbImage& picture, double plain_bytes, cons
   const RgbImage grey(512, 512, 128);
   const RgbImage grey_marked = marked(grey, strength);
   TRY_ASSIGN(point.grey_psnr_db, quality::psnr(grey_marked, grey));
-  TRY_ASSIGN(const quality::Flip grey_flip, flip(grey_marked, grey));
+  TRY_ASSIGN(const quality::Flip grey_flip, quality::flip(grey_marked, grey));
   point.grey_flip = grey_flip.mean;
   const RgbImage bearing = marked(picture, strength);
-  TRY_ASSIGN(const quality::Flip picture_flip, flip(bearing, picture));
+  TRY_ASSIGN(const quality::Flip picture_flip, quality::flip(bearing, picture));
   point.flip = picture_flip.mean;
   TRY_ASSIGN(const double bytes, bytes_of(bearing));
   point.more_bytes = bytes / plain_bytes - 1.0;

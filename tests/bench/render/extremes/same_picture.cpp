@@ -65,7 +65,7 @@ Result<std::vector<SamePicture>> far_from_the_origin(const std::vector<double>& 
   for (const double distance : metres) {
     TRY_ASSIGN(const RgbImage far,
                picture(1.0, Eigen::Vector3d(1.0, 0.1, -0.7).normalized() * distance, width_px, threads));
-    TRY_ASSIGN(const quality::Flip difference, flip(far, reference));
+    TRY_ASSIGN(const quality::Flip difference, quality::flip(far, reference));
     same.push_back({distance, difference.mean});
   }
   return same;
@@ -76,7 +76,7 @@ Result<std::vector<SamePicture>> scaled(const std::vector<double>& metres, int w
   std::vector<SamePicture> same;
   for (const double length : metres) {
     TRY_ASSIGN(const RgbImage other, picture(length / kRoomM, Eigen::Vector3d::Zero(), width_px, threads));
-    TRY_ASSIGN(const quality::Flip difference, flip(other, reference));
+    TRY_ASSIGN(const quality::Flip difference, quality::flip(other, reference));
     same.push_back({length, difference.mean});
   }
   return same;

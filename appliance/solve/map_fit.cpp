@@ -26,7 +26,7 @@ constexpr double kAttempt_px = kStiffnesses_px[kAttempt];
 
 struct Placed {
   calibration::GridWeights weights;
-  Eigen::Vector2d target;  ///< In the chart.
+  Eigen::Vector2d target;  ///< Position in the chart.
   double sigma_px = 0.0;
   bool is_left_out = false;
 };

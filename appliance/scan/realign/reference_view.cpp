@@ -19,8 +19,8 @@ constexpr float kBright = 0.5f;
 constexpr float kMinLight = 0.04f;
 constexpr double kMaxSaturated = 0.01;
 constexpr int kMaxExposures = 6;
-constexpr double kNoise =
-    0.006;  // Sigma of one photograph at one pixel, as Photo; cells of many pixels estimate their own.
+// Sigma of one photograph at one pixel, as Photo; cells of many pixels estimate their own.
+constexpr double kNoise = 0.006;
 
 class ReferenceMeasuring {
  public:

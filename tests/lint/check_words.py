@@ -8,8 +8,6 @@
   private        a word of our own has taken the place of the field's, in a name, a comment or a text
   spoken         people's verbs where a reference states a fact
   types          two types have the same full name
-  docs           a line of a document is too long; tables and what cannot be broken are left out
-  tables         a row of a document's table is too long
 
 What counts as a main verb is a guess that is cheap and errs towards a report. Only what stands before the first colon
 or semicolon counts, without the clauses that a relative or a conjunction opens. After "Of" and "By" one finite verb
@@ -179,22 +177,6 @@ def types(tree, _):
             yield at[0][0], at[0][1], f"{full} is also at {others}"
 
 
-# --- documents ---
-
-def long_lines(tree, tables, in_tables):
-    columns = tables["docs"]["columns"]
-    for name, text in tree.of({".md"}):
-        is_code = False
-        for number, line in enumerate(text.split("\n"), 1):
-            if line.lstrip().startswith(("```", "~~~")):
-                is_code = not is_code
-            is_row = line.startswith("|")
-            if is_code or line.startswith("    ") or is_row != in_tables or len(line) <= columns:
-                continue
-            if is_row or " " in line[:columns + 1].lstrip(" -*>#0123456789.").rstrip():
-                yield name, number, f"{len(line)} columns"
-
-
 RULES = {
     "fragments": fragments,
     "inner": lambda tree, tables: fragments(tree, tables, inner=True),
@@ -202,8 +184,6 @@ RULES = {
     "private": lambda tree, tables: words(tree, tables["private"]),
     "spoken": lambda tree, tables: words(tree, tables["spoken"]),
     "types": types,
-    "docs": lambda tree, tables: long_lines(tree, tables, False),
-    "tables": lambda tree, tables: long_lines(tree, tables, True),
 }
 
 

@@ -120,13 +120,6 @@ def check_types():
     expect("types", {"common/a.h": SPECIAL, "common/b.h": SPECIAL}, [])
 
 
-def check_documents():
-    wide = "word " * 30
-    unbroken = f"- [{'x' * 150}](y)"
-    expect("docs", f"{wide}\n```\n{wide}\n```\n    {wide}\n| {wide} |\n{unbroken}\n", ["docs/a.md:1:"], "docs/a.md")
-    expect("tables", f"{wide}\n| {wide} |\n", ["docs/a.md:2:"], "docs/a.md")
-
-
 def check_options():
     files = {"common/a/a.h": "// Of one.\n", "common/b/b.h": "// Of two.\n// Of three.\n\nint a;  // Of three.\n"}
     code, out, _ = lint("fragments", files, "--count")
@@ -140,7 +133,6 @@ def main():
     check_fragments()
     check_names()
     check_types()
-    check_documents()
     check_options()
     print("check_words: finds what it must")
 

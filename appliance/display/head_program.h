@@ -49,9 +49,8 @@ class HeadProgram {
 
   enum Unit : GLint { kPicture, kOther, kMask, kMap, kResponse };
   static constexpr GLuint kPosition = 0;  ///< Attribute: position in clip space.
-  static constexpr GLuint kDirection =
-      /// Attribute: azimuth and tangent of elevation, or another projection's position. kPatches: s, t.
-      1;
+  /// Attribute: azimuth and tangent of elevation, or another projection's position. kPatches: s, t.
+  static constexpr GLuint kDirection = 1;
   /// kPatches, three attributes: coefficients of 1 and s, of t and s^2, of s t and t^2.
   static constexpr GLuint kTerms = 2;
 

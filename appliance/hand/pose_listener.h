@@ -13,23 +13,23 @@
 
 namespace cyclorama::hand {
 
-/// What other programs said: poses in place of our tracker's, and wishes.
+/// Messages of other programs: poses that replace our tracker's, and steering commands.
 struct ReceivedPoses {
   std::vector<tracker::PoseReport> poses;
-  std::optional<std::array<double, 3>> steer;  ///< The newest: forward, right, turn.
+  std::optional<std::array<double, 3>> steer;  ///< The newest command: forward, right, turn.
 };
 
-/// Listens to OSC at one port and to VRPN at another. Of several sensors the first keeps control until it has said
-/// nothing for a second. What is no packet is counted, and changes nothing. Thread-bound.
+/// Listens to OSC at one port and to VRPN at another. Of several sensors, the first keeps control until it has been
+/// silent for a second. Invalid packets are counted, and change nothing. Thread-bound.
 class PoseListener {
  public:
-  /// Empty addresses are not listened at; `vrpn_device` as VrpnReader's. Errors as DatagramReceiver::open().
+  /// An empty address disables its protocol; `vrpn_device` as VrpnReader's. Errors: those of DatagramReceiver::open().
   static Result<PoseListener> open(const std::string& osc, const std::string& vrpn, const std::string& vrpn_device);
 
-  /// All that has come. Does not block.
+  /// Returns everything that has arrived. Does not block.
   [[nodiscard]] ReceivedPoses take(TimePoint now);
   [[nodiscard]] std::uint64_t refused() const { return refused_; }
-  /// 0 where it does not listen.
+  /// Returns 0 if it does not listen there.
   [[nodiscard]] int osc_port() const { return osc_ ? osc_->port() : 0; }
   [[nodiscard]] int vrpn_port() const { return vrpn_ ? vrpn_->port() : 0; }
 

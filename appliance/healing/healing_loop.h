@@ -33,7 +33,7 @@ namespace cyclorama::healing {
 /// 4. A file that cannot be written is reported as long as that lasts, counted (watch_unkept), and written at the next
 ///    step.
 /// 5. A projector that cannot be watched, or a camera that cannot watch, is named with the remedy; the others are kept.
-/// Threads: one, which gives way to all others. Thread-safe.
+/// Runs one thread, with the lowest priority. Thread-safe.
 class HealingLoop {
  public:
   struct Options {

@@ -9,8 +9,8 @@
 
 namespace cyclorama::tags {
 
-/// What was seen through `lens`, as a lens without distortion would have seen it: corners and their covariances. A tag
-/// that reaches beyond what the lens can tell is left out. Reentrant.
+/// Converts tags seen through `lens` to what a lens without distortion would have seen: corners and their covariances.
+/// A tag beyond the range in which the lens is invertible is left out. Reentrant.
 [[nodiscard]] std::vector<TagDetection> straightened(const std::vector<TagDetection>& seen,
                                                      const calibration::BrownLens& lens, const Pinhole& straight);
 

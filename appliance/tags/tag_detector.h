@@ -13,20 +13,20 @@
 
 namespace cyclorama::tags {
 
-/// What the detector trades. The curve "decimation against tags found and milliseconds" is in docs/trade.md.
+/// Settings of the detector. The curve "decimation against tags found and milliseconds" is in docs/trade.md.
 struct DetectorSettings {
   std::string family = "tag36h11";  ///< One of tag_families().
   double decimate = 1.5;            ///< Quads are sought in a picture this many times smaller: 1 to 8; in
                                     ///< effect 1, 1.5 or a whole number, the next lower one.
-  bool tiles = true;                ///< Full resolution where tags were, and tile by tile: tag_search.h.
+  bool tiles = true;                ///< Searches full resolution around known tags, and tile by tile: tag_search.h.
   int threads = 1;                  ///< 1 to 16.
-  bool refine_edges = true;         ///< Snaps edges to the full picture's gradients; wanted with any decimation.
-  bool refine_corners = true;       ///< Then to a few hundredths of a pixel: corner_refinement.h.
-  int max_hamming = 0;       ///< Wrong bits that are corrected: 0, 1 or 2. With each, clutter looks more like tags.
+  bool refine_edges = true;         ///< Aligns edges to the full picture's gradients; advisable with any decimation.
+  bool refine_corners = true;       ///< Then refines corners to a few hundredths of a pixel: corner_refinement.h.
+  int max_hamming = 0;       ///< Wrong bits that are corrected: 0, 1 or 2. Each lets more clutter pass as tags.
   double min_margin = 20.0;  ///< Mean contrast between a bit and its threshold, in grey levels.
 };
 
-/// "tag36h11", "tag25h9", "tag16h5", ...
+/// Returns "tag36h11", "tag25h9", "tag16h5", ...
 [[nodiscard]] const std::vector<std::string>& tag_families();
 
 /// One tag in one picture.
@@ -34,10 +34,10 @@ struct TagDetection {
   int id = 0;
   int hamming = 0;
   double margin = 0.0;
-  /// Where the corners of the black square are, in pixels (frames.h), in the Tag frame's order:
-  /// (-x, -y), (+x, -y), (+x, +y), (-x, +y); clockwise in the picture, starting left above when the tag is upright.
+  /// Corners of the black square, in pixels (frames.h), in the Tag frame's order: (-x, -y), (+x, -y), (+x, +y), (-x,
+  /// +y); clockwise in the picture, starting at the upper left when the tag is upright.
   std::array<Eigen::Vector2d, 4> corners;
-  /// Of each corner, px². Where no refinement measured it, libapriltag's own: 0.2 px in any direction.
+  /// Covariance of each corner, px². Without a refinement, libapriltag's: 0.2 px in any direction.
   std::array<Eigen::Matrix2d, 4> covariance = {kUnrefined, kUnrefined, kUnrefined, kUnrefined};
 
   static inline const Eigen::Matrix2d kUnrefined = 0.04 * Eigen::Matrix2d::Identity();
@@ -47,16 +47,17 @@ struct TagDetection {
 /// 2019), by libapriltag. Thread-bound: one per thread; it keeps its worker threads between pictures.
 class TagDetector {
  public:
-  /// kInvalidArgument  a setting is out of range, or the family is unknown.
+  /// Errors: kInvalidArgument if a setting is out of range, or the family is unknown.
   static Result<TagDetector> create(const DetectorSettings& settings);
   TagDetector(TagDetector&&) noexcept;
   TagDetector& operator=(TagDetector&&) noexcept;
   ~TagDetector();
 
-  /// Every tag that passes the settings, the largest first. A picture too small to hold a tag, or empty, holds none.
-  /// kInvalidArgument  a side is longer than kMaxSidePx: libapriltag counts half pixels in 16 bits.
+  /// Returns every tag that passes the settings, the largest first. An empty picture, or one too small for a tag,
+  /// contains none. Errors: kInvalidArgument if a side exceeds kMaxSidePx, since libapriltag counts half pixels in 16
+  /// bits.
   Result<std::vector<TagDetection>> detect(const GreyImage& picture);
-  /// The same in a part of the picture, which is cut to the picture, at a decimation of its own: 1 to 8.
+  /// Does the same in a part of the picture, which is clipped to it, with its own decimation: 1 to 8.
   Result<std::vector<TagDetection>> detect_in(const GreyImage& picture, const PixelRect& part, double decimate);
   static constexpr int kMaxSidePx = 16384;
 
@@ -67,10 +68,10 @@ class TagDetector {
   DetectorSettings settings_;
 };
 
-/// The largest first.
+/// Sorts by size, the largest first.
 void sort_by_size(std::vector<TagDetection>* tags);
 
-/// Twice the signed area of the quadrilateral, positive when its corners go clockwise in the picture.
+/// Returns twice the signed area of the quadrilateral, positive if its corners run clockwise in the picture.
 [[nodiscard]] double doubled_area_px2(const std::array<Eigen::Vector2d, 4>& corners);
 
 }  // namespace cyclorama::tags

@@ -14,32 +14,32 @@
 
 namespace cyclorama::tracker {
 
-/// Keeps one camera open and its newest picture at hand, on a thread `capture` of its own. A camera that fails, or was
-/// never there, is made again after a pause that grows from kFirstPause to kMaxPause. Thread-safe.
+/// Keeps one camera open and its newest picture available, on a thread `capture` of its own. A camera that fails or is
+/// absent is opened again after a pause that grows from kFirstPause to kMaxPause. Thread-safe.
 class Capture {
  public:
   using MakeCamera = std::function<Result<std::unique_ptr<camera::Camera>>()>;
   using Frames = LatestValue<std::shared_ptr<const camera::CameraFrame>>;
   static constexpr Duration kFirstPause = std::chrono::milliseconds(100);
   static constexpr Duration kMaxPause = std::chrono::seconds(5);
-  /// A camera that streams and gives no picture for this long is made again.
+  /// A camera that streams without a picture for this long is opened again.
   static constexpr Duration kFrameTimeout = std::chrono::seconds(3);
 
   /// `make` is called on the capture thread. `clock` is borrowed.
   Capture(MakeCamera make, const Clock& clock);
-  /// Ends the thread; blocks for as long as the camera takes to notice, 200 ms for ours.
+  /// Ends the thread; blocks until the camera returns, 200 ms for ours.
   ~Capture();
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
 
   [[nodiscard]] Frames& frames() { return frames_; }
-  /// Pictures that nobody took in time.
+  /// Number of pictures that were replaced before they were taken.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
   /// What is wrong with the camera, in one sentence; empty while it delivers.
   [[nodiscard]] std::string problem() const;
   /// The camera's id; empty before the first was made.
   [[nodiscard]] std::string camera_id() const;
-  /// When the thread last proved that it is not stuck in a driver.
+  /// When the thread last ran, as a proof that it is not stuck in a driver.
   [[nodiscard]] TimePoint alive_at() const { return alive_at_; }
 
  private:

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The One-Euro filter: a low-pass whose cut-off rises with speed, so that a hand at rest is calm and a hand in motion
-/// is not late. Source: Casiez, Roussel and Vogel, "1 € Filter", CHI 2012, algorithm 1; the rotation's speed is the
+/// The One-Euro filter: a low-pass whose cut-off rises with speed, so that a hand at rest is calm and a moving hand is
+/// not delayed. Source: Casiez, Roussel and Vogel, "1 € Filter", CHI 2012, algorithm 1; the rotation's speed is the
 /// length of its angular velocity, and it is blended along the shortest arc.
 ///
-/// Pure functions of (settings, state, measurement, time). Whatever the time stamps do, what comes out is finite:
+/// Pure functions of (settings, state, measurement, time). The result is finite for any time stamps:
 ///   repeated, or earlier by less than kRestartAfter   the measurement is ignored and the last result returned
 ///   later or earlier by kRestartAfter or more         the filter starts afresh at the measurement
 ///   a measurement that is not finite                  is ignored; without a last result there is none
@@ -17,24 +17,24 @@
 namespace cyclorama::tracker {
 
 struct OneEuroSettings {
-  double min_cutoff_hz = 1.0;     ///< At rest: lower is calmer and later. More than 0.
+  double min_cutoff_hz = 1.0;     ///< Cut-off at rest: lower is calmer and later. More than 0.
   double cutoff_per_speed = 0.0;  ///< Beta: Hz per unit of speed (metre or radian per second). 0 or more.
-  double speed_cutoff_hz = 1.0;   ///< Of the speed itself; 1 Hz as in the paper. More than 0.
+  double speed_cutoff_hz = 1.0;   ///< Cut-off of the speed itself; 1 Hz as in the paper. More than 0.
 };
 
 inline constexpr Duration kRestartAfter = std::chrono::milliseconds(500);
 
 struct FilteredPosition {
-  Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< Metres.
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< In metres.
   Eigen::Vector3d measured = Eigen::Vector3d::Zero();
-  Eigen::Vector3d speed = Eigen::Vector3d::Zero();  ///< Per second.
+  Eigen::Vector3d speed = Eigen::Vector3d::Zero();  ///< In metres per second.
   TimePoint at{};
 };
 struct FilteredRotation {
   Eigen::Quaterniond value = Eigen::Quaterniond::Identity();
   Eigen::Quaterniond measured = Eigen::Quaterniond::Identity();
-  Eigen::Vector3d speed =
-      Eigen::Vector3d::Zero();  ///< Angular velocity in the rotation's From frame, radians per second.
+  /// Angular velocity in the rotation's From frame, radians per second.
+  Eigen::Vector3d speed = Eigen::Vector3d::Zero();
   TimePoint at{};
 };
 

@@ -8,13 +8,13 @@
 
 namespace cyclorama::tracker {
 
-/// The camera's picture for people: every tag's outline and id, and on the followed pattern its axes (x red, y green, z
+/// Draws into the camera's picture every tag's outline and id, and for the followed pattern its axes (x red, y green, z
 /// blue, out of it towards the camera), distance and yaw. `tag` may be null. Reentrant.
 [[nodiscard]] RgbImage draw_overlay(const GreyImage& picture, std::span<const tags::TagDetection> detections,
                                     const TrackedTag* tag, const Pinhole& lens);
 
-/// Positive when the holder, who faces the camera, turns to the own right: the angle of the tag's normal about the
-/// camera's y.
+/// Returns the angle of the tag's normal about the camera's y; positive when the holder, who faces the camera, turns to
+/// the right.
 [[nodiscard]] double yaw_rad(const T_CameraTag& T_camera_tag);
 
 }  // namespace cyclorama::tracker

@@ -20,8 +20,8 @@ class ClientContext;
 
 namespace cyclorama::tracker {
 
-/// The tracker's line to the tour: dials, streams poses, dials again for ever, on a thread `link` of its own. A pose
-/// that cannot be sent at once is replaced by the next; none is ever sent late. Thread-safe.
+/// The tracker's connection to the tour: connects, streams poses, reconnects without end, on a thread `link` of its
+/// own. A pose that cannot be sent at once is replaced by the next; none is sent late. Thread-safe.
 class TourLink {
  public:
   /// kInvalidArgument  not an address. A tour that is away is no error.
@@ -33,7 +33,7 @@ class TourLink {
 
   /// Never blocks for long.
   void send(wire::TrackedPose pose);
-  /// Other programs are told each pose, too. Before the first send().
+  /// Sends each pose to other programs, too. Call it before the first send().
   void also_send_to(PoseSender speaker) { pose_sender_ = std::move(speaker); }
   [[nodiscard]] bool is_connected() const { return connected_; }
   [[nodiscard]] std::uint64_t sent() const { return sent_; }
@@ -41,7 +41,7 @@ class TourLink {
  private:
   explicit TourLink(std::shared_ptr<grpc::Channel> channel);
   void run(const std::stop_token& stop);
-  /// Streams until the tour goes away or the thread is stopped.
+  /// Streams until the tour disconnects or the thread is stopped.
   void stream(const std::stop_token& stop);
 
   std::shared_ptr<grpc::Channel> channel_;
@@ -50,7 +50,7 @@ class TourLink {
   std::atomic<bool> connected_ = false;
   std::atomic<std::uint64_t> sent_ = 0;
   std::mutex mutex_;
-  grpc::ClientContext* context_ = nullptr;  ///< Of the open stream; null between streams.
+  grpc::ClientContext* context_ = nullptr;  ///< Context of the open stream; null between streams.
   std::jthread thread_;                     ///< Last: it uses all the others.
 };
 

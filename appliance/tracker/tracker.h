@@ -20,22 +20,22 @@ namespace cyclorama::tracker {
 ///
 ///   camera ─▶ capture ─▶ newest frame ─▶ detect ─▶ newest pose ─▶ link ─▶ tour
 ///
-/// Every picture that is searched gives one TrackedPose, found or not. Nothing outside ends it: without camera or tour
-/// it says so in its state and goes on trying.
+/// Every picture that is searched gives one TrackedPose, found or not. No external failure ends it: without camera or
+/// tour it reports that in its state and keeps trying.
 class Tracker {
  public:
-  /// Borrows `clock` and `inspection`.
-  /// kInvalidArgument  a setting can never work: the camera's kind, an address, the detector.
+  /// Borrows `clock` and `inspection`. Errors: kInvalidArgument if a setting can never work: the camera's kind, an
+  /// address, the detector.
   static Result<std::unique_ptr<Tracker>> start(const TrackerSettings& settings, const Clock& clock,
                                                 InspectionService* inspection);
   ~Tracker();
   Tracker(const Tracker&) = delete;
   Tracker& operator=(const Tracker&) = delete;
 
-  /// Renews state and gauges; call it about twice a second. Thread-bound.
-  /// Returns false when a thread has been stuck for longer than any picture takes: then nothing helps but a restart.
+  /// Updates state and gauges; call it about twice a second. Thread-bound. Returns false if a thread has been stuck for
+  /// longer than any picture takes; only a restart helps then.
   bool supervise();
-  /// The sentence that supervise() gave to the inspection.
+  /// Returns the sentence that supervise() gave to the inspection.
   [[nodiscard]] const std::string& state() const { return state_; }
 
  private:
@@ -55,21 +55,21 @@ class Tracker {
   const Clock& clock_;
   InspectionService& inspection_;
   tags::TagSearch search_;
-  TrackingState tracking_;           ///< Of the detect thread.
-  std::optional<BodyTracker> body_;  ///< Of the detect thread; only where visitors steer by the body.
+  TrackingState tracking_;           ///< Used by the detect thread.
+  std::optional<BodyTracker> body_;  ///< Used by the detect thread; only if visitors steer by the body.
   std::unique_ptr<TourLink> link_;
-  std::unique_ptr<camera::Camera>
-      first_camera_;  ///< Opened at the start, to show mistakes at once; then the capture thread's.
+  /// Opened at the start, to report mistakes at once; then used by the capture thread.
+  std::unique_ptr<camera::Camera> first_camera_;
   Capture capture_;
   std::atomic<TimePoint> detect_alive_at_;
   std::atomic<std::uint64_t> pictures_ = 0;
   std::atomic<int> followed_ = -1;          ///< Wand::id() in the newest picture; -1 without one.
-  std::atomic<bool> does_lens_fit_ = true;  ///< The calibrated one, the newest picture.
+  std::atomic<bool> does_lens_fit_ = true;  ///< Whether the calibrated lens fits the newest picture's size.
   std::atomic<const char*> body_state_ = "";
   std::uint64_t counted_pictures_ = 0;
   TimePoint counted_at_{};
   std::string state_;
-  std::jthread thread_;  ///< `detect`. Last: it uses all the others.
+  std::jthread thread_;  ///< Thread `detect`. Last: it uses all the others.
 };
 
 }  // namespace cyclorama::tracker

@@ -28,8 +28,8 @@ struct BodyPrior {
 struct BodySolution {
   calibration::PoseStep step = calibration::PoseStep::Zero();
   calibration::PoseMatrix covariance = calibration::PoseMatrix::Zero();  ///< Covariance of the step, prior included.
-  calibration::PoseMatrix information =
-      calibration::PoseMatrix::Zero();  ///< What the measurements alone tell, all other bodies being uncertain.
+  /// What the measurements alone determine while all other bodies are uncertain.
+  calibration::PoseMatrix information = calibration::PoseMatrix::Zero();
   /// Directions of `information` that are known better than a tenth of the prior's start.
   int rank = 0;
 };

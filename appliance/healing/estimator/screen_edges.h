@@ -16,21 +16,22 @@ struct EdgePoint {
   Outline part = Outline::kUpper;
   Eigen::Vector2d at{0.0, 0.0};                                                 ///< Camera pixels.
   Eigen::Vector2d outward{0.0, 0.0};                                            ///< Unit length, away from the wall.
-  Eigen::Matrix<double, 1, 6> by_camera = Eigen::Matrix<double, 1, 6>::Zero();  ///< Along `outward`, per step.
+  /// Derivative along `outward`, per step.
+  Eigen::Matrix<double, 1, 6> by_camera = Eigen::Matrix<double, 1, 6>::Zero();
 };
 
 /// Returns about one point per 16 pixels of the reduced picture. Called once per pose.
 [[nodiscard]] std::vector<EdgePoint> edge_points(const Wall& wall, const calibration::ShowCamera& camera,
                                                  const CameraSlopes& slopes, const SeenWall& seen);
 
-/// Those across which light goes on, from the wall to beside it: of a wall that is not lit beyond its edge, as masks
-/// see to, it is the picture's end that is seen, and the wall's edge is not. One of `shone` per projector.
+/// Returns the points across which the light continues from the wall to its surroundings. Where masks keep the light
+/// within the wall, the picture's end is visible instead of the wall's edge. `shone` has one element per projector.
 [[nodiscard]] std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points,
                                                 const calibration::ShowCalibration& room, std::size_t camera,
                                                 int factor, std::span<const LightPlane> shone);
 
-/// Those that the light of the show makes visible, with where they are: the steepest fall of light along the outward
-/// normal, by a parabola through three steps, within 5 pixels of the reduced picture.
+/// Returns the points that the light of the show makes visible, with their positions: the steepest fall of light along
+/// the outward normal, by a parabola through three steps, within 5 pixels of the reduced picture.
 [[nodiscard]] std::vector<EdgeObservation> observe_edges(const std::vector<EdgePoint>& points, std::size_t camera,
                                                          const Prediction& prediction, const LightPlane& picture,
                                                          double gain);

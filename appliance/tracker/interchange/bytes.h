@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Big-endian numbers in packets: what OSC and VRPN have in common.
+/// Big-endian numbers in packets, for OSC and VRPN.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,8 @@
 
 namespace cyclorama::tracker {
 
-/// Takes numbers off the front of a packet. After one that is not there, is_short() says so and all are zero. Borrows.
+/// Reads numbers from the front of a packet. After a read beyond its end, is_short() is true and all numbers are zero.
+/// Borrows the packet.
 class PacketReader {
  public:
   explicit PacketReader(std::span<const std::byte> bytes) : left_(bytes) {}
@@ -44,7 +45,7 @@ class PacketReader {
   bool short_ = false;
 };
 
-/// Puts them one after the other.
+/// Appends numbers and texts to a packet.
 class PacketWriter {
  public:
   void u32(std::uint32_t value) { whole(value, 4); }
@@ -58,7 +59,7 @@ class PacketWriter {
                    [](char c) { return static_cast<std::byte>(c); });
   }
   void raw(std::span<const std::byte> value) { bytes_.insert(bytes_.end(), value.begin(), value.end()); }
-  /// Zeros up to a multiple of `unit`.
+  /// Appends zeros up to a multiple of `unit`.
   void pad(std::size_t unit) { bytes_.resize((bytes_.size() + unit - 1) / unit * unit); }
   [[nodiscard]] std::size_t size() const { return bytes_.size(); }
   [[nodiscard]] std::vector<std::byte> take() { return std::move(bytes_); }

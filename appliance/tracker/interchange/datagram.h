@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Datagrams over UDP, by IPv6 or IPv4. Nothing of it blocks: who is not there does not get them.
+/// Datagrams over UDP, by IPv6 or IPv4. Nothing blocks; a datagram to an absent receiver is lost.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +16,9 @@ namespace cyclorama::tracker {
 /// Thread-bound.
 class DatagramSender {
  public:
-  /// kInvalidArgument  not HOST:PORT, or a host that nobody knows.     kSystem
+  /// Errors: kInvalidArgument if the address is not HOST:PORT, or the host is unknown; kSystem.
   static Result<DatagramSender> open(const std::string& address);
-  /// What the network does not take now is lost, as any datagram may be.
+  /// Sends a datagram; if the network does not take it now, it is lost, as any datagram may be.
   void send(std::span<const std::byte> datagram) const;
 
  private:
@@ -29,9 +29,9 @@ class DatagramSender {
 /// Thread-bound.
 class DatagramReceiver {
  public:
-  /// "[::1]:3883", "[::]:9000". kInvalidArgument  as above.     kBusy  somebody else has the port.     kSystem
+  /// Listens at "[::1]:3883" or "[::]:9000". Errors: kInvalidArgument as above; kBusy if the port is taken; kSystem.
   static Result<DatagramReceiver> open(const std::string& address);
-  /// The next one that is there; nothing: none is, or it was larger than kMaxDatagramBytes.
+  /// Returns the next datagram; empty if there is none, or it exceeds kMaxDatagramBytes.
   std::optional<std::vector<std::byte>> receive() const;
   static constexpr std::size_t kMaxDatagramBytes = 65535;
   /// For poll().

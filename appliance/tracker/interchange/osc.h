@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Open Sound Control 1.0, which museums' other programs speak: packets of messages, big-endian, in units of four
-/// bytes. Source: opensoundcontrol.stanford.edu/spec-1_0.html, and of the types that 1.0 leaves open: i f s b h d t T F
-/// N I.
+/// Open Sound Control 1.0, the protocol of museums' other programs: packets of messages, big-endian, in units of four
+/// bytes. Source: opensoundcontrol.stanford.edu/spec-1_0.html; of the types that 1.0 leaves open, i f s b h d t T F N I
+/// are supported.
 ///
 ///   "/cyclorama/pose\0" ",iihddd...\0" arguments          or   "#bundle\0" time size packet size packet ...
 #pragma once
@@ -21,7 +21,7 @@ namespace cyclorama::tracker {
 struct OscNothing {
   friend bool operator==(const OscNothing&, const OscNothing&) = default;
 };
-/// Fractions of a second since 1900, as NTP counts; 1 is "at once".
+/// Fractions of a second since 1900, as in NTP; 1 means "at once".
 struct OscTime {
   std::uint64_t ntp = 1;
   friend bool operator==(const OscTime&, const OscTime&) = default;
@@ -33,17 +33,16 @@ struct OscMessage {
   std::string address;
   std::vector<OscArgument> arguments;
 
-  /// The argument as a number, whatever its type; nothing when it is none, or there is none.
+  /// Returns the argument as a number, whatever its type; empty if it is no number or absent.
   [[nodiscard]] std::optional<double> number(std::size_t index) const;
   friend bool operator==(const OscMessage&, const OscMessage&) = default;
 };
 
-/// Precondition: no NUL byte in a text.
+/// Precondition: texts contain no NUL byte.
 [[nodiscard]] std::vector<std::byte> encode_osc(const OscMessage& message);
 
-/// The messages of a packet; those of bundles, one in another, in their order. Strict: what is not padded with zeros to
-/// four bytes, a type that is none, what is too short or too long, or bundles in more than kMaxOscBundleDepth others are
-/// refused. kBadData.
+/// Returns the messages of a packet, those of nested bundles in order. Strict: refuses parts that are not padded with
+/// zeros to four bytes, unknown types, wrong lengths, and bundles nested deeper than kMaxOscBundleDepth, with kBadData.
 Result<std::vector<OscMessage>> decode_osc(std::span<const std::byte> packet);
 inline constexpr int kMaxOscBundleDepth = 8;
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What trackers of all makes tell each other: a sensor's pose at a time. The house's own form of it is
-/// wire::TrackedPose.
+/// The common content of tracker protocols: a sensor's pose at a time. Cyclorama's own form of it is wire::TrackedPose.
 #pragma once
 
 #include <array>
@@ -11,9 +10,9 @@
 
 namespace cyclorama::tracker {
 
-/// Numbers as they came; pose_of() is what checks them.
+/// Numbers as received; pose_of() checks them.
 struct PoseReport {
-  std::int32_t sensor = 0;  ///< Of several wands. The house's: the tag's id.
+  std::int32_t sensor = 0;  ///< Distinguishes several wands. Ours: the tag's id.
   std::uint64_t sequence = 0;
   std::int64_t time_ns = 0;  ///< On the sender's clock.
   bool found = false;
@@ -22,14 +21,14 @@ struct PoseReport {
   friend bool operator==(const PoseReport&, const PoseReport&) = default;
 };
 
-/// In which axes another tracker speaks.
+/// Axes of another tracker.
 enum class TrackerAxes {
-  kCamera,  ///< As we: X right, Y down, Z forward of a camera at the wall that looks at the visitor.
+  kCamera,  ///< As ours: X right, Y down, Z forward of a camera at the wall that faces the visitor.
   kRoom,    ///< X to the visitor's right, Y up, Z towards the visitor; origin at the wall, where a camera would be.
 };
 
-/// The tag in the Camera frame; held straight it has the camera's axes, and in axes of the room no rotation.
-/// Nothing: it was not found, or the numbers are no pose.
+/// Returns the tag in the Camera frame; held straight, it has the camera's axes, and in room axes no rotation. Empty if
+/// it was not found, or the numbers are no pose.
 [[nodiscard]] std::optional<RigidTransform<frame::Camera, frame::Tag>> pose_of(const PoseReport& report,
                                                                                TrackerAxes axes);
 

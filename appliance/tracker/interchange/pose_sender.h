@@ -9,11 +9,12 @@
 
 namespace cyclorama::tracker {
 
-/// Tells other programs each pose, by OSC and by VRPN's datagrams. What the network does not take is lost.
+/// Sends each pose to other programs, by OSC and by VRPN datagrams. Datagrams that the network does not take are lost.
 /// Thread-bound.
 class PoseSender {
  public:
-  /// Empty addresses are not spoken to. `device` is the tracker's name in VRPN. Errors as DatagramSender::open().
+  /// An empty address disables its protocol. `device` is the tracker's name in VRPN. Errors: those of
+  /// DatagramSender::open().
   static Result<PoseSender> open(const std::string& osc, const std::string& vrpn, std::string device);
   void say(const PoseReport& report) const;
 

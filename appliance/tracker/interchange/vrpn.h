@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Trackers as the Virtual-Reality Peripheral Network has them: its messages, as they go over UDP.
+/// Trackers in the Virtual-Reality Peripheral Network: its messages, as they go over UDP.
 ///
-/// Source: VRPN's own description of its protocol (Protocol.md, R. Pavlik, Collabora 2018, of versions 07.xx), and
-/// quatlib's order of quaternions. A datagram holds messages one after the other:
+/// Source: VRPN's description of its protocol (Protocol.md, R. Pavlik, Collabora 2018, of versions 07.xx), and
+/// quatlib's order of quaternions. A datagram contains messages one after the other:
 ///
 ///   u32 length (24 + body)  u32 seconds  u32 microseconds  i32 sender  i32 type  u32 sequence  body, padded to 8
 ///
 ///   type -1   names a sender: the header's sender is its number, the body u32 length and the name with its NUL
-///   type -2   names a type: the header's sender is ITS number
+///   type -2   names a type: the header's sender is the type's number
 ///   "vrpn_Tracker Pos_Quat": i32 sensor, i32 padding, f64 x y z, f64 quaternion x y z w
 ///
-/// What is left out is the connection: VRPN tells numbers and names once, over TCP. Here every datagram begins with the
-/// names that it needs, as VRPN's are written, so that a receiver may come at any time.
+/// The connection is left out: VRPN announces numbers and names once, over TCP. Here every datagram begins with the
+/// names that it needs, in VRPN's format, so that a receiver may start at any time.
 #pragma once
 
 #include <cstddef>
@@ -26,21 +26,21 @@
 
 namespace cyclorama::tracker {
 
-/// `report` of the tracker `device`, such as "Cyclorama0". VRPN has no word for a sensor that is out of sight: nothing
-/// is sent then, and this is empty.
+/// Returns `report` of the tracker `device`, such as "Cyclorama0". VRPN cannot express that a sensor is out of sight;
+/// the result is empty then, and nothing is sent.
 [[nodiscard]] std::vector<std::byte> encode_vrpn(const PoseReport& report, const std::string& device);
 
-/// Reads the datagrams of one sender, one after the other, since names may have come in one before. A value.
+/// Reads the datagrams of one sender in order, since names may have come in an earlier one. A value.
 class VrpnReader {
  public:
-  /// Only `device`'s poses; empty: of every device.
+  /// Reads only `device`'s poses; empty: every device's.
   explicit VrpnReader(std::string device) : device_(std::move(device)) {}
 
-  /// The poses in it, counted on by this reader. Messages of other kinds are passed over. Strict: kBadData where a
-  /// length is not the one of what it measures, after which nothing in the datagram has a meaning.
+  /// Returns the poses in a datagram, with sequence numbers of this reader. Messages of other kinds are skipped.
+  /// Strict: kBadData if a length does not match its contents, since the rest of the datagram has no meaning then.
   Result<std::vector<PoseReport>> read(std::span<const std::byte> datagram);
 
-  static constexpr std::size_t kMaxNames = 1024;  ///< Of each kind: more are nobody's trackers.
+  static constexpr std::size_t kMaxNames = 1024;  ///< Of each kind; no sender of trackers has more.
 
  private:
   struct Message {

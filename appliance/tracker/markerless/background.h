@@ -14,20 +14,21 @@ namespace cyclorama::tracker {
 struct BackgroundSettings {
   /// Pictures are reduced to about this many cells across, each the mean of its pixels.
   int cells_across = 160;
-  Duration learns_for = std::chrono::milliseconds(1500);  ///< At the start.
-  Duration follows_in = std::chrono::seconds(20);         ///< Time constant of what is seen of the room.
-  Duration absorbs_after = std::chrono::seconds(20);      ///< What stands so long without stirring belongs to the room.
+  Duration learns_for = std::chrono::milliseconds(1500);  ///< Duration at the start.
+  Duration follows_in = std::chrono::seconds(20);         ///< Time constant with which it follows changes of the room.
+  /// Something that stands still for this long becomes part of the room.
+  Duration absorbs_after = std::chrono::seconds(20);
 };
 
-/// The room without visitors, learned from grey pictures, and what of a picture is not the room.
+/// The room without visitors, learned from grey pictures, and the parts of a picture that differ from it.
 ///
-///   picture ─▶ cells ─▶ less the light's change ─▶ against each cell's mean and deviation ─▶ Silhouette
+///   picture ─▶ cells ─▶ minus change of light ─▶ against each cell's mean and deviation ─▶ Silhouette
 ///                          (light_fit.h)                     ▲ learned where nobody stands
 ///
-/// Light: what the room does as a whole is light, what a part does alone is somebody. When too little of the room can
-/// be explained so at once, another light was switched on: nothing is said of that picture, and the room is learned
-/// anew from it, around whoever was there in the picture before. Ghosts, left by somebody who stood there while the
-/// room was learned, fade after `absorbs_after`. Thread-bound; the same pictures give the same silhouettes.
+/// A change of the whole room is light; a change of a part alone is a person. If a single change of light explains too
+/// little of the room, another lamp was switched on: that picture gives no silhouette, and the room is learned anew
+/// from it, except around the visitor of the picture before. Ghosts, left by a person who stood there while the room
+/// was learned, fade after `absorbs_after`. Thread-bound; the same pictures give the same silhouettes.
 class Background {
  public:
   explicit Background(const BackgroundSettings& settings) : settings_(settings) {}
@@ -36,20 +37,20 @@ class Background {
   /// A picture of another size begins anew, as does a time that jumps by more than 5 s. Valid until the next call.
   const Silhouette& update(const GreyImage& picture, TimePoint at, const std::optional<CellBounds>& visitor);
   [[nodiscard]] const Silhouette& silhouette() const { return silhouette_; }
-  /// Pixels of a cell's side, in pictures of this width.
+  /// Returns the side of a cell in pixels, for pictures of this width.
   [[nodiscard]] int cell_px(int width_px) const;
 
  private:
   struct Cell {
-    float mean = 0.0f;      ///< Logarithm of the brightness, in the light of the start.
-    float variance = 0.0f;  ///< Of that, from picture to picture.
-    float seen = 0.0f;      ///< Pictures that it was learned from.
-    float held = 0.0f;      ///< What it has shown for `still_s`: for ghosts and chairs.
+    float mean = 0.0f;      ///< Logarithm of the brightness, relative to the light at the start.
+    float variance = 0.0f;  ///< Variance of that, from picture to picture.
+    float seen = 0.0f;      ///< Number of pictures that it was learned from.
+    float held = 0.0f;      ///< Value that it has shown for `still_s`; for ghosts and chairs.
     float still_s = 0.0f;
   };
   void begin(int width, int height, TimePoint at);
   void reduce(const GreyImage& picture);
-  /// True when enough of the room is explained.
+  /// Returns true if enough of the room is explained.
   bool follow_light(const std::optional<CellBounds>& visitor);
   void learn_anew(const std::optional<CellBounds>& visitor);
   void compare(double seconds, const std::optional<CellBounds>& visitor);
@@ -58,9 +59,9 @@ class Background {
   BackgroundSettings settings_;
   Silhouette silhouette_;
   std::vector<Cell> cells_;
-  Image<float, 1> grey_;   ///< Of the picture's cells.
-  Image<float, 1> level_;  ///< Its logarithm, then less the light's change.
-  double noise_ = 0.0;     ///< Of level_, from picture to picture: the median over the cells.
+  Image<float, 1> grey_;   ///< Brightness of the picture's cells.
+  Image<float, 1> level_;  ///< Its logarithm, then minus the change of light.
+  double noise_ = 0.0;     ///< Deviation of level_ from picture to picture: the median over the cells.
   std::optional<TimePoint> last_at_;
   TimePoint learning_since_{};
 };

@@ -11,12 +11,12 @@
 
 namespace cyclorama::tracker {
 
-/// Where visitors stand who steer by their bodies, and how they are taken in.
+/// The positions of visitors who steer by their bodies, and the conditions under which following starts.
 struct BodySettings {
-  double mark_distance_m = 2.0;  ///< From the camera to the mark on the floor where one begins.
-  double follow_radius_m = 0.9;  ///< So far before, behind and beside the mark a visitor is followed.
-  double begin_within_m = 0.5;   ///< So near to the mark one must come to rest to be taken in.
-  Duration begins_after = std::chrono::milliseconds(900);  ///< Of standing still there.
+  double mark_distance_m = 2.0;  ///< From the camera to the mark on the floor.
+  double follow_radius_m = 0.9;  ///< A visitor is followed within this distance of the mark.
+  double begin_within_m = 0.5;   ///< A visitor must come to rest within this distance of the mark.
+  Duration begins_after = std::chrono::milliseconds(900);  ///< Duration of standing still there.
 };
 
 enum class BodyPhase { kNobody, kArriving, kFollowed };
@@ -25,34 +25,34 @@ enum class BodyPhase { kNobody, kArriving, kFollowed };
 struct BodyPose {
   double x_m = 0.0;
   double depth_m = 0.0;
-  double lean_rad = 0.0;  ///< From the posture on arrival; positive to the visitor's own right.
+  double lean_rad = 0.0;  ///< Relative to the posture on arrival; positive to the visitor's own right.
   double x_deviation_m = 0.0;
   double depth_deviation_m = 0.0;
   double lean_deviation_rad = 0.0;
 };
 
-/// Follows one visitor through silhouettes: who comes to rest at the mark is taken in, with head and posture as they
-/// are then, and followed until lost; others before and behind are passed by.
+/// Follows one visitor through silhouettes: a person who comes to rest at the mark is followed, with the head and
+/// posture of that moment as reference, until lost; others in front and behind are ignored.
 ///
-///   nobody ──somebody near the mark──▶ arriving ──still for begins_after──▶ followed
+///   nobody ──a person near the mark──▶ arriving ──still for begins_after──▶ followed
 ///      ▲ ◄───────── walked on ────────────┘                                  │
-///      └──────── not seen for 2 s, or beyond reach (seen before: goes on) ◄──┘
+///      └──── not seen for 2 s, or beyond follow_radius_m (before that: kept) ◄┘
 ///
-/// Heads differ by a tenth in width, so a width alone tells the depth to a tenth. Therefore the head of who comes to
-/// rest is taken to be at the mark if that makes it a head of 0.13 to 0.18 m; from then on depth changes are told by
-/// the head and, a second opinion, by the chest. Filtered (a critically damped follower per quantity, whose speed grows
-/// with that of the visitor). A measurement that no body can have jumped to is not taken. Thread-bound; a function of
-/// what it was given.
+/// Heads differ by a tenth in width, so a width alone gives the depth to a tenth. Therefore the head of a person who
+/// comes to rest is assumed to be at the mark if that makes it a head of 0.13 to 0.18 m; from then on, changes of depth
+/// are measured by the head and, independently, by the chest. Each quantity is filtered by a critically damped
+/// follower, whose cut-off rises with the visitor's speed. A measurement that no body could have jumped to is rejected.
+/// Thread-bound; a pure function of its input.
 class BodyFollower {
  public:
   explicit BodyFollower(const BodySettings& settings) : settings_(settings) {}
 
-  /// `lens` is of the cells. Nothing when nobody is followed in this picture.
+  /// `lens` is in units of cells. Empty if nobody is followed in this picture.
   std::optional<BodyPose> update(const Silhouette& silhouette, const Pinhole& lens, TimePoint at);
   [[nodiscard]] BodyPhase phase() const { return phase_; }
-  /// Where the visitor is, or was a moment ago: the room must not be learned there.
+  /// Region of the visitor, now or a moment ago; the room must not be learned there.
   [[nodiscard]] const std::optional<CellBounds>& region() const { return region_; }
-  /// Of the newest picture, in cells, for people to look at.
+  /// Shape in the newest picture, in cells, for display.
   [[nodiscard]] const std::optional<BodyShape>& shape() const { return shape_; }
 
  private:
@@ -61,16 +61,16 @@ class BodyFollower {
     double value = 0.0;
     double speed = 0.0;
     void start(double at) { *this = {at, 0.0}; }
-    /// Of what is farther off than `most`, no more than that is believed.
+    /// Follows a measurement, limited to `max` from the present value.
     void follow(double measured, double max, double seconds, double rest_hz, double hz_per_speed);
   };
   struct Standing {
     TimePoint at{};
     double x_m = 0.0;
     double depth_m = 0.0;
-    double width = 0.0;      ///< Of the head, over the focal length.
-    double deviation = 0.0;  ///< Of it, as part of it.
-    double chest = 0.0;      ///< Its width over the head's.
+    double width = 0.0;      ///< Width of the head over the focal length.
+    double deviation = 0.0;  ///< Relative deviation of `width`.
+    double chest = 0.0;      ///< Width of the chest over the head's.
     double lean_rad = 0.0;
   };
   std::optional<BodyPose> arrive(const BodyShape& shape, const Pinhole& lens, TimePoint at);
@@ -80,7 +80,7 @@ class BodyFollower {
   std::optional<BodyPose> miss(TimePoint at);
   void forget();
 
-  /// Of an adult's head; a child of six has 0.145.
+  /// Width of an adult's head; a child of six has 0.145.
   static constexpr double kHeadM = 0.155;
   BodySettings settings_;
   BodyPhase phase_ = BodyPhase::kNobody;
@@ -89,7 +89,7 @@ class BodyFollower {
   std::vector<Standing> arriving_;
   double head_m_ = kHeadM;
   double upright_rad_ = 0.0;
-  double chest_ = 0.0;  ///< Of the visitor: the chest's width over the head's; 0 while it is not known.
+  double chest_ = 0.0;  ///< The visitor's width of the chest over the head's; 0 while it is not known.
   Filtered x_, depth_, lean_;
   TimePoint seen_at_{};
 };

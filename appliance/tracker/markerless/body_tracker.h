@@ -10,20 +10,20 @@
 
 namespace cyclorama::tracker {
 
-/// Steering without a pattern: grey pictures in, the visitor's pose out. No model is learned from other people, and no
-/// library for vision is needed: the room is known (background.h), and who comes to rest at a mark is followed by head
-/// and chest (body_follower.h). Thread-bound; the same pictures at the same times give the same poses.
+/// Steering without a pattern: grey pictures in, the visitor's pose out. It needs neither a trained model nor a vision
+/// library: the room is known (background.h), and a person who comes to rest at a mark is followed by head and chest
+/// (body_follower.h). Thread-bound; the same pictures at the same times give the same poses.
 class BodyTracker {
  public:
   explicit BodyTracker(const BodySettings& body = {}, const BackgroundSettings& background = {})
       : background_(background), follower_(body) {}
 
-  /// Nothing while nobody is followed, also in the dark and while the light changes. Every number is finite.
+  /// Empty while nobody is followed, also in the dark and while the light changes. Every number is finite.
   std::optional<BodyPose> update(const GreyImage& picture, const Pinhole& lens, TimePoint at);
 
-  /// For people, in a few words that live for ever: "waits for a visitor".
+  /// Returns a few words for people, with static lifetime: "waits for a visitor".
   [[nodiscard]] const char* state() const;
-  /// The picture with what was made out of it: whatever is not the room, and the head and chest that are followed.
+  /// Draws into the picture everything that is not the room, and the head and chest that are followed.
   [[nodiscard]] RgbImage drawn(const GreyImage& picture) const;
 
  private:
@@ -31,7 +31,8 @@ class BodyTracker {
   BodyFollower follower_;
 };
 
-/// As the wand's pose has it: place in the Camera frame, at the camera's height, and the lean about its z.
+/// Returns the pose in the form of a wand's: position in the Camera frame, at the camera's height, and the lean about
+/// its z.
 [[nodiscard]] RigidTransform<frame::Camera, frame::Tag> T_camera_body(const BodyPose& pose);
 
 }  // namespace cyclorama::tracker

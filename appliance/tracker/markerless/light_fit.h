@@ -6,11 +6,12 @@
 
 namespace cyclorama::tracker {
 
-/// How much brighter a room is than it was: the logarithm of the gain, a parabola over the picture. (x, y) from -1 to 1
-/// across the picture. A lamp that is switched on, a camera that adjusts its gain and a wall that shines in another
-/// colour are all such a surface, near enough. A value.
+/// Change of a room's brightness: the logarithm of the gain, a parabola over the picture. (x, y) from -1 to 1 across
+/// the picture. A lamp that is switched on, a camera that adjusts its gain and a wall that changes its colour are all
+/// well approximated by such a surface. A value.
 struct LightGain {
-  Eigen::Matrix<double, 6, 1> coefficients = Eigen::Matrix<double, 6, 1>::Zero();  ///< Of 1, x, y, x², xy, y².
+  /// Coefficients of 1, x, y, x², xy, y².
+  Eigen::Matrix<double, 6, 1> coefficients = Eigen::Matrix<double, 6, 1>::Zero();
 
   [[nodiscard]] static Eigen::Matrix<double, 6, 1> terms(double x, double y) {
     return (Eigen::Matrix<double, 6, 1>() << 1.0, x, y, x * x, x * y, y * y).finished();
@@ -18,7 +19,7 @@ struct LightGain {
   [[nodiscard]] double at(double x, double y) const { return coefficients.dot(terms(x, y)); }
 };
 
-/// One place's brightness against what is known of the room there.
+/// A cell's brightness relative to the room's there.
 struct LogLightSample {
   double x = 0.0;
   double y = 0.0;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What stands before the room, and where in it heads and shoulders are.
+/// The parts of a picture in front of the room, and the heads and shoulders in it.
 ///
-///          ╭─╮    above: empty     A head is known by its surroundings: something, with nothing above and nothing
-///     side │h│ side: empty         on one side at least, on something 2.6 times as wide. All boxes are in units
-///        ╭─┴─┴─╮                   of the head's width, which is what a depth is read from: heads differ least.
+///          ╭─╮    above: empty     A head is detected by its surroundings: filled, with nothing above and nothing
+///     side │h│ side: empty         on one side at least, above something 2.6 times as wide. All boxes are in units
+///        ╭─┴─┴─╮                   of the head's width, from which depth is computed: heads differ least.
 ///        │chest│
 ///
 /// Cells count from 0 at the picture's left and upper edge; a cell's middle is at +0.5.
@@ -16,7 +16,7 @@
 
 namespace cyclorama::tracker {
 
-/// From (left, top) to before (right, bottom).
+/// A half-open rectangle: (left, top) inclusive, (right, bottom) exclusive.
 struct CellBounds {
   int left = 0;
   int top = 0;
@@ -26,22 +26,22 @@ struct CellBounds {
 };
 
 enum class LightState {
-  kLearning,  ///< Too few pictures yet: the room is being learned.
+  kLearning,  ///< Too few pictures yet; the room is being learned.
   kSteady,
-  kUnsettled,  ///< Another light was switched on just now, or the lens covered.
-  kDark        ///< Noise drowns the room.
+  kUnsettled,  ///< A lamp was switched on just now, or the lens is covered.
+  kDark        ///< Noise hides the room.
 };
 
 struct Silhouette {
-  Image<float, 1> share;     ///< Of each cell: 0 is the room, 1 is somebody.
-  Image<float, 1> contrast;  ///< How much it differs from the room, in grey levels.
-  /// How much steeper the picture is than the room there: along somebody's outline positive. Where the room was learned
-  /// with somebody in it who has left, the outline is in the room and not in the picture: a ghost, negative.
+  Image<float, 1> share;     ///< Per cell: 0 is the room, 1 is a person.
+  Image<float, 1> contrast;  ///< Difference from the room in grey levels.
+  /// Difference of the picture's gradient from the room's: positive along a person's outline. If the room was learned
+  /// with a person in it who has left, the outline is in the room and not in the picture: a ghost, negative.
   Image<float, 1> outline;
   LightState light = LightState::kLearning;
 };
 
-/// Where a head may be: the middle of its width, its top, and its width, in cells.
+/// A possible head: the middle of its width, its top, and its width, in cells.
 struct HeadCandidate {
   double u = 0.0;
   double top = 0.0;
@@ -53,7 +53,7 @@ struct HeadCandidate {
 class SummedShare {
  public:
   explicit SummedShare(const Image<float, 1>& share);
-  /// Mean over a box in cells; outside of the picture there is nobody.
+  /// Returns the mean over a box in cells; outside of the picture it counts as empty.
   [[nodiscard]] double mean(double left, double top, double right, double bottom) const;
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
@@ -64,25 +64,26 @@ class SummedShare {
   std::vector<double> sums_;
 };
 
-/// The best place about `near` (within a width of it and a fifth of its width), or nothing.
+/// Returns the best head near `near` (within a width of it and a fifth of its width); empty if there is none.
 [[nodiscard]] std::optional<HeadCandidate> find_head_near(const SummedShare& share, const HeadCandidate& near);
-/// Every head with widths from `least` to `most`, the best first, none within another's shoulders.
+/// Returns every head with widths from `min` to `max`, the best first, none within another's shoulders.
 [[nodiscard]] std::vector<HeadCandidate> find_heads(const SummedShare& share, double min, double max);
 
-/// A head and the body below it, measured along the silhouette's edges to parts of a cell.
+/// A head and the body below it, measured along the silhouette's edges to fractions of a cell.
 struct BodyShape {
   HeadCandidate head;
-  double width_deviation = 0.0;  ///< Of the head's width, cells.
-  bool has_chest = false;        ///< Else the rest is not known: somebody beside, or no chest in the picture.
-  double chest_width = 0.0;      ///< With the arms, cells: a second word on the depth.
+  double width_deviation = 0.0;  ///< Deviation of the head's width, cells.
+  /// False: the following are unknown, since a person is beside, or the chest is not in the picture.
+  bool has_chest = false;
+  double chest_width = 0.0;      ///< Including the arms, cells: a second measure of depth.
   double chest_width_deviation = 0.0;
-  double hip_u = 0.0;  ///< Where the body stands, also when it leans, cells.
+  double hip_u = 0.0;  ///< Position of the hip, also while the body leans, cells.
   double hip_deviation = 0.0;
-  double lean_rad = 0.0;  ///< Of hip to head; positive towards smaller u, which is the visitor's right.
+  double lean_rad = 0.0;  ///< From hip to head; positive towards smaller u, which is the visitor's right.
   double lean_deviation = 0.0;
   double outline = 0.0;  ///< Mean of Silhouette::outline along the head.
 };
-/// Nothing when the head has no edges to measure.
+/// Empty if the head has no edges to measure.
 [[nodiscard]] std::optional<BodyShape> measured(const Silhouette& silhouette, const HeadCandidate& head);
 
 }  // namespace cyclorama::tracker

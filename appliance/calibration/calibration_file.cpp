@@ -50,7 +50,7 @@ Status read_map(const fs::path& folder, std::size_t number, MeasuredMap* map) {
   for (const auto& [image, path] : {std::pair(&directions, file), std::pair(&sigmas, sigma_file)}) {
     if (image->width() == map->cells_x + 1 && image->height() == map->cells_y + 1) continue;
     return Error(ErrorCode::kBadData,
-                 fmt::format("{}: {}x{} control points, where {}x{} are told; calibrate again", path.string(),
+                 fmt::format("{}: {}x{} control points, where {}x{} are expected; calibrate again", path.string(),
                              image->width(), image->height(), map->cells_x + 1, map->cells_y + 1));
   }
   for (int y = 0; y <= map->cells_y; ++y) {

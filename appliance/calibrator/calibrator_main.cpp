@@ -339,7 +339,7 @@ Status run(const Options& options, const StopSignal& stop) {
              WireServer::start(settings.listen, {&calibrator, &inspection, &healing}));
   Notify notify;
   notify.ready();
-  log(LogLevel::kNotice, fmt::format("waits to be told to calibrate, at port {}", server->port()));
+  log(LogLevel::kNotice, fmt::format("waits for calibration requests at port {}", server->port()));
   std::string shown;
   do {
     notify.keep_alive(clock.now());

@@ -44,7 +44,7 @@ CalibratorService::CalibratorService(Installation installation, std::filesystem:
       opener_(std::move(opener)),
       clock_(clock),
       inspection_(inspection) {
-  say("waits to be told to calibrate", true);
+  say("waits for a calibration request", true);
 }
 
 void CalibratorService::stop() { stop_.request_stop(); }
@@ -84,7 +84,7 @@ void CalibratorService::tell() {
 Result<scan::CalibrationOutcome> CalibratorService::calibrate(const wire::CalibrateOrder& order,
                                                               const scan::ScanListener& listener,
                                                               std::stop_token stop) {
-  listener({"opens camera, turn-plate and projectors", 0.0, nullptr});
+  listener({"opens camera, turntable and projectors", 0.0, nullptr});
   TRY_ASSIGN(CalibrationDevices devices, opener_());
   devices.settings.resume = order.resume();
   const scan::ScanDevices scan{*devices.screen, *devices.camera, *devices.plate, devices.colour_camera.get()};
@@ -146,7 +146,7 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
     }
     if (question == asked) return true;
     asked = question;
-    if (!question.empty()) say("asks whoever stands beside the turn-plate: " + question, true);
+    if (!question.empty()) say("asks at the turntable: " + question, true);
     wire::CalibrateProgress message;
     message.set_step(told);
     message.set_fraction(fraction);
@@ -158,7 +158,7 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
   if (prompt_ != nullptr) prompt_->set_listener(nullptr);
   if (!outcome) {
     if (stop.stop_requested()) {
-      say("waits to be told to calibrate; the last calibration was cancelled", true);
+      say("waits for a calibration request; the last calibration was cancelled", true);
       return {grpc::StatusCode::CANCELLED, scan::cancelled().message()};
     }
     say("could not calibrate: " + outcome.error().message(), false);
@@ -201,7 +201,7 @@ grpc::Status CalibratorService::Restore(grpc::ServerContext*, const wire::Restor
     reply->set_date(date);
     return grpc::Status::OK;
   }
-  return {grpc::StatusCode::NOT_FOUND, "there is no calibration of before; calibrate"};
+  return {grpc::StatusCode::NOT_FOUND, "there is no previous calibration; calibrate"};
 }
 
 }  // namespace cyclorama::calibrator

@@ -123,7 +123,7 @@ Result<CalibratorSettings> CalibratorSettings::parse(std::string_view text, std:
 }
 
 Status CalibratorSettings::check_lenses() const {
-  if (!lens.empty()) TRY(check_lens(lens, "the camera on the turn-plate", true));
+  if (!lens.empty()) TRY(check_lens(lens, "the camera on the turntable", true));
   for (const scan::CameraSource& fixed : watch) {
     if (lenses.empty()) break;
     TRY(check_lens(lenses / (fixed.name + ".json"), fmt::format("camera '{}'", fixed.name), false));

@@ -14,7 +14,7 @@ Result<std::optional<FollowedLight>> follow_light(const std::filesystem::path& o
   if (colours.empty()) return std::optional<FollowedLight>();
   FollowedLight followed;
   auto light = read_light(own_folder);
-  if (!light) return std::move(light).error().while_doing("the light of before was not kept");
+  if (!light) return std::move(light).error().while_doing("reading the previous light");
   followed.lighting = *std::move(light);
   bool is_same = before.size() == after.size() && followed.lighting.projectors.size() == after.size();
   std::vector<PhotometricProjector> projectors;
@@ -23,7 +23,7 @@ Result<std::optional<FollowedLight>> follow_light(const std::filesystem::path& o
     projectors.push_back({after[p].name, after[p].map});
     move_light(before[p].map, after[p].map, inverse_depth, &followed.lighting.projectors[p]);
   }
-  if (!is_same) return Error(ErrorCode::kInvalidArgument, "the light of before is of other projectors");
+  if (!is_same) return Error(ErrorCode::kInvalidArgument, "the previous light belongs to other projectors");
   TRY_ASSIGN(followed.photometry, reblended(projectors, followed.lighting, colours));
   for (std::size_t p = 0; p < projectors.size(); ++p) {
     followed.colours.push_back(

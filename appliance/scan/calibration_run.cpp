@@ -106,7 +106,7 @@ Result<CalibrationOutcome> run_calibration(const Installation& installation, con
   if (auto read = calibration::read_calibration(folder)) {
     previous = *std::move(read);
   } else if (read.error().code() != ErrorCode::kNotFound) {
-    scan.remarks.push_back("the calibration of before was not compared with: " + read.error().message());
+    scan.remarks.push_back("the previous calibration was not compared: " + read.error().message());
   }
   solve::CalibrateOptions options;
   options.with_wall = settings.with_wall;

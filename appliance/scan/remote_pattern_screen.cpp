@@ -92,7 +92,7 @@ class RemotePatternScreen::Stream {
     {
       const std::lock_guard lock(mutex_);
       if (is_late_) {
-        return {ErrorCode::kTimedOut, fmt::format("the display at {} does not show what it is told within {:.0f} s; "
+        return {ErrorCode::kTimedOut, fmt::format("the display at {} does not show a pattern within {:.0f} s; "
                                                   "look whether it runs, then resume",
                                                   address_, to_seconds(kAnswerTimeout))};
       }

@@ -75,14 +75,14 @@ std::string projectors_table(const calibration::Calibration& calibration) {
         "<tr><td>{}</td><td>{} \u00d7 {}</td><td>{:.1f} %</td><td>{}</td><td>{:.3f} px</td><td>{:.3f} px</td>"
         "<td>{}</td></tr>\n",
         html_text(p.name), p.map.width_px, p.map.height_px, 100.0 * covered(p.map), p.map.samples, p.map.heldout_rms_px,
-        median_sigma_px(p.map), p.is_previous ? "the map of before: it predicted better" : "");
+        median_sigma_px(p.map), p.is_previous ? "the previous map: it predicted better" : "");
   }
   return text + "</table>\n";
 }
 
 std::string plate_table(const calibration::TurnPlate& plate) {
   std::string text = fmt::format(
-      "<h2>Camera and turn-plate</h2>\n<p>{} directions, {} places seen from several of them; {:.3f} px of what was "
+      "<h2>Camera and turntable</h2>\n<p>{} directions, {} points seen from several of them; {:.3f} px of what was "
       "used, {:.3f} px of what was left out. The measurements alone determine {} of {} parameters. Offset from the "
       "axis: {}.</p>\n",
       plate.angles_rad.size(), plate.tracks, plate.rms_px, plate.heldout_rms_px, plate.rank, plate.parameters.size(),

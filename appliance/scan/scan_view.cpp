@@ -29,7 +29,7 @@ constexpr std::string_view kMagic = "cyclorama view 1";  // 16 bytes.
 constexpr std::size_t kCorrespondenceBytes = 5 * sizeof(float);
 constexpr auto kStale = std::chrono::hours(12);
 constexpr const char* kManifest = "manifest.json";
-constexpr const char* kAnew = "; calibrate anew, without resuming";
+constexpr const char* kAnew = "; calibrate again, without resuming";
 static_assert(std::endian::native == std::endian::little, "places are written as they lie in memory");
 
 /// 64-bit FNV-1a: detects damage, not manipulation.

@@ -166,8 +166,8 @@ class Calibrating {
     auto plate = solver.solve(hints);
     if (!plate || !(plate->heldout_rms_px <= kHintAgrees * calibration_.plate.heldout_rms_px)) {
       remark(
-          fmt::format("the maps of {} do not go with what the directions see now ({:.3f} px instead of {:.3f}); look "
-                      "whether the plate stands where it stood",
+          fmt::format("the maps of {} do not agree with the new directions ({:.3f} px instead of {:.3f}); look "
+                      "whether the turntable was moved",
                       before.date, plate ? plate->heldout_rms_px : 0.0, calibration_.plate.heldout_rms_px));
       return;
     }

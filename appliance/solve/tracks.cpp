@@ -45,7 +45,7 @@ Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellM
   }
   if (count < 2) {
     return Error(ErrorCode::kInvalidArgument,
-                 "one direction alone does not tell where the plate's axis is; add a direction that overlaps it by at "
+                 "one direction alone does not determine the turntable's axis; add a direction that overlaps it by at "
                  "least a tenth");
   }
   // Tracks indexed by the first and last direction that see them.

@@ -174,7 +174,7 @@ Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, 
   const auto cost = minimise_robustly(&adjustment, true, kSteps);
   if (!cost) {
     return Error(ErrorCode::kBadData,
-                 "the directions cannot be brought together; look whether the plate's angles turn the right way");
+                 "the directions do not fit together; check that the turntable turns the right way");
   }
   solved.cost = *cost;
   const Uncertainty uncertainty =
@@ -184,7 +184,7 @@ Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, 
   solved.names = adjustment.names();
   solved.tracks = tracks.size();
   auto lens = lens_of(task.measurements, state).brown();
-  if (!lens) return std::move(lens).error().while_doing("solving the turn-plate");
+  if (!lens) return std::move(lens).error().while_doing("solving the turntable");
   solved.used = residual_of(state, *lens, task.means, task.tracks.used);
   solved.left_out = residual_of(state, *lens, task.means, task.tracks.left_out);
   return solved;

@@ -61,7 +61,7 @@ Result<AxisBits> empty_axis(const PatternSet& set, PatternAxis axis) {
     if (seen[static_cast<std::size_t>(bit)] != 1)
       return bad("every bit from the highest down to the finest is shown once per axis");
   }
-  if (reading.finest_bit == reading.bits) return bad("no bits: nothing tells one stripe from the next");
+  if (reading.finest_bit == reading.bits) return bad("no bits: the stripes cannot be distinguished");
   if (reading.base_bit >= 0 && (reading.base_bit < reading.finest_bit || reading.base_bit >= reading.bits)) {
     return bad("the base bit is not shown");
   }

@@ -30,8 +30,8 @@ Result<calibration::Calibration> read_existing(const std::filesystem::path& fold
   if (calibration) return calibration;
   const std::string why = calibration.error().message();
   if (calibration.error().code() == ErrorCode::kNotFound)
-    return Error(ErrorCode::kNotFound, fmt::format("there is no calibration of before ({}){}", why, kAll));
-  return std::move(calibration).error().while_doing("looking for the calibration of before");
+    return Error(ErrorCode::kNotFound, fmt::format("there is no previous calibration ({}){}", why, kAll));
+  return std::move(calibration).error().while_doing("reading the previous calibration");
 }
 
 }  // namespace
@@ -60,8 +60,8 @@ Result<RealignmentBaseline> read_baseline(const Installation& installation, cons
   const auto target = static_cast<std::size_t>(at - all.begin());
   const calibration::MeasuredLens& camera = calibration.plate.camera;
   if (camera.width_px != camera_width_px || camera.height_px != camera_height_px)
-    return realignment_refused("the calibration of before was made with another camera");
-  if (!calibration.wall) return realignment_refused("the calibration of before does not know the wall's shape");
+    return realignment_refused("the previous calibration was made with another camera");
+  if (!calibration.wall) return realignment_refused("the previous calibration lacks the wall's shape");
   TRY_ASSIGN(calibration::BrownLens lens, camera.brown());
   std::vector<ReferenceProjector> references;
   std::vector<ReferenceMap> maps;
@@ -77,7 +77,7 @@ Result<RealignmentBaseline> read_baseline(const Installation& installation, cons
   }
   if (references.empty()) {
     return realignment_refused(
-        fmt::format("projector '{}' has no neighbour that tells how the camera stands", projector));
+        fmt::format("projector '{}' has no neighbour that shows the pose of the camera", projector));
   }
   if (!is_of_size(at->map, installation.projectors[*target_installed].lens))
     return realignment_refused(fmt::format("projector '{}' has another number of pixels than before", projector));

@@ -138,7 +138,7 @@ Result<LocatedCamera> locate_camera(const LocatedCamera& planned, std::span<cons
       observations.begin(), observations.end(), [](const ReferenceObservation& s) { return !s.is_left_out; }));
   if (used < kMinObservations) {
     return Error(ErrorCode::kBadData,
-                 "the camera sees too little of the projectors that did not move, so nobody knows how it stands");
+                 "the camera sees too little of the projectors that did not move, so its pose cannot be found");
   }
   const auto turned = solved(planned, observations, false);
   if (!turned) return Error(ErrorCode::kBadData, "what the camera sees of the other projectors lies on a line");

@@ -150,7 +150,7 @@ TEST(CalibratorSettings, find_lenses_beside_the_file) {
   EXPECT_EQ(settings->lenses, folder / "cameras");
   const auto missing = settings->check_lenses();
   ASSERT_FALSE(missing);
-  EXPECT_THAT(missing.error().message(), HasSubstr("the camera on the turn-plate"));
+  EXPECT_THAT(missing.error().message(), HasSubstr("the camera on the turntable"));
   const calibration::CameraFile good{"a camera",
                                      "2026-01-01T00-00-00Z",
                                      calibration::MeasuredLens::from_focal(1280, 960, 1100.0),

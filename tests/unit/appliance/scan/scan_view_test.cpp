@@ -26,7 +26,7 @@ class ScanFolderTest : public ::testing::Test {
     ASSERT_FALSE(resumed.has_value());
     EXPECT_EQ(resumed.error().code(), ErrorCode::kBadData);
     EXPECT_THAT(resumed.error().message(), HasSubstr(why));
-    EXPECT_THAT(resumed.error().message(), HasSubstr("; calibrate anew"));
+    EXPECT_THAT(resumed.error().message(), HasSubstr("; calibrate again"));
   }
   std::filesystem::path folder_;
 };

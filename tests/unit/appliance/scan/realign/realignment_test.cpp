@@ -192,7 +192,7 @@ TEST_F(Realignment, needs_a_projector_that_was_calibrated_and_a_calibration) {
   // A missing file leaves nothing half done.
   fs::remove(calibration::calibration_folder(folder_, kFirst) / "light.json");
   museum_.push(1, 0.7 * kDegree, {0.0, 1.0, 0.0}, 0.0, {1.0, 0.0, 0.0});
-  expect_refused(realign("projector 2"), ErrorCode::kBadData, "the light of before was not kept");
+  expect_refused(realign("projector 2"), ErrorCode::kBadData, "reading the previous light");
 }
 
 TEST_F(Realignment, cancelled_leaves_what_was) {

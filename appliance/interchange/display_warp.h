@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From a region that others measured to what a display draws (appliance/warp), and from our own warp to a region that
-/// others play. Pure; reentrant.
+/// Converts regions of other programs to warps of a display (appliance/warp), and our warps to regions that other
+/// programs can use. Pure; reentrant.
 ///
 ///     region (2d)       u, v in the source picture ─ picture's shape ─┐
 ///     region (3d)       u, v in a frustum's view ─────────────────────┼─▶ directions from the sweet spot ─▶ Warp
-///     region (a3, sl)   x, y, z on the screen ─ where the eye is ─────┘
+///     region (a3, sl)   x, y, z on the screen ─ position of the eye ──┘
 ///     alpha ────────────────────────────────────────────────────────────▶ MaskImage      beta ─▶ black level
 #pragma once
 
@@ -19,52 +19,52 @@
 
 namespace cyclorama::interchange {
 
-/// What a file does not say, and we know.
+/// Parameters that a file may lack.
 struct WarpSetting {
-  /// 2d: what the whole picture of the region's buffer shows.
+  /// 2d: shape of the whole picture of the region's buffer.
   PictureShape picture = Panorama{};
-  /// a3 and sl: the sweet spot in the map's frame, metres. Not needed where the data begin at the ideal eye point.
+  /// a3 and sl: the sweet spot in the map's frame, metres. Not needed if the data begin at the ideal eye point.
   std::optional<Eigen::Vector3d> eye_m;
 };
 
 /// Unit vectors in the Eye frame (x right, y up, -z the heading), one per sample of the region's map; NaN where nothing
-/// is mapped or seen.
+/// is mapped or visible.
 using DirectionMap = Image<float, 3>;
 
-/// kInvalidArgument  the region has no map, no frustum (3d), no unit or no place of the eye (a3, sl): says what to
-/// give. kBadData  no sample gives a direction.
+/// Errors: kInvalidArgument if the region lacks a map, a frustum (3d), a unit or the eye's position (a3, sl), with the
+/// remedy; kBadData if no sample gives a direction.
 Result<DirectionMap> directions_of(const WarpRegion& region, WarpProfile profile, const WarpSetting& setting);
 
-/// A mesh over the projector's picture that says where in `picture` its pixels lie, whose cells are halved until they
-/// keep to `tolerance_px` of the directions and no mapped sample is left out, or are four pixels wide. Vertices just
-/// outside of what is mapped go on straight, so that the rim is drawn: mask_of() cuts it off pixel by pixel.
-/// WarpMesh::worst_error_px is what is left; infinite where a mapped sample is left out.
-/// kBadData  nothing mapped, or nothing of it is in the picture's reach.
+/// Returns a mesh over the projector's picture with the positions of its pixels in `picture`. Its cells are halved
+/// until they keep to `tolerance_px` of the directions and no mapped sample is left out, or are four pixels wide.
+/// Vertices just outside of the mapped area are extrapolated, so that the rim is drawn: mask_of() cuts it off pixel by
+/// pixel. WarpMesh::worst_error_px is the remaining error; infinite if a mapped sample is left out. Errors: kBadData if
+/// nothing is mapped, or nothing mapped lies in the picture.
 Result<warp::WarpMesh> mesh_from(const DirectionMap& directions, int width_px, int height_px,
                                  const PictureShape& picture, double tolerance_px);
 
-/// That mesh, if it keeps to `tolerance_px` and is_quicker_than_a_map(); else where each pixel's centre lies, between
-/// the samples. Errors of mesh_from().
+/// Returns that mesh, if it keeps to `tolerance_px` and is_quicker_than_a_map(); else a map of each pixel's centre,
+/// interpolated between the samples. Errors: those of mesh_from().
 Result<warp::Warp> warp_from(const DirectionMap& directions, int width_px, int height_px, const PictureShape& picture,
                              double tolerance_px = 0.05);
 
-/// Factors on linear light per projector pixel: alpha (its channels' mean), and 0 where nothing is mapped.
+/// Returns factors on linear light per projector pixel: alpha (mean of its channels), and 0 where nothing is mapped.
 [[nodiscard]] warp::MaskImage mask_of(const WarpRegion& region);
-/// The linear light that every pixel shows at least (black level); nothing where the region has no beta.
+/// Returns the minimum linear light of every pixel (black level); empty if the region has no beta map.
 [[nodiscard]] std::optional<warp::MaskImage> black_level_of(const WarpRegion& region);
 
-/// Our warp as a 2d region over the whole of `picture`: u, v at each pixel's centre, NaN where the mesh is not drawn or
-/// leaves the picture, and the mask as alpha in 16 bits. Precondition: the mask has the mesh's pixels.
+/// Returns our warp as a 2d region over the whole of `picture`: u, v at each pixel's centre, NaN where the mesh is not
+/// drawn or leaves the picture, and the mask as alpha in 16 bits. Precondition: the mask has the mesh's size in pixels.
 [[nodiscard]] WarpRegion region_of(const warp::WarpMesh& mesh, const warp::MaskImage& mask, const PictureShape& picture,
                                    const std::string& id);
 
-/// The same as points on the wall, in metres from the eye (a3): right from any place, so other engines can follow an
-/// eye.
+/// Returns the warp as points on the wall, in metres from the eye (a3): valid for any eye, so that other engines can
+/// follow one.
 [[nodiscard]] WarpRegion region_in_space(const warp::ProjectorMap& map, const Point<frame::Room>& eye,
                                          const warp::MaskImage& mask, const std::string& id);
 
-/// All of a room's projectors as MPCDI a3: what region_in_space() says of each, with the blend of them all, in one
-/// buffer that is named as the installation; regions are named as the projectors.
+/// Returns all of an installation's projectors as MPCDI a3: region_in_space() of each, with their common blend, in one
+/// buffer named after the installation; regions are named after the projectors.
 [[nodiscard]] WarpSet set_of(const Installation& installation);
 
 }  // namespace cyclorama::interchange

@@ -18,12 +18,12 @@
 
 namespace cyclorama::interchange {
 
-/// Borrows the text. Thread-bound.
+/// Iterates over lines. Borrows the text. Thread-bound.
 class TextLines {
  public:
   explicit TextLines(std::string_view text) : lines_(text) {}
 
-  /// The next line that is not blank, without the blanks around it; nothing at the end.
+  /// Returns the next line that is not blank, without surrounding blanks; empty at the end.
   std::optional<std::string_view> next() {
     std::string_view line;
     while (lines_.next(&line)) {
@@ -33,7 +33,7 @@ class TextLines {
     }
     return std::nullopt;
   }
-  /// "line 12": of the one that next() gave last.
+  /// Returns the location of next()'s last line: "line 12".
   [[nodiscard]] std::string location() const { return fmt::format("line {}", number_); }
 
  private:
@@ -41,7 +41,7 @@ class TextLines {
   std::size_t number_ = 0;
 };
 
-/// What stands between blanks, or between `separator` where one is given (then also empty fields).
+/// Splits at blanks, or at `separator` if one is given (fields may then be empty).
 inline std::vector<std::string_view> fields_of(std::string_view line, char separator = ' ') {
   std::vector<std::string_view> fields;
   const std::string_view ends = separator == ' ' ? std::string_view(" \t") : std::string_view(&separator, 1);
@@ -53,7 +53,7 @@ inline std::vector<std::string_view> fields_of(std::string_view line, char separ
   return fields;
 }
 
-/// A finite number, or a fault at `place`.
+/// Parses a finite number; otherwise returns a fault at `location`.
 inline Result<double> number_of(std::string_view field, std::string_view location) {
   const auto value = parse_double(field);
   if (!value || !std::isfinite(*value)) {

@@ -19,33 +19,34 @@
 
 namespace cyclorama::interchange {
 
-/// What some formats do not say.
+/// Parameters that some formats lack.
 struct WarpFileOptions {
-  int width_px = 1920;  ///< The projector's, for meshes: they are drawn into a map of that size. Also gives the aspect.
+  /// Size of the projector's picture, for meshes: they are drawn into a map of that size. Also gives the aspect.
+  int width_px = 1920;
   int height_px = 1080;
-  int columns = 65;  ///< Of a grid that is written.
+  int columns = 65;  ///< Size of a grid that is written.
   int rows = 37;
-  WarpProfile profile = WarpProfile::k2d;     ///< Of a PFM.
-  std::optional<std::filesystem::path> mask;  ///< Beside a PFM.
-  MpcdiVersion version = MpcdiVersion::k2_0;  ///< Of an MPCDI file that is written.
+  WarpProfile profile = WarpProfile::k2d;     ///< For a PFM.
+  std::optional<std::filesystem::path> mask;  ///< Accompanies a PFM.
+  MpcdiVersion version = MpcdiVersion::k2_0;  ///< For writing an MPCDI file.
 };
 
 struct WarpFile {
   WarpSet set;
-  std::vector<std::string> ignored;  ///< As MpcdiFile::ignored.
+  std::vector<std::string> ignored;  ///< Same as MpcdiFile::ignored.
 };
 
-/// kInvalidArgument  no format has such an ending.     Else the errors of the format's reader.
+/// Errors: kInvalidArgument if no format has this file name extension; else those of the format's reader.
 Result<WarpFile> read_warp_file(const std::filesystem::path& path, const WarpFileOptions& options);
 
-/// The region of that id; of no id, the only one there is. It lives as long as the set.
-/// kInvalidArgument  there is none, or which one is not said: names those that there are.
+/// Returns the region `id`; if `id` is empty, the only one. It lives as long as the set. Errors: kInvalidArgument if
+/// there is none, or `id` is empty and there are several; names the existing ones.
 Result<const WarpRegion*> chosen_region(const WarpSet& set, const std::string& id);
 
-/// One region goes into all formats but MPCDI: `region` names it, or is empty where there is only one. Meshes lose the
-/// beta map and what lies in space. A mesh is written from the even grid of net_from(); an OBJ and a PFM write the
-/// alpha beside them, as PNG (options.mask, or the same name with .png).
-/// kInvalidArgument  no format has such an ending, no such region, or a map in space for a flat format.
+/// Writes one region, or for MPCDI the whole set: `region` names it, or is empty if there is only one. Meshes lose the
+/// beta map and three-dimensional points. A mesh is written from the even grid of net_from(); an OBJ and a PFM write
+/// the alpha beside them, as PNG (options.mask, or the same name with .png). Errors: kInvalidArgument if no format has
+/// this file name extension, there is no such region, or a map in space is written to a flat format.
 Status write_warp_file(const std::filesystem::path& path, const WarpSet& set, const std::string& region,
                        const WarpFileOptions& options);
 

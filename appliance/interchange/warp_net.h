@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A warp as a net of nodes, each of which says which place of the source picture appears where in the projector's:
-/// what mesh formats (Bourke, OBJ, domeprojection, SimCAD) hold, and how they become maps per pixel and back.
+/// A warp as a net of nodes, each of which maps a position of the source picture to one of the projector's: the model
+/// of mesh formats (Bourke, OBJ, domeprojection, SimCAD), with conversions from and to maps per pixel.
 ///
 /// Both pictures have x or u to the right and y or v UP from the lower left corner, 0 to 1. All values; reentrant.
 #pragma once
@@ -23,17 +23,18 @@ struct WarpNode {
   friend bool operator==(const WarpNode&, const WarpNode&) = default;
 };
 
-using WarpTriangle = std::array<std::uint32_t, 3>;  ///< Counts nodes.
+using WarpTriangle = std::array<std::uint32_t, 3>;  ///< Indices of nodes.
 
 /// Either a grid (columns and rows, triangles empty) or nodes with triangles (columns and rows 0).
 struct WarpNet {
   int columns = 0;
   int rows = 0;
-  bool closed = false;          ///< The last column is joined to the first (a polar grid).
-  std::vector<WarpNode> nodes;  ///< A grid's row by row.
+  bool closed = false;          ///< The last column is connected to the first (a polar grid).
+  std::vector<WarpNode> nodes;  ///< A grid's, row by row.
   std::vector<WarpTriangle> triangles;
 
-  /// What is drawn: the triangles, or two per cell of the grid; without those that have a node of negative light.
+  /// Returns the triangles to draw: the net's, or two per cell of the grid; without those that have a node of negative
+  /// light.
   [[nodiscard]] std::vector<WarpTriangle> drawn() const;
   friend bool operator==(const WarpNet&, const WarpNet&) = default;
 };
@@ -42,16 +43,16 @@ inline constexpr std::size_t kMaxWarpNodes = std::size_t{1} << 22;
 inline constexpr std::size_t kMaxWarpTriangles = std::size_t{1} << 23;
 inline constexpr std::size_t kWarpTextLimitBytes = std::size_t{512} << 20;
 
-/// kBadData  counts that do not fit, numbers that are not finite or absurdly far out, triangles of absent nodes.
+/// Errors: kBadData if counts do not match, numbers are not finite or far out of range, or a triangle's node is absent.
 [[nodiscard]] Status check(const WarpNet& net);
 
-/// A region of the 2d profile: each pixel's centre looked up in the triangle that covers it (the last one, where they
-/// overlap), NaN where none does. Light becomes its alpha in 16 bits, unless it is 1 everywhere.
-/// kBadData  as check(), or no pixel is covered.
+/// Returns a region of the 2d profile: each pixel's centre is looked up in the triangle that covers it (the last one if
+/// they overlap), NaN if none does. Light becomes its alpha in 16 bits, unless it is 1 everywhere. Errors: kBadData as
+/// check(), or if no pixel is covered.
 Result<WarpRegion> region_from(const WarpNet& net, const std::string& id, int width_px, int height_px);
 
-/// An even grid over a flat map, at least 2 by 2: light from its alpha, -1 where nothing is mapped.
-/// kInvalidArgument  the region has no map, or the grid is out of range.
+/// Returns an even grid over a flat map, at least 2 by 2: light from its alpha, -1 where nothing is mapped. Errors:
+/// kInvalidArgument if the region has no map, or the grid is out of range.
 Result<WarpNet> net_from(const WarpRegion& region, int columns, int rows);
 
 }  // namespace cyclorama::interchange

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A calibration of projectors as others write it down: what every format here is read into and written from.
-/// Source: VESA, "MPCDI" (multiple projection common data interchange) 1.0 (2013) and 2.0 (2015), whose words it uses.
+/// A calibration of projectors in the form of other programs: the common model that every format here is read into and
+/// written from. Source: VESA, "MPCDI" (multiple projection common data interchange) 1.0 (2013) and 2.0 (2015), whose
+/// words it uses.
 ///
 ///   WarpSet ─ buffers ─ regions: one projector each
-///                        map         per sample, where the projector's light comes from or goes to
-///                        alpha       how much of its light a pixel gives (blend)
-///                        beta        what a pixel adds, so that black is equally black everywhere
+///                        map         per sample, the source or target of the projector's light
+///                        alpha       share of its light that a pixel gives (blend)
+///                        beta        light that a pixel adds, so that black is equal everywhere
 ///                        distortion  from an ideal lens to the real one (shader lamps)
 ///
-/// All values. Maps have their first row at the top; row and column i lie at (i + 0.5) / count of the region, so that a
-/// map of the projector's own size has its samples on pixel centres. NaN marks what is not mapped.
+/// All are values. Maps have their first row at the top; row and column i lie at (i + 0.5) / count of the region, so
+/// that a map of the projector's own size has its samples on pixel centres. NaN marks samples that are not mapped.
 #pragma once
 
 #include <cstdint>
@@ -24,29 +25,29 @@ namespace cyclorama::interchange {
 
 enum class MpcdiVersion { k1_0, k2_0 };
 
-/// What a region's map holds.
+/// Contents of a region's map.
 enum class WarpProfile {
   k2d,           ///< u, v in the region's part of a flat picture.
   k3d,           ///< u, v in the picture that the region's frustum sees.
   kAdvanced3d,   ///< x, y, z on the screen: right pictures for any eye.
-  kShaderLamps,  ///< x, y, z on the object, and where the projector stands.
+  kShaderLamps,  ///< x, y, z on the object, and the projector's pose.
 };
 
 enum class LengthUnit { kUnknown, kMillimetre, kCentimetre, kDecimetre, kMetre, kInch, kFoot, kYard };
 enum class DataOrigin { kUnknown, kIdealEyePoint, kFloorCentre, kCentreOfMass };
 enum class WarpInterpolation { kUnknown, kLinear, kKeystone, kSmooth };
 
-/// Nothing for kUnknown.
+/// Returns metres per unit; empty for kUnknown.
 [[nodiscard]] std::optional<double> metres_in(LengthUnit unit);
 
 /// Three numbers per sample. Flat: u to the right and v UP from the lower left corner, 0 to 1, and the third an error
-/// or 0. In space: x right, y up, z back (as our rooms), in the region's unit.
+/// or 0. In space: x right, y up, z back (as in our rooms), in the region's unit.
 using WarpMap = Image<float, 3>;
 
-/// Bit by bit: NaN equals NaN.
+/// Compares bit by bit: NaN equals NaN.
 [[nodiscard]] bool same_bits(const WarpMap& a, const WarpMap& b);
 
-/// A mask as its PNG has it, so that nothing is lost on the way through.
+/// A mask in the form of its PNG, so that conversions lose nothing.
 struct MaskMap {
   int width_px = 0;
   int height_px = 0;
@@ -57,13 +58,13 @@ struct MaskMap {
 
   MaskMap() = default;
   MaskMap(int width, int height, int channel_count, int bit_count);
-  /// The light of one pixel in [0, 1]; the mean of its channels. Precondition: inside.
+  /// Returns the light of one pixel in [0, 1]; the mean of its channels. Precondition: the pixel is inside.
   [[nodiscard]] double light_at(int x, int y) const;
   [[nodiscard]] std::uint16_t largest() const { return bits == 8 ? 255 : 65535; }
   friend bool operator==(const MaskMap&, const MaskMap&) = default;
 };
 
-/// Where a region lies in its buffer's picture, from that picture's lower left corner; the whole of it is 0 to 1.
+/// Rectangle of a region in its buffer's picture, from that picture's lower left corner; the whole picture is 0 to 1.
 struct RegionRect {
   double x = 0.0;
   double y = 0.0;
@@ -72,8 +73,8 @@ struct RegionRect {
   friend bool operator==(const RegionRect&, const RegionRect&) = default;
 };
 
-/// The pyramid that a region looks through, in degrees. From looking along -z with y up: first turned to the right by
-/// yaw, then up by pitch, then clockwise (as the viewer sees it) by roll. Left and down are negative in a centred one.
+/// The frustum of a region, in degrees. From the view along -z with y up, it is first turned to the right by yaw, then
+/// up by pitch, then clockwise (as the viewer sees it) by roll. In a centred one, left and down are negative.
 struct WarpFrustum {
   double yaw_deg = 0.0;
   double pitch_deg = 0.0;
@@ -85,8 +86,7 @@ struct WarpFrustum {
   friend bool operator==(const WarpFrustum&, const WarpFrustum&) = default;
 };
 
-/// Where a projector stands, and which axes its frustum's angles turn about: unit vectors; usually down, right and
-/// forward.
+/// Position of a projector, and the axes of its frustum's angles: unit vectors; usually down, right and forward.
 struct WarpCoordinateFrame {
   double position[3] = {0.0, 0.0, 0.0};
   double yaw[3] = {0.0, -1.0, 0.0};
@@ -97,12 +97,12 @@ struct WarpCoordinateFrame {
 
 struct WarpRegion {
   std::string id;
-  int width_px = 0;  ///< The projector's.
+  int width_px = 0;  ///< Size of the projector's picture.
   int height_px = 0;
   RegionRect rect;
   std::optional<WarpFrustum> frustum;
   std::optional<WarpCoordinateFrame> coordinate_frame;
-  std::optional<WarpMap> map;  ///< Absent where only the projector's pose is known.
+  std::optional<WarpMap> map;  ///< Absent if only the projector's pose is known.
   LengthUnit unit = LengthUnit::kUnknown;
   DataOrigin origin = DataOrigin::kUnknown;
   WarpInterpolation interpolation = WarpInterpolation::kLinear;
@@ -116,7 +116,7 @@ struct WarpRegion {
 /// One picture that several regions share.
 struct WarpBuffer {
   std::string id;
-  int width_px = 0;  ///< 0: not said.
+  int width_px = 0;  ///< 0: not specified.
   int height_px = 0;
   std::vector<WarpRegion> regions;
   friend bool operator==(const WarpBuffer&, const WarpBuffer&) = default;
@@ -125,28 +125,29 @@ struct WarpBuffer {
 struct WarpSet {
   WarpProfile profile = WarpProfile::k2d;
   MpcdiVersion version = MpcdiVersion::k2_0;
-  std::string date;      ///< As it stands in the file.
-  int level = 1;         ///< MPCDI 1.0: 2 and 4 have beta maps. In 2.0 the level of the geometry.
+  std::string date;      ///< Unchanged from the file.
+  int level = 1;         ///< MPCDI 1.0: levels 2 and 4 have beta maps. MPCDI 2.0: the level of the geometry.
   int colour_level = 1;  ///< MPCDI 2.0.
   std::vector<WarpBuffer> buffers;
 
-  /// The region of that id in any buffer; null where there is none.
+  /// Returns the region of that id in any buffer; null if there is none.
   [[nodiscard]] const WarpRegion* region(const std::string& id) const;
   friend bool operator==(const WarpSet&, const WarpSet&) = default;
 };
 
-/// What files may ask for. Sizes come from strangers, so nothing is taken on trust.
+/// Limits of files, whose sizes are untrusted.
 struct WarpLimits {
-  std::size_t map_px = std::size_t{36} << 20;      ///< Samples of one map or mask: a projector of 8K has 33 million.
-  std::size_t total_bytes = std::size_t{4} << 30;  ///< All that is unpacked of one file.
-  std::size_t file_bytes = std::size_t{2} << 30;   ///< As it lies on the disk.
+  std::size_t map_px = std::size_t{36} << 20;      ///< Samples of one map or mask; a projector of 8K has 33 million.
+  std::size_t total_bytes = std::size_t{4} << 30;  ///< All unpacked bytes of one file.
+  std::size_t file_bytes = std::size_t{2} << 30;   ///< Size on the disk.
   std::size_t regions = 64;
 };
 
-/// What makes a set unfit to be written or used, as a reader says it: "region 'left': ...; remedy".
-/// kBadData  sizes, counts, numbers that are not finite, doubled ids, or parts that the profile needs are missing.
+/// Checks whether a set can be written or used; the error has a reader's form: "region 'left': ...; remedy". Errors:
+/// kBadData if sizes or counts are invalid, numbers are not finite, ids are doubled, or parts that the profile needs
+/// are missing.
 [[nodiscard]] Status check(const WarpSet& set);
-/// As check(), of one region on its own.
+/// Checks one region on its own, like check() of a set.
 [[nodiscard]] Status check(const WarpRegion& region, WarpProfile profile);
 
 }  // namespace cyclorama::interchange

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// XML with places: what strict readers ask of a document, in words that name the line. Adapter of pugixml.
+/// XML with locations for strict readers, whose errors name the line. Adapter of pugixml.
 ///
-/// Names are found whatever their case, because exporters do not agree ("Xresolution", "xResolution"); a name that is
-/// there twice where one is meant is a fault.
+/// Names are case-insensitive, because exporters do not agree ("Xresolution", "xResolution"); a duplicate name is a
+/// fault if only one is allowed.
 #pragma once
 
 #include <memory>
@@ -21,26 +21,26 @@ class XmlElement {
  public:
   [[nodiscard]] std::string_view name() const { return node_.name(); }
   [[nodiscard]] bool is(std::string_view name) const;
-  /// "mpcdi.xml, line 12, <region>".
+  /// Returns "mpcdi.xml, line 12, <region>".
   [[nodiscard]] std::string location() const;
 
-  /// Those of that name, in their order.
+  /// Returns the children of that name, in order.
   [[nodiscard]] std::vector<XmlElement> children(std::string_view name) const;
   [[nodiscard]] std::vector<XmlElement> all_children() const;
-  /// Nothing when there is none; a fault when there are two.
+  /// Empty if there is none; a fault if there are two.
   Result<std::optional<XmlElement>> optional_child(std::string_view name) const;
   Result<XmlElement> child(std::string_view name) const;
 
   Result<std::optional<std::string>> optional_attribute(std::string_view name) const;
   Result<std::string> attribute(std::string_view name) const;
-  /// Finite.
+  /// The number is finite.
   Result<double> number_attribute(std::string_view name) const;
-  /// Nothing when there is none.
+  /// Empty if there is none.
   Result<std::optional<int>> optional_count_attribute(std::string_view name, int max) const;
 
-  /// Without the blanks around it.
+  /// Returns the text without surrounding blanks.
   [[nodiscard]] std::string text() const;
-  /// The text of a child that must be there; finite.
+  /// Returns the number in the text of a required child; finite.
   Result<double> number_in(std::string_view child_name) const;
 
  private:
@@ -50,15 +50,16 @@ class XmlElement {
   const class XmlDocument* document_ = nullptr;
 };
 
-/// Immovable: elements point to it. Thread-bound.
+/// Immovable, since elements point to it. Thread-bound.
 class XmlDocument {
  public:
-  /// `name` stands for the file in places. kBadData  no well-formed XML (with its line), or above `limit_bytes`.
+  /// `name` stands for the file in locations. Errors: kBadData if the XML is not well-formed (with its line), or
+  /// exceeds `limit_bytes`.
   static Result<std::unique_ptr<XmlDocument>> parse(std::string_view text, std::string name, std::size_t limit_bytes);
   XmlDocument(const XmlDocument&) = delete;
   XmlDocument& operator=(const XmlDocument&) = delete;
 
-  /// The outermost element; a fault when it has another name.
+  /// Returns the outermost element; a fault if it has another name.
   Result<XmlElement> root(std::string_view name) const;
   [[nodiscard]] std::size_t line_of(std::ptrdiff_t offset) const;
   [[nodiscard]] const std::string& name() const { return name_; }

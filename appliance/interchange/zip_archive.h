@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Zip archives in memory, read with suspicion and written the same every time.
+/// Zip archives in memory, read as untrusted input and written reproducibly.
 #pragma once
 
 #include <cstddef>
@@ -20,17 +20,17 @@ struct ZipMember {
   std::vector<std::byte> bytes;
 };
 
-/// Thread-bound. Borrows the archive's bytes for its life.
+/// Thread-bound. Borrows the archive's bytes for its lifetime.
 class ZipReader {
  public:
-  /// Refused: absolute names, names with "..", backslashes or control characters, names that are there twice (in
-  /// whatever case), links, encryption, more than 1024 members, and members that claim to grow further than deflate
-  /// can. kBadData  names the member and the remedy.
+  /// Refuses absolute names, names with "..", backslashes or control characters, duplicate names (in any case), links,
+  /// encryption, more than 1024 members, and members whose declared size exceeds what deflate can expand to. Errors:
+  /// kBadData with the member and the remedy.
   static Result<ZipReader> open(std::span<const std::byte> archive, std::size_t limit_bytes);
 
   [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
-  /// Unpacked and its checksum compared. All that one reader unpacks together keeps to the limit of open().
-  /// kBadData  no such member, damaged, or too large.
+  /// Unpacks a member and verifies its checksum. The sum of all that one reader unpacks keeps to the limit of open().
+  /// Errors: kBadData if there is no such member, or it is damaged or too large.
   Result<std::vector<std::byte>> read(const std::string& name);
 
  private:
@@ -42,7 +42,7 @@ class ZipReader {
   std::size_t left_bytes_ = 0;
 };
 
-/// Deflated, in this order, without times: the same members give the same bytes.
+/// Packs members with deflate, in this order, without times: the same members give the same bytes.
 Result<std::vector<std::byte>> write_zip(std::span<const ZipMember> members);
 
 }  // namespace cyclorama::interchange

@@ -24,7 +24,7 @@ namespace cyclorama::tracker {
 /// own. A pose that cannot be sent at once is replaced by the next; none is sent late. Thread-safe.
 class TourLink {
  public:
-  /// kInvalidArgument  not an address. A tour that is away is no error.
+  /// Errors: kInvalidArgument if it is no address. An unreachable tour is no error.
   static Result<std::unique_ptr<TourLink>> open(const std::string& address);
   /// Cancels the stream and joins; blocks for at most about half a second.
   ~TourLink();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How several projectors share the wall: each place's light adds up to one.
+/// Blending of several projectors: the weights at each point of the wall add up to one.
 #pragma once
 
 #include <vector>
@@ -11,22 +11,22 @@ namespace cyclorama::warp {
 
 using MaskImage = Image<float, 1>;  ///< A factor in [0, 1] on linear light per projector pixel.
 
-/// The maps of all of an installation's projectors, in its order.
+/// Returns the maps of all of an installation's projectors, in its order.
 [[nodiscard]] std::vector<ProjectorMap> projector_maps(const Installation& installation);
 
-/// Weights of one wall point over the projectors: they add up to 1, and each fades smoothly to 0 at the edges of that
-/// projector's picture. All 0 where no projector reaches.
+/// Returns the weights of one wall point over the projectors: they add up to 1, and each fades smoothly to 0 at the
+/// edges of that projector's picture. All are 0 if no projector reaches the point.
 ///
 /// weight_i = r_i / sum of r, r = (x (W - x) y (H - y) / (W H / 4)^2)^2, for the pixel (x, y) that lights the point.
-/// A product, because where two pictures lie side by side their distances to the upper and lower edge cancel, and the
-/// square, because its ramp from 0 to 1 starts and ends with slope 0. Where one part of a wall shades another, the weights
-/// step from one side of the shade's edge to the other, and still add up to 1.
+/// It is a product, because where two pictures lie side by side their distances to the upper and lower edge cancel, and
+/// squared, because its ramp from 0 to 1 then starts and ends with slope 0. At the edge of a shadow that one part of a
+/// wall casts on another, the weights have a step, and still add up to 1.
 [[nodiscard]] std::vector<double> blend_weights(const std::vector<ProjectorMap>& maps, const Point<frame::Room>& point);
 
-/// One mask per projector, sampled at pixel centres; 0 where the pixel misses the wall.
+/// Returns one mask per projector, sampled at pixel centres; 0 where the pixel misses the wall.
 [[nodiscard]] std::vector<MaskImage> make_blend_masks(const std::vector<ProjectorMap>& maps);
 
-/// The part of the wall that no projector reaches, in [0, 1], by area, of a grid of wall points.
+/// Returns the share of the wall's area that no projector reaches, in [0, 1], from a grid of wall points.
 [[nodiscard]] double unlit_fraction(const Installation& installation);
 
 }  // namespace cyclorama::warp

@@ -9,11 +9,11 @@
 
 namespace cyclorama::warp {
 
-/// A regular grid's cells, cut along lines that go through the whole picture: the same line cuts neighbours at the same
-/// place, to the last bit, so that nothing shows between them.
+/// A regular grid's cells, cut along lines through the whole picture: the same line cuts neighbours at exactly the same
+/// points, so that there are no gaps between them.
 struct CutGrid {
-  std::vector<Eigen::Vector2d> positions;  ///< Of the grid's corners, row by row, then of what the cuts added.
-  std::vector<CutCell> cuts;               ///< By rising cell.
+  std::vector<Eigen::Vector2d> positions;  ///< Corners of the grid, row by row, then vertices of the cuts.
+  std::vector<CutCell> cuts;               ///< By ascending cell.
 };
 [[nodiscard]] CutGrid cut_grid(const Eigen::Vector2d& size_px, int cells_x, int cells_y,
                                const std::vector<Eigen::Hyperplane<double, 2>>& lines);

@@ -11,40 +11,42 @@
 
 namespace cyclorama::warp {
 
-/// A direction as the panorama counts it; see common/geometry/panorama.h. Of pictures of other shapes a PicturePlace.
+/// A direction in the panorama's coordinates; see common/geometry/panorama.h. For pictures of other shapes, a
+/// PicturePlace.
 struct PanoramaDirection {
   double azimuth_rad = 0.0;
   double tan_elevation = 0.0;
 };
 
-/// The same place, with its azimuth, where the picture has any, within half a turn of `middle_rad`: azimuths of one
-/// projector's picture must not jump.
+/// Returns the same position with its azimuth, if the picture has one, within half a turn of `middle_rad`: azimuths of
+/// one projector's picture must not jump.
 [[nodiscard]] PicturePlace counted_near(const PicturePlace& position, const PictureShape& picture, double middle_rad);
 
-/// Where each pixel of one projector is seen from the sweet spot, exactly, from the known geometry of the room.
+/// Maps each pixel of one projector to its direction from the sweet spot, exactly, from the known geometry of the room.
 /// A value; reentrant. Pixels are continuous: the centre of the first is (0.5, 0.5).
 class ProjectorMap {
  public:
-  /// Precondition: `projector` counts installation.projectors.
+  /// Precondition: `projector` is an index into installation.projectors.
   ProjectorMap(const Installation& installation, std::size_t projector);
 
   [[nodiscard]] const Pinhole& lens() const { return projector_.lens; }
-  /// Lines in the projector's picture along which the map has a kink, by the wall's sharpest creases first: where an edge
-  /// of the wall lies inside of the picture.
+  /// Returns the lines in the projector's picture along which the map has a kink, the wall's sharpest creases first:
+  /// edges of the wall inside the picture.
   [[nodiscard]] std::vector<Eigen::Hyperplane<double, 2>> creases() const;
 
-  /// What the eye sees where the pixel lands, on the wall or on the wall continued past its edges, so that the map is
-  /// smooth there; not normalised. Nothing when the pixel meets neither.
+  /// Returns the direction in which the eye sees the pixel, on the wall or on its continuation past the edges, so that
+  /// the map is smooth there; not normalised. Empty if the pixel meets neither.
   [[nodiscard]] std::optional<Eigen::Vector3d> view_direction_of(const Eigen::Vector2d& pixel) const;
-  /// Where that lies in a picture. Azimuths never jump inside one projector's picture: they lie within half a turn of
-  /// the picture's middle and may pass pi. Nothing also where the picture has no place for the direction.
+  /// Returns the pixel's position in a picture. Azimuths never jump within one projector's picture: they lie within
+  /// half a turn of the picture's middle and may exceed pi. Also empty if the picture has no position for the
+  /// direction.
   [[nodiscard]] std::optional<PicturePlace> place_of(const Eigen::Vector2d& pixel, const PictureShape& picture) const;
-  /// The same in a panorama.
+  /// Returns the position in a panorama.
   [[nodiscard]] std::optional<PanoramaDirection> direction_of(const Eigen::Vector2d& pixel) const;
-  /// Where on the wall the pixel lands; nothing when it misses the wall.
+  /// Returns the point of the wall where the pixel lands; empty if it misses the wall.
   [[nodiscard]] std::optional<Point<frame::Room>> wall_point_of(const Eigen::Vector2d& pixel) const;
-  /// The pixel that lights a point of the wall; nothing when the point is outside the picture, in the shade of another
-  /// part of the wall, or seen from behind.
+  /// Returns the pixel that lights a point of the wall; empty if the point is outside the picture, in the shadow of
+  /// another part of the wall, or seen from behind.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_lighting(const Point<frame::Room>& point) const;
 
  private:

@@ -10,23 +10,23 @@
 
 namespace cyclorama::warp {
 
-/// A rectangle of a projector's picture. With s, t in [0, 1] across it and down, a place is
+/// A rectangle of a projector's picture. With s, t in [0, 1] across it and down, a position is
 /// c[0] + c[1] s + c[2] t + c[3] s^2 + c[4] s t + c[5] t^2.
 struct WarpPatch {
   std::array<float, 6> across{};  ///< Azimuth, in a panorama.
   std::array<float, 6> up{};      ///< Tangent of elevation, in a panorama.
 };
 
-/// One projector's whole picture cut into equal rectangles, on each of which a polynomial of second degree tells where
-/// in the picture each pixel lies. A tenth of the cells that a mesh of triangles needs for the same error: a software
-/// rasteriser, which draws pixels on the edges of triangles twice, is much quicker. A value; reentrant.
+/// One projector's whole picture cut into equal rectangles, with a polynomial of second degree for the pixels'
+/// positions in the picture on each. It needs a tenth of the cells of a triangle mesh for the same error, and is much
+/// faster on a software rasteriser, which draws pixels on the edges of triangles twice. A value; reentrant.
 struct WarpPatches {
   int width_px = 0;
   int height_px = 0;
-  int patch_width_px = 0;  ///< Those at the right and lower edge may reach beyond the picture.
+  int patch_width_px = 0;  ///< The rightmost and lowest may extend beyond the picture.
   int patch_height_px = 0;
   std::vector<WarpPatch> patches;  ///< Row by row from the top.
-  double worst_error_px = 0.0;     ///< Against the exact map, in the picture's pixels, on the wall.
+  double worst_error_px = 0.0;     ///< Maximum error against the exact map, in the picture's pixels, on the wall.
 
   [[nodiscard]] int across() const { return (width_px + patch_width_px - 1) / patch_width_px; }
   [[nodiscard]] int down() const { return (height_px + patch_height_px - 1) / patch_height_px; }
@@ -34,9 +34,9 @@ struct WarpPatches {
   [[nodiscard]] PanoramaDirection at(const Eigen::Vector2d& pixel) const;
 };
 
-/// As few patches as keep to `tolerance_px` of `picture`'s pixels wherever the projector meets the wall.
-/// kInvalidArgument  the picture is none; the wall has creases inside the projector's picture, or a pixel lies nowhere,
-/// or patches would have to be so small that a mesh of triangles is as quick: use one, or a map of each pixel.
+/// Returns the fewest patches that keep to `tolerance_px` of `picture`'s pixels wherever the projector meets the wall.
+/// Errors: kInvalidArgument if the picture's shape is invalid; the wall has creases inside the projector's picture; a
+/// pixel has no position; or patches would have to be so small that a mesh of triangles, or a pixel map, is as fast.
 Result<WarpPatches> make_warp_patches(const ProjectorMap& map, const PictureShape& picture, double tolerance_px);
 
 }  // namespace cyclorama::warp

@@ -32,7 +32,7 @@ EGLContext __real_eglCreateContext(EGLDisplay display, EGLConfig config, EGLCont
 EGLBoolean __real_eglDestroyContext(EGLDisplay display, EGLContext context);
 EGLBoolean __real_eglMakeCurrent(EGLDisplay display, EGLSurface draw, EGLSurface read, EGLContext context);
 const char* __real_eglQueryString(EGLDisplay display, EGLint name);
-cyclorama::Gl::Procedure __real_eglGetProcAddress(const char* name);
+cyclorama::output::Gl::Procedure __real_eglGetProcAddress(const char* name);
 }
 
 namespace {
@@ -45,15 +45,15 @@ bool fails(const char* call) {
   return error != 0;
 }
 
-cyclorama::Gl real_gl() {
-  auto gl = cyclorama::Gl::load([](const char* name) { return __real_eglGetProcAddress(name); });
+cyclorama::output::Gl real_gl() {
+  auto gl = cyclorama::output::Gl::load([](const char* name) { return __real_eglGetProcAddress(name); });
   return *gl;
 }
 
 /// glEGLImageTargetRenderbufferStorageOES(): an image is its buffer.
 void give_storage(GLenum, void* image) {
   auto* const buffer = static_cast<gbm_bo*>(image);
-  const cyclorama::Gl gl = real_gl();
+  const cyclorama::output::Gl gl = real_gl();
   GLint bound = 0;
   gl.GetIntegerv(GL_RENDERBUFFER_BINDING, &bound);
   buffer->renderbuffer = static_cast<GLuint>(bound);
@@ -178,12 +178,12 @@ EGLBoolean __wrap_eglMakeCurrent(EGLDisplay display, EGLSurface draw, EGLSurface
   if (context != EGL_NO_CONTEXT && fails("eglMakeCurrent")) return EGL_FALSE;
   return __real_eglMakeCurrent(display, draw, read, context);
 }
-cyclorama::Gl::Procedure __wrap_eglGetProcAddress(const char* name) {
+cyclorama::output::Gl::Procedure __wrap_eglGetProcAddress(const char* name) {
   if (fails("eglGetProcAddress")) return nullptr;
   const std::string wanted = name;
   if (wanted == "glEGLImageTargetRenderbufferStorageOES")
-    return reinterpret_cast<cyclorama::Gl::Procedure>(&give_storage);
-  if (wanted == "glGetGraphicsResetStatusEXT") return reinterpret_cast<cyclorama::Gl::Procedure>(&reset_status);
+    return reinterpret_cast<cyclorama::output::Gl::Procedure>(&give_storage);
+  if (wanted == "glGetGraphicsResetStatusEXT") return reinterpret_cast<cyclorama::output::Gl::Procedure>(&reset_status);
   return __real_eglGetProcAddress(name);
 }
 EGLImage __wrap_eglCreateImage(EGLDisplay, EGLContext, EGLenum, EGLClientBuffer buffer, const EGLAttrib*) {

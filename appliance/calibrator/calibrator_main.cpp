@@ -75,7 +75,7 @@ void add_file_options(CLI::App& app, Options* ret) {
          "lies its truth")
       ->type_name("FILE")
       ->excludes("--installation");
-  app.add_option("--folder", ret->folder, "Where calibration.json and those of before are kept")
+  app.add_option("--folder", ret->folder, "Folder of calibration.json and of earlier calibrations")
       ->type_name("FOLDER")
       ->capture_default_str();
   app.add_flag("--check", ret->is_check,
@@ -85,54 +85,56 @@ void add_file_options(CLI::App& app, Options* ret) {
 void add_scan_options(CLI::App& app, Options* ret) {
   using Ranges = CalibratorRanges;
   app.add_option("--listen", ret->listen,
-                 "Where to be told to calibrate, and to show live state to the operator; [::1]:7410")
+                 "Address for calibration requests, and for live state to the operator; [::1]:7410")
       ->type_name("HOST:PORT");
   app.add_option("--camera", ret->camera,
-                 "On the turn-plate: v4l2:PORT[?OPTIONS], libcamera:ID[?OPTIONS]; the first that there is")
+                 "Camera on the turntable: v4l2:PORT[?OPTIONS], libcamera:ID[?OPTIONS]; the first one found")
       ->type_name("CAMERA");
   app.add_option("--turnplate", ret->turnplate,
-                 "serial:DEVICE[?OPTIONS], or manual (default): asks somebody to turn it")
+                 "Turntable: serial:DEVICE[?OPTIONS], or manual (default), which asks a person to turn it")
       ->type_name("PLATE");
   app.add_option("--display", ret->displays,
-                 "A display that shows the patterns; repeat it where there are several, with the names of their "
+                 "A display that shows the patterns; repeat it for several displays, with the names of their "
                  "projectors; [::1]:7404")
       ->type_name("[NAMES=]HOST:PORT")
       ->allow_extra_args(false);
-  app.add_option("--lens", ret->lens,
-                 "What 'cyclorama calibrate-camera' wrote of this camera; without it, camera.json in FOLDER where that "
-                 "is of it")
+  app.add_option(
+         "--lens", ret->lens,
+         "Lens file of this camera from 'cyclorama calibrate-camera'; without it, camera.json in FOLDER if that "
+         "belongs to this camera")
       ->type_name("FILE");
   app.add_option("--field-of-view-deg", ret->field_of_view_deg,
-                 "Of the width of the camera's picture, where its lens is not known; 70")
+                 "Horizontal field of view of the camera if its lens is unknown; 70")
       ->check(within(Ranges::kFieldOfView_deg));
-  app.add_option("--pitch-deg", ret->pitch_deg, "How far the camera looks up, about; 0")
+  app.add_option("--pitch-deg", ret->pitch_deg, "Approximate upward tilt of the camera; 0")
       ->check(within(Ranges::kPitch_deg));
-  app.add_option("--settle-ms", ret->settle_ms, "From a projector's signal to its light; 100")
+  app.add_option("--settle-ms", ret->settle_ms, "Delay from a projector's signal to its light; 100")
       ->check(within(Ranges::kSettle_ms));
-  app.add_option("--max-exposure-ms", ret->max_exposure_ms, "Of the camera; 250")
+  app.add_option("--max-exposure-ms", ret->max_exposure_ms, "Longest exposure of the camera; 250")
       ->check(within(Ranges::kMaxExposure_ms));
 }
 
 void add_watch_options(CLI::App& app, Options* ret) {
   using Ranges = CalibratorRanges;
-  app.add_option("--watch", ret->watch,
-                 "A fixed camera that sees the show, to keep projectors in their places by; its lens is FOLDER/cameras/"
-                 "NAME.json, or cameras/NAME.json beside calibrator.toml. Repeat it for each; they replace the file's. "
-                 "With --simulated and --display there is one beside each projector")
+  app.add_option(
+         "--watch", ret->watch,
+         "A fixed camera that watches the show, by which projectors are kept aligned; its lens is FOLDER/cameras/"
+         "NAME.json, or cameras/NAME.json beside calibrator.toml. Repeat it for each; they replace the file's. "
+         "With --simulated and --display there is one beside each projector")
       ->type_name("NAME=CAMERA")
       ->allow_extra_args(false);
   app.add_option("--watch-exposure-ms", ret->watch_exposure_ms,
-                 "Of the fixed cameras: whole refreshes of projectors; 33.3")
+                 "Exposure of the fixed cameras: whole refreshes of projectors; 33.3")
       ->check(within(Ranges::kWatchExposure_ms));
-  app.add_option("--watch-hz", ret->watch_hz, "How often what they see is compared with what is shown; 4")
+  app.add_option("--watch-hz", ret->watch_hz, "How often their pictures are compared with the show; 4")
       ->check(within(Ranges::kWatch_hz));
-  app.add_option("--latency-ms", ret->latency_ms, "From a refresh of the display to the projector's light; 30")
+  app.add_option("--latency-ms", ret->latency_ms, "Delay from a refresh of the display to the projector's light; 30")
       ->check(within(Ranges::kLatency_ms));
   app.add_option("--record", ret->record,
                  "Keep what is shown and seen in FOLDER/TIME for --replay; FOLDER grows to 8 GiB")
       ->type_name("FOLDER");
   app.add_option("--replay", ret->replay,
-                 "Do nothing but find the corrections of a record again, tell them, and end: 0 if they are the same")
+                 "Only compute the corrections of a record again, print them, and end: 0 if they are the same")
       ->type_name("FOLDER");
 }
 
@@ -363,8 +365,8 @@ Status run(const Options& options, const StopSignal& stop) {
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-calibrator",
-                             "Measures the wall with a camera on a turn-plate when it is told to, writes "
-                             "calibration.json, and keeps projectors in their places while the show goes on.");
+                             "Calibrates the wall on request with a camera on a turntable, writes "
+                             "calibration.json, and keeps projectors aligned during the show.");
   cyclorama::calibrator::Options options;
   cyclorama::calibrator::add_file_options(program.options(), &options);
   cyclorama::calibrator::add_scan_options(program.options(), &options);

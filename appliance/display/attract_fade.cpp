@@ -5,7 +5,8 @@
 
 namespace cyclorama::display {
 namespace {
-constexpr Duration kMaxStep = std::chrono::milliseconds(50);  // A display that stood still fades on from there.
+// A display that stood still resumes the fade where it was.
+constexpr Duration kMaxStep = std::chrono::milliseconds(50);
 constexpr Duration kMinFade = std::chrono::milliseconds(1);
 }  // namespace
 

@@ -26,8 +26,8 @@ Error of_others(const std::string& name, int width_px, int height_px, const Pinh
                            printable(name), what, width_px, height_px, lens.width_px, lens.height_px));
 }
 
-/// Null where the calibration does not know a projector. An eye's pixels are a part of the head's, stretched over all
-/// of its picture, and a map's control points are even over the picture.
+/// Null where the calibration lacks a projector. An eye's pixels are a part of the head's, stretched over its whole
+/// picture, and a map's control points are evenly spread over the picture.
 Result<std::vector<const calibration::MeasuredMap*>> maps_of(calibration::Calibration* calibration,
                                                              const Installation& installation) {
   std::vector<const calibration::MeasuredMap*> maps;
@@ -59,7 +59,7 @@ Status add_colours(std::vector<calibration::CalibratedColour> colours, const Ins
       (black_lift->width() != installed.lens.width_px || black_lift->height() != installed.lens.height_px))
     return of_others(installed.name, black_lift->width(), black_lift->height(), installed.lens, "lift");
   if (found->mask.width() != head->mask.width() || found->mask.height() != head->mask.height()) {
-    found->colour.black_lift.reset();  // Of two eyes' pictures in one: the whole head's pictures do not fit.
+    found->colour.black_lift.reset();  // With two eyes' pictures in one, images of the whole head do not fit.
   } else {
     head->mask = std::move(found->mask);
   }
@@ -67,11 +67,11 @@ Status add_colours(std::vector<calibration::CalibratedColour> colours, const Ins
   return Done{};
 }
 
-/// Beyond this a mask is carried along: by less its ramps hardly differ.
+/// Displacement from which on a mask is carried along; below it, its ramps hardly differ.
 constexpr double kCarryMasksFrom_px = 2.0;
 
-/// Whether any projector moved by so much that masks are to be carried along. No correction, one of another
-/// calibration, or one that cannot be read: all stays as it was measured.
+/// Returns whether any projector moved by so much that masks must be carried along. Without a correction, or if it is
+/// of another calibration or unreadable, everything stays as measured.
 bool correct_maps(const std::filesystem::path& folder, const Installation& installation,
                   calibration::Calibration* calibration, std::vector<std::string>* corrected) {
   const auto show = calibration::read_show(folder / calibration::kCorrectionFile);
@@ -90,8 +90,7 @@ bool correct_maps(const std::filesystem::path& folder, const Installation& insta
   return max_px > kCarryMasksFrom_px;
 }
 
-/// What was measured of a head's brightness stays its pixels'; how it shares the wall with others goes by where they
-/// shine now.
+/// Keeps the measured brightness at the head's pixels, and updates its share of the wall to the present pose.
 void carry(const warp::MaskImage& share_before, const warp::MaskImage& share_now, warp::MaskImage* mask) {
   if (mask->width() != share_now.width() || mask->height() != share_now.height() || share_before.empty()) return;
   for (std::size_t i = 0; i < mask->data().size(); ++i) {

@@ -38,7 +38,7 @@ std::string CalibrationWatch::mark() const {
          (colours_folder_.empty() ? "" : mark_of(colours_folder_ / "colours.json"));
 }
 
-/// Before anything else is read, so that a change meanwhile is read next.
+/// Called before anything else is read, so that a change in the meantime triggers another read.
 void CalibrationWatch::find_colours() {
   colours_folder_.clear();
   const auto text = read_text_file(folder_ / kFile, kMaxBytes);

@@ -25,7 +25,7 @@ void DecodePool::work(std::stop_token stop) {
   JpegDecoder decoder;
   for (;;) {
     std::unique_lock lock(mutex_);
-    // The wait ends with the pool: the stop token is its deadline.
+    // The wait ends when the pool's stop token is set.
     if (!changed_.wait(lock, stop, [this] { return !jobs_.empty(); }) || stop.stop_requested()) return;
     Job job = std::move(jobs_.front());
     jobs_.pop_front();

@@ -18,7 +18,7 @@ namespace cyclorama::display {
 namespace {
 
 constexpr auto kReconnectAfter = std::chrono::milliseconds(250);
-constexpr auto kForAFrame = std::chrono::seconds(2);  // From the tour, for heads that were calibrated anew.
+constexpr auto kForAFrame = std::chrono::seconds(2);  // Timeout for a frame from the tour after a new calibration.
 constexpr std::size_t kMaxDropsWaiting = 256;
 constexpr char kPassedOver[] = "a newer frame was ready before it could be shown";
 
@@ -41,7 +41,7 @@ std::vector<output::HeadMode> modes_of(const std::vector<InstalledProjector>& pr
   return modes;
 }
 
-/// Black where no head looks: nothing was decoded there.
+/// Areas that no head shows are black, since nothing was decoded there.
 RgbImage decoded_parts(const DisplayFrame& frame, JpegDecoder* decoder) {
   RgbImage all = decoder->to_rgb(*frame.picture);
   if (frame.parts == nullptr) return all;
@@ -112,7 +112,7 @@ Status Display::prepare() {
   return Done{};
 }
 
-/// A calibration that is not there yet, or is broken, is no reason to show nothing.
+/// A missing or broken calibration must not keep the wall dark.
 Result<std::vector<HeadPlan>> Display::first_heads() {
   TRY_ASSIGN(std::vector<HeadPlan> planned, planned_heads(options_.installation, wanted_.shape));
   if (options_.calibration.empty()) return planned;
@@ -142,7 +142,7 @@ void Display::refuse_calibration(const Error& why) {
   inspection_.set_fact("calibration_refused", is_none ? "there is none yet" : printable(why.message(), 400));
 }
 
-/// The heads move over once a frame is decoded for them; that the tour sends one is why it is dialled anew.
+/// The heads change over once a frame is decoded for them; reconnecting makes the tour send one.
 void Display::keep_calibration() {
   if (watch_ == nullptr) return;
   if (mailbox_.plans.replaced.take() != nullptr) history_->heads_changed();
@@ -165,8 +165,8 @@ void Display::keep_calibration() {
   inspection_.count("calibrations_taken");
 }
 
-/// Whether all that the heads will show of the picture that stands is there already: a correction moves them by less
-/// than is decoded around what they show.
+/// Whether the present picture already contains everything that the heads will show: a correction moves them by less
+/// than the margin that is decoded around them.
 bool Display::is_decoded_for(const std::vector<HeadFootprint>& heads) const {
   const ShownParts now = shown_parts(footprints_, wanted_.shape, wanted_.shape);
   const ShownParts then = shown_parts(heads, wanted_.shape, wanted_.shape);
@@ -206,7 +206,7 @@ void Display::describe(const std::vector<HeadPlan>& heads) {
 }
 
 void Display::on_message(wire::ShowMessage message) {
-  if (message.message_case() == wire::ShowMessage::MESSAGE_NOT_SET) return;  // Of a newer tour; ignoring.
+  if (message.message_case() == wire::ShowMessage::MESSAGE_NOT_SET) return;  // Sent by a newer tour; ignored.
   const TimePoint now = clock_.now();
   if (message.has_clock()) {
     if (tour_clock_.take(message.clock(), now)) mailbox_.clock.put(tour_clock_.reading(now));
@@ -217,7 +217,7 @@ void Display::on_message(wire::ShowMessage message) {
   if (!std::isfinite(heading.heading_rad())) return;
   const ShowAt at = show_at_of(message);
   tour_clock_.heading_ready(at, now);
-  // Heading::shown is not needed: the warps know what the wall shows, and a frame says what it is.
+  // Heading::shown is not needed: the warps define the wall's extent, and a frame its own shape.
   mailbox_.headings.put({heading.heading_rad(), heading.shutter_ns(), at});
 }
 
@@ -229,7 +229,7 @@ void Display::frame_ready(DisplayFrame frame) {
   tour_clock_.frame_ready(frame.show_at, frame.decoded_at);
   std::unique_ptr<DisplayFrame> unseen;
   {
-    // Decode threads may finish two frames at once.
+    // Two decode threads may finish frames at the same time.
     const std::lock_guard lock(mutex_);
     newest_ready_ = std::max(newest_ready_, frame.order);
     mailbox_.is_failing = false;
@@ -276,8 +276,8 @@ void Display::serve(TimePoint deadline) {
   } while (clock_.now() < deadline);
 }
 
-/// What should be follows from the time alone: whenever the process started, and whatever the clock did. A wall is
-/// measured when the museum is closed.
+/// The state depends on the present time alone, independent of the start of the process and of clock changes. The wall
+/// is measured when the museum is closed.
 void Display::keep_hours() {
   const auto now = wall_time(std::chrono::time_point_cast<WallTime::duration>(options_.system_clock()));
   is_awake_ = patterns_.is_open() || hours_.is_open(now);
@@ -307,7 +307,7 @@ void Display::keep_connected() {
   if (clock_.now() < connect_at_) return;
   {
     const std::lock_guard lock(mutex_);
-    drops_.clear();  // They mean nothing to the next connection.
+    drops_.clear();  // They have no meaning for the next connection.
     reported_after_ = newest_ready_;
   }
   stream_ = std::make_unique<ShowStream>(channel_, hello_, [this](wire::ShowMessage m) { on_message(std::move(m)); });

@@ -16,10 +16,10 @@
 namespace cyclorama::display {
 namespace {
 
-// A shader that an emulated, busy processor compiles takes the better part of a minute.
+// An emulated, busy processor needs almost a minute to compile a shader.
 constexpr auto kStartStepTimeout = std::chrono::minutes(3);
-constexpr double kProjectors_hz = 60.0;  // Most are made for it; one that is not takes the nearest it has.
-constexpr auto kTurn = std::chrono::milliseconds(100);  // How soon a stop is noticed.
+constexpr double kProjectors_hz = 60.0;  // Most projectors support it; others take their nearest rate.
+constexpr auto kTurn = std::chrono::milliseconds(100);  // Maximum delay until a stop is noticed.
 
 struct Options {
   std::string config;
@@ -77,7 +77,7 @@ void add_options(CLI::App* app, Options* options) {
       ->capture_default_str();
 }
 
-/// Logs when what the process says of itself changes between well and unwell, once it has had time to find its tour.
+/// Logs when the state of the process changes between well and unwell, after it has had time to reach its tour.
 class StateLog {
  public:
   void see(const wire::ProcessStatus& status) {
@@ -91,7 +91,7 @@ class StateLog {
   bool was_healthy_ = true;
 };
 
-/// What is read at the start, read now. A calibration that is broken is no reason not to start.
+/// Reads the files that the start needs. A broken calibration does not prevent the start.
 Status check(const DisplayOptions& display) {
   const Projection picture = display.installation.projection(display.width_px, display.height_px);
   TRY(picture.validate());

@@ -8,10 +8,10 @@
 ///   attract_after_s = 20              # A picture may be wrong for so long before it fades to the attract picture,
 ///   attract_fade_s = 2                # within this time.
 ///   calibration = "calibration"       # A calibration's folder, sought likewise; absent: as installed.
-///   picture_width_px = 1024           # Of the picture that the farm is asked for; all projectors together show it.
+///   picture_width_px = 1024           # Size of the picture from the farm; all projectors together show it.
 ///   picture_height_px = 0             # 0: as high as square pixels make it.
 ///   refresh_hz = 50                   # Of the projectors; absent: 60, and 30 without projectors.
-///   [hours]                           # As opening_hours.h says; the heads are dark outside of them.
+///   [hours]                           # See opening_hours.h; the heads are dark outside of them.
 #pragma once
 
 #include <filesystem>

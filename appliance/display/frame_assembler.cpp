@@ -19,11 +19,11 @@ namespace {
 constexpr std::size_t kMaxKnownParts = 8;
 }  // namespace
 
-/// Pictures of frames that nobody shows any more, to decode the next ones into: a frame's memory is mapped once and not
-/// at every frame. Thread-safe: whoever lets go of a picture last gives it back.
+/// Pictures of frames that are no longer shown, reused to decode the next ones into, so that a frame's memory is not
+/// mapped anew for every frame. Thread-safe: the last holder of a picture returns it.
 class FrameAssembler::PictureStore : public std::enable_shared_from_this<PictureStore> {
  public:
-  /// Its pixels are whatever they were.
+  /// The pixels are uninitialised.
   std::shared_ptr<PlanarPicture> take(int width, int height, bool has_half_chroma) {
     std::unique_ptr<PlanarPicture> picture;
     {
@@ -50,7 +50,7 @@ class FrameAssembler::PictureStore : public std::enable_shared_from_this<Picture
   std::vector<std::unique_ptr<PlanarPicture>> free_;
 };
 
-/// One frame in the making, shared by the assembler and its decode jobs. Its last holder delivers or drops it.
+/// One frame in assembly, shared by the assembler and its decode jobs. Its last holder delivers or drops it.
 class FrameAssembler::Assembly {
  public:
   Assembly(DisplayFrame frame, std::shared_ptr<const ShownParts> shown, std::shared_ptr<PictureStore> pictures,
@@ -69,16 +69,16 @@ class FrameAssembler::Assembly {
   Assembly(const Assembly&) = delete;
   Assembly& operator=(const Assembly&) = delete;
 
-  /// Every holder is done: the assembler after the end, each job after its tile.
+  /// Runs when every holder is done: the assembler after the end, each job after its tile.
   ~Assembly() {
     --*in_flight_;
-    // A pool that ends destroys jobs unrun.
+    // A pool that ends destroys jobs without running them.
     if (failure_.empty() && (!is_complete_ || decoded_ != frame_.decoded)) failure_ = "the display stops";
     if (!failure_.empty()) {
       sink_.frame_dropped(frame_.number, failure_);
       return;
     }
-    if (picture_ == nullptr) make_room(true);  // No tile of it is seen.
+    if (picture_ == nullptr) make_room(true);  // No head shows any of its tiles.
     frame_.picture = std::move(picture_);
     frame_.decoded_at = clock_.now();
     sink_.frame_ready(std::move(frame_));
@@ -87,14 +87,15 @@ class FrameAssembler::Assembly {
   [[nodiscard]] std::uint64_t number() const { return frame_.number; }
   [[nodiscard]] bool has_failed() const { return has_failed_; }
 
-  /// The first failure is the reason.
+  /// Keeps the first failure as the reason.
   void fail(const std::string& reason) {
     const std::lock_guard lock(mutex_);
     if (failure_.empty()) failure_ = reason;
     has_failed_ = true;
   }
 
-  /// Takes note that this tile comes. kBadData  a place that it does not fill, or that another tile filled.
+  /// Records the arrival of a tile. Errors: kBadData if its rectangle does not match the tile grid, or another tile
+  /// filled it.
   Status claim(const wire::Tile& tile) {
     TRY(validate(tile, width(), height()));
     const int x = static_cast<int>(tile.x_px());
@@ -115,8 +116,8 @@ class FrameAssembler::Assembly {
     return Done{};
   }
 
-  /// Whether a claimed tile must be decoded. The first such tile tells how the frame keeps its colours.
-  /// kBadData  its bytes do not begin like a JPEG of YCbCr with half or full chroma.
+  /// Returns whether a claimed tile must be decoded. The first such tile determines the frame's chroma sampling.
+  /// Errors: kBadData if its header is not that of a JPEG of YCbCr with half or full chroma.
   Result<bool> prepare(const wire::Tile& tile, JpegDecoder* decoder) {
     if (!shown_->meets(place_of(tile))) return false;
     ++frame_.decoded;
@@ -129,7 +130,7 @@ class FrameAssembler::Assembly {
     return true;
   }
 
-  /// On a decode thread; tiles never overlap, so jobs write to different pixels.
+  /// Runs on a decode thread; tiles never overlap, so jobs write to different pixels.
   void decode(const wire::Tile& tile, JpegDecoder* decoder) {
     if (has_failed_) return;
     const auto jpeg = std::as_bytes(std::span(tile.jpeg()));
@@ -141,7 +142,7 @@ class FrameAssembler::Assembly {
     fail(fmt::format("the tile at ({}, {}): {}", tile.x_px(), tile.y_px(), error.message()));
   }
 
-  /// The end of the frame came.
+  /// Records the end of the frame.
   void close(const wire::FrameEnd& end, const ShowAt& show_at) {
     is_complete_ = true;
     frame_.show_at = show_at;
@@ -176,7 +177,7 @@ class FrameAssembler::Assembly {
   bool is_complete_ = false;
   std::atomic<bool> has_failed_{false};
   std::mutex mutex_;
-  std::string failure_;  // Guarded by mutex_ until the destructor, which has no other holder beside it.
+  std::string failure_;  // Guarded by mutex_, except in the destructor, which runs without other holders.
 };
 
 FrameAssembler::FrameAssembler(DecodePool* pool, FrameSink* sink, const Clock* clock, ShownByHeads shown)
@@ -256,7 +257,7 @@ std::shared_ptr<const ShownParts> FrameAssembler::parts_of(const Projection& pic
 
 void FrameAssembler::tile(wire::Tile tile) {
   if (current_ == nullptr) {
-    // What follows a refused begin was answered with it; anything else is answered once.
+    // Messages after a refused begin were reported with it; any other frame is reported once.
     if (tile.view_number() != refused_number_)
       sink_.frame_dropped(tile.view_number(), "a tile came without its frame's begin");
     refused_number_ = tile.view_number();

@@ -16,7 +16,7 @@ constexpr int kResponseSteps = HeadUpload::kResponseSteps;
 
 GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(values.size() * sizeof(values[0])); }
 
-/// Whether places beyond the picture, or the other side of a whole turn, need more than the sampler's own clamping.
+/// Whether positions beyond the picture, or the other side of a whole turn, need more than the sampler's own clamping.
 bool needs_edges(const TurnedPicture& turned) {
   const PanoramaTexture& picture = *turned.picture;
   const auto* const panorama = std::get_if<Panorama>(&picture.shape());
@@ -25,7 +25,7 @@ bool needs_edges(const TurnedPicture& turned) {
          picture.texture_height() != height_px(picture.shape());
 }
 
-/// A texture of one value per pixel of the head, read at pixel centres.
+/// Uploads a texture of one value per pixel of the head, read at pixel centres.
 void upload_nearest(const output::Gl& gl, const output::GlTexture& texture, GLint kept_as, GLenum channels, int width,
                     int height, const std::vector<float>& values) {
   gl.BindTexture(GL_TEXTURE_2D, texture.id());
@@ -36,15 +36,15 @@ void upload_nearest(const output::Gl& gl, const output::GlTexture& texture, GLin
   gl.TexImage2D(GL_TEXTURE_2D, 0, kept_as, width, height, 0, channels, GL_FLOAT, values.data());
 }
 
-/// HeadProgram::Picture::turned: what turned() does with a place's direction in the picture's axes; for a perspective
-/// with what comes before and after.
+/// Matrix of HeadProgram::Picture::turned: the effect of turned() on a position's direction in the picture's axes; for
+/// a perspective, including the conversions before and after.
 Eigen::Matrix3d turning(const PictureShape& shape, double turn_rad, const Eigen::Vector2d& per_position,
                         const Eigen::Vector2d& at_origin) {
   const Eigen::Matrix3d R = R_eye_picture(shape);
   const Eigen::Matrix3d turn =
       R.transpose() * Eigen::AngleAxisd(-turn_rad, Eigen::Vector3d::UnitY()).toRotationMatrix() * R;
   if (std::holds_alternative<Fisheye>(shape)) return turn;
-  Eigen::Matrix3d to_texture;  // Of a direction (x, y, z): x / -z and y / -z are its place.
+  Eigen::Matrix3d to_texture;  // Maps a direction (x, y, z), whose position is x / -z and y / -z.
   to_texture << per_position.x(), 0.0, -at_origin.x(), 0.0, per_position.y(), -at_origin.y(), 0.0, 0.0, -1.0;
   return to_texture * turn * Eigen::Vector3d(1.0, 1.0, -1.0).asDiagonal();
 }
@@ -62,7 +62,7 @@ Texels texels_for(const output::Gl& gl, const std::vector<HeadPlan>& plans) {
   if (!is_software || !is_plain) return Texels::kHalves;
   HeadFeatures features;
   features.texels = Texels::kPacked;
-  return HeadProgram::make(gl, features) ? Texels::kPacked : Texels::kHalves;  // Not with OpenGL ES 3.0.
+  return HeadProgram::make(gl, features) ? Texels::kPacked : Texels::kHalves;  // Not available with OpenGL ES 3.0.
 }
 
 HeadPainter::HeadPainter(const output::Gl& gl, const HeadUpload& upload, Texels texels)
@@ -123,7 +123,7 @@ void HeadPainter::upload_triangles(const HeadUpload& upload) {
   const std::size_t corner_floats = kFirstTerm + (upload.has_terms ? HeadUpload::kTermFloats : 0);
   const auto attribute = [&](GLuint index, GLint floats, std::size_t from) {
     gl_->EnableVertexAttribArray(index);
-    // GL's own convention: an offset into the bound buffer, passed as a pointer.
+    // GL's convention: an offset into the bound buffer, passed as a pointer.
     gl_->VertexAttribPointer(index, floats, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(corner_floats * sizeof(float)),
                              reinterpret_cast<const void*>(from * sizeof(float)));
   };
@@ -166,7 +166,7 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
     CHECK(turned.picture->texels() == texels_);
     gl_->Uniform2f(uniforms.per_texel, 1.0f / static_cast<float>(turned.picture->texture_width()),
                    1.0f / static_cast<float>(turned.picture->texture_height()));
-    // Of what shaders count places in: the texture's size, or its pixels from the first one's centre on.
+    // Unit of the shader's positions: the texture's size, or its pixels from the first one's centre on.
     const bool counts_pixels = texels_ == Texels::kPacked;
     const double width = counts_pixels ? 1.0 : turned.picture->texture_width();
     const double height = counts_pixels ? 1.0 : turned.picture->texture_height();
@@ -174,7 +174,7 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
     constexpr double kFirst = PanoramaTexture::kFirstColumn;
     // The right eye's picture lies below the left eye's.
     const double first_row = eye == Eye::kRight && turned.picture->stacked() == 2 ? height_px(shape) : 0;
-    // Into the texture: across and up times these, and more by those.
+    // Scale and offset from across and up to the texture.
     Eigen::Vector2d per_position(scale.u_per_across / width, scale.v_per_up / height);
     Eigen::Vector2d at_origin((scale.u_offset + shift_px + kFirst - zero) / width,
                               (scale.v_offset + first_row - zero) / height);
@@ -193,9 +193,9 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
     set(uniforms.to_texture, per_position.x(), per_position.y(), at_origin.x(), at_origin.y());
     if (panorama == nullptr) {
       const Eigen::Matrix3f matrix = turning(shape, turned.yaw_shift_rad, per_position, at_origin).cast<float>();
-      gl_->UniformMatrix3fv(uniforms.turned, 1, GL_FALSE, matrix.data());  // Column by column, as GL's.
+      gl_->UniformMatrix3fv(uniforms.turned, 1, GL_FALSE, matrix.data());  // Column by column, as in GL.
     }
-    const double beyond = wraps ? 0.5 : -0.5;  // A whole turn's outer columns are the other side's.
+    const double beyond = wraps ? 0.5 : -0.5;  // The outer columns of a whole turn repeat the opposite side.
     set(uniforms.edges, (kFirst - beyond - zero) / width, (first_row + 0.5 - zero) / height,
         (kFirst + width_px(shape) + beyond - zero) / width, (first_row + height_px(shape) - 0.5 - zero) / height);
     gl_->ActiveTexture(GL_TEXTURE0 + unit);

@@ -6,13 +6,15 @@
 namespace cyclorama::display {
 namespace {
 
-// What is even in places is found at the corners of triangles, seen_of(); the rest at each pixel, at_of().
+// seen_of() computes at the corners of triangles everything that is linear in position; at_of() computes the rest at
+// each pixel.
 //
-// A fisheye's place p = (a / sin a) * (x, y) of a direction (x, y, z), a its angle from the axis. With t the square of
-// sin(a / 2): the direction is (s sqrt(1 - t) p, 2 t - 1), t = (s a / 2)^2, s = sin(a / 2) / (a / 2) a polynomial in
-// (a / 2)^2 up to a half turn (off by 6e-9). Back, t = (1 + z) / 2, and a / 2 = asin(sqrt t), where asin(sqrt t) / sqrt
-// t is a polynomial in t up to 1/2 (off by 2e-8); beyond, it is a quarter turn less the same of 1 - t. Both interpolate
-// at Chebyshev's nodes. GLSL's own sine and arc tangent may be off by many pixels on some cards.
+// A direction (x, y, z) has the fisheye position p = (a / sin a) * (x, y), where a is its angle from the axis. With t
+// the square of sin(a / 2), the direction is (s sqrt(1 - t) p, 2 t - 1), where t = (s a / 2)^2 and s = sin(a / 2) / (a
+// / 2) is a polynomial in (a / 2)^2 up to a half turn (error 6e-9). In reverse, t = (1 + z) / 2, and a / 2 = asin(sqrt
+// t), where asin(sqrt t) / sqrt t is a polynomial in t up to 1/2 (error 2e-8); beyond, it is a quarter turn minus the
+// same of 1 - t. Both interpolate at Chebyshev's nodes. GLSL's own sine and arc tangent have errors of many pixels on
+// some cards.
 constexpr const char* kWarpSource = R"(
 #extension GL_NV_shader_noperspective_interpolation : enable
 precision highp float;
@@ -95,13 +97,14 @@ void main() {
 #endif
 }
 )";
-// The polynomials in the light's fourth root are 1.055 light^(1/2.4) - 0.055 within 0.009 code values of 8 bits, and
-// for packed texels, which are no better, within 0.055, by Lawson's algorithm; a quarter of pow()'s time on a software
-// rasteriser. There, texture() is much quicker than texelFetch(), and gl_FragCoord slower than what a vertex shader
-// passes on, too.
+// The polynomials in the light's fourth root approximate 1.055 light^(1/2.4) - 0.055 within 0.009 code values of 8
+// bits, and for packed texels, whose precision is no better, within 0.055, by Lawson's algorithm; they take a quarter
+// of pow()'s time on a software rasteriser. There, texture() is also much faster than texelFetch(), and gl_FragCoord
+// slower than a value from the vertex shader.
 //
-// Dithering: the multiples of two irrational numbers spread evenly over [0, 1) in every neighbourhood (M. Roberts, "The
-// Unreasonable Effectiveness of Quasirandom Sequences", 2018: powers of the plastic number), so their mean is 1/2.
+// Dithering: the multiples of two irrational numbers are evenly distributed over [0, 1) in every neighbourhood (M.
+// Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018: powers of the plastic number), so their
+// mean is 1/2.
 constexpr const char* kFragmentShader = R"(
 #ifdef PACKED
 uniform highp usampler2D picture;
@@ -225,7 +228,7 @@ void main() {
 )";
 
 std::string with_features(const HeadFeatures& features, const char* shader) {
-  // textureGather() is of 3.1.
+  // textureGather() requires version 3.1.
   std::string source = features.texels == Texels::kPacked ? "#version 310 es\n" : "#version 300 es\n";
   const auto define = [&](bool is_wanted, const char* name) {
     if (is_wanted) source += std::string("#define ") + name + "\n";

@@ -23,7 +23,7 @@ enum class WarpKind {
   kPixelMap,   ///< A texture.
 };
 
-/// What pass 2 must do for some triangles of a head; anything else is not compiled in.
+/// Tasks of pass 2 for some triangles of a head; anything else is not compiled in.
 struct HeadFeatures {
   YawCorrection turning = YawCorrection::kShift;
   WarpKind warp_kind = WarpKind::kTriangles;

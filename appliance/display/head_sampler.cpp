@@ -10,7 +10,7 @@
 namespace cyclorama::display {
 namespace {
 
-constexpr std::size_t kSteps = 2048;  // Of the light's root: a code value is at least 2 of them.
+constexpr std::size_t kSteps = 2048;  // Steps of the light's root: a code value is at least 2 of them.
 
 /// IEC 61966-2-1.
 const std::array<float, 256>& light_of_code() {
@@ -25,7 +25,7 @@ const std::array<float, 256>& light_of_code() {
   return table;
 }
 
-/// Bilinear between centres, of codes, as a texture is; beyond its edges an edge goes on, and a whole turn goes round.
+/// Interpolates codes bilinearly between centres, like a texture; clamps at edges, and wraps around a whole turn.
 class Plane {
  public:
   Plane(const GreyImage& plane, int width, int height, bool goes_round)
@@ -69,7 +69,7 @@ HeadSampler::HeadSampler(const HeadPlan& plan, int factor)
       colour_(plan.colour) {
   CHECK(factor > 0 && !plan.packing);
   samples_.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
-  // An even block's middle lies between four pixels.
+  // The middle of an even block lies between four pixels.
   const int first = (factor - 1) / 2;
   const int last = factor / 2;
   for (int y = 0; y < height_; ++y) {

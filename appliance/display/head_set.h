@@ -12,7 +12,7 @@ namespace cyclorama::display {
 
 using HeadPlans = std::shared_ptr<const std::vector<HeadPlan>>;
 
-/// What all heads draw with, on its way to the presenter and, once replaced, back to be freed.
+/// Plans and painters of all heads, on the way to the presenter and, once replaced, back to be freed.
 struct HeadSet {
   explicit HeadSet(HeadPlans of) : plans(std::move(of)) {
     uploads.reserve(plans->size());

@@ -45,7 +45,7 @@ Result<bool> HeadTransition::step(TimePoint now, std::uint64_t newest_frame) {
   share_ = progress * progress * (3.0 - 2.0 * progress);
   if (progress < 1.0) return true;
   std::swap(now_, next_);
-  next_->painters.clear();  // Their GL objects die here, where the context is.
+  next_->painters.clear();  // Frees their GL objects here, where the context is current.
   mailbox_.replaced.put(std::move(next_));
   return true;
 }
@@ -59,7 +59,7 @@ void HeadTransition::draw(std::size_t head, const TurnedPicture& shown, const Tu
   const HeadPainter& painter = now_->painters[head];
   const bool is_blending = next_ != nullptr && began_at_ != TimePoint{};
   if (is_blending) {
-    // Of code values: what is mixed is nearly the same.
+    // Mixes code values instead of light, since both are nearly the same.
     const auto of_next = static_cast<float>(share_);
     gl_.Enable(GL_BLEND);
     gl_.BlendColor(0.0f, 0.0f, 0.0f, 1.0f - of_next);

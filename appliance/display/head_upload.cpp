@@ -25,7 +25,7 @@ std::vector<float> corners_of(const warp::WarpMesh& mesh) {
   return corners;
 }
 
-/// The rectangle of all pixels that the mask does not blacken or that get a black_lift; empty when there is none.
+/// Returns the rectangle of all pixels that the mask does not blacken or that get a black lift; empty if there is none.
 PixelRect lit_part(const warp::MaskImage& mask, const warp::BlackLiftImage* black_lift) {
   int left = mask.width();
   int right = 0;
@@ -53,12 +53,12 @@ std::vector<float> corners_of(const PixelRect& part, int width, int height) {
   return corners;
 }
 
-/// Two triangles of a rectangle whose four corners begin at `first`.
+/// Returns two triangles of a rectangle whose four corners begin at `first`.
 std::array<std::uint32_t, 6> halves_of(std::uint32_t first) {
   return {first, first + 2, first + 1, first + 1, first + 2, first + 3};
 }
 
-/// Four corners for each rectangle, each with all the terms of its patch: GL keeps nothing per triangle.
+/// Adds four corners for each rectangle, each with all the terms of its patch, since GL has no data per triangle.
 void add_corners(const warp::WarpPatches& warp, const LitRect& rect, std::vector<float>* ret_corners) {
   const int across = warp.across();
   const auto index = static_cast<int>(rect.patch);
@@ -77,7 +77,7 @@ void add_corners(const warp::WarpPatches& warp, const LitRect& rect, std::vector
   }
 }
 
-/// `values(x, y)` puts a pixel's values at the end; GL counts rows from the bottom.
+/// `values(x, y)` appends a pixel's values; GL counts rows from the bottom.
 std::vector<float> upside_down(int width, int height, const auto& values) {
   std::vector<float> rows;
   for (int y = height - 1; y >= 0; --y) {
@@ -142,7 +142,7 @@ HeadUpload::HeadUpload(const HeadPlan& plan)
   features.dither = plan.is_dithered;
 
   const warp::PixelMap* const pixel_map = std::get_if<warp::PixelMap>(&plan.warp);
-  // What lies nowhere is black, and no NaN comes to the card.
+  // Pixels without a position are black, and no NaN is uploaded.
   const auto weight = [&](int x, int y) { return pixel_map == nullptr || direction_at(plan.warp, x, y) ? 1.0f : 0.0f; };
   mask.channels = black_lift == nullptr ? 1 : 2;
   mask.values = upside_down(width_px, height_px, [&](int x, int y, std::vector<float>* ret_row) {

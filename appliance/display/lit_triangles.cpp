@@ -12,7 +12,7 @@ struct Limits {
   float max = 0.0f;
 };
 
-/// Of the mask, and the most of the black_lift, in the box around three corners.
+/// Returns the mask's limits, and the maximum of the black lift, in the box around three corners.
 Limits mask_around(const warp::WarpMesh& mesh, const warp::MaskImage& mask, const warp::BlackLiftImage* black_lift,
                    std::span<const std::uint32_t> triangle) {
   float left = static_cast<float>(mask.width());

@@ -25,7 +25,7 @@ struct PresentPlan {
 /// State of the output.
 struct OutputState {
   std::optional<Error> loss;  ///< Why there is no output just now.
-  int losses = 0;             ///< Since the start.
+  int losses = 0;             ///< Losses since the start.
   /// Kind of the output opened last, such as "headless EGL"; then what GL reports as its renderer.
   std::string kind;
   std::string renderer;

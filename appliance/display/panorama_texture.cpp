@@ -12,7 +12,7 @@ constexpr GLint kLumaUnit = 0;
 constexpr GLint kBlueUnit = 1;
 constexpr GLint kRedUnit = 2;
 
-// The corners of a rectangle, from their numbers.
+// Computes the corners of a rectangle from their numbers.
 constexpr const char* kVertexShader = R"(#version 300 es
 precision highp float;
 uniform vec4 place;  // In clip space: left, top, right, bottom.
@@ -20,8 +20,8 @@ void main() {
   gl_Position = vec4((gl_VertexID & 1) == 0 ? place.x : place.z, (gl_VertexID & 2) == 0 ? place.y : place.w, 0.0, 1.0);
 }
 )";
-// The polynomial is ((c + 0.055) / 1.055)^2.4 within 0.013 code values of 8 bits, by Remez exchange; a third of pow()'s
-// time on a software rasteriser.
+// The polynomial approximates ((c + 0.055) / 1.055)^2.4 within 0.013 code values of 8 bits, by Remez exchange; it takes
+// a third of pow()'s time on a software rasteriser.
 constexpr const char* kFragmentShader = R"(
 precision highp float;
 precision highp int;
@@ -94,7 +94,8 @@ PanoramaTexture::PanoramaTexture(const output::Gl& gl, const PictureProgram& pro
   filter(*gl_, GL_NEAREST, GL_CLAMP_TO_EDGE);
   for (const Plane* plane : {&blue_, &red_}) {
     gl_->BindTexture(GL_TEXTURE_2D, plane->texture.id());
-    // Never beyond the edge, where this differs from clamping; but llvmpipe filters clamped bytes in 8 bits.
+    // Sampled positions never reach the edge, where this would differ from clamping; but llvmpipe filters clamped bytes
+    // in 8 bits.
     filter(*gl_, GL_LINEAR, GL_MIRRORED_REPEAT);
   }
   gl_->BindTexture(GL_TEXTURE_2D, light_.id());

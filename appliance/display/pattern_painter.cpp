@@ -48,7 +48,8 @@ void PatternPainter::upload(std::size_t head, const RgbaImage& picture) {
     return;
   }
   to.has_storage = true;
-  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);  // Without it there would be no levels to read.
+  // The default filter needs mipmaps, which there are none of.
+  gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   gl_->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   gl_->TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, to.width_px, to.height_px, 0, GL_RGBA, GL_UNSIGNED_BYTE,
                   picture.data().data());

@@ -13,8 +13,8 @@
 namespace cyclorama::display {
 namespace {
 
-constexpr auto kLookAtCall = std::chrono::milliseconds(50);  // How soon a cancelled call is noticed.
-constexpr auto kForTheShow = std::chrono::seconds(2);        // That it be back when the call ends.
+constexpr auto kLookAtCall = std::chrono::milliseconds(50);  // Maximum delay until a cancelled call is noticed.
+constexpr auto kForTheShow = std::chrono::seconds(2);        // Timeout for the show to return when the call ends.
 
 Error wrong(const std::string& message) { return Error(ErrorCode::kInvalidArgument, message); }
 
@@ -93,7 +93,7 @@ bool PatternService::read(grpc::ServerContext* context, Stream* stream, wire::Pa
   return has_order;
 }
 
-/// All of an order, or nothing of it.
+/// Takes either all of an order or nothing.
 Status PatternService::take(const wire::PatternOrder& order, std::vector<PatternWall::Head>* heads) const {
   std::vector<PatternWall::Head> next = *heads;
   for (PatternWall::Head& head : next) head.is_awaited = false;

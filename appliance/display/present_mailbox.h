@@ -42,7 +42,7 @@ struct RefreshEvent {
   double attract_share = 0.0;  ///< 1: only the attract picture is visible.
   double heading_rad = 0.0;    ///< Heading that the picture was turned to.
   double turn_rad = 0.0;       ///< Angle by which it was turned.
-  // While several displays show the tour (synchronised_refresh.h):
+  // Set while several displays show the tour (synchronised_refresh.h):
   std::optional<std::int64_t> synchronised_refresh;
   ShowAt frame_due;        ///< When the frame that is visible here first, or one that it passed over, was due.
   ShowAt heading_due;      ///< When the heading was due.
@@ -55,7 +55,7 @@ struct RefreshEvent {
   }
 };
 
-/// What one head did in a refresh.
+/// One head's part of a refresh.
 struct HeadRefresh {
   std::size_t head = 0;
   output::HeadShown shown;

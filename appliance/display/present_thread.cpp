@@ -10,8 +10,9 @@
 
 namespace cyclorama::display {
 namespace {
-// Less than the service's WatchdogSec, so that the state is told before the process is ended. A busy processor that
-// draws in software, and is emulated, takes longer: 20 to 50 s were seen. Such a one has shown before how slow it is.
+// Less than the service's WatchdogSec, so that the state is reported before the process is killed. A busy, emulated
+// processor with a software renderer takes longer: 20 to 50 s were observed. is_alive() allows for it, since its
+// earlier steps were slow too.
 constexpr Duration kMaxStep = std::chrono::seconds(20);
 constexpr int kSlower = 4;
 constexpr Duration kMaxTimeout = std::chrono::minutes(5);
@@ -30,7 +31,8 @@ Result<std::unique_ptr<PresentThread>> PresentThread::start(PresentPlan plan, Pr
     pthread_setname_np(pthread_self(), "present");
     self->run(std::move(moved), mailbox, stop);
   });
-  // No limit here: a thread that hangs in its driver cannot be ended but with its process, which is the service's part.
+  // There is no limit here: a thread that hangs in its driver can only be ended with its process, which is the service
+  // manager's task.
   TimePoint told = mailbox->stepped_at;
   while (started.wait_for(kReportEvery) != std::future_status::ready) {
     const TimePoint stepped = mailbox->stepped_at;
@@ -51,7 +53,7 @@ void PresentThread::run(PresentPlan plan, PresentMailbox* mailbox, const std::st
   while (!stop.stop_requested()) {
     if (supervisor.refresh()) tell(supervisor.state());
     const std::uint64_t one = 1;
-    // A full counter wakes as well as one more would.
+    // A full counter wakes the reader as well.
     [[maybe_unused]] const auto n = ::write(event_fd_.get(), &one, sizeof one);
   }
 }

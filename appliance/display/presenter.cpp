@@ -7,7 +7,7 @@
 
 namespace cyclorama::display {
 namespace {
-// A picture is wrong when the visitor has turned by more since; the tour asks for a view at every smaller change, too.
+// A picture counts as wrong if the visitor has turned by more since; the tour also requests a view for smaller changes.
 constexpr double kSameHeading_rad = 1e-3;
 constexpr GLsizei kWarmUpSide_px = 4;
 }  // namespace
@@ -27,8 +27,8 @@ Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadP
                                                    PresentMailbox* mailbox, const Clock* clock) {
   CHECK(plans->size() == output->heads().size() && mailbox->heads.size() == plans->size());
   const output::Gl& gl = output->gl();
-  gl.Disable(GL_DITHER);  // The shaders do it.
-  // Plans that come later may need more of the texels than these.
+  gl.Disable(GL_DITHER);  // The shaders dither.
+  // Later plans may need more precise texels than these.
   const Texels texels = may_change ? Texels::kHalves : texels_for(gl, *plans);
   TRY_ASSIGN(PictureProgram program, PictureProgram::make(gl, texels));
   mailbox->stepped_at = clock->now();
@@ -45,8 +45,9 @@ Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadP
   return presenter;
 }
 
-/// A driver compiles a shader when it is first used; here, and not in a visitor's sight. For a few pixels: 36 whole
-/// pictures of a head are a second of a processor that draws in software, and minutes of one that is emulated.
+/// A driver compiles a shader at its first use; this makes it happen here, instead of before a visitor. Only a few
+/// pixels are drawn: 36 whole pictures of a head take a second on a software renderer, and minutes on an emulated
+/// processor.
 Status Presenter::warm_up(bool may_change) {
   TRY(attract_.upload(attract_frame_));
   TRY(panorama_.upload(attract_frame_));
@@ -115,7 +116,7 @@ Status Presenter::refresh() {
   return Done{};
 }
 
-/// What hangs on a head may be changed for another device while this runs.
+/// The device on a connector may change while this runs.
 void Presenter::notice_depths() {
   for (std::size_t head = 0; head < heads_->count(); ++head) {
     const output::HeadShown& shown = output_.shown()[head];
@@ -156,14 +157,14 @@ Status Presenter::show_due_frame(RefreshEvent* ret_event) {
   }
   const std::uint64_t newest = next == nullptr ? shown : (*next)->order;
   const auto is_passed_over = [newest](const auto& frame) { return frame != nullptr && frame->order < newest; };
-  // While nobody frees what was shown, the last picture stays.
+  // If nothing frees retired frames, the last picture stays.
   if (mailbox_.retired.room() <= static_cast<std::size_t>(std::ranges::count_if(waiting_, is_passed_over))) {
     return Done{};
   }
   if (next != nullptr) ret_event->frame_due = (*next)->show_at;
   for (std::unique_ptr<DisplayFrame>& frame : waiting_) {
     if (!is_passed_over(frame)) continue;
-    // From its refresh on a frame was missing, whichever is seen now.
+    // The frame was overdue from its refresh on, whichever frame is visible now.
     if (frame->order > shown && frame->show_at.period_ns == ret_event->frame_due.period_ns) {
       ret_event->frame_due.refresh = std::min(ret_event->frame_due.refresh, frame->show_at.refresh);
     }
@@ -210,7 +211,7 @@ Status Presenter::draw_heads() {
   const double share = fade_.share();
   const Eye now = eye_at(shared_.coming());
   const TurnedPicture shown{&panorama_, shift_.angle_rad};
-  const TurnedPicture attract{&attract_, 0.0};  // It belongs to no heading.
+  const TurnedPicture attract{&attract_, 0.0};  // The attract picture belongs to no heading.
   for (std::size_t head = 0; head < heads_->count(); ++head) {
     TRY(output_.draw_to(head));
     heads_->draw(head, shown, attract, share, now);

@@ -6,7 +6,7 @@
 namespace cyclorama::display {
 namespace {
 constexpr std::size_t kMaxReports = 256;
-/// Where the tour has ended the call, gRPC says so long before.
+/// Time for gRPC to report the end of a call that the tour has ended; it usually takes much less.
 constexpr Duration kEndsWithin = std::chrono::seconds(1);
 }  // namespace
 
@@ -16,7 +16,7 @@ ShowStream::ShowStream(const std::shared_ptr<grpc::Channel>& channel, const wire
   wire::DisplayReport first;
   *first.mutable_hello() = hello;
   stub_->async()->Show(&context_, this);
-  AddHold();  // Writes start on other threads than gRPC's, until OnReadDone says that there is nobody to write to.
+  AddHold();  // Writes start on threads other than gRPC's, until OnReadDone reports the end of the stream.
   StartRead(&message_);
   StartCall();
   report(std::move(first));
@@ -25,7 +25,7 @@ ShowStream::ShowStream(const std::shared_ptr<grpc::Channel>& channel, const wire
 ShowStream::~ShowStream() {
   context_.TryCancel();
   std::unique_lock lock(mutex_);
-  // gRPC promises OnDone after a cancel; without it there is nothing safe left to do.
+  // gRPC guarantees OnDone after a cancel; without it there is no safe way to continue.
   CHECK(changed_.wait_for(lock, std::chrono::seconds(30), [this] { return end_.has_value(); }));
 }
 
@@ -87,7 +87,7 @@ void ShowStream::OnDone(const grpc::Status& status) {
   const std::lock_guard lock(mutex_);
   end_ = status.ok() ? Error(ErrorCode::kUnavailable, "showing the tour: the tour closed the stream")
                      : from_grpc(is_given_up_ ? unreadable() : status, "showing the tour");
-  changed_.notify_all();  // Under the lock: the destructor frees this as soon as it has it.
+  changed_.notify_all();  // Called under the lock, since the destructor frees this as soon as it acquires it.
 }
 
 }  // namespace cyclorama::display

@@ -48,7 +48,7 @@ class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::Sh
   std::unique_ptr<wire::Tour::Stub> stub_;
   const Listener listener_;
   grpc::ClientContext context_;
-  wire::ShowMessage message_;  // What gRPC reads into.
+  wire::ShowMessage message_;  // Buffer that gRPC reads into.
 
   std::mutex listening_;  // Held while the listener runs, since gRPC does not guarantee an order between its threads.
   mutable std::mutex mutex_;

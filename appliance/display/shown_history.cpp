@@ -14,7 +14,7 @@ ShownHistory::ShownHistory(DisplayFrame attract, HeadPlans plans)
     : attract_(std::make_shared<const DisplayFrame>(std::move(attract))), plans_(std::move(plans)) {}
 
 void ShownHistory::frame_ready(const DisplayFrame& frame) {
-  auto copy = std::make_shared<const DisplayFrame>(frame);  // Its pixels are shared.
+  auto copy = std::make_shared<const DisplayFrame>(frame);  // Shares the pixels.
   const std::lock_guard lock(mutex_);
   ready_.push_back(std::move(copy));
   if (ready_.size() > kMaxReadyFrames) ready_.pop_front();

@@ -15,11 +15,11 @@ namespace {
 
 constexpr int kSlices = 256;
 constexpr int kCellPx = 16;
-// A pixel for each of the two filters (chroma, then light), whose chroma pixels have twice the size.
+// One pixel for each of the two filters (chroma, then light); chroma pixels are twice as large.
 constexpr double kAround_px = 3.0;
 constexpr double kUnboundedTurn_rad = 0.5;
 constexpr double kHardlyMore = 1.1;
-// In how many pieces a footprint that turns on curves is followed, and at how many turns at most.
+// Number of pieces of a footprint that turns along curves, and maximum number of turns.
 constexpr int kStrips = 32;
 constexpr int kPieces = 32;
 constexpr int kMaxTurns = 64;
@@ -49,7 +49,7 @@ struct Box {
   }
 };
 
-/// Every cell of a picture, wanted or not.
+/// Every cell of a picture, with a flag whether it is needed.
 class CellMap {
  public:
   explicit CellMap(const PictureShape& picture)
@@ -59,7 +59,7 @@ class CellMap {
     wanted_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows()), false);
   }
   [[nodiscard]] int rows() const { return cells(height_px_); }
-  /// From one place to another in pixels, either of which may lie outside.
+  /// Marks cells from one position to another in pixels, either of which may lie outside.
   void want(int row, double left_px, double right_px) {
     const double width = width_px_;
     if (wraps_ && right_px - left_px >= width) return mark(row, 0.0, width);
@@ -68,16 +68,16 @@ class CellMap {
     mark(row, left_px - turns, right_px - turns);
     if (right_px - turns > width) mark(row, 0.0, right_px - turns - width);
   }
-  /// What lies in the rectangle, and beyond an edge what is nearest to it.
+  /// Marks the cells in the rectangle, and for parts beyond an edge the nearest cells.
   void want(const Box& box) {
     const int first = static_cast<int>(std::clamp(box.top_px, 0.0, height_px_ - 1.0)) / kCellPx;
     const int last = static_cast<int>(std::clamp(box.bottom_px, 0.0, height_px_ - 1.0)) / kCellPx;
     for (int row = first; row <= last; ++row) want(row, box.left_px, box.right_px);
   }
-  /// Rows that want the same columns are one part.
+  /// Rows that need the same columns are one part.
   [[nodiscard]] std::vector<PixelRect> parts() const {
     std::vector<PixelRect> parts;
-    std::size_t above = 0;  // Where the parts that end at this row's upper edge begin.
+    std::size_t above = 0;  // First of the parts that end at this row's upper edge.
     for (int row = 0; row < rows(); ++row) {
       const std::vector<PixelRect> runs = runs_of(row);
       const bool same =
@@ -127,10 +127,10 @@ class CellMap {
   std::vector<bool> wanted_;
 };
 
-/// In a panorama a turn is a shift.
+/// In a panorama, a turn is a shift.
 void want_shifted(const HeadFootprint& head, const Panorama& picture, double turn_limit_rad, CellMap* ret_cells) {
   for (int row = 0; row < ret_cells->rows(); ++row) {
-    // The picture's edge stands for what lies beyond it.
+    // The picture's edge is shown for positions beyond it.
     constexpr double kEndless = std::numeric_limits<double>::infinity();
     const bool is_first = row == 0;
     const bool is_last = row + 1 == ret_cells->rows();
@@ -144,8 +144,8 @@ void want_shifted(const HeadFootprint& head, const Panorama& picture, double tur
   }
 }
 
-/// In the others every place moves along a curve of its own: those between the corners of a small piece, and between
-/// one turn and the next, lie within a box around them that is an eighth larger.
+/// In the other projections every position moves along its own curve: those between the corners of a small piece, and
+/// between one turn and the next, lie within a box around them that is enlarged by an eighth.
 void want_turned(const HeadFootprint& head, const PictureShape& picture, double turn_limit_rad, CellMap* ret_cells) {
   const auto all = head.up();
   if (!all) return;
@@ -157,14 +157,14 @@ void want_turned(const HeadFootprint& head, const PictureShape& picture, double 
     const double high = all->min + (all->max - all->min) * (strip + 1) / kStrips;
     const auto span = head.across_between(low, high);
     if (!span) continue;
-    std::array<Box, kPieces> before;  // At the turn before this one.
+    std::array<Box, kPieces> before;  // Boxes at the previous turn.
     for (int turn = 0; turn <= turns; ++turn) {
       std::array<Box, kPieces> now;
       for (int end = 0; end <= kPieces; ++end) {
         const double across = span->min + (span->max - span->min) * end / kPieces;
         for (const double up : {low, high}) {
           const auto position = turned(picture, {across, up}, turn_limit_rad * (2.0 * turn / turns - 1.0));
-          if (!position) continue;  // Exactly against a fisheye's axis.
+          if (!position) continue;  // Exactly opposite to a fisheye's axis.
           if (end < kPieces) now[static_cast<std::size_t>(end)].add(scale.pixel_at(*position));
           if (end > 0) now[static_cast<std::size_t>(end - 1)].add(scale.pixel_at(*position));
         }

@@ -8,10 +8,10 @@
 namespace cyclorama::display {
 namespace {
 
-// Of a period, beyond the middle between two numbers: ten times what a clock over a wired network is unsure of.
+// Share of a period beyond the middle between two numbers: ten times the uncertainty of a clock over a wired network.
 constexpr double kHold = 0.1;
 constexpr Duration kMaxLead = std::chrono::seconds(1);
-// A headless output tells its refreshes late by what drawing took; the mean of so many is what counts.
+// A headless output reports its refreshes late by the drawing time; the mean over this many smooths it.
 constexpr int kSmoothing = 32;
 constexpr std::uint64_t kMaxGap = 1'000'000;
 
@@ -39,7 +39,7 @@ void SynchronisedRefresh::shown(const output::Presented& presented, double refre
   output_period_ = period;
   refresh_ = presented.refresh;
   shown_.reset();
-  // What was drawn for one refresh may have been shown at a later one.
+  // A picture drawn for one refresh may have been shown at a later one.
   if (coming_) shown_ = static_cast<std::int64_t>(presented.refresh) + shift_;
 }
 

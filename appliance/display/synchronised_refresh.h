@@ -50,7 +50,7 @@ class SynchronisedRefresh {
 
   ClockReading clock_;
   std::int64_t period_ns_ = 0;
-  // Of the output: its last refresh, that refresh's time without jitter, and its rate.
+  // The output's last refresh, that refresh's time without jitter, and its rate.
   std::uint64_t refresh_ = 0;
   TimePoint at_{};
   Duration output_period_{};

@@ -6,7 +6,7 @@
 namespace cyclorama::display {
 namespace {
 
-// At first quickly, so that a display is in step within half a second.
+// The first questions are frequent, so that a display is synchronised within half a second.
 constexpr std::uint64_t kFirstQuestions = 16;
 constexpr auto kFirstPause = std::chrono::milliseconds(20);
 constexpr auto kPause = std::chrono::milliseconds(250);
@@ -61,7 +61,7 @@ bool TourClock::take(const wire::ClockAnswer& answer, TimePoint now) {
   const TimePoint asked = *std::exchange(asked_at_, std::nullopt);
   if (!offset_.add({asked, answer.received_ns(), answer.answered_ns(), now})) return false;
   const ClockReading reading = offset_.reading(now);
-  // Modulo 2^64, as clocks may show anything.
+  // Modulo 2^64, since the clocks' values are arbitrary.
   const std::uint64_t since_ns =
       static_cast<std::uint64_t>(reading.at(now)) - static_cast<std::uint64_t>(answer.answered_ns());
   const std::uint64_t tours_ns = static_cast<std::uint64_t>(answer.system_ns()) + since_ns;
@@ -75,7 +75,7 @@ void TourClock::add_need(const ShowAt& at, TimePoint now, std::optional<Duration
   if (at.period_ns == 0 || !reading.is_known) return;
   const std::uint64_t since_ns = static_cast<std::uint64_t>(reading.at(now)) - static_cast<std::uint64_t>(at.told_ns);
   const Duration since = std::chrono::nanoseconds(static_cast<std::int64_t>(since_ns));
-  // Of another tour, or nonsense.
+  // It belongs to another tour, or is invalid.
   if (since < -kGiveUpAfter || since > 60 * kGiveUpAfter) return;
   *need = std::max(since, need->value_or(Duration::zero()));
 }

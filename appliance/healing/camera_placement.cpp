@@ -11,9 +11,9 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr std::size_t kMaxCorrespondences = 1500;  // Of one projector, in one camera: more tell nothing new.
+constexpr std::size_t kMaxCorrespondences = 1500;  // Per projector and camera; more add no information.
 
-/// What one camera sees of one projector, as places on the wall.
+/// Returns what one camera sees of one projector, as points on the wall.
 std::vector<WallCorrespondence> places_of(const scan::ScanView& view, const calibration::MeasuredMap& map,
                                           const Installation& installation) {
   std::vector<WallCorrespondence> pixels;

@@ -22,7 +22,8 @@ using Pose = RigidTransform<frame::Room, frame::Projector>;
 constexpr const char* kFile = "corrections.log";
 constexpr std::uintmax_t kMaxLogBytes = std::uintmax_t{1} << 20;
 constexpr std::size_t kMaxProjectors = 64;
-constexpr double kSame = 1e-5;  // Turn and shift: the log's digits are fewer, and a hundredth of a pixel is more.
+// For turn and shift: the log has fewer digits than that, and a hundredth of a pixel is more.
+constexpr double kSame = 1e-5;
 
 std::string pose_json(const Pose& T) {
   const Eigen::Quaterniond& q = T.rotation();

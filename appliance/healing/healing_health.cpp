@@ -24,7 +24,7 @@ void HealingHealth::take(const ShowReport& report, TimePoint now) {
     last.moved_px = pixels_ * correction.moved_px;
     last.at = now;
   }
-  // What moved the picture by much is to be seen in the plot, however soon it was corrected.
+  // A large displacement must appear in the plot, however soon it was corrected.
   if (!history_.empty() && now - history_.back().at < kEvery && report.corrections.empty()) return;
   Sample sample;
   sample.at = now;

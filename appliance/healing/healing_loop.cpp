@@ -21,7 +21,7 @@ constexpr int kGivesWay = 10;
 
 }  // namespace
 
-/// What is there while it watches.
+/// State that exists only while it watches.
 struct HealingLoop::Watching {
   Watching(HealingStart from, ContinuousCalibrator with, HealingHealth how, std::unique_ptr<ShowRoom> in,
            std::filesystem::file_time_type at)
@@ -33,17 +33,17 @@ struct HealingLoop::Watching {
         room(std::move(in)),
         calibrated_at(at) {}
   calibration::ShowFile show;
-  std::vector<std::size_t> cameras;   ///< The room's, in the order of those of `show`.
-  std::vector<std::string> left_out;  ///< Cameras, and why.
+  std::vector<std::size_t> cameras;   ///< Indices into the room's cameras, in the order of `show`'s.
+  std::vector<std::string> left_out;  ///< Cameras that are left out, with the reason.
   ContinuousCalibrator calibrator;
   HealingHealth health;
   std::unique_ptr<ShowRoom> room;
   std::filesystem::file_time_type calibrated_at;
   std::optional<ShowRecorder> recorder;
   std::optional<TimePoint> kept_at;
-  double kept_sigma_px = 0.0;  ///< A restart should not begin less sure than need be.
+  double kept_sigma_px = 0.0;  ///< Uncertainty of the saved state, so that a restart begins with little more.
   bool wants_realignment = false;
-  std::string unkept;  ///< Why the last correction could not be written; it is tried again at each step.
+  std::string unkept;  ///< Why the last correction could not be written; retried at each step.
 };
 
 HealingLoop::HealingLoop(Installation installation, std::filesystem::path folder, std::unique_ptr<ShowRooms> rooms,
@@ -91,7 +91,7 @@ void HealingLoop::run(const std::stop_token& stop) {
   }
 }
 
-/// One step, or an attempt to begin.
+/// Does one step, or attempts to begin.
 void HealingLoop::turn() {
   if (watching_ != nullptr && watching_->calibrated_at != calibrated_at()) watching_.reset();
   if (watching_ == nullptr) {
@@ -101,7 +101,7 @@ void HealingLoop::turn() {
     }
   }
   if (const Status stepped = step(); !stepped) {
-    // What was learned of the room stays in watch.json.
+    // The learned room stays in watch.json.
     lacks_ = stepped.error().message();
     watching_.reset();
     say("cannot watch the wall: " + lacks_, false);
@@ -111,7 +111,7 @@ void HealingLoop::turn() {
 Status HealingLoop::begin() {
   const auto at = calibrated_at();
   const std::vector<std::string> troubles = rooms_->troubles();
-  // Somebody wants the wall watched, so this is a fault.
+  // A record or named cameras imply that the wall should be watched, so this is a fault.
   if (rooms_->cameras().empty() && !troubles.empty())
     return Error(ErrorCode::kUnavailable, fmt::format("{}", fmt::join(troubles, "; ")));
   TRY_ASSIGN(HealingStart begun, healing_start(folder_, installation_, rooms_->cameras()));
@@ -130,11 +130,11 @@ Status HealingLoop::begin() {
             : Error(ErrorCode::kBusy, "the records in that folder have their largest size; take some away");
     if (recording) {
       recorder = *std::move(recording);
-      // As it will be read: the last bits of a rotation are others there.
+      // Reads the start back, since rounding changes the last bits of a rotation.
       TRY_ASSIGN(const ShowRecord read, ShowRecord::open(folder));
       start = read.start();
     } else if (options_.on_line) {
-      // A record is for engineers; the wall is kept without.
+      // A record is for engineers; the wall is kept in place without it.
       options_.on_line("nothing is recorded: " + recording.error().message());
     }
   }
@@ -153,7 +153,7 @@ Status HealingLoop::step() {
   Watching& now = *watching_;
   std::vector<std::string> troubles = now.left_out;
   TRY_ASSIGN(ShowMoment moment, now.room->next(&troubles));
-  // The calibration counts those cameras alone that it knows.
+  // The calibration counts only the cameras that it contains.
   std::erase_if(moment.seen, [&](const CameraPicture& picture) {
     return std::ranges::find(now.cameras, picture.camera) == now.cameras.end();
   });
@@ -186,7 +186,7 @@ Status HealingLoop::step() {
   return Done{};
 }
 
-/// What the calibration knows, into what is written.
+/// Copies the calibrator's state into the file's structure.
 void HealingLoop::take_over() {
   Watching& now = *watching_;
   const calibration::ShowCalibration& applied = now.calibrator.applied();
@@ -227,7 +227,7 @@ void HealingLoop::keep(const ShowReport& report) {
   now.unkept = why;
 }
 
-/// The wall is kept in its place without a record.
+/// A failed record does not stop the correction of the wall.
 void HealingLoop::end_record_unless(const Status& kept) {
   if (kept) return;
   if (options_.on_line) options_.on_line("recording ends: " + kept.error().message());
@@ -235,7 +235,7 @@ void HealingLoop::end_record_unless(const Status& kept) {
 }
 
 Status HealingLoop::write_state(bool with_correction) {
-  // Read from colours.json at each start; and a version before this one knows no such member.
+  // It is read from colours.json at each start, and older versions do not accept such a member.
   calibration::ShowFile show = watching_->show;
   for (calibration::ShowFile::Projector& projector : show.projectors) projector.light.reset();
   if (with_correction) {
@@ -251,7 +251,7 @@ Status HealingLoop::write_state(bool with_correction) {
 }
 
 Status HealingLoop::realign() {
-  // Who holds the loop keeps its lock for minutes.
+  // A holder of the loop keeps its lock for minutes.
   if (holders_ > 0) return Error(ErrorCode::kUnavailable, "the wall is being measured");
   const std::lock_guard lock(working_);
   if (watching_ == nullptr) return Error(ErrorCode::kUnavailable, "the wall is not watched: " + lacks_);
@@ -269,7 +269,7 @@ Result<std::string> HealingLoop::undo() {
     applied.push_back(projector.T_room_projector);
   const auto last = last_correction(folder_, applied);
   if (!last) return Error(ErrorCode::kNotFound, "no correction stands that could be undone");
-  // As a record of it is read: the last bits of a rotation are others there.
+  // Same values as a record gives when read, since rounding changes the last bits of a rotation.
   TRY(now.calibrator.put_back(last->projector, {last->before.rotation(), last->before.translation()}));
   if (now.recorder) end_record_unless(now.recorder->add_put_back(last->projector, last->before));
   const LoggedCorrection undone{utc_now(),      "undone",    last->projector, last->moved_px,

@@ -54,7 +54,7 @@ class HealingLoop {
   HealingLoop(const HealingLoop&) = delete;
   HealingLoop& operator=(const HealingLoop&) = delete;
 
-  /// While it exists, the loop leaves displays and cameras to a measurement of the wall. Blocks for a step.
+  /// During its lifetime the loop leaves displays and cameras to a measurement of the wall.
   class Held {
    public:
     explicit Held(HealingLoop* loop);

@@ -27,7 +27,7 @@ calibration::ShowProjector installed(const InstalledProjector& projector) {
   return made;
 }
 
-/// What a channel shines for each code: the curve that says which code makes a light, the other way round.
+/// Inverts a response curve: returns the light of a channel for each code.
 calibration::CodeLight light_of(const warp::ResponseCurve& curve) {
   calibration::CodeLight light{};
   const std::vector<float>& codes = curve.codes;
@@ -45,7 +45,7 @@ calibration::CodeLight light_of(const warp::ResponseCurve& curve) {
   return calibration::rounded_light(light);
 }
 
-/// What the calibration measured of how codes become light.
+/// Returns the measured conversion from codes to light.
 Result<std::vector<calibration::CalibratedColour>> measured_colours(const std::filesystem::path& folder,
                                                                     const std::string& date) {
   auto text = read_text_file(calibration::calibration_folder(folder, date) / "colours.json", kMaxBytes);
@@ -77,7 +77,7 @@ calibration::ShowFile::Projector found_projector(const calibration::Calibration&
   return made;
 }
 
-/// Those of the newest calibration, as watch.json has them, or found anew.
+/// Returns the projectors of the newest calibration, from watch.json or fitted anew.
 Result<std::vector<calibration::ShowFile::Projector>> projectors_of(const std::filesystem::path& folder,
                                                                     const calibration::Calibration& calibration,
                                                                     const Installation& installation,
@@ -110,7 +110,7 @@ bool is_same(const calibration::BrownParameters& a, const calibration::BrownPara
   return a.width_px == b.width_px && a.height_px == b.height_px && calibration::to_block(a) == calibration::to_block(b);
 }
 
-/// For pictures of 1/`factor` of the heads' pixels.
+/// Reduces a room to pictures of 1/`factor` of the heads' pixels.
 void make_smaller(calibration::ShowCalibration* room, int factor) {
   for (calibration::ShowProjector& projector : room->projectors) projector.lens = smaller_lens(projector.lens, factor);
 }
@@ -157,13 +157,13 @@ Result<calibration::ShowFile> save_camera_poses(const std::filesystem::path& fol
       show.cameras.push_back({camera.name, camera.lens, camera.T_room_camera});
       continue;
     }
-    // Somebody stood before it: the place that it had is better than none.
+    // The camera was occluded: its former pose is better than none.
     if (!known || known->calibration != calibration.date) continue;
     const auto before = std::ranges::find(known->cameras, camera.name, &calibration::ShowFile::Camera::name);
     if (before != known->cameras.end() && is_same(before->lens, camera.lens)) show.cameras.push_back(*before);
   }
   TRY_ASSIGN(show.projectors, projectors_of(folder, calibration, installation, known ? &*known : nullptr));
-  // Seen from elsewhere, something else is left over.
+  // From another camera pose the residuals differ.
   for (calibration::ShowFile::Projector& projector : show.projectors) {
     projector.learned.reset();
     projector.light.reset();

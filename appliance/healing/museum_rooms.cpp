@@ -16,7 +16,7 @@ constexpr Duration kForAFrame = std::chrono::seconds(1);
 Result<std::unique_ptr<camera::Camera>> open_camera(const std::string& spec, double exposure_s, const Clock& clock) {
   const std::string more =
       fmt::format("{}{}exposure_ms={}", spec, spec.find('?') == std::string::npos ? '?' : '&', 1e3 * exposure_s);
-  // Brightness is compared between pictures. libcamera's cameras hold their gain with a fixed exposure.
+  // Brightness is compared between pictures. libcamera's cameras hold their gain at a fixed exposure.
   return devices::make_camera(spec.starts_with("v4l2:") ? more + "&gain=held" : more, clock);
 }
 
@@ -70,7 +70,7 @@ class MuseumRoom final : public ShowRoom {
       cameras_[i] = std::move(camera);
     }
     auto frame = cameras_[i]->next_frame(clock_.now() + kForAFrame);
-    // Perhaps it comes back.
+    // The camera may return.
     if (!frame && frame.error().code() == ErrorCode::kUnavailable) cameras_[i].reset();
     return frame;
   }
@@ -122,7 +122,7 @@ class MuseumRooms final : public ShowRooms {
   const Clock& clock_;
 };
 
-/// kNotFound  in none of the folders. Others as read_camera().
+/// Errors: kNotFound if no folder has the file; others as read_camera().
 Result<calibration::CameraFile> lens_of(const std::string& camera, const std::vector<std::filesystem::path>& folders) {
   for (const std::filesystem::path& folder : folders) {
     auto file = calibration::read_camera(folder / (camera + ".json"));

@@ -17,8 +17,9 @@ namespace {
 constexpr Duration kAnswerTimeout = std::chrono::seconds(2);
 constexpr Duration kRetryAfter = std::chrono::milliseconds(15);
 constexpr int kMaxRequests = 20;      // A third of a second: some refreshes of any projector.
-constexpr int kMaxFirstRequests = 8;  // Of which one is quick.
-// What else is compared: exposures a little earlier and later, also when a camera's clock is found to be wrong.
+constexpr int kMaxFirstRequests = 8;  // At least one of these should be fast.
+// Additional time before an exposure: earlier and later exposures are compared too, also while a camera's clock error
+// is unknown.
 constexpr Duration kShownBefore = kTimeDoubt + std::chrono::milliseconds(100);
 constexpr Duration kShownAfter = kTimeDoubt + std::chrono::milliseconds(40);
 constexpr Duration kSureEnough = kTimeDoubt / 2;
@@ -40,7 +41,7 @@ class RemoteShown::Display {
   }
 
   Status between(TimePoint opened, TimePoint closed, Duration latency, Shown* ret_shown) {
-    // Before the clocks' difference is known no time can be asked for.
+    // No time can be requested before the clocks' difference is known.
     for (int asks = 0; asks < kMaxFirstRequests && !is_sure(); ++asks) TRY(ask(TimePoint{}, TimePoint{}));
     const TimePoint from = opened - latency - kShownBefore;
     const TimePoint until = closed - latency + kShownAfter;
@@ -82,7 +83,7 @@ class RemoteShown::Display {
         stub_(wire::ShownPictures::NewStub(channel_)),
         clock_(clock) {}
 
-  /// Their clock minus ours.
+  /// Returns the display's clock minus ours.
   [[nodiscard]] Duration ahead() const {
     const ClockReading reading = offset_.reading(clock_.now());
     return std::chrono::nanoseconds(reading.is_known ? static_cast<std::int64_t>(reading.offset_ns) : 0);
@@ -91,7 +92,7 @@ class RemoteShown::Display {
     const ClockReading reading = offset_.reading(clock_.now());
     return reading.is_known && reading.error <= kSureEnough;
   }
-  /// A display that was started again counts from 1: of what it says none is known.
+  /// Whether the display was restarted and counts from 1 again; its earlier pictures are unknown then.
   [[nodiscard]] bool has_begun_anew() const {
     return !reply_.moments().empty() && reply_.moments(reply_.moments_size() - 1).number() < known_;
   }
@@ -111,7 +112,7 @@ class RemoteShown::Display {
     const grpc::Status status = stub_->GetShown(&context, request, &reply_);
     const TimePoint answered = clock_.now();
     if (!status.ok()) return from_grpc(status, fmt::format("asking the display at {} what it shows", address_));
-    // It draws while it answers, which is not the network's time.
+    // The display draws while it answers; that time is not the network's.
     offset_.add({asked, reply_.received_ns(), reply_.answered_ns(), answered});
     return Done{};
   }
@@ -121,7 +122,7 @@ class RemoteShown::Display {
     const TimePoint lit_at = from_nanoseconds(moment.shown_ns()) - ahead() + latency;
     for (const wire::ShownHead& head : moment.heads()) {
       const auto known = std::ranges::find(heads_, head.projector(), &Head::name);
-      if (known == heads_.end()) continue;  // Another calibrator's.
+      if (known == heads_.end()) continue;  // Drawn with another calibrator's plans.
       RgbImage picture(known->width_px, known->height_px);
       const auto bytes = std::as_bytes(std::span(head.jpeg()));
       TRY(decoder_.decode_into(bytes, picture.data().data(), picture.width(), picture.height(),

@@ -286,7 +286,7 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
     return std::optional<Event>(std::move(event));
   }
   if (kind != kMoment) return damaged;
-  // Nothing: it is cut short. False: damaged.
+  // Empty: the record is truncated. False: it is damaged.
   const auto picture = [&](auto* ret_image) -> std::optional<bool> {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
@@ -295,7 +295,7 @@ Result<std::optional<ShowRecord::Event>> ShowRecord::next() {
     if (width == 0 || height == 0) return true;
     using ImageType = std::remove_const_t<typename std::remove_pointer_t<decltype(ret_image)>::element_type>;
     auto image = std::make_shared<ImageType>();
-    // The file says how much there is before memory is taken for it.
+    // The size of the file is checked before memory is allocated.
     constexpr std::size_t kChannels = std::is_same_v<ImageType, RgbImage> ? 3 : 1;
     if (left_ < kChannels * width * height) return std::nullopt;
     *image = ImageType(static_cast<int>(width), static_cast<int>(height));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Any warp file, told by the ending of its name, as a WarpSet; and back.
+/// Reads any warp file into a WarpSet and writes one, by its file name extension.
 ///
 ///   .mpcdi .xml   MPCDI            read, written (.mpcdi)
 ///   .pfm          map, and .png    read, written

@@ -50,7 +50,8 @@ struct TrackedTag {
   std::vector<tags::TagDetection> seen;  ///< Its tags in this picture, the largest first; at least one.
   TagPoses measured;                     ///< Both hypotheses, unfiltered, with their misfits.
   ChosenPose chosen;                     ///< The chosen hypothesis, with its probability.
-  Matrix6d covariance;       ///< Of the chosen pose, including the chance that the other is right (wand_pose.h).
+  /// Covariance of the chosen pose, including the chance that the other is right (wand_pose.h).
+  Matrix6d covariance;
   T_CameraTag T_camera_tag;  ///< The chosen pose, filtered; the tour steers by it.
 };
 

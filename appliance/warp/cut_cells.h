@@ -13,7 +13,7 @@ namespace cyclorama::warp {
 /// points, so that there are no gaps between them.
 struct CutGrid {
   std::vector<Eigen::Vector2d> positions;  ///< Corners of the grid, row by row, then vertices of the cuts.
-  std::vector<CutCell> cuts;               ///< By ascending cell.
+  std::vector<CutCell> cuts;               ///< Sorted by ascending cell.
 };
 [[nodiscard]] CutGrid cut_grid(const Eigen::Vector2d& size_px, int cells_x, int cells_y,
                                const std::vector<Eigen::Hyperplane<double, 2>>& lines);

@@ -12,7 +12,7 @@
 
 namespace cyclorama::warp {
 
-/// One corner of a mesh cell. If its pixel has no position in the picture, that is NaN.
+/// One corner of a mesh cell. Its position is NaN if its pixel has none in the picture.
 struct WarpVertex {
   float x_px = 0.0f;  ///< In the projector's picture, from its left and upper edge.
   float y_px = 0.0f;
@@ -39,7 +39,7 @@ struct WarpMesh {
   /// (cells_x + 1) * (cells_y + 1), row by row from the top; then vertices that only cut cells have.
   std::vector<WarpVertex> vertices;
   double worst_error_px = 0.0;     ///< Maximum error against the exact map, in panorama pixels, on the wall.
-  std::vector<CutCell> cuts = {};  ///< By ascending cell.
+  std::vector<CutCell> cuts = {};  ///< Sorted by ascending cell.
 
   /// Returns three indices per triangle. Triangles with an invalid corner are left out: nothing is drawn there.
   [[nodiscard]] std::vector<std::uint32_t> triangles() const;

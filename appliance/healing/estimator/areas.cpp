@@ -8,7 +8,7 @@ void AreaMap::update(std::span<const PatchShift> patches) {
   fits_.resize(patches.size(), PatchFit::kShared);
   for (std::size_t i = 0; i < patches.size(); ++i) {
     fits_[i] = patches[i].fit;
-    // What cannot be compared tells nothing: somebody who stood there may still.
+    // A patch that cannot be compared gives no information: a person may still stand there.
     if (patches[i].fit == PatchFit::kFits) doubts_[i] += kGrowth * (0.0f - doubts_[i]);
     if (patches[i].fit == PatchFit::kDiffers) doubts_[i] += kGrowth * (1.0f - doubts_[i]);
   }

@@ -9,17 +9,17 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr int kMinComparedPatches = 10;  // Patches, before a projector is called lost in a camera.
-constexpr double kLostBelow = 0.35;      // Part of them that fits.
-constexpr double kFoundAbove = 0.45;     // Part that has to fit when it is found again.
+constexpr int kMinComparedPatches = 10;  // Minimum number of patches before a projector counts as lost in a camera.
+constexpr double kLostBelow = 0.35;      // Share of them that fits.
+constexpr double kFoundAbove = 0.45;     // Share that must fit when it is found again.
 constexpr int kMinFits = 10;
 constexpr std::size_t kMinEdges = 8;
-constexpr double kNoisiest = 6.0;   // Residuals, in promised deviations.
-constexpr double kSurest_px = 1.0;  // What a new place must be known to.
+constexpr double kNoisiest = 6.0;   // Maximum noise of the residuals, in expected deviations.
+constexpr double kSurest_px = 1.0;  // Maximum deviation of a new pose.
 constexpr double kCoarseSigma_px = 3.0;
 constexpr double kFeatureSigma_px = 4.0;
-constexpr int kFeatureSearchEvery = 4;  // Features are looked for at each of the first searches, then every so many.
-constexpr double kCaution = 4.0;        // Variance of a new place, in what the solver promised: patches share errors.
+constexpr int kFeatureSearchEvery = 4;  // Features are searched at each of the first attempts, then at every fourth.
+constexpr double kCaution = 4.0;        // Factor on the solver's variance of a new pose, since patches share errors.
 
 std::vector<calibration::PoseStep> no_starts(std::size_t bodies) {
   return std::vector<calibration::PoseStep>(bodies, calibration::PoseStep::Zero());
@@ -154,7 +154,7 @@ std::optional<MovedBodies> ContinuousCalibrator::State::by_features() const {
   for (const CameraObservation& look : looks) {
     if (const auto step = find_camera(believed, look.camera, observations)) starts[projectors() + look.camera] = *step;
   }
-  // The outline is only looked for nearby, so it speaks against a camera that moved far.
+  // The outline is only searched nearby, so it would count against a camera that moved far.
   auto movers = find_moved_bodies(believed, observations, {}, priors(), starts);
   if (!movers || movers->bodies.empty()) return std::nullopt;
   return *std::move(movers);
@@ -221,7 +221,7 @@ bool ContinuousCalibrator::State::have_reference(std::span<const BodyIndex> move
                                                  std::span<const CameraObservation> of) const {
   if (is_calm) return true;
   return std::ranges::all_of(movers, [&](BodyIndex mover) {
-    // A camera that turned and one whose clock is wrong look alike while the picture turns.
+    // While the picture turns, a camera that turned and one whose clock is wrong look alike.
     if (mover >= projectors()) return false;
     return std::ranges::any_of(of, [&](const CameraObservation& look) {
       const std::vector<PatchTally> tallies = tally(look.patches, projectors());
@@ -262,7 +262,7 @@ bool ContinuousCalibrator::State::accept(const MovedBodies& movers, TimePoint no
   std::vector<CameraObservation> anew = looks;
   std::vector<CameraMonitor> eyes;
   std::optional<PoseSolution> solution;
-  // Twice: the second prediction is made where the first one's patches led.
+  // The second prediction is made at the pose that the first one's patches gave.
   for (int round = 0; round < 2; ++round) {
     eyes.clear();
     std::vector<PatchObservation> observations;
@@ -298,7 +298,7 @@ bool ContinuousCalibrator::State::accept(const MovedBodies& movers, TimePoint no
     if (body < projectors() && motion[body].sigma_px(kCaution * solution->bodies[body].covariance) > kSurest_px)
       return false;
   }
-  // Nobody else may fit worse for it.
+  // No other body may fit worse because of it.
   for (BodyIndex body = 0; body < bodies(); ++body) {
     if (10 * after[body].fits < 8 * before[body].fits) return false;
   }
@@ -321,7 +321,7 @@ bool ContinuousCalibrator::State::accept(const MovedBodies& movers, TimePoint no
     is_noticed[body] = false;
     is_unanchored[body] = false;
     const auto was = applied.projectors[body].T_room_projector;
-    // What the scan left over stays what it was: only the change is applied.
+    // The scan's residuals stay unchanged: only the displacement is applied.
     const calibration::PoseStep change =
         calibration::step_between(believed.projectors[body].T_room_projector, tried.projectors[body].T_room_projector);
     const auto since_settled = calibration::step_between(

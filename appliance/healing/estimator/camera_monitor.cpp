@@ -10,7 +10,7 @@
 namespace cyclorama::healing {
 namespace {
 
-// A twentieth of a projector's pixel or so: patches measure from where the prediction was made, whatever it was.
+// About a twentieth of a projector's pixel: patches measure relative to the prediction, whatever its pose was.
 constexpr double kSameTurn_rad = 3e-5;
 constexpr double kSameShift_m = 1e-4;
 

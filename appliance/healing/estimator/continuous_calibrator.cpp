@@ -14,19 +14,20 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr double kProjectorTurn_rad = 3e-4;  // What a scan leaves over.
+constexpr double kProjectorTurn_rad = 3e-4;  // Residual of a scan.
 constexpr double kProjectorShift_m = 1e-3;
 constexpr double kCameraTurn_rad = 5e-4;
 constexpr double kCameraShift_m = 2e-3;
-constexpr double kCaution = 4.0;  // Variance of a measurement, in what the solver promised: patches share errors.
+constexpr double kCaution = 4.0;  // Factor on the solver's variance of a measurement, since patches share errors.
 constexpr int kMinLearnedSteps = 5;
 constexpr Duration kSettlesWithin = std::chrono::minutes(2);
 constexpr int kSurprisesAreABump = 2;
-constexpr int kStubborn = 6;  // Surprises that nobody's move explains: the filter was too sure of itself.
+// Number of surprises without an explanation after which the filter's covariance counts as too small.
+constexpr int kStubborn = 6;
 constexpr double kMaxFollowed_px = 1.0;
 constexpr int kMinPatches = 12;
 constexpr int kSearchesSeveralTimes = 8;
-constexpr double kDarkest = 0.004;  // Mean light predicted, of the camera's full scale.
+constexpr double kDarkest = 0.004;  // Predicted mean light, as a share of the camera's full scale.
 constexpr Duration kLearnsStillWithin = std::chrono::seconds(30);
 constexpr Duration kRealignsFor = std::chrono::seconds(10);
 constexpr double kRealignsFrom_px = 0.05;
@@ -129,7 +130,7 @@ void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solut
     if (body < projectors()) {
       lately[body].add(innovation);
       seems_off_px[body] = motion[body].rms_px(one.step);
-      // Less than what would be corrected may be followed.
+      // Drift below the correction threshold may be followed.
       is_creeping[body] =
           lately[body].is_surprising() && seems_off_px[body] >= options.correct_from_px / options.pixels;
     }
@@ -139,14 +140,14 @@ void ContinuousCalibrator::State::learn(TimePoint now, const PoseSolution& solut
     if (is_surprise && body < projectors() && is_settled) notice(body, report);
     if (!is_surprise && !is_refused[body]) told[body] = measured;
   }
-  // Where projectors are said to be rests on where cameras are.
+  // Projectors' poses depend on the cameras' poses.
   if (has_camera_moved) return;
-  // A time that is a little wrong moves what moves; drift has time until it stands still.
+  // A small error of the time stamp displaces moving content; drift can wait until it stands still.
   if (is_moving && still_at && now < *still_at + kLearnsStillWithin) return;
   ++learned;
   const std::vector<bool> is_anchored = anchored(looks);
   for (BodyIndex body = 0; body < bodies(); ++body) {
-    // Until it has settled, what is learned corrects nothing.
+    // Before it has settled, learning does not lead to corrections.
     if (!told[body] || (is_settled && !is_anchored[body])) continue;
     const calibration::PoseStep step = filters[body].update(*told[body]);
     if (body < projectors()) {
@@ -166,7 +167,7 @@ void ContinuousCalibrator::State::loosen_stubborn() {
   const auto gone = lost();
   for (BodyIndex i = 0; i < bodies(); ++i) {
     if (surprises[i] < kStubborn || is_refused[i]) continue;
-    // What was not found, or is far, is no drift.
+    // A displacement that was not found, or is large, is no drift.
     if (i < projectors() && (seems_off_px[i] > kMaxFollowed_px / options.pixels ||
                              std::ranges::any_of(gone, [&](const auto& pair) { return pair.second == i; }))) {
       continue;
@@ -186,10 +187,10 @@ void ContinuousCalibrator::State::loosen(BodyIndex body) {
 
 void ContinuousCalibrator::State::settle(TimePoint now) {
   if (is_settled || now < *begun_at + options.settle) return;
-  // By what was learned, not by the clock alone: a step may take a quarter of a second, or two.
+  // Settling depends on the learned steps, not on the clock alone: a step may take a quarter of a second, or two.
   if (learned < kMinLearnedSteps && now < *begun_at + kSettlesWithin) return;
   is_settled = true;
-  // What was learned so far is the scan's own error, not a change.
+  // The values learned so far are the scan's own error, not a change.
   for (std::size_t i = 0; i < projectors(); ++i) {
     const calibration::PoseStep change =
         calibration::step_between(scanned.projectors[i].T_room_projector, applied.projectors[i].T_room_projector);
@@ -333,7 +334,7 @@ Status ContinuousCalibrator::put_back(std::size_t projector,
                                       const RigidTransform<frame::Room, frame::Projector>& T_room_projector) {
   CHECK(projector < state_->projectors());
   if (!state_->is_settled) return Error(ErrorCode::kUnavailable, "it has only begun; wait some seconds");
-  // Where it would be believed to stand if that place were right: where it is believed to stand.
+  // Sets the believed pose to the one that would be believed if the given pose were right.
   const auto change = state_->scanned.projectors[projector].T_room_projector.inverse() * T_room_projector;
   auto& rest = state_->reference.projectors[projector].T_room_projector;
   rest = state_->believed.projectors[projector].T_room_projector * change.inverse();
@@ -349,7 +350,7 @@ ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
   if (std::exchange(state.wants_realignment, false)) {
     state.realigns_until = moment.now + kRealignsFor;
     state.fruitless = 0;
-    for (BodyIndex i = 0; i < state.projectors(); ++i) state.loosen(i);  // Cameras hold the room together.
+    for (BodyIndex i = 0; i < state.projectors(); ++i) state.loosen(i);  // The cameras keep the room's reference.
   }
   if (!state.begun_at) {
     state.begun_at = moment.now;
@@ -381,7 +382,7 @@ ShowReport ContinuousCalibrator::step(const ShowMoment& moment) {
       const bool creeps = std::ranges::find(state.is_creeping, true) != state.is_creeping.end();
       if ((is_bumped || creeps) && state.is_settled) {
         is_recovered = state.recover(moment.now, false, &report);
-        // What nobody's move explains is followed, and is asked about again when there is more of it.
+        // Displacements without an explanation are followed, and tested again when there are more observations.
         for (std::size_t i = 0; i < state.projectors(); ++i) {
           if (state.is_creeping[i] && !state.is_refused[i]) state.lately[i].forget();
         }

@@ -9,13 +9,13 @@ namespace cyclorama::healing {
 namespace {
 
 constexpr int kMinPatches = 10;
-constexpr double kDiffers_px = 4.0;  // As far as patches reach.
-// What a pose that is not quite right yet makes of a difference between two times, and what noise does.
+constexpr double kDiffers_px = 4.0;  // Reach of patches.
+// Contribution of a slightly wrong pose and of noise to the difference between two times.
 constexpr double kBetter_px = 0.12;
 constexpr double kBetterPart = 0.1;
 constexpr double kWorse_px = 0.05;
 
-/// How far patches are off, on the mean, per projector; nothing of those of which too few can be compared.
+/// Returns the mean distance of patches per projector; empty for those with too few comparable patches.
 std::vector<std::optional<double>> mean_off_px(std::span<const PatchShift> patches, std::size_t projectors) {
   std::vector<double> sums(projectors, 0.0);
   std::vector<int> counts(projectors, 0);

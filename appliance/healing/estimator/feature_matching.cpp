@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kMaxFeatures = 1500;
 constexpr float kRatio = 0.8f;      // Lowe, IJCV 60 (2), 2004.
-constexpr double kInlier_px = 8.0;  // Of the projector or the camera: what patches then make exact.
+constexpr double kInlier_px = 8.0;  // In pixels of the projector or the camera; patches refine it afterwards.
 constexpr int kMinInliers = 12;
 
-/// As OpenCV wants it: 8 bits, evenly bright to the eye, so that dark parts have features too.
+/// Converts to OpenCV's 8 bits, perceptually uniform, so that dark parts have features too.
 cv::Mat codes_of(const LightPlane& plane) {
   float max = 1e-9f;
   std::vector<float> sorted(plane.light.data().begin(), plane.light.data().end());
@@ -39,7 +39,7 @@ cv::Ptr<cv::Feature2D> detector(FeatureKind kind) {
   return cv::AKAZE::create(cv::AKAZE::DESCRIPTOR_MLDB, 0, 3, 0.0005f);
 }
 
-/// Each to its best, if that is much better than the next one.
+/// Matches each feature to its best, if that is much better than the second.
 std::vector<int> best_of(const cv::Mat& from, const cv::Mat& to, int norm) {
   std::vector<int> best(static_cast<std::size_t>(from.rows), -1);
   std::vector<std::vector<cv::DMatch>> found;
@@ -55,7 +55,7 @@ Eigen::Vector2d place_of(const cv::KeyPoint& point) {
   return {static_cast<double>(point.pt.x) + 0.5, static_cast<double>(point.pt.y) + 0.5};
 }
 
-/// T_body_room from points in the room and where the body sees them, as slopes.
+/// Returns T_body_room from points in the room and their positions in the body's picture, as slopes.
 std::optional<RigidTransform<frame::Room, frame::Room>> place_from(const std::vector<cv::Point3d>& points,
                                                                    const std::vector<cv::Point2d>& slopes,
                                                                    double inlier_slope) {
@@ -83,7 +83,7 @@ std::optional<RigidTransform<frame::Room, frame::Room>> place_from(const std::ve
   }
 }
 
-/// The step to a pose found, unless it is beyond what a bump can do.
+/// Returns the step to a found pose, unless it exceeds the extent of a bump.
 template <typename Body>
 std::optional<calibration::PoseStep> plausible(const RigidTransform<frame::Room, Body>& believed,
                                                const RigidTransform<frame::Room, frame::Room>& T_body_room) {

@@ -9,7 +9,7 @@
 namespace cyclorama::healing {
 namespace {
 
-/// `light_at(x, y)` summed over blocks; what is left over at the right and below is dropped.
+/// Sums `light_at(x, y)` over blocks; drops incomplete blocks at the right and below.
 template <typename LightAt>
 LightPlane shrunk(int width, int height, int factor, const LightAt& light_at) {
   CHECK(factor >= 1);
@@ -102,7 +102,7 @@ void soften(LightPlane* plane) {
 LightPlane halved(const LightPlane& plane) {
   LightPlane soft = plane;
   soften(&soft);
-  // Blocks of two keep corners where they are, as factor promises.
+  // Blocks of two keep corners in place, as the definition of `factor` requires.
   LightPlane half = shrunk(soft.width(), soft.height(), 2, [&](int x, int y) { return *soft.light.at(x, y); });
   half.factor = 2 * plane.factor;
   return half;

@@ -10,17 +10,17 @@ namespace cyclorama::healing {
 namespace {
 
 constexpr double kCorrelation = 4.0;  // Neighbouring pixels share noise: bilinear sampling and softening.
-constexpr double kPriorPx = 3.0;      // Of a shift in a direction in which a patch has no gradient.
-constexpr double kFloorPx = 0.02;     // What no patch is better than: sampling.
+constexpr double kPriorPx = 3.0;      // For the shift in a direction in which a patch has no gradient.
+constexpr double kFloorPx = 0.02;     // Minimum deviation of a patch, from sampling.
 constexpr double kSettledPx = 0.003;
 
-/// A patch of the prediction, ready to be looked for.
+/// A patch of the prediction, prepared for the search.
 struct Template {
   std::vector<float> values;  ///< Mean 0, length 1.
   std::vector<float> slope_x;
   std::vector<float> slope_y;
   Eigen::Matrix2d gradients = Eigen::Matrix2d::Zero();
-  double contrast = 0.0;  ///< Standard deviation before.
+  double contrast = 0.0;  ///< Standard deviation before normalisation.
 };
 
 float dot(const std::vector<float>& a, const std::vector<float>& b) {
@@ -29,7 +29,7 @@ float dot(const std::vector<float>& a, const std::vector<float>& b) {
   return sum;
 }
 
-/// To mean 0 and length 1; the length before.
+/// Normalises to mean 0 and length 1; returns the former length.
 float normalise(std::vector<float>* values) {
   float mean = 0.0f;
   for (const float v : *values) mean += v;
@@ -73,7 +73,7 @@ void cut_template(const LightPlane& plane, int x, int y, int radius, Template* m
       static_cast<double>(dot(made->slope_y, made->slope_y));
 }
 
-/// Whose light all of a patch is; below 0 if it is nobody's alone.
+/// Returns the owner of all of a patch's light; below 0 if there is no single one.
 int owner_of(const Image<std::int8_t, 1>& owner, int x, int y, int radius) {
   std::array<int, 128> counts{};
   int own = 0;
@@ -117,7 +117,7 @@ bool sample(const LightPlane& plane, const Eigen::Vector2d& middle, int radius, 
   return true;
 }
 
-/// Finds the template from where it is predicted. False: it left the picture.
+/// Searches the template, starting from its predicted position. Returns false if it left the picture.
 bool look_for(const Template& wanted, const LightPlane& picture, int radius, const PatchOptions& options,
               std::vector<float>* values, PatchShift* patch) {
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
@@ -151,12 +151,12 @@ bool look_for(const Template& wanted, const LightPlane& picture, int radius, con
   return true;
 }
 
-/// Whether the patch looks like another place of the prediction itself, within reach.
+/// Whether the patch resembles another position of the prediction itself, within reach.
 bool repeats(const LightPlane& plane, const Template& wanted, int x, int y, int radius, int reach,
              std::vector<float>* values) {
   constexpr float kAlike = 0.85f;
   const double nearest = 0.5 * radius + 1.0;
-  // By half pixels: a period need not be whole.
+  // Steps of half a pixel, since a period need not be whole.
   for (double dy = -reach; dy <= reach; dy += 0.5) {
     for (double dx = -reach; dx <= reach; dx += 0.5) {
       if (std::max(std::abs(dx), std::abs(dy)) < nearest) continue;
@@ -229,7 +229,8 @@ LightScale light_scale(const Prediction& prediction, const LightPlane& picture) 
     }
   }
   if (means.size() < 8) return {};
-  // From the darker half's median to the brighter half's: a person, or a lamp that is off, does not turn it round.
+  // Fits from the darker half's median to the brighter half's: a person, or a lamp that is off, does not invert the
+  // slope.
   std::ranges::sort(means, [](const auto& a, const auto& b) { return a.x() < b.x(); });
   const auto half = static_cast<std::ptrdiff_t>(means.size() / 2);
   const auto median = [](auto begin, auto end, int axis) {

@@ -11,15 +11,15 @@
 namespace cyclorama::healing {
 namespace {
 
-/// A measurement taken apart into directions that do not know of each other.
+/// One of a measurement's uncorrelated directions.
 struct Direction {
   calibration::PoseStep along;
   double value;
   double variance;
 };
 
-/// Calls `use` for each direction that was measured. Turns and shifts are balanced first: their units differ by orders
-/// of magnitude, and eigenvectors are only as good as the largest eigenvalue allows.
+/// Calls `use` for each measured direction. Turns and shifts are balanced first: their units differ by orders of
+/// magnitude, and eigenvectors are only as precise as the largest eigenvalue allows.
 template <typename Use>
 void for_directions(const PoseFilter::Measured& measured, const calibration::PoseMatrix& root, const Use& use) {
   calibration::PoseStep unit;

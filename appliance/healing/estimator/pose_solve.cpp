@@ -17,10 +17,12 @@ namespace cyclorama::healing {
 namespace {
 
 constexpr double kLossWidth = 2.5;              // In deviations.
-constexpr double kStages[] = {40.0, 8.0, 1.0};  // Times the loss's width.
-constexpr double kMinMoveGain = 40.0;  // Cost that one more moving body must save: six numbers, many times over.
+constexpr double kStages[] = {40.0, 8.0, 1.0};  // Factors on the loss's width.
+// Minimum cost that one more moving body must save: six parameters, many times over.
+constexpr double kMinMoveGain = 40.0;
 
-/// One patch_observation. Cameras move what they look at along the wall, linearly: `room_by_camera` in the projector's frame.
+/// Residual of one PatchObservation. A camera's motion displaces its point on the wall linearly: `room_by_camera` in
+/// the projector's frame.
 struct ObservationCost {
   calibration::BrownBlock lens;
   Eigen::Vector3d point;  ///< In the believed projector's frame.
@@ -81,7 +83,7 @@ struct PriorCost {
   }
 };
 
-/// U with U^T U = information; exact also where it is only semidefinite.
+/// Returns U with U^T U = information; also exact if it is only semidefinite.
 calibration::PoseMatrix root_of(const calibration::PoseMatrix& information) {
   const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(information);
   return parts.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * parts.eigenvectors().transpose();
@@ -132,7 +134,7 @@ class PoseProblem {
     return Done{};
   }
 
-  /// J^T J of all bodies, as the losses weigh it. Parameter blocks are in the bodies' order.
+  /// Returns J^T J of all bodies with the losses' weights. Parameter blocks are in the bodies' order.
   [[nodiscard]] Eigen::MatrixXd normal_matrix() {
     ceres::Problem::EvaluateOptions options;
     for (calibration::PoseStep& step : steps_) options.parameter_blocks.push_back(step.data());
@@ -151,7 +153,7 @@ class PoseProblem {
     return normal;
   }
 
-  /// Median absolute residual of observations over what normal noise would have.
+  /// Returns the median absolute residual of observations relative to that of normal noise.
   [[nodiscard]] double noise() {
     ceres::Problem::EvaluateOptions options;
     options.residual_blocks = seen_;
@@ -178,7 +180,7 @@ class PoseProblem {
 };
 
 int rank_of(const calibration::PoseMatrix& information) {
-  // Turns and shifts in units of what a loose body may do.
+  // Turns and shifts in units of a loose body's deviations.
   calibration::PoseStep unit;
   unit << kLooseTurn_rad, kLooseTurn_rad, kLooseTurn_rad, kLooseShift_m, kLooseShift_m, kLooseShift_m;
   const calibration::PoseMatrix scaled = unit.asDiagonal() * information * unit.asDiagonal();
@@ -218,7 +220,7 @@ Result<PoseSolution> solve_poses(const calibration::ShowCalibration& room,
     body.covariance = 0.5 * (block + block.transpose());
     if (!body.covariance.allFinite() || !body.step.allFinite())
       return Error(ErrorCode::kBadData, "poses without finite covariance");
-    // What remains of the certainty once the prior is taken away.
+    // Remaining information after subtraction of the prior.
     const calibration::PoseMatrix told = body.covariance.inverse() - priors[i].information;
     const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(0.5 * (told + told.transpose()));
     body.information =

@@ -28,7 +28,7 @@ struct BodyPrior {
 struct BodySolution {
   calibration::PoseStep step = calibration::PoseStep::Zero();
   calibration::PoseMatrix covariance = calibration::PoseMatrix::Zero();  ///< Covariance of the step, prior included.
-  /// What the measurements alone determine while all other bodies are uncertain.
+  /// Information from the measurements alone, while all other bodies are uncertain.
   calibration::PoseMatrix information = calibration::PoseMatrix::Zero();
   /// Directions of `information` that are known better than a tenth of the prior's start.
   int rank = 0;

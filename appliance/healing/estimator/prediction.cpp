@@ -78,7 +78,7 @@ LitPart lit_part(const SeenWall& seen, const calibration::ShowProjector& project
                          [](double v) { return static_cast<float>(v); });
   const auto width = static_cast<float>(projector.lens.width_px);
   const auto height = static_cast<float>(projector.lens.height_px);
-  // What a distortion does far outside of its picture is not to be believed.
+  // The distortion model is not valid far outside of the picture.
   const float widest = 1.2f * std::hypot(width, height) / static_cast<float>(projector.lens.focal_u_px);
   for (std::size_t i = 0; i < lit.positions.size(); ++i) {
     const Eigen::Vector3f p = R * seen.points[i] + t;

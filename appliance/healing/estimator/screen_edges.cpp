@@ -8,11 +8,11 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr int kEvery_px = 16;  // Of the reduced picture.
+constexpr int kEvery_px = 16;  // In pixels of the reduced picture.
 constexpr int kSearchRadius_px = 5;
-constexpr int kBeyond_px = 3;           // How far inside of an edge its light is asked for.
-constexpr double kMinEdgeStep = 0.004;  // Of the camera's full scale, over the edge.
-constexpr double kSigma_px = 0.6;       // Of the reduced picture: content beside an edge pulls it.
+constexpr int kBeyond_px = 3;           // Distance inside of an edge at which its light is sampled.
+constexpr double kMinEdgeStep = 0.004;  // Minimum step across the edge, as a share of the camera's full scale.
+constexpr double kSigma_px = 0.6;       // In pixels of the reduced picture; content beside an edge shifts it.
 
 /// Whether a camera's ray meets the wall.
 class WallRay {
@@ -23,7 +23,7 @@ class WallRay {
     return slope &&
            hit(wall_, {{camera_.T_room_camera.translation()}, camera_.T_room_camera.rotation() * slope->homogeneous()});
   }
-  /// Where the wall ends on the way from a pixel that meets it to one that does not.
+  /// Returns the edge of the wall between a pixel that meets it and one that does not.
   [[nodiscard]] std::optional<Eigen::Vector2d> end(Eigen::Vector2d inside, Eigen::Vector2d outside) const {
     if (!meets(inside) || meets(outside)) return std::nullopt;
     while ((outside - inside).norm() > 1e-4) {
@@ -43,7 +43,7 @@ std::optional<EdgePoint> edge_point(const Wall& wall, const calibration::ShowCam
   const WallRay observation(wall, camera);
   const auto at = observation.end(inside, outside);
   if (!at) return std::nullopt;
-  // The tangent, from ends a few pixels to either side.
+  // The tangent is computed from ends a few pixels to either side.
   const Eigen::Vector2d out = (outside - inside).normalized();
   const Eigen::Vector2d along(-out.y(), out.x());
   constexpr double kBeside_px = 6.0;
@@ -91,7 +91,7 @@ std::vector<EdgePoint> edge_points(const Wall& wall, const calibration::ShowCame
     const Eigen::Vector2d outside = is_first_inside ? centre(x1, y1) : centre(x0, y0);
     auto point = edge_point(wall, camera, inside, outside);
     if (!point) return;
-    // Steep ones are found in rows, the others in columns.
+    // Steep edges are sought in rows, the others in columns.
     if ((std::abs(point->outward.y()) > std::abs(point->outward.x())) != is_column) return;
     point->part = !is_column ? Outline::kSide : point->outward.y() < 0.0 ? Outline::kUpper : Outline::kLower;
     points.push_back(*point);
@@ -107,7 +107,7 @@ std::vector<EdgePoint> edge_points(const Wall& wall, const calibration::ShowCame
 
 std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points, const calibration::ShowCalibration& room,
                                   std::size_t camera, int factor, std::span<const LightPlane> shone) {
-  constexpr double kGoesOn = 0.5;  // Of the light inside: content changes over some pixels, too.
+  constexpr double kGoesOn = 0.5;  // Share of the light inside, since content changes over some pixels too.
   const calibration::ShowCamera& eye = room.cameras[camera];
   const auto light = [&](const EdgePoint& point, double out_px) {
     const auto wall = calibration::wall_seen_at(room, eye, point.at + out_px * factor * point.outward);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What cameras see, beside what they should see: which pictures of a step count.
+// Compares cameras' pictures with their predictions, and decides which pictures of a step count.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kMinPatches = 12;
 constexpr double kMaxSaturatedShare = 0.25;
-constexpr double kGainShare = 0.2;  // How quickly a camera's gain follows.
+constexpr double kGainShare = 0.2;  // Rate at which a camera's gain is updated.
 constexpr Duration kTimeStep = kTimeDoubt / 2;
 constexpr Duration kMaxTimeOffset = std::chrono::milliseconds(200);
 

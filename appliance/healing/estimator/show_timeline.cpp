@@ -7,10 +7,10 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr double kStill_px = 0.1;  // Of the plane's pixels: patches measure no better.
+constexpr double kStill_px = 0.1;  // In the plane's pixels; patches are no more precise.
 constexpr std::ptrdiff_t kCompared = 8;
 
-/// A shift makes a difference of slope times distance: summed over the picture, that tells the distance.
+/// A shift causes a difference of slope times distance; the sum over the picture gives the distance.
 double shift_px(const LightPlane& a, const LightPlane& b) {
   if (a.light.empty() || a.width() != b.width() || a.height() != b.height()) return 0.0;
   double differences = 0.0;
@@ -47,10 +47,10 @@ std::pair<ShowTimeline::Entries::iterator, ShowTimeline::Entries::iterator> Show
                                                                                                 TimePoint until) {
   const std::pair nothing(entries_.end(), entries_.end());
   if (!(until > from) || entries_.empty() || entries_.front().lit_at > from || until > until_.at) return nothing;
-  // What came after it began, and the one before that.
+  // All that came after the exposure began, and the one before.
   const auto first = std::ranges::upper_bound(entries_, from, {}, &Entry::lit_at) - 1;
   const auto end = std::ranges::lower_bound(entries_, until, {}, &Entry::lit_at);
-  // The one after them has to be the next one too: else another one may have come before `until`.
+  // The next entry must have the next number, else another picture may have come before `until`.
   for (auto one = first; one != end; ++one) {
     const std::uint64_t next = one + 1 != entries_.end() ? (one + 1)->number : until_.number + 1;
     if (next != one->number + 1) return nothing;
@@ -61,7 +61,7 @@ std::pair<ShowTimeline::Entries::iterator, ShowTimeline::Entries::iterator> Show
 bool ShowTimeline::is_still(TimePoint from, TimePoint until) {
   const auto [first, end] = shown(from, std::max(until, until_.at));
   if (first == end) return false;
-  // Of many pictures some: none has to be made for this alone.
+  // Compares a subset of many pictures, so that none is computed for this alone.
   const std::ptrdiff_t stride = std::max<std::ptrdiff_t>(1, (end - first) / kCompared);
   double moved_px = 0.0;
   for (auto one = first; end - one > 1;) {

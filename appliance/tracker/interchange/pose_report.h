@@ -23,7 +23,7 @@ struct PoseReport {
 
 /// Axes of another tracker.
 enum class TrackerAxes {
-  kCamera,  ///< As ours: X right, Y down, Z forward of a camera at the wall that faces the visitor.
+  kCamera,  ///< Same as ours: X right, Y down, Z forward of a camera at the wall that faces the visitor.
   kRoom,    ///< X to the visitor's right, Y up, Z towards the visitor; origin at the wall, where a camera would be.
 };
 

@@ -40,7 +40,7 @@ class VrpnReader {
   /// Strict: kBadData if a length does not match its contents, since the rest of the datagram has no meaning then.
   Result<std::vector<PoseReport>> read(std::span<const std::byte> datagram);
 
-  static constexpr std::size_t kMaxNames = 1024;  ///< Of each kind; no sender of trackers has more.
+  static constexpr std::size_t kMaxNames = 1024;  ///< Limit for each kind; no sender of trackers has more.
 
  private:
   struct Message {

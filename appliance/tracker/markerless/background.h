@@ -33,8 +33,9 @@ class Background {
  public:
   explicit Background(const BackgroundSettings& settings) : settings_(settings) {}
 
-  /// What `picture`, taken at `at`, shows. Within `visitor`, where somebody is known to stand, the room is not learned.
-  /// A picture of another size begins anew, as does a time that jumps by more than 5 s. Valid until the next call.
+  /// Returns the silhouette of `picture`, taken at `at`; valid until the next call. Within `visitor`, where a person is
+  /// known to stand, the room is not learned. A picture of another size restarts the learning, as does a jump in time
+  /// of more than 5 s.
   const Silhouette& update(const GreyImage& picture, TimePoint at, const std::optional<CellBounds>& visitor);
   [[nodiscard]] const Silhouette& silhouette() const { return silhouette_; }
   /// Returns the side of a cell in pixels, for pictures of this width.

@@ -24,11 +24,12 @@ struct LogLightSample {
   double x = 0.0;
   double y = 0.0;
   double log_ratio = 0.0;
-  double weight = 1.0;  ///< 0 where somebody may stand.
+  double weight = 1.0;  ///< 0 where a person may stand.
 };
 
-/// The gain that most samples agree on; what stands before the room is outvoted as long as it fills less than half of
-/// the samples. Iterated least squares with Cauchy's weights from the median on; no samples give no change. Pure.
+/// Returns the gain that most samples agree on; a person in front of the room is an outlier as long as less than half
+/// of the samples are covered. Iterated least squares with Cauchy's weights, starting at the median; without samples
+/// there is no change. Pure.
 [[nodiscard]] LightGain fitted_light(const std::vector<LogLightSample>& samples);
 
 }  // namespace cyclorama::tracker

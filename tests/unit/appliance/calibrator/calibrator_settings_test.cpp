@@ -171,7 +171,7 @@ TEST(CalibratorSettings, find_lenses_beside_the_file) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(scan::CameraSource, is_a_name_and_a_line) {
+TEST(CameraSource, is_a_name_and_a_line) {
   const auto plug = scan::parse_camera_source("left=v4l2:usb-1?width_px=640");
   ASSERT_TRUE(plug);
   EXPECT_EQ(plug->name, "left");

@@ -60,7 +60,7 @@ class Folder {
   std::filesystem::path path;
 };
 
-TEST(calibration::ShowFile, comes_back_as_it_was_written) {
+TEST(ShowFile, comes_back_as_it_was_written) {
   const Installation room = demo_room();
   calibration::ShowFile show;
   show.calibration = "2026-11-22T10-00-00Z";
@@ -84,7 +84,7 @@ TEST(calibration::ShowFile, comes_back_as_it_was_written) {
   EXPECT_EQ(read->cameras[0].name, show.cameras[0].name);
 }
 
-TEST(calibration::ShowFile, keeps_to_the_bit_how_codes_become_light_and_why_one_is_not_placed) {
+TEST(ShowFile, keeps_to_the_bit_how_codes_become_light_and_why_one_is_not_placed) {
   calibration::ShowFile show;
   show.calibration = "x";
   show.projectors.push_back(installed(demo_room().projectors[0]));
@@ -195,7 +195,7 @@ TEST(CorrectionLog, finds_the_last_correction_that_stands) {
   EXPECT_FALSE(last_correction(folder.path, at));
 }
 
-TEST(calibration::ShowFile, names_the_place_of_what_is_wrong) {
+TEST(ShowFile, names_the_place_of_what_is_wrong) {
   calibration::ShowFile show;
   show.calibration = "x";
   show.projectors.push_back(installed(demo_room().projectors[0]));

@@ -57,14 +57,14 @@ calibration::SurfaceModel model_of(RoomKind kind, unsigned seed) {
   return choice->fit.surface.model;
 }
 
-TEST(calibration::ModelChoice, finds_the_least_wall_that_predicts) {
+TEST(ModelChoice, finds_the_least_wall_that_predicts) {
   EXPECT_EQ(model_of(RoomKind::kPlane, 1), calibration::SurfaceModel::kPlane);
   EXPECT_EQ(model_of(RoomKind::kCylinder, 1), calibration::SurfaceModel::kCylinder);
   EXPECT_EQ(model_of(RoomKind::kTiltedCylinder, 1), calibration::SurfaceModel::kCylinder);
   EXPECT_EQ(model_of(RoomKind::kDome, 1), calibration::SurfaceModel::kQuadric);
 }
 
-TEST(calibration::ModelChoice, follows_walls_that_are_nearly_something_else) {
+TEST(ModelChoice, follows_walls_that_are_nearly_something_else) {
   EXPECT_EQ(model_of(RoomKind::kUnevenCylinder, 1), calibration::SurfaceModel::kProfile);
   // Two planes are a degenerate quadric: eight parameters describe them exactly, a profile only to its knots.
   EXPECT_THAT(model_of(RoomKind::kCorner, 1),
@@ -72,7 +72,7 @@ TEST(calibration::ModelChoice, follows_walls_that_are_nearly_something_else) {
   EXPECT_EQ(model_of(RoomKind::kBumpy, 1), calibration::SurfaceModel::kMesh);
 }
 
-TEST(calibration::ModelChoice, finds_its_way_round_a_corner_where_plane_and_cylinder_ended_on_one_wall) {
+TEST(ModelChoice, finds_its_way_round_a_corner_where_plane_and_cylinder_ended_on_one_wall) {
   const Given g = given(RoomKind::kCorner, 7);
   const auto choice = choose_model(g.projectors, g.samples, g.distance_m);
   ASSERT_TRUE(choice) << choice.error().message();
@@ -103,7 +103,7 @@ Given through_rich_lenses(Given g) {
   return g;
 }
 
-TEST(calibration::ModelChoice, a_richer_lens_is_no_reason_for_a_richer_wall) {
+TEST(ModelChoice, a_richer_lens_is_no_reason_for_a_richer_wall) {
   for (const auto& [kind, wall] : {std::pair(RoomKind::kPlane, calibration::SurfaceModel::kPlane),
                                    std::pair(RoomKind::kCylinder, calibration::SurfaceModel::kCylinder)}) {
     const Given g = through_rich_lenses(given(kind, 2));
@@ -113,7 +113,7 @@ TEST(calibration::ModelChoice, a_richer_lens_is_no_reason_for_a_richer_wall) {
   }
 }
 
-TEST(calibration::ModelChoice, never_takes_a_richer_wall_that_predicts_worse) {
+TEST(ModelChoice, never_takes_a_richer_wall_that_predicts_worse) {
   const Given g = given(RoomKind::kCylinder, 2);
   const auto choice = choose_model(g.projectors, g.samples, g.distance_m);
   ASSERT_TRUE(choice) << choice.error().message();
@@ -128,7 +128,7 @@ TEST(calibration::ModelChoice, never_takes_a_richer_wall_that_predicts_worse) {
   EXPECT_EQ(choice->fit.surface_sigmas.size(), 4U);
 }
 
-TEST(calibration::ModelChoice, says_which_projector_has_no_place) {
+TEST(ModelChoice, says_which_projector_has_no_place) {
   Given g = given(RoomKind::kCylinder, 3);
   g.projectors[1].position.reset();
   const auto choice = choose_model(g.projectors, g.samples, g.distance_m);

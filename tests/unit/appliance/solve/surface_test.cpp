@@ -35,7 +35,7 @@ calibration::Surface cylinder(double curvature) {
   return surface;
 }
 
-TEST(calibration::Surface, a_cylinder_about_the_eye_is_equally_far_all_round) {
+TEST(Surface, a_cylinder_about_the_eye_is_equally_far_all_round) {
   const calibration::Surface surface = cylinder(0.25);
   for (double a = -3.1; a < 3.1; a += 0.2) {
     const auto inverse_depth = surface.inverse_depth_at({std::sin(a), 0.0, -std::cos(a)});
@@ -44,7 +44,7 @@ TEST(calibration::Surface, a_cylinder_about_the_eye_is_equally_far_all_round) {
   }
 }
 
-TEST(calibration::Surface, a_cylinder_goes_over_into_a_plane_without_a_jump) {
+TEST(Surface, a_cylinder_goes_over_into_a_plane_without_a_jump) {
   const calibration::Surface flat = plane();
   for (const double curvature : {0.0, 1e-12, -1e-12, 1e-9}) {
     calibration::Surface nearly = cylinder(curvature);
@@ -59,7 +59,7 @@ TEST(calibration::Surface, a_cylinder_goes_over_into_a_plane_without_a_jump) {
   }
 }
 
-TEST(calibration::Surface, each_richer_start_says_what_the_lesser_said) {
+TEST(Surface, each_richer_start_says_what_the_lesser_said) {
   for (const calibration::Surface& from : {plane(), cylinder(0.25), cylinder(0.1)}) {
     for (const calibration::SurfaceModel model : calibration::kSurfaceModels) {
       if (model == calibration::SurfaceModel::kPlane ||
@@ -81,7 +81,7 @@ TEST(calibration::Surface, each_richer_start_says_what_the_lesser_said) {
   }
 }
 
-TEST(calibration::Surface, is_missed_by_what_looks_past_a_wall_that_bulges) {
+TEST(Surface, is_missed_by_what_looks_past_a_wall_that_bulges) {
   EXPECT_TRUE(cylinder(-1.0).inverse_depth_at(Eigen::Vector3d(0.0, 0.0, -1.0)));
   EXPECT_FALSE(cylinder(-1.0).inverse_depth_at(Eigen::Vector3d(0.5, 0.0, -0.866)));
 }
@@ -187,7 +187,7 @@ TEST(SplinePrior, has_the_slopes_that_differences_give) {
   }
 }
 
-TEST(calibration::Surface, rungs_are_read_by_their_names) {
+TEST(Surface, rungs_are_read_by_their_names) {
   for (const calibration::SurfaceModel model : calibration::kSurfaceModels)
     EXPECT_EQ(calibration::surface_model(calibration::name_of(model)), model);
   EXPECT_FALSE(calibration::surface_model("sphere"));

@@ -130,7 +130,7 @@ TEST(PlateAdjustment, goes_downhill_to_where_no_shared_number_can_make_it_better
   EXPECT_LE((scaled - Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols())).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-TEST(calibration::TurnPlate, finds_axis_offset_and_angles_within_what_it_claims) {
+TEST(TurnPlate, finds_axis_offset_and_angles_within_what_it_claims) {
   RoomPlan plan = coarse_plan();
   plan.camera_offset_m = {0.008, 0.0, 0.015};
   const Measurements measured = GeneratedRoom(plan).measurements();
@@ -144,7 +144,7 @@ TEST(calibration::TurnPlate, finds_axis_offset_and_angles_within_what_it_claims)
   EXPECT_TRUE(plate->covariance.allFinite());
 }
 
-TEST(calibration::TurnPlate, takes_an_offset_that_cannot_be_seen_for_none) {
+TEST(TurnPlate, takes_an_offset_that_cannot_be_seen_for_none) {
   RoomPlan plan = coarse_plan();
   plan.camera_offset_m.setZero();
   const auto plate = solved(GeneratedRoom(plan).measurements());
@@ -152,7 +152,7 @@ TEST(calibration::TurnPlate, takes_an_offset_that_cannot_be_seen_for_none) {
   EXPECT_LE(plate->offset_m.norm(), 0.004) << plate->offset_reason;
 }
 
-TEST(calibration::TurnPlate, starts_elsewhere_and_comes_to_the_same) {
+TEST(TurnPlate, starts_elsewhere_and_comes_to_the_same) {
   const Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   const auto one = solved(measured);
   TurnPlateOptions elsewhere;
@@ -167,7 +167,7 @@ TEST(calibration::TurnPlate, starts_elsewhere_and_comes_to_the_same) {
   }
 }
 
-TEST(calibration::TurnPlate, refuses_one_direction_and_says_what_to_add) {
+TEST(TurnPlate, refuses_one_direction_and_says_what_to_add) {
   Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   measured.directions.resize(1);
   const auto plate = solved(measured);
@@ -176,7 +176,7 @@ TEST(calibration::TurnPlate, refuses_one_direction_and_says_what_to_add) {
   EXPECT_NE(plate.error().message().find("add a direction"), std::string::npos) << plate.error().message();
 }
 
-TEST(calibration::TurnPlate, refuses_directions_that_share_nothing_and_names_the_gap) {
+TEST(TurnPlate, refuses_directions_that_share_nothing_and_names_the_gap) {
   RoomPlan plan = coarse_plan();
   plan.arc_rad = 3.0;
   plan.plate_step_rad = 1.5;
@@ -186,7 +186,7 @@ TEST(calibration::TurnPlate, refuses_directions_that_share_nothing_and_names_the
   EXPECT_NE(plate.error().message().find("degrees"), std::string::npos) << plate.error().message();
 }
 
-TEST(calibration::TurnPlate, refuses_angles_that_count_the_wrong_way) {
+TEST(TurnPlate, refuses_angles_that_count_the_wrong_way) {
   Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   for (PlateDirection& direction : measured.directions) direction.angle_rad = -direction.angle_rad;
   EXPECT_FALSE(solved(measured));

@@ -275,7 +275,7 @@ TEST(MachineFacts, a_mount_that_a_service_may_not_write_to_is_no_broken_disk) {
   std::filesystem::remove_all(root);
 }
 
-TEST(update::UpdateStatus, is_read_from_what_the_updater_writes) {
+TEST(UpdateStatus, is_read_from_what_the_updater_writes) {
   const auto status = update::parse_update_status(
       R"({"state": "ready", "version": "0.1.0", "available": "0.2.0", "at": "2026-11-22T03:10:00Z", "later": 1})");
   ASSERT_TRUE(status);

@@ -31,7 +31,7 @@ TEST(ToneMapped, what_is_no_light_is_black) {
   EXPECT_EQ(tone_mapped(std::numeric_limits<float>::quiet_NaN()), 0.0f);
 }
 
-TEST(scene::Sky, is_a_gradient_from_ground_over_horizon_to_zenith) {
+TEST(Sky, is_a_gradient_from_ground_over_horizon_to_zenith) {
   const scene::Sky sky{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   EXPECT_TRUE(sky_radiance(sky, {0, 1, 0}).isApprox(Vec3(1, 0, 0)));
   EXPECT_TRUE(sky_radiance(sky, {1, 0, 0}).isApprox(Vec3(0, 1, 0)));

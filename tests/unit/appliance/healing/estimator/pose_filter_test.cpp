@@ -25,7 +25,7 @@ calibration::PoseStep random_step(std::mt19937* random, double scale) {
   return step;
 }
 
-TEST(calibration::PoseStep, stepping_and_the_step_between_are_inverses) {
+TEST(PoseStep, stepping_and_the_step_between_are_inverses) {
   std::mt19937 random(3);
   for (int i = 0; i < 100; ++i) {
     const calibration::PoseStep position = random_step(&random, 1.0);
@@ -35,7 +35,7 @@ TEST(calibration::PoseStep, stepping_and_the_step_between_are_inverses) {
   }
 }
 
-TEST(calibration::PoseStep, half_of_the_way_and_its_rest_are_the_whole) {
+TEST(PoseStep, half_of_the_way_and_its_rest_are_the_whole) {
   std::mt19937 random(4);
   const auto from = calibration::stepped(RigidTransform<frame::Room, frame::Projector>(), random_step(&random, 1.0));
   calibration::PoseStep turn = random_step(&random, 0.3);

@@ -83,7 +83,7 @@ calibration::PoseStep bump() {
   return step;
 }
 
-TEST(calibration::ShowCalibration, slopes_and_pixels_are_inverses) {
+TEST(ShowCalibration, slopes_and_pixels_are_inverses) {
   const calibration::ShowProjector projector = room().projectors[0];
   for (double u : {0.0, 300.0, 1919.0}) {
     for (double v : {0.0, 700.0, 1080.0}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-hand: all that steers and is no camera. Gamepads, keyboards and 3D mice become wishes; poses that other
-/// trackers send by OSC or VRPN take the place of our tracker's.
+/// cyclorama-hand: everything that steers without a camera. Gamepads, keyboards and 3D mice give commands; poses that
+/// other trackers send by OSC or VRPN replace our tracker's.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -55,7 +55,7 @@ void add_options(CLI::App& app, Options* options) {
       ->capture_default_str();
 }
 
-/// Wishes, told to the tour while there are some, and once that there is none any more.
+/// Sends commands to the tour while there are any, and once more at the end.
 class SteerLink {
  public:
   static Result<SteerLink> open(const std::string& address) {
@@ -76,7 +76,7 @@ class SteerLink {
     reached_ = stub_->Steer(&context, request, &reply).ok();
     told_ = command;
     told_at_ = now;
-    rested_ = command.is_rest();  // A rest that is lost on the way comes about by itself, 300 ms later.
+    rested_ = command.is_rest();  // If a rest is lost on the way, the tour stops by itself 300 ms later.
   }
   [[nodiscard]] bool reached() const { return reached_; }
 
@@ -95,7 +95,7 @@ wire::TrackedPose to_wire_pose(const tracker::PoseReport& report, tracker::Track
   wire::TrackedPose pose;
   pose.set_camera("another tracker");
   pose.set_sequence(report.sequence);
-  pose.set_shutter_ns(to_nanoseconds(arrived_at));  // Its own clock means nothing here.
+  pose.set_shutter_ns(to_nanoseconds(arrived_at));  // The sender's clock has no meaning here.
   pose.set_tag(static_cast<std::uint32_t>(report.sensor));
   const auto T_camera_tag = tracker::pose_of(report, axes);
   pose.set_found(T_camera_tag.has_value());
@@ -146,7 +146,7 @@ Status run(const Options& options, const StopSignal& stop) {
     }
     inputs.update(now);
     input::InputCommand command = inputs.command(now);
-    // As with keys: who says nothing any more wants nothing any more.
+    // As with keys, a command ends when its sender has been silent.
     if (command.is_rest() && now - osc_command_at < std::chrono::milliseconds(300)) command = osc_command;
     steer.tell(command, now);
     if (now - said_at < kReportPeriod) continue;

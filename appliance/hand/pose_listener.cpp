@@ -8,7 +8,7 @@
 namespace cyclorama::hand {
 namespace {
 
-constexpr int kMaxDatagrams = 1000;  // At once: a flood may not keep it from its other work.
+constexpr int kMaxDatagrams = 1000;  // Limit per call, so that a flood does not block other work.
 
 }  // namespace
 

@@ -111,7 +111,7 @@ void HealingLoop::turn() {
 Status HealingLoop::begin() {
   const auto at = calibrated_at();
   const std::vector<std::string> troubles = rooms_->troubles();
-  // A record or named cameras imply that the wall should be watched, so this is a fault.
+  // Cameras were named, so the wall should be watched, and this is a fault.
   if (rooms_->cameras().empty() && !troubles.empty())
     return Error(ErrorCode::kUnavailable, fmt::format("{}", fmt::join(troubles, "; ")));
   TRY_ASSIGN(HealingStart begun, healing_start(folder_, installation_, rooms_->cameras()));

@@ -21,7 +21,7 @@ Error lacking(const WarpRegion& region, std::string_view what, std::string_view 
   return Error(ErrorCode::kInvalidArgument, fmt::format("region '{}': {}; {}", region.id, what, remedy));
 }
 
-/// u and v of the region's part of the picture, whose first row is at the top.
+/// Looks up u and v in the region's part of the picture, whose first row is at the top.
 Look look_at_picture(const WarpRegion& region, const PictureShape& picture) {
   return [&region, &picture](const float* sample) -> std::optional<Eigen::Vector3d> {
     const double u = region.rect.x + region.rect.width * static_cast<double>(sample[0]);
@@ -48,7 +48,7 @@ Look look_through_frustum(const WarpFrustum& f) {
 Look look_at_points(double metres, const Eigen::Vector3d& eye_m) {
   return [=](const float* sample) -> std::optional<Eigen::Vector3d> {
     const Eigen::Vector3d seen = metres * Eigen::Vector3f(sample[0], sample[1], sample[2]).cast<double>() - eye_m;
-    if (!(seen.norm() > kMinDistanceM)) return std::nullopt;  // Some exporters mark what is not mapped with zeros.
+    if (!(seen.norm() > kMinDistanceM)) return std::nullopt;  // Some exporters mark unmapped samples with zeros.
     return seen;
   };
 }

@@ -15,10 +15,10 @@ namespace {
 
 constexpr int kMinCells = 8;
 constexpr int kFinestCellPx = 4;
-constexpr double kMaxCoordinate = 1e9;  // Straight up in a panorama, but for rounding.
+constexpr double kMaxCoordinate = 1e9;  // The upward direction in a panorama, allowing for rounding.
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// Where directions lie in a picture; azimuths count from the middle of what is mapped, so that none jumps inside of
+/// Positions of directions in a picture; azimuths count from the middle of the mapped area, so that none jumps within
 /// one projector's picture.
 class PicturePositions {
  public:
@@ -38,7 +38,7 @@ class PicturePositions {
       return std::nullopt;
     return warp::counted_near(*location, picture_, middle_rad_);
   }
-  /// At a place in the projector's picture, 0 to 1 from its upper left corner.
+  /// `x` and `y` are in the projector's picture, 0 to 1 from its upper left corner.
   [[nodiscard]] std::optional<PicturePlace> at(const DirectionMap& directions, double x, double y) const {
     const auto direction = sample_map(directions, x, y);
     if (!direction) return std::nullopt;
@@ -68,7 +68,7 @@ warp::WarpMesh sampled(const DirectionMap& directions, const PicturePositions& p
   return mesh;
 }
 
-/// Continues rows and columns by one vertex beyond what is mapped: straight on from the two nearest.
+/// Extrapolates rows and columns linearly by one vertex beyond the mapped area, from the two nearest.
 void grow_rim(warp::WarpMesh* mesh) {
   const std::vector<warp::WarpVertex> old = mesh->vertices;
   const int across = mesh->cells_x + 1;
@@ -103,7 +103,7 @@ void grow_rim(warp::WarpMesh* mesh) {
   }
 }
 
-/// The largest distance between the mesh and a mapped sample; infinite where the mesh leaves one out.
+/// Returns the maximum distance between the mesh and a mapped sample; infinite if the mesh leaves one out.
 double worst_error(const DirectionMap& directions, const PicturePositions& positions, const warp::WarpMesh& mesh,
                    const PixelScale& scale) {
   double worst = 0.0;

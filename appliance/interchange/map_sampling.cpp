@@ -7,7 +7,7 @@
 namespace cyclorama::interchange {
 namespace {
 
-/// The two neighbours of a place along one side, and how far it lies from the first towards the second.
+/// The two neighbours of a position along one side, and its distance from the first relative to the second.
 struct Between {
   int first = 0;
   int second = 0;

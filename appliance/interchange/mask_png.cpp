@@ -16,7 +16,7 @@ constexpr std::size_t kChunkLimitBytes = std::size_t{1} << 20;
 
 Error broken(const char* location, int code) { return fault(location, spng_strerror(code), "export the mask again"); }
 
-/// How the library hands out the pixels of such a file.
+/// The library's output format for a file.
 struct Layout {
   int format = SPNG_FMT_PNG;
   std::size_t stored_channels = 1;
@@ -63,7 +63,7 @@ Result<MaskMap> decode_mask_png(std::span<const std::byte> png, std::size_t limi
   if (const int e = spng_decode_image(context.get(), stored.data(), stored.size(), layout.format, 0)) {
     return broken("PNG pixels", e);
   }
-  // The pixels are whole, but what follows them tells a file that was cut.
+  // The pixels are complete, but the chunks after them reveal a truncated file.
   if (const int e = spng_decode_chunks(context.get())) return broken("PNG end", e);
   const int channels = layout.stored_channels < 3 ? 1 : 3;
   MaskMap mask(static_cast<int>(header.width), static_cast<int>(header.height), channels, layout.bits);

@@ -18,10 +18,10 @@ namespace cyclorama::interchange {
 namespace {
 
 constexpr std::size_t kManifestLimitBytes = std::size_t{4} << 20;
-constexpr int kMaxPx = 1 << 20;  ///< Of a buffer each way; regions are checked closer.
+constexpr int kMaxPx = 1 << 20;  ///< Limit of a buffer each way; regions have stricter checks.
 constexpr int kMaxLevel = 4;
 
-/// Reads one manifest, and its members when there is an archive around it.
+/// Reads one manifest, and its members if it is in an archive.
 class Reader {
  public:
   Reader(ZipReader* archive, const WarpLimits& limits) : archive_(archive), limits_(limits) {}
@@ -147,7 +147,7 @@ class Reader {
     return std::optional(frame);
   }
 
-  /// File sets lie in <files>, as the standard says, or beside it, as some write.
+  /// File sets lie in <files>, as the standard requires, or beside it, as some tools write them.
   Status read_files(const XmlElement& root) {
     std::vector<XmlElement> sets = root.children("fileset");
     TRY_ASSIGN(const auto files, root.optional_child("files"));
@@ -216,7 +216,8 @@ class Reader {
     return Done{};
   }
 
-  /// Absent and unknown words are "unknown": the reference library writes wrong ones where they mean nothing.
+  /// Treats absent and unrecognised words as "unknown", since the reference library writes wrong ones where they have
+  /// no meaning.
   template <typename T, std::size_t N>
   Result<T> word(const XmlElement& element, std::string_view name, const mpcdi::Words<T, N>& words) {
     TRY_ASSIGN(const auto child, element.optional_child(name));
@@ -227,7 +228,7 @@ class Reader {
     return value.value_or(T::kUnknown);
   }
 
-  /// The member that an element's <path> names; nothing when the path is empty, as it is where only poses are exported.
+  /// Returns the member that an element's <path> names; empty if the path is empty, as in exports of poses alone.
   Result<std::optional<std::vector<std::byte>>> member(const XmlElement& element) {
     TRY_ASSIGN(const XmlElement path, element.child("path"));
     const std::string name = path.text();
@@ -263,7 +264,7 @@ class Reader {
     return std::optional(*std::move(mask));
   }
 
-  /// Exporters leave old values there, and the PNG says it better.
+  /// Exporters leave old values there; the PNG is authoritative.
   Status compare_depth(const XmlElement& element, std::string_view name, int truth) {
     TRY_ASSIGN(const auto child, element.optional_child(name));
     if (!child) return Done{};
@@ -304,7 +305,7 @@ Result<MpcdiFile> decode_mpcdi(std::span<const std::byte> bytes, const WarpLimit
     return reader.read({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
   TRY_ASSIGN(ZipReader archive, ZipReader::open(bytes, limits.total_bytes));
-  // Early exporters called the manifest mpacs.xml; the reference library looks for it too.
+  // Early exporters named the manifest mpacs.xml; the reference library accepts it too.
   std::string name(mpcdi::kManifest);
   const std::vector<std::string>& names = archive.names();
   if (std::find(names.begin(), names.end(), name) == names.end() &&

@@ -37,7 +37,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-/// Lays the manifest out line by line, and gathers the members that it names.
+/// Writes the manifest line by line, and collects the members that it names.
 class Writer {
  public:
   Result<std::vector<std::byte>> write(const WarpSet& set) {
@@ -140,7 +140,7 @@ class Writer {
     return Done{};
   }
 
-  /// Members are named by number: a region's id may hold what no file name should.
+  /// Members are numbered, since a region's id may contain characters that file names must not.
   std::string add(std::string_view name, std::string_view ending, std::vector<std::byte> bytes) {
     members_.push_back({fmt::format("{}-{}.{}", name, number_, ending), std::move(bytes)});
     return members_.back().name;

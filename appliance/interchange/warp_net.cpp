@@ -11,11 +11,11 @@
 namespace cyclorama::interchange {
 namespace {
 
-constexpr double kMaxCoordinate = 1000.0;  ///< Pictures away: no projector's lens shift reaches there.
+constexpr double kMaxCoordinate = 1000.0;  ///< In units of pictures; no projector's lens shift is as large.
 constexpr int kMaxGridSide = 4096;
 constexpr int kMaxRasterPx = 16384;
 
-/// Twice the signed area of a triangle.
+/// Returns twice the signed area of a triangle.
 double area(const WarpNode& a, const WarpNode& b, double x, double y) {
   return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
 }
@@ -43,7 +43,7 @@ class Raster {
         const double wa = area(b, c, x, y) / whole;
         const double wb = area(c, a, x, y) / whole;
         const double wc = 1.0 - wa - wb;
-        constexpr double kRim = -1e-9;  // A pixel on a shared edge belongs to both, so that no seam is left open.
+        constexpr double kRim = -1e-9;  // A pixel on a shared edge belongs to both triangles, so that no gap is left.
         if (wa < kRim || wb < kRim || wc < kRim) continue;
         float* const out = map_.at(i, j);
         out[0] = static_cast<float>(wa * a.u + wb * b.u + wc * c.u);

@@ -13,7 +13,7 @@ namespace cyclorama::interchange {
 namespace {
 
 constexpr double kLines = 10.0;
-constexpr double kLineShare = 0.06;  ///< Of the way from one line to the next.
+constexpr double kLineShare = 0.06;  ///< Width of a line as a share of the distance between lines.
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -23,7 +23,7 @@ struct Range {
   }
 };
 
-/// Of what is mapped, so that maps in metres and narrow ones have contrast too.
+/// Returns the ranges of the mapped samples, so that maps in metres and narrow ones have contrast too.
 std::array<Range, 2> ranges_of(const WarpMap& map) {
   std::array<Range, 2> ranges;
   for (int y = 0; y < map.height(); ++y) {

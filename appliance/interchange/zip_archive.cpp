@@ -15,13 +15,13 @@ namespace {
 
 constexpr zip_int64_t kMaxMembers = 1024;
 constexpr std::size_t kMaxNameLength = 512;
-constexpr std::uint64_t kMaxExpansion = 1032;  ///< Deflate cannot do more: zlib, "Technical Details".
+constexpr std::uint64_t kMaxExpansion = 1032;  ///< Maximum expansion of deflate: zlib, "Technical Details".
 constexpr std::uint64_t kSlackBytes = 1024;
-constexpr int kQuick = 1;  ///< Measured maps hardly shrink, however long one tries.
+constexpr int kQuick = 1;  ///< Measured maps hardly shrink at any level.
 constexpr zip_uint16_t kNewYear1980 = 1 << 5 | 1;
 constexpr zip_uint32_t kUnixKind = S_IFMT;
 
-/// The library's error values live as long as this does.
+/// Owns a zip_error_t; its text lives as long as this.
 class ZipFault {
  public:
   ZipFault() { zip_error_init(&error_); }
@@ -61,7 +61,7 @@ Status check_name(std::string_view name) {
   return Done{};
 }
 
-/// What the directory says of a member, before anything of it is unpacked.
+/// Checks a member's directory entry before anything is unpacked.
 Status check_member(zip_t* archive, zip_uint64_t index, const zip_stat_t& about) {
   const std::string location = place_of(about.name);
   TRY(check_name(about.name));

@@ -14,22 +14,22 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr int kPointsPerSide = 32;
-/// The ends of a side are blurred by the other side's edge.
+/// The ends of a side are blurred by the adjacent side's edge.
 constexpr double kKeepClearOfCorners = 0.08;
 constexpr double kStepPx = 0.25;
 constexpr double kMaxRadiusPx = 3.0;
 constexpr double kMinRadiusPx = 0.75;
-/// A step that is drawn over two pixels is whole within this.
+/// A step that is drawn over two pixels is complete within this distance.
 constexpr double kBlurPx = 1.25;
-/// A step from black to white of less than this is noise.
+/// A step from black to white of less than this counts as noise.
 constexpr double kMinContrastGrey = 12.0;
 constexpr double kMaxMovePx = 2.0;
-/// Of a normal distribution's variance, what its middle three quarters have.
+/// Share of a normal distribution's variance in its middle three quarters.
 constexpr double kTrimmedShare = 0.369;
-/// Steps are not placed better than this, however they agree: pixels are the same for neighbours.
+/// Minimum deviation of a step, however well the points agree, since neighbours share pixels.
 constexpr double kMinDeviationPx = 0.02;
 
-/// Bilinear, between pixel centres at (0.5, 0.5); nothing outside of them.
+/// Samples bilinearly between pixel centres at (0.5, 0.5); empty outside of them.
 std::optional<double> grey_at(const GreyImage& picture, const Vector2d& position) {
   const double x = position.x() - 0.5;
   const double y = position.y() - 0.5;
@@ -48,7 +48,7 @@ struct EdgePoint {
   double weight;
 };
 
-/// Where the step from inside (black) to outside (white) is on a line across the side.
+/// Returns the step from inside (black) to outside (white) on a line across the side.
 std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& middle, const Vector2d& outwards,
                                    double radius_px) {
   const int steps = static_cast<int>(radius_px / kStepPx);
@@ -58,7 +58,7 @@ std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& mid
   for (int i = -steps; i <= steps; ++i) {
     const auto grey = grey_at(picture, middle + i * kStepPx * outwards);
     if (!grey) return std::nullopt;
-    // A fall is something else's edge.
+    // A falling step belongs to another edge.
     if (last && *grey > *last) {
       moment += (*grey - *last) * (i - 0.5) * kStepPx;
       rise += *grey - *last;
@@ -69,8 +69,8 @@ std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& mid
   return EdgePoint{middle + (moment / rise) * outwards, rise};
 }
 
-/// A point of the line and its direction; and across the line, in px², the variance at that point and what the line's
-/// turn adds at each distance from it, squared.
+/// A point of the line and its direction; across the line, in px², the variance at that point, and the contribution of
+/// the line's angle per squared distance from it.
 struct Line {
   Vector2d point;
   Vector2d direction;
@@ -110,7 +110,7 @@ double distance(const Line& line, const Vector2d& point) {
   return std::abs(d.x() * line.direction.y() - d.y() * line.direction.x());
 }
 
-/// Sets how surely `line` is known from the points that it was fitted to: the best three quarters of all.
+/// Sets the variance of `line` from the points that it was fitted to: the best three quarters of all.
 void set_variance(const std::vector<EdgePoint>& points, double length_px, Line* line) {
   double across = 0.0;
   double along = 0.0;
@@ -121,18 +121,18 @@ void set_variance(const std::vector<EdgePoint>& points, double length_px, Line* 
   }
   const auto count = static_cast<double>(points.size());
   const double each = std::max(across / (count * kTrimmedShare), kMinDeviationPx * kMinDeviationPx);
-  // Points that are less than a pixel apart see the same pixels.
+  // Points less than a pixel apart sample the same pixels.
   const double independent = std::max(2.0, std::min(count, length_px * count / kPointsPerSide));
   line->variance = each / independent;
   line->turn_variance = each / (independent * std::max(along / count, 1e-6));
 }
 
-/// `thickness_px`: how far away the opposite side is.
+/// `thickness_px`: distance of the opposite side.
 Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to, double thickness_px,
              int cells_across) {
   const Line unchanged{from, (to - from).normalized()};
-  const Vector2d outwards = unchanged.normal();  // Corners go clockwise in the picture.
-  // Half a cell; of a small tag more, so that the whole blurred step is in it, but not the code's own cells.
+  const Vector2d outwards = unchanged.normal();  // Corners run clockwise in the picture.
+  // Half a cell; more for a small tag, so that the whole blurred step is included, but not the code's own cells.
   const double cell_px = thickness_px / cells_across;
   const double radius_px = std::min(kMaxRadiusPx, std::max(0.5 * cell_px, std::min(0.9 * cell_px, kBlurPx)));
   if (!(radius_px >= kMinRadiusPx)) return unchanged;
@@ -143,7 +143,7 @@ Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to,
   }
   if (points.size() < kPointsPerSide / 2) return unchanged;
   Line line = fit(points);
-  // A finger or a reflection on the edge pulls: once more without the worst quarter.
+  // A finger or a reflection on the edge biases the fit, so it is repeated without the worst quarter.
   std::sort(points.begin(), points.end(), [&](const EdgePoint& a, const EdgePoint& b) {
     return distance(line, a.position) < distance(line, b.position);
   });
@@ -161,7 +161,7 @@ std::optional<Vector2d> crossing(const Line& a, const Line& b) {
   return Vector2d(a.point + along * a.direction);
 }
 
-/// Of a crossing: each line may be off along its normal, by what its points leave open there.
+/// Returns the covariance of an intersection: each line is uncertain along its normal, by the variance from its points.
 Matrix2d covariance_at(const Vector2d& corner, const Line& a, const Line& b) {
   Matrix2d normals;
   normals << a.normal().transpose(), b.normal().transpose();

@@ -29,22 +29,22 @@ constexpr std::array kFamilies{
     Family{"tag36h11", tag36h11_create, tag36h11_destroy}, Family{"tag25h9", tag25h9_create, tag25h9_destroy},
     Family{"tag16h5", tag16h5_create, tag16h5_destroy}, Family{"tag36h10", tag36h10_create, tag36h10_destroy}};
 
-/// A tag has at least this many cells across; with fewer pixels than that there is nothing to find, and libapriltag
-/// divides its picture into tiles of 4 pixels that must exist.
+/// A tag is at least this many cells wide. In a smaller picture there is nothing to find, and libapriltag divides its
+/// picture into tiles of 4 pixels, of which at least one must exist.
 constexpr double kMinSidePx = 8.0;
 
 struct DestroyDetections {
   void operator()(zarray_t* detections) const { apriltag_detections_destroy(detections); }
 };
 
-/// libapriltag's corners go anticlockwise from left below; its pixel centres are at (0.5, 0.5), as ours are. The test
-/// "a_corner_lands_where_it_was_painted" measures both.
+/// libapriltag's corners run anticlockwise from the lower left; its pixel centres are at (0.5, 0.5), like ours. The
+/// test "a_corner_lands_where_it_was_painted" checks both.
 std::array<Eigen::Vector2d, 4> corners_of(const apriltag_detection_t& found) {
   const auto corner = [&](int i) { return Eigen::Vector2d(found.p[i][0], found.p[i][1]); };
   return {corner(3), corner(2), corner(1), corner(0)};
 }
 
-/// libapriltag decimates by 1.5 or a whole number, but scales its corners back by whatever it was told.
+/// libapriltag decimates by 1.5 or a whole number, but scales its corners back by the requested value.
 float possible_decimation(double wanted) {
   if (wanted >= 2.0) return static_cast<float>(std::floor(wanted));
   return wanted >= 1.5 ? 1.5f : 1.0f;
@@ -126,7 +126,7 @@ Result<std::vector<TagDetection>> TagDetector::detect_in(const GreyImage& pictur
                  fmt::format("a picture of {}x{} pixels; the longest side that can be searched is {}", width, height,
                              kMaxSidePx));
   }
-  // libapriltag reads the picture only, but its type has no const.
+  // libapriltag only reads the picture, but its type has no const.
   image_u8_t view = {width, height, picture.width(), const_cast<std::uint8_t*>(picture.at(left, top))};
   library_->detector->quad_decimate = possible_decimation(decimate);
   const std::unique_ptr<zarray_t, DestroyDetections> found(apriltag_detector_detect(library_->detector, &view));

@@ -9,14 +9,14 @@
 namespace cyclorama::tags {
 namespace {
 
-/// Around a known tag: its white border and what a hand adds to its movement within a picture, in tag sizes and at
+/// Margin around a known tag: its white border and the change of a hand's motion within a picture, in tag sizes and at
 /// least these pixels.
 constexpr double kMarginShare = 0.5;
 constexpr double kMinMarginPx = 12.0;
-/// A tag that is larger in the decimated picture than this is as surely found there.
+/// A tag that is larger than this in the decimated picture is found there just as reliably.
 constexpr double kPlentyPx = 80.0;
-/// libapriltag takes its thresholds from tiles of 4 pixels, of a picture that may be decimated: parts that begin at a
-/// multiple of this have the whole picture's tiles.
+/// libapriltag computes its thresholds from tiles of 4 pixels, of a picture that may be decimated: parts that begin at
+/// a multiple of this have the same tiles as the whole picture.
 constexpr int kAlignPx = 8;
 /// Tiles overlap by the size of the largest tag that decimation may hide.
 constexpr int kTileOverlapPx = 24;
@@ -29,7 +29,7 @@ Eigen::AlignedBox2d box_of(const TagDetection& tag) {
 
 int aligned(int pixel) { return pixel / kAlignPx * kAlignPx; }
 
-/// Whole pixels, cut to the picture.
+/// Returns the whole pixels of a box, clipped to the picture.
 PixelRect pixels_of(const Eigen::AlignedBox2d& box, int width, int height) {
   const auto cut = [](double value, int max) { return static_cast<int>(std::clamp(value, 0.0, 1.0 * max)); };
   const int left = aligned(cut(std::floor(box.min().x()), width));
@@ -50,7 +50,7 @@ Part around(const Part& a, const Part& b) {
   return {{left, top, right - left, bottom - top}, std::min(a.decimate, b.decimate)};
 }
 
-/// Joins parts until no two together would cost less than apart.
+/// Joins parts until no two cost less together than apart.
 void join(std::vector<Part>* parts) {
   for (std::size_t i = 0; i < parts->size(); ++i) {
     for (std::size_t j = i + 1; j < parts->size(); ++j) {
@@ -58,7 +58,7 @@ void join(std::vector<Part>* parts) {
       if (both.pixels.area() > (*parts)[i].pixels.area() + (*parts)[j].pixels.area()) continue;
       (*parts)[i] = both;
       parts->erase(parts->begin() + static_cast<std::ptrdiff_t>(j));
-      i = static_cast<std::size_t>(-1);  // From the beginning: the larger one may meet others.
+      i = static_cast<std::size_t>(-1);  // Starts over, since the larger part may overlap others.
       break;
     }
   }
@@ -70,7 +70,8 @@ Eigen::Vector2d centre_of(const TagDetection& tag) {
 
 double size_of(const TagDetection& tag) { return std::sqrt(0.5 * std::max(0.0, doubled_area_px2(tag.corners))); }
 
-/// The same tag at the same place; two of one id are two wands, or a reflection.
+/// Whether two detections are the same tag at the same position; two of one id at different positions are two wands, or
+/// a reflection.
 bool is_same(const TagDetection& a, const TagDetection& b) {
   return a.id == b.id && (centre_of(a) - centre_of(b)).norm() < 0.5 * std::max(size_of(a), size_of(b));
 }
@@ -96,7 +97,7 @@ Status TagSearch::add_from(const GreyImage& picture, const PixelRect& part, doub
                            std::vector<TagDetection>* ret_found) {
   TRY_ASSIGN(const std::vector<TagDetection> more, detector_.detect_in(picture, part, decimate));
   for (const TagDetection& tag : more) {
-    // What was found first was found at full resolution.
+    // The first detections were found at full resolution.
     const bool has = std::any_of(ret_found->begin(), ret_found->end(),
                                  [&](const TagDetection& found) { return is_same(found, tag); });
     if (!has) ret_found->push_back(tag);
@@ -106,7 +107,7 @@ Status TagSearch::add_from(const GreyImage& picture, const PixelRect& part, doub
 
 bool TagSearch::all_known_are_in(const std::vector<TagDetection>& found) const {
   return !known_.empty() && !found.empty() && std::all_of(known_.begin(), known_.end(), [&](const Known& known) {
-    // One that is gone for some pictures is covered or has left; it is searched where it was, and in tiles.
+    // A tag that is missing for some pictures is covered or has left; it is sought at its last position and in tiles.
     return known.missed > 2 ||
            std::any_of(found.begin(), found.end(), [&](const TagDetection& tag) { return tag.id == known.tag.id; });
   });
@@ -162,7 +163,7 @@ Result<std::vector<TagDetection>> TagSearch::search(const GreyImage& picture) {
   next_job_ = (next_job_ + 1) % kJobs;
   const bool whole_is_due = job % (kJobs / 2) == 0;
   if (!whole_is_due) {
-    // Two of the jobs are no tiles.
+    // Two of the jobs are not tiles.
     parts.push_back({tile_of(job - 1 - job / (kJobs / 2), picture.width(), picture.height()), 1.0});
   }
 

@@ -8,7 +8,7 @@
 
 namespace cyclorama::tracker {
 namespace {
-/// How soon a request to stop is noticed.
+/// Maximum delay until a request to stop is noticed.
 constexpr Duration kLookAround = std::chrono::milliseconds(200);
 }  // namespace
 
@@ -54,11 +54,11 @@ void Capture::run(const std::stop_token& stop) {
       }
       const TimePoint began = clock_.now();
       ended = stream(camera->get(), stop);
-      if (clock_.now() - began > kMaxPause) pause = kFirstPause;  // It worked for a while.
+      if (clock_.now() - began > kMaxPause) pause = kFirstPause;  // The camera had worked for a while.
     }
     if (stop.stop_requested()) return;
     set_problem(ended ? "the camera stopped" : ended.error().message());
-    // The real time, whatever the camera's clock: this pause protects the machine.
+    // Uses the real time instead of the camera's clock, since this pause protects the machine.
     for (const TimePoint until = SteadyClock().now() + pause; SteadyClock().now() < until && !never_.is_closed();) {
       beat();
       static_cast<void>(never_.take_before(std::min(until, SteadyClock().now() + kLookAround)));

@@ -7,7 +7,7 @@
 namespace cyclorama::tracker {
 namespace {
 
-/// Share of the new value in a low-pass of first order. Paper, equations 3 to 6.
+/// Returns the share of the new value in a low-pass of first order. Paper, equations 3 to 6.
 double alpha_of(double cutoff_hz, double step_s) {
   const double tau_s = 1.0 / (2.0 * std::numbers::pi * cutoff_hz);
   return 1.0 / (1.0 + tau_s / step_s);
@@ -21,7 +21,7 @@ Step step_of(bool has_last, bool finite, Duration since_last) {
   return since_last <= Duration::zero() ? Step::kIgnore : Step::kUse;
 }
 
-/// The next smoothed speed, and from it the share of the new measurement.
+/// Updates the smoothed speed, and returns the share of the new measurement.
 double advance_speed(const OneEuroSettings& settings, const Eigen::Vector3d& speed, double step_s,
                      Eigen::Vector3d* ret_smoothed) {
   *ret_smoothed += alpha_of(settings.speed_cutoff_hz, step_s) * (speed - *ret_smoothed);

@@ -32,7 +32,7 @@ void draw_axes(const T_CameraTag& T_camera_tag, double length_m, const Pinhole& 
                RgbImage* ret_picture) {
   const auto origin = lens.pixel_of(T_camera_tag.translation());
   for (int axis = 0; axis < 3; ++axis) {
-    // z goes into the tag and would be hidden behind it: it is drawn backwards, towards the camera.
+    // The z axis goes into the tag and would be hidden behind it, so it is drawn backwards, towards the camera.
     const Eigen::Vector3d tip = Eigen::Vector3d::Unit(axis) * (axis == 2 ? -length_m : length_m);
     const auto end = lens.pixel_of((T_camera_tag * Point<frame::Tag>{tip}).xyz);
     if (origin && end)

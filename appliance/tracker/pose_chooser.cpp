@@ -7,13 +7,13 @@
 namespace cyclorama::tracker {
 namespace {
 
-/// One picture says no more than this: its error may be a reflection rather than noise.
+/// Limit for one picture, whose error may be a reflection rather than noise.
 constexpr double kMaxLogOddsPerPicture = 4.0;
-/// Nor all of them together, so that a wrong belief is left within a few pictures.
+/// Limit for all of them together, so that a wrong decision is reversed within a few pictures.
 constexpr double kMaxLogOdds = 12.0;
-/// A hand may have done anything in this time.
+/// Time after which a hand's motion cannot be predicted.
 constexpr Duration kForgetAfter = std::chrono::milliseconds(500);
-/// Closer than this, which explanation continues which cannot be told from one picture to the next.
+/// Angle between the poses below which they cannot be matched from one picture to the next.
 constexpr double kDistinctRad = 0.17;
 
 double fading(const ChooserSettings& settings, const Hypotheses& last, TimePoint at) {
@@ -27,7 +27,7 @@ ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypothese
                   TimePoint at) {
   const Eigen::Quaterniond& best = measured.best.T_camera_tag.rotation();
   if (!measured.other) {
-    // A near tag has one explanation only, which settles it.
+    // A near tag has only one pose, which settles the choice.
     return {measured.best, std::nullopt, 1.0, {best, std::nullopt, kMaxLogOdds, at}};
   }
   const Eigen::Quaterniond& other = measured.other->T_camera_tag.rotation();
@@ -37,7 +37,7 @@ ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypothese
   double log_odds = 0.0;
   if (known) {
     const Eigen::Quaterniond& first = last->first;
-    // With one explanation before, the one that continues it is the first.
+    // If there was only one pose before, the one that continues it is the first.
     const double straight = first.angularDistance(best) + (last->second ? last->second->angularDistance(other) : 0.0);
     const double crossed = first.angularDistance(other) + (last->second ? last->second->angularDistance(best) : 0.0);
     best_is_first = straight <= crossed;

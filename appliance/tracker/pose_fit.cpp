@@ -16,20 +16,20 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kMaxIterations = 40;
 constexpr double kCauchyDeviations = 3.0;
-/// A turn that is less certain than half a circle, or a shift than this share of the distance, is no pose.
+/// A turn less certain than half a circle, or a shift less certain than this share of the distance, is no pose.
 constexpr double kMaxTurnDeviation = 3.14;
 constexpr double kMaxShiftShare = 0.5;
 
 struct Fit {
   Eigen::Quaterniond rotation;
   Vector3d translation;
-  double misfit = 0.0;  ///< Infinite when a point is behind the lens.
+  double misfit = 0.0;  ///< Infinite if a point is behind the lens.
   double squares_px2 = 0.0;
   Matrix6d normal;
   Vector6d gradient;
 };
 
-/// Misfit, normal matrix and gradient for a turn (in the camera's axes) and a shift.
+/// Computes misfit, normal matrix and gradient for a turn (in the camera's axes) and a shift.
 void evaluate(std::span<const SeenPoint> points, const Pinhole& lens, Fit* ret_fit) {
   ret_fit->misfit = 0.0;
   ret_fit->squares_px2 = 0.0;
@@ -62,7 +62,7 @@ void evaluate(std::span<const SeenPoint> points, const Pinhole& lens, Fit* ret_f
   }
 }
 
-/// Unit lengths on the diagonal, so that radians and metres of any scale are solved alike.
+/// Returns scales that make the diagonal 1, so that radians and metres of any scale are solved alike.
 Vector6d scale_of(const Matrix6d& normal) {
   return normal.diagonal().unaryExpr([](double d) { return d > 0.0 ? 1.0 / std::sqrt(d) : 0.0; });
 }

@@ -18,9 +18,9 @@ using Eigen::Vector3d;
 using Corners2 = std::array<Vector2d, 4>;
 using Corners3 = std::array<Vector3d, 4>;
 
-/// Below this a quadrilateral is a line or a point to a camera.
+/// Below this, a quadrilateral is practically a line or a point.
 constexpr double kMinDoubledAreaPx2 = 2.0;
-/// Two minima that differ by less are one.
+/// Two minima that differ by less count as one.
 constexpr double kSamePoseRad = 1e-3;
 
 bool is_usable(const Corners2& corners) {
@@ -33,7 +33,7 @@ bool is_usable(const Corners2& corners) {
   return tags::doubled_area_px2(corners) > kMinDoubledAreaPx2;
 }
 
-/// From the tag's plane, in metres, to normalised image coordinates: exact for four points.
+/// Returns the homography from the tag's plane, in metres, to normalised image coordinates: exact for four points.
 std::optional<Matrix3d> homography_of(const Corners3& tag, const Corners2& rays) {
   Eigen::Matrix<double, 8, 8> a = Eigen::Matrix<double, 8, 8>::Zero();
   Eigen::Matrix<double, 8, 1> b;
@@ -52,7 +52,7 @@ std::optional<Matrix3d> homography_of(const Corners3& tag, const Corners2& rays)
   return homography;
 }
 
-/// Both rotations that the homography's behaviour at the tag's centre allows. Collins and Bartoli, section 4.
+/// Returns both rotations that the homography's derivative at the tag's centre allows. Collins and Bartoli, section 4.
 std::optional<std::array<Matrix3d, 2>> rotations_of(const Matrix3d& h) {
   const Vector2d centre(h(0, 2), h(1, 2));  // h(2, 2) is 1.
   const Matrix2d jacobian = h.topLeftCorner<2, 2>() - centre * h.block<1, 2>(2, 0);
@@ -63,7 +63,7 @@ std::optional<std::array<Matrix3d, 2>> rotations_of(const Matrix3d& h) {
   const double scale = Eigen::JacobiSVD<Matrix2d>(a).singularValues()[0];
   if (!(std::isfinite(scale) && scale > 1e-12)) return std::nullopt;
   const Matrix2d r = a / scale;
-  // What is missing to unit columns is their depth; its sign is free, but for both columns together.
+  // The missing component of unit columns is their depth; its sign is free, but common to both columns.
   double p = std::sqrt(std::max(0.0, 1.0 - r.col(0).squaredNorm()));
   double q = std::sqrt(std::max(0.0, 1.0 - r.col(1).squaredNorm()));
   if (r.col(0).dot(r.col(1)) > 0.0) q = -q;
@@ -81,7 +81,7 @@ std::optional<std::array<Matrix3d, 2>> rotations_of(const Matrix3d& h) {
   return rotations;
 }
 
-/// The translation that fits best in the algebraic sense.
+/// Returns the translation with the smallest algebraic error.
 Vector3d translation_for(const Matrix3d& rotation, const Corners3& tag, const Corners2& rays) {
   Eigen::Matrix<double, 8, 3> a;
   Eigen::Matrix<double, 8, 1> b;

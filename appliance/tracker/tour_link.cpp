@@ -13,11 +13,11 @@
 namespace cyclorama::tracker {
 namespace {
 
-/// How soon a request to stop, or a tour that hung up, is noticed.
+/// Maximum delay until a request to stop, or a closed connection, is noticed.
 constexpr std::chrono::milliseconds kLookAround(200);
 constexpr Duration kFirstPause = std::chrono::milliseconds(100);
 constexpr Duration kMaxPause = std::chrono::seconds(2);
-/// A stream that lasted this long was a good one, and the next is tried at once.
+/// After a stream that lasted this long, the next is tried at once.
 constexpr Duration kGoodStream = std::chrono::seconds(5);
 
 PoseReport report_of(const wire::TrackedPose& pose) {
@@ -64,12 +64,12 @@ void TourLink::run(const std::stop_token& stop) {
   const SteadyClock clock;
   Duration pause = kFirstPause;
   while (!stop.stop_requested()) {
-    // The channel dials by itself, with its own back-off; gRPC's deadlines are on the system clock.
+    // The channel connects by itself, with its own back-off; gRPC's deadlines are on the system clock.
     if (!channel_->WaitForConnected(std::chrono::system_clock::now() + kLookAround)) continue;
     const TimePoint began = clock.now();
     stream(stop);
     if (clock.now() - began > kGoodStream) pause = kFirstPause;
-    // Somebody listens there but ends the stream: it may be starting. What is put in the outbox meanwhile gets stale.
+    // The tour ends the stream, perhaps because it is starting. Poses in the outbox become stale in the meantime.
     const TimePoint until = clock.now() + pause;
     while (clock.now() < until && !outbox_.is_closed()) static_cast<void>(outbox_.take_before(until));
     pause = std::min(2 * pause, kMaxPause);
@@ -94,7 +94,7 @@ void TourLink::stream(const std::stop_token& stop) {
     ++sent_;
   }
   connected_ = false;
-  context.TryCancel();  // Otherwise Finish() would wait for a tour that may never answer.
+  context.TryCancel();  // Without this, Finish() would wait for a tour that may never answer.
   static_cast<void>(writer->Finish());
   const std::lock_guard lock(mutex_);
   context_ = nullptr;

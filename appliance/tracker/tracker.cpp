@@ -19,7 +19,7 @@ namespace cyclorama::tracker {
 namespace {
 
 constexpr Duration kLookAround = std::chrono::milliseconds(200);
-/// Searching the largest picture that we take lasts about four seconds on a slow core.
+/// A search of the largest supported picture takes about four seconds on a slow core.
 constexpr Duration kStuckAfter = std::chrono::seconds(15);
 constexpr const char* kPicture = "camera";
 
@@ -30,7 +30,7 @@ void add_stage(const char* name, Duration duration, InspectionService* inspectio
   stage->set_seconds(to_seconds(duration));
 }
 
-/// The 21 numbers of the wire.
+/// Adds the 21 numbers of the wire format.
 void add_covariance(const Matrix6d& covariance, wire::TrackedPose* ret_pose) {
   for (Eigen::Index row = 0; row < 6; ++row) {
     for (Eigen::Index column = row; column < 6; ++column) ret_pose->add_covariance(covariance(row, column));
@@ -46,7 +46,8 @@ void set_pose(const RigidTransform<frame::Camera, frame::Tag>& T_camera_tag, wir
   ret_pose->set_rotation_z(rotation.z());
 }
 
-/// What cannot be known of a body from one camera without a model of bodies: its turns but for the lean, its height.
+/// Returns a large covariance for everything that one camera cannot measure of a body: its turns except the lean, and
+/// its height.
 Matrix6d covariance_of(const BodyPose& pose) {
   constexpr double kAnyTurn = 1.0, kAnyHeight = 0.3;
   Eigen::Matrix<double, 6, 1> deviations;
@@ -106,7 +107,7 @@ Tracker::Tracker(const TrackerSettings& settings, const Clock& clock, Inspection
         pthread_setname_np(pthread_self(), "detect");
         detect(stop);
       }) {
-  static_cast<void>(inspection_.is_watched(kPicture));  // Names it in GetStatus.
+  static_cast<void>(inspection_.is_watched(kPicture));  // Registers the picture's name for GetStatus.
 }
 
 Tracker::~Tracker() {

@@ -19,7 +19,7 @@ namespace {
 
 constexpr Duration kSupervisePeriod = std::chrono::milliseconds(500);
 
-/// What the command line says; each overrides the file.
+/// Options of the command line; each overrides the file.
 struct Options {
   std::string config;
   std::optional<std::string> camera;
@@ -67,7 +67,7 @@ void add_options(CLI::App* app, Options* ret) {
                 "Say which cameras are plugged in, each with the line for tracker.toml, and end");
 }
 
-/// A block per camera that can be pasted into tracker.toml.
+/// Prints a block per camera that can be pasted into tracker.toml.
 void print_cameras() {
   const std::vector<camera::ListedCamera> cameras = devices::list_cameras();
   if (cameras.empty()) fmt::print("# No camera is plugged in, or none that the kernel or libcamera drives.\n");
@@ -127,7 +127,7 @@ Status run(const Options& options, const StopSignal& stop) {
   std::string shown;
   do {
     if (tracker->supervise()) notify.keep_alive(clock.now());
-    // The rate changes all the time; what is gain a line is another situation.
+    // The rate changes all the time; only a changed situation is logged.
     const std::string situation = tracker->state().substr(0, tracker->state().find(','));
     if (situation != shown) {
       notify.status(tracker->state());

@@ -15,13 +15,13 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Two minima that differ by less are one.
+/// Two minima that differ by less count as one.
 constexpr double kSamePoseRad = 0.01;
-/// A pose whose odds are worse than e to the minus half of this is no explanation.
+/// A pose whose odds are worse than e to the minus half of this is rejected.
 constexpr double kHopeless = 60.0;
-/// What a tag that should be seen and is not adds to the misfit: odds of e to 1, since hands cover tags.
+/// Misfit added by a tag that should be visible and is not found: odds of e to 1, since hands cover tags.
 constexpr double kMissingTag = 2.0;
-/// A tag "should be seen" when it is this large, turned towards the camera by this much and inside the picture.
+/// A tag "should be visible" if it is this large, turned towards the camera by this much and inside the picture.
 constexpr double kSurelySeenSidePx = 11.0;
 constexpr double kSurelySeenCosine = 0.5;
 constexpr double kInsidePx = 6.0;
@@ -57,7 +57,7 @@ std::vector<SeenPoint> points_of(std::span<const Match> matches, double corner_f
   return points;
 }
 
-/// Cosine between a tag's face and the ray to it: 1 seen from the front, negative from behind.
+/// Returns the cosine between a tag's normal and the ray to it: 1 from the front, negative from behind.
 double facing(const WandTag& tag, const T_CameraTag& pose) {
   const auto face = face_of(tag);
   const Vector3d into = pose.rotation() * (face.rotation() * Vector3d::UnitZ());
@@ -86,7 +86,7 @@ bool is_seen(const WandTag& tag, std::span<const Match> matches) {
   return std::any_of(matches.begin(), matches.end(), [&](const Match& match) { return match.tag == &tag; });
 }
 
-/// The refined pose with what speaks against it; nothing when a tag that was seen would look away.
+/// Returns the refined pose with its misfit; empty if a visible tag would face away.
 std::optional<TagPose> explain(const Wand& wand, std::span<const Match> matches, std::span<const SeenPoint> points,
                                const T_CameraTag& start, const Pinhole& lens) {
   std::optional<TagPose> pose = fit_pose(points, start, lens);

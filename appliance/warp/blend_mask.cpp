@@ -6,7 +6,7 @@
 namespace cyclorama::warp {
 namespace {
 
-/// 1 in the middle of the picture, 0 at its edges.
+/// Returns 1 in the middle of the picture, 0 at its edges.
 double inwardness(const Pinhole& lens, const Eigen::Vector2d& pixel) {
   const double w = lens.width_px;
   const double h = lens.height_px;

@@ -18,7 +18,7 @@ class Cutter {
  public:
   explicit Cutter(std::vector<Eigen::Vector2d>* positions) : positions_(*positions) {}
 
-  /// The parts of `polygon` on either side; one of them is empty where the line does not cut it.
+  /// Returns the parts of `polygon` on either side; one of them is empty if the line does not cut it.
   std::pair<Polygon, Polygon> split(const Polygon& polygon, const Line& line) {
     std::pair<Polygon, Polygon> parts;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -33,13 +33,13 @@ class Cutter {
       parts.first.push_back(cut);
       parts.second.push_back(cut);
     }
-    // What only touches the line has no area on the other side.
+    // A part that only touches the line has no area on the other side.
     if (parts.first.size() < 3) parts.first.clear();
     if (parts.second.size() < 3) parts.second.clear();
     return parts;
   }
 
-  /// Triangles around the polygon's middle, so that none of its corners is passed over.
+  /// Builds triangles around the polygon's middle, so that none of its corners is skipped.
   void triangulate(const Polygon& polygon, std::vector<std::uint32_t>* corners) {
     if (polygon.size() == 3) {
       corners->insert(corners->end(), polygon.begin(), polygon.end());
@@ -62,7 +62,7 @@ class Cutter {
 
   std::uint32_t cut_between(const Line& line, std::uint32_t from, std::uint32_t to) {
     const auto key = [&](std::uint32_t v) { return std::pair(positions_[v].x(), positions_[v].y()); };
-    if (key(to) < key(from)) std::swap(from, to);  // Both neighbours reckon alike.
+    if (key(to) < key(from)) std::swap(from, to);  // Both neighbours compute with the same order.
     const double a = line.signedDistance(positions_[from]);
     const double b = line.signedDistance(positions_[to]);
     const Eigen::Vector2d position = positions_[from] + a / (a - b) * (positions_[to] - positions_[from]);

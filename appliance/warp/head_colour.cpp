@@ -14,7 +14,7 @@ double srgb_code(double light) {
   return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
 }
 
-/// `code` at even steps of the light's square root.
+/// Samples `code` at even steps of the light's square root.
 template <typename CodeOfLight>
 ResponseCurve sampled(std::size_t steps, const CodeOfLight& code) {
   CHECK(steps >= 2);

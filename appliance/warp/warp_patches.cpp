@@ -14,11 +14,13 @@ namespace cyclorama::warp {
 namespace {
 
 constexpr int kTerms = 6;
-constexpr int kNodes = 5;   // Each way, at Chebyshev's places: the fit is nearly the one with the least error.
+// Each way, at Chebyshev's nodes: the fit is close to the one with the smallest maximum error.
+constexpr int kNodes = 5;
 constexpr int kChecks = 9;  // Each way, from edge to edge.
-// Of 64x48 pixels a head takes 7 % longer than of the largest (./bench.sh display-trade); smaller ones were not tried.
+// With 64x48 pixels a head takes 7 % longer than with the largest (./bench.sh display-trade); smaller ones were not
+// tested.
 constexpr int kMinPatchPx = 48;
-constexpr int kBlockPx = 16;  // Sides are multiples of it: rasterisers work in blocks.
+constexpr int kBlockPx = 16;  // Sides are multiples of it, since rasterisers work in blocks.
 constexpr double kAlike = 1.1;
 
 using Terms = Eigen::Matrix<double, 1, kTerms>;
@@ -46,7 +48,7 @@ Extent extent_of(const WarpPatches& grid, int column, int row) {
   return {min, (Eigen::Vector2d(grid.width_px, grid.height_px) - min).cwiseMin(whole)};
 }
 
-/// Nothing when a node lies nowhere.
+/// Empty if a node has no position.
 std::optional<WarpPatch> fitted(const ProjectorMap& map, const PictureShape& picture, const WarpPatches& grid,
                                 const Extent& extent) {
   Eigen::Matrix<double, kNodes * kNodes, kTerms> design;
@@ -86,7 +88,7 @@ double worst_error(const ProjectorMap& map, const PictureShape& picture, const W
   return worst;
 }
 
-/// Nothing when a pixel lies nowhere.
+/// Empty if a pixel has no position.
 std::optional<WarpPatches> fitted(const ProjectorMap& map, const PictureShape& picture, int patch_width_px,
                                   int patch_height_px) {
   WarpPatches grid{map.lens().width_px, map.lens().height_px, patch_width_px, patch_height_px, {}, 0.0};
@@ -130,7 +132,7 @@ Result<WarpPatches> make_warp_patches(const ProjectorMap& map, const PictureShap
       return no_patches(fmt::format("the smallest are off by {:.3f} px, and {} px are asked for", grid->worst_error_px,
                                     tolerance_px));
     }
-    // The longer side where both gain alike.
+    // Prefers the longer side if both gain alike.
     const double favour = grid->patch_width_px >= grid->patch_height_px ? kAlike : 1.0 / kAlike;
     const bool across = !flatter || (narrower && narrower->worst_error_px <= favour * flatter->worst_error_px);
     grid = across ? std::move(narrower) : std::move(flatter);

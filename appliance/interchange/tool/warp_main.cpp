@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// cyclorama-warp: calibrations of projectors from and to other programs.
+/// cyclorama-warp: converts calibrations of projectors from and to formats of other programs.
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -91,7 +91,7 @@ Status show(const Arguments& arguments) {
 Status convert(Arguments arguments) {
   TRY_ASSIGN(const WarpFile file, read_warp_file(arguments.in, arguments.options));
   list_ignored(file);
-  arguments.options.mask.reset();  // The one that was read is not the one that is written.
+  arguments.options.mask.reset();  // The mask that was read is not the one to write.
   return write_warp_file(arguments.out, file.set, arguments.region, arguments.options);
 }
 

@@ -24,9 +24,9 @@ std::string as_text(std::span<const std::byte> bytes) {
   return text;
 }
 
-// Into what the caller has: gcc 12 sees things in a std::variant or std::string that travels in a Result.
+// Returns through an out-parameter: gcc 12 warns falsely about a std::variant or std::string in a Result.
 
-/// A text with its NUL and the zeros up to the next unit.
+/// Reads a text with its NUL and the zeros up to the next unit.
 Status read_text(PacketReader* reader, std::span<const std::byte> packet, std::string* ret_text) {
   const auto rest = packet.last(reader->left());
   const auto end = std::find(rest.begin(), rest.end(), std::byte{0});
@@ -112,7 +112,7 @@ Status read_packet(std::span<const std::byte> packet, int depth, std::vector<Osc
   std::string head;
   TRY(read_text(&reader, packet, &head));
   if (head != kBundle) return bad("'#' and no bundle");
-  reader.u64();  // When to act: at once.
+  reader.u64();  // Skips the time tag: messages take effect at once.
   while (!reader.is_short() && !reader.is_empty()) {
     const std::uint32_t size = reader.u32();
     const auto part = reader.bytes(size);

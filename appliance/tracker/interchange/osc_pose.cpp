@@ -15,7 +15,7 @@ constexpr std::string_view kSteer = "/cyclorama/steer";
 constexpr std::size_t kPoseArguments = 10;
 constexpr std::size_t kLostArguments = 3;
 
-/// Every argument as a number; empty when one is none.
+/// Returns every argument as a number; empty if one is none.
 std::vector<double> numbers_of(const OscMessage& message) {
   std::vector<double> numbers;
   for (std::size_t i = 0; i < message.arguments.size(); ++i) {
@@ -26,7 +26,7 @@ std::vector<double> numbers_of(const OscMessage& message) {
   return numbers;
 }
 
-/// Whole numbers are taken as such where they came so: a time in nanoseconds is more than a double holds.
+/// Keeps integers as such: a time in nanoseconds exceeds a double's precision.
 std::optional<std::int64_t> whole(const OscMessage& message, std::size_t index) {
   if (const auto* const value = std::get_if<std::int64_t>(&message.arguments[index])) return *value;
   if (const auto* const value = std::get_if<std::int32_t>(&message.arguments[index])) return *value;

@@ -9,17 +9,17 @@
 namespace cyclorama::tracker {
 namespace {
 
-/// Grey levels that are added before the logarithm: below them a ratio means nothing.
+/// Grey levels that are added before the logarithm; below them a ratio has no meaning.
 constexpr float kOffset = 8.0f;
 constexpr float kMinDeviation = 0.015f;
 constexpr float kFirstDeviation = 0.04f;
-/// Deviations from the room at which a cell begins to be somebody's, and is.
+/// Deviations from the room at which a cell starts to count as a person's, and fully does.
 constexpr float kBegins = 3.0f;
 constexpr float kIs = 6.0f;
-/// This share of what is outside of the visitor must be explained by the light.
+/// Share of the cells outside of the visitor that the change of light must explain.
 constexpr double kExplained = 0.55;
 constexpr Duration kJump = std::chrono::seconds(5);
-/// Noise of the logarithm beyond which a dark jacket is no more told from a wall.
+/// Noise of the logarithm beyond which a dark jacket cannot be told from a wall.
 constexpr double kTooNoisy = 0.12;
 constexpr int kSampleEvery = 3;
 
@@ -67,7 +67,7 @@ bool Background::follow_light(const std::optional<CellBounds>& visitor) {
   for (int y = kSampleEvery / 2; y < level_.height(); y += kSampleEvery) {
     for (int x = kSampleEvery / 2; x < level_.width(); x += kSampleEvery) {
       const float grey = *grey_.at(x, y);
-      if (grey < 2.0f || grey > 250.0f) continue;  // Clipped: no ratio.
+      if (grey < 2.0f || grey > 250.0f) continue;  // Clipped values give no ratio.
       const auto i =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(level_.width()) + static_cast<std::size_t>(x);
       const double weight = visitor && visitor->contains(x, y) ? 0.0 : *silhouette_.share.at(x, y) > 0.5f ? 0.25 : 1.0;
@@ -94,7 +94,7 @@ void Background::learn_anew(const std::optional<CellBounds>& visitor) {
   std::size_t i = 0;
   for (int y = 0; y < level_.height(); ++y) {
     for (int x = 0; x < level_.width(); ++x, ++i) {
-      // level_ is less the best light found, so behind people what is known of the room stays the best guess.
+      // level_ excludes the best estimate of the light, so behind people the learned room remains the best estimate.
       if ((visitor && visitor->contains(x, y)) || silhouette_.share.data()[i] > 0.5f) continue;
       cells_[i] = {level_.data()[i], kFirstDeviation * kFirstDeviation, 1.0f, level_.data()[i], 0.0f};
     }
@@ -122,7 +122,7 @@ void Background::compare(double seconds, const std::optional<CellBounds>& visito
         cell.seen = std::min(cell.seen + 1.0f, 1e6f);
         const float weight = std::max(slow, 1.0f / cell.seen);
         cell.mean += weight * off;
-        // What one odd picture adds is bounded.
+        // The influence of one outlier is bounded.
         cell.variance += weight * (std::min(off * off, 9.0f * deviation * deviation) - cell.variance);
         cell.still_s = 0.0f;
         continue;
@@ -167,7 +167,7 @@ const Silhouette& Background::update(const GreyImage& picture, TimePoint at, con
   reduce(picture);
   if (first) learn_anew(std::nullopt);
   const bool explained = follow_light(visitor);
-  // The noise is what a cell does from one picture to the next while the light is followed.
+  // The noise is the change of a cell from one picture to the next while the light is known.
   if (!first && explained) {
     for (std::size_t i = 0; i < before.size(); ++i) before[i] = std::abs(before[i] - level_.data()[i]);
     const auto middle = before.begin() + static_cast<std::ptrdiff_t>(before.size() / 2);

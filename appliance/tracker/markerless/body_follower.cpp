@@ -13,18 +13,18 @@ constexpr double kMaxHeadM = 0.18;
 constexpr double kMaxUprightRad = 0.14;
 constexpr Duration kKept = std::chrono::milliseconds(400);
 constexpr Duration kRemembered = std::chrono::seconds(2);
-/// Nobody walks, or bends, faster.
+/// Maximum speed of a walking or bending person.
 constexpr double kMaxSpeedMPerS = 2.5;
 constexpr double kMaxSpeedRadPerS = 2.5;
-/// While arriving: how still one stands.
+/// Maximum motion of a person who stands still, while arriving.
 constexpr double kStillM = 0.09;
 constexpr double kStillRad = 0.12;
 constexpr double kMaxLeanRad = 0.7;
-/// A chest that is so much wider than on arrival is two people's.
+/// A chest that is wider than on arrival by this factor belongs to two people.
 constexpr double kMerged = 1.3;
-/// Of a lean that is not seen, from picture to picture.
+/// Factor per picture on a lean that cannot be measured.
 constexpr double kFades = 0.95;
-/// From the middle of the head's rows down to the hip, in widths of the head.
+/// Distance from the middle of the head's rows down to the hip, in widths of the head.
 constexpr double kHeadToHip = 4.6;
 
 double spread(const auto& values, const auto& of) {
@@ -65,12 +65,13 @@ BodyFollower::Standing BodyFollower::standing(const BodyShape& shape, const Pinh
   now.lean_rad = shape.lean_rad;
   double hip_u = shape.hip_u;
   if (chest_ > 0.0 && (!shape.has_chest || now.chest > kMerged * chest_)) {
-    // Somebody behind is one with the chest in the picture: the head alone is the visitor's, and the lean fades.
+    // A person behind has merged with the chest in the picture: only the head is the visitor's, and the lean fades.
     now.lean_rad = kFades * lean_.value + upright_rad_;
     hip_u = shape.head.u + std::tan(now.lean_rad) * kHeadToHip * width;
   } else if (chest_ > 0.0) {
-    // Two words on how near the visitor is. A turned chest is narrower, an arm makes it wider: it counts less. Where
-    // they contradict each other, one has met a cupboard of its own grey: who says what was expected is believed.
+    // Two measures of depth. A turned chest is narrower, an arm makes it wider, so it has less weight. If they
+    // contradict each other, one has merged with a background of the same grey: the one nearer to the expected depth is
+    // taken.
     const double by_chest = shape.chest_width / chest_;
     const double head_sure = 1.0 / (now.deviation * now.deviation + 4e-4);
     const double off = shape.chest_width_deviation / shape.chest_width;
@@ -187,7 +188,7 @@ std::optional<BodyPose> BodyFollower::follow(const BodyShape& shape, const Pinho
       std::abs(now.depth_m - settings_.mark_distance_m) > settings_.follow_radius_m)
     return miss(at);
   const double seconds = to_seconds(at - seen_at_);
-  if (seconds > to_seconds(kKept)) {  // Lost in between: what was filtered is old.
+  if (seconds > to_seconds(kKept)) {  // The visitor was lost in between, so the filtered values are old.
     x_.start(now.x_m);
     depth_.start(now.depth_m);
     lean_.start(now.lean_rad - upright_rad_);

@@ -9,9 +9,9 @@ namespace cyclorama::tracker {
 namespace {
 
 constexpr int kIterations = 5;
-/// Cauchy's scale: differences beyond it lose their say. At least the noise of a dim camera.
+/// Cauchy's scale: larger differences lose their influence. At least the noise of a dim camera.
 constexpr double kMinScale = 0.03;
-/// Keeps the surface flat where hardly anything is seen of the room.
+/// Keeps the surface flat where little of the room is visible.
 constexpr double kRidge = 2e-3;
 
 double median_of(std::vector<double>* values) {

@@ -8,12 +8,13 @@ namespace cyclorama::tracker {
 namespace {
 
 constexpr double kMinScore = 0.35;
-/// From the head's top down to the hip, in widths of the head: an adult's 0.155 m wide head, 0.47 of the height.
+/// Distance from the head's top down to the hip, in widths of the head: an adult's head is 0.155 m wide, and this is
+/// 0.47 of the height.
 constexpr double kHipBelow = 5.2;
-/// Between these the chest is measured, in widths below the head's top.
+/// Rows in which the chest is measured, in widths below the head's top.
 constexpr double kChestFrom = 2.1;
 constexpr double kChestTo = 3.9;
-/// The head's rows that are measured: where it is about as wide as it gets.
+/// Rows in which the head is measured: near its maximum width.
 constexpr double kHeadFrom = 0.3;
 constexpr double kHeadTo = 0.95;
 
@@ -25,7 +26,7 @@ double score_at(const SummedShare& share, double u, double top, double w) {
   const double above = 1.0 - share.mean(u - 0.5 * w, top - 0.4 * w, u + 0.5 * w, top - 0.06 * w);
   const double left = 1.0 - share.mean(u - 1.15 * w, top, u - 0.62 * w, top + 0.95 * w);
   const double right = 1.0 - share.mean(u + 0.62 * w, top, u + 1.15 * w, top + 0.95 * w);
-  // One side may be taken by somebody behind.
+  // One side may be occupied by a person behind.
   const double sides = 0.65 * std::max(left, right) + 0.35 * std::min(left, right);
   return head * std::min(1.0, 1.1 * chest) * above * sides;
 }
@@ -52,12 +53,12 @@ void climb(const SummedShare& share, HeadCandidate* position) {
 struct Span {
   double left = 0.0;
   double right = 0.0;
-  bool left_ends = false;  ///< Whether the room begins there, or somebody else.
+  bool left_ends = false;  ///< Whether the room begins there; else another person does.
   bool right_ends = false;
 };
 
-/// From a cell outwards to where the silhouette ends, to parts of a cell: the outermost cell counts by how much of the
-/// contrast inside it has.
+/// Follows cells outwards to the silhouette's end, to fractions of a cell: the outermost cell counts by its share of
+/// the contrast inside.
 double edge(const Silhouette& silhouette, int x, int y, int step, int max, bool* ret_ends) {
   const auto inside = [&](int at) { return at >= 0 && at < silhouette.share.width(); };
   int gap = 0;
@@ -96,7 +97,7 @@ std::optional<Span> span_at(const Silhouette& silhouette, double u, int y, doubl
   return span;
 }
 
-/// The steepest of the cells about an edge.
+/// Returns the steepest of the cells about an edge.
 double outline_at(const Silhouette& silhouette, double u, int y) {
   double sum = 0.0;
   for (int x = static_cast<int>(std::floor(u)) - 1; x <= static_cast<int>(std::floor(u)) + 1; ++x) {
@@ -107,7 +108,7 @@ double outline_at(const Silhouette& silhouette, double u, int y) {
 
 struct Spread {
   double median = 0.0;
-  double deviation = 0.0;  ///< Of the median.
+  double deviation = 0.0;  ///< Deviation of the median.
 };
 std::optional<Spread> spread_of(std::vector<double> values) {
   if (values.size() < 3) return std::nullopt;
@@ -119,8 +120,8 @@ std::optional<Spread> spread_of(std::vector<double> values) {
   spread.median = middle(&values);
   const auto count = static_cast<double>(values.size());
   for (double& value : values) value = std::abs(value - spread.median);
-  // 1.4826 from the median of differences to a deviation, 1.2533 from a mean's to a median's. Rows next to each other
-  // err alike: every second one counts.
+  // 1.4826 converts the median of differences to a deviation, 1.2533 a mean's to a median's. Adjacent rows have
+  // correlated errors: every second one counts.
   spread.deviation = 1.4826 * 1.2533 * middle(&values) / std::sqrt(0.5 * count);
   return spread;
 }
@@ -143,7 +144,7 @@ SummedShare::SummedShare(const Image<float, 1>& share)
 }
 
 double SummedShare::mean(double left, double top, double right, double bottom) const {
-  // Whole cells whose middle is inside.
+  // Uses whole cells whose middle is inside.
   const int x0 = static_cast<int>(std::lround(left)), x1 = std::max(x0 + 1, static_cast<int>(std::lround(right)));
   const int y0 = static_cast<int>(std::lround(top)), y1 = std::max(y0 + 1, static_cast<int>(std::lround(bottom)));
   const double all = static_cast<double>(x1 - x0) * static_cast<double>(y1 - y0);
@@ -235,7 +236,7 @@ std::optional<BodyShape> measured(const Silhouette& silhouette, const HeadCandid
   }
   shape.head = head;
   shape.hip_u = head.u;
-  shape.hip_deviation = head.width;  // As far as people lean, where it is not seen.
+  shape.hip_deviation = head.width;  // Range in which people lean, if it cannot be measured.
   shape.lean_deviation = 0.2;
   const auto chest = spread_of(middles);
   const auto chest_width = spread_of(chests);
@@ -249,7 +250,7 @@ std::optional<BodyShape> measured(const Silhouette& silhouette, const HeadCandid
   const double off_deviation = std::hypot(chest->deviation, 0.15);
   shape.lean_rad = std::atan2(off, below);
   shape.lean_deviation = off_deviation / below;
-  // From the chest on down the same line to the hip.
+  // Continues the line from the chest down to the hip.
   const double further = kHipBelow * head.width - (0.5 * (rows.front() + rows.back()) - head.top);
   shape.hip_u = chest->median + off / below * further;
   shape.hip_deviation = off_deviation * (1.0 + further / below);

@@ -53,7 +53,7 @@ TEST_F(CalibratingHeads, of_a_calibration_without_error_draws_and_blends_as_the_
     double worst_mask = 0.0;
     for (int y = 0; y < is.mask.height(); ++y) {
       for (int x = 0; x < is.mask.width(); ++x) {
-        if (!(*should.mask.at(x, y) > 0.0f)) continue;  // Beside the wall: the map ends where the mask does.
+        if (!(*should.mask.at(x, y) > 0.0f)) continue;  // Beside the wall; the map ends where the mask does.
         const auto a = direction_at(is.warp, x, y);
         const auto b = direction_at(should.warp, x, y);
         ASSERT_TRUE(a && b);
@@ -111,7 +111,7 @@ TEST_F(CalibratingHeads, takes_masks_and_colours_from_the_calibrations_folder) {
     one.colour.black_lift = warp::BlackLiftImage(projector.lens.width_px, projector.lens.height_px, 0.5f);
     colours.push_back(std::move(one));
   }
-  colours.pop_back();  // Of the last one nothing was found.
+  colours.pop_back();  // The last projector has no measured colours.
   ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, kDate), colours));
   const auto made = heads();
   ASSERT_TRUE(made) << made.error().message();
@@ -121,7 +121,7 @@ TEST_F(CalibratingHeads, takes_masks_and_colours_from_the_calibrations_folder) {
   EXPECT_NEAR(*made->heads[0].colour.black_lift->at(3, 3), 0.5, 1e-5);
   EXPECT_EQ((*made->heads[0].colour.response)[1].codes, warp::ResponseCurve::power(2.0, 64).codes);
   EXPECT_FALSE(made->heads.back().colour.response) << "sRGB, blended by its map";
-  // Of another size than the head.
+  // The size differs from the head's.
   colours[0].mask = warp::MaskImage(8, 8, 1.0f);
   ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, "2026-01-02T00-00-00Z"), colours));
   const auto wrong = heads();

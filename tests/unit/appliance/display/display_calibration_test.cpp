@@ -52,7 +52,7 @@ class DisplayingCalibrated : public ::testing::Test {
     });
     ASSERT_TRUE(tour_->wait_for_display());
   }
-  /// Left half dark, right half bright; as often as a display dials, as a tour does.
+  /// Shows a dark left and a bright right half; repeats it whenever the display reconnects, as a tour does.
   void show_halves() {
     const Panorama wanted = room_.panorama(512);
     RgbImage halves(wanted.width_px, wanted.height_px, 20);
@@ -60,7 +60,7 @@ class DisplayingCalibrated : public ::testing::Test {
       std::fill(halves.at(halves.width() / 2, y), halves.at(halves.width() - 1, y) + 3, std::uint8_t{200});
     tour_->send_all(frame_messages(++frame_, halves, wanted));
   }
-  /// Where the middle projector's picture becomes bright, in its pixels; -1 where it does not.
+  /// Returns the column where the middle projector's picture becomes bright, in its pixels; -1 if it does not.
   int edge() {
     auto reader = output::SharedPictureReader::open(output::shared_picture_path(folder_ / "run", "middle"));
     RgbImage picture;
@@ -101,7 +101,7 @@ TEST_F(DisplayingCalibrated, moves_over_to_a_new_calibration_keeps_it_when_a_bad
   show_halves();
   ASSERT_TRUE(wait_until([&] { return std::abs(edge() - 80) <= 2; })) << edge();
 
-  // The light lies farther right than was thought: what belongs into the middle is shown farther left.
+  // The light lies farther right than assumed, so the middle is shown farther left.
   const double px_per_rad = room_.projectors[1].lens.focal_px;
   ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, "2026-01-01T00-00-00Z", 0.1)));
   ASSERT_TRUE(wait_until([&] { return fact("calibration") == "2026-01-01T00-00-00Z"; }));

@@ -21,7 +21,7 @@ using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::HasSubstr;
 
-constexpr int kWidth = 160;  // The demo's heads, each side a quarter.
+constexpr int kWidth = 160;  // Size of the demo's heads, each side a quarter.
 constexpr int kHeight = 120;
 
 RgbImage noise(unsigned seed) {
@@ -37,7 +37,7 @@ std::string png_of(const RgbImage& picture) {
   return {reinterpret_cast<const char*>(png->data()), png->size()};
 }
 
-/// A calibrator's side of the stream.
+/// The calibrator's side of the stream.
 class Patterns {
  public:
   explicit Patterns(int port) : stub_(wire::PatternScreen::NewStub(*make_channel("[::1]:" + std::to_string(port)))) {
@@ -52,7 +52,7 @@ class Patterns {
     std::string projector;
     std::string png;
   };
-  /// Whether it was answered.
+  /// Returns whether the order was answered.
   bool show(std::uint32_t number, const std::vector<One>& heads, wire::PatternShown* ret_answer) {
     wire::PatternOrder order;
     order.set_number(number);
@@ -117,10 +117,10 @@ class DisplayingPatterns : public ::testing::Test {
   }
 
   void set_hour(int hour) {
-    const WallTime midnight(std::chrono::sys_days(std::chrono::year(2026) / 11 / 24));  // A Tuesday's.
+    const WallTime midnight(std::chrono::sys_days(std::chrono::year(2026) / 11 / 24));  // A Tuesday.
     system_ahead_ = midnight + std::chrono::hours(hour) - std::chrono::system_clock::now();
   }
-  /// A picture with something to see everywhere, faded in.
+  /// Shows a picture with detail everywhere, fully faded in.
   void show_frame(std::uint64_t number, unsigned seed) {
     const Panorama wanted = demo_room().panorama(512);
     std::mt19937 random(seed);
@@ -147,7 +147,7 @@ class DisplayingPatterns : public ::testing::Test {
     }
     return true;
   }
-  /// Until a picture stayed for some refreshes.
+  /// Waits until the picture stays unchanged for some refreshes.
   bool wait_until_still() {
     std::vector<RgbImage> before = heads();
     TimePoint since = clock_.now();
@@ -286,7 +286,7 @@ TEST_F(DisplayingPatternsIdly, a_calibration_that_hangs_gives_the_wall_back) {
   show_frame(1, 1);
   const std::vector<RgbImage> show = heads();
   Patterns patterns(display_->port());
-  for (unsigned n = 1; n <= 4; ++n) {  // Longer than `idle` in all.
+  for (unsigned n = 1; n <= 4; ++n) {  // Takes longer than `idle` altogether.
     ASSERT_TRUE(patterns.show(n, {{"middle", png_of(noise(n))}})) << n;
     std::this_thread::sleep_for(std::chrono::milliseconds(150));
   }

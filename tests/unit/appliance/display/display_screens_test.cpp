@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole display before walls of every shape: what it makes of a tour's JPEG tiles lights the simulated room's wall,
-// which knows nothing of warps; there the eye must see what lies in each direction, turned or not.
+// The whole display before walls of every shape: its output from a tour's JPEG tiles lights the simulated room's wall,
+// which is computed without warps; there the eye must see the right light in each direction, turned or not.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@
 namespace cyclorama::display {
 namespace {
 
-/// Smooth, and different everywhere and for each eye; linear light.
+/// Returns linear light that is smooth, and different in every direction and for each eye.
 std::array<double, 3> light_from(const Eigen::Vector3d& direction, Eye eye = Eye::kLeft) {
   const Eigen::Vector3d d = (eye == Eye::kLeft ? 1.0 : -1.0) * direction.normalized();
   return {0.5 + 0.3 * std::sin(4.0 * d.x()), 0.5 + 0.3 * std::cos(5.0 * d.y()), 0.5 + 0.3 * std::sin(3.0 * d.z())};
@@ -39,7 +39,7 @@ RgbImage picture_of(const Projection& projection) {
   return picture;
 }
 
-/// Of the light at many places of the wall: the mean and the largest distance from what is to be seen there.
+/// Mean and maximum error of the light at many points of the wall.
 struct Off {
   double mean = 0.0;
   double max = 0.0;
@@ -80,7 +80,7 @@ class ScreenDisplaying : public ::testing::TestWithParam<const char*> {
   static StereoPacking packing_of(const std::string& param) {
     return param.ends_with("+sequential") ? StereoPacking::kFrameSequential : StereoPacking::kTopBottom;
   }
-  /// What an eye sees of them, through glasses if there are any.
+  /// Returns the heads' pictures for an eye, through glasses if there are any.
   std::vector<RgbImage> heads(Eye eye) {
     std::vector<RgbImage> pictures;
     for (const InstalledProjector& projector : room_.projectors) {
@@ -131,7 +131,7 @@ TEST_P(ScreenDisplaying, the_wall_shows_what_the_eye_is_to_see_at_every_heading)
   ASSERT_TRUE(asked) << asked.error().message();
   EXPECT_EQ(*asked, room_.projection(768));
   const Projection guarded = with_guard_band(*asked, 0.15);
-  // Half of a head's pixels are drawn over its whole field.
+  // Half of a head's pixels cover its whole field.
   const double most_on_average = room_.stereo ? 0.007 : 0.004;
   tour_->send_all(frame_messages(1, picture_of(guarded), guarded, 1.0));
   ASSERT_TRUE(tour_->wait_for_reports(1, 0));
@@ -140,7 +140,7 @@ TEST_P(ScreenDisplaying, the_wall_shows_what_the_eye_is_to_see_at_every_heading)
     tour_->send_heading(1.0 + turn, 0);
     for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
       if (eye == Eye::kRight && !room_.stereo) continue;
-      // The attract picture fades out, and headings take their time.
+      // The attract picture fades out first, and headings take some time.
       Off off{1.0, 1.0};
       const TimePoint deadline = clock_.now() + std::chrono::seconds(60);
       while (off.mean >= most_on_average && clock_.now() < deadline) off = seen(photographer, turn, eye);

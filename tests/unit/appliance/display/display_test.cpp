@@ -55,11 +55,11 @@ class Displaying : public ::testing::Test {
     auto reader = output::SharedPictureReader::open(output::shared_picture_path(run_dir_, name));
     EXPECT_TRUE(reader);
     RgbImage picture;
-    // Before the first refresh there is no picture yet.
+    // There is no picture before the first refresh.
     if (!reader || !reader->read_newest(&picture)) return RgbImage(640, 480);
     return picture;
   }
-  /// The middle of the middle projector lights azimuth 0: there the panorama's middle is seen alone, unblended.
+  /// The middle of the middle projector lights azimuth 0, where only the panorama's middle is visible, unblended.
   std::array<int, 3> middle_colour() {
     const RgbImage picture = head("middle");
     const std::uint8_t* const p = picture.at(320, 240);
@@ -157,7 +157,7 @@ TEST_F(Displaying, holds_the_last_whole_frame_when_the_stream_dies_within_one_an
   half.resize(half.size() / 2);
   tour->send_all(half);
   tour->hang_up();
-  ASSERT_TRUE(tour->wait_for_display());  // It dialled again by itself.
+  ASSERT_TRUE(tour->wait_for_display());  // It reconnected by itself.
   EXPECT_EQ(tour->displays, 2);
   EXPECT_TRUE(wait_for_colour({200, 40, 40}));
 
@@ -198,7 +198,7 @@ TEST_F(Displaying, gives_up_a_tour_that_sends_what_is_no_message_and_dials_again
   tour->send_all(frame_messages(1, plain(wanted_, {200, 40, 40}), wanted_));
   ASSERT_TRUE(tour->wait_for_reports(1, 0));
   wire::ShowMessage garbage;
-  garbage.mutable_end()->add_stages()->set_name("\xff");  // A string that is no UTF-8 is no message.
+  garbage.mutable_end()->add_stages()->set_name("\xff");  // A string that is not UTF-8 makes the message invalid.
   ASSERT_TRUE(tour->send(garbage));
   EXPECT_TRUE(wait_until([&] {
     return std::string(display_->inspection().status().state()).find("cannot be read") != std::string::npos;
@@ -228,7 +228,7 @@ TEST_F(Displaying, turns_the_held_frame_with_the_newest_heading) {
   const auto tour = FakeTour::start();
   start(tour->address());
   ASSERT_TRUE(tour->wait_for_display());
-  // Left half red, right half blue, asked for at heading 1; a guard band of 0.3 rad.
+  // Left half red, right half blue, for heading 1; a guard band of 0.3 rad.
   const Panorama guarded = wanted_.with_guard_band(0.3);
   RgbImage halves(guarded.width_px, guarded.height_px);
   for (int y = 0; y < halves.height(); ++y) {
@@ -240,12 +240,12 @@ TEST_F(Displaying, turns_the_held_frame_with_the_newest_heading) {
   }
   tour->send_all(frame_messages(5, halves, guarded, 1.0));
   ASSERT_TRUE(tour->wait_for_reports(1, 0));
-  tour->send_heading(1.2, 0);  // To the right: what was right of the middle comes to the middle.
+  tour->send_heading(1.2, 0);  // A turn to the right moves the right part to the middle.
   EXPECT_TRUE(wait_for_colour({10, 10, 220}));
   EXPECT_EQ(gauge("refreshes_past_guard_band"), 0.0);
   tour->send_heading(0.8, to_nanoseconds(clock_.now()));
   EXPECT_TRUE(wait_for_colour({220, 10, 10}));
-  tour->send_heading(1.0 + 1.5, 0);  // Beyond the guard band: as far as it goes.
+  tour->send_heading(1.0 + 1.5, 0);  // Beyond the guard band; the turn stops at its edge.
   EXPECT_TRUE(wait_for_colour({10, 10, 220}));
   EXPECT_TRUE(wait_until([&] { return gauge("refreshes_past_guard_band") > 0.0; }));
   tour->send_heading(std::numeric_limits<double>::quiet_NaN(), 0);
@@ -264,7 +264,7 @@ TEST_F(Displaying, measures_the_tours_clock_and_shows_at_the_refresh_that_it_is_
   system_ahead_ = std::chrono::milliseconds(250);
   start(tour->address());
   ASSERT_TRUE(tour->wait_for_display());
-  tour->send_heading(0.0, 0);  // Until the tour says something, the display does not know it to be there.
+  tour->send_heading(0.0, 0);  // The display only counts a tour as connected once it has sent something.
   ASSERT_TRUE(tour->wait_for_questions(16));
   EXPECT_TRUE(wait_until([&] { return std::abs(gauge("clock_skew_ms") - 250.0) <= gauge("clock_error_ms") + 5.0; }));
   constexpr std::int64_t kPeriod_ns = 16'666'667;
@@ -280,7 +280,7 @@ TEST_F(Displaying, measures_the_tours_clock_and_shows_at_the_refresh_that_it_is_
   };
   const std::int64_t due = send_in(1, std::chrono::milliseconds(400));
   ASSERT_TRUE(tour->wait_for_reports(1, 0));
-  // Neither before its refresh, nor, on a machine that keeps up, after it.
+  // It is shown neither before its refresh nor, on a machine that keeps up, after it.
   const std::int64_t shown_ns = tour->presented[0].presented_ns() + (FakeTour::now_ns() - to_nanoseconds(clock_.now()));
   EXPECT_GE(static_cast<double>(shown_ns) / kPeriod_ns, static_cast<double>(due) - 1.0);
   send_in(2, std::chrono::milliseconds(-200));
@@ -290,7 +290,8 @@ TEST_F(Displaying, measures_the_tours_clock_and_shows_at_the_refresh_that_it_is_
   EXPECT_TRUE(wait_until([&] {
     return display_->inspection().status().state().find("in step with the other displays") != std::string::npos;
   }));
-  // What a clock's error makes negative needs nothing, so one frame may not tell: on a busy machine the error is large.
+  // A need that the clock's error makes negative counts as zero, so one frame may not suffice: on a busy machine the
+  // error is large.
   std::uint64_t number = 3;
   EXPECT_TRUE(wait_until([&] {
     send_in(number++, std::chrono::milliseconds(100));
@@ -327,7 +328,7 @@ TEST_F(Displaying, makes_pictures_for_watchers) {
 
 TEST_F(Displaying, is_dark_outside_of_opening_hours_and_shows_the_newest_frame_at_once_when_it_opens) {
   hours_ = *OpeningHours::parse({"Tue 10:00-18:00"}, "UTC");
-  const WallTime midnight(std::chrono::sys_days(std::chrono::year(2026) / 11 / 24));  // A Tuesday's.
+  const WallTime midnight(std::chrono::sys_days(std::chrono::year(2026) / 11 / 24));  // A Tuesday.
   const auto set_system_clock = [&](WallTime time) { system_ahead_ = time - std::chrono::system_clock::now(); };
   set_system_clock(midnight);
   const auto tour = FakeTour::start();
@@ -350,7 +351,7 @@ TEST_F(Displaying, is_dark_outside_of_opening_hours_and_shows_the_newest_frame_a
     EXPECT_TRUE(wait_for_colour({0, 0, 0}));
     EXPECT_TRUE(says("Sleeps"));
   }
-  // Somebody keeps it open for once, and it ends by itself.
+  // An override keeps the museum open once, and ends by itself.
   const WallTime evening = midnight + std::chrono::hours(24 * 7 * 2 + 19);
   const HoursOverride open{true, evening - std::chrono::hours(1), evening + std::chrono::hours(1)};
   set_system_clock(evening);

@@ -20,7 +20,7 @@ namespace {
 using Messages = std::vector<wire::ShowMessage>;
 using ::testing::HasSubstr;
 
-const Panorama kPanorama{150, 90, 2.0, 0.5, -0.5};  // Sides that are no multiples of 16.
+const Panorama kPanorama{150, 90, 2.0, 0.5, -0.5};  // The sides are no multiples of 16.
 
 RgbImage gradient(int width = kPanorama.width_px, int height = kPanorama.height_px) {
   RgbImage picture(width, height);
@@ -43,7 +43,7 @@ int max_difference(const PlanarPicture& planes, const RgbImage& b) {
   return largest;
 }
 
-/// Keeps what comes out, and lets the test wait for it.
+/// Records all output, and lets the test wait for it.
 class RecordingSink final : public FrameSink {
  public:
   void frame_ready(DisplayFrame frame) override {
@@ -75,7 +75,7 @@ class FrameAssembling : public ::testing::Test {
   }
   Messages good(std::uint64_t number) { return frame_messages(number, gradient(), kPanorama, 0.25); }
 
-  /// Sends it, then a good frame: the first must be dropped for `reason` and the second shown.
+  /// Sends `bad`, then a good frame: the first must be dropped for `reason` and the second shown.
   void expect_dropped(const Messages& bad, const std::string& reason, std::uint64_t number = 7) {
     send(bad);
     send(good(8));
@@ -147,7 +147,7 @@ TEST(FrameAssembler, decodes_only_the_tiles_that_a_head_shows) {
   SteadyClock clock;
   RecordingSink sink;
   DecodePool pool(1);
-  // A head that shows 0.2 of the wall's 1.6 rad, in a picture of 2 rad: it may be turned by 0.2 either way.
+  // A head that shows 0.2 of the wall's 1.6 rad, in a picture of 2 rad, which may be turned by 0.2 either way.
   warp::PixelMap map(3, 200);
   for (int y = 0; y < 200; ++y) {
     for (int x = 0; x < 3; ++x) {
@@ -188,7 +188,7 @@ TEST_F(FrameAssembling, keeps_frames_apart_that_are_held_for_long) {
   }
   ASSERT_EQ(sink_.frames.size(), 8U);
   for (std::size_t i = 0; i < 8; ++i) EXPECT_LE(max_difference(*sink_.frames[i].picture, sent[i]), 3);
-  sink_.frames.clear();  // Their pictures are used again, with other sizes between.
+  sink_.frames.clear();  // Their pictures are reused, with other sizes in between.
   const Panorama other{64, 64, 1.0, 0.5, -0.5};
   send(frame_messages(9, gradient(64, 64), other));
   ASSERT_TRUE(sink_.wait_for(1));
@@ -371,8 +371,8 @@ TEST(FrameAssembler, never_shows_a_frame_whose_tiles_were_not_decoded_when_the_d
   }
 }
 
-/// Every damaged JPEG of the shared data, sent as a tile: whatever it claims to be, the frame is dropped or its tile is
-/// a whole picture of the announced size.
+/// Sends every damaged JPEG of the shared data as a tile: the frame is dropped, or its tile is a whole picture of the
+/// announced size.
 TEST_F(FrameAssembling, survives_every_bad_jpeg_of_the_shared_data_as_a_tile) {
   int tried = 0;
   for (const char* const folder : {"bad/afl_jpeg", "bad/go_fuzz_jpeg"}) {
@@ -382,7 +382,7 @@ TEST_F(FrameAssembling, survives_every_bad_jpeg_of_the_shared_data_as_a_tile) {
       const auto bytes = read_file(entry.path(), std::size_t{16} << 20);
       ASSERT_TRUE(bytes);
       const std::size_t before = sink_.frames.size() + sink_.drops.size();
-      // Announced as the size that its header gives, so that its insides are looked at too.
+      // Announces the size in its header, so that its contents are decoded too.
       const auto size = JpegDecoder().size_of(*bytes);
       const int width = size ? std::min(size->width, 16384) : 64;
       const int height = size ? std::min(size->height, 16384) : 64;
@@ -471,7 +471,7 @@ TEST_F(StereoFrameAssembling, never_mixes_one_eye_of_a_frame_with_the_other_of_t
 }
 
 TEST_F(StereoFrameAssembling, decodes_of_both_eyes_what_a_head_shows) {
-  // A head that lights the lower half of what the wall shows.
+  // A head that lights the lower half of the wall's picture.
   warp::PixelMap map(2, 64);
   for (int y = 0; y < 64; ++y) {
     for (const int x : {0, 1}) {

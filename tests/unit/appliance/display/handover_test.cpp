@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What passes between threads: the slot, the ring and the pool.
+// Objects that pass between threads: the slot, the ring and the pool.
 #include <gtest/gtest.h>
 
 #include <future>

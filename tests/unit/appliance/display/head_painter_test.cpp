@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the graphics card draws, against the same in double precision on the CPU.
+// Compares the graphics card's drawing with the same in double precision on the CPU.
 #include "appliance/display/head_painter.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ namespace {
 using Renderer = output::HeadlessOptions::Renderer;
 
 constexpr double kSlack_px = 0.02;
-// Half floats, which a mask is kept in, too: each is off by up to a 4096th.
+// Pictures and masks are half floats: each has an error of up to a 4096th.
 constexpr double kSlackLight = 1.0 / 2048.0;
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
@@ -40,7 +40,7 @@ PlanarPicture plain(int width, int height, std::uint8_t code) {
   return JpegEncoder().to_planar(RgbImage(width, height, code));
 }
 
-/// A head that looks straight at the whole panorama.
+/// Returns a head that shows the whole panorama without distortion.
 warp::WarpMesh straight(int width, int height, double span_rad) {
   const auto w = static_cast<float>(width);
   const auto h = static_cast<float>(height);
@@ -113,7 +113,7 @@ TEST_P(HeadPainting, agrees_with_the_cpu_over_random_flat_pictures_and_domes_tha
     const PictureShape shape = heads.other_shape(heads.pixels(16, 300), heads.pixels(16, 300));
     const bool mapped = n % 2 == 0;
     const bool is_dome = std::holds_alternative<Fisheye>(shape);
-    // A pixel of a map may look anywhere, behind a dome's axis as well.
+    // A pixel of a map may have any direction, also behind a dome's axis.
     const double span = mapped && is_dome ? 4.5 : 1.2;
     HeadPlan plan{
         mapped ? warp::Warp(heads.map(width, height, span)) : warp::Warp(heads.mesh(width, height, span, n % 3 == 0)),
@@ -132,7 +132,8 @@ TEST_P(HeadPainting, agrees_with_the_cpu_pixel_for_pixel_on_walls_of_every_shape
   for (const char* const name : {"plane", "corner", "dome", "mesh"}) {
     auto room = read_installation(demo_installation_path().parent_path() / (std::string(name) + ".toml"));
     ASSERT_TRUE(room) << room.error().message();
-    for (InstalledProjector& projector : room->projectors) {  // Half as many pixels each way: a quarter of the time.
+    // Half as many pixels each way take a quarter of the time.
+    for (InstalledProjector& projector : room->projectors) {
       Pinhole& lens = projector.lens;
       lens = {lens.width_px / 2, lens.height_px / 2, 0.5 * lens.focal_px, 0.5 * lens.centre_u_px,
               0.5 * lens.centre_v_px};
@@ -236,17 +237,17 @@ TEST_P(HeadPainting, follows_a_response_with_a_steep_step) {
   plan.colour.response = std::array{step, warp::ResponseCurve::srgb(256), warp::ResponseCurve::power(2.2, 256)};
   const PlanarPicture picture = JpegEncoder().to_planar(ramp);
   const RgbImage image = head_.drawn(plan, picture, panorama, 0.0);
-  // The nearest of 4096 steps: within the step's own width the other side may be seen.
+  // The nearest of 4096 steps is used: within a step's width of the jump, the other side may be visible.
   EXPECT_LE(worst_difference(image, plan, ExactPicture(picture, panorama, 0.0), 0.0, 1.0 / 512.0), 1.0);
   EXPECT_NEAR(image.at(10, 8)[0], 26, 1);
   EXPECT_NEAR(image.at(250, 8)[0], 230, 1);
-  EXPECT_NEAR(image.at(250, 8)[1], 250, 1);  // sRGB back to sRGB.
+  EXPECT_NEAR(image.at(250, 8)[1], 250, 1);  // The conversion from sRGB to sRGB changes nothing.
 }
 
 TEST_P(HeadPainting, dithers_without_changing_the_mean) {
   for (const Texels texels : {Texels::kHalves, Texels::kPacked}) {
     PaintedHead head(GetParam(), texels);
-    const double slack = texels == Texels::kHalves ? 0.0 : 0.15;  // Of packed texels' own steps.
+    const double slack = texels == Texels::kHalves ? 0.0 : 0.15;  // Slack for the packed texels' own steps.
     const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
     const PlanarPicture picture = plain(16, 16, 40);
     for (const float weight : {1.0f, 0.93f, 0.71f, 0.5f, 0.37f}) {
@@ -259,7 +260,7 @@ TEST_P(HeadPainting, dithers_without_changing_the_mean) {
         ASSERT_LE(std::abs(code - exact), 1.0 + slack);
       }
       EXPECT_NEAR(sum / static_cast<double>(image.data().size()), exact, 0.05 + slack) << weight;
-      // Not in large patches: any 8 x 8 pixels have nearly the mean.
+      // The mean holds not only over large areas: any 8 x 8 pixels have nearly the mean.
       for (int block = 0; block < 256; ++block) {
         double part = 0.0;
         for (int i = 0; i < 64; ++i) part += *image.at(block % 16 * 8 + i % 8, block / 16 * 8 + i / 8);
@@ -311,7 +312,7 @@ TEST_P(HeadPainting, repeats_the_edges_of_a_picture_that_is_smaller_than_the_one
 TEST_P(HeadPainting, dithers_to_the_depth_of_the_output) {
   const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
   HeadPlan plan{straight(64, 64, 1.0), warp::MaskImage(64, 64, 0.71f)};
-  plan.depth_bits = 10;  // Less noise than one code value of 8 bits.
+  plan.depth_bits = 10;  // Noise is less than one code value of 8 bits.
   const RgbImage image = head_.drawn(plan, plain(16, 16, 40), panorama, 0.0);
   EXPECT_LE(worst_difference(image, plan, ExactPicture(plain(16, 16, 40), panorama, 0.0), 0.0), 1.0);
   EXPECT_LE(*std::ranges::max_element(image.data()) - *std::ranges::min_element(image.data()), 1);

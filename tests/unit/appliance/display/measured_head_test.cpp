@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 
 constexpr std::size_t kMiddle = 1;
 
-/// The demo's room with half of its pixels, and a folder for what another program measured in it.
+/// The demo's room with half of its pixels, and a folder for the files of another program.
 class MeasuredHead : public ::testing::Test {
  protected:
   MeasuredHead()
@@ -43,7 +43,7 @@ class MeasuredHead : public ::testing::Test {
     return measured_head(room_, kMiddle, picture_);
   }
 
-  /// Against the room's truth, on the wall, but for the rim of what is mapped.
+  /// Compares with the true room, on the wall, except for the rim of the mapped area.
   void expect_the_room(const Result<HeadPlan>& head, double max_px) const {
     ASSERT_TRUE(head.has_value()) << head.error().message();
     const warp::ProjectorMap map(room_, kMiddle);
@@ -72,7 +72,7 @@ class MeasuredHead : public ::testing::Test {
   Installation room_;
   std::vector<warp::MaskImage> masks_;
   Panorama picture_;
-  interchange::WarpSet flat_;  ///< The middle projector, over the whole of the picture.
+  interchange::WarpSet flat_;  ///< The middle projector, over the whole picture.
   std::filesystem::path folder_;
 };
 
@@ -87,7 +87,7 @@ TEST_F(MeasuredHead, a_whole_rooms_file_gives_each_projector_the_region_with_its
 TEST_F(MeasuredHead, what_no_mesh_follows_becomes_a_map_of_each_pixel) {
   interchange::WarpSet room = interchange::set_of(room_);
   for (interchange::WarpRegion& region : room.buffers[0].regions) {
-    for (int y = 0; y < region.height_px; ++y) {  // As if the wall were wavy.
+    for (int y = 0; y < region.height_px; ++y) {  // Simulates a wavy wall.
       for (int x = 0; x < region.width_px; ++x) region.map->at(x, y)[1] += (x % 2 == 0 ? 0.02f : -0.02f);
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An output that is lost and comes back, on the fake card.
+// An output that is lost and reopened, on the fake card.
 #include "appliance/display/output_supervisor.h"
 
 #include <gmock/gmock.h>
@@ -53,7 +53,7 @@ class Keeping : public ::testing::Test {
     mailbox_.frames.put(frame_of(number, plain(40, 20, code)));
     for (int n = 0; n < 12; ++n) refresh();
   }
-  /// Turns until there is an output again.
+  /// Refreshes until there is an output again.
   void wait_for_output(int max_turns) {
     while (supervisor_->state().loss && max_turns-- > 0) refresh();
     ASSERT_FALSE(supervisor_->state().loss) << supervisor_->state().loss->message();
@@ -91,7 +91,7 @@ TEST_F(Keeping, shows_the_frame_again_when_the_graphics_processor_was_reset) {
   EXPECT_FALSE(machine_.wall(0, 0));
   wait_for_output(4);
   const RefreshEvent event = refresh();
-  EXPECT_FALSE(event.is_first_of_frame);  // It was reported before.
+  EXPECT_FALSE(event.is_first_of_frame);  // The frame was reported before.
   EXPECT_EQ(event.attract_share, 0.0);
   expect_shown(150);
 }
@@ -108,7 +108,7 @@ TEST_F(Keeping, keeps_the_heading_and_takes_the_frame_that_came_meanwhile) {
   mailbox_.frames.put(frame_of(2, halves));
   wait_for_output(4);
   EXPECT_TRUE(refresh().is_first_of_frame);
-  // The visitor looks a tenth of a radian to the right: white begins as far left of the middle.
+  // The visitor looks a tenth of a radian to the right: white begins that far left of the middle.
   const auto wall = machine_.wall(0, 0);
   ASSERT_TRUE(wall);
   EXPECT_LT(wall->at(kWidth / 2 - 10, 18)[1], 50);
@@ -211,7 +211,7 @@ TEST_F(Keeping, does_not_spin_when_what_it_opens_is_lost_at_once) {
   }
   EXPECT_NEAR(pauses_s().front(), 0.1, 0.02);
   EXPECT_NEAR(pauses_s().back(), 5.0, 0.1);
-  // One that lasted is opened at once again.
+  // After an output that lasted, the next is opened at once.
   wait_for_output(2);
   const TimePoint opened_at = clock_.now();
   while (clock_.now() - opened_at < std::chrono::seconds(31)) refresh();
@@ -230,7 +230,7 @@ TEST_F(Keeping, comes_back_whichever_call_fails_while_it_opens) {
   double heading_rad = 0.01;
   for (const auto& [call, count] : calls) {
     machine_.fail("drmModeAtomicCommit (flip)", ENODEV);
-    heading_rad = -heading_rad;  // Something new to flip.
+    heading_rad = -heading_rad;  // A change that needs a new flip.
     mailbox_.headings.put({heading_rad, 0});
     refresh();
     ASSERT_TRUE(supervisor_->state().loss) << call;
@@ -238,7 +238,7 @@ TEST_F(Keeping, comes_back_whichever_call_fails_while_it_opens) {
     for (int n = 0; n < 260 && (supervisor_->state().loss || !machine_.wall(0, 0) || !machine_.wall(0, 2)); ++n)
       refresh();
     ASSERT_FALSE(supervisor_->state().loss) << call;
-    for (int n = 0; n < 3; ++n) refresh();  // A flip that fails, and what the card then shows anew.
+    for (int n = 0; n < 3; ++n) refresh();  // One flip that fails, and the card's next pictures.
     expect_shown(120);
   }
   supervisor_.reset();

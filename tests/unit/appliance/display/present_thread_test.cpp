@@ -39,7 +39,7 @@ class PresentingAlone : public ::testing::Test {
     ASSERT_TRUE(present) << present.error().message();
     present_ = *std::move(present);
   }
-  /// As the display's main does; false when it takes too long.
+  /// Serves as the display's main does; returns false if it takes too long.
   bool serve_until(const std::function<bool()>& condition) {
     const TimePoint deadline = clock_.now() + std::chrono::seconds(20);
     while (!condition()) {
@@ -52,7 +52,7 @@ class PresentingAlone : public ::testing::Test {
     }
     return true;
   }
-  /// What the next refresh shows.
+  /// Returns the picture of the next refresh.
   RgbImage shown() {
     std::unique_ptr<RgbImage> picture;
     mailbox_.heads[0].want([] { return std::make_unique<RgbImage>(kWidth, kHeight); });
@@ -105,14 +105,14 @@ TEST_F(PresentingAlone, tells_of_a_start_that_comes_further_and_not_of_one_that_
       if (goes_on) mailbox_.stepped_at = TimePoint{} + std::chrono::seconds(step + 1);
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
-    // Longer than between two words.
+    // Longer than the interval between two reports.
     std::this_thread::sleep_for(std::chrono::milliseconds(2200));
     told_until_it_went_on = told;
     return open();
   };
   const auto present = PresentThread::start(std::move(slow), &mailbox_, &clock_, [&] { goes_on = ++told < 2; });
   ASSERT_TRUE(present) << present.error().message();
-  EXPECT_THAT(told_until_it_went_on, AllOf(Ge(2), Le(3)));  // The last step may be told after the second word.
+  EXPECT_THAT(told_until_it_went_on, AllOf(Ge(2), Le(3)));  // The last step may be reported after the second report.
 }
 
 TEST_F(PresentingAlone, is_not_alive_while_the_driver_hangs) {
@@ -124,14 +124,14 @@ TEST_F(PresentingAlone, is_not_alive_while_the_driver_hangs) {
   EXPECT_FALSE(present_->is_alive());
   outputs_.go_on();
   while (!present_->is_alive()) std::this_thread::yield();
-  // It took 21 s and was no hanging driver: the next one is given longer.
+  // The step took 21 s and the driver did not hang, so the next step gets more time.
   outputs_.hang();
   clock.advance(std::chrono::seconds(60));
   EXPECT_TRUE(present_->is_alive());
   clock.advance(std::chrono::seconds(60));
   EXPECT_FALSE(present_->is_alive());
   outputs_.go_on();
-  present_.reset();  // It borrows the clock.
+  present_.reset();  // Destroyed first, since it borrows the clock.
 }
 
 }  // namespace

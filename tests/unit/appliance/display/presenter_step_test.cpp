@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The presenter beside others: what it is told to show at which shared refresh, it shows there, or late and says so.
+// The presenter beside other displays: it shows each frame at its synchronised refresh, or late with a report.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ constexpr int kSide = 16;
 constexpr Duration kPeriod = 10ms;
 constexpr std::int64_t kPeriod_ns = 10'000'000;
 
-/// Memory's heads with a raster that the test's clock paces: pictures are begun 4 ms before their refresh.
+/// Renders to memory, with a raster paced by the test's clock: pictures are begun 4 ms before their refresh.
 class RasterOutput final : public output::Output {
  public:
   RasterOutput(std::unique_ptr<output::Output> memory, ManualClock* clock)
@@ -40,7 +40,7 @@ class RasterOutput final : public output::Output {
     clock_.set(start_ + static_cast<std::int64_t>(refresh_) * kPeriod);
     return output::Presented{refresh_, clock_.now()};
   }
-  std::uint64_t missed = 0;  ///< By the next picture.
+  std::uint64_t missed = 0;  ///< Refreshes that the next picture misses.
 
  private:
   std::unique_ptr<output::Output> memory_;
@@ -70,7 +70,7 @@ class PresentingSynchronised : public ::testing::Test {
   }
   void TearDown() override { presenter_.reset(); }
 
-  /// Its picture is plain; the code value is its order.
+  /// Returns a plain picture, whose code value is its order.
   static std::unique_ptr<DisplayFrame> frame(std::uint64_t order, std::int64_t refresh) {
     PlanarPicture picture(32, 16, false);
     std::ranges::fill(picture.luma().data(), static_cast<std::uint8_t>(5 * order));
@@ -85,7 +85,7 @@ class PresentingSynchronised : public ::testing::Test {
     mailbox_.retired.clear([this](const DisplayFrame& unseen) { unseen_.push_back(unseen.number); });
     return mailbox_.refreshes.pop().value_or(RefreshEvent{});
   }
-  /// The frames first shown at the next refreshes, 0 where none is, and how late.
+  /// Returns the frames first shown at the next refreshes, 0 if there is none, and their delays.
   std::vector<std::uint64_t> firsts(int refreshes, std::vector<std::int64_t>* ret_late = nullptr) {
     std::vector<std::uint64_t> numbers;
     for (int n = 0; n < refreshes; ++n) {
@@ -129,7 +129,7 @@ TEST_F(PresentingSynchronised, tells_every_refresh_its_shared_number_and_shows_t
 }
 
 TEST_F(PresentingSynchronised, shows_a_frame_that_was_not_ready_late_and_says_by_how_much) {
-  firsts(5);  // Up to 6.
+  firsts(5);  // Runs up to refresh 6.
   mailbox_.frames.put(frame(1, 4));
   const RefreshEvent event = refresh();
   EXPECT_TRUE(event.is_first_of_frame);
@@ -160,7 +160,7 @@ TEST_F(PresentingSynchronised, passes_over_what_a_newer_frame_takes_the_place_of
 TEST_F(PresentingSynchronised, shows_at_once_what_nothing_is_said_of) {
   mailbox_.frames.put(frame(1, 50));
   EXPECT_THAT(firsts(2), ::testing::Each(0));
-  mailbox_.frames.put(frame(2, 0));  // The others have left.
+  mailbox_.frames.put(frame(2, 0));  // The other displays have left.
   EXPECT_THAT(firsts(2), ::testing::ElementsAre(2, 0));
   EXPECT_THAT(unseen_, ::testing::ElementsAre(1));
 }
@@ -170,7 +170,7 @@ TEST_F(PresentingSynchronised, shows_at_once_what_was_meant_by_another_clock) {
   EXPECT_THAT(firsts(1), ::testing::ElementsAre(1));
   mailbox_.frames.put(frame(2, 20));
   EXPECT_THAT(firsts(1), ::testing::ElementsAre(0));
-  mailbox_.clock.put({});  // The connection is gone.
+  mailbox_.clock.put({});  // The connection is lost.
   EXPECT_THAT(firsts(1), ::testing::ElementsAre(2));
 }
 
@@ -198,7 +198,7 @@ TEST_F(PresentingSynchronised, turns_to_each_heading_at_its_refresh_and_never_ba
   const RefreshEvent late = refresh();
   EXPECT_EQ(late.heading_rad, 0.05);
   EXPECT_EQ(late.late(late.heading_due), 3);
-  for (int n = 0; n < 40; ++n) told(0.001 * n, 10);  // More than are kept: the newest is there.
+  for (int n = 0; n < 40; ++n) told(0.001 * n, 10);  // More than are kept; the newest is present.
   EXPECT_EQ(refresh().heading_rad, 0.039);
 }
 
@@ -213,7 +213,7 @@ TEST_F(PresentingSynchronised, keeps_frames_that_wait_within_bounds) {
   EXPECT_EQ(unseen_.size() + untaken + 2, 40U) << "each has one outcome";
 }
 
-/// A head that shows the left and the right eye's picture by turns.
+/// A head that alternates the left and the right eye's picture.
 class PresentingByTurns : public PresentingSynchronised {
  protected:
   PresentingByTurns() { packing_ = StereoPacking::kFrameSequential; }
@@ -229,7 +229,7 @@ class PresentingByTurns : public PresentingSynchronised {
     if (refresh != 0) frame->show_at = {refresh, kPeriod_ns, 0};
     return frame;
   }
-  /// Of the next refresh.
+  /// Returns the eye of the next refresh.
   Eye shown() {
     mailbox_.heads[0].want([] { return std::make_unique<RgbImage>(kSide, kSide); });
     event_ = refresh();
@@ -242,7 +242,7 @@ class PresentingByTurns : public PresentingSynchronised {
 
 TEST_F(PresentingByTurns, shows_the_left_eye_at_even_refreshes_as_all_displays_count_them) {
   mailbox_.frames.put(frame_for_two(1, 1));
-  refresh();  // The attract picture goes.
+  refresh();  // Ends the attract picture.
   // From now on the tour's count is 1 ahead of this output's.
   mailbox_.clock.put({true, static_cast<std::uint64_t>(-to_nanoseconds(clock_.now()) + 2 * kPeriod_ns), 0ns});
   int turns[2] = {0, 0};
@@ -258,10 +258,10 @@ TEST_F(PresentingByTurns, shows_the_left_eye_at_even_refreshes_as_all_displays_c
 
 TEST_F(PresentingByTurns, finds_the_turn_again_after_missed_refreshes) {
   mailbox_.frames.put(frame_for_two(1, 1));
-  refresh();  // The attract picture goes.
+  refresh();  // Ends the attract picture.
   for (const std::uint64_t missed : {0U, 1U, 2U, 3U, 0U}) {
     output_->missed = missed;
-    shown();  // What was drawn for one refresh is seen at a later one.
+    shown();  // A picture drawn for one refresh appears at a later one.
     for (int n = 0; n < 3; ++n) {
       const Eye eye = shown();
       ASSERT_TRUE(event_.synchronised_refresh);
@@ -273,7 +273,7 @@ TEST_F(PresentingByTurns, finds_the_turn_again_after_missed_refreshes) {
 TEST_F(PresentingByTurns, counts_by_itself_while_nobody_shares_numbers) {
   mailbox_.clock.put({});
   mailbox_.frames.put(frame_for_two(1, 0));
-  refresh();  // The attract picture goes.
+  refresh();  // Ends the attract picture.
   for (int n = 0; n < 8; ++n) {
     const Eye eye = shown();
     EXPECT_FALSE(event_.synchronised_refresh);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The inside of the present thread: what it shows, and that it allocates nothing.
+// Tests the present thread's inner part: its pictures, and that it allocates nothing.
 #include "appliance/display/presenter.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ thread_local bool is_counting = false;
 thread_local int allocations = 0;
 }  // namespace
 
-// Every `new` and `delete` of the process, the driver's own C++ included.
+// Counts every `new` and `delete` of the process, including the driver's C++.
 void* operator new(std::size_t size) {
   if (is_counting) ++allocations;
   void* const memory = std::malloc(size == 0 ? 1 : size);
@@ -63,7 +63,7 @@ class Presenting : public ::testing::Test {
     presented_ += event.is_first_of_frame ? 1 : 0;
     return event;
   }
-  /// What the next refresh shows on a head.
+  /// Returns the picture of the next refresh on a head.
   RgbImage shown(std::size_t head = 0) {
     mailbox_.heads[head].want([] { return std::make_unique<RgbImage>(kWidth, kHeight); });
     refresh();
@@ -91,7 +91,7 @@ TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_chan
     if (n % 5 == 0) frame->parts = std::make_shared<const std::vector<PixelRect>>(1, PixelRect{16, 0, 16, 16});
     frames.push_back(std::move(frame));
   }
-  // Half of them are to be seen at once, the others two to five refreshes later, together with other displays.
+  // Half of them are due at once, the others two to five refreshes later, synchronised with other displays.
   std::uint64_t order = 0;
   const auto soon = [&](int n) {
     const std::int64_t now = to_nanoseconds(clock_.now()) / 10'000'000;
@@ -114,14 +114,14 @@ TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_chan
       mailbox_.heads[1].take();
     }
   };
-  run(40);  // The largest sizes come, and the first picture fades in.
+  run(40);  // The largest sizes arrive, and the first picture fades in.
   allocations = 0;
   run(1000);
   EXPECT_EQ(allocations, 0);
   EXPECT_GT(presented_, 200);
   frames.clear();
   is_counting = true;
-  int* volatile counted = new int;  // The counter counts.
+  int* volatile counted = new int;  // Proves that the counter works.
   delete counted;
   is_counting = false;
   EXPECT_EQ(allocations, 2);
@@ -173,18 +173,18 @@ TEST_F(Presenting, repeats_the_last_frame_turned_to_the_newest_heading) {
   mailbox_.frames.put(frame_of(1, halves, 1.0));
   mailbox_.headings.put({1.0, 0});
   refresh_for(std::chrono::milliseconds(300));
-  const auto edge = [&] {  // Where white begins.
+  const auto edge = [&] {  // Position where white begins.
     const RgbImage picture = shown();
     int x = 0;
     while (x < kWidth && picture.at(x, 20)[1] < 128) ++x;
     return x;
   };
   EXPECT_NEAR(edge(), 32, 1);
-  mailbox_.headings.put({1.1, 0});  // To the right by a tenth of the head's radian.
+  mailbox_.headings.put({1.1, 0});  // A tenth of a radian to the right.
   EXPECT_NEAR(edge(), 32 - 6, 1);
   mailbox_.headings.put({0.9, 0});
   EXPECT_NEAR(edge(), 32 + 6, 1);
-  mailbox_.headings.put({-1.0, 0});  // Farther than the picture reaches.
+  mailbox_.headings.put({-1.0, 0});  // Farther than the picture extends.
   EXPECT_NEAR(edge(), 32 + 13, 1);
 }
 
@@ -196,7 +196,7 @@ TEST_F(Presenting, keeps_its_picture_while_nobody_frees_the_old_ones) {
   }
   int firsts = 0;
   while (const auto event = mailbox_.refreshes.pop()) firsts += event->is_first_of_frame ? 1 : 0;
-  EXPECT_EQ(firsts, 9);  // 8 wait to be freed, the ninth is shown.
+  EXPECT_EQ(firsts, 9);  // 8 frames wait to be freed, the ninth is shown.
   mailbox_.retired.clear([](const DisplayFrame&) {});
   EXPECT_TRUE(refresh().is_first_of_frame);
 }
@@ -301,7 +301,7 @@ class ChangingHeads : public Presenting {
 };
 
 TEST_F(ChangingHeads, blends_for_half_a_second_never_jumps_and_allocates_nothing) {
-  // llvmpipe compiles a shader anew for textures of other sizes: as with a first frame, so with a first change.
+  // llvmpipe compiles a shader anew for textures of other sizes, at a first change as at a first frame.
   mailbox_.plans.wanted.put(heads_with_mask(0.998f));
   refresh_for(std::chrono::milliseconds(700));
   ASSERT_NE(mailbox_.plans.replaced.take(), nullptr);
@@ -326,7 +326,7 @@ TEST_F(ChangingHeads, blends_for_half_a_second_never_jumps_and_allocates_nothing
   }
   EXPECT_NEAR(to_seconds(last - first), 0.45, 0.1);
   EXPECT_NE(mailbox_.plans.replaced.take(), nullptr);
-  // What is seen in the end is what a presenter shows that never had another.
+  // The final picture equals that of a presenter that never had another plan.
   const RgbImage changed = shown();
   mailbox_.plans.wanted.put(heads_with_mask(0.05f));
   refresh_for(std::chrono::milliseconds(700));
@@ -353,7 +353,7 @@ TEST_F(ChangingHeads, waits_for_a_frame_that_has_the_parts_which_they_show_but_n
   EXPECT_EQ(code(), before) << "no frame came";
 }
 
-/// No refresh changes the share by more than its part of the fade (whose steepest place is 1.5 times the mean).
+/// No refresh changes the share by more than its part of the fade (whose maximum slope is 1.5 times the mean).
 class Fading : public Presenting {
  protected:
   double step() {
@@ -376,11 +376,11 @@ TEST_F(Fading, goes_to_the_attract_picture_when_no_frame_follows_the_visitor_and
   mailbox_.frames.put(frame_of(1, plain(40, 20, 200)));
   mailbox_.headings.put({0.0, 0});
   EXPECT_NEAR(steps_until([](double share) { return share == 0.0; }), 20, 2);
-  EXPECT_EQ(steps_until([](double share) { return share > 0.0; }), 200);  // Nobody moves: the picture is right.
+  EXPECT_EQ(steps_until([](double share) { return share > 0.0; }), 200);  // Nobody moves, so the picture is right.
   mailbox_.headings.put({0.05, 0});
   EXPECT_NEAR(steps_until([](double share) { return share > 0.0; }), 10, 2);
   EXPECT_NEAR(steps_until([](double share) { return share > 0.5; }), 10, 2);
-  mailbox_.frames.put(frame_of(2, plain(40, 20, 200), 0.05));  // Half way, the farm is back.
+  mailbox_.frames.put(frame_of(2, plain(40, 20, 200), 0.05));  // The farm returns half way through the fade.
   EXPECT_NEAR(steps_until([](double share) { return share == 0.0; }), 10, 3);
 }
 

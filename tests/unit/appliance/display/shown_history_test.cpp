@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a display tells of what it showed: the moments, and the heads' pictures, made again by the processor.
+// A display's record of its pictures: the moments, and the heads' pictures, recomputed by the processor.
 #include "appliance/display/shown_history.h"
 
 #include <gtest/gtest.h>
@@ -44,12 +44,12 @@ DisplayFrame frame_of(std::uint64_t order, const PictureShape& shape) {
 double light_of(double code) { return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4); }
 double code_of(double light) { return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055; }
 
-/// What differs from double precision, in codes. Of several pixels the light is averaged, as the sampler and a camera
-/// do: the mean of codes is another one where a mask falls steeply.
+/// Difference from double precision, in codes. The light of several pixels is averaged, as the sampler and a camera do;
+/// a mean of codes would differ where a mask falls steeply.
 struct Off {
   double max = 0.0;
   double mean = 0.0;
-  double edge_share = 0.0;  ///< Of all pixels: they stand for some that are black and some that are not. Not compared.
+  double edge_share = 0.0;  ///< Share of pixels that cover both black and lit ones; they are not compared.
 };
 Off off(const HeadPlan& plan, const DisplayFrame& frame, double turn_rad, int factor) {
   const HeadSampler sampler(plan, factor);
@@ -171,7 +171,7 @@ TEST_F(History, knows_nothing_while_one_calibration_gives_way_to_the_next) {
   const HeadPlans next = std::make_shared<const std::vector<HeadPlan>>();
   const HeadPlans last = std::make_shared<const std::vector<HeadPlan>>();
   history_.heads_wanted(next, false);
-  history_.heads_wanted(last, true);  // The one before was not even taken up.
+  history_.heads_wanted(last, true);  // The one before was not used.
   refresh(1);
   history_.heads_changed();
   refresh(2);

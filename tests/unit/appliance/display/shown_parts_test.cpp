@@ -37,7 +37,7 @@ bool has(const ShownParts& shown, double u, double v) {
   return shown.meets({static_cast<int>(std::floor(u)), static_cast<int>(std::floor(v)), 1, 1});
 }
 
-/// Every texel that any lit pixel of any head reads, at any turn within reach, lies in a part.
+/// Expects that every texel that any lit pixel of any head reads, at any turn within the limit, lies in a part.
 void expect_all_that_is_read(const Heads& heads, const PictureShape& picture, const ShownParts& shown) {
   std::mt19937 random(4);
   const PixelScale scale = pixel_scale(picture);
@@ -109,7 +109,7 @@ TEST(ShownParts, hold_all_that_walls_of_every_shape_read) {
         EXPECT_LE(part.x + part.width, width_px(guarded));
         EXPECT_LE(part.y + part.height, height_px(guarded));
       }
-      // One head does not want what the others show.
+      // A single head does not need the others' parts.
       heads.footprints.erase(heads.footprints.begin() + 1, heads.footprints.end());
       heads.warps.resize(1);
       heads.masks.resize(1);
@@ -126,7 +126,7 @@ TEST(ShownParts, of_a_dome_about_the_zenith_turn_without_end_where_all_of_it_is_
   warp::PixelMap quarter(200, 200);
   for (int y = 0; y < 200; ++y) {
     for (int x = 0; x < 200; ++x) {
-      // A disc of 1.45 rad, and of it a sector.
+      // Covers a disc of 1.45 rad, and a sector of it.
       const double away = 1.45 * (y + 0.5) / 200.0;
       const double around = kTurn * x / 199.0;
       for (warp::PixelMap* map : {&all, &quarter}) {

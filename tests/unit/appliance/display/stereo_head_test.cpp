@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the graphics card draws for two eyes, against the same in double precision on the CPU.
+// Compares the graphics card's drawing for two eyes with the same in double precision on the CPU.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,12 +17,12 @@ namespace {
 using Renderer = output::HeadlessOptions::Renderer;
 
 constexpr double kSlack_px = 0.02;
-constexpr double kSlackLight = 1.0 / 2048.0;  // Half floats.
+constexpr double kSlackLight = 1.0 / 2048.0;  // Precision of half floats.
 constexpr StereoPacking kPackings[] = {StereoPacking::kSideBySide, StereoPacking::kTopBottom,
                                        StereoPacking::kFrameSequential};
 constexpr Eye kEyes[] = {Eye::kLeft, Eye::kRight};
 
-/// One of the two pictures in it.
+/// Returns one of the two pictures.
 PlanarPicture of_eye(const PlanarPicture& both, Eye eye) {
   const int height = both.height() / 2;
   PlanarPicture one(both.width(), height, both.has_half_chroma());
@@ -36,7 +36,7 @@ PlanarPicture of_eye(const PlanarPicture& both, Eye eye) {
   return one;
 }
 
-/// What is for one eye of a head.
+/// Returns the part of a head for one eye.
 RgbImage part_of(const RgbImage& head, StereoPacking packing, Eye eye) {
   const HeadPart part = part_of_eye(packing, eye, head.width(), head.height());
   return cropped(head, {part.x_px, part.y_px, part.width_px, part.height_px});
@@ -119,7 +119,7 @@ TEST_P(StereoPainting, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
   }
 }
 
-/// Saturated, so that half chroma would tell; its upper half of one colour, its lower of another.
+/// Saturated, so that half chroma would show; its upper half has one colour, its lower another.
 PlanarPicture red_above_blue(int width, int height, bool half_chroma) {
   PlanarPicture both(width, height, half_chroma);
   const auto fill = [](GreyImage* plane, std::uint8_t upper, std::uint8_t lower) {
@@ -141,7 +141,7 @@ TEST_P(StereoPainting, shows_neither_eye_anything_of_the_others_picture) {
     for (const bool half_chroma : {false, true}) {
       const PlanarPicture both = red_above_blue(48, 64, half_chroma);
       for (const bool mapped : {false, true}) {
-        // It looks far past the picture's upper and lower edges.
+        // It extends far past the picture's upper and lower edges.
         HeadPlan plan{mapped ? warp::Warp(heads.map(40, 30, 1.0)) : warp::Warp(heads.mesh(40, 30, 1.0)),
                       warp::MaskImage(40, 30, 1.0f),
                       {},
@@ -164,7 +164,7 @@ TEST_P(StereoPainting, shows_neither_eye_anything_of_the_others_picture) {
   }
 }
 
-/// But for a code value: the same triangles lie elsewhere.
+/// Allows a code value of difference, since the same triangles lie elsewhere.
 void expect_same(const HeadPlan& plan, const RgbImage& a, const RgbImage& b) {
   ASSERT_EQ(a.width(), b.width());
   ASSERT_EQ(a.height(), b.height());

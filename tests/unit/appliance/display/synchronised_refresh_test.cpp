@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which number a refresh has among those of all displays, and what is due at it.
+// Numbers of refreshes in the count of all displays, and what is due at them.
 #include "appliance/display/synchronised_refresh.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ class Numbering : public ::testing::Test {
     shared_.set_clock({true, 0, 0ns});
     shared_.learn(at(0));
   }
-  /// Draws and shows the next refresh, `late` after its time; its number.
+  /// Draws and shows the next refresh, `late` after its time; returns its number.
   std::optional<std::int64_t> refresh(Duration late = 0ns, std::uint64_t missed = 0) {
     shared_.begin(now_);
     count_ += 1 + missed;
@@ -100,7 +100,7 @@ TEST_F(Numbering, leaves_a_number_out_for_each_refresh_that_a_slower_output_fall
     ASSERT_TRUE(number == last + 1 || number == last + 2);
     left_out += number == last + 2 ? 1 : 0;
     last = number;
-    // Never farther from its own time than the middle and the hold.
+    // The number is never farther from its own time than the middle plus the hold.
     ASSERT_LE(std::abs(to_milliseconds(now_ - TimePoint(last * 10ms))), 6.1);
   }
   EXPECT_NEAR(left_out, 10, 1);
@@ -134,7 +134,7 @@ TEST_F(Numbering, follows_another_rate_of_the_output_and_a_clock_that_was_steppe
 TEST_F(Numbering, knows_what_is_due) {
   refresh();
   refresh();
-  shared_.begin(now_);  // 100003.
+  shared_.begin(now_);  // Refresh 100003.
   EXPECT_TRUE(shared_.is_due({})) << "nothing was said";
   EXPECT_TRUE(shared_.is_due(at(-7)));
   EXPECT_TRUE(shared_.is_due(at(100003)));

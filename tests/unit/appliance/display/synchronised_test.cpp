@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several displays of one tour, simulated in true time: clocks that are wrong and drift, outputs that run free at rates
-// of their own, a network that takes its time, one way more than the other. What is real is all that decides: the
-// tour's schedule and each display's clock and numbers.
+// Several displays of one tour, simulated in true time: clocks that are wrong and drift, outputs that run freely at
+// their own rates, a network with delays that differ by direction. The deciding parts are real: the tour's schedule and
+// each display's clock and numbers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What happens when, in true time.
+/// Events in order of true time.
 class Events {
  public:
   void at(TimePoint when, std::function<void()> what) { queue_.push({when, ++order_, std::move(what)}); }
@@ -48,14 +48,14 @@ class Events {
   TimePoint now_{};
 };
 
-/// How one computer differs from the others.
+/// Differences of one computer from the others.
 struct Computer {
-  Duration skew{};  ///< Of its clock.
+  Duration skew{};  ///< Error of its clock.
   double drift_ppm = 0.0;
-  double refresh_hz = 60.0;  ///< True.
+  double refresh_hz = 60.0;  ///< True rate.
   Duration phase{};
-  Duration there{};  ///< The least that a message takes to the tour,
-  Duration back{};   ///< and from it.
+  Duration there{};  ///< Minimum delay of a message to the tour.
+  Duration back{};   ///< Minimum delay from the tour.
   Duration decode = 8ms;
 };
 
@@ -66,7 +66,7 @@ class Room {
     for (std::size_t i = 0; i < computers.size(); ++i) {
       displays_[i].computer = computers[i];
       wire::DisplayHello hello;
-      hello.set_refresh_hz(60.0);  // What the mode says; the crystal differs.
+      hello.set_refresh_hz(60.0);  // Nominal rate of the mode; the crystal differs.
       schedule_.joined(i, hello);
       events_.at(kBegin + computers[i].phase, [this, i] { begin_drawing(i); });
     }
@@ -75,7 +75,7 @@ class Room {
 
   /// One line per display and refresh.
   struct Shown {
-    TimePoint at{};  ///< True.
+    TimePoint at{};  ///< True time.
     std::int64_t number = 0;
     std::int64_t frame = 0;
   };
@@ -85,10 +85,10 @@ class Room {
   struct Agreement {
     std::int64_t refreshes = 0;
     std::int64_t agreeing = 0;
-    std::int64_t most_apart = 0;       ///< Frames, at one number.
-    std::int64_t most_apart_ever = 0;  ///< At any time at all.
+    std::int64_t most_apart = 0;       ///< Maximum difference in frames at one number.
+    std::int64_t most_apart_ever = 0;  ///< Maximum difference in frames at any time.
   };
-  /// Once `warm_up` has passed.
+  /// Evaluated once `warm_up` has passed.
   [[nodiscard]] Agreement agreement(Duration warm_up) const {
     Agreement result;
     std::vector<std::map<std::int64_t, std::int64_t>> by_number(displays_.size());
@@ -104,7 +104,7 @@ class Room {
     }
     for (std::int64_t number = first; number <= last; ++number) {
       std::vector<std::int64_t> frames;
-      // A number that was left out shows what was shown before.
+      // A number that was skipped shows the former picture.
       for (const auto& numbers : by_number) frames.push_back(std::prev(numbers.upper_bound(number))->second);
       const auto [min, max] = std::ranges::minmax(frames);
       ++result.refreshes;
@@ -127,7 +127,7 @@ class Room {
     return displays_[display].share.share(clock_of(display, events_.now()));
   }
 
-  /// A hiccup: nothing that display `i` is sent arrives before then.
+  /// Simulates a hiccup: nothing arrives at display `i` before then.
   void hold(std::size_t i, Duration until) { displays_[i].held_until = kBegin + until; }
 
  private:
@@ -165,7 +165,7 @@ class Room {
     for (std::size_t i = 0; i < displays_.size(); ++i) {
       const Computer& computer = displays_[i].computer;
       const auto decode = computer.decode * std::uniform_real_distribution<double>(1.0, 1.5)(random_);
-      // One after the other, as they came.
+      // Decoded one after the other, in order of arrival.
       TimePoint& ready = displays_[i].ready_at;
       ready = std::max(ready, std::max(now + delay(computer.back), displays_[i].held_until) +
                                   std::chrono::duration_cast<Duration>(decode));
@@ -190,7 +190,7 @@ class Room {
     for (const auto& [frame, at] : display.waiting) {
       if (frame <= display.frame || !display.shared.is_due(at)) continue;
       display.frame = frame;
-      // As the presenter: from its refresh on a frame was missing, whichever is seen now.
+      // Same as in the presenter: the frame was overdue from its refresh on, whichever frame is visible now.
       if (display.due.period_ns == 0 || at.refresh < display.due.refresh) display.due = at;
     }
     std::erase_if(display.waiting, [&](const auto& waiting) { return waiting.first <= display.frame; });
@@ -198,7 +198,7 @@ class Room {
     const TimePoint vblank = kBegin + display.computer.phase + kDrawTime +
                              std::chrono::duration_cast<Duration>(std::chrono::duration<double>(
                                  static_cast<double>(display.refreshes) / display.computer.refresh_hz));
-    // As headless outputs tell it: when the picture was whole, which is some time after it should have been.
+    // Headless outputs report the time when the picture was complete, which is some time after the refresh.
     events_.at(vblank, [this, i, draw] { show(i, draw); });
     ++display.refreshes;
     events_.at(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The questions and answers from which a display knows the tour's clock, and what it tells of itself with them.
+// The exchange of times by which a display estimates the tour's clock, and the needs that it reports with it.
 #include "appliance/display/tour_clock.h"
 
 #include <gtest/gtest.h>
@@ -109,7 +109,7 @@ TEST_F(Asking, tells_the_longest_that_it_needed_since_the_last_question) {
   clock_.frame_ready(told(20ms), now_);
   clock_.frame_ready(told(31ms), now_);
   clock_.heading_ready(told(2ms), now_);
-  clock_.frame_ready({}, now_);  // Shown at once: nothing is needed.
+  clock_.frame_ready({}, now_);  // It was shown at once, so nothing was needed.
   clock_.frame_ready(told(-2s), now_);
   clock_.frame_ready(told(100h), now_);
   clock_.drawn_ahead(5ms);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Over real sockets of this machine: what our tracker says is what the listener hears.
+/// Over real sockets of this machine: the listener receives what our tracker sends.
 #include "appliance/hand/pose_listener.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ PoseListener listener() {
 
 std::string at(int port) { return "[::1]:" + std::to_string(port); }
 
-/// Takes until something was heard, for at most two seconds.
+/// Takes until something has arrived, for at most two seconds.
 ReceivedPoses hear(PoseListener& listener, TimePoint now = kNow) {
   for (int i = 0; i < 200; ++i) {
     ReceivedPoses heard = listener.take(now);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop in a simulated museum, with files and a thread as in the process, but without displays: what it corrects is
-// drawn by what its correction.json says.
+// The loop in a simulated museum, with files and a thread as in the process, but without displays: the room draws for
+// the corrections in its correction.json.
 #include "appliance/healing/healing_loop.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-/// What the room and whoever bumps it share.
+/// State shared by the room and the test that bumps it.
 struct Stage {
   std::mutex mutex;
   std::unique_ptr<BumpedShow> show;
@@ -87,7 +87,7 @@ class HealingLoopTest : public ::testing::Test {
     options.projector_height_px = 360;
     options.camera_megapixels = 0.2;
     options.wall_cells = 24;
-    options.left_over = {0.0, 0.0, 0.0, 0.0, 0.0};  // The calibration below has its own.
+    options.left_over = {0.0, 0.0, 0.0, 0.0, 0.0};  // The calibration below has its own residuals.
     auto show = BumpedShow::make(options, painted_content(3072, 3));
     CHECK(show);
     stage_.show = std::make_unique<BumpedShow>(*std::move(show));
@@ -121,7 +121,7 @@ class HealingLoopTest : public ::testing::Test {
         std::make_unique<HealingLoop>(stage_.show->room().truth().installation(), stage_.folder,
                                       std::make_unique<StageRooms>(&stage_, cameras_), clock_, &inspection_, options);
   }
-  /// The loop's sentence about the wall.
+  /// Returns the loop's sentence about the wall.
   [[nodiscard]] std::string says() const {
     const wire::ProcessStatus status = inspection_.status();
     for (const wire::Fact& fact : status.facts()) {
@@ -133,7 +133,7 @@ class HealingLoopTest : public ::testing::Test {
     const std::lock_guard lock(stage_.mutex);
     return log_;
   }
-  /// Steps of the loop until it is so; not for ever.
+  /// Steps the loop until the condition holds, within a limit.
   template <typename Condition>
   bool comes(const Condition& is_so, int steps = 60) {
     int begun = -1;
@@ -185,7 +185,7 @@ TEST_F(HealingLoopTest, two_projectors_that_are_bumped_at_once_are_found_again) 
   bump(0, 0.006);
   bump(2, -0.005);
   EXPECT_GT(std::min(off_px(0), off_px(2)), 2.0);
-  // These pictures are coarse: half a pixel is what it is sure to.
+  // These pictures are coarse: the pose is only certain to half a pixel.
   EXPECT_TRUE(comes([&] { return std::max(off_px(0), off_px(2)) < before + 1.0; }, 20)) << log();
   EXPECT_LT(off_px(1), 0.6);
   EXPECT_THAT(corrections(), Not(IsEmpty()));
@@ -211,7 +211,7 @@ TEST_F(HealingLoopTest, one_that_left_the_screen_is_named_while_the_others_are_k
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
   bump(2, 0.6);  // Its light leaves the screen.
-  // Where it was it is dark now, which a closed shutter would be too.
+  // Its former position is dark now, as behind a closed shutter.
   EXPECT_TRUE(comes_to_say("keeps 2 of 3 projectors in place; 'projector 3' is left as it is", 10)) << says();
   bump(0, 0.006);
   const double bumped = off_px(0);
@@ -228,7 +228,7 @@ TEST_F(HealingLoopTest, goes_on_in_mid_recovery_and_does_not_take_the_bump_for_w
   }));
   const double before = off_px(1);
   loop_.reset();
-  bump(1, 0.004);  // In pictures so coarse that a pixel would be followed as drift.
+  bump(1, 0.004);  // The pictures are so coarse that a pixel would be followed as drift.
   EXPECT_LT(off_px(1), 5.0);
   begin();
   EXPECT_TRUE(comes([&] { return !corrections().empty(); }, 20)) << log();
@@ -240,7 +240,7 @@ TEST_F(HealingLoopTest, goes_on_in_mid_recovery_and_does_not_take_the_bump_for_w
 TEST_F(HealingLoopTest, says_for_as_long_as_displays_cannot_be_told_and_tells_them_then) {
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
-  // Nothing can be renamed onto a folder that holds something.
+  // A file cannot be renamed onto a folder that is not empty.
   const std::filesystem::path file = stage_.folder / calibration::kCorrectionFile;
   ASSERT_TRUE(std::filesystem::create_directories(file / "in the way"));
   bump(1, 0.006);
@@ -257,7 +257,7 @@ TEST_F(HealingLoopTest, goes_on_without_a_camera_that_was_never_placed_and_names
   for (const calibration::ShowCamera& camera : stage_.show->calibrator().applied().cameras)
     placed.push_back({camera.name, camera.lens, camera.T_room_camera});
   placed[0].trouble = "it sees too little";
-  std::filesystem::remove(stage_.folder / calibration::kWatchFile);  // Else the place that it had before is kept.
+  std::filesystem::remove(stage_.folder / calibration::kWatchFile);  // Otherwise the former pose is kept.
   ASSERT_TRUE(save_camera_poses(stage_.folder, stage_.show->room().truth().installation(), placed));
   begin();
   ASSERT_TRUE(comes_to_say("nobody knows where camera 'camera 1' stands; let the cameras be placed")) << says();
@@ -280,7 +280,7 @@ TEST_F(HealingLoopTest, goes_on_without_a_projector_whose_map_tells_no_place_and
       << says();
   EXPECT_THAT(says(), HasSubstr("cyclorama calibrate --quick projector 3"));
   bump(0, 0.006);
-  bump(2, 0.004);  // Nobody knows; it is not corrected, and holds nobody else back.
+  bump(2, 0.004);  // Nothing can determine this displacement; it is not corrected, and blocks no other.
   const double bumped = off_px(0);
   EXPECT_TRUE(comes([&] { return off_px(0) < 0.3 * bumped; }, 30)) << says() << log();
   EXPECT_LT(off_px(1), 0.6);
@@ -299,17 +299,17 @@ TEST_F(HealingLoopTest, takes_the_last_correction_back_and_keeps_to_that) {
   const std::size_t known = corrections().size();
   EXPECT_TRUE(comes([&] { return off_px(1) > 0.8 * bumped; }, 5)) << log();
   EXPECT_FALSE(comes([&] { return off_px(1) < 0.8 * bumped || corrections().size() > known; }, 20)) << log();
-  // Another process, too.
+  // The same holds for another process.
   loop_.reset();
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
   EXPECT_FALSE(comes([&] { return off_px(1) < 0.8 * bumped || corrections().size() > known; }, 10)) << log();
-  // What comes later is found as ever.
+  // Later displacements are found as usual.
   bump(1, -0.005);
   EXPECT_TRUE(comes([&] { return corrections().size() > known; }, 20)) << log();
 }
 
-/// A line of a replay, as corrections.log has it but for its time.
+/// Returns a line of a replay in the form of corrections.log, without its time.
 std::string logged(const std::string& line) {
   std::size_t projector = 0;
   std::array<char, 16> kind{};
@@ -344,7 +344,7 @@ TEST_F(HealingLoopTest, a_recorded_show_is_found_again_bit_by_bit_as_often_as_on
   ASSERT_TRUE(loop_->undo());
   comes([] { return false; }, 3);
   loop_.reset();
-  begin(true);  // As another process, which goes on.
+  begin(true);  // Acts as another process, which resumes.
   bump(1, 0.003);
   const std::size_t known = corrections().size();
   ASSERT_TRUE(comes([&] { return corrections().size() > known; })) << log();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What continuous calibration begins with, keeps and records.
+// Start, storage and records of the continuous calibration.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -100,7 +100,7 @@ TEST(ShowFile, keeps_to_the_bit_how_codes_become_light_and_why_one_is_not_placed
   EXPECT_FALSE(calibration::parse_show(bad, "watch.json"));
 }
 
-/// A calibrated room of three projectors, and where a camera stands in it.
+/// A calibrated room of three projectors, and the pose of a camera in it.
 struct CalibratedRoom {
   CalibratedRoom() {
     calibration = exact_calibration(room, "2026-11-22T10-00-00Z");
@@ -133,7 +133,7 @@ TEST(HealingStart, goes_on_with_what_is_good_and_names_the_rest) {
   EXPECT_THAT(start->show.projectors[0].unplaced, HasSubstr("cannot be told from its map"));
   EXPECT_EQ(start->show.projectors[1].unplaced, "");
   EXPECT_THAT(start->show.projectors[2].unplaced, HasSubstr("knows nothing of it; calibrate it with"));
-  // With no camera at all nothing can be kept.
+  // Without a camera, nothing can be kept in place.
   EXPECT_EQ(healing_start(room.folder.path, room.room, {{"never placed", room.placed.lens}}).error().code(),
             ErrorCode::kNotFound);
 }
@@ -190,7 +190,7 @@ TEST(CorrectionLog, finds_the_last_correction_that_stands) {
   ASSERT_TRUE(again);
   EXPECT_EQ(again->kind, "drift");
   EXPECT_LT(calibration::step_between(again->after, made[1].after).norm(), 1e-5);
-  // What somebody else wrote into it is passed over.
+  // Invalid lines in the file are skipped.
   ASSERT_TRUE(write_file_atomically(folder.path / "corrections.log", std::string_view("{\n[]\n{\"kind\": 3}\n\n")));
   EXPECT_FALSE(last_correction(folder.path, at));
 }
@@ -250,7 +250,7 @@ TEST(ShowFit, finds_a_projector_by_its_map) {
   calibration::ShowProjector start;
   start.lens = lens_of(room.projectors[1].lens);
   start.T_room_projector = room.projectors[1].T_room_projector;
-  // It stands otherwise than the installer wrote.
+  // Its pose differs from the installer's file.
   room.projectors[1].T_room_projector =
       calibration::stepped(start.T_room_projector, calibration::PoseStep(3.0 * small_step()));
   room.projectors[1].lens.focal_px *= 1.01;
@@ -296,7 +296,7 @@ TEST(ShowFit, places_a_camera_though_a_third_of_its_pixels_are_wrong) {
   EXPECT_FALSE(place_camera(lens, std::span(pixels).first(20)));
 }
 
-/// A room of one small projector and one small camera, and pictures of noise.
+/// A room of one small projector and one small camera, with pictures of noise.
 struct SmallShow {
   SmallShow() {
     const Installation room = demo_room_with_pixels_over(16);
@@ -396,7 +396,7 @@ TEST(ShowRecord, knows_what_was_put_back) {
               1e-12);
     const auto learned = calibrator->learned();
     ASSERT_TRUE(learned);
-    // What is believed would be right if what was put back were.
+    // The believed pose would be right if the restored one were.
     EXPECT_LT(calibration::step_between(learned->at_rest[0], learned->believed.projectors[0].T_room_projector).norm(),
               2e-4);
   }
@@ -430,7 +430,7 @@ TEST(ShowRecord, ends_wherever_it_is_cut_and_refuses_what_it_is_not) {
   EXPECT_EQ(events_of(whole.size() - 1), 1);
   EXPECT_EQ(events_of(4), -1);
   for (std::size_t bytes = 0; bytes < whole.size(); bytes += 997) EXPECT_LE(events_of(bytes), 1);
-  // A picture that is said to be larger than the file.
+  // A picture whose declared size exceeds the file's.
   auto damaged = whole;
   std::size_t at = 12;
   for (int i = 0; i < 2; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A museum's fixed cameras, and those whose lens nobody has measured.
+// A museum's fixed cameras, including those without a measured lens.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

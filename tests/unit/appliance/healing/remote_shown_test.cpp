@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 constexpr int kWidth = 32;
 constexpr int kHeight = 16;
 
-/// Its clock is ahead; it takes long to draw what it answers.
+/// A display whose clock is ahead, and which draws slowly.
 class FakeShownDisplay final : public wire::ShownPictures::Service {
  public:
   explicit FakeShownDisplay(ManualClock* clock) : clock_(*clock) {}
@@ -42,7 +42,7 @@ class FakeShownDisplay final : public wire::ShownPictures::Service {
       head->set_projector("left");
       head->set_jpeg(jpeg->data(), jpeg->size());
     }
-    // What it is asked for it knows a moment later.
+    // The requested pictures become known a moment later.
     clock_.advance(draws_for);
     reply->set_answered_ns(to_nanoseconds(clock_.now() + ahead));
     return grpc::Status::OK;
@@ -90,7 +90,7 @@ TEST(RemoteShown, knows_when_a_picture_was_lit_however_long_the_display_draws) {
   ASSERT_TRUE(told) << told.error().message();
   EXPECT_TRUE(told->is_show);
   ASSERT_EQ(told->pictures.size(), 1u);
-  // Its own 7 ms later; the two ways took nothing, so there is nothing to be wrong about.
+  // Its own latency is 7 ms; both network delays were zero, so there is no uncertainty.
   EXPECT_LT(std::chrono::abs(told->pictures[0].lit_at - (lit + 7ms)), 1us);
   EXPECT_EQ(told->pictures[0].number, 1u);
   ASSERT_EQ(told->until.size(), 1u);

@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr double kTolerancePx = 0.1;
-constexpr double kRimRad = 3e-3;  ///< A fifth of a pixel of these small projectors: what is lost where the wall ends.
+constexpr double kRimRad = 3e-3;  ///< A fifth of a pixel of these small projectors, lost at the end of the wall.
 
 /// The room's middle projector with a tenth of its pixels, through an MPCDI file and back.
 class Returned : public ::testing::Test {
@@ -38,7 +38,7 @@ class Returned : public ::testing::Test {
     return back->set.buffers[0].regions[0];
   }
 
-  /// The largest angle between what the mesh draws and what the projector truly shows, on the wall.
+  /// Returns the maximum angle between the mesh and the projector's true directions, on the wall.
   double worst_angle(const warp::WarpMesh& mesh) const {
     double worst = 0.0;
     int drawn = 0;

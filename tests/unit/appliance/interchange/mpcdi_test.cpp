@@ -179,7 +179,8 @@ TEST(Mpcdi, a_damaged_archive_is_refused_whichever_byte_is_changed_or_lost) {
     ASSERT_FALSE(cut.has_value()) << length;
     EXPECT_EQ(cut.error().code(), ErrorCode::kBadData);
   }
-  for (std::size_t at = 0; at < bytes->size(); at += 1 + at / 50) {  // A change may be harmless, but never silent harm.
+  // A change may be harmless, but it must never do silent harm.
+  for (std::size_t at = 0; at < bytes->size(); at += 1 + at / 50) {
     std::vector<std::byte> changed = *bytes;
     changed[at] ^= std::byte{0x40};
     const auto file = decode_mpcdi(changed);
@@ -220,7 +221,7 @@ TEST(Zip, a_member_may_not_grow_beyond_the_limit_or_beyond_what_deflate_can) {
     EXPECT_EQ(*zip->read("zeros"), zeros);
     EXPECT_FALSE(zip->read("zeros").has_value()) << "twice is more than the limit";
   }
-  // The directory claims four GiB for a member of a thousand bytes.
+  // The directory declares four GiB for a member of a thousand bytes.
   const std::uint32_t true_size = 1 << 20;
   const std::uint32_t false_size = 0xfffffff0;
   int claims = 0;

@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kHalfSample = 0.8e-2;  ///< At the rim of what is mapped a mesh takes the nearest sample.
+constexpr double kHalfSample = 0.8e-2;  ///< At the rim of the mapped area a mesh takes the nearest sample.
 
 class WarpFiles : public ::testing::Test {
  protected:

@@ -74,7 +74,7 @@ TEST(RefineCorners, knows_how_far_off_it_is) {
       squares += error.dot(refined.covariance[k].inverse() * error) / (8.0 * kTimes);
     }
   }
-  // Mean square error in units of the covariance: 1 where it is right.
+  // Mean square error in units of the covariance; 1 if it is right.
   EXPECT_GT(squares, 0.2);
   EXPECT_LT(squares, 3.0);
 }

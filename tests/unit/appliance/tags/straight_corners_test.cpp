@@ -32,7 +32,7 @@ TEST(StraightCorners, are_where_a_lens_without_distortion_sees_them) {
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_LE((straight[0].corners[i] - *kStraight.pixel_of(middle + corners[i])).norm(), 1e-6);
   }
-  // The pose that comes of it is the true one; with the bent corners it is a centimetre off.
+  // The resulting pose is the true one; with the distorted corners it has an error of a centimetre.
   const auto pose = tracker::estimate_poses(straight[0].corners, 0.1, kStraight);
   ASSERT_TRUE(pose);
   EXPECT_LE((pose->best.T_camera_tag.translation() - middle).norm(), 1e-4);

@@ -33,7 +33,7 @@ struct Precision {
 };
 class Decimation : public testing::TestWithParam<Precision> {};
 
-/// What our pixels and corner order promise, whatever libapriltag's are.
+/// Checks our definitions of pixels and corner order, independent of libapriltag's.
 TEST_P(Decimation, a_corner_lands_where_it_was_painted) {
   DetectorSettings settings;
   settings.decimate = GetParam().decimate;
@@ -62,7 +62,7 @@ TEST_P(Decimation, a_corner_lands_where_it_was_painted) {
       squares += error.squaredNorm() / (4.0 * kPoses);
     }
   }
-  // A convention that is half a pixel off would show as 0.5.
+  // A convention that is wrong by half a pixel would show as 0.5.
   EXPECT_LT(bias.norm(), 0.01);
   EXPECT_LT(std::sqrt(squares), GetParam().max_error_px);
 }

@@ -20,7 +20,7 @@ std::shared_ptr<const camera::CameraFrame> frame(std::uint64_t sequence) {
 
 Error gone() { return {ErrorCode::kUnavailable, "the cable is out"}; }
 
-/// The next picture, or null after ten seconds.
+/// Returns the next picture, or null after ten seconds.
 std::shared_ptr<const camera::CameraFrame> take(Capture* capture) {
   return capture->frames().take_before(SteadyClock().now() + seconds(10)).value_or(nullptr);
 }
@@ -54,7 +54,7 @@ TEST(Capture, hands_over_the_newest_picture_and_counts_what_nobody_took) {
 
 TEST(Capture, makes_the_camera_again_whichever_call_fails) {
   const SteadyClock clock;
-  int made = 0;  // Of the capture thread, until it has ended.
+  int made = 0;  // Used by the capture thread until it has ended.
   {
     Capture capture(
         [&]() -> Result<std::unique_ptr<camera::Camera>> {

@@ -48,7 +48,7 @@ TEST(OneEuro, calms_a_hand_at_rest_and_follows_one_in_motion) {
     if (i > 250) late = std::max(late, std::abs(state->value.x() - truth));
   }
   EXPECT_LT(rest, 0.0016);
-  EXPECT_LT(late, 0.03);  // 1 Hz alone would be 0.08 m behind.
+  EXPECT_LT(late, 0.03);  // 1 Hz alone would lag by 0.08 m.
 }
 
 TEST(OneEuro, ignores_time_that_repeats_or_runs_backwards_a_little) {
@@ -98,7 +98,7 @@ TEST(OneEuro, follows_a_steady_turn_with_a_steady_delay) {
   std::optional<FilteredRotation> state;
   for (int i = 0; i < 200; ++i) state = filter(settings, state, yaw(0.02 * i), kStart + milliseconds(33) * i);
   EXPECT_NEAR(state->speed.norm(), 0.02 / 0.033, 0.02);
-  // Behind by speed times the time constant of its cut-off: 0.6 rad/s / (2 pi 2.8 Hz).
+  // The lag is speed times the time constant of its cut-off: 0.6 rad/s / (2 pi 2.8 Hz).
   EXPECT_NEAR(state->value.angularDistance(yaw(0.02 * 199)), 0.0345, 0.01);
 }
 

@@ -13,14 +13,14 @@ using std::chrono::milliseconds;
 const TimePoint kStart(std::chrono::seconds(1000));
 
 TagPose pose(double yaw_rad, double error_px) {
-  // Four corners, known to 0.15 px.
+  // The four corners are known to 0.15 px.
   return {{Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitY())), {0, 0, 2}},
           error_px,
           4.0 * error_px * error_px / (0.15 * 0.15),
           Matrix6d::Zero()};
 }
 
-/// As estimate_poses() orders them.
+/// Orders them like estimate_poses().
 TagPoses poses(const TagPose& a, const TagPose& b) {
   return a.reprojection_px <= b.reprojection_px ? TagPoses{a, b} : TagPoses{b, a};
 }
@@ -67,7 +67,7 @@ TEST(Choose, gives_up_a_wrong_belief_within_half_a_second) {
 }
 
 TEST(Choose, is_right_far_more_often_than_single_pictures_are) {
-  // Errors as of a small tag: the right one is better in most pictures, but by less than the noise.
+  // Errors like those of a small tag: the right pose is better in most pictures, but by less than the noise.
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, 0.06);
   std::optional<Hypotheses> state;
@@ -90,7 +90,7 @@ TEST(Choose, follows_each_explanation_while_the_hand_turns) {
   std::optional<Hypotheses> state;
   for (int i = 0; i < 60; ++i) {
     const double yaw = 0.2 + 0.008 * i;
-    // From the tenth picture on, the wrong one is a little better: the belief was earned before.
+    // From the tenth picture on, the wrong pose is a little better, but the evidence was gathered before.
     const bool early = i < 10;
     const auto chosen = choose({}, state, poses(pose(yaw, early ? 0.05 : 0.10), pose(-yaw, early ? 0.6 : 0.099)),
                                kStart + milliseconds(33) * i);

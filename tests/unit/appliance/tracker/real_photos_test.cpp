@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The detector and the pose on photographs that others took.
+/// The detector and the pose on photographs of other projects.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -27,8 +27,8 @@ std::vector<tags::TagDetection> found_in(const std::filesystem::path& photo, con
   return found ? *std::move(found) : std::vector<tags::TagDetection>{};
 }
 
-/// The largest distance of a corner from its place in `listed`, for the best detection of that id; infinite without
-/// one.
+/// Returns the maximum distance of a corner from its position in `listed`, for the best detection of that id; infinite
+/// if there is none.
 double distance_px(const std::vector<tags::TagDetection>& found, int id, const Corners& listed) {
   double best = std::numeric_limits<double>::infinity();
   for (const tags::TagDetection& tag : found) {
@@ -40,11 +40,11 @@ double distance_px(const std::vector<tags::TagDetection>& found, int id, const C
   return best;
 }
 
-/// Everything that reads every tag: no decimation, any margin, as many wrong bits as libapriltag's own program allows.
+/// Settings that read every tag: no decimation, any margin, as many wrong bits as libapriltag's own program allows.
 tags::DetectorSettings thorough() {
   tags::DetectorSettings settings;
   settings.decimate = 1.0;
-  settings.refine_corners = false;  // The lists have the library's own corners.
+  settings.refine_corners = false;  // The lists contain the library's own corners.
   settings.max_hamming = 2;
   settings.min_margin = 0.0;
   return settings;
@@ -53,7 +53,7 @@ tags::DetectorSettings thorough() {
 TEST(RealPhotos, every_tag_of_the_swarmathon_lists_is_found_where_it_is_listed) {
   CYCLORAMA_SHARED_DATA(folder, "apriltag/swarmathon");
   tags::DetectorSettings settings = thorough();
-  settings.refine_edges = false;  // As the lists were made.
+  settings.refine_edges = false;  // The lists were made without it.
   int listed = 0;
   double largest = 0.0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -92,7 +92,7 @@ TEST(RealPhotos, every_tag_of_another_detector_s_output_is_found) {
         const auto& corner = tag["corners_lb_rb_rt_lt"][3 - i];
         listed[i] = {corner[0].get<double>(), corner[1].get<double>()};
       }
-      // That program decodes JPEG by itself and saw the PNG photos as JPEG, and refined edges jump with a grey level.
+      // That program decodes JPEG by itself and read the PNG photos as JPEG, and refined edges jump with a grey level.
       distances.push_back(distance_px(found, tag["id"].get<int>(), listed));
       EXPECT_LT(distances.back(), 0.4) << name << " tag " << tag["id"];
     }
@@ -106,7 +106,7 @@ TEST(RealPhotos, every_tag_of_another_detector_s_output_is_found) {
 
 TEST(RealPhotos, a_turned_tag_turns_by_what_the_turntable_says) {
   CYCLORAMA_SHARED_DATA(folder, "apriltag/duckietown");
-  // test_info.yaml: K, tag_size. Our lens has square pixels, so corners are moved to where they would be in such a
+  // test_info.yaml: K, tag_size. Our lens has square pixels, so corners are converted to such a lens.
   // lens.
   constexpr double kFocalU = 329.8729619143081;
   constexpr double kFocalV = 332.94611303946357;
@@ -119,7 +119,7 @@ TEST(RealPhotos, a_turned_tag_turns_by_what_the_turntable_says) {
     for (Eigen::Vector2d& corner : corners) corner.y() = 396.0 + (corner.y() - 396.0) * kFocalU / kFocalV;
     const auto poses = estimate_poses(corners, 0.065, lens);
     ASSERT_TRUE(poses.has_value());
-    // The series counts anticlockwise seen from above, we clockwise.
+    // The series counts anticlockwise seen from above; we count clockwise.
     errors_deg.push_back(yaw_rad(poses->best.T_camera_tag) * 180.0 / std::numbers::pi + angle);
   }
   const double mean =
@@ -130,7 +130,7 @@ TEST(RealPhotos, a_turned_tag_turns_by_what_the_turntable_says) {
     EXPECT_LT(std::abs(error), 4.0);
   }
   const double deviation = std::sqrt(squares / static_cast<double>(errors_deg.size()));
-  // The mean is how the stand was put before the camera; what turns with the tag is the error.
+  // The mean is the stand's initial yaw; the deviation from it is the error.
   EXPECT_LT(deviation, 1.6);
   std::printf("duckietown rotation: yaw error mean %.2f, deviation %.2f degrees\n", mean, deviation);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How near the tracker comes to the truth, which it sees as pixels only; scored after the fact.
+/// Accuracy of the tracker, which sees only pixels; compared with the truth afterwards.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,13 +16,13 @@ namespace {
 struct Score {
   int pictures = 0;
   int found = 0;
-  int wrong_side = 0;  ///< Yaw off by more than 10°: the mirrored pose.
+  int wrong_side = 0;  ///< Pictures with a yaw error of more than 10°: the mirrored pose.
   double position_mm = 0.0;
   double yaw_deg = 0.0;
   double raw_yaw_deg = 0.0;
 };
 
-/// Root mean squares over the pictures of `seconds`.
+/// Returns root mean squares over the pictures of `seconds`.
 Score score(const simulated::Simulation& simulation, const TrackingSettings& settings, double seconds) {
   const simulated::SimulatedView view(simulation);
   auto detector = tags::TagDetector::create({});

@@ -69,7 +69,7 @@ TEST(EstimatePoses, gives_the_mirrored_pose_of_a_far_tag_as_the_other_one) {
   EXPECT_LT(poses->other->reprojection_px, 1.0);
 }
 
-/// Another implementation of another error measure, which agrees where the corners leave no doubt.
+/// Compares with another implementation of another error measure, which agrees where the corners are unambiguous.
 TEST(EstimatePoses, agrees_with_libapriltag) {
   std::mt19937 random(2);
   std::normal_distribution<double> noise(0.0, 0.05);
@@ -88,7 +88,7 @@ TEST(EstimatePoses, agrees_with_libapriltag) {
       detection.p[i][0] = (*corners)[3 - i].x();
       detection.p[i][1] = (*corners)[3 - i].y();
     }
-    // Its start is a homography from the corners (-1, -1) to (1, 1); the true pose gives one.
+    // It starts at a homography from the corners (-1, -1) to (1, 1), which the true pose gives.
     const Eigen::Matrix3d r = truth.rotation().toRotationMatrix();
     const Eigen::Vector3d t = truth.translation() / (0.5 * kSize);
     auto* const homography = static_cast<matd_t*>(std::calloc(1, sizeof(matd_t) + 9 * sizeof(double)));

@@ -26,7 +26,7 @@ tags::TagDetection tag(int id, double x_m, double z_m) {
   return detection;
 }
 
-/// Flat tags of 0.12 m.
+/// Settings for flat tags of 0.12 m.
 TrackingSettings flat() {
   TrackingSettings settings;
   settings.patterns.flat_tag_size_m = 0.12;
@@ -61,7 +61,7 @@ TEST(Track, takes_another_tag_only_once_its_own_was_lost_for_a_while) {
   EXPECT_EQ(id_of(soon), std::nullopt);
   const auto later = track(flat(), soon.state, other, kLens, kStart + milliseconds(300));
   ASSERT_EQ(id_of(later), 9);
-  // And begins anew with it: nothing of the first tag's place is left.
+  // It begins anew with it: nothing of the first tag's position is left.
   EXPECT_LT((later.tag->T_camera_tag.translation() - Eigen::Vector3d(-0.2, 0.0, 0.5)).norm(), 1e-4);
 }
 
@@ -111,7 +111,7 @@ TEST(Track, follows_a_standard_wand_by_all_its_tags_and_says_how_surely) {
   EXPECT_EQ(result.tag->seen.size(), 3U);
   EXPECT_LT((result.tag->T_camera_tag.translation() - Eigen::Vector3d(0.1, 0.0, 1.1)).norm(), 1e-4);
   EXPECT_GT(result.tag->covariance(1, 1), 0.0);
-  // The wand's name does not depend on which of its tags are seen.
+  // The wand's name does not depend on which of its tags are visible.
   seen.erase(seen.begin());
   EXPECT_EQ(id_of(track({}, result.state, seen, kLens, kStart + milliseconds(33))), 9);
 }
@@ -134,7 +134,8 @@ TEST(Track, does_not_mix_two_cards_of_one_number) {
   EXPECT_LT((result.tag->T_camera_tag.translation() - Eigen::Vector3d(0.35, 0.0, 1.1)).norm(), 1e-4);
 }
 
-/// The middle tag of a wand alone, small and turned by `yaw_deg`, its corners off by a quarter of a pixel at most.
+/// Returns the middle tag of a wand alone, small and turned by `yaw_deg`, its corners off by at most a quarter of a
+/// pixel.
 std::vector<tags::TagDetection> lone_tag_at(double yaw_deg, unsigned picture) {
   std::mt19937 random(picture);
   std::uniform_real_distribution<double> off(-0.25, 0.25);

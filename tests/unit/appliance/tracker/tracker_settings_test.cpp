@@ -52,7 +52,7 @@ TEST(TrackerSettings, looks_through_a_calibrated_lens) {
   ASSERT_TRUE(settings) << settings.error().message();
   ASSERT_TRUE(settings->lens.calibrated);
   EXPECT_EQ(lens_for(settings->lens, 640, 480).focal_px, 550.0);
-  // Of another shape: the field of view of the defaults.
+  // The aspect ratio differs: the default field of view is used.
   EXPECT_NEAR(lens_for(settings->lens, 640, 360).focal_px, lens_for({}, 640, 360).focal_px, 1e-9);
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().message(), HasSubstr("other.json"));

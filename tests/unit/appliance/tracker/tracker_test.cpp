@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The whole tracker against a tour that listens, goes away and comes back.
+/// The whole tracker against a tour that listens, disconnects and returns.
 #include "appliance/tracker/tracker.h"
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 using testing::HasSubstr;
 
-/// Keeps what a tracker sends.
+/// Records what a tracker sends.
 class FakeTour final : public wire::Tour::Service {
  public:
   grpc::Status Track(grpc::ServerContext*, grpc::ServerReader<wire::TrackedPose>* reader, wire::TrackReply*) override {
@@ -35,7 +35,7 @@ class FakeTour final : public wire::Tour::Service {
     }
     return grpc::Status::OK;
   }
-  /// The first `count` poses, or fewer after twenty seconds.
+  /// Returns the first `count` poses, or fewer after twenty seconds.
   std::vector<wire::TrackedPose> wait_for(std::size_t count) {
     std::unique_lock lock(mutex_);
     arrived_.wait_for(lock, seconds(20), [&] { return poses_.size() >= count; });
@@ -54,7 +54,7 @@ std::unique_ptr<WireServer> serve(FakeTour* tour, const std::string& address) {
   return server ? *std::move(server) : nullptr;
 }
 
-/// supervise() until the state holds `text`, at most twenty seconds.
+/// Calls supervise() until the state contains `text`, for at most twenty seconds.
 bool comes_to_say(Tracker* tracker, const std::string& text) {
   const SteadyClock clock;
   for (const TimePoint until = clock.now() + seconds(20); clock.now() < until;) {
@@ -108,7 +108,7 @@ TEST_F(TrackerTest, sends_a_pose_for_each_picture_with_its_stages) {
 }
 
 TEST_F(TrackerTest, follows_a_visitor_who_carries_nothing) {
-  // The story's first 7.5 s as photos, 15 for a second.
+  // The first 7.5 s of the story as photos, 15 per second.
   const std::filesystem::path folder = testing::TempDir() + "visitor-photos-" + std::to_string(::getpid());
   std::filesystem::create_directories(folder);
   const VisitorRoom room(Pinhole::from_field_of_view(160, 120, settings_.lens.field_of_view_rad), 3);

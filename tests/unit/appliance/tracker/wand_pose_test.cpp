@@ -25,7 +25,7 @@ T_CameraTag pose_at(double yaw_deg, double z_m) {
           {0.03, 0.02, z_m}};
 }
 
-/// The tags of `wand` that face the camera, where the pose puts them.
+/// Returns the tags of `wand` that face the camera, projected by the pose.
 std::vector<tags::TagDetection> seen_of(const Wand& wand, const T_CameraTag& pose) {
   std::vector<tags::TagDetection> seen;
   for (const WandTag& tag : wand.tags) {
@@ -89,12 +89,12 @@ TEST(WandPose, of_a_flat_tag_is_the_tag_s_own) {
     const auto alone = estimate_poses(seen[0].corners, 0.12, kLens);
     const auto wand = estimate_wand_poses(flat_tag(0, 0.12), seen, kFloorPx, kLens);
     ASSERT_TRUE(alone && wand);
-    // The loss bends the way to the minimum a little: outliers count less there.
+    // The loss shifts the minimum a little, since outliers have less weight.
     EXPECT_LT(error_of(wand->best.T_camera_tag, alone->best.T_camera_tag).norm(), 0.02) << i;
   }
 }
 
-/// The covariance is what it says: errors, in units of it, have mean square 1 per degree of freedom.
+/// The covariance is consistent: errors, in units of it, have mean square 1 per degree of freedom.
 TEST(WandPose, knows_how_far_off_it_is) {
   const Wand wand = standard_wand(0);
   std::mt19937 random(6);
@@ -128,8 +128,8 @@ TEST(WandPose, is_hardly_pulled_by_corners_under_a_finger) {
 }
 
 TEST(WandPose, takes_a_tag_that_is_not_seen_as_a_sign_against_a_pose_that_would_show_it) {
-  // Turned far to a side only the left panel is left. Its other explanation turns the wand to the front, where the
-  // middle tag would be seen.
+  // Turned far to a side, only the left panel is visible. Its other pose turns the wand to the front, where the middle
+  // tag would be visible.
   const Wand wand = standard_wand(0);
   const T_CameraTag truth = pose_at(-62.0, 2.2);
   std::mt19937 random(8);

@@ -12,7 +12,7 @@
 namespace cyclorama::warp {
 namespace {
 
-/// The factor between four pixel centres; nothing where one of them is outside the picture.
+/// Interpolates the factor between four pixel centres; empty if one of them is outside the picture.
 std::optional<double> bilinear(const MaskImage& mask, const Eigen::Vector2d& pixel) {
   const int x = static_cast<int>(std::floor(pixel.x() - 0.5));
   const int y = static_cast<int>(std::floor(pixel.y() - 0.5));
@@ -32,7 +32,7 @@ TEST(BlendMask, lets_all_projectors_together_shine_one_on_every_wall_point) {
   double worst = 0.0;
   int shared = 0;
   for (int n = 0; n < 20000; ++n) {
-    // A pixel's breadth inside the wall's edge: beyond it the masks are cut off, as they must be.
+    // A pixel's width inside the wall's edge, since the masks are cut off beyond it.
     const double arc = std::uniform_real_distribution(-0.5, 0.5)(random) * (wall.arc_rad - 0.02);
     const double height = std::uniform_real_distribution(wall.bottom_m + 0.02, wall.top_m - 0.02)(random);
     const Point<frame::Room> point = wall.point_at(arc, height);

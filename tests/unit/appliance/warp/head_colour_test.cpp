@@ -23,7 +23,7 @@ TEST(ResponseCurve, clips_what_no_device_shines) {
   EXPECT_EQ(curve.code_of(-3.0), 0.25);
   EXPECT_EQ(curve.code_of(std::numeric_limits<double>::quiet_NaN()), 0.25);
   EXPECT_EQ(curve.code_of(std::numeric_limits<double>::infinity()), 0.5);
-  EXPECT_NEAR(curve.code_of(0.25), 0.375, 1e-9);  // Half of the square root's way.
+  EXPECT_NEAR(curve.code_of(0.25), 0.375, 1e-9);  // Half way in the square root.
 }
 
 TEST(ResponseCurve, resampled_is_the_same_curve) {

@@ -25,7 +25,7 @@ class ScreenWarp : public ::testing::TestWithParam<const char*> {
     const std::string name = std::string(GetParam()) + ".toml";
     auto read = read_installation(demo_installation_path().parent_path() / name);
     CHECK(read.has_value());
-    // Half as many pixels each way are looked at four times as quickly.
+    // Half as many pixels each way take a quarter of the time.
     for (InstalledProjector& projector : read->projectors) {
       Pinhole& lens = projector.lens;
       lens = {lens.width_px / 2, lens.height_px / 2, 0.5 * lens.focal_px, 0.5 * lens.centre_u_px,
@@ -33,7 +33,7 @@ class ScreenWarp : public ::testing::TestWithParam<const char*> {
     }
     return *std::move(read);
   }
-  /// The vault's mesh has many folds: with large pixels fewer of them count.
+  /// The vault's mesh has many folds; with large pixels fewer of them matter.
   static int width_px() { return GetParam() == std::string("mesh") ? 256 : 1024; }
 };
 
@@ -70,7 +70,7 @@ TEST_P(ScreenWarp, triangles_cover_the_picture_once) {
   const Installation room = this->room();
   const auto mesh = make_warp_mesh(ProjectorMap(room, 0), room.picture(width_px()));
   ASSERT_TRUE(mesh);
-  // Meshes on a wall that goes on without end leave out nothing.
+  // Meshes on a wall that continues without end leave out nothing.
   EXPECT_NEAR(area_px2(*mesh), static_cast<double>(mesh->width_px) * mesh->height_px, 2.0);
 }
 
@@ -93,7 +93,7 @@ TEST_P(ScreenWarp, is_lit_everywhere_and_weights_add_up_to_one) {
   EXPECT_GT(shared, 200);
 }
 
-/// Smooth, and different everywhere; linear light.
+/// Returns linear light that is smooth, and different in every direction.
 std::array<double, 3> light_from(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d d = direction.normalized();
   return {0.5 + 0.3 * std::sin(4.0 * d.x()), 0.5 + 0.3 * std::cos(5.0 * d.y()), 0.5 + 0.3 * std::sin(3.0 * d.z())};
@@ -144,7 +144,7 @@ TEST_P(ScreenWarp, the_wall_shows_what_the_eye_is_to_see_when_the_visitor_has_tu
     std::printf("%s, turned by %.1f: light off by %.4f at most, %.4f on average\n", GetParam(), turn, worst,
                 mean / count);
     EXPECT_LT(mean / count, 0.003);  // A code value is 0.0067 there.
-    EXPECT_LT(worst, 0.04);          // With half the pixels, a steep ramp at the dome's rim is off by .033.
+    EXPECT_LT(worst, 0.04);          // With half the pixels, a steep ramp at the dome's rim has an error of .033.
   }
 }
 
@@ -162,7 +162,7 @@ TEST(ScreenBlend, what_is_in_the_shade_of_a_pillar_is_lit_by_the_other_projector
         {x < 0 ? "left" : "right", Pinhole::from_field_of_view(320, 240, 2.0), {ahead, Eigen::Vector3d(x, 1.5, 0)}});
   }
   const std::vector<ProjectorMap> maps = projector_maps(room);
-  // From the left projector the pillar hides what is to the right behind it.
+  // From the left projector, the pillar hides the area to the right behind it.
   const std::vector<double> behind = blend_weights(maps, {Eigen::Vector3d(1.5, 1.5, -3)});
   EXPECT_EQ(behind[0], 0.0);
   EXPECT_EQ(behind[1], 1.0);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// A room that differs from the demo's in every number.
+/// Returns a room that differs from the demo's in every number.
 Installation random_room(std::mt19937* random) {
   const auto between = [&](double a, double b) { return std::uniform_real_distribution(a, b)(*random); };
   Installation room = demo_room();
@@ -72,7 +72,7 @@ TEST(ProjectorMap, has_no_jump_where_the_azimuth_passes_a_half_turn) {
   room.projectors.resize(1);
   room.projectors[0].T_room_projector = {
       Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ())),
-      Eigen::Vector3d(0.0, 1.6, 0.0)};  // Looks along +z: behind the visitor.
+      Eigen::Vector3d(0.0, 1.6, 0.0)};  // It looks along +z: behind the visitor.
   const ProjectorMap map(room, 0);
   double previous = map.direction_of({0.5, 200.5})->azimuth_rad;
   for (int x = 1; x < 640; ++x) {
@@ -102,7 +102,7 @@ TEST(WarpMesh, holds_its_tolerance_at_every_pixel_of_the_demo) {
           worst = std::max(worst, std::hypot(du, dv));
         }
       }
-      EXPECT_LE(worst, 0.055) << width_px;  // A tenth more than at the sampled places.
+      EXPECT_LE(worst, 0.055) << width_px;  // A tenth more than at the sampled positions.
       RecordProperty("vertices", static_cast<int>(mesh->vertices.size()));
       std::printf("panorama %d px: %d x %d cells, %zu vertices, worst %.4f px\n", width_px, mesh->cells_x,
                   mesh->cells_y, mesh->vertices.size(), worst);

@@ -9,7 +9,7 @@
 namespace cyclorama::warp {
 namespace {
 
-/// Wherever the projector meets the wall, in the picture's pixels.
+/// Returns the maximum error where the projector meets the wall, in the picture's pixels.
 double worst_error(const ProjectorMap& map, const WarpPatches& warp, const PictureShape& picture) {
   const PixelScale scale = pixel_scale(picture);
   double worst = 0.0;
@@ -32,14 +32,14 @@ TEST(WarpPatches, keep_to_their_tolerance_on_walls_of_every_smooth_shape) {
                           ? Result<Installation>(demo_room())
                           : read_installation(demo_installation_path().parent_path() / name);
     ASSERT_TRUE(room) << room.error().message();
-    const bool is_dome = std::string(name) == "dome.toml";  // Its rim bends most.
+    const bool is_dome = std::string(name) == "dome.toml";  // Its rim has the largest curvature.
     for (const double tolerance : {1.0, is_dome ? 0.1 : 0.05}) {
       const PictureShape picture = room->picture(512);
       const ProjectorMap map(*room, 0);
       const auto warp = make_warp_patches(map, picture, tolerance);
       ASSERT_TRUE(warp) << name << ": " << warp.error().message();
       EXPECT_LE(warp->worst_error_px, tolerance);
-      // It is looked for at 81 places of each patch: between them it may be a little larger.
+      // The error is checked at 81 positions of each patch; between them it may be a little larger.
       EXPECT_LE(worst_error(map, *warp, picture), 1.05 * tolerance) << name;
       EXPECT_EQ(warp->patches.size(), static_cast<std::size_t>(warp->across() * warp->down()));
     }

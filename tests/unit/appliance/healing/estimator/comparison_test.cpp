@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Sums of waves: what it is between pixels is known.
+/// A sum of waves, whose values between pixels are known.
 float waves(double x, double y) {
   return static_cast<float>(0.5 + 0.12 * std::sin(0.31 * x + 0.13 * y) + 0.1 * std::sin(0.17 * y - 0.05 * x) +
                             0.08 * std::sin(0.23 * x - 0.29 * y + 1.0) + 0.05 * std::sin(0.001 * x * y));
@@ -66,7 +66,7 @@ TEST(AlignPatches, tells_what_is_plain_what_is_shared_and_what_is_not_there) {
     } else if (patch.at.x() > 152) {
       EXPECT_EQ(patch.fit, PatchFit::kShared);
     } else if (patch.at.x() > 72 && patch.at.x() < 128 && patch.at.y() > 30 && patch.at.y() < 130) {
-      // Nearer to the rim the search may leave the picture, which tells nothing.
+      // Nearer to the rim the search may leave the picture, which gives no result.
       EXPECT_EQ(patch.fit, PatchFit::kDiffers);
     }
   }

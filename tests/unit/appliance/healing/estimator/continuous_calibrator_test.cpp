@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A whole show in small: projectors of 640x360, cameras of a sixth of a megapixel. The figures at full size are the
-// benchmarks' work.
+// A whole show at reduced size: projectors of 640x360, cameras of a sixth of a megapixel. The benchmarks measure the
+// full size.
 #include "appliance/healing/estimator/continuous_calibrator.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ BumpedShow small_show(const BumpedShowOptions& options = small_options()) {
   return *std::move(show);
 }
 
-/// Some steps; the log, for whoever reads why a test failed.
+/// Runs some steps; the log explains failed tests.
 std::vector<Correction> run(BumpedShow* show, int steps, std::string* log = nullptr) {
   std::vector<Correction> corrections;
   for (int i = 0; i < steps; ++i) {
@@ -113,8 +113,8 @@ TEST(ContinuousCalibrator, somebody_before_the_wall_is_not_a_bump) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(show.error_px(i), 0.5) << log;
 }
 
-/// Half as fine as a museum's. What is painted is smooth: here a small bump is one of a few pixels, which a filter that
-/// is not sure could have followed.
+/// Half as fine as a museum's. The painted content is smooth: here a small bump is one of a few pixels, which an
+/// uncertain filter could have followed.
 BumpedShow finer_show() {
   BumpedShowOptions options = small_options();
   options.projector_width_px = 960;
@@ -141,7 +141,7 @@ TEST(ContinuousCalibrator, a_small_bump_is_one_also_while_it_is_not_sure_yet) {
 
 TEST(ContinuousCalibrator, does_not_guess_whether_a_projector_moved_or_the_one_camera_that_sees_it) {
   BumpedShowOptions options = small_options();
-  options.camera_field_deg = 26.0;  // Of the wall's edge and of the neighbours' light it sees nothing.
+  options.camera_field_deg = 26.0;  // It sees neither the wall's edge nor the neighbours' light.
   BumpedShow show = small_show(options);
   std::string log;
   run(&show, 8, &log);
@@ -156,7 +156,8 @@ TEST(ContinuousCalibrator, does_not_guess_whether_a_projector_moved_or_the_one_c
 
 TEST(ContinuousCalibrator, what_was_refused_is_not_taken_for_drift_later) {
   BumpedShowOptions options = small_options();
-  options.camera_field_deg = 26.0;  // Each sees its own projector's light alone: nobody can tell who moved.
+  // Each sees only its own projector's light, so that nobody can tell which of them moved.
+  options.camera_field_deg = 26.0;
   BumpedShow show = small_show(options);
   std::string log;
   run(&show, 8, &log);
@@ -167,7 +168,7 @@ TEST(ContinuousCalibrator, what_was_refused_is_not_taken_for_drift_later) {
   EXPECT_NE(report->projectors[1].hold, HoldReason::kNone) << log;
 }
 
-/// While the picture turns by some pixels from one look to the next.
+/// The picture turns by some pixels from one observation to the next.
 BumpedShow turning_show(std::string* log) {
   BumpedShow show = finer_show();
   run(&show, 9, log);

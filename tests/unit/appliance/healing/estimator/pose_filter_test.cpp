@@ -45,7 +45,7 @@ TEST(PoseStep, half_of_the_way_and_its_rest_are_the_whole) {
   EXPECT_LT((calibration::step_between(middle, to) - 0.5 * turn).norm(), 1e-12);
 }
 
-/// The textbook's filter, with inverses of whole matrices, where numbers are kind.
+/// The textbook's filter, with inverses of whole matrices, for well-conditioned numbers.
 TEST(PoseFilter, agrees_with_the_information_filter) {
   std::mt19937 random(5);
   PoseFilter filter(1.0, 1.0, {0.1, 0.2});
@@ -102,7 +102,8 @@ TEST(PoseFilter, stays_positive_and_consistent_however_unequal_noise_and_knowled
     }
     const Eigen::SelfAdjointEigenSolver<calibration::PoseMatrix> parts(filter.covariance());
     EXPECT_GT(parts.eigenvalues().minCoeff(), 0.0) << ratio;
-    // With R/P of 1e12 nothing is ever learned, and all errors are one long walk's: only its size can be asked for.
+    // With R/P of 1e12 nothing is ever learned, and all errors belong to one long random walk: only its magnitude can
+    // be tested.
     const double mean = nees / kSteps;
     if (ratio <= 1e6) {
       EXPECT_GT(mean, 4.0) << ratio;
@@ -121,7 +122,7 @@ TEST(PoseFilter, without_prior_gives_back_what_was_measured) {
 }
 
 TEST(PoseFilter, its_limit_is_hardly_above_that_of_the_chi_squared_distribution) {
-  // Of one in 1e9: chi squared of 1 and 6 degrees of freedom. So far out the cube root is on the safe side.
+  // For one in 1e9: chi squared of 1 and 6 degrees of freedom. In that tail the cube root is on the safe side.
   EXPECT_GT(innovation_limit(1), 37.3);
   EXPECT_LT(innovation_limit(1), 50.0);
   EXPECT_GT(innovation_limit(6), 54.4);
@@ -141,7 +142,7 @@ TEST(InnovationWindow, is_surprised_by_several_that_are_each_no_wonder) {
   EXPECT_TRUE(window.is_surprising());
   window.forget();
   EXPECT_FALSE(window.is_surprising());
-  // One alone is the filter's own business, however large.
+  // A single innovation is left to the filter, however large.
   window.add({1e6, 6});
   EXPECT_FALSE(window.is_surprising());
   InnovationWindow nothing;
@@ -167,7 +168,8 @@ TEST(PoseFilter, a_step_is_as_many_deviations_as_its_covariance_says) {
   step[5] = 1.5e-1;
   EXPECT_NEAR(filter.squared_deviations(step), 4.0 + 9.0, 1e-9);
   EXPECT_LT(innovation_limit(6, 4.0), innovation_limit(6));
-  EXPECT_NEAR(innovation_limit(1, 4.0), 17.3, 2.0);  // One direction: as much lies beyond on both sides together.
+  // In one direction, as much probability lies beyond on both sides together.
+  EXPECT_NEAR(innovation_limit(1, 4.0), 17.3, 2.0);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ calibration::ShowCalibration room() {
   return made;
 }
 
-/// What the cameras of the `real` room see of `believed`'s projectors' pixels.
+/// Returns what the cameras of the `real` room see of `believed`'s projectors' pixels.
 std::vector<PatchObservation> observations(const calibration::ShowCalibration& believed,
                                            const calibration::ShowCalibration& real, double noise_px,
                                            double gross = 0.0) {
@@ -144,7 +144,7 @@ TEST(SolvePoses, its_covariance_tells_what_is_seen_and_its_rank_what_is_not) {
   const auto whole = solve_poses(believed, all, {}, priors);
   ASSERT_TRUE(whole);
   EXPECT_EQ(whole->bodies[0].rank, 6);
-  // Two observations are four numbers.
+  // Two observations give four numbers.
   std::erase_if(all, [](const PatchObservation& s) { return s.projector == 0; });
   EXPECT_EQ(solve_poses(believed, all, {}, priors)->bodies[0].rank, 0);
   const auto own = observations(believed, believed, 0.05);

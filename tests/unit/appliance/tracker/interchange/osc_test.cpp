@@ -21,7 +21,7 @@ std::vector<std::byte> bytes_of(std::string_view text) {
 }
 
 TEST(Osc, is_what_the_specification_shows) {
-  // Its two examples, byte for byte.
+  // The specification's two examples, byte for byte.
   using namespace std::string_view_literals;
   EXPECT_EQ(encode_osc({"/oscillator/4/frequency", {440.0f}}),
             bytes_of("/oscillator/4/frequency\0,f\0\0\x43\xdc\0\0"sv));

@@ -70,14 +70,14 @@ TEST(Vrpn, says_nothing_of_a_sensor_that_is_out_of_sight) {
 TEST(Vrpn, refuses_every_datagram_that_was_cut_off) {
   const auto whole = encode_vrpn(kPose, "T");
   for (std::size_t size = 1; size < whole.size(); ++size) {
-    if (size == 32 || size == 32 + 56) continue;  // Between two messages.
+    if (size == 32 || size == 32 + 56) continue;  // The cut is between two messages.
     VrpnReader reader("T");
     EXPECT_FALSE(reader.read(std::span<const std::byte>(whole).first(size))) << size;
   }
 }
 
 TEST(PoseReport, is_turned_from_the_axes_of_a_room_to_those_of_the_camera) {
-  // At the visitor's right, half a metre up, one metre from the wall; pointing to the right by 0.3.
+  // To the visitor's right, half a metre up, one metre from the wall; turned to the right by 0.3.
   PoseReport report{1, 1, 1, true, {0.2, 0.5, 1.0}, {std::cos(0.15), 0.0, -std::sin(0.15), 0.0}};
   const auto pose = pose_of(report, TrackerAxes::kRoom);
   ASSERT_TRUE(pose);

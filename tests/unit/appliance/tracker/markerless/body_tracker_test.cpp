@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Steering without a pattern, on rendered visitors whose truth is known.
+/// Steering without a pattern, on rendered visitors whose true poses are known.
 #include "appliance/tracker/markerless/body_tracker.h"
 
 #include <gtest/gtest.h>
@@ -18,13 +18,14 @@ TimePoint at_time(double s) {
   return TimePoint(std::chrono::seconds(1000)) + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s));
 }
 
-/// What was said while a story was told.
+/// The tracker's output during a story.
 struct Told {
   int pictures = 0;
   int found = 0;
-  int found_early = 0;                         ///< Before the visitor stood at the mark, or after the visitor left.
-  std::vector<double> x_m, depth_m, lean_rad;  ///< How far off, of each picture.
-  double jump_m = 0.0;  ///< The most that x or depth did between two pictures that follow each other.
+  /// Poses before the visitor stood at the mark, or after the visitor left.
+  int found_early = 0;
+  std::vector<double> x_m, depth_m, lean_rad;  ///< Errors of each picture.
+  double jump_m = 0.0;  ///< Maximum change of x or depth between two successive pictures.
   double lean_jump_rad = 0.0;
 };
 
@@ -57,22 +58,22 @@ Told told(const VisitorStory& story, double from_s = 4.0, double to_s = 19.0, do
   return told;
 }
 
-/// In 19 of 20 pictures it is better than that.
+/// Returns the error that 19 of 20 pictures stay below.
 double p95(std::vector<double> errors) {
   if (errors.empty()) return 0.0;
   std::sort(errors.begin(), errors.end());
   return errors[errors.size() * 95 / 100];
 }
 
-/// 160 x 120 at 15 pictures per second, the least that is of use: about the dead zones of the walk.
-/// Somebody behind who is one with the visitor's shoulder in the picture pulls on place and lean.
+/// 160 x 120 at 15 pictures per second is the minimum: errors are about the dead zones of the walk. A person behind who
+/// merges with the visitor's shoulder in the picture biases position and lean.
 void expect_followed(const Told& told, double share, double slack) {
   EXPECT_GE(told.found, share * told.pictures);
   EXPECT_EQ(told.found_early, 0);
   EXPECT_LT(p95(told.x_m), slack * 0.11);
   EXPECT_LT(p95(told.depth_m), slack * 0.22);
   EXPECT_LT(p95(told.lean_rad), slack * 0.15);
-  // What a body can do in a picture's time, and no more than that.
+  // The motion of a body between two pictures.
   EXPECT_LT(told.jump_m, 0.15);
   EXPECT_LT(told.lean_jump_rad, 0.15);
 }
@@ -119,8 +120,8 @@ TEST(BodyTracker, does_not_take_in_who_walks_past) {
 }
 
 TEST(BodyTracker, takes_no_ghost_for_a_visitor) {
-  // The room is learned with somebody at the mark, who then leaves: what is seen there is the room, and the room is
-  // known as somebody.
+  // The room is learned with a person at the mark, who then leaves: the picture there shows the room, but the model
+  // contains the person.
   const VisitorRoom room(small_lens(), 3);
   BodyTracker tracker;
   for (int i = 0; i < 150; ++i) {
@@ -189,7 +190,7 @@ TEST(BodyTracker, is_a_function_of_its_pictures) {
 }
 
 TEST(BodyPose, leans_as_the_camera_sees_it) {
-  // To the visitor's right is to the camera's left.
+  // The visitor's right is the camera's left.
   const auto T = T_camera_body({0.1, 2.0, 0.2, 0.0, 0.0, 0.0});
   const Eigen::Vector3d up = T.rotation() * Eigen::Vector3d(0, -1, 0);
   EXPECT_LT(up.x(), -0.19);

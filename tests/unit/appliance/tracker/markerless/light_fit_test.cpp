@@ -39,7 +39,7 @@ TEST(LightFit, says_no_change_without_samples) {
   EXPECT_TRUE(fitted_light({}).coefficients.isZero());
   std::vector<LogLightSample> masked(100, LogLightSample{0.0, 0.0, 1.0, 0.0});
   EXPECT_TRUE(fitted_light(masked).coefficients.isZero());
-  // All at one place: a surface that is not determined is flat.
+  // All samples are at one position: an undetermined surface is flat.
   std::vector<LogLightSample> same(100, LogLightSample{0.5, 0.5, 1.0, 1.0});
   EXPECT_TRUE(fitted_light(same).coefficients.allFinite());
   EXPECT_NEAR(fitted_light(same).at(0.5, 0.5), 1.0, 0.05);

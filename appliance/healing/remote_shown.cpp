@@ -122,7 +122,7 @@ class RemoteShown::Display {
     const TimePoint lit_at = from_nanoseconds(moment.shown_ns()) - ahead() + latency;
     for (const wire::ShownHead& head : moment.heads()) {
       const auto known = std::ranges::find(heads_, head.projector(), &Head::name);
-      if (known == heads_.end()) continue;  // Drawn with another calibrator's plans.
+      if (known == heads_.end()) continue;  // The head belongs to another calibrator.
       RgbImage picture(known->width_px, known->height_px);
       const auto bytes = std::as_bytes(std::span(head.jpeg()));
       TRY(decoder_.decode_into(bytes, picture.data().data(), picture.width(), picture.height(),

@@ -103,7 +103,7 @@ TEST(MaskPng, keeps_grey_and_colour_in_eight_and_sixteen_bits) {
     ASSERT_TRUE(back.has_value()) << back.error().message();
     EXPECT_EQ(*back, mask) << seed;
     EXPECT_FALSE(decode_mask_png(*png, 17 * 9 - 1).has_value());
-    for (std::size_t length = 0; length < png->size() - 4; length += 3) {  // The last four bytes end no chunk's data.
+    for (std::size_t length = 0; length < png->size() - 4; length += 3) {  // The last four bytes are IEND's checksum.
       EXPECT_FALSE(decode_mask_png(std::span(*png).first(length), 1000).has_value()) << length;
     }
   }

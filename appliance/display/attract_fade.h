@@ -6,12 +6,12 @@
 namespace cyclorama::display {
 
 struct AttractTimes {
-  Duration after = std::chrono::seconds(20);  ///< How long a wrong picture stays before it fades.
+  Duration after = std::chrono::seconds(20);  ///< Time for which a wrong picture stays.
   /// Duration of the fade from one picture to the other; at least a millisecond.
   Duration fade = std::chrono::seconds(2);
 };
 
-/// How much of the attract picture is seen. A picture that is wrong (the visitor has turned and no frame follows, the
+/// Share of the attract picture. A picture that is wrong (the visitor has turned and no frame follows, the
 /// tour is gone, frames are given up) stays for a while and then fades; the next frame fades in. The share never jumps,
 /// however late a refresh is.
 ///

@@ -19,7 +19,7 @@ namespace cyclorama::display {
 
 /// A change of the calibration, made ready for the presenter.
 struct CalibrationUpdate {
-  std::optional<Error> trouble;        ///< Why the calibration cannot be used; if set, the rest is empty.
+  std::optional<Error> trouble;        ///< Set if the calibration cannot be used; then, the rest is empty.
   std::string date;                    ///< Date of the calibration.
   std::vector<std::string> lacking;    ///< Same as CalibratedHeads::lacking.
   std::vector<std::string> corrected;  ///< Same as CalibratedHeads::corrected.

@@ -165,7 +165,7 @@ void Display::keep_calibration() {
   inspection_.count("calibrations_taken");
 }
 
-/// Whether the present picture already contains everything that the heads will show: a correction moves them by less
+/// Returns whether the present picture contains everything that the heads will show: a correction moves them by less
 /// than the margin that is decoded around them.
 bool Display::is_decoded_for(const std::vector<HeadFootprint>& heads) const {
   const ShownParts now = shown_parts(footprints_, wanted_.shape, wanted_.shape);

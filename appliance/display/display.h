@@ -121,9 +121,9 @@ class Display : private FrameSink {
   std::uint64_t newest_ready_ = 0;  // DisplayFrame::order of the newest frame that was handed over.
 
   std::vector<HeadFootprint> footprints_;  // Footprints of the heads that are drawn with, or are about to be.
-  std::optional<Error> misfit_;            // Why the newest calibration is not used.
-  std::optional<Error> loss_;              // Why there is no output.
-  std::optional<Error> trouble_;           // Why there is no connection.
+  std::optional<Error> misfit_;            // Set while the newest calibration is refused.
+  std::optional<Error> loss_;              // Set while there is no output.
+  std::optional<Error> trouble_;           // Set while there is no connection.
   TimePoint connect_at_{};
   std::uint64_t reported_after_ = 0;  // Frames up to this DisplayFrame::order came by an earlier connection.
 

@@ -14,12 +14,12 @@ namespace cyclorama::display {
 
 inline constexpr std::int64_t kMaxShowAt_ns = std::int64_t{1} << 62;
 
-/// When a frame or heading is to be seen first: wire::ShowAt, checked. With period 0 it is shown at once. The refresh
+/// Time from which a frame or heading is shown: wire::ShowAt, checked. With period 0 it is shown at once. The refresh
 /// lies within kMaxShowAt_ns of the clock's zero (146 years), so that nothing overflows.
 struct ShowAt {
   std::int64_t refresh = 0;  ///< Number of the synchronised refresh.
   std::int64_t period_ns = 0;
-  std::int64_t told_ns = 0;  ///< When the tour sent it, on the tour's clock.
+  std::int64_t told_ns = 0;  ///< Sending time on the tour's clock.
 };
 
 /// A whole picture, ready to be shown: every tile has come, and those that the heads show are decoded. A value; its

@@ -40,7 +40,7 @@ inline constexpr int kMaxFramesInFlight = 3;
 struct ShownByHeads {
   std::vector<HeadFootprint> heads;
   PictureShape wall;    ///< Shape of the whole wall's picture; a picture of another kind or tilt is refused.
-  bool stereo = false;  ///< Whether the heads can show two eyes' pictures; if not, such frames are refused.
+  bool stereo = false;  ///< False: the heads cannot show two eyes' pictures; such frames are refused.
 };
 
 /// Messages come from one thread at a time. Borrows the pool, the sink and the clock, which outlive it and its frames.

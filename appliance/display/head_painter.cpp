@@ -16,7 +16,7 @@ constexpr int kResponseSteps = HeadUpload::kResponseSteps;
 
 GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(values.size() * sizeof(values[0])); }
 
-/// Whether positions beyond the picture, or the other side of a whole turn, need more than the sampler's own clamping.
+/// Tests whether positions beyond the picture, or across a whole turn's seam, need more than the sampler's clamping.
 bool needs_edges(const TurnedPicture& turned) {
   const PanoramaTexture& picture = *turned.picture;
   const auto* const panorama = std::get_if<Panorama>(&picture.shape());

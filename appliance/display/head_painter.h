@@ -44,7 +44,7 @@ class HeadPainter {
   void draw_over(const TurnedPicture& shown, const TurnedPicture& other, double fade, Eye now) const;
   /// Draws with every program once, since drivers compile a program at its first use.
   void warm_up(const TurnedPicture& shown, const TurnedPicture& other, const std::function<void()>& stepped) const;
-  /// Whether the eyes alternate, so that the drawing depends on the refresh.
+  /// Returns whether the eyes alternate, so that the drawing depends on the refresh.
   [[nodiscard]] bool takes_turns() const { return packing_ == StereoPacking::kFrameSequential; }
 
  private:

@@ -20,7 +20,7 @@ constexpr const char* kWarpSource = R"(
 precision highp float;
 precision highp int;
 #ifdef GL_NV_shader_noperspective_interpolation
-#define EVEN noperspective  // All is equally far away; where the driver knows, it need not divide.
+#define EVEN noperspective  // No perspective division is needed: w is 1 everywhere.
 #else
 #define EVEN
 #endif
@@ -57,12 +57,12 @@ uniform mat3 other_turned;
 )";
 constexpr const char* kVertexShader = R"(
 layout(location = 0) in vec2 place;      // In GL's clip space.
-layout(location = 1) in vec2 direction;  // Azimuth, tangent of elevation; or other places. On patches: s, t.
-layout(location = 2) in vec4 terms0;     // Of 1 and s,
-layout(location = 3) in vec4 terms1;     // of t and s^2,
-layout(location = 4) in vec4 terms2;     // of s t and t^2.
+layout(location = 1) in vec2 direction;  // Azimuth, tangent of elevation; or another position. On patches: s, t.
+layout(location = 2) in vec4 terms0;     // Coefficients of 1 and s.
+layout(location = 3) in vec4 terms1;     // Coefficients of t and s^2.
+layout(location = 4) in vec4 terms2;     // Coefficients of s t and t^2.
 uniform vec2 per_px;
-EVEN out vec3 on_head;  // Across and up in [0, 1], and how far the dither's pattern has come.
+EVEN out vec3 on_head;  // Across and up in [0, 1], and the phase of the dither's pattern.
 #ifdef PATCHES
 EVEN out vec2 along;
 flat out vec4 seen0, seen1, seen2;
@@ -77,7 +77,7 @@ void main() {
   on_head.z = dot(on_head.xy / per_px, vec2(0.7548776662, 0.5698402910));
 #if defined(PATCHES)
   along = direction;
-#ifdef SHIFT  // Is even: what is done to the place may be done to the terms.
+#ifdef SHIFT  // Linear, so it may be applied to the terms instead of the position.
   seen0 = terms0 * to_texture.xyxy + vec4(to_texture.zw, 0.0, 0.0);
   seen1 = terms1 * to_texture.xyxy;
   seen2 = terms2 * to_texture.xyxy;
@@ -114,7 +114,7 @@ uniform highp sampler2D picture;
 uniform highp sampler2D other_picture;
 #endif
 uniform highp sampler2D mask;       // Rows as in the framebuffer.
-uniform highp sampler2D pixel_map;  // The same.
+uniform highp sampler2D pixel_map;  // Rows likewise.
 uniform highp sampler2D responses;  // A row for each of red, green, blue.
 uniform vec3 turn;
 uniform vec3 other_turn;
@@ -143,7 +143,7 @@ out vec4 colour;
 
 #ifdef PACKED
 #define PICTURE highp usampler2D
-// Not yet to scale; a field in the middle of the word need not be moved for that.
+// Not yet scaled, so that the middle field of the word need not be shifted.
 vec3 squared(uint texel) {
   vec3 root = vec3(ivec3(int(texel) & 0x7ff, int(texel) & 0x3ff800, int(texel >> 22)));
   return root * root;

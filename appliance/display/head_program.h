@@ -9,7 +9,7 @@
 
 namespace cyclorama::display {
 
-/// How a turn moves the positions of a picture (common/geometry/picture_place.h).
+/// Effect of a turn on a picture's positions (common/geometry/picture_place.h).
 enum class YawCorrection {
   kShift,    ///< Panorama: all positions shift alike.
   kFlat,     ///< Perspective: a homography; straight lines stay straight.

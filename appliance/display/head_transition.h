@@ -55,7 +55,7 @@ class HeadTransition {
   std::vector<int> depths_bits_;  // Bits that the painters dither to.
   std::unique_ptr<HeadSet> now_;
   std::unique_ptr<HeadSet> next_;  // Null except during a change.
-  TimePoint began_at_{};           // When both began to be shown; zero: not yet.
+  TimePoint began_at_{};           // Start of the blend; zero: not yet.
   double share_ = 0.0;             // Share of the next set.
 };
 

@@ -17,14 +17,14 @@ struct PresentPlan {
   /// lost.
   std::function<Result<std::unique_ptr<output::Output>>()> open_output;
   std::vector<HeadPlan> heads;
-  bool may_change = false;  ///< Whether other plans may come by PresentMailbox::plans.
+  bool may_change = false;  ///< Other plans may come by PresentMailbox::plans.
   DisplayFrame attract;     ///< Shown until a frame comes, and when frames fail.
   AttractTimes times;
 };
 
 /// State of the output.
 struct OutputState {
-  std::optional<Error> loss;  ///< Why there is no output just now.
+  std::optional<Error> loss;  ///< Set while there is no output.
   int losses = 0;             ///< Losses since the start.
   /// Kind of the output opened last, such as "headless EGL"; then what GL reports as its renderer.
   std::string kind;

@@ -29,8 +29,8 @@ uniform highp sampler2D luma_plane;
 uniform highp sampler2D blue_plane;
 uniform highp sampler2D red_plane;
 uniform vec4 luma;        // Texture coordinate = gl_FragCoord.xy * xy + zw.
-uniform vec4 chroma;      // The same; chroma of half the size lies between its pixels' centres.
-uniform vec4 chroma_end;  // The first and the last centre: what lies beyond them is another picture's.
+uniform vec4 chroma;      // Likewise; chroma of half the size lies between its pixels' centres.
+uniform vec4 chroma_end;  // The first and the last centre; texels beyond them belong to another picture.
 #ifdef PACKED
 out uint texel;
 #else
@@ -45,7 +45,7 @@ void main() {
   vec3 p = ((((0.0872824213 * c - 0.307377663) * c + 0.66716066) * c + 0.519381961) * c + 0.0327460791) * c
            + 0.000916890727;
   p = mix(p, c / 12.92, lessThanEqual(c, vec3(0.04045)));
-#ifdef PACKED  // As texels.h says, red in the low bits.
+#ifdef PACKED  // Format of texels.h, red in the low bits.
   uvec3 root = uvec3(sqrt(p) * vec3(2047.0, 2047.0, 1023.0) + 0.5);
   texel = root.r | root.g << 11 | root.b << 22;
 #else

@@ -20,7 +20,7 @@ class PatternService final : public wire::PatternScreen::Service {
  public:
   /// `heads`: the output's, in order. Borrows the mailbox. A call without an order for `idle` is ended: a user who
   /// turns the turntable by hand may take time, but a calibration that hangs must not keep the wall from visitors. A
-  /// head that has not shown its pattern within `timeout` is reported as absent.
+  /// head that has not shown its pattern within `timeout` makes the call fail.
   PatternService(std::vector<output::HeadMode> heads, PatternMailbox* mailbox, Duration idle,
                  Duration timeout = std::chrono::seconds(10))
       : heads_(std::move(heads)), mailbox_(*mailbox), idle_(idle), timeout_(timeout) {}
@@ -30,7 +30,7 @@ class PatternService final : public wire::PatternScreen::Service {
   void tend();
   /// Called before the presenter ends; wakes every call that waits for it.
   void stop();
-  /// Whether patterns are shown in place of the show.
+  /// Returns whether patterns are shown in place of the show.
   [[nodiscard]] bool is_open() const { return is_open_; }
 
  private:

@@ -48,7 +48,7 @@ class PatternShow {
   std::vector<Head> heads_;
   std::unique_ptr<PatternWall> wall_;  // Null before the first.
   std::uint64_t answered_ = 0;         // Order of the newest wall that all awaited heads showed.
-  TimePoint last_at_{};                // When the last head of the present wall showed it.
+  TimePoint last_at_{};                // Time when the last head of the present wall showed it.
 };
 
 }  // namespace cyclorama::display

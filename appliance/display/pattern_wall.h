@@ -28,7 +28,7 @@ struct PatternWall {
 struct PatternsShown {
   std::uint64_t order = 0;
   std::uint64_t lacking = 0;  ///< Bit i: head i is awaited and does not show it yet (the first 64).
-  TimePoint at{};             ///< When the last awaited head showed it.
+  TimePoint at{};             ///< Time when the last awaited head showed it.
 };
 
 /// Slots between the client of patterns and the presenter, whose side neither blocks nor allocates nor frees.

@@ -44,9 +44,9 @@ struct RefreshEvent {
   double turn_rad = 0.0;       ///< Angle by which it was turned.
   // Set while several displays show the tour (synchronised_refresh.h):
   std::optional<std::int64_t> synchronised_refresh;
-  ShowAt frame_due;        ///< When the frame that is visible here first, or one that it passed over, was due.
-  ShowAt heading_due;      ///< When the heading was due.
-  Duration drawn_ahead{};  ///< How long drawing began before the synchronised refresh.
+  ShowAt frame_due;        ///< Due time of the frame that is visible here first, or of one passed over.
+  ShowAt heading_due;      ///< Due time of the heading.
+  Duration drawn_ahead{};  ///< Lead of the start of drawing over the synchronised refresh.
 
   /// Returns the delay in refreshes; 0 if nothing was scheduled, or nothing is visible for the first time.
   [[nodiscard]] std::int64_t late(const ShowAt& due) const {

@@ -32,7 +32,7 @@ class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::Sh
   /// the stream is over.
   void report(wire::DisplayReport report);
 
-  /// Whether the tour has answered.
+  /// Returns whether the tour has answered.
   [[nodiscard]] bool is_up() const;
   /// Returns why the stream is over; empty while it is not. Call it now and then: it also ends a stream on which the
   /// tour sent an invalid message.

@@ -33,12 +33,12 @@ class HeadFootprint {
   std::vector<std::optional<Span>> slices_;
 };
 
-/// How far a picture may be turned, and which parts of it are visible then.
+/// Maximum turn of a picture, and the parts of it that are visible then.
 struct ShownParts {
   double turn_limit_rad = 0.0;
   std::vector<PixelRect> parts;  ///< Whole cells of 16 pixels, cut at the picture's edges; none overlap.
 
-  /// Whether any part overlaps `rect`.
+  /// Returns whether any part overlaps `rect`.
   [[nodiscard]] bool meets(const PixelRect& rect) const;
 };
 

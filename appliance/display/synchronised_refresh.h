@@ -31,7 +31,7 @@ class SynchronisedRefresh {
   void learn(const ShowAt& at) { period_ns_ = at.period_ns; }
   /// Begins a picture, for the refresh after the last that was shown.
   void begin(TimePoint drawing_at);
-  /// Whether `at` is due in the picture that is drawn. Without a schedule, or with one too far ahead to be plausible
+  /// True if `at` is due in the picture that is drawn. Without a schedule, or with one too far ahead to be plausible
   /// (of another tour, of another clock), it is due at once.
   [[nodiscard]] bool is_due(const ShowAt& at) const;
   /// Records that the output showed the picture.
@@ -42,7 +42,7 @@ class SynchronisedRefresh {
   [[nodiscard]] std::int64_t coming() const { return coming_.value_or(static_cast<std::int64_t>(refresh_) + 1); }
   /// Number of the last refresh shown; empty without synchronised numbers, or while the tour's clock is not known.
   [[nodiscard]] std::optional<std::int64_t> number() const { return shown_; }
-  /// How long drawing began before its synchronised refresh; negative: after it.
+  /// Lead of the start of drawing over its synchronised refresh; negative: lag.
   [[nodiscard]] Duration drawn_ahead() const { return drawn_ahead_; }
 
  private:

@@ -21,7 +21,7 @@ using SystemClock = std::function<SystemTime()>;
 /// a second is given up. Thread-safe.
 class TourClock {
  public:
-  /// How far this computer's system clock is ahead of the tour's. It need not be small, since pictures follow the
+  /// Lead of this computer's system clock over the tour's. It need not be small, since pictures follow the
   /// measured clock of the tour; but logs are compared by it, and it shows whether this computer's clock is
   /// disciplined.
   struct Skew {

@@ -6,7 +6,7 @@
 namespace cyclorama::display {
 
 struct YawShift {
-  double angle_rad = 0.0;      ///< How far the visitor has turned to the right since the view was requested.
+  double angle_rad = 0.0;      ///< Turn of the visitor to the right since the view was requested.
   bool is_past_guard = false;  ///< The visitor turned farther than the picture extends; `angle_rad` stops there.
 };
 

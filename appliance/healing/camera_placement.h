@@ -18,7 +18,7 @@ struct PlacedCamera {
   RigidTransform<frame::Room, frame::Camera> T_room_camera;
   std::size_t correspondences = 0;
   double rms_px = 0.0;
-  std::string trouble{};  ///< Why the camera's pose is unknown, and the remedy; empty: it is known.
+  std::string trouble{};  ///< Reason for an unknown pose, and the remedy; empty: it is known.
 };
 
 /// Finds the poses of fixed cameras by patterns. Each camera pixel is matched to a projector pixel, and the wall's

@@ -43,7 +43,7 @@ struct HealingLoop::Watching {
   std::optional<TimePoint> kept_at;
   double kept_sigma_px = 0.0;  ///< Uncertainty of the saved state, so that a restart begins with little more.
   bool wants_realignment = false;
-  std::string unkept;  ///< Why the last correction could not be written; retried at each step.
+  std::string unkept;  ///< Reason why the last correction was not written; retried at each step.
 };
 
 HealingLoop::HealingLoop(Installation installation, std::filesystem::path folder, std::unique_ptr<ShowRooms> rooms,

@@ -100,7 +100,7 @@ class HealingLoop {
 
   std::mutex working_;                  ///< Held during a step and by a Held; guards the two members below.
   std::unique_ptr<Watching> watching_;  ///< Null: not started yet, or stopped.
-  std::string lacks_;                   ///< Why watching_ is null.
+  std::string lacks_;                   ///< Reason why watching_ is null.
   std::atomic<int> holders_{0};
   std::mutex mutex_;
   std::condition_variable_any woken_;

@@ -92,7 +92,7 @@ class RemoteShown::Display {
     const ClockReading reading = offset_.reading(clock_.now());
     return reading.is_known && reading.error <= kSureEnough;
   }
-  /// Whether the display was restarted and counts from 1 again; its earlier pictures are unknown then.
+  /// True if the display was restarted and counts from 1 again; its earlier pictures are unknown then.
   [[nodiscard]] bool has_begun_anew() const {
     return !reply_.moments().empty() && reply_.moments(reply_.moments_size() - 1).number() < known_;
   }

@@ -70,8 +70,8 @@ Eigen::Vector2d centre_of(const TagDetection& tag) {
 
 double size_of(const TagDetection& tag) { return std::sqrt(0.5 * std::max(0.0, doubled_area_px2(tag.corners))); }
 
-/// Whether two detections are the same tag at the same position; two of one id at different positions are two wands, or
-/// a reflection.
+/// Tests whether two detections are the same tag at the same position. Two of one id at different positions are two
+/// wands, or a reflection.
 bool is_same(const TagDetection& a, const TagDetection& b) {
   return a.id == b.id && (centre_of(a) - centre_of(b)).norm() < 0.5 * std::max(size_of(a), size_of(b));
 }

@@ -35,11 +35,11 @@ class Capture {
   [[nodiscard]] Frames& frames() { return frames_; }
   /// Number of pictures that were replaced before they were taken.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
-  /// What is wrong with the camera, in one sentence; empty while it delivers.
+  /// The camera's fault in one sentence; empty while it delivers.
   [[nodiscard]] std::string problem() const;
   /// The camera's id; empty before the first was made.
   [[nodiscard]] std::string camera_id() const;
-  /// When the thread last ran, as a proof that it is not stuck in a driver.
+  /// Time of the thread's last activity, as a proof that it is not stuck in a driver.
   [[nodiscard]] TimePoint alive_at() const { return alive_at_; }
 
  private:

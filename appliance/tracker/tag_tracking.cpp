@@ -50,8 +50,8 @@ std::vector<SeenPattern> patterns_in(const PatternSettings& settings, std::span<
   return patterns;
 }
 
-/// Whether a visitor may steer by it. A single small tag has two poses that turn the view to opposite sides; until the
-/// choice is certain, waiting is better than turning the wrong way.
+/// Returns whether a visitor may steer by it. A single small tag has two poses that turn the view to opposite sides;
+/// until the choice is certain, waiting is better than turning the wrong way.
 bool is_told_apart(const ChosenPose& chosen) {
   constexpr double kSure = 0.999;
   constexpr double kOppositeRad = 0.35;

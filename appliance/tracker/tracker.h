@@ -64,7 +64,7 @@ class Tracker {
   std::atomic<TimePoint> detect_alive_at_;
   std::atomic<std::uint64_t> pictures_ = 0;
   std::atomic<int> followed_ = -1;          ///< Wand::id() in the newest picture; -1 without one.
-  std::atomic<bool> does_lens_fit_ = true;  ///< Whether the calibrated lens fits the newest picture's size.
+  std::atomic<bool> does_lens_fit_ = true;  ///< True if the calibrated lens fits the newest picture's size.
   std::atomic<const char*> body_state_ = "";
   std::uint64_t counted_pictures_ = 0;
   TimePoint counted_at_{};

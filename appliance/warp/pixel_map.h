@@ -19,7 +19,7 @@ using Warp = std::variant<WarpMesh, PixelMap, WarpPatches>;
 
 [[nodiscard]] PixelMap make_pixel_map(const ProjectorMap& map, const PictureShape& picture);
 
-/// Whether a mesh's cells, cut along the wall's creases, are large enough that drawing them is faster than reading a
+/// True if a mesh's cells, cut along the wall's creases, are large enough that drawing them is faster than reading a
 /// map of each pixel.
 [[nodiscard]] bool is_quicker_than_a_map(const WarpMesh& mesh);
 

@@ -26,7 +26,7 @@ class AreaMap {
   void restart() { doubts_.clear(); }
 
   [[nodiscard]] Area area(std::size_t patch) const;
-  /// Whether a patch that fits now fitted before too; at its edge a person may still stand.
+  /// Returns whether a patch that fits now fitted before too; at its edge a person may still stand.
   [[nodiscard]] bool is_trusted(std::size_t patch) const {
     return patch >= doubts_.size() || doubts_[patch] < kTrustedBelow;
   }

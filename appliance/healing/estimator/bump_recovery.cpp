@@ -221,7 +221,7 @@ bool ContinuousCalibrator::State::have_reference(std::span<const BodyIndex> move
                                                  std::span<const CameraObservation> of) const {
   if (is_calm) return true;
   return std::ranges::all_of(movers, [&](BodyIndex mover) {
-    // While the picture turns, a camera that turned and one whose clock is wrong look alike.
+    // A camera that turned and one whose clock is wrong look alike while the picture turns.
     if (mover >= projectors()) return false;
     return std::ranges::any_of(of, [&](const CameraObservation& look) {
       const std::vector<PatchTally> tallies = tally(look.patches, projectors());

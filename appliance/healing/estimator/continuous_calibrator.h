@@ -21,7 +21,7 @@ struct ShowMoment {
   std::vector<CameraPicture> seen;  ///< At most one per camera.
 };
 
-/// Why a projector is not corrected at present.
+/// Reason why a projector is not corrected at present.
 enum class HoldReason {
   kNone,
   kSettling,   ///< The first seconds: the scan's residuals are being learned.
@@ -126,7 +126,7 @@ class ContinuousCalibrator {
   /// Handles a correction by the operator: the displays draw for this pose of a projector from now on, and the present
   /// pictures count as right with it. Errors: kUnavailable if the calibrator is not settled yet.
   Status put_back(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& T_room_projector);
-  /// Whether the scan's residuals have been learned.
+  /// Returns whether the scan's residuals have been learned.
   [[nodiscard]] bool is_settled() const;
 
   /// Believed poses of all projectors and cameras.

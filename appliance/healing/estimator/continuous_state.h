@@ -9,7 +9,7 @@
 
 namespace cyclorama::healing {
 
-/// How long the show must stand still before a displacement is accepted without a reference projector.
+/// Time for which the show must stand still before a displacement is accepted without a reference projector.
 inline constexpr Duration kCalmFor = std::chrono::milliseconds(1900);
 
 struct ContinuousCalibrator::State {
@@ -55,8 +55,8 @@ struct ContinuousCalibrator::State {
   void look_at(const ShowMoment& moment, ShowReport* report);
   std::optional<std::vector<LightPlane>> shone_between(TimePoint opened, TimePoint closed, double* ret_motion_px);
   bool is_still(TimePoint from, TimePoint until);
-  /// While the show moves: whether a look fits its own time better than a little earlier or later. Learns the error of
-  /// the time stamps.
+  /// Returns whether a look fits its own time better than a little earlier or later, while the show moves. Learns the
+  /// error of the time stamps.
   bool is_of_its_time(const CameraObservation& look, TimePoint opened, TimePoint closed, TimePoint now,
                       ShowReport* report);
 
@@ -85,7 +85,7 @@ struct ContinuousCalibrator::State {
   /// followed either.
   void refuse(const MovedBodies& movers);
   bool accept(const MovedBodies& movers, TimePoint now, ShowReport* report);
-  /// Whether the time stamps of `of` are confirmed for a displacement of these: by a still show, or by a projector that
+  /// True if the time stamps of `of` are confirmed for a displacement of these: by a still show, or by a projector that
   /// did not move.
   [[nodiscard]] bool have_reference(std::span<const BodyIndex> movers, std::span<const CameraObservation> of) const;
   /// Bodies whose displacement can be told from others': a camera that sees one projector's light and nothing else

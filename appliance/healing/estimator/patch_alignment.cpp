@@ -151,7 +151,7 @@ bool look_for(const Template& wanted, const LightPlane& picture, int radius, con
   return true;
 }
 
-/// Whether the patch resembles another position of the prediction itself, within reach.
+/// Returns whether the patch resembles another position of the prediction itself, within reach.
 bool repeats(const LightPlane& plane, const Template& wanted, int x, int y, int radius, int reach,
              std::vector<float>* values) {
   constexpr float kAlike = 0.85f;

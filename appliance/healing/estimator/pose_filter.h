@@ -70,7 +70,7 @@ class InnovationWindow {
   static constexpr std::size_t kMaxCount = 8;
   void add(const PoseFilter::Innovation& innovation);
   void forget() { last_.clear(); }
-  /// Whether the last two, or three, ... or all exceed the limit of one in 10^9.
+  /// Returns whether the last two, or three, ... or all exceed the limit of one in 10^9.
   [[nodiscard]] bool is_surprising() const;
 
  private:

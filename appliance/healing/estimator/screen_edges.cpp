@@ -14,7 +14,7 @@ constexpr int kBeyond_px = 3;           // Distance inside of an edge at which i
 constexpr double kMinEdgeStep = 0.004;  // Minimum step across the edge, as a share of the camera's full scale.
 constexpr double kSigma_px = 0.6;       // In pixels of the reduced picture; content beside an edge shifts it.
 
-/// Whether a camera's ray meets the wall.
+/// Tests whether a camera's ray meets the wall.
 class WallRay {
  public:
   WallRay(const Wall& wall, const calibration::ShowCamera& camera) : wall_(wall), camera_(camera) {}

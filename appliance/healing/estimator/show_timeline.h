@@ -43,7 +43,7 @@ class ShowTimeline {
   };
   /// Empty if the pictures of the whole exposure are not known.
   std::optional<Exposed> between(TimePoint opened, TimePoint closed);
-  /// Whether one picture stood from `from` to `until` and ever since, as far as it is known, or pictures whose
+  /// True if one picture stood from `from` to `until` and ever since, as far as it is known, or pictures whose
   /// difference a camera cannot see. False if it is not known.
   bool is_still(TimePoint from, TimePoint until);
 

@@ -92,7 +92,8 @@ TEST(RealPhotos, every_tag_of_another_detector_s_output_is_found) {
         const auto& corner = tag["corners_lb_rb_rt_lt"][3 - i];
         listed[i] = {corner[0].get<double>(), corner[1].get<double>()};
       }
-      // That program decodes JPEG by itself and read the PNG photos as JPEG, and refined edges jump with a grey level.
+      // The lists' program has its own JPEG decoder and read the PNG photos as JPEG; refined edges jump with a grey
+      // level.
       distances.push_back(distance_px(found, tag["id"].get<int>(), listed));
       EXPECT_LT(distances.back(), 0.4) << name << " tag " << tag["id"];
     }

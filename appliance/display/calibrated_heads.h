@@ -16,9 +16,9 @@ Result<std::vector<HeadPlan>> planned_heads(const Installation& installation, co
 
 /// The heads as a calibration defines them.
 struct CalibratedHeads {
-  std::vector<HeadPlan> heads;              ///< In the order of the installation's projectors.
-  std::string date;                         ///< Date of the calibration.
-  std::vector<std::string> lacking;         ///< Projectors that the calibration lacks; they keep their planned heads.
+  std::vector<HeadPlan> heads;       ///< In the order of the installation's projectors.
+  std::string date;                  ///< Date of the calibration.
+  std::vector<std::string> lacking;  ///< Projectors that the calibration lacks; they keep their planned heads.
   /// Projectors displaced since the calibration, whose heads draw for their present poses.
   std::vector<std::string> corrected = {};
 };

@@ -37,7 +37,7 @@ struct DisplayOptions {
   Duration patterns_idle = std::chrono::minutes(10);  ///< A calibration that sends no order for this long is ended.
   /// The calibration's folder; empty: the heads draw as the installation describes.
   std::filesystem::path calibration;
-  std::filesystem::path attract_picture;              ///< PNG or JPEG; empty: an evening sky.
+  std::filesystem::path attract_picture;  ///< PNG or JPEG; empty: an evening sky.
   AttractTimes attract_times;
   OpeningHours hours;                    ///< The heads are dark outside of them.
   std::filesystem::path hours_override;  ///< File with the operator's override of the hours for one day; empty: none.

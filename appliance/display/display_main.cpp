@@ -18,7 +18,7 @@ namespace {
 
 // An emulated, busy processor needs almost a minute to compile a shader.
 constexpr auto kStartStepTimeout = std::chrono::minutes(3);
-constexpr double kProjectors_hz = 60.0;  // Most projectors support it; others take their nearest rate.
+constexpr double kProjectors_hz = 60.0;                 // Most projectors support it; others take their nearest rate.
 constexpr auto kTurn = std::chrono::milliseconds(100);  // Maximum delay until a stop is noticed.
 
 struct Options {

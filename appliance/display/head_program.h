@@ -61,10 +61,10 @@ class HeadProgram {
   struct Picture {
     /// Position in the texture = direction * xy + zw; x in turns if the picture is a whole turn.
     GLint to_texture = -1;
-    GLint turned = -1;      ///< kFlat: maps (position, 1) to the texture, homogeneous; kFisheye: rotates directions.
-    GLint turn = -1;        ///< x: 1 for a whole turn, else 0; then x = fract(x) * y + z.
-    GLint edges = -1;       ///< Minimum x, y, maximum x, y.
-    GLint per_texel = -1;   ///< kPacked: 1 / the texture's size.
+    GLint turned = -1;     ///< kFlat: maps (position, 1) to the texture, homogeneous; kFisheye: rotates directions.
+    GLint turn = -1;       ///< x: 1 for a whole turn, else 0; then x = fract(x) * y + z.
+    GLint edges = -1;      ///< Minimum x, y, maximum x, y.
+    GLint per_texel = -1;  ///< kPacked: 1 / the texture's size.
   };
   Picture picture;
   Picture other;

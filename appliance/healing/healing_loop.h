@@ -38,9 +38,9 @@ class HealingLoop {
  public:
   struct Options {
     Duration period = std::chrono::milliseconds(250);
-    structured_light::ExposureLimits exposure{};    ///< Used while cameras are placed.
-    std::filesystem::path record{};                 ///< Folder of the record; empty: nothing is recorded.
-    std::filesystem::path installation_file{};      ///< Copied into the record.
+    structured_light::ExposureLimits exposure{};  ///< Used while cameras are placed.
+    std::filesystem::path record{};               ///< Folder of the record; empty: nothing is recorded.
+    std::filesystem::path installation_file{};    ///< Copied into the record.
     /// Called on the loop's thread for each line of the log; may be null.
     std::function<void(std::string)> on_line{};
     /// Called with the present activity, and whether that is well; may be null.

@@ -22,8 +22,8 @@ struct DetectorSettings {
   int threads = 1;                  ///< 1 to 16.
   bool refine_edges = true;         ///< Aligns edges to the full picture's gradients; advisable with any decimation.
   bool refine_corners = true;       ///< Then refines corners to a few hundredths of a pixel: corner_refinement.h.
-  int max_hamming = 0;       ///< Wrong bits that are corrected: 0, 1 or 2. Each lets more clutter pass as tags.
-  double min_margin = 20.0;  ///< Mean contrast between a bit and its threshold, in grey levels.
+  int max_hamming = 0;              ///< Wrong bits that are corrected: 0, 1 or 2. Each lets more clutter pass as tags.
+  double min_margin = 20.0;         ///< Mean contrast between a bit and its threshold, in grey levels.
 };
 
 /// Returns "tag36h11", "tag25h9", "tag16h5", ...

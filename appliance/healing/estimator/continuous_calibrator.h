@@ -60,13 +60,13 @@ struct ShowReport {
   std::vector<ProjectorHealth> projectors;
   /// Projectors whose displacement was detected, whether or not the new pose is found.
   std::vector<std::size_t> noticed;
-  std::vector<std::string> log;      ///< A line per correction, and per change of a hold.
+  std::vector<std::string> log;  ///< A line per correction, and per change of a hold.
 };
 
 struct ContinuousOptions {
-  int width_px = 816;            ///< Approximate width of the reduced camera pictures.
-  PatchOptions patches = {};     ///< Density and size of the patches that are compared.
-  double min_sigma_px = 0.3;     ///< Lower bound of an observation's deviation, in the calibration's pixels.
+  int width_px = 816;         ///< Approximate width of the reduced camera pictures.
+  PatchOptions patches = {};  ///< Density and size of the patches that are compared.
+  double min_sigma_px = 0.3;  ///< Lower bound of an observation's deviation, in the calibration's pixels.
   /// Projector pixels per pixel of the calibration, whose pictures are smaller by that factor.
   double pixels = 1.0;
   double correct_from_px = 0.2;  ///< Drift of less stays as it is: correcting would be seen more than the error. Of the

@@ -25,11 +25,11 @@ struct PatchShift {
   Eigen::Vector2d at{0.0, 0.0};  ///< Centre, in the prediction's pixels, from its corner.
   int projector = -1;            ///< Projector whose light it is, unless it is shared.
   PatchFit fit = PatchFit::kShared;
-  Eigen::Vector2d shift{0.0, 0.0};                           ///< The patch predicted at `at` is seen at `at + shift`.
+  Eigen::Vector2d shift{0.0, 0.0};  ///< The patch predicted at `at` is seen at `at + shift`.
   /// Covariance of the shift, from the gradients and the residual.
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
-  double likeness = 0.0;                                     ///< Normalised correlation with the picture.
-  double contrast = 1.0;                                     ///< Contrast of the picture relative to the prediction's.
+  double likeness = 0.0;  ///< Normalised correlation with the picture.
+  double contrast = 1.0;  ///< Contrast of the picture relative to the prediction's.
 };
 
 struct PatchOptions {

@@ -14,8 +14,8 @@ namespace cyclorama::healing {
 /// Expected position of a point of the outline, from the camera's believed pose.
 struct EdgePoint {
   Outline part = Outline::kUpper;
-  Eigen::Vector2d at{0.0, 0.0};                                                 ///< Camera pixels.
-  Eigen::Vector2d outward{0.0, 0.0};                                            ///< Unit length, away from the wall.
+  Eigen::Vector2d at{0.0, 0.0};       ///< Camera pixels.
+  Eigen::Vector2d outward{0.0, 0.0};  ///< Unit length, away from the wall.
   /// Derivative along `outward`, per step.
   Eigen::Matrix<double, 1, 6> by_camera = Eigen::Matrix<double, 1, 6>::Zero();
 };

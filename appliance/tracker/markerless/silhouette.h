@@ -75,7 +75,7 @@ struct BodyShape {
   double width_deviation = 0.0;  ///< Deviation of the head's width, cells.
   /// False: the following are unknown, since a person is beside, or the chest is not in the picture.
   bool has_chest = false;
-  double chest_width = 0.0;      ///< Including the arms, cells: a second measure of depth.
+  double chest_width = 0.0;  ///< Including the arms, cells: a second measure of depth.
   double chest_width_deviation = 0.0;
   double hip_u = 0.0;  ///< Position of the hip, also while the body leans, cells.
   double hip_deviation = 0.0;

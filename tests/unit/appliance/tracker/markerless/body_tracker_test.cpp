@@ -25,7 +25,7 @@ struct Told {
   /// Poses before the visitor stood at the mark, or after the visitor left.
   int found_early = 0;
   std::vector<double> x_m, depth_m, lean_rad;  ///< Errors of each picture.
-  double jump_m = 0.0;  ///< Maximum change of x or depth between two successive pictures.
+  double jump_m = 0.0;                         ///< Maximum change of x or depth between two successive pictures.
   double lean_jump_rad = 0.0;
 };
 

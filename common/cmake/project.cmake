@@ -10,7 +10,9 @@ endif()
 find_program(CYCLORAMA_CCACHE ccache)
 if(CYCLORAMA_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER
-    ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${CYCLORAMA_CCACHE})
+    ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
+    # ccache needs these to cache what includes a precompiled header; no source of ours uses __TIME__.
+    CCACHE_SLOPPINESS=pch_defines,time_macros ${CYCLORAMA_CCACHE})
   set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
 endif()
 
@@ -43,6 +45,45 @@ if(CYCLORAMA_FUZZ)
   target_link_options(cyclorama_options INTERFACE -fsanitize=address,undefined)
 endif()
 
+option(CYCLORAMA_UNITY "Compile several sources of a library at a time" ON)
+
+# Headers that most sources include, precompiled once and shared by targets: GCC requires the same flags, which
+# cyclorama_options gives. A target or source with other flags goes without (DISABLE_PRECOMPILE_HEADERS,
+# SKIP_PRECOMPILE_HEADERS); otherwise GCC reports the difference. Sources still include what they use, because clang
+# compiles them without. The kinds are library, test, and the same with gRPC, library_wire and test_wire; program is
+# library_wire with CLI11.
+find_package(fmt 9 REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(Threads REQUIRED)
+set(_headers_library
+  <algorithm> <array> <atomic> <bit> <chrono> <cmath> <condition_variable> <cstdint> <cstring> <deque> <filesystem>
+  <fstream> <functional> <limits> <map> <memory> <mutex> <numbers> <numeric> <optional> <random> <set> <span> <sstream>
+  <stop_token> <string> <string_view> <thread> <tuple> <unordered_map> <utility> <variant> <vector>
+  <fmt/format.h> <Eigen/Core> <Eigen/Geometry>)
+set(_headers_wire <google/protobuf/message.h> <grpcpp/grpcpp.h>)
+set(_headers_library_wire ${_headers_library} ${_headers_wire})
+set(_headers_program ${_headers_library_wire} <CLI/CLI.hpp>)
+set(_headers_test ${_headers_library} <gmock/gmock.h> <gtest/gtest.h>)
+set(_headers_test_wire ${_headers_test} ${_headers_wire})
+file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/precompiled.cpp" CONTENT "// Nothing beside the precompiled headers.\n")
+
+# Gives a target the precompiled headers of a kind, with gRPC if it links the messages.
+function(_cyclorama_precompiled_headers target kind links)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    return()
+  endif()
+  if(links MATCHES "cyclorama::(wire|proto)(;|$)" AND NOT kind STREQUAL "program")
+    string(APPEND kind _wire)
+  endif()
+  set(source cyclorama_headers_${kind})
+  if(NOT TARGET ${source})
+    add_library(${source} OBJECT EXCLUDE_FROM_ALL "${PROJECT_BINARY_DIR}/precompiled.cpp")
+    target_link_libraries(${source} PRIVATE cyclorama_options fmt::fmt Eigen3::Eigen Threads::Threads)
+    target_precompile_headers(${source} PRIVATE ${_headers_${kind}})
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${source})
+endfunction()
+
 # Top folders that a top folder may link. tests/lint/check_layers.py has the rows of second-level folders.
 set(CYCLORAMA_MAY_USE_common      common)
 set(CYCLORAMA_MAY_USE_drivers     common drivers)
@@ -73,13 +114,18 @@ function(_cyclorama_check_layer name deps)
 endfunction()
 
 # project_library(NAME warp SOURCES ... PUBLIC cyclorama::geometry PRIVATE ...)
+# Sources are compiled several at a time, which parses their headers once. ALONE names sources that define a name in an
+# anonymous namespace that another source of the library also defines; COMPILE_OPTIONS set a source apart by itself.
 function(project_library)
-  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME" "SOURCES;PUBLIC;PRIVATE")
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME" "ALONE;SOURCES;PUBLIC;PRIVATE")
   set(target cyclorama_${arg_NAME})
   add_library(${target} STATIC ${arg_SOURCES})
   add_library(cyclorama::${arg_NAME} ALIAS ${target})
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE here)
-  set_target_properties(${target} PROPERTIES CYCLORAMA_FOLDER "${here}" POSITION_INDEPENDENT_CODE ON LINKER_LANGUAGE CXX)
+  set_target_properties(${target} PROPERTIES CYCLORAMA_FOLDER "${here}" LINKER_LANGUAGE CXX
+    UNITY_BUILD ${CYCLORAMA_UNITY} UNITY_BUILD_BATCH_SIZE 6)
+  set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  _cyclorama_precompiled_headers(${target} library "${arg_PUBLIC};${arg_PRIVATE}")
   target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE cyclorama_options ${arg_PRIVATE})
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   _cyclorama_check_layer(${arg_NAME} "${arg_PUBLIC};${arg_PRIVATE}")
@@ -92,6 +138,7 @@ function(project_program)
   add_executable(${arg_NAME} ${arg_MAIN})
   set_target_properties(${arg_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
   target_link_libraries(${arg_NAME} PRIVATE cyclorama_options ${arg_LINK})
+  _cyclorama_precompiled_headers(${arg_NAME} program "${arg_LINK}")
   _cyclorama_check_layer(${arg_NAME} "${arg_LINK}")
   install(TARGETS ${arg_NAME} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${arg_COMPONENT})
   set_property(GLOBAL APPEND PROPERTY CYCLORAMA_PROGRAMS ${arg_NAME})
@@ -105,6 +152,7 @@ function(project_bench)
   add_executable(${arg_NAME} EXCLUDE_FROM_ALL ${arg_MAIN})
   set_target_properties(${arg_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/tests")
   target_link_libraries(${arg_NAME} PRIVATE cyclorama_options ${arg_LINK})
+  _cyclorama_precompiled_headers(${arg_NAME} program "${arg_LINK}")
 endfunction()
 
 # project_test_group(LABEL TARGET...): `tests-LABEL` builds no more than the tests of that label need.
@@ -127,6 +175,7 @@ function(project_test path)
   string(REPLACE "/" "." name "${path}")
   add_executable(${name} "${PROJECT_SOURCE_DIR}/tests/${path}.cpp")
   target_link_libraries(${name} PRIVATE cyclorama_options ${arg_LINK} GTest::gmock GTest::gtest_main)
+  _cyclorama_precompiled_headers(${name} test "${arg_LINK}")
   add_test(NAME ${path} COMMAND ${name})
   set_tests_properties(${path} PROPERTIES LABELS "${arg_LABELS}" SKIP_RETURN_CODE 77 TIMEOUT ${arg_TIMEOUT}
     ENVIRONMENT "CYCLORAMA_SHARED=${PROJECT_SOURCE_DIR}/../shared;CYCLORAMA_SOURCE=${PROJECT_SOURCE_DIR};LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp;TSAN_OPTIONS=ignore_noninstrumented_modules=1 suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp")

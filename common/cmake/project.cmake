@@ -6,13 +6,16 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE RelWithDebInfo CACHE STRING "" FORCE)
 endif()
 
+option(CYCLORAMA_FAST_BUILD "Precompiled headers, and several sources of a library at a time" OFF)
+
 # A second build is quick, also one of another checkout in another folder.
 find_program(CYCLORAMA_CCACHE ccache)
 if(CYCLORAMA_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER
-    ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
-    # ccache needs these to cache what includes a precompiled header; no source of ours uses __TIME__.
-    CCACHE_SLOPPINESS=pch_defines,time_macros ${CYCLORAMA_CCACHE})
+  set(_ccache_settings CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1)
+  if(CYCLORAMA_FAST_BUILD)  # ccache needs these for precompiled headers; no source of ours uses __TIME__.
+    list(APPEND _ccache_settings CCACHE_SLOPPINESS=pch_defines,time_macros)
+  endif()
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env ${_ccache_settings} ${CYCLORAMA_CCACHE})
   set(CMAKE_C_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
 endif()
 
@@ -45,8 +48,6 @@ if(CYCLORAMA_FUZZ)
   target_link_options(cyclorama_options INTERFACE -fsanitize=address,undefined)
 endif()
 
-option(CYCLORAMA_UNITY "Compile several sources of a library at a time" ON)
-
 # Headers that most sources include, precompiled once and shared by targets: GCC requires the same flags, which
 # cyclorama_options gives. A target or source with other flags goes without (DISABLE_PRECOMPILE_HEADERS,
 # SKIP_PRECOMPILE_HEADERS); otherwise GCC reports the difference. Sources still include what they use, because clang
@@ -69,7 +70,7 @@ file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/precompiled.cpp" CONTENT "// Nothin
 
 # Gives a target the precompiled headers of a kind, with gRPC if it links the messages.
 function(_cyclorama_precompiled_headers target kind links)
-  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  if(NOT CYCLORAMA_FAST_BUILD OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     return()
   endif()
   if(links MATCHES "cyclorama::(wire|proto)(;|$)" AND NOT kind STREQUAL "program")
@@ -123,7 +124,10 @@ function(project_library)
   add_library(cyclorama::${arg_NAME} ALIAS ${target})
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE here)
   set_target_properties(${target} PROPERTIES CYCLORAMA_FOLDER "${here}" LINKER_LANGUAGE CXX
-    UNITY_BUILD ${CYCLORAMA_UNITY} UNITY_BUILD_BATCH_SIZE 6)
+    UNITY_BUILD ${CYCLORAMA_FAST_BUILD} UNITY_BUILD_BATCH_SIZE 6)
+  if(NOT CYCLORAMA_FAST_BUILD)  # Precompiled headers are shared with programs, which are not position independent.
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  endif()
   set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   _cyclorama_precompiled_headers(${target} library "${arg_PUBLIC};${arg_PRIVATE}")
   target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE cyclorama_options ${arg_PRIVATE})

@@ -87,7 +87,8 @@ void HeadPainter::set_depth(int depth_bits) {
   code_step_ = 1.0f / static_cast<float>((1 << depth_bits) - 1);
 }
 
-Result<HeadPainter> HeadPainter::make(const output::Gl& gl, HeadPrograms* programs, const HeadUpload& upload, Texels texels) {
+Result<HeadPainter> HeadPainter::make(const output::Gl& gl, HeadPrograms* programs, const HeadUpload& upload,
+                                      Texels texels) {
   HeadPainter painter(gl, upload, texels);
   painter.upload_textures(upload);
   painter.upload_triangles(upload);

@@ -26,7 +26,8 @@ class HeadPainter {
  public:
   /// Makes a painter for pictures of `texels`. If `programs` holds the needed ones, only the driver allocates. Errors:
   /// kSystem if the graphics card refuses the textures or buffers.
-  static Result<HeadPainter> make(const output::Gl& gl, HeadPrograms* programs, const HeadUpload& upload, Texels texels);
+  static Result<HeadPainter> make(const output::Gl& gl, HeadPrograms* programs, const HeadUpload& upload,
+                                  Texels texels);
   static Result<HeadPainter> make(const output::Gl& gl, HeadPrograms* programs, const HeadPlan& plan, Texels texels) {
     return make(gl, programs, HeadUpload(plan), texels);
   }

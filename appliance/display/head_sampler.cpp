@@ -63,8 +63,8 @@ std::uint8_t rounded(float code) { return static_cast<std::uint8_t>(std::clamp(c
 }  // namespace
 
 HeadSampler::HeadSampler(const HeadPlan& plan, int factor)
-    : width_(cyclorama::width_px(plan.warp) / factor),
-      height_(cyclorama::height_px(plan.warp) / factor),
+    : width_(warp::width_px(plan.warp) / factor),
+      height_(warp::height_px(plan.warp) / factor),
       picture_(plan.picture),
       colour_(plan.colour) {
   CHECK(factor > 0 && !plan.packing);

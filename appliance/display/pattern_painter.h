@@ -22,7 +22,8 @@ class PatternPainter {
   void draw(std::size_t head) const;
 
  private:
-  PatternPainter(const output::Gl& gl, output::GlProgram program) : gl_(&gl), program_(std::move(program)), nothing_(gl) {}
+  PatternPainter(const output::Gl& gl, output::GlProgram program)
+      : gl_(&gl), program_(std::move(program)), nothing_(gl) {}
   struct Head {
     output::GlTexture texture;
     int width_px = 0;

@@ -180,5 +180,6 @@ int main(int argc, char** argv) {
                              "(OSC, VRPN).");
   cyclorama::hand::Options options;
   cyclorama::hand::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::hand::run(options, stop); });
+  return program.run(argc, argv,
+                     [&](const cyclorama::StopSignal& stop) { return cyclorama::hand::run(options, stop); });
 }

@@ -202,7 +202,8 @@ int main(int argc, char** argv) {
                              "wall, and prints wands.");
   cyclorama::operations::Options options;
   cyclorama::operations::add_options(program.options(), &options);
-  const int code = program.run(
-      argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::operations::run(options, program.options(), stop); });
+  const int code = program.run(argc, argv, [&](const cyclorama::StopSignal& stop) {
+    return cyclorama::operations::run(options, program.options(), stop);
+  });
   return code == cyclorama::kExitOk ? options.exit_code : code;
 }

@@ -105,5 +105,6 @@ int main(int argc, char** argv) {
                              "takes too long; the computer then returns to the previous version.");
   cyclorama::operations::Options options;
   cyclorama::operations::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::operations::run(options, stop); });
+  return program.run(argc, argv,
+                     [&](const cyclorama::StopSignal& stop) { return cyclorama::operations::run(options, stop); });
 }

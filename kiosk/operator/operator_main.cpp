@@ -114,5 +114,6 @@ int main(int argc, char** argv) {
                              "of every part, and steering by keys.");
   cyclorama::operations::Options options;
   cyclorama::operations::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::operations::run(options, stop); });
+  return program.run(argc, argv,
+                     [&](const cyclorama::StopSignal& stop) { return cyclorama::operations::run(options, stop); });
 }

@@ -144,6 +144,6 @@ int main(int argc, char** argv) {
       "Takes a museum's or a render host's settings from a USB stick into use: all of them, checked, or none.");
   cyclorama::provision::Options options;
   cyclorama::provision::add_options(program.options(), &options);
-  return program.run(argc, argv,
-                     [&](const cyclorama::StopSignal&) { return cyclorama::provision::run(options, program.options()); });
+  return program.run(
+      argc, argv, [&](const cyclorama::StopSignal&) { return cyclorama::provision::run(options, program.options()); });
 }

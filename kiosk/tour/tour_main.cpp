@@ -203,5 +203,6 @@ int main(int argc, char** argv) {
                              "from the farm, and feeds the displays.");
   cyclorama::tour::Options options;
   cyclorama::tour::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::tour::run(options, stop); });
+  return program.run(argc, argv,
+                     [&](const cyclorama::StopSignal& stop) { return cyclorama::tour::run(options, stop); });
 }

@@ -139,5 +139,6 @@ int main(int argc, char** argv) {
                              "whole, and resumed where it was cut. It installs nothing.");
   cyclorama::update::Options options;
   cyclorama::update::add_options(program.options(), &options);
-  return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return cyclorama::update::run(options, stop); });
+  return program.run(argc, argv,
+                     [&](const cyclorama::StopSignal& stop) { return cyclorama::update::run(options, stop); });
 }

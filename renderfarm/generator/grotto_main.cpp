@@ -38,9 +38,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   return program.run(argc, argv, [&](const StopSignal& stop) -> Status {
-    order.kind = kind == "interior" ? Kind::kInterior
-                 : kind == "relic"  ? Kind::kRelic
-                                    : Kind::kGrotto;
+    order.kind = kind == "interior" ? Kind::kInterior : kind == "relic" ? Kind::kRelic : Kind::kGrotto;
     Progress progress(kind);
     TRY_ASSIGN(const PackageReport report, write_package(order, [&](double fraction) {
                  progress.update(fraction);

@@ -23,8 +23,8 @@ class PaintedHead {
   /// From the upper row downwards.
   RgbImage drawn(const display::HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape, double shift,
                  const std::vector<PixelRect>* parts = nullptr) {
-    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
-                           output::Output* output) {
+    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program,
+                           const display::HeadPainter& painter, output::Output* output) {
       display::PanoramaTexture texture(gl, program);
       CHECK(texture.upload(frame(picture, shape, parts)));
       CHECK(output->draw_to(0));
@@ -34,8 +34,8 @@ class PaintedHead {
   /// After another picture was in its place.
   RgbImage drawn_after(const display::HeadPlan& plan, const PlanarPicture& before, const PictureShape& shape_before,
                        const PlanarPicture& picture, const PictureShape& shape) {
-    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
-                           output::Output* output) {
+    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program,
+                           const display::HeadPainter& painter, output::Output* output) {
       display::PanoramaTexture texture(gl, program);
       CHECK(texture.upload(frame(before, shape_before, nullptr)));
       CHECK(texture.upload(frame(picture, shape, nullptr)));
@@ -45,8 +45,8 @@ class PaintedHead {
   }
   RgbImage faded(const display::HeadPlan& plan, const PlanarPicture& a, const PlanarPicture& b,
                  const PictureShape& shape, double share) {
-    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
-                           output::Output* output) {
+    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program,
+                           const display::HeadPainter& painter, output::Output* output) {
       display::PanoramaTexture first(gl, program);
       display::PanoramaTexture second(gl, program);
       CHECK(first.upload(frame(a, shape, nullptr)) && second.upload(frame(b, shape, nullptr)));
@@ -58,8 +58,8 @@ class PaintedHead {
   /// The whole head, of both eyes' pictures one above the other, each of `shape`; or of one for both.
   RgbImage drawn_for_two(const display::HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape,
                          double shift, Eye now = Eye::kLeft) {
-    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program, const display::HeadPainter& painter,
-                           output::Output* output) {
+    return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program,
+                           const display::HeadPainter& painter, output::Output* output) {
       display::PanoramaTexture texture(gl, program);
       display::DisplayFrame both = frame(picture, shape, nullptr);
       both.stacked = picture.height() / height_px(shape);

@@ -91,9 +91,12 @@ LitPart lit_part(const SeenWall& seen, const calibration::ShowProjector& project
     const auto focal_u = lens[calibration::kFocalU];
     const auto focal_v = lens[calibration::kFocalV];
     const float rr = x * x + y * y;
-    const float radial = 1.0f + rr * (lens[calibration::kK1] + rr * (lens[calibration::kK2] + rr * lens[calibration::kK3]));
-    u = focal_u * (x * radial + lens[calibration::kP1] * 2.0f * x * y + lens[calibration::kP2] * (rr + 2.0f * x * x)) + lens[calibration::kCentreU];
-    v = focal_v * (y * radial + lens[calibration::kP1] * (rr + 2.0f * y * y) + lens[calibration::kP2] * 2.0f * x * y) + lens[calibration::kCentreV];
+    const float radial =
+        1.0f + rr * (lens[calibration::kK1] + rr * (lens[calibration::kK2] + rr * lens[calibration::kK3]));
+    u = focal_u * (x * radial + lens[calibration::kP1] * 2.0f * x * y + lens[calibration::kP2] * (rr + 2.0f * x * x)) +
+        lens[calibration::kCentreU];
+    v = focal_v * (y * radial + lens[calibration::kP1] * (rr + 2.0f * y * y) + lens[calibration::kP2] * 2.0f * x * y) +
+        lens[calibration::kCentreV];
     if (!(u > -2.0f && v > -2.0f && u < width + 2.0f && v < height + 2.0f)) continue;
     const Eigen::Vector3f away = lamp - seen.points[i];
     const float distance = away.norm();

@@ -92,14 +92,20 @@ bool refine(std::span<const WallCorrespondence> pixels, bool free_lens, Fit* fit
             block);
       }
     };
-    near(fit->lens.data(), calibration::kBrownValues, calibration::kFocalU, fit->lens[calibration::kFocalU], 0.03 * focal);
-    near(fit->lens.data(), calibration::kBrownValues, calibration::kFocalV, fit->lens[calibration::kFocalV], 0.03 * focal);
-    near(fit->lens.data(), calibration::kBrownValues, calibration::kCentreU, fit->lens[calibration::kCentreU], 0.05 * focal);
-    near(fit->lens.data(), calibration::kBrownValues, calibration::kCentreV, fit->lens[calibration::kCentreV], 0.05 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, calibration::kFocalU, fit->lens[calibration::kFocalU],
+         0.03 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, calibration::kFocalV, fit->lens[calibration::kFocalV],
+         0.03 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, calibration::kCentreU, fit->lens[calibration::kCentreU],
+         0.05 * focal);
+    near(fit->lens.data(), calibration::kBrownValues, calibration::kCentreV, fit->lens[calibration::kCentreV],
+         0.05 * focal);
     near(fit->lens.data(), calibration::kBrownValues, calibration::kK1, 0.0, 0.1);
     near(fit->lens.data(), calibration::kBrownValues, calibration::kK2, 0.0, 0.1);
     for (int i = 0; i < 6; ++i) near(fit->pose.data(), 6, i, fit->pose[static_cast<std::size_t>(i)], i < 3 ? 0.1 : 0.3);
-    problem.SetManifold(fit->lens.data(), new ceres::SubsetManifold(calibration::kBrownValues, {calibration::kP1, calibration::kP2, calibration::kK3}));
+    problem.SetManifold(
+        fit->lens.data(),
+        new ceres::SubsetManifold(calibration::kBrownValues, {calibration::kP1, calibration::kP2, calibration::kK3}));
   } else {
     problem.SetParameterBlockConstant(fit->lens.data());
   }

@@ -175,8 +175,9 @@ void print_lens(const char* name, const calibration::BrownParameters& lens, cons
   fmt::print(
       "{}: f {:.1f} ± {:.1f}, centre ({:.1f} ± {:.1f}, {:.1f} ± {:.1f}), k1 {:.4f} ± {:.4f}, k2 {:.3f}, p ({:.5f}, "
       "{:.5f}), k3 {:.2f}\n",
-      name, lens.focal_u_px, sigma[calibration::kFocalU], lens.centre_u_px, sigma[calibration::kCentreU], lens.centre_v_px, sigma[calibration::kCentreV],
-      lens.k1, sigma[calibration::kK1], lens.k2, lens.p1, lens.p2, lens.k3);
+      name, lens.focal_u_px, sigma[calibration::kFocalU], lens.centre_u_px, sigma[calibration::kCentreU],
+      lens.centre_v_px, sigma[calibration::kCentreV], lens.k1, sigma[calibration::kK1], lens.k2, lens.p1, lens.p2,
+      lens.k3);
 }
 
 void print_selection(const camera_calibration::ProcamSelection& selection) {

@@ -104,8 +104,7 @@ Result<SelfHitCount> count_self_hits(double coordinate, int rays) {
   std::uniform_real_distribution<double> reach(-size, size);
   scene::Mesh mesh;
   for (std::uint32_t i = 0; i < kTriangles; ++i) {
-    const Eigen::Vector3d middle(coordinate + place(random), coordinate + place(random),
-                                 coordinate + place(random));
+    const Eigen::Vector3d middle(coordinate + place(random), coordinate + place(random), coordinate + place(random));
     for (int corner = 0; corner < 3; ++corner) {
       const double x = middle.x() + reach(random), y = middle.y() + reach(random), z = middle.z() + reach(random);
       mesh.positions.push_back({static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});

@@ -118,7 +118,7 @@ TEST_P(ScreenWarp, the_wall_shows_what_the_eye_is_to_see_when_the_visitor_has_tu
     for (std::size_t i = 0; i < maps.size(); ++i) {
       const auto warp = make_warp(maps[i], wanted);
       ASSERT_TRUE(warp);
-      RgbImage& head = heads.emplace_back(cyclorama::width_px(*warp), height_px(*warp));
+      RgbImage& head = heads.emplace_back(warp::width_px(*warp), height_px(*warp));
       for (int y = 0; y < head.height(); ++y) {
         for (int x = 0; x < head.width(); ++x) {
           const auto codes = warped.at(*warp, masks[i], x, y);

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace cyclorama {
+
+/// Reads a text as the product reads a file. `name` stands for the file in errors.
+using Parser = std::function<Status(const std::string& text, const std::string& name)>;
+
+/// Any function of a text and a name that returns a Result.
+template <typename Parse>
+Parser parser(Parse parse) {
+  return [parse](const std::string& text, const std::string& name) -> Status {
+    const auto read = parse(text, name);
+    if (!read) return read.error();
+    return Done{};
+  };
+}
+
+/// Returns the farm's parsers by the file's name.
+[[nodiscard]] std::map<std::string, Parser> farm_parsers();
+
+}  // namespace cyclorama

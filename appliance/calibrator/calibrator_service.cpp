@@ -84,10 +84,10 @@ void CalibratorService::tell() {
 Result<scan::CalibrationOutcome> CalibratorService::calibrate(const wire::CalibrateOrder& order,
                                                               const scan::ScanListener& listener,
                                                               std::stop_token stop) {
-  listener({"opens camera, turn-plate and projectors", 0.0, nullptr});
+  listener({"opens camera, turntable and projectors", 0.0, nullptr});
   TRY_ASSIGN(CalibrationDevices devices, opener_());
   devices.settings.resume = order.resume();
-  const scan::ScanDevices scan{*devices.screen, *devices.camera, *devices.plate, devices.colour_camera.get()};
+  const scan::ScanDevices scan{*devices.screen, *devices.camera, *devices.turntable, devices.colour_camera.get()};
   if (order.quick()) {
     TRY_ASSIGN(scan::RealignmentOutcome realigned,
                scan::realign_projector(installation_, order.projector(), devices.settings, scan, folder_,
@@ -146,7 +146,7 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
     }
     if (question == asked) return true;
     asked = question;
-    if (!question.empty()) say("asks whoever stands beside the turn-plate: " + question, true);
+    if (!question.empty()) say("asks whoever stands beside the turntable: " + question, true);
     wire::CalibrateProgress message;
     message.set_step(told);
     message.set_fraction(fraction);

@@ -16,9 +16,9 @@
 namespace cyclorama::calibrator {
 
 /// What one calibration works with. Made for it and let go after it, so that the show comes back, and the camera and
-/// the plate are free for others between.
+/// the turntable are free for others between.
 struct CalibrationDevices {
-  std::unique_ptr<turnplate::Turnplate> plate;
+  std::unique_ptr<turntable::Turntable> turntable;
   std::unique_ptr<scan::ScanCamera> camera;
   std::unique_ptr<scan::ScanCamera> colour_camera;  ///< As ScanDevices has it. May be null.
   std::unique_ptr<scan::PatternScreen> screen;      ///< Last: it is let go first.
@@ -35,7 +35,7 @@ class CalibratorService final : public wire::Calibrator::Service {
 
   /// Before the first call: what is let go of while a calibration runs is held by what `hold` returns.
   void hold_with(std::function<std::shared_ptr<void>()> hold) { hold_ = std::move(hold); }
-  /// Before the first call: where its turn-plate asks. Borrowed.
+  /// Before the first call: where its turntable asks. Borrowed.
   void set_prompt(TurntablePrompt* prompt) { prompt_ = prompt; }
   /// What else the process does, for its state: "keeps 3 projectors in place".
   void also(std::string sentence, bool is_healthy);
@@ -69,7 +69,7 @@ class CalibratorService final : public wire::Calibrator::Service {
   std::string also_;
   bool is_also_healthy_ = true;
   std::function<std::shared_ptr<void>()> hold_;
-  TurntablePrompt* prompt_ = nullptr;  ///< Null: no plate asks.
+  TurntablePrompt* prompt_ = nullptr;  ///< Null: no turntable asks.
   std::stop_source stop_;
 };
 

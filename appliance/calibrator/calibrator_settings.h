@@ -30,9 +30,9 @@ struct CalibratorSettings {
   std::string listen = "[::1]:7410";
   std::vector<scan::PatternDisplay> displays{};  ///< None: that of this computer.
   double settle_s = 0.1;                         ///< From a projector's signal to its light.
-  std::string turnplate = "manual";              ///< For make_turnplate().
+  std::string turntable = "manual";              ///< For make_turntable().
 
-  std::string camera = "v4l2:";  ///< On the turn-plate; for make_camera().
+  std::string camera = "v4l2:";  ///< On the turntable; for make_camera().
   std::filesystem::path lens{};  ///< Of it; empty: the calibration's camera.json where that is of it.
   double field_of_view_rad = 70.0 * std::numbers::pi / 180.0;  ///< Of its picture's width, where its lens is not known.
   double pitch_rad = 0.0;                                      ///< How far it looks up, about.

@@ -26,7 +26,7 @@ bool TurntablePrompt::answer(const std::string& text) {
 Result<std::string> TurntablePrompt::ask(const std::string& question, std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
   const Listener listener = listener_;
-  if (!listener) return Error(ErrorCode::kUnavailable, "nobody is there to turn the plate");
+  if (!listener) return Error(ErrorCode::kUnavailable, "nobody is there to turn the turntable");
   is_open_ = true;
   answer_.reset();
   const auto deadline = std::chrono::steady_clock::now() + timeout;
@@ -43,7 +43,7 @@ Result<std::string> TurntablePrompt::ask(const std::string& question, std::chron
   lock.unlock();
   if (answered && listener("")) return *answered;
   if (!is_wanted || answered) return Error(ErrorCode::kUnavailable, "cancelled");
-  return Error(ErrorCode::kTimedOut, "nobody turned the plate; calibrate again, and answer when it asks");
+  return Error(ErrorCode::kTimedOut, "nobody turned the turntable; calibrate again, and answer when it asks");
 }
 
 }  // namespace cyclorama::calibrator

@@ -7,11 +7,11 @@
 #include <optional>
 #include <string>
 
-#include "drivers/turnplate/manual/manual_turnplate.h"
+#include "drivers/turntable/manual/manual_turntable.h"
 
 namespace cyclorama::calibrator {
 
-/// Where a turn-plate that a person turns asks, and the calibration's client answers: the terminal of `cyclorama
+/// Where a turntable that a person turns asks, and the calibration's client answers: the terminal of `cyclorama
 /// calibrate`, or the operator's page. Thread-safe.
 class TurntablePrompt {
  public:
@@ -23,7 +23,7 @@ class TurntablePrompt {
   void set_listener(Listener listener);
   /// False: nothing is asked. "" means done as it was asked.
   bool answer(const std::string& text);
-  /// As TurnplateOperator::answer().
+  /// As TurntableOperator::answer().
   Result<std::string> ask(const std::string& question, std::chrono::milliseconds timeout);
 
  private:
@@ -34,8 +34,8 @@ class TurntablePrompt {
   std::optional<std::string> answer_;
 };
 
-/// What a ManualTurnplate asks through. Borrows the prompt.
-class PromptOperator final : public turnplate::TurnplateOperator {
+/// What a ManualTurntable asks through. Borrows the prompt.
+class PromptOperator final : public turntable::TurntableOperator {
  public:
   explicit PromptOperator(TurntablePrompt* prompt) : prompt_(*prompt) {}
   Result<std::string> answer(const std::string& question, std::chrono::milliseconds timeout) override {

@@ -19,7 +19,7 @@ namespace cyclorama::display {
 class PatternService final : public wire::PatternScreen::Service {
  public:
   /// `heads`: the output's, in order. Borrows the mailbox. A call without an order for `idle` is ended: whoever turns
-  /// the plate by hand may take his time, but a calibration that hangs must not keep the wall from visitors. A head
+  /// the turntable by hand may take his time, but a calibration that hangs must not keep the wall from visitors. A head
   /// that shows nothing for `timeout` is away.
   PatternService(std::vector<output::HeadMode> heads, PatternMailbox* mailbox, Duration idle,
                  Duration timeout = std::chrono::seconds(10))

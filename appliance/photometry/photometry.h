@@ -14,7 +14,7 @@
 /// How a scan uses it (appliance/scan): the lamps are warm, the camera has no automatic exposure or gain.
 ///
 ///   e: an exposure at which the brightest projector's white is just not clipped (structured_light/exposure.h); all others dark.
-///   at each stop of the turn-plate, for each projector that the camera sees there (Decoded says so):
+///   at each stop of the turntable, for each projector that the camera sees there (Decoded says so):
 ///     cells = camera_cells(decoded, width, height)
 ///     show black and white, exposures kRampExposures * e; black also kBlackExposure * e
 ///     once per projector, at the stop that sees most of it, also ramps(width, height, kRampSteps, {kRed, kGreen,

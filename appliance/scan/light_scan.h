@@ -26,7 +26,7 @@ struct LightScan {
 /// `views` as scan_wall() gave them tell which pixels of the camera see which projector. What the projectors have is
 /// photographed in colour where ScanDevices has a camera for it. Whatever happens, no pattern is left on the wall.
 /// kUnavailable  cancelled, or a device is gone.   kBadData  no exposure at which white is not clipped: says what to
-/// do. Others as Turnplate's. Blocks, for a minute or two.
+/// do. Others as Turntable's. Blocks, for a minute or two.
 Result<LightScan> scan_light(const Installation& installation, std::span<const ScanView> views,
                              const structured_light::ExposureLimits& limits, const ScanDevices& devices,
                              const ScanListener& listener, std::stop_token stop);

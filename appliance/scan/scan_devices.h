@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a scan of the wall needs of the world, besides a turn-plate (drivers/turnplate): something that shows patterns
+/// What a scan of the wall needs of the world, besides a turntable (drivers/turntable): something that shows patterns
 /// on all projectors, and a camera whose exposure is the scan's choice.
 #pragma once
 

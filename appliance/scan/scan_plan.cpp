@@ -111,7 +111,7 @@ std::optional<Choice> best_of(const std::vector<Seen>& seen, int count, const Sc
   return best;
 }
 
-std::vector<double> headings_within(const turnplate::TurnRange& range) {
+std::vector<double> headings_within(const turntable::TurnRange& range) {
   const double max = std::min(range.max_rad, std::numbers::pi);
   std::vector<double> headings;
   for (int degrees = -180; degrees <= 180; degrees += kStep_deg) {
@@ -142,10 +142,11 @@ Result<ScanPlan> plan_scan(const Installation& installation, const ScanPlanOptio
   }
   const std::size_t all = count_of(seeable);
   if (static_cast<double>(all) < kMinCoverage * static_cast<double>(observations.size())) {
-    return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("wherever the plate turns, the camera sees {:.0f} % of what is lit; give it a wider lens, "
-                             "tilt it towards the middle of the wall, or tell its field of view and tilt rightly",
-                             100.0 * static_cast<double>(all) / static_cast<double>(observations.size())));
+    return Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("wherever the turntable turns, the camera sees {:.0f} % of what is lit; give it a wider lens, "
+                    "tilt it towards the middle of the wall, or tell its field of view and tilt rightly",
+                    100.0 * static_cast<double>(all) / static_cast<double>(observations.size())));
   }
   std::optional<Choice> chosen;
   const int fewest = options.directions > 0 ? options.directions : 2;
@@ -157,11 +158,12 @@ Result<ScanPlan> plan_scan(const Installation& installation, const ScanPlanOptio
     if (chosen->covered == all) break;
   }
   if (!chosen) {
-    return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("no {} directions within the plate's {:.0f} to {:.0f} degrees overlap by {:.0f} %; allow "
-                             "more directions, or give the camera a wider lens",
-                             fewest, options.range.min_rad / kDegree, options.range.max_rad / kDegree,
-                             100.0 * options.min_overlap));
+    return Error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("no {} directions within the turntable's {:.0f} to {:.0f} degrees overlap by {:.0f} %; allow "
+                    "more directions, or give the camera a wider lens",
+                    fewest, options.range.min_rad / kDegree, options.range.max_rad / kDegree,
+                    100.0 * options.min_overlap));
   }
 
   ScanPlan plan;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where the turn-plate stops, and which projectors are looked at from there: decided before anything moves, by what
+/// Where the turntable stops, and which projectors are looked at from there: decided before anything moves, by what
 /// installation.toml says of the room.
 ///
 ///          direction 0    1    2         every place that is lit is seen from one direction at least,
@@ -12,12 +12,12 @@
 #include "appliance/solve/measurements.h"
 #include "common/base/result.h"
 #include "common/room/installation.h"
-#include "drivers/turnplate/turnplate.h"
+#include "drivers/turntable/turntable.h"
 
 namespace cyclorama::scan {
 
 struct ScanDirection {
-  double angle_rad = 0.0;                 ///< Of the plate.
+  double angle_rad = 0.0;                 ///< Of the turntable.
   std::vector<std::size_t> projectors{};  ///< Those that should be seen, by number.
 };
 
@@ -31,7 +31,7 @@ struct ScanPlan {
 struct ScanPlanOptions {
   calibration::MeasuredLens camera;  ///< Its focal length decides how much one direction sees.
   double pitch_rad = 0.0;            ///< How far it looks up.
-  turnplate::TurnRange range{-3.15, 3.15};
+  turntable::TurnRange range{-3.15, 3.15};
   int directions = 0;              ///< 0: as few as it takes.
   double min_overlap = 0.3;        ///< Of what a direction sees, so much its neighbour sees too;
   double preferred_overlap = 0.5;  ///< where there is a choice, so much.

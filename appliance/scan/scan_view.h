@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What one direction of the plate saw of one projector, and the folder that keeps it, so that a scan that was cut
+/// What one direction of the turntable saw of one projector, and the folder that keeps it, so that a scan that was cut
 /// short goes on where it was.
 ///
 ///     FOLDER/manifest.json      which scan this is, and which views there are; replaced by a rename
@@ -24,7 +24,7 @@ namespace cyclorama::scan {
 struct ScanView {
   std::size_t direction = 0;
   std::size_t projector = 0;
-  double angle_rad = 0.0;   ///< As the plate told.
+  double angle_rad = 0.0;   ///< As the turntable told.
   double exposure_s = 0.0;  ///< 0: the projector lights nothing here.
   double disturbed = 0.0;   ///< Of the lit pixels: something moved before them.
   int pictures = 0;         ///< Photographs that it took, of all tries.

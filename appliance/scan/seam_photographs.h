@@ -30,7 +30,7 @@ struct SeamPhotographs {
 };
 
 /// `after` has a calibration; `exposure_s` is one at which a single projector's white is not clipped. Whatever happens,
-/// no pattern is left on the wall. Errors as take_photograph(), PatternScreen and Turnplate. Blocks, for some seconds.
+/// no pattern is left on the wall. Errors as take_photograph(), PatternScreen and Turntable. Blocks, for some seconds.
 Result<SeamPhotographs> photograph_seams(const Installation& installation, const DrawnBy& before, const DrawnBy& after,
                                          double exposure_s, const ScanDevices& devices, const ScanListener& listener,
                                          std::stop_token stop);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A simulated museum as a scan sees it. The turn-plate is drivers/simulated/turntable.
+/// A simulated museum as a scan sees it. The turntable is drivers/simulated/turntable.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The scan of the whole wall: turns the plate, lights one projector after the other, and keeps what was seen.
+/// The scan of the whole wall: turns the turntable, lights one projector after the other, and keeps what was seen.
 ///
 ///     for each direction:  turn ─▶ for each projector that is seen from here:  measure_view() ─▶ ScanFolder
 ///                                        ▲ once more, when somebody walked through │
@@ -16,7 +16,7 @@
 #include "appliance/scan/scan_view.h"
 #include "appliance/scan/view_measuring.h"
 #include "appliance/solve/measurements.h"
-#include "drivers/turnplate/turnplate.h"
+#include "drivers/turntable/turntable.h"
 
 namespace cyclorama::scan {
 
@@ -24,15 +24,15 @@ namespace cyclorama::scan {
 struct ScanDevices {
   PatternScreen& screen;
   ScanCamera& camera;
-  turnplate::Turnplate& plate;
+  turntable::Turntable& turntable;
   /// The same camera with its colour filters, where `camera` is without: brightness and colour are measured with it.
   ScanCamera* colour_camera = nullptr;
 };
 
 struct ScanSettings {
-  calibration::MeasuredLens camera;  ///< With the covariance of its own calibration, or of a data sheet.
-  double pitch_rad = 0.0;            ///< How far it looks up, about.
-  double plate_sigma_rad = 1e-3;     ///< How far the plate's angles may be wrong.
+  calibration::MeasuredLens camera;   ///< With the covariance of its own calibration, or of a data sheet.
+  double pitch_rad = 0.0;             ///< How far it looks up, about.
+  double turntable_sigma_rad = 1e-3;  ///< How far the turntable's angles may be wrong.
   ViewSettings view{};
   int directions = 0;           ///< As ScanPlanOptions'.
   double max_disturbed = 0.02;  ///< Of the lit pixels; with more the view is measured once more.
@@ -41,11 +41,11 @@ struct ScanSettings {
   bool with_wall = true;   ///< Find out its shape too, for eyes off the sweet spot: most of the time of solving.
 };
 
-/// Turns there; a plate that stalled has forgotten where it stands, and is homed and asked once more. Errors as
-/// Turnplate's.
-Status turn_plate(turnplate::Turnplate& plate, double angle_rad);
+/// Turns there; a turntable that stalled has forgotten where it stands, and is homed and asked once more. Errors as
+/// Turntable's.
+Status turn_with_retry(turntable::Turntable& turntable, double angle_rad);
 
-/// A lens of which one knows the field of view, as its data sheet has it, and no more: the directions of the plate
+/// A lens of which one knows the field of view, as its data sheet has it, and no more: the directions of the turntable
 /// teach the rest.
 [[nodiscard]] calibration::MeasuredLens data_sheet_lens(int width_px, int height_px, double field_of_view_rad);
 
@@ -65,10 +65,10 @@ struct WallScan {
   int retries = 0;                   ///< Views that were measured again, because somebody was in the way.
 };
 
-/// Whatever happens, no pattern is left on the wall. A plate that stalls is homed and asked once more. What was
+/// Whatever happens, no pattern is left on the wall. A turntable that stalls is homed and asked once more. What was
 /// measured is in `folder` when it returns, with an error too: with ScanSettings::resume another call goes on there.
 /// kUnavailable  cancelled, or a device is gone: plug it in, and resume; or a projector lights nothing anywhere.
-/// Others as plan_scan(), ScanFolder, measure_view() and Turnplate. Blocks, for minutes.
+/// Others as plan_scan(), ScanFolder, measure_view() and Turntable. Blocks, for minutes.
 Result<WallScan> scan_wall(const Installation& installation, const ScanSettings& settings, const ScanDevices& devices,
                            const std::filesystem::path& folder, const ScanListener& listener, std::stop_token stop);
 

@@ -32,9 +32,10 @@ constexpr double kKnownFloor_px = 0.1;  // Of a place on a map of before: its ce
 
 using Samples = std::vector<std::vector<MapSample>>;  // By projector.
 
-Samples samples_of(const Measurements& measurements, const CellMeans& means, const calibration::TurnPlate& plate) {
+Samples samples_of(const Measurements& measurements, const CellMeans& means,
+                   const calibration::CalibratedTurntable& turntable) {
   Samples samples(measurements.projectors.size());
-  const WallDirections observations(plate);
+  const WallDirections observations(turntable);
   for (const CellMean& cell : means.cells) {
     const auto d = observations.at(static_cast<std::size_t>(cell.direction), cell.camera_px);
     if (d) samples[static_cast<std::size_t>(cell.projector)].push_back({cell.projector_px, *d, cell.sigma_px});
@@ -50,8 +51,8 @@ const calibration::CalibratedProjector* projector_of(const calibration::Calibrat
   return at == calibration->projectors.end() ? nullptr : &*at;
 }
 
-/// What turns directions of the calibration before onto the new ones: the plate's heading and tilt are told anew each
-/// time. Without what is farther off than most, since a projector may have been moved.
+/// What turns directions of the calibration before onto the new ones: the turntable's heading and tilt are told anew
+/// each time. Without what is farther off than most, since a projector may have been moved.
 Eigen::Matrix3d turn_of(const calibration::Calibration& before, const Measurements& measurements,
                         const Samples& samples) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
@@ -123,9 +124,9 @@ class Calibrating {
 
   Result<calibration::Calibration> run(std::string date) {
     calibration_.date = std::move(date);
-    TRY_ASSIGN(const TurnPlateSolver solver, TurnPlateSolver::create(measurements_, means_, options_.plate));
-    TRY_ASSIGN(calibration_.plate, solver.solve());
-    samples_ = samples_of(measurements_, means_, calibration_.plate);
+    TRY_ASSIGN(const TurntableSolver solver, TurntableSolver::create(measurements_, means_, options_.turntable));
+    TRY_ASSIGN(calibration_.turntable, solver.solve());
+    samples_ = samples_of(measurements_, means_, calibration_.turntable);
     if (options_.previous != nullptr) ask_the_maps_of_before(solver);
     if (options_.with_wall) find_wall(solver);
     if (options_.previous != nullptr) turn_ = turn_of(*options_.previous, measurements_, samples_);
@@ -151,33 +152,34 @@ class Calibrating {
   /// Where the camera was is seen by parallax alone, and noise hides that: then all directions are off together, and
   /// maps that are right would seem wrong. So if the calibration before knew it better, its maps help to find it;
   /// what moved since then is an outlier among them.
-  void ask_the_maps_of_before(const TurnPlateSolver& solver) {
+  void ask_the_maps_of_before(const TurntableSolver& solver) {
     const calibration::Calibration& before = *options_.previous;
-    if (!(before.plate.offset_sigma_m.norm() <= calibration_.plate.offset_sigma_m.norm())) return;
+    if (!(before.turntable.offset_sigma_m.norm() <= calibration_.turntable.offset_sigma_m.norm())) return;
     const Eigen::Matrix3d turn = turn_of(before, measurements_, samples_);
-    PlateHints hints;
+    TurntableHints hints;
     hints.known = [this, &before, turn](std::size_t p, const Eigen::Vector2d& pixel) -> std::optional<KnownDirection> {
       const calibration::CalibratedProjector* projector = projector_of(&before, measurements_.projectors[p].name);
       if (projector == nullptr) return std::nullopt;
       return known_direction(projector->map, turn, pixel);
     };
-    auto plate = solver.solve(hints);
-    if (!plate || !(plate->heldout_rms_px <= kHintAgrees * calibration_.plate.heldout_rms_px)) {
+    auto turntable = solver.solve(hints);
+    if (!turntable || !(turntable->heldout_rms_px <= kHintAgrees * calibration_.turntable.heldout_rms_px)) {
       remark(
           fmt::format("the maps of {} do not go with what the directions see now ({:.3f} px instead of {:.3f}); look "
-                      "whether the plate stands where it stood",
-                      before.date, plate ? plate->heldout_rms_px : 0.0, calibration_.plate.heldout_rms_px));
+                      "whether the turntable stands where it stood",
+                      before.date, turntable ? turntable->heldout_rms_px : 0.0, calibration_.turntable.heldout_rms_px));
       return;
     }
     // No better than what it was told by.
-    const Eigen::Vector2d both = plate->offset_sigma_m.array().square() + before.plate.offset_sigma_m.array().square();
-    plate->offset_sigma_m = both.cwiseSqrt();
-    take(*std::move(plate));
+    const Eigen::Vector2d both =
+        turntable->offset_sigma_m.array().square() + before.turntable.offset_sigma_m.array().square();
+    turntable->offset_sigma_m = both.cwiseSqrt();
+    take(*std::move(turntable));
     hints_.known = hints.known;
   }
 
   /// A wall tells inverse_depth where harmonics cannot follow it (a corner), and with that where the camera was.
-  void find_wall(const TurnPlateSolver& solver) {
+  void find_wall(const TurntableSolver& solver) {
     auto wall = choose_model(measurements_.projectors, wall_samples(samples_, options_.wall_samples),
                              measurements_.wall_distance_m, options_.model);
     if (!wall) {
@@ -185,12 +187,13 @@ class Calibrating {
              wall.error().message());
       return;
     }
-    PlateHints hints = hints_;
+    TurntableHints hints = hints_;
     hints.wall = &wall->fit.surface;
-    auto plate = solver.solve(hints);
-    if (plate && plate->wall && plate->heldout_rms_px <= kHintAgrees * calibration_.plate.heldout_rms_px) {
-      if (hints_.known) plate->offset_sigma_m = calibration_.plate.offset_sigma_m;
-      take(*std::move(plate));
+    auto turntable = solver.solve(hints);
+    if (turntable && turntable->wall &&
+        turntable->heldout_rms_px <= kHintAgrees * calibration_.turntable.heldout_rms_px) {
+      if (hints_.known) turntable->offset_sigma_m = calibration_.turntable.offset_sigma_m;
+      take(*std::move(turntable));
       auto fit = fit_surface(measurements_.projectors, wall_samples(samples_, options_.wall_samples), wall->fit,
                              {wall->lens, true, kRefitSteps});
       if (fit) wall->fit = *std::move(fit);
@@ -198,9 +201,9 @@ class Calibrating {
     calibration_.wall = *std::move(wall);
   }
 
-  void take(calibration::TurnPlate plate) {
-    calibration_.plate = std::move(plate);
-    samples_ = samples_of(measurements_, means_, calibration_.plate);
+  void take(calibration::CalibratedTurntable turntable) {
+    calibration_.turntable = std::move(turntable);
+    samples_ = samples_of(measurements_, means_, calibration_.turntable);
   }
 
   Status add_projector(std::size_t p, Result<calibration::MeasuredMap> map) {
@@ -267,7 +270,7 @@ class Calibrating {
   std::vector<std::pair<std::size_t, calibration::MeasuredMap>> maps_of_before_;  ///< Turned; without holes.
   double worst_of_before_ = 0.0;  ///< Error of one of them, in parts of the new one's on what that left out.
   Samples samples_;
-  PlateHints hints_;
+  TurntableHints hints_;
   Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();  ///< Of the calibration before.
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// From what was measured to what the displays draw with.
 ///
-///     correspondences ─▶ cell means ─▶ turn-plate ─▶ directions ─┬─▶ a map per projector (always)
+///     correspondences ─▶ cell means ─▶ turntable ─▶ directions ─┬─▶ a map per projector (always)
 ///                                                                 └─▶ wall and projectors' places (if asked) ─▶ maps
 ///                                                                     for other eyes
 #pragma once
@@ -19,14 +19,14 @@ namespace cyclorama::solve {
 
 struct CalibrateOptions {
   bool with_wall = true;
-  TurnPlateOptions plate{};
+  TurntableSolverOptions turntable{};
   MapOptions map{};
   ModelOptions model{};
   std::size_t wall_samples = 1200;                     ///< Over all projectors.
   const calibration::Calibration* previous = nullptr;  ///< Never a worse map than before. Borrowed for the call.
 };
 
-/// Errors of Measurements::validate(), solve_turn_plate() and, with the projector's name, fit_measured_map(). A wall
+/// Errors of Measurements::validate(), solve_turntable() and, with the projector's name, fit_measured_map(). A wall
 /// that cannot be found is a remark: the maps need none. Projectors that were not seen at all are an error. A thread
 /// for each map and each fold works while it blocks; the answer does not depend on them. Reentrant.
 Result<calibration::Calibration> calibrate(const Measurements& measurements, std::string date,

@@ -46,10 +46,10 @@ Status Measurements::validate() const {
     }
   }
   for (std::size_t d = 0; d < directions.size(); ++d) {
-    const PlateDirection& direction = directions[d];
+    const TurntableDirection& direction = directions[d];
     if (!std::isfinite(direction.angle_rad) || !(direction.sigma_rad > 0.0) || !std::isfinite(direction.sigma_rad)) {
-      return refused(
-          fmt::format("direction {}: its angle or the plate's error is not a number above zero; look at the plate", d));
+      return refused(fmt::format(
+          "direction {}: its angle or the turntable's error is not a number above zero; look at the turntable", d));
     }
     for (std::size_t i = 0; i < direction.correspondences.size(); ++i) {
       const Correspondence& c = direction.correspondences[i];

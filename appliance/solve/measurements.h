@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the camera on the turn-plate saw, as the decoder hands it to the solver.
+/// What the camera on the turntable saw, as the decoder hands it to the solver.
 ///
-///     plate's axis (y)          a direction = one angle of the plate; in it
+///     turntable's axis (y)          a direction = one angle of the turntable; in it
 ///          │  . heading              camera pixel ──▶ projector, and the projector's pixel that lights what is there
 ///          │ /
-///     ─────┼──── camera: turned with the plate, its centre off the axis by (right, forward), pitched and rolled
+///     ─────┼──── camera: turned with the turntable, its centre off the axis by (right, forward), pitched and rolled
 ///
-/// CameraFrame: Eye (x right, y up along the plate's axis, z back), its origin where the axis passes the camera's height: the
-/// sweet spot. Angles are headings: positive to the right.
+/// CameraFrame: Eye (x right, y up along the turntable's axis, z back), its origin where the axis passes the camera's
+/// height: the sweet spot. Angles are headings: positive to the right.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,8 +32,8 @@ struct Correspondence {
   std::uint32_t projector = 0;  ///< Counts Measurements::projectors.
 };
 
-struct PlateDirection {
-  double angle_rad = 0.0;     ///< As the plate tells.
+struct TurntableDirection {
+  double angle_rad = 0.0;     ///< As the turntable tells.
   double sigma_rad = 1.0e-3;  ///< How far that may be wrong.
   std::vector<Correspondence> correspondences;
 };
@@ -56,7 +56,7 @@ struct MeasuredProjector {
 struct Measurements {
   calibration::MeasuredLens camera;  ///< With the covariance that its own calibration left.
   double pitch_rad = 0.0;            ///< How far the camera looks up, about; the solver finds it and the roll.
-  std::vector<PlateDirection> directions;
+  std::vector<TurntableDirection> directions;
   std::vector<MeasuredProjector> projectors;
   double wall_distance_m = 4.0;        ///< From the sweet spot to the wall, about: lengths are measured by it.
   double wall_distance_sigma_m = 1.0;  ///< How much it differs along the wall, and is wrong.

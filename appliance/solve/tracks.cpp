@@ -44,9 +44,10 @@ Result<ChosenTracks> choose_tracks(const Measurements& measurements, const CellM
     ++seen[static_cast<std::size_t>(cell.direction)];
   }
   if (count < 2) {
-    return Error(ErrorCode::kInvalidArgument,
-                 "one direction alone does not tell where the plate's axis is; add a direction that overlaps it by at "
-                 "least a tenth");
+    return Error(
+        ErrorCode::kInvalidArgument,
+        "one direction alone does not tell where the turntable's axis is; add a direction that overlaps it by at "
+        "least a tenth");
   }
   // Tracks by the first and last direction that see them.
   std::map<std::pair<int, int>, std::vector<const Track*>> by_pair;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The turn-plate's bundle adjustment as a least-squares problem. What all directions share is few numbers; each track
+/// The turntable's bundle adjustment as a least-squares problem. What all directions share is few numbers; each track
 /// adds a direction of its own, which is eliminated (Schur), so the equations that are solved stay small.
 #pragma once
 
@@ -14,11 +14,11 @@
 namespace cyclorama::solve {
 
 /// Borrows all for its life, and moves `state`. Thread-bound.
-class PlateAdjustment final : public DampedProblem {
+class TurntableAdjustment final : public DampedProblem {
  public:
   /// `tracks`, with a direction each in `state`. Camera's offset and wall's inverse_depth move only if `with_offset`.
-  PlateAdjustment(const PlateTask& task, const PlateHints& hints, bool with_offset,
-                  const std::vector<const Track*>& tracks, PlateState* state);
+  TurntableAdjustment(const TurntableTask& task, const TurntableHints& hints, bool with_offset,
+                      const std::vector<const Track*>& tracks, TurntableState* state);
 
   void weigh_by(RobustLoss loss) override { loss_ = loss; }
   std::optional<double> linearise() override;
@@ -39,7 +39,7 @@ class PlateAdjustment final : public DampedProblem {
     std::size_t index;
   };
   struct TrackObservation {
-    PlateObservation observation;
+    TurntableObservation observation;
     std::size_t direction;
   };
   struct TrackData {
@@ -68,24 +68,24 @@ class PlateAdjustment final : public DampedProblem {
   };
 
   void choose_shared(bool with_offset, bool with_turn);
-  [[nodiscard]] double* number(PlateState* state, const Shared& shared) const;
+  [[nodiscard]] double* number(TurntableState* state, const Shared& shared) const;
   [[nodiscard]] double prior_sigma(const Shared& shared) const;
-  [[nodiscard]] Eigen::VectorXd shared_numbers(PlateState* state) const;
+  [[nodiscard]] Eigen::VectorXd shared_numbers(TurntableState* state) const;
   /// Where a sight's numbers lie among those that are shared; -1: it stays as it is.
   [[nodiscard]] Eigen::Index column_of(int parameter_index, std::size_t direction) const;
   /// Half the sum of robust squares; fills the equations unless they are null.
-  std::optional<double> add_measured(PlateState* state, bool with_known, Equations* ret) const;
-  double add_priors(PlateState* state, Eigen::VectorXd* ret_gradient, Eigen::MatrixXd* ret_normal) const;
+  std::optional<double> add_measured(TurntableState* state, bool with_known, Equations* ret) const;
+  double add_priors(TurntableState* state, Eigen::VectorXd* ret_gradient, Eigen::MatrixXd* ret_normal) const;
   /// A track's cross matrix: only these columns of it are not 0.
   void cross_of(const Equations& equations, std::size_t track, std::vector<Eigen::Index>* ret_columns,
                 Eigen::Matrix2Xd* ret_cross) const;
   [[nodiscard]] Elimination eliminated(const Equations& equations, double damping) const;
 
   const Measurements& measurements_;
-  const TurnPlateOptions& options_;
+  const TurntableSolverOptions& options_;
   std::size_t reference_;
-  PlateState* state_;
-  PlateState candidate_;
+  TurntableState* state_;
+  TurntableState candidate_;
   std::vector<TrackData> tracks_;
   std::vector<TrackObservation> observations_;
   std::vector<Shared> shared_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a turned camera sees of a direction: the residuals of the turn-plate's bundle adjustment, and how they change
+/// What a turned camera sees of a direction: the residuals of the turntable's bundle adjustment, and how they change
 /// with each number.
 #pragma once
 
@@ -44,15 +44,15 @@ struct KnownDirection {
   double sigma_rad = 1e-4;
 };
 
-/// One camera pixel that a direction of the plate sees of a track.
-struct PlateObservation {
+/// One camera pixel that a direction of the turntable sees of a track.
+struct TurntableObservation {
   Eigen::Vector2d camera_px;
   Eigen::Matrix2d whitening;  ///< From camera pixels to sigmas of the projector's.
 
-  explicit PlateObservation(const CellMean& cell);
+  explicit TurntableObservation(const CellMean& cell);
 };
 
-/// What directions of the plate share, and one of them. Its numbers lie in a residual's Jacobian at:
+/// What directions of the turntable share, and one of them. Its numbers lie in a residual's Jacobian at:
 enum ObservationParameter : int {
   kLensIndex = 0,
   kMountIndex = 8,
@@ -74,9 +74,9 @@ class SeenFrom {
   SeenFrom(const std::array<double, 2>& mount, const std::array<double, 2>& offset, double angle_rad);
   /// In sigmas, of the unit vector `direction` where the wall is `wall_inverse_depth` and the terms near; `ret_slopes` may
   /// be null. False behind the camera.
-  bool residuals(const PlateObservation& observation, const double* lens, const calibration::InverseDepthTerms& terms,
-                 double wall_inverse_depth, const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals,
-                 Slopes* ret_slopes) const;
+  bool residuals(const TurntableObservation& observation, const double* lens,
+                 const calibration::InverseDepthTerms& terms, double wall_inverse_depth,
+                 const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals, Slopes* ret_slopes) const;
 
  private:
   /// point = by_direction * direction + by_inverse_depth * inverse_depth

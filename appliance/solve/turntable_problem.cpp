@@ -15,7 +15,7 @@ constexpr double kMinInverseDepth_per_m = 1e-6;
 constexpr DampedOptions kSteps{100, 1e-11, 1e-12};
 
 /// The mean of what its directions see; nothing when the lens has no place for a pixel.
-std::optional<Eigen::Vector3d> mean_direction(const PlateState& state, const calibration::BrownLens& lens,
+std::optional<Eigen::Vector3d> mean_direction(const TurntableState& state, const calibration::BrownLens& lens,
                                               const CellMeans& means, const Track& track) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const std::size_t i : track.cells) {
@@ -30,7 +30,7 @@ std::optional<Eigen::Vector3d> mean_direction(const PlateState& state, const cal
 }
 
 /// In projector pixels; nothing behind the camera.
-std::optional<Eigen::Vector2d> error_px(const PlateState& state, const CellMean& cell, const Eigen::Vector3d& d) {
+std::optional<Eigen::Vector2d> error_px(const TurntableState& state, const CellMean& cell, const Eigen::Vector3d& d) {
   Eigen::Vector3d point;
   to_camera(state.mount.data(), state.offset.data(), state.angles[static_cast<std::size_t>(cell.direction)], d.data(),
             state.inverse_depth.at(d), point.data());
@@ -42,7 +42,7 @@ std::optional<Eigen::Vector2d> error_px(const PlateState& state, const CellMean&
 
 /// Of tracks whose directions are their means: with n of them, 2n - 2 numbers are free. The worst twentieth is left
 /// out, as gross errors are for the decoder to count.
-TrackError residual_of(const PlateState& state, const calibration::BrownLens& lens, const CellMeans& means,
+TrackError residual_of(const TurntableState& state, const calibration::BrownLens& lens, const CellMeans& means,
                        const std::vector<Track>& tracks) {
   std::vector<std::pair<double, double>> squares;
   for (const Track& track : tracks) {
@@ -104,13 +104,13 @@ Eigen::Vector3d wall_direction_along(const CameraPose& pose, const InverseDepthF
   return d;
 }
 
-calibration::MeasuredLens lens_of(const Measurements& measurements, const PlateState& state) {
+calibration::MeasuredLens lens_of(const Measurements& measurements, const TurntableState& state) {
   calibration::MeasuredLens lens = measurements.camera;
   lens.values = state.lens;
   return lens;
 }
 
-Eigen::Vector2d SolvedPlate::offset_sigma_m() const {
+Eigen::Vector2d SolvedTurntable::offset_sigma_m() const {
   const auto place_of = [this](const char* name) -> Eigen::Index {
     const auto at = std::find(names.begin(), names.end(), name);
     CHECK(at != names.end());
@@ -139,14 +139,14 @@ Eigen::Vector2d SolvedPlate::offset_sigma_m() const {
   return sigma;
 }
 
-Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, const PlateState* from,
-                                const Eigen::Vector2d& offset_m) {
+Result<SolvedTurntable> solve_turntable_problem(const TurntableTask& task, const TurntableHints& hints,
+                                                const TurntableState* from, const Eigen::Vector2d& offset_m) {
   const bool with_offset = from != nullptr;
-  SolvedPlate solved;
-  PlateState& state = solved.state;
+  SolvedTurntable solved;
+  TurntableState& state = solved.state;
   state.lens = task.measurements.camera.values;
   state.mount = {task.measurements.pitch_rad + task.options.start[0], task.options.start[1]};
-  for (const PlateDirection& direction : task.measurements.directions) state.angles.push_back(direction.angle_rad);
+  for (const TurntableDirection& direction : task.measurements.directions) state.angles.push_back(direction.angle_rad);
   if (with_offset) {  // From where the camera is without one: two unknowns that are small count little there.
     state.lens = from->lens;
     state.mount = from->mount;
@@ -168,11 +168,11 @@ Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, 
     return Error(ErrorCode::kInvalidArgument,
                  "the camera's lens has no directions for the pixels that several pictures share; calibrate the lens");
   }
-  PlateAdjustment adjustment(task, hints, with_offset, tracks, &state);
+  TurntableAdjustment adjustment(task, hints, with_offset, tracks, &state);
   const auto cost = minimise_robustly(&adjustment, true, kSteps);
   if (!cost) {
     return Error(ErrorCode::kBadData,
-                 "the directions cannot be brought together; look whether the plate's angles turn the right way");
+                 "the directions cannot be brought together; look whether the turntable's angles turn the right way");
   }
   solved.cost = *cost;
   const Uncertainty uncertainty =
@@ -182,7 +182,7 @@ Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, 
   solved.names = adjustment.names();
   solved.tracks = tracks.size();
   auto lens = lens_of(task.measurements, state).brown();
-  if (!lens) return std::move(lens).error().while_doing("solving the turn-plate");
+  if (!lens) return std::move(lens).error().while_doing("solving the turntable");
   solved.used = residual_of(state, *lens, task.means, task.tracks.used);
   solved.left_out = residual_of(state, *lens, task.means, task.tracks.left_out);
   return solved;

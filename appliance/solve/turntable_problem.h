@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The bundle adjustment of turn_plate.cpp: what it moves, what holds it, and what it found.
+/// The bundle adjustment of turntable_solver.cpp: what it moves, what holds it, and what it found.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@
 
 namespace cyclorama::solve {
 
-struct TurnPlateOptions {
+struct TurntableSolverOptions {
   double offset_sigma_m = 0.03;  ///< How far the camera may have been mounted off the axis.
   double mount_sigma_rad = 0.1;
   std::size_t max_tracks = 1500;
@@ -25,8 +25,8 @@ struct TurnPlateOptions {
   Eigen::Vector4d start = Eigen::Vector4d::Zero();
 };
 
-/// What else is known when the plate is solved again.
-struct PlateHints {
+/// What else is known when the turntable is solved again.
+struct TurntableHints {
   /// Where a calibration of before has a projector's pixel, turned about as this one is; nothing where it has none.
   std::function<std::optional<KnownDirection>(std::size_t projector, const Eigen::Vector2d& pixel)> known{};
   const calibration::Surface* wall =
@@ -41,7 +41,7 @@ struct InverseDepthField {
   [[nodiscard]] double at(const Eigen::Vector3d& direction) const;
 };
 
-/// Where the camera is in one direction of the plate.
+/// Where the camera is in one direction of the turntable.
 struct CameraPose {
   std::array<double, 2> mount{};   ///< Pitch, roll.
   std::array<double, 2> offset{};  ///< Right, forward.
@@ -53,7 +53,7 @@ struct CameraPose {
                                                    const Eigen::Vector3d& ray);
 
 /// What the bundle adjustment moves. Ceres holds pointers into it.
-struct PlateState {
+struct TurntableState {
   std::array<double, calibration::MeasuredLens::kParameters> lens{};
   std::array<double, 2> mount{};
   std::array<double, 2> offset{};
@@ -70,8 +70,8 @@ struct TrackError {
   double rms_sigmas = 0.0;
 };
 
-struct SolvedPlate {
-  PlateState state;
+struct SolvedTurntable {
+  TurntableState state;
   double cost = 0.0;
   Eigen::MatrixXd covariance;
   int rank = 0;
@@ -86,20 +86,20 @@ struct SolvedPlate {
 };
 
 /// What does not change from one solution to the next. Borrows all for its life.
-struct PlateTask {
+struct TurntableTask {
   const Measurements& measurements;
   const CellMeans& means;
-  const TurnPlateOptions& options;
+  const TurntableSolverOptions& options;
   const ChosenTracks& tracks;
   std::size_t reference = 0;  ///< The direction whose angle is as told.
 };
 
 /// `from` is where the search begins, of a solution without an offset; null: from what was told, and without one.
 /// kInvalidArgument  the lens has no directions for the tracks.  kBadData  no start leads anywhere.  Reentrant.
-Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, const PlateState* from,
-                                const Eigen::Vector2d& offset_m);
+Result<SolvedTurntable> solve_turntable_problem(const TurntableTask& task, const TurntableHints& hints,
+                                                const TurntableState* from, const Eigen::Vector2d& offset_m);
 
 /// With the numbers of a state.
-[[nodiscard]] calibration::MeasuredLens lens_of(const Measurements& measurements, const PlateState& state);
+[[nodiscard]] calibration::MeasuredLens lens_of(const Measurements& measurements, const TurntableState& state);
 
 }  // namespace cyclorama::solve

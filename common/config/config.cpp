@@ -253,6 +253,10 @@ void ConfigTable::refuse(std::string_view key, std::string_view what_and_remedy)
   node_->mistake(node == nullptr ? node_->line : node->source().begin.line, key, what_and_remedy);
 }
 
+void ConfigTable::refuse_renamed(std::string_view old_key, std::string_view new_key) {
+  if (has(old_key)) refuse(old_key, fmt::format("is now called '{}'; rename it", new_key));
+}
+
 Config::Config(std::unique_ptr<Document> document) : document_(std::move(document)) {}
 Config::Config(Config&&) noexcept = default;
 Config& Config::operator=(Config&&) noexcept = default;

@@ -52,6 +52,8 @@ class ConfigTable {
 
   /// Records a mistake that only the caller can see, at the key's line (or the table's, when it is absent).
   void refuse(std::string_view key, std::string_view what_and_remedy);
+  /// Refuses `old_key` where it is present, and names `new_key`, which replaced it.
+  void refuse_renamed(std::string_view old_key, std::string_view new_key);
 
  private:
   friend class Config;

@@ -7,7 +7,7 @@
 #include "appliance/scan/realign/realignment.h"
 #include "appliance/scan/simulated_devices.h"
 #include "drivers/simulated/museum/presets.h"
-#include "drivers/simulated/turntable/simulated_turnplate.h"
+#include "drivers/simulated/turntable/simulated_turntable.h"
 #include "tests/doubles/museum_score.h"
 
 namespace cyclorama {
@@ -35,8 +35,8 @@ class DisplacedMuseum {
     p.lens = simulated::TrueLens(lens);
   }
   /// The tripod is put back on its marks, as people do.
-  void put_plate_elsewhere(const Eigen::Vector3d& by_m, double heading_rad) {
-    auto& pose = preset_.truth.plate.T_room_plate;
+  void put_turntable_elsewhere(const Eigen::Vector3d& by_m, double heading_rad) {
+    auto& pose = preset_.truth.turntable.T_room_turntable;
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(heading_rad, Eigen::Vector3d::UnitY()));
     pose = {pose.rotation() * turn, pose.translation() + by_m};
   }
@@ -49,11 +49,11 @@ class DisplacedMuseum {
     scan::SimulatedPatternScreen screen(&museum);
     scan::SimulatedScanCamera camera(&museum, scan::PhotographColour::kGrey);
     scan::SimulatedScanCamera colour_camera(&museum, scan::PhotographColour::kColour);
-    simulated::SimulatedTurnplate plate(&museum);
+    simulated::SimulatedTurntable turntable(&museum);
     scan::ScanSettings settings;
     settings.camera = scan::data_sheet_lens(camera.width_px(), camera.height_px(), field_of_view_rad_);
     settings.pitch_rad = pitch_rad_;
-    body(museum, scan::ScanDevices{screen, camera, plate, &colour_camera}, settings);
+    body(museum, scan::ScanDevices{screen, camera, turntable, &colour_camera}, settings);
     return Done{};
   }
 

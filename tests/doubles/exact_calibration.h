@@ -17,9 +17,9 @@ inline calibration::Calibration exact_calibration(const Installation& room, cons
                                                   double turned_rad = 0.0) {
   calibration::Calibration calibration;
   calibration.date = date;
-  calibration.plate.camera = calibration::MeasuredLens::from_focal(1920, 1200, 1400.0);
-  calibration.plate.angles_rad = {0.0};
-  calibration.plate.offset_reason = "not needed";
+  calibration.turntable.camera = calibration::MeasuredLens::from_focal(1920, 1200, 1400.0);
+  calibration.turntable.angles_rad = {0.0};
+  calibration.turntable.offset_reason = "not needed";
   const Eigen::AngleAxisd turn(-turned_rad, Eigen::Vector3d::UnitY());
   for (std::size_t i = 0; i < room.projectors.size(); ++i) {
     const Pinhole& lens = room.projectors[i].lens;

@@ -148,13 +148,13 @@ GeneratedRoom::GeneratedRoom(const RoomPlan& plan) : plan_(plan) {
   camera_lens_.centre_v_px = 0.5 * camera_height_px_ + scale * uniform(&random, -10.0, 10.0);
   camera_lens_.k1 = -0.09;
   camera_lens_.k2 = 0.02;
-  const int steps =
-      static_cast<int>(std::ceil(std::max(0.5 * plan.plate_step_rad, 0.5 * plan.arc_rad - 0.3) / plan.plate_step_rad));
+  const int steps = static_cast<int>(
+      std::ceil(std::max(0.5 * plan.turntable_step_rad, 0.5 * plan.arc_rad - 0.3) / plan.turntable_step_rad));
   for (int i = -steps; i <= steps; ++i) {
-    const double angle = i * plan.plate_step_rad;
+    const double angle = i * plan.turntable_step_rad;
     if (angle > std::numbers::pi || angle <= -std::numbers::pi) continue;
     told_angles_.push_back(angle);
-    angles_.push_back(angle + (i == 0 ? 0.0 : plan.plate_sigma_rad * gauss(&random)));
+    angles_.push_back(angle + (i == 0 ? 0.0 : plan.turntable_sigma_rad * gauss(&random)));
   }
   place_projectors(&random);
 }
@@ -323,7 +323,7 @@ solve::Measurements GeneratedRoom::measurements() const {
   }
   std::vector<Device> cameras;
   for (std::size_t d = 0; d < told_angles_.size(); ++d) {
-    measured.directions.push_back({told_angles_[d], plan_.plate_sigma_rad, {}});
+    measured.directions.push_back({told_angles_[d], plan_.turntable_sigma_rad, {}});
     cameras.push_back(camera_at(angles_[d]));
   }
   for (std::size_t p = 0; p < projectors_.size(); ++p) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Rooms whose geometry is exact, and what a camera on a turn-plate would measure in them: projectors with lenses, a
+/// Rooms whose geometry is exact, and what a camera on a turntable would measure in them: projectors with lenses, a
 /// wall, noise, gross errors. Shares no formula with the solver: walls are implicit and hit by bisection, lenses are
 /// inverted by iteration. Made by geometry alone; drivers/simulated/museum takes photographs instead.
 #pragma once
@@ -33,8 +33,8 @@ struct RoomPlan {
   double throw_ratio = 0.0;    ///< Distance over width; 0: from above the visitor.
   double noise_px = 0.2;
   double outliers = 0.005;
-  double plate_sigma_rad = 3e-4;
-  double plate_step_rad = 0.55;
+  double turntable_sigma_rad = 3e-4;
+  double turntable_step_rad = 0.55;
   Eigen::Vector3d camera_offset_m{0.003, 0.0, 0.006};  ///< Right, (unused), forward.
   double camera_lens_error = 1.0;                      ///< In sigmas of what the solver is told of the camera's lens.
   int stride_px = 8;                                   ///< Of the projector's pixels that are measured, about.

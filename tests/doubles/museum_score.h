@@ -17,8 +17,8 @@ struct MuseumScore {
   double max_px = 0.0;
   std::size_t correspondences = 0;  ///< In overlaps.
   double true_p95_px =
-      0.0;  ///< Against what an eye in the plate's turning point sees, once heading and tilt, which are
-  double true_max_px = 0.0;  ///< the plate's own, are turned onto it.
+      0.0;  ///< Against what an eye in the turntable's turning point sees, once heading and tilt, which are
+  double true_max_px = 0.0;  ///< the turntable's own, are turned onto it.
   std::size_t lit = 0;       ///< Pixels that light the wall,
   std::size_t missing = 0;   ///< and have no direction.
 };

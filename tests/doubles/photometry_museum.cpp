@@ -44,7 +44,7 @@ structured_light::Decoded decoded_of(const simulated::SimulatedMuseum& museum, c
   return decoded;
 }
 
-/// One stop of the plate.
+/// One stop of the turntable.
 class Stop {
  public:
   Stop(simulated::SimulatedMuseum* museum, const MuseumLightOptions& scan, int* photographs)
@@ -53,7 +53,7 @@ class Stop {
   Result<std::vector<photometry::ProjectorView>> views(std::span<const Eigen::Vector3d> directions) {
     const simulated::CameraTable table =
         simulated::make_camera_table(museum_.truth(), museum_.truth().truth().camera.lens,
-                                     museum_.truth().camera_pose(museum_.true_plate_angle_rad()),
+                                     museum_.truth().camera_pose(museum_.true_turntable_angle_rad()),
                                      std::vector<Eigen::Vector3d>(directions.begin(), directions.end()), kThreads);
     std::vector<photometry::ProjectorView> views;
     for (std::size_t p = 0; p < museum_.projector_count(); ++p) {

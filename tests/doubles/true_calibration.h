@@ -32,9 +32,9 @@ inline calibration::MeasuredMap true_map(const simulated::TrueMuseum& museum, st
 inline calibration::Calibration true_calibration(const simulated::TrueMuseum& museum, const std::string& date) {
   calibration::Calibration calibration;
   calibration.date = date;
-  calibration.plate.camera = calibration::MeasuredLens::from_focal(1920, 1200, 1400.0);
-  calibration.plate.angles_rad = {0.0};
-  calibration.plate.offset_reason = "not needed";
+  calibration.turntable.camera = calibration::MeasuredLens::from_focal(1920, 1200, 1400.0);
+  calibration.turntable.angles_rad = {0.0};
+  calibration.turntable.offset_reason = "not needed";
   for (std::size_t i = 0; i < museum.truth().projectors.size(); ++i)
     calibration.projectors.push_back({museum.installation().projectors[i].name, true_map(museum, i), false});
   return calibration;

@@ -32,7 +32,7 @@ struct ReferenceObservation {
 };
 
 /// The pose that the calibrated turntable gives the camera at `angle_rad`.
-[[nodiscard]] LocatedCamera planned_camera(const calibration::TurnPlate& plate, double angle_rad);
+[[nodiscard]] LocatedCamera planned_camera(const calibration::CalibratedTurntable& turntable, double angle_rad);
 
 /// Robust least squares from `planned`: a rotation alone, or a rotation and another centre where the latter is clear
 /// (three sigma) and predicts the observations that were left out better.

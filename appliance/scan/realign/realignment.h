@@ -32,12 +32,12 @@ struct RealignmentOutcome {
 };
 
 /// All other projectors must stand as they were calibrated, and the camera about where it stood (a quarter of a degree
-/// beyond what the plate errs by, some centimetres). A worse map than before is never taken.
+/// beyond what the turntable errs by, some centimetres). A worse map than before is never taken.
 /// kNotFound  no calibration is there, or it has no such projector.
 /// kBadData   its lens was turned, what it shows is not explained by a push, others have moved too, the camera is
 ///            another one or stands elsewhere, it meets no other projector any more, or the calibration lacks what is
 ///            needed (the wall, the light): each says so, and to calibrate all of them.
-/// kUnavailable  it is dark; or cancelled.   Others as measure_view() and Turnplate. Blocks, for some ten seconds.
+/// kUnavailable  it is dark; or cancelled.   Others as measure_view() and Turntable. Blocks, for some ten seconds.
 Result<RealignmentOutcome> realign_projector(const Installation& installation, const std::string& projector,
                                              const ScanSettings& settings, const ScanDevices& devices,
                                              const std::filesystem::path& folder, const std::string& date,

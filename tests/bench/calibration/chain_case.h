@@ -33,7 +33,7 @@ struct ChainResult {
   double response_rms = 0.0;
   double museum_s = 0.0;            ///< Of the museum's clock: what a visitor would wait.
   double patterns_exposed_s = 0.0;  ///< Of that, with the shutter open for places,
-  double light_exposed_s = 0.0;     ///< and for brightness and colours. The rest: projectors, plate, read-out.
+  double light_exposed_s = 0.0;     ///< and for brightness and colours. The rest: projectors, turntable, read-out.
   std::size_t directions = 0;
 };
 

@@ -183,9 +183,18 @@ TEST(Config, what_the_caller_refuses_is_told_with_its_line) {
               StartsWith("site.toml:2: wall.radius_m: is too small for the door"));
 }
 
+TEST(Config, a_key_under_its_old_name_is_one_mistake_that_names_the_new_one) {
+  EXPECT_THAT(complaint("\nturnplate = 'manual'\n",
+                        [](ConfigTable& root) {
+                          root.refuse_renamed("turnplate", "turntable");
+                          root.text("turntable", "manual");
+                        }),
+              AllOf(StartsWith("site.toml:2: turnplate: is now called 'turntable'"), testing::Not(HasSubstr("more)"))));
+}
+
 TEST(Config, text_that_is_not_toml_names_line_and_column) {
-  for (const char* const text :
-       {"a = ", "a = 1\na = 2", "[x", "a = 1 b = 2", "[\n", "[\n]", "[[\n", "[.]", "a.\n=1", "a = 1 \u00e9", "\u00e9 = 1", "\u4e00", "a = \"\xff\""}) {
+  for (const char* const text : {"a = ", "a = 1\na = 2", "[x", "a = 1 b = 2", "[\n", "[\n]", "[[\n", "[.]", "a.\n=1",
+                                 "a = 1 \u00e9", "\u00e9 = 1", "\u4e00", "a = \"\xff\""}) {
     const auto config = Config::parse(text, "site.toml");
     ASSERT_FALSE(config.has_value()) << text;
     EXPECT_EQ(config.error().code(), ErrorCode::kBadData);

@@ -278,7 +278,7 @@ TEST(MuseumPage, keeps_open_or_closed_for_once_and_takes_that_back) {
 TEST(MuseumPage, gives_a_support_bundle_without_any_secret) {
   Page page;
   page.stick.write("beamer-password", "open-sesame-9\n");
-  page.stick.write("calibrator.toml", "# open-sesame-9\nturnplate = \"manual\"\n");
+  page.stick.write("calibrator.toml", "# open-sesame-9\nturntable = \"manual\"\n");
   fs::create_directories(page.stick.stick() / "cameras");
   page.stick.write("cameras/left.json", "{\"camera\": \"open-sesame-9\"}");
   // Files into which people may write secrets by mistake.

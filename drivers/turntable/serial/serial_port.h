@@ -7,9 +7,9 @@
 #include "common/base/clock.h"
 #include "common/base/result.h"
 #include "common/base/unique_fd.h"
-#include "drivers/turnplate/serial/gcode.h"
+#include "drivers/turntable/serial/gcode.h"
 
-namespace cyclorama::turnplate {
+namespace cyclorama::turntable {
 
 /// A tty, as 8 bits without parity, flow control or any change to bytes. Move-only; thread-bound.
 class SerialPort {
@@ -35,4 +35,4 @@ class SerialPort {
   gcode::LineCutter lines_;
 };
 
-}  // namespace cyclorama::turnplate
+}  // namespace cyclorama::turntable

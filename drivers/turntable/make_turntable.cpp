@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/turnplate/make_turnplate.h"
+#include "drivers/turntable/make_turntable.h"
 
 #include <fmt/format.h>
 
 #include <optional>
 
 #include "common/base/text.h"
-#include "drivers/turnplate/manual/manual_turnplate.h"
-#include "drivers/turnplate/serial/serial_turnplate.h"
+#include "drivers/turntable/manual/manual_turntable.h"
+#include "drivers/turntable/serial/serial_turntable.h"
 
-namespace cyclorama::turnplate {
+namespace cyclorama::turntable {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 Error refuse(std::string_view spec, std::string_view what) {
-  return Error(ErrorCode::kInvalidArgument, fmt::format("turn-plate '{}': {}", printable(spec, 200), what));
+  return Error(ErrorCode::kInvalidArgument, fmt::format("turntable '{}': {}", printable(spec, 200), what));
 }
 
 /// Cuts `text` at the first `separator`; the rest is empty when there is none.
@@ -27,7 +27,7 @@ std::string_view cut(std::string_view* text, char separator) {
 }
 
 /// Whether `key` was one that is known, and its value one that it can have.
-bool take(std::string_view key, std::string_view value, SerialTurnplateOptions* ret) {
+bool take(std::string_view key, std::string_view value, SerialTurntableOptions* ret) {
   if (key == "axis") {
     if (value.size() != 1) return false;
     ret->axis = value[0];
@@ -52,18 +52,34 @@ bool take(std::string_view key, std::string_view value, SerialTurnplateOptions* 
   return true;
 }
 
-/// Nothing: a manual one.
-Result<std::optional<SerialTurnplateOptions>> parse(std::string_view spec) {
+/// Returns what the option `key` is called now, or nothing where it is no former name.
+std::string_view renamed_to(std::string_view key) {
+  if (key ==
+      "least_"
+      "deg")
+    return "min_deg";
+  if (key ==
+      "most_"
+      "deg")
+    return "max_deg";
+  return {};
+}
+
+/// Returns no options for a manual turntable.
+Result<std::optional<SerialTurntableOptions>> parse(std::string_view spec) {
   std::string_view rest = spec;
   const std::string_view kind = cut(&rest, ':');
-  if (kind == "manual" && rest.empty()) return std::optional<SerialTurnplateOptions>();
-  if (kind != "serial") return refuse(spec, "no such kind of turn-plate; the kinds are serial:DEVICE and manual");
-  SerialTurnplateOptions options;
+  if (kind == "manual" && rest.empty()) return std::optional<SerialTurntableOptions>();
+  if (kind != "serial") return refuse(spec, "no such kind of turntable; the kinds are serial:DEVICE and manual");
+  SerialTurntableOptions options;
   options.device = std::string(cut(&rest, '?'));
   if (options.device.empty()) return refuse(spec, "names no device; write serial:/dev/serial/by-id/...");
   while (!rest.empty()) {
     std::string_view value = cut(&rest, '&');
     const std::string_view key = cut(&value, '=');
+    if (const std::string_view renamed = renamed_to(key); !renamed.empty()) {
+      return refuse(spec, fmt::format("'{}' is now called '{}'; rename it", key, renamed));
+    }
     if (!take(key, value, &options)) {
       return refuse(spec, fmt::format("'{}' is wrong; the options are baud, axis (one letter), units_per_turn, "
                                       "degrees_per_second, min_deg and max_deg",
@@ -75,16 +91,16 @@ Result<std::optional<SerialTurnplateOptions>> parse(std::string_view spec) {
 
 }  // namespace
 
-Status check_turnplate(std::string_view spec) {
-  TRY_ASSIGN(const std::optional<SerialTurnplateOptions> options, parse(spec));
-  return options ? SerialTurnplate::check(*options) : Status(Done{});
+Status check_turntable(std::string_view spec) {
+  TRY_ASSIGN(const std::optional<SerialTurntableOptions> options, parse(spec));
+  return options ? SerialTurntable::check(*options) : Status(Done{});
 }
 
-Result<std::unique_ptr<Turnplate>> make_turnplate(std::string_view spec,
-                                                  std::unique_ptr<TurnplateOperator> operated_by) {
-  TRY_ASSIGN(const std::optional<SerialTurnplateOptions> options, parse(spec));
-  if (options) return SerialTurnplate::open(*options);
-  return std::unique_ptr<Turnplate>(std::make_unique<ManualTurnplate>(std::move(operated_by)));
+Result<std::unique_ptr<Turntable>> make_turntable(std::string_view spec,
+                                                  std::unique_ptr<TurntableOperator> operated_by) {
+  TRY_ASSIGN(const std::optional<SerialTurntableOptions> options, parse(spec));
+  if (options) return SerialTurntable::open(*options);
+  return std::unique_ptr<Turntable>(std::make_unique<ManualTurntable>(std::move(operated_by)));
 }
 
-}  // namespace cyclorama::turnplate
+}  // namespace cyclorama::turntable

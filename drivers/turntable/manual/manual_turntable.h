@@ -7,20 +7,20 @@
 #include <string>
 
 #include "common/base/clock.h"
-#include "drivers/turnplate/turnplate.h"
+#include "drivers/turntable/turntable.h"
 
-namespace cyclorama::turnplate {
+namespace cyclorama::turntable {
 
-/// Somebody beside the plate: in front of a terminal, or of the operator page.
-class TurnplateOperator {
+/// Somebody beside the turntable: in front of a terminal, or of the operator page.
+class TurntableOperator {
  public:
-  virtual ~TurnplateOperator() = default;
+  virtual ~TurntableOperator() = default;
   /// One line, without its end. kTimedOut  nobody answers.     kUnavailable  nobody is there any more.
   virtual Result<std::string> answer(const std::string& question, std::chrono::milliseconds timeout) = 0;
 };
 
 /// At a terminal: asks on one file descriptor and reads a line from the other. Borrows both.
-class TerminalOperator final : public TurnplateOperator {
+class TerminalOperator final : public TurntableOperator {
  public:
   TerminalOperator(int in_fd, int out_fd) : in_fd_(in_fd), out_fd_(out_fd) {}
   Result<std::string> answer(const std::string& question, std::chrono::milliseconds timeout) override;
@@ -31,11 +31,11 @@ class TerminalOperator final : public TurnplateOperator {
   std::string read_;
 };
 
-/// A plate with a scale that a person turns. The operator may answer with the angle that it really stands at, which is
-/// then what angle() says; plain Enter means the one that was asked for, `q` gives up.
-class ManualTurnplate final : public Turnplate {
+/// A turntable with a scale that a person turns. The operator may answer with the angle that it really stands at, which
+/// is then what angle() says; plain Enter means the one that was asked for, `q` gives up.
+class ManualTurntable final : public Turntable {
  public:
-  explicit ManualTurnplate(std::unique_ptr<TurnplateOperator> operated_by,
+  explicit ManualTurntable(std::unique_ptr<TurntableOperator> operated_by,
                            TurnRange range = {-std::numbers::pi, std::numbers::pi},
                            std::chrono::milliseconds timeout = std::chrono::minutes(10));
   [[nodiscard]] const std::string& id() const override { return id_; }
@@ -47,9 +47,9 @@ class ManualTurnplate final : public Turnplate {
   Status ask_for(const std::string& what, double angle_rad);
 
   std::string id_ = "manual";
-  std::unique_ptr<TurnplateOperator> operator_;
+  std::unique_ptr<TurntableOperator> operator_;
   std::chrono::milliseconds timeout_;
   double angle_rad_ = 0.0;
 };
 
-}  // namespace cyclorama::turnplate
+}  // namespace cyclorama::turntable

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/turnplate/serial/serial_turnplate.h"
+#include "drivers/turntable/serial/serial_turntable.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "drivers/turnplate/make_turnplate.h"
+#include "drivers/turntable/make_turntable.h"
 #include "tests/doubles/scripted_controller.h"
 
-namespace cyclorama::turnplate {
+namespace cyclorama::turntable {
 namespace {
 
 using std::chrono::milliseconds;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-SerialTurnplateOptions quick(const ScriptedController& controller) {
-  SerialTurnplateOptions options;
+SerialTurntableOptions quick(const ScriptedController& controller) {
+  SerialTurntableOptions options;
   options.device = controller.device();
   options.speed_rad_s = 50.0;
   options.answer_timeout = milliseconds(150);
@@ -24,51 +24,51 @@ SerialTurnplateOptions quick(const ScriptedController& controller) {
 }
 
 /// One visit: open, home, turn, ask. The first error, or none.
-std::optional<Error> visit(const SerialTurnplateOptions& options, std::unique_ptr<Turnplate>* ret_plate) {
-  auto opened = SerialTurnplate::open(options);
+std::optional<Error> visit(const SerialTurntableOptions& options, std::unique_ptr<Turntable>* ret_turntable) {
+  auto opened = SerialTurntable::open(options);
   if (!opened) return opened.error();
-  *ret_plate = *std::move(opened);
-  if (auto s = (*ret_plate)->home(); !s) return s.error();
-  if (auto s = (*ret_plate)->turn_to(0.5); !s) return s.error();
-  if (auto s = (*ret_plate)->angle(); !s) return s.error();
+  *ret_turntable = *std::move(opened);
+  if (auto s = (*ret_turntable)->home(); !s) return s.error();
+  if (auto s = (*ret_turntable)->turn_to(0.5); !s) return s.error();
+  if (auto s = (*ret_turntable)->angle(); !s) return s.error();
   return std::nullopt;
 }
 
 /// A busy machine may be late with an answer; what counts is that it is well in the end.
-bool goes_on(Turnplate* plate) {
+bool goes_on(Turntable* turntable) {
   for (int i = 0; i < 20; ++i) {
-    if (plate->home() && plate->turn_to(0.2)) return true;
+    if (turntable->home() && turntable->turn_to(0.2)) return true;
   }
   return false;
 }
 
-TEST(SerialTurnplate, says_what_the_protocol_page_says) {
+TEST(SerialTurntable, says_what_the_protocol_page_says) {
   ScriptedController controller;
-  SerialTurnplateOptions options = quick(controller);
+  SerialTurntableOptions options = quick(controller);
   options.answer_timeout = milliseconds(3000);
   options.speed_rad_s = 0.5 * std::numbers::pi;
-  std::unique_ptr<Turnplate> plate;
-  ASSERT_FALSE(visit(options, &plate));
+  std::unique_ptr<Turntable> turntable;
+  ASSERT_FALSE(visit(options, &turntable));
   EXPECT_THAT(controller.heard(), ElementsAre("G90", "M114", "G90", "G28 X", "G0 X0.0000 F5400", "M400", "M114",
                                               "G0 X28.6479 F5400", "M400", "M114", "M114"));
   EXPECT_NEAR(controller.position(), 28.6479, 1e-9);
 }
 
-TEST(SerialTurnplate, units_may_be_steps_and_may_run_to_the_left) {
+TEST(SerialTurntable, units_may_be_steps_and_may_run_to_the_left) {
   ScriptedController controller;
-  SerialTurnplateOptions options = quick(controller);
+  SerialTurntableOptions options = quick(controller);
   options.answer_timeout = milliseconds(3000);
   options.units_per_turn = -1600.0;
   options.tolerance_rad = 0.01;
-  std::unique_ptr<Turnplate> plate;
-  ASSERT_FALSE(visit(options, &plate));
+  std::unique_ptr<Turntable> turntable;
+  ASSERT_FALSE(visit(options, &turntable));
   EXPECT_NEAR(controller.position(), -1600.0 * 0.5 / (2.0 * std::numbers::pi), 1e-3);
-  EXPECT_NEAR(*plate->angle(), 0.5, 1e-4);
+  EXPECT_NEAR(*turntable->angle(), 0.5, 1e-4);
 }
 
-// Each answer of a visit goes wrong in each way. What must come of it is an error that says so, in time; and a plate
-// that goes on when the fault has gone, unless it was unplugged.
-TEST(SerialTurnplate, whichever_answer_fails_it_says_so_and_goes_on_afterwards) {
+// Each answer of a visit goes wrong in each way. What must come of it is an error that says so, in time; and a
+// turntable that goes on when the fault has gone, unless it was unplugged.
+TEST(SerialTurntable, whichever_answer_fails_it_says_so_and_goes_on_afterwards) {
   struct Way {
     const char* name;
     ScriptedController::Fault fault;
@@ -101,58 +101,58 @@ TEST(SerialTurnplate, whichever_answer_fails_it_says_so_and_goes_on_afterwards) 
             has_failed = true;
             return way.fault;
           });
-      std::unique_ptr<Turnplate> plate;
-      const auto error = visit(quick(controller), &plate);
+      std::unique_ptr<Turntable> turntable;
+      const auto error = visit(quick(controller), &turntable);
       EXPECT_TRUE(has_failed);
       if (way.fault.hangs_up) {
         ASSERT_TRUE(error);
         EXPECT_EQ(error->code(), ErrorCode::kUnavailable) << error->message();
-        if (plate) {
-          EXPECT_EQ(plate->home().error().code(), ErrorCode::kUnavailable);
-          EXPECT_EQ(plate->turn_to(0.1).error().code(), ErrorCode::kUnavailable);
-          EXPECT_EQ(plate->angle().error().code(), ErrorCode::kUnavailable);
+        if (turntable) {
+          EXPECT_EQ(turntable->home().error().code(), ErrorCode::kUnavailable);
+          EXPECT_EQ(turntable->turn_to(0.1).error().code(), ErrorCode::kUnavailable);
+          EXPECT_EQ(turntable->angle().error().code(), ErrorCode::kUnavailable);
         }
         continue;
       }
       if (!way.may_pass) {
         ASSERT_TRUE(error);
         EXPECT_TRUE(error->code() == ErrorCode::kTimedOut || error->code() == ErrorCode::kBadData) << error->message();
-        EXPECT_FALSE(plate && plate->is_homed());
+        EXPECT_FALSE(turntable && turntable->is_homed());
       }
       is_mended = true;
-      if (plate) {
-        EXPECT_TRUE(goes_on(plate.get()));
+      if (turntable) {
+        EXPECT_TRUE(goes_on(turntable.get()));
       }
     }
   }
 }
 
-TEST(SerialTurnplate, patience_lasts_while_it_is_busy) {
+TEST(SerialTurntable, patience_lasts_while_it_is_busy) {
   std::atomic<int> busy = 0;
   ScriptedController controller([&](std::size_t, const std::string& line) -> std::optional<ScriptedController::Fault> {
     if (!line.starts_with("G0")) return std::nullopt;
     ++busy;
     return ScriptedController::Fault{"echo:busy: processing\necho:busy: processing\n//thinking\nok\n"};
   });
-  SerialTurnplateOptions options = quick(controller);
+  SerialTurntableOptions options = quick(controller);
   options.answer_timeout = milliseconds(3000);
-  auto plate = SerialTurnplate::open(options);
-  ASSERT_TRUE(plate);
-  EXPECT_TRUE((*plate)->home());
+  auto turntable = SerialTurntable::open(options);
+  ASSERT_TRUE(turntable);
+  EXPECT_TRUE((*turntable)->home());
   EXPECT_EQ(busy, 1);
 }
 
-TEST(SerialTurnplate, a_greeting_controller_is_asked_twice) {
+TEST(SerialTurntable, a_greeting_controller_is_asked_twice) {
   ScriptedController controller([](std::size_t number, const std::string&) -> std::optional<ScriptedController::Fault> {
     if (number == 0) return ScriptedController::Fault{"start\necho:Marlin 2.1.2\n"};
     return std::nullopt;
   });
-  SerialTurnplateOptions options = quick(controller);
+  SerialTurntableOptions options = quick(controller);
   options.answer_timeout = milliseconds(3000);
-  EXPECT_TRUE(SerialTurnplate::open(options));
+  EXPECT_TRUE(SerialTurntable::open(options));
 }
 
-TEST(SerialTurnplate, a_late_ok_is_not_taken_for_the_next_one) {
+TEST(SerialTurntable, a_late_ok_is_not_taken_for_the_next_one) {
   std::atomic<bool> is_late = true;
   ScriptedController controller([&](std::size_t, const std::string& line) -> std::optional<ScriptedController::Fault> {
     if (line.starts_with("G0 X28") && is_late) return ScriptedController::Fault{std::string()};
@@ -161,36 +161,36 @@ TEST(SerialTurnplate, a_late_ok_is_not_taken_for_the_next_one) {
     return std::nullopt;
   });
   is_late = false;
-  SerialTurnplateOptions options = quick(controller);
-  auto plate = SerialTurnplate::open(options);
-  ASSERT_TRUE(plate);
-  ASSERT_TRUE((*plate)->home());
+  SerialTurntableOptions options = quick(controller);
+  auto turntable = SerialTurntable::open(options);
+  ASSERT_TRUE(turntable);
+  ASSERT_TRUE((*turntable)->home());
   is_late = true;
-  EXPECT_FALSE((*plate)->turn_to(0.5));
-  ASSERT_TRUE((*plate)->home());
-  ASSERT_TRUE((*plate)->turn_to(0.25));
-  EXPECT_NEAR(*(*plate)->angle(), 0.25, 1e-3);
+  EXPECT_FALSE((*turntable)->turn_to(0.5));
+  ASSERT_TRUE((*turntable)->home());
+  ASSERT_TRUE((*turntable)->turn_to(0.25));
+  EXPECT_NEAR(*(*turntable)->angle(), 0.25, 1e-3);
 }
 
-TEST(SerialTurnplate, two_programs_cannot_hold_one_line) {
+TEST(SerialTurntable, two_programs_cannot_hold_one_line) {
   ScriptedController controller;
-  SerialTurnplateOptions options = quick(controller);
+  SerialTurntableOptions options = quick(controller);
   options.answer_timeout = milliseconds(3000);
-  auto first = SerialTurnplate::open(options);
+  auto first = SerialTurntable::open(options);
   ASSERT_TRUE(first);
-  EXPECT_EQ(SerialTurnplate::open(options).error().code(), ErrorCode::kBusy);
+  EXPECT_EQ(SerialTurntable::open(options).error().code(), ErrorCode::kBusy);
 }
 
-TEST(SerialTurnplate, what_is_no_line_is_refused) {
-  SerialTurnplateOptions options;
+TEST(SerialTurntable, what_is_no_line_is_refused) {
+  SerialTurntableOptions options;
   options.device = "/dev/there-is-none";
-  EXPECT_EQ(SerialTurnplate::open(options).error().code(), ErrorCode::kNotFound);
+  EXPECT_EQ(SerialTurntable::open(options).error().code(), ErrorCode::kNotFound);
   options.device = "/dev/null";
-  EXPECT_EQ(SerialTurnplate::open(options).error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(SerialTurntable::open(options).error().code(), ErrorCode::kInvalidArgument);
   options.baud = 250001;
-  EXPECT_THAT(SerialTurnplate::open(options).error().message(), HasSubstr("115200"));
+  EXPECT_THAT(SerialTurntable::open(options).error().message(), HasSubstr("115200"));
   options.axis = 'x';
-  EXPECT_EQ(SerialTurnplate::open(options).error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(SerialTurntable::open(options).error().code(), ErrorCode::kInvalidArgument);
 }
 
 TEST(Gcode, reads_the_lines_that_firmwares_send) {
@@ -214,20 +214,27 @@ TEST(Gcode, reads_the_lines_that_firmwares_send) {
   EXPECT_EQ(position("X:1e999 Y:0", 'X').kind, Kind::kChatter);
 }
 
-TEST(MakeTurnplate, says_what_is_wrong_with_a_line_of_text) {
-  const auto code = [](std::string_view spec) { return make_turnplate(spec, nullptr).error().code(); };
+TEST(MakeTurntable, says_what_is_wrong_with_a_line_of_text) {
+  const auto code = [](std::string_view spec) { return make_turntable(spec, nullptr).error().code(); };
   EXPECT_EQ(code("lazy-susan"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code("serial:"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code("serial:/dev/null?speed=3"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code("serial:/dev/null?axis=XY"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code("serial:/dev/null?baud=nan"), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(make_turntable("serial:/dev/null?least_"
+                             "deg=-90",
+                             nullptr)
+                  .error()
+                  .message(),
+              testing::HasSubstr("is now called 'min_deg'"));
   EXPECT_EQ(code("serial:/dev/there-is-none?baud=9600&axis=A"), ErrorCode::kNotFound);
-  EXPECT_TRUE(make_turnplate("manual", nullptr));
+  EXPECT_TRUE(make_turntable("manual", nullptr));
   ScriptedController controller;
-  auto plate = make_turnplate("serial:" + controller.device() + "?units_per_turn=1600&min_deg=-90&max_deg=45", nullptr);
-  ASSERT_TRUE(plate);
-  EXPECT_NEAR((*plate)->range().max_rad, 0.785398, 1e-6);
+  auto turntable =
+      make_turntable("serial:" + controller.device() + "?units_per_turn=1600&min_deg=-90&max_deg=45", nullptr);
+  ASSERT_TRUE(turntable);
+  EXPECT_NEAR((*turntable)->range().max_rad, 0.785398, 1e-6);
 }
 
 }  // namespace
-}  // namespace cyclorama::turnplate
+}  // namespace cyclorama::turntable

@@ -8,29 +8,30 @@
 ///      └──────────────────┤
 ///                         │ unplugged
 ///                         ▼
-///                       Failed       every call returns kUnavailable for ever; make a new Turnplate.
+///                       Failed       every call returns kUnavailable for ever; make a new Turntable.
 #pragma once
 
 #include <string>
 
 #include "common/base/result.h"
 
-namespace cyclorama::turnplate {
+namespace cyclorama::turntable {
 
-/// How far a plate may turn: cables wind up. Radians, positive to the right (clockwise from above).
+/// How far a turntable may turn: cables wind up. Radians, positive to the right (clockwise from above).
 struct TurnRange {
   double min_rad = 0.0;
   double max_rad = 0.0;
 };
 
-/// Used by the calibrator, which does not know which kind it holds. Thread-bound; calls block while the plate moves.
+/// Used by the calibrator, which does not know which kind it holds. Thread-bound; calls block while the turntable
+/// moves.
 ///
 /// In every call: kTimedOut     it stalled: it did not answer, or did not arrive. Free it and home() again.
-///                kBadData      what answers is no turn-plate, or it reports an error. Home it again.
+///                kBadData      what answers is no turntable, or it reports an error. Home it again.
 ///                kUnavailable  Failed; see the diagram.
-class Turnplate {
+class Turntable {
  public:
-  virtual ~Turnplate() = default;
+  virtual ~Turntable() = default;
 
   /// For people and for calibration.json.
   [[nodiscard]] virtual const std::string& id() const = 0;
@@ -46,9 +47,9 @@ class Turnplate {
   Result<double> angle();
 
  protected:
-  explicit Turnplate(TurnRange range) : range_(range) {}
-  Turnplate(const Turnplate&) = delete;
-  Turnplate& operator=(const Turnplate&) = delete;
+  explicit Turntable(TurnRange range) : range_(range) {}
+  Turntable(const Turntable&) = delete;
+  Turntable& operator=(const Turntable&) = delete;
 
  private:
   enum class State { kUnhomed, kReady, kFailed };
@@ -63,4 +64,4 @@ class Turnplate {
   State state_ = State::kUnhomed;
 };
 
-}  // namespace cyclorama::turnplate
+}  // namespace cyclorama::turntable

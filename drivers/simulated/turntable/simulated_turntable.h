@@ -4,17 +4,17 @@
 #include <numbers>
 
 #include "drivers/simulated/museum/simulated_museum.h"
-#include "drivers/turnplate/turnplate.h"
+#include "drivers/turntable/turntable.h"
 
 namespace cyclorama::simulated {
 
-/// The turn-plate of a simulated museum: it believes that it arrives, and errs as the museum's truth says.
-class SimulatedTurnplate final : public turnplate::Turnplate {
+/// The turntable of a simulated museum: it believes that it arrives, and errs as the museum's truth says.
+class SimulatedTurntable final : public turntable::Turntable {
  public:
   /// Borrows `museum` for its whole life.
-  explicit SimulatedTurnplate(SimulatedMuseum* museum,
-                              turnplate::TurnRange range = {-std::numbers::pi, std::numbers::pi})
-      : turnplate::Turnplate(range), museum_(museum) {}
+  explicit SimulatedTurntable(SimulatedMuseum* museum,
+                              turntable::TurnRange range = {-std::numbers::pi, std::numbers::pi})
+      : turntable::Turntable(range), museum_(museum) {}
   [[nodiscard]] const std::string& id() const override { return id_; }
 
  private:
@@ -23,7 +23,7 @@ class SimulatedTurnplate final : public turnplate::Turnplate {
     museum_->turn_to(angle_rad);
     return Done{};
   }
-  Result<double> ask_angle() override { return museum_->plate_angle_rad(); }
+  Result<double> ask_angle() override { return museum_->turntable_angle_rad(); }
 
   std::string id_ = "simulated";
   SimulatedMuseum* museum_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contract of Turnplate, kept by each kind: serial on a pseudo-terminal, manual with somebody who does as told, and
+// The contract of Turntable, kept by each kind: serial on a pseudo-terminal, manual with somebody who does as told, and
 // simulated in a museum that is not there.
-#include "drivers/turnplate/turnplate.h"
+#include "drivers/turntable/turntable.h"
 
 #include <gtest/gtest.h>
 
@@ -10,22 +10,22 @@
 #include <memory>
 
 #include "drivers/simulated/museum/truth.h"
-#include "drivers/simulated/turntable/simulated_turnplate.h"
-#include "drivers/turnplate/manual/manual_turnplate.h"
-#include "drivers/turnplate/serial/serial_turnplate.h"
+#include "drivers/simulated/turntable/simulated_turntable.h"
+#include "drivers/turntable/manual/manual_turntable.h"
+#include "drivers/turntable/serial/serial_turntable.h"
 #include "tests/doubles/scripted_controller.h"
 
-namespace cyclorama::turnplate {
+namespace cyclorama::turntable {
 namespace {
 
 using std::chrono::milliseconds;
 constexpr TurnRange kRange{-1.5, 2.0};
 
-/// Where a plate of one kind stands. `break_next` makes its next movement fail for a while, as this kind can fail.
+/// Where a turntable of one kind stands. `break_next` makes its next movement fail for a while, as this kind can fail.
 class Place {
  public:
   virtual ~Place() = default;
-  virtual std::unique_ptr<Turnplate> open() = 0;
+  virtual std::unique_ptr<Turntable> open() = 0;
   /// False: this kind never stalls.
   virtual bool stall_next() = 0;
   virtual void free() {}
@@ -33,14 +33,14 @@ class Place {
 
 class SerialPlace final : public Place {
  public:
-  std::unique_ptr<Turnplate> open() override {
-    SerialTurnplateOptions options;
+  std::unique_ptr<Turntable> open() override {
+    SerialTurntableOptions options;
     options.device = controller_.device();
     options.range = kRange;
     options.speed_rad_s = 50.0;
-    auto plate = SerialTurnplate::open(options);
-    CHECK(plate.has_value());
-    return *std::move(plate);
+    auto turntable = SerialTurntable::open(options);
+    CHECK(turntable.has_value());
+    return *std::move(turntable);
   }
   bool stall_next() override {
     controller_.block(true);
@@ -52,7 +52,7 @@ class SerialPlace final : public Place {
   ScriptedController controller_;
 };
 
-class ObedientOperator final : public TurnplateOperator {
+class ObedientOperator final : public TurntableOperator {
  public:
   explicit ObedientOperator(bool* is_away) : is_away_(is_away) {}
   Result<std::string> answer(const std::string&, milliseconds) override {
@@ -66,8 +66,8 @@ class ObedientOperator final : public TurnplateOperator {
 
 class ManualPlace final : public Place {
  public:
-  std::unique_ptr<Turnplate> open() override {
-    return std::make_unique<ManualTurnplate>(std::make_unique<ObedientOperator>(&is_away_), kRange);
+  std::unique_ptr<Turntable> open() override {
+    return std::make_unique<ManualTurntable>(std::make_unique<ObedientOperator>(&is_away_), kRange);
   }
   bool stall_next() override { return is_away_ = true; }
   void free() override { is_away_ = false; }
@@ -100,8 +100,8 @@ position_m = [0, 2.4, 1.0]
     truth.camera.lens = simulated::TrueLens(Pinhole::from_field_of_view(16, 12, 1.0));
     museum_ = std::make_unique<simulated::SimulatedMuseum>(*simulated::SimulatedMuseum::make(installation, truth, 1));
   }
-  std::unique_ptr<Turnplate> open() override {
-    return std::make_unique<simulated::SimulatedTurnplate>(museum_.get(), kRange);
+  std::unique_ptr<Turntable> open() override {
+    return std::make_unique<simulated::SimulatedTurntable>(museum_.get(), kRange);
   }
   bool stall_next() override { return false; }
 
@@ -118,54 +118,54 @@ struct Kind {
   std::unique_ptr<Place> (*make)();
 };
 
-class TurnplateContract : public ::testing::TestWithParam<Kind> {
+class TurntableContract : public ::testing::TestWithParam<Kind> {
  protected:
   std::unique_ptr<Place> place_ = GetParam().make();
-  std::unique_ptr<Turnplate> plate_ = place_->open();
+  std::unique_ptr<Turntable> turntable_ = place_->open();
 };
-INSTANTIATE_TEST_SUITE_P(Each, TurnplateContract,
+INSTANTIATE_TEST_SUITE_P(Each, TurntableContract,
                          ::testing::Values(Kind{"serial", make_place<SerialPlace>},
                                            Kind{"manual", make_place<ManualPlace>},
                                            Kind{"simulated", make_place<SimulatedPlace>}),
                          [](const auto& kind) { return kind.param.name; });
 
-TEST_P(TurnplateContract, knows_no_angle_before_it_was_home) {
-  EXPECT_FALSE(plate_->id().empty());
-  EXPECT_FALSE(plate_->is_homed());
-  EXPECT_EQ(plate_->turn_to(0.1).error().code(), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(plate_->angle().error().code(), ErrorCode::kInvalidArgument);
+TEST_P(TurntableContract, knows_no_angle_before_it_was_home) {
+  EXPECT_FALSE(turntable_->id().empty());
+  EXPECT_FALSE(turntable_->is_homed());
+  EXPECT_EQ(turntable_->turn_to(0.1).error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(turntable_->angle().error().code(), ErrorCode::kInvalidArgument);
 }
 
-TEST_P(TurnplateContract, homes_and_turns_where_it_is_told) {
-  ASSERT_TRUE(plate_->home());
-  EXPECT_TRUE(plate_->is_homed());
-  EXPECT_NEAR(*plate_->angle(), 0.0, 1e-3);
+TEST_P(TurntableContract, homes_and_turns_where_it_is_told) {
+  ASSERT_TRUE(turntable_->home());
+  EXPECT_TRUE(turntable_->is_homed());
+  EXPECT_NEAR(*turntable_->angle(), 0.0, 1e-3);
   for (const double angle : {0.5, kRange.max_rad, -0.25, kRange.min_rad, 0.0}) {
-    ASSERT_TRUE(plate_->turn_to(angle));
-    EXPECT_NEAR(*plate_->angle(), angle, 1e-3);
+    ASSERT_TRUE(turntable_->turn_to(angle));
+    EXPECT_NEAR(*turntable_->angle(), angle, 1e-3);
   }
 }
 
-TEST_P(TurnplateContract, keeps_its_limits) {
-  ASSERT_TRUE(plate_->home());
-  ASSERT_TRUE(plate_->turn_to(0.3));
+TEST_P(TurntableContract, keeps_its_limits) {
+  ASSERT_TRUE(turntable_->home());
+  ASSERT_TRUE(turntable_->turn_to(0.3));
   for (const double angle : {kRange.max_rad + 0.01, kRange.min_rad - 0.01, std::nan(""), HUGE_VAL}) {
-    EXPECT_EQ(plate_->turn_to(angle).error().code(), ErrorCode::kInvalidArgument);
-    EXPECT_TRUE(plate_->is_homed());
+    EXPECT_EQ(turntable_->turn_to(angle).error().code(), ErrorCode::kInvalidArgument);
+    EXPECT_TRUE(turntable_->is_homed());
   }
-  EXPECT_NEAR(*plate_->angle(), 0.3, 1e-3);
+  EXPECT_NEAR(*turntable_->angle(), 0.3, 1e-3);
 }
 
-TEST_P(TurnplateContract, a_stall_is_told_and_mended_by_going_home) {
-  ASSERT_TRUE(plate_->home());
+TEST_P(TurntableContract, a_stall_is_told_and_mended_by_going_home) {
+  ASSERT_TRUE(turntable_->home());
   if (!place_->stall_next()) GTEST_SKIP() << "this kind never stalls";
-  EXPECT_EQ(plate_->turn_to(1.0).error().code(), ErrorCode::kTimedOut);
-  EXPECT_FALSE(plate_->is_homed());
-  EXPECT_EQ(plate_->turn_to(1.0).error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(turntable_->turn_to(1.0).error().code(), ErrorCode::kTimedOut);
+  EXPECT_FALSE(turntable_->is_homed());
+  EXPECT_EQ(turntable_->turn_to(1.0).error().code(), ErrorCode::kInvalidArgument);
   place_->free();
-  ASSERT_TRUE(plate_->home());
-  EXPECT_TRUE(plate_->turn_to(1.0));
+  ASSERT_TRUE(turntable_->home());
+  EXPECT_TRUE(turntable_->turn_to(1.0));
 }
 
 }  // namespace
-}  // namespace cyclorama::turnplate
+}  // namespace cyclorama::turntable

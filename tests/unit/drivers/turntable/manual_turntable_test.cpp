@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/turnplate/manual/manual_turnplate.h"
+#include "drivers/turntable/manual/manual_turntable.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "common/base/unique_fd.h"
 
-namespace cyclorama::turnplate {
+namespace cyclorama::turntable {
 namespace {
 
 using ::testing::HasSubstr;
@@ -36,7 +36,7 @@ class Terminal {
     const ssize_t count = ::read(read_out_.get(), bytes.data(), bytes.size());
     return {bytes.data(), static_cast<std::size_t>(count)};
   }
-  std::unique_ptr<TurnplateOperator> somebody() {
+  std::unique_ptr<TurntableOperator> somebody() {
     return std::make_unique<TerminalOperator>(read_in_.get(), write_out_.get());
   }
 
@@ -44,48 +44,48 @@ class Terminal {
   UniqueFd read_in_, write_in_, read_out_, write_out_;
 };
 
-TEST(ManualTurnplate, asks_for_the_angle_and_believes_an_enter) {
+TEST(ManualTurntable, asks_for_the_angle_and_believes_an_enter) {
   Terminal terminal;
-  ManualTurnplate plate(terminal.somebody());
+  ManualTurntable turntable(terminal.somebody());
   terminal.type("\n\n\r\n");
-  ASSERT_TRUE(plate.home());
+  ASSERT_TRUE(turntable.home());
   EXPECT_THAT(terminal.shown(), HasSubstr("0 degrees"));
-  ASSERT_TRUE(plate.turn_to(30.0 * kDegree));
+  ASSERT_TRUE(turntable.turn_to(30.0 * kDegree));
   EXPECT_THAT(terminal.shown(), HasSubstr("30.0 degrees to the right"));
-  ASSERT_TRUE(plate.turn_to(-45.0 * kDegree));
+  ASSERT_TRUE(turntable.turn_to(-45.0 * kDegree));
   EXPECT_THAT(terminal.shown(), HasSubstr("45.0 degrees to the left"));
-  EXPECT_NEAR(*plate.angle(), -45.0 * kDegree, 1e-12);
+  EXPECT_NEAR(*turntable.angle(), -45.0 * kDegree, 1e-12);
 }
 
-TEST(ManualTurnplate, the_operators_own_reading_counts) {
+TEST(ManualTurntable, the_operators_own_reading_counts) {
   Terminal terminal;
-  ManualTurnplate plate(terminal.somebody());
+  ManualTurntable turntable(terminal.somebody());
   terminal.type("\nabout there\n999\n29.5\n");
-  ASSERT_TRUE(plate.home());
-  ASSERT_TRUE(plate.turn_to(30.0 * kDegree));
-  EXPECT_NEAR(*plate.angle(), 29.5 * kDegree, 1e-12);
+  ASSERT_TRUE(turntable.home());
+  ASSERT_TRUE(turntable.turn_to(30.0 * kDegree));
+  EXPECT_NEAR(*turntable.angle(), 29.5 * kDegree, 1e-12);
   EXPECT_THAT(terminal.shown(), HasSubstr("'about there' is no angle"));
 }
 
-TEST(ManualTurnplate, an_operator_who_leaves_ends_it) {
+TEST(ManualTurntable, an_operator_who_leaves_ends_it) {
   Terminal terminal;
-  ManualTurnplate plate(terminal.somebody());
+  ManualTurntable turntable(terminal.somebody());
   terminal.type("q\n");
-  EXPECT_EQ(plate.home().error().code(), ErrorCode::kUnavailable);
+  EXPECT_EQ(turntable.home().error().code(), ErrorCode::kUnavailable);
   Terminal closed;
-  ManualTurnplate alone(closed.somebody());
+  ManualTurntable alone(closed.somebody());
   closed.close();
   EXPECT_EQ(alone.home().error().code(), ErrorCode::kUnavailable);
 }
 
-TEST(ManualTurnplate, an_operator_who_sleeps_is_a_stall) {
+TEST(ManualTurntable, an_operator_who_sleeps_is_a_stall) {
   Terminal terminal;
-  ManualTurnplate plate(terminal.somebody(), {-1.0, 1.0}, std::chrono::milliseconds(20));
+  ManualTurntable turntable(terminal.somebody(), {-1.0, 1.0}, std::chrono::milliseconds(20));
   terminal.type("\nhalf a li");
-  ASSERT_TRUE(plate.home());
-  EXPECT_EQ(plate.turn_to(0.5).error().code(), ErrorCode::kTimedOut);
-  EXPECT_FALSE(plate.is_homed());
+  ASSERT_TRUE(turntable.home());
+  EXPECT_EQ(turntable.turn_to(0.5).error().code(), ErrorCode::kTimedOut);
+  EXPECT_FALSE(turntable.is_homed());
 }
 
 }  // namespace
-}  // namespace cyclorama::turnplate
+}  // namespace cyclorama::turntable

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/turnplate/serial/serial_turnplate.h"
+#include "drivers/turntable/serial/serial_turntable.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-namespace cyclorama::turnplate {
+namespace cyclorama::turntable {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -13,38 +13,38 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 }  // namespace
 
-SerialTurnplate::SerialTurnplate(SerialPort port, const SerialTurnplateOptions& options)
-    : Turnplate(options.range), port_(std::move(port)), options_(options), id_("serial:" + options.device.string()) {}
+SerialTurntable::SerialTurntable(SerialPort port, const SerialTurntableOptions& options)
+    : Turntable(options.range), port_(std::move(port)), options_(options), id_("serial:" + options.device.string()) {}
 
-Status SerialTurnplate::check(const SerialTurnplateOptions& o) {
+Status SerialTurntable::check(const SerialTurntableOptions& o) {
   const auto refuse = [](const char* what) { return Error(ErrorCode::kInvalidArgument, what); };
-  if (o.axis < 'A' || o.axis > 'Z') return refuse("a turn-plate's axis is one upper-case letter");
+  if (o.axis < 'A' || o.axis > 'Z') return refuse("a turntable's axis is one upper-case letter");
   if (!(std::abs(o.units_per_turn) >= 1.0 && std::abs(o.units_per_turn) <= 1e6))
-    return refuse("a turn-plate has 1 to 1000000 units per turn");
+    return refuse("a turntable has 1 to 1000000 units per turn");
   if (!(o.range.min_rad <= 0.0 && o.range.max_rad >= 0.0 && o.range.max_rad - o.range.min_rad <= 4.0 * kTurn))
-    return refuse("a turn-plate's range holds 0, where its home is, and four turns at most");
-  if (!(o.speed_rad_s > 1e-3 && o.speed_rad_s < 100.0)) return refuse("a turn-plate's speed is 0.001 to 100 rad/s");
-  if (!(o.tolerance_rad > 0.0)) return refuse("a turn-plate's tolerance is above 0");
+    return refuse("a turntable's range holds 0, where its home is, and four turns at most");
+  if (!(o.speed_rad_s > 1e-3 && o.speed_rad_s < 100.0)) return refuse("a turntable's speed is 0.001 to 100 rad/s");
+  if (!(o.tolerance_rad > 0.0)) return refuse("a turntable's tolerance is above 0");
   return Done{};
 }
 
-Result<std::unique_ptr<Turnplate>> SerialTurnplate::open(const SerialTurnplateOptions& options) {
+Result<std::unique_ptr<Turntable>> SerialTurntable::open(const SerialTurntableOptions& options) {
   TRY(check(options));
   TRY_ASSIGN(SerialPort port, SerialPort::open(options.device, options.baud));
-  std::unique_ptr<SerialTurnplate> plate(new SerialTurnplate(std::move(port), options));
-  if (auto awake = plate->wake(); !awake)
-    return std::move(awake).error().while_doing(fmt::format("turn-plate '{}'", plate->id_));
-  return std::unique_ptr<Turnplate>(std::move(plate));
+  std::unique_ptr<SerialTurntable> turntable(new SerialTurntable(std::move(port), options));
+  if (auto awake = turntable->wake(); !awake)
+    return std::move(awake).error().while_doing(fmt::format("turntable '{}'", turntable->id_));
+  return std::unique_ptr<Turntable>(std::move(turntable));
 }
 
-Status SerialTurnplate::wake() {
+Status SerialTurntable::wake() {
   // A controller that resets when its line is opened greets, and may swallow the first command: say it twice.
   const auto half = options_.answer_timeout / 2;
   if (say("G90", half)) return Done{};
   return say("G90", options_.answer_timeout);
 }
 
-Status SerialTurnplate::say(std::string_view command, std::chrono::milliseconds timeout,
+Status SerialTurntable::say(std::string_view command, std::chrono::milliseconds timeout,
                             std::optional<double>* ret_position) {
   using Kind = gcode::Answer::Kind;
   constexpr int kMaxResends = 3;
@@ -83,7 +83,7 @@ Status SerialTurnplate::say(std::string_view command, std::chrono::milliseconds 
   }
 }
 
-Status SerialTurnplate::find_step() {
+Status SerialTurntable::find_step() {
   port_.forget_input();
   const TimePoint deadline = SteadyClock().now() + options_.answer_timeout;
   TRY(port_.write_line("M114", deadline));
@@ -97,7 +97,7 @@ Status SerialTurnplate::find_step() {
   }
 }
 
-Status SerialTurnplate::move_home() {
+Status SerialTurntable::move_home() {
   TRY(find_step());
   TRY(say("G90", options_.answer_timeout));
   TRY(say(gcode::home_command(options_.axis), options_.home_timeout));
@@ -106,7 +106,7 @@ Status SerialTurnplate::move_home() {
   return move_to(0.0);
 }
 
-Status SerialTurnplate::move_to(double angle_rad) {
+Status SerialTurntable::move_to(double angle_rad) {
   const double units_per_rad = options_.units_per_turn / kTurn;
   const double speed = options_.speed_rad_s * std::abs(units_per_rad) * 60.0;
   TRY(say(gcode::go_command(options_.axis, angle_rad * units_per_rad, speed), options_.answer_timeout));
@@ -124,7 +124,7 @@ Status SerialTurnplate::move_to(double angle_rad) {
   return Done{};
 }
 
-Result<double> SerialTurnplate::ask_angle() {
+Result<double> SerialTurntable::ask_angle() {
   std::optional<double> position;
   TRY(say("M114", options_.answer_timeout, &position));
   if (!position) {
@@ -134,4 +134,4 @@ Result<double> SerialTurnplate::ask_angle() {
   return *position * kTurn / options_.units_per_turn;
 }
 
-}  // namespace cyclorama::turnplate
+}  // namespace cyclorama::turntable

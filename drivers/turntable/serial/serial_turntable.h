@@ -6,12 +6,12 @@
 #include <memory>
 #include <numbers>
 
-#include "drivers/turnplate/serial/serial_port.h"
-#include "drivers/turnplate/turnplate.h"
+#include "drivers/turntable/serial/serial_port.h"
+#include "drivers/turntable/turntable.h"
 
-namespace cyclorama::turnplate {
+namespace cyclorama::turntable {
 
-struct SerialTurnplateOptions {
+struct SerialTurntableOptions {
   std::filesystem::path device;  ///< Better /dev/serial/by-id/... than /dev/ttyUSB0, which may be another's tomorrow.
   int baud = 115200;
   char axis = 'X';
@@ -24,18 +24,18 @@ struct SerialTurnplateOptions {
 };
 
 /// A motor behind a controller that speaks G-code; gcode.h has the words, docs/guides/turntable.md the wiring.
-class SerialTurnplate final : public Turnplate {
+class SerialTurntable final : public Turntable {
  public:
   /// Asks for an answer and moves nothing. Errors as SerialPort::open(), and
   /// kTimedOut  nothing answers.   kBadData  what answers is no controller.   kInvalidArgument  options without sense.
-  static Result<std::unique_ptr<Turnplate>> open(const SerialTurnplateOptions& options);
+  static Result<std::unique_ptr<Turntable>> open(const SerialTurntableOptions& options);
   /// kInvalidArgument  options without sense.
-  static Status check(const SerialTurnplateOptions& options);
+  static Status check(const SerialTurntableOptions& options);
 
   [[nodiscard]] const std::string& id() const override { return id_; }
 
  private:
-  SerialTurnplate(SerialPort port, const SerialTurnplateOptions& options);
+  SerialTurntable(SerialPort port, const SerialTurntableOptions& options);
   Status move_home() override;
   Status move_to(double angle_rad) override;
   Result<double> ask_angle() override;
@@ -48,9 +48,9 @@ class SerialTurnplate final : public Turnplate {
   Status find_step();
 
   SerialPort port_;
-  SerialTurnplateOptions options_;
+  SerialTurntableOptions options_;
   std::string id_;
   double last_angle_rad_ = 0.0;
 };
 
-}  // namespace cyclorama::turnplate
+}  // namespace cyclorama::turntable

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/turnplate/serial/gcode.h"
+#include "drivers/turntable/serial/gcode.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/turnplate/manual/manual_turnplate.h"
+#include "drivers/turntable/manual/manual_turntable.h"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -12,7 +12,7 @@
 
 #include "common/base/text.h"
 
-namespace cyclorama::turnplate {
+namespace cyclorama::turntable {
 namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kMaxLineLength = 256;
@@ -50,11 +50,11 @@ Result<std::string> TerminalOperator::answer(const std::string& question, std::c
   }
 }
 
-ManualTurnplate::ManualTurnplate(std::unique_ptr<TurnplateOperator> operated_by, TurnRange range,
+ManualTurntable::ManualTurntable(std::unique_ptr<TurntableOperator> operated_by, TurnRange range,
                                  std::chrono::milliseconds timeout)
-    : Turnplate(range), operator_(std::move(operated_by)), timeout_(timeout) {}
+    : Turntable(range), operator_(std::move(operated_by)), timeout_(timeout) {}
 
-Status ManualTurnplate::ask_for(const std::string& what, double angle_rad) {
+Status ManualTurntable::ask_for(const std::string& what, double angle_rad) {
   std::string question = fmt::format("{}, then press Enter (or type the angle that it stands at; q to stop): ", what);
   for (;;) {
     const auto answered = operator_->answer(question, timeout_);
@@ -75,12 +75,12 @@ Status ManualTurnplate::ask_for(const std::string& what, double angle_rad) {
   }
 }
 
-Status ManualTurnplate::move_home() { return ask_for("Turn the plate to its mark, 0 degrees", 0.0); }
+Status ManualTurntable::move_home() { return ask_for("Turn the turntable to its mark, 0 degrees", 0.0); }
 
-Status ManualTurnplate::move_to(double angle_rad) {
+Status ManualTurntable::move_to(double angle_rad) {
   const double degrees = angle_rad / kDegree;
   const char* side = std::abs(degrees) < 0.05 ? "" : degrees > 0.0 ? " to the right of the mark" : " to the left";
-  return ask_for(fmt::format("Turn the plate to {:.1f} degrees{}", std::abs(degrees), side), angle_rad);
+  return ask_for(fmt::format("Turn the turntable to {:.1f} degrees{}", std::abs(degrees), side), angle_rad);
 }
 
-}  // namespace cyclorama::turnplate
+}  // namespace cyclorama::turntable

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/turnplate/serial/serial_port.h"
+#include "drivers/turntable/serial/serial_port.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -13,7 +13,7 @@
 #include <cerrno>
 #include <utility>
 
-namespace cyclorama::turnplate {
+namespace cyclorama::turntable {
 namespace {
 
 constexpr std::array<std::pair<int, speed_t>, 8> kRates{{{9600, B9600},
@@ -103,4 +103,4 @@ void SerialPort::forget_input() {
   ::tcflush(fd_.get(), TCIFLUSH);
 }
 
-}  // namespace cyclorama::turnplate
+}  // namespace cyclorama::turntable

@@ -83,13 +83,15 @@ kiosk/tour: common/base common/config common/geometry common/process common/wire
 kiosk/update: common/base common/config common/opening common/process common/update common/wire kiosk/tour
     renderfarm/client
 
-tests/bench: tests/doubles
+tests/bench: tests/data_sets tests/doubles tests/support
 tests/compile_fail:
+tests/data_sets:
 tests/doubles:
-tests/fuzz: tests/doubles tests/unit
-tests/scenario: tests/doubles
-tests/tools: tests/doubles
-tests/unit: tests/bench tests/doubles
+tests/fuzz: tests/data_sets tests/doubles tests/support tests/unit
+tests/scenario: tests/data_sets tests/doubles tests/support
+tests/support: tests/data_sets tests/doubles
+tests/tools: tests/data_sets tests/doubles tests/support
+tests/unit: tests/bench tests/data_sets tests/doubles tests/support
 """
 PRODUCT = ("common", "drivers", "renderfarm", "appliance", "kiosk")
 # The truth of a simulated museum. Who calibrates may meet neither these headers, also by way of others, nor the file's

@@ -9,8 +9,8 @@
 
 #include "appliance/scan/calibration_run.h"
 #include "drivers/simulated/museum/presets.h"
-#include "tests/doubles/museum_score.h"
-#include "tests/doubles/photometry_museum.h"
+#include "tests/data_sets/photometry_museum.h"
+#include "tests/support/museum_score.h"
 
 namespace cyclorama {
 

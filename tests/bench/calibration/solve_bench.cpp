@@ -16,7 +16,7 @@
 
 #include "appliance/solve/calibrate.h"
 #include "tests/bench/records.h"
-#include "tests/doubles/generated_room.h"
+#include "tests/data_sets/generated_room.h"
 
 namespace cyclorama {
 namespace {

@@ -14,8 +14,8 @@
 #include "common/base/file.h"
 #include "drivers/simulated/museum/presets.h"
 #include "drivers/simulated/turntable/simulated_turntable.h"
-#include "tests/doubles/museum_score.h"
-#include "tests/doubles/photometry_museum.h"
+#include "tests/data_sets/photometry_museum.h"
+#include "tests/support/museum_score.h"
 
 namespace cyclorama::scan {
 namespace {

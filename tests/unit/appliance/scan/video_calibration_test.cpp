@@ -13,9 +13,9 @@
 #include "drivers/camera/v4l2/v4l2_camera.h"
 #include "drivers/simulated/museum/presets.h"
 #include "drivers/simulated/turntable/simulated_turntable.h"
+#include "tests/data_sets/photometry_museum.h"
 #include "tests/doubles/fake_video/fake_video.h"
-#include "tests/doubles/museum_score.h"
-#include "tests/doubles/photometry_museum.h"
+#include "tests/support/museum_score.h"
 
 namespace cyclorama::scan {
 namespace {
@@ -71,7 +71,7 @@ TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s)
     for (int y = 0; y < seen.height(); ++y) std::copy_n(whole.at(0, y), 3 * width, seen.at(0, y));
     return seen;
   };
-  ManualClock clock;
+  FakeClock clock;
   FakeVideo video({device}, &clock);
   const auto opener = [&](double exposure_s) {
     camera::V4l2CameraOptions camera;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/doubles/generated_room.h"
+#include "tests/data_sets/generated_room.h"
 
 namespace cyclorama::solve {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "appliance/solve/map_fit.h"
 #include "appliance/solve/turntable_adjustment.h"
-#include "tests/doubles/generated_room.h"
+#include "tests/data_sets/generated_room.h"
 
 namespace cyclorama::solve {
 namespace {

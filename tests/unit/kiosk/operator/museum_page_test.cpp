@@ -13,7 +13,7 @@
 #include "kiosk/operator/page_server.h"
 #include "tests/doubles/fake_calibrator.h"
 #include "tests/doubles/fake_process.h"
-#include "tests/doubles/museum_stick.h"
+#include "tests/support/museum_stick.h"
 
 namespace cyclorama::operations {
 namespace {

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 
 #include "kiosk/provision/pin.h"
-#include "tests/doubles/museum_stick.h"
+#include "tests/support/museum_stick.h"
 
 namespace cyclorama::provision {
 namespace {

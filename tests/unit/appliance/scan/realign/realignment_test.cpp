@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "appliance/calibration/calibration_file.h"
-#include "tests/doubles/displaced_museum.h"
-#include "tests/doubles/photometry_museum.h"
+#include "tests/data_sets/photometry_museum.h"
+#include "tests/support/displaced_museum.h"
 
 namespace cyclorama::scan {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "renderfarm/render/renderer.h"
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama {
 

@@ -13,7 +13,7 @@
 namespace cyclorama {
 
 /// Keeps what CoordinatorState says to whom. Thread-bound.
-class FakeDelegate final : public coordinator::CoordinatorDelegate {
+class RecordingDelegate final : public coordinator::CoordinatorDelegate {
  public:
   std::map<coordinator::NodeId, std::deque<wire::NodeCommand>> commands;
   std::map<coordinator::SessionId, std::deque<wire::SessionReply>> replies;
@@ -39,16 +39,6 @@ class FakeDelegate final : public coordinator::CoordinatorDelegate {
     notices.push_back(sentence);
     noticed.push_back(about);
   }
-};
-
-/// Stands still until it is moved.
-class FakeClock final : public Clock {
- public:
-  [[nodiscard]] TimePoint now() const override { return now_; }
-  void advance(Duration by) { now_ += by; }
-
- private:
-  TimePoint now_ = TimePoint(std::chrono::hours(1));
 };
 
 }  // namespace cyclorama

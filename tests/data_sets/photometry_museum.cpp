@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/doubles/photometry_museum.h"
+#include "tests/data_sets/photometry_museum.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/doubles/bumped_show.h"
+#include "tests/support/bumped_show.h"
 
 #include <algorithm>
 #include <cmath>

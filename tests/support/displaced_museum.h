@@ -8,7 +8,7 @@
 #include "appliance/scan/simulated_devices.h"
 #include "drivers/simulated/museum/presets.h"
 #include "drivers/simulated/turntable/simulated_turntable.h"
-#include "tests/doubles/museum_score.h"
+#include "tests/support/museum_score.h"
 
 namespace cyclorama {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/doubles/board_photo.h"
+#include "tests/data_sets/board_photo.h"
 
 #include <Eigen/LU>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama {
 

@@ -2,7 +2,7 @@
 /// A small room in which light goes every way that there is.
 #pragma once
 
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama {
 

@@ -7,9 +7,9 @@ namespace cyclorama {
 
 /// Another computer's clock: the machine's own, ahead by `skew` when it was made, and faster by `drift_ppm` ever since.
 /// Thread-safe.
-class SkewedClock final : public Clock {
+class FakeSkewedClock final : public Clock {
  public:
-  SkewedClock(Duration skew, double drift_ppm) : skew_(skew), rate_(1.0 + 1e-6 * drift_ppm) {}
+  FakeSkewedClock(Duration skew, double drift_ppm) : skew_(skew), rate_(1.0 + 1e-6 * drift_ppm) {}
 
   [[nodiscard]] TimePoint now() const override {
     return made_at_ + skew_ + scaled(SteadyClock().now() - made_at_, rate_);

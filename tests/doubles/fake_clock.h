@@ -8,9 +8,9 @@
 namespace cyclorama {
 
 /// Time that only the test moves; whoever waits on it moves it too. Thread-safe.
-class ManualClock final : public Clock {
+class FakeClock final : public Clock {
  public:
-  explicit ManualClock(TimePoint start = TimePoint(std::chrono::seconds(1000))) : now_(start) {}
+  explicit FakeClock(TimePoint start = TimePoint(std::chrono::seconds(1000))) : now_(start) {}
   [[nodiscard]] TimePoint now() const override { return now_.load(); }
   void wait_until(TimePoint t) const override {
     if (t > now_.load()) now_.store(t);

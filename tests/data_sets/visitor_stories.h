@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/doubles/rendered_visitor.h"
+#include "tests/data_sets/rendered_visitor.h"
 
 namespace cyclorama {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/doubles/generated_room.h"
+#include "tests/data_sets/generated_room.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

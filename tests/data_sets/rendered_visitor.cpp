@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/doubles/rendered_visitor.h"
+#include "tests/data_sets/rendered_visitor.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@ namespace cyclorama {
 
 /// Outputs in memory that are lost when a test says so, and cannot be opened until it says otherwise. Thread-safe; it
 /// outlives its outputs.
-class LosableOutputs {
+class FakeOutputs {
  public:
   Result<std::unique_ptr<output::Output>> open(const output::HeadlessOptions& options, const Clock& clock) {
     ++attempts_;
@@ -34,7 +34,7 @@ class LosableOutputs {
  private:
   class Losable final : public output::Output {
    public:
-    Losable(LosableOutputs& all, std::unique_ptr<output::Output> real) : all_(all), real_(std::move(real)) {}
+    Losable(FakeOutputs& all, std::unique_ptr<output::Output> real) : all_(all), real_(std::move(real)) {}
     [[nodiscard]] const std::vector<output::HeadMode>& heads() const override { return real_->heads(); }
     [[nodiscard]] double refresh_hz() const override { return real_->refresh_hz(); }
     [[nodiscard]] std::string kind() const override { return real_->kind(); }
@@ -56,7 +56,7 @@ class LosableOutputs {
     [[nodiscard]] const std::vector<output::HeadShown>& shown() const override { return real_->shown(); }
 
    private:
-    LosableOutputs& all_;
+    FakeOutputs& all_;
     std::unique_ptr<output::Output> real_;
   };
 

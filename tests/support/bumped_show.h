@@ -13,7 +13,7 @@
 #include "drivers/simulated/museum/flaws.h"
 #include "drivers/simulated/museum/presets.h"
 #include "drivers/simulated/museum/simulated_show.h"
-#include "tests/doubles/left_over.h"
+#include "tests/data_sets/left_over.h"
 
 namespace cyclorama {
 

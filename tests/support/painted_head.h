@@ -9,7 +9,7 @@
 
 #include "common/image/jpeg.h"
 #include "drivers/output/headless/headless_output.h"
-#include "tests/doubles/exact_picture.h"
+#include "tests/support/exact_picture.h"
 
 namespace cyclorama {
 

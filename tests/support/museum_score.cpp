@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/doubles/museum_score.h"
+#include "tests/support/museum_score.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

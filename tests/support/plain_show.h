@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "tests/doubles/painted_head.h"
+#include "tests/support/painted_head.h"
 
 namespace cyclorama {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/doubles/left_over.h"
+#include "tests/data_sets/left_over.h"
 
 #include <cmath>
 #include <limits>

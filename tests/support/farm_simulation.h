@@ -13,8 +13,9 @@
 #include "renderfarm/balance/tiles.h"
 #include "renderfarm/client/view_window.h"
 #include "renderfarm/coordinator/coordinator_state.h"
-#include "tests/doubles/fake_delegate.h"
+#include "tests/doubles/fake_clock.h"
 #include "tests/doubles/fake_farm.h"
+#include "tests/doubles/recording_delegate.h"
 
 namespace cyclorama {
 
@@ -38,7 +39,7 @@ class FarmSimulation {
       : state({{"grotto", "path"}}, balance::BalanceStrategy::kCostMapStealing, limits, clock, delegate) {}
 
   FakeClock clock;
-  FakeDelegate delegate;
+  RecordingDelegate delegate;
   coordinator::CoordinatorState state;
   std::map<coordinator::SessionId, client::ViewWindow>
       windows;  ///< What a client believes; refuses what breaks farm.proto.

@@ -20,7 +20,7 @@
 #include "common/base/file.h"
 #include "common/image/pfm.h"
 #include "renderfarm/render/film.h"
-#include "tests/doubles/statistics.h"
+#include "tests/support/statistics.h"
 
 namespace cyclorama {
 

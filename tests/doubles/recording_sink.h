@@ -12,7 +12,7 @@
 namespace cyclorama::grotto {
 
 /// What arrived in one file, summed up: a grotto of any size can be checked without keeping it.
-struct CountedFile {
+struct RecordedFile {
   generator::GeometryCounts promised;
   generator::GeometryCounts arrived;
   std::uint64_t digest = 14695981039346656037u;  ///< FNV-1a over positions, normals, colours and indices, in order.
@@ -25,23 +25,23 @@ struct CountedFile {
 };
 
 /// A geometry sink that counts and checks, and keeps nothing. Thread-safe.
-class CountingSink final : public generator::GeometrySink {
+class RecordingSink final : public generator::GeometrySink {
  public:
   Result<std::unique_ptr<generator::GeometryFile>> open(const std::string& name,
                                                         const generator::GeometryCounts& counts) override {
     const std::lock_guard lock(mutex_);
-    CountedFile& file = files_[name];  // A map's elements stay where they are.
+    RecordedFile& file = files_[name];  // A map's elements stay where they are.
     file.promised = counts;
     return std::unique_ptr<generator::GeometryFile>(std::make_unique<File>(file));
   }
 
   /// Once all files are finished.
-  [[nodiscard]] const std::map<std::string, CountedFile>& files() const { return files_; }
+  [[nodiscard]] const std::map<std::string, RecordedFile>& files() const { return files_; }
 
  private:
   class File final : public generator::GeometryFile {
    public:
-    explicit File(CountedFile& counted) : counted_(counted) {}
+    explicit File(RecordedFile& counted) : counted_(counted) {}
 
     Status add_vertices(std::span<const generator::Vertex> vertices) override {
       counted_.arrived.vertices += vertices.size();
@@ -89,11 +89,11 @@ class CountingSink final : public generator::GeometrySink {
       for (std::size_t i = 0; i < size; ++i) counted_.digest = (counted_.digest ^ bytes[i]) * 1099511628211u;
     }
 
-    CountedFile& counted_;
+    RecordedFile& counted_;
   };
 
   std::mutex mutex_;
-  std::map<std::string, CountedFile> files_;
+  std::map<std::string, RecordedFile> files_;
 };
 
 }  // namespace cyclorama::grotto

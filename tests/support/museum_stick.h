@@ -12,7 +12,7 @@
 #include "common/image/image.h"
 #include "common/image/png.h"
 #include "kiosk/provision/provision.h"
-#include "tests/doubles/test_authority.h"
+#include "tests/support/test_authority.h"
 
 namespace cyclorama {
 

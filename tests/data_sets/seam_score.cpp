@@ -5,7 +5,7 @@
 #include <numeric>
 #include <optional>
 
-#include "tests/doubles/photometry_museum.h"
+#include "tests/data_sets/photometry_museum.h"
 
 namespace cyclorama {
 namespace {

@@ -27,7 +27,7 @@ using InverseDepthTerms = std::array<double, kInverseDepthTerms>;
 ///
 /// Gauge: the reference direction has the angle that the turntable reported, the turntable's axis is the Eye frame's y,
 /// and the sweet spot is at the camera's height. The axis is as plumb as the turntable was set up.
-struct TurnPlate {
+struct CalibratedTurntable {
   MeasuredLens camera;  ///< Refined by the bundle adjustment.
   double pitch_rad = 0.0;
   double roll_rad = 0.0;
@@ -93,7 +93,7 @@ struct CalibratedProjector {
 
 struct Calibration {
   std::string date;  ///< "2026-11-22T13-05-00Z": also a folder's name.
-  TurnPlate plate;
+  CalibratedTurntable turntable;
   std::vector<CalibratedProjector> projectors;
   std::optional<ModelChoice> wall;   ///< Absent if it was not requested or could not be found.
   std::vector<std::string> remarks;  ///< Shortcomings and remedies, for the installer.

@@ -44,26 +44,26 @@ Json json_of(const Surface& surface) {
           {"up", json_of(surface.up)},         {"parameters", list_of(surface.parameters)}};
 }
 
-Json json_of(const TurnPlate& plate) {
-  Json json{{"camera", json_of(plate.camera)},
-            {"pitch_rad", plate.pitch_rad},
-            {"roll_rad", plate.roll_rad},
-            {"offset_right_m", plate.offset_m.x()},
-            {"offset_forward_m", plate.offset_m.y()},
-            {"offset_right_sigma_m", plate.offset_sigma_m.x()},
-            {"offset_forward_sigma_m", plate.offset_sigma_m.y()},
-            {"is_offset_estimated", plate.is_offset_estimated},
-            {"offset_reason", plate.offset_reason},
-            {"inverse_depth_per_m", list_of(plate.inverse_depth)},
-            {"angles_rad", list_of(plate.angles_rad)},
-            {"reference", plate.reference},
-            {"parameters", plate.parameters},
-            {"covariance", rows_of(plate.covariance)},
-            {"rank", plate.rank},
-            {"tracks", plate.tracks},
-            {"rms_px", plate.rms_px},
-            {"heldout_rms_px", plate.heldout_rms_px}};
-  if (plate.wall) json["wall"] = json_of(*plate.wall);
+Json json_of(const CalibratedTurntable& turntable) {
+  Json json{{"camera", json_of(turntable.camera)},
+            {"pitch_rad", turntable.pitch_rad},
+            {"roll_rad", turntable.roll_rad},
+            {"offset_right_m", turntable.offset_m.x()},
+            {"offset_forward_m", turntable.offset_m.y()},
+            {"offset_right_sigma_m", turntable.offset_sigma_m.x()},
+            {"offset_forward_sigma_m", turntable.offset_sigma_m.y()},
+            {"is_offset_estimated", turntable.is_offset_estimated},
+            {"offset_reason", turntable.offset_reason},
+            {"inverse_depth_per_m", list_of(turntable.inverse_depth)},
+            {"angles_rad", list_of(turntable.angles_rad)},
+            {"reference", turntable.reference},
+            {"parameters", turntable.parameters},
+            {"covariance", rows_of(turntable.covariance)},
+            {"rank", turntable.rank},
+            {"tracks", turntable.tracks},
+            {"rms_px", turntable.rms_px},
+            {"heldout_rms_px", turntable.heldout_rms_px}};
+  if (turntable.wall) json["wall"] = json_of(*turntable.wall);
   return json;
 }
 
@@ -157,37 +157,38 @@ Surface surface_of(StrictJson* json) {
   return surface;
 }
 
-TurnPlate plate_of(StrictJson json) {
+CalibratedTurntable turntable_of(StrictJson json) {
   constexpr std::size_t kMaxDirections = 4096;
-  TurnPlate plate;
-  plate.camera = lens_of(json.at("camera"));
-  plate.pitch_rad = json.number("pitch_rad", -4.0, 4.0);
-  plate.roll_rad = json.number("roll_rad", -4.0, 4.0);
-  plate.offset_m.x() = json.number("offset_right_m", -10.0, 10.0);
-  plate.offset_m.y() = json.number("offset_forward_m", -10.0, 10.0);
-  plate.offset_sigma_m.x() = json.number("offset_right_sigma_m", 0.0, 10.0);
-  plate.offset_sigma_m.y() = json.number("offset_forward_sigma_m", 0.0, 10.0);
-  plate.is_offset_estimated = json.flag("is_offset_estimated");
-  plate.offset_reason = json.text("offset_reason");
+  CalibratedTurntable turntable;
+  turntable.camera = lens_of(json.at("camera"));
+  turntable.pitch_rad = json.number("pitch_rad", -4.0, 4.0);
+  turntable.roll_rad = json.number("roll_rad", -4.0, 4.0);
+  turntable.offset_m.x() = json.number("offset_right_m", -10.0, 10.0);
+  turntable.offset_m.y() = json.number("offset_forward_m", -10.0, 10.0);
+  turntable.offset_sigma_m.x() = json.number("offset_right_sigma_m", 0.0, 10.0);
+  turntable.offset_sigma_m.y() = json.number("offset_forward_sigma_m", 0.0, 10.0);
+  turntable.is_offset_estimated = json.flag("is_offset_estimated");
+  turntable.offset_reason = json.text("offset_reason");
   const auto inverse_depth = json.numbers("inverse_depth_per_m", kInverseDepthTerms, kInverseDepthTerms);
-  std::copy(inverse_depth.begin(), inverse_depth.end(), plate.inverse_depth.begin());
-  plate.angles_rad = json.numbers("angles_rad", 1, kMaxDirections);
-  plate.reference = static_cast<std::size_t>(json.integer("reference", 0, static_cast<int>(kMaxDirections)));
-  if (plate.reference >= plate.angles_rad.size()) json.at("reference").refuse("counts no direction; calibrate again");
+  std::copy(inverse_depth.begin(), inverse_depth.end(), turntable.inverse_depth.begin());
+  turntable.angles_rad = json.numbers("angles_rad", 1, kMaxDirections);
+  turntable.reference = static_cast<std::size_t>(json.integer("reference", 0, static_cast<int>(kMaxDirections)));
+  if (turntable.reference >= turntable.angles_rad.size())
+    json.at("reference").refuse("counts no direction; calibrate again");
   for (const StrictJson& name : json.list("parameters", 0, kMaxDirections))
-    plate.parameters.push_back(name.as_text(60));
-  plate.covariance = matrix_of(json.at("covariance"), plate.parameters.size());
-  plate.rank = json.integer("rank", 0, kMaxPx);
-  plate.tracks = static_cast<std::size_t>(json.integer("tracks", 0, 1 << 30));
-  plate.rms_px = json.number("rms_px", 0.0, kLarge);
-  plate.heldout_rms_px = json.number("heldout_rms_px", 0.0, kLarge);
+    turntable.parameters.push_back(name.as_text(60));
+  turntable.covariance = matrix_of(json.at("covariance"), turntable.parameters.size());
+  turntable.rank = json.integer("rank", 0, kMaxPx);
+  turntable.tracks = static_cast<std::size_t>(json.integer("tracks", 0, 1 << 30));
+  turntable.rms_px = json.number("rms_px", 0.0, kLarge);
+  turntable.heldout_rms_px = json.number("heldout_rms_px", 0.0, kLarge);
   if (json.has("wall")) {
     StrictJson wall = json.at("wall");
-    plate.wall = surface_of(&wall);
+    turntable.wall = surface_of(&wall);
     wall.refuse_other_keys();
   }
   json.refuse_other_keys();
-  return plate;
+  return turntable;
 }
 
 std::vector<ModelTrial> trials_of(const std::vector<StrictJson>& list) {
@@ -266,7 +267,7 @@ std::string calibration_json(const Calibration& calibration) {
   Json json{{"format", "cyclorama-calibration"},
             {"version", kVersion},
             {"date", calibration.date},
-            {"plate", json_of(calibration.plate)},
+            {"turntable", json_of(calibration.turntable)},
             {"projectors", std::move(projectors)}};
   if (calibration.wall) json["wall"] = json_of(*calibration.wall);
   json["remarks"] = calibration.remarks;
@@ -285,7 +286,7 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
   if (calibration.date.empty() || calibration.date.find_first_not_of("0123456789TZ-") != std::string::npos) {
     json.at("date").refuse("is no date as 2026-11-22T13-05-00Z; calibrate again");
   }
-  calibration.plate = plate_of(json.at("plate"));
+  calibration.turntable = turntable_of(json.at("turntable"));
   std::set<std::string> names;
   std::size_t number = 0;
   for (StrictJson p : json.list("projectors", 1, 64)) {

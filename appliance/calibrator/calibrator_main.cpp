@@ -26,8 +26,8 @@
 #include "common/wire/channel.h"
 #include "drivers/devices/camera_spec.h"
 #include "drivers/devices/make_camera.h"
-#include "drivers/simulated/turntable/simulated_turnplate.h"
-#include "drivers/turnplate/make_turnplate.h"
+#include "drivers/simulated/turntable/simulated_turntable.h"
+#include "drivers/turntable/make_turntable.h"
 
 namespace cyclorama::calibrator {
 namespace {
@@ -45,7 +45,7 @@ struct Options {
   std::string folder = "/var/lib/cyclorama/calibration";
   std::optional<std::string> listen;
   std::optional<std::string> camera;
-  std::optional<std::string> turnplate;
+  std::optional<std::string> turntable;
   std::vector<std::string> displays;
   std::optional<std::string> lens;
   std::optional<double> field_of_view_deg;
@@ -90,7 +90,7 @@ void add_scan_options(CLI::App& app, Options* ret) {
   app.add_option("--camera", ret->camera,
                  "Camera on the turntable: v4l2:PORT[?OPTIONS], libcamera:ID[?OPTIONS]; the first one found")
       ->type_name("CAMERA");
-  app.add_option("--turnplate", ret->turnplate,
+  app.add_option("--turntable", ret->turntable,
                  "Turntable: serial:DEVICE[?OPTIONS], or manual (default), which asks a person to turn it")
       ->type_name("PLATE");
   app.add_option("--display", ret->displays,
@@ -159,7 +159,7 @@ Result<CalibratorSettings> settings_of(const Options& options) {
   }
   if (options.listen) settings.listen = *options.listen;
   if (options.camera) settings.camera = *options.camera;
-  if (options.turnplate) settings.turnplate = *options.turnplate;
+  if (options.turntable) settings.turntable = *options.turntable;
   if (!options.displays.empty()) settings.displays.clear();
   for (const std::string& text : options.displays) {
     TRY_ASSIGN(scan::PatternDisplay display, scan::parse_pattern_display(text));
@@ -222,7 +222,7 @@ DeviceOpener simulated_opener(const CalibratorSettings& settings, const std::fil
                               std::shared_ptr<simulated::SimulatedMuseum> museum) {
   return [settings, folder, museum]() -> Result<CalibrationDevices> {
     CalibrationDevices devices;
-    devices.plate = std::make_unique<simulated::SimulatedTurnplate>(museum.get());
+    devices.turntable = std::make_unique<simulated::SimulatedTurntable>(museum.get());
     devices.camera = std::make_unique<scan::SimulatedScanCamera>(museum.get(), scan::PhotographColour::kGrey);
     devices.colour_camera = std::make_unique<scan::SimulatedScanCamera>(museum.get(), scan::PhotographColour::kColour);
     devices.screen = std::make_unique<scan::SimulatedPatternScreen>(museum.get());
@@ -232,8 +232,8 @@ DeviceOpener simulated_opener(const CalibratorSettings& settings, const std::fil
 }
 
 /// A calibrator in a terminal prompts there; a service passes the prompt to the client that requested the calibration.
-std::unique_ptr<turnplate::TurnplateOperator> operator_at(TurntablePrompt* prompt) {
-  if (::isatty(STDIN_FILENO) == 1) return std::make_unique<turnplate::TerminalOperator>(STDIN_FILENO, STDERR_FILENO);
+std::unique_ptr<turntable::TurntableOperator> operator_at(TurntablePrompt* prompt) {
+  if (::isatty(STDIN_FILENO) == 1) return std::make_unique<turntable::TerminalOperator>(STDIN_FILENO, STDERR_FILENO);
   return std::make_unique<PromptOperator>(prompt);
 }
 
@@ -252,11 +252,11 @@ DeviceOpener real_opener(const CalibratorSettings& settings, const std::filesyst
           clock);
     };
     CalibrationDevices devices;
-    TRY_ASSIGN(devices.plate, turnplate::make_turnplate(settings.turnplate, operator_at(prompt)));
+    TRY_ASSIGN(devices.turntable, turntable::make_turntable(settings.turntable, operator_at(prompt)));
     TRY_ASSIGN(devices.camera, scan::FrameScanCamera::open(open_camera, kFirstExposure_s, clock));
     TRY_ASSIGN(devices.screen, scan::RemotePatternScreen::open(projectors, settings.displays, settle_of(settings)));
     TRY_ASSIGN(devices.settings, scan_settings(settings, folder, *devices.camera));
-    if (settings.turnplate == "manual") devices.settings.plate_sigma_rad = kReadByEye_rad;
+    if (settings.turntable == "manual") devices.settings.turntable_sigma_rad = kReadByEye_rad;
     return devices;
   };
 }

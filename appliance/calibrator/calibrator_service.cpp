@@ -87,7 +87,7 @@ Result<scan::CalibrationOutcome> CalibratorService::calibrate(const wire::Calibr
   listener({"opens camera, turntable and projectors", 0.0, nullptr});
   TRY_ASSIGN(CalibrationDevices devices, opener_());
   devices.settings.resume = order.resume();
-  const scan::ScanDevices scan{*devices.screen, *devices.camera, *devices.plate, devices.colour_camera.get()};
+  const scan::ScanDevices scan{*devices.screen, *devices.camera, *devices.turntable, devices.colour_camera.get()};
   if (order.quick()) {
     TRY_ASSIGN(scan::RealignmentOutcome realigned,
                scan::realign_projector(installation_, order.projector(), devices.settings, scan, folder_,

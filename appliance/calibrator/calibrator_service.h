@@ -18,7 +18,7 @@ namespace cyclorama::calibrator {
 /// Devices of one calibration. They are opened for it and released after it, so that the show returns and camera and
 /// turntable are free for others in between.
 struct CalibrationDevices {
-  std::unique_ptr<turnplate::Turnplate> plate;
+  std::unique_ptr<turntable::Turntable> turntable;
   std::unique_ptr<scan::ScanCamera> camera;
   std::unique_ptr<scan::ScanCamera> colour_camera;  ///< See ScanDevices; may be null.
   std::unique_ptr<scan::PatternScreen> screen;      ///< Last member, so that it is released first.

@@ -9,7 +9,7 @@
 #include "common/base/address.h"
 #include "common/base/text.h"
 #include "drivers/camera/camera_settings.h"
-#include "drivers/turnplate/make_turnplate.h"
+#include "drivers/turntable/make_turntable.h"
 
 namespace cyclorama::calibrator {
 namespace {
@@ -82,9 +82,10 @@ Result<CalibratorSettings> from_config(Config* config, const std::filesystem::pa
   }
   read_displays(root, &settings);
   settings.settle_s = kMillisecond * root.number("settle_ms", Ranges::kSettle_ms, settings.settle_s / kMillisecond);
-  settings.turnplate = root.text("turnplate", settings.turnplate);
-  if (const Status plate = turnplate::check_turnplate(settings.turnplate); !plate) {
-    root.refuse("turnplate", plate.error().message());
+  root.refuse_renamed("turnplate", "turntable");
+  settings.turntable = root.text("turntable", settings.turntable);
+  if (const Status turntable = turntable::check_turntable(settings.turntable); !turntable) {
+    root.refuse("turntable", turntable.error().message());
   }
   ConfigTable camera = root.table("camera");
   settings.camera = calibration_camera(&camera, settings.camera);

@@ -30,7 +30,7 @@ struct CalibratorSettings {
   std::string listen = "[::1]:7410";
   std::vector<scan::PatternDisplay> displays{};  ///< Empty: the display of this computer.
   double settle_s = 0.1;                         ///< Delay from a projector's signal to its light.
-  std::string turnplate = "manual";              ///< Argument for make_turnplate().
+  std::string turntable = "manual";              ///< Argument for make_turntable().
 
   std::string camera = "v4l2:";  ///< Camera on the turntable; argument for make_camera().
   std::filesystem::path lens{};  ///< Its lens; empty: the calibration's camera.json if it belongs to this camera.

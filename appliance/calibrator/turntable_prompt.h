@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "drivers/turnplate/manual/manual_turnplate.h"
+#include "drivers/turntable/manual/manual_turntable.h"
 
 namespace cyclorama::calibrator {
 
@@ -23,7 +23,7 @@ class TurntablePrompt {
   void set_listener(Listener listener);
   /// Returns false if no question is open. "" means that the request was carried out as asked.
   bool answer(const std::string& text);
-  /// Like TurnplateOperator::answer().
+  /// Like TurntableOperator::answer().
   Result<std::string> ask(const std::string& question, std::chrono::milliseconds timeout);
 
  private:
@@ -34,8 +34,8 @@ class TurntablePrompt {
   std::optional<std::string> answer_;
 };
 
-/// Adapts a TurntablePrompt to ManualTurnplate. Borrows the prompt.
-class PromptOperator final : public turnplate::TurnplateOperator {
+/// Adapts a TurntablePrompt to ManualTurntable. Borrows the prompt.
+class PromptOperator final : public turntable::TurntableOperator {
  public:
   explicit PromptOperator(TurntablePrompt* prompt) : prompt_(*prompt) {}
   Result<std::string> answer(const std::string& question, std::chrono::milliseconds timeout) override {

@@ -24,7 +24,7 @@ constexpr double kSeamPart = 0.98;
 Result<photometry::Photometry> photometry_of(LightScan light, const calibration::Calibration& calibration) {
   for (const calibration::CalibratedProjector& projector : calibration.projectors)
     light.input.projectors.push_back({projector.name, projector.map});
-  const calibration::MeasuredLens& lens = calibration.plate.camera;
+  const calibration::MeasuredLens& lens = calibration.turntable.camera;
   light.input.camera_centre_px = Eigen::Vector2d(lens.values[calibration::MeasuredLens::kCentreU],
                                                  lens.values[calibration::MeasuredLens::kCentreV]);
   return photometry::photometry(light.input);

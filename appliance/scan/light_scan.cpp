@@ -72,7 +72,7 @@ class LightScanning {
 
   Status turn_to(const ScanView& view) {
     if (stop_.stop_requested()) return cancelled();
-    return turn_plate(devices_.plate, view.angle_rad);
+    return turn_with_retry(devices_.turntable, view.angle_rad);
   }
 
   /// Rounds down to whole refreshes if it is at least one, since a projector may show its colours in sequence.

@@ -26,7 +26,7 @@ struct LightScan {
 /// `views`, as scan_wall() returned them, give the camera pixels that see each projector. Photographs are taken in
 /// colour if ScanDevices has a colour camera. All projectors are dark afterwards, after an error too.
 /// Errors: kUnavailable if cancelled or if a device is gone; kBadData if white is clipped at every exposure (with the
-/// remedy); otherwise those of Turnplate. Blocks for a minute or two.
+/// remedy); otherwise those of Turntable. Blocks for a minute or two.
 Result<LightScan> scan_light(const Installation& installation, std::span<const ScanView> views,
                              const structured_light::ExposureLimits& limits, const ScanDevices& devices,
                              const ScanListener& listener, std::stop_token stop);

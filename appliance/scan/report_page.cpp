@@ -80,20 +80,20 @@ std::string projectors_table(const calibration::Calibration& calibration) {
   return text + "</table>\n";
 }
 
-std::string plate_table(const calibration::TurnPlate& plate) {
+std::string turntable_table(const calibration::CalibratedTurntable& turntable) {
   std::string text = fmt::format(
       "<h2>Camera and turntable</h2>\n<p>{} directions, {} points seen from several of them; {:.3f} px of what was "
       "used, {:.3f} px of what was left out. The measurements alone determine {} of {} parameters. Offset from the "
       "axis: {}.</p>\n",
-      plate.angles_rad.size(), plate.tracks, plate.rms_px, plate.heldout_rms_px, plate.rank, plate.parameters.size(),
-      html_text(plate.offset_reason));
-  const auto rows = static_cast<std::size_t>(plate.covariance.rows());
-  if (plate.parameters.empty() || rows != plate.parameters.size()) return text;
+      turntable.angles_rad.size(), turntable.tracks, turntable.rms_px, turntable.heldout_rms_px, turntable.rank,
+      turntable.parameters.size(), html_text(turntable.offset_reason));
+  const auto rows = static_cast<std::size_t>(turntable.covariance.rows());
+  if (turntable.parameters.empty() || rows != turntable.parameters.size()) return text;
   text += "<table><tr><th>parameter</th><th>standard deviation</th></tr>\n";
   for (std::size_t i = 0; i < rows; ++i) {
     const auto at = static_cast<Eigen::Index>(i);
-    text += fmt::format("<tr><td>{}</td><td>{:.2g}</td></tr>\n", html_text(plate.parameters[i]),
-                        std::sqrt(std::max(0.0, plate.covariance(at, at))));
+    text += fmt::format("<tr><td>{}</td><td>{:.2g}</td></tr>\n", html_text(turntable.parameters[i]),
+                        std::sqrt(std::max(0.0, turntable.covariance(at, at))));
   }
   return text + "</table>\n";
 }
@@ -169,7 +169,7 @@ std::string report_page(const calibration::Calibration& calibration, const Repor
         html_text(photograph.caption), base64(photograph.jpeg));
   }
   if (!findings.photographs.empty()) page += "</div>\n";
-  page += plate_table(calibration.plate);
+  page += turntable_table(calibration.turntable);
   if (calibration.wall) {
     const calibration::ModelChoice& wall = *calibration.wall;
     page += fmt::format("<h2>The wall</h2>\n<p>{}, and lenses of {}: {}.</p>\n",
@@ -184,14 +184,14 @@ std::string report_page(const calibration::Calibration& calibration, const Repor
 std::vector<WallResidual> wall_residuals(const solve::Measurements& measurements,
                                          const calibration::Calibration& calibration, std::size_t max) {
   std::size_t all = 0;
-  for (const solve::PlateDirection& direction : measurements.directions) all += direction.correspondences.size();
+  for (const solve::TurntableDirection& direction : measurements.directions) all += direction.correspondences.size();
   const std::size_t every = std::max<std::size_t>(1, all / std::max<std::size_t>(1, max));
   std::vector<WallResidual> residuals;
   std::size_t n = 0;
   for (std::size_t d = 0; d < measurements.directions.size(); ++d) {
     for (const solve::Correspondence& c : measurements.directions[d].correspondences) {
       if (n++ % every != 0 || c.projector >= calibration.projectors.size()) continue;
-      const auto seen = solve::seen_direction(calibration.plate, d,
+      const auto seen = solve::seen_direction(calibration.turntable, d,
                                               {static_cast<double>(c.camera_u), static_cast<double>(c.camera_v)});
       const calibration::MeasuredMap& map = calibration.projectors[c.projector].map;
       const Eigen::Vector2d pixel(static_cast<double>(c.projector_x), static_cast<double>(c.projector_y));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The devices that a scan of the wall needs besides a turntable (drivers/turnplate): a screen that shows patterns on
+/// The devices that a scan of the wall needs besides a turntable (drivers/turntable): a screen that shows patterns on
 /// all projectors, and a camera whose exposure the scan chooses.
 #pragma once
 

@@ -111,7 +111,7 @@ std::optional<Choice> best_of(const std::vector<Seen>& seen, int count, const Sc
   return best;
 }
 
-std::vector<double> headings_within(const turnplate::TurnRange& range) {
+std::vector<double> headings_within(const turntable::TurnRange& range) {
   const double max = std::min(range.max_rad, std::numbers::pi);
   std::vector<double> headings;
   for (int degrees = -180; degrees <= 180; degrees += kStep_deg) {

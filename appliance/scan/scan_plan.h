@@ -12,7 +12,7 @@
 #include "appliance/solve/measurements.h"
 #include "common/base/result.h"
 #include "common/room/installation.h"
-#include "drivers/turnplate/turnplate.h"
+#include "drivers/turntable/turntable.h"
 
 namespace cyclorama::scan {
 
@@ -31,7 +31,7 @@ struct ScanPlan {
 struct ScanPlanOptions {
   calibration::MeasuredLens camera;  ///< Its focal length determines how much one direction sees.
   double pitch_rad = 0.0;            ///< Upward tilt of the camera.
-  turnplate::TurnRange range{-3.15, 3.15};
+  turntable::TurnRange range{-3.15, 3.15};
   int directions = 0;              ///< Number of directions; 0: as few as necessary.
   double min_overlap = 0.3;        ///< Minimum part of a direction's view that its neighbour sees too.
   double preferred_overlap = 0.5;  ///< Preferred overlap if there is a choice.

@@ -188,11 +188,11 @@ class SeamPhotographing {
   Result<SeamPhotographs> photographed(const std::array<Drawn, 2>& drawn, const std::array<std::string, 2>& when,
                                        const std::vector<Seam>& seams) {
     JpegEncoder encoder;
-    const turnplate::TurnRange range = devices_.plate.range();
+    const turntable::TurnRange range = devices_.turntable.range();
     for (std::size_t s = 0; s < seams.size(); ++s) {
       const Seam& seam = seams[s];
       if (stop_.stop_requested()) return cancelled();
-      TRY(turn_plate(devices_.plate, std::clamp(seam.heading_rad, range.min_rad, range.max_rad)));
+      TRY(turn_with_retry(devices_.turntable, std::clamp(seam.heading_rad, range.min_rad, range.max_rad)));
       // White is the brightest picture; one exposure serves all four photographs, so that they can be compared.
       if (s == 0) TRY(find_exposure(drawn));
       std::vector<ScanPhotograph> taken;

@@ -31,7 +31,7 @@ struct SeamPhotographs {
 };
 
 /// `after` must have a calibration; `exposure_s` is an exposure at which a single projector's white is not clipped. All
-/// projectors are dark afterwards, after an error too. Errors: those of take_photograph(), PatternScreen and Turnplate.
+/// projectors are dark afterwards, after an error too. Errors: those of take_photograph(), PatternScreen and Turntable.
 /// Blocks for some seconds.
 Result<SeamPhotographs> photograph_seams(const Installation& installation, const DrawnBy& before, const DrawnBy& after,
                                          double exposure_s, const ScanDevices& devices, const ScanListener& listener,

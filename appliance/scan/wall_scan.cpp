@@ -43,7 +43,7 @@ class WallScanning {
     ScanPlanOptions options;
     options.camera = settings_.camera;
     options.pitch_rad = settings_.pitch_rad;
-    options.range = devices_.plate.range();
+    options.range = devices_.turntable.range();
     options.directions = settings_.directions;
     TRY_ASSIGN(plan_, plan_scan(installation_, options));
     scan_.remarks = plan_.remarks;
@@ -69,7 +69,7 @@ class WallScanning {
         continue;
       }
       tell(fmt::format("turns the camera to {:.0f} degrees", plan_.directions[d].angle_rad / kDegree), 0.0, nullptr);
-      TRY(turn_plate(devices_.plate, plan_.directions[d].angle_rad));
+      TRY(turn_with_retry(devices_.turntable, plan_.directions[d].angle_rad));
       for (const std::size_t p : projectors) {
         if (stop_.stop_requested()) return cancelled();
         TRY_ASSIGN(ScanView view, undisturbed_view(d, p));
@@ -122,7 +122,7 @@ class WallScanning {
     if (!view) return view;
     if (view->exposure_s > 0.0) exposure_s_ = view->exposure_s;
     view->direction = d;
-    TRY_ASSIGN(view->angle_rad, devices_.plate.angle());
+    TRY_ASSIGN(view->angle_rad, devices_.turntable.angle());
     return view;
   }
 
@@ -167,9 +167,9 @@ class WallScanning {
       measurements.projectors.push_back(std::move(projector));
     }
     for (std::size_t d = 0; d < plan_.directions.size(); ++d) {
-      solve::PlateDirection direction;
+      solve::TurntableDirection direction;
       direction.angle_rad = plan_.directions[d].angle_rad;
-      direction.sigma_rad = settings_.plate_sigma_rad;
+      direction.sigma_rad = settings_.turntable_sigma_rad;
       for (const ScanView& view : kept.views()) {
         if (view.direction != d || view.correspondences.size() < kMinCorrespondences) continue;
         direction.angle_rad = view.angle_rad;
@@ -196,14 +196,14 @@ class WallScanning {
 
 }  // namespace
 
-Status turn_plate(turnplate::Turnplate& plate, double angle_rad) {
-  if (!plate.is_homed()) TRY(plate.home());
-  auto turn = plate.turn_to(angle_rad);
+Status turn_with_retry(turntable::Turntable& turntable, double angle_rad) {
+  if (!turntable.is_homed()) TRY(turntable.home());
+  auto turn = turntable.turn_to(angle_rad);
   if (turn) return turn;
   const ErrorCode code = turn.error().code();
   if (code != ErrorCode::kTimedOut && code != ErrorCode::kBadData) return turn;
-  TRY(plate.home());
-  return plate.turn_to(angle_rad);
+  TRY(turntable.home());
+  return turntable.turn_to(angle_rad);
 }
 
 calibration::MeasuredLens data_sheet_lens(int width_px, int height_px, double field_of_view_rad) {

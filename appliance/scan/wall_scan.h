@@ -16,7 +16,7 @@
 #include "appliance/scan/scan_view.h"
 #include "appliance/scan/view_measuring.h"
 #include "appliance/solve/measurements.h"
-#include "drivers/turnplate/turnplate.h"
+#include "drivers/turntable/turntable.h"
 
 namespace cyclorama::scan {
 
@@ -24,16 +24,16 @@ namespace cyclorama::scan {
 struct ScanDevices {
   PatternScreen& screen;
   ScanCamera& camera;
-  turnplate::Turnplate& plate;
+  turntable::Turntable& turntable;
   /// The same camera with its colour filters if `camera` is used without; it measures brightness and colour. May be
   /// null.
   ScanCamera* colour_camera = nullptr;
 };
 
 struct ScanSettings {
-  calibration::MeasuredLens camera;  ///< With the covariance of its own calibration, or of a data sheet.
-  double pitch_rad = 0.0;            ///< Approximate upward tilt of the camera.
-  double plate_sigma_rad = 1e-3;     ///< Standard deviation of the turntable's angles.
+  calibration::MeasuredLens camera;   ///< With the covariance of its own calibration, or of a data sheet.
+  double pitch_rad = 0.0;             ///< Approximate upward tilt of the camera.
+  double turntable_sigma_rad = 1e-3;  ///< Standard deviation of the turntable's angles.
   ViewSettings view{};
   int directions = 0;           ///< See ScanPlanOptions.
   double max_disturbed = 0.02;  ///< Fraction of the lit pixels; above it the view is measured once more.
@@ -43,8 +43,8 @@ struct ScanSettings {
 };
 
 /// Turns the turntable to an angle. A turntable that stalled has lost its position; it is homed and commanded once
-/// more. Errors: those of Turnplate.
-Status turn_plate(turnplate::Turnplate& plate, double angle_rad);
+/// more. Errors: those of Turntable.
+Status turn_with_retry(turntable::Turntable& turntable, double angle_rad);
 
 /// Returns a lens of which only the field of view is known, as from a data sheet; the bundle adjustment over the
 /// directions refines it.
@@ -69,7 +69,7 @@ struct WallScan {
 /// All projectors are dark afterwards, after an error too. A turntable that stalls is homed and commanded once more. On
 /// return, with an error too, `folder` holds what was measured, so that a call with ScanSettings::resume can continue.
 /// Errors: kUnavailable if cancelled, if a device is gone (plug it in, and resume), or if a projector lights nothing
-/// anywhere; otherwise those of plan_scan(), ScanFolder, measure_view() and Turnplate. Blocks for minutes.
+/// anywhere; otherwise those of plan_scan(), ScanFolder, measure_view() and Turntable. Blocks for minutes.
 Result<WallScan> scan_wall(const Installation& installation, const ScanSettings& settings, const ScanDevices& devices,
                            const std::filesystem::path& folder, const ScanListener& listener, std::stop_token stop);
 

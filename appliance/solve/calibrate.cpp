@@ -34,9 +34,10 @@ constexpr double kKnownFloor_px = 0.1;  // Sigma added to a direction of an old 
 
 using Samples = std::vector<std::vector<MapSample>>;  // Indexed by projector.
 
-Samples samples_of(const Measurements& measurements, const CellMeans& means, const calibration::TurnPlate& plate) {
+Samples samples_of(const Measurements& measurements, const CellMeans& means,
+                   const calibration::CalibratedTurntable& turntable) {
   Samples samples(measurements.projectors.size());
-  const WallDirections observations(plate);
+  const WallDirections observations(turntable);
   for (const CellMean& cell : means.cells) {
     const auto d = observations.at(static_cast<std::size_t>(cell.direction), cell.camera_px);
     if (d) samples[static_cast<std::size_t>(cell.projector)].push_back({cell.projector_px, *d, cell.sigma_px});
@@ -125,9 +126,9 @@ class Calibrating {
 
   Result<calibration::Calibration> run(std::string date) {
     calibration_.date = std::move(date);
-    TRY_ASSIGN(const TurnPlateSolver solver, TurnPlateSolver::create(measurements_, means_, options_.plate));
-    TRY_ASSIGN(calibration_.plate, solver.solve());
-    samples_ = samples_of(measurements_, means_, calibration_.plate);
+    TRY_ASSIGN(const TurntableSolver solver, TurntableSolver::create(measurements_, means_, options_.turntable));
+    TRY_ASSIGN(calibration_.turntable, solver.solve());
+    samples_ = samples_of(measurements_, means_, calibration_.turntable);
     if (options_.previous != nullptr) ask_the_maps_of_before(solver);
     if (options_.with_wall) find_wall(solver);
     if (options_.previous != nullptr) turn_ = turn_of(*options_.previous, measurements_, samples_);
@@ -153,34 +154,35 @@ class Calibrating {
   /// The camera's offset is observable by parallax alone and may be lost in noise; then all directions share an error,
   /// and correct maps would seem wrong. So if the previous calibration determined the offset better, its maps help to
   /// estimate it; projectors that have moved since then are outliers.
-  void ask_the_maps_of_before(const TurnPlateSolver& solver) {
+  void ask_the_maps_of_before(const TurntableSolver& solver) {
     const calibration::Calibration& before = *options_.previous;
-    if (!(before.plate.offset_sigma_m.norm() <= calibration_.plate.offset_sigma_m.norm())) return;
+    if (!(before.turntable.offset_sigma_m.norm() <= calibration_.turntable.offset_sigma_m.norm())) return;
     const Eigen::Matrix3d turn = turn_of(before, measurements_, samples_);
-    PlateHints hints;
+    TurntableHints hints;
     hints.known = [this, &before, turn](std::size_t p, const Eigen::Vector2d& pixel) -> std::optional<KnownDirection> {
       const calibration::CalibratedProjector* projector = projector_of(&before, measurements_.projectors[p].name);
       if (projector == nullptr) return std::nullopt;
       return known_direction(projector->map, turn, pixel);
     };
-    auto plate = solver.solve(hints);
-    if (!plate || !(plate->heldout_rms_px <= kHintAgrees * calibration_.plate.heldout_rms_px)) {
+    auto turntable = solver.solve(hints);
+    if (!turntable || !(turntable->heldout_rms_px <= kHintAgrees * calibration_.turntable.heldout_rms_px)) {
       remark(
           fmt::format("the maps of {} do not agree with the new directions ({:.3f} px instead of {:.3f}); look "
                       "whether the turntable was moved",
-                      before.date, plate ? plate->heldout_rms_px : 0.0, calibration_.plate.heldout_rms_px));
+                      before.date, turntable ? turntable->heldout_rms_px : 0.0, calibration_.turntable.heldout_rms_px));
       return;
     }
     // The result is no more accurate than the maps that it was derived from.
-    const Eigen::Vector2d both = plate->offset_sigma_m.array().square() + before.plate.offset_sigma_m.array().square();
-    plate->offset_sigma_m = both.cwiseSqrt();
-    take(*std::move(plate));
+    const Eigen::Vector2d both =
+        turntable->offset_sigma_m.array().square() + before.turntable.offset_sigma_m.array().square();
+    turntable->offset_sigma_m = both.cwiseSqrt();
+    take(*std::move(turntable));
     hints_.known = hints.known;
   }
 
   /// A fitted wall describes the inverse depth where spherical harmonics cannot (a corner), and so improves the
   /// camera's offset.
-  void find_wall(const TurnPlateSolver& solver) {
+  void find_wall(const TurntableSolver& solver) {
     auto wall = choose_model(measurements_.projectors, wall_samples(samples_, options_.wall_samples),
                              measurements_.wall_distance_m, options_.model);
     if (!wall) {
@@ -188,12 +190,13 @@ class Calibrating {
              wall.error().message());
       return;
     }
-    PlateHints hints = hints_;
+    TurntableHints hints = hints_;
     hints.wall = &wall->fit.surface;
-    auto plate = solver.solve(hints);
-    if (plate && plate->wall && plate->heldout_rms_px <= kHintAgrees * calibration_.plate.heldout_rms_px) {
-      if (hints_.known) plate->offset_sigma_m = calibration_.plate.offset_sigma_m;
-      take(*std::move(plate));
+    auto turntable = solver.solve(hints);
+    if (turntable && turntable->wall &&
+        turntable->heldout_rms_px <= kHintAgrees * calibration_.turntable.heldout_rms_px) {
+      if (hints_.known) turntable->offset_sigma_m = calibration_.turntable.offset_sigma_m;
+      take(*std::move(turntable));
       auto fit = fit_surface(measurements_.projectors, wall_samples(samples_, options_.wall_samples), wall->fit,
                              {wall->lens, true, kRefitSteps});
       if (fit) wall->fit = *std::move(fit);
@@ -201,9 +204,9 @@ class Calibrating {
     calibration_.wall = *std::move(wall);
   }
 
-  void take(calibration::TurnPlate plate) {
-    calibration_.plate = std::move(plate);
-    samples_ = samples_of(measurements_, means_, calibration_.plate);
+  void take(calibration::CalibratedTurntable turntable) {
+    calibration_.turntable = std::move(turntable);
+    samples_ = samples_of(measurements_, means_, calibration_.turntable);
   }
 
   Status add_projector(std::size_t p, Result<calibration::MeasuredMap> map) {
@@ -271,7 +274,7 @@ class Calibrating {
   std::vector<std::pair<std::size_t, calibration::MeasuredMap>> maps_of_before_;
   double worst_of_before_ = 0.0;  ///< Largest error of an old map relative to the new map's error on left-out samples.
   Samples samples_;
-  PlateHints hints_;
+  TurntableHints hints_;
   Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();  ///< Rotation from the previous calibration.
 };
 

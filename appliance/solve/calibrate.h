@@ -19,7 +19,7 @@ namespace cyclorama::solve {
 
 struct CalibrateOptions {
   bool with_wall = true;
-  TurnPlateOptions plate{};
+  TurntableSolverOptions turntable{};
   MapOptions map{};
   ModelOptions model{};
   std::size_t wall_samples = 1200;  ///< Total over all projectors.
@@ -27,7 +27,7 @@ struct CalibrateOptions {
   const calibration::Calibration* previous = nullptr;
 };
 
-/// Errors: those of Measurements::validate(), solve_turn_plate() and, with the projector's name, fit_measured_map(). If
+/// Errors: those of Measurements::validate(), solve_turntable() and, with the projector's name, fit_measured_map(). If
 /// the wall cannot be fitted, a remark says so, since the maps need no wall. A projector that was not seen at all is an
 /// error. Blocks while one thread works per map and per fold; the result does not depend on the threads. Reentrant.
 Result<calibration::Calibration> calibrate(const Measurements& measurements, std::string date,

@@ -200,7 +200,7 @@ int fitting_cell_px(const Measurements& measurements) {
   // The median density over blocks of 64 pixels that a direction lights at all.
   constexpr int kBlock_px = 64;
   std::vector<double> counts;
-  for (const PlateDirection& direction : measurements.directions) {
+  for (const TurntableDirection& direction : measurements.directions) {
     std::vector<std::vector<int>> blocks(measurements.projectors.size());
     for (std::size_t p = 0; p < blocks.size(); ++p) {
       const MeasuredProjector& format = measurements.projectors[p];

@@ -46,7 +46,7 @@ Status Measurements::validate() const {
     }
   }
   for (std::size_t d = 0; d < directions.size(); ++d) {
-    const PlateDirection& direction = directions[d];
+    const TurntableDirection& direction = directions[d];
     if (!std::isfinite(direction.angle_rad) || !(direction.sigma_rad > 0.0) || !std::isfinite(direction.sigma_rad)) {
       return refused(fmt::format("direction {}: its angle or its sigma is no valid number; check the turntable", d));
     }

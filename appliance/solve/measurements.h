@@ -32,7 +32,7 @@ struct Correspondence {
   std::uint32_t projector = 0;  ///< Index in Measurements::projectors.
 };
 
-struct PlateDirection {
+struct TurntableDirection {
   double angle_rad = 0.0;     ///< Reported by the turntable.
   double sigma_rad = 1.0e-3;  ///< Standard deviation of that angle.
   std::vector<Correspondence> correspondences;
@@ -57,7 +57,7 @@ struct Measurements {
   calibration::MeasuredLens camera;  ///< With the covariance from its own calibration.
   /// Approximate upward tilt of the camera; the solver refines it and finds the roll.
   double pitch_rad = 0.0;
-  std::vector<PlateDirection> directions;
+  std::vector<TurntableDirection> directions;
   std::vector<MeasuredProjector> projectors;
   /// Approximate distance from the sweet spot to the wall; it sets the scale of all lengths.
   double wall_distance_m = 4.0;

@@ -33,7 +33,7 @@ std::uint64_t key_of(const Correspondence& c) {
 MeasuredRegistration measured_registration(const Measurements& measurements,
                                            const calibration::Calibration& calibration) {
   std::vector<double> errors;
-  for (const PlateDirection& direction : measurements.directions) {
+  for (const TurntableDirection& direction : measurements.directions) {
     std::vector<const Correspondence*> correspondences;
     for (const Correspondence& c : direction.correspondences) correspondences.push_back(&c);
     std::sort(correspondences.begin(), correspondences.end(), [](const Correspondence* a, const Correspondence* b) {

@@ -16,47 +16,47 @@ namespace cyclorama::solve {
 /// Maps camera pixels to directions from the sweet spot. Borrows the turntable's calibration for its life. Reentrant.
 class WallDirections {
  public:
-  explicit WallDirections(const calibration::TurnPlate& plate);
+  explicit WallDirections(const calibration::CalibratedTurntable& turntable);
   /// Returns the unit direction, from the sweet spot, of the wall point that a camera pixel sees; nothing outside the
   /// lens's domain.
   [[nodiscard]] std::optional<Eigen::Vector3d> at(std::size_t direction, const Eigen::Vector2d& camera_px) const;
 
  private:
-  const calibration::TurnPlate& plate_;
+  const calibration::CalibratedTurntable& turntable_;
   std::optional<calibration::BrownLens> lens_;
 };
 
 /// WallDirections::at() for a single pixel; each call searches again for the fold of the distortion.
-[[nodiscard]] std::optional<Eigen::Vector3d> seen_direction(const calibration::TurnPlate& plate, std::size_t direction,
-                                                            const Eigen::Vector2d& camera_px);
+[[nodiscard]] std::optional<Eigen::Vector3d> seen_direction(const calibration::CalibratedTurntable& turntable,
+                                                            std::size_t direction, const Eigen::Vector2d& camera_px);
 
 /// Solves once without the camera's offset, and then again as more becomes known. Borrows the arguments of create() for
 /// its life. Reentrant.
-class TurnPlateSolver {
+class TurntableSolver {
  public:
-  /// Errors: those of solve_turn_plate().
-  static Result<TurnPlateSolver> create(const Measurements& measurements, const CellMeans& means,
-                                        const TurnPlateOptions& options);
+  /// Errors: those of solve_turntable().
+  static Result<TurntableSolver> create(const Measurements& measurements, const CellMeans& means,
+                                        const TurntableSolverOptions& options);
   /// Solves with an offset if that is significant and predicts the left-out tracks better, otherwise without.
-  [[nodiscard]] Result<calibration::TurnPlate> solve(const PlateHints& hints = {}) const;
+  [[nodiscard]] Result<calibration::CalibratedTurntable> solve(const TurntableHints& hints = {}) const;
 
  private:
-  TurnPlateSolver(const Measurements& measurements, const CellMeans& means, const TurnPlateOptions& options,
+  TurntableSolver(const Measurements& measurements, const CellMeans& means, const TurntableSolverOptions& options,
                   ChosenTracks tracks);
-  [[nodiscard]] PlateTask task() const { return {measurements_, means_, options_, tracks_, reference_}; }
+  [[nodiscard]] TurntableTask task() const { return {measurements_, means_, options_, tracks_, reference_}; }
 
   const Measurements& measurements_;
   const CellMeans& means_;
-  TurnPlateOptions options_;
+  TurntableSolverOptions options_;
   ChosenTracks tracks_;
   std::size_t reference_;
-  SolvedPlate plain_;
+  SolvedTurntable plain_;
 };
 
 /// Solves the bundle adjustment of the turntable. Errors: kInvalidArgument if it is underdetermined; the message says
 /// what to add (a direction, an overlap, light); kBadData if the directions contradict one another: the turntable or
 /// the projectors moved, or the angles are wrong. Precondition: measurements.validate(). Reentrant.
-Result<calibration::TurnPlate> solve_turn_plate(const Measurements& measurements, const CellMeans& means,
-                                                const TurnPlateOptions& options = {});
+Result<calibration::CalibratedTurntable> solve_turntable(const Measurements& measurements, const CellMeans& means,
+                                                         const TurntableSolverOptions& options = {});
 
 }  // namespace cyclorama::solve

@@ -36,8 +36,8 @@ bool is_definite(const Eigen::Matrix2d& m) { return m(0, 0) > 0.0 && m(1, 1) > 0
 
 }  // namespace
 
-PlateAdjustment::PlateAdjustment(const PlateTask& task, const PlateHints& hints, bool with_offset,
-                                 const std::vector<const Track*>& tracks, PlateState* state)
+TurntableAdjustment::TurntableAdjustment(const TurntableTask& task, const TurntableHints& hints, bool with_offset,
+                                         const std::vector<const Track*>& tracks, TurntableState* state)
     : measurements_(task.measurements), options_(task.options), reference_(task.reference), state_(state) {
   bool with_turn = false;
   for (std::size_t t = 0; t < tracks.size(); ++t) {
@@ -47,7 +47,7 @@ PlateAdjustment::PlateAdjustment(const PlateTask& task, const PlateHints& hints,
     data.wall_inverse_depth = state->inverse_depth.wall_at(Eigen::Vector3d(state->directions[t].data()));
     for (const std::size_t i : tracks[t]->cells) {
       const CellMean& cell = task.means.cells[i];
-      observations_.push_back({PlateObservation(cell), static_cast<std::size_t>(cell.direction)});
+      observations_.push_back({TurntableObservation(cell), static_cast<std::size_t>(cell.direction)});
     }
     const CellMean& cell = task.means.cells[tracks[t]->cells.front()];
     if (with_offset && hints.known) {
@@ -77,7 +77,7 @@ PlateAdjustment::PlateAdjustment(const PlateTask& task, const PlateHints& hints,
   }
 }
 
-void PlateAdjustment::choose_shared(bool with_offset, bool with_turn) {
+void TurntableAdjustment::choose_shared(bool with_offset, bool with_turn) {
   columns_.assign(kAngleIndex, -1);
   const auto add = [&](Shared::Kind kind, int first, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -105,7 +105,7 @@ void PlateAdjustment::choose_shared(bool with_offset, bool with_turn) {
   }
 }
 
-double* PlateAdjustment::number(PlateState* state, const Shared& shared) const {
+double* TurntableAdjustment::number(TurntableState* state, const Shared& shared) const {
   switch (shared.kind) {
     case Shared::kLens:
       return &state->lens[shared.index];
@@ -123,7 +123,7 @@ double* PlateAdjustment::number(PlateState* state, const Shared& shared) const {
   CHECK(false);
 }
 
-double PlateAdjustment::prior_sigma(const Shared& shared) const {
+double TurntableAdjustment::prior_sigma(const Shared& shared) const {
   const double distance = measurements_.wall_distance_m;
   const auto i = static_cast<Eigen::Index>(shared.index);
   switch (shared.kind) {
@@ -144,7 +144,7 @@ double PlateAdjustment::prior_sigma(const Shared& shared) const {
   CHECK(false);
 }
 
-Eigen::VectorXd PlateAdjustment::shared_numbers(PlateState* state) const {
+Eigen::VectorXd TurntableAdjustment::shared_numbers(TurntableState* state) const {
   Eigen::VectorXd numbers(static_cast<Eigen::Index>(shared_.size()));
   for (std::size_t i = 0; i < shared_.size(); ++i) {
     numbers[static_cast<Eigen::Index>(i)] = *number(state, shared_[i]);
@@ -152,12 +152,12 @@ Eigen::VectorXd PlateAdjustment::shared_numbers(PlateState* state) const {
   return numbers;
 }
 
-Eigen::Index PlateAdjustment::column_of(int parameter_index, std::size_t direction) const {
+Eigen::Index TurntableAdjustment::column_of(int parameter_index, std::size_t direction) const {
   return parameter_index == kAngleIndex ? angle_columns_[direction]
                                         : columns_[static_cast<std::size_t>(parameter_index)];
 }
 
-std::optional<double> PlateAdjustment::add_measured(PlateState* state, bool with_known, Equations* ret) const {
+std::optional<double> TurntableAdjustment::add_measured(TurntableState* state, bool with_known, Equations* ret) const {
   using ObservationNormal = Eigen::Matrix<double, kObservationParameters, kObservationParameters>;
   using ObservationGradient = Eigen::Matrix<double, kObservationParameters, 1>;
   std::vector<SeenFrom> cameras;
@@ -237,8 +237,8 @@ std::optional<double> PlateAdjustment::add_measured(PlateState* state, bool with
   return cost;
 }
 
-double PlateAdjustment::add_priors(PlateState* state, Eigen::VectorXd* ret_gradient,
-                                   Eigen::MatrixXd* ret_normal) const {
+double TurntableAdjustment::add_priors(TurntableState* state, Eigen::VectorXd* ret_gradient,
+                                       Eigen::MatrixXd* ret_normal) const {
   const Eigen::VectorXd off = shared_numbers(state) - prior_means_;
   const Eigen::VectorXd slope = prior_normal_ * off;
   if (ret_gradient != nullptr) *ret_gradient += slope;
@@ -246,15 +246,15 @@ double PlateAdjustment::add_priors(PlateState* state, Eigen::VectorXd* ret_gradi
   return 0.5 * off.dot(slope);
 }
 
-std::optional<double> PlateAdjustment::linearise() {
+std::optional<double> TurntableAdjustment::linearise() {
   const auto cost = add_measured(state_, true, &equations_);
   if (!cost) return std::nullopt;
   const double priors = add_priors(state_, &equations_.gradient, &equations_.normal);
   return std::isfinite(*cost + priors) ? std::optional(*cost + priors) : std::nullopt;
 }
 
-void PlateAdjustment::cross_of(const Equations& equations, std::size_t track, std::vector<Eigen::Index>* ret_columns,
-                               Eigen::Matrix2Xd* ret_cross) const {
+void TurntableAdjustment::cross_of(const Equations& equations, std::size_t track,
+                                   std::vector<Eigen::Index>* ret_columns, Eigen::Matrix2Xd* ret_cross) const {
   // The shared parameters, the rotation, and then one angle per direction.
   const TrackData& data = tracks_[track];
   ret_columns->clear();
@@ -281,7 +281,7 @@ void PlateAdjustment::cross_of(const Equations& equations, std::size_t track, st
   }
 }
 
-PlateAdjustment::Elimination PlateAdjustment::eliminated(const Equations& equations, double damping) const {
+TurntableAdjustment::Elimination TurntableAdjustment::eliminated(const Equations& equations, double damping) const {
   Elimination left{equations.normal, equations.gradient};
   left.normal.diagonal() += damping_of(equations.normal.diagonal(), damping);
   std::vector<Eigen::Index> columns;
@@ -308,7 +308,7 @@ PlateAdjustment::Elimination PlateAdjustment::eliminated(const Equations& equati
   return left;
 }
 
-std::optional<DampedProblem::Attempt> PlateAdjustment::attempt(double damping) {
+std::optional<DampedProblem::Attempt> TurntableAdjustment::attempt(double damping) {
   const Elimination left = eliminated(equations_, damping);
   const Eigen::LLT<Eigen::MatrixXd> factor(left.normal);  // Reads the lower triangle.
   if (factor.info() != Eigen::Success) return std::nullopt;
@@ -346,14 +346,14 @@ std::optional<DampedProblem::Attempt> PlateAdjustment::attempt(double damping) {
   return Attempt{*cost + add_priors(&candidate_, nullptr, nullptr), predicted, std::sqrt(squares) / size};
 }
 
-Eigen::MatrixXd PlateAdjustment::reduced_normal(bool measured_alone) const {
+Eigen::MatrixXd TurntableAdjustment::reduced_normal(bool measured_alone) const {
   Equations equations;
   if (!add_measured(state_, !measured_alone, &equations)) return prior_normal_;
   if (!measured_alone) add_priors(state_, nullptr, &equations.normal);
   return eliminated(equations, 0.0).normal;
 }
 
-std::vector<std::string> PlateAdjustment::names() const {
+std::vector<std::string> TurntableAdjustment::names() const {
   static constexpr const char* kLens[] = {"focal_px", "centre_u_px", "centre_v_px", "k1", "k2", "k3", "p1", "p2"};
   static constexpr const char* kMount[] = {"pitch_rad", "roll_rad"};
   static constexpr const char* kOffset[] = {"offset_right_m", "offset_forward_m"};
@@ -384,7 +384,7 @@ std::vector<std::string> PlateAdjustment::names() const {
   return names;
 }
 
-std::vector<double> PlateAdjustment::prior_sigmas() const {
+std::vector<double> TurntableAdjustment::prior_sigmas() const {
   std::vector<double> sigmas;
   for (const Shared& shared : shared_) sigmas.push_back(prior_sigma(shared));
   return sigmas;

@@ -14,12 +14,12 @@
 namespace cyclorama::solve {
 
 /// Borrows its arguments for its life, and modifies `state`. Thread-bound.
-class PlateAdjustment final : public DampedProblem {
+class TurntableAdjustment final : public DampedProblem {
  public:
   /// `state` holds one direction for each of `tracks`. The camera's offset and the wall's inverse depth are free only
   /// if `with_offset`.
-  PlateAdjustment(const PlateTask& task, const PlateHints& hints, bool with_offset,
-                  const std::vector<const Track*>& tracks, PlateState* state);
+  TurntableAdjustment(const TurntableTask& task, const TurntableHints& hints, bool with_offset,
+                      const std::vector<const Track*>& tracks, TurntableState* state);
 
   void weigh_by(RobustLoss loss) override { loss_ = loss; }
   std::optional<double> linearise() override;
@@ -40,7 +40,7 @@ class PlateAdjustment final : public DampedProblem {
     std::size_t index;
   };
   struct TrackObservation {
-    PlateObservation observation;
+    TurntableObservation observation;
     std::size_t direction;
   };
   struct TrackData {
@@ -69,24 +69,24 @@ class PlateAdjustment final : public DampedProblem {
   };
 
   void choose_shared(bool with_offset, bool with_turn);
-  [[nodiscard]] double* number(PlateState* state, const Shared& shared) const;
+  [[nodiscard]] double* number(TurntableState* state, const Shared& shared) const;
   [[nodiscard]] double prior_sigma(const Shared& shared) const;
-  [[nodiscard]] Eigen::VectorXd shared_numbers(PlateState* state) const;
+  [[nodiscard]] Eigen::VectorXd shared_numbers(TurntableState* state) const;
   /// Returns the column of an observation's parameter among the shared parameters; -1: the parameter is held.
   [[nodiscard]] Eigen::Index column_of(int parameter_index, std::size_t direction) const;
   /// Returns half the sum of robust squares; fills the equations unless they are null.
-  std::optional<double> add_measured(PlateState* state, bool with_known, Equations* ret) const;
-  double add_priors(PlateState* state, Eigen::VectorXd* ret_gradient, Eigen::MatrixXd* ret_normal) const;
+  std::optional<double> add_measured(TurntableState* state, bool with_known, Equations* ret) const;
+  double add_priors(TurntableState* state, Eigen::VectorXd* ret_gradient, Eigen::MatrixXd* ret_normal) const;
   /// Computes a track's cross matrix, restricted to its nonzero columns.
   void cross_of(const Equations& equations, std::size_t track, std::vector<Eigen::Index>* ret_columns,
                 Eigen::Matrix2Xd* ret_cross) const;
   [[nodiscard]] Elimination eliminated(const Equations& equations, double damping) const;
 
   const Measurements& measurements_;
-  const TurnPlateOptions& options_;
+  const TurntableSolverOptions& options_;
   std::size_t reference_;
-  PlateState* state_;
-  PlateState candidate_;
+  TurntableState* state_;
+  TurntableState candidate_;
   std::vector<TrackData> tracks_;
   std::vector<TrackObservation> observations_;
   std::vector<Shared> shared_;

@@ -30,7 +30,7 @@ double inverse_depth_at(const calibration::InverseDepthTerms& terms, const Eigen
       Eigen::Map<const Eigen::Matrix<double, calibration::kInverseDepthTerms, 1>>(terms.data()));
 }
 
-PlateObservation::PlateObservation(const CellMean& cell)
+TurntableObservation::TurntableObservation(const CellMean& cell)
     : camera_px(cell.camera_px), whitening(cell.camera_per_projector.inverse() / cell.sigma_px) {}
 
 SeenFrom::SeenFrom(const std::array<double, 2>& mount, const std::array<double, 2>& offset, double angle_rad) {
@@ -54,7 +54,7 @@ SeenFrom::SeenFrom(const std::array<double, 2>& mount, const std::array<double, 
   }
 }
 
-bool SeenFrom::residuals(const PlateObservation& observation, const double* lens,
+bool SeenFrom::residuals(const TurntableObservation& observation, const double* lens,
                          const calibration::InverseDepthTerms& terms, double wall_inverse_depth,
                          const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals, Slopes* ret_slopes) const {
   const Eigen::Matrix<double, calibration::kInverseDepthTerms, 1> basis = inverse_depth_basis(direction);

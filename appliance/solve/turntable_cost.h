@@ -45,11 +45,11 @@ struct KnownDirection {
 };
 
 /// One camera pixel at which a direction of the turntable sees a track.
-struct PlateObservation {
+struct TurntableObservation {
   Eigen::Vector2d camera_px;
   Eigen::Matrix2d whitening;  ///< From camera pixels to sigmas of the projector's pixel.
 
-  explicit PlateObservation(const CellMean& cell);
+  explicit TurntableObservation(const CellMean& cell);
 };
 
 /// Indices of an observation's parameters (those shared by all directions, and one angle) in a residual's Jacobian.
@@ -74,9 +74,9 @@ class SeenFrom {
   SeenFrom(const std::array<double, 2>& mount, const std::array<double, 2>& offset, double angle_rad);
   /// Computes the residuals, in sigmas, of the unit vector `direction` where the wall has the inverse depth
   /// `wall_inverse_depth` plus that of `terms`; `ret_slopes` may be null. Returns false behind the camera.
-  bool residuals(const PlateObservation& observation, const double* lens, const calibration::InverseDepthTerms& terms,
-                 double wall_inverse_depth, const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals,
-                 Slopes* ret_slopes) const;
+  bool residuals(const TurntableObservation& observation, const double* lens,
+                 const calibration::InverseDepthTerms& terms, double wall_inverse_depth,
+                 const Eigen::Vector3d& direction, Eigen::Vector2d* ret_residuals, Slopes* ret_slopes) const;
 
  private:
   /// point = by_direction * direction + by_inverse_depth * inverse_depth

@@ -16,7 +16,7 @@ constexpr DampedOptions kSteps{100, 1e-11, 1e-12};
 
 /// Returns the mean of the directions that the track's observations give; nothing if a pixel is outside the lens's
 /// domain.
-std::optional<Eigen::Vector3d> mean_direction(const PlateState& state, const calibration::BrownLens& lens,
+std::optional<Eigen::Vector3d> mean_direction(const TurntableState& state, const calibration::BrownLens& lens,
                                               const CellMeans& means, const Track& track) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const std::size_t i : track.cells) {
@@ -31,7 +31,7 @@ std::optional<Eigen::Vector3d> mean_direction(const PlateState& state, const cal
 }
 
 /// Returns the error in projector pixels; nothing behind the camera.
-std::optional<Eigen::Vector2d> error_px(const PlateState& state, const CellMean& cell, const Eigen::Vector3d& d) {
+std::optional<Eigen::Vector2d> error_px(const TurntableState& state, const CellMean& cell, const Eigen::Vector3d& d) {
   Eigen::Vector3d point;
   to_camera(state.mount.data(), state.offset.data(), state.angles[static_cast<std::size_t>(cell.direction)], d.data(),
             state.inverse_depth.at(d), point.data());
@@ -43,7 +43,7 @@ std::optional<Eigen::Vector2d> error_px(const PlateState& state, const CellMean&
 
 /// Returns the residual of tracks whose direction is the mean of their n observations, so 2n - 2 degrees of freedom
 /// remain. The worst twentieth is left out, since gross errors are counted by the decoder.
-TrackError residual_of(const PlateState& state, const calibration::BrownLens& lens, const CellMeans& means,
+TrackError residual_of(const TurntableState& state, const calibration::BrownLens& lens, const CellMeans& means,
                        const std::vector<Track>& tracks) {
   std::vector<std::pair<double, double>> squares;
   for (const Track& track : tracks) {
@@ -106,13 +106,13 @@ Eigen::Vector3d wall_direction_along(const CameraPose& pose, const InverseDepthF
   return d;
 }
 
-calibration::MeasuredLens lens_of(const Measurements& measurements, const PlateState& state) {
+calibration::MeasuredLens lens_of(const Measurements& measurements, const TurntableState& state) {
   calibration::MeasuredLens lens = measurements.camera;
   lens.values = state.lens;
   return lens;
 }
 
-Eigen::Vector2d SolvedPlate::offset_sigma_m() const {
+Eigen::Vector2d SolvedTurntable::offset_sigma_m() const {
   const auto place_of = [this](const char* name) -> Eigen::Index {
     const auto at = std::find(names.begin(), names.end(), name);
     CHECK(at != names.end());
@@ -141,14 +141,14 @@ Eigen::Vector2d SolvedPlate::offset_sigma_m() const {
   return sigma;
 }
 
-Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, const PlateState* from,
-                                const Eigen::Vector2d& offset_m) {
+Result<SolvedTurntable> solve_turntable_problem(const TurntableTask& task, const TurntableHints& hints,
+                                                const TurntableState* from, const Eigen::Vector2d& offset_m) {
   const bool with_offset = from != nullptr;
-  SolvedPlate solved;
-  PlateState& state = solved.state;
+  SolvedTurntable solved;
+  TurntableState& state = solved.state;
   state.lens = task.measurements.camera.values;
   state.mount = {task.measurements.pitch_rad + task.options.start[0], task.options.start[1]};
-  for (const PlateDirection& direction : task.measurements.directions) state.angles.push_back(direction.angle_rad);
+  for (const TurntableDirection& direction : task.measurements.directions) state.angles.push_back(direction.angle_rad);
   if (with_offset) {  // Starts from the solution without an offset, near which two small unknowns have little effect.
     state.lens = from->lens;
     state.mount = from->mount;
@@ -170,7 +170,7 @@ Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, 
     return Error(ErrorCode::kInvalidArgument,
                  "the camera's lens has no directions for the pixels that several pictures share; calibrate the lens");
   }
-  PlateAdjustment adjustment(task, hints, with_offset, tracks, &state);
+  TurntableAdjustment adjustment(task, hints, with_offset, tracks, &state);
   const auto cost = minimise_robustly(&adjustment, true, kSteps);
   if (!cost) {
     return Error(ErrorCode::kBadData,

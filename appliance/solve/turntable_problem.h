@@ -17,7 +17,7 @@
 
 namespace cyclorama::solve {
 
-struct TurnPlateOptions {
+struct TurntableSolverOptions {
   double offset_sigma_m = 0.03;  ///< Prior standard deviation of the camera's offset from the axis.
   double mount_sigma_rad = 0.1;
   std::size_t max_tracks = 1500;
@@ -26,7 +26,7 @@ struct TurnPlateOptions {
 };
 
 /// Further information for solving the turntable again.
-struct PlateHints {
+struct TurntableHints {
   /// Direction of a projector's pixel in an earlier calibration, whose rotation relative to this one is estimated;
   /// nothing if it has none.
   std::function<std::optional<KnownDirection>(std::size_t projector, const Eigen::Vector2d& pixel)> known{};
@@ -54,7 +54,7 @@ struct CameraPose {
                                                    const Eigen::Vector3d& ray);
 
 /// The parameters of the bundle adjustment. Solvers keep pointers into it.
-struct PlateState {
+struct TurntableState {
   std::array<double, calibration::MeasuredLens::kParameters> lens{};
   std::array<double, 2> mount{};
   std::array<double, 2> offset{};
@@ -71,8 +71,8 @@ struct TrackError {
   double rms_sigmas = 0.0;
 };
 
-struct SolvedPlate {
-  PlateState state;
+struct SolvedTurntable {
+  TurntableState state;
   double cost = 0.0;
   Eigen::MatrixXd covariance;
   int rank = 0;
@@ -88,10 +88,10 @@ struct SolvedPlate {
 };
 
 /// Inputs that all solutions share. Borrows its members for its life.
-struct PlateTask {
+struct TurntableTask {
   const Measurements& measurements;
   const CellMeans& means;
-  const TurnPlateOptions& options;
+  const TurntableSolverOptions& options;
   const ChosenTracks& tracks;
   std::size_t reference = 0;  ///< The direction that keeps its reported angle.
 };
@@ -99,10 +99,10 @@ struct PlateTask {
 /// Solves the bundle adjustment. `from` is the initial state, a solution without an offset; null: starts from the
 /// reported values and solves without an offset. Errors: kInvalidArgument if the lens has no directions for the tracks;
 /// kBadData if no start converges. Reentrant.
-Result<SolvedPlate> solve_plate(const PlateTask& task, const PlateHints& hints, const PlateState* from,
-                                const Eigen::Vector2d& offset_m);
+Result<SolvedTurntable> solve_plate(const TurntableTask& task, const TurntableHints& hints, const TurntableState* from,
+                                    const Eigen::Vector2d& offset_m);
 
 /// Returns the camera's lens with the parameters of a state.
-[[nodiscard]] calibration::MeasuredLens lens_of(const Measurements& measurements, const PlateState& state);
+[[nodiscard]] calibration::MeasuredLens lens_of(const Measurements& measurements, const TurntableState& state);
 
 }  // namespace cyclorama::solve

@@ -36,4 +36,7 @@ class Program {
   std::string name_;
 };
 
+/// Makes `old_name` an option that only names `new_name`, which replaced it. It does not show in --help.
+void add_renamed_option(CLI::App& app, const std::string& old_name, const std::string& new_name);
+
 }  // namespace cyclorama

@@ -21,7 +21,7 @@
 
 #include "common/base/check.h"
 #include "common/base/unique_fd.h"
-#include "drivers/turnplate/serial/gcode.h"
+#include "drivers/turntable/serial/gcode.h"
 
 namespace cyclorama {
 
@@ -59,7 +59,7 @@ class ScriptedController {
   }
   /// In units of the axis.
   [[nodiscard]] double position() const { return position_; }
-  /// Something holds the plate: it stays where it is.
+  /// Something holds the turntable: it stays where it is.
   void block(bool is_blocked) { is_blocked_ = is_blocked; }
 
  private:

@@ -12,8 +12,9 @@
 #include "renderfarm/balance/tiles.h"
 #include "renderfarm/client/view_window.h"
 #include "renderfarm/coordinator/coordinator_state.h"
-#include "tests/doubles/fake_delegate.h"
+#include "tests/doubles/fake_clock.h"
 #include "tests/doubles/fake_scene.h"
+#include "tests/doubles/recording_delegate.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace {
@@ -215,7 +216,7 @@ class Farm {
   }
 
   FakeClock clock_;
-  FakeDelegate delegate_;
+  RecordingDelegate delegate_;
   coordinator::CoordinatorState state_{{{"a", "a"}, {"b", "b"}, {"c", "c", true}},
                                        balance::BalanceStrategy::kCostMapStealing,
                                        small_pictures(),

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a turn-plate's controller says over the serial line.
+/// What a turntable's controller says over the serial line.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
 
 #include "common/base/check.h"
-#include "drivers/turnplate/serial/gcode.h"
+#include "drivers/turntable/serial/gcode.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;

@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "renderfarm/scene/model.h"
-#include "tests/doubles/memory_file.h"
-#include "tests/doubles/model_invariants.h"
+#include "tests/support/memory_file.h"
+#include "tests/support/model_invariants.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;

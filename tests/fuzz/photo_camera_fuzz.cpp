@@ -9,7 +9,7 @@
 
 #include "appliance/tags/tag_detector.h"
 #include "drivers/camera/file/file_camera.h"
-#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/fake_clock.h"
 
 /// Any bytes behind a file camera (a photo or a video) are pictures or an Error, and the detector survives the
 /// pictures.
@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static auto detector = tags::TagDetector::create({});
   if (file < 0 || !detector || ::ftruncate(file, 0) != 0) std::abort();
   if (size > 0 && ::pwrite(file, data, size, 0) != static_cast<ssize_t>(size)) std::abort();
-  const ManualClock clock;
+  const FakeClock clock;
   auto camera = camera::FileCamera::open("/proc/self/fd/" + std::to_string(file), {}, clock);
   if (!camera) return 0;
   if (!(*camera)->start()) std::abort();

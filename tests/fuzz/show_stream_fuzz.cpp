@@ -10,8 +10,8 @@
 
 #include "appliance/display/frame_assembler.h"
 #include "appliance/display/tour_clock.h"
-#include "tests/doubles/heads_that_see_all.h"
-#include "tests/doubles/jpeg_tiles.h"
+#include "tests/data_sets/heads_that_see_all.h"
+#include "tests/data_sets/jpeg_tiles.h"
 #include "tests/fuzz/fuzz_input.h"
 
 namespace cyclorama {

@@ -91,7 +91,7 @@ def check_settings(computer, folder):
     for name, file, text, word in (("a wrong key", "site.toml", '[farm]\nheds = ["a"]\n', "heds"), ("no TOML", "site.toml", "\0\1\2", "site.toml"),
                                    ("a wrong wall", "installation.toml", "[wall]\nshape = 'torus'\n", "installation.toml"),
                                    ("a wrong camera", "tracker.toml", "[camera]\nkind = 'film'\n", "film"),
-                                   ("a wrong turn-plate", "calibrator.toml", "turnplate = 'lazy-susan'\n", "lazy-susan")):
+                                   ("a wrong turntable", "calibrator.toml", "turntable = 'lazy-susan'\n", "lazy-susan")):
         wrong = folder / "wrong"
         shutil.copytree(given, wrong)
         (wrong / file).write_text(text)

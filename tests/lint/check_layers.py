@@ -29,8 +29,8 @@ drivers/devices: common/base drivers/camera drivers/simulated
 drivers/input: common/base
 drivers/output: common/base common/image common/opening common/process common/room common/wire
 drivers/simulated: common/base common/config common/geometry common/image common/process common/room common/wand
-    common/wire drivers/camera drivers/output drivers/turnplate
-drivers/turnplate: common/base
+    common/wire drivers/camera drivers/output drivers/turntable
+drivers/turntable: common/base
 
 renderfarm/balance: common/base common/image
 renderfarm/client: common/base common/geometry common/wire
@@ -55,7 +55,7 @@ renderfarm/watch: common/base common/config common/http common/image common/proc
 appliance/calibration: appliance/interchange appliance/warp common/base common/geometry common/image common/json
     common/room
 appliance/calibrator: appliance/calibration appliance/healing appliance/scan common/base common/config common/image
-    common/process common/wire drivers/camera drivers/devices drivers/simulated drivers/turnplate
+    common/process common/wire drivers/camera drivers/devices drivers/simulated drivers/turntable
 appliance/camera_calibration: appliance/calibration appliance/solve appliance/structured_light appliance/tags
     common/base common/board common/geometry common/image common/process drivers/devices
 appliance/display: appliance/calibration appliance/interchange appliance/warp common/base common/config
@@ -67,7 +67,7 @@ appliance/interchange: appliance/warp common/base common/geometry common/image c
 appliance/photometry: appliance/calibration appliance/solve appliance/structured_light appliance/warp common/base
     common/image common/json
 appliance/scan: appliance/calibration appliance/photometry appliance/solve appliance/structured_light appliance/warp
-    common/base common/image common/json common/room common/wire drivers/camera drivers/simulated drivers/turnplate
+    common/base common/image common/json common/room common/wire drivers/camera drivers/simulated drivers/turntable
 appliance/solve: appliance/calibration common/base common/geometry
 appliance/structured_light: common/base common/image
 appliance/tags: appliance/calibration common/base common/image common/room
@@ -83,13 +83,15 @@ kiosk/tour: common/base common/config common/geometry common/process common/wire
 kiosk/update: common/base common/config common/opening common/process common/update common/wire kiosk/tour
     renderfarm/client
 
-tests/bench: tests/doubles
+tests/bench: tests/data_sets tests/doubles tests/support
 tests/compile_fail:
+tests/data_sets:
 tests/doubles:
-tests/fuzz: tests/doubles tests/unit
-tests/scenario: tests/doubles
-tests/tools: tests/doubles
-tests/unit: tests/bench tests/doubles
+tests/fuzz: tests/data_sets tests/doubles tests/support tests/unit
+tests/scenario: tests/data_sets tests/doubles tests/support
+tests/support: tests/data_sets tests/doubles
+tests/tools: tests/data_sets tests/doubles tests/support
+tests/unit: tests/bench tests/data_sets tests/doubles tests/support
 """
 PRODUCT = ("common", "drivers", "renderfarm", "appliance", "kiosk")
 # The truth of a simulated museum. Who calibrates may meet neither these headers, also by way of others, nor the file's

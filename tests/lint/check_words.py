@@ -34,7 +34,8 @@ TEXT = {".h", ".cpp", ".proto", ".py", ".js", ".html", ".css", ".md", ".toml", "
 LEFT_OUT = re.compile(r"^(tests/fuzz/(corpus|keep)/|tests/golden/|LICENSE|\.git)|\.(patch|svg)$")
 NAMES_OLD_WORDS = re.compile(r"^(docs/glossary\.md|CHANGELOG\.md|tests/lint/(words\.toml|check_words\w*\.py))$")
 CXX = {".h", ".cpp", ".proto"}
-PRODUCT = ("common/", "drivers/", "renderfarm/", "appliance/", "kiosk/", "tests/doubles/")
+PRODUCT = ("common/", "drivers/", "renderfarm/", "appliance/", "kiosk/", "tests/data_sets/", "tests/doubles/",
+           "tests/support/")
 
 
 class Tree:

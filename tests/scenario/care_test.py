@@ -60,7 +60,7 @@ def check_provisioning(source, build, folder):
     (stick / "site.toml").write_text('[farm]\ncoordinators = ["[::1]:1"]\nmuseum = "hall-3"\n[display]\nattract_after_s = 5\n')
     shutil.copy(source / "demo/installation.toml", stick)
     (stick / "tracker.toml").write_text('[camera]\nkind = "v4l2"\nport = "usb-0000:00:14.0-2"\n')
-    (stick / "calibrator.toml").write_text('turnplate = "manual"\n[[watch.camera]]\nname = "left"\nkind = "v4l2"\nport = "usb-0000:00:14.0-3"\n')
+    (stick / "calibrator.toml").write_text('turntable = "manual"\n[[watch.camera]]\nname = "left"\nkind = "v4l2"\nport = "usb-0000:00:14.0-3"\n')
     (stick / "operator.toml").write_text('pin = "40 17 73"\n')
     provision = [build / "bin/cyclorama-provision", "--state", state]
     changed = folder / "changed"

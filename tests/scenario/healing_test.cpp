@@ -27,10 +27,10 @@
 #include "common/wire/inspection.grpc.pb.h"
 #include "common/wire/show.grpc.pb.h"
 #include "drivers/simulated/museum/presets.h"
-#include "tests/doubles/bumped_show.h"
+#include "tests/data_sets/jpeg_tiles.h"
+#include "tests/data_sets/true_calibration.h"
 #include "tests/doubles/fake_tour.h"
-#include "tests/doubles/jpeg_tiles.h"
-#include "tests/doubles/true_calibration.h"
+#include "tests/support/bumped_show.h"
 
 namespace cyclorama {
 namespace {

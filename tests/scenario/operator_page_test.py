@@ -237,7 +237,7 @@ def check_work(browser, museum, pictures, name):
     browser.click("#realign")
     wait_until(lambda: "measured anew" in browser.text("#care-note"), 30, "the realignment")
     browser.click("#calibrate")
-    wait_until(lambda: "Turn the plate to 30.0 degrees" in browser.text("#calibration-question"), 30, "the question")
+    wait_until(lambda: "Turn the turntable to 30.0 degrees" in browser.text("#calibration-question"), 30, "the question")
     browser.type("#calibration-answer", "30.5")
     browser.picture(pictures / f"question-{name}.png", whole=False)
     browser.press_enter("#calibration-answer")
@@ -253,7 +253,7 @@ def check_work(browser, museum, pictures, name):
     wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "the cancellation")
     browser.picture(pictures / f"cancelled-{name}.png", whole=False)
     browser.click("#calibrate-resume")
-    wait_until(lambda: "Turn the plate" in browser.text("#calibration-question"), 30, "the resumed calibration")
+    wait_until(lambda: "Turn the turntable" in browser.text("#calibration-question"), 30, "the resumed calibration")
     browser.click("#calibrate-cancel")
     wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "the cancellation")
     wait_until(lambda: browser.run("return document.getElementById('place-cameras').offsetParent !== null"), 30,
@@ -267,7 +267,7 @@ def check_work(browser, museum, pictures, name):
     wait_until(lambda: browser.run("return document.getElementById('calibrate-quick').offsetParent !== null"), 30,
                "the button calibrate-quick")
     browser.click("#calibrate-quick")
-    wait_until(lambda: "Turn the plate" in browser.text("#calibration-question"), 30, "the quick calibration")
+    wait_until(lambda: "Turn the turntable" in browser.text("#calibration-question"), 30, "the quick calibration")
     browser.click("#calibrate-cancel")
     wait_until(lambda: "Cancelled" in browser.text("#calibration-state"), 30, "the cancellation")
     browser.click("#calibrate-restore")

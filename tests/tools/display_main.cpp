@@ -8,7 +8,7 @@
 #include "appliance/display/display.h"
 #include "common/process/program.h"
 #include "common/room/installation.h"
-#include "tests/doubles/skewed_clock.h"
+#include "tests/doubles/fake_skewed_clock.h"
 
 namespace cyclorama {
 namespace {
@@ -23,7 +23,7 @@ struct Options {
 
 class RefreshLog {
  public:
-  RefreshLog(const std::string& path, const SkewedClock& clock) : file_(fmt::output_file(path)), clock_(clock) {}
+  RefreshLog(const std::string& path, const FakeSkewedClock& clock) : file_(fmt::output_file(path)), clock_(clock) {}
   void add(const display::RefreshEvent& event) {
     if (event.is_first_of_frame) frame_ = event.frame_number;
     file_.print("{} {} {} {} {} {:.6f} {:.3f}\n", to_nanoseconds(clock_.true_time(event.presented.at)),
@@ -35,7 +35,7 @@ class RefreshLog {
 
  private:
   fmt::ostream file_;
-  const SkewedClock& clock_;
+  const FakeSkewedClock& clock_;
   std::uint64_t frame_ = 0;
 };
 
@@ -44,7 +44,7 @@ Status run(Options options, const StopSignal& stop) {
   const auto ms = [](double value) {
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(value));
   };
-  const SkewedClock clock(ms(options.skew_ms), options.drift_ppm);
+  const FakeSkewedClock clock(ms(options.skew_ms), options.drift_ppm);
   options.display.system_clock = [skew = ms(options.skew_ms)] { return std::chrono::system_clock::now() + skew; };
   RefreshLog log(options.log, clock);
   options.display.on_refresh = [&log](const display::RefreshEvent& event) { log.add(event); };

@@ -88,7 +88,7 @@ struct Parts {
     CHECK(jpeg);
     calibrator.messages = told_calibration(8, {reinterpret_cast<const char*>(jpeg->data()), jpeg->size()});
     calibrator.messages.front().set_question(
-        "Turn the plate to 30.0 degrees to the left, then press Enter (or type the angle that it stands at; q to "
+        "Turn the turntable to 30.0 degrees to the left, then press Enter (or type the angle that it stands at; q to "
         "stop): ");
     calibrator.step_takes = 1500ms;
     tell_healing(&calibrator.inspection);

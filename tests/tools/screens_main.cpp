@@ -14,7 +14,7 @@
 #include "drivers/simulated/room/room_picture.h"
 #include "renderfarm/render/renderer.h"
 #include "renderfarm/scene/scene.h"
-#include "tests/doubles/warped_picture.h"
+#include "tests/support/warped_picture.h"
 
 namespace cyclorama {
 namespace {

@@ -39,8 +39,8 @@ Result<calibration::Calibration> read_existing(const std::filesystem::path& fold
 Error realignment_refused(const std::string& what) { return Error(ErrorCode::kBadData, what + kAll); }
 
 double RealignmentBaseline::camera_inverse_depth(const Eigen::Vector3d& direction) const {
-  const calibration::TurnPlate& plate = calibration.plate;
-  return solve::InverseDepthField{plate.inverse_depth, plate.wall ? &*plate.wall : nullptr}.at(direction);
+  const calibration::CalibratedTurntable& turntable = calibration.turntable;
+  return solve::InverseDepthField{turntable.inverse_depth, turntable.wall ? &*turntable.wall : nullptr}.at(direction);
 }
 
 double RealignmentBaseline::wall_inverse_depth(const Eigen::Vector3d& direction) const {
@@ -58,7 +58,7 @@ Result<RealignmentBaseline> read_baseline(const Installation& installation, cons
     return Error(ErrorCode::kNotFound, fmt::format("no projector '{}' was calibrated before{}", projector, kAll));
   }
   const auto target = static_cast<std::size_t>(at - all.begin());
-  const calibration::MeasuredLens& camera = calibration.plate.camera;
+  const calibration::MeasuredLens& camera = calibration.turntable.camera;
   if (camera.width_px != camera_width_px || camera.height_px != camera_height_px)
     return realignment_refused("the previous calibration was made with another camera");
   if (!calibration.wall) return realignment_refused("the previous calibration lacks the wall's shape");

@@ -32,7 +32,7 @@ struct ReferenceObservation {
 };
 
 /// Returns the pose that the calibrated turntable gives the camera at `angle_rad`.
-[[nodiscard]] LocatedCamera planned_camera(const calibration::TurnPlate& plate, double angle_rad);
+[[nodiscard]] LocatedCamera planned_camera(const calibration::CalibratedTurntable& turntable, double angle_rad);
 
 /// Robust least squares from `planned`: either a rotation alone, or a rotation and a new centre if the latter is
 /// significant (three sigma) and predicts the left-out observations better.

@@ -114,10 +114,10 @@ std::optional<LocatedCamera> solved(const LocatedCamera& planned, std::span<cons
 
 }  // namespace
 
-LocatedCamera planned_camera(const calibration::TurnPlate& plate, double angle_rad) {
-  const std::array<double, 2> mount{plate.pitch_rad, plate.roll_rad};
+LocatedCamera planned_camera(const calibration::CalibratedTurntable& turntable, double angle_rad) {
+  const std::array<double, 2> mount{turntable.pitch_rad, turntable.roll_rad};
   const std::array<double, 2> none{};
-  const std::array<double, 2> offset{plate.offset_m.x(), plate.offset_m.y()};
+  const std::array<double, 2> offset{turntable.offset_m.x(), turntable.offset_m.y()};
   LocatedCamera camera;
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis);

@@ -52,7 +52,7 @@ Result<calibration::MeasuredMap> fit_map(const calibration::CalibratedProjector&
 solve::Measurements measurements_of(const RealignmentBaseline& baseline, const RealignmentPhotographs& photographs) {
   solve::Measurements all;
   const calibration::CalibratedProjector& target = baseline.projector();
-  all.camera = baseline.calibration.plate.camera;
+  all.camera = baseline.calibration.turntable.camera;
   all.projectors.push_back({target.name, target.map.width_px, target.map.height_px, {}});
   for (std::size_t r = 0; r < baseline.references.size(); ++r) {
     const ReferenceProjector& reference = baseline.references[r];

@@ -29,12 +29,12 @@ bool is_in_view(const RealignmentBaseline& baseline, const LocatedCamera& camera
   const auto pixel =
       baseline.lens.pixel_of(camera.R_camera_eye * (d - baseline.camera_inverse_depth(d) * camera.centre_m));
   if (!pixel) return false;
-  const double u = pixel->x() / baseline.calibration.plate.camera.width_px;
-  const double v = pixel->y() / baseline.calibration.plate.camera.height_px;
+  const double u = pixel->x() / baseline.calibration.turntable.camera.width_px;
+  const double v = pixel->y() / baseline.calibration.turntable.camera.height_px;
   return u >= rim && u <= 1.0 - rim && v >= rim && v <= 1.0 - rim;
 }
 
-double best_angle(const RealignmentBaseline& baseline, const turnplate::TurnRange& range) {
+double best_angle(const RealignmentBaseline& baseline, const turntable::TurnRange& range) {
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for_points(baseline.projector().map, [&](const Eigen::Vector2d&, const Eigen::Vector3d& d) { middle += d; });
   const double towards = std::atan2(middle.x(), -middle.z());
@@ -44,7 +44,7 @@ double best_angle(const RealignmentBaseline& baseline, const turnplate::TurnRang
   for (int i = -kHeadings; i <= kHeadings; ++i) {
     const double angle = std::remainder(towards + i * kHeadingStep_rad, 2.0 * std::numbers::pi);
     if (angle < range.min_rad || angle > range.max_rad) continue;
-    const LocatedCamera camera = planned_camera(baseline.calibration.plate, angle);
+    const LocatedCamera camera = planned_camera(baseline.calibration.turntable, angle);
     double gain = -1e-3 * std::abs(i);  // Prefers the direct heading if all else is equal.
     int n = 0;
     for (std::size_t p = 0; p < projectors.size(); ++p) {
@@ -116,8 +116,8 @@ Status photograph_target(const RealignmentBaseline& baseline, const ScanSettings
 
 /// Predicts the pixel that each camera pixel should see; pixels near a picture's edge or in an overlap are not used.
 ExpectedReferences expected_from(const RealignmentBaseline& baseline, const LocatedCamera& camera) {
-  const int width = baseline.calibration.plate.camera.width_px;
-  const int height = baseline.calibration.plate.camera.height_px;
+  const int width = baseline.calibration.turntable.camera.width_px;
+  const int height = baseline.calibration.turntable.camera.height_px;
   ExpectedReferences expected{Image<float, 2>(width, height), Image<std::int16_t, 1>(width, height, -1)};
   const InverseDepthAt inverse_depth = [&](const Eigen::Vector3d& d) { return baseline.camera_inverse_depth(d); };
   const int every = width > kManyPixels ? 2 : 1;
@@ -154,11 +154,11 @@ Result<RealignmentPhotographs> photograph_displaced(const RealignmentBaseline& b
                                                     const ScanDevices& devices, const ScanListener& listener,
                                                     const std::stop_token& stop) {
   RealignmentPhotographs all;
-  const double angle = best_angle(baseline, devices.plate.range());
+  const double angle = best_angle(baseline, devices.turntable.range());
   if (listener) listener({fmt::format("turns the camera to {:.0f} degrees", angle / kDegree), 0.0, nullptr});
-  TRY(turn_plate(devices.plate, angle));
+  TRY(turn_with_retry(devices.turntable, angle));
   for (std::size_t p = 0; p < installation.projectors.size(); ++p) TRY(devices.screen.show(p, RgbImage()));
-  all.planned = planned_camera(baseline.calibration.plate, angle);
+  all.planned = planned_camera(baseline.calibration.turntable, angle);
   TRY(photograph_target(baseline, settings, devices, listener, stop, &all));
   TRY_ASSIGN(all.references,
              measure_references(baseline.references, expected_from(baseline, all.planned), all.target.exposure_s,

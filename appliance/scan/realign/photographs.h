@@ -25,7 +25,7 @@ struct RealignmentPhotographs {
 /// Turns the camera to where it sees all of the displaced projector's light and as much as possible of the others'. All
 /// projectors are dark afterwards.
 /// Errors: kUnavailable if the projector gives no light or `stop` was requested; otherwise those of measure_view() and
-/// Turnplate. Blocks.
+/// Turntable. Blocks.
 Result<RealignmentPhotographs> photograph_displaced(const RealignmentBaseline& baseline,
                                                     const Installation& installation, const ScanSettings& settings,
                                                     const ScanDevices& devices, const ScanListener& listener,

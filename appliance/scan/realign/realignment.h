@@ -38,7 +38,7 @@ struct RealignmentOutcome {
 /// projectors, if the lens was turned, a displacement does not explain what is seen, other projectors have moved too,
 /// the camera is a different one or stands elsewhere, the projector no longer overlaps another, or the calibration
 /// lacks what is needed (wall, light); kUnavailable if the projector is dark or the call was cancelled; otherwise those
-/// of measure_view() and Turnplate. Blocks for about ten seconds.
+/// of measure_view() and Turntable. Blocks for about ten seconds.
 Result<RealignmentOutcome> realign_projector(const Installation& installation, const std::string& projector,
                                              const ScanSettings& settings, const ScanDevices& devices,
                                              const std::filesystem::path& folder, const std::string& date,

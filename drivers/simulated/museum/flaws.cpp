@@ -87,16 +87,16 @@ void spoil_camera(RandomStream draws, TrueCamera* c) {
   c->line_time_s = draws.between(8e-6, 20e-6);
 }
 
-void spoil_plate(RandomStream draws, TruePlate* plate) {
+void spoil_turntable(RandomStream draws, TrueTurntable* turntable) {
   const Eigen::Quaterniond leaning = small_turn(&draws, 0.4 * kDegree);
-  plate->T_room_plate = {leaning * plate->T_room_plate.rotation(),
-                         plate->T_room_plate.translation() + small_step(&draws, 0.01)};
-  const Eigen::Quaterniond turned = plate->T_plate_camera.rotation() * small_turn(&draws, 1.5 * kDegree);
-  plate->T_plate_camera = {turned, plate->T_plate_camera.translation() + small_step(&draws, 0.02)};
-  plate->scale_error = draws.about_zero(5e-4);
-  plate->wobble_rad = draws.about_zero(0.03 * kDegree);
-  plate->backlash_rad = draws.between(0.0, 0.05 * kDegree);
-  plate->jitter_rad = draws.between(0.0, 0.01 * kDegree);
+  turntable->T_room_turntable = {leaning * turntable->T_room_turntable.rotation(),
+                                 turntable->T_room_turntable.translation() + small_step(&draws, 0.01)};
+  const Eigen::Quaterniond turned = turntable->T_turntable_camera.rotation() * small_turn(&draws, 1.5 * kDegree);
+  turntable->T_turntable_camera = {turned, turntable->T_turntable_camera.translation() + small_step(&draws, 0.02)};
+  turntable->scale_error = draws.about_zero(5e-4);
+  turntable->wobble_rad = draws.about_zero(0.03 * kDegree);
+  turntable->backlash_rad = draws.between(0.0, 0.05 * kDegree);
+  turntable->jitter_rad = draws.between(0.0, 0.01 * kDegree);
 }
 
 }  // namespace
@@ -166,7 +166,7 @@ void add_flaws(const RandomStream& draws, MuseumTruth* truth) {
   for (std::size_t i = 0; i < truth->projectors.size(); ++i)
     spoil_projector(draws.stream(fmt::format("projector {}", i)), &truth->projectors[i]);
   spoil_camera(draws.stream("camera"), &truth->camera);
-  spoil_plate(draws.stream("plate"), &truth->plate);
+  spoil_turntable(draws.stream("plate"), &truth->turntable);
   RandomStream paint = draws.stream("paint");
   const double grey = paint.between(0.5, 0.85);
   for (double& albedo : truth->albedo) albedo = grey * (1.0 + paint.about_zero(0.03));

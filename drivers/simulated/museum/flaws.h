@@ -30,7 +30,7 @@ void bend_wall(RandomStream draws, double min_m, double max_m, MuseumTruth* trut
 void tilt_wall(RandomStream draws, MuseumTruth* truth);
 /// Waves and dents of 0.5 to 3 cm.
 void dent_wall(RandomStream draws, MuseumTruth* truth);
-/// Of projectors, camera, plate and paint.
+/// Of projectors, camera, turntable and paint.
 void add_flaws(const RandomStream& draws, MuseumTruth* truth);
 
 }  // namespace cyclorama::simulated

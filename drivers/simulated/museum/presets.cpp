@@ -163,7 +163,7 @@ Result<Preset> make_preset(std::string_view name, std::uint32_t seed, const Pres
   if (name == "dome") {
     const Eigen::Quaterniond ahead_and_up(
         Eigen::AngleAxisd(std::numbers::pi + 25.0 * kDegree, Eigen::Vector3d::UnitX()));
-    preset.truth.plate.T_plate_camera = {ahead_and_up, Eigen::Vector3d::Zero()};
+    preset.truth.turntable.T_turntable_camera = {ahead_and_up, Eigen::Vector3d::Zero()};
   }
   if (name == "not-quite-cylinder") bend_wall(draws.stream("profile"), 4.06, 4.6, &preset.truth);
   if (name == "tilted") tilt_wall(draws.stream("tilt"), &preset.truth);

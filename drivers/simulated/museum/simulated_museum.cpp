@@ -70,12 +70,12 @@ struct SimulatedMuseum::State {
   }
 
   [[nodiscard]] double angle_after(double told) const {
-    const TruePlate& plate = truth.truth().plate;
+    const TrueTurntable& turntable = truth.truth().turntable;
     const std::uint64_t random = mixed(mixed(truth.truth().seed) + turns);
     const auto quantiles = normal_quantiles();
     const double stop = static_cast<double>(quantiles[random % quantiles.size()]);
-    return told * (1.0 + plate.scale_error) + plate.wobble_rad * std::sin(told) -
-           0.5 * plate.backlash_rad * last_turn_sign + plate.jitter_rad * stop;
+    return told * (1.0 + turntable.scale_error) + turntable.wobble_rad * std::sin(told) -
+           0.5 * turntable.backlash_rad * last_turn_sign + turntable.jitter_rad * stop;
   }
 
   /// What the camera's channels see of the wall's cells by light that varies slowly: indirect, and ambient.
@@ -299,14 +299,14 @@ void SimulatedMuseum::turn_to(double angle_rad) {
   State& state = *state_;
   const double by = angle_rad - state.told_angle_rad;
   if (by != 0.0) state.last_turn_sign = by > 0.0 ? 1.0 : -1.0;
-  state.now_s += std::abs(by) / state.truth.truth().plate.speed_rad_s;
+  state.now_s += std::abs(by) / state.truth.truth().turntable.speed_rad_s;
   state.told_angle_rad = angle_rad;
   ++state.turns;
   state.true_angle_rad = state.angle_after(angle_rad);
   state.table.reset();
 }
 
-double SimulatedMuseum::plate_angle_rad() const { return state_->told_angle_rad; }
+double SimulatedMuseum::turntable_angle_rad() const { return state_->told_angle_rad; }
 
 int SimulatedMuseum::camera_width_px() const { return state_->truth.truth().camera.lens.pinhole().width_px; }
 int SimulatedMuseum::camera_height_px() const { return state_->truth.truth().camera.lens.pinhole().height_px; }
@@ -322,6 +322,6 @@ Result<RgbPhotograph> SimulatedMuseum::photograph_colour(double exposure_s) {
 }
 
 const TrueMuseum& SimulatedMuseum::truth() const { return state_->truth; }
-double SimulatedMuseum::true_plate_angle_rad() const { return state_->true_angle_rad; }
+double SimulatedMuseum::true_turntable_angle_rad() const { return state_->true_angle_rad; }
 
 }  // namespace cyclorama::simulated

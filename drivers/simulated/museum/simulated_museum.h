@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A museum that does not exist, with the devices that a calibration uses: projectors that show pictures, a turn-plate
+/// A museum that does not exist, with the devices that a calibration uses: projectors that show pictures, a turntable
 /// with a camera on it. It has true optics, and keeps the truth to itself.
 ///
 ///     show(i, picture) ──▶ projector i ── light ──▶ wall ⇄ wall ──▶ camera ──▶ photograph_grey(exposure)
 ///                                                                     │
-///                                             turn_to(angle) ──▶ turn-plate
+///                                             turn_to(angle) ──▶ turntable
 ///
-/// Time is its own: it passes while the plate turns, while the camera exposes and in wait(), and nowhere else.
+/// Time is its own: it passes while the turntable turns, while the camera exposes and in wait(), and nowhere else.
 /// The same calls in the same order give the same photographs, to the bit, on however many threads.
 #pragma once
 
@@ -55,8 +55,8 @@ class SimulatedMuseum {
 
   /// Positive to the right. Waits until it stands; where it really stands it does not know.
   void turn_to(double angle_rad);
-  /// As the plate believes.
-  [[nodiscard]] double plate_angle_rad() const;
+  /// As the turntable believes.
+  [[nodiscard]] double turntable_angle_rad() const;
 
   [[nodiscard]] int camera_width_px() const;
   [[nodiscard]] int camera_height_px() const;
@@ -68,8 +68,8 @@ class SimulatedMuseum {
 
   /// For scoring, with drivers/simulated/museum/true_museum.h.
   [[nodiscard]] const TrueMuseum& truth() const;
-  /// Where the plate really stands. For scoring.
-  [[nodiscard]] double true_plate_angle_rad() const;
+  /// Where the turntable really stands. For scoring.
+  [[nodiscard]] double true_turntable_angle_rad() const;
 
  private:
   struct State;

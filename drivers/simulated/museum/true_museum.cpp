@@ -217,14 +217,14 @@ RoomColour TrueMuseum::radiance_at(const TrueWall::Hit& at, std::span<const RgbI
 }
 
 RigidTransform<frame::Room, frame::Camera> TrueMuseum::camera_pose(double true_angle_rad) const {
-  const RigidTransform<frame::Plate, frame::Plate> turned(
+  const RigidTransform<frame::Turntable, frame::Turntable> turned(
       Eigen::Quaterniond(Eigen::AngleAxisd(-true_angle_rad, Eigen::Vector3d::UnitY())), Eigen::Vector3d::Zero());
-  return truth_.plate.T_room_plate * turned * truth_.plate.T_plate_camera;
+  return truth_.turntable.T_room_turntable * turned * truth_.turntable.T_turntable_camera;
 }
 
 Point<frame::Room> TrueMuseum::turning_point() const {
-  const Eigen::Vector3d camera = truth_.plate.T_plate_camera.translation();
-  return truth_.plate.T_room_plate * Point<frame::Plate>{Eigen::Vector3d(0.0, camera.y(), 0.0)};
+  const Eigen::Vector3d camera = truth_.turntable.T_turntable_camera.translation();
+  return truth_.turntable.T_room_turntable * Point<frame::Turntable>{Eigen::Vector3d(0.0, camera.y(), 0.0)};
 }
 
 }  // namespace cyclorama::simulated

@@ -59,9 +59,9 @@ class TrueMuseum {
   /// pixels' centres, without blur. An empty picture is a lamp that is off.
   [[nodiscard]] RoomColour radiance_at(const TrueWall::Hit& at, std::span<const RgbImage> pictures) const;
 
-  /// Where the camera is when the plate has turned to a true angle.
+  /// Where the camera is when the turntable has turned to a true angle.
   [[nodiscard]] RigidTransform<frame::Room, frame::Camera> camera_pose(double true_angle_rad) const;
-  /// The point of the plate's axis that is nearest to the camera's centre: what it turns about.
+  /// The point of the turntable's axis that is nearest to the camera's centre: what it turns about.
   [[nodiscard]] Point<frame::Room> turning_point() const;
 
  private:

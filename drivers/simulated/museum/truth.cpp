@@ -121,16 +121,16 @@ TrueCamera camera_of(ConfigTable table) {
   return c;
 }
 
-TruePlate plate_of(ConfigTable table) {
-  TruePlate plate;
-  plate.T_room_plate = transform_of<frame::Room, frame::Plate>(table.table("axis"));
-  plate.T_plate_camera = transform_of<frame::Plate, frame::Camera>(table.table("camera"));
-  plate.scale_error = table.number("scale_error", {-0.5, 0.5}, plate.scale_error);
-  plate.wobble_rad = table.number("wobble_rad", {-1.0, 1.0}, plate.wobble_rad);
-  plate.backlash_rad = table.number("backlash_rad", {0.0, 1.0}, plate.backlash_rad);
-  plate.jitter_rad = table.number("jitter_rad", {0.0, 1.0}, plate.jitter_rad);
-  plate.speed_rad_s = table.number("speed_rad_s", {1e-3, 1e3}, plate.speed_rad_s);
-  return plate;
+TrueTurntable turntable_of(ConfigTable table) {
+  TrueTurntable turntable;
+  turntable.T_room_turntable = transform_of<frame::Room, frame::Turntable>(table.table("axis"));
+  turntable.T_turntable_camera = transform_of<frame::Turntable, frame::Camera>(table.table("camera"));
+  turntable.scale_error = table.number("scale_error", {-0.5, 0.5}, turntable.scale_error);
+  turntable.wobble_rad = table.number("wobble_rad", {-1.0, 1.0}, turntable.wobble_rad);
+  turntable.backlash_rad = table.number("backlash_rad", {0.0, 1.0}, turntable.backlash_rad);
+  turntable.jitter_rad = table.number("jitter_rad", {0.0, 1.0}, turntable.jitter_rad);
+  turntable.speed_rad_s = table.number("speed_rad_s", {1e-3, 1e3}, turntable.speed_rad_s);
+  return turntable;
 }
 
 }  // namespace
@@ -145,9 +145,9 @@ MuseumTruth MuseumTruth::ideal(const Installation& installation) {
     truth.projectors.push_back(projector);
   }
   truth.camera.lens = TrueLens(Pinhole::from_field_of_view(1200, 900, 70.0 * std::numbers::pi / 180.0));
-  truth.plate.T_room_plate = {Eigen::Quaterniond::Identity(), installation.sweet_spot.xyz};
+  truth.turntable.T_room_turntable = {Eigen::Quaterniond::Identity(), installation.sweet_spot.xyz};
   const Eigen::Quaterniond looking_ahead(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
-  truth.plate.T_plate_camera = {looking_ahead, Eigen::Vector3d::Zero()};
+  truth.turntable.T_turntable_camera = {looking_ahead, Eigen::Vector3d::Zero()};
   return truth;
 }
 
@@ -165,7 +165,7 @@ Result<MuseumTruth> MuseumTruth::parse(std::string_view text, std::string name, 
   truth.seed = static_cast<std::uint32_t>(root.integer("seed", {0, std::numeric_limits<int>::max()}, 1));
   for (ConfigTable& table : root.tables("projector")) truth.projectors.push_back(projector_of(table));
   truth.camera = camera_of(root.table("camera"));
-  truth.plate = plate_of(root.table("plate"));
+  truth.turntable = turntable_of(root.table("turntable"));
   TRY(config.finish());
   return truth;
 }

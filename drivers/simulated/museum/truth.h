@@ -20,7 +20,7 @@
 #include "drivers/simulated/museum/wall_deviation.h"
 
 namespace cyclorama::frame {
-struct Plate;  ///< A turn-plate at angle 0: y along its axis, upwards; x right, z back.
+struct Turntable;  ///< A turntable at angle 0: y along its axis, upwards; x right, z back.
 }  // namespace cyclorama::frame
 
 namespace cyclorama::simulated {
@@ -59,10 +59,10 @@ struct TrueCamera {
 };
 
 /// Angles are positive to the right (clockwise from above), as headings are.
-struct TruePlate {
-  RigidTransform<frame::Room, frame::Plate> T_room_plate;  ///< Its y axis is what the plate turns about.
-  RigidTransform<frame::Plate, frame::Camera>
-      T_plate_camera;         ///< Its translation is what the camera misses the axis by.
+struct TrueTurntable {
+  RigidTransform<frame::Room, frame::Turntable> T_room_turntable;  ///< Its y axis is what the turntable turns about.
+  RigidTransform<frame::Turntable, frame::Camera>
+      T_turntable_camera;     ///< Its translation is what the camera misses the axis by.
   double scale_error = 0.0;   ///< Turns too far by this part.
   double wobble_rad = 0.0;    ///< A sine once per turn: the gear is not round.
   double backlash_rad = 0.0;  ///< Half of it lacks in the direction of the last turn.
@@ -81,8 +81,8 @@ struct MuseumTruth {
   int cells = 400;             ///< Of the wall, for the light that it throws at itself; 0: none.
   std::vector<TrueProjector> projectors;
   TrueCamera camera;
-  TruePlate plate;
-  std::uint32_t seed = 1;  ///< Of the noise and the plate's stops.
+  TrueTurntable turntable;
+  std::uint32_t seed = 1;  ///< Of the noise and the turntable's stops.
 
   /// A room that is what the installation says, with a perfect camera of one megapixel turning on the sweet spot.
   static MuseumTruth ideal(const Installation& installation);

@@ -118,15 +118,15 @@ struct Writer {
     lens("camera.lens", c.lens);
     curve("camera.response", c.response);
   }
-  void plate(const TruePlate& p) {
-    head("plate");
+  void turntable(const TrueTurntable& p) {
+    head("turntable");
     key("scale_error", p.scale_error);
     key("wobble_rad", p.wobble_rad);
     key("backlash_rad", p.backlash_rad);
     key("jitter_rad", p.jitter_rad);
     key("speed_rad_s", p.speed_rad_s);
-    pose("plate.axis", p.T_room_plate);
-    pose("plate.camera", p.T_plate_camera);
+    pose("turntable.axis", p.T_room_turntable);
+    pose("turntable.camera", p.T_turntable_camera);
   }
 };
 
@@ -158,7 +158,7 @@ std::string MuseumTruth::text() const {
   }
   for (const TrueProjector& projector : projectors) writer.projector(projector);
   writer.camera(camera);
-  writer.plate(plate);
+  writer.turntable(turntable);
   return writer.text;
 }
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "appliance/scan/simulated_devices.h"
-#include "drivers/simulated/turntable/simulated_turnplate.h"
+#include "drivers/simulated/turntable/simulated_turntable.h"
 
 namespace cyclorama {
 namespace {
@@ -58,7 +58,7 @@ Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::pat
   scan::SimulatedScanCamera colour(&museum, scan::PhotographColour::kColour);
   CountingCamera camera(&grey, &result.patterns_exposed_s);
   CountingCamera colour_camera(&colour, &result.light_exposed_s);
-  simulated::SimulatedTurnplate plate(&museum);
+  simulated::SimulatedTurntable turntable(&museum);
   const KnownCamera known = camera_of_preset(chain.name);
   scan::ScanSettings settings;
   settings.camera = scan::data_sheet_lens(camera.width_px(), camera.height_px(), known.field_of_view_rad);
@@ -69,11 +69,11 @@ Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::pat
   const ProcessorClock clock;
   const double museum_begun = museum.now_s();
   TRY_ASSIGN(result.outcome,
-             scan::run_calibration(museum.installation(), settings, {screen, camera, plate, &colour_camera}, folder,
+             scan::run_calibration(museum.installation(), settings, {screen, camera, turntable, &colour_camera}, folder,
                                    "2026-01-01T00-00-00Z", clock, {}, {}));
   result.museum_s = museum.now_s() - museum_begun;
   const calibration::Calibration& calibration = result.outcome.calibration;
-  result.directions = calibration.plate.angles_rad.size();
+  result.directions = calibration.turntable.angles_rad.size();
   result.score = museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
     return calibration.projectors[p].map.direction_at(pixel);
   });

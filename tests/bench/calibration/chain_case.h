@@ -9,8 +9,8 @@
 
 #include "appliance/scan/calibration_run.h"
 #include "drivers/simulated/museum/presets.h"
-#include "tests/doubles/museum_score.h"
-#include "tests/doubles/photometry_museum.h"
+#include "tests/data_sets/photometry_museum.h"
+#include "tests/support/museum_score.h"
 
 namespace cyclorama {
 
@@ -33,7 +33,7 @@ struct ChainResult {
   double response_rms = 0.0;
   double museum_s = 0.0;            ///< Of the museum's clock: what a visitor would wait.
   double patterns_exposed_s = 0.0;  ///< Of that, with the shutter open for places,
-  double light_exposed_s = 0.0;     ///< and for brightness and colours. The rest: projectors, plate, read-out.
+  double light_exposed_s = 0.0;     ///< and for brightness and colours. The rest: projectors, turntable, read-out.
   std::size_t directions = 0;
 };
 

@@ -11,7 +11,7 @@
 #include "appliance/scan/simulated_devices.h"
 #include "appliance/solve/calibrate.h"
 #include "appliance/solve/surface_fit.h"
-#include "drivers/simulated/turntable/simulated_turnplate.h"
+#include "drivers/simulated/turntable/simulated_turntable.h"
 
 namespace cyclorama {
 namespace {
@@ -110,14 +110,15 @@ Json model_points(const ChainCase& chain, const std::filesystem::path& folder) {
   if (!museum) return failed(museum.error());
   scan::SimulatedPatternScreen screen(&*museum);
   scan::SimulatedScanCamera camera(&*museum, scan::PhotographColour::kGrey);
-  simulated::SimulatedTurnplate plate(&*museum);
+  simulated::SimulatedTurntable turntable(&*museum);
   const KnownCamera known = camera_of_preset(chain.name);
   scan::ScanSettings settings;
   settings.camera = scan::data_sheet_lens(camera.width_px(), camera.height_px(), known.field_of_view_rad);
   settings.pitch_rad = known.pitch_rad;
   settings.view = chain.view;
   const double begun_s = museum->now_s();
-  const auto scan = scan::scan_wall(museum->installation(), settings, {screen, camera, plate}, folder / "scan", {}, {});
+  const auto scan =
+      scan::scan_wall(museum->installation(), settings, {screen, camera, turntable}, folder / "scan", {}, {});
   if (!scan) return failed(scan.error());
   solve::CalibrateOptions options;
   options.with_wall = false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Brightness and colour of simulated museums, geometry told by the truth: colour_bench rooms|trade|slopes [--quick].
 // Prints a table, then a line of JSON; trade and slopes print CSV. What each column means: SeamScore in
-// tests/doubles/photometry_museum.h; response_rms is the worst channel's.
+// tests/data_sets/photometry_museum.h; response_rms is the worst channel's.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -11,8 +11,8 @@
 #include <string>
 
 #include "common/image/png.h"
-#include "tests/doubles/even_light.h"
-#include "tests/doubles/photometry_museum.h"
+#include "tests/data_sets/even_light.h"
+#include "tests/data_sets/photometry_museum.h"
 
 namespace cyclorama {
 namespace {

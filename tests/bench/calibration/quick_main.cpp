@@ -15,8 +15,8 @@
 #include "appliance/calibration/calibration_file.h"
 #include "appliance/photometry/light_file.h"
 #include "appliance/photometry/reblend.h"
-#include "tests/doubles/displaced_museum.h"
-#include "tests/doubles/photometry_museum.h"
+#include "tests/data_sets/photometry_museum.h"
+#include "tests/support/displaced_museum.h"
 
 namespace cyclorama {
 namespace {

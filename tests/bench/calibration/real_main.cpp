@@ -15,8 +15,8 @@
 #include "appliance/camera_calibration/projector_corners.h"
 #include "appliance/structured_light/decode_quality.h"
 #include "tests/bench/calibration/procam_truth.h"
-#include "tests/doubles/lit_wall.h"
-#include "tests/doubles/real_captures.h"
+#include "tests/data_sets/lit_wall.h"
+#include "tests/data_sets/real_captures.h"
 
 namespace cyclorama {
 namespace {

@@ -16,7 +16,7 @@
 
 #include "appliance/solve/calibrate.h"
 #include "tests/bench/records.h"
-#include "tests/doubles/generated_room.h"
+#include "tests/data_sets/generated_room.h"
 
 namespace cyclorama {
 namespace {
@@ -67,7 +67,7 @@ Json register_one(RoomKind kind, int projectors, unsigned seed) {
                  {"true_p95_px", score.true_p95_px},
                  {"true_max_px", score.true_max_px},
                  {"missing", score.missing},
-                 {"offset", calibration->plate.offset_reason},
+                 {"offset", calibration->turntable.offset_reason},
                  {"wall", calibration->wall ? calibration->wall->reason : calibration->remarks.back()}});
   return record;
 }
@@ -223,7 +223,7 @@ std::vector<Extreme> extremes(unsigned seeds) {
       plan->projectors = std::clamp(static_cast<int>(std::ceil(arc / 45.0)), 2, 8);
       plan->half_height_m = 4.0 * std::tan(std::min(0.33, 0.4 * plan->arc_rad));
       // Where the whole wall fits one picture, directions still differ, or nothing tells the axis.
-      plan->plate_step_rad = std::min(0.5, std::max(0.05, 0.4 * plan->arc_rad));
+      plan->turntable_step_rad = std::min(0.5, std::max(0.05, 0.4 * plan->arc_rad));
     });
   }
   for (const double ratio : {0.25, 0.5, 1.0, 2.0, 4.0, 8.0}) {
@@ -253,8 +253,8 @@ std::vector<Extreme> extremes(unsigned seeds) {
     });
   }
   for (const double step : {1.0, 3.0, 10.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 180.0}) {
-    add(fmt::format("plate step {} deg", step), [=](RoomPlan* plan) {
-      plan->plate_step_rad = step * kDegree;
+    add(fmt::format("turntable step {} deg", step), [=](RoomPlan* plan) {
+      plan->turntable_step_rad = step * kDegree;
       plan->stride_px = step < 5.0 ? 24 : 10;
       if (step < 5.0) plan->arc_rad = 0.6;
     });
@@ -286,7 +286,7 @@ bool is_finite(const calibration::Calibration& calibration) {
       if (!is_none && (!p.map.directions[i].allFinite() || !std::isfinite(p.map.sigma_px[i]))) return false;
     }
   }
-  return calibration.plate.covariance.allFinite() && std::isfinite(calibration.plate.heldout_rms_px);
+  return calibration.turntable.covariance.allFinite() && std::isfinite(calibration.turntable.heldout_rms_px);
 }
 
 /// How far apart two calibrations' maps are, in pixels.
@@ -323,7 +323,7 @@ Json push(const Extreme& extreme) {
   }
   if (!is_finite(*calibration)) fail("a number that is none");
   const RegistrationScore score = score_of(room, *calibration);
-  options.plate.start = {0.05, -0.04, 0.01, -0.01};
+  options.turntable.start = {0.05, -0.04, 0.01, -0.01};
   const auto restarted = solve::calibrate(measurements, "2026-01-01T00-00-00Z", options);
   const double restart_px = restarted ? apart_px(*calibration, *restarted) : 1e9;  // JSON has no infinity.
   record.update({{"mean_px", score.mean_px},

@@ -12,7 +12,7 @@
 #include "common/base/file.h"
 #include "common/geometry/picture_place.h"
 #include "common/image/png.h"
-#include "tests/doubles/painted_head.h"
+#include "tests/support/painted_head.h"
 
 namespace cyclorama {
 namespace {

@@ -93,7 +93,7 @@ class Show {
     return worst;
   }
 
-  ManualClock clock_;
+  FakeClock clock_;
   FakeMachine machine_;
   output::DrmOptions options_;
   std::unique_ptr<output::Output> output_;

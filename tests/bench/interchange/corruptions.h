@@ -10,7 +10,7 @@
 
 #include "appliance/interchange/zip_archive.h"
 #include "common/base/check.h"
-#include "tests/doubles/generated_warps.h"
+#include "tests/data_sets/generated_warps.h"
 
 namespace cyclorama {
 

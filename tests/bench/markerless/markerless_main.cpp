@@ -13,7 +13,7 @@
 #include "common/base/cpu_time.h"
 #include "common/image/png.h"
 #include "drivers/devices/make_camera.h"
-#include "tests/doubles/visitor_stories.h"
+#include "tests/data_sets/visitor_stories.h"
 
 namespace cyclorama {
 namespace {

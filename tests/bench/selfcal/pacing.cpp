@@ -11,9 +11,9 @@
 #include "common/base/give_way.h"
 #include "common/wire/show.grpc.pb.h"
 #include "tests/bench/selfcal/selfcal_benches.h"
-#include "tests/doubles/demo_room.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/data_sets/jpeg_tiles.h"
 #include "tests/doubles/fake_tour.h"
-#include "tests/doubles/jpeg_tiles.h"
 
 namespace cyclorama {
 namespace {

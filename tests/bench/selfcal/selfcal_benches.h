@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tests/bench/records.h"
-#include "tests/doubles/bumped_show.h"
+#include "tests/support/bumped_show.h"
 
 namespace cyclorama {
 

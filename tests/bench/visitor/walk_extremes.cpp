@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "kiosk/tour/navigation/view_meter.h"
-#include "tests/doubles/random_hand.h"
+#include "tests/data_sets/random_hand.h"
 
 namespace {
 

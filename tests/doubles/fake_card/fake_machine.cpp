@@ -94,7 +94,7 @@ FakeCard three_projectors() {
   return card;
 }
 
-FakeMachine::FakeMachine(std::vector<FakeCard> cards, ManualClock* clock) : clock_(clock) {
+FakeMachine::FakeMachine(std::vector<FakeCard> cards, FakeClock* clock) : clock_(clock) {
   CHECK(the_machine == nullptr);
   the_machine = this;
   for (FakeCard& card : cards) {

@@ -2,7 +2,7 @@
 /// Graphics cards described as data, in the place of libdrm, GBM, EGL on GBM and udev: whoever links fake_card gets
 /// them instead of the machine's (the linker's --wrap). GL is real, on no surface, so what a connector shows is pixels.
 ///
-///   ManualClock clock;
+///   FakeClock clock;
 ///   FakeMachine machine({three_projectors()}, &clock);
 ///   auto output = open_drm_output(...);
 ///   machine.fail("drmModeGetResources", EIO);       // The next call, once.
@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "common/image/image.h"
-#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/fake_clock.h"
 
 struct gbm_bo {
   std::uint32_t width = 0;
@@ -60,7 +60,7 @@ FakeCard three_projectors();
 /// All there is, until it dies; one at a time. Thread-bound, to the thread of the output.
 class FakeMachine {
  public:
-  FakeMachine(std::vector<FakeCard> cards, ManualClock* clock);
+  FakeMachine(std::vector<FakeCard> cards, FakeClock* clock);
   ~FakeMachine();
   FakeMachine(const FakeMachine&) = delete;
   FakeMachine& operator=(const FakeMachine&) = delete;
@@ -123,7 +123,7 @@ class FakeMachine {
   int meet(const char* call);
   [[nodiscard]] CardState* card_of(int fd);
   [[nodiscard]] CardState* card_at(const std::string& path);
-  [[nodiscard]] ManualClock& clock() { return *clock_; }
+  [[nodiscard]] FakeClock& clock() { return *clock_; }
   void opened(int fd, CardState* card);
   void closed(int fd);
   /// A new number for whatever the kernel numbers.
@@ -159,7 +159,7 @@ class FakeMachine {
 
   std::vector<std::unique_ptr<CardState>> cards_;
   std::map<int, CardState*> fds_;
-  ManualClock* clock_;
+  FakeClock* clock_;
   std::optional<Fault> fault_;
   std::map<std::string, int> calls_;
   std::uint32_t last_id_ = 5000;

@@ -112,7 +112,7 @@ FakeVideoDevice grey_camera() {
   return device;
 }
 
-FakeVideo::FakeVideo(std::vector<FakeVideoDevice> devices, ManualClock* clock) : clock_(clock) {
+FakeVideo::FakeVideo(std::vector<FakeVideoDevice> devices, FakeClock* clock) : clock_(clock) {
   CHECK(the_video == nullptr);
   the_video = this;
   for (FakeVideoDevice& device : devices) {

@@ -2,7 +2,7 @@
 /// V4L2 cameras described as data, in the place of the kernel's: whoever links fake_video gets them instead of the
 /// machine's (the linker's --wrap of open, ioctl, mmap...). Time is the clock's, which waiting moves.
 ///
-///   ManualClock clock;
+///   FakeClock clock;
 ///   FakeVideo video({usb_camera()}, &clock);
 ///   auto camera = V4l2Camera::open(...);
 ///   video.fail("VIDIOC_S_FMT", EBUSY);              // The next call of that name, once.
@@ -23,7 +23,7 @@
 
 #include "common/base/unique_fd.h"
 #include "common/image/image.h"
-#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/fake_clock.h"
 
 namespace cyclorama {
 
@@ -74,7 +74,7 @@ FakeVideoDevice grey_camera();
 /// All there is, until it dies; one at a time. Thread-bound, to the camera's thread.
 class FakeVideo {
  public:
-  FakeVideo(std::vector<FakeVideoDevice> devices, ManualClock* clock);
+  FakeVideo(std::vector<FakeVideoDevice> devices, FakeClock* clock);
   ~FakeVideo();
   FakeVideo(const FakeVideo&) = delete;
   FakeVideo& operator=(const FakeVideo&) = delete;
@@ -145,7 +145,7 @@ class FakeVideo {
   void free_buffers(DeviceState* device);
   /// The V4L2 request; errno, or 0.
   int request(DeviceState* device, int fd, unsigned long code, void* argument);
-  [[nodiscard]] ManualClock& clock() { return *clock_; }
+  [[nodiscard]] FakeClock& clock() { return *clock_; }
 
   std::set<void*> maps;
   std::set<int> exported;
@@ -160,7 +160,7 @@ class FakeVideo {
 
   std::vector<std::unique_ptr<DeviceState>> devices_;
   std::map<int, DeviceState*> fds_;
-  ManualClock* clock_;
+  FakeClock* clock_;
   std::optional<Fault> fault_;
   std::string failed_call_;
   std::map<std::string, int> calls_;

@@ -16,7 +16,7 @@ namespace cyclorama {
 ///   steer_by = "body"
 ///
 /// "# installation.toml, in part" is for lines that are no whole file. "# camera" and "# turntable" come before
-/// lines for make_camera() and make_turnplate(), one device each, with a remark after "  #".
+/// lines for make_camera() and make_turntable(), one device each, with a remark after "  #".
 struct SettingsExample {
   int line = 0;           ///< The first line's number, from 1.
   std::string file_name;  ///< "tracker.toml"; empty: nothing names it.

@@ -16,14 +16,14 @@ namespace {
 Calibration small_calibration(const std::string& date) {
   Calibration calibration;
   calibration.date = date;
-  calibration.plate.camera = MeasuredLens::from_focal(1920, 1200, 1400.0);
-  calibration.plate.angles_rad = {-0.5, 0.0, 0.5};
-  calibration.plate.reference = 1;
-  calibration.plate.inverse_depth[0] = 0.25;
-  calibration.plate.offset_reason = "not needed";
-  calibration.plate.parameters = {"pitch_rad", "roll_rad"};
-  calibration.plate.covariance = 1e-6 * Eigen::Matrix2d::Identity();
-  calibration.plate.heldout_rms_px = 0.1;
+  calibration.turntable.camera = MeasuredLens::from_focal(1920, 1200, 1400.0);
+  calibration.turntable.angles_rad = {-0.5, 0.0, 0.5};
+  calibration.turntable.reference = 1;
+  calibration.turntable.inverse_depth[0] = 0.25;
+  calibration.turntable.offset_reason = "not needed";
+  calibration.turntable.parameters = {"pitch_rad", "roll_rad"};
+  calibration.turntable.covariance = 1e-6 * Eigen::Matrix2d::Identity();
+  calibration.turntable.heldout_rms_px = 0.1;
   for (const char* name : {"left", "right"}) {
     MeasuredMap map{1920, 1080, 2, 1, {}, {}, 0.2, 0.1, 500};
     for (int i = 0; i < 6; ++i) map.directions.push_back(Eigen::Vector3d(0.1 * i, 0.05, -1.0).normalized());
@@ -141,7 +141,7 @@ TEST(CalibrationJson, names_the_place_of_what_is_wrong) {
     std::string from, to, position;
   };
   const Case cases[] = {{"\"cells_x\": 2", "\"cells_x\": 0", "/projectors/0/cells_x"},
-                        {"\"pitch_rad\": 0.0", "\"pitch_rad\": \"low\"", "/plate/pitch_rad"},
+                        {"\"pitch_rad\": 0.0", "\"pitch_rad\": \"low\"", "/turntable/pitch_rad"},
                         {"\"surface\": \"cylinder\"", "\"surface\": \"cube\"", "/wall/surface"},
                         {"\"date\": \"2026", "\"date\": \"../..", "/date"},
                         {"calibrations/2026-01-01T00-00-00Z/1.map.pfm", "/etc/passwd", "/projectors/0/map"},

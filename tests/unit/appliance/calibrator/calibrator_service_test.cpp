@@ -14,7 +14,7 @@
 #include "appliance/scan/simulated_devices.h"
 #include "common/wire/channel.h"
 #include "drivers/simulated/museum/presets.h"
-#include "drivers/simulated/turntable/simulated_turnplate.h"
+#include "drivers/simulated/turntable/simulated_turntable.h"
 
 namespace cyclorama::calibrator {
 namespace {
@@ -46,7 +46,7 @@ class CalibratorServiceTest : public ::testing::Test {
   }
   Result<CalibrationDevices> open() {
     CalibrationDevices devices;
-    devices.plate = std::make_unique<simulated::SimulatedTurnplate>(&*museum_);
+    devices.turntable = std::make_unique<simulated::SimulatedTurntable>(&*museum_);
     devices.camera = std::make_unique<scan::SimulatedScanCamera>(&*museum_, scan::PhotographColour::kGrey);
     devices.screen = std::make_unique<scan::SimulatedPatternScreen>(&*museum_);
     devices.settings.camera =
@@ -137,10 +137,10 @@ TEST_F(CalibratorServiceTest, puts_back_one_that_was_pushed) {
 }
 
 /// A turntable that a person turns and that the museum follows.
-class HandTurnedPlate final : public turnplate::Turnplate {
+class HandTurnedPlate final : public turntable::Turntable {
  public:
-  HandTurnedPlate(TurntablePrompt* prompt, simulated::SimulatedMuseum* museum)
-      : turnplate::Turnplate({-3.0, 3.0}), prompt_(*prompt), museum_(*museum) {}
+  HandTurnedTurntable(TurntablePrompt* prompt, simulated::SimulatedMuseum* museum)
+      : turntable::Turntable({-3.0, 3.0}), prompt_(*prompt), museum_(*museum) {}
   [[nodiscard]] const std::string& id() const override { return id_; }
 
  private:
@@ -151,19 +151,19 @@ class HandTurnedPlate final : public turnplate::Turnplate {
     museum_.turn_to(angle_rad);
     return Done{};
   }
-  Result<double> ask_angle() override { return museum_.plate_angle_rad(); }
+  Result<double> ask_angle() override { return museum_.turntable_angle_rad(); }
   const std::string id_ = "by hand";
   TurntablePrompt& prompt_;
   simulated::SimulatedMuseum& museum_;
 };
 
-TEST_F(CalibratorServiceTest, asks_its_client_to_turn_the_plate) {
+TEST_F(CalibratorServiceTest, asks_its_client_to_turn_the_turntable) {
   TurntablePrompt prompt;
   CalibratorService service(
       preset_.installation, folder_,
       [&]() -> Result<CalibrationDevices> {
         TRY_ASSIGN(CalibrationDevices devices, open());
-        devices.plate = std::make_unique<HandTurnedPlate>(&prompt, &*museum_);
+        devices.turntable = std::make_unique<HandTurnedTurntable>(&prompt, &*museum_);
         return devices;
       },
       clock_, &inspection_);

@@ -30,7 +30,7 @@ TEST(CalibratorSettings, of_an_empty_file_are_the_defaults) {
   const CalibratorSettings defaults;
   EXPECT_EQ(settings->listen, defaults.listen);
   EXPECT_THAT(settings->displays, IsEmpty());
-  EXPECT_EQ(settings->turnplate, "manual");
+  EXPECT_EQ(settings->turntable, "manual");
   EXPECT_EQ(settings->camera, "v4l2:");
   EXPECT_TRUE(settings->lens.empty());
   EXPECT_THAT(settings->watch, IsEmpty());
@@ -46,7 +46,7 @@ TEST(CalibratorSettings, reads_every_key) {
   const auto settings = CalibratorSettings::parse(R"(
     listen = "[::1]:1"
     displays = ["left,middle=[::1]:7404", "right=museum-2:7404"]
-    turnplate = "serial:/dev/serial/by-id/usb-x?baud=250000&axis=A&units_per_turn=-1600"
+    turntable = "serial:/dev/serial/by-id/usb-x?baud=250000&axis=A&units_per_turn=-1600"
     settle_ms = 150
     [camera]
     kind = "v4l2"
@@ -75,7 +75,7 @@ TEST(CalibratorSettings, reads_every_key) {
   ASSERT_THAT(settings->displays, SizeIs(2));
   EXPECT_THAT(settings->displays[0].projectors, ElementsAre("left", "middle"));
   EXPECT_EQ(settings->displays[1].address, "museum-2:7404");
-  EXPECT_EQ(settings->turnplate, "serial:/dev/serial/by-id/usb-x?baud=250000&axis=A&units_per_turn=-1600");
+  EXPECT_EQ(settings->turntable, "serial:/dev/serial/by-id/usb-x?baud=250000&axis=A&units_per_turn=-1600");
   EXPECT_NEAR(settings->settle_s, 0.15, 1e-12);
   EXPECT_EQ(settings->camera, "v4l2:usb-0000:00:14.0-2?width_px=2560");
   EXPECT_EQ(settings->lens, "camera.json");
@@ -103,9 +103,11 @@ TEST(CalibratorSettings, name_the_line_of_a_mistake_and_what_to_do) {
       {"listen = \"here\"\n", "calibrator.toml:1", "here"},
       {"\ndisplays = [\"left\"]\n", "calibrator.toml:2", "left"},
       {"displays = [\"=[::1]:7404\"]\n", "calibrator.toml:1", "write left,middle=HOST:PORT"},
-      {"turnplate = \"lazy-susan\"\n", "calibrator.toml:1", "the kinds are serial:DEVICE and manual"},
-      {"turnplate = \"serial:/dev/ttyUSB0?speed=1\"\n", "calibrator.toml:1", "the options are baud"},
-      {"turnplate = \"serial:/dev/ttyUSB0?min_deg=10\"\n", "calibrator.toml:1", "range holds 0"},
+      {"\nturnplate = \"manual\"\n", "calibrator.toml:2", "is now called 'turntable'"},
+      {"turntable = \"lazy-susan\"\n", "calibrator.toml:1", "the kinds are serial:DEVICE and manual"},
+      {"turntable = \"serial:/dev/ttyUSB0?most_deg=90\"\n", "calibrator.toml:1", "'most_deg' is now called 'max_deg'"},
+      {"turntable = \"serial:/dev/ttyUSB0?speed=1\"\n", "calibrator.toml:1", "the options are baud"},
+      {"turntable = \"serial:/dev/ttyUSB0?min_deg=10\"\n", "calibrator.toml:1", "range holds 0"},
       {"settle_ms = -1\n", "calibrator.toml:1", "settle_ms"},
       {"settle_s = 1\n", "calibrator.toml:1", "settle_s"},
       {"[camera]\nkind = \"film\"\n", "calibrator.toml:2", "v4l2"},

@@ -50,16 +50,16 @@ TEST(TurntablePrompt, ends_when_the_calibration_is_cancelled_while_it_waits) {
   EXPECT_EQ(looks, 3);
 }
 
-TEST(TurntablePrompt, turns_a_plate_by_hand) {
+TEST(TurntablePrompt, turns_a_turntable_by_hand) {
   TurntablePrompt prompt;
   prompt.set_listener([&](const std::string& question) {
     if (!question.empty()) prompt.answer(question.find("its mark") != std::string::npos ? "" : "44");
     return true;
   });
-  turnplate::ManualTurnplate plate(std::make_unique<PromptOperator>(&prompt));
-  ASSERT_TRUE(plate.home());
-  ASSERT_TRUE(plate.turn_to(0.75));
-  EXPECT_NEAR(*plate.angle(), 44.0 * std::numbers::pi / 180.0, 1e-12);
+  turntable::ManualTurntable turntable(std::make_unique<PromptOperator>(&prompt));
+  ASSERT_TRUE(turntable.home());
+  ASSERT_TRUE(turntable.turn_to(0.75));
+  EXPECT_NEAR(*turntable.angle(), 44.0 * std::numbers::pi / 180.0, 1e-12);
 }
 
 }  // namespace

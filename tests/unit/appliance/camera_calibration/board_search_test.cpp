@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "appliance/camera_calibration/lens_selection.h"
-#include "tests/doubles/board_photo.h"
+#include "tests/data_sets/board_photo.h"
 
 namespace cyclorama::camera_calibration {
 namespace {

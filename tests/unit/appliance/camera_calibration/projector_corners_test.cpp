@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/doubles/lit_wall.h"
+#include "tests/data_sets/lit_wall.h"
 
 namespace cyclorama::camera_calibration {
 namespace {

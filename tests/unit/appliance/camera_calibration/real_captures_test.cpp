@@ -11,8 +11,8 @@
 #include "appliance/camera_calibration/projector_corners.h"
 #include "appliance/structured_light/decode_quality.h"
 #include "tests/bench/calibration/procam_truth.h"
-#include "tests/doubles/real_captures.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/real_captures.h"
+#include "tests/data_sets/shared_data.h"
 
 namespace cyclorama::camera_calibration {
 namespace {

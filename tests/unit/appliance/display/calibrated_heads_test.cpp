@@ -7,8 +7,8 @@
 #include <cstdlib>
 
 #include "appliance/calibration/calibration_file.h"
-#include "tests/doubles/demo_room.h"
-#include "tests/doubles/exact_calibration.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/data_sets/exact_calibration.h"
 
 namespace cyclorama::display {
 namespace {

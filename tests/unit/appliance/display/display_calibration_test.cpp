@@ -9,10 +9,10 @@
 #include "appliance/display/display.h"
 #include "common/base/file.h"
 #include "drivers/output/shared_picture.h"
-#include "tests/doubles/demo_room.h"
-#include "tests/doubles/exact_calibration.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/data_sets/exact_calibration.h"
+#include "tests/data_sets/jpeg_tiles.h"
 #include "tests/doubles/fake_tour.h"
-#include "tests/doubles/jpeg_tiles.h"
 
 namespace cyclorama::display {
 namespace {

@@ -10,9 +10,9 @@
 #include "common/image/png.h"
 #include "common/wire/calibration.grpc.pb.h"
 #include "drivers/output/shared_picture.h"
-#include "tests/doubles/demo_room.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/data_sets/jpeg_tiles.h"
 #include "tests/doubles/fake_tour.h"
-#include "tests/doubles/jpeg_tiles.h"
 
 namespace cyclorama::display {
 namespace {

@@ -12,9 +12,9 @@
 #include "drivers/output/shared_picture.h"
 #include "drivers/simulated/room/room_picture.h"
 #include "drivers/simulated/room/stereo_glasses.h"
-#include "tests/doubles/demo_room.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/data_sets/jpeg_tiles.h"
 #include "tests/doubles/fake_tour.h"
-#include "tests/doubles/jpeg_tiles.h"
 
 namespace cyclorama::display {
 namespace {

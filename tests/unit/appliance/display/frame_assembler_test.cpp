@@ -10,9 +10,9 @@
 #include <mutex>
 
 #include "common/base/file.h"
-#include "tests/doubles/heads_that_see_all.h"
-#include "tests/doubles/jpeg_tiles.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/heads_that_see_all.h"
+#include "tests/data_sets/jpeg_tiles.h"
+#include "tests/data_sets/shared_data.h"
 
 namespace cyclorama::display {
 namespace {

@@ -11,8 +11,8 @@
 #include "appliance/display/lit_rects.h"
 #include "appliance/display/lit_triangles.h"
 #include "common/geometry/guard_band.h"
-#include "tests/doubles/demo_room.h"
-#include "tests/doubles/painted_head.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/support/painted_head.h"
 
 namespace cyclorama::display {
 namespace {

@@ -11,7 +11,7 @@
 #include "appliance/interchange/display_warp.h"
 #include "appliance/interchange/mpcdi.h"
 #include "appliance/interchange/warp_file.h"
-#include "tests/doubles/demo_room.h"
+#include "tests/data_sets/demo_room.h"
 
 namespace cyclorama::display {
 namespace {

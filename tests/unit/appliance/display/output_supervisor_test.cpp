@@ -9,7 +9,7 @@
 
 #include "drivers/output/drm/drm_output.h"
 #include "tests/doubles/fake_card/fake_machine.h"
-#include "tests/doubles/plain_show.h"
+#include "tests/support/plain_show.h"
 
 namespace cyclorama::display {
 namespace {
@@ -71,7 +71,7 @@ class Keeping : public ::testing::Test {
     return pauses;
   }
 
-  ManualClock clock_;
+  FakeClock clock_;
   FakeMachine machine_{{three_projectors()}, &clock_};
   PresentMailbox mailbox_{2};
   std::vector<TimePoint> tried_at_;

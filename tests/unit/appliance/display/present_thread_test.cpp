@@ -8,9 +8,9 @@
 #include <functional>
 #include <thread>
 
-#include "tests/doubles/losable_outputs.h"
-#include "tests/doubles/manual_clock.h"
-#include "tests/doubles/plain_show.h"
+#include "tests/doubles/fake_clock.h"
+#include "tests/doubles/fake_outputs.h"
+#include "tests/support/plain_show.h"
 
 namespace cyclorama::display {
 namespace {
@@ -61,7 +61,7 @@ class PresentingAlone : public ::testing::Test {
   }
 
   SteadyClock clock_;
-  LosableOutputs outputs_;
+  FakeOutputs outputs_;
   PresentMailbox mailbox_{1};
   std::unique_ptr<PresentThread> present_;
   OutputState state_;
@@ -116,7 +116,7 @@ TEST_F(PresentingAlone, tells_of_a_start_that_comes_further_and_not_of_one_that_
 }
 
 TEST_F(PresentingAlone, is_not_alive_while_the_driver_hangs) {
-  ManualClock clock;
+  FakeClock clock;
   start(clock);
   EXPECT_TRUE(present_->is_alive());
   outputs_.hang();

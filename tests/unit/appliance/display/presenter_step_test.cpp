@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "appliance/display/presenter.h"
-#include "tests/doubles/manual_clock.h"
-#include "tests/doubles/painted_head.h"
+#include "tests/doubles/fake_clock.h"
+#include "tests/support/painted_head.h"
 
 namespace cyclorama::display {
 namespace {
@@ -22,8 +22,7 @@ constexpr std::int64_t kPeriod_ns = 10'000'000;
 /// Renders to memory, with a raster paced by the test's clock: pictures are begun 4 ms before their refresh.
 class RasterOutput final : public output::Output {
  public:
-  RasterOutput(std::unique_ptr<output::Output> memory, ManualClock* clock)
-      : memory_(std::move(memory)), clock_(*clock) {}
+  RasterOutput(std::unique_ptr<output::Output> memory, FakeClock* clock) : memory_(std::move(memory)), clock_(*clock) {}
   [[nodiscard]] const std::vector<output::HeadMode>& heads() const override { return memory_->heads(); }
   [[nodiscard]] double refresh_hz() const override { return 100.0; }
   [[nodiscard]] std::string kind() const override { return "raster"; }
@@ -44,7 +43,7 @@ class RasterOutput final : public output::Output {
 
  private:
   std::unique_ptr<output::Output> memory_;
-  ManualClock& clock_;
+  FakeClock& clock_;
   const TimePoint start_ = clock_.now();
   std::uint64_t refresh_ = 0;
 };
@@ -97,7 +96,7 @@ class PresentingSynchronised : public ::testing::Test {
   }
 
   std::optional<StereoPacking> packing_;
-  ManualClock clock_;
+  FakeClock clock_;
   PresentMailbox mailbox_{1};
   std::unique_ptr<RasterOutput> output_;
   std::unique_ptr<Presenter> presenter_;

@@ -11,9 +11,9 @@
 #include <new>
 #include <vector>
 
-#include "tests/doubles/manual_clock.h"
-#include "tests/doubles/painted_head.h"
-#include "tests/doubles/plain_show.h"
+#include "tests/doubles/fake_clock.h"
+#include "tests/support/painted_head.h"
+#include "tests/support/plain_show.h"
 
 namespace {
 thread_local bool is_counting = false;
@@ -75,7 +75,7 @@ class Presenting : public ::testing::Test {
     for (int n = 0; n < time.count() / 10; ++n) refresh();
   }
 
-  ManualClock clock_;
+  FakeClock clock_;
   PresentMailbox mailbox_{2};
   std::unique_ptr<output::Output> output_;
   std::unique_ptr<Presenter> presenter_;
@@ -128,7 +128,7 @@ TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_chan
 }
 
 TEST(PresenterStart, tries_its_shaders_on_a_few_pixels_of_each_head) {
-  const ManualClock clock;
+  const FakeClock clock;
   const auto output =
       *output::open_headless_output({{{"a", kWidth, kHeight}, {"b", kWidth, kHeight}}, 1000.0, {}, {}}, clock);
   const output::Gl& gl = output->gl();

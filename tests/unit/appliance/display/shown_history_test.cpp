@@ -11,8 +11,8 @@
 #include "appliance/display/head_sampler.h"
 #include "appliance/display/present_mailbox.h"
 #include "common/image/jpeg.h"
-#include "tests/doubles/demo_room.h"
-#include "tests/doubles/exact_picture.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/support/exact_picture.h"
 
 namespace cyclorama::display {
 namespace {

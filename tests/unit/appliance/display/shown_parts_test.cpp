@@ -9,7 +9,7 @@
 
 #include "common/geometry/guard_band.h"
 #include "common/geometry/picture_place.h"
-#include "tests/doubles/demo_room.h"
+#include "tests/data_sets/demo_room.h"
 
 namespace cyclorama::display {
 namespace {

@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "common/image/cropped.h"
-#include "tests/doubles/demo_room.h"
-#include "tests/doubles/painted_head.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/support/painted_head.h"
 
 namespace cyclorama::display {
 namespace {

@@ -13,9 +13,9 @@
 
 #include "appliance/calibration/calibration_file.h"
 #include "common/base/file.h"
-#include "tests/doubles/bumped_show.h"
-#include "tests/doubles/manual_clock.h"
-#include "tests/doubles/true_calibration.h"
+#include "tests/data_sets/true_calibration.h"
+#include "tests/doubles/fake_clock.h"
+#include "tests/support/bumped_show.h"
 
 namespace cyclorama::healing {
 namespace {
@@ -173,7 +173,7 @@ class HealingLoopTest : public ::testing::Test {
   Stage stage_;
   std::vector<WatchingCamera> cameras_;
   std::string log_;
-  ManualClock clock_;
+  FakeClock clock_;
   InspectionService inspection_{"calibrator"};
   std::unique_ptr<HealingLoop> loop_;
 };

@@ -16,8 +16,8 @@
 #include "appliance/healing/healing_start.h"
 #include "appliance/healing/show_record.h"
 #include "common/base/file.h"
-#include "tests/doubles/demo_room.h"
-#include "tests/doubles/exact_calibration.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/data_sets/exact_calibration.h"
 
 namespace cyclorama::healing {
 namespace {

@@ -8,7 +8,7 @@
 #include "common/image/jpeg.h"
 #include "common/wire/channel.h"
 #include "common/wire/show.grpc.pb.h"
-#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/fake_clock.h"
 
 namespace cyclorama::healing {
 namespace {
@@ -21,7 +21,7 @@ constexpr int kHeight = 16;
 /// A display whose clock is ahead, and which draws slowly.
 class FakeShownDisplay final : public wire::ShownPictures::Service {
  public:
-  explicit FakeShownDisplay(ManualClock* clock) : clock_(*clock) {}
+  explicit FakeShownDisplay(FakeClock* clock) : clock_(*clock) {}
   grpc::Status GetShown(grpc::ServerContext*, const wire::ShownRequest* request, wire::ShownReply* reply) override {
     const std::lock_guard lock(mutex);
     reply->set_received_ns(to_nanoseconds(clock_.now() + ahead));
@@ -57,11 +57,11 @@ class FakeShownDisplay final : public wire::ShownPictures::Service {
   Duration draws_for = 30ms;
 
  private:
-  ManualClock& clock_;
+  FakeClock& clock_;
 };
 
 struct Room {
-  ManualClock clock;
+  FakeClock clock;
   FakeShownDisplay display{&clock};
   std::unique_ptr<WireServer> server = *WireServer::start("[::1]:0", {&display});
   std::unique_ptr<RemoteShown> shown;

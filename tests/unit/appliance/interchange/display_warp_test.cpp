@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "appliance/interchange/mpcdi.h"
-#include "tests/doubles/demo_room.h"
+#include "tests/data_sets/demo_room.h"
 
 namespace cyclorama::interchange {
 namespace {

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "tests/doubles/generated_warps.h"
+#include "tests/data_sets/generated_warps.h"
 
 namespace cyclorama::interchange {
 namespace {

@@ -12,7 +12,7 @@
 #include "appliance/interchange/zip_archive.h"
 #include "common/base/file.h"
 #include "common/image/pfm.h"
-#include "tests/doubles/generated_warps.h"
+#include "tests/data_sets/generated_warps.h"
 
 namespace cyclorama::interchange {
 namespace {

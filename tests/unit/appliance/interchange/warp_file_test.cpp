@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "appliance/interchange/warp_picture.h"
-#include "tests/doubles/generated_warps.h"
+#include "tests/data_sets/generated_warps.h"
 
 namespace cyclorama::interchange {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "appliance/interchange/map_sampling.h"
-#include "tests/doubles/generated_warps.h"
+#include "tests/data_sets/generated_warps.h"
 
 namespace cyclorama::interchange {
 namespace {

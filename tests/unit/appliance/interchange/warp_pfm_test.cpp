@@ -10,7 +10,7 @@
 
 #include "appliance/interchange/mask_png.h"
 #include "common/image/pfm.h"
-#include "tests/doubles/generated_warps.h"
+#include "tests/data_sets/generated_warps.h"
 
 namespace cyclorama::interchange {
 namespace {

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <ostream>
 
-#include "tests/doubles/even_light.h"
+#include "tests/data_sets/even_light.h"
 
 namespace cyclorama::photometry {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "appliance/photometry/inverse_map.h"
 #include "appliance/photometry/wall_light.h"
-#include "tests/doubles/even_light.h"
-#include "tests/doubles/photometry_museum.h"
+#include "tests/data_sets/even_light.h"
+#include "tests/data_sets/photometry_museum.h"
 
 namespace cyclorama::photometry {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "tests/doubles/even_light.h"
+#include "tests/data_sets/even_light.h"
 
 namespace cyclorama::photometry {
 namespace {

@@ -15,7 +15,7 @@
 #include "appliance/photometry/light_cells.h"
 #include "appliance/photometry/picture_field.h"
 #include "appliance/photometry/slow_target.h"
-#include "tests/doubles/even_light.h"
+#include "tests/data_sets/even_light.h"
 
 namespace cyclorama::photometry {
 namespace {

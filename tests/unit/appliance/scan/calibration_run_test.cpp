@@ -13,9 +13,9 @@
 #include "appliance/scan/simulated_devices.h"
 #include "common/base/file.h"
 #include "drivers/simulated/museum/presets.h"
-#include "drivers/simulated/turntable/simulated_turnplate.h"
-#include "tests/doubles/museum_score.h"
-#include "tests/doubles/photometry_museum.h"
+#include "drivers/simulated/turntable/simulated_turntable.h"
+#include "tests/data_sets/photometry_museum.h"
+#include "tests/support/museum_score.h"
 
 namespace cyclorama::scan {
 namespace {
@@ -67,7 +67,7 @@ TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
   ASSERT_TRUE(museum.has_value());
   SimulatedPatternScreen screen(&*museum);
   SimulatedScanCamera camera(&*museum, PhotographColour::kGrey);
-  simulated::SimulatedTurnplate plate(&*museum);
+  simulated::SimulatedTurntable turntable(&*museum);
   ScanSettings settings;
   settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), 70.0 * std::numbers::pi / 180.0);
   double told = 0.0;
@@ -76,7 +76,7 @@ TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
     told = progress.fraction;
   };
   const SteadyClock clock;
-  const auto outcome = run_calibration(museum->installation(), settings, {screen, camera, plate}, folder_,
+  const auto outcome = run_calibration(museum->installation(), settings, {screen, camera, turntable}, folder_,
                                        "2026-01-01T00-00-00Z", clock, listener, {});
   ASSERT_TRUE(outcome.has_value()) << outcome.error().message();
   EXPECT_DOUBLE_EQ(told, 1.0);
@@ -98,7 +98,7 @@ TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
   // Repeated without a model of the wall: no worse than before. Only in one of the rooms, to save time.
   if (is_plane) return;
   settings.with_wall = false;
-  const auto again = run_calibration(museum->installation(), settings, {screen, camera, plate}, folder_,
+  const auto again = run_calibration(museum->installation(), settings, {screen, camera, turntable}, folder_,
                                      "2026-01-02T00-00-00Z", clock, {}, {});
   ASSERT_TRUE(again.has_value()) << again.error().message();
   EXPECT_LE(score_of(*museum, again->calibration).p95_px, 0.6);
@@ -124,12 +124,12 @@ TEST_F(CalibrationOfLight, in_daylight_is_right_or_refused_with_a_remedy) {
     ASSERT_TRUE(museum.has_value());
     SimulatedPatternScreen screen(&*museum);
     SimulatedScanCamera camera(&*museum, PhotographColour::kGrey);
-    simulated::SimulatedTurnplate plate(&*museum);
+    simulated::SimulatedTurntable turntable(&*museum);
     ScanSettings settings;
     settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), 70.0 * std::numbers::pi / 180.0);
     settings.with_wall = false;
     settings.with_seams = false;
-    const auto outcome = run_calibration(museum->installation(), settings, {screen, camera, plate}, folder_ / "day",
+    const auto outcome = run_calibration(museum->installation(), settings, {screen, camera, turntable}, folder_ / "day",
                                          "2026-01-01T00-00-00Z", SteadyClock(), {}, {});
     std::filesystem::remove_all(folder_ / "day");
     if (outcome) {
@@ -151,10 +151,10 @@ TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) 
   SimulatedPatternScreen screen(&*museum);
   SimulatedScanCamera camera(&*museum, PhotographColour::kGrey);
   SimulatedScanCamera colour_camera(&*museum, PhotographColour::kColour);
-  simulated::SimulatedTurnplate plate(&*museum);
+  simulated::SimulatedTurntable turntable(&*museum);
   ScanSettings settings;
   settings.camera = data_sheet_lens(camera.width_px(), camera.height_px(), 70.0 * std::numbers::pi / 180.0);
-  const auto outcome = run_calibration(museum->installation(), settings, {screen, camera, plate, &colour_camera},
+  const auto outcome = run_calibration(museum->installation(), settings, {screen, camera, turntable, &colour_camera},
                                        folder_, "2026-01-01T00-00-00Z", SteadyClock(), {}, {});
   ASSERT_TRUE(outcome.has_value()) << outcome.error().message();
   ASSERT_TRUE(outcome->light.has_value()) << ::testing::PrintToString(outcome->calibration.remarks);
@@ -181,7 +181,7 @@ TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) 
   WithoutColours without(&screen);
   settings.with_wall = false;
   settings.with_seams = false;
-  const auto again = run_calibration(museum->installation(), settings, {without, camera, plate, &colour_camera},
+  const auto again = run_calibration(museum->installation(), settings, {without, camera, turntable, &colour_camera},
                                      folder_, "2026-01-02T00-00-00Z", SteadyClock(), {}, {});
   ASSERT_TRUE(again.has_value()) << again.error().message();
   EXPECT_FALSE(again->light.has_value());

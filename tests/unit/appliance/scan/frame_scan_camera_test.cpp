@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/fake_clock.h"
 
 namespace cyclorama::scan {
 namespace {
@@ -15,7 +15,7 @@ constexpr Duration kPeriod = std::chrono::milliseconds(33);
 /// A camera with one frame per period of a simulated clock; a frame's brightness is proportional to its exposure.
 class SteadyCamera final : public camera::Camera {
  public:
-  SteadyCamera(ManualClock* clock, double exposure_s, bool* is_unplugged)
+  SteadyCamera(FakeClock* clock, double exposure_s, bool* is_unplugged)
       : clock_(clock), exposure_s_(exposure_s), is_unplugged_(is_unplugged) {}
   [[nodiscard]] const std::string& id() const override { return id_; }
   Status start() override { return Done{}; }
@@ -40,14 +40,14 @@ class SteadyCamera final : public camera::Camera {
   static constexpr double kMaxExposure_s = 0.08;
 
  private:
-  ManualClock* clock_;
+  FakeClock* clock_;
   double exposure_s_;
   bool* is_unplugged_;
   std::string id_ = "steady";
 };
 
 TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_exposure_asked_for) {
-  ManualClock clock;
+  FakeClock clock;
   bool is_unplugged = false;
   std::vector<double> opened;
   const FrameScanCamera::Opener opener = [&](double exposure_s) -> Result<std::unique_ptr<camera::Camera>> {
@@ -84,7 +84,7 @@ TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_e
 /// A camera with colour.
 class ColourCamera final : public camera::Camera {
  public:
-  explicit ColourCamera(ManualClock* clock) : clock_(clock) {}
+  explicit ColourCamera(FakeClock* clock) : clock_(clock) {}
   [[nodiscard]] const std::string& id() const override { return id_; }
   Status start() override { return Done{}; }
   Result<std::shared_ptr<const camera::CameraFrame>> next_frame(TimePoint) override {
@@ -100,12 +100,12 @@ class ColourCamera final : public camera::Camera {
   void stop() override {}
 
  private:
-  ManualClock* clock_;
+  FakeClock* clock_;
   std::string id_ = "colour";
 };
 
 TEST(FrameScanCamera, photographs_colours_where_the_camera_has_them) {
-  ManualClock clock;
+  FakeClock clock;
   const auto camera = FrameScanCamera::open(
       [&](double) -> Result<std::unique_ptr<camera::Camera>> {
         return std::unique_ptr<camera::Camera>(std::make_unique<ColourCamera>(&clock));

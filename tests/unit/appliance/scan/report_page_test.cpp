@@ -12,7 +12,7 @@
 #include "appliance/calibration/calibration_file.h"
 #include "appliance/scan/wall_plot.h"
 #include "common/base/file.h"
-#include "tests/doubles/generated_room.h"
+#include "tests/data_sets/generated_room.h"
 
 namespace cyclorama::scan {
 namespace {

@@ -71,7 +71,7 @@ TEST(ScanPlan, takes_as_many_directions_as_it_is_told_to) {
   EXPECT_EQ(plan->directions.size(), 6u);
 }
 
-TEST(ScanPlan, stays_within_the_plates_range_and_says_what_is_not_seen_then) {
+TEST(ScanPlan, stays_within_the_turntables_range_and_says_what_is_not_seen_then) {
   ScanPlanOptions options = camera_of(70.0);
   options.range = {-0.4, 0.4};
   const auto plan = plan_scan(room("cylinder126", 4), options);

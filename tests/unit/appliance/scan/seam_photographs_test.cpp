@@ -12,7 +12,7 @@
 #include "common/image/jpeg.h"
 #include "drivers/simulated/museum/presets.h"
 #include "drivers/simulated/museum/true_museum.h"
-#include "drivers/simulated/turntable/simulated_turnplate.h"
+#include "drivers/simulated/turntable/simulated_turntable.h"
 
 namespace cyclorama::scan {
 namespace {
@@ -85,12 +85,12 @@ class SeamPhotographsTest : public ::testing::Test {
 TEST_F(SeamPhotographsTest, are_four_of_each_seam_and_leave_the_wall_dark) {
   SimulatedPatternScreen screen(&*museum_);
   SimulatedScanCamera camera(&*museum_, PhotographColour::kGrey);
-  simulated::SimulatedTurnplate plate(&*museum_);
-  ASSERT_TRUE(plate.home().has_value());
+  simulated::SimulatedTurntable turntable(&*museum_);
+  ASSERT_TRUE(turntable.home().has_value());
   const ScanPhotograph dark = *camera.photograph(0.03);
   const double begun_s = museum_->now_s();
   const auto seams = photograph_seams(preset_.installation, {"before", nullptr, {}}, {"after", &calibration_, {}}, 0.03,
-                                      {screen, camera, plate}, {}, {});
+                                      {screen, camera, turntable}, {}, {});
   ASSERT_TRUE(seams.has_value()) << seams.error().message();
   ASSERT_EQ(seams->photographs.size(), 8u) << "of two seams";
   EXPECT_LT(museum_->now_s() - begun_s, 8.0);
@@ -105,7 +105,7 @@ TEST_F(SeamPhotographsTest, are_four_of_each_seam_and_leave_the_wall_dark) {
     EXPECT_GT(*std::max_element(codes.begin(), codes.end()), 60) << photograph.caption;
     EXPECT_LT(std::count(codes.begin(), codes.end(), 255), static_cast<std::ptrdiff_t>(codes.size() / 50));
   }
-  ASSERT_TRUE(plate.turn_to(0.0).has_value());
+  ASSERT_TRUE(turntable.turn_to(0.0).has_value());
   const ScanPhotograph afterwards = *camera.photograph(0.03);
   const auto sum = [](const ScanPhotograph& p) { return std::accumulate(p.data().begin(), p.data().end(), 0.0); };
   EXPECT_NEAR(sum(afterwards) / sum(dark), 1.0, 0.05);
@@ -114,11 +114,11 @@ TEST_F(SeamPhotographsTest, are_four_of_each_seam_and_leave_the_wall_dark) {
 TEST_F(SeamPhotographsTest, cancelled_end_at_once) {
   SimulatedPatternScreen screen(&*museum_);
   SimulatedScanCamera camera(&*museum_, PhotographColour::kGrey);
-  simulated::SimulatedTurnplate plate(&*museum_);
+  simulated::SimulatedTurntable turntable(&*museum_);
   std::stop_source stop;
   stop.request_stop();
   const auto seams = photograph_seams(preset_.installation, {"before", nullptr, {}}, {"after", &calibration_, {}}, 0.03,
-                                      {screen, camera, plate}, {}, stop.get_token());
+                                      {screen, camera, turntable}, {}, stop.get_token());
   ASSERT_FALSE(seams.has_value());
   EXPECT_EQ(seams.error().code(), ErrorCode::kUnavailable);
 }

@@ -12,10 +12,10 @@
 #include "appliance/scan/simulated_devices.h"
 #include "drivers/camera/v4l2/v4l2_camera.h"
 #include "drivers/simulated/museum/presets.h"
-#include "drivers/simulated/turntable/simulated_turnplate.h"
+#include "drivers/simulated/turntable/simulated_turntable.h"
+#include "tests/data_sets/photometry_museum.h"
 #include "tests/doubles/fake_video/fake_video.h"
-#include "tests/doubles/museum_score.h"
-#include "tests/doubles/photometry_museum.h"
+#include "tests/support/museum_score.h"
 
 namespace cyclorama::scan {
 namespace {
@@ -45,7 +45,7 @@ TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s)
   auto museum = simulated::SimulatedMuseum::make(preset->installation, preset->truth);
   ASSERT_TRUE(museum.has_value());
   CountingScreen screen(&*museum);
-  simulated::SimulatedTurnplate plate(&*museum);
+  simulated::SimulatedTurntable turntable(&*museum);
 
   // The museum is photographed only after it or the exposure has changed; until then the driver repeats the same
   // picture.
@@ -62,7 +62,7 @@ TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s)
   device.controls[V4L2_CID_EXPOSURE_ABSOLUTE] = {1, 10000, 1, 250};
   device.controls[V4L2_CID_AUTO_WHITE_BALANCE] = {0, 1, 1, 1};
   device.sees = [&](double exposure_s) {
-    const State now{screen.shown, museum->plate_angle_rad(), exposure_s};
+    const State now{screen.shown, museum->turntable_angle_rad(), exposure_s};
     if (now == last) return seen;
     last = now;
     const auto photograph = museum->photograph_colour(exposure_s);
@@ -72,7 +72,7 @@ TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s)
     for (int y = 0; y < seen.height(); ++y) std::copy_n(whole.at(0, y), 3 * width, seen.at(0, y));
     return seen;
   };
-  ManualClock clock;
+  FakeClock clock;
   FakeVideo video({device}, &clock);
   const auto opener = [&](double exposure_s) {
     camera::V4l2CameraOptions camera;
@@ -90,7 +90,7 @@ TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s)
   settings.with_seams = false;
   const std::filesystem::path folder =
       std::filesystem::path(::testing::TempDir()) / ("video-" + std::to_string(getpid()));
-  const auto outcome = run_calibration(museum->installation(), settings, {screen, **camera, plate}, folder,
+  const auto outcome = run_calibration(museum->installation(), settings, {screen, **camera, turntable}, folder,
                                        "2026-01-01T00-00-00Z", clock, {}, {});
   std::error_code ignored;
   std::filesystem::remove_all(folder, ignored);

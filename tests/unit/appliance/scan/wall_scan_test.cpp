@@ -11,7 +11,7 @@
 #include "appliance/scan/light_scan.h"
 #include "appliance/scan/simulated_devices.h"
 #include "drivers/simulated/museum/presets.h"
-#include "drivers/simulated/turntable/simulated_turnplate.h"
+#include "drivers/simulated/turntable/simulated_turntable.h"
 
 namespace cyclorama::scan {
 namespace {
@@ -76,9 +76,9 @@ class TroubledScreen final : public PatternScreen {
   PatternScreen* screen_;
 };
 
-class StallingPlate final : public turnplate::Turnplate {
+class StallingTurntable final : public turntable::Turntable {
  public:
-  explicit StallingPlate(simulated::SimulatedMuseum* museum) : turnplate::Turnplate({-3.0, 3.0}), museum_(museum) {}
+  explicit StallingTurntable(simulated::SimulatedMuseum* museum) : turntable::Turntable({-3.0, 3.0}), museum_(museum) {}
   [[nodiscard]] const std::string& id() const override { return id_; }
   int stalls = 0;
   int homed = 0;
@@ -95,7 +95,7 @@ class StallingPlate final : public turnplate::Turnplate {
     return Done{};
   }
   int turns = 0;
-  Result<double> ask_angle() override { return museum_->plate_angle_rad(); }
+  Result<double> ask_angle() override { return museum_->turntable_angle_rad(); }
   std::string id_ = "stalling";
   simulated::SimulatedMuseum* museum_;
 };
@@ -119,7 +119,7 @@ class WallScanTest : public ::testing::Test {
         real_camera_(&museum_, PhotographColour::kGrey),
         screen_(&real_screen_, 2),
         camera_(&real_camera_),
-        plate_(&museum_) {
+        turntable_(&museum_) {
     settings_.camera = data_sheet_lens(camera_.width_px(), camera_.height_px(), 70.0 * std::numbers::pi / 180.0);
     settings_.view.decode.min_patch_px = 10;
   }
@@ -130,12 +130,12 @@ class WallScanTest : public ::testing::Test {
   Result<WallScan> scan() {
     told_.clear();
     return scan_wall(
-        museum_.installation(), settings_, {screen_, camera_, plate_}, folder_,
+        museum_.installation(), settings_, {screen_, camera_, turntable_}, folder_,
         [&](const ScanProgress& progress) { told_.push_back(progress.fraction); }, camera_.stop.get_token());
   }
   [[nodiscard]] static std::size_t places_of(const WallScan& scan) {
     std::size_t correspondences = 0;
-    for (const solve::PlateDirection& d : scan.measurements.directions) correspondences += d.correspondences.size();
+    for (const solve::TurntableDirection& d : scan.measurements.directions) correspondences += d.correspondences.size();
     return correspondences;
   }
 
@@ -145,7 +145,7 @@ class WallScanTest : public ::testing::Test {
   SimulatedScanCamera real_camera_;
   TroubledScreen screen_;
   TroubledCamera camera_;
-  StallingPlate plate_;
+  StallingTurntable turntable_;
   ScanSettings settings_;
   std::vector<double> told_;
 };
@@ -236,7 +236,7 @@ TEST_F(WallScanTest, names_a_projector_that_stays_dark_and_goes_on_once_it_is_on
   ASSERT_TRUE(lit.has_value()) << lit.error().message();
 }
 
-TEST_F(WallScanTest, has_all_views_of_a_direction_from_one_stop_of_the_plate) {
+TEST_F(WallScanTest, has_all_views_of_a_direction_from_one_stop_of_the_turntable) {
   const auto whole = scan();
   ASSERT_TRUE(whole.has_value()) << whole.error().message();
   // The camera is unplugged in each part of a scan in turn.
@@ -263,18 +263,18 @@ TEST_F(WallScanTest, refuses_a_camera_whose_photographs_have_become_smaller_when
   ASSERT_TRUE(whole.has_value()) << whole.error().message();
   camera_.smaller_from = camera_.taken;
   const auto light = scan_light(museum_.installation(), whole->views, settings_.view.exposure,
-                                {screen_, camera_, plate_}, nullptr, camera_.stop.get_token());
+                                {screen_, camera_, turntable_}, nullptr, camera_.stop.get_token());
   ASSERT_FALSE(light.has_value());
   EXPECT_EQ(light.error().code(), ErrorCode::kBadData);
   EXPECT_THAT(light.error().message(), HasSubstr("instead of"));
   EXPECT_THAT(screen_.lit, Each(false));
 }
 
-TEST_F(WallScanTest, homes_a_plate_that_stalled_once_and_gives_up_on_one_that_stalls_always) {
-  plate_.stalls = 1;
+TEST_F(WallScanTest, homes_a_turntable_that_stalled_once_and_gives_up_on_one_that_stalls_always) {
+  turntable_.stalls = 1;
   ASSERT_TRUE(scan().has_value());
-  EXPECT_EQ(plate_.homed, 2);
-  plate_.stalls = 1000;
+  EXPECT_EQ(turntable_.homed, 2);
+  turntable_.stalls = 1000;
   const auto stuck = scan();
   ASSERT_FALSE(stuck.has_value());
   EXPECT_EQ(stuck.error().code(), ErrorCode::kTimedOut);

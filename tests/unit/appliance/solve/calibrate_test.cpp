@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/doubles/generated_room.h"
+#include "tests/data_sets/generated_room.h"
 
 namespace cyclorama::solve {
 namespace {
@@ -41,7 +41,7 @@ TEST(Calibrate, keeps_a_map_that_predicts_better_than_the_new_one) {
 
 /// Simulates a bump of a projector: its picture is shifted on the wall.
 void knock(Measurements* measured, std::uint32_t projector, float by_px) {
-  for (PlateDirection& direction : measured->directions) {
+  for (TurntableDirection& direction : measured->directions) {
     for (Correspondence& c : direction.correspondences) {
       if (c.projector == projector) c.projector_x += by_px;
     }
@@ -68,7 +68,7 @@ TEST(Calibrate, is_never_worse_after_a_noisy_one_that_cannot_find_the_camera) {
     ASSERT_TRUE(noisy) << noisy.error().message();
     const RegistrationScore before = score_of(room, *good);
     const RegistrationScore after = score_of(room, *noisy);
-    std::string remarks = noisy->plate.offset_reason + "\nbefore: " + good->plate.offset_reason;
+    std::string remarks = noisy->turntable.offset_reason + "\nbefore: " + good->turntable.offset_reason;
     for (const std::string& remark : noisy->remarks) remarks += "\n" + remark;
     for (const calibration::CalibratedProjector& p : noisy->projectors) {
       remarks += "\n" + p.name + (p.is_previous ? " keeps its map" : " has a new map");
@@ -89,7 +89,7 @@ TEST(Calibrate, is_never_worse_after_a_noisy_one_of_a_few_degrees) {
     plan.arc_rad = arc_deg * 0.0174533;
     plan.projectors = 2;
     plan.half_height_m = 4.0 * std::tan(std::min(0.33, 0.4 * plan.arc_rad));
-    plan.plate_step_rad = std::min(0.5, std::max(0.05, 0.4 * plan.arc_rad));
+    plan.turntable_step_rad = std::min(0.5, std::max(0.05, 0.4 * plan.arc_rad));
     const GeneratedRoom room(plan);
     options.previous = nullptr;
     const auto good = calibrate(room.measurements(), "2026-01-01T00-00-00Z", options);
@@ -167,9 +167,9 @@ TEST(Calibrate, is_true_in_a_corner_whose_nearness_no_harmonics_follow) {
   const GeneratedRoom room(plan);
   const auto calibration = calibrate(room.measurements(), "2026-01-01T00-00-00Z");
   ASSERT_TRUE(calibration) << calibration.error().message();
-  EXPECT_TRUE(calibration->plate.wall.has_value());
+  EXPECT_TRUE(calibration->turntable.wall.has_value());
   // The wall is a profile here, which rounds the crease by its knots; harmonics alone have an error of 4.8 px.
-  EXPECT_LE(score_of(room, *calibration).true_p95_px, 0.9) << calibration->plate.offset_reason;
+  EXPECT_LE(score_of(room, *calibration).true_p95_px, 0.9) << calibration->turntable.offset_reason;
 }
 
 TEST(Calibrate, finds_a_wall_by_which_another_eye_sees_right) {
@@ -196,7 +196,7 @@ TEST(Calibrate, finds_a_wall_by_which_another_eye_sees_right) {
 
 TEST(Calibrate, names_the_projector_that_nobody_saw) {
   Measurements measured = GeneratedRoom(coarse_plan(RoomKind::kCylinder)).measurements();
-  for (PlateDirection& direction : measured.directions) {
+  for (TurntableDirection& direction : measured.directions) {
     std::erase_if(direction.correspondences, [](const Correspondence& c) { return c.projector == 2; });
   }
   const auto calibration = calibrate(measured, "2026-01-01T00-00-00Z");

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "appliance/solve/calibrate.h"
-#include "tests/doubles/generated_room.h"
+#include "tests/data_sets/generated_room.h"
 
 namespace cyclorama::solve {
 namespace {
@@ -29,13 +29,13 @@ const End kEnds[] = {
        plan->arc_rad = 2.0 * kDegree;
        plan->projectors = 2;
        plan->half_height_m = 0.06;
-       plan->plate_step_rad = 0.05;
+       plan->turntable_step_rad = 0.05;
      }},
     {"arc of 360 degrees",
      [](RoomPlan* plan) {
        plan->arc_rad = 360.0 * kDegree;
        plan->projectors = 8;
-       plan->plate_step_rad = 0.5;
+       plan->turntable_step_rad = 0.5;
        plan->stride_px = 24;
      }},
     {"throw 0.25",
@@ -64,13 +64,13 @@ const End kEnds[] = {
      [](RoomPlan* plan) {
        plan->camera_offset_m = {0.02, 0.0, 0.045};
      }},
-    {"plate step of 3 degrees",
+    {"turntable step of 3 degrees",
      [](RoomPlan* plan) {
-       plan->plate_step_rad = 3.0 * kDegree;
+       plan->turntable_step_rad = 3.0 * kDegree;
        plan->arc_rad = 0.6;
        plan->stride_px = 32;
      }},
-    {"plate step of 180 degrees", [](RoomPlan* plan) { plan->plate_step_rad = 180.0 * kDegree; }, 0.8, true},
+    {"turntable step of 180 degrees", [](RoomPlan* plan) { plan->turntable_step_rad = 180.0 * kDegree; }, 0.8, true},
     {"camera of 0.3 megapixels",
      [](RoomPlan* plan) {
        plan->camera_megapixels = 0.3;
@@ -101,7 +101,7 @@ TEST_P(Extremes, are_right_or_refused_with_a_remedy) {
     EXPECT_NE(calibration.error().message().find("; "), std::string::npos) << calibration.error().message();
     return;
   }
-  EXPECT_TRUE(calibration->plate.covariance.allFinite());
+  EXPECT_TRUE(calibration->turntable.covariance.allFinite());
   for (const calibration::CalibratedProjector& p : calibration->projectors) {
     for (std::size_t i = 0; i < p.map.directions.size(); ++i) {
       EXPECT_EQ(p.map.directions[i].allFinite(), std::isfinite(p.map.sigma_px[i]));
@@ -110,7 +110,7 @@ TEST_P(Extremes, are_right_or_refused_with_a_remedy) {
   const RegistrationScore score = registration_score(
       room, [&](std::size_t p, const Eigen::Vector2d& px) { return calibration->projectors[p].map.direction_at(px); });
   EXPECT_GT(score.correspondences, 20U);
-  EXPECT_LE(score.p95_px, GetParam().bound_px) << calibration->plate.offset_reason;
+  EXPECT_LE(score.p95_px, GetParam().bound_px) << calibration->turntable.offset_reason;
 }
 
 std::string name_of_end(const testing::TestParamInfo<End>& end) {

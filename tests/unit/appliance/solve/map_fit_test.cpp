@@ -9,7 +9,7 @@
 #include <random>
 
 #include "appliance/solve/selected_inverse.h"
-#include "tests/doubles/generated_room.h"
+#include "tests/data_sets/generated_room.h"
 
 namespace cyclorama::solve {
 namespace {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "tests/doubles/generated_room.h"
+#include "tests/data_sets/generated_room.h"
 
 namespace cyclorama::solve {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "appliance/solve/map_fit.h"
 #include "appliance/solve/turntable_adjustment.h"
-#include "tests/doubles/generated_room.h"
+#include "tests/data_sets/generated_room.h"
 
 namespace cyclorama::solve {
 namespace {
@@ -22,8 +22,9 @@ RoomPlan coarse_plan() {
   return plan;
 }
 
-Result<calibration::TurnPlate> solved(const Measurements& measured, const TurnPlateOptions& options = {}) {
-  return solve_turn_plate(measured, average_cells(measured, fitting_cell_px(measured)), options);
+Result<calibration::CalibratedTurntable> solved(const Measurements& measured,
+                                                const TurntableSolverOptions& options = {}) {
+  return solve_turntable(measured, average_cells(measured, fitting_cell_px(measured)), options);
 }
 
 /// The residuals of one observation in the form that Ceres' gradient checker needs. Blocks: lens, mount, offset, angle,
@@ -58,10 +59,10 @@ class ObservationCost : public ceres::CostFunction {
   }
 
  private:
-  PlateObservation sight_;
+  TurntableObservation sight_;
 };
 
-TEST(PlateCost, has_the_jacobian_that_differences_give) {
+TEST(TurntableCost, has_the_jacobian_that_differences_give) {
   CellMean seen;
   seen.camera_px = {900.0, 500.0};
   seen.camera_per_projector << 0.6, 0.02, -0.03, 0.55;
@@ -82,45 +83,45 @@ TEST(PlateCost, has_the_jacobian_that_differences_give) {
 
 /// Compares the problem's gradient with finite differences of its cost, including the sums over directions and the
 /// elimination of tracks.
-TEST(PlateAdjustment, goes_downhill_to_where_no_shared_number_can_make_it_better) {
+TEST(TurntableAdjustment, goes_downhill_to_where_no_shared_number_can_make_it_better) {
   const Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   const CellMeans means = average_cells(measured, fitting_cell_px(measured));
   const auto tracks = choose_tracks(measured, means, 300, 5);
   ASSERT_TRUE(tracks) << tracks.error().message();
-  const TurnPlateOptions options;
-  const PlateTask task{measured, means, options, *tracks, 1};
-  const auto plain = solve_plate(task, {}, nullptr, Eigen::Vector2d::Zero());
+  const TurntableSolverOptions options;
+  const TurntableTask task{measured, means, options, *tracks, 1};
+  const auto plain = solve_turntable_problem(task, {}, nullptr, Eigen::Vector2d::Zero());
   ASSERT_TRUE(plain) << plain.error().message();
-  const auto solved = solve_plate(task, {}, &plain->state, Eigen::Vector2d::Zero());
+  const auto solved = solve_turntable_problem(task, {}, &plain->state, Eigen::Vector2d::Zero());
   ASSERT_TRUE(solved) << solved.error().message();
   EXPECT_LE(solved->cost, plain->cost * 1.001);
   std::vector<const Track*> used;
   for (const Track& track : tracks->used) used.push_back(&track);
   ASSERT_EQ(used.size(), solved->state.directions.size());
-  const auto cost_of = [&](PlateState state) {
-    PlateAdjustment adjustment(task, {}, true, used, &state);
+  const auto cost_of = [&](TurntableState state) {
+    TurntableAdjustment adjustment(task, {}, true, used, &state);
     adjustment.weigh_by(RobustLoss::kCauchy);
     return adjustment.linearise().value_or(1e9);
   };
   EXPECT_NEAR(cost_of(solved->state), solved->cost, 1e-6 * solved->cost);
   for (const double aside : {1e-4, -1e-4}) {
-    PlateState tilted = solved->state;
+    TurntableState tilted = solved->state;
     tilted.mount[0] += aside;
     EXPECT_GT(cost_of(tilted), solved->cost);
-    PlateState moved = solved->state;
+    TurntableState moved = solved->state;
     moved.offset[1] += 10.0 * aside;
     EXPECT_GT(cost_of(moved), solved->cost);
-    PlateState turned = solved->state;
+    TurntableState turned = solved->state;
     turned.angles[0] += aside;
     EXPECT_GT(cost_of(turned), solved->cost);
-    PlateState zoomed = solved->state;
+    TurntableState zoomed = solved->state;
     zoomed.lens[calibration::MeasuredLens::kFocal] *= 1.0 + aside;
     EXPECT_GT(cost_of(zoomed), solved->cost);
   }
   EXPECT_EQ(static_cast<Eigen::Index>(solved->names.size()), solved->covariance.rows());
   const Eigen::MatrixXd information = [&] {
-    PlateState state = solved->state;
-    PlateAdjustment adjustment(task, {}, true, used, &state);
+    TurntableState state = solved->state;
+    TurntableAdjustment adjustment(task, {}, true, used, &state);
     adjustment.weigh_by(RobustLoss::kCauchy);
     return adjustment.reduced_normal(false);
   }();
@@ -130,32 +131,32 @@ TEST(PlateAdjustment, goes_downhill_to_where_no_shared_number_can_make_it_better
   EXPECT_LE((scaled - Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols())).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-TEST(TurnPlate, finds_axis_offset_and_angles_within_what_it_claims) {
+TEST(TurntableSolve, finds_axis_offset_and_angles_within_what_it_claims) {
   RoomPlan plan = coarse_plan();
   plan.camera_offset_m = {0.008, 0.0, 0.015};
   const Measurements measured = GeneratedRoom(plan).measurements();
-  const auto plate = solved(measured);
-  ASSERT_TRUE(plate) << plate.error().message();
-  EXPECT_TRUE(plate->is_offset_estimated) << plate->offset_reason;
-  EXPECT_NEAR(plate->offset_m.x(), 0.008, 0.003) << plate->offset_reason;
-  EXPECT_NEAR(plate->offset_m.y(), 0.015, 0.005) << plate->offset_reason;
-  EXPECT_LE(plate->heldout_rms_px, 0.15);
-  EXPECT_EQ(static_cast<Eigen::Index>(plate->parameters.size()), plate->covariance.rows());
-  EXPECT_TRUE(plate->covariance.allFinite());
+  const auto turntable = solved(measured);
+  ASSERT_TRUE(turntable) << turntable.error().message();
+  EXPECT_TRUE(turntable->is_offset_estimated) << turntable->offset_reason;
+  EXPECT_NEAR(turntable->offset_m.x(), 0.008, 0.003) << turntable->offset_reason;
+  EXPECT_NEAR(turntable->offset_m.y(), 0.015, 0.005) << turntable->offset_reason;
+  EXPECT_LE(turntable->heldout_rms_px, 0.15);
+  EXPECT_EQ(static_cast<Eigen::Index>(turntable->parameters.size()), turntable->covariance.rows());
+  EXPECT_TRUE(turntable->covariance.allFinite());
 }
 
-TEST(TurnPlate, takes_an_offset_that_cannot_be_seen_for_none) {
+TEST(TurntableSolve, takes_an_offset_that_cannot_be_seen_for_none) {
   RoomPlan plan = coarse_plan();
   plan.camera_offset_m.setZero();
-  const auto plate = solved(GeneratedRoom(plan).measurements());
-  ASSERT_TRUE(plate) << plate.error().message();
-  EXPECT_LE(plate->offset_m.norm(), 0.004) << plate->offset_reason;
+  const auto turntable = solved(GeneratedRoom(plan).measurements());
+  ASSERT_TRUE(turntable) << turntable.error().message();
+  EXPECT_LE(turntable->offset_m.norm(), 0.004) << turntable->offset_reason;
 }
 
-TEST(TurnPlate, starts_elsewhere_and_comes_to_the_same) {
+TEST(TurntableSolve, starts_elsewhere_and_comes_to_the_same) {
   const Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   const auto one = solved(measured);
-  TurnPlateOptions elsewhere;
+  TurntableSolverOptions elsewhere;
   elsewhere.start = {0.08, -0.06, 0.02, -0.02};
   const auto other = solved(measured, elsewhere);
   ASSERT_TRUE(one && other);
@@ -167,28 +168,28 @@ TEST(TurnPlate, starts_elsewhere_and_comes_to_the_same) {
   }
 }
 
-TEST(TurnPlate, refuses_one_direction_and_says_what_to_add) {
+TEST(TurntableSolve, refuses_one_direction_and_says_what_to_add) {
   Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   measured.directions.resize(1);
-  const auto plate = solved(measured);
-  ASSERT_FALSE(plate);
-  EXPECT_EQ(plate.error().code(), ErrorCode::kInvalidArgument);
-  EXPECT_NE(plate.error().message().find("add a direction"), std::string::npos) << plate.error().message();
+  const auto turntable = solved(measured);
+  ASSERT_FALSE(turntable);
+  EXPECT_EQ(turntable.error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_NE(turntable.error().message().find("add a direction"), std::string::npos) << turntable.error().message();
 }
 
-TEST(TurnPlate, refuses_directions_that_share_nothing_and_names_the_gap) {
+TEST(TurntableSolve, refuses_directions_that_share_nothing_and_names_the_gap) {
   RoomPlan plan = coarse_plan();
   plan.arc_rad = 3.0;
-  plan.plate_step_rad = 1.5;
-  const auto plate = solved(GeneratedRoom(plan).measurements());
-  ASSERT_FALSE(plate);
-  EXPECT_EQ(plate.error().code(), ErrorCode::kInvalidArgument);
-  EXPECT_NE(plate.error().message().find("degrees"), std::string::npos) << plate.error().message();
+  plan.turntable_step_rad = 1.5;
+  const auto turntable = solved(GeneratedRoom(plan).measurements());
+  ASSERT_FALSE(turntable);
+  EXPECT_EQ(turntable.error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_NE(turntable.error().message().find("degrees"), std::string::npos) << turntable.error().message();
 }
 
-TEST(TurnPlate, refuses_angles_that_count_the_wrong_way) {
+TEST(TurntableSolve, refuses_angles_that_count_the_wrong_way) {
   Measurements measured = GeneratedRoom(coarse_plan()).measurements();
-  for (PlateDirection& direction : measured.directions) direction.angle_rad = -direction.angle_rad;
+  for (TurntableDirection& direction : measured.directions) direction.angle_rad = -direction.angle_rad;
   EXPECT_FALSE(solved(measured));
 }
 
@@ -204,11 +205,11 @@ TEST(Registration, of_maps_that_no_screen_model_helped_is_within_a_quarter_pixel
   const GeneratedRoom room(coarse_plan());
   const Measurements measured = room.measurements();
   const CellMeans means = average_cells(measured, fitting_cell_px(measured));
-  const auto plate = solve_turn_plate(measured, means);
-  ASSERT_TRUE(plate) << plate.error().message();
+  const auto turntable = solve_turntable(measured, means);
+  ASSERT_TRUE(turntable) << turntable.error().message();
   std::vector<std::vector<MapSample>> samples(room.projectors());
   for (const CellMean& cell : means.cells) {
-    const auto d = seen_direction(*plate, static_cast<std::size_t>(cell.direction), cell.camera_px);
+    const auto d = seen_direction(*turntable, static_cast<std::size_t>(cell.direction), cell.camera_px);
     if (d) samples[static_cast<std::size_t>(cell.projector)].push_back({cell.projector_px, *d, cell.sigma_px});
   }
   std::vector<calibration::MeasuredMap> maps;

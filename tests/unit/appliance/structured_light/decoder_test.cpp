@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "appliance/structured_light/decode_quality.h"
-#include "tests/doubles/lit_wall.h"
+#include "tests/data_sets/lit_wall.h"
 
 namespace cyclorama::structured_light {
 namespace {

@@ -5,7 +5,7 @@
 #include <opencv2/structured_light/graycodepattern.hpp>
 
 #include "appliance/structured_light/pattern_drawing.h"
-#include "tests/doubles/lit_wall.h"
+#include "tests/data_sets/lit_wall.h"
 
 namespace cyclorama::structured_light {
 namespace {

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "appliance/tracker/tag_pose.h"
-#include "tests/doubles/painted_tag.h"
+#include "tests/data_sets/painted_tag.h"
 
 namespace cyclorama::tags {
 namespace {

@@ -11,7 +11,7 @@
 #include "appliance/tracker/overlay.h"
 #include "appliance/tracker/tag_pose.h"
 #include "common/image/image_file.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/shared_data.h"
 
 namespace cyclorama::tracker {
 namespace {

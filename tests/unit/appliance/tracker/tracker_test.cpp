@@ -14,7 +14,7 @@
 #include "common/image/png.h"
 #include "common/wire/channel.h"
 #include "common/wire/museum.grpc.pb.h"
-#include "tests/doubles/visitor_stories.h"
+#include "tests/data_sets/visitor_stories.h"
 
 namespace cyclorama::tracker {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "tests/doubles/demo_room.h"
+#include "tests/data_sets/demo_room.h"
 
 namespace cyclorama::warp {
 namespace {

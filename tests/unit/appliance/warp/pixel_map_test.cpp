@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "appliance/warp/blend_mask.h"
-#include "tests/doubles/demo_room.h"
+#include "tests/data_sets/demo_room.h"
 
 namespace cyclorama::warp {
 namespace {

@@ -12,9 +12,9 @@
 #include "common/geometry/guard_band.h"
 #include "common/image/colour.h"
 #include "drivers/simulated/room/room_picture.h"
-#include "tests/doubles/demo_room.h"
-#include "tests/doubles/mesh_area.h"
-#include "tests/doubles/warped_picture.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/support/mesh_area.h"
+#include "tests/support/warped_picture.h"
 
 namespace cyclorama::warp {
 namespace {

@@ -9,8 +9,8 @@
 #include <random>
 
 #include "appliance/warp/blend_mask.h"
-#include "tests/doubles/demo_room.h"
-#include "tests/doubles/mesh_area.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/support/mesh_area.h"
 
 namespace cyclorama::warp {
 namespace {

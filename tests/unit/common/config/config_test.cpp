@@ -188,13 +188,14 @@ TEST(Config, a_setting_under_its_former_name_is_refused_with_the_new_one) {
     root.refuse_renamed("longest_m", "max_m");
     root.number("max_m", {0, 9}, 1.0);
   };
-  EXPECT_THAT(complaint("longest_m = 2\n", read), StartsWith("site.toml:1: longest_m: is called 'max_m' now; rename it"));
+  EXPECT_THAT(complaint("longest_m = 2\n", read),
+              StartsWith("site.toml:1: longest_m: is called 'max_m' now; rename it"));
   EXPECT_EQ(complaint("max_m = 2\n", read), "");
 }
 
 TEST(Config, text_that_is_not_toml_names_line_and_column) {
-  for (const char* const text :
-       {"a = ", "a = 1\na = 2", "[x", "a = 1 b = 2", "[\n", "[\n]", "[[\n", "[.]", "a.\n=1", "a = 1 \u00e9", "\u00e9 = 1", "\u4e00", "a = \"\xff\""}) {
+  for (const char* const text : {"a = ", "a = 1\na = 2", "[x", "a = 1 b = 2", "[\n", "[\n]", "[[\n", "[.]", "a.\n=1",
+                                 "a = 1 \u00e9", "\u00e9 = 1", "\u4e00", "a = \"\xff\""}) {
     const auto config = Config::parse(text, "site.toml");
     ASSERT_FALSE(config.has_value()) << text;
     EXPECT_EQ(config.error().code(), ErrorCode::kBadData);

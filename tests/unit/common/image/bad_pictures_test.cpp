@@ -6,7 +6,7 @@
 #include <set>
 
 #include "common/image/image_file.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/shared_data.h"
 
 namespace cyclorama {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "common/base/file.h"
 #include "common/image/radiance_file.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/shared_data.h"
 
 namespace cyclorama {
 namespace {

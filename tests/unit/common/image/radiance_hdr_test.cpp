@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/base/file.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/shared_data.h"
 
 namespace cyclorama {
 namespace {

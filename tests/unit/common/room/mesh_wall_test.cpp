@@ -9,7 +9,7 @@
 #include <random>
 
 #include "common/room/triangle_tree.h"
-#include "tests/doubles/wall_meshes.h"
+#include "tests/data_sets/wall_meshes.h"
 
 namespace cyclorama {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "common/geometry/picture_place.h"
 #include "common/room/installation.h"
-#include "tests/doubles/demo_room.h"
-#include "tests/doubles/wall_meshes.h"
+#include "tests/data_sets/demo_room.h"
+#include "tests/data_sets/wall_meshes.h"
 
 namespace cyclorama {
 namespace {

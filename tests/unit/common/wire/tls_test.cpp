@@ -9,7 +9,7 @@
 #include "common/base/file.h"
 #include "common/wire/channel.h"
 #include "common/wire/inspection_service.h"
-#include "tests/doubles/test_authority.h"
+#include "tests/support/test_authority.h"
 
 namespace cyclorama {
 namespace {

@@ -13,8 +13,8 @@
 #include "drivers/camera/file/file_camera.h"
 #include "drivers/camera/v4l2/v4l2_camera.h"
 #include "drivers/simulated/camera/simulated_camera.h"
+#include "tests/doubles/fake_clock.h"
 #include "tests/doubles/fake_video/fake_video.h"
-#include "tests/doubles/manual_clock.h"
 
 namespace cyclorama::camera {
 namespace {
@@ -27,7 +27,7 @@ class Place {
  public:
   virtual ~Place() = default;
   virtual Result<std::unique_ptr<Camera>> open() = 0;
-  ManualClock clock;
+  FakeClock clock;
 };
 
 class FilePlace final : public Place {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/fake_clock.h"
 
 namespace cyclorama::camera {
 namespace {
@@ -27,7 +27,7 @@ TEST(Pace, waits_for_the_first_when_the_clock_is_before_the_start) {
 }
 
 TEST(WaitForPicture, waits_no_longer_than_the_deadline) {
-  const ManualClock clock(kStart + milliseconds(10));
+  const FakeClock clock(kStart + milliseconds(10));
   const auto late = wait_for_picture(kPace, 0, clock, kStart + milliseconds(50));
   ASSERT_FALSE(late.has_value());
   EXPECT_EQ(late.error().code(), ErrorCode::kTimedOut);
@@ -39,7 +39,7 @@ TEST(WaitForPicture, waits_no_longer_than_the_deadline) {
 }
 
 TEST(WaitForPicture, gives_what_is_ready_even_when_the_deadline_is_over) {
-  const ManualClock clock(kStart + milliseconds(450));
+  const FakeClock clock(kStart + milliseconds(450));
   const auto ready = wait_for_picture(kPace, 0, clock, kStart);
   ASSERT_TRUE(ready.has_value());
   EXPECT_EQ(*ready, 4U);

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/fake_clock.h"
 
 namespace cyclorama::devices {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 using testing::HasSubstr;
 
 Error error_of(std::string_view spec) {
-  const ManualClock clock;
+  const FakeClock clock;
   auto camera = make_camera(spec, clock);
   EXPECT_FALSE(camera.has_value()) << spec;
   return camera ? Error(ErrorCode::kSystem, "it was made") : camera.error();
@@ -59,7 +59,7 @@ TEST(MakeCamera, says_that_a_real_camera_is_not_there) {
 }
 
 TEST(MakeCamera, makes_the_demo_s_camera_from_one_word) {
-  const ManualClock clock;
+  const FakeClock clock;
   auto camera = make_camera("simulated", clock);
   ASSERT_TRUE(camera.has_value()) << camera.error().message();
   ASSERT_TRUE((*camera)->start().has_value());

@@ -64,7 +64,7 @@ class HeadlessPlace final : public Place {
   HeadlessOptions::Renderer renderer_;
   SteadyClock clock_;
   std::filesystem::path run_dir_;
-  ManualClock no_clock_;
+  FakeClock no_clock_;
   FakeMachine no_cards_{{}, &no_clock_};  // EGL's calls are wrapped in this program.
 };
 
@@ -90,7 +90,7 @@ class DrmPlace final : public Place {
     card.connectors[1].modes = {fake_mode(31, 17, 60.0, true)};
     return card;
   }
-  ManualClock clock_;
+  FakeClock clock_;
   FakeMachine machine_{{card()}, &clock_};
 };
 

@@ -84,13 +84,13 @@ TEST_F(Calibrating, asks_whoever_sits_there_and_sends_what_is_typed) {
   ::dup2(ends[0], STDIN_FILENO);
   ASSERT_EQ(::write(ends[1], "12.5\n", 5), 5);
   wire::CalibrateProgress question = step("turn the camera", 0.1);
-  question.set_question("Turn the plate to 12 degrees: ");
+  question.set_question("Turn the turntable to 12 degrees: ");
   calibrator_.messages = {question, step("solve", 0.9), end_of_it()};
   const Outcome outcome = run({});
   ::dup2(before, STDIN_FILENO);
   for (const int fd : {ends[0], ends[1], before}) ::close(fd);
   ASSERT_TRUE(outcome.status) << outcome.status.error().message();
-  EXPECT_THAT(outcome.err, HasSubstr("Turn the plate to 12 degrees"));
+  EXPECT_THAT(outcome.err, HasSubstr("Turn the turntable to 12 degrees"));
   EXPECT_EQ(calibrator_.answers, std::vector<std::string>{"12.5"});
 }
 

@@ -13,7 +13,7 @@
 #include "kiosk/operator/page_server.h"
 #include "tests/doubles/fake_calibrator.h"
 #include "tests/doubles/fake_process.h"
-#include "tests/doubles/museum_stick.h"
+#include "tests/support/museum_stick.h"
 
 namespace cyclorama::operations {
 namespace {
@@ -278,7 +278,7 @@ TEST(MuseumPage, keeps_open_or_closed_for_once_and_takes_that_back) {
 TEST(MuseumPage, gives_a_support_bundle_without_any_secret) {
   Page page;
   page.stick.write("beamer-password", "open-sesame-9\n");
-  page.stick.write("calibrator.toml", "# open-sesame-9\nturnplate = \"manual\"\n");
+  page.stick.write("calibrator.toml", "# open-sesame-9\nturntable = \"manual\"\n");
   fs::create_directories(page.stick.stick() / "cameras");
   page.stick.write("cameras/left.json", "{\"camera\": \"open-sesame-9\"}");
   // Files into which people may write secrets by mistake.

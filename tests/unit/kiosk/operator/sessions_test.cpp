@@ -6,7 +6,7 @@
 
 #include "common/base/file.h"
 #include "kiosk/provision/pin.h"
-#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/fake_clock.h"
 
 namespace cyclorama::operations {
 namespace {
@@ -17,7 +17,7 @@ using testing::HasSubstr;
 constexpr const char* kHere = "192.0.2.7";
 
 struct LoginFixture {
-  ManualClock clock;
+  FakeClock clock;
   std::filesystem::path folder;
   std::unique_ptr<Sessions> sessions;
 

@@ -7,7 +7,7 @@
 
 #include "common/base/file.h"
 #include "kiosk/provision/provision.h"
-#include "tests/doubles/test_authority.h"
+#include "tests/support/test_authority.h"
 
 namespace cyclorama::provision {
 namespace {

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 
 #include "kiosk/provision/pin.h"
-#include "tests/doubles/museum_stick.h"
+#include "tests/support/museum_stick.h"
 
 namespace cyclorama::provision {
 namespace {
@@ -317,9 +317,9 @@ TEST(Provision, asks_the_programs_about_their_own_tables) {
   program("cyclorama-display", "#!/bin/sh\n[ \"$1\" = --check ] && grep -q hall-3 \"$3\"\n");
   program("cyclorama-tracker",
           "#!/bin/sh\necho '<4>a warning'\necho \"<3>cyclorama-tracker: $3:2: no such camera\"; exit 1\n");
-  museum.write("calibrator.toml", "turnplate = \"manual\"\n");
+  museum.write("calibrator.toml", "turntable = \"manual\"\n");
   program("cyclorama-calibrator",
-          "#!/bin/sh\ngrep -q projector \"$5\" && echo \"<3>cyclorama-calibrator: $3:1: no such plate\"; exit 1\n");
+          "#!/bin/sh\ngrep -q projector \"$5\" && echo \"<3>cyclorama-calibrator: $3:1: no such turntable\"; exit 1\n");
   auto store = SettingsStore::open(museum.root());
   ASSERT_TRUE(store);
   const auto report = provision({museum.stick(), {programs}, {}, false, ""}, &*store);

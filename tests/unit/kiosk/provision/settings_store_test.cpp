@@ -12,7 +12,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "tests/doubles/museum_stick.h"
+#include "tests/support/museum_stick.h"
 
 namespace cyclorama::provision {
 namespace {

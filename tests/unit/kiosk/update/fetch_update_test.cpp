@@ -9,7 +9,7 @@
 #include "common/wire/channel.h"
 #include "common/wire/updates.grpc.pb.h"
 #include "renderfarm/coordinator/coordinator.h"
-#include "tests/doubles/test_authority.h"
+#include "tests/support/test_authority.h"
 
 namespace cyclorama::update {
 namespace {

@@ -11,7 +11,7 @@
 #include <random>
 #include <set>
 
-#include "tests/doubles/block_tiling.h"
+#include "tests/support/block_tiling.h"
 
 namespace cyclorama::balance {
 namespace {

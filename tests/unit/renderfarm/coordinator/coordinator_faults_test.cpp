@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "tests/doubles/farm_simulation.h"
+#include "tests/support/farm_simulation.h"
 
 namespace cyclorama::coordinator {
 namespace {

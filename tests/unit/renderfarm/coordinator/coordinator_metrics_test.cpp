@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "renderfarm/watch/status_json.h"
-#include "tests/doubles/farm_simulation.h"
-#include "tests/doubles/prometheus_text.h"
+#include "tests/support/farm_simulation.h"
+#include "tests/support/prometheus_text.h"
 
 namespace cyclorama::coordinator {
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "common/wire/convert.h"
-#include "tests/doubles/farm_simulation.h"
+#include "tests/support/farm_simulation.h"
 
 namespace cyclorama::coordinator {
 namespace {

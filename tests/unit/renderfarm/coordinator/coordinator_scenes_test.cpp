@@ -4,7 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "renderfarm/coordinator/coordinator_state.h"
-#include "tests/doubles/fake_delegate.h"
+#include "tests/doubles/fake_clock.h"
+#include "tests/doubles/recording_delegate.h"
 
 namespace cyclorama::coordinator {
 namespace {
@@ -34,7 +35,7 @@ class CoordinatorScenes : public testing::Test {
   }
 
   FakeClock clock;
-  FakeDelegate delegate;
+  RecordingDelegate delegate;
   const std::string digest = std::string(64, 'd');
   CoordinatorState state{{{"own", "/nodes/own"}, {"shared", "/coordinator/shared", true}},
                          balance::BalanceStrategy::kEqual,

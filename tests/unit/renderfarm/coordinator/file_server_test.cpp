@@ -11,8 +11,8 @@
 #include "common/wire/channel.h"
 #include "common/wire/nodes.grpc.pb.h"
 #include "renderfarm/node/scene_fetcher.h"
-#include "tests/doubles/scene_folder.h"
-#include "tests/doubles/test_authority.h"
+#include "tests/data_sets/scene_folder.h"
+#include "tests/support/test_authority.h"
 
 namespace cyclorama::coordinator {
 namespace {

@@ -7,8 +7,8 @@
 #include "renderfarm/coordinator/coordinator.h"
 #include "renderfarm/node/embree_block_renderer.h"
 #include "renderfarm/node/farm_node.h"
+#include "tests/data_sets/scene_folder.h"
 #include "tests/doubles/recording_farm_listener.h"
-#include "tests/doubles/scene_folder.h"
 
 namespace cyclorama::coordinator {
 namespace {

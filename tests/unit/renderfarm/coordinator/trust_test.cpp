@@ -8,7 +8,7 @@
 #include "common/wire/farm.grpc.pb.h"
 #include "common/wire/nodes.grpc.pb.h"
 #include "renderfarm/coordinator/coordinator.h"
-#include "tests/doubles/test_authority.h"
+#include "tests/support/test_authority.h"
 
 namespace cyclorama::coordinator {
 namespace {

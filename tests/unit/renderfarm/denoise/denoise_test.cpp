@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "tests/doubles/analytic_film.h"
+#include "tests/data_sets/analytic_film.h"
 
 namespace cyclorama::denoise {
 namespace {

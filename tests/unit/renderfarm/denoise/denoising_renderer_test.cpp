@@ -7,7 +7,7 @@
 
 #include "common/image/cropped.h"
 #include "renderfarm/render/tone.h"
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::denoise {
 namespace {

@@ -7,23 +7,23 @@
 #include <atomic>
 
 #include "renderfarm/generator/chamber.h"
-#include "tests/doubles/counting_sink.h"
+#include "tests/doubles/recording_sink.h"
 
 namespace cyclorama::generator {
 namespace {
 
 bool always(double) { return true; }
 
-std::map<std::string, CountedFile> made(std::uint64_t triangles, std::uint32_t seed, int threads) {
+std::map<std::string, RecordedFile> made(std::uint64_t triangles, std::uint32_t seed, int threads) {
   auto grotto = plan_grotto(triangles, seed);
   EXPECT_TRUE(grotto.has_value());
   if (!grotto) return {};
-  CountingSink sink;
+  RecordingSink sink;
   EXPECT_TRUE(generate(*grotto, sink, threads, always).has_value());
   return sink.files();
 }
 
-std::map<std::string, std::uint64_t> digests(const std::map<std::string, CountedFile>& files) {
+std::map<std::string, std::uint64_t> digests(const std::map<std::string, RecordedFile>& files) {
   std::map<std::string, std::uint64_t> digests;
   for (const auto& [name, file] : files) digests[name] = file.digest;
   return digests;
@@ -118,7 +118,7 @@ class FailingSink final : public GeometrySink {
 
  private:
   std::atomic<int> files_;
-  CountingSink inner_;
+  RecordingSink inner_;
 };
 
 TEST(Grotto, reports_why_any_file_could_not_be_written) {
@@ -137,7 +137,7 @@ TEST(Grotto, reports_why_any_file_could_not_be_written) {
 TEST(Grotto, stops_when_asked_to) {
   const auto grotto = plan_grotto(20'000'000, 1);
   ASSERT_TRUE(grotto.has_value());
-  CountingSink sink;
+  RecordingSink sink;
   const Status status = generate(*grotto, sink, 2, [](double) { return false; });
   ASSERT_FALSE(status.has_value());
   EXPECT_EQ(status.error().code(), ErrorCode::kUnavailable);
@@ -146,7 +146,7 @@ TEST(Grotto, stops_when_asked_to) {
 TEST(Grotto, reports_progress_that_ends_at_one) {
   const auto grotto = plan_grotto(300'000, 1);
   ASSERT_TRUE(grotto.has_value());
-  CountingSink sink;
+  RecordingSink sink;
   std::vector<double> seen;
   ASSERT_TRUE(generate(*grotto, sink, 2, [&](double fraction) {
                 seen.push_back(fraction);

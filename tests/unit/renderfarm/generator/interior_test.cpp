@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/doubles/counting_sink.h"
+#include "tests/doubles/recording_sink.h"
 
 namespace cyclorama::generator {
 namespace {
@@ -20,7 +20,7 @@ TEST(Interior, has_nearly_as_many_triangles_as_requested_and_never_more) {
 TEST(Interior, is_finite_and_inside_its_walls) {
   const auto hall = plan_interior(60'000, 3, 4);
   ASSERT_TRUE(hall.has_value());
-  CountingSink sink;
+  RecordingSink sink;
   ASSERT_TRUE(generate(*hall, sink, 2, [](double) { return true; }).has_value());
   for (const auto& [name, file] : sink.files()) {
     EXPECT_TRUE(file.finished) << name;

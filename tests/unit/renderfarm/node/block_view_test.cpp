@@ -8,7 +8,7 @@
 
 #include "common/wire/convert.h"
 #include "renderfarm/render/camera.h"
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::node {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "renderfarm/render/sampler.h"
-#include "tests/doubles/statistics.h"
+#include "tests/support/statistics.h"
 #include "tests/unit/renderfarm/render/bsdf_cases.h"
 
 namespace cyclorama::render {

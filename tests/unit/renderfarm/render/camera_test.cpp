@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::render {
 namespace {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <utility>
 
-#include "tests/doubles/mixed_room.h"
-#include "tests/doubles/z_test.h"
+#include "tests/data_sets/mixed_room.h"
+#include "tests/support/z_test.h"
 
 namespace cyclorama::render {
 namespace {

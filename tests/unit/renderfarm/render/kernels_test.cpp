@@ -8,7 +8,7 @@
 #include "renderfarm/render/kernel.h"
 #include "renderfarm/render/renderer.h"
 #include "renderfarm/render/requirements.h"
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::render {
 namespace {

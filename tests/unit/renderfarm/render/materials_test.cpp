@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "renderfarm/render/renderer.h"
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::render {
 namespace {

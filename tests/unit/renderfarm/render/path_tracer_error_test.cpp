@@ -9,8 +9,8 @@
 #include "common/image/colour.h"
 #include "renderfarm/render/tone.h"
 #include "renderfarm/render/vectors.h"
-#include "tests/doubles/measured_light.h"
-#include "tests/doubles/mixed_room.h"
+#include "tests/data_sets/mixed_room.h"
+#include "tests/support/measured_light.h"
 
 namespace cyclorama::render {
 namespace {

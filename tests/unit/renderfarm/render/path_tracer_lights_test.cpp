@@ -10,7 +10,7 @@
 #include "renderfarm/render/bsdf.h"
 #include "renderfarm/render/lights/environment_light.h"
 #include "renderfarm/render/requirements.h"
-#include "tests/doubles/measured_light.h"
+#include "tests/support/measured_light.h"
 
 namespace cyclorama::render {
 namespace {

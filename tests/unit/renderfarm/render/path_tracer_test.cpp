@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "renderfarm/render/vectors.h"
-#include "tests/doubles/measured_light.h"
-#include "tests/doubles/mixed_room.h"
+#include "tests/data_sets/mixed_room.h"
+#include "tests/support/measured_light.h"
 
 namespace cyclorama::render {
 namespace {

@@ -7,7 +7,7 @@
 #include <atomic>
 #include <limits>
 
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::render {
 namespace {

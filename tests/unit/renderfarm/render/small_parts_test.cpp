@@ -9,7 +9,7 @@
 #include "renderfarm/render/requirements.h"
 #include "renderfarm/render/sky.h"
 #include "renderfarm/render/tone.h"
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::render {
 namespace {

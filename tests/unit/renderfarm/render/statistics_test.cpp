@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/doubles/statistics.h"
+#include "tests/support/statistics.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include "renderfarm/render/accelerator.h"
 #include "renderfarm/render/bake.h"
 #include "renderfarm/render/ray_queue.h"
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::render {
 namespace {

@@ -10,7 +10,7 @@
 #include "renderfarm/render/shading.h"
 #include "renderfarm/render/surface.h"
 #include "renderfarm/render/texture_lookup.h"
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::render {
 namespace {

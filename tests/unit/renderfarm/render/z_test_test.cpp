@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The test on which other tests rely must be able to fail, and must not raise false alarms.
-#include "tests/doubles/z_test.h"
+#include "tests/support/z_test.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "renderfarm/scene/scene.h"
-#include "tests/doubles/model_invariants.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/shared_data.h"
+#include "tests/support/model_invariants.h"
 
 namespace cyclorama::scene {
 namespace {

@@ -13,7 +13,7 @@
 #include "common/base/file.h"
 #include "renderfarm/scene/gltf_accessor.h"
 #include "renderfarm/scene/gltf_container.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/shared_data.h"
 #include "tests/unit/renderfarm/scene/gltf_builder.h"
 
 namespace cyclorama::scene {

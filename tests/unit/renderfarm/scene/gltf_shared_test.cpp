@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "renderfarm/scene/model.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/shared_data.h"
 
 namespace cyclorama::scene {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "common/image/png.h"
 #include "renderfarm/scene/model.h"
-#include "tests/doubles/memory_file.h"
-#include "tests/doubles/model_invariants.h"
+#include "tests/support/memory_file.h"
+#include "tests/support/model_invariants.h"
 
 namespace cyclorama::scene {
 namespace {

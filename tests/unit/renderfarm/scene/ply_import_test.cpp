@@ -7,9 +7,9 @@
 #include <cstring>
 
 #include "renderfarm/scene/model.h"
-#include "tests/doubles/memory_file.h"
-#include "tests/doubles/model_invariants.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/shared_data.h"
+#include "tests/support/memory_file.h"
+#include "tests/support/model_invariants.h"
 
 namespace cyclorama::scene {
 namespace {

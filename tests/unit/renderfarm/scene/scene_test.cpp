@@ -10,8 +10,8 @@
 
 #include "renderfarm/scene/area.h"
 #include "renderfarm/scene/assemble.h"
-#include "tests/doubles/model_invariants.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/shared_data.h"
+#include "tests/support/model_invariants.h"
 
 namespace cyclorama::scene {
 namespace {

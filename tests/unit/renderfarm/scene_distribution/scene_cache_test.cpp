@@ -10,7 +10,7 @@
 #include <csignal>
 #include <thread>
 
-#include "tests/doubles/scene_folder.h"
+#include "tests/data_sets/scene_folder.h"
 
 namespace cyclorama::scene_distribution {
 namespace {

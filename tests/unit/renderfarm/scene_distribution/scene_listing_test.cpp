@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "tests/doubles/scene_folder.h"
+#include "tests/data_sets/scene_folder.h"
 
 namespace cyclorama::scene_distribution {
 namespace {

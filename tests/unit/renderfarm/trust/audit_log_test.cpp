@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "common/base/file.h"
-#include "tests/doubles/scene_folder.h"
+#include "tests/data_sets/scene_folder.h"
 
 namespace cyclorama::trust {
 namespace {

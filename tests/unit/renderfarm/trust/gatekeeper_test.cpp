@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "common/base/file.h"
-#include "tests/doubles/manual_clock.h"
-#include "tests/doubles/test_authority.h"
+#include "tests/doubles/fake_clock.h"
+#include "tests/support/test_authority.h"
 
 namespace cyclorama::trust {
 namespace {
@@ -64,7 +64,7 @@ class GatekeeperTest : public testing::Test {
   }
 
   TestAuthority authority_;
-  ManualClock clock_;
+  FakeClock clock_;
   std::vector<std::string> notices_;
   std::unique_ptr<Gatekeeper> gate_;
 };
@@ -237,7 +237,7 @@ TEST(FullDisk, is_reported_once_and_harms_no_session) {
 }
 
 TEST(Nobody, may_do_everything_where_there_is_no_tls) {
-  ManualClock clock;
+  FakeClock clock;
   const auto gate = *Gatekeeper::open({}, clock, [](const std::string&) {});
   for (std::uint64_t id = 1; id < 100; ++id) EXPECT_TRUE(gate->session_connected(id, {})->allows("grotto"));
 }

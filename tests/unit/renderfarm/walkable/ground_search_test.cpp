@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "renderfarm/scene/area.h"
-#include "tests/doubles/plain_rooms.h"
+#include "tests/data_sets/plain_rooms.h"
 
 namespace cyclorama::walkable {
 namespace {

@@ -12,7 +12,7 @@
 #include <set>
 
 #include "common/base/file.h"
-#include "tests/doubles/prometheus_text.h"
+#include "tests/support/prometheus_text.h"
 
 namespace cyclorama::watch {
 namespace {

@@ -6,8 +6,8 @@
 #include <thread>
 
 #include "renderfarm/watch/mjpeg.h"
+#include "tests/data_sets/jpeg_tiles.h"
 #include "tests/doubles/fake_process.h"
-#include "tests/doubles/jpeg_tiles.h"
 
 namespace cyclorama::watch {
 namespace {

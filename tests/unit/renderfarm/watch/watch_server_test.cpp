@@ -11,9 +11,9 @@
 #include "common/base/file.h"
 #include "renderfarm/watch/farm_tables.h"
 #include "renderfarm/watch/watch_page.h"
+#include "tests/data_sets/jpeg_tiles.h"
 #include "tests/doubles/fake_process.h"
-#include "tests/doubles/jpeg_tiles.h"
-#include "tests/doubles/prometheus_text.h"
+#include "tests/support/prometheus_text.h"
 
 #include <httplib.h>  // Last, because it defines the resolver's macro _res, which conflicts with Eigen.
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/doubles/bumped_show.h"
+#include "tests/support/bumped_show.h"
 
 namespace cyclorama::healing {
 namespace {

@@ -60,11 +60,11 @@ std::vector<ReferenceObservation> observations_from(const LocatedCamera& camera,
 }
 
 TEST(LocateCamera, finds_the_turn_and_says_when_the_centre_is_elsewhere) {
-  calibration::TurnPlate plate;
-  plate.pitch_rad = 0.05;
-  plate.roll_rad = -0.01;
-  plate.offset_m = {0.006, -0.004};
-  const LocatedCamera planned = planned_camera(plate, 0.4);
+  calibration::CalibratedTurntable turntable;
+  turntable.pitch_rad = 0.05;
+  turntable.roll_rad = -0.01;
+  turntable.offset_m = {0.006, -0.004};
+  const LocatedCamera planned = planned_camera(turntable, 0.4);
   EXPECT_LT((planned.R_camera_eye * planned.R_camera_eye.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);
   for (const double away_m : {0.0, 0.025}) {
     LocatedCamera true_camera = planned;

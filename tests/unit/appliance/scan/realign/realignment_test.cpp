@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "appliance/calibration/calibration_file.h"
-#include "tests/doubles/displaced_museum.h"
-#include "tests/doubles/photometry_museum.h"
+#include "tests/data_sets/photometry_museum.h"
+#include "tests/support/displaced_museum.h"
 
 namespace cyclorama::scan {
 namespace {
@@ -162,7 +162,7 @@ TEST_F(Realignment, of_a_projector_that_stands_where_it_stood_changes_nothing) {
 }
 
 TEST_F(Realignment, goes_on_when_the_camera_was_put_back_a_little_elsewhere) {
-  museum_.put_plate_elsewhere({0.015, -0.01, 0.02}, 0.2 * kDegree);
+  museum_.put_turntable_elsewhere({0.015, -0.01, 0.02}, 0.2 * kDegree);
   museum_.push(0, 0.5 * kDegree, {0.0, 1.0, 0.0}, 0.01, {1.0, 0.0, 0.0});
   const Happened happened = realign("projector 1");
   ASSERT_TRUE(happened.outcome.has_value()) << happened.outcome.error().message();

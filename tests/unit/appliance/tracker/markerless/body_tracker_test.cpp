@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "tests/doubles/visitor_stories.h"
+#include "tests/data_sets/visitor_stories.h"
 
 namespace cyclorama::tracker {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::render {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tests/doubles/simple_scenes.h"
+#include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::render {
 namespace {

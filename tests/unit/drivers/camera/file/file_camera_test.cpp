@@ -11,8 +11,8 @@
 
 #include "common/base/file.h"
 #include "common/image/png.h"
-#include "tests/doubles/manual_clock.h"
-#include "tests/doubles/shared_data.h"
+#include "tests/data_sets/shared_data.h"
+#include "tests/doubles/fake_clock.h"
 
 namespace cyclorama::camera {
 namespace {
@@ -50,7 +50,7 @@ class FileCameraTest : public testing::Test {
   }
 
   std::filesystem::path folder_;
-  ManualClock clock_;
+  FakeClock clock_;
 };
 
 TEST_F(FileCameraTest, replays_a_folder_in_the_order_of_names_and_loops) {

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 struct Started {
-  ManualClock clock;
+  FakeClock clock;
   FakeVideo video;
   std::unique_ptr<Camera> camera;
 
@@ -184,7 +184,7 @@ TEST(V4l2Camera, fails_when_it_is_unplugged_and_comes_back_at_the_same_port) {
 }
 
 TEST(V4l2Camera, says_that_another_program_holds_it_and_starts_when_that_one_is_gone) {
-  ManualClock clock;
+  FakeClock clock;
   FakeVideo video({usb_camera()}, &clock);
   video.set_taken(0, true);
   auto camera = V4l2Camera::open("", {}, clock);
@@ -255,7 +255,7 @@ TEST(V4l2Camera, fails_when_the_signal_changes_its_shape) {
 }
 
 TEST(V4l2Camera, waits_for_a_grabber_s_signal) {
-  ManualClock clock;
+  FakeClock clock;
   FakeVideoDevice grabber = grey_camera();
   grabber.is_grabber = true;
   grabber.has_signal = false;
@@ -282,7 +282,7 @@ TEST(V4l2Camera, does_without_what_cheap_devices_lack) {
 }
 
 TEST(V4l2Camera, tells_what_there_is_instead) {
-  ManualClock clock;
+  FakeClock clock;
   FakeVideoDevice metadata = usb_camera();
   metadata.path = "/dev/video1";
   metadata.can = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING;
@@ -313,7 +313,7 @@ TEST(V4l2Camera, tells_what_there_is_instead) {
 }
 
 TEST(V4l2Camera, lists_what_it_may_not_open_and_why) {
-  ManualClock clock;
+  FakeClock clock;
   FakeVideo video({usb_camera()}, &clock);
   video.fail("open", EACCES);
   const std::vector<ListedCamera> listed = list_v4l2_cameras();

@@ -61,7 +61,7 @@ TEST_P(V4l2Faults, nothing_leaks_and_the_camera_comes_back_whichever_call_fails)
       V4l2CameraOptions options;
       options.memory = made.memory;
       options.preferred = {64, 48, 30.0};
-      ManualClock clock;
+      FakeClock clock;
       FakeVideo video({made.device}, &clock);
       video.fail_nth(nth, error);
       const Status visited = visit(options, clock);
@@ -107,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(EveryDevice, V4l2Faults, testing::Values(0, 1, 2), name
 
 TEST(V4l2Unplugged, at_any_moment_of_a_visit_leaks_nothing) {
   for (int pictures = 0; pictures < 5; ++pictures) {
-    ManualClock clock;
+    FakeClock clock;
     FakeVideo video({usb_camera()}, &clock);
     {
       auto camera = V4l2Camera::open("", {}, clock);

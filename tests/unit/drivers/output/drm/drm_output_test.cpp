@@ -52,7 +52,7 @@ class DrmOutputTest : public ::testing::Test {
     return {p[0], p[1], p[2]};
   }
 
-  ManualClock clock_;
+  FakeClock clock_;
   std::unique_ptr<FakeMachine> machine_;
   std::unique_ptr<Output> output_;
   Presented presented_;

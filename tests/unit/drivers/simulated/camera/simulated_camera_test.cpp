@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "tests/doubles/manual_clock.h"
+#include "tests/doubles/fake_clock.h"
 
 namespace cyclorama::simulated {
 namespace {
@@ -103,7 +103,7 @@ TEST(SimulatedView, survives_any_pose_and_size) {
 }
 
 TEST(SimulatedCamera, gives_each_picture_when_its_exposure_ends) {
-  ManualClock clock;
+  FakeClock clock;
   Simulation simulation = plain();
   simulation.frames_per_second = 10.0;
   simulation.exposure_s = 0.02;

@@ -124,11 +124,11 @@ TEST(SimulatedMuseum, scoring_finds_the_way_back_from_every_place) {
   }
 }
 
-TEST(SimulatedMuseum, the_plate_turns_about_an_axis_that_misses_the_camera_and_leans) {
+TEST(SimulatedMuseum, the_turntable_turns_about_an_axis_that_misses_the_camera_and_leans) {
   Room room;
   const Eigen::Quaterniond leaning(Eigen::AngleAxisd(0.03, Eigen::Vector3d(0.6, 0.0, 0.8)));
-  room.truth.plate.T_room_plate = {leaning, {0.02, 1.5, -0.01}};
-  room.truth.plate.T_plate_camera = {room.truth.plate.T_plate_camera.rotation(), {0.03, 0.1, -0.04}};
+  room.truth.turntable.T_room_turntable = {leaning, {0.02, 1.5, -0.01}};
+  room.truth.turntable.T_turntable_camera = {room.truth.turntable.T_turntable_camera.rotation(), {0.03, 0.1, -0.04}};
   const TrueMuseum museum = room.light();
   const Eigen::Vector3d axis = leaning * Eigen::Vector3d::UnitY();
   const Eigen::Vector3d middle = museum.turning_point().xyz;
@@ -145,29 +145,29 @@ TEST(SimulatedMuseum, the_plate_turns_about_an_axis_that_misses_the_camera_and_l
   EXPECT_GT((museum.camera_pose(0.3).rotation() * Eigen::Vector3d::UnitZ()).x(), 0.2);
 }
 
-TEST(SimulatedMuseum, the_plate_errs_as_its_gear_does) {
+TEST(SimulatedMuseum, the_turntable_errs_as_its_gear_does) {
   Room room;
-  room.truth.plate.scale_error = 0.001;
-  room.truth.plate.wobble_rad = 0.002;
-  room.truth.plate.backlash_rad = 0.0004;
+  room.truth.turntable.scale_error = 0.001;
+  room.truth.turntable.wobble_rad = 0.002;
+  room.truth.turntable.backlash_rad = 0.0004;
   SimulatedMuseum museum = room.museum();
   museum.turn_to(1.0);
-  EXPECT_NEAR(museum.true_plate_angle_rad(), 1.001 + 0.002 * std::sin(1.0) - 0.0002, 1e-12);
+  EXPECT_NEAR(museum.true_turntable_angle_rad(), 1.001 + 0.002 * std::sin(1.0) - 0.0002, 1e-12);
   museum.turn_to(0.5);
-  EXPECT_NEAR(museum.true_plate_angle_rad(), 0.5005 + 0.002 * std::sin(0.5) + 0.0002, 1e-12);
-  EXPECT_EQ(museum.plate_angle_rad(), 0.5);
+  EXPECT_NEAR(museum.true_turntable_angle_rad(), 0.5005 + 0.002 * std::sin(0.5) + 0.0002, 1e-12);
+  EXPECT_EQ(museum.turntable_angle_rad(), 0.5);
 
-  room.truth.plate = TruePlate{};
-  room.truth.plate.T_room_plate = Room().truth.plate.T_room_plate;
-  room.truth.plate.T_plate_camera = Room().truth.plate.T_plate_camera;
-  room.truth.plate.jitter_rad = 0.001;
+  room.truth.turntable = TrueTurntable{};
+  room.truth.turntable.T_room_turntable = Room().truth.turntable.T_room_turntable;
+  room.truth.turntable.T_turntable_camera = Room().truth.turntable.T_turntable_camera;
+  room.truth.turntable.jitter_rad = 0.001;
   SimulatedMuseum shaking = room.museum();
   constexpr int kStops = 2000;
   double sum = 0.0;
   double squares = 0.0;
   for (int i = 0; i < kStops; ++i) {
     shaking.turn_to(0.01 * i);
-    const double off = (shaking.true_plate_angle_rad() - 0.01 * i) / 0.001;
+    const double off = (shaking.true_turntable_angle_rad() - 0.01 * i) / 0.001;
     sum += off;
     squares += off * off;
   }
@@ -389,7 +389,7 @@ TEST(SimulatedMuseum, refuses_what_cannot_be) {
   two.truth.projectors.push_back(two.truth.projectors[0]);
   EXPECT_FALSE(SimulatedMuseum::make(two.installation, two.truth));
   Room behind = room;
-  behind.truth.plate.T_room_plate = {Eigen::Quaterniond::Identity(), {0.0, 1.6, -6.0}};
+  behind.truth.turntable.T_room_turntable = {Eigen::Quaterniond::Identity(), {0.0, 1.6, -6.0}};
   EXPECT_FALSE(SimulatedMuseum::make(behind.installation, behind.truth));
 }
 

@@ -41,23 +41,24 @@ double mean(const GreyImage& picture) {
   return sum / static_cast<double>(picture.data().size());
 }
 
-TEST(SimulatedShow, sees_what_the_turn_plates_camera_sees_from_the_same_place) {
+TEST(SimulatedShow, sees_what_the_turntables_camera_sees_from_the_same_place) {
   const Preset preset = small_preset();
   auto museum = SimulatedMuseum::make(preset.installation, preset.truth);
   ASSERT_TRUE(museum);
-  SimulatedShow show = show_of(preset, museum->truth().camera_pose(museum->true_plate_angle_rad()));
+  SimulatedShow show = show_of(preset, museum->truth().camera_pose(museum->true_turntable_angle_rad()));
   for (std::size_t i = 0; i < 3; ++i) {
     ASSERT_TRUE(museum->show(i, chequers(20)));
     ASSERT_TRUE(show.show(i, chequers(20)));
   }
   museum->settle();
-  const GreyImage plate = to_8_bits(*museum->photograph_grey(0.02), 12);
+  const GreyImage turntable = to_8_bits(*museum->photograph_grey(0.02), 12);
   const GreyImage fixed = *show.photograph(0, 0.02);
-  ASSERT_EQ(fixed.width(), plate.width());
+  ASSERT_EQ(fixed.width(), turntable.width());
   double squares = 0.0;
-  for (std::size_t i = 0; i < plate.data().size(); ++i) squares += std::pow(plate.data()[i] - fixed.data()[i], 2.0);
+  for (std::size_t i = 0; i < turntable.data().size(); ++i)
+    squares += std::pow(turntable.data()[i] - fixed.data()[i], 2.0);
   // Both have their own noise: shot noise of a bright pixel is a code and a half.
-  EXPECT_LT(std::sqrt(squares / static_cast<double>(plate.data().size())), 3.0);
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(turntable.data().size())), 3.0);
   EXPECT_GT(mean(fixed), 10.0);
 }
 

@@ -8,7 +8,7 @@
 
 #include "kiosk/tour/navigation/brake.h"
 #include "kiosk/tour/navigation/view_meter.h"
-#include "tests/doubles/random_hand.h"
+#include "tests/data_sets/random_hand.h"
 
 namespace cyclorama::tour {
 namespace {

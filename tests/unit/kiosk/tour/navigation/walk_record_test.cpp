@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/doubles/random_hand.h"
+#include "tests/data_sets/random_hand.h"
 
 namespace cyclorama::tour {
 namespace {

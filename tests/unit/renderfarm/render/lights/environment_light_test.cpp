@@ -5,8 +5,8 @@
 
 #include <random>
 
-#include "tests/doubles/light_checks.h"
-#include "tests/doubles/statistics.h"
+#include "tests/support/light_checks.h"
+#include "tests/support/statistics.h"
 
 namespace cyclorama::render {
 namespace {

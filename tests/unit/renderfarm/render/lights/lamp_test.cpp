@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/doubles/light_checks.h"
-#include "tests/doubles/simple_scenes.h"
-#include "tests/doubles/statistics.h"
+#include "tests/data_sets/simple_scenes.h"
+#include "tests/support/light_checks.h"
+#include "tests/support/statistics.h"
 
 namespace cyclorama::render {
 namespace {

@@ -6,9 +6,9 @@
 #include "renderfarm/render/lights/light_geometry.h"
 #include "renderfarm/render/ray_queue.h"
 #include "renderfarm/render/surface.h"
-#include "tests/doubles/light_checks.h"
-#include "tests/doubles/simple_scenes.h"
-#include "tests/doubles/statistics.h"
+#include "tests/data_sets/simple_scenes.h"
+#include "tests/support/light_checks.h"
+#include "tests/support/statistics.h"
 
 namespace cyclorama::render {
 namespace {

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <numbers>
+
+#include "drivers/simulated/museum/simulated_museum.h"
+#include "drivers/turntable/turntable.h"
+
+namespace cyclorama::simulated {
+
+/// The turntable of a simulated museum: it believes that it arrives, and errs as the museum's truth says.
+class SimulatedTurntable final : public turntable::Turntable {
+ public:
+  /// Borrows `museum` for its whole life.
+  explicit SimulatedTurntable(SimulatedMuseum* museum,
+                              turntable::TurnRange range = {-std::numbers::pi, std::numbers::pi})
+      : turntable::Turntable(range), museum_(museum) {}
+  [[nodiscard]] const std::string& id() const override { return id_; }
+
+ private:
+  Status move_home() override { return move_to(0.0); }
+  Status move_to(double angle_rad) override {
+    museum_->turn_to(angle_rad);
+    return Done{};
+  }
+  Result<double> ask_angle() override { return museum_->turntable_angle_rad(); }
+
+  std::string id_ = "simulated";
+  SimulatedMuseum* museum_;
+};
+
+}  // namespace cyclorama::simulated

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How well a calibration's maps fit together on the wall of a simulated museum, by its truth.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+
+#include "drivers/simulated/museum/true_museum.h"
+
+namespace cyclorama {
+
+/// In projector pixels, on the wall, of 80 columns of a picture.
+struct MuseumScore {
+  double mean_px = 0.0;  ///< Between two projectors: how far apart they draw one place of the wall.
+  double p95_px = 0.0;
+  double max_px = 0.0;
+  std::size_t correspondences = 0;  ///< In overlaps.
+  double true_p95_px =
+      0.0;  ///< Against what an eye in the turntable's turning point sees, once heading and tilt, which are
+  double true_max_px = 0.0;  ///< the turntable's own, are turned onto it.
+  std::size_t lit = 0;       ///< Pixels that light the wall,
+  std::size_t missing = 0;   ///< and have no direction.
+};
+
+using DirectionOfPixel =
+    std::function<std::optional<Eigen::Vector3d>(std::size_t projector, const Eigen::Vector2d& pixel)>;
+[[nodiscard]] MuseumScore museum_score(const simulated::TrueMuseum& truth, const DirectionOfPixel& mapped);
+
+}  // namespace cyclorama

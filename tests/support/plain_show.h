@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Frames and heads that are as plain as can be, for whoever shows them.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "tests/support/painted_head.h"
+
+namespace cyclorama {
+
+inline PlanarPicture plain(int width, int height, std::uint8_t code, bool half = false) {
+  PlanarPicture picture(width, height, half);
+  std::ranges::fill(picture.luma().data(), code);
+  return picture;
+}
+
+/// 1.4 radians wide; it may be turned by 0.2 either way.
+inline std::unique_ptr<display::DisplayFrame> frame_of(std::uint64_t number, const PlanarPicture& picture,
+                                                       double heading_rad = 0.0) {
+  auto frame = std::make_unique<display::DisplayFrame>(
+      PaintedHead::frame(picture, Panorama{picture.width(), picture.height(), 1.4, 0.5, -0.5}, nullptr));
+  frame->order = number;
+  frame->number = number;
+  frame->heading_rad = heading_rad;
+  frame->turn_limit_rad = 0.2;
+  return frame;
+}
+
+/// Looks a radian wide straight ahead.
+inline display::HeadPlan plain_head(int width, int height) {
+  const auto right = static_cast<float>(width);
+  const auto bottom = static_cast<float>(height);
+  warp::WarpMesh mesh{width, height, 1, 1, {}, 0.0};
+  mesh.vertices = {
+      {0, 0, -0.5f, 0.5f}, {right, 0, 0.5f, 0.5f}, {0, bottom, -0.5f, -0.5f}, {right, bottom, 0.5f, -0.5f}};
+  display::HeadPlan plan;
+  plan.warp = std::move(mesh);
+  plan.mask = warp::MaskImage(width, height, 1.0f);
+  return plan;
+}
+
+}  // namespace cyclorama

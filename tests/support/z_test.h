@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Whether a noisy picture has the mean that it should have: a z-test of every pixel, and one of the whole picture,
+/// against the mean and the variance of a long run that was stored. Source: Subr and Arvo, "Statistical Hypothesis
+/// Testing for Assessing Monte Carlo Estimators", 2007; the whole picture finds small biases that no pixel shows.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "common/base/check.h"
+#include "common/base/file.h"
+#include "common/image/pfm.h"
+#include "renderfarm/render/film.h"
+#include "tests/support/statistics.h"
+
+namespace cyclorama {
+
+/// Luminance of a long run, per pixel: the mean, and the variance of one sample. Stratified samples scatter less than
+/// that, so the test is mild with them, never unjust.
+struct Golden {
+  int width = 0;
+  int height = 0;
+  double samples = 0.0;  ///< Per pixel, of the long run.
+  std::vector<double> mean;
+  std::vector<double> variance;
+};
+
+[[nodiscard]] inline double mean_luminance(const render::Film& film, std::size_t pixel) {
+  const float* const rgb = &film.sum.data()[3 * pixel];
+  return (0.2126 * static_cast<double>(rgb[0]) + 0.7152 * static_cast<double>(rgb[1]) +
+          0.0722 * static_cast<double>(rgb[2])) /
+         film.samples.data()[pixel];
+}
+
+/// A long run, film by film, added in double: a float that has grown large forgets small samples. Thread-bound.
+class GoldenRun {
+ public:
+  /// Precondition: of the same size, and as many samples in every pixel.
+  void add(const render::Film& film) {
+    const std::size_t pixels = film.samples.data().size();
+    if (sum_.empty()) {
+      width_ = film.width();
+      height_ = film.height();
+      sum_.resize(pixels);
+      square_.resize(pixels);
+    }
+    CHECK(film.width() == width_ && film.height() == height_);
+    const int samples = film.samples.data()[0];
+    for (std::size_t i = 0; i < pixels; ++i) {
+      CHECK(film.samples.data()[i] == samples);
+      sum_[i] += mean_luminance(film, i) * samples;
+      square_[i] += static_cast<double>(film.square.data()[i]);
+    }
+    samples_ += samples;
+  }
+  [[nodiscard]] Golden result() const {
+    Golden golden{width_, height_, samples_, {}, {}};
+    for (std::size_t i = 0; i < sum_.size(); ++i) {
+      const double mean = sum_[i] / samples_;
+      golden.mean.push_back(mean);
+      golden.variance.push_back(std::max(0.0, square_[i] / samples_ - mean * mean) * samples_ / (samples_ - 1.0));
+    }
+    return golden;
+  }
+
+ private:
+  int width_ = 0;
+  int height_ = 0;
+  double samples_ = 0.0;
+  std::vector<double> sum_;
+  std::vector<double> square_;
+};
+
+/// For tests/golden: a comment with the command that makes it again, then numbers.
+[[nodiscard]] inline std::string golden_text(const Golden& golden, const std::string& command) {
+  std::ostringstream text;
+  text.precision(9);
+  text << "# Luminance per pixel, row by row: mean, variance of one sample. First: width, height, samples. Made by:\n# "
+       << command << "\n"
+       << golden.width << " " << golden.height << " " << golden.samples << "\n";
+  for (std::size_t i = 0; i < golden.mean.size(); ++i) text << golden.mean[i] << " " << golden.variance[i] << "\n";
+  return text.str();
+}
+
+[[nodiscard]] inline Result<Golden> parse_golden(const std::string& text) {
+  std::istringstream in(text);
+  std::string comment;
+  while (in.peek() == '#') std::getline(in, comment);
+  Golden golden;
+  in >> golden.width >> golden.height >> golden.samples;
+  constexpr int kMaxSidePx = 4096;
+  const bool sized =
+      in && golden.width > 0 && golden.height > 0 && golden.width <= kMaxSidePx && golden.height <= kMaxSidePx;
+  for (int i = 0; sized && i < golden.width * golden.height; ++i) {
+    golden.mean.push_back(0.0);
+    golden.variance.push_back(0.0);
+    in >> golden.mean.back() >> golden.variance.back();
+  }
+  if (sized && in && golden.samples >= 2.0 && (in >> std::ws).eof()) return golden;
+  return Error(ErrorCode::kBadData, "not a golden picture: make it again with the command in its second line");
+}
+
+/// tests/golden/`name`.txt of the repository.
+[[nodiscard]] inline std::filesystem::path golden_path(const std::string& name) {
+  const char* const source = std::getenv("CYCLORAMA_SOURCE");
+  return std::filesystem::path(source == nullptr ? "." : source) / "tests/golden" / (name + ".txt");
+}
+
+struct ZTest {
+  double level = 0.0;    ///< Of each test, so that all together raise a false alarm with probability alpha.
+  double worst_p = 1.0;  ///< Of the pixel that is least likely.
+  std::size_t worst_pixel = 0;
+  double picture_p = 1.0;  ///< Of the sum over all pixels.
+  std::vector<double> z;   ///< Per pixel, positive where the film is too bright; infinite where it is no number.
+  [[nodiscard]] bool passed() const { return worst_p >= level && picture_p >= level; }
+};
+
+/// The film needs samples enough in each pixel that their mean is about normal. Precondition: the sizes are equal.
+[[nodiscard]] inline ZTest z_test(const render::Film& film, const Golden& golden, double alpha = 0.01) {
+  CHECK(film.width() == golden.width && film.height() == golden.height);
+  const auto p_of = [](double z) { return std::erfc(std::abs(z) / std::numbers::sqrt2); };
+  ZTest test;
+  test.level = sidak(alpha, static_cast<int>(golden.mean.size()) + 1);
+  double difference = 0.0;
+  double variance = 0.0;
+  for (std::size_t i = 0; i < golden.mean.size(); ++i) {
+    const double n = film.samples.data()[i];
+    const double mean = mean_luminance(film, i);
+    // A sum of n floats may be off by n roundings, here and in each film of the long run; without this a pixel that
+    // never scatters would fail.
+    const double rounding = n * std::numeric_limits<float>::epsilon() * golden.mean[i];
+    const double pixel = golden.variance[i] * (1.0 / n + 1.0 / golden.samples) + rounding * rounding;
+    const double gap = mean - golden.mean[i];
+    double z = gap == 0.0 ? 0.0 : gap / std::sqrt(pixel);
+    if (std::isnan(z)) z = std::numeric_limits<double>::infinity();
+    test.z.push_back(z);
+    if (p_of(z) < test.worst_p) {
+      test.worst_p = p_of(z);
+      test.worst_pixel = i;
+    }
+    difference += gap;
+    variance += pixel;
+  }
+  test.picture_p = difference == 0.0 ? 1.0 : p_of(difference / std::sqrt(variance));
+  if (std::isnan(test.picture_p)) test.picture_p = 0.0;
+  return test;
+}
+
+/// Against tests/golden/`name`.txt; a failure says where, and leaves the picture and z as PFM.
+inline void expect_golden(const render::Film& film, const std::string& name) {
+  const std::filesystem::path path = golden_path(name);
+  const auto text = read_text_file(path, 1 << 22);
+  ASSERT_TRUE(text) << text.error().message();
+  const auto golden = parse_golden(*text);
+  ASSERT_TRUE(golden) << name << ": " << golden.error().message();
+  const ZTest test = z_test(film, *golden);
+  if (test.passed()) return;
+  RadianceImage z(golden->width, golden->height);
+  for (std::size_t i = 0; i < z.data().size(); ++i) z.data()[i] = static_cast<float>(test.z[i / 3]);
+  const std::string at = testing::TempDir() + "/" + name;
+  EXPECT_TRUE(write_pfm(at + ".z.pfm", z) && write_pfm(at + ".mean.pfm", film.mean()));
+  const auto width = static_cast<std::size_t>(golden->width);
+  ADD_FAILURE() << name << ": pixel (" << test.worst_pixel % width << ", " << test.worst_pixel / width
+                << ") has p = " << test.worst_p << ", the whole picture " << test.picture_p << "; at least "
+                << test.level << " is chance. See " << at << ".z.pfm";
+}
+
+}  // namespace cyclorama

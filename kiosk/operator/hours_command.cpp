@@ -29,7 +29,7 @@ void HoursCommand::add_to(CLI::App* app) {
   CLI::App& command = *app->add_subcommand(
       "hours", "Show whether the museum is open; or open it once until a time, or close it once for today");
   command
-      .add_option("WISH", wanted,
+      .add_option("ACTION", wanted,
                   "open TIME: until then; closed: until it opens on a later day; settings: as configured; none: "
                   "only show")
       ->check(CLI::IsMember({"open", "closed", "settings"}));

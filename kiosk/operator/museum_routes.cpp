@@ -59,7 +59,7 @@ std::string museum_json(const MuseumServices& services) {
              {{"version", CYCLORAMA_VERSION},
               {"fingerprint", services.fingerprint},
               {"time", provision::time_text(std::chrono::system_clock::to_time_t(findings.now))},
-              {"wishes", !services.requests.empty()},
+              {"requests", !services.requests.empty()},
               {"has_pin", !services.fingerprint.empty()}}}};
   if (findings.is_museum) json["schedule"] = schedule_json(museum, findings.now);
   if (findings.provisioning) json["provisioning"] = Json::parse(provision::report_json(*findings.provisioning));
@@ -162,12 +162,13 @@ void serve_hours(httplib::Server& server, MuseumServices* services) {
 }
 
 void serve_requests(httplib::Server& server, MuseumServices* services) {
-  server.Post("/wish", [services](const httplib::Request& request, httplib::Response& response) {
+  server.Post("/request", [services](const httplib::Request& request, httplib::Response& response) {
     const Json json = Json::parse(request.body, nullptr, false);
-    const std::string wanted =
-        json.is_object() && json.contains("wish") && json["wish"].is_string() ? json["wish"].get<std::string>() : "";
+    const std::string wanted = json.is_object() && json.contains("request") && json["request"].is_string()
+                                   ? json["request"].get<std::string>()
+                                   : "";
     if (wanted != "update" && wanted != "factory-reset") {
-      return answer_error(Error(ErrorCode::kBadData, "'wish' must be update or factory-reset"), response);
+      return answer_error(Error(ErrorCode::kBadData, "'request' must be update or factory-reset"), response);
     }
     if (services->requests.empty()) {
       return answer_error(Error(ErrorCode::kNotFound, "this computer's software is not kept by the museum image"),

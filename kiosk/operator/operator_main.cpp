@@ -42,7 +42,7 @@ void add_options(CLI::App& app, Options* options) {
       app.add_flag("--no-pin", options->has_no_pin, "Serve HTTP without PIN and encryption, to this computer only");
   no_pin->excludes("--keep");
   app.add_option("--calibrator", options->calibrator, "HOST:PORT of the calibrator");
-  app.add_option("--wishes", options->requests,
+  app.add_option("--requests", options->requests,
                  "Folder for requests to the system: a file 'update' or 'factory-reset' triggers a systemd unit");
 }
 

@@ -24,7 +24,7 @@ constexpr auto kBetweenLooks = std::chrono::milliseconds(500);
 void UpdateCommand::add_to(CLI::App* app) {
   CLI::App& command = *app->add_subcommand(
       "update", "Look for a newer version now, on a USB stick named CYCLORAMA or at the farm, and report the result");
-  command.add_option("--wishes", requests, "Folder in which the museum image looks for requests")
+  command.add_option("--requests", requests, "Folder in which the museum image looks for requests")
       ->capture_default_str();
   command.add_option("--museum", museum, "The museum's state folder")->capture_default_str();
   command.add_option("--wait", wait_s, "Seconds to wait for the result; the update goes on all the same")

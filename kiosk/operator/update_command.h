@@ -11,7 +11,7 @@ namespace cyclorama::operations {
 
 /// cyclorama update: does the same as the operator page's button, and prints the result.
 struct UpdateCommand {
-  std::string requests = "/run/cyclorama-wishes";
+  std::string requests = "/run/cyclorama-requests";
   std::string museum = "/var/lib/cyclorama";
   double wait_s = 3600.0;
 

@@ -32,7 +32,7 @@ def run(options, folder):
         if not machine.plug_stick(stick_of_farm(folder, farm), "farm"):
             figures["failed"].append("the stick was not checked")
         # The page restarts with new settings.
-        machine.run("for i in $(seq 300); do [ -d /run/cyclorama-wishes ] && break; sleep 1; done; sleep 5", 400)
+        machine.run("for i in $(seq 300); do [ -d /run/cyclorama-requests ] && break; sleep 1; done; sleep 5", 400)
         began = time.monotonic()
         # Repeated as in each hour of a night: a busy emulated computer misses the farm's pings and resumes where it
         # was.

@@ -218,28 +218,28 @@ def check_written(computer, folder):
     return bad
 
 
-def check_wishes(computer, folder):
+def check_requests(computer, folder):
     """The operator page may request two actions of root, by a file's name."""
     bad = 0
-    wishes = folder / "wishes"
-    wishes.mkdir()
+    requests = folder / "requests"
+    requests.mkdir()
     called = folder / "called"
     (folder / "stubs/systemctl").write_text(f'#!/bin/sh\necho "$@" >>{called}\n')
     stick = folder / "sdz1"
-    where = {"CYCLORAMA_WISHES": str(wishes), "CYCLORAMA_STICK": str(stick)}
+    where = {"CYCLORAMA_REQUESTS": str(requests), "CYCLORAMA_STICK": str(stick)}
 
-    def wish(name):
+    def request(name):
         called.write_text("")
-        (wishes / name).write_text("\n")
-        return computer.run("wish", name, **where)
+        (requests / name).write_text("\n")
+        return computer.run("request", name, **where)
     stick.write_text("")
-    bad += expect("a requested update checks the stick", wish("update") == 0 and "cyclorama-update@sdz1.service" in called.read_text(), called.read_text())
-    bad += expect("a requested reset restarts the computer", wish("factory-reset") == 0 and called.read_text() == "reboot\n", called.read_text())
+    bad += expect("a requested update checks the stick", request("update") == 0 and "cyclorama-update@sdz1.service" in called.read_text(), called.read_text())
+    bad += expect("a requested reset restarts the computer", request("factory-reset") == 0 and called.read_text() == "reboot\n", called.read_text())
     bad += expect("and leaves a file for cyclorama-var", (computer.state / "factory-reset").exists())
-    bad += expect("another request is refused", wish("poweroff") == 1 and called.read_text() == "", called.read_text())
-    bad += expect("a request is carried out once", list(wishes.iterdir()) == [])
+    bad += expect("another request is refused", request("poweroff") == 1 and called.read_text() == "", called.read_text())
+    bad += expect("a request is carried out once", list(requests.iterdir()) == [])
     stick.unlink()
-    bad += expect("without a stick the farm is checked", wish("update") == 0 and "cyclorama-update-from-farm@now.service" in called.read_text(), called.read_text())
+    bad += expect("without a stick the farm is checked", request("update") == 0 and "cyclorama-update-from-farm@now.service" in called.read_text(), called.read_text())
     return bad
 
 
@@ -410,7 +410,7 @@ def check_farm_host(host, folder):
     bad += expect("nor is one that restarts again and again", host.run("is-well", **fast) == 1)
     rules = (host.over / "etc/nftables.conf").read_text()
     bad += expect("only the ports for museums and nodes are open", "tcp dport { 7401, 7402 }" in rules and "8443" not in rules)
-    bad += expect("it has nothing of a museum", not list(host.over.rglob("*wish*")) + list(host.over.rglob("cyclorama-display*")))
+    bad += expect("it has nothing of a museum", not list(host.over.rglob("*request*")) + list(host.over.rglob("cyclorama-display*")))
     return bad
 
 
@@ -418,7 +418,7 @@ def main(source, build):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         computer = Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder)
-        bad = check_settings(computer, folder) + check_update(computer, folder) + check_written(computer, folder) + check_wishes(computer, folder)
+        bad = check_settings(computer, folder) + check_update(computer, folder) + check_written(computer, folder) + check_requests(computer, folder)
         bad += check_farm_updates(computer, folder) + check_fetch_program(pathlib.Path(build).resolve(), folder) + check_health(computer, folder)
         bad += check_farm_host(Computer(pathlib.Path(source).resolve(), pathlib.Path(build).resolve(), folder / "host", "farm-host"), folder)
     print("scripts: ok" if bad == 0 else f"scripts: {bad} failed")

@@ -127,7 +127,7 @@ class Museum:
         self.port = free_port()
         self.page = subprocess.Popen([build / "bin/cyclorama-operator", "--listen", f"[::1]:{self.port}",
                                       "--museum", self.state,
-                                      "--keep", keep, "--wishes", keep, "--calibrator", calibrator,
+                                      "--keep", keep, "--requests", keep, "--calibrator", calibrator,
                                       "--watch", f"tour={tour}",
                                       "--watch", f"display={display}", "--watch", f"tracker={tracker}",
                                       "--watch", f"projectors={projectors}"],

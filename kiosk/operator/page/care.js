@@ -163,15 +163,15 @@ function showSoftware(update, page) {
     update === null
       ? `Version ${page.version} of this page; the image's updater has not reported anything.`
       : `Version ${update.version}. ${words[update.state]}${update.available ? ` (${update.available})` : ""}`;
-  byId("software-buttons").hidden = !page.wishes;
+  byId("software-buttons").hidden = !page.requests;
 }
 
 press("update", async () => {
-  await ask("/wish", { wish: "update" });
+  await ask("/request", { request: "update" });
   say("Checking for an update; the show goes on.");
 });
 pressTwice("factory-reset", "Really delete settings and calibrations?", async () => {
-  await ask("/wish", { wish: "factory-reset" });
+  await ask("/request", { request: "factory-reset" });
   say("The computer restarts and deletes everything.");
 });
 

@@ -64,7 +64,7 @@ struct Page {
     CHECK(stick.install().verdict == provision::ProvisioningVerdict::kInstalled);
     EXPECT_TRUE(write_file_atomically(stick.root() / "provisioning.json", provision::report_json(stick.install())));
     keep = stick.root() / "keep";
-    fs::create_directories(keep / "wishes");
+    fs::create_directories(keep / "requests");
     auto made = page_certificate(keep, std::time(nullptr));
     CHECK(made);
     certificate = *std::move(made);
@@ -76,7 +76,7 @@ struct Page {
     museum.calibration = controller.get();
     museum.support.museum.root = stick.root();
     museum.support.journal = {"sh", "-c", "cat '" + (stick.root() / "journal").string() + "'"};
-    museum.requests = keep / "wishes";
+    museum.requests = keep / "requests";
     museum.fingerprint = certificate->fingerprint;
     auto started = PageServer::start("[::1]:0", watch.get(), {&museum, sessions.get(), &tls});
     CHECK(started);
@@ -108,7 +108,7 @@ TEST(MuseumPage, shows_nothing_before_the_pin) {
   EXPECT_EQ(page.client->Get("/")->status, 303);
   EXPECT_EQ(page.client->Get("/")->get_header_value("Location"), "/login.html");
   for (const char* const path : {"/login.html", "/login.js", "/login.css"}) EXPECT_EQ(page.get(path), 200) << path;
-  for (const char* const path : {"/steer", "/calibration", "/network-test", "/wish", "/logout"})
+  for (const char* const path : {"/steer", "/calibration", "/network-test", "/request", "/logout"})
     EXPECT_EQ(page.client->Post(path, "{}", "application/json")->status, 401) << path;
   EXPECT_TRUE(page.tour.steered().empty());
 }
@@ -216,7 +216,7 @@ TEST(MuseumPage, tells_what_there_is_to_tell_of_the_museum) {
   EXPECT_THAT(later["checks"].dump(), HasSubstr("Version 2 did not start well"));
 }
 
-TEST(MuseumPage, calibrates_tests_the_network_and_passes_wishes_on) {
+TEST(MuseumPage, calibrates_tests_the_network_and_passes_requests_on) {
   Page page;
   page.enter();
   EXPECT_EQ(page.post("/calibration", R"({"do": "start"})"), 204);
@@ -237,9 +237,9 @@ TEST(MuseumPage, calibrates_tests_the_network_and_passes_wishes_on) {
   const std::string text = network.dump();
   EXPECT_THAT(text, HasSubstr("its program does not run"));
   EXPECT_THAT(text, HasSubstr("It answers over IPv6"));
-  EXPECT_EQ(page.post("/wish", R"({"wish": "update"})"), 204);
-  EXPECT_TRUE(fs::exists(page.keep / "wishes" / "update"));
-  EXPECT_EQ(page.post("/wish", R"({"wish": "../update"})"), 400);
+  EXPECT_EQ(page.post("/request", R"({"request": "update"})"), 204);
+  EXPECT_TRUE(fs::exists(page.keep / "requests" / "update"));
+  EXPECT_EQ(page.post("/request", R"({"request": "../update"})"), 400);
 }
 
 TEST(MuseumPage, keeps_open_or_closed_for_once_and_takes_that_back) {

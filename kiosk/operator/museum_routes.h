@@ -8,7 +8,7 @@
 ///   POST /realign                {}; aligns the projectors anew (healing_controller.h); 204
 ///   GET  /calibration.jpg        the calibration camera's newest picture
 ///   POST /hours                  {"do": "open", "until": "22:00"}, "closed" (for today) or "settings"; 204
-///   POST /wish                   {"wish": "update" | "factory-reset"}; 204
+///   POST /request                {"request": "update" | "factory-reset"}; 204
 #pragma once
 
 #include <atomic>

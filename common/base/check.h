@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// CHECK(condition): a bug (broken precondition or invariant) stops the process here, in every build; systemd restarts
-/// it and the core says where. Never for input, config, wire or device data: those return an Error.
+/// CHECK(condition) stops the process at a bug (a broken precondition or invariant), in every build; systemd restarts
+/// the process, and the core file shows the place. It is never used for input, config, wire or device data: those
+/// return an Error.
 #pragma once
 
 #include <cstdio>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Time is CLOCK_MONOTONIC (what V4L2 and DRM report), and it is given to the code that needs it, so that tests move it.
+/// Time is CLOCK_MONOTONIC, as V4L2 and DRM report it. Code receives its clock from the caller, so that tests control
+/// it.
 #pragma once
 
 #include <chrono>
@@ -16,7 +17,7 @@ class Clock {
  public:
   virtual ~Clock() = default;
   [[nodiscard]] virtual TimePoint now() const = 0;
-  /// Returns once now() has reached `t`; blocks. A test's clock moves itself there instead.
+  /// Blocks until now() has reached `t`. A test's clock advances itself to `t` instead.
   virtual void wait_until(TimePoint t) const { std::this_thread::sleep_until(t); }
 
  protected:
@@ -25,13 +26,13 @@ class Clock {
   Clock& operator=(const Clock&) = default;
 };
 
-/// The machine's own clock. Stateless; make one where it is needed.
+/// The machine's own clock. Stateless: construct one wherever it is needed.
 class SteadyClock final : public Clock {
  public:
   [[nodiscard]] TimePoint now() const override { return std::chrono::steady_clock::now(); }
 };
 
-/// For the wire and for pages. A time point means something only on the machine that made it.
+/// Conversions for the wire and for pages. A time point has a meaning only on the machine that made it.
 [[nodiscard]] inline std::int64_t to_nanoseconds(TimePoint t) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(t.time_since_epoch()).count();
 }

@@ -10,44 +10,45 @@
 
 namespace cyclorama {
 
-/// A question about another computer's time and its answer: two times of each clock.
+/// One exchange of times with another computer: a question and its answer, with two times of each clock.
 struct ClockExchange {
-  TimePoint asked{};             ///< On our clock.
-  std::int64_t received_ns = 0;  ///< On theirs.
+  TimePoint asked{};             ///< Sending of the question, on our clock.
+  std::int64_t received_ns = 0;  ///< Arrival of the question, on the other clock.
   std::int64_t answered_ns = 0;
   TimePoint heard{};  ///< On ours.
 };
 
-/// What another clock shows when ours shows something. A value that may cross threads.
+/// Relation of another clock to ours. A value that may cross threads.
 struct ClockReading {
   bool is_known = false;
   std::uint64_t offset_ns = 0;  ///< Theirs minus ours, modulo 2^64.
-  Duration error{};             ///< The offset is not farther off than this.
+  Duration error{};             ///< Upper bound of the offset's error.
 
-  /// Precondition: is_known.
+  /// Returns the other clock's time in nanoseconds when ours shows `ours`. Precondition: is_known.
   [[nodiscard]] std::int64_t at(TimePoint ours) const {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(to_nanoseconds(ours)) + offset_ns);
   }
 };
 
-/// How far another computer's CLOCK_MONOTONIC is from ours, by four times per exchange (NTP's way, RFC 5905 section 8).
+/// Estimates the offset of another computer's CLOCK_MONOTONIC from ours, from the four times of each exchange (as NTP
+/// does, RFC 5905 section 8).
 ///
-/// 1. Whatever the two ways of an exchange took, the offset is within half its round trip of the middle.
-/// 2. Clocks drift apart by at most 100 ppm: crystals are better, and chrony turns a clock no faster once it runs. So
-///    an exchange grows less sure with its age, and the one that is surest now decides.
-/// 3. Two exchanges that cannot both be true prove that a clock was stepped or stood still (a computer that slept):
-///    then only the newer one counts.
+/// 1. However long each direction of an exchange took, the offset is within half its round trip of the middle.
+/// 2. Clocks drift apart by at most 100 ppm: crystals are better, and chrony adjusts a running clock no faster. An
+///    exchange therefore becomes less certain with its age, and the one that is most certain now decides.
+/// 3. Two exchanges that cannot both be true prove that a clock was stepped or stood still (a computer that was
+///    suspended): then only the newer one counts.
 ///
-/// All times may be anything: what makes no sense is left out. Thread-bound; allocates nothing.
+/// Accepts any times; implausible ones are left out. Thread-bound; allocates nothing.
 class ClockOffset {
  public:
-  /// False when the exchange makes no sense and was left out.
+  /// Returns false if the exchange is implausible and was left out.
   bool add(const ClockExchange& exchange);
-  /// Forgets everything: another computer.
+  /// Discards all exchanges, as for another computer.
   void reset() { *this = {}; }
-  /// As sure as it is at `now`.
+  /// Returns the offset with its uncertainty at `now`.
   [[nodiscard]] ClockReading reading(TimePoint now) const;
-  /// Exchanges that were taken.
+  /// Number of exchanges accepted.
   [[nodiscard]] std::uint64_t count() const { return count_; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a thread was at work, apart from what it waited. Thread-safe.
+/// CPU time of a thread, without the time that it waited. Thread-safe.
 #pragma once
 
 #include <time.h>
@@ -8,7 +8,7 @@
 
 namespace cyclorama {
 
-/// Of the calling thread, since some fixed time.
+/// Returns the calling thread's CPU time in seconds since a fixed origin.
 [[nodiscard]] inline double thread_cpu_seconds() {
   timespec time{};
   CHECK(::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) == 0);

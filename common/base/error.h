@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What went wrong, said once, where it happened.
+/// Errors as values: described once, where they happen.
 #pragma once
 
 #include <string>
@@ -7,18 +7,18 @@
 
 namespace cyclorama {
 
-/// Coarse kind; a caller branches on this and on nothing else.
+/// Coarse kind; callers branch on this and on nothing else.
 enum class ErrorCode {
   kInvalidArgument,  ///< The caller's input can never work.
   kNotFound,         ///< A device, file or peer is absent.
-  kBusy,             ///< It exists but another process holds it. Retrying may help.
+  kBusy,             ///< Held by another process; retrying may help.
   kUnavailable,      ///< Transient: link down, node restarting. Retry with backoff.
   kTimedOut,         ///< A deadline passed.
-  kBadData,          ///< Bytes arrived and are not what was promised.
-  kSystem,           ///< errno() says why.
+  kBadData,          ///< Received bytes are not in the promised form.
+  kSystem,           ///< The reason is in errno.
 };
 
-/// Where an error was made. std::source_location's shape; clang-tidy 14 cannot parse the std one.
+/// Source line that made an error. Has the shape of std::source_location, which clang-tidy 14 cannot parse.
 struct SourceLine {
   const char* file = "";
   int line = 0;
@@ -32,11 +32,11 @@ class Error {
   Error(ErrorCode code, std::string message,
         SourceLine where = SourceLine::current());
 
-  /// From errno, e.g. Error::from_errno("opening '/dev/dri/card0'").
+  /// Makes an error from errno, for example Error::from_errno("opening '/dev/dri/card0'").
   static Error from_errno(std::string_view doing,
                           SourceLine where = SourceLine::current());
 
-  /// Prefixes what the caller was doing: "lighting projector 2: opening '/dev/dri/card0': Device or resource busy".
+  /// Prefixes the caller's action: "lighting projector 2: opening '/dev/dri/card0': Device or resource busy".
   [[nodiscard]] Error while_doing(std::string_view doing) &&;
 
   [[nodiscard]] ErrorCode code() const { return code_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whole files in and out, with limits, and errors that name the file.
+/// Reading and writing of whole files, with limits and with errors that name the file.
 #pragma once
 
 #include <cstddef>
@@ -14,21 +14,22 @@
 
 namespace cyclorama {
 
-/// Reads a regular file of at most `limit_bytes`.
-///
-/// kNotFound  no such file.     kBadData  larger than the limit, or not a regular file.     kSystem  errno says why.
+/// Reads a regular file of at most `limit_bytes`. Errors: kNotFound if there is no such file; kBadData if it is larger
+/// than the limit or not a regular file; kSystem otherwise, with errno.
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std::size_t limit_bytes);
 Result<std::string> read_text_file(const std::filesystem::path& path, std::size_t limit_bytes);
 
-/// Writes beside the target and renames, so that a reader sees the old file or the new one, whole. Makes no folders.
+/// Writes a file beside the target and renames it, so that a reader gets either the old or the new file, complete. Does
+/// not create folders.
 Status write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 Status write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
-/// A whole file, mapped read-only: for geometry, whose pages the kernel may drop again. Move-only; thread-safe to read.
-/// A file that another process truncates while it is mapped raises SIGBUS: scenes are installed by rename, never edited.
+/// A whole file, mapped read-only, for geometry: the kernel may drop its pages. Move-only; thread-safe to read. If
+/// another process truncates the file while it is mapped, SIGBUS is raised; scenes are therefore installed by rename
+/// and never edited in place.
 class MappedFile {
  public:
-  /// Errors as read_file(). An empty file maps to no bytes.
+  /// Maps a file. Errors: as read_file(). An empty file maps to no bytes.
   static Result<MappedFile> open(const std::filesystem::path& path);
   MappedFile(MappedFile&& other) noexcept;
   MappedFile& operator=(MappedFile&& other) noexcept;

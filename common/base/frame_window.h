@@ -10,8 +10,8 @@
 
 namespace cyclorama {
 
-/// At most so many frames are requested and not yet finished: one is rendered while the other crosses the network. More
-/// would only make pictures older.
+/// Maximum number of frames that are requested and not yet finished: one is rendered while the other crosses the
+/// network. More would only make pictures older.
 inline constexpr std::size_t kFramesInFlight = 2;
 
 /// Requests for frames. Those in flight are limited to kFramesInFlight; of the others only the newest waits.
@@ -20,7 +20,7 @@ inline constexpr std::size_t kFramesInFlight = 2;
 ///                 ▲                                      │
 ///                 └───────── lose(): the newest ─────────┘
 ///
-/// Numbers identify requests and grow. The tour, the farm's client and the coordinator all follow this rule with it.
+/// Request numbers are unique and increase. The tour, the farm's client and the coordinator all use this window.
 /// Thread-bound.
 template <typename Request>
 class FrameWindow {
@@ -31,26 +31,26 @@ class FrameWindow {
     waiting_.emplace(number, std::move(request));
     return dropped;
   }
-  /// Puts the waiting request in flight and returns it; null when none waits or there is no room. The pointer holds
+  /// Puts the waiting request in flight and returns it; null if none waits or there is no room. The pointer is valid
   /// until the next call that changes the window.
   const Request* send() {
     if (!is_sendable()) return nullptr;
     in_flight_.push_back(*std::exchange(waiting_, std::nullopt));
     return &in_flight_.back().request;
   }
-  /// Puts a request in flight that never waited.
+  /// Puts a request in flight directly, without waiting.
   void add(std::uint64_t number, Request request) { in_flight_.emplace_back(number, std::move(request)); }
 
-  /// The request of that number in flight, or null. The pointer holds as that of send().
+  /// Returns the request of that number in flight, or null. The pointer is valid as long as that of send().
   [[nodiscard]] const Request* find(std::uint64_t number) const {
     const auto found = std::ranges::find(in_flight_, number, &Numbered::number);
     return found == in_flight_.end() ? nullptr : &found->request;
   }
-  /// Forgets requests in flight with smaller numbers, whose frames will never come. Returns how many there were.
+  /// Drops requests in flight with smaller numbers, whose frames will never come. Returns their number.
   std::size_t skip_before(std::uint64_t number) {
     return std::erase_if(in_flight_, [&](const Numbered& one) { return one.number < number; });
   }
-  /// Takes the request of that number, whose frame has ended, out of flight; nothing if it was not in flight.
+  /// Removes the request of that number, whose frame has ended, and returns it; nothing if it was not in flight.
   std::optional<Request> finish(std::uint64_t number) {
     const auto found = std::ranges::find(in_flight_, number, &Numbered::number);
     if (found == in_flight_.end()) return std::nullopt;
@@ -58,7 +58,8 @@ class FrameWindow {
     in_flight_.erase(found);
     return request;
   }
-  /// Nothing in flight will be answered. The newest of it waits again, unless a newer request waits already.
+  /// Drops everything in flight, for a lost connection. The newest request of it waits again, unless a newer one waits
+  /// already.
   void lose() {
     if (!waiting_ && !in_flight_.empty()) waiting_ = std::move(in_flight_.back());
     in_flight_.clear();

@@ -5,10 +5,10 @@
 
 namespace cyclorama {
 
-/// The calling thread, and every thread that it starts from now on, gives way to the process's others: `steps` of
-/// nice(2) more. Where the system refuses, all stays as it was.
+/// Lowers the priority of the calling thread, and of every thread that it starts from now on, by `steps` of nice(2). If
+/// the system refuses, nothing changes.
 inline void give_way(int steps) {
-  // On Linux the calling thread's alone; setpriority(2), "C library/kernel differences".
+  // On Linux this affects the calling thread only; see setpriority(2), "C library/kernel differences".
   setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + steps);
 }
 

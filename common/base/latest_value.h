@@ -10,12 +10,11 @@
 
 namespace cyclorama {
 
-/// One slot between threads: the newest value wins and an unread older one is dropped, so nothing ever queues.
-/// Thread-safe.
+/// One slot between threads: a new value replaces an unread older one, so no queue forms. Thread-safe.
 template <typename T>
 class LatestValue {
  public:
-  /// Replaces what is there. Returns true if an unread value was dropped.
+  /// Replaces the stored value. Returns true if an unread value was dropped.
   bool put(T value) {
     std::unique_lock lock(mutex_);
     const bool dropped = value_.has_value();
@@ -25,20 +24,20 @@ class LatestValue {
     return dropped;
   }
 
-  /// Takes the value, or nothing when the slot is empty. Never blocks for long.
+  /// Takes the value; nothing if the slot is empty. Never blocks for long.
   [[nodiscard]] std::optional<T> take() {
     const std::lock_guard lock(mutex_);
     return std::exchange(value_, std::nullopt);
   }
 
-  /// Waits for a value until `deadline` or close(); nothing in both of those cases.
+  /// Waits for a value until `deadline` or close(); returns nothing in both of those cases.
   [[nodiscard]] std::optional<T> take_before(TimePoint deadline) {
     std::unique_lock lock(mutex_);
     changed_.wait_until(lock, deadline, [this] { return value_.has_value() || closed_; });
     return std::exchange(value_, std::nullopt);
   }
 
-  /// Wakes every waiter, now and later. A value that is still there can be taken.
+  /// Wakes all current and future waiters. A value that is still stored can be taken.
   void close() {
     {
       const std::lock_guard lock(mutex_);

@@ -7,17 +7,17 @@
 
 namespace cyclorama {
 
-/// The last `window` samples of one quantity, and what they look like sorted. Memory is fixed. Thread-bound.
+/// Percentiles of the last `window` samples of one quantity. Uses a fixed amount of memory. Thread-bound.
 class Percentiles {
  public:
   explicit Percentiles(std::size_t window = 4096);
 
-  /// A NaN is not a measurement and is ignored.
+  /// Adds a sample; NaN is not a measurement and is ignored.
   void add(double sample);
 
-  [[nodiscard]] std::uint64_t count() const { return count_; }  ///< All samples ever added.
-  [[nodiscard]] double mean() const;                            ///< Of the window; 0 when empty.
-  /// Nearest rank, `fraction` in [0, 1]; 0 when empty.
+  [[nodiscard]] std::uint64_t count() const { return count_; }  ///< Number of samples ever added.
+  [[nodiscard]] double mean() const;                            ///< Mean of the window; 0 if it is empty.
+  /// Returns the percentile by nearest rank, for a `fraction` in [0, 1]; 0 if the window is empty.
   [[nodiscard]] double at(double fraction) const;
 
  private:

@@ -7,14 +7,14 @@
 
 namespace cyclorama {
 
-/// Pictures are cut into blocks, tiles and parts at multiples of this only: a JPEG block with halved chroma is 16
-/// pixels wide, and must not straddle.
+/// Pictures are divided into blocks, tiles and parts only at multiples of this: a JPEG block with halved chroma is 16
+/// pixels wide and must not straddle a border.
 inline constexpr int kCutPx = 16;
 
-/// Cells of kCutPx that cover so many pixels.
+/// Returns the number of cells of kCutPx that cover `px` pixels.
 [[nodiscard]] constexpr int cells_of_px(int px) { return (px + kCutPx - 1) / kCutPx; }
 
-/// Which cells of a picture tiles have covered. A value; thread-bound.
+/// The cells of a picture that tiles have covered so far. A value; thread-bound.
 class CoveredCells {
  public:
   CoveredCells() = default;
@@ -22,14 +22,14 @@ class CoveredCells {
       : columns_(static_cast<std::size_t>(cells_of_px(width_px))),
         covered_(columns_ * static_cast<std::size_t>(cells_of_px(height_px)), false) {}
 
-  /// The cells of a tile; its corner lies on a cut. False, and no more is covered, if it lies over another.
-  /// Precondition: it lies inside of the picture.
+  /// Covers the cells of a tile, whose corner is at a multiple of kCutPx. Returns false, and covers nothing, if the
+  /// tile overlaps another one. Precondition: the tile lies inside the picture.
   bool cover(int x_px, int y_px, int width_px, int height_px) {
     if (!all(x_px, y_px, width_px, height_px, [](bool covered) { return !covered; })) return false;
     return all(x_px, y_px, width_px, height_px, [](std::vector<bool>::reference covered) { return covered = true; });
   }
 
-  /// Of all cells, and of those that are covered.
+  /// Number of all cells; covered() is the number of those that are covered.
   [[nodiscard]] std::size_t count() const { return covered_.size(); }
   [[nodiscard]] std::size_t covered() const {
     return static_cast<std::size_t>(std::count(covered_.begin(), covered_.end(), true));

@@ -18,7 +18,8 @@ std::optional<T> parse_whole(std::string_view text) {
   return value;
 }
 
-/// Of the character that the text begins with, in bytes; 0 where that is a control character or no UTF-8 (RFC 3629).
+/// Returns the length in bytes of the character at the beginning of the text; 0 for a control character and for invalid
+/// UTF-8 (RFC 3629).
 std::size_t printable_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   if (byte(0) < 0x80) return byte(0) >= 0x20 && byte(0) != 0x7f ? 1 : 0;

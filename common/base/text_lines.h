@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Lines and words of text formats, without a copy.
+/// Lines and words of text formats, without copying.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,13 @@
 
 namespace cyclorama {
 
-/// Ends a line at "\n", at "\r\n", and at "\r" alone until the text has shown that it ends lines with "\n": binary data
-/// that begins with a newline after a "\r" header keeps its first byte. Borrows the text. Thread-bound.
+/// Splits a text into lines. A line ends at "\n", at "\r\n", and at "\r" alone until the first "\n" was seen, so that
+/// binary data beginning with a newline after a "\r" header keeps its first byte. Borrows the text. Thread-bound.
 class LineReader {
  public:
   explicit LineReader(std::string_view text) : text_(text) {}
 
-  /// The next line without its end; false after the last one. A last line without an end counts.
+  /// Returns the next line without its end; false after the last one. A last line without an end counts.
   bool next(std::string_view* ret_line) {
     if (offset_ >= text_.size()) return false;
     const std::size_t end = text_.find_first_of("\r\n", offset_);
@@ -35,7 +35,7 @@ class LineReader {
     }
     return true;
   }
-  /// Of the byte after the last line's end.
+  /// Offset of the byte after the last line's end.
   [[nodiscard]] std::size_t offset() const { return offset_; }
 
  private:
@@ -53,7 +53,7 @@ inline constexpr std::string_view kBlanks = " \t\v\f\r\n";
   return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
 }
 
-/// Takes the first word off `text`; empty when there is none.
+/// Removes the first word of `text` and returns it; empty if there is none.
 [[nodiscard]] inline std::string_view next_word(std::string_view* text) {
   const auto is_blank = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
   std::size_t begin = 0;
@@ -65,9 +65,9 @@ inline constexpr std::string_view kBlanks = " \t\v\f\r\n";
   return word;
 }
 
-/// The number that `word` begins with, whatever the locale; nothing when there is none. Sets `*ret_whole` (may be null)
-/// to whether it fills the word. Beyond the range of double it is infinite or 0; "1.#QNAN" and its like, which
-/// Microsoft's libraries print, are NaN.
+/// Parses the number at the beginning of `word`, in any locale; nothing if there is none. Sets `*ret_whole` (may be
+/// null) to true if the number fills the word. Numbers beyond the range of double become infinite or 0; "1.#QNAN" and
+/// similar texts, as printed by Microsoft's libraries, become NaN.
 [[nodiscard]] std::optional<double> number_in(std::string_view word, bool* ret_whole);
 
 }  // namespace cyclorama

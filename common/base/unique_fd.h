@@ -7,7 +7,7 @@
 
 namespace cyclorama {
 
-/// Owns a file descriptor; -1 is empty. Closing never fails as far as the owner can tell. Thread-bound.
+/// Owns a file descriptor; -1 is empty. Errors of close() are ignored. Thread-bound.
 class UniqueFd {
  public:
   UniqueFd() = default;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a camera's lens is calibrated with: a chessboard whose white squares hold tags (what OpenCV calls ChArUco), so
-/// that a part of it is enough and its corners are known by number, also at the picture's rim.
+/// Board for calibrating a camera's lens: a chessboard with tags in its white squares (ChArUco in OpenCV). A visible
+/// part of it is enough, since its corners are identified by number, even at the picture's edge.
 ///
-///     ■ 1 ■ 2 ■      the tags are of the family tag36h11, numbered row by row; corners are where four squares meet,
-///     3 ■ 4 ■ 5      row by row likewise
+///     ■ 1 ■ 2 ■      the tags are of the family tag36h11, numbered row by row; corners, where four squares meet,
+///    3 ■ 4 ■ 5      are numbered row by row, too
 ///     ■ 6 ■ 7 ■      x right, y down, as seen from the front; origin at the first corner, z into the board
 #pragma once
 
@@ -13,24 +13,25 @@
 
 namespace cyclorama {
 
-/// Lengths on paper. A value.
+/// Lengths as printed. A value.
 struct TagBoard {
-  int columns = 11;  ///< Of squares.
+  int columns = 11;  ///< Number of squares in a row.
   int rows = 7;
   double square_m = 0.024;
   double tag_m = 0.018;  ///< Edge of a tag's black square.
-  int first_tag = 549;   ///< The last 38 of the family: only wands from number 183 on have them too.
+  int first_tag = 549;   ///< The last 38 tags of the family, which otherwise only wands from number 183 on use.
 
   [[nodiscard]] int corners() const { return (columns - 1) * (rows - 1); }
   [[nodiscard]] Eigen::Vector2d corner_m(int index) const {
     return square_m * Eigen::Vector2d(index % (columns - 1), index / (columns - 1));
   }
-  /// Of the square in column `x`, row `y`.
+  /// Colour of the square in column `x`, row `y`.
   [[nodiscard]] static bool is_black(int x, int y) { return (x + y) % 2 == 0; }
   [[nodiscard]] int tags() const { return columns * rows / 2; }
-  /// Corners of a tag's black square: left above, right above, right below, left below. Nothing for a strange tag.
+  /// Corners of a tag's black square: upper left, upper right, lower right, lower left. Nothing for a tag not on the
+  /// board.
   [[nodiscard]] std::optional<std::array<Eigen::Vector2d, 4>> tag_corners_m(int tag) const;
-  /// The same board, all lengths times `scale`.
+  /// Returns the same board with all lengths multiplied by `scale`.
   [[nodiscard]] TagBoard scaled(double scale) const {
     return {columns, rows, scale * square_m, scale * tag_m, first_tag};
   }

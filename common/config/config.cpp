@@ -42,17 +42,17 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 struct Config::Document {
   std::string name;
   toml::table table;
-  std::multimap<unsigned, std::string> mistakes;  ///< By line.
+  std::multimap<unsigned, std::string> mistakes;  ///< Keyed by line.
   std::vector<std::shared_ptr<ConfigTable::Node>> nodes;
 };
 
 struct ConfigTable::Node {
   Config::Document* document = nullptr;
-  const toml::table* table = nullptr;  ///< Null for a table that is absent.
-  unsigned line = 1;                   ///< Of the table's header, for keys that are missing.
-  std::string path;                    ///< "wall." in front of this table's keys.
+  const toml::table* table = nullptr;  ///< Null if the table is absent.
+  unsigned line = 1;                   ///< Line of the table's header, for missing keys.
+  std::string path;                    ///< Prefix of this table's keys, such as "wall.".
   std::set<std::string, std::less<>> asked;
-  std::set<std::string, std::less<>> missing;  ///< Required, asked for, and absent.
+  std::set<std::string, std::less<>> missing;  ///< Required keys that were requested and are absent.
 
   const toml::node* find(std::string_view key) {
     asked.insert(std::string(key));
@@ -61,7 +61,7 @@ struct ConfigTable::Node {
   void mistake(unsigned at_line, std::string_view key, std::string_view what) const {
     document->mistakes.emplace(at_line, fmt::format("{}:{}: {}{}: {}", document->name, at_line, path, key, what));
   }
-  /// The node, or null after noting that a required key is missing.
+  /// Returns the node; null, after noting a missing key, if it is absent and required.
   const toml::node* find_or_note(std::string_view key, bool required) {
     const toml::node* const node = find(key);
     if (node == nullptr && required) missing.insert(std::string(key));
@@ -79,7 +79,7 @@ struct ConfigTable::Node {
     }
     return std::nullopt;
   }
-  /// What an unknown key was meant to be; empty when there is nothing like it.
+  /// Returns the known key that is most similar to an unknown one; empty if there is none.
   [[nodiscard]] std::string meant_by(std::string_view key) const {
     for (const std::string& known : asked) {
       if (without_unit(known) == without_unit(key)) return known;
@@ -89,7 +89,7 @@ struct ConfigTable::Node {
     }
     return "";
   }
-  /// A key that is misspelt is told as that, and not as one that is missing as well.
+  /// Reports a misspelt key as misspelt, and not also as missing.
   void note_unknown_and_missing_keys() {
     if (table != nullptr) {
       for (const auto& [key, value] : *table) {

@@ -4,10 +4,11 @@
 ///   TRY_ASSIGN(Config config, Config::read("installation.toml"));
 ///   ConfigTable wall = config.root().table("wall");
 ///   const double radius = wall.number("radius_m", {0.5, 50.0});
-///   TRY(config.finish());        // The first mistake in the file, or a key that nobody asked for.
+///   TRY(config.finish());        // The first mistake in the file, or a key that was never requested.
 ///
-/// Reading goes on after a mistake with a harmless value, so that code reads like data; finish() is what decides.
-/// Keys carry their unit (`radius_m`, `heading_deg`): a key with another unit is an unknown key, and the error says so.
+/// After a mistake, reading continues with a harmless value, so that code reads like data; finish() returns the error.
+/// Keys carry their unit (`radius_m`, `heading_deg`). A key with another unit is an unknown key, and the error states
+/// this.
 #pragma once
 
 #include <filesystem>
@@ -27,7 +28,7 @@ struct Range {
   double max;
 };
 
-/// One table of a Config, which must outlive it. A value, thread-bound. Asking for a key marks it as known.
+/// One table of a Config, which must outlive it. A value, thread-bound. Requesting a key marks it as known.
 class ConfigTable {
  public:
   [[nodiscard]] bool has(std::string_view key) const;
@@ -39,18 +40,18 @@ class ConfigTable {
   std::string text(std::string_view key, std::optional<std::string> fallback = std::nullopt);
   std::string choice(std::string_view key, const std::vector<std::string>& legal,
                      std::optional<std::string> fallback = std::nullopt);
-  /// Exactly `count` numbers, or any number of them when `count` is 0.
+  /// Reads exactly `count` numbers, or any number of them if `count` is 0.
   std::vector<double> numbers(std::string_view key, std::size_t count, Range range,
                               std::optional<std::vector<double>> fallback = std::nullopt);
-  /// A list of points of `dimension` numbers each: [[1, 2], [3, 4]]. Empty when the key is absent.
+  /// Reads a list of points of `dimension` numbers each: [[1, 2], [3, 4]]. Empty if the key is absent.
   std::vector<std::vector<double>> points(std::string_view key, std::size_t dimension, Range range);
   std::vector<std::string> texts(std::string_view key, std::optional<std::vector<std::string>> fallback = std::nullopt);
-  /// [key]: an empty table, whose required keys are then missing, when it is absent.
+  /// Returns the table [key]; if it is absent, an empty table, whose required keys are then missing.
   ConfigTable table(std::string_view key);
-  /// [[key]]: none when it is absent.
+  /// Returns the tables [[key]]; none if the key is absent.
   std::vector<ConfigTable> tables(std::string_view key);
 
-  /// Records a mistake that only the caller can see, at the key's line (or the table's, when it is absent).
+  /// Records a mistake that only the caller can detect, at the key's line (or the table's, if the key is absent).
   void refuse(std::string_view key, std::string_view what_and_remedy);
   /// Records a mistake if the file uses a setting's former name `key`; the message gives `new_key`.
   void refuse_renamed(std::string_view key, std::string_view new_key);
@@ -65,7 +66,8 @@ class ConfigTable {
 /// A parsed file. Move-only, thread-bound.
 class Config {
  public:
-  /// kNotFound, kSystem  the file cannot be read.     kBadData  not TOML: "site.toml:7:3: ...", or over 1 MiB.
+  /// Errors: kNotFound or kSystem if the file cannot be read; kBadData if it is not TOML ("site.toml:7:3: ...") or over
+  /// 1 MiB.
   static Result<Config> read(const std::filesystem::path& path);
   /// `name` stands for the file in errors.
   static Result<Config> parse(std::string_view text, std::string name);
@@ -75,7 +77,7 @@ class Config {
   ~Config();
 
   [[nodiscard]] ConfigTable root();
-  /// kBadData  "site.toml:7: ..." for the mistake nearest the top, and how many more there are.
+  /// Errors: kBadData with the topmost mistake ("site.toml:7: ...") and the number of further ones.
   [[nodiscard]] Status finish() const;
 
  private:

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-/// toml++ without exceptions, and without two faults of its version 3.3, both found by fuzzing: text that it would refuse
-/// just as well stops the program ("[" at a line's end meets an assertion) or is undefined behaviour (a letter such as
-/// U+00E9 where a blank may stand meets __builtin_unreachable()). No configuration may do either.
-/// Included by config.cpp alone.
+/// toml++ without exceptions, and without two faults of its version 3.3, both found by fuzzing: certain invalid text
+/// stops the program ("[" at a line's end fails an assertion) or causes undefined behaviour (a letter such as U+00E9 in
+/// place of a blank reaches __builtin_unreachable()) instead of an error. Included only by config.cpp.
 #pragma once
 
 #define TOML_EXCEPTIONS 0
 #define TOML_HEADER_ONLY 1
 
-// Assertions do nothing. Under NDEBUG toml++ would turn them into promises to the optimiser.
+// Assertions are disabled. Under NDEBUG, toml++ would turn them into assumptions of the optimiser.
 #pragma push_macro("NDEBUG")
 #undef NDEBUG
 #define TOML_ASSERT(expr) static_cast<void>(0)
 
-// What no character class knows is not in it.
+// A character that is in no class of toml++ counts as outside of it.
 #if __has_include(<toml++/impl/preprocessor.hpp>)
 #include <toml++/impl/preprocessor.hpp>
 #else

@@ -35,7 +35,7 @@ int http_status(const Error& error) {
   }
 }
 
-/// cpp-httplib of Debian 13 can bound its queue of connections, that of Debian 12 cannot.
+/// cpp-httplib of Debian 13 can limit its queue of connections; that of Debian 12 cannot.
 template <typename Pool>
 Pool* make_pool(const HttpLimits& limits) {
   if constexpr (std::is_constructible_v<Pool, std::size_t, std::size_t>) {
@@ -53,7 +53,7 @@ void set_limits(httplib::Server& server, const HttpLimits& limits) {
   server.set_keep_alive_max_count(1000);
   server.set_payload_max_length(limits.max_body_bytes);
   server.set_tcp_nodelay(true);
-  // Instead of httplib's SO_REUSEPORT, with which two servers on one port would share the visitors at random.
+  // Replaces httplib's SO_REUSEPORT, which would distribute visitors at random between two servers on one port.
   server.set_socket_options([](socket_t socket) {
     const int yes = 1;
     ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -109,7 +109,7 @@ Result<std::unique_ptr<httplib::Server>> make_server(const std::optional<HttpTls
 }  // namespace
 
 std::string error_json(const Error& error) {
-  // Bytes that are not UTF-8 are replaced: a peer's text must not end a page.
+  // Bytes that are not UTF-8 are replaced, so that a peer's text cannot break a page.
   return nlohmann::json{{"error", error.message()}}.dump(1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
@@ -120,7 +120,7 @@ void answer_error(const Error& error, httplib::Response& response) {
 
 void serve_page(httplib::Server& server, std::span<const PageFile> files) {
   for (const PageFile& file : files) {
-    // The paths hold a dot at most, which matches itself too.
+    // The paths are regular expressions to httplib; their only special character is a dot, which matches itself.
     server.Get(std::string(file.path), [file](const httplib::Request&, httplib::Response& response) {
       response.set_content(file.content.data(), file.content.size(), std::string(file.type));
     });
@@ -147,7 +147,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::start(const std::string& address
                                                address));
   }
   page->listener_ = std::thread([&server] { server.listen_after_bind(); });
-  // stop() only works on a server that runs, and it tells nobody when it does.
+  // stop() works only on a running server, and there is no notification of the start.
   const TimePoint deadline = SteadyClock().now() + kStartsWithin;
   while (!server.is_running() && SteadyClock().now() < deadline) std::this_thread::yield();
   return page;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// HTTP as this house uses it: addresses, limits, headers, and errors as {"error": sentence}. cpp-httplib underneath.
+/// HTTP conventions of this project, on cpp-httplib: addresses, limits, headers, and errors as {"error": sentence}.
 #pragma once
 
 #include <functional>
@@ -22,13 +22,12 @@ struct Response;
 namespace cyclorama {
 
 struct HttpLimits {
-  std::size_t threads = 24;      ///< A browser holds six connections, each of which occupies one.
-  std::size_t max_waiting = 64;  ///< Connections beyond the threads, where the library can bound them.
+  std::size_t threads = 24;      ///< A browser holds six connections; each occupies one thread.
+  std::size_t max_waiting = 64;  ///< Connections waiting for a thread, if the library can limit them.
   std::size_t max_body_bytes = 4096;
 };
 
-/// What a server shows of itself: the texts of PEM files. TLS 1.3, which every browser since 2020 speaks, and nothing
-/// older.
+/// Certificate and key of a server, as PEM texts. Only TLS 1.3, which every browser since 2020 supports.
 struct HttpTls {
   std::string certificate_pem;
   std::string key_pem;
@@ -36,19 +35,19 @@ struct HttpTls {
 
 inline constexpr const char* kJsonType = "application/json";
 [[nodiscard]] std::string error_json(const Error& error);
-/// 400, 404, 429, 502 or 504, by the error's code.
+/// Answers with 400, 404, 429, 502 or 504, by the error's code.
 void answer_error(const Error& error, httplib::Response& response);
-/// One GET for each file.
+/// Adds a GET handler for each file.
 void serve_page(httplib::Server& server, std::span<const PageFile> files);
 
-/// Threads: `listen` and a fixed pool; a connection that is silent for some seconds is closed, and larger bodies are
-/// refused. Every answer carries a content security policy that allows nothing from elsewhere, and no cache keeps it.
-/// Thread-bound.
+/// An HTTP server with a `listen` thread and a fixed pool. Connections that are silent for some seconds are closed, and
+/// larger bodies are refused. Every answer carries a content security policy that allows nothing from elsewhere, and
+/// forbids caching. Thread-bound.
 class HttpServer {
  public:
-  /// Port 0 takes a free one. `routes` adds the handlers, which are called on the pool's threads.
-  /// kInvalidArgument  as parse_address().     kBusy  the port is taken, or the address is not of this machine.
-  /// kBadData  `tls` is no certificate with its key.
+  /// Starts serving; port 0 selects a free one. `routes` adds the handlers, which are called on the pool's threads.
+  /// Errors: kInvalidArgument as parse_address(); kBusy if the port is taken or the address is not of this machine;
+  /// kBadData if `tls` is not a certificate with its key.
   static Result<std::unique_ptr<HttpServer>> start(const std::string& address, const HttpLimits& limits,
                                                    const std::function<void(httplib::Server&)>& routes,
                                                    const std::optional<HttpTls>& tls = std::nullopt);
@@ -57,7 +56,7 @@ class HttpServer {
   HttpServer& operator=(const HttpServer&) = delete;
 
   [[nodiscard]] int port() const { return port_; }
-  /// Waits for handlers that run. Idempotent.
+  /// Waits for running handlers. Idempotent.
   void stop();
 
  private:

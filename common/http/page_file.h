@@ -5,10 +5,10 @@
 
 namespace cyclorama {
 
-/// A file of a page, inside the program: project_page() (common/cmake/page.cmake) puts it there at build time.
+/// A file of a page, embedded in the program at build time by project_page() (common/cmake/page.cmake).
 struct PageFile {
-  std::string_view path;  ///< As asked for: "/", "/page.css".
-  std::string_view type;  ///< For Content-Type.
+  std::string_view path;  ///< Path in requests: "/", "/page.css".
+  std::string_view type;  ///< Value of Content-Type.
   std::string_view content;
 };
 

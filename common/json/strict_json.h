@@ -12,15 +12,15 @@
 
 namespace cyclorama {
 
-/// JSON read as settings are (common/config): reading continues after a mistake with a harmless value, so that code
-/// reads like data, and Mistakes keeps the first one with its place. Keys that nobody requested are mistakes. Borrows
-/// the document and the record of mistakes, which must outlive it. Thread-bound.
+/// JSON, read strictly like the settings (common/config): reading continues after a mistake with a harmless value, so
+/// that code reads like data, and Mistakes keeps the first one with its position. Keys that were never requested are
+/// mistakes. Borrows the document and the record of mistakes, which must outlive it. Thread-bound.
 class StrictJson {
  public:
   struct Mistakes {
-    /// `remedy` closes each mistake that names none: "calibrate again".
+    /// `remedy` is appended to each mistake that names none: "calibrate again".
     explicit Mistakes(std::string its_remedy) : remedy(std::move(its_remedy)) {}
-    /// kBadData with the first mistake, if there is one; `name` stands for the file.
+    /// Returns kBadData with the first mistake, if there is one; `name` stands for the file.
     [[nodiscard]] Status status(const std::string& name) const;
 
     std::string remedy;
@@ -35,16 +35,16 @@ class StrictJson {
   int integer(const char* key, int min, int max) { return static_cast<int>(at(key).as_number(min, max, true)); }
   bool flag(const char* key);
   std::string text(const char* key, std::size_t longest = 4000) { return at(key).as_text(longest); }
-  /// The elements of a list of `least` to `most`; none when it is not one.
+  /// Returns the elements of a list of `min` to `max` elements; none for anything else.
   std::vector<StrictJson> list(const char* key, std::size_t min, std::size_t max) { return at(key).elements(min, max); }
   [[nodiscard]] std::vector<StrictJson> elements(std::size_t min, std::size_t max) const;
   std::vector<double> numbers(const char* key, std::size_t min, std::size_t max);
   [[nodiscard]] double as_number(double min, double max, bool is_whole = false) const;
   [[nodiscard]] std::string as_text(std::size_t longest = 4000) const;
 
-  /// Call it once all keys have been requested.
+  /// Must be called after all keys have been requested.
   void refuse_other_keys() const;
-  /// Records a mistake here that names its own remedy.
+  /// Records a mistake here, with its own remedy in `what`.
   void refuse(const std::string& what) const;
 
  private:
@@ -53,15 +53,15 @@ class StrictJson {
   void refuse_with_remedy(const std::string& what) const { refuse(what + "; " + mistakes_->remedy); }
 
   const nlohmann::json* value_;
-  std::string path_;  ///< A JSON pointer (RFC 6901); empty: the document.
+  std::string path_;  ///< JSON pointer (RFC 6901); empty: the document.
   Mistakes* mistakes_;
   std::vector<std::string> requested_;
 };
 
-/// kBadData  it is no JSON, and where; `name` stands for the file, `remedy` says what to do.
+/// Errors: kBadData with the position if the text is not JSON; `name` stands for the file, `remedy` says what to do.
 Result<nlohmann::json> parse_document(std::string_view text, const std::string& name, std::string_view remedy);
 
-/// An Eigen matrix as a list of its rows.
+/// Returns an Eigen matrix as a list of its rows.
 template <typename Matrix>
 nlohmann::ordered_json rows_of(const Matrix& matrix) {
   auto rows = nlohmann::ordered_json::array();

@@ -27,7 +27,7 @@ std::optional<WallTime> time_of(std::string_view text) {
   std::string error;
   if (!absl::ParseTime(kTime, std::string(text), &time, &error)) return std::nullopt;
   const absl::CivilDay day = absl::ToCivilDay(time, absl::UTCTimeZone());
-  if (day.year() < 2000 || day.year() > 2200) return std::nullopt;  // "infinite-future" is a time, too.
+  if (day.year() < 2000 || day.year() > 2200) return std::nullopt;  // "infinite-future" parses as a time, too.
   return floor<seconds>(absl::ToChronoTime(time));
 }
 
@@ -62,7 +62,7 @@ Result<HoursOverride> parse_hours_override(std::string_view text) {
   if (!set_at || !ends_at) return bad;
   override.set_at = *set_at;
   override.until = *ends_at;
-  // What else ParseTime lets pass.
+  // Rejects other forms that ParseTime accepts.
   if (!is_sound(override) || to_text(override) != text) return bad;
   return override;
 }
@@ -100,7 +100,7 @@ Result<HoursOverride> closed_for_today(const OpeningHours& hours, WallTime now) 
   const WallTime midnight = floor<seconds>(absl::ToChronoTime(absl::FromCivil(tomorrow, hours.zone())));
   constexpr auto kMinute = std::chrono::minutes(1);
   HoursOverride override{false, floor<seconds>(now), midnight};
-  // What is open over midnight belongs to the day before.
+  // Hours that continue past midnight belong to the day before.
   bool was_open = hours.is_open(midnight - kMinute);
   for (WallTime time = midnight; time < midnight + std::chrono::hours(24 * kMaxDays); time += kMinute) {
     const bool is_open = hours.is_open(time);

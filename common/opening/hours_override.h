@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What an operator said of a museum's hours for once: open until a time, or closed for the rest of the day.
+/// An operator's one-time exception to a museum's hours: open until a time, or closed for the rest of the day.
 ///
 ///   operator page, `cyclorama hours` ──▶ /var/lib/cyclorama/hours/override ──▶ display, projectors, updates
 ///
-/// One line, such as "open from 2026-11-24T17:02:11Z until 2026-11-24T21:00:00Z". It ends by itself: by its end, and by
-/// a clock that stands before it was said. No file, one that is broken, or one that has ended: as the settings say.
+/// One line, such as "open from 2026-11-24T17:02:11Z until 2026-11-24T21:00:00Z". It is in force from its beginning to
+/// its end, so a clock before its beginning ends it, too. Without a file, or with a broken or expired one, the settings
+/// apply.
 #pragma once
 
 #include <filesystem>
@@ -17,10 +18,10 @@
 namespace cyclorama {
 
 inline constexpr const char* kHoursOverrideFile = "hours/override";  ///< In the museum's state folder.
-/// Closed from one week's opening day to the next one's, and a clock that is put back.
+/// Long enough from one week's opening day to the next one's, with a clock that is put back.
 inline constexpr auto kMaxOverrideDuration = std::chrono::hours(24 * 9);
 
-/// A value. Whole seconds; set_at < until <= set_at + kMaxOverrideDuration, wherever it comes from.
+/// A value. Whole seconds; set_at < until <= set_at + kMaxOverrideDuration, for every source.
 struct HoursOverride {
   bool is_open = true;
   WallTime set_at{};
@@ -31,25 +32,26 @@ struct HoursOverride {
 };
 
 [[nodiscard]] std::string to_text(const HoursOverride& override);
-/// Takes what to_text() makes, and nothing else. kBadData  it is not that.
+/// Accepts only what to_text() produces. Errors: kBadData for any other text.
 Result<HoursOverride> parse_hours_override(std::string_view text);
-/// Nothing where there is no file. kBadData, kSystem  it cannot be understood or read; then it does not count.
+/// Returns nothing if there is no file. Errors: kBadData or kSystem if it is invalid or cannot be read; then it does
+/// not count.
 Result<std::optional<HoursOverride>> read_hours_override(const std::filesystem::path& file);
 
-/// Until "HH:MM" by the settings' time zone: the next time that clocks show it, at most 18 hours ahead.
-/// kInvalidArgument  no such time, or too far ahead.     kUnavailable  the clock was never set.
+/// Opens until "HH:MM" in the settings' time zone: the next time that clocks show it, at most 18 hours ahead. Errors:
+/// kInvalidArgument if there is no such time or it is too far ahead; kUnavailable if the clock was never set.
 Result<HoursOverride> open_until(const OpeningHours& hours, std::string_view time, WallTime now);
-/// Until the settings open on a later day; where they never do, or always are, until midnight.
-/// kUnavailable  the clock was never set.
+/// Closes until the settings open on a later day, or until midnight if they never do or are always open. Errors:
+/// kUnavailable if the clock was never set.
 Result<HoursOverride> closed_for_today(const OpeningHours& hours, WallTime now);
 
-/// As the override says while it holds, and else as the settings do.
+/// Applies the override while it holds, otherwise the settings.
 [[nodiscard]] bool is_open(const OpeningHours& hours, const std::optional<HoursOverride>& override, WallTime now);
 
-/// The settings and the file together, for a program that asks often: the file is read once a second. Thread-bound.
+/// The settings and the file together, for frequent queries: the file is read once a second. Thread-bound.
 class OverriddenHours {
  public:
-  /// An empty `file`: there is none.
+  /// An empty `file` means that there is no override.
   explicit OverriddenHours(OpeningHours hours, std::filesystem::path file = {})
       : hours_(std::move(hours)), file_(std::move(file)) {}
   [[nodiscard]] bool is_open(WallTime now);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What time it is, as far as that is known. A computer whose clock's battery is empty begins with a time of long ago,
-/// which its software takes for the newest that it knows of; until a time server has answered, nobody may open, close
-/// or start again by it. The appliance's image makes the mark `lost` when its hardware's clock tells a time before the
-/// image was made.
+/// Civil time, as far as it is known. A computer with an empty clock battery starts with a time long ago, which its
+/// software replaces with the newest time that it has recorded; until a time server has answered, that time must not
+/// open, close or restart anything. The appliance's image creates the file `lost` if its hardware clock shows a time
+/// before the image was made.
 #pragma once
 
 #include <filesystem>
@@ -13,10 +13,11 @@ namespace cyclorama {
 
 struct ClockMarks {
   std::filesystem::path lost = "/run/cyclorama/clock-lost";
-  std::filesystem::path synchronized = "/run/systemd/timesync/synchronized";  ///< systemd-timesyncd makes it.
+  std::filesystem::path synchronized = "/run/systemd/timesync/synchronized";  ///< Created by systemd-timesyncd.
 };
 
-/// `now`; or 1970, which OpeningHours takes for open and updates for no night, while the clock is lost. Thread-safe.
+/// Returns `now`; while the clock is lost, 1970, which OpeningHours treats as open, and updates as no night.
+/// Thread-safe.
 [[nodiscard]] WallTime wall_time(WallTime now, const ClockMarks& marks = {});
 
 }  // namespace cyclorama

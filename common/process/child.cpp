@@ -16,13 +16,13 @@
 #include "common/base/check.h"
 #include "common/base/unique_fd.h"
 
-// NOLINTNEXTLINE(readability-redundant-declaration): POSIX wants the program to declare it.
+// NOLINTNEXTLINE(readability-redundant-declaration): POSIX requires the program to declare it.
 extern char** environ;
 
 namespace cyclorama {
 namespace {
 
-/// What the child begins with: our signals are blocked, its must not be.
+/// Initial state of the child: signals that are blocked in this process must not be blocked in the child.
 class SpawnPlan {
  public:
   explicit SpawnPlan(int output) {
@@ -37,7 +37,7 @@ class SpawnPlan {
     sigfillset(&all);
     posix_spawnattr_setsigmask(&attributes_, &none);
     posix_spawnattr_setsigdefault(&attributes_, &all);
-    // A group of its own: what it started ends with it.
+    // A process group of its own, so that the child's own children end with it.
     posix_spawnattr_setpgroup(&attributes_, 0);
     posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   }
@@ -60,7 +60,7 @@ class SpawnPlan {
   posix_spawnattr_t attributes_{};
 };
 
-/// Until its end of the pipe is closed, or the deadline; false at the deadline.
+/// Reads until the child closes its end of the pipe; returns false at the deadline.
 bool read_until(int fd, TimePoint deadline, std::size_t max_bytes, ChildEnd* ret_end) {
   std::array<char, 8192> part{};
   for (;;) {
@@ -79,7 +79,7 @@ bool read_until(int fd, TimePoint deadline, std::size_t max_bytes, ChildEnd* ret
   }
 }
 
-/// Waits for its end; a program may close its output and go on.
+/// Waits for the child's end, since a program may close its output and continue; returns false at the deadline.
 bool reaped(pid_t pid, TimePoint deadline, int* ret_status) {
   for (;;) {
     const pid_t ended = ::waitpid(pid, ret_status, WNOHANG);

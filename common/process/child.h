@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Another program, run to its end, with limits on its time and on what it says.
+/// Another program, run to its end, with limits on its time and its output.
 #pragma once
 
 #include <string>
@@ -11,19 +11,19 @@
 namespace cyclorama {
 
 struct ChildLimits {
-  Duration time_limit = std::chrono::seconds(30);  ///< Then it is killed.
-  std::size_t max_bytes = 64 * 1024;               ///< What it says beyond is dropped.
+  Duration time_limit = std::chrono::seconds(30);  ///< Time after which the child is killed.
+  std::size_t max_bytes = 64 * 1024;               ///< Output beyond this is dropped.
 };
 
 struct ChildEnd {
-  int exit_code = 0;    ///< 128 + the signal's number where a signal ended it.
-  std::string output;   ///< Standard output and standard error, as they came.
-  bool is_cut = false;  ///< It said more than the limit.
+  int exit_code = 0;    ///< 128 + the signal's number if a signal ended it.
+  std::string output;   ///< Standard output and standard error, in order of arrival.
+  bool is_cut = false;  ///< Output exceeded the limit.
 };
 
-/// `command` is the program's path, or its name on PATH, and its arguments; no shell sees them. Standard input is
-/// empty. Blocks until it ends. Reentrant. kNotFound, kSystem  it cannot be started.     kTimedOut  it was killed at
-/// its limit.
+/// Runs `command`: the program's path, or its name on PATH, and its arguments; there is no shell. Standard input is
+/// empty. Blocks until the program ends. Reentrant. Errors: kNotFound or kSystem if it cannot be started; kTimedOut if
+/// it was killed at its time limit.
 Result<ChildEnd> run_child(const std::vector<std::string>& command, const ChildLimits& limits = {});
 
 }  // namespace cyclorama

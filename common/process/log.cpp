@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
-#define SD_JOURNAL_SUPPRESS_LOCATION  // It would name this file for every entry.
+#define SD_JOURNAL_SUPPRESS_LOCATION  // The location would be this file for every entry.
 #include <systemd/sd-journal.h>
 #include <unistd.h>
 
@@ -22,10 +22,10 @@ constexpr std::size_t kMaxLineBytes = 2000;
 constexpr std::size_t kMaxFieldBytes = 200;
 std::atomic<int> min_level{static_cast<int>(LogLevel::kInfo)};
 
-/// systemd names the device and inode of the journal's stream when standard error is one.
+/// Returns true if standard error is the journal's stream, whose device and inode systemd passes.
 bool is_journal() {
   static const bool answer = [] {
-    const char* const stream = std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe): nobody sets it later.
+    const char* const stream = std::getenv("JOURNAL_STREAM");  // NOLINT(concurrency-mt-unsafe): never set later.
     struct stat info {};
     return stream != nullptr && ::fstat(STDERR_FILENO, &info) == 0 &&
            fmt::format("{}:{}", info.st_dev, info.st_ino) == stream;
@@ -33,7 +33,7 @@ bool is_journal() {
   return answer;
 }
 
-/// False when the journal takes no entries of its own kind.
+/// Returns false if the journal accepts no entries of its native form.
 bool send_to_journal(LogLevel level, const std::string& text, std::span<const LogField> fields) {
   std::vector<std::string> entry{"MESSAGE=" + text, fmt::format("PRIORITY={}", static_cast<int>(level))};
   for (const LogField& field : fields) {
@@ -69,7 +69,7 @@ void log(LogLevel level, std::string_view message, std::span<const LogField> fie
   if (!fields.empty() && is_journal() && send_to_journal(level, text, fields)) return;
   const std::string line = is_journal() ? fmt::format("<{}>{}\n", static_cast<int>(level), text)
                                         : fmt::format("{}{}\n", word_for(level), text);
-  // One write, so that lines of several threads and processes do not mix. Nothing helps if it fails, ignoring.
+  // A single write, so that lines of several threads and processes do not mix. A failure cannot be reported anywhere.
   if (::write(STDERR_FILENO, line.data(), line.size()) < 0) return;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// sd_notify(3): ready, status, watchdog, stopping. Without systemd every call does nothing.
+/// sd_notify(3): ready, status, watchdog, stopping. Without systemd, every call does nothing.
 #pragma once
 
 #include <string>
@@ -8,20 +8,20 @@
 
 namespace cyclorama {
 
-/// Thread-bound: the main loop's. Call keep_alive() whenever the process has just proved that it works.
+/// Thread-bound to the main loop. Call keep_alive() whenever the process has just proved that it works.
 class Notify {
  public:
   Notify();
   void ready();
-  /// Still starting, and getting on: the next word, or ready(), comes within `wait`.
+  /// Reports that the start makes progress: the next starting(), or ready(), follows within `wait`.
   void starting(Duration wait);
   void status(const std::string& sentence);
   void stopping();
-  /// At most twice per watchdog period, whatever the rate of calls.
+  /// Notifies the watchdog, at most twice per watchdog period at any rate of calls.
   void keep_alive(TimePoint now);
 
  private:
-  Duration period_{};  ///< Zero when no watchdog is set.
+  Duration period_{};  ///< Zero without a watchdog.
   TimePoint next_{};
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What every program of the house does alike: --help, --version, exit codes, one clear error.
+/// The common behaviour of all programs: --help, --version, exit codes, one clear error.
 ///
 ///   int main(int argc, char** argv) {
 ///     Program program("cyclorama-tour", "Leads the visit: steers, asks the farm, feeds the displays.");
@@ -17,18 +17,19 @@
 
 namespace cyclorama {
 
-/// Exit codes, in every man page.
+/// Exit codes, listed in every man page.
 inline constexpr int kExitOk = 0;
-inline constexpr int kExitFailed = 1;  ///< It could not do what it was asked; the last line says why.
+inline constexpr int kExitFailed = 1;  ///< The task failed; the last line gives the reason.
 inline constexpr int kExitUsage = 2;   ///< The command line is wrong.
 
-/// Thread-bound: main's.
+/// Thread-bound to the main thread.
 class Program {
  public:
   Program(const std::string& name, const std::string& about);
-  /// Options and sub-commands are added here before run(). Names and help text become the man page.
+  /// Options and sub-commands, to be added before run(). Names and help text become the man page.
   [[nodiscard]] CLI::App& options() { return app_; }
-  /// Parses, blocks the stop signals, runs the body, logs its error. Returns what main returns. Nothing is thrown past it.
+  /// Parses the command line, blocks the stop signals, runs the body and logs its error. Returns main's exit code.
+  /// Never throws.
   int run(int argc, char** argv, const std::function<Status(const StopSignal&)>& body);
 
  private:

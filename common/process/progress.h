@@ -7,16 +7,17 @@
 
 namespace cyclorama {
 
-/// Long work, for a person: a bar on a terminal, else a plain line every ten percent. Standard error. Thread-bound.
+/// Progress of long work on standard error: a bar on a terminal, otherwise a plain line every ten percent.
+/// Thread-bound.
 class Progress {
  public:
   explicit Progress(std::string what);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  /// What is being done now; a plain line comes with the next update.
+  /// Sets the current step; a plain line follows with the next update.
   void set_step(const std::string& what);
-  /// `fraction` in [0, 1], never less than before.
+  /// `fraction` is in [0, 1] and never decreases.
   void update(double fraction);
 
  private:

@@ -6,15 +6,15 @@
 
 namespace cyclorama {
 
-/// SIGTERM and SIGINT, turned into a value that a loop waits for. Make it first thing in main, before any thread starts:
-/// it blocks the signals for all of them, and ignores SIGPIPE. Thread-safe after construction.
+/// SIGTERM and SIGINT as a value that a loop can wait for. Construct it first in main, before any thread starts: it
+/// blocks the signals in all threads, and ignores SIGPIPE. Thread-safe after construction.
 class StopSignal {
  public:
   StopSignal();
-  /// True once the process was asked to stop; waits for that until `deadline`.
+  /// Waits until `deadline` for a request to stop; returns true once there was one.
   [[nodiscard]] bool wait_until(TimePoint deadline) const;
   [[nodiscard]] bool requested() const { return wait_until(TimePoint{}); }
-  /// Readable when the process was asked to stop; for poll().
+  /// Descriptor for poll(); readable once a stop was requested.
   [[nodiscard]] int fd() const { return fd_.get(); }
 
  private:

@@ -5,8 +5,8 @@
 
 namespace cyclorama::camera {
 
-/// The grey level that one pixel in 50 exceeds, from every 7th pixel of every 7th row; 0 of an empty picture. White
-/// paper in the visitor's hand covers more of the picture than that, a lamp in the background less.
+/// Returns the grey level that 2 % of the pixels exceed, from every 7th pixel of every 7th row; 0 for an empty picture.
+/// White paper in the visitor's hand covers a larger part of the picture, a lamp in the background a smaller one.
 [[nodiscard]] int bright_level(const GreyImage& picture);
 
 /// A device's gain, in its own units.
@@ -16,9 +16,10 @@ struct GainRange {
   long step = 1;
 };
 
-/// With a short, fixed exposure the gain is what is left against the dark. The gain for the pictures to come: higher
-/// while the bright level is under 110, lower while it is over 235, by a sixteenth of the range at once; between them
-/// it stays, so it cannot swing. Within `range` and on its steps, whatever `gain` is.
+/// Returns the gain for the pictures to come, within `range` and on its steps, whatever `gain` is. Since the exposure
+/// is short and fixed, only the gain can compensate for darkness. It rises while the bright level is below 110 and
+/// falls while it is above 235, by a sixteenth of the range at a time; between the two it stays, so that it cannot
+/// oscillate.
 [[nodiscard]] long next_gain(long gain, int bright_level, const GainRange& range);
 
 }  // namespace cyclorama::camera

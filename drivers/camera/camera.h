@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A camera, whatever it is made of: a V4L2 device, libcamera, a recording, or a simulated room.
+/// A source of pictures: a V4L2 device, libcamera, a recording or a simulated room.
 ///
 ///            start()                  stop()
 ///   Closed ──────────▶ Streaming ──────────▶ Closed
 ///                          │ unplugged, or a driver error
-///                          ▼
+///                          Failed          next_frame() returns kUnavailable from now on; make a new Camera.
 ///                        Failed          next_frame() returns kUnavailable for ever; make a new Camera.
 #pragma once
 
@@ -21,15 +21,15 @@ namespace cyclorama::camera {
 /// One picture and when it was taken. Immutable once shared.
 struct CameraFrame {
   GreyImage pixels;
-  /// The camera's own red, green and blue codes of the same pixels: in no colour space that is known, each channel with
-  /// a curve of its own. Empty, unless the camera was asked for colour and has it.
+  /// Red, green and blue codes of the same pixels, as the camera delivers them: the colour space and the response curve
+  /// of each channel are unknown. Empty unless colour was requested and the camera has it.
   RgbImage colour;
-  std::uint64_t sequence = 0;  ///< Counts the camera's pictures; a gap shows what was dropped.
+  std::uint64_t sequence = 0;  ///< Number of the picture; a gap shows how many were dropped.
   TimePoint captured_at{};     ///< Start of exposure, CLOCK_MONOTONIC.
-  Duration exposure{};         ///< As the camera made it of what was asked for; 0: it does not tell, or sets its own.
+  Duration exposure{};         ///< Exposure time that the camera used; 0 if it does not report it or sets its own.
 };
 
-/// Read by the tracker and the calibrator; neither knows which camera it holds.
+/// Used by the tracker and the calibrator, which do not depend on the kind of camera.
 class Camera {
  public:
   virtual ~Camera() = default;
@@ -38,17 +38,16 @@ class Camera {
   /// Use it as the key in calibration.json. Thread-safe.
   [[nodiscard]] virtual const std::string& id() const = 0;
 
-  /// Begins delivery at the size and rate given when it was made. Thread-bound.
+  /// Begins delivery at the size and rate given at construction. Thread-bound.
   ///
-  /// kBusy         another process streams from the device.
-  /// kUnavailable  the device vanished since it was opened.
+  /// Errors: kBusy if another process streams from the device; kUnavailable if the device vanished since it was opened.
   virtual Status start() = 0;
 
   /// Waits for the next frame, at most until `deadline`. Thread-bound; blocks.
   /// Frames are dropped, never queued: a late caller gets the newest.
   ///
-  /// kTimedOut     no frame before the deadline. The camera is still Streaming.
-  /// kUnavailable  Failed; see the diagram.
+  /// Errors: kTimedOut if no frame came before the deadline (the camera is still Streaming); kUnavailable once Failed
+  /// (see the diagram).
   virtual Result<std::shared_ptr<const CameraFrame>> next_frame(TimePoint deadline) = 0;
 
   /// Ends delivery. Safe to call in any state. Thread-bound.

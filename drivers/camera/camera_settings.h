@@ -7,8 +7,8 @@
 
 namespace cyclorama::camera {
 
-/// The line for make_camera() that a [camera] table means: either `source`, which is that line, or `kind`, with `port`
-/// or `device` and what pictures are wanted. What is wrong is recorded in the table.
+/// Returns the make_camera() line for a [camera] table: either `source`, which is such a line, or `kind` with `port` or
+/// `device` and the requested picture. Errors are recorded in the table.
 [[nodiscard]] std::string camera_source(ConfigTable* camera, const std::string& fallback);
 
 }  // namespace cyclorama::camera

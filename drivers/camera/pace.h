@@ -9,20 +9,20 @@
 
 namespace cyclorama::camera {
 
-/// When a camera that is made of software has its pictures: one every period, the newest for a late caller, and none
+/// Schedule of a software camera's pictures: one per period; a late caller gets the newest, and no picture is delivered
 /// twice.
 struct Pace {
-  TimePoint first_at{};  ///< Picture 0 is ready then.
-  Duration period{};     ///< More than zero.
+  TimePoint first_at{};  ///< Time at which picture 0 is ready.
+  Duration period{};     ///< Greater than zero.
 
   [[nodiscard]] TimePoint ready_at(std::uint64_t sequence) const {
     return first_at + period * static_cast<Duration::rep>(sequence);
   }
-  /// The picture to deliver at `now` after `last`: the newest that is ready, or else the next one.
+  /// Returns the picture to deliver at `now` after `last`: the newest that is ready, or else the next one.
   [[nodiscard]] std::uint64_t next(TimePoint now, std::optional<std::uint64_t> last) const;
 };
 
-/// Waits on `clock` for the picture that is due, at most until `deadline`. kTimedOut  none was ready by then.
+/// Waits on `clock` for the next picture, at most until `deadline`. Errors: kTimedOut if none was ready by then.
 Result<std::uint64_t> wait_for_picture(const Pace& pace, std::optional<std::uint64_t> last, const Clock& clock,
                                        TimePoint deadline);
 

@@ -11,34 +11,35 @@
 
 namespace cyclorama::camera {
 
-/// What whoever wants pictures asks of a real camera. The defaults are what tracking needs.
+/// Requested picture of a real camera. The defaults suit tracking.
 struct PicturePreference {
   int width_px = 640;
   int height_px = 480;
   double frames_per_second = 30.0;
-  bool is_coloured = false;  ///< Colours as well, where any of the offers has them.
+  bool is_coloured = false;  ///< Colour as well, if any of the offers has it.
 };
 
-/// One thing that a camera can be told to send.
+/// One picture format, size and rate that a camera offers.
 struct PictureOffer {
-  std::uint32_t fourcc = 0;  ///< The device's own name of the pixels.
+  std::uint32_t fourcc = 0;  ///< The device's code for the pixel format.
   PixelLayout layout = PixelLayout::kGrey8;
   int width_px = 0;
   int height_px = 0;
-  double frames_per_second = 0.0;  ///< 0: the device does not say.
-  bool is_coloured = false;        ///< Its colours can be read.
+  double frames_per_second = 0.0;  ///< 0 if the device does not report it.
+  bool is_coloured = false;        ///< True if its colours can be read.
 };
 
-/// The offer to take. In this order of weight: colours, where they are wanted; the rate is reached; the size is near,
-/// larger rather than smaller; the pixels are cheap to read. So 640x480 as YUYV beats it as JPEG, unless only the JPEG
-/// comes at the rate that is wanted, as on a USB 2 bus. Pure; the same for any order of equal offers.
+/// Returns the index of the best offer. Criteria in decreasing order of weight: colour, if requested; the rate is
+/// reached; the size is close, larger rather than smaller; the pixels are cheap to read. Hence 640x480 as YUYV is
+/// preferred to the same size as JPEG, unless only JPEG reaches the requested rate, as on a USB 2 bus. Pure;
+/// independent of the order of equal offers.
 ///
-/// kNotFound  there is none.
+/// Errors: kNotFound if there are no offers.
 Result<std::size_t> choose_picture(const std::vector<PictureOffer>& offers, const PicturePreference& preferred);
 
 /// "640x480 YUYV at 30 per second".
 [[nodiscard]] std::string describe(const PictureOffer& offer);
-/// The four letters; '?' where one is no letter.
+/// Returns the four characters; '?' replaces one that is not a letter.
 [[nodiscard]] std::string fourcc_text(std::uint32_t fourcc);
 
 }  // namespace cyclorama::camera

@@ -11,7 +11,7 @@
 
 namespace cyclorama::camera {
 
-/// How a camera's bytes hold brightness, which is all that tracking looks at. In the order of what it costs to read.
+/// Layout of brightness in a camera's bytes; tracking uses nothing else. Ordered by the cost of reading.
 enum class PixelLayout {
   kGrey8,      ///< GREY.
   kPlanarYuv,  ///< A first plane as kGrey8, then colour: NV12, NV21, NV16, YU12, YV12, 422P...
@@ -24,42 +24,43 @@ enum class PixelLayout {
 };
 
 [[nodiscard]] std::string_view name_of(PixelLayout layout);
-/// Of one pixel in its row; 0 for a JPEG.
+/// Bytes per pixel in a row; 0 for a JPEG.
 [[nodiscard]] std::size_t bytes_per_pixel(PixelLayout layout);
 
-/// Where the colours of a picture are, which only a calibration looks at.
+/// Layout of a picture's colours, which only a calibration uses.
 enum class Chroma {
-  kNone,     ///< It has none, or keeps them in a way that is not read.
-  kBetween,  ///< Between brightness, of every two pixels: kYuyv, kUyvy.
-  kPairs,    ///< Pairs in a second plane, of every 2x2 pixels, in rows as long as the first one's: NV12.
+  kNone,     ///< No colour, or a layout that is not supported.
+  kBetween,  ///< Interleaved with brightness, shared by every two pixels: kYuyv, kUyvy.
+  kPairs,    ///< Pairs in a second plane, one per 2x2 pixels, with the row length of the first plane: NV12.
   kInJpeg,
 };
 
-/// How a picture's colours are to be understood.
+/// Interpretation of a picture's colours.
 struct ColourCode {
   Chroma chroma = Chroma::kNone;
-  bool is_v_first = false;     ///< Red's difference before blue's: YVYU, VYUY, NV21.
-  bool is_full_range = false;  ///< Brightness from 0 to 255, not from 16 to 235. Of no meaning for a JPEG.
+  bool is_v_first = false;     ///< The red difference (Cr) comes before the blue one (Cb): YVYU, VYUY, NV21.
+  bool is_full_range = false;  ///< Brightness from 0 to 255, not from 16 to 235; unused for a JPEG.
 };
 
-/// One picture as the device left it. A view: it owns nothing.
+/// One picture as delivered by the device. A view: it owns nothing.
 struct RawPicture {
   PixelLayout layout = PixelLayout::kGrey8;
   int width = 0;
   int height = 0;
-  std::size_t row_bytes = 0;  ///< From one row to the next; of no meaning for a JPEG.
+  std::size_t row_bytes = 0;  ///< Distance between the starts of two rows in bytes; unused for a JPEG.
   std::span<const std::byte> bytes;
   ColourCode colour{};
 };
 
-/// Brightness as the device means it: a YUV device's black may be 16 and its white 235, which no tag detector minds.
+/// Converts to grey, keeping the device's range: black may be 16 and white 235 for a YUV device, which does not affect
+/// tag detection.
 ///
-/// kBadData  fewer bytes than the picture needs, a damaged JPEG, or one of another size. `ret_grey` is then
-/// unspecified.
+/// Errors: kBadData if there are fewer bytes than the picture needs, or a JPEG is damaged or of another size;
+/// `ret_grey` is then unspecified.
 Status to_grey(const RawPicture& raw, JpegDecoder* jpeg, GreyImage* ret_grey);
 
-/// Red, green and blue by ITU-R BT.601, what lies outside of 0 to 255 cut off. Precondition: `raw.colour.chroma` is not
-/// kNone. Errors as to_grey().
+/// Converts to red, green and blue by ITU-R BT.601, clipped to 0 to 255. Precondition: `raw.colour.chroma` is not
+/// kNone. Errors: as to_grey().
 Status to_colour(const RawPicture& raw, JpegDecoder* jpeg, RgbImage* ret_colour);
 
 }  // namespace cyclorama::camera

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Gamepads, keyboards and 3D mice as one thing: three numbers that say where somebody wants to go.
+/// Gamepads, keyboards and 3D mice, reduced to three numbers for the requested movement.
 ///
 ///              gamepad            keyboard             3D mouse (the cap)
 ///   forward    left stick up      Up, W / Down, S      pushed away
 ///   right      left stick right   D / A                pushed to the right
 ///   turn       right stick right  Right, E / Left, Q   twisted clockwise
 ///
-/// Event codes are the kernel's (linux/input-event-codes.h). Nothing here touches a device.
+/// Event codes are those of linux/input-event-codes.h. Nothing here accesses a device.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@
 
 namespace cyclorama::input {
 
-/// As the kernel reports it.
+/// An event as reported by the kernel.
 struct InputEvent {
   std::uint16_t type = 0;
   std::uint16_t code = 0;
@@ -33,7 +33,7 @@ struct AxisRange {
   std::int32_t max = 0;
 };
 
-/// What a device says it has.
+/// Capabilities that a device reports.
 struct InputDescription {
   std::string name;
   std::set<int> keys;
@@ -42,11 +42,11 @@ struct InputDescription {
 };
 
 enum class InputKind { kGamepad, kKeyboard, kSpaceMouse };
-/// Nothing: steers nothing, as a mouse or a power button.
+/// Returns nothing for a device that cannot steer, such as a mouse or a power button.
 [[nodiscard]] std::optional<InputKind> kind_of(const InputDescription& description);
 [[nodiscard]] const char* to_text(InputKind kind);
 
-/// Each in [-1, 1].
+/// Each component is in [-1, 1].
 struct InputCommand {
   double forward = 0.0;
   double right = 0.0;
@@ -55,7 +55,7 @@ struct InputCommand {
   friend bool operator==(const InputCommand&, const InputCommand&) = default;
 };
 
-/// What one device is doing. A value.
+/// State of one device. A value.
 class InputSteering {
  public:
   /// `description` must be of `kind`.
@@ -63,11 +63,12 @@ class InputSteering {
 
   [[nodiscard]] InputKind kind() const { return kind_; }
   [[nodiscard]] const std::string& name() const { return description_.name; }
-  /// Events that mean nothing here are passed over.
+  /// Updates the state; events without a meaning for steering are ignored.
   void take(const InputEvent& event, TimePoint at);
   [[nodiscard]] InputCommand command(TimePoint now) const;
 
-  /// A 3D mouse that reports relative axes says nothing any more when it is let go.
+  /// Time after which a relative axis counts as released: a 3D mouse that reports relative axes sends no event on
+  /// release.
   static constexpr Duration kRelativeHeld = std::chrono::milliseconds(150);
 
  private:

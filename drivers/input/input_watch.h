@@ -18,29 +18,29 @@ class InputDevice {
  public:
   virtual ~InputDevice() = default;
   [[nodiscard]] virtual const InputDescription& description() const = 0;
-  /// The next event that is there; nothing: none is. Does not block. kUnavailable  it was pulled out.
+  /// Returns the next pending event, or nothing. Does not block. Errors: kUnavailable if the device was unplugged.
   virtual Result<std::optional<InputEvent>> next() = 0;
 };
 
-/// Where devices are: tests have their own.
+/// Access to the devices; replaced in tests.
 struct InputDevices {
   std::function<std::vector<std::string>()> list;
   std::function<Result<std::unique_ptr<InputDevice>>(const std::string&)> open;
 };
 
-/// All devices that steer, whenever they are plugged in or out. Several add up. Thread-bound.
+/// All devices that can steer, plugged in at any time; their commands add up. Thread-bound.
 ///
-///   listed ── opens, and steers ──► open ── pulled out, or gone from the list ──► closed: its command ends with it
-///      └───── steers nothing: left alone until it is gone from the list; does not open: tried again at the next look
+///   listed ── opens, can steer ──► open ── unplugged, or gone from the list ──► closed: its command ends
+///      └───── cannot steer: ignored until it is gone from the list; cannot be opened: retried at the next scan
 class InputWatch {
  public:
   explicit InputWatch(InputDevices devices) : devices_(std::move(devices)) {}
 
   static constexpr Duration kLook = std::chrono::seconds(1);
-  /// Reads what there is, and looks for devices every kLook. Call it every 10 ms or so; it does not block.
+  /// Reads pending events and scans for devices every kLook. Call it about every 10 ms; does not block.
   void update(TimePoint now);
   [[nodiscard]] InputCommand command(TimePoint now) const;
-  /// For people: "gamepad 'Pad 3'"; which one cannot be opened, and why.
+  /// Readable state, for people: "gamepad 'Pad 3'", or which device cannot be opened and why.
   [[nodiscard]] std::vector<std::string> sentences() const;
   [[nodiscard]] std::size_t open_count() const { return open_.size(); }
 
@@ -50,7 +50,7 @@ class InputWatch {
     InputSteering steering;
   };
   void look();
-  /// False once the device is gone.
+  /// Returns false once the device is gone.
   static bool read(Open* open, TimePoint now);
   InputDevices devices_;
   TimePoint looked_at_{};

@@ -15,7 +15,8 @@ class Photos final : public ImageSequence {
   static constexpr double kFramesPerSecond = 10.0;
 
   /// Reads the first photo, so that a mistake shows at once.
-  /// kNotFound  no such file or folder, or the folder holds no photo.     kBadData  the first photo is damaged.
+  /// Errors: kNotFound if there is no such file or folder, or the folder has no photo; kBadData if the first photo is
+  /// damaged.
   static Result<std::unique_ptr<ImageSequence>> open(const std::filesystem::path& path);
 
   [[nodiscard]] double frames_per_second() const override { return kFramesPerSecond; }
@@ -27,7 +28,7 @@ class Photos final : public ImageSequence {
 
   std::vector<std::filesystem::path> files_;
   std::uint64_t newest_index_ = 0;
-  GreyImage newest_;  ///< A single photo is read once.
+  GreyImage newest_;  ///< Last photo read; a single photo is decoded only once.
 };
 
 }  // namespace cyclorama::camera

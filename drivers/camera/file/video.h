@@ -8,15 +8,16 @@
 
 namespace cyclorama::camera {
 
-/// A video file (MP4, Matroska or AVI, with a codec that libavcodec knows) as a recording of grey pictures. Decodes
-/// forwards, so an index below the last one starts again from the beginning.
+/// A video file (MP4, Matroska or AVI, with a codec that libavcodec supports) as a recording of grey pictures. It
+/// decodes forwards, so an index below the last one restarts from the beginning.
 class Video final : public ImageSequence {
  public:
-  /// kNotFound  no such file.     kBadData  not such a video, damaged, without pictures, or larger than a photo may be.
+  /// Errors: kNotFound if there is no such file; kBadData if it is not such a video, is damaged, has no pictures, or is
+  /// larger than a photo may be.
   static Result<std::unique_ptr<ImageSequence>> open(const std::filesystem::path& path);
   ~Video() override;
 
-  /// The mean rate: a recording of varying rate is replayed evenly.
+  /// Mean rate; a recording with a varying rate is replayed evenly.
   [[nodiscard]] double frames_per_second() const override { return frames_per_second_; }
   Result<std::optional<GreyImage>> picture(std::uint64_t index) override;
   [[nodiscard]] std::optional<std::uint64_t> count() const override { return count_; }
@@ -29,7 +30,7 @@ class Video final : public ImageSequence {
   std::filesystem::path path_;
   std::unique_ptr<Decoder> decoder_;
   double frames_per_second_ = 0.0;
-  std::uint64_t next_ = 0;  ///< Index of the picture that the decoder gives next.
+  std::uint64_t next_ = 0;  ///< Index of the picture that the decoder returns next.
   std::optional<std::uint64_t> count_;
   GreyImage newest_;
 };

@@ -10,8 +10,8 @@
 
 namespace cyclorama::camera {
 
-/// What a driver's thread has finished, oldest first, until the camera's thread takes all of it. At most as many as the
-/// driver was given. Thread-safe.
+/// Completed requests of the driver's thread, oldest first, until the camera's thread takes all of them. Holds at most
+/// as many as were queued to the driver. Thread-safe.
 template <typename Request>
 class CompletedRequests {
  public:
@@ -22,7 +22,7 @@ class CompletedRequests {
     }
     changed_.notify_one();
   }
-  /// The device is gone: wakes who waits, now and later.
+  /// Called when the device is gone: wakes all present and future waiters.
   void end() {
     {
       const std::lock_guard lock(mutex_);
@@ -34,7 +34,7 @@ class CompletedRequests {
     const std::lock_guard lock(mutex_);
     return ended_;
   }
-  /// All of them, as soon as there is one; none at the deadline, or at the end.
+  /// Returns all completed requests as soon as there is one; empty at the deadline or after end().
   [[nodiscard]] std::vector<Request*> take_before(TimePoint deadline) {
     std::unique_lock lock(mutex_);
     changed_.wait_until(lock, deadline, [this] { return ended_ || !completed_.empty(); });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Cameras that only libcamera drives: sensors on a board's own bus (Raspberry Pi, i.MX, Rockchip, Intel IPU), whose
-/// pictures need a pipeline set up and an exposure loop run. One that the kernel presents whole is better opened as
-/// v4l2: a step less, and its errors are plainer.
+/// Cameras that only libcamera can drive: sensors on a board's own bus (Raspberry Pi, i.MX, Rockchip, Intel IPU), which
+/// need a configured pipeline and an exposure control loop. A camera that the kernel presents as a complete device is
+/// better opened as v4l2, which has one layer less and clearer errors.
 #pragma once
 
 #include <memory>
@@ -16,20 +16,19 @@ namespace cyclorama::camera {
 
 struct LibcameraOptions {
   PicturePreference preferred;
-  /// As of a V4L2 camera; the gain is then libcamera's own default. Zero: its automatic exposure.
+  /// As for a V4L2 camera, with the gain at libcamera's default. Zero selects libcamera's automatic exposure.
   Duration exposure = std::chrono::milliseconds(5);
 };
 
-/// The camera of this id, which names its place on the board's bus; the first that is there for an empty one.
+/// Opens the camera with this id, which names its position on the board's bus; an empty id selects the first one.
 ///
-/// kNotFound         none such; the message lists those that are there.
-/// kInvalidArgument  this build has no libcamera.
-/// kUnavailable      libcamera itself does not start.
-/// kSystem           it sends no pixels that can be read.
+/// Errors: kNotFound if there is no such camera (the message lists those present); kInvalidArgument if this build has
+/// no libcamera; kUnavailable if libcamera itself does not start; kSystem if the camera offers no readable pixel
+/// format.
 Result<std::unique_ptr<Camera>> open_libcamera_camera(std::string_view id, const LibcameraOptions& options,
                                                       const Clock& clock);
 
-/// Those that are there now; none without libcamera. USB cameras are not among them: they are V4L2's.
+/// Returns the cameras present now; empty without libcamera. USB cameras are excluded, since V4L2 lists them.
 [[nodiscard]] std::vector<ListedCamera> list_libcamera_cameras();
 
 }  // namespace cyclorama::camera

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// All that differs between Debian 12's libcamera (0.0.3) and Debian 13's (0.4). Internal to the libcamera camera.
+/// All differences between Debian 12's libcamera (0.0.3) and Debian 13's (0.4). Internal to the libcamera camera.
 #pragma once
 
-// Its headers are not written for our warnings.
+// libcamera's headers do not compile without warnings at our warning level.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wsign-conversion"
@@ -23,7 +23,7 @@
 
 namespace cyclorama::camera {
 
-/// Null when the camera has no pictures to look at.
+/// Returns null if the camera has no viewfinder stream.
 inline std::unique_ptr<libcamera::CameraConfiguration> viewfinder_of(libcamera::Camera* camera) {
 #if LIBCAMERA_VERSION_MAJOR == 0 && LIBCAMERA_VERSION_MINOR == 0
   return camera->generateConfiguration(libcamera::StreamRoles{libcamera::StreamRole::Viewfinder});
@@ -32,10 +32,10 @@ inline std::unique_ptr<libcamera::CameraConfiguration> viewfinder_of(libcamera::
 #endif
 }
 
-/// Sets a fixed exposure, in microseconds, if the camera has one to set.
+/// Sets a fixed exposure in microseconds, if the camera supports it.
 inline void fix_exposure(const libcamera::ControlInfoMap& known, std::int32_t exposure_us,
                          libcamera::ControlList* ret_controls) {
-  // 0.5 splits AeEnable in two; until then it turns exposure and gain both.
+  // Version 0.5 splits AeEnable in two; before that it controls both exposure and gain.
   if (known.count(&libcamera::controls::AeEnable) != 0) ret_controls->set(libcamera::controls::AeEnable, false);
   if (known.count(&libcamera::controls::ExposureTime) != 0) {
     ret_controls->set(libcamera::controls::ExposureTime, exposure_us);

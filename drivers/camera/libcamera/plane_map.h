@@ -11,13 +11,13 @@
 
 namespace cyclorama::camera {
 
-/// A part of a DMA-buf, mapped to be read. Thread-bound.
+/// A part of a DMA-buf, mapped for reading. Thread-bound.
 class PlaneMap {
  public:
-  /// kSystem  the kernel refuses.
+  /// Errors: kSystem if mmap() fails.
   static Result<PlaneMap> map(int fd, std::size_t offset, std::size_t length) {
     PlaneMap made;
-    // Maps begin at pages; planes need not.
+    // mmap() offsets must be page-aligned; plane offsets need not be, so the map starts at 0.
     made.length_ = offset + length;
     made.offset_ = offset;
     void* const mapped = ::mmap(nullptr, made.length_, PROT_READ, MAP_SHARED, fd, 0);

@@ -9,30 +9,32 @@
 
 namespace cyclorama::camera {
 
-/// What set_exposure() could reach. A device without controls has neither, and works.
+/// Result of set_exposure(). A device without such controls has neither value and still works.
 struct ExposureSet {
-  std::optional<Duration> exposure;  ///< Fixed by us; nothing: the device's own, and it may change.
-  std::optional<GainRange> gain;     ///< Ours to follow the light with; nothing: the device's, or there is none.
+  std::optional<Duration> exposure;  ///< Exposure fixed by us; nothing if the device controls it and it may change.
+  /// Gain that the caller adjusts to the light; nothing if the device controls it or has none.
+  std::optional<GainRange> gain;
   long gain_now = 0;
 };
 
-/// A tracker's pictures stay bright enough; a calibration compares brightness between pictures.
+/// Gain policy: a tracker needs pictures that stay bright enough; a calibration compares brightness between pictures.
 enum class GainRule {
   kFollowsLight,
-  kHeld,  ///< Automatic gain, white balance and focus are switched off, and stay as they are.
+  kHeld,  ///< Automatic gain, white balance and focus are switched off and keep their current values.
 };
 
-/// The control that GainRange is of.
+/// Id of the V4L2 control to which GainRange refers.
 extern const std::uint32_t kGainControl;
 
-/// In which V4L2 counts exposure.
+/// Unit of V4L2's absolute exposure control.
 inline constexpr Duration kExposureUnit = std::chrono::microseconds(100);
 
-/// Makes exposure short and steady: manual where the device can, `requested` or what is nearest to it; the rate no longer
-/// falls in the dark; gain automatic where the device can do that with manual exposure, else given to the caller. A
-/// zero `requested` leaves the device to itself. What the device refuses is left as it is.
+/// Makes the exposure short and steady: manual if the device supports it, at `requested` or the nearest possible value;
+/// the frame rate no longer drops in the dark; gain is automatic if the device supports that with manual exposure, and
+/// is otherwise left to the caller. A zero `requested` leaves everything automatic. Settings that the device refuses
+/// keep their values.
 ///
-/// kUnavailable  it is gone.
+/// Errors: kUnavailable if the device is gone.
 Result<ExposureSet> set_exposure(const VideoDevice& device, Duration requested,
                                  GainRule gain = GainRule::kFollowsLight);
 

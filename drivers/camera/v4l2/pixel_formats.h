@@ -8,11 +8,11 @@
 
 namespace cyclorama::camera {
 
-/// How V4L2's pixels of this name hold brightness; nothing for those that we do not read: colour filter mosaics, RGB,
-/// and video streams whose pictures need each other.
+/// Returns the brightness layout of a V4L2 pixel format; nothing for formats that are not supported: colour filter
+/// mosaics, RGB, and inter-coded video streams.
 [[nodiscard]] std::optional<PixelLayout> layout_of_v4l2(std::uint32_t fourcc);
 
-/// Where its colours are, in which order; of the range it says nothing.
+/// Returns the position and order of its colours; the range is left at its default.
 [[nodiscard]] ColourCode colour_of_v4l2(std::uint32_t fourcc);
 
 }  // namespace cyclorama::camera

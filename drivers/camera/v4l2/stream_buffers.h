@@ -14,14 +14,13 @@
 
 namespace cyclorama::camera {
 
-/// How the driver's memory is seen.
+/// How the driver's memory is accessed.
 enum class BufferMemory {
   kMapped,  ///< mmap() of the device.
-  kDmaBuf,  ///< Each buffer is a DMA-buf (VIDIOC_EXPBUF), which another device can be given as well; we read it through
-            ///< that.
+  kDmaBuf,  ///< Each buffer is a DMA-buf (VIDIOC_EXPBUF), which is mapped and can be shared.
 };
 
-/// A picture that the driver has filled, until give_back().
+/// A picture that the driver has filled; owned by the reader until give_back().
 struct FilledBuffer {
   std::uint32_t index = 0;
   std::size_t bytes = 0;
@@ -30,29 +29,31 @@ struct FilledBuffer {
   KernelStamp stamp;
 };
 
-/// The memory that a device streams into, and the streaming itself. Frees all of it, in the kernel's order, when it
-/// dies: no picture, map or file descriptor is left, so another program can have the device. Borrows the device's file
-/// descriptor. Thread-bound.
+/// The buffers into which a device streams, and the streaming itself. The destructor stops the stream and frees the
+/// buffers, maps and file descriptors in the order that the kernel requires, so that another program can open the
+/// device. Borrows the device's file descriptor. Thread-bound.
 class StreamBuffers {
  public:
-  /// kBusy  another program streams. Others as device_error().
+  /// Errors: kBusy if another program streams; others as device_error().
   static Result<StreamBuffers> start(int device_fd, BufferMemory memory);
   StreamBuffers(StreamBuffers&& other) noexcept;
   StreamBuffers& operator=(StreamBuffers&&) = delete;
   ~StreamBuffers();
 
-  /// The oldest filled one; nothing when there is none now. Never blocks. kUnavailable  the stream is broken.
+  /// Returns the oldest filled buffer, or nothing if there is none. Never blocks. Errors: kUnavailable if the stream is
+  /// broken.
   Result<std::optional<FilledBuffer>> take();
-  /// What the driver wrote. Valid until give_back().
+  /// Returns the bytes that the driver wrote; valid until give_back().
   [[nodiscard]] std::span<const std::byte> bytes(const FilledBuffer& filled) const;
-  /// kUnavailable  the stream is broken.
+  /// Errors: kUnavailable if the stream is broken.
   Status give_back(const FilledBuffer& filled);
-  /// Before and after bytes() are read: caches of memory that a device writes must be told. Only DMA-bufs need it.
+  /// Call before and after reading bytes(): synchronises the CPU caches with memory that a device writes (needed for
+  /// DMA-bufs only).
   void begin_reading(const FilledBuffer& filled) const { sync(filled, true); }
   void end_reading(const FilledBuffer& filled) const { sync(filled, false); }
-  /// How many the driver has in all. When that many are filled, it has stopped: the newest is then no longer new.
+  /// Number of buffers. Once all of them are filled, the driver has stopped, and the newest picture is stale.
   [[nodiscard]] std::size_t count() const { return buffers_.size(); }
-  /// The DMA-buf of a buffer, borrowed; -1 with kMapped.
+  /// File descriptor of a buffer's DMA-buf, borrowed; -1 with kMapped.
   [[nodiscard]] int dma_buf(std::uint32_t index) const { return buffers_[index].dma_buf.get(); }
 
  private:

@@ -16,25 +16,25 @@ namespace cyclorama::camera {
 
 struct V4l2CameraOptions {
   PicturePreference preferred;
-  /// Short, so that a moving hand stays sharp: at 1 m/s and 1 m away, a 60° lens of 640 px smears 0.55 px per ms. Zero:
-  /// the device's automatic.
+  /// Short, so that a moving hand stays sharp: at 1 m/s and 1 m away, a 60° lens of 640 px smears 0.55 px per ms. Zero
+  /// selects the device's automatic exposure.
   Duration exposure = std::chrono::milliseconds(5);
   BufferMemory memory = BufferMemory::kMapped;
   GainRule gain = GainRule::kFollowsLight;
 };
 
-/// A camera, or a frame grabber, of the kernel's. The newest picture wins: what the driver filled meanwhile goes back
-/// to it unread. Thread-bound, but for id().
+/// A V4L2 camera or frame grabber. The newest picture wins: older filled buffers are returned to the driver unread.
+/// Thread-bound except for id().
 ///
-/// What ends it (Failed; the next start is a new Camera's): unplugged, another shape of the signal, a broken stream.
-/// What does not: damaged pictures, which are counted in the next frame's gap, and silence, which is the caller's to
-/// end.
+/// The camera is Failed after it was unplugged, after a change of the signal's format, and after a stream error; it
+/// must then be opened anew. Damaged pictures are skipped and appear as a gap in the next frame's sequence; a device
+/// that sends nothing leads to timeouts, which the caller handles.
 class V4l2Camera final : public Camera {
  public:
-  /// `where` as in open_video_device(). Looks what the device offers; takes nothing of it yet. Borrows `clock`, which
-  /// must run as CLOCK_MONOTONIC does.
+  /// Reads the formats that the device offers, without reserving anything. `where` is as in open_video_device().
+  /// Borrows `clock`, which must be CLOCK_MONOTONIC.
   ///
-  /// kNotFound, kBusy, kUnavailable, kSystem  as open_video_device().
+  /// Errors: kNotFound, kBusy, kUnavailable and kSystem as open_video_device().
   static Result<std::unique_ptr<Camera>> open(std::string_view where, const V4l2CameraOptions& options,
                                               const Clock& clock);
   ~V4l2Camera() override { stop(); }
@@ -51,22 +51,23 @@ class V4l2Camera final : public Camera {
         offer_(offer),
         options_(options),
         clock_(clock) {}
-  /// Sets all of the device, and streams.
+  /// Applies all device settings and starts streaming.
   Status set_up();
-  /// Waits until the driver has something. False: nothing before the deadline. Failed: kUnavailable.
+  /// Waits until the driver has a picture or an event; false if neither comes before the deadline. Errors: kUnavailable
+  /// once Failed.
   Result<bool> wait(TimePoint deadline);
   struct Newest {
-    std::optional<FilledBuffer> filled;  ///< Nothing: none was whole.
-    bool is_stale = false;               ///< The driver had filled all that it has, and dropped what came after.
+    std::optional<FilledBuffer> filled;  ///< Nothing if no picture was undamaged.
+    bool is_stale = false;               ///< The driver had filled all buffers and dropped later pictures.
   };
-  /// Of all that is filled now, the newest that is whole; the others go back.
+  /// Takes the newest undamaged picture among the filled buffers and returns the others to the driver.
   Result<Newest> take_newest();
-  /// As take_newest(), but instead of a stale picture the next one, if it comes before the deadline.
+  /// As take_newest(), but waits for the next picture, at most until the deadline, rather than return a stale one.
   Result<std::optional<FilledBuffer>> take_new(TimePoint deadline);
-  /// Nothing: the picture is damaged.
+  /// Decodes a buffer; null if the picture is damaged.
   Result<std::shared_ptr<const CameraFrame>> read(const FilledBuffer& filled);
   void follow_light(const GreyImage& picture);
-  /// Remembers why, frees the device, and says it.
+  /// Stores the error, releases the buffers, and returns the error.
   Error fail(Error error);
 
   std::string id_;
@@ -79,7 +80,7 @@ class V4l2Camera final : public Camera {
   std::optional<StreamBuffers> buffers_;
   std::optional<Error> failure_;
   JpegDecoder jpeg_;
-  std::string damage_;  ///< What was wrong with the last picture that was dropped; empty after a good one.
+  std::string damage_;  ///< Damage of the last dropped picture; empty after a good one.
   std::uint64_t sequence_ = 0;
   std::optional<std::uint32_t> last_kernel_sequence_;
   int pictures_since_gain_ = 0;

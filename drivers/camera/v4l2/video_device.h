@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One open V4L2 capture device: what it is, what it offers, how it is set. Internal to the V4L2 camera.
+/// One open V4L2 capture device: its identity, offers and settings. Internal to the V4L2 camera.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@
 
 namespace cyclorama::camera {
 
-/// One request to the kernel, again while a signal interrupts it. False: errno says why.
+/// Performs an ioctl, repeated while a signal interrupts it. Returns false on failure, with the reason in errno.
 bool device_call(int fd, unsigned long request, void* argument);
 
-/// errno of a request to a device, for people.
+/// Translates errno after a device request.
 ///
-/// kUnavailable  it is gone (unplugged), or its bus has no room for its pictures.
-/// kBusy         another program streams from it.
+/// kUnavailable  unplugged, or the bus has too little bandwidth for the pictures.
+/// kBusy         another program streams from the device.
 /// kNotFound     no such device.
-/// kSystem       all else.
+/// kSystem       all other errors.
 Error device_error(const std::string& doing, SourceLine where = SourceLine::current());
 
-/// What the driver made of a preferred.
+/// The picture format that the driver selected for an offer.
 struct PictureFormat {
   std::uint32_t fourcc = 0;
   PixelLayout layout = PixelLayout::kGrey8;
@@ -34,7 +34,7 @@ struct PictureFormat {
   ColourCode colour{};
 };
 
-/// A number that the device lets us set. A menu's entries are its numbers.
+/// A control that the device lets us set. The entries of a menu control are its numbers.
 struct DeviceControl {
   std::uint32_t id = 0;
   long min = 0;
@@ -46,36 +46,35 @@ struct DeviceControl {
 /// Thread-bound. Every Error names the device's path and port.
 class VideoDevice {
  public:
-  /// kNotFound  also when it captures no video, or only with several planes of memory per picture.
-  /// Others as device_error().
+  /// Errors: kNotFound also if the device captures no video or only multi-planar formats; others as device_error().
   static Result<VideoDevice> open(const std::string& path);
 
   [[nodiscard]] int fd() const { return fd_.get(); }
   [[nodiscard]] const std::string& path() const { return path_; }
-  /// Where it is plugged in, in the kernel's words ("usb-0000:00:14.0-2"): the same after a restart and a re-plug.
+  /// Bus position reported by the kernel ("usb-0000:00:14.0-2"); unchanged after a restart or a re-plug.
   [[nodiscard]] const std::string& port() const { return port_; }
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// The kernel's number of it: one device, whatever the path.
+  /// Device number assigned by the kernel; identifies the device whatever the path.
   [[nodiscard]] std::uint64_t number() const { return number_; }
 
-  /// What can be read of what it sends. Of sizes and rates that it offers by range, the preferred or what is nearest to it.
+  /// Returns the readable formats that the device offers. For sizes and rates offered as a range, the preferred or
+  /// nearest value is used.
   Result<std::vector<PictureOffer>> offers(const PicturePreference& preferred) const;
-  /// For what is plugged into a frame grabber: takes the signal's timings. Nothing to do for a camera.
-  /// kUnavailable  no signal.
+  /// Adopts the timings of the signal at a frame grabber's input; does nothing for a camera.
+  /// Errors: kUnavailable if there is no signal.
   Status follow_signal() const;
-  /// kBusy     another program streams.
-  /// kBadData  the driver answers with pixels that cannot be read.
+  /// Errors: kBusy if another program streams; kBadData if the driver selects a pixel format that cannot be read.
   Result<PictureFormat> set_format(const PictureOffer& offer) const;
-  /// The rate that the driver made of it; nothing where it has none to set.
+  /// Returns the rate that the driver selected; nothing if it does not support setting one.
   Result<std::optional<double>> set_rate(double frames_per_second) const;
-  /// Asks to be told when the signal's shape changes, if the driver can; POLLPRI then.
+  /// Subscribes to changes of the signal's format, if the driver supports it; they raise POLLPRI.
   void subscribe_to_source_changes() const;
-  /// Takes one event. Whether it says that the pictures will have another shape.
+  /// Dequeues one event; true if it means that the pictures will have another format.
   [[nodiscard]] bool took_source_change() const;
 
-  /// Nothing when the device has no such control, or keeps it to itself now.
+  /// Returns nothing if the device has no such control or currently disables it.
   [[nodiscard]] std::optional<DeviceControl> control(std::uint32_t id) const;
-  /// Whether the device took it; kUnavailable when it is gone.
+  /// Returns whether the device accepted the value. Errors: kUnavailable if the device is gone.
   Result<bool> set_control(std::uint32_t id, long value) const;
 
  private:

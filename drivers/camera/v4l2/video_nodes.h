@@ -10,19 +10,19 @@
 
 namespace cyclorama::camera {
 
-/// A device, and the name by which it is found again.
+/// An open device and the name by which it is found again.
 struct NamedDevice {
   VideoDevice device;
-  std::string port_path;  ///< Its port; "PORT+1" for the second camera at one port, as of a stereo camera.
+  std::string port_path;  ///< Port of the device; "PORT+1" for the second camera at one port, as with a stereo camera.
 };
 
-/// Opens the camera at `where`: a path ("/dev/v4l/by-path/..."), a place as in NamedDevice, or nothing for the first
-/// that is there.
+/// Opens the camera at `where`: a path ("/dev/v4l/by-path/..."), a port path as in NamedDevice, or the first camera
+/// present if `where` is empty.
 ///
-/// kNotFound  none such; the message lists those that are there. Others as VideoDevice::open().
+/// Errors: kNotFound if there is no such camera (the message lists those present); others as VideoDevice::open().
 Result<NamedDevice> open_video_device(std::string_view where);
 
-/// Every camera that is there now, also those that cannot be opened.
+/// Returns every camera that is present, including those that cannot be opened.
 [[nodiscard]] std::vector<ListedCamera> list_v4l2_cameras();
 
 }  // namespace cyclorama::camera

@@ -5,13 +5,13 @@
 
 namespace cyclorama::input {
 
-/// A device of the kernel's input layer, read beside whoever else reads it.
+/// Opens a device of the kernel's input layer, without exclusive access.
 ///
-/// kNotFound, kSystem  it cannot be opened: the rule in systemd/udev gives the group `input` access.
-/// kBadData  a file that is no such device.
+/// Errors: kNotFound or kSystem if it cannot be opened (the rule in systemd/udev grants access to the group `input`);
+/// kBadData if the file is not an input device.
 Result<std::unique_ptr<InputDevice>> open_evdev(const std::string& path);
 
-/// All of a folder, by default the machine's: "/dev/input".
+/// Returns all devices of a folder, usually "/dev/input".
 [[nodiscard]] InputDevices evdev_devices(const std::string& folder);
 
 }  // namespace cyclorama::input

@@ -9,22 +9,22 @@
 
 namespace cyclorama::output {
 
-/// Changes to a card that happen together or not at all. Thread-bound.
+/// Changes to a card that are applied together or not at all. Thread-bound.
 class AtomicRequest {
  public:
   AtomicRequest();
 
-  /// Sets a property by its name. The first one that the driver lacks, or that cannot be added, is what a commit
-  /// and the test then fail with, so that a request reads like data.
+  /// Sets a property by name. The first property that the driver lacks, or that cannot be added, is reported by the
+  /// commit or test, so that building a request needs no error handling.
   void set(const Properties& object, std::string_view name, std::uint64_t value);
-  /// Sets it where the driver has it.
+  /// Sets the property if the driver has it.
   void set_if_known(const Properties& object, std::string_view name, std::uint64_t value);
 
-  /// Whether the card could do commit_modeset(); changes nothing.
+  /// Tests whether commit_modeset() would succeed; changes nothing.
   [[nodiscard]] Status test_modeset(const Card& card) const;
-  /// Screens may go dark for a moment; waits until it is done.
+  /// Commits a modeset and waits for its completion. Screens may go dark for a moment.
   [[nodiscard]] Status commit_modeset(const Card& card) const;
-  /// Returns at once; an event with `cookie` follows for each CRTC in it.
+  /// Commits without blocking; one page-flip event with `cookie` follows for each CRTC in the request.
   [[nodiscard]] Status commit_flip(const Card& card, void* cookie) const;
 
  private:
@@ -34,11 +34,11 @@ class AtomicRequest {
   std::optional<Error> mistake_;
 };
 
-/// A mode, where the card finds it. Move-only; borrows the card's fd.
+/// A mode as a property blob of the card. Move-only; borrows the card's fd.
 class ModeBlob {
  public:
   ModeBlob() = default;
-  /// Errors as errno says.
+  /// Errors: from errno.
   static Result<ModeBlob> create(const Card& card, const drmModeModeInfo& mode);
   ModeBlob(ModeBlob&& other) noexcept : fd_(other.fd_), id_(std::exchange(other.id_, 0)) {}
   ModeBlob& operator=(ModeBlob&& other) noexcept {
@@ -46,7 +46,7 @@ class ModeBlob {
     std::swap(id_, other.id_);
     return *this;
   }
-  /// One that cannot be destroyed goes with the file descriptor.
+  /// A blob that cannot be destroyed is freed with the file descriptor.
   ~ModeBlob() {
     if (id_ != 0) drmModeDestroyPropertyBlob(fd_, id_);
   }

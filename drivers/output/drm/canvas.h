@@ -5,14 +5,16 @@
 
 namespace cyclorama::output {
 
-/// How far a head's picture is turned clockwise on the panel that shows it.
+/// Clockwise rotation of a head's picture on its panel.
 enum class Rotation { kNone, kQuarter, kHalf, kThreeQuarters };
 
-/// Where a head is drawn: it holds the newest picture whether a projector is there or not, at the installation's size,
-/// so that whatever comes back shows it at once. 10 bits per primary. Move-only; bound to its GL context.
+/// The picture of one head before it is turned and scaled to its mode. It keeps the newest picture whether or not a
+/// projector is connected, at the installation's size, so that a projector that returns shows it at once. 10 bits per
+/// primary. Move-only; bound to its GL context.
 class Canvas {
  public:
-  /// Black. kInvalidArgument  a size that the driver cannot draw.   kUnavailable  it cannot draw 10 bits.
+  /// Makes a black canvas. Errors: kInvalidArgument if the driver cannot draw that size; kUnavailable if it cannot draw
+  /// 10 bits.
   static Result<Canvas> make(const Gl& gl, int width_px, int height_px);
 
   [[nodiscard]] GLuint framebuffer() const { return framebuffer_.id(); }
@@ -27,15 +29,15 @@ class Canvas {
   int height_px_ = 0;
 };
 
-/// Puts a canvas on a scan-out buffer: turned, the right way up, and scaled where the sizes differ. Bound to its
-/// context, whose program, textures, framebuffer, vertex array and viewport it changes.
+/// Copies a canvas to a scan-out buffer: rotated, upright, and scaled if the sizes differ. Bound to its GL context,
+/// whose program, textures, framebuffer, vertex array and viewport it changes.
 class CanvasCopier {
  public:
-  /// kSystem  the driver's compiler refuses the shader, and why.
+  /// Errors: kSystem if the driver's compiler rejects the shader, with its log.
   static Result<CanvasCopier> make(const Gl& gl);
 
   struct Target {
-    GLuint framebuffer = 0;  ///< Its row 0 is the picture's top.
+    GLuint framebuffer = 0;  ///< Row 0 is the top of the picture.
     int width_px = 0;
     int height_px = 0;
   };

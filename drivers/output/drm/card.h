@@ -16,7 +16,7 @@ struct Crtc {
   [[nodiscard]] std::uint32_t id() const { return properties.object_id(); }
 };
 
-/// A layer that a CRTC scans out. Each CRTC has a primary one, which is all that is used here.
+/// A plane that a CRTC scans out. Only primary planes are used; each CRTC has one.
 struct DrmPlane {
   Properties properties;
   std::uint32_t possible_crtcs = 0;
@@ -26,24 +26,25 @@ struct DrmPlane {
   [[nodiscard]] bool can_show(std::uint32_t format) const;
 };
 
-/// A graphics card that is open for atomic mode setting: what never changes of it, and the right to change the rest
-/// ("master"). Move-only, thread-bound.
+/// A graphics card opened for atomic modesetting, with its constant resources and the DRM master right, which allows
+/// changes to the rest. Move-only, thread-bound.
 class Card {
  public:
-  /// kNotFound  no such node.     kUnavailable  it drives no connectors, or lacks atomic mode setting.
-  /// kBusy  another process is its master.     kSystem  errno says why.
+  /// Errors: kNotFound if there is no such node; kUnavailable if the card drives no connectors or lacks atomic
+  /// modesetting; kBusy if another process is its master; kSystem with the text of errno otherwise.
   static Result<Card> open(const std::filesystem::path& path);
 
   [[nodiscard]] int fd() const { return fd_.get(); }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] const std::vector<Crtc>& crtcs() const { return crtcs_; }
   [[nodiscard]] const std::vector<DrmPlane>& planes() const { return planes_; }
-  /// Its timestamps are CLOCK_MONOTONIC's.
+  /// True if its timestamps are on CLOCK_MONOTONIC.
   [[nodiscard]] bool has_monotonic_time() const { return has_monotonic_time_; }
 
-  /// All connectors as they are now. One that vanishes while it is asked is left out; other errors as errno says.
+  /// Reads the current state of all connectors. A connector that vanishes meanwhile is left out; other errors from
+  /// errno.
   [[nodiscard]] Result<std::vector<Connector>> probe() const;
-  /// Takes back the right to change modes. kSystem, kBusy  another process still has it.
+  /// Acquires the DRM master right again. Errors: kSystem or kBusy if another process still has it.
   [[nodiscard]] Status become_master() const;
 
  private:
@@ -58,8 +59,7 @@ class Card {
   bool has_monotonic_time_ = false;
 };
 
-/// The cards of this machine that have connectors, in the order of their names. Empty when there is none.
-/// Errors as errno says.
+/// Returns the cards of this machine that have connectors, ordered by name; may be empty. Errors: from errno.
 Result<std::vector<std::filesystem::path>> list_cards();
 
 }  // namespace cyclorama::output

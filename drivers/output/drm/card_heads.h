@@ -16,7 +16,7 @@
 
 namespace cyclorama::output {
 
-/// A head that shall be shown on one of a card's connectors. Borrows the canvas.
+/// A head to be shown on one of a card's connectors. Borrows the canvas.
 struct HeadTarget {
   std::size_t head = 0;
   const Connector* connector = nullptr;
@@ -25,50 +25,52 @@ struct HeadTarget {
   double refresh_hz = 60.0;
 };
 
-/// The heads of one card: lit together, flipped together.
+/// The heads of one card, which are lit together and flipped together.
 ///
 ///            light()                     paint(), flip(), wait()
 ///   dark ───────────────▶ lit ─────────────────────────────────▶ lit
-///     ▲  any error: dark   │  whatever fails: light() again
+///     ▲  any error: dark   │  after any failure: light() again
 ///     └────────────────────┘
 ///
-/// Invariants: 1. each pipe has a connector, a CRTC and a primary plane that no other has. 2. What a pipe's front
-/// buffer holds is not drawn to. Borrows the GpuContext, the copier and the clock. Thread-bound.
+/// Invariants: 1. each pipe has a connector, a CRTC and a primary plane of its own; 2. the front buffer of a pipe is
+/// never drawn to. Borrows the GpuContext, the copier and the clock. Thread-bound.
 class CardHeads {
  public:
   CardHeads(Card card, const Clock& clock) : card_(std::move(card)), waiter_(clock) {}
 
   [[nodiscard]] const Card& card() const { return card_; }
 
-  /// Lights the targets' connectors, each with the best mode and depth that the card takes beside those before it,
-  /// shows their canvases, and turns everything else on the card off. `connectors` are all that the card has. A target
-  /// that the card cannot light stays dark; is_showing() tells. Without targets everything goes dark (DPMS off). Errors
-  /// as errno says, and those of Scanout::make(): then nothing is known of what is lit.
+  /// Lights the targets' connectors, each with the best mode and depth that the card accepts together with the
+  /// preceding targets, shows their canvases, and turns everything else on the card off. `connectors` are all
+  /// connectors of the card. A target that the card cannot light stays dark (see is_showing()). Without targets
+  /// everything goes dark (DPMS off). Errors: from errno, and those of Scanout::make(); the state of the heads is then
+  /// unknown.
   Status light(const GpuContext& gpu, const CanvasCopier& copier, std::span<const Connector> connectors,
                std::span<const HeadTarget> targets);
-  /// Lets go of all buffers, before the GL context dies. What was lit goes dark.
+  /// Releases all buffers, as required before the GL context is destroyed. All heads go dark.
   void release();
   [[nodiscard]] bool is_showing(std::size_t head) const;
-  /// Of the slowest head; 0 when none is lit.
+  /// Refresh rate of the slowest head; 0 if none is lit.
   [[nodiscard]] double refresh_hz() const;
-  /// Of one head, and when it began to show what the last wait() was for. kDark when it is not lit, kSame when that
-  /// commit was not about it.
+  /// Returns the state of one head, and when it began to show the commit of the last wait(): kDark if it is not lit,
+  /// kSame if that commit did not include it.
   [[nodiscard]] HeadShown shown(std::size_t head) const;
-  /// "HDMI-A-1 1920x1080@60.00 10 bit EPS EB-L1755U": what a head is shown with; "dark" else.
+  /// Connector, mode, depth and projector of a head, such as "HDMI-A-1 1920x1080@60.00 10 bit EPS EB-L1755U", or
+  /// "dark".
   [[nodiscard]] std::string text_of_head(std::size_t head) const;
 
-  /// Draws a head's canvas to its back buffer, if it is lit. The GL commands must have finished before flip().
+  /// Draws a head's canvas to its back buffer if the head is lit. The GL commands must have finished before flip().
   void paint(const CanvasCopier& copier, std::size_t head);
-  /// Whether there is something for flip().
+  /// Returns whether any head has been painted since the last flip().
   [[nodiscard]] bool is_painted() const;
-  /// Hands all that is painted to the card in one commit. Errors as errno says; EBUSY: the last flip is not done.
+  /// Commits all painted heads in one atomic request. Errors: from errno; EBUSY if the last flip is not complete.
   Status flip();
   [[nodiscard]] bool is_flipping() const { return waiter_.is_waiting(); }
-  /// Errors of FlipWaiter::wait(). Precondition: is_flipping().
+  /// Errors: those of FlipWaiter::wait(). Precondition: is_flipping().
   Result<Flipped> wait(std::chrono::milliseconds timeout);
 
  private:
-  /// A mode and depth that may be tried.
+  /// A mode and depth to try.
   struct Setting {
     drmModeModeInfo mode{};
     bool is_deep = false;
@@ -102,7 +104,7 @@ class CardHeads {
   Card card_;
   FlipWaiter waiter_;
   std::vector<Pipe> pipes_;
-  std::vector<Pipe> retired_;  // While a light() has not succeeded, the card may still scan these out.
+  std::vector<Pipe> retired_;  // Buffers of earlier pipes, which the card may scan out until a light() succeeds.
 };
 
 }  // namespace cyclorama::output

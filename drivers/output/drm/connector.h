@@ -10,25 +10,25 @@
 
 namespace cyclorama::output {
 
-/// A socket of the card, and what hangs on it now. A value; reentrant.
+/// A connector of the card and the sink that is plugged in now. A value; reentrant.
 struct Connector {
-  std::string name;  ///< As the kernel calls it: "HDMI-A-1".
+  std::string name;  ///< Name given by the kernel: "HDMI-A-1".
   bool is_connected = false;
-  bool is_link_bad = false;  ///< The cable's training failed since the last modeset, which must be done again.
+  bool is_link_bad = false;  ///< Link training failed since the last modeset; a new modeset is needed.
   std::uint32_t possible_crtcs = 0;
   std::vector<drmModeModeInfo> modes;
   std::vector<std::uint8_t> edid_bytes;
-  std::optional<Edid> edid;  ///< Nothing when there is none, or a damaged one.
+  std::optional<Edid> edid;  ///< Nothing if the EDID is missing or damaged.
   Properties properties;
 
   [[nodiscard]] std::uint32_t id() const { return properties.object_id(); }
-  /// Most bits per primary that both ends of the cable take; 8 where they do not say.
+  /// Maximum bits per primary that both ends of the cable support; 8 if they do not report it.
   [[nodiscard]] int colour_bits() const;
-  /// Whether what hangs on it is what it was: the same projector with the same modes, link and state.
+  /// True if the sink is unchanged: the same projector with the same modes, link and state.
   [[nodiscard]] bool is_same_as(const Connector& other) const;
 };
 
-/// Asks the projector, which takes some milliseconds each. Errors as errno says; a connector may vanish (a dock).
+/// Probes the connector, which takes some milliseconds. Errors: from errno; a connector may vanish (a dock).
 Result<Connector> probe_connector(int fd, std::uint32_t id);
 
 }  // namespace cyclorama::output

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a projector says of itself (VESA E-EDID 1.4, base block). The kernel makes the list of modes from it; here is
-/// read what the kernel does not tell: who it is and how deep its colours are.
+/// Identification data of a projector (VESA E-EDID 1.4, base block). The kernel derives the modes from it; this parser
+/// reads what the kernel does not export: the identity and the colour depth.
 #pragma once
 
 #include <cstddef>
@@ -15,16 +15,16 @@ namespace cyclorama::output {
 /// A value; reentrant.
 struct Edid {
   std::string maker;  ///< Three capital letters: the PNP id.
-  std::string model;  ///< As its menu says; empty when it does not.
+  std::string model;  ///< Display name descriptor; empty if absent.
   std::string serial;
   std::uint16_t product = 0;
-  int colour_bits = 0;  ///< Per primary, on a digital input; 0: it does not say.
+  int colour_bits = 0;  ///< Bits per primary on a digital input; 0 if undefined.
 
-  /// "EPS EB-L1755U 000123", for people; printable ASCII whatever the projector sent.
+  /// "EPS EB-L1755U 000123", for people; printable ASCII for any input.
   [[nodiscard]] std::string text() const;
 };
 
-/// kBadData  not an EDID: too short, another header, or a checksum that does not add up; names the byte.
+/// Errors: kBadData if this is not an EDID (too short, wrong header or checksum); the message names the byte.
 Result<Edid> parse_edid(std::span<const std::uint8_t> bytes);
 
 }  // namespace cyclorama::output

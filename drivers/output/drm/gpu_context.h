@@ -15,7 +15,7 @@ namespace cyclorama::output {
 
 using GbmBuffer = std::unique_ptr<gbm_bo, KmsFree<gbm_bo_destroy>>;
 
-/// A buffer as GL sees it. Move-only.
+/// A GBM buffer imported into EGL. Move-only.
 class EglImage {
  public:
   EglImage() = default;
@@ -36,11 +36,11 @@ class EglImage {
   EGLImage image_ = EGL_NO_IMAGE;
 };
 
-/// OpenGL ES 3 on a card's own renderer (GBM). Current on the thread that made it until it dies there. Borrows the
-/// card, which outlives it. Thread-bound.
+/// OpenGL ES 3 on a card's own renderer (GBM). Current on the thread that made it until its destruction there. Borrows
+/// the card, which must outlive it. Thread-bound.
 class GpuContext {
  public:
-  /// kUnavailable  the driver cannot, and which step failed.
+  /// Errors: kUnavailable if the driver does not support it; the message names the step that failed.
   static Result<std::unique_ptr<GpuContext>> make(const Card& card);
   ~GpuContext();
   GpuContext(const GpuContext&) = delete;
@@ -48,13 +48,14 @@ class GpuContext {
 
   [[nodiscard]] const Gl& gl() const { return gl_; }
   [[nodiscard]] const Card& card() const { return card_; }
-  /// True once the graphics processor was reset: everything in the context is gone.
+  /// Returns true once the GPU was reset, which destroys the contents of the context.
   [[nodiscard]] bool is_lost() const;
 
-  /// A buffer that can be drawn to and scanned out; `is_shared`: by another card too. kUnavailable  no memory, or no
-  /// such format.
+  /// Makes a buffer for rendering and scan-out, also on another card if `is_shared`. Errors: kUnavailable if there is
+  /// no memory or no such format.
   [[nodiscard]] Result<GbmBuffer> make_buffer(int width_px, int height_px, std::uint32_t format, bool is_shared) const;
-  /// The buffer as storage of the renderbuffer that is bound. kUnavailable  as EGL says. The buffer outlives the image.
+  /// Uses the buffer as storage of the bound renderbuffer. The buffer must outlive the image. Errors: kUnavailable with
+  /// EGL's error.
   [[nodiscard]] Result<EglImage> use_as_renderbuffer(gbm_bo* buffer) const;
 
  private:
@@ -70,7 +71,7 @@ class GpuContext {
   EGLDisplay display_ = EGL_NO_DISPLAY;
   EGLContext context_ = EGL_NO_CONTEXT;
   TargetRenderbuffer target_renderbuffer_ = nullptr;
-  ResetStatus reset_status_ = nullptr;  // Null where the driver cannot tell.
+  ResetStatus reset_status_ = nullptr;  // Null if the driver does not support reset notification.
   Gl gl_;
 };
 

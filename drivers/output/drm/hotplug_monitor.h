@@ -10,13 +10,13 @@ struct udev_monitor;
 
 namespace cyclorama::output {
 
-/// Hears when something changes at a connector of any card. Move-only, thread-bound.
+/// Reports changes at the connectors of any card. Move-only, thread-bound.
 class HotplugMonitor {
  public:
-  /// Listens to the kernel itself, so that it needs no udev daemon. kSystem  errno says why.
+  /// Listens to kernel uevents directly, so that no udev daemon is needed. Errors: kSystem with the text of errno.
   static Result<HotplugMonitor> open();
 
-  /// Whether anything was heard since the last call. Never blocks.
+  /// Returns whether any event has arrived since the last call. Never blocks.
   [[nodiscard]] bool take();
 
  private:

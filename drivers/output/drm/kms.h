@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What libdrm gives, with an owner, and its errors as ours. Internal to the DRM output.
+/// Owning pointers for libdrm's objects, and its errors as ours. Internal to the DRM output.
 #pragma once
 
 #include <xf86drm.h>
@@ -24,12 +24,12 @@ using KmsProperties = std::unique_ptr<drmModeObjectProperties, KmsFree<drmModeFr
 using KmsProperty = std::unique_ptr<drmModePropertyRes, KmsFree<drmModeFreeProperty>>;
 using KmsBlob = std::unique_ptr<drmModePropertyBlobRes, KmsFree<drmModeFreePropertyBlob>>;
 
-/// Of a call that returns a negative errno. Error::errno_value() is what callers of this folder look at.
+/// Makes an error from a call that returned a negative errno. Callers in this folder branch on Error::errno_value().
 Error kms_error(int negative_errno, std::string_view doing);
 
-/// Another process holds the card's master right: drawing must wait for it.
+/// True if another process holds the DRM master right: presenting must wait for it.
 [[nodiscard]] bool is_master_lost(const Error& error);
-/// The card, or its driver, is no more: only opening everything again helps.
+/// True if the card or its driver is gone: only reopening everything helps.
 [[nodiscard]] bool is_card_lost(const Error& error);
 
 }  // namespace cyclorama::output

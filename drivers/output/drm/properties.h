@@ -11,22 +11,22 @@
 
 namespace cyclorama::output {
 
-/// One of the kernel's properties of a CRTC, plane or connector.
+/// A KMS property of a CRTC, plane or connector.
 struct Property {
   std::string name;
   std::uint32_t id = 0;
-  std::uint64_t value = 0;  ///< When they were read.
-  std::uint64_t max = 0;    ///< Of a range.
+  std::uint64_t value = 0;  ///< Value at the time of reading.
+  std::uint64_t max = 0;    ///< Upper bound of a range property.
 };
 
-/// All that an object has. A value; reentrant.
+/// All properties of an object. A value; reentrant.
 class Properties {
  public:
-  /// `type` is DRM_MODE_OBJECT_CRTC, _PLANE or _CONNECTOR. Errors as errno says.
+  /// `type` is DRM_MODE_OBJECT_CRTC, _PLANE or _CONNECTOR. Errors: from errno.
   static Result<Properties> read(int fd, std::uint32_t object_id, std::uint32_t type);
 
   [[nodiscard]] std::uint32_t object_id() const { return object_id_; }
-  /// Null where the driver does not have it.
+  /// Returns null if the driver does not have it.
   [[nodiscard]] const Property* find(std::string_view name) const;
 
  private:

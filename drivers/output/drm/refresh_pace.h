@@ -8,26 +8,26 @@
 
 namespace cyclorama::output {
 
-/// Counts refreshes by their times, and says how late a picture may be begun so that it still makes the next one: the
-/// newest heading is then the least old. The allowance is what the slowest of the last pictures took and some more; a
-/// refresh that was missed doubles it. A value; thread-bound.
+/// Counts refreshes by their times, and computes how late drawing may begin and still make the next refresh, so that a
+/// picture uses the newest possible heading. The allowance is the longest drawing time of the last pictures plus a
+/// margin, which each missed refresh doubles. A value; thread-bound.
 class RefreshPace {
  public:
   RefreshPace(double refresh_hz, TimePoint now);
 
-  /// Of other modes; the count goes on.
+  /// Changes the rate after a change of modes; the count continues.
   void set_rate(double refresh_hz);
   [[nodiscard]] double refresh_hz() const { return 1.0 / to_seconds(period_); }
 
-  /// When the next picture should be begun. A card without a raster flips when it is told to, hence only when the next
-  /// refresh is due.
+  /// Returns when drawing of the next picture should begin. A card without a vertical blank flips at once, so drawing
+  /// begins only when the next refresh is due.
   [[nodiscard]] TimePoint begin_at() const;
-  /// When the next refresh is expected.
+  /// Expected time of the next refresh.
   [[nodiscard]] TimePoint next_at() const { return shown_at_ + period_; }
 
-  /// From the time a picture was begun to when it was handed to the card.
+  /// Records the time from the start of drawing to the commit.
   void drawn(Duration took);
-  /// The heads began to show something, or would have.
+  /// Records when the heads showed a picture, or would have.
   void shown(TimePoint at, bool has_raster);
 
   [[nodiscard]] std::uint64_t number() const { return number_; }

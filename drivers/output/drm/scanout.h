@@ -8,11 +8,12 @@
 
 namespace cyclorama::output {
 
-/// A buffer's id with the card that scans it out. Move-only; borrows the card's fd.
+/// A framebuffer id on the card that scans it out. Move-only; borrows the card's fd.
 class KmsFramebuffer {
  public:
   KmsFramebuffer() = default;
-  /// Of a buffer of the card that `gpu` draws on; another card gets it as a dma-buf. Errors as errno says.
+  /// Makes a framebuffer from a buffer of the card that `gpu` renders on; another card imports it as a DMA-buf. Errors:
+  /// from errno.
   static Result<KmsFramebuffer> make(const GpuContext& gpu, const Card& card, gbm_bo* buffer);
   KmsFramebuffer(KmsFramebuffer&& other) noexcept : fd_(other.fd_), id_(std::exchange(other.id_, 0)) {}
   KmsFramebuffer& operator=(KmsFramebuffer&& other) noexcept {
@@ -20,7 +21,7 @@ class KmsFramebuffer {
     std::swap(id_, other.id_);
     return *this;
   }
-  /// One that cannot be removed goes with the file descriptor.
+  /// A framebuffer that cannot be removed is freed with the file descriptor.
   ~KmsFramebuffer() {
     if (id_ != 0) drmModeRmFB(fd_, id_);
   }
@@ -31,11 +32,12 @@ class KmsFramebuffer {
   std::uint32_t id_ = 0;
 };
 
-/// What a connector shows while the next picture is drawn, or the other way round: pixels that GL draws and the card
-/// scans out, without a copy. GL's row 0 is the picture's TOP here. Move-only; borrows the GpuContext.
+/// One of the two buffers of a connector: pixels that GL draws and the card scans out without a copy. GL's row 0 is the
+/// TOP of the picture here. Move-only; borrows the GpuContext.
 class Scanout {
  public:
-  /// `format` is DRM_FORMAT_XRGB8888 or _XRGB2101010. kUnavailable, or as errno says  the driver cannot.
+  /// `format` is DRM_FORMAT_XRGB8888 or _XRGB2101010. Errors: kUnavailable, or from errno, if the driver does not
+  /// support it.
   static Result<Scanout> make(const GpuContext& gpu, const Card& card, int width_px, int height_px,
                               std::uint32_t format);
 
@@ -43,7 +45,7 @@ class Scanout {
   [[nodiscard]] std::uint32_t kms_framebuffer() const { return kms_framebuffer_.id(); }
 
  private:
-  GbmBuffer buffer_;  // First: what is below refers to it.
+  GbmBuffer buffer_;  // First member, since those below refer to it.
   EglImage image_;
   GlRenderbuffer renderbuffer_;
   GlFramebuffer gl_framebuffer_;

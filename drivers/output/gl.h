@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The calls of OpenGL ES 3.0 that this house uses, as a table: EGL and OSMesa each have their own, and a process may
-/// hold both. Shaders are `#version 300 es` on both; OSMesa's desktop context takes them by ARB_ES3_compatibility.
+/// Function table of the OpenGL ES 3.0 calls that are used: EGL and OSMesa have separate implementations, and a process
+/// may use both. Shaders are `#version 300 es` on both; OSMesa's desktop context accepts them by ARB_ES3_compatibility.
 #pragma once
 
-#define GL_GLES_PROTOTYPES 0  // No global gl* functions: what is not in the table does not compile.
+#define GL_GLES_PROTOTYPES 0  // No global gl* functions: a call that is not in the table does not compile.
 #include <GLES3/gl3.h>
 
 #include <functional>
@@ -48,7 +48,7 @@ namespace cyclorama::output {
   X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer) X(PFNGLVIEWPORTPROC, Viewport)
 // clang-format on
 
-/// `gl.Viewport(...)` is glViewport of the context that the table was loaded for. A value; use it on the thread on
+/// `gl.Viewport(...)` is glViewport of the context for which the table was loaded. A value; use it on the thread on
 /// which that context is current.
 struct Gl {
 #define CYCLORAMA_GL_MEMBER(type, name) type name = nullptr;
@@ -56,12 +56,12 @@ struct Gl {
 #undef CYCLORAMA_GL_MEMBER
 
   using Procedure = void (*)();
-  /// kUnavailable  the driver lacks a call, or OpenGL ES 3.0; the message names what is missing.
+  /// Errors: kUnavailable if the driver lacks a call or OpenGL ES 3.0; the message names what is missing.
   static Result<Gl> load(const std::function<Procedure(const char*)>& address_of);
 
-  /// As GL_RENDERER and GL_VERSION say: "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL ES 3.2 Mesa 22.3.6".
+  /// GL_RENDERER and GL_VERSION, such as "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL ES 3.2 Mesa 22.3.6".
   [[nodiscard]] std::string renderer() const;
-  /// kSystem  names the GL error that is pending since the last call, with what was being done.
+  /// Errors: kSystem with the pending GL error, if any, and what was being done.
   [[nodiscard]] Status check(std::string_view doing) const;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// GL names with an owner. Each must die on the thread of its context, before the context does.
+/// Owners of GL object names. Each must be destroyed on the thread of its context, before the context is.
 #pragma once
 
 #include <utility>
@@ -9,7 +9,7 @@
 
 namespace cyclorama::output {
 
-/// Move-only. Borrows the Gl table, which outlives it. Thread-bound. 0 is empty.
+/// Owns one GL name; 0 is empty. Move-only. Borrows the Gl table, which must outlive it. Thread-bound.
 template <auto Gl::*Generate, auto Gl::*Delete>
 class GlObject {
  public:
@@ -37,10 +37,10 @@ using GlVertexArray = GlObject<&Gl::GenVertexArrays, &Gl::DeleteVertexArrays>;
 using GlFramebuffer = GlObject<&Gl::GenFramebuffers, &Gl::DeleteFramebuffers>;
 using GlRenderbuffer = GlObject<&Gl::GenRenderbuffers, &Gl::DeleteRenderbuffers>;
 
-/// A linked program. Move-only; as GlObject.
+/// A linked program. Move-only, with the same rules as GlObject.
 class GlProgram {
  public:
-  /// kSystem  the compiler's or linker's words.
+  /// Errors: kSystem with the log of the compiler or linker.
   static Result<GlProgram> link(const Gl& gl, const char* vertex_source, const char* fragment_source);
   GlProgram(GlProgram&& other) noexcept : gl_(other.gl_), id_(std::exchange(other.id_, 0)) {}
   GlProgram& operator=(GlProgram&& other) noexcept {
@@ -60,7 +60,7 @@ class GlProgram {
   GLuint id_;
 };
 
-/// What glReadPixels gives (rows from the bottom, four channels) as a picture of the same size.
+/// Converts the result of glReadPixels (rows from the bottom, four channels) to a picture of the same size.
 void to_picture(const RgbaImage& read_back, RgbImage* ret_picture);
 
 }  // namespace cyclorama::output

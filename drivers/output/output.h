@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where pictures leave the computer: the heads of a graphics card, or pictures in memory.
+/// The device layer below the display: the heads of a graphics card, or pictures in memory.
 ///
 ///   for (;;) {
 ///     TRY(output.wait_for_refresh());                 // Paces the loop.
@@ -7,8 +7,8 @@
 ///     TRY_ASSIGN(Presented p, output.present());      // All heads in one flip.
 ///   }
 ///
-/// Every kind has an option `is_awake`: while that is false the heads are dark (DPMS), refreshes go on, and what is
-/// drawn is kept; on waking the newest picture of each head is shown without being drawn again.
+/// Every kind has an option `is_awake`: while it is false the heads are dark (DPMS), refreshes continue, and drawn
+/// pictures are kept; on waking, the newest picture of each head is shown without being drawn again.
 #pragma once
 
 #include <cstddef>
@@ -23,27 +23,27 @@
 namespace cyclorama::output {
 
 struct HeadMode {
-  std::string name;  ///< The projector that hangs on it, as in installation.toml.
+  std::string name;  ///< Name of its projector, as in installation.toml.
   int width_px = 0;
   int height_px = 0;
 };
 
 struct Presented {
-  std::uint64_t refresh = 0;  ///< Counts refreshes since the start; a gap shows missed ones.
-  TimePoint at{};             ///< When the heads began to show it.
+  std::uint64_t refresh = 0;  ///< Refresh number since the start; a gap shows missed refreshes.
+  TimePoint at{};             ///< Time at which the heads began to show the pictures.
 };
 
-/// What one head did at the last present().
+/// State of one head after the last present().
 struct HeadShown {
   enum class Light {
-    kDark,  ///< Nobody sees it: no projector, asleep, or it failed.
-    kSame,  ///< Nothing new was drawn.
+    kDark,  ///< Nothing visible: no projector, asleep, or failed.
+    kSame,  ///< The picture is unchanged.
     kNew,
   };
   Light light = Light::kDark;
-  TimePoint at{};           ///< kNew: when it began to show the picture.
-  double refresh_hz = 0.0;  ///< Its own mode's, unless it is dark.
-  int depth_bits = 8;       ///< Of the code values that it shows, each channel, unless it is dark.
+  TimePoint at{};           ///< For kNew, the time at which the head began to show the picture.
+  double refresh_hz = 0.0;  ///< Rate of its own mode; meaningless while dark.
+  int depth_bits = 8;       ///< Bits per channel of the displayed code values; meaningless while dark.
 };
 
 /// Owned by the display's present thread, which also owns the GL context that the output made current. Thread-bound.
@@ -55,17 +55,17 @@ class Output {
   [[nodiscard]] virtual double refresh_hz() const = 0;
   /// For people: "headless EGL", "DRM /dev/dri/card0".
   [[nodiscard]] virtual std::string kind() const = 0;
-  /// The calls of the context that is current on this thread; lives as long as the output.
+  /// GL calls of the context that is current on this thread; lives as long as the output.
   [[nodiscard]] virtual const Gl& gl() const = 0;
 
-  /// Blocks until it is time to draw the next picture. kUnavailable  the output is lost; make a new one.
+  /// Blocks until it is time to draw the next picture. Errors: kUnavailable if the output is lost; make a new one.
   virtual Status wait_for_refresh() = 0;
-  /// Binds the framebuffer of heads()[head] and sets the viewport. Rows count from the bottom, as in GL; it takes
-  /// sRGB code values as they are (no conversion by the framebuffer).
+  /// Binds the framebuffer of heads()[head] and sets the viewport. Rows count from the bottom, as in GL; values written
+  /// are sRGB codes, which the framebuffer does not convert.
   virtual Status draw_to(std::size_t head) = 0;
-  /// Shows what was drawn on all heads at once. Heads that were not drawn keep their picture.
+  /// Shows all drawn heads at once. Heads that were not drawn keep their picture.
   virtual Result<Presented> present() = 0;
-  /// One for each of heads(); of the last present(). Lives as long as the output.
+  /// States after the last present(), one for each of heads(); the reference lives as long as the output.
   [[nodiscard]] virtual const std::vector<HeadShown>& shown() const = 0;
 
  protected:

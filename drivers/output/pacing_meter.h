@@ -8,19 +8,21 @@
 
 namespace cyclorama::output {
 
-/// From one new picture to the next one on a head.
+/// Interval between two successive new pictures on a head.
 struct PictureStep {
   Duration interval{};
-  std::uint64_t missed = 0;  ///< Refreshes between them that showed the old one, though a new one was drawn for each.
-  /// More than a quarter of a refresh late, and none missed: only where a clock paces and no raster.
+  /// Refreshes between them that repeated the old picture although a new one was drawn for each.
+  std::uint64_t missed = 0;
+  /// More than a quarter of a refresh late, with none missed; occurs only without a vertical blank, where a clock sets
+  /// the pace.
   bool is_late = false;
 };
 
-/// How evenly one head gets its pictures. Only those that follow one another are compared: while nothing new is drawn,
-/// or the head is dark, there is no pace. A value; thread-bound; allocates nothing.
+/// Measures how evenly one head gets its pictures. Only consecutive new pictures are compared; there is no pace while
+/// nothing new is drawn or the head is dark. A value; thread-bound; allocates nothing.
 class PacingMeter {
  public:
-  /// What the head did at a present(). Nothing when there is nothing to compare with.
+  /// Takes the state after a present(). Returns nothing if there is no previous picture to compare with.
   std::optional<PictureStep> take(const HeadShown& shown);
 
  private:

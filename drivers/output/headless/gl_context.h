@@ -10,7 +10,7 @@
 
 namespace cyclorama::output {
 
-/// Current on the thread that made it, until it dies there. Thread-bound.
+/// Current on the thread that made it until its destruction there. Thread-bound.
 class GlContext {
  public:
   virtual ~GlContext() = default;
@@ -24,10 +24,10 @@ class GlContext {
   Gl gl_;
 };
 
-/// EGL on no surface at all (EGL_MESA_platform_surfaceless): a graphics card's render node, or the software rasteriser.
-/// kUnavailable  the machine's EGL cannot; the message says which step failed.
+/// EGL without a surface (EGL_MESA_platform_surfaceless), on a graphics card's render node or the software rasteriser.
+/// Errors: kUnavailable if the machine's EGL does not support it; the message names the step that failed.
 Result<std::unique_ptr<GlContext>> make_egl_context();
-/// Mesa's off-screen renderer, which needs nothing of the machine. Errors as make_egl_context().
+/// Mesa's off-screen renderer, which needs no device. Errors: as make_egl_context().
 Result<std::unique_ptr<GlContext>> make_osmesa_context();
 
 }  // namespace cyclorama::output

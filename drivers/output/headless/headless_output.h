@@ -11,21 +11,23 @@
 namespace cyclorama::output {
 
 struct HeadlessOptions {
-  enum class Renderer { kAny, kEgl, kOsMesa };  ///< kAny: EGL, and OSMesa where EGL cannot.
+  enum class Renderer { kAny, kEgl, kOsMesa };  ///< kAny: EGL, or OSMesa if EGL is not available.
 
   std::vector<HeadMode> heads;
   double refresh_hz = 60.0;
-  std::filesystem::path run_dir;  ///< Where each head's shared picture goes (shared_picture.h); empty: nowhere.
+  std::filesystem::path run_dir;  ///< Directory for each head's shared picture (shared_picture.h); empty for none.
   Renderer renderer = Renderer::kAny;
-  /// While false, shared pictures are black. Null: always on. Outlives the output; another thread may write it.
+  /// While false, shared pictures are black. Null: always on. It must outlive the output; another thread may write it.
   const std::atomic<bool>* is_awake = nullptr;
 };
 
-/// Heads in memory, refreshed at an absolute pace of `clock`. A picture counts as shown as soon as present() has it
-/// whole. Where a refresh is missed, the next one's number tells. Makes its context current on the calling thread.
+/// Opens heads in memory that are refreshed on the absolute schedule of `clock`. A picture counts as shown as soon as
+/// present() has all of it. Missed refreshes appear as a gap in the refresh number. Makes its context current on the
+/// calling thread.
 ///
-/// kInvalidArgument  no head, a head's size or the refresh rate out of range.   kUnavailable  no GL, and why.
-/// Errors of SharedPictureWriter::create() for the run directory. `clock` must outlive the output.
+/// Errors: kInvalidArgument if there is no head, or a size or the refresh rate is out of range; kUnavailable if there
+/// is no GL, with the reason; those of SharedPictureWriter::create() for the run directory. `clock` must outlive the
+/// output.
 Result<std::unique_ptr<Output>> open_headless_output(const HeadlessOptions& options, const Clock& clock);
 
 }  // namespace cyclorama::output

@@ -7,8 +7,8 @@
 
 namespace cyclorama::output {
 
-/// When a head without a vertical blank refreshes: refresh n is at start + n / refresh_hz, for ever, whatever happened
-/// before, so that nothing drifts. A value; thread-bound.
+/// Refresh times of a head without a vertical blank: refresh n is always at start + n / refresh_hz, so that delays do
+/// not accumulate. A value; thread-bound.
 class RefreshSchedule {
  public:
   struct Refresh {
@@ -19,8 +19,8 @@ class RefreshSchedule {
   /// Precondition: refresh_hz > 0. Refresh 0 is at `start`.
   RefreshSchedule(double refresh_hz, TimePoint start);
 
-  /// The next refresh to wait for: the one after the last that this returned, or, when `now` has passed that one's end,
-  /// the next that is still to come. Numbers that are skipped were missed.
+  /// Returns the next refresh to wait for: the successor of the last one returned or, if `now` is past its end, the
+  /// next future one. Skipped numbers are missed refreshes.
   Refresh next(TimePoint now);
   [[nodiscard]] std::uint64_t missed() const { return missed_; }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Projectors' power over the network: PJLink class 1 (JBMIA, "PJLink specifications class 1", version 1.04, 2013). One
-/// command per connection, since projectors close an idle one after 30 s.
+/// Power control of projectors over the network: PJLink class 1 (JBMIA, "PJLink specifications class 1", version 1.04,
+/// 2013). Each command uses its own connection, since projectors close an idle one after 30 s.
 #pragma once
 
 #include <array>
@@ -19,34 +19,35 @@ enum class ProjectorPower { kOff, kOn, kCooling, kWarming };
 
 struct PjlinkProjector {
   Address address;       ///< Port 4352 by the specification.
-  std::string password;  ///< Empty: none.
+  std::string password;  ///< Empty if the projector has none.
 };
 
-/// What a projector tells of its parts.
+/// Error status of a projector's parts (ERST).
 struct ProjectorErrors {
   enum class Kind { kNone, kWarning, kError };
   std::array<Kind, 6> of{};  ///< Fan, lamp, temperature, cover, filter, other.
 };
 
-/// Blocks for at most `timeout`. kUnavailable  it does not answer, or cannot just now (it cools down); ask again.
-/// kInvalidArgument  the password is wrong or missing.   kBadData  it does not speak PJLink; the message shows what
-/// came. kSystem  the projector reports a failure.
+/// Blocks for at most `timeout`.
+/// Errors: kUnavailable if the projector does not answer or cannot answer now, as while it cools down (retry);
+/// kInvalidArgument if the password is wrong or missing; kBadData if it does not follow PJLink (the message shows its
+/// answer); kSystem if the projector reports a failure.
 Result<ProjectorPower> query_power(const PjlinkProjector& projector, std::chrono::milliseconds timeout);
-/// As query_power(). Also fine when it is so already.
+/// Errors: as query_power(). Succeeds also if the projector is already in that state.
 Status set_power(const PjlinkProjector& projector, bool is_on, std::chrono::milliseconds timeout);
-/// As query_power().
+/// Errors: as query_power().
 Result<ProjectorErrors> query_errors(const PjlinkProjector& projector, std::chrono::milliseconds timeout);
 
 /// The parts of the protocol, without a network. `line` comes without its carriage return.
 namespace pjlink {
-constexpr std::size_t kMaxLineLength = 136;  // 5.1.2: 128 of a parameter, header and separator.
+constexpr std::size_t kMaxLineLength = 136;  // Section 5.1.2: header, separator and a parameter of 128 characters.
 
-/// What to put before a command, from the projector's first line: nothing, or 32 hexadecimal digits.
+/// Returns the prefix of a command, from the projector's first line: empty, or 32 hexadecimal digits.
 Result<std::string> authorise(std::string_view greeting, std::string_view password);
-/// The parameter of an answer to a command, such as POWR. Errors as query_power().
+/// Returns the parameter of the answer to a command, such as POWR. Errors: as query_power().
 Result<std::string> parse_answer(std::string_view line, std::string_view command = "POWR");
 Result<ProjectorPower> parse_power(std::string_view line);
-/// Of an answer to ERST.
+/// Parses the parameter of an answer to ERST.
 Result<ProjectorErrors> parse_errors(std::string_view line);
 }  // namespace pjlink
 

@@ -7,21 +7,22 @@
 
 namespace cyclorama::output {
 
-/// Whether one projector must be switched, from how it is and how it should be now; nothing is remembered of times.
+/// Decides whether one projector must be switched, from its observed and its required state; time plays no part.
 ///
-///   should be    seen      done
-///   on           off       switched on        A projector that has been as it should is left alone until that changes:
-///   off          on        switched off       whoever switches it by hand meanwhile has a reason. One that did not
-///   any          others    asked again        answer may have been without power: it is made right again.
+///   required     observed  action
+///   on           off       switch on          A projector that has reached its required state is left alone until that
+///   off          on        switch off         changes, since somebody who switches it by hand has a reason. One that
+///   does
+///   any          others    query again        not answer may have lost power, so its state is restored afterwards.
 ///
 /// A value; pure; thread-bound.
 class ProjectorDuty {
  public:
-  /// `seen`: nothing if it did not answer. Returns what to switch it to.
+  /// `seen` is nothing if the projector did not answer. Returns the state to switch it to, if any.
   std::optional<bool> next(bool should_be_on, std::optional<ProjectorPower> seen);
 
  private:
-  std::optional<bool> done_;  // What it has been made, and answered to be.
+  std::optional<bool> done_;  // Last required state that the projector was observed to have.
 };
 
 }  // namespace cyclorama::output

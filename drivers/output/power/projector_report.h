@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How a projector is that is kept to the hours, in words for the operator.
+/// State of a projector that follows opening hours, in words for the operator.
 #pragma once
 
 #include <optional>
@@ -18,15 +18,15 @@ struct ProjectorReport {
 };
 [[nodiscard]] std::string_view to_text(ProjectorReport::Level level);  ///< "ok", "warning", "fault".
 
-/// What was seen of one projector at one look.
+/// Result of one poll of a projector.
 struct ProjectorStatus {
   bool should_be_on = false;
   Result<ProjectorPower> power = ProjectorPower::kOff;
-  std::optional<ProjectorErrors> errors;  ///< Nothing: it does not tell.
+  std::optional<ProjectorErrors> errors;  ///< Nothing if the projector does not report them.
 };
 
-/// Looks in, words out. A lamp takes a minute or two to warm up and to cool down, so what is not yet as it should be is
-/// told as wrong only when it has been like that for a while. Thread-bound.
+/// Turns polls into reports. A lamp takes a minute or two to warm up and to cool down, so a state that differs from the
+/// required one is reported as a fault only after it has lasted for a while. Thread-bound.
 class ProjectorReporter {
  public:
   ProjectorReport see(const ProjectorStatus& look, TimePoint now);

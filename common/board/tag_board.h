@@ -3,7 +3,7 @@
 /// part of it is enough, since its corners are identified by number, even at the picture's edge.
 ///
 ///     ■ 1 ■ 2 ■      the tags are of the family tag36h11, numbered row by row; corners, where four squares meet,
-///    3 ■ 4 ■ 5      are numbered row by row, too
+///     3 ■ 4 ■ 5      are numbered row by row, too
 ///     ■ 6 ■ 7 ■      x right, y down, as seen from the front; origin at the first corner, z into the board
 #pragma once
 

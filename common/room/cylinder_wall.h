@@ -9,7 +9,7 @@
 namespace cyclorama {
 
 /// An upright piece of a cylinder, seen from inside: the axis is vertical through (centre_x, centre_z), the middle of
-/// the arc lies towards -z (in front of the visitor). Members as wall_parts.h says.
+/// the arc lies towards -z (in front of the visitor). wall_parts.h describes the members.
 struct CylinderWall {
   double radius_m = 0.0;
   double arc_rad = 0.0;   ///< Whole arc, at most 2 pi.

@@ -9,8 +9,8 @@
 namespace cyclorama {
 
 std::optional<Point<frame::Room>> DomeWall::hit_extended(const RoomRay& ray) const {
-  // The farther of the two meetings is the one from inside. About the ray's point nearest to the centre, so that
-  // nothing cancels.
+  // A ray from inside meets the sphere at the farther of its two intersections. The computation starts from the ray's
+  // point nearest to the centre, so that nothing cancels.
   const double length2 = ray.direction.squaredNorm();
   if (!(length2 > 0.0)) return std::nullopt;
   const Eigen::Vector3d from_centre = ray.origin.xyz - centre.xyz;

@@ -8,13 +8,13 @@
 
 namespace cyclorama {
 
-/// A cap of a sphere, seen from inside. Its axis leans from the horizon ahead (-z) upwards: by a quarter turn in a
-/// planetarium, by less in a tilted dome. Members as wall_parts.h says.
+/// A cap of a sphere, seen from inside. Its axis is tilted upwards from the horizon ahead (-z): by a quarter turn in a
+/// planetarium, by less in a tilted dome. wall_parts.h describes the members.
 struct DomeWall {
   Point<frame::Room> centre;
   double radius_m = 0.0;
   double field_rad = 0.0;  ///< From edge to edge, as seen from the centre; at most 2 pi, a whole sphere.
-  double tilt_rad = 0.0;   ///< Of the axis above the horizon.
+  double tilt_rad = 0.0;   ///< Angle of the axis above the horizon.
 
   [[nodiscard]] std::optional<Point<frame::Room>> hit(const RoomRay& ray) const;
   [[nodiscard]] std::optional<Point<frame::Room>> hit_extended(const RoomRay& ray) const;
@@ -25,7 +25,7 @@ struct DomeWall {
   [[nodiscard]] bool can_self_shadow() const { return false; }
 
   [[nodiscard]] Eigen::Vector3d axis() const;
-  /// At an angle from the axis, turned about it by `around_rad` from the right.
+  /// Returns the point at an angle from the axis, turned about the axis by `around_rad` from the right.
   [[nodiscard]] Point<frame::Room> point_at(double from_axis_rad, double around_rad) const;
 };
 

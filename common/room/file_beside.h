@@ -7,8 +7,8 @@
 
 namespace cyclorama {
 
-/// The file that a key names beside the installation; empty where it is missing or names a place elsewhere, which is
-/// refused.
+/// Returns the path of the file that a key names in the installation's folder. Empty if the key is absent or names a
+/// file elsewhere, which is refused.
 inline std::filesystem::path file_beside(ConfigTable* table, const char* key, const std::filesystem::path& folder) {
   const std::filesystem::path file = table->text(key);
   if (!file.empty() && file.filename() == file) return folder / file;

@@ -14,23 +14,24 @@
 
 namespace cyclorama {
 
-/// A free-form wall of triangles, whose corners run counter-clockwise as seen from the lit side. Past its rim it goes
-/// on in the plane of the rim's nearest triangle. Copies share the triangles. Members as wall_parts.h says; a ray
-/// costs about a microsecond for 10 000 triangles, and one past the rim as much as the rim has edges.
+/// A free-form wall of triangles, whose corners run counter-clockwise as seen from the lit side. Beyond its rim it
+/// continues in the plane of the rim's nearest triangle. Copies share the triangles. wall_parts.h describes the
+/// members. A ray takes about a microsecond for 10 000 triangles; a ray beyond the rim takes time proportional to the
+/// number of rim edges.
 class MeshWall {
  public:
-  /// An OBJ file's text, in metres of the Room frame. Faces of three corners or more; texture coordinates and normals
-  /// may be there and must be whole, but the sweet spot decides what is seen where. kBadData "line 7: ...": anything
-  /// that is no number, not finite or farther away than 100 m, a face without area or whose corners are missing or run
-  /// against its neighbour's, no face at all, or more than 2 million triangles.
+  /// Reads an OBJ file's text, in metres of the Room frame, with faces of three or more corners. Texture coordinates
+  /// and normals must be valid but are not used. Errors: kBadData "line 7: ..." for a number that is invalid, not
+  /// finite or beyond 100 m; for a face without area, with missing corners or with the opposite winding of its
+  /// neighbour; and for no face at all or more than 2 million triangles.
   static Result<MeshWall> read(std::string_view obj_text);
 
   [[nodiscard]] std::optional<Point<frame::Room>> hit(const RoomRay& ray) const;
   [[nodiscard]] std::optional<Point<frame::Room>> hit_extended(const RoomRay& ray) const;
-  /// One per triangle, and large triangles divided.
+  /// Returns one patch per triangle, or several for a large triangle.
   [[nodiscard]] std::vector<WallPatch> patches(std::size_t about) const;
   [[nodiscard]] std::vector<Point<frame::Room>> outline() const;
-  /// Edges between triangles that meet at more than ten degrees.
+  /// Returns the edges between triangles that meet at more than ten degrees.
   [[nodiscard]] std::vector<WallEdge> creases() const;
   [[nodiscard]] bool is_lit_from(const Point<frame::Room>& point) const;
   [[nodiscard]] bool can_self_shadow() const { return true; }

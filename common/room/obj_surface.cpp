@@ -20,12 +20,12 @@ namespace {
 
 constexpr double kMaxDistanceM = 100.0;
 constexpr std::size_t kMaxTriangles = 2'000'000;
-constexpr double kMinArea_m2 = 1e-12;  // A square micrometre: less has no direction that can be trusted.
+constexpr double kMinArea_m2 = 1e-12;  // A square micrometre; smaller triangles have no reliable direction.
 
-/// Statements that say nothing about where the surface is.
+/// Statements that do not affect the surface's shape.
 constexpr std::string_view kPassedOver[] = {"vn", "g", "o", "s", "usemtl", "mtllib", "usemap", "maplib", "p", "l"};
 
-/// One file in the making.
+/// State while one file is read.
 class Reader {
  public:
   explicit Reader(std::string_view text) : statements_(text) {}
@@ -54,7 +54,7 @@ class Reader {
     return Error(ErrorCode::kBadData, fmt::format("line {}: {}", statements_.line(), what));
   }
 
-  /// At least `least` numbers, all of them whole words and finite.
+  /// Parses at least `min` numbers, each a whole word and finite.
   Result<std::vector<double>> numbers(std::string_view rest, std::size_t min) const {
     std::vector<double> values;
     for (std::string_view word = next_word(&rest); !word.empty(); word = next_word(&rest)) {
@@ -76,7 +76,7 @@ class Reader {
       return refuse(fmt::format("({}, {}, {}) is farther than {} m from the room's origin; the file is in metres", n[0],
                                 n[1], n[2], kMaxDistanceM));
     }
-    // Programs write a corner once for each of its normals; the surface has it once.
+    // Programs write a corner once for each of its normals; the surface stores it once.
     const auto known = ids_.emplace(std::array{n[0], n[1], n[2]}, surface_.positions.size());
     if (known.second) surface_.positions.push_back(place);
     positions_.push_back(static_cast<std::uint32_t>(known.first->second));
@@ -134,9 +134,9 @@ class Reader {
 
   ObjStatements statements_;
   ObjSurface surface_;
-  std::vector<std::uint32_t> positions_;  ///< Of the file, as places in surface_.positions.
+  std::vector<std::uint32_t> positions_;  ///< Indices into surface_.positions, in the file's order.
   std::map<std::array<double, 3>, std::size_t> ids_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> lines_;  ///< Of directed edges.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> lines_;  ///< Line in the file of each directed edge.
   std::size_t texture_places_ = 0;
 };
 

@@ -12,13 +12,14 @@
 
 namespace cyclorama {
 
-/// A surface of triangles, without anything that only a picture of it would need. Metres.
+/// A surface of triangles, without anything that serves only to draw it. Metres.
 struct ObjSurface {
-  std::vector<Eigen::Vector3d> positions;  ///< None twice.
+  std::vector<Eigen::Vector3d> positions;  ///< Each position once.
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// Between two corners of `triangle`, in its order; `other` runs the other way. None: the surface's rim.
+/// Edge between two corners of `triangle`, in its order. In `other` the edge runs the other way; none at the surface's
+/// rim.
 struct ObjEdge {
   std::uint32_t from = 0;
   std::uint32_t to = 0;
@@ -26,10 +27,10 @@ struct ObjEdge {
   std::optional<std::size_t> other;
 };
 
-/// Reads an OBJ file's text strictly: where a scene's importer mends, this refuses. Errors as MeshWall::read().
+/// Reads an OBJ file's text strictly: refuses faults that a scene's importer would repair. Errors: as MeshWall::read().
 Result<ObjSurface> read_obj_surface(std::string_view text);
 
-/// Each edge once.
+/// Returns each edge once.
 [[nodiscard]] std::vector<ObjEdge> edges_of(const ObjSurface& surface);
 
 }  // namespace cyclorama

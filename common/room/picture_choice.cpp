@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which picture covers a wall.
+// Choice of the picture that covers a wall.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,16 +14,17 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr int kMaxSidePx = 16384;  // As validate() has it: a very narrow and high wall gets pixels that are not square.
-/// A wall this near to a whole turn is one: its outline is only known at points.
+// The limit of validate(); a very narrow and high wall gets pixels that are not square.
+constexpr int kMaxSidePx = 16384;
+/// A wall this close to a full turn counts as one, since its outline is known only at points.
 constexpr double kSlit = 0.1;
-/// Tangent of 75 degrees: there, a pixel of a flat picture sees a fifteenth of what one in its middle sees.
+/// Tangent of 75 degrees, where a pixel of a flat picture covers a fifteenth of the angle of one in its middle.
 constexpr double kSteepest = 3.732;
 constexpr double kNearest_m = 1e-3;
-/// Beyond the edge of a fisheye's circle: what is mixed of neighbours there must exist.
+/// Pixels beyond the edge of a fisheye's circle, needed for interpolation at the edge.
 constexpr double kFisheyeMargin_px = 1.5;
 
-/// From the eye to all that bounds the wall.
+/// Returns the directions from the eye to the wall's outline.
 std::vector<Eigen::Vector3d> directions_of(const Installation& room) {
   std::vector<Eigen::Vector3d> directions;
   for (const Point<frame::Room>& point : outline(room.wall)) directions.push_back(point.xyz - room.sweet_spot.xyz);
@@ -32,7 +33,7 @@ std::vector<Eigen::Vector3d> directions_of(const Installation& room) {
 
 int rows(double px) { return static_cast<int>(std::clamp(std::round(px), 1.0, double{kMaxSidePx})); }
 
-/// Nothing if the plane reaches too far to the side.
+/// Returns nothing if the plane extends too far to the side.
 std::optional<Perspective> perspective_of(const WallRectangle& plane, const std::vector<Eigen::Vector3d>& directions,
                                           int width_px) {
   Perspective picture;
@@ -53,7 +54,7 @@ std::optional<Perspective> perspective_of(const WallRectangle& plane, const std:
   return picture;
 }
 
-/// The largest angle of any direction from an axis that is tilted by `tilt_rad`.
+/// Returns the largest angle between a direction and an axis tilted by `tilt_rad`.
 double widest_from(double tilt_rad, const std::vector<Eigen::Vector3d>& directions) {
   const Eigen::Vector3d axis(0.0, std::sin(tilt_rad), -std::cos(tilt_rad));
   double widest = 0.0;

@@ -6,7 +6,7 @@
 
 namespace cyclorama {
 
-/// A distortion-free lens: of a camera, or of a projector, which is a camera whose pixels shine.
+/// A distortion-free lens of a camera, or of a projector, which is modelled as an inverse camera.
 ///
 ///       | f  0   cx |     u right, v down, the CENTRE of the first pixel at (0.5, 0.5); f, cx, cy in pixels.
 ///   K = | 0  a f cy |     A lens shift moves (cx, cy) away from the middle. a is a pixel's width over its height.
@@ -19,18 +19,18 @@ struct Pinhole {
   double focal_px = 0.0;
   double centre_u_px = 0.0;
   double centre_v_px = 0.0;
-  double pixel_aspect = 1.0;  ///< Not 1 where two eyes share a projector's pixels.
+  double pixel_aspect = 1.0;  ///< Differs from 1 where two eyes share a projector's pixels.
 
-  /// The lens whose whole width spans `horizontal_fov_rad`, centred.
+  /// Returns a centred lens whose whole width spans `horizontal_fov_rad`.
   static Pinhole from_field_of_view(int width_px, int height_px, double horizontal_fov_rad);
 
-  /// Not normalised: z is 1.
+  /// Returns the line of sight through a pixel; not normalised, z is 1.
   [[nodiscard]] Eigen::Vector3d direction_at(double u, double v) const {
     return {(u - centre_u_px) / focal_px, (v - centre_v_px) / (pixel_aspect * focal_px), 1.0};
   }
-  /// The same field in so many pixels.
+  /// Returns the lens with the same field of view and another number of pixels.
   [[nodiscard]] Pinhole with_pixels(int new_width_px, int new_height_px) const;
-  /// Where a point in front of the lens lands, in pixels, perhaps outside the picture; nothing when it is behind.
+  /// Projects a point to a pixel, which may lie outside the picture; nothing if the point is behind the lens.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& point) const;
   [[nodiscard]] bool contains(const Eigen::Vector2d& pixel) const {
     return pixel.x() >= 0.0 && pixel.x() <= width_px && pixel.y() >= 0.0 && pixel.y() <= height_px;

@@ -9,14 +9,14 @@
 namespace cyclorama {
 namespace {
 
-constexpr double kMinDistance = 1e-9;  // Of a ray's length: not the place where it starts.
-constexpr double kSeam_m = 1e-9;       // Rounding must leave no gap where rectangles meet.
+constexpr double kMinDistance = 1e-9;  // In units of the ray's direction; excludes the ray's origin.
+constexpr double kSeam_m = 1e-9;       // Tolerance, so that rounding leaves no gap where rectangles meet.
 
-/// Where a ray from the lit side meets the rectangle's plane.
+/// Intersection of a ray from the lit side with the rectangle's plane.
 struct PlaneHit {
-  double along;  ///< In lengths of the ray's direction.
+  double along;  ///< In units of the ray's direction.
   Eigen::Vector3d point;
-  double outside_m;  ///< From the rectangle; 0 on it.
+  double outside_m;  ///< Distance from the rectangle; 0 on it.
 };
 
 std::optional<PlaneHit> meet(const WallRectangle& r, const RoomRay& ray) {
@@ -46,7 +46,7 @@ double solid_angle(const Eigen::Vector3d& seen_from, const Eigen::Vector3d& a, c
   const double lc = to_c.norm();
   const double volume = to_a.dot(to_b.cross(to_c));
   const double around = la * lb * lc + to_a.dot(to_b) * lc + to_b.dot(to_c) * la + to_c.dot(to_a) * lb;
-  // Corners that run counter-clockwise as seen from there give a negative volume.
+  // Counter-clockwise corners, as seen from the point, give a negative volume.
   return -2.0 * std::atan2(volume, around);
 }
 
@@ -108,7 +108,7 @@ std::vector<WallPatch> PlanesWall::patches(std::size_t about) const {
 }
 
 std::vector<Point<frame::Room>> PlanesWall::outline() const {
-  // Not only the edges: what hangs above the visitor is highest in its middle.
+  // Includes the interior, since a rectangle overhead is highest in its middle.
   constexpr int kSteps = 64;
   std::vector<Point<frame::Room>> points;
   for (const WallRectangle& r : rectangles) {

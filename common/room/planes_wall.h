@@ -16,23 +16,23 @@ struct WallRectangle {
   double width_m = 0.0;
   double height_m = 0.0;
 
-  /// What somebody sees straight ahead who looks `pan_rad` to the right of -z and then `tilt_rad` upwards.
+  /// Returns the rectangle that faces a viewer who looks `pan_rad` to the right of -z and then `tilt_rad` upwards.
   static WallRectangle facing(const Point<frame::Room>& middle, double pan_rad, double tilt_rad, double width_m,
                               double height_m);
-  /// Upright above a line on the floor, from its left to its right end as seen from the lit side.
+  /// Returns an upright rectangle above a line on the floor, from its left to its right end as seen from the lit side.
   static WallRectangle above(const Eigen::Vector2d& left_xz, const Eigen::Vector2d& right_xz, double bottom_m,
                              double top_m);
 
   [[nodiscard]] Eigen::Vector3d normal() const { return right.cross(up); }
-  /// `across` and `along` in [-1, 1] from the left to the right and from the lower to the upper edge.
+  /// `across` and `along` are in [-1, 1], from the left to the right and from the lower to the upper edge.
   [[nodiscard]] Point<frame::Room> point_at(double across, double along) const {
     return {middle.xyz + 0.5 * width_m * across * right + 0.5 * height_m * along * up};
   }
   [[nodiscard]] double area_m2() const { return width_m * height_m; }
 };
 
-/// One flat screen, or several that meet in corners. Past its edges it goes on in the plane of the rectangle that is
-/// nearest there, so that corners go on upwards and downwards. Members as wall_parts.h says.
+/// One flat screen, or several that meet in corners. Beyond its edges the wall continues in the plane of the nearest
+/// rectangle, so that corners continue upwards and downwards. wall_parts.h describes the members.
 struct PlanesWall {
   std::vector<WallRectangle> rectangles;
 
@@ -40,7 +40,7 @@ struct PlanesWall {
   [[nodiscard]] std::optional<Point<frame::Room>> hit_extended(const RoomRay& ray) const;
   [[nodiscard]] std::vector<WallPatch> patches(std::size_t about) const;
   [[nodiscard]] std::vector<Point<frame::Room>> outline() const;
-  /// The edges of all rectangles, if there are several.
+  /// Returns the edges of all rectangles if there are several.
   [[nodiscard]] std::vector<WallEdge> creases() const;
   [[nodiscard]] bool is_lit_from(const Point<frame::Room>& point) const;
   [[nodiscard]] bool can_self_shadow() const { return rectangles.size() > 1; }

@@ -106,7 +106,7 @@ std::optional<Wall> read_wall(ConfigTable table, const std::filesystem::path& fo
   const std::vector<std::string> shapes{"cylinder", "plane", "planes", "dome", "mesh"};
   const std::string shape = table.text("shape", "cylinder");
   if (std::ranges::find(shapes, shape) == shapes.end()) {
-    table.choice("shape", shapes);  // Says so; the keys of no shape are missed.
+    table.choice("shape", shapes);  // Reports the invalid shape; keys of a particular shape are then not required.
     return std::nullopt;
   }
   if (shape == "plane") return PlanesWall{{read_rectangle(&table)}};

@@ -9,8 +9,8 @@
 
 namespace cyclorama {
 
-/// The [wall] of an installation.toml, of any shape; mistakes are recorded with the table. A mesh's file is sought in
-/// `folder`. Nothing after a mistake that leaves no wall at all.
+/// Reads the [wall] table of an installation.toml, of any shape; mistakes are recorded in the table. A mesh's file must
+/// be in `folder`. Returns nothing if the mistakes leave no wall.
 std::optional<Wall> read_wall(ConfigTable table, const std::filesystem::path& folder);
 
 }  // namespace cyclorama

@@ -10,11 +10,13 @@ namespace cyclorama {
 namespace {
 
 constexpr std::uint32_t kMaxLeafTriangles = 4;
-constexpr double kMinDistance = 1e-9;  // In lengths of the direction: not the place where the ray starts.
-constexpr double kSeam = 1e-9;         // Of a triangle's size: rounding must leave no gap between neighbours.
+constexpr double kMinDistance = 1e-9;  // In units of the direction; excludes the ray's origin.
+// Relative to a triangle's size, so that rounding leaves no gap between neighbours.
+constexpr double kSeam = 1e-9;
 constexpr std::size_t kDeepest = 64;
 
-/// Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1), 1997.
+/// Intersects a ray with a triangle. Source: Möller and Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection",
+/// JGT 2(1), 1997.
 std::optional<double> meet(const TriangleCorners& t, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
   const Eigen::Vector3d ab = t[1] - t[0];
   const Eigen::Vector3d ac = t[2] - t[0];
@@ -32,7 +34,7 @@ std::optional<double> meet(const TriangleCorners& t, const Eigen::Vector3d& orig
   return along;
 }
 
-/// Whether a ray enters a box before `farthest`.
+/// Returns true if a ray enters a box before `farthest`.
 bool enters(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& inverse,
             double farthest) {
   double near = 0.0;
@@ -63,7 +65,7 @@ void TriangleTree::build(std::uint32_t first, std::uint32_t end) {
     for (const Eigen::Vector3d& corner : t) nodes_[index].box.extend(corner);
     middles.extend(t[0] + t[1] + t[2]);
   }
-  // Flat boxes are entered from within rounding.
+  // A tolerance for rounding, so that rays also enter flat boxes.
   const Eigen::Vector3d margin = Eigen::Vector3d::Constant(1e-9 * (1.0 + nodes_[index].box.sizes().maxCoeff()));
   nodes_[index].box.min() -= margin;
   nodes_[index].box.max() += margin;
@@ -88,7 +90,7 @@ void TriangleTree::build(std::uint32_t first, std::uint32_t end) {
 std::optional<TriangleTree::Hit> TriangleTree::hit(const Eigen::Vector3d& origin,
                                                    const Eigen::Vector3d& direction) const {
   if (nodes_.empty() || !origin.allFinite() || !direction.allFinite()) return std::nullopt;
-  // Not infinite, which times 0 would be no number.
+  // Avoids infinity, which multiplied by 0 is NaN.
   const auto inverse_of = [](double d) { return 1.0 / (std::abs(d) < 1e-300 ? 1e-300 : d); };
   const Eigen::Vector3d inverse(inverse_of(direction.x()), inverse_of(direction.y()), inverse_of(direction.z()));
   std::array<std::uint32_t, kDeepest> waiting{};

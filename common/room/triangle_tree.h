@@ -13,7 +13,8 @@ namespace cyclorama {
 
 using TriangleCorners = std::array<Eigen::Vector3d, 3>;
 
-/// Triangles in a tree of boxes, halved at the median: which one does a ray meet first? In double. A value; reentrant.
+/// Triangles in a tree of bounding boxes, split at the median, to find a ray's first hit. In double. A value;
+/// reentrant.
 class TriangleTree {
  public:
   TriangleTree() = default;
@@ -21,17 +22,18 @@ class TriangleTree {
 
   struct Hit {
     std::size_t triangle = 0;
-    double along = 0.0;  ///< In lengths of the ray's direction.
+    double along = 0.0;  ///< In units of the ray's direction.
   };
-  /// Only from the side on which the corners run counter-clockwise. Neighbours leave no gap.
+  /// Returns the first triangle hit from the side on which its corners run counter-clockwise. Neighbours leave no gap.
   [[nodiscard]] std::optional<Hit> hit(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
   [[nodiscard]] std::span<const TriangleCorners> triangles() const { return triangles_; }
 
  private:
   struct Node {
     Eigen::AlignedBox3d box;
-    std::uint32_t first =
-        0;  ///< Of its triangles in order_; with count 0: its second child; the first is the next node.
+    /// Leaf: index of its first triangle in order_. Inner node (count 0): index of its second child; the first child
+    /// is the next node.
+    std::uint32_t first = 0;
     std::uint32_t count = 0;
   };
   void build(std::uint32_t first, std::uint32_t end);

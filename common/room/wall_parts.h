@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What all kinds of walls are asked for. Each kind is a value, reentrant, in the Room frame, with the same members:
+/// Members that all kinds of walls have in common. Each kind is a value, reentrant, in the Room frame:
 ///
-///   hit(ray)           where a ray first meets the lit side, or nothing
-///   hit_extended(ray)   the same of the wall continued past its edges, so that nothing jumps there
-///   patches(about)     the wall in about so many pieces of about the same area
-///   outline()          points that bound every direction in which the wall is seen, from wherever
-///   creases()          edges at which it has no tangent plane, the sharpest first
-///   is_lit_from(point) whether one sees more of its lit side than of its back from there
-///   can_self_shadow()    whether a part can hide another from a projector
+///   hit(ray)            first point at which a ray meets the lit side, or nothing
+///   hit_extended(ray)   the same for the wall continued beyond its edges, so that nothing jumps there
+///   patches(about)      the wall in about that many pieces of about the same area
+///   outline()           points that bound all directions in which the wall is seen, from any position
+///   creases()           edges at which it has no tangent plane, the sharpest first
+///   is_lit_from(point)  true if more of its lit side than of its back is visible from there
+///   can_self_shadow()   true if a part of the wall can hide another from a projector
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@
 
 namespace cyclorama {
 
-/// A half-line in the room; `direction` has any length above zero.
+/// A half-line in the room; `direction` has any non-zero length.
 struct RoomRay {
   Point<frame::Room> origin;
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
@@ -34,7 +34,7 @@ struct WallEdge {
   Point<frame::Room> to;
 };
 
-/// Of a triangle as seen from a point: above 0 where its corners run counter-clockwise.
+/// Returns the solid angle of a triangle as seen from a point; positive if its corners run counter-clockwise.
 /// Source: Van Oosterom and Strackee, "The Solid Angle of a Plane Triangle", IEEE Trans. Biomed. Eng. 30, 1983.
 [[nodiscard]] double solid_angle(const Eigen::Vector3d& seen_from, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                  const Eigen::Vector3d& c);

@@ -7,12 +7,12 @@
 
 namespace cyclorama {
 
-/// A picture's cost is told by squares of this side, on the grid that begins in the picture's corner: the ray tracer's
-/// own cells, and a cut never divides one.
+/// Costs are recorded for squares of this side, on the grid that begins in the picture's corner. They are the ray
+/// tracer's cells, and no cut divides one.
 inline constexpr int kCostCellPx = 16;
 
-/// The cells that the rect touches, as a rectangle in whole cells; empty for an empty one. Precondition: x and y are
-/// not negative.
+/// Returns the cells that the rectangle touches, as a rectangle in whole cells; empty for an empty rectangle.
+/// Precondition: x and y are not negative.
 [[nodiscard]] inline PixelRect cells_touched(const PixelRect& rect) {
   if (rect.empty()) return {};
   const int left = rect.x / kCostCellPx;
@@ -22,7 +22,7 @@ inline constexpr int kCostCellPx = 16;
   return {left, top, right - left, bottom - top};
 }
 
-/// Where a cell stands in a list of `cells`, row by row. Precondition: it is one of them.
+/// Returns a cell's index in a list of `cells`, row by row. Precondition: it is one of them.
 [[nodiscard]] inline std::size_t cell_index(const PixelRect& cells, int column, int row) {
   return static_cast<std::size_t>(row - cells.y) * static_cast<std::size_t>(cells.width) +
          static_cast<std::size_t>(column - cells.x);

@@ -7,11 +7,12 @@
 namespace cyclorama {
 namespace {
 
-/// Light is cut into kBuckets equal steps; in each, the code of its lower edge, from which at most two steps up remain.
+/// Light is divided into kBuckets equal steps; each stores the code of its lower edge, which is at most two steps too
+/// low.
 struct CodeTable {
   static constexpr std::size_t kBuckets = 4096;
   std::array<std::uint8_t, kBuckets + 1> first{};
-  std::array<float, 257> min{};  ///< The darkest light of each code; after the last, more than there is.
+  std::array<float, 257> min{};  ///< Smallest light of each code; the last entry exceeds all light.
 
   CodeTable() {
     for (std::size_t code = 1; code < 256; ++code) {
@@ -30,7 +31,7 @@ struct CodeTable {
 
 std::uint8_t linear_to_srgb8(float linear) {
   static const CodeTable table;
-  if (!(linear > 0.0f)) return 0;  // NaN too.
+  if (!(linear > 0.0f)) return 0;  // Also for NaN.
   if (linear >= 1.0f) return 255;
   std::uint8_t code = table.first[static_cast<std::size_t>(linear * CodeTable::kBuckets)];
   while (linear >= table.min[code + std::size_t{1}]) ++code;

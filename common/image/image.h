@@ -11,7 +11,7 @@
 
 namespace cyclorama {
 
-/// A value: copies copy the pixels. Colour in 8 bits is sRGB; in float it is linear light, unless said otherwise.
+/// A value: copies copy the pixels. 8-bit colour is sRGB and float colour is linear light, unless stated otherwise.
 template <typename T, int Channels>
 class Image {
  public:
@@ -24,7 +24,7 @@ class Image {
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] bool empty() const { return data_.empty(); }
-  /// Precondition: (x, y) is inside. The first of Channels values.
+  /// Returns the first of a pixel's Channels values. Precondition: (x, y) is inside.
   [[nodiscard]] T* at(int x, int y) { return data_.data() + index_of(x, y); }
   [[nodiscard]] const T* at(int x, int y) const { return data_.data() + index_of(x, y); }
   [[nodiscard]] std::span<T> data() { return data_; }

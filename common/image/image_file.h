@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A picture of whatever format we read, told by its first bytes and never by its name.
+/// Pictures of every supported format, which is detected by the first bytes and never by the name.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,12 @@ namespace cyclorama {
 inline constexpr std::size_t kTextureLimitPx = std::size_t{16384} * 16384;
 inline constexpr std::size_t kPhotoLimitPx = std::size_t{64} << 20;
 
-/// PNG or JPEG. kBadData  damaged, larger than `limit_px`, or another format (named, with the remedy). Reentrant.
+/// Decodes PNG or JPEG. Errors: kBadData if the bytes are damaged, larger than `limit_px`, or of another format (named,
+/// with the remedy). Reentrant.
 Result<RgbaImage> decode_image(std::span<const std::byte> bytes, std::size_t limit_px);
-/// As decode_image(); errors name the file.
+/// Reads a file. Errors: as decode_image(), with the file's name.
 Result<RgbaImage> read_image(const std::filesystem::path& path, std::size_t limit_px);
-/// Luma (Rec. 601, as JPEG's own), for detectors.
+/// Reads luma only (Rec. 601, as in JPEG), for detectors.
 Result<GreyImage> read_grey_image(const std::filesystem::path& path, std::size_t limit_px);
 [[nodiscard]] RgbImage without_alpha(const RgbaImage& picture);
 

@@ -10,13 +10,13 @@
 namespace cyclorama {
 namespace {
 constexpr int kMaxSidePx = 65500;  // libjpeg's own limit.
-// A scan limit: progressive files can otherwise ask for hours of work in a few kilobytes.
+// A scan limit, since a progressive file of a few kilobytes can otherwise take hours.
 constexpr int kDecodeFlags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
 }  // namespace
 
 struct JpegEncoder::Handle {
   tjhandle tj = tjInitCompress();
-  unsigned char* buffer = nullptr;  // TurboJPEG's, grown by it, reused.
+  unsigned char* buffer = nullptr;  // Owned and grown by TurboJPEG; reused.
   unsigned long capacity = 0;
   Handle() { CHECK(tj != nullptr); }
   Handle(const Handle&) = delete;
@@ -69,7 +69,7 @@ struct JpegDecoder::Handle {
   Handle& operator=(const Handle&) = delete;
   ~Handle() { tjDestroy(tj); }
 
-  /// Starts afresh: after bad bytes TurboJPEG 2.1 keeps part of them, and would refuse the good picture after it.
+  /// Creates the decoder anew: after bad bytes TurboJPEG 2.1 keeps part of them and would refuse the next good picture.
   Error bad(const char* doing) {
     Error error(ErrorCode::kBadData, fmt::format("{}: {}", doing, tjGetErrorStr2(tj)));
     tjDestroy(tj);

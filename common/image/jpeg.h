@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// JPEG by TurboJPEG: what crosses the network, and what photographs and textures come as.
+/// JPEG by TurboJPEG, for transmission, photographs and textures.
 #pragma once
 
 #include <cstddef>
@@ -28,11 +28,12 @@ class JpegEncoder {
   JpegEncoder(JpegEncoder&&) noexcept;
   JpegEncoder& operator=(JpegEncoder&&) noexcept;
 
-  /// `rgb` is `width` x `height` pixels of 3 bytes, rows `row_bytes` apart. kInvalidArgument  empty, or over 65500 px.
+  /// Encodes `width` x `height` pixels of 3 bytes, in rows `row_bytes` apart. Errors: kInvalidArgument if the picture
+  /// is empty or a side exceeds 65500 px.
   Result<std::vector<std::byte>> encode(const std::uint8_t* rgb, int width, int height, std::size_t row_bytes,
                                         const JpegOptions& options);
   Result<std::vector<std::byte>> encode(const RgbImage& image, const JpegOptions& options);
-  /// As in a JPEG of 4:4:4 without any loss but rounding's.
+  /// Converts as a 4:4:4 JPEG would, without any loss except rounding.
   PlanarPicture to_planar(const RgbImage& image);
 
  private:
@@ -45,16 +46,16 @@ struct JpegSize {
   int height = 0;
 };
 
-/// What a JPEG's header says.
+/// Contents of a JPEG's header.
 struct JpegHeader {
   JpegSize size;
-  /// Whether its colours are kept as in a PlanarPicture with half chroma, or with full; nothing when they are kept in
-  /// another way (grey, 4:2:2, CMYK...).
+  /// True if colours are stored as in a PlanarPicture with half chroma, false if with full chroma; nothing if they are
+  /// stored in another way (grey, 4:2:2, CMYK...).
   std::optional<bool> has_half_chroma;
 };
 
-/// As JpegEncoder. Every error is kBadData and says what is wrong with the bytes; a picture that is cut short or
-/// damaged is refused, never shown half.
+/// Decodes JPEG. Thread-bound: one per thread. Every error is kBadData and names the fault; a truncated or damaged
+/// picture is refused, never returned in part.
 class JpegDecoder {
  public:
   JpegDecoder();
@@ -62,17 +63,18 @@ class JpegDecoder {
   JpegDecoder(JpegDecoder&&) noexcept;
   JpegDecoder& operator=(JpegDecoder&&) noexcept;
 
-  /// Read the header only.
+  /// Reads only the header.
   Result<JpegSize> size_of(std::span<const std::byte> jpeg);
   Result<JpegHeader> header_of(std::span<const std::byte> jpeg);
-  /// Refuses more than `limit_px` pixels before it allocates anything.
+  /// Decodes a picture; refuses more than `limit_px` pixels before allocating anything.
   Result<RgbImage> decode(std::span<const std::byte> jpeg, std::size_t limit_px);
   Result<GreyImage> decode_grey(std::span<const std::byte> jpeg, std::size_t limit_px);
-  /// Decodes into the caller's pixels. kBadData  also when the picture is not exactly `width` x `height`.
+  /// Decodes into the caller's pixels. Errors: also kBadData if the picture is not exactly `width` x `height`.
   Status decode_into(std::span<const std::byte> jpeg, std::uint8_t* rgb, int width, int height, std::size_t row_bytes);
-  /// Decodes into a part of a picture without turning colours into RGB: about twice as quick. `place` lies inside, at
-  /// even pixels, and ends at even ones or at the picture's edge. Several decoders may fill parts that do not overlap
-  /// at once. kBadData  also when the JPEG has not exactly the part's size, or keeps its colours in another way.
+  /// Decodes into a part of a picture without conversion to RGB, which is about twice as fast. `place` lies inside the
+  /// picture, begins at even pixels, and ends at even pixels or at the picture's edge. Several decoders may fill
+  /// disjoint parts concurrently. Errors: also kBadData if the JPEG has not exactly the part's size or stores its
+  /// colours in another way.
   Status decode_into(std::span<const std::byte> jpeg, PlanarPicture* picture, const PixelRect& place);
   RgbImage to_rgb(const PlanarPicture& picture);
 

@@ -30,8 +30,9 @@ constexpr std::uint64_t kMaxTilePixels = std::uint64_t{4096} * 4096;
 
 Error bad(std::string_view what) { return Error(ErrorCode::kBadData, fmt::format("OpenEXR: {}", what)); }
 
-/// The library takes memory for an attribute before it looks whether the file has as much. The header is a list of
-/// name, type (both end with a zero), length and value, and ends with an empty name.
+/// Checks the header's attributes, because the library allocates memory for an attribute before checking that the file
+/// contains as much. The header is a list of name, type (both zero-terminated), length and value, and ends with an
+/// empty name.
 Status check_attributes(std::string_view text) {
   std::size_t at = kPrologueBytes;
   const auto broken = [&] { return bad(fmt::format("byte {}: the header is cut short; copy the picture again", at)); };
@@ -43,7 +44,7 @@ Status check_attributes(std::string_view text) {
     }
     std::uint32_t length = 0;
     if (text.size() - at < sizeof(length)) return broken();
-    std::memcpy(&length, text.data() + at, sizeof(length));  // Little-endian, as every machine that we run on.
+    std::memcpy(&length, text.data() + at, sizeof(length));  // Little-endian, like every supported machine.
     at += sizeof(length);
     if (length > text.size() - at) return broken();
     at += length;
@@ -51,7 +52,7 @@ Status check_attributes(std::string_view text) {
   return at < text.size() ? Status(Done{}) : broken();
 }
 
-/// What the library would take memory for when it opens the file.
+/// Checks the sizes for which the library allocates memory when it opens the file.
 Status check_size(const Imf::Header& header, std::size_t limit_px) {
   const Imath::Box2i& data = header.dataWindow();
   const std::int64_t width = std::int64_t{data.max.x} - data.min.x + 1;

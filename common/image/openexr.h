@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// OpenEXR by its own library: what panoramas of light are photographed and traded as.
+/// OpenEXR by its own library: the usual format of photographed panoramas of light.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,10 @@
 
 namespace cyclorama {
 
-/// The channels R, G and B, or Y alone (grey), of a file with one part, whole (its data window fills its display
-/// window), of any compression, in rows or tiles; of tiles in several sizes the largest. Linear light; texels pass
-/// sane_radiance().
-/// kBadData  damaged or cut short, another layout than this (named, with the remedy), or more than `limit_px` pixels,
-///           which are refused before memory is taken for them. Reentrant.
+/// Decodes the channels R, G and B, or Y alone (grey), of a file with one part whose data window equals its display
+/// window, of any compression, in rows or tiles; of several tile sizes, the largest. Linear light; texels pass
+/// sane_radiance(). Errors: kBadData if the file is damaged or truncated, has another layout (named, with the remedy),
+/// or has more than `limit_px` pixels, which are refused before memory is allocated for them. Reentrant.
 Result<RadianceImage> decode_openexr(std::span<const std::byte> bytes, std::size_t limit_px);
 
 }  // namespace cyclorama

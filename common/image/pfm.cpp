@@ -24,7 +24,7 @@ Error bad(std::size_t offset, std::string_view what) {
   return Error(ErrorCode::kBadData, fmt::format("byte {}: {}", offset, what));
 }
 
-/// The next word of the header, and the one blank that ends it. Empty at the end of the bytes.
+/// Takes the next word of the header and the one blank that ends it. Empty at the end of the bytes.
 std::string_view take_word(std::string_view header, std::size_t* offset) {
   const std::size_t begin = std::min(header.find_first_not_of(kBlanks, *offset), header.size());
   const std::size_t end = std::min(header.find_first_of(kBlanks, begin), header.size());

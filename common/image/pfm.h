@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// PFM ("portable float map"): linear light in float, exactly. For comparing pictures, between our tools and others'.
+/// PFM ("portable float map"): linear light in float, exactly. Used to compare pictures between our tools and others.
 /// Source: Debevec, "PFM Portable FloatMap Image Format", www.pauldebevec.com/Research/HDR/PFM.
 #pragma once
 
@@ -13,17 +13,17 @@
 
 namespace cyclorama {
 
-/// Colour ("PF") or grey ("Pf", which becomes three equal channels), of either byte order; the size of the scale is
-/// ignored, as others do. Values come as they are, NaN and infinities too: whoever compares must see them.
-/// kBadData  with the byte where it went wrong; more than `limit_px` pixels are refused before memory is taken.
-/// Reentrant.
+/// Decodes colour ("PF") or grey ("Pf", which becomes three equal channels), of either byte order; the magnitude of the
+/// scale is ignored, as in other programs. Values are unchanged, including NaN and infinities, which a comparison must
+/// see. Errors: kBadData with the byte of the fault; more than `limit_px` pixels are refused before memory is
+/// allocated. Reentrant.
 Result<RadianceImage> decode_pfm(std::span<const std::byte> pfm, std::size_t limit_px);
-/// As decode_pfm(); errors name the file.
+/// Reads a file. Errors: as decode_pfm(), with the file's name.
 Result<RadianceImage> read_pfm(const std::filesystem::path& path, std::size_t limit_px);
 
-/// Little-endian, scale 1. Precondition: not empty.
+/// Encodes as little-endian with scale 1. Precondition: the picture is not empty.
 [[nodiscard]] std::vector<std::byte> encode_pfm(const RadianceImage& image);
-/// Written whole or not at all. kInvalidArgument  the picture is empty.     kSystem  errno says why.
+/// Writes the whole file or nothing. Errors: kInvalidArgument if the picture is empty; kSystem with errno.
 Status write_pfm(const std::filesystem::path& path, const RadianceImage& image);
 
 }  // namespace cyclorama

@@ -13,7 +13,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::size_t kChunkLimitBytes = 64u << 20;  // One ancillary chunk, and all that is cached of them.
+constexpr std::size_t kChunkLimitBytes = 64u << 20;  // Limit of one ancillary chunk, and of the cache of all.
 constexpr int kQuick = 3;
 
 using Context = std::unique_ptr<spng_ctx, void (*)(spng_ctx*)>;

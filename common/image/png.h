@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// PNG by libspng: textures in, pictures for people out.
+/// PNG by libspng: input of textures, and output of pictures for people.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@
 
 namespace cyclorama {
 
-/// Any PNG, as 8-bit RGBA (16-bit files are rounded down to 8). kBadData says what is wrong; refuses more than
-/// `limit_px` pixels before it allocates. Reentrant.
+/// Decodes any PNG as 8-bit RGBA (16-bit samples are rounded down to 8). Errors: kBadData, which names the fault; more
+/// than `limit_px` pixels are refused before allocation. Reentrant.
 Result<RgbaImage> decode_png(std::span<const std::byte> png, std::size_t limit_px);
 
 Result<std::vector<std::byte>> encode_png(const RgbImage& image);
-/// Written whole or not at all.
+/// Writes the whole file or nothing.
 Status write_png(const std::filesystem::path& path, const RgbImage& image);
 
 }  // namespace cyclorama

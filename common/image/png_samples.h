@@ -14,11 +14,11 @@ struct PngSamples {
   int width_px = 0;
   int height_px = 0;
   int channels = 3;  ///< 1: grey; 3: red, green, blue.
-  int bits = 8;      ///< 8 or 16, in this machine's order of bytes.
+  int bits = 8;      ///< 8 or 16, in this machine's byte order.
   std::span<const std::byte> samples;
 };
 
-/// kInvalidArgument  no picture, or not as many samples as it has. Reentrant.
+/// Errors: kInvalidArgument if the picture is empty or the number of samples does not match. Reentrant.
 Result<std::vector<std::byte>> encode_png(const PngSamples& picture);
 
 }  // namespace cyclorama

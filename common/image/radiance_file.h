@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A picture of light in float, of whatever format we read, told by its first bytes and never by its name.
+/// Pictures of light in float, of every supported format, which is detected by the first bytes and never by the name.
 #pragma once
 
 #include <cstddef>
@@ -11,23 +11,24 @@
 
 namespace cyclorama {
 
-/// A photographed sun is some 1e9 times as bright as its sky; sums over whole pictures stay far inside of float.
+/// A photographed sun is about 1e9 times as bright as its sky; sums over whole pictures remain far within float's
+/// range.
 inline constexpr float kMaxRadiance = 1e9f;
-/// What half floats can say: an infinite texel of a picture was brighter than that.
+/// Maximum of a half float: an infinite texel of a picture was brighter than this.
 inline constexpr float kMaxHalf = 65504.0f;
 
-/// A texel's value that can be rendered with: NaN and negative light are 0, infinity is kMaxHalf, and what is brighter
-/// than kMaxRadiance is kMaxRadiance. No neighbour has a say.
+/// Makes a texel's value safe to render with: NaN and negative light become 0, infinity becomes kMaxHalf, and values
+/// above kMaxRadiance become kMaxRadiance. Independent of neighbouring texels.
 [[nodiscard]] constexpr float sane_radiance(float value) {
   if (!(value > 0.0f)) return 0.0f;
   if (value <= kMaxRadiance) return value;
   return value < __builtin_inff() ? kMaxRadiance : kMaxHalf;
 }
 
-/// Radiance HDR, OpenEXR or PFM; all texels pass sane_radiance(). kBadData  damaged, larger than `limit_px`, or another
-/// format, with the remedy. Reentrant.
+/// Decodes Radiance HDR, OpenEXR or PFM; all texels pass sane_radiance(). Errors: kBadData if the bytes are damaged,
+/// larger than `limit_px`, or of another format, with the remedy. Reentrant.
 Result<RadianceImage> decode_radiance(std::span<const std::byte> bytes, std::size_t limit_px);
-/// As decode_radiance(); errors name the file. kNotFound, kSystem  the file cannot be read.
+/// Reads a file. Errors: as decode_radiance(), with the file's name; kNotFound or kSystem if it cannot be read.
 Result<RadianceImage> read_radiance(const std::filesystem::path& path, std::size_t limit_px);
 
 }  // namespace cyclorama

@@ -18,21 +18,22 @@ namespace cyclorama {
 namespace {
 
 constexpr std::size_t kLineLimitBytes = 4096;
-constexpr int kMinRleWidth = 8;  ///< Rows shorter or longer are never in the newer scheme.
+constexpr int kMinRleWidth = 8;  ///< Rows narrower or wider than these limits are never in the newer scheme.
 constexpr int kMaxRleWidth = 32767;
 
 using Texel = std::array<std::uint8_t, 4>;  ///< R, G, B, exponent.
 
 struct Header {
-  std::array<float, 3> scale{1.0f, 1.0f, 1.0f};  ///< From what is stored to radiance.
-  int rows = 0;                                  ///< As stored: along the picture's y, unless `columns_first`.
-  int length = 0;                                ///< Of one of them.
+  std::array<float, 3> scale{1.0f, 1.0f, 1.0f};  ///< Factor from stored values to radiance.
+  /// Number of stored rows, along the picture's y unless `columns_first`.
+  int rows = 0;
+  int length = 0;                                ///< Texels in a stored row.
   bool columns_first = false;
   bool x_backwards = false;
   bool y_upwards = false;
 };
 
-/// Reads from the front, and knows where it is.
+/// Reads from the front and keeps its position.
 class HdrReader {
  public:
   explicit HdrReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -57,7 +58,7 @@ class HdrReader {
     return header;
   }
 
-  /// One row, in whichever scheme it is coded.
+  /// Reads one row in whichever scheme it is coded.
   Status row(std::vector<Texel>* ret_row) {
     const auto length = static_cast<int>(ret_row->size());
     const bool may_be_new = length >= kMinRleWidth && length <= kMaxRleWidth && left() >= 4;
@@ -113,7 +114,7 @@ class HdrReader {
     return Done{};
   }
 
-  /// "-Y 512 +X 1024": what is stored first, and which way it runs.
+  /// Parses "-Y 512 +X 1024": the axis that is stored first, and the directions.
   Status resolution(std::string_view line, Header* header) const {
     std::array<std::string_view, 4> words;
     for (std::string_view& word : words) {
@@ -152,7 +153,7 @@ class HdrReader {
     return Done{};
   }
 
-  /// Texels as they are; (1, 1, 1, n) repeats the one before n times, and right after another one n 256 times, ...
+  /// Reads literal texels; (1, 1, 1, n) repeats the previous texel n times, right after another such n * 256 times, ...
   Status old_row(std::vector<Texel>* ret_row) {
     int shift = 0;
     for (std::size_t done = 0; done < ret_row->size();) {
@@ -177,7 +178,7 @@ class HdrReader {
   std::size_t at_ = 0;
 };
 
-/// A row takes at least this many bytes: a run of 127 in two bytes for each channel, or four bytes for 256^4 texels.
+/// Minimum size of a row: a run of 127 in two bytes for each channel, or four bytes for 256^4 texels.
 std::size_t min_bytes(const Header& header) {
   const auto rows = static_cast<std::size_t>(header.rows);
   return rows * (header.length <= kMinRleWidth ? 4 : 8);

@@ -11,12 +11,11 @@
 
 namespace cyclorama {
 
-/// Linear light; EXPOSURE and COLORCORR are undone, GAMMA and PRIMARIES are not looked at (as others do). Rows coded in
-/// either run-length scheme or flat, in any of the eight orientations. A byte c with exponent e is c 2^(e - 136), as
-/// most programs have it; texels pass sane_radiance(). What follows the last row is ignored.
-/// kBadData  with the byte where it went wrong and the remedy; more than `limit_px` pixels, or more than the bytes
-/// could
-///           hold, are refused before memory is taken. Reentrant.
+/// Decodes linear light; EXPOSURE and COLORCORR are undone, GAMMA and PRIMARIES are ignored (as in other programs).
+/// Rows are flat or in either run-length scheme, in any of the eight orientations. A byte c with exponent e means c
+/// 2^(e - 136), as in most programs; texels pass sane_radiance(). Bytes after the last row are ignored. Errors:
+/// kBadData with the byte of the fault and the remedy; more than `limit_px` pixels, or more than the bytes could hold,
+/// are refused before memory is allocated. Reentrant.
 Result<RadianceImage> decode_radiance_hdr(std::span<const std::byte> bytes, std::size_t limit_px);
 
 }  // namespace cyclorama

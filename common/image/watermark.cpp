@@ -10,7 +10,8 @@
 namespace cyclorama {
 namespace {
 
-/// Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators", in Vigna's constants.
+/// SplitMix64. Source: Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators", with Vigna's
+/// constants.
 std::uint64_t split_mix(std::uint64_t state) {
   state += 0x9e3779b97f4a7c15u;
   state = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -18,13 +19,13 @@ std::uint64_t split_mix(std::uint64_t state) {
   return state ^ (state >> 31);
 }
 
-/// `delta` in two's complement, so that all of it is sums of bytes.
+/// `delta` is in two's complement, so that only sums of bytes are needed.
 CYCLORAMA_VECTOR_CLONES
 void add_row(const std::uint8_t* delta, std::uint8_t* __restrict values, std::size_t count) {
   constexpr int kSpan = 255 - 2 * kWatermarkMarginCodes;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint8_t value = values[i];
-    // A mask and no branch, or gcc 12 does not vectorise it.
+    // A mask instead of a branch, which gcc 12 would not vectorise.
     const std::uint8_t inside = static_cast<std::uint8_t>(value - kWatermarkMarginCodes) <= kSpan ? 0xff : 0;
     values[i] = static_cast<std::uint8_t>(value + (delta[i] & inside));
   }
@@ -35,7 +36,7 @@ void add_row(const std::uint8_t* delta, std::uint8_t* __restrict values, std::si
 WatermarkRow watermark_row(std::uint64_t key, int row, int sparseness) {
   constexpr std::uint64_t kWordsPerRow = 8;
   const std::uint64_t first = static_cast<std::uint64_t>(row % kWatermarkPeriodCells) * kWordsPerRow;
-  // Two rounds, so that keys that differ in few bits share nothing.
+  // Two rounds, so that keys that differ in few bits have nothing in common.
   const std::uint64_t seed = split_mix(key);
   WatermarkRow out{~std::uint64_t{0}, split_mix(seed ^ split_mix(first))};
   for (int i = 1; i <= sparseness; ++i) {

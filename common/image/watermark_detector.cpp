@@ -10,8 +10,8 @@ namespace cyclorama {
 namespace {
 
 constexpr int kPeriod = kWatermarkPeriodCells;
-/// An edge of the picture must not outweigh the many cells that show the mark: measured with --curve, 2 and 4 give
-/// less.
+/// Limits the weight of an edge in the picture against the many cells that show the mark. Measured with --curve: 2 and
+/// 4 give less.
 constexpr float kClipCodes = 3.0f;
 using Pattern = std::array<std::int8_t, static_cast<std::size_t>(kPeriod) * kPeriod>;
 
@@ -28,7 +28,7 @@ Pattern pattern_of(std::uint64_t key, int sparseness) {
   return pattern;
 }
 
-/// Luma in whole cells from (x0, y0) on: their means, in code values.
+/// Returns the mean luma of whole cells from (x0, y0) on, in code values.
 Image<float, 1> cell_means(const RgbImage& picture, int x0, int y0, int cell_px) {
   Image<float, 1> means(std::max(0, (picture.width() - x0) / cell_px), std::max(0, (picture.height() - y0) / cell_px));
   const float scale = 1.0f / static_cast<float>(256 * cell_px * cell_px);
@@ -45,7 +45,7 @@ Image<float, 1> cell_means(const RgbImage& picture, int x0, int y0, int cell_px)
   return means;
 }
 
-/// A cell less the mean of the eight around it.
+/// Returns a cell's difference from the mean of the eight around it.
 float residual(const Image<float, 1>& means, int x, int y) {
   float around = -*means.at(x, y);
   for (int j = -1; j <= 1; ++j) {
@@ -89,7 +89,7 @@ double WatermarkDetector::score(std::uint64_t key) const {
 
 WatermarkFind WatermarkDetector::search(std::uint64_t key) const {
   const Pattern pattern = pattern_of(key, sparseness_);
-  // Twice side by side, so that a shifted row is one run of memory.
+  // Stored twice side by side, so that a shifted row is contiguous in memory.
   std::array<float, static_cast<std::size_t>(2) * kPeriod * kPeriod> wide{};
   for (int y = 0; y < kPeriod; ++y) {
     for (int x = 0; x < 2 * kPeriod; ++x) {
@@ -108,7 +108,7 @@ WatermarkFind WatermarkDetector::search(std::uint64_t key) const {
       const double scale = 1.0 / std::sqrt(share * variance);
       for (int dy = 0; dy < kPeriod; ++dy) {
         for (int dx = 0; dx < kPeriod; ++dx) {
-          std::array<float, 16> sums{};  // Side by side, so that they are added in vectors.
+          std::array<float, 16> sums{};  // Independent sums, so that they are added as vectors.
           for (int y = 0; y < kPeriod; ++y) {
             const float* const signs = wide.data() + (y + dy) % kPeriod * 2 * kPeriod + dx;
             const float* const values = fold.data() + y * kPeriod;

@@ -10,10 +10,12 @@ namespace cyclorama::output {
 /// Decides whether one projector must be switched, from its observed and its required state; time plays no part.
 ///
 ///   required     observed  action
-///   on           off       switch on          A projector that has reached its required state is left alone until that
-///   off          on        switch off         changes, since somebody who switches it by hand has a reason. One that
-///   does
-///   any          others    query again        not answer may have lost power, so its state is restored afterwards.
+///   on           off       switch on
+///   off          on        switch off
+///   any          others    query again
+///
+/// A projector that has reached its required state is left alone until that state changes, since somebody who switches
+/// it by hand has a reason. One that does not answer may have lost power, so its state is restored afterwards.
 ///
 /// A value; pure; thread-bound.
 class ProjectorDuty {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How a visitor's hand moves a tag before a camera: a pure function of time, for simulated cameras and their tests.
+/// Movement of a tag in a visitor's hand before a camera: a pure function of time, for simulated cameras and their
+/// tests.
 ///
 ///   The visitor faces the camera. Camera frame: x right, y down, z forward; so the visitor's right is -x, and
-///   yaw    turns about the camera's y: positive when the visitor turns to the own right (clockwise seen from above),
+///   yaw    turns about the camera's y: positive when the visitor turns to their right (clockwise seen from above),
 ///   pitch  turns about the camera's x: positive when the upper edge of the tag leans away from the camera,
 ///   roll   turns about the camera's z: positive when the tag turns clockwise as the camera sees it.
 ///   R_camera_tag = R_y(yaw) R_x(-pitch) R_z(roll); all zero shows the tag upright and flat to the camera.
@@ -17,35 +18,35 @@
 
 namespace cyclorama::simulated {
 
-/// The tag's pose at one moment.
+/// Pose of the tag at one time.
 struct KeyPose {
   double time_s = 0.0;
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Tag's centre in the Camera frame.
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< Centre of the tag in the Camera frame.
   double yaw_rad = 0.0;
   double pitch_rad = 0.0;
   double roll_rad = 0.0;
 };
 
-/// A smooth movement through key poses. It passes through every key, and never beyond what two neighbours span, so a
+/// A smooth movement through key poses. It passes through every key and never beyond the range of two neighbours, so a
 /// hand that is held still stays still. Cubic Hermite pieces with the slopes of Fritsch and Butland, "A Method for
 /// Constructing Local Monotone Piecewise Cubic Interpolants", SIAM J. Sci. Stat. Comput. 5 (1984). Immutable;
 /// reentrant.
 class HandPath {
  public:
-  /// `loop_s`: the movement returns to the first key at that time and begins again; without it the last pose is held.
-  /// kInvalidArgument  no key, a number that is not finite, times that do not grow, or a loop that ends before the
-  /// last.
+  /// `loop_s` is the time at which the movement returns to the first key and starts again; without it the last pose is
+  /// held. Errors: kInvalidArgument if there is no key, a number is not finite, the times do not increase, or the loop
+  /// ends before the last key.
   static Result<HandPath> make(std::vector<KeyPose> keys, std::optional<double> loop_s);
-  /// What the demo replays, 28 s: stand, walk on, turn right, walk on, turn left, step to the right, step back.
+  /// Movement of the demo, 28 s: stand, walk on, turn right, walk on, turn left, step to the right, step back.
   static HandPath demo();
 
-  /// Any time, also before the first key; a time that is not finite is the first key's.
+  /// Accepts any time, also before the first key; a time that is not finite yields the first key's pose.
   [[nodiscard]] RigidTransform<frame::Camera, frame::Tag> at(double time_s) const;
-  /// From first key to the end of the loop, or to the last key.
+  /// Time from the first key to the end of the loop, or to the last key.
   [[nodiscard]] double duration_s() const { return keys_.back().time_s - keys_.front().time_s; }
 
  private:
-  using Values = Eigen::Matrix<double, 6, 1>;  ///< x, y, z, yaw, pitch, roll
+  using Values = Eigen::Matrix<double, 6, 1>;  ///< x, y, z, yaw, pitch, roll.
   HandPath(std::vector<KeyPose> keys, bool loops) : keys_(std::move(keys)), loops_(loops) {}
   [[nodiscard]] static Values values_of(const KeyPose& key);
   [[nodiscard]] Values slope_of(std::size_t piece) const;
@@ -55,7 +56,7 @@ class HandPath {
   bool loops_;
 };
 
-/// The rotation that the three angles stand for.
+/// Returns the rotation for the three angles.
 [[nodiscard]] Eigen::Quaterniond rotation_of(const KeyPose& key);
 
 }  // namespace cyclorama::simulated

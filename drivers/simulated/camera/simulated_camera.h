@@ -13,8 +13,8 @@
 
 namespace cyclorama::simulated {
 
-/// Makes the pictures of a simulation. Picture n begins its exposure at n / frames_per_second on the path, and depends
-/// on nothing but the simulation and n. Immutable; reentrant.
+/// Renders the pictures of a simulation. Picture n begins its exposure at n / frames_per_second on the path, and
+/// depends only on the simulation and n. Immutable; reentrant.
 class SimulatedView {
  public:
   explicit SimulatedView(Simulation simulation);
@@ -28,8 +28,8 @@ class SimulatedView {
   Sensor sensor_;
 };
 
-/// A camera that sees a hand with a tag, in real time. What it knows leaves it as pixels only. Thread-bound, but for
-/// id().
+/// A real-time camera that sees a hand with a tag. Its users get pixels only, never the true poses. Thread-bound except
+/// for id().
 class SimulatedCamera final : public camera::Camera {
  public:
   /// Borrows `clock` for its whole life.
@@ -37,7 +37,7 @@ class SimulatedCamera final : public camera::Camera {
 
   [[nodiscard]] const std::string& id() const override { return id_; }
   Status start() override;
-  /// A picture is ready when its exposure has ended.
+  /// A picture is ready at the end of its exposure.
   Result<std::shared_ptr<const camera::CameraFrame>> next_frame(TimePoint deadline) override;
   void stop() override { streaming_ = false; }
 

@@ -13,26 +13,26 @@
 
 namespace cyclorama::simulated {
 
-/// What stands behind the hand.
+/// Background behind the hand.
 enum class Backdrop { kPlain, kGradient, kClutter };
 
-/// Everything that a simulated camera's pictures depend on: the same simulation gives the same pictures. The camera is
-/// one for machine vision: grey is proportional to light.
+/// All parameters of a simulated camera's pictures: the same simulation gives the same pictures. The camera is a
+/// machine-vision camera: grey is proportional to light.
 struct Simulation {
-  Pinhole lens = Pinhole::from_field_of_view(640, 480, 1.0471975511965976);  ///< 60°
+  Pinhole lens = Pinhole::from_field_of_view(640, 480, 1.0471975511965976);  ///< 60° wide.
   double frames_per_second = 30.0;
   double exposure_s = 0.004;
-  int exposure_steps = 4;   ///< Moments of the exposure that are averaged: motion blur. 1, 2, 4 or 8.
+  int exposure_steps = 4;   ///< Number of averaged moments of the exposure (motion blur): 1, 2, 4 or 8.
   double noise_grey = 1.5;  ///< Standard deviation, in grey levels of 255.
-  double brightness = 1.0;  ///< Gain on everything but the noise; highlights clip as they do in a camera.
-  std::uint32_t seed = 1;   ///< Of noise and clutter.
+  double brightness = 1.0;  ///< Gain on everything but the noise; highlights clip as in a camera.
+  std::uint32_t seed = 1;   ///< Seed of noise and clutter.
   Backdrop backdrop = Backdrop::kClutter;
   double backdrop_grey = 90.0;
   Wand wand = standard_wand(0);
   HandPath path = HandPath::demo();
 
-  /// From TOML; docs/reference/settings.md lists the keys, and an absent key has the value above.
-  /// kBadData  file, line and remedy.     Others as read_file().
+  /// Reads TOML with the keys in docs/reference/settings.md; an absent key keeps the default above.
+  /// Errors: kBadData with file, line and remedy; others as read_file().
   static Result<Simulation> read(const std::filesystem::path& path);
   static Result<Simulation> parse(std::string_view text, std::string name);
 };

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A photograph of a room that does not exist: projectors light a wall, an eye looks at it.
+/// A photograph of a simulated room: projectors light a wall, and an eye looks at it.
 ///
 ///     projector pixel ── light ──▶ wall point ── diffuse ──▶ eye pixel
 ///                                      │
 ///                                      └── one bounce ──▶ floor point ──▶ eye pixel
 ///
-/// The wall is traced from the eye: per eye pixel the wall point, per wall point the place in each projector's picture.
-/// Light adds up in float, linear; nothing knows of warps or blends, so a seam that they get wrong is seen here.
-/// Every projector gives the same irradiance per unit of linear light, with no distortion, vignetting or black level
-/// yet.
+/// The wall is traced from the eye: each eye pixel has a wall point, and each wall point a position in each projector's
+/// picture. Light is added linearly in float; the simulation is independent of warps and blends, so that their errors
+/// show as seams. Every projector gives the same irradiance per unit of linear light, without distortion, vignetting or
+/// black level.
 #pragma once
 
 #include <array>
@@ -23,31 +23,31 @@
 
 namespace cyclorama::simulated {
 
-/// Who looks: a distortion-free camera standing in the room.
+/// The eye: a distortion-free camera in the room.
 struct RoomEye {
   Pinhole lens;
   RigidTransform<frame::Room, frame::Camera> T_room_camera;
 
-  /// A visitor's companion, some steps behind the sweet spot: sees the wall, as far as a flat picture
-  /// reaches, and some of the floor.
+  /// Returns an eye some steps behind the sweet spot, which sees the wall, as far as a flat picture can, and some of
+  /// the floor.
   static RoomEye behind_visitor(const Installation& installation, int width_px, int height_px);
 };
 
-/// Where everything lies is found once; photograph() then only adds light. Thread-bound.
+/// Finds all correspondences once; photograph() then only adds light. Thread-bound.
 class RoomPicture {
  public:
   RoomPicture(Installation installation, const RoomEye& eye);
 
-  /// One picture per projector of the installation, in its order; an empty picture is a projector that is off.
-  /// Returns what the eye sees, sRGB.
+  /// `projector_pictures` has one picture per projector of the installation, in its order; an empty picture means that
+  /// the projector is off. Returns the eye's picture in sRGB.
   [[nodiscard]] RgbImage photograph(std::span<const RgbImage> projector_pictures) const;
 
-  /// Radiance that leaves a wall point towards anywhere, linear; 1 is a projector's full white. For tests and scoring.
+  /// Linear radiance of a wall point, equal in all directions; 1 is a projector's full white. For tests and scoring.
   [[nodiscard]] std::array<float, 3> radiance_at(const Point<frame::Room>& wall_point,
                                                  std::span<const RgbImage> projector_pictures) const;
 
  private:
-  /// Where one eye pixel looks: a place in a projector's picture, or a place on the floor.
+  /// The position in a projector's picture that one eye pixel sees.
   struct Source {
     std::uint32_t eye_pixel = 0;
     std::uint32_t projector = 0;
@@ -56,7 +56,7 @@ class RoomPicture {
   };
   struct FloorPixel {
     std::uint32_t eye_pixel = 0;
-    float x = 0.0f;  ///< On the floor grid, in cells.
+    float x = 0.0f;  ///< Position on the floor grid, in cells.
     float z = 0.0f;
   };
   void look_at_wall(std::uint32_t eye_pixel, const Point<frame::Room>& wall_point);

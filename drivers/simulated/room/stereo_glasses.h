@@ -6,8 +6,9 @@
 
 namespace cyclorama::simulated {
 
-/// What glasses let through to one eye of what a head shows: the pixels that are the eye's, over the head's whole
-/// field. Where eyes take turns, the whole picture. Reentrant. Precondition: a side that both eyes share is even.
+/// Returns the part of a head's picture that the glasses pass to one eye: that eye's pixels, over the head's whole
+/// field, or the whole picture if the eyes take turns. Reentrant. Precondition: a dimension that both eyes share is
+/// even.
 [[nodiscard]] RgbImage seen_through_glasses(const RgbImage& head, StereoPacking packing, Eye eye);
 
 }  // namespace cyclorama::simulated

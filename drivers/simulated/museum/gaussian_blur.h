@@ -6,7 +6,7 @@
 namespace cyclorama::simulated {
 
 /// Blurs a plane of floats in place, rows of `width`, with a normalised Gaussian cut off at four standard deviations.
-/// Outside of the plane its edge goes on. Nothing for a sigma of 0.
+/// The plane's border values are continued outside. Does nothing for a sigma of 0.
 void blur_plane(std::vector<float>* plane, int width, int height, double sigma_px, int threads);
 
 }  // namespace cyclorama::simulated

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The light that a concave wall throws at itself: radiosity on a wall's cells.
+/// Inter-reflection of a concave wall: radiosity on the wall's cells.
 ///
-///     radiosity B = albedo * (E_direct + E_indirect),    E_indirect = F B,    F_ij = the part of what i sees that is j
+///     radiosity B = albedo * (E_direct + E_indirect),    E_indirect = F B,    F_ij = share of j in the view from i
 ///
-/// so E_indirect = F albedo (1 - albedo F)^-1 E_direct, a matrix per colour, made once. F is exact on a sphere;
-/// elsewhere it is summed over pieces of the cells. It keeps what energy demands: A_i F_ij = A_j F_ji, and no row sums
-/// to more than 1. Source: Cohen and Wallace, "Radiosity and Realistic Image Synthesis", 1993, chapters 3 and 4.
+/// so E_indirect = F albedo (1 - albedo F)^-1 E_direct, one matrix per colour, computed once. F is exact on a sphere;
+/// elsewhere it is summed over pieces of the cells. It conserves energy: A_i F_ij = A_j F_ji, and no row sums to more
+/// than 1. Source: Cohen and Wallace, "Radiosity and Realistic Image Synthesis", 1993, chapters 3 and 4.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ namespace cyclorama::simulated {
 /// Reentrant.
 class InterReflection {
  public:
-  /// `albedo` below 1 in each colour. Costs the cube of the number of cells: 0.1 s for 400.
+  /// `albedo` must be below 1 in each colour. The cost is cubic in the number of cells: 0.1 s for 400.
   InterReflection(const TrueWall& wall, const WallCells& cells, const std::array<double, 3>& albedo);
   InterReflection(InterReflection&&) noexcept;
   InterReflection& operator=(InterReflection&&) noexcept;
@@ -29,7 +29,7 @@ class InterReflection {
   [[nodiscard]] Light indirect(const Light& direct) const;
 
   [[nodiscard]] const std::vector<double>& areas_m2() const { return areas_; }
-  /// How much of what cell i sees is cell j. For tests.
+  /// Form factor F_ij, the share of cell j in the view from cell i. For tests.
   [[nodiscard]] double form_factor(std::size_t i, std::size_t j) const;
 
  private:

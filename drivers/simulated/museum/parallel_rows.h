@@ -6,8 +6,8 @@
 
 namespace cyclorama::simulated {
 
-/// Calls work(begin, end) for consecutive ranges that cover [0, rows), on so many threads, and waits for all of them.
-/// What the ranges write must not meet.
+/// Calls work(begin, end) for consecutive ranges that cover [0, rows) on `threads` threads, and waits for all of them.
+/// The ranges must write to disjoint memory.
 template <typename Work>
 void for_rows(int rows, int threads, const Work& work) {
   std::vector<std::jthread> others;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Museums to calibrate, drawn from a seed: what an installer would have written, and what is really there. Knows the
-/// truth: see truth.h for who may.
+/// Museums to calibrate, drawn from a seed: the installation as an installer would describe it, and the true one.
+/// Contains the truth: see truth.h for its permitted users.
 ///
-///   cylinder126         what most are meant to be: radius 4.3 m, 126 degrees
-///   not-quite-cylinder  the same, 4.06 to 4.6 m from its middle, as a real one has been measured
+///   cylinder126         the usual plan: radius 4.3 m, 126 degrees
+///   not-quite-cylinder  the same, 4.06 to 4.6 m from its axis, as measured in a real museum
 ///   tilted              a cylinder that leans by 1.5 to 4 degrees
 ///   bumpy               a cylinder with waves and dents of some centimetres
 ///   plane, corner       flat; two flat walls that meet at 90 to 130 degrees
@@ -25,20 +25,21 @@ struct PresetOptions {
   int projector_width_px = 1920;
   int projector_height_px = 1080;
   double camera_megapixels = 2.0;
-  double overlap = 0.25;  ///< Of neighbouring pictures' width.
-  bool has_flaws = true;  ///< Or all optics are perfect, and only the wall's shape remains.
+  double overlap = 0.25;  ///< As a fraction of the width of neighbouring pictures.
+  bool has_flaws = true;  ///< If false, all optics are perfect and only the wall's shape remains.
 };
 
 struct Preset {
   std::string installation_text;  ///< installation.toml
-  Installation installation;      ///< The same, read.
+  Installation installation;      ///< The same, parsed.
   MuseumTruth truth;
 };
 
 [[nodiscard]] const std::vector<std::string>& preset_names();
-/// The same name, seed and options give the same museum. kInvalidArgument  no such name, or options without sense.
+/// The same name, seed and options give the same museum. Errors: kInvalidArgument for an unknown name or invalid
+/// options.
 Result<Preset> make_preset(std::string_view name, std::uint32_t seed, const PresetOptions& options = {});
-/// Writes installation.toml and truth.toml into a folder that is there.
+/// Writes installation.toml and truth.toml into an existing folder.
 Status write_preset(const Preset& preset, const std::filesystem::path& folder);
 
 }  // namespace cyclorama::simulated

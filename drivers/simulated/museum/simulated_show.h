@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A museum during the show: cameras that stay where they are look at the wall, somebody bumps a projector, visitors
-/// walk through the light. For the continuous calibration. Knows the truth: see truth.h for who may.
+/// A museum during the show: fixed cameras look at the wall, somebody bumps a projector, visitors walk through the
+/// light. For the continuous calibration. Contains the truth: see truth.h for its permitted users.
 ///
 ///     show(i, picture) ─▶ projector i ─ light ─▶ people ─▶ wall ⇄ wall ─▶ people ─▶ camera k ─▶ photograph(k,
 ///     exposure)
 ///                             ▲ move_projector()              set_ambient()            ▲ move_camera()
 ///
-/// It has no time: a picture is shown until the next one, and a photograph sees what is shown. The optics are those of
-/// SimulatedMuseum.
+/// It has no clock: a picture is shown until the next one, and a photograph sees the current pictures. The optics are
+/// those of SimulatedMuseum.
 #pragma once
 
 #include <cstdint>
@@ -21,13 +21,13 @@
 
 namespace cyclorama::simulated {
 
-/// Optics as a calibration's camera has them; without rolling shutter.
+/// Optics as for a calibration's camera, but without rolling shutter.
 struct FixedCamera {
   TrueCamera optics;
   RigidTransform<frame::Room, frame::Camera> T_room_camera;
 };
 
-/// Upright and round, of one colour. Shades the wall, hides it, and is lit by what is projected.
+/// An upright cylinder of one colour, which shades the wall, hides it, and is lit by the projectors.
 struct Visitor {
   double x_m = 0.0;
   double z_m = 0.0;
@@ -36,22 +36,22 @@ struct Visitor {
   double albedo = 0.3;
 };
 
-/// Thread-bound. The same calls in the same order give the same photographs, on however many threads.
+/// Thread-bound. The same calls in the same order give the same photographs, for any number of threads.
 class SimulatedShow {
  public:
   /// Errors as TrueMuseum::make(); kInvalidArgument also for a camera behind the wall.
   static Result<SimulatedShow> make(Installation installation, MuseumTruth truth, std::vector<FixedCamera> cameras,
                                     int threads = 1);
 
-  /// An empty picture turns the lamp off; at first all are off. Errors as SimulatedMuseum::show().
+  /// An empty picture turns the lamp off; initially all are off. Errors as SimulatedMuseum::show().
   Status show(std::size_t projector, RgbImage picture);
-  /// Preconditions: there is such a projector, such a camera.
+  /// Preconditions: the projector exists; the camera exists.
   Status move_projector(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& T_room_projector);
   void move_camera(std::size_t camera, const RigidTransform<frame::Room, frame::Camera>& T_room_camera);
   void set_visitors(std::vector<Visitor> visitors);
   void set_ambient(const RoomColour& lux) { ambient_lux_ = lux; }
 
-  /// Codes of 8 bits, grey. kInvalidArgument  no such camera.
+  /// Returns grey codes of 8 bits. Errors: kInvalidArgument if there is no such camera.
   Result<GreyImage> photograph(std::size_t camera, double exposure_s);
 
   [[nodiscard]] const TrueMuseum& truth() const { return museum_; }
@@ -62,8 +62,8 @@ class SimulatedShow {
     std::vector<Eigen::Vector3d> directions;
     std::vector<float> vignetting;
     TrueSensor sensor;
-    std::optional<CameraTable> table;    ///< Of the room without people.
-    std::optional<CameraTable> peopled;  ///< With them.
+    std::optional<CameraTable> table;    ///< Table of the room without people.
+    std::optional<CameraTable> peopled;  ///< Table of the room with people.
   };
   SimulatedShow(TrueMuseum museum, std::vector<FixedCamera> cameras, int threads);
   const CameraTable& table_of(std::size_t camera);

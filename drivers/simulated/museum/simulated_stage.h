@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The room that the show's own devices stand in: projectors that show what they are told, and a fixed camera beside
-/// each. It has true optics, and keeps the truth to itself; SimulatedShow is its inside.
+/// The room in which the show's simulated devices stand: projectors that show pictures, and a fixed camera beside each.
+/// It has true optics and does not expose the truth; it is built on SimulatedShow.
 ///
-/// Somebody bumps a projector by replacing the file of the truth beside installation.toml: whoever takes the next
-/// photograph sees it.
+/// A projector is bumped by replacing the truth's file beside installation.toml: the next photograph uses the new file.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +21,10 @@ class SimulatedStage {
   struct Options {
     double camera_megapixels = 0.3;
     double camera_field_deg = 80.0;
-    int wall_cells = 24;  ///< That throw light at each other.
+    int wall_cells = 24;  ///< Number of wall cells for inter-reflection.
     int threads = 1;
   };
-  /// What its maker's data sheet and a chessboard would have told of a camera.
+  /// Intrinsics of a camera, as its data sheet and a chessboard would give them.
   struct Lens {
     int width_px = 0;
     int height_px = 0;
@@ -44,11 +43,12 @@ class SimulatedStage {
 
   [[nodiscard]] std::size_t camera_count() const;
   [[nodiscard]] Lens lens(std::size_t camera) const;  ///< Precondition: there is such a camera.
-  /// Of the projector's size, or smaller by a whole number each way: then it is made larger. Empty: the lamp is off.
-  /// kInvalidArgument  no such projector, or another size.
+  /// `picture` has the projector's size, or is smaller by a whole number in each dimension and is then enlarged. An
+  /// empty picture turns the lamp off. Errors: kInvalidArgument if there is no such projector, or the picture has
+  /// another size.
   Status show(std::size_t projector, const RgbImage& picture);
-  /// Grey codes of 8 bits. kInvalidArgument  no such camera. kBadData  the truth's file was replaced by one that is
-  /// none.
+  /// Returns grey codes of 8 bits. Errors: kInvalidArgument if there is no such camera; kBadData if the truth's file
+  /// was replaced by an invalid one.
   Result<GreyImage> photograph(std::size_t camera, double exposure_s);
 
  private:

@@ -10,12 +10,12 @@
 namespace cyclorama::simulated {
 
 /// A lens with the distortion of Brown ("Decentering Distortion of Lenses", 1966), in OpenCV's order and signs, so that
-/// a calibration's figures can be compared one by one:
+/// a calibration's parameters can be compared one by one:
 ///
 ///   seen = ideal * (1 + k1 r^2 + k2 r^4 + k3 r^6) + (2 p1 x y + p2 (r^2 + 2 x^2),  p1 (r^2 + 2 y^2) + 2 p2 x y)
 ///
-/// where ideal = (x, y) = (X / Z, Y / Z), r its length, and pixel = centre + focal * seen. Beyond the radius at which
-/// the radial part turns back two rays would have one pixel: there the lens sees nothing. A value; reentrant.
+/// where ideal = (x, y) = (X / Z, Y / Z), r is its length, and pixel = centre + focal * seen. Beyond the radius at
+/// which the radial part turns back, two rays would share a pixel; the lens sees nothing there. A value; reentrant.
 class TrueLens {
  public:
   TrueLens() = default;
@@ -25,18 +25,18 @@ class TrueLens {
   [[nodiscard]] const Pinhole& pinhole() const { return pinhole_; }
   [[nodiscard]] const std::array<double, 3>& radial() const { return radial_; }
   [[nodiscard]] const std::array<double, 2>& tangential() const { return tangential_; }
-  /// Of the ideal point; rays farther from the axis are not seen.
+  /// Maximum length of the ideal point; rays farther from the axis are not seen.
   [[nodiscard]] double max_tangent() const { return max_tangent_; }
 
   [[nodiscard]] Eigen::Vector2d distorted(const Eigen::Vector2d& ideal) const;
-  /// Of distorted() by ideal.
+  /// Derivative of distorted() with respect to `ideal`.
   [[nodiscard]] Eigen::Matrix2d derivative(const Eigen::Vector2d& ideal) const;
-  /// By Newton's method; nothing where no ray of the lens arrives. distorted() of it is within 1e-12.
+  /// Inverts distorted() by Newton's method to within 1e-12; nothing if no ray of the lens arrives at `seen`.
   [[nodiscard]] std::optional<Eigen::Vector2d> undistorted(const Eigen::Vector2d& seen) const;
 
-  /// Of a point in front of the lens, perhaps outside the picture.
+  /// Projects a point in front of the lens; the pixel may lie outside the picture.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_of(const Eigen::Vector3d& point) const;
-  /// Not normalised: z is 1. Nothing where the lens has no ray for a pixel.
+  /// Returns a direction with z = 1, not normalised; nothing if the lens has no ray for the pixel.
   [[nodiscard]] std::optional<Eigen::Vector3d> direction_at(double u, double v) const;
 
  private:

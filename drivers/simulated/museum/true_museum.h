@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a simulated museum does with light, and what scoring asks it. Knows the truth: see truth.h for who may.
+/// Light transport in a simulated museum, and queries for scoring. Contains the truth: see truth.h for its permitted
+/// users.
 ///
-///   a pixel's flux      flux_lm / pixels * cos^n(a)                a: from the lens's axis
+///   flux of a pixel     flux_lm / pixels * cos^n(a)                a: angle from the lens's axis
 ///   irradiance, lux     flux * |pixels per steradian| * cos(wall) / distance^2
-///   pixels / steradian  f^2 |distortion's derivative| / cos^3(a)   what distortion spreads, it dims
+///   pixels / steradian  f^2 |distortion's derivative| / cos^3(a)   where distortion enlarges, it dims
 ///   radiance, nits      albedo / pi * (direct + indirect + ambient)
 #pragma once
 
@@ -20,52 +21,52 @@
 
 namespace cyclorama::simulated {
 
-/// Thread-safe: nothing changes once it is made.
+/// Thread-safe, since it is immutable.
 class TrueMuseum {
  public:
-  /// kInvalidArgument  the wall is none that can be simulated, the truth has another number of projectors than the
-  /// installation or other pictures, or the camera stands behind the wall.
+  /// Errors: kInvalidArgument if the wall cannot be simulated, the truth's number of projectors or picture sizes differ
+  /// from the installation's, or the camera stands behind the wall.
   static Result<TrueMuseum> make(Installation installation, MuseumTruth truth);
 
   [[nodiscard]] const Installation& installation() const { return installation_; }
   [[nodiscard]] const MuseumTruth& truth() const { return truth_; }
   [[nodiscard]] const TrueWall& wall() const { return wall_; }
 
-  /// Where a place in a projector's picture falls on the wall.
+  /// Returns the wall point that a position in a projector's picture lights.
   [[nodiscard]] std::optional<TrueWall::Hit> wall_at(std::size_t projector, double u, double v) const;
-  /// The direction of that from an eye; unit length, in the Room frame.
+  /// Returns the direction of that point from an eye; unit length, in the Room frame.
   [[nodiscard]] std::optional<Eigen::Vector3d> direction_at(std::size_t projector, double u, double v,
                                                             const Point<frame::Room>& eye) const;
-  /// Where in a projector's picture the light of a place on the wall comes from; may lie outside of it. Nothing where
-  /// no light of this projector could arrive.
+  /// Returns the position in a projector's picture that lights a point of the wall; it may lie outside the picture.
+  /// Nothing if no light of this projector can arrive.
   [[nodiscard]] std::optional<Eigen::Vector2d> projector_pixel(std::size_t projector, const TrueWall::Hit& at) const;
 
-  /// Irradiance for one unit of a channel's light, in lux. 0 where the light cannot arrive.
+  /// Irradiance in lux for one unit of a channel's light; 0 if the light cannot arrive.
   [[nodiscard]] double gain_lux(std::size_t projector, const TrueWall::Hit& at) const;
-  /// Of a pixel's blur at a place on the wall, besides what it has in focus: standard deviation.
+  /// Standard deviation of a pixel's defocus blur at a point of the wall, in addition to its blur in focus.
   [[nodiscard]] double defocus_px(std::size_t projector, const TrueWall::Hit& at) const;
-  /// Light of a channel for a code of 8 bits, black level included, in [0, 1].
+  /// Light of a channel for an 8-bit code, black level included, in [0, 1].
   [[nodiscard]] double channel_light(std::size_t projector, std::size_t channel, int code) const;
-  /// What a projector's whole picture would be if all of it had this code: room colour per unit of gain_lux().
+  /// Room colour of a projector whose whole picture has this code, per unit of gain_lux().
   [[nodiscard]] RoomColour colour_of(std::size_t projector, const std::array<int, 3>& code) const;
 
-  /// Direct irradiance of the cells by one picture: each pixel's flux, where it lands. Lux.
+  /// Direct irradiance of the cells by one picture, in lux: the flux of each pixel goes to the cells that it lights.
   [[nodiscard]] InterReflection::Light direct_light(std::size_t projector, const RgbImage& picture) const;
   [[nodiscard]] const WallCells& cells() const { return cells_; }
-  /// Null: the truth wants none.
+  /// Null if the truth disables inter-reflection.
   [[nodiscard]] const InterReflection* inter_reflection() const { return inter_reflection_.get(); }
 
-  /// Radiance that leaves a place on the wall towards anywhere: linear room colour, nits. Pictures are sampled between
-  /// pixels' centres, without blur. An empty picture is a lamp that is off.
+  /// Radiance of a wall point, equal in all directions: linear room colour, nits. Pictures are interpolated between
+  /// pixel centres, without blur. An empty picture means that the lamp is off.
   [[nodiscard]] RoomColour radiance_at(const TrueWall::Hit& at, std::span<const RgbImage> pictures) const;
 
-  /// Where the camera is when the turntable has turned to a true angle.
+  /// Returns the camera's pose for a true angle of the turntable.
   [[nodiscard]] RigidTransform<frame::Room, frame::Camera> camera_pose(double true_angle_rad) const;
-  /// The point of the turntable's axis that is nearest to the camera's centre: what it turns about.
+  /// The point of the turntable's axis nearest to the camera's centre, about which the camera turns.
   [[nodiscard]] Point<frame::Room> turning_point() const;
 
  private:
-  /// Of a block of a projector's pixels: the flux of a full channel, and the cells that get it.
+  /// Full-channel flux of a block of projector pixels, and the cells that receive it.
   struct Deposit {
     double flux_lm = 0.0;
     WallCells::Share share;
@@ -78,7 +79,7 @@ class TrueMuseum {
   TrueWall wall_;
   WallCells cells_;
   std::unique_ptr<const InterReflection> inter_reflection_;
-  std::vector<std::vector<Deposit>> deposits_;  ///< Per projector, block by block.
+  std::vector<std::vector<Deposit>> deposits_;  ///< Deposits of each projector, block by block.
   std::vector<std::array<std::array<double, 256>, 3>> light_of_code_;
 };
 

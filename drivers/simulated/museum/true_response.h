@@ -3,12 +3,12 @@
 
 namespace cyclorama::simulated {
 
-/// What comes out of a projector's channel for a code value, or of a sensor's amplifier for a charge: both in [0, 1].
+/// Response of a projector's channel to a code value, or of a sensor's amplifier to a charge; both in [0, 1].
 ///
 ///   y = x / clip, at most 1        light = y^gamma + bend * y (1 - y) (1 - 2 y) - dip * exp(-((x - 0.85) / 0.05)^2)
 ///
-/// A projector has a gamma of about 2.2 and an S-shaped bend; a camera for machine vision 1, one for people about
-/// 1/2.2. A clip below 1 and a dip are what a wrongly set projector does. A value; reentrant.
+/// A projector has a gamma of about 2.2 and an S-shaped bend; a machine-vision camera has a gamma of 1, a consumer
+/// camera about 1/2.2. A clip below 1 and a dip occur with wrong projector settings. A value; reentrant.
 struct TrueResponse {
   double gamma = 1.0;
   double bend = 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// From light on a sensor to the numbers that a camera delivers:
+/// Conversion of light on a sensor to the codes that a camera delivers:
 ///
 ///   electrons ─ shot noise, read noise ─▶ / full well + pedestal ─ response ─▶ clip, round to 2^bits - 1
 #pragma once
@@ -17,11 +17,11 @@ class TrueSensor {
  public:
   explicit TrueSensor(const TrueCamera& camera);
 
-  /// One row of one channel: `electrons` to every `stride`th of `codes`. The same `stream` gives the same noise; no two
-  /// rows, channels or photographs should share one.
+  /// Reads one row of one channel: `electrons` are written as codes to every `stride`th entry of `codes`. The same
+  /// `stream` gives the same noise; each row, channel and photograph needs its own.
   void read_row(std::span<const float> electrons, std::uint64_t stream, std::uint16_t* codes, std::size_t stride) const;
 
-  /// Without noise, not rounded: in units of code.
+  /// Code without noise and rounding.
   [[nodiscard]] double expected_code(double electrons) const;
 
  private:
@@ -31,13 +31,14 @@ class TrueSensor {
   float pedestal_;
   float max_code_;
   TrueResponse response_;
-  std::vector<float> codes_;  ///< At even steps of the amplifier's input, up to 1.
+  std::vector<float> codes_;  ///< Codes at even steps of the amplifier's input, up to 1.
 };
 
-/// Bits that look random, from any number. Source: Steele, Lea and Flood, "Fast Splittable Pseudorandom Number
+/// Mixes a number to pseudorandom bits. Source: Steele, Lea and Flood, "Fast Splittable Pseudorandom Number
 /// Generators", OOPSLA 2014 (SplitMix64's finaliser).
 [[nodiscard]] std::uint64_t mixed(std::uint64_t number);
-/// Normal deviates of mean 0 and variance 1, at the middles of equally probable steps, a power of two of them.
+/// Normal deviates of mean 0 and variance 1, at the midpoints of equally probable steps; their number is a power of
+/// two.
 [[nodiscard]] std::span<const float> normal_quantiles();
 
 }  // namespace cyclorama::simulated

@@ -10,16 +10,16 @@
 
 namespace cyclorama::simulated {
 
-/// A place on a wall: of which piece, and where between its edges: `across` from left to right, `along` from the lower
-/// to the upper edge, in [0, 1]. On a dome `across` is the angle around the axis in turns, and `along` goes from the
-/// axis to the rim so that equal steps are equal areas.
+/// A position on a wall: the part, and `across` from left to right and `along` from the lower to the upper edge, both
+/// in [0, 1]. On a dome, `across` is the angle around the axis in turns, and `along` runs from the axis to the rim such
+/// that equal steps have equal areas.
 struct WallPosition {
   std::size_t part = 0;
   double across = 0.0;
   double along = 0.0;
 };
 
-/// The wall as it really stands: a shape of common/room, moved as a whole, with a deviation on it. A value; reentrant.
+/// The wall as it really stands: a shape of common/room, moved rigidly, with a deviation. A value; reentrant.
 class TrueWall {
  public:
   struct Hit {
@@ -28,33 +28,33 @@ class TrueWall {
     WallPosition position;
   };
 
-  /// `T_room_wall` moves the shape; identity leaves it where its own numbers say.
-  /// kInvalidArgument  a mesh (describe it by a deviation), or a deviation on several planes, which would tear at the edges.
+  /// `T_room_wall` moves the shape; identity leaves it at its nominal pose. Errors: kInvalidArgument for a mesh
+  /// (describe it by a deviation), or for a deviation on several planes, which would tear at the edges.
   static Result<TrueWall> make(Wall shape, const RigidTransform<frame::Room, frame::Room>& T_room_wall,
                                WallDeviation deviation);
 
-  /// Where a ray first meets the lit side.
+  /// Returns the first hit of a ray on the lit side.
   [[nodiscard]] std::optional<Hit> hit(const RoomRay& ray) const;
-  /// As is_reached() of common/room, for the shape without its deviation.
+  /// Equivalent of is_reached() in common/room, for the shape without its deviation.
   [[nodiscard]] bool is_reached(const Hit& at, const Point<frame::Room>& source) const;
 
-  /// 1 but for walls of several planes.
+  /// Number of parts: 1, except for walls of several planes.
   [[nodiscard]] std::size_t part_count() const;
-  /// Whether `across` goes round and meets itself.
+  /// Returns whether `across` is periodic.
   [[nodiscard]] bool goes_round() const { return std::holds_alternative<DomeWall>(shape_); }
   [[nodiscard]] Hit at(const WallPosition& position) const;
-  /// Of the piece between two places of one part, by its middle; metres from edge to edge, and m^2.
+  /// Area in m^2 of the piece between two positions of one part, approximated at its centre; metres from edge to edge.
   [[nodiscard]] double area_m2(const WallPosition& low, const WallPosition& high) const;
-  /// Middle lengths of a part, to divide it evenly: across, along.
+  /// Lengths of a part through its centre, for an even division: across, along.
   [[nodiscard]] Eigen::Vector2d size_m(std::size_t part) const;
 
  private:
-  /// In the shape's own frame.
+  /// A point in the shape's own frame.
   struct Surface {
     std::size_t part = 0;
     double s_m = 0.0;
     double t_m = 0.0;
-    double above_m = 0.0;  ///< Of a point, over the shape without deviation.
+    double above_m = 0.0;  ///< Height of a point above the shape without deviation.
   };
   TrueWall(Wall shape, const RigidTransform<frame::Room, frame::Room>& T_room_wall, WallDeviation deviation);
   [[nodiscard]] Surface surface_of(const Eigen::Vector3d& point, std::size_t part) const;
@@ -69,7 +69,7 @@ class TrueWall {
   RigidTransform<frame::Room, frame::Room> T_room_wall_;
   RigidTransform<frame::Room, frame::Room> T_wall_room_;
   WallDeviation deviation_;
-  double steepest_ = 0.0;  ///< Slope of the deviation, anywhere.
+  double steepest_ = 0.0;  ///< Maximum slope of the deviation.
 };
 
 }  // namespace cyclorama::simulated

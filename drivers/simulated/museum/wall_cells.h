@@ -10,26 +10,26 @@
 
 namespace cyclorama::simulated {
 
-/// A wall cut into cells, rows of columns per part, to hold light that varies slowly. A value; reentrant.
+/// A wall divided into cells, in rows and columns per part, for slowly varying light. A value; reentrant.
 class WallCells {
  public:
   struct Grid {
-    std::size_t first = 0;  ///< Of its cells.
+    std::size_t first = 0;  ///< Index of its first cell.
     int columns = 1;
     int rows = 1;
   };
-  /// Four cells and their weights, which sum to 1: bilinear between the cells' middles.
+  /// Four cells and their weights, which sum to 1: bilinear between the cells' centres.
   struct Share {
     std::array<std::size_t, 4> cells{};
     std::array<double, 4> weights{};
   };
 
-  /// About so many, nearly square.
+  /// Divides the wall into about `about` nearly square cells.
   WallCells(const TrueWall& wall, int about);
 
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] const std::vector<Grid>& grids() const { return grids_; }
-  /// Corners of a cell: where it begins, and where it ends.
+  /// Corners of a cell: its lower and upper bounds.
   [[nodiscard]] WallPosition low(std::size_t cell) const { return corner(cell, 0); }
   [[nodiscard]] WallPosition high(std::size_t cell) const { return corner(cell, 1); }
   [[nodiscard]] Share share(const WallPosition& position) const;

@@ -5,9 +5,9 @@
 
 namespace cyclorama::simulated {
 
-/// How far a wall stands out from the shape that it was meant to have, towards the visitor: waves and bumps over the
-/// surface's coordinates (s to the right, t upwards, metres from its middle). Gentle: what it would hide from a
-/// projector behind itself is not looked for. A value; reentrant.
+/// Height of a wall above its ideal shape, towards the visitor: waves and bumps over the surface's coordinates (s to
+/// the right, t upwards, metres from the centre). It must be gentle, since shadows that it would cast on itself are not
+/// computed. A value; reentrant.
 struct WallDeviation {
   struct Wave {
     double height_m = 0.0;
@@ -31,7 +31,7 @@ struct WallDeviation {
   };
   [[nodiscard]] Height at(double s_m, double t_m) const;
   [[nodiscard]] bool is_flat() const { return waves.empty() && bumps.empty(); }
-  /// No point stands out or in by more.
+  /// Upper bound of the deviation's magnitude.
   [[nodiscard]] double bound_m() const;
 };
 

@@ -3,13 +3,12 @@
 ///
 ///   Room       origin on the floor at the datum mark; x right, y up, z towards the visitor (glTF).
 ///   Scene      the digitised site; y up (glTF). The visitor's eye and heading place the room in it.
-///   Eye        origin at the visitor's eye (the sweet spot); x right, y up, z back: a heading turns it about y.
+///   Eye        origin at the visitor's eye (the sweet spot); x right, y up, z back; a heading turns it about y.
 ///   Camera     origin at the centre of projection; x right, y down, z forward (the OpenCV convention).
-///   Projector  as Camera: a projector is a camera whose pixels shine.
-///   Tag        of the pattern in the hand, a flat tag or a wand of several: origin at its centre, seen upright from
-///   the
-///              front: x right, y down, z into the pattern.
-///   Face       of one tag on a wand: as Tag, at that tag's centre.
+///   Projector  like Camera: a projector is modelled as an inverse camera.
+///   Tag        of the pattern in the hand, a flat tag or a wand of several: origin at its centre; seen upright from
+///              the front, x right, y down, z into the pattern.
+///   Face       of one tag on a wand: like Tag, at that tag's centre.
 ///
 /// A pixel is addressed (u, v) with u right, v down and the CENTRE of the first pixel at (0.5, 0.5).
 /// A heading is in radians, positive to the right (clockwise seen from above); at heading 0 the eye looks along -z.

@@ -16,13 +16,13 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr int kMaxSidePx = 16384;
-constexpr double kMaxTangent = 5.671;  // Of 80 degrees: beyond, a flat picture is mostly rim.
-constexpr double kSameEdge = 1e-9;     // In tangents: a picture that is not turned stays inside itself.
+constexpr double kMaxTangent = 5.671;  // Tangent of 80 degrees; beyond, a flat picture consists mostly of its border.
+constexpr double kSameEdge = 1e-9;     // In tangents; a picture that is not turned stays inside itself.
 
 int whole_px(double px) { return static_cast<int>(std::clamp(std::ceil(px - 1e-6), 1.0, double{kMaxSidePx})); }
 int cut_px(double px) { return std::min((whole_px(px) + kCutPx - 1) / kCutPx * kCutPx, kMaxSidePx); }
 
-/// Of a perspective's picture, in tangents.
+/// Extent of a perspective picture, in tangents.
 struct Extent {
   double left;
   double right;
@@ -30,8 +30,8 @@ struct Extent {
   double bottom;
 };
 
-/// Of the places that a picture shows when it is turned by `turn_rad` either way; nothing if a corner comes to lie too
-/// far out. Lines stay straight, so the corners tell.
+/// Returns the extent of all positions that a picture shows when turned by `turn_rad` either way; nothing if a corner
+/// would be too far out. Lines stay straight, so the corners suffice.
 std::optional<Extent> swept(const Perspective& p, double turn_rad) {
   Extent extent{p.tan_left, p.tan_right, p.tan_top, p.tan_bottom};
   for (const double turn : {-turn_rad, turn_rad}) {
@@ -47,7 +47,8 @@ std::optional<Extent> swept(const Perspective& p, double turn_rad) {
   return extent;
 }
 
-/// The largest turn up to `most` of which `is_possible` holds, which holds for all smaller ones as well.
+/// Returns the largest turn up to `max` for which `is_possible` holds. If it holds for a turn, it holds for smaller
+/// ones.
 double max_turn(double max, const auto& is_possible) {
   if (is_possible(max)) return max;
   double possible = 0.0;
@@ -68,7 +69,7 @@ PictureShape grown(const Perspective& p, double guard) {
   Perspective wider = p;
   wider.width_px = cut_px((extent->right - extent->left) * across_px);
   wider.height_px = whole_px((extent->top - extent->bottom) * up_px);
-  // What rounding adds goes to both sides alike, and pixels keep their size.
+  // Rounding is added to both sides equally, and pixels keep their size.
   const double middle = 0.5 * (extent->left + extent->right);
   const double half = std::max(0.5 * wider.width_px / across_px, 0.5 * (extent->right - extent->left));
   wider.tan_left = middle - half;
@@ -78,7 +79,7 @@ PictureShape grown(const Perspective& p, double guard) {
   return wider;
 }
 PictureShape grown(const Fisheye& p, double guard) {
-  // By how much a turn moves the axis.
+  // Angle by which a turn moves the axis.
   const double moves = 2.0 * std::asin(std::abs(std::cos(p.tilt_rad)) * std::sin(0.5 * std::min(guard, 0.5 * kTurn)));
   const double field = std::min(p.field_rad + 2.0 * moves, kTurn);
   const double larger = field / p.field_rad;
@@ -105,7 +106,7 @@ double reach(const Fisheye& picture, const Fisheye& shown) {
   const double moves = 0.5 * (picture.field_rad - shown.field_rad);
   const double level = std::abs(std::cos(picture.tilt_rad));
   const double half = std::sin(0.5 * std::max(moves, 0.0)) / std::max(level, 1e-9);
-  // At the zenith the circle stays where it is.
+  // At the zenith a turn does not move the circle.
   if (half >= 1.0 || (level < 1e-9 && moves >= 0.0)) return kEndless;
   return 2.0 * std::asin(half);
 }

@@ -44,7 +44,7 @@ std::string utf8_of_utf16(std::span<const std::byte> bytes, bool big_endian) {
         i += 2;
       }
     }
-    if (c >= 0xD800 && c < 0xE000) c = U'?';  // Half of a pair.
+    if (c >= 0xD800 && c < 0xE000) c = U'?';  // Half of a surrogate pair.
     append_utf8(c, &text);
   }
   return text;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The text of OBJ and MTL files, whatever program wrote it.
+/// Text of OBJ and MTL files from any program.
 #pragma once
 
 #include <cstddef>
@@ -14,18 +14,18 @@
 
 namespace cyclorama {
 
-/// UTF-8 as it is, without its byte order mark: a view into `bytes`. UTF-16 with a byte order mark is converted into
-/// `*storage`, and the view is into that.
+/// Returns UTF-8 unchanged, without its byte order mark, as a view into `bytes`. UTF-16 with a byte order mark is
+/// converted into `*storage`, and the view is into that.
 [[nodiscard]] std::string_view to_utf8(std::span<const std::byte> bytes, std::string* storage);
 
-/// Statements of an OBJ or MTL file: lines without comments, with lines that end in "\" joined to the next. The view is
-/// good until the next call. Thread-bound; borrows the text.
+/// Statements of an OBJ or MTL file: lines without comments, with lines that end in "\" joined to the next. Views are
+/// valid until the next call. Thread-bound; borrows the text.
 class ObjStatements {
  public:
   explicit ObjStatements(std::string_view text) : lines_(text) {}
-  /// Takes the keyword off the statement; empty lines are passed over. False after the last.
+  /// Returns the next statement, split after its keyword; empty lines are skipped. False after the last one.
   bool next(std::string_view* ret_keyword, std::string_view* ret_rest);
-  /// Of the statement's last line, from 1.
+  /// Number of the statement's last line, from 1.
   [[nodiscard]] std::size_t line() const { return line_; }
 
  private:
@@ -34,7 +34,7 @@ class ObjStatements {
   std::string joined_;
 };
 
-/// The words of a face's corner "7/-1/3", each empty where it is left out; `beyond` is what should not be there.
+/// The words of a face's corner "7/-1/3", each empty if omitted; `beyond` is surplus text.
 struct ObjCornerWords {
   std::string_view vertex;
   std::string_view texture;
@@ -43,8 +43,8 @@ struct ObjCornerWords {
 };
 [[nodiscard]] ObjCornerWords obj_corner(std::string_view word);
 
-/// Where in a list an index points: from 1, or back from the last of the `so_far` that stand above. Nothing where it is
-/// no number or points at none of the `in_all`.
+/// Converts a 1-based index, or a negative one that counts back from the last of the `so_far` elements above. Nothing
+/// if the word is not a number or refers to none of the `in_all` elements.
 [[nodiscard]] std::optional<std::uint32_t> obj_index(std::string_view word, std::size_t so_far, std::size_t in_all);
 
 }  // namespace cyclorama

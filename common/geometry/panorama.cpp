@@ -20,7 +20,7 @@ Status Panorama::validate() const {
   };
   if (width_px < 1 || width_px > kMaxSidePx) return refuse("width_px", width_px, "1 to 16384");
   if (height_px < 1 || height_px > kMaxSidePx) return refuse("height_px", height_px, "1 to 16384");
-  // Written so that NaN fails.
+  // Written so that NaN is refused.
   if (!(azimuth_span_rad > 0.0 && azimuth_span_rad <= 2.0 * std::numbers::pi + 1e-9)) {
     return refuse("azimuth_span_rad", azimuth_span_rad, "above 0 and at most 2 pi");
   }

@@ -14,7 +14,7 @@
 
 namespace cyclorama {
 
-/// A place in a panorama, in pixels; the centre of the first pixel is (0.5, 0.5).
+/// A position in a panorama, in pixels; the centre of the first pixel is (0.5, 0.5).
 struct PanoramaPixel {
   double u = 0.0;
   double v = 0.0;
@@ -28,8 +28,8 @@ struct Panorama {
   double tan_elevation_top = 0.0;     ///< At the upper edge of the first row.
   double tan_elevation_bottom = 0.0;  ///< At the lower edge of the last row.
 
-  /// kInvalidArgument, naming the field, unless the picture is 1..16384 px each way, the span is in (0, 2 pi] and
-  /// top > bottom, all finite.
+  /// Errors: kInvalidArgument, with the field's name, unless the picture is 1 to 16384 px each way, the span is in (0,
+  /// 2 pi], top > bottom, and all are finite.
   [[nodiscard]] Status validate() const;
 
   [[nodiscard]] double radians_per_px() const { return azimuth_span_rad / width_px; }
@@ -37,23 +37,23 @@ struct Panorama {
   [[nodiscard]] double tan_elevation_at(double v) const {
     return tan_elevation_top + (tan_elevation_bottom - tan_elevation_top) * v / height_px;
   }
-  /// Not normalised; its horizontal length is 1.
+  /// Returns a direction that is not normalised; its horizontal length is 1.
   [[nodiscard]] Eigen::Vector3d direction_at(PanoramaPixel p) const;
-  /// The inverse of direction_at() for any positive multiple. May lie outside the picture; straight up or down has no
-  /// place and gives a v of +-infinity.
+  /// Inverse of direction_at(), for any positive multiple. The result may lie outside the picture; straight up or down
+  /// there is no position, and v is +-infinity.
   [[nodiscard]] PanoramaPixel pixel_of(const Eigen::Vector3d& direction) const;
 
-  /// The same picture grown by at least `guard_rad` on each side at the same angular pixel size, to a width that is a
-  /// multiple of 16, and never beyond a full circle: what the farm renders, so that a display can turn it.
+  /// Returns the picture grown by at least `guard_rad` on each side at the same angular pixel size, to a width that is
+  /// a multiple of 16, and never beyond a full circle. The farm renders this, so that a display can turn the picture.
   [[nodiscard]] Panorama with_guard_band(double guard_rad) const;
 
   friend bool operator==(const Panorama&, const Panorama&) = default;
 };
 
-/// Whether the picture goes all the way round (but for less than a pixel), so that its left edge continues its right.
+/// Returns true if the picture spans the full circle to within a pixel, so that its left edge continues its right edge.
 [[nodiscard]] bool is_whole_turn(const Panorama& picture);
 
-/// The angle in (-pi, pi] that differs from `angle` by whole turns.
+/// Returns the angle in (-pi, pi] that differs from `angle` by full turns.
 [[nodiscard]] double wrapped_angle(double angle);
 
 }  // namespace cyclorama

@@ -14,7 +14,7 @@ double tilt_of(const PictureShape& shape) {
   return std::visit([](const auto& s) { return tilt_of(s); }, shape);
 }
 
-/// Of a span over pixels: what a pixel is times, and where 0 is.
+/// Linear map from a span to pixels: factor, and position of 0.
 struct Spread {
   double px_per_unit;
   double offset_px;
@@ -28,7 +28,7 @@ PixelScale scale_of(const Spread& across, const Spread& up) {
 }
 
 PixelScale scale(const Panorama& s) {
-  // The middle column is azimuth 0, whatever rounding does to the edges.
+  // The middle column is azimuth 0, independent of rounding at the edges.
   const double px_per_rad = 1.0 / s.radians_per_px();
   return scale_of({px_per_rad, 0.5 * s.width_px}, spread(s.tan_elevation_top, s.tan_elevation_bottom, s.height_px));
 }
@@ -44,7 +44,7 @@ PixelScale scale(const Equirectangular& s) {
                   spread(s.elevation_top_rad, s.elevation_bottom_rad, s.height_px));
 }
 
-// Directions in the picture's own axes.
+// Directions in the picture's own axes:
 
 Eigen::Vector3d direction(const Panorama&, const PicturePlace& p) {
   return {std::sin(p.across), p.up, -std::cos(p.across)};

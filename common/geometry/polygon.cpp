@@ -16,7 +16,7 @@ double turn(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vec
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-/// The polygon seen along its normal (Newell's, so that corners need not be in one plane), counter-clockwise.
+/// Projects the polygon along its normal (Newell's, so that corners need not be in one plane), counter-clockwise.
 Flat flatten(std::span<const Eigen::Vector3d> corners) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -54,7 +54,7 @@ bool is_ear(const Flat& flat, const std::vector<std::uint32_t>& left, std::size_
   if (!(turn(a, b, c) > 0.0)) return false;
   for (const std::uint32_t other : left) {
     const Eigen::Vector2d& p = flat[other];
-    // A hole is often joined by a doubled edge: corners at the ear's own places do not spoil it.
+    // A hole is often joined by a doubled edge: corners at the same position as the ear's do not invalidate it.
     if (p == a || p == b || p == c) continue;
     if (turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) return false;
   }
@@ -80,7 +80,7 @@ void triangulate(std::span<const Eigen::Vector3d> corners, std::vector<std::arra
     const std::size_t m = left.size();
     std::size_t tried = 0;
     while (tried < m && !is_ear(flat, left, at % m)) ++tried, ++at;
-    if (tried == m) break;  // Crosses itself or has no area.
+    if (tried == m) break;  // The polygon crosses itself or has no area.
     at %= m;
     triangles->push_back({left[(at + m - 1) % m], left[at], left[(at + 1) % m]});
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(at));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Polygons into triangles.
+/// Triangulation of polygons.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,10 +10,10 @@
 
 namespace cyclorama {
 
-/// Appends the triangles of one polygon, as places in `corners`, in the polygon's winding. Convex polygons become a
-/// fan; others have their ears cut (O(n^2) as a rule), unless they have more than 256 corners, which become a fan as
-/// well. A polygon that crosses itself or has no area becomes something with n - 2 triangles. Fewer than three corners
-/// give none. Reentrant.
+/// Appends the triangles of one polygon, as indices into `corners`, in the polygon's winding. Convex polygons become a
+/// fan; for others, ears are cut (usually O(n^2)), unless they have more than 256 corners, in which case they become a
+/// fan as well. A polygon that crosses itself or has no area yields some n - 2 triangles. Fewer than three corners
+/// yield none. Reentrant.
 void triangulate(std::span<const Eigen::Vector3d> corners, std::vector<std::array<std::uint32_t, 3>>* triangles);
 
 }  // namespace cyclorama

@@ -18,7 +18,7 @@ struct Point {
 ///   p_world = T_world_camera * p_camera
 ///   T_world_tag = T_world_camera * T_camera_tag     (inner names must match; the compiler checks)
 ///
-/// The columns of rotation() are From's axes seen in To; translation() is From's origin seen in To.
+/// The columns of rotation() are From's axes in To; translation() is From's origin in To.
 template <typename To, typename From>
 class RigidTransform {
  public:

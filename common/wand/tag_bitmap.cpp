@@ -22,7 +22,7 @@ TagBitmap tag_bitmap(int id) {
   for (int y = 0; y < image->height; ++y) {
     for (int x = 0; x < image->width; ++x) bitmap.white.push_back(image->buf[y * image->stride + x] > 127);
   }
-  // What image_u8_destroy() does; Debian's library keeps that one to itself.
+  // The same as image_u8_destroy(), which Debian's library does not export.
   std::free(image->buf);
   std::free(image);
   tag36h11_destroy(family);

@@ -5,11 +5,11 @@
 
 namespace cyclorama {
 
-/// The picture of one tag of the family tag36h11, white border included, for printers and painters.
+/// The picture of one tag of the family tag36h11, including its white border, for printing and rendering.
 struct TagBitmap {
-  int cells = 0;             ///< Across the picture: 10.
-  double width_in_tags = 0;  ///< Of the picture, in edges of the black square: 1.25.
-  std::vector<bool> white;   ///< Row by row from above.
+  int cells = 0;             ///< Cells across the picture: 10.
+  double width_in_tags = 0;  ///< Width of the picture in edges of the black square: 1.25.
+  std::vector<bool> white;   ///< True for a white cell; row by row from the top.
 
   [[nodiscard]] bool is_white(int x, int y) const { return white[static_cast<std::size_t>(y * cells + x)]; }
 };

@@ -17,9 +17,9 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kMaxTags = 32;
-/// The largest of libapriltag's families has 48714 tags.
+/// Upper bound of tag ids: the largest of libapriltag's families has 48714 tags.
 constexpr double kLastId = 65535;
-/// What a ruler and a folded card leave; a wrong order of the corners is off by 40 %.
+/// Tolerance for measuring with a ruler and folding; a wrong order of the corners deviates by 40 %.
 constexpr double kMaxRelativeDeviation = 0.03;
 
 bool is_square(const WandTag& tag) {

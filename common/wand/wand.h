@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the visitor holds: tags that are fixed to each other. One flat tag is a wand too.
+/// The pattern that the visitor holds: tags fixed to each other. A single flat tag is a wand, too.
 ///
 ///           ▔▔▔▔▔                 seen from above: the standard wand, a card folded into three panels; its tags are
 ///         ╱       ╲               not in one plane, so that a small turn moves them against each other (parallax),
@@ -25,8 +25,8 @@ namespace cyclorama {
 struct WandTag {
   int id = 0;
   double size_m = 0.0;  ///< Edge of the black square.
-  /// Corners of the black square in the wand's Tag frame, in the order (-x, -y), (+x, -y), (+x, +y), (-x, +y) of the
-  /// face: clockwise as seen from the front, from left above.
+  /// Corners of the black square in the wand's Tag frame, in the face's order (-x, -y), (+x, -y), (+x, +y), (-x, +y):
+  /// clockwise from the upper left, as seen from the front.
   std::array<Eigen::Vector3d, 4> corners;
 };
 
@@ -35,22 +35,23 @@ struct Wand {
   std::string name;
   std::vector<WandTag> tags;
 
-  /// What the wand is called on the wire and in the state: its first tag's id.
+  /// Identifies the wand on the wire and in the state: its first tag's id.
   [[nodiscard]] int id() const { return tags.front().id; }
 };
 
-/// A flat pattern: the whole wand is one tag. Precondition: size_m > 0.
+/// Returns a wand that is one flat tag. Precondition: size_m > 0.
 [[nodiscard]] Wand flat_tag(int id, double size_m);
 
-/// The square that fits the four corners best: origin at their middle, x along the upper edge, z into the tag.
+/// Returns the pose of the square that best fits the four corners: origin at their middle, x along the upper edge, z
+/// into the tag.
 [[nodiscard]] RigidTransform<frame::Tag, frame::Face> face_of(const WandTag& tag);
 
-/// wand.toml: `name` and [[tag]] tables with `id`, `size_mm` and `corners_mm`, four points. Refused, with file, line
-/// and remedy: no tag or more than 32, an id twice, corners that are not a square of that size to within 3 %. kBadData
-/// Others as read_file().
+/// Reads wand.toml: `name` and [[tag]] tables with `id`, `size_mm` and `corners_mm`, four points. Errors: as
+/// read_file(); kBadData, with file, line and remedy, for no tag or more than 32, for a repeated id, and for corners
+/// that are not a square of that size to within 3 %.
 Result<Wand> read_wand(const std::filesystem::path& path);
 Result<Wand> parse_wand(std::string_view text, std::string name);
-/// What parse_wand() reads, with corners to a micrometre.
+/// Returns the text that parse_wand() reads, with corners to a micrometre.
 [[nodiscard]] std::string wand_toml(const Wand& wand);
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# The functions every folder uses, so that each CMakeLists.txt is a list of names.
+# Functions that every folder uses, so that each CMakeLists.txt is a list of names.
 
 set(CYCLORAMA_SANITIZE "" CACHE STRING "address;undefined or thread")
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
@@ -8,7 +8,7 @@ endif()
 
 option(CYCLORAMA_FAST_BUILD "Precompiled headers, and several sources of a library at a time" OFF)
 
-# A second build is quick, also one of another checkout in another folder.
+# ccache makes a second build fast, even from a checkout in another folder.
 find_program(CYCLORAMA_CCACHE ccache)
 if(CYCLORAMA_CCACHE)
   set(_ccache_settings CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1)

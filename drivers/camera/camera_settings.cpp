@@ -10,11 +10,11 @@ namespace {
 
 constexpr const char* kPortKey = "port";
 constexpr const char* kPath = "device";
-/// What a `source` says for itself.
+/// Keys that a `source` line sets itself.
 constexpr std::array kKeysOfKind{kPortKey,      kPath,   "width_px", "height_px", "frames_per_second",
                                  "exposure_ms", "memory"};
 
-/// Where the camera is; characters that would begin an option are no part of any port.
+/// Returns the camera's port path or file; rejects characters that begin an option, since no port has them.
 std::string place_of(const std::string& kind, ConfigTable* camera) {
   if (camera->has(kPortKey) && camera->has(kPath))
     camera->refuse(kPath, "and port name the same camera twice; remove one");
@@ -23,7 +23,7 @@ std::string place_of(const std::string& kind, ConfigTable* camera) {
   if (position.find_first_of("?&\n") != std::string::npos)
     camera->refuse(key, "holds '?', '&' or a line's end; no port does");
   if (key == kPath && !position.starts_with("/")) camera->refuse(kPath, "must be a path, as /dev/v4l/by-path/...");
-  // libcamera's ids are paths of a device tree.
+  // Only V4L2 takes a device path here; libcamera's ids are device tree paths.
   if (key == kPortKey && kind == "v4l2" && position.starts_with("/")) {
     camera->refuse(kPortKey, "is a path; write device = \"...\"");
   }

@@ -9,24 +9,24 @@
 namespace cyclorama::camera {
 namespace {
 
-/// A rate within this of the preferred is the preferred: NTSC's 29.97 is 30.
+/// Rates within this fraction of the preferred one count as equal: NTSC's 29.97 counts as 30.
 constexpr double kSameRate = 0.02;
-/// Half of the wanted pictures cost as much as four times the pixels.
+/// Half of the requested rate costs as much as four times the pixels.
 constexpr double kRateWeight = 4.0;
-/// Half of the pixels cost as much as a quarter of the wanted pictures' number, double of them half of that.
+/// Half of the pixels cost as much as a quarter less of the requested rate; twice the pixels cost half of that.
 constexpr double kSmallerWeight = 1.0;
 constexpr double kLargerWeight = 0.5;
 
-/// A calibration takes its time, but finds no colour in grey.
+/// A calibration can wait, but it cannot do without colour.
 constexpr double kGreyWeight = 100.0;
 
-/// What reading the pixels weighs; a JPEG takes milliseconds, the others a tenth of one.
+/// Cost of reading the pixels: a JPEG takes milliseconds, the others a tenth of a millisecond.
 double layout_weight(PixelLayout layout) {
   switch (layout) {
     case PixelLayout::kGrey8:
       return 0.0;
     case PixelLayout::kPlanarYuv:
-      return 0.005;  // Read as quickly, but its colour crosses the bus as well.
+      return 0.005;  // Read as quickly, but its colour also uses bus bandwidth.
     case PixelLayout::kYuyv:
     case PixelLayout::kUyvy:
       return 0.02;
@@ -41,14 +41,14 @@ double penalty_of(const PictureOffer& offer, const PicturePreference& preferred)
   const double octaves = std::log2(static_cast<double>(offer.width_px) * offer.height_px) -
                          std::log2(static_cast<double>(preferred.width_px) * preferred.height_px);
   const double size = octaves < 0.0 ? -kSmallerWeight * octaves : kLargerWeight * octaves;
-  // Of another shape, part of the picture is lost or was never in it.
+  // With another aspect ratio, part of the picture is cropped or missing.
   const double shape = std::abs(std::log2(static_cast<double>(offer.width_px) / offer.height_px) -
                                 std::log2(static_cast<double>(preferred.width_px) / preferred.height_px));
   double rate = 0.0;
   if (offer.frames_per_second > 0.0) {
     const double shortfall = 1.0 - offer.frames_per_second / preferred.frames_per_second;
     if (shortfall > kSameRate) rate = kRateWeight * shortfall;
-    // Quicker than needed leaves less time for light.
+    // A higher rate than needed leaves less time for the exposure.
     if (shortfall < -kSameRate) rate = 0.05 * std::min(-shortfall, 4.0);
   }
   const double colour = preferred.is_coloured && !offer.is_coloured ? kGreyWeight : 0.0;

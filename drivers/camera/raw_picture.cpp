@@ -9,10 +9,10 @@
 namespace cyclorama::camera {
 namespace {
 
-/// The largest picture that a device may hand over: 64 megapixels.
+/// Upper bound on the size of a device's picture: 64 megapixels.
 constexpr std::size_t kLimitPx = std::size_t{1} << 26;
 
-/// The low bits of a sample that 8 bits have no room for.
+/// Number of low bits of a sample that do not fit into 8 bits.
 int surplus_bits(PixelLayout layout) {
   switch (layout) {
     case PixelLayout::kGrey16:
@@ -26,7 +26,7 @@ int surplus_bits(PixelLayout layout) {
   }
 }
 
-/// Rows of `step` bytes per pixel, brightness in byte `first` of each.
+/// Reads rows with `step` bytes per pixel and brightness in byte `first` of each.
 void take_every(std::size_t step, std::size_t first, const RawPicture& raw, GreyImage* ret_grey) {
   for (int y = 0; y < raw.height; ++y) {
     const std::byte* const row = raw.bytes.data() + static_cast<std::size_t>(y) * raw.row_bytes + first;
@@ -45,7 +45,7 @@ void take_deep(const RawPicture& raw, GreyImage* ret_grey) {
       const auto at = 2 * static_cast<std::size_t>(x);
       const unsigned value = static_cast<unsigned>(row[at]) | static_cast<unsigned>(row[at + 1]) << 8U;
       const unsigned level = value >> static_cast<unsigned>(surplus);
-      // Bits above the promised ones are noise of a broken driver; white stays white.
+      // Bits above the nominal ones come from a faulty driver; saturate, so that white stays white.
       out[x] = static_cast<std::uint8_t>(level > 255U ? 255U : level);
     }
   }
@@ -68,7 +68,7 @@ Status check_jpeg(const RawPicture& raw, JpegDecoder* jpeg) {
   return Done{};
 }
 
-/// `row` bytes at least are in each of `rows` rows; the last one may lack its padding.
+/// Checks that each of `rows` rows has at least `row` bytes; the last one may lack its padding.
 Status check_rows(const RawPicture& raw, std::size_t row, std::size_t rows) {
   if (raw.row_bytes < row || raw.bytes.size() < row || (raw.bytes.size() - row) / raw.row_bytes < rows - 1) {
     return Error(ErrorCode::kBadData, fmt::format("{} bytes, too few for {}x{} in rows of {}", raw.bytes.size(),
@@ -79,7 +79,7 @@ Status check_rows(const RawPicture& raw, std::size_t row, std::size_t rows) {
 
 std::uint8_t code_of(float value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 255.0f) + 0.5f); }
 
-/// BT.601 by its definition: Y = 0.299 R + 0.587 G + 0.114 B, U and V the differences to Y of blue and red, scaled.
+/// BT.601: Y = 0.299 R + 0.587 G + 0.114 B; U and V are the scaled differences B - Y and R - Y.
 struct YuvToRgb {
   explicit YuvToRgb(bool is_full_range)
       : black(is_full_range ? 0.0f : 16.0f),
@@ -98,12 +98,12 @@ struct YuvToRgb {
   float of_chroma;
 };
 
-/// Where a row's brightness and chroma begin, and how far apart they are: the first of a pair of pixels.
+/// Start and stride of a row's brightness and chroma, for the first of a pair of pixels.
 struct YuvRow {
   const std::byte* brightness = nullptr;
-  const std::byte* chroma = nullptr;  ///< Of two kinds in turn.
+  const std::byte* chroma = nullptr;  ///< U and V in turn.
   std::size_t brightness_step = 1;
-  std::size_t chroma_step = 1;  ///< From one kind to the other.
+  std::size_t chroma_step = 1;  ///< Distance between U and V in bytes.
 };
 
 void take_colours(const RawPicture& raw, RgbImage* ret_colour) {
@@ -192,7 +192,7 @@ Status to_colour(const RawPicture& raw, JpegDecoder* jpeg, RgbImage* ret_colour)
     TRY_ASSIGN(*ret_colour, jpeg->decode(raw.bytes, kLimitPx));
     return Done{};
   }
-  // An odd pixel at the end shares its chroma with one that is not there.
+  // The last pixel of an odd row shares its chroma with a missing one.
   const auto even_width = static_cast<std::size_t>(raw.width + 1) / 2 * 2;
   const auto height = static_cast<std::size_t>(raw.height);
   const bool has_plane = raw.colour.chroma == Chroma::kPairs;

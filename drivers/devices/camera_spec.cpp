@@ -8,7 +8,7 @@
 namespace cyclorama::devices {
 namespace {
 
-/// Cuts `text` at the first `separator`; the rest is empty when there is none.
+/// Splits `text` at the first `separator`; the rest is empty if there is none.
 std::string_view cut(std::string_view* text, char separator) {
   const std::size_t at = text->find(separator);
   const std::string_view first = text->substr(0, at);

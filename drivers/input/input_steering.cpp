@@ -9,11 +9,11 @@
 namespace cyclorama::input {
 namespace {
 
-constexpr double kDead = 0.15;      // Of a stick's way: worn ones rest off their middle.
-constexpr double kCapFull = 350.0;  // What 3D mice report when the cap is pushed as far as it goes.
+constexpr double kDead = 0.15;      // Fraction of a stick's travel; worn sticks rest off centre.
+constexpr double kCapFull = 350.0;  // Value that 3D mice report at full deflection of the cap.
 constexpr double kCapDead = 0.08;
 
-/// Up to `dead` nothing, then gently more.
+/// Returns 0 up to `dead`, then a gentle increase.
 double gentle(double deflection, double dead) {
   const double u = std::clamp((std::abs(deflection) - dead) / (1.0 - dead), 0.0, 1.0);
   return std::copysign(u * u * (3.0 - 2.0 * u), deflection);
@@ -81,7 +81,7 @@ double InputSteering::cap(int relative, int absolute, TimePoint now) const {
   const auto at = absolute_.find(absolute);
   const auto range = description_.absolute.find(absolute);
   if (at == absolute_.end() || range == description_.absolute.end()) return 0.0;
-  // Its rest is 0, whatever the ends are.
+  // The rest position is 0, whatever the limits are.
   const double full = std::max({std::abs(double{1} * range->second.min), std::abs(double{1} * range->second.max), 1.0});
   return gentle(std::clamp(at->second / full, -1.0, 1.0), kCapDead);
 }

@@ -12,7 +12,7 @@
 namespace cyclorama::input {
 namespace {
 
-constexpr int kMaxEvents = 4096;  // In one update: a device gone mad may not hold up the others.
+constexpr int kMaxEvents = 4096;  // Upper bound per update, so that a faulty device cannot block the others.
 
 }  // namespace
 

@@ -15,7 +15,7 @@
 namespace cyclorama::camera {
 namespace {
 
-/// By the first bytes. What is neither goes to the photo reader, whose error names the usual other formats.
+/// Decides by the first bytes. Anything unknown goes to the photo reader, whose error names common other formats.
 bool looks_like_a_video(const std::filesystem::path& path) {
   std::array<char, 12> head{};
   std::ifstream file(path, std::ios::binary);
@@ -72,7 +72,7 @@ Result<std::shared_ptr<const CameraFrame>> FileCamera::next_frame(TimePoint dead
 Result<std::optional<GreyImage>> FileCamera::picture(std::uint64_t sequence) {
   const auto folded = [&] { return loop_ && recording_->count() ? sequence % *recording_->count() : sequence; };
   auto pixels = recording_->picture(folded());
-  // The end of a video becomes known when it is reached.
+  // The length of a video is known only once its end is reached.
   if (loop_ && pixels && !pixels->has_value()) return recording_->picture(folded());
   return pixels;
 }

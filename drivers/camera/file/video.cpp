@@ -20,7 +20,7 @@ extern "C" {
 namespace cyclorama::camera {
 namespace {
 
-/// Where the container does not say: what most cameras record at.
+/// Fallback for a container without a rate: most cameras record at this rate.
 constexpr double kUsualFramesPerSecond = 30.0;
 
 struct CloseFormat {
@@ -58,17 +58,17 @@ struct Video::Decoder {
   std::unique_ptr<AVPacket, FreePacket> packet{av_packet_alloc()};
   std::unique_ptr<SwsContext, FreeScaler> scaler;
   int stream = -1;
-  bool ended = false;  ///< All packets were given to the codec; it may still hold pictures.
+  bool ended = false;  ///< All packets were sent to the codec, which may still hold pictures.
 
   Status open(const std::filesystem::path& path);
   Status open_codec(const std::filesystem::path& path);
-  /// The next picture is in `frame`; false at the end.
+  /// Decodes the next picture into `frame`; false at the end.
   Result<bool> decode(const std::filesystem::path& path);
   Status to_grey(const std::filesystem::path& path, GreyImage* ret_grey);
 };
 
 Status Video::Decoder::open(const std::filesystem::path& path) {
-  // Nothing but a plain file: a playlist or a reference to a network must not be followed.
+  // Only plain files are allowed: playlists and network references must not be followed.
   AVDictionary* options = nullptr;
   av_dict_set(&options, "protocol_whitelist", "file", 0);
   av_dict_set(&options, "format_whitelist", "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi", 0);
@@ -106,7 +106,7 @@ Result<bool> Video::Decoder::decode(const std::filesystem::path& path) {
     if (ended) return false;
     const int read = av_read_frame(format.get(), packet.get());
     if (read < 0) {
-      // A file that is cut short ends where it is cut.
+      // A truncated file ends where it is cut.
       ended = true;
       avcodec_send_packet(codec.get(), nullptr);
       continue;
@@ -126,7 +126,7 @@ Status Video::Decoder::to_grey(const std::filesystem::path& path, GreyImage* ret
   if (width <= 0 || height <= 0 || static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > kPhotoLimitPx) {
     return bad(path, fmt::format("its pictures are {}x{}", width, height));
   }
-  // The cached context frees or keeps the old one by itself.
+  // sws_getCachedContext() frees or reuses the old context.
   scaler.reset(sws_getCachedContext(scaler.release(), width, height, static_cast<AVPixelFormat>(frame->format), width,
                                     height, AV_PIX_FMT_GRAY8, SWS_POINT, nullptr, nullptr, nullptr));
   if (scaler == nullptr) return bad(path, "its pixels cannot be converted to grey");
@@ -143,7 +143,7 @@ Video::Video() = default;
 Video::~Video() = default;
 
 Result<std::unique_ptr<ImageSequence>> Video::open(const std::filesystem::path& path) {
-  // What is wrong comes back as an Error; libav's own lines would only repeat it on standard error.
+  // Failures are returned as an Error; libav's log would only repeat them on standard error.
   av_log_set_level(AV_LOG_QUIET);
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) {

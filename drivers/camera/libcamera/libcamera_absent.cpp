@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For a build without libcamera's headers.
+// Replacement for builds without libcamera's headers.
 #include "drivers/camera/libcamera/libcamera_camera.h"
 
 namespace cyclorama::camera {

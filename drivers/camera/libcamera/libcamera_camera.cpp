@@ -31,7 +31,7 @@ constexpr std::uint32_t fourcc(const char (&letters)[5]) {
   return code;
 }
 
-/// libcamera's names are DRM's, not V4L2's; a modifier means packed bits, which nothing here reads.
+/// Maps DRM formats, which libcamera uses instead of V4L2's; a modifier means packed bits, which are not supported.
 std::optional<PixelLayout> layout_of(const lc::PixelFormat& format) {
   static const std::map<std::uint32_t, PixelLayout> kLayouts{
       {fourcc("R8  "), PixelLayout::kGrey8},     {fourcc("NV12"), PixelLayout::kPlanarYuv},
@@ -48,7 +48,7 @@ std::optional<PixelLayout> layout_of(const lc::PixelFormat& format) {
   return found->second;
 }
 
-/// Of the planes only the first is mapped, so colours are read where they are in it.
+/// Only the first plane is mapped, so colour is available only if that plane contains it.
 ColourCode colour_of(const lc::StreamConfiguration& stream) {
   const std::uint32_t code = stream.pixelFormat.fourcc();
   if (code == fourcc("MJPG")) return {Chroma::kInJpeg, false, true};
@@ -64,7 +64,7 @@ bool is_coloured(const lc::PixelFormat& format) {
   return colour_of(stream).chroma != Chroma::kNone;
 }
 
-/// libcamera returns negative errno.
+/// Makes an error from libcamera's negative errno.
 Error lc_error(int result, const std::string& doing) {
   errno = -result;
   Error error = Error::from_errno(doing);
@@ -75,7 +75,7 @@ Error lc_error(int result, const std::string& doing) {
   return error;
 }
 
-/// libcamera allows one manager per process; whoever has a camera keeps it alive.
+/// Returns the process's only manager, which libcamera allows once; each camera keeps it alive.
 Result<std::shared_ptr<lc::CameraManager>> the_manager() {
   static std::mutex mutex;
   static std::weak_ptr<lc::CameraManager> known;
@@ -89,7 +89,7 @@ Result<std::shared_ptr<lc::CameraManager>> the_manager() {
   return manager;
 }
 
-/// A USB camera is V4L2's to drive: its id says what it hangs on.
+/// USB cameras are left to V4L2; their ids contain the bus name.
 bool is_usb(const lc::Camera& camera) { return camera.id().find("usb") != std::string::npos; }
 
 std::string model_of(const lc::Camera& camera) {
@@ -97,7 +97,7 @@ std::string model_of(const lc::Camera& camera) {
   return model ? std::string(*model) : camera.id();
 }
 
-/// What the camera can send, as offers without a rate: libcamera tells none.
+/// Returns what the camera can send, as offers without a rate, since libcamera reports none.
 std::vector<PictureOffer> offers_of(const lc::StreamConfiguration& stream, const PicturePreference& preferred) {
   std::vector<PictureOffer> offers;
   for (const lc::PixelFormat& format : stream.formats().pixelformats()) {
@@ -110,7 +110,7 @@ std::vector<PictureOffer> offers_of(const lc::StreamConfiguration& stream, const
     const std::vector<lc::Size> sizes = stream.formats().sizes(format);
     for (const lc::Size& size : sizes) add(size);
     const lc::Size requested(static_cast<unsigned>(preferred.width_px), static_cast<unsigned>(preferred.height_px));
-    // Scalers list a few sizes and take any in the range.
+    // Scalers list a few sizes and accept any size in the range.
     if (const lc::SizeRange range = stream.formats().range(format); sizes.empty() || range.contains(requested))
       add(requested);
   }
@@ -141,7 +141,7 @@ class LibcameraCamera final : public Camera {
   void stop() override;
 
  private:
-  // On libcamera's thread.
+  // Called on libcamera's thread.
   void on_completed(lc::Request* request) {
     if (request->status() != lc::Request::RequestCancelled) completed_.put(request);
   }
@@ -151,8 +151,8 @@ class LibcameraCamera final : public Camera {
   Status configure();
   Status make_requests();
   Status queue_again(lc::Request* request);
-  /// All requests are completed, so the camera has stopped and the newest is stale: gives back the others and waits for
-  /// a picture after it.
+  /// Called when all requests are completed, so that the camera has stopped and the newest picture is stale: requeues
+  /// the others and waits for a later picture.
   Status await_new(TimePoint deadline, std::vector<lc::Request*>* completed);
   Result<std::shared_ptr<const CameraFrame>> read(lc::Request& request);
   [[nodiscard]] Error unplugged() const {
@@ -198,7 +198,7 @@ Status LibcameraCamera::set_up() {
     const auto us = std::chrono::duration_cast<std::chrono::microseconds>(options_.exposure).count();
     fix_exposure(camera_->controls(), static_cast<std::int32_t>(us), &controls);
   }
-  // Colours are compared between pictures, and another focus is another lens.
+  // A calibration compares colours between pictures, and a change of focus changes the intrinsics.
   if (options_.preferred.is_coloured && camera_->controls().count(&lc::controls::AfMode) != 0) {
     controls.set(lc::controls::AfMode, static_cast<std::int32_t>(lc::controls::AfModeManual));
   }
@@ -252,7 +252,7 @@ Status LibcameraCamera::make_requests() {
     return lc_error(count, fmt::format("memory for camera '{}'", id_));
   }
   for (const std::unique_ptr<lc::FrameBuffer>& buffer : allocator_->buffers(stream)) {
-    // Brightness is in the first plane, whatever follows.
+    // Brightness is always in the first plane.
     const lc::FrameBuffer::Plane& plane = buffer->planes().front();
     TRY_ASSIGN(PlaneMap map, PlaneMap::map(plane.fd.get(), plane.offset, plane.length));
     maps_.emplace(buffer.get(), std::move(map));
@@ -298,7 +298,7 @@ Result<std::shared_ptr<const CameraFrame>> LibcameraCamera::next_frame(TimePoint
       if (auto waited = await_new(deadline, &completed); !waited) lost = waited.error();
     }
     if (completed_.has_ended()) lost = unplugged();
-    // The newest that is whole; with its error if none is.
+    // Takes the newest undamaged picture, or its error if there is none.
     Result<std::shared_ptr<const CameraFrame>> frame = Error(ErrorCode::kTimedOut, "");
     for (auto request = completed.rbegin(); request != completed.rend() && !lost; ++request) {
       if (!frame) frame = read(**request);
@@ -351,7 +351,8 @@ Result<std::shared_ptr<const CameraFrame>> LibcameraCamera::read(lc::Request& re
   sequence_ += std::clamp(step, 1U, 1U << 16U);
   last_sequence_ = metadata.sequence;
   frame->sequence = sequence_;
-  // SensorTimestamp is on CLOCK_BOOTTIME, which is ours as long as the machine never sleeps; a museum's does not.
+  // SensorTimestamp is on CLOCK_BOOTTIME, which equals CLOCK_MONOTONIC as long as the machine never suspends, as in a
+  // museum.
   const auto sensor_ns = request.metadata().get(lc::controls::SensorTimestamp);
   KernelStamp stamp{true, sensor_ns.has_value(), from_nanoseconds(static_cast<std::int64_t>(metadata.timestamp))};
   if (sensor_ns) stamp.at = from_nanoseconds(*sensor_ns);

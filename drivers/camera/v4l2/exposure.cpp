@@ -8,7 +8,7 @@
 namespace cyclorama::camera {
 namespace {
 
-/// In the device's steps, within its range.
+/// Rounds to the device's steps, within its range.
 long nearest(const DeviceControl& control, long requested) {
   const long inside = std::clamp(requested, control.min, std::max(control.min, control.max));
   return control.min + (inside - control.min) / control.step * control.step;
@@ -21,25 +21,25 @@ const std::uint32_t kGainControl = V4L2_CID_GAIN;
 Result<ExposureSet> set_exposure(const VideoDevice& device, Duration requested, GainRule gain) {
   ExposureSet set;
   if (requested <= Duration::zero()) return set;
-  // The order matters: UVC devices take a time only once exposure is manual.
+  // The order matters: UVC devices accept an exposure time only once exposure is manual.
   TRY_ASSIGN(const bool is_manual, device.set_control(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL));
   if (!is_manual) {
-    // Some know only "shutter priority": the time is ours, the aperture the device's.
+    // Some devices support only shutter priority: manual exposure time, automatic aperture.
     TRY(device.set_control(V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_SHUTTER_PRIORITY));
   }
   TRY(device.set_control(V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0));
   if (const auto time = device.control(V4L2_CID_EXPOSURE_ABSOLUTE)) {
     const long value = nearest(*time, std::max(1L, requested / kExposureUnit));
     TRY_ASSIGN(const bool is_taken, device.set_control(V4L2_CID_EXPOSURE_ABSOLUTE, value));
-    // The device's word for it: some take what they cannot do, and do what is nearest.
+    // Read back, since some devices accept an impossible value and apply the nearest one.
     const auto now = is_taken ? device.control(V4L2_CID_EXPOSURE_ABSOLUTE) : std::nullopt;
     if (is_taken) set.exposure = kExposureUnit * (now ? now->value : value);
   }
   if (gain == GainRule::kHeld) {
-    // Refused by those that have none.
+    // Devices without these controls refuse them.
     TRY(device.set_control(V4L2_CID_AUTOGAIN, 0));
     TRY(device.set_control(V4L2_CID_AUTO_WHITE_BALANCE, 0));
-    TRY(device.set_control(V4L2_CID_FOCUS_AUTO, 0));  // Another focus is another lens.
+    TRY(device.set_control(V4L2_CID_FOCUS_AUTO, 0));  // Another focus changes the intrinsics.
     return set;
   }
   TRY_ASSIGN(const bool follows_light, device.set_control(V4L2_CID_AUTOGAIN, 1));

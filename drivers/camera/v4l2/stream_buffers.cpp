@@ -15,9 +15,9 @@
 namespace cyclorama::camera {
 namespace {
 
-/// One that the device fills, one that waits to be filled, one that we read, and one in hand.
+/// One being filled, one waiting to be filled, one being read, and one in reserve.
 constexpr std::uint32_t kBuffers = 4;
-/// With fewer, the device has none to fill while we read.
+/// With fewer, the device has none to fill during a read.
 constexpr std::uint32_t kMinBuffers = 2;
 constexpr std::uint32_t kType = V4L2_BUF_TYPE_VIDEO_CAPTURE;
 
@@ -33,7 +33,7 @@ KernelStamp stamp_of(const v4l2_buffer& buffer) {
   KernelStamp stamp;
   stamp.is_monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
   stamp.is_start_of_exposure = (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
-  // A driver may write anything here; times that would overflow are no times.
+  // A driver may write any value; times that would overflow are invalid.
   constexpr std::int64_t kMaxSeconds = std::int64_t{1} << 32;
   const std::int64_t seconds = buffer.timestamp.tv_sec;
   const std::int64_t microseconds = buffer.timestamp.tv_usec;
@@ -152,7 +152,7 @@ void StreamBuffers::sync(const FilledBuffer& filled, bool begins) const {
   if (!dma_buf.is_open()) return;
   dma_buf_sync sync{};
   sync.flags = DMA_BUF_SYNC_READ | (begins ? DMA_BUF_SYNC_START : DMA_BUF_SYNC_END);
-  // Memory that needs no telling says so with an error.
+  // Memory that needs no synchronisation returns an error here, which is harmless.
   static_cast<void>(device_call(dma_buf.get(), DMA_BUF_IOCTL_SYNC, &sync));
 }
 

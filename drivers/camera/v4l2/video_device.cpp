@@ -19,10 +19,10 @@
 namespace cyclorama::camera {
 namespace {
 
-/// A driver that never says "that was the last" is not asked for ever.
+/// Bounds enumeration for a driver that never reports the end of a list.
 constexpr std::uint32_t kMaxEntries = 256;
 
-/// A fixed field of a kernel structure, which need not end in a zero.
+/// Reads a fixed field of a kernel structure, which need not be null-terminated.
 template <std::size_t N>
 std::string text_of(const unsigned char (&field)[N]) {
   const auto* const bytes = reinterpret_cast<const char*>(field);
@@ -33,7 +33,7 @@ double rate_of(const v4l2_fract& interval) {
   return interval.numerator == 0 ? 0.0 : static_cast<double>(interval.denominator) / interval.numerator;
 }
 
-/// Nearest to `requested` in a range with steps.
+/// Returns the value nearest to `requested` in a stepped range.
 int nearest(std::uint32_t min, std::uint32_t max, std::uint32_t step, int requested) {
   const auto in_range = std::clamp(static_cast<std::uint32_t>(requested), min, std::max(min, max));
   return static_cast<int>(min + (in_range - min) / std::max(step, 1U) * std::max(step, 1U));
@@ -80,7 +80,7 @@ std::string VideoDevice::named(const std::string& doing) const {
 Result<VideoDevice> VideoDevice::open(const std::string& path) {
   VideoDevice device;
   device.path_ = path;
-  // Never waits: how long to wait for a picture is poll()'s.
+  // Non-blocking, since poll() limits the waiting time for a picture.
   device.fd_.reset(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
   if (!device.fd_.is_open()) return device_error(fmt::format("opening the camera '{}'", path));
   v4l2_capability capability{};
@@ -127,7 +127,7 @@ void VideoDevice::add_sizes(std::uint32_t fourcc, PixelLayout layout, const Pict
     size.index = index;
     size.pixel_format = fourcc;
     if (!device_call(fd(), VIDIOC_ENUM_FRAMESIZES, &size)) {
-      // A driver that lists no sizes has one: its signal's.
+      // A driver that lists no sizes has exactly one: that of its signal.
       v4l2_format now{};
       now.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
       if (index == 0 && device_call(fd(), VIDIOC_G_FMT, &now)) {
@@ -216,7 +216,7 @@ Result<PictureFormat> VideoDevice::set_format(const PictureOffer& offer) const {
     range = static_cast<std::uint32_t>(V4L2_MAP_QUANTIZATION_DEFAULT(false, pixels.colorspace, pixels.ycbcr_enc));
   }
   made.colour.is_full_range = range == V4L2_QUANTIZATION_FULL_RANGE;
-  // Some drivers leave the row's length to whoever asks.
+  // Some drivers do not report the row length.
   made.row_bytes = std::max(made.row_bytes, static_cast<std::size_t>(pixels.width) * bytes_per_pixel(*layout));
   return made;
 }

@@ -11,20 +11,20 @@
 namespace cyclorama::camera {
 namespace {
 
-/// The kernel has numbers for 256 devices. Asking for each needs neither udev nor a listing of /dev.
+/// The kernel numbers up to 256 devices. Trying each requires neither udev nor a listing of /dev.
 constexpr int kNodes = 256;
 
 std::string node_path(int number) { return fmt::format("/dev/video{}", number); }
 
-/// Calls `visit(NamedDevice)` for every camera, lowest number first, until it returns false; `fail(path, Error)` for
-/// what is there and cannot be looked at.
+/// Calls `visit(NamedDevice)` for every camera, lowest number first, until it returns false, and `fail(path, Error)`
+/// for a device that exists and cannot be inspected.
 template <typename Visit, typename Fail>
 void for_each_camera(Visit visit, Fail fail) {
   std::map<std::string, int> at_port;
   for (int number = 0; number < kNodes; ++number) {
     auto device = VideoDevice::open(node_path(number));
     if (!device) {
-      // Neither absent numbers nor devices that are no cameras are worth a word.
+      // Absent numbers and devices that are not cameras are skipped silently.
       if (device.error().code() != ErrorCode::kNotFound) fail(node_path(number), device.error());
       continue;
     }

@@ -8,7 +8,7 @@
 namespace cyclorama::output {
 namespace {
 
-/// glFinish already has the type of a Procedure, and a cast to the same type is a warning.
+/// Avoids a warning: glFinish already has the type of a Procedure, and the cast would be redundant.
 template <typename Call>
 Call as(Gl::Procedure procedure) {
   if constexpr (std::is_same_v<Call, Gl::Procedure>) {

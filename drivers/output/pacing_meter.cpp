@@ -6,7 +6,7 @@
 
 namespace cyclorama::output {
 namespace {
-// In refreshes.
+// In refresh periods.
 constexpr double kLate = 1.25;
 constexpr double kMissed = 1.5;
 }  // namespace

@@ -33,18 +33,17 @@ struct Slot {
   std::atomic<std::int64_t> presented_at_ns;
 };
 
-// Order of memory (H. Boehm, "Can seqlocks get along with programming language memory models?", 2012), without fences,
-// which ThreadSanitizer does not know: every word of a slot is stored with release and loaded with acquire. A reader
-// that meets one word of picture n + 2 in the slot of picture n therefore sees `started` >= n + 2 afterwards and tries
-// again.
+// Memory order (H. Boehm, "Can seqlocks get along with programming language memory models?", 2012), without fences,
+// which ThreadSanitizer does not support: every word of a slot is stored with release and loaded with acquire. A reader
+// that reads a word of picture n + 2 in the slot of picture n therefore sees `started` >= n + 2 afterwards and retries.
 struct Header {
   std::uint64_t magic;
   std::uint32_t version;
   std::uint32_t width;
   std::uint32_t height;
   std::uint32_t reserved;
-  Word started;    // The newest picture whose slot was begun.
-  Word published;  // The newest whole picture; 0 is none. Picture n lies in slot n % kSlots.
+  Word started;    // Newest picture whose slot was begun.
+  Word published;  // Newest complete picture; 0 for none. Picture n is in slot n % kSlots.
   Slot slots[kSlots];
 };
 
@@ -53,7 +52,7 @@ std::size_t slot_words(int width, int height) {
 }
 std::size_t file_bytes(int width, int height) { return sizeof(Header) + kSlots * 8 * slot_words(width, height); }
 
-/// Owns a shared mapping and the file whose lock says that its writer lives.
+/// Owns a shared mapping and its file, whose lock shows that the writer is alive.
 struct PictureFile {
   UniqueFd fd;
   Header* header = nullptr;
@@ -133,7 +132,8 @@ Result<SharedPictureWriter> SharedPictureWriter::create(const std::filesystem::p
   if (!mapping->fd.is_open()) return Error::from_errno(fmt::format("creating '{}'", path.string()));
   const auto prepare = [&]() -> Status {
     const int fd = mapping->fd.get();
-    // Allocated now, so that a full disk is an error here and no SIGBUS later. The lock falls with the process.
+    // Allocated now, so that a full disk causes an error here and not SIGBUS later. The lock is released with the
+    // process.
     const int refused = ::posix_fallocate(fd, 0, static_cast<off_t>(mapping->bytes));
     if (refused != 0) errno = refused;
     if (refused != 0 || ::fchmod(fd, 0644) != 0 || ::flock(fd, LOCK_EX | LOCK_NB) != 0) {
@@ -205,7 +205,7 @@ int SharedPictureReader::width() const { return mapping_->width; }
 int SharedPictureReader::height() const { return mapping_->height; }
 
 Result<SharedPictureInfo> SharedPictureReader::read_newest(RgbImage* ret_picture) {
-  // A shared lock is only to be had when no writer holds its own.
+  // A shared lock can be acquired only if no writer holds its exclusive lock.
   if (::flock(mapping_->fd.get(), LOCK_SH | LOCK_NB) == 0) {
     ::flock(mapping_->fd.get(), LOCK_UN);
     return Error(ErrorCode::kUnavailable, "the display that made this picture is gone");

@@ -8,7 +8,7 @@
 namespace cyclorama::output {
 namespace {
 
-// One triangle that covers everything; `place` is (0, 0) where the panel's first pixel is.
+// One triangle that covers everything; `place` is (0, 0) at the panel's first pixel.
 constexpr char kVertexShader[] = R"(#version 300 es
 out vec2 place;
 void main() {
@@ -34,7 +34,7 @@ struct Affine {
   std::array<float, 3> t;
 };
 
-/// From a place on the panel (from its top left) to the canvas's texture (from its bottom left).
+/// Maps a position on the panel (from its top left) to the canvas's texture (from its bottom left).
 Affine to_texture(Rotation rotation) {
   switch (rotation) {
     case Rotation::kNone:

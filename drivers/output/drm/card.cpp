@@ -12,7 +12,8 @@ namespace cyclorama::output {
 
 namespace {
 
-/// A card that only computes has none. One that does not answer is an error: left out, its heads would stay dark.
+/// A render-only card has no connectors. A card that does not answer is an error: skipping it would leave its heads
+/// dark.
 Result<bool> has_connectors(const std::filesystem::path& node) {
   const UniqueFd fd(::open(node.c_str(), O_RDWR | O_CLOEXEC));
   if (!fd.is_open()) return Error::from_errno(fmt::format("opening '{}'", node.string()));
@@ -33,7 +34,8 @@ Result<Card> Card::open(const std::filesystem::path& path) {
   card.path_ = path;
   card.fd_ = UniqueFd(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK));
   if (!card.fd_.is_open()) return Error::from_errno(fmt::format("opening '{}'", path.string()));
-  // Whoever opens it first is master; this is for the one who comes second, after the first has left.
+  // The first process to open the card becomes master automatically; this handles one that opened it earlier than its
+  // predecessor left.
   if (drmIsMaster(card.fd()) == 0) {
     if (auto master = card.become_master(); !master) {
       return Error(ErrorCode::kBusy, fmt::format("'{}' belongs to another display server ({}); stop that one",
@@ -108,7 +110,7 @@ Result<std::vector<Connector>> Card::probe() const {
 Result<std::vector<std::filesystem::path>> list_cards() {
   std::array<drmDevicePtr, 16> devices{};
   const int count = drmGetDevices2(0, devices.data(), static_cast<int>(devices.size()));
-  if (count == -ENOENT) return std::vector<std::filesystem::path>();  // Not even the folder for them.
+  if (count == -ENOENT) return std::vector<std::filesystem::path>();  // Not even the folder exists.
   if (count < 0) return kms_error(count, "listing graphics cards");
   const int listed = std::min(count, static_cast<int>(devices.size()));
   std::vector<std::filesystem::path> nodes;

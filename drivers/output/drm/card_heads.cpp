@@ -23,7 +23,7 @@ ModePreference mode_preference_of(const HeadTarget& target) {
   return {is_aside ? height : width, is_aside ? width : height, target.refresh_hz};
 }
 
-/// That this setting cannot work, on a card that is otherwise well: another may.
+/// True if only this setting was rejected and the card is otherwise usable: another setting may work.
 bool is_refusal(const Error& error) {
   const int why = error.errno_value();
   return why == EINVAL || why == ENOSPC || why == ERANGE || why == E2BIG || why == EOPNOTSUPP;
@@ -115,7 +115,7 @@ AtomicRequest CardHeads::whole_card(std::span<const Connector> connectors, std::
   for (std::size_t i = 0; i < card_.planes().size(); ++i) {
     const Properties& plane = card_.planes()[i].properties;
     const Pipe* const pipe = pipe_where([&](const Pipe& p) { return p.plane == i; });
-    // Another program's cursor, or the console's text, goes with the rest.
+    // Clears other planes too, such as another program's cursor or the console's text.
     request.set(plane, "FB_ID", pipe == nullptr ? 0 : pipe->back().kms_framebuffer());
     request.set(plane, "CRTC_ID", pipe == nullptr ? 0 : card_.crtcs()[pipe->crtc].id());
     if (pipe == nullptr) continue;

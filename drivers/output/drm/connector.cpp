@@ -8,11 +8,11 @@
 namespace cyclorama::output {
 namespace {
 
-constexpr std::uint64_t kLinkBad = 1;  // DRM_MODE_LINK_STATUS_BAD of libdrm's drm_mode.h.
+constexpr std::uint64_t kLinkBad = 1;  // DRM_MODE_LINK_STATUS_BAD from libdrm's drm_mode.h.
 
 std::vector<std::uint8_t> blob_bytes(int fd, const Property* property) {
   if (property == nullptr || property->value == 0) return {};
-  // One that is gone again belongs to a projector that is gone: no EDID, as for one without.
+  // A blob that has vanished belonged to a projector that is gone; treat it as a missing EDID.
   const KmsBlob blob(drmModeGetPropertyBlob(fd, static_cast<std::uint32_t>(property->value)));
   if (blob == nullptr || blob->data == nullptr) return {};
   const auto* const bytes = static_cast<const std::uint8_t*>(blob->data);

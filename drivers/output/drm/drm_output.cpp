@@ -20,19 +20,19 @@ namespace {
 constexpr double kMaxHz = 1000.0;
 constexpr double kMinHz = 0.1;
 constexpr auto kMaxBackoff = std::chrono::seconds(1);
-constexpr auto kLookAgain = std::chrono::seconds(5);  // At what is dark, or where nobody tells of changes.
-constexpr int kMaxFailures = 20;                      // In a row, until everything is to be opened again.
+constexpr auto kLookAgain = std::chrono::seconds(5);  // Rescan interval for dark heads, or without hot-plug events.
+constexpr int kMaxFailures = 20;                      // Successive failures before everything must be reopened.
 constexpr int kMaxBusyFlips = 3;
 
-/// One card, and how it fares.
+/// One card and its state.
 struct CardState {
   std::unique_ptr<CardHeads> heads;
   std::vector<Connector> connectors;
   bool needs_light = true;
   bool has_lost_master = false;
-  int failures = 0;  // Since it was last lit.
+  int failures = 0;  // Failures since it was last lit.
   int busy_flips = 0;
-  bool has_flipped = false;  // At this present().
+  bool has_flipped = false;  // True if it flipped in this present().
   TimePoint retry_at{};
 };
 
@@ -70,13 +70,13 @@ class DrmOutput final : public Output {
     was_awake_ = is_awake();
     is_drawn_.assign(modes_.size(), false);
     shown_.resize(modes_.size());
-    // Without it, connectors are looked at from time to time.
+    // Without a monitor, connectors are polled periodically.
     if (auto monitor = HotplugMonitor::open()) hotplug_.emplace(*std::move(monitor));
     return recover();
   }
 
   ~DrmOutput() override {
-    // What they hold are GL objects and framebuffers: before the context and the cards.
+    // Destroys GL objects and framebuffers before the context and the cards.
     for (CardState& card : cards_) card.heads->release();
     canvases_.clear();
     copier_.reset();
@@ -121,7 +121,7 @@ class DrmOutput final : public Output {
       for (CardState& card : cards_) card.heads->paint(*copier_, head);
       is_drawn_[head] = false;
     }
-    gl().Finish();  // What is handed to the card is whole, with every driver.
+    gl().Finish();  // Ensures with every driver that the buffers are complete before the commit.
     TRY(gl().check("presenting"));
     pace_.drawn(clock_.now() - begun_at_);
     for (CardState& card : cards_) {
@@ -172,20 +172,21 @@ class DrmOutput final : public Output {
     return connectors_.empty() || !connectors_[head] ? "no connector yet" : connectors_[head]->connector + " is dark";
   }
 
-  /// The card must be lit again; when is told by how often that failed. kUnavailable  nothing but a new output helps.
+  /// Records that the card must be lit again; the delay depends on the number of failures. Errors: kUnavailable if only
+  /// a new output helps.
   Status take_failure(CardState* card, Error error) {
     if (is_card_lost(error)) return lost(error.message());
     if (error.errno_value() == EBUSY && !card->needs_light && ++card->busy_flips <= kMaxBusyFlips) return Done{};
     card->needs_light = true;
     card->has_lost_master = is_master_lost(error);
-    // Another program may keep the card as long as it likes: that is no reason to give up.
+    // Another program may hold the card for any length of time, which is no reason to give up.
     if (!card->has_lost_master && ++card->failures > kMaxFailures) return lost(error.message());
     const auto backoff = pace_.next_at() - pace_.shown_at();
     card->retry_at = clock_.now() + std::min<Duration>(kMaxBackoff, backoff * (card->failures / 3));
     return Done{};
   }
 
-  /// Hot-plug, and a change between day and night.
+  /// Handles hot-plug events and changes between awake and asleep.
   Status notice_changes() {
     const bool awake = is_awake();
     if (awake != was_awake_) {
@@ -205,7 +206,7 @@ class DrmOutput final : public Output {
       }
       const bool is_same = std::equal(probed->begin(), probed->end(), card.connectors.begin(), card.connectors.end(),
                                       [](const Connector& a, const Connector& b) { return a.is_same_as(b); });
-      // What is connected and dark is tried again, too: the others' modes may have left room by now.
+      // Connected but dark heads are retried, too: other heads' new modes may have freed bandwidth.
       if (!is_same || has_dark(card)) card.needs_light = true;
     }
     return Done{};
@@ -227,7 +228,7 @@ class DrmOutput final : public Output {
     return false;
   }
 
-  /// Null when the head's socket is not on this card.
+  /// Returns null if the head's connector is not on this card.
   [[nodiscard]] const Connector* connector_of(std::size_t head, const CardState& card) const {
     if (connectors_.empty() || !connectors_[head] || &cards_[connectors_[head]->card] != &card) return nullptr;
     const auto found = std::find_if(card.connectors.begin(), card.connectors.end(),
@@ -263,7 +264,7 @@ class DrmOutput final : public Output {
 
   Status probe(CardState* card) {
     if (card->has_lost_master) {
-      // Whatever the kernel says to it, the card still is another program's.
+      // Whatever the commit's error was, another program is still the card's master.
       if (!card->heads->card().become_master()) return kms_error(-EACCES, "waiting for the card");
       card->has_lost_master = false;
     }

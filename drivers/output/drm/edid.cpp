@@ -20,7 +20,7 @@ constexpr std::size_t kDescriptors = 4;
 constexpr std::uint8_t kSerialText = 0xff;
 constexpr std::uint8_t kNameText = 0xfc;
 
-/// Table 3.23: up to 13 characters, ended by a line feed, filled with spaces.
+/// Table 3.23: up to 13 characters, terminated by a line feed and padded with spaces.
 std::string text_of(std::span<const std::uint8_t> descriptor) {
   std::string text;
   for (const std::uint8_t byte : descriptor.subspan(5)) {
@@ -41,7 +41,7 @@ std::string maker_of(std::uint8_t high, std::uint8_t low) {
   return maker;
 }
 
-/// Table 3.11: three bits for a digital input of version 1.4; the rest is unknown or reserved.
+/// Table 3.11: three bits for a digital input of version 1.4; other values are unknown or reserved.
 int colour_bits_of(std::uint8_t revision, std::uint8_t input) {
   constexpr std::array<int, 8> kDepths{0, 6, 8, 10, 12, 14, 16, 0};
   if (revision < 4 || (input & 0x80) == 0) return 0;
@@ -79,7 +79,7 @@ Result<Edid> parse_edid(std::span<const std::uint8_t> bytes) {
   edid.colour_bits = colour_bits_of(bytes[19], bytes[kInput]);
   for (std::size_t i = 0; i < kDescriptors; ++i) {
     const auto descriptor = bytes.subspan(kFirstDescriptor + i * kDescriptor, kDescriptor);
-    if (descriptor[0] != 0 || descriptor[1] != 0) continue;  // A timing: the kernel's work.
+    if (descriptor[0] != 0 || descriptor[1] != 0) continue;  // A timing descriptor, which the kernel parses.
     if (descriptor[3] == kNameText) edid.model = text_of(descriptor);
     if (descriptor[3] == kSerialText) edid.serial = text_of(descriptor);
   }

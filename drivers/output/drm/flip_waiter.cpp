@@ -29,7 +29,7 @@ void FlipWaiter::on_flip(int, unsigned sequence, unsigned seconds, unsigned micr
                                 : commit.waiter->clock_.now();
   commit.flipped.at = std::max(commit.flipped.at, at);
   if (commit.crtc_count < commit.crtcs.size()) commit.crtcs[commit.crtc_count++] = {crtc_id, at};
-  // drm_crtc_send_vblank_event() of the kernel: no number where there is no raster.
+  // The kernel's drm_crtc_send_vblank_event() sends sequence 0 if there is no vertical blank.
   commit.flipped.has_vblank = sequence != 0;
 }
 

@@ -25,7 +25,7 @@ Result<HotplugMonitor> HotplugMonitor::open() {
 
 bool HotplugMonitor::take() {
   bool was_heard = false;
-  // The socket does not block, and what is in an event does not matter: whoever asks looks at all connectors.
+  // The socket is non-blocking, and the contents of an event are irrelevant, since the caller probes all connectors.
   while (udev_device* const device = udev_monitor_receive_device(monitor_.get())) {
     udev_device_unref(device);
     was_heard = true;

@@ -8,7 +8,7 @@
 namespace cyclorama::output {
 namespace {
 
-constexpr std::size_t kCrtcs = 32;  // What a mask holds.
+constexpr std::size_t kCrtcs = 32;  // Number of bits in a mask.
 
 /// Kuhn's algorithm for bipartite matching: a connector takes a CRTC whose owner finds another one.
 class Matching {
@@ -62,7 +62,7 @@ std::vector<std::optional<std::size_t>> assign_crtcs(std::span<const std::uint32
   for (std::size_t i = 0; i < keep.size(); ++i) {
     if (keep[i] && matching.can_take(i, *keep[i])) matching.take(i, *keep[i]);
   }
-  // An augmenting path never takes from an owner without giving it another, so whoever has one keeps one.
+  // An augmenting path takes a CRTC from an owner only if the owner gets another one, so no owner loses out.
   for (std::size_t i = 0; i < count; ++i) {
     if (!matching.crtc_of(i)) matching.find(i);
   }

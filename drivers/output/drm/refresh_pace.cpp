@@ -9,9 +9,10 @@
 namespace cyclorama::output {
 namespace {
 
-// KWin waits with 1.5 ms to spare (src/backends/drm/drm_commit_thread.cpp); a sleeping thread wakes up to 1 ms late.
+// KWin uses a margin of 1.5 ms (src/backends/drm/drm_commit_thread.cpp); a sleeping thread wakes up to 1 ms late.
 constexpr auto kMinExtra = std::chrono::microseconds(2500);
-constexpr double kEasing = 0.995;  // Of the extra time, at each refresh that was kept: half of it in 140 refreshes.
+// Factor on the extra time at each refresh that was met: half of it is left after 140 refreshes.
+constexpr double kEasing = 0.995;
 
 Duration period_of(double refresh_hz) {
   CHECK(refresh_hz > 0.0);

@@ -18,15 +18,15 @@ namespace {
 constexpr double kMaxHz = 1000.0;
 constexpr double kMinHz = 0.1;
 
-/// One head: where GL draws, and where its pixels go.
+/// One head: its GL framebuffer and the destination of its pixels.
 struct Head {
   GlRenderbuffer colour;
   GlFramebuffer framebuffer;
-  std::vector<SharedPictureWriter> shared;  // One, or none.
+  std::vector<SharedPictureWriter> shared;  // At most one.
   RgbaImage read_back;
   RgbImage picture;
-  bool is_drawn = false;  // Since the last present().
-  bool is_new = false;    // What is published there.
+  bool is_drawn = false;  // Drawn since the last present().
+  bool is_new = false;    // Whether the published picture is new.
 };
 
 class HeadlessOutput final : public Output {
@@ -128,7 +128,7 @@ class HeadlessOutput final : public Output {
     to_picture(head->read_back, &head->picture);
   }
 
-  std::unique_ptr<GlContext> context_;  // First: the heads' GL objects die before it.
+  std::unique_ptr<GlContext> context_;  // First member, so that the heads' GL objects are destroyed before it.
   HeadlessOptions options_;
   const Clock& clock_;
   RefreshSchedule schedule_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Before gl.h: osmesa.h brings the desktop's GL header, and the two agree on every type and constant that both have.
+// Included before gl.h: osmesa.h includes the desktop's GL header, which agrees with gl.h on all shared types and
+// constants.
 #include <GL/osmesa.h>
 
 #include <array>
@@ -9,7 +10,7 @@
 namespace cyclorama::output {
 namespace {
 
-// OSMesa draws to memory of ours; everything is drawn to framebuffer objects instead, so that this is never looked at.
+// OSMesa requires a buffer to draw to, which stays unused, since all drawing goes to framebuffer objects.
 constexpr int kUnusedSidePx = 16;
 
 class OsMesaContext final : public GlContext {

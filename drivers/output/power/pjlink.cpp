@@ -58,7 +58,7 @@ class Connection {
     return last;
   }
 
-  /// Up to the next carriage return, without it.
+  /// Reads up to the next carriage return, which is removed.
   Result<std::string> read_line() {
     for (;;) {
       if (const std::size_t end = read_.find('\r'); end != std::string::npos) {
@@ -77,7 +77,7 @@ class Connection {
   }
 
   Status write(std::string_view text) {
-    // So short that a new connection always takes it whole.
+    // The command is so short that a new connection always accepts all of it at once.
     TRY(wait(POLLOUT));
     if (::send(fd_.get(), text.data(), text.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(text.size()))
       return unavailable();
@@ -115,7 +115,7 @@ class Connection {
   std::string read_;
 };
 
-/// `command` with its parameter: "POWR ?".
+/// `command` includes its parameter: "POWR ?".
 Result<std::string> exchange(const PjlinkProjector& projector, std::string_view command,
                              std::chrono::milliseconds timeout) {
   TRY_ASSIGN(Connection connection, Connection::dial(projector.address, SteadyClock().now() + timeout));

@@ -7,7 +7,7 @@ std::optional<bool> ProjectorDuty::next(bool should_be_on, std::optional<Project
   if (!seen) done_.reset();
   if (!seen || done_ == should_be_on) return std::nullopt;
   done_.reset();
-  // One that warms up or cools down takes no command.
+  // A projector that warms up or cools down accepts no command.
   if (seen != ProjectorPower::kOn && seen != ProjectorPower::kOff) return std::nullopt;
   if ((seen == ProjectorPower::kOn) != should_be_on) return should_be_on;
   done_ = should_be_on;

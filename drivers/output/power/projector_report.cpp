@@ -10,14 +10,15 @@ namespace {
 
 using Level = ProjectorReport::Level;
 
-constexpr auto kToSwitch = std::chrono::seconds(90);      // Some answer for a minute that they are as they were.
-constexpr auto kMaxTransition = std::chrono::minutes(6);  // To warm up or cool down; manuals say 1 to 3 minutes.
+constexpr auto kToSwitch = std::chrono::seconds(90);  // Some report the old state for a minute.
+// Upper bound for warming up or cooling down; manuals give 1 to 3 minutes.
+constexpr auto kMaxTransition = std::chrono::minutes(6);
 
 struct Part {
   std::string_view name;
   std::string_view remedy;
 };
-/// In the order of the answer.
+/// Ordered as in the answer to ERST.
 constexpr std::array<Part, 6> kParts{{
     {"fan", "Clean its vents and let air to it; if that does not help, have it repaired."},
     {"lamp", "Its lamp is at its end: have it replaced."},

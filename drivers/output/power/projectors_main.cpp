@@ -26,7 +26,7 @@ namespace {
 constexpr auto kAnswerTimeout = std::chrono::seconds(5);
 constexpr auto kAgainAfter = std::chrono::seconds(5);
 constexpr auto kLookEvery = std::chrono::seconds(20);
-constexpr auto kTurn = std::chrono::milliseconds(200);  // How soon a stop is noticed.
+constexpr auto kTurn = std::chrono::milliseconds(200);  // Time within which a stop request is noticed.
 
 struct Options {
   std::string command;
@@ -40,7 +40,7 @@ struct Options {
 };
 
 struct NamedProjector {
-  std::string name;  ///< As it was given.
+  std::string name;  ///< Name or address, as given.
   PjlinkProjector position;
 };
 
@@ -51,7 +51,7 @@ Result<std::string> read_password(const std::filesystem::path& file) {
   return password;
 }
 
-/// Those of the command line, and those of the installation that have an address.
+/// Returns the projectors of the command line, and those of the installation that have an address.
 Result<std::vector<NamedProjector>> projectors_of(const Options& options) {
   std::vector<NamedProjector> projectors;
   TRY_ASSIGN(const std::string password, read_password(options.password_file));
@@ -70,7 +70,8 @@ Result<std::vector<NamedProjector>> projectors_of(const Options& options) {
   return projectors;
 }
 
-/// Until it is as requested, or on its way there: one that cools down takes no command for a minute or two.
+/// Switches until the state is as requested or changing to it; one that cools down accepts no command for a minute or
+/// two.
 Status bring(const PjlinkProjector& projector, bool is_on, TimePoint deadline, const StopSignal& stop) {
   for (;;) {
     auto set = set_power(projector, is_on, kAnswerTimeout);
@@ -99,7 +100,7 @@ Status switch_or_query(const Options& options, const std::vector<NamedProjector>
   return Error(ErrorCode::kUnavailable, fmt::format("{} of {} projectors failed", failed, projectors.size()));
 }
 
-/// One that is kept, and what was said of it last.
+/// A controlled projector and the last report about it.
 struct Kept {
   NamedProjector projector;
   ProjectorDuty duty{};
@@ -117,7 +118,7 @@ void look_after(bool should_be_on, TimePoint now, Kept* kept) {
   const auto power = query_power(position, kAnswerTimeout);
   std::optional<ProjectorErrors> errors;
   if (power) {
-    // Not all tell, and what they tell is not needed to switch them.
+    // Optional: not all projectors report errors, and switching does not depend on them.
     if (const auto told = query_errors(position, kAnswerTimeout)) errors = *told;
   }
   kept->report = kept->reporter.see({should_be_on, power, errors}, now);
@@ -133,7 +134,7 @@ void look_after(bool should_be_on, TimePoint now, Kept* kept) {
   log(LogLevel::kInfo, fmt::format("{}: switched {}", kept->projector.name, *wanted ? "on" : "off"));
 }
 
-/// For the operator: the table "projectors" of name, level, sentence, remedy.
+/// Publishes the table "projectors" of name, level, sentence and remedy for the operator.
 void tell(const std::vector<Kept>& all, InspectionService* inspection) {
   wire::Table table;
   table.set_name("projectors");
@@ -192,7 +193,7 @@ Status keep_hours(const Options& options, const std::vector<NamedProjector>& pro
 Status run(const Options& options, const StopSignal& stop) {
   TRY_ASSIGN(const std::vector<NamedProjector> projectors, projectors_of(options));
   const bool is_keep = options.command == "keep";
-  // A museum whose projectors have no network is nothing wrong; a command for nobody is.
+  // A museum whose projectors have no network address is valid; a command without any projector is an error.
   if (projectors.empty() && (!is_keep || options.installation.empty())) {
     return Error(ErrorCode::kInvalidArgument,
                  "no projector is named; write HOST, or --installation with a [[projector]] that has pjlink = "

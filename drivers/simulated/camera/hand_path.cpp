@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Two poses that are nearer in time than a hand can know are a mistake.
+/// Minimum time between key poses; a smaller one is a mistake.
 constexpr double kMinStepS = 1e-3;
 
 KeyPose key(double time_s, const Vector3d& position_m, double yaw_deg, double pitch_deg, double roll_deg) {
@@ -52,8 +52,8 @@ Result<HandPath> HandPath::make(std::vector<KeyPose> keys, std::optional<double>
 }
 
 HandPath HandPath::demo() {
-  // At rest the tag is 1 m away, where the tour's settings have no speed, a little below the camera, and leans back as
-  // hands hold things.
+  // At rest the tag is 1 m away, where the tour's settings give speed 0, a little below the camera, and tilted back as
+  // people hold things.
   const std::vector<KeyPose> keys{
       key(0.0, {0.00, 0.05, 1.00}, 0, 8, 0),      key(1.0, {0.00, 0.05, 1.00}, 0, 8, 1),
       key(2.2, {0.00, 0.04, 0.74}, 2, 10, 0),     key(5.0, {0.02, 0.04, 0.72}, -2, 10, -1),

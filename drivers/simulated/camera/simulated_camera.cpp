@@ -9,8 +9,8 @@
 namespace cyclorama::simulated {
 namespace {
 
-/// Furniture: rectangles of any grey, some of them dark quads on light ground as tags are, so that a detector has to
-/// work.
+/// Adds furniture: rectangles of any grey, some of them dark quads on a light background, as tags are, to challenge a
+/// detector.
 void add_clutter(std::uint32_t seed, Image<float, 1>* ret_picture) {
   std::mt19937 random(seed);
   const auto uniform = [&](int below) {
@@ -35,7 +35,7 @@ Image<float, 1> make_backdrop(const Simulation& simulation) {
   if (simulation.backdrop == Backdrop::kPlain) return picture;
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) {
-      // Light from a window on the left and above: from 1.3 to 0.5 times the grey.
+      // Light from a window at the upper left: factors from 1.3 to 0.5.
       const float across = static_cast<float>(x) / static_cast<float>(picture.width());
       const float down = static_cast<float>(y) / static_cast<float>(picture.height());
       *picture.at(x, y) = grey * (1.3f - 0.5f * across - 0.3f * down);

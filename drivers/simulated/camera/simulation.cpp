@@ -36,7 +36,7 @@ void read_backdrop(ConfigTable backdrop, Simulation* ret) {
   ret->backdrop_grey = backdrop.number("grey", {0, 255}, ret->backdrop_grey);
 }
 
-/// [tag]: a flat tag instead of a wand.
+/// Reads [tag]: a flat tag instead of a wand.
 void read_pattern(ConfigTable root, Simulation* ret) {
   const bool has_wand = root.has("wand");
   const bool has_tag = root.has("tag");
@@ -64,7 +64,7 @@ void read_path(ConfigTable path, Simulation* ret) {
   std::optional<double> loop_s;
   if (path.has("loop_s")) loop_s = path.number("loop_s", {0, 86400});
   if (keys.empty()) {
-    // No keys at all: the demo's movement. A loop without keys would be silently ignored, so it is refused.
+    // Without keys the demo's movement is used. A loop without keys is refused, since it would have no effect.
     if (loop_s) path.refuse("loop_s", "needs key poses: add [[path.key]] tables");
     return;
   }

@@ -13,13 +13,13 @@ namespace cyclorama::simulated {
 namespace {
 
 constexpr float kNothing = -1.0f;
-/// Printed paper: black ink still reflects a little.
+/// Black ink on paper still reflects a little light.
 constexpr float kInkGrey = 18.0f;
 constexpr float kPaperGrey = 225.0f;
 constexpr float kSkinGrey = 150.0f;
 constexpr float kSleeveGrey = 60.0f;
-/// Half of a panel, in tag sizes: of a card in the hand, and of a folded one, whose panels are little more than the
-/// tags with their borders.
+/// Half the size of a panel in tag sizes: for a card in the hand, and for a folded card, whose panels are little larger
+/// than the tags with their borders.
 constexpr double kCardHalf = 0.78;
 constexpr double kPanelHalf = 0.642;
 /// The hand, in units of 0.12 m below a flat card whose tag has that size.
@@ -34,18 +34,18 @@ bool in_ellipse(double x, double y, double centre_x, double centre_y, double rad
 }
 
 struct Box {
-  int left, top, right, bottom;  ///< Half-open.
+  int left, top, right, bottom;  ///< Half-open ranges.
 };
 
 struct Sample {
-  double du, dv;       ///< Place within the pixel.
-  std::size_t moment;  ///< Of the exposure.
+  double du, dv;       ///< Offset within the pixel.
+  std::size_t moment;  ///< Index of the moment within the exposure.
 };
 
-/// A Hammersley net over the pixel: S points have S different columns and S different rows, so that an edge in any
-/// direction is placed to a 2S-th of a pixel. The points of one moment fall into all its columns and rows alike: with i
-/// written as high and low half, the column's leading digits are the high half and the row's the reversed low half, and
-/// a moment holds the pairs whose halves differ by a fixed exclusive or.
+/// Hammersley points over the pixel: S points have S different columns and S different rows, so that an edge in any
+/// direction is located to 1/(2S) of a pixel. The points of one moment are spread over all columns and rows alike: with
+/// i split into a high and a low half, the column's leading digits are the high half and the row's the reversed low
+/// half, and a moment holds the pairs whose halves differ by a fixed exclusive or.
 std::vector<Sample> samples_of(std::size_t moments) {
   unsigned bits = 2;
   while ((std::size_t{1} << bits) < moments) ++bits;
@@ -62,7 +62,7 @@ std::vector<Sample> samples_of(std::size_t moments) {
   return samples;
 }
 
-/// The pixels that a box of a plane can touch, for a map from that plane to the picture.
+/// Bounds the pixels that a box of a plane can touch, for a map from that plane to the picture.
 Box box_of(const Eigen::Matrix3d& to_image, const Eigen::AlignedBox2d& scene, const Pinhole& lens) {
   const Box all{0, 0, lens.width_px, lens.height_px};
   Eigen::AlignedBox2d around;
@@ -78,7 +78,7 @@ Box box_of(const Eigen::Matrix3d& to_image, const Eigen::AlignedBox2d& scene, co
           clamped(std::ceil(around.max().x()), lens.width_px), clamped(std::ceil(around.max().y()), lens.height_px)};
 }
 
-/// Plane (x, y, 1) in units to homogeneous pixels.
+/// Returns the homography from plane coordinates (x, y, 1) in units to homogeneous pixels.
 Eigen::Matrix3d plane_to_image(const RigidTransform<frame::Camera, frame::Face>& pose, double unit_m,
                                const Pinhole& lens) {
   const Eigen::Matrix3d rotation = pose.rotation().toRotationMatrix();
@@ -93,7 +93,7 @@ Eigen::Matrix3d plane_to_image(const RigidTransform<frame::Camera, frame::Face>&
 struct SeenPanel {
   Eigen::Matrix3d to_plane;
   bool from_behind;
-  Eigen::Vector3d at_pixel;  ///< What the current pixel's corner maps to.
+  Eigen::Vector3d at_pixel;  ///< Image of the current pixel's corner.
 };
 
 }  // namespace
@@ -113,7 +113,7 @@ TagPainter::TagPainter(const Wand& wand) {
     panels_.push_back(std::move(panel));
     for (const Eigen::Vector3d& corner : tag.corners) bottom = std::max(bottom, corner.y());
   }
-  // A hand's own size, but for a card that is held with two fingers.
+  // The hand has its natural size, except for a card that is held with two fingers.
   const double unit_m = alone ? wand.tags[0].size_m : kHandUnitM;
   Panel hand{{Eigen::Quaterniond::Identity(), {0.0, alone ? 0.0 : bottom + 0.01 - kCardHalf * unit_m, 0.0}},
              unit_m,
@@ -137,7 +137,7 @@ float TagPainter::Panel::grey_at(double x, double y) const {
   // The thumb stays off the white border, which a detector needs.
   if (has_thumb && y > bitmap_width / 2.0 && in_ellipse(x, y, 0.32, 0.80, 0.10, 0.16)) return kSkinGrey;
   if (!(std::abs(x) <= half && std::abs(y) <= half)) return kNothing;
-  // Not floor(), which is a call on an old processor; the paper ends before cell -2.
+  // Avoids floor(), which is a function call on older processors; the paper ends before cell -2.
   const int cell_x = static_cast<int>((x / bitmap_width + 0.5) * cells + 2.0) - 2;
   const int cell_y = static_cast<int>((y / bitmap_width + 0.5) * cells + 2.0) - 2;
   if (cell_x < 0 || cell_y < 0 || cell_x >= cells || cell_y >= cells) return kPaperGrey;
@@ -147,7 +147,7 @@ float TagPainter::Panel::grey_at(double x, double y) const {
 void TagPainter::paint(const std::vector<RigidTransform<frame::Camera, frame::Tag>>& poses, const Pinhole& lens,
                        Image<float, 1>* picture) const {
   CHECK(!poses.empty() && picture->width() == lens.width_px && picture->height() == lens.height_px);
-  std::vector<SeenPanel> seen;  // By moment, then panel.
+  std::vector<SeenPanel> seen;  // Ordered by moment, then panel.
   std::vector<Box> boxes(panels_.size(), Box{lens.width_px, lens.height_px, 0, 0});
   Box box{lens.width_px, lens.height_px, 0, 0};
   const auto join = [](const Box& a, const Box& b) {
@@ -158,7 +158,7 @@ void TagPainter::paint(const std::vector<RigidTransform<frame::Camera, frame::Ta
     for (std::size_t i = 0; i < panels_.size(); ++i) {
       const auto T_camera_face = pose * panels_[i].T_tag_face;
       const Eigen::Matrix3d to_image = plane_to_image(T_camera_face, panels_[i].unit_m, lens);
-      // Edge on, a panel has no area: no ray meets it, which a zero matrix says.
+      // An edge-on panel has no area, so no ray meets it; a zero matrix represents that.
       const bool has_area = std::abs(to_image.determinant()) > 1e-12;
       const Eigen::Vector3d into = T_camera_face.rotation() * Eigen::Vector3d::UnitZ();
       seen.push_back({has_area ? Eigen::Matrix3d(to_image.inverse()) : Eigen::Matrix3d(Eigen::Matrix3d::Zero()),
@@ -190,7 +190,7 @@ void TagPainter::paint(const std::vector<RigidTransform<frame::Camera, frame::Ta
         for (const std::size_t i : here) {
           const SeenPanel& panel = seen[sample.moment * panels_.size() + i];
           const Eigen::Matrix3d& m = panel.to_plane;
-          // z is 1 / depth: a ray that meets the plane behind the lens sees nothing of it.
+          // z is 1 / depth: a ray that meets the plane behind the lens does not see it.
           const double z = panel.at_pixel.z() + m(2, 0) * sample.du + m(2, 1) * sample.dv;
           if (!(z > inverse_depth)) continue;
           const float there = panels_[i].grey_at((panel.at_pixel.x() + m(0, 0) * sample.du + m(0, 1) * sample.dv) / z,

@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// Of one projector, for every camera pixel; u is kNone where its light does not come from there.
+/// Light of one projector at a camera pixel; u is kNone if no light of the projector arrives there.
 struct Light {
   float u = kNone;
   float v = kNone;
@@ -27,8 +27,8 @@ struct Grid {
   }
 };
 
-/// How (u, v) changes from one camera pixel to the next in a direction: between both neighbours if both see the same
-/// part of the wall, else to the one that does.
+/// Change of (u, v) from one camera pixel to the next in a direction: a central difference if both neighbours see the
+/// same part of the wall, else a one-sided one.
 Eigen::Vector2d slope(const std::vector<Light>& lights, const std::vector<CameraTable::Place>& positions,
                       std::size_t here, std::size_t before, std::size_t after) {
   const auto is_like = [&](std::size_t other) {
@@ -43,7 +43,7 @@ Eigen::Vector2d slope(const std::vector<Light>& lights, const std::vector<Camera
          steps;
 }
 
-/// The symmetric root of a covariance, in closed form: (C + sqrt(det C) 1) / sqrt(trace C + 2 sqrt(det C)).
+/// Symmetric square root of a covariance, in closed form: (C + sqrt(det C) 1) / sqrt(trace C + 2 sqrt(det C)).
 Eigen::Matrix2d root_of(const Eigen::Matrix2d& covariance) {
   const double s = std::sqrt(std::max(covariance.determinant(), 0.0));
   const double t = std::sqrt(covariance.trace() + 2.0 * s);
@@ -65,7 +65,7 @@ CameraTable::Projector gather(const Grid& grid, const std::vector<Light>& lights
       const Eigen::Vector2d down =
           slope(lights, positions, here, grid.at(x, std::max(y - 1, 0)), grid.at(x, std::min(y + 1, grid.height - 1)));
       const double defocus = static_cast<double>(light.defocus_px);
-      // The middles of a unit square's quarters have a variance of 1/16 each way.
+      // The centres of a unit square's quarters have a variance of 1/16 in each dimension.
       const Eigen::Matrix2d root = root_of((across * across.transpose() + down * down.transpose()) / 16.0 +
                                            defocus * defocus * Eigen::Matrix2d::Identity());
       made.samples.push_back({static_cast<std::uint32_t>(here), light.u, light.v, static_cast<float>(root(0, 0)),

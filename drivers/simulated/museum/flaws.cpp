@@ -77,7 +77,7 @@ void spoil_camera(RandomStream draws, TrueCamera* c) {
   c->has_shot_noise = true;
   c->read_noise_e = draws.between(3.0, 9.0);
   c->full_well_e = 10500.0;
-  // The electrons of a white wall fill about three quarters in a thirtieth of a second.
+  // A white wall fills about three quarters of the full well in a thirtieth of a second.
   c->electrons_per_nit_s = draws.between(2000.0, 3000.0);
   c->bits = draws.between(0.0, 1.0) < 0.5 ? 8 : 12;
   c->response.gamma = draws.between(0.8, 1.05);
@@ -116,7 +116,7 @@ void bend_wall(RandomStream draws, double min_m, double max_m, MuseumTruth* trut
   auto* wall = std::get_if<CylinderWall>(&truth->wall);
   CHECK(wall != nullptr);
   const double length = wall->radius_m * wall->arc_rad;
-  // A wave of about the arc's length, whatever its phase, has most of its range on the wall.
+  // A wave about as long as the arc has most of its range on the wall, whatever its phase.
   const double wave = 2.0 * std::numbers::pi / (length * draws.between(1.0, 1.3));
   const double phase = draws.about_zero(std::numbers::pi);
   double lowest = 1.0;
@@ -127,10 +127,10 @@ void bend_wall(RandomStream draws, double min_m, double max_m, MuseumTruth* trut
     lowest = std::min(lowest, value);
     highest = std::max(highest, value);
   }
-  // Where the deviation is highest the wall is nearest: radius = wall's - height.
+  // The wall is nearest where the deviation is highest: radius = wall's - height.
   const double amplitude = (max_m - min_m) / (highest - lowest);
   wall->radius_m = min_m + amplitude * highest;
-  // The arc's ends stay where they are to be, and the wave's coordinate grows with the radius.
+  // The ends of the arc must not move, and the wave's coordinate scales with the radius.
   const double longer = wall->radius_m * wall->arc_rad / length;
   truth->deviation.waves.push_back({amplitude, wave / longer, 0.0, phase});
 }
@@ -140,7 +140,7 @@ void tilt_wall(RandomStream draws, MuseumTruth* truth) {
   const double by = draws.between(1.5, 4.0) * kDegree;
   const Eigen::Vector3d axis(std::cos(towards), 0.0, std::sin(towards));
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(by, axis));
-  // About a point at the height of the eye, so that the picture stays on the wall.
+  // Tilts about a point at eye height, so that the picture stays on the wall.
   const Eigen::Vector3d pivot(0.0, 1.6, 0.0);
   truth->T_room_wall = {turned, pivot - turned * pivot};
 }

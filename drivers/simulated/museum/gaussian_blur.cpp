@@ -11,8 +11,8 @@
 namespace cyclorama::simulated {
 namespace {
 
-/// Half of the kernel, from its middle. Sampled Gaussians of less than a pixel have another variance than they say, so
-/// their width is found by bisection.
+/// Half of the kernel, from its centre. The variance of a sampled Gaussian narrower than a pixel differs from its
+/// nominal one, so the width is found by bisection.
 std::vector<float> half_kernel(double sigma) {
   const int radius = std::max(2, static_cast<int>(std::ceil(4.0 * sigma)));
   std::vector<double> weights(static_cast<std::size_t>(radius) + 1);

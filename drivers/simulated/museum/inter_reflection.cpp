@@ -8,7 +8,7 @@
 namespace cyclorama::simulated {
 namespace {
 
-constexpr int kPieces = 3;  // Of a cell, each way.
+constexpr int kPieces = 3;  // Subdivisions of a cell in each dimension.
 
 struct Piece {
   Eigen::Vector3d point;
@@ -27,7 +27,7 @@ std::vector<Piece> pieces_of(const TrueWall& wall, const WallPosition& low, cons
   return pieces;
 }
 
-/// Per area of the other: cos cos / (pi d^2); nothing where one is behind the other.
+/// Form factor per area of the other piece: cos cos / (pi d^2); 0 if one is behind the other.
 double exchange(const Piece& a, const Piece& b) {
   const Eigen::Vector3d between = b.point - a.point;
   const double distance2 = between.squaredNorm();
@@ -41,7 +41,7 @@ double exchange(const Piece& a, const Piece& b) {
 
 struct InterReflection::Matrices {
   Eigen::MatrixXd form_factors;
-  std::array<Eigen::MatrixXf, 3> answer;  ///< From direct to indirect light.
+  std::array<Eigen::MatrixXf, 3> answer;  ///< Maps direct to indirect light.
 };
 
 InterReflection::InterReflection(const TrueWall& wall, const WallCells& cells, const std::array<double, 3>& albedo) {
@@ -71,7 +71,7 @@ InterReflection::InterReflection(const TrueWall& wall, const WallCells& cells, c
     }
   }
   const Eigen::VectorXd areas = Eigen::Map<const Eigen::VectorXd>(areas_.data(), size);
-  // In a sharp corner the sum over pieces is too large by a little; nothing may make light.
+  // In a sharp corner the sum over pieces is slightly too large; scale it down to conserve energy.
   const double max = (exchanged * areas).maxCoeff();
   if (max > 1.0) exchanged /= max;
   made->form_factors = exchanged * areas.asDiagonal();
@@ -82,7 +82,7 @@ InterReflection::InterReflection(const TrueWall& wall, const WallCells& cells, c
     }
     const Eigen::MatrixXd bounced = albedo[c] * made->form_factors;
     const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(size, size) - bounced;
-    // F rho (1 - F rho)^-1: both factors commute.
+    // Computes F rho (1 - F rho)^-1; the factors commute.
     made->answer[c] = left.partialPivLu().solve(bounced).cast<float>();
   }
   matrices_ = std::move(made);

@@ -21,10 +21,10 @@ constexpr double kBottom_m = 0.6;
 constexpr double kTop_m = 2.6;
 constexpr double kEye_m = 1.6;
 
-/// How projectors share what has to be lit.
+/// Division of the lit width among projectors.
 struct Share {
-  double width;  ///< Of one picture.
-  double step;   ///< From one to the next.
+  double width;  ///< Width of one picture.
+  double step;   ///< Distance from one picture to the next.
 };
 Share shares(double whole, int count, double overlap) {
   const double width = whole / (count - (count - 1) * overlap);
@@ -44,7 +44,7 @@ std::string head_text(std::string_view name, std::string_view wall) {
   return fmt::format("name = \"{}\"\n[wall]\n{}[visitor]\neye_m = [0, {}, 0]\n", name, wall, kEye_m);
 }
 
-/// Projectors above the visitor, each some way behind the middle on its own axis, looking outwards.
+/// Returns projectors above the visitor, each somewhat behind the centre on its own axis, facing outwards.
 std::string around(const PresetOptions& options, double radius_m, double arc_rad, double behind_m) {
   const Share share = shares(arc_rad, options.projectors, options.overlap);
   const double half = 0.5 * share.width;
@@ -79,7 +79,7 @@ std::string plane_text(const PresetOptions& options) {
   const double fov = 2.0 * std::atan(0.52 * share.width / kThrow_m);
   const double focal_per_height = 0.5 * options.projector_width_px / std::tan(0.5 * fov) / options.projector_height_px;
   for (int i = 0; i < options.projectors; ++i) {
-    // Level above the picture, which the lens shifts down: no keystone, as installers like it.
+    // Level, above the picture, and with lens shift downwards: no keystone, as installers prefer.
     const double x = (i - 0.5 * (options.projectors - 1)) * share.step;
     const double drop = kTop_m + 0.1 - 0.5 * (kTop_m + kBottom_m);
     text += projector_text(i, options, fov, {x, kTop_m + 0.1, kThrow_m - kAway_m}, 0.0, 0.0,
@@ -96,7 +96,7 @@ std::string corner_text(const PresetOptions& options, double half_angle_rad) {
   const std::string wall = fmt::format(
       "shape = \"planes\"\ncorners_m = [[{:.6f}, {:.6f}], [0, {}], [{:.6f}, {:.6f}]]\nbottom_m = {}\ntop_m = {}\n", -x,
       z, -kAway_m, x, z, kBottom_m + 0.2, kTop_m - 0.2);
-  // As far as the ends of the walls are to the side.
+  // Covers the wall as far as its ends at the sides.
   return head_text("corner", wall) + around(options, 0.5 * (kAway_m + std::hypot(x, z)), 2.0 * std::atan2(x, -z), 0.6);
 }
 
@@ -143,7 +143,7 @@ Result<Preset> make_preset(std::string_view name, std::uint32_t seed, const Pres
     return Error(ErrorCode::kInvalidArgument,
                  "a preset has 1 to 16 projectors, an overlap from 0 to 0.9 and a camera of at most 64 megapixels");
   }
-  // A stream of its own per thing that is drawn, so that one more flaw does not change the others.
+  // Each kind of flaw draws from its own stream, so that an additional flaw does not change the others.
   RandomStream draws(seed);
   Preset preset;
   const bool is_corner = name == "corner";

@@ -15,7 +15,7 @@ namespace {
 
 using CodeTable = std::array<std::array<float, 256>, 3>;
 
-/// What a code of each channel adds to what the camera's channel sees.
+/// Contribution of each projector channel's code to the camera channel.
 CodeTable table_of(const TrueMuseum& museum, std::size_t projector, const CameraChannel& channel) {
   const ColourMatrix& primaries = museum.truth().projectors[projector].primaries;
   CodeTable table{};
@@ -30,7 +30,7 @@ CodeTable table_of(const TrueMuseum& museum, std::size_t projector, const Camera
   return table;
 }
 
-/// Sampling between pixels spreads light as a tent does, twice as wide as a square pixel in variance.
+/// Removes the variance of bilinear interpolation, a tent with twice the variance of a square pixel, from the blur.
 double blur_besides_sampling(double blur_px) {
   const double variance = blur_px * blur_px - 1.0 / 6.0;
   return variance > 0.0 ? std::sqrt(variance) : 0.0;

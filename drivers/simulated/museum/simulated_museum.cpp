@@ -28,7 +28,7 @@ Image<std::uint8_t, Channels> shortened(const Image<std::uint16_t, Channels>& ph
   return picture;
 }
 
-/// What a projector shows: one picture until `since_s`, another from then on.
+/// Pictures of a projector: one until `since_s`, another from then on.
 struct Showing {
   ProjectorLight before;
   ProjectorLight now;
@@ -78,7 +78,7 @@ struct SimulatedMuseum::State {
            0.5 * turntable.backlash_rad * last_turn_sign + turntable.jitter_rad * stop;
   }
 
-  /// What the camera's channels see of the wall's cells by light that varies slowly: indirect, and ambient.
+  /// Response of the camera's channels to slowly varying light on the wall's cells: indirect and ambient.
   [[nodiscard]] std::vector<std::vector<float>> slow_light(const std::vector<CameraChannel>& channels, bool is_before) {
     InterReflection::Light light(truth.cells().count(), truth.truth().ambient_lux);
     if (const InterReflection* walls = truth.inter_reflection()) {
@@ -109,11 +109,11 @@ struct SimulatedMuseum::State {
     return is_before ? showing[projector].before : showing[projector].now;
   }
 
-  /// What falls on the sensor, in nits through a channel, before lens blur. One plane per channel.
+  /// Light on the sensor in nits, weighted by each channel, before lens blur. One plane per channel.
   std::vector<std::vector<float>> seen_light(const std::vector<CameraChannel>& channels, bool is_before);
   void add_slow_light(const std::vector<std::vector<float>>& cells, int begin, int end,
                       std::vector<std::vector<float>>* planes) const;
-  /// Both pictures, weighted in each row by how long it saw them.
+  /// Blends both pictures, weighted in each row by exposure time.
   std::vector<std::vector<float>> exposed_light(const std::vector<CameraChannel>& channels, double exposure_s);
   template <int Channels>
   Result<Image<std::uint16_t, Channels>> photograph(const std::vector<CameraChannel>& channels, double exposure_s);
@@ -188,7 +188,7 @@ std::vector<std::vector<float>> SimulatedMuseum::State::exposed_light(const std:
   }
   if (latest <= now_s) return seen_light(channels, false);
   if (earliest >= end_s) return seen_light(channels, true);
-  // Some rows see a change. Each projector changes by itself, so each is taken alone: light adds up.
+  // Some rows see a change. Projectors change independently, so each is computed alone, and the light is added.
   std::vector<std::vector<float>> sum;
   std::vector<Showing> all = std::move(showing);
   const auto only = [&](std::size_t projector, bool is_before) {
@@ -281,7 +281,7 @@ Status SimulatedMuseum::show(std::size_t projector, RgbImage picture) {
                              lens.width_px, lens.height_px));
   }
   Showing& showing = state_->showing[projector];
-  // What was to come and has not come yet is replaced.
+  // A pending picture that has not appeared yet is replaced.
   if (showing.since_s <= state_->now_s) showing.before = std::move(showing.now);
   showing.now = ProjectorLight(std::move(picture));
   showing.since_s = state_->now_s + real.latency_s;

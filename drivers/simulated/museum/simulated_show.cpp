@@ -16,11 +16,11 @@ namespace cyclorama::simulated {
 namespace {
 
 struct Touch {
-  double along = 0.0;  ///< In lengths of the direction.
+  double along = 0.0;  ///< Distance in lengths of the direction.
   const Visitor* who = nullptr;
 };
 
-/// Who is first met on the way from `origin` along `direction`, before its length times `far`.
+/// Returns the first visitor hit on the way from `origin` along `direction`, before `far` times its length.
 std::optional<Touch> touch(std::span<const Visitor> visitors, const Eigen::Vector3d& origin,
                            const Eigen::Vector3d& direction, double far) {
   std::optional<Touch> first;

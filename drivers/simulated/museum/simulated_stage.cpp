@@ -15,7 +15,7 @@ namespace cyclorama::simulated {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-/// From a projector's lens: right, down, forward.
+/// Camera offset from its projector's lens: right, down, forward.
 const Eigen::Vector3d kBeside_m(0.12, 0.1, 0.0);
 
 std::vector<FixedCamera> cameras_beside(const MuseumTruth& truth, const SimulatedStage::Options& options) {
@@ -37,7 +37,7 @@ std::vector<FixedCamera> cameras_beside(const MuseumTruth& truth, const Simulate
 RgbImage enlarged(const RgbImage& picture, int factor, int width, int height) {
   RgbImage made(width, height);
   for (int y = 0; y < height; ++y) {
-    // Between centres, as light is.
+    // Interpolates between pixel centres.
     const double v = std::clamp((y + 0.5) / factor - 0.5, 0.0, picture.height() - 1.0);
     const int y0 = static_cast<int>(v);
     const int y1 = std::min(y0 + 1, picture.height() - 1);
@@ -63,7 +63,7 @@ struct SimulatedStage::State {
     std::error_code ignored;
     read_at = std::filesystem::last_write_time(truth_file, ignored);
   }
-  /// Moves what stands elsewhere by now.
+  /// Updates the poses of devices that were moved.
   Status take_bumps() {
     std::error_code failed;
     const auto written_at = std::filesystem::last_write_time(truth_file, failed);
@@ -80,7 +80,7 @@ struct SimulatedStage::State {
     return Done{};
   }
 
-  mutable std::mutex mutex;  ///< Guards all.
+  mutable std::mutex mutex;  ///< Guards all members.
   SimulatedShow show;
   std::filesystem::path truth_file;
   std::filesystem::file_time_type read_at;

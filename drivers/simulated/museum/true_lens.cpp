@@ -7,9 +7,9 @@
 namespace cyclorama::simulated {
 namespace {
 
-constexpr double kMaxTangent = 20.0;  // 87 degrees from the axis; no pinhole picture reaches farther.
+constexpr double kMaxTangent = 20.0;  // 87 degrees from the axis, beyond any pinhole picture.
 
-/// The derivative of the distorted radius by the radius, whose first root is where the lens turns back.
+/// Derivative of the distorted radius with respect to the radius; the lens turns back at its first root.
 double radial_slope(const std::array<double, 3>& k, double r) {
   const double s = r * r;
   return 1.0 + s * (3.0 * k[0] + s * (5.0 * k[1] + s * 7.0 * k[2]));
@@ -19,7 +19,7 @@ double turning_radius(const std::array<double, 3>& k) {
   constexpr int kSteps = 4000;
   double inside = 0.0;
   for (int i = 1; i <= kSteps; ++i) {
-    // Steps grow with the radius: distortion that turns back does so near the axis.
+    // Steps grow with the radius, since distortion that turns back does so near the axis.
     const double part = static_cast<double>(i) / kSteps;
     const double r = kMaxTangent * part * part;
     if (radial_slope(k, r) > 0.0) {
@@ -77,7 +77,7 @@ std::optional<Eigen::Vector2d> TrueLens::undistorted(const Eigen::Vector2d& seen
     const Eigen::Matrix2d slope = derivative(ideal);
     if (!(slope.determinant() > 1e-12)) return std::nullopt;
     ideal -= slope.inverse() * off;
-    // Beyond the turning radius Newton would find the ray that is none.
+    // Beyond the turning radius Newton's method would converge to an invalid ray.
     if (ideal.norm() > max_tangent_) ideal *= max_tangent_ * (1.0 - 1e-9) / ideal.norm();
   }
   if (!((distorted(ideal) - seen).norm() <= 1e-12 * (1.0 + seen.norm()))) return std::nullopt;

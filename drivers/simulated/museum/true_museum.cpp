@@ -14,7 +14,7 @@
 namespace cyclorama::simulated {
 namespace {
 
-constexpr int kBlock = 8;  // Pixels each way whose light falls on the wall as one: cells are far larger.
+constexpr int kBlock = 8;  // Side in pixels of a block whose light is deposited as one; cells are much larger.
 
 int blocks(int pixels) { return (pixels + kBlock - 1) / kBlock; }
 

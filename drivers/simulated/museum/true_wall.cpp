@@ -13,11 +13,11 @@ namespace cyclorama::simulated {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kOnTheEdge = 1e-9;  // Of a part's size: rounding must leave no gap.
+constexpr double kOnTheEdge = 1e-9;  // Relative to a part's size; rounding must leave no gap.
 
 double middle_height(const CylinderWall& w) { return 0.5 * (w.bottom_m + w.top_m); }
 
-/// A dome's axes: to the right, up, and along its axis.
+/// Axes of a dome: right, up, and along its axis.
 Eigen::Matrix3d axes_of(const DomeWall& dome) {
   Eigen::Matrix3d axes;
   axes.col(0) = Eigen::Vector3d::UnitX();
@@ -26,7 +26,7 @@ Eigen::Matrix3d axes_of(const DomeWall& dome) {
   return axes;
 }
 
-/// In steps of two centimetres or so: for rays that graze, which may meet another side of a bump first.
+/// Searches in steps of about two centimetres, for grazing rays, which may hit a nearer bump first.
 template <typename Above>
 std::optional<double> marched(const Above& above, double farthest) {
   constexpr int kSteps = 400;
@@ -47,11 +47,11 @@ std::optional<double> marched(const Above& above, double farthest) {
   return std::nullopt;
 }
 
-/// Follows a ray to the first place where `above` turns negative; `guess` is where it meets the shape without deviation.
+/// Follows a ray to the first point where `above` turns negative; `guess` is its hit on the shape without deviation.
 template <typename Above>
 std::optional<double> first_crossing(const Above& above, double guess, double farthest, bool is_grazing) {
   if (is_grazing) return marched(above, farthest);
-  // Secant from the shape without deviation: a handful of steps.
+  // Secant method from the shape without deviation; it converges in a few steps.
   double t0 = guess;
   double f0 = above(t0);
   double t1 = t0 + f0;
@@ -172,7 +172,7 @@ Eigen::Vector3d TrueWall::normal_of(const Surface& at) const {
   const auto& dome = std::get<DomeWall>(shape_);
   const Eigen::Vector3d point = point_of(at);
   if (deviation_.is_flat()) return (dome.centre.xyz - point).normalized();
-  // The coordinates of a dome stretch away from the axis, so the slopes are taken from the points themselves.
+  // A dome's coordinates stretch away from the axis, so slopes are computed from the points themselves.
   constexpr double kStep_m = 1e-5;
   const auto moved = [&](double s, double t) { return point_of({0, at.s_m + s, at.t_m + t, 0.0}); };
   const Eigen::Vector3d along_s = moved(kStep_m, 0.0) - moved(-kStep_m, 0.0);
@@ -276,7 +276,7 @@ double TrueWall::area_m2(const WallPosition& low, const WallPosition& high) cons
     }
     return size_m(low.part).prod() * across * along;
   }
-  // Midpoint differences; cells are small against the deviation.
+  // Central differences; cells are small compared to the deviation's features.
   const auto middle = [&](double a, double b) {
     return at({low.part, low.across + a * across, low.along + b * along}).point.xyz;
   };

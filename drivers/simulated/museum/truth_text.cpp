@@ -19,7 +19,7 @@ std::string list(const RoomColour& c) { return list(std::vector<double>(c.begin(
 std::string list(const Eigen::Vector3d& v) { return list(std::vector<double>{v.x(), v.y(), v.z()}); }
 std::string list(const ColourMatrix& m) { return fmt::format("[{}, {}, {}]", list(m[0]), list(m[1]), list(m[2])); }
 
-/// Keys are in the order of truth.cpp. A number has as many digits as bring the same one back.
+/// Keys are in the order of truth.cpp. Numbers are written with enough digits for an exact round trip.
 struct Writer {
   std::string text;
   template <typename T>
@@ -77,7 +77,7 @@ struct Writer {
     for (const WallRectangle& r : wall.rectangles) {
       item("wall.plane");
       key("centre_m", list(r.middle.xyz));
-      // The inverse of WallRectangle::facing().
+      // Inverse of WallRectangle::facing().
       key("pan_deg", std::atan2(r.right.z(), r.right.x()) / kDegree);
       key("tilt_deg", std::atan2(-r.normal().y(), r.up.y()) / kDegree);
       key("width_m", r.width_m);

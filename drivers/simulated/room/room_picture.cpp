@@ -13,14 +13,14 @@ namespace {
 
 constexpr float kWallAlbedo = 0.9f;
 constexpr float kFloorAlbedo = 0.35f;
-/// Stray light in a dark room, so that the room's own shapes can be made out.
+/// Stray light that makes the shapes of a dark room visible.
 constexpr float kWallInTheDark = 0.004f;
 constexpr float kFloorInTheDark = 0.0012f;
-/// The floor's glow is smooth: few wall patches and floor cells suffice.
+/// The floor's glow is smooth, so few wall patches and floor cells suffice.
 constexpr std::size_t kPatches = 96;
 constexpr int kFloorCells = 24;
 constexpr std::size_t kAround = 1000;
-constexpr double kMaxHalfWidth = 1.2;  // Of the eye's view.
+constexpr double kMaxHalfWidth = 1.2;  // Upper bound on the half width of the eye's view.
 
 struct SrgbTable {
   std::array<float, 256> linear{};
@@ -34,7 +34,7 @@ float linear_of(std::uint8_t code) {
   return table.linear[code];
 }
 
-/// Bilinear in linear light: a projector's neighbouring pixels overlap as light does. (u, v) as Pinhole's.
+/// Bilinear in linear light, since light of neighbouring projector pixels overlaps. (u, v) as in Pinhole.
 std::array<float, 3> light_at(const RgbImage& picture, float u, float v) {
   const float x = std::clamp(u - 0.5f, 0.0f, static_cast<float>(picture.width() - 1));
   const float y = std::clamp(v - 0.5f, 0.0f, static_cast<float>(picture.height() - 1));
@@ -53,7 +53,7 @@ std::array<float, 3> light_at(const RgbImage& picture, float u, float v) {
   return light;
 }
 
-/// Where a wall point lies in a projector's picture, or nothing when the projector does not light it.
+/// Position of a wall point in a projector's picture; nothing if the projector does not light it.
 std::optional<Eigen::Vector2d> lit_from(const InstalledProjector& projector, const Wall& wall,
                                         const Point<frame::Room>& wall_point) {
   const auto pixel = projector.lens.pixel_of((projector.T_room_projector.inverse() * wall_point).xyz);
@@ -79,7 +79,7 @@ RoomEye RoomEye::behind_visitor(const Installation& installation, int width_px, 
   const Eigen::Quaterniond looking_ahead(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
   RoomEye eye;
   eye.T_room_camera = {Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) * looking_ahead, behind};
-  // Wide enough for both ends of the wall, with a margin, as far as a flat picture reaches.
+  // Wide enough for both ends of the wall with a margin, as far as a flat picture can show them.
   const RigidTransform<frame::Camera, frame::Room> T_camera_room = eye.T_room_camera.inverse();
   const double aspect = static_cast<double>(width_px) / height_px;
   double half_view = 0.3;
@@ -157,7 +157,7 @@ void RoomPicture::add_floor_glow(std::span<const RgbImage> pictures, RadianceIma
       for (std::size_t i = 0; i < shining.size(); ++i) {
         const WallPatch& patch = shining[i];
         const Eigen::Vector3d to_patch = patch.middle.xyz - floor_point;
-        const double distance = std::max(to_patch.norm(), 0.3);  // Patches are not points.
+        const double distance = std::max(to_patch.norm(), 0.3);  // Patches have an area; avoid the singularity.
         const double cos_floor = to_patch.y() / distance;
         const double cos_patch = -to_patch.dot(patch.normal) / distance;
         if (cos_floor <= 0.0 || cos_patch <= 0.0) continue;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr auto kShutdownGrace = std::chrono::milliseconds(200);
 constexpr const char* kPicture = "wall";
-// In a room for two eyes, what the glasses let through to the right one; the left one's is kPicture.
+// In stereo, the view of the right eye through the glasses; kPicture is that of the left eye.
 constexpr const char* kRightPicture = "wall-right";
 
 struct Settings {
@@ -28,12 +28,12 @@ struct Settings {
   int width_px = 960;
 };
 
-/// What one projector shines: opened when its head appears, opened again when the display was restarted.
+/// Pictures of one projector: opened when its head appears, and reopened after a restart of the display.
 class ProjectorLight {
  public:
   explicit ProjectorLight(std::filesystem::path path) : path_(std::move(path)) {}
 
-  /// Keeps the last picture while the display is away, as a projector that is on does with a lost signal's last frame.
+  /// Keeps the last picture while the display is away, as a projector that holds the last frame of a lost signal.
   void refresh(RgbImage* picture) {
     if (!reader_) {
       auto opened = output::SharedPictureReader::open(path_);
@@ -46,7 +46,7 @@ class ProjectorLight {
     if (!info && info.error().code() == ErrorCode::kUnavailable) reader_.reset();
   }
   [[nodiscard]] bool is_lit() const { return is_lit_; }
-  /// The display's own number of the refresh that showed it.
+  /// Refresh number of the display that showed it.
   [[nodiscard]] std::int64_t refresh_number() const { return refresh_; }
 
  private:
@@ -56,8 +56,8 @@ class ProjectorLight {
   bool is_lit_ = false;
 };
 
-/// The newest of what each eye saw of a head. A display that keeps in step with others counts refreshes with them, and
-/// a room with several such displays may take one eye for the other.
+/// Newest picture of a head for each eye. Synchronised displays share the refresh count; a room with several displays
+/// that are not synchronised may confuse the eyes.
 class TwoEyes {
  public:
   explicit TwoEyes(StereoPacking packing) : packing_(packing) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What two clocks are apart, from exchanges that are late, lopsided, lost, damaged or of a clock that was stepped.
+// Offset of two clocks, from exchanges that are late, asymmetric, lost, damaged or of a clock that was stepped.
 #include "common/base/clock_offset.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 constexpr std::int64_t kMinTime = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t kMaxTime = std::numeric_limits<std::int64_t>::max();
 
-/// Their clock: `ahead` of ours at our time 1000 s, and faster by `ppm`.
+/// The other clock: `ahead` of ours at our time 1000 s, and faster by `ppm`.
 struct Peer {
   Duration ahead{};
   double ppm = 0.0;
@@ -33,7 +33,7 @@ struct Peer {
   }
 };
 
-/// How far the reading is off, in nanoseconds.
+/// Error of the reading in nanoseconds.
 double off_ns(const ClockOffset& offset, const Peer& peer, TimePoint now) {
   const ClockReading reading = offset.reading(now);
   EXPECT_TRUE(reading.is_known);
@@ -60,7 +60,7 @@ TEST(ClockOffset, is_never_farther_off_than_it_says_however_lopsided_the_ways_ar
     TimePoint now(1000s);
     for (int n = 0; n < 100; ++n) {
       const auto some = [&] { return std::chrono::microseconds(static_cast<int>(1e3 * delay_ms(random))); };
-      // All of one way's, all of the other's, or both.
+      // The delay is all in one direction, all in the other, or in both.
       const Duration there = run % 3 == 0 ? 0us : some();
       const Duration back = run % 3 == 1 ? 0us : some();
       ASSERT_TRUE(offset.add(peer.exchange(now, there, back)));
@@ -68,7 +68,7 @@ TEST(ClockOffset, is_never_farther_off_than_it_says_however_lopsided_the_ways_ar
       const ClockReading reading = offset.reading(now);
       ASSERT_LE(std::abs(off_ns(offset, peer, now)), static_cast<double>(reading.error.count()));
     }
-    // One of the last exchanges was quick.
+    // One of the last exchanges was fast.
     EXPECT_LT(offset.reading(now).error, 2ms);
   }
 }
@@ -106,7 +106,8 @@ TEST(ClockOffset, takes_the_new_time_at_once_after_a_step_that_is_certain) {
   for (int n = 0; n < 50; ++n, now += 250ms) offset.add(before.exchange(now, 100us, 100us));
   offset.add(after.exchange(now, 9ms, 9ms));
   EXPECT_NEAR(off_ns(offset, after, now), 0.0, 10e6);
-  // Within what the ways may hide, nothing is proved: the old time stays until a quick exchange shows the step.
+  // A step within the round trip's uncertainty is not detected: the old offset stays until a fast exchange shows the
+  // step.
   const Peer again{-25ms};
   offset.add(again.exchange(now, 9ms, 9ms));
   offset.add(again.exchange(now, 50us, 50us));
@@ -138,7 +139,7 @@ TEST(ClockOffset, leaves_out_what_makes_no_sense) {
 TEST(ClockOffset, wraps_around_with_their_clock) {
   const TimePoint asked(1000s);
   ClockOffset offset;
-  // Received just before their count overflows, answered after it.
+  // Received just before the other clock's count overflows, answered after it.
   ASSERT_TRUE(offset.add({asked, kMaxTime - 9, kMinTime + 10, asked + 20ns}));
   const ClockReading reading = offset.reading(asked + 20ns);
   EXPECT_EQ(reading.at(asked + 20ns), kMinTime + 10);

@@ -49,7 +49,7 @@ TEST_F(FileTest, too_large_missing_and_odd_files_are_refused_by_name) {
   EXPECT_EQ(read_file(folder_ / "missing", 1).error().code(), ErrorCode::kNotFound);
   EXPECT_EQ(read_file(folder_, 1).error().code(), ErrorCode::kBadData);  // A folder.
   ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
-  EXPECT_EQ(read_file(folder_ / "pipe", 1).error().code(), ErrorCode::kBadData);  // Must not hang either.
+  EXPECT_EQ(read_file(folder_ / "pipe", 1).error().code(), ErrorCode::kBadData);  // Must not hang.
 }
 
 TEST_F(FileTest, a_write_that_fails_leaves_the_old_file_and_nothing_else) {

@@ -41,7 +41,7 @@ TEST(Text, what_is_no_character_is_a_question_mark_for_each_byte) {
             "???31m");  // DEL, and an escape sequence in C1.
   EXPECT_EQ(printable("a\xe2\x80\xa8"
                       "b"),
-            "a???b");  // A line of its own.
+            "a???b");  // Line separator.
 }
 
 }  // namespace

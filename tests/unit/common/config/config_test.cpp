@@ -13,7 +13,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-/// What finish() says after `read` has asked for its keys; empty when all is well.
+/// Returns finish()'s message after `read` has requested its keys; empty if there is no mistake.
 std::string complaint(const std::string& text, const std::function<void(ConfigTable&)>& read) {
   auto config = Config::parse(text, "site.toml");
   if (!config) return config.error().message();

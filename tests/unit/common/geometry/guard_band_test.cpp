@@ -26,7 +26,7 @@ std::vector<PictureShape> shapes() {
           Fisheye{800, 700, 2.0, 0.0}};
 }
 
-/// Places all over the picture, with its edges, that have a direction.
+/// Positions all over the picture, including its edges, that have a direction.
 std::vector<PicturePlace> places(const PictureShape& shape) {
   std::vector<PicturePlace> found;
   for (int j = 0; j <= 40; ++j) {
@@ -114,7 +114,7 @@ TEST(GuardBand, of_a_flat_picture_stops_at_eighty_degrees) {
 
 TEST(GuardBand, pictures_that_differ_in_kind_cannot_stand_for_each_other) {
   EXPECT_EQ(turn_reach(shapes()[0], shapes()[1]), 0.0);
-  EXPECT_EQ(turn_reach(shapes()[1], shapes()[2]), 0.0);  // In tilt.
+  EXPECT_EQ(turn_reach(shapes()[1], shapes()[2]), 0.0);  // The tilts differ.
   EXPECT_FALSE(covering(shapes()[0], shapes()[1]));
   EXPECT_FALSE(covering(shapes()[4], shapes()[5]));
 }

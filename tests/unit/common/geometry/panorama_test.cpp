@@ -12,7 +12,7 @@ namespace cyclorama {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kTiny = 1e-9;  // Pixels or metres: rounding of some ten operations near 1e4.
+constexpr double kTiny = 1e-9;  // Pixels or metres; rounding of about ten operations near 1e4.
 
 Panorama half_circle() { return {2048, 640, kPi, 0.4, -0.6}; }
 

@@ -77,13 +77,14 @@ TEST(PicturePlace, ends_only_where_a_picture_without_end_does) {
   const PictureShape plane = Perspective{16, 16, -1.0, 1.0, 1.0, -1.0, 0.0};
   EXPECT_FALSE(place_of(plane, right));
   EXPECT_FALSE(place_of(plane, back));
-  // 179 degrees across: the places are far out, and still come back.
+  // 179 degrees across: positions far from the centre are still inverted correctly.
   const auto far = place_of(plane, {std::sin(0.4972 * kPi), 0.0, -std::cos(0.4972 * kPi)});
   ASSERT_TRUE(far);
   EXPECT_GT(far->across, 100.0);
   const PictureShape narrow = Fisheye{16, 16, 1.0, 0.0};
-  EXPECT_NEAR(place_of(narrow, right)->across, 0.5 * kPi, 1e-15);  // Outside of its field.
-  EXPECT_FALSE(place_of(narrow, back));                            // Its antipode is everywhere on the largest circle.
+  EXPECT_NEAR(place_of(narrow, right)->across, 0.5 * kPi, 1e-15);  // Outside its field.
+  // The antipode corresponds to the whole largest circle.
+  EXPECT_FALSE(place_of(narrow, back));
   EXPECT_NEAR(place_of(narrow, {1e-9, 0.0, 1.0})->across, kPi, 1e-8);
   EXPECT_EQ(place_of(narrow, {0.0, 0.0, -2.0}), PicturePlace{});
 }
@@ -112,7 +113,7 @@ TEST(PicturePlace, a_turn_of_a_panorama_is_a_shift_to_the_last_bit) {
 TEST(PicturePlace, a_dome_master_turns_about_its_middle) {
   const PictureShape dome = Fisheye{1024, 1024, kPi, 0.5 * kPi};
   const auto heading = turned(dome, {0.0, -0.5 * kPi}, 0.5 * kPi);
-  EXPECT_NEAR(heading->across, 0.5 * kPi, 1e-12);  // What is now ahead was on the right.
+  EXPECT_NEAR(heading->across, 0.5 * kPi, 1e-12);  // The direction that is now ahead was on the right.
   EXPECT_NEAR(heading->up, 0.0, 1e-12);
 }
 

@@ -19,7 +19,7 @@ Triangles triangles_of(const Corners& corners) {
   return triangles;
 }
 
-/// Sum of the triangles' area vectors: the polygon's own, if they cover it once with its winding.
+/// Sum of the triangles' area vectors; equals the polygon's own if they cover it once with its winding.
 Eigen::Vector3d area(const Corners& corners, const Triangles& triangles) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const auto& t : triangles) {

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180.0;
-constexpr double kTiny = 1e-9;  // Metres or directions: rounding of some ten operations near 1 to 100.
+constexpr double kTiny = 1e-9;  // Metres or directions; rounding of about ten operations near 1 to 100.
 
-/// One of each kind, ordinary and at the ends of what is allowed.
+/// One shape of each kind, with ordinary values and at the limits.
 std::vector<PictureShape> shapes() {
   return {Panorama{2048, 768, 2.0 * kPi, 0.8, -0.6},
           Panorama{640, 480, 1e-3 * kDegree, 1e-5, -1e-5},
@@ -33,7 +33,7 @@ std::vector<PictureShape> shapes() {
           Equirectangular{500, 500, 1e-3 * kDegree, 0.5 * kPi, 0.5 * kPi - 1e-5}};
 }
 
-/// Places in the picture that have a direction.
+/// Pixels of the picture that have a direction.
 std::vector<PanoramaPixel> places(const PictureShape& shape, int count) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(0.001, 0.999);
@@ -53,7 +53,7 @@ Projection stereo(const PictureShape& shape, Eyes eyes, double screen_m = 3.0) {
   return projection;
 }
 
-/// Of a point from a line of sight.
+/// Distance of a point from a line of sight.
 double distance_to(const EyeRay& ray, const Eigen::Vector3d& point) {
   return (point - ray.origin).cross(ray.direction).norm();
 }
@@ -64,7 +64,7 @@ std::vector<PictureShape> level_shapes() {
           Fisheye{1000, 1000, 0.5 * kPi, 0.0}, Equirectangular{1000, 500, 0.5 * kPi, 0.4, -0.4}};
 }
 
-/// The column in which an eye sees a point straight ahead at that distance.
+/// Column in which an eye sees a point straight ahead at that distance.
 double column_of(const Projection& projection, double distance_m) {
   const Eigen::Vector3d point(0, 0, -distance_m);
   double left = 0.25 * projection.width_px();
@@ -81,7 +81,7 @@ double column_of(const Projection& projection, double distance_m) {
 TEST(Projection, a_pixel_comes_back_from_its_direction_whatever_the_length) {
   for (const PictureShape& shape : shapes()) {
     ASSERT_TRUE(validate(shape).has_value()) << validate(shape).error().message();
-    // One rounding of a coordinate near 1 moves a direction by 1e-16, many pixels of a picture that narrow.
+    // Rounding of a coordinate near 1 moves a direction by 1e-16, which is many pixels of a picture this narrow.
     const double cone = std::max(1e-3 * kDegree / 16384, 1e-11);
     for (const PanoramaPixel& p : places(shape, 500)) {
       const auto back = pixel_of(shape, 7.5 * *direction_at(shape, p));
@@ -185,7 +185,7 @@ TEST(Projection, eyes_of_a_flat_screen_stay_side_by_side_and_those_of_a_round_on
         EXPECT_LT((apart - Eigen::Vector3d(0.063, 0, 0)).norm(), kTiny);
       } else {
         EXPECT_NEAR(apart.dot(seen), 0.0, kTiny);
-        EXPECT_GT(Eigen::Vector3d(-seen.z(), 0, seen.x()).dot(apart), 0.0);  // The right eye is at the right.
+        EXPECT_GT(Eigen::Vector3d(-seen.z(), 0, seen.x()).dot(apart), 0.0);  // The right eye is on the right.
         EXPECT_LT(apart.norm(), 0.063 + kTiny);
         const double from_pole = std::hypot(seen.x(), seen.z());
         if (std::holds_alternative<Panorama>(shape) || from_pole > std::sin(30.0 * kDegree)) {

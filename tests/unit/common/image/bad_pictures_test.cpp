@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every picture of the shared bad data: it loads, or gives one clear error.
+// Every picture of the shared bad data either loads or gives one clear error.
 #include <gtest/gtest.h>
 
 #include <cstdio>

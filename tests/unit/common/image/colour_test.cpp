@@ -27,8 +27,8 @@ TEST(Colour, the_table_gives_the_nearest_code) {
   std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
   for (int i = 0; i < 200000; ++i) {
     const float u = uniform(random);
-    const float linear = i % 2 == 0 ? u : u * u * u * u;  // The dark end is where codes lie close.
-    // Half a code, and what float rounding of the formula itself gives.
+    const float linear = i % 2 == 0 ? u : u * u * u * u;  // In the dark, codes are close together.
+    // Half a code, plus the formula's own rounding in float.
     EXPECT_LE(std::abs(static_cast<float>(linear_to_srgb8(linear)) - 255.0f * linear_to_srgb(linear)), 0.5002f) << linear;
   }
 }

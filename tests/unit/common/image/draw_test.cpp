@@ -60,7 +60,7 @@ TEST(DrawLine, leaves_out_what_is_outside_or_not_finite) {
 TEST(DrawText, shows_letters_of_five_by_seven_pixels) {
   RgbImage picture(40, 10);
   draw_text(&picture, 1, 1, "I1", kInk);
-  EXPECT_TRUE(is_inked(picture, 3, 4));  // The upright of the I.
+  EXPECT_TRUE(is_inked(picture, 3, 4));  // The stem of the I.
   EXPECT_FALSE(is_inked(picture, 1, 4));
   RgbImage small(40, 10);
   draw_text(&small, 1, 1, "i1", kInk);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kLimitPx = std::size_t{1} << 24;
 
-/// Smooth, so that JPEG has little to lose.
+/// Smooth, so that JPEG loses little.
 RgbImage gradient(int width, int height) {
   RgbImage image(width, height);
   for (int y = 0; y < height; ++y) {
@@ -77,7 +77,7 @@ TEST(Jpeg, planes_are_the_same_picture_whatever_its_size) {
       EXPECT_EQ(header->has_half_chroma, subsample);
       PlanarPicture planes(width, height, subsample);
       ASSERT_TRUE(decoder.decode_into(*jpeg, &planes, {0, 0, width, height}).has_value());
-      // Half chroma is repeated here and interpolated there.
+      // Half chroma is repeated by the one decoder and interpolated by the other.
       const double allowed = !subsample ? 0.5 : height < 16 ? 20.0 : 2.0;
       EXPECT_LT(mean_difference(decoder.to_rgb(planes), *decoder.decode(*jpeg, kLimitPx)), allowed);
     }

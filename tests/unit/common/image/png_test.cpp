@@ -48,7 +48,7 @@ TEST(Png, cut_short_flipped_or_too_large_it_is_refused) {
     EXPECT_EQ(part.error().code(), ErrorCode::kBadData);
   }
   std::vector<std::byte> flipped = *png;
-  flipped[flipped.size() / 2] ^= std::byte{0x10};  // In the pixels: their checksum tells.
+  flipped[flipped.size() / 2] ^= std::byte{0x10};  // In the pixels; detected by their checksum.
   EXPECT_FALSE(decode_png(flipped, kTextureLimitPx).has_value());
 }
 

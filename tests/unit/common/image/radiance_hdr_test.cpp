@@ -26,7 +26,7 @@ std::string head(const std::string& resolution, const std::string& variables = "
 std::string texel(int r, int g, int b, int e) {
   return {static_cast<char>(r), static_cast<char>(g), static_cast<char>(b), static_cast<char>(e)};
 }
-/// `channel` as one literal of at most 128.
+/// Encodes `channel` as one literal run of at most 128 bytes.
 std::string literal(const std::string& channel) { return static_cast<char>(channel.size()) + channel; }
 std::string run(int count, int value) { return {static_cast<char>(128 + count), static_cast<char>(value)}; }
 
@@ -60,7 +60,7 @@ TEST(RadianceHdr, the_older_runs_repeat_the_texel_before_them) {
   EXPECT_EQ(image->at(299, 0)[1], 9.0f);
 }
 
-/// Texels numbered as they are stored; where the first and the last lie is the orientation.
+/// Texels are numbered in stored order; the positions of the first and the last give the orientation.
 TEST(RadianceHdr, all_eight_orientations_are_turned_upright) {
   struct Case {
     const char* resolution;
@@ -116,7 +116,7 @@ TEST(RadianceHdr, what_is_wrong_is_said_with_its_place) {
 }
 
 TEST(RadianceHdr, photographs_are_read_and_cut_short_refused) {
-  // The means come from a decoder that was written apart from ours.
+  // The means come from an independently written decoder.
   for (const auto& [name, known_mean] :
        {std::pair{"hdri/chinese_garden_1k.hdr", 0.4637809}, std::pair{"hdri/drachenfels_cellar_1k.hdr", 0.3200655}}) {
     CYCLORAMA_SHARED_DATA(path, name);

@@ -18,7 +18,7 @@ constexpr std::uint64_t kKey = 0x1d872b41c0ffee05u;
 constexpr int kWidth = 960;
 constexpr int kHeight = 544;
 
-/// Soft shapes, hard edges and noise, as a rendered picture has them.
+/// Soft shapes, hard edges and noise, as in a rendered picture.
 RgbImage some_picture(int width = kWidth, int height = kHeight) {
   std::mt19937 random(7);
   std::normal_distribution<double> noise(0.0, 4.0);
@@ -64,7 +64,7 @@ RgbImage halved(const RgbImage& picture) {
 TEST(Watermark, is_the_same_however_the_picture_is_cut) {
   const RgbImage plain = some_picture();
   const RgbImage whole = marked(plain);
-  for (const int step : {16, 48, 256, 101}) {  // 101: not even on the grid of the blocks.
+  for (const int step : {16, 48, 256, 101}) {  // 101 is not a multiple of the block size.
     for (int y = 0; y < kHeight; y += step) {
       for (int x = 0; x < kWidth; x += step) {
         const PixelRect rect{x, y, std::min(step, kWidth - x), std::min(step, kHeight - y)};
@@ -90,7 +90,7 @@ TEST(Watermark, changes_one_cell_in_eight_by_one_code_value) {
   }
   const auto count = static_cast<double>(picture.data().size());
   EXPECT_NEAR(static_cast<double>(changed) / count, 0.125, 0.02);
-  EXPECT_NEAR(static_cast<double>(sum) / count, 0.0, 0.05);  // The picture's light stays what it was.
+  EXPECT_NEAR(static_cast<double>(sum) / count, 0.0, 0.05);  // The picture's mean brightness is unchanged.
 }
 
 TEST(Watermark, leaves_black_and_white_alone) {
@@ -114,7 +114,7 @@ TEST(Watermark, is_found_by_its_key_and_by_no_other) {
     sum += score;
     squares += score * score;
   }
-  // Of others the score is normal with deviation 1: three deviations of each estimate.
+  // For other keys the score is normally distributed with deviation 1; tolerance of three deviations of each estimate.
   EXPECT_NEAR(sum / kKeys, 0.0, 3.0 / std::sqrt(kKeys));
   EXPECT_NEAR(squares / kKeys, 1.0, 3.0 * std::sqrt(2.0 / kKeys));
 }

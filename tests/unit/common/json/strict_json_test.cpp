@@ -9,7 +9,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// The error of a document that `read` reads, or nothing.
+/// Returns the error of a document that `read` reads, or nothing.
 template <typename Read>
 std::string mistake_in(const char* text, const Read& read) {
   const auto document = parse_document(text, "a.json", "write it again");

@@ -20,7 +20,7 @@ OpeningHours hours(const std::vector<std::string>& lines) {
   EXPECT_TRUE(parsed);
   return *std::move(parsed);
 }
-/// By Zurich's clocks.
+/// Parses a civil time in Zurich.
 WallTime local(const std::string& text) {
   absl::TimeZone zone;
   absl::LoadTimeZone(kZone, &zone);
@@ -42,7 +42,7 @@ HoursOverride closed(const OpeningHours& hours, WallTime now) {
 
 TEST(HoursOverride, keeps_a_museum_open_until_the_time_that_was_said) {
   const OpeningHours week = hours({"Tue-Sun 10:00-18:00"});
-  const WallTime evening = local("2026-11-24 17:30:12");  // A Tuesday.
+  const WallTime evening = local("2026-11-24 17:30:12");  // Tuesday.
   const HoursOverride override = opened(week, "22:00", evening);
   EXPECT_EQ(override.until, local("2026-11-24 22:00:00"));
   EXPECT_FALSE(week.is_open(local("2026-11-24 21:59:59")));
@@ -92,7 +92,7 @@ TEST(HoursOverride, does_not_count_by_a_clock_that_stands_before_it_was_said) {
   EXPECT_TRUE(is_open(week, override, local("2026-11-24 11:59:59"))) << "the battery on the board was empty";
 }
 
-/// Whatever is said, at whatever time, around both changes of the clocks.
+/// Every kind of override, at any time, around both changes of the clocks.
 TEST(HoursOverride, never_outlives_its_end) {
   std::mt19937 random(8);
   const OpeningHours settings[] = {hours({"Tue-Sun 10:00-18:00"}), hours({"Mon-Sun 00:00-24:00"}),
@@ -134,9 +134,9 @@ TEST(HoursOverride, is_refused_when_its_file_is_damaged) {
   ASSERT_TRUE(parse_hours_override(good));
   for (std::size_t size = 0; size < good.size(); ++size) EXPECT_FALSE(parse_hours_override(good.substr(0, size)));
   for (const char* const bad :
-       {"open from 2026-11-24T17:02:11Z until 2026-11-24T17:02:11Z\n",      // Nothing.
-        "open from 2026-11-24T17:02:11Z until 2026-11-23T21:00:00Z\n",      // It ends before it begins.
-        "open from 2026-11-24T17:02:11Z until 2027-11-24T21:00:00Z\n",      // A year.
+       {"open from 2026-11-24T17:02:11Z until 2026-11-24T17:02:11Z\n",      // Empty duration.
+        "open from 2026-11-24T17:02:11Z until 2026-11-23T21:00:00Z\n",      // Ends before it begins.
+        "open from 2026-11-24T17:02:11Z until 2027-11-24T21:00:00Z\n",      // Too long.
         "open from 2026-11-24T17:02:11Z until infinite-future\n",           //
         "open from infinite-past until 2026-11-24T21:00:00Z\n",             //
         "open from 2026-11-24T17:02:11Z until 2026-13-24T21:00:00Z\n",      //

@@ -18,14 +18,14 @@ OpeningHours hours(const std::vector<std::string>& lines, const std::string& zon
   return parsed ? *std::move(parsed) : OpeningHours();
 }
 
-/// A moment as UTC's clocks show it.
+/// Parses a UTC time.
 WallTime utc(const std::string& text) {
   absl::Time time;
   std::string error;
   EXPECT_TRUE(absl::ParseTime("%Y-%m-%d %H:%M:%S", text, &time, &error)) << error;
   return absl::ToChronoTime(time);
 }
-/// As the clock on the wall shows it, in a night or a season in which it shows everything once.
+/// Parses a local time that occurs exactly once.
 WallTime local(const std::string& text) {
   absl::TimeZone zone;
   absl::LoadTimeZone(kZone, &zone);
@@ -46,7 +46,7 @@ TEST(OpeningHours, are_always_where_nothing_is_said) {
 
 TEST(OpeningHours, begin_with_their_first_second_and_end_with_their_last) {
   const OpeningHours week = hours({"Tue-Sun 10:00-18:00"});
-  EXPECT_FALSE(week.is_open(local("2026-11-24 09:59:59")));  // A Tuesday.
+  EXPECT_FALSE(week.is_open(local("2026-11-24 09:59:59")));  // Tuesday.
   EXPECT_TRUE(week.is_open(local("2026-11-24 10:00:00")));
   EXPECT_TRUE(week.is_open(local("2026-11-24 17:59:59")));
   EXPECT_FALSE(week.is_open(local("2026-11-24 18:00:00")));
@@ -75,16 +75,16 @@ TEST(OpeningHours, go_on_after_midnight) {
   EXPECT_FALSE(week.is_open(local("2026-11-28 02:00:00")));
   EXPECT_TRUE(week.is_open(local("2026-11-29 02:00:00")));
   EXPECT_TRUE(week.is_open(local("2026-11-29 23:59:59")));
-  EXPECT_FALSE(week.is_open(local("2026-11-30 00:00:00")));  // Sunday's do not.
+  EXPECT_FALSE(week.is_open(local("2026-11-30 00:00:00")));  // Sunday's hours do not continue past midnight.
 }
 
 TEST(OpeningHours, of_a_date_take_the_place_of_its_weekday) {
   const OpeningHours year = hours(
       {"Mon-Sun 10:00-18:00", "Thu 20:00-01:00", "2026-12-24 10:00-14:00", "2026-12-25 closed", "2026-12-31 closed"});
-  EXPECT_TRUE(year.is_open(local("2026-12-24 13:59:59")));  // A Thursday.
+  EXPECT_TRUE(year.is_open(local("2026-12-24 13:59:59")));  // Thursday.
   EXPECT_FALSE(year.is_open(local("2026-12-24 14:00:00")));
   EXPECT_FALSE(year.is_open(local("2026-12-24 21:00:00")));
-  EXPECT_FALSE(year.is_open(local("2026-12-25 00:30:00")));  // Thursday's night is Thursday's.
+  EXPECT_FALSE(year.is_open(local("2026-12-25 00:30:00")));  // The hours after midnight belong to Thursday.
   EXPECT_FALSE(year.is_open(local("2026-12-25 12:00:00")));
   EXPECT_TRUE(year.is_open(local("2026-12-26 12:00:00")));
   EXPECT_FALSE(year.is_open(local("2026-12-31 12:00:00")));
@@ -98,7 +98,7 @@ TEST(OpeningHours, follow_the_clock_on_the_wall_through_summer_and_winter) {
   EXPECT_TRUE(week.is_open(utc("2026-07-01 08:00:00")));
   EXPECT_FALSE(week.is_open(utc("2026-01-05 08:59:59")));
   EXPECT_TRUE(week.is_open(utc("2026-01-05 09:00:00")));
-  // The days of the change themselves.
+  // On the days of the change.
   EXPECT_TRUE(week.is_open(utc("2026-03-29 08:00:00")));
   EXPECT_FALSE(week.is_open(utc("2026-03-29 16:00:00")));
   EXPECT_FALSE(week.is_open(utc("2026-10-25 08:59:59")));
@@ -106,7 +106,7 @@ TEST(OpeningHours, follow_the_clock_on_the_wall_through_summer_and_winter) {
 }
 
 TEST(OpeningHours, that_name_an_hour_which_a_day_lacks_meet_at_the_jump) {
-  // On 29 March 02:00 is followed by 03:00, at 01:00 UTC.
+  // On 29 March, 02:00 is followed by 03:00, at 01:00 UTC.
   const OpeningHours from_within = hours({"Sun 02:30-04:00"});
   EXPECT_FALSE(from_within.is_open(utc("2026-03-29 00:59:59")));
   EXPECT_TRUE(from_within.is_open(utc("2026-03-29 01:00:00")));
@@ -118,7 +118,7 @@ TEST(OpeningHours, that_name_an_hour_which_a_day_lacks_meet_at_the_jump) {
 }
 
 TEST(OpeningHours, that_name_an_hour_which_comes_twice_neither_flicker_nor_end_early) {
-  // On 25 October 02:00 to 03:00 comes twice, from 00:00 and from 01:00 UTC.
+  // On 25 October, 02:00 to 03:00 occurs twice, from 00:00 and from 01:00 UTC.
   const auto changes = [](const OpeningHours& night) {
     std::vector<std::string> at;
     bool was = night.is_open(utc("2026-10-24 18:00:00"));
@@ -135,7 +135,7 @@ TEST(OpeningHours, that_name_an_hour_which_comes_twice_neither_flicker_nor_end_e
 }
 
 TEST(OpeningHours, are_the_same_from_whatever_moment_one_looks) {
-  // A computer that starts in the middle knows no more than the time.
+  // A computer that starts in the middle has only the current time.
   const std::vector<std::string> lines{"Mon-Fri 09:00-17:00", "Sat 20:00-03:00"};
   const OpeningHours kept = hours(lines);
   for (WallTime t = utc("2026-10-20 00:00:00"); t < utc("2026-10-30 00:00:00"); t += minutes(17))

@@ -8,7 +8,7 @@
 namespace cyclorama {
 namespace {
 
-/// What one call writes where standard error is no journal.
+/// Returns the output of one call if standard error is not the journal.
 std::string logged(LogLevel level, const std::string& message, std::span<const LogField> fields = {}) {
   testing::internal::CaptureStderr();
   log(level, message, fields);

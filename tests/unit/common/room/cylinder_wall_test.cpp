@@ -56,7 +56,8 @@ TEST(CylinderWall, rays_past_its_edges_meet_nothing) {
 TEST(CylinderWall, its_outside_is_not_a_screen) {
   const CylinderWall wall = half_circle();
   EXPECT_FALSE(wall.hit(ray({0.5, 1.0, -9.0}, {0, 0, -1})).has_value());
-  // From in front, through the open side, and from behind, through the wall: the inside of the far part is met.
+  // From the front, through the open side, and from the back, through the wall: both rays meet the inside of the far
+  // part.
   EXPECT_TRUE(wall.hit(ray({0.5, 1.0, 9.0}, {0, 0, -1})).has_value());
   CylinderWall round = wall;
   round.arc_rad = 2.0 * kPi;

@@ -82,7 +82,7 @@ TEST(Installation, a_pan_to_the_left_looks_to_the_left_and_upright) {
   EXPECT_NEAR(look.x(), -std::sin(std::numbers::pi / 3.0), 1e-12);
   EXPECT_NEAR(look.z(), -std::cos(std::numbers::pi / 3.0), 1e-12);
   const Point<frame::Room> below = T * Point<frame::Projector>{Eigen::Vector3d(0, 1, 0)};
-  EXPECT_NEAR(below.xyz.y(), 1.5, 1e-12);  // y is down in a projector.
+  EXPECT_NEAR(below.xyz.y(), 1.5, 1e-12);  // y points down in a projector.
 }
 
 TEST(Installation, tilt_looks_up_and_lens_shift_moves_the_centre) {
@@ -212,7 +212,7 @@ TEST(Installation, eyes_converge_on_the_wall) {
   EXPECT_TRUE(picture.validate());
   room.stereo.reset();
   EXPECT_EQ(room.projection(1000), (Projection{room.picture(1000), {}}));
-  // A wall that is tilted by 0.3 rad and stands 2 m away along its axis, whichever of its points is looked at.
+  // A wall tilted by 0.3 rad, 2 m away along its axis, wherever on it the eye looks.
   const Point<frame::Room> middle{Eigen::Vector3d(0.0, 1.6 + 2.0 * std::sin(0.3), -2.0 * std::cos(0.3))};
   room.wall = PlanesWall{{WallRectangle::facing(middle, 0.0, 0.3, 3.0, 2.0)}};
   EXPECT_NEAR(room.screen_distance_m(room.picture(800)), 2.0, 1e-9);

@@ -61,7 +61,7 @@ TEST(MeshWall, mistakes_name_their_line_and_what_to_do) {
 TEST(MeshWall, faces_that_run_against_each_other_are_refused) {
   EXPECT_THAT(complaint("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n"),
               StartsWith("line 6: this face runs against the one in line 5"));
-  // The same though the corners are written once for each face.
+  // The same even though the corners are stored once for each face.
   EXPECT_THAT(complaint("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 4 5 6\n"),
               HasSubstr("runs against"));
 }
@@ -87,7 +87,7 @@ TEST(MeshWall, of_many_faces_is_nearly_the_wall_that_it_was_made_of) {
 }
 
 TEST(MeshWall, only_edges_that_are_seen_are_creases) {
-  EXPECT_TRUE(MeshWall::read(kSquare)->creases().empty());  // Its diagonal and its rim.
+  EXPECT_TRUE(MeshWall::read(kSquare)->creases().empty());  // Neither its diagonal nor its rim is a crease.
   const auto folded =
       MeshWall::read("v -1 0 0\nv 0 0 -1\nv 1 0 0\nv -1 2 0\nv 0 2 -1\nv 1 2 0\nf 1 2 5 4\nf 2 3 6 5\n");
   ASSERT_TRUE(folded);

@@ -14,7 +14,7 @@ TEST(Pinhole, a_field_of_view_spans_the_whole_width) {
   EXPECT_NEAR(lens.focal_px, 960.0, 1e-9);
   EXPECT_NEAR(lens.direction_at(0.0, 540.0).x(), -1.0, 1e-12);
   EXPECT_NEAR(lens.direction_at(1920.0, 540.0).x(), 1.0, 1e-12);
-  EXPECT_GT(lens.direction_at(960.0, 1080.0).y(), 0.0);  // y is down.
+  EXPECT_GT(lens.direction_at(960.0, 1080.0).y(), 0.0);  // y points down.
 }
 
 TEST(Pinhole, pixel_of_is_the_inverse_of_direction_at) {

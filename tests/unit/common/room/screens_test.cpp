@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walls of every shape from their settings, and which picture covers them.
+// Walls of every shape from their settings, and the pictures that cover them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ Installation made(const std::string& text) {
   return room ? *std::move(room) : Installation{};
 }
 
-/// All that is on the wall is in the picture.
+/// Expects that the picture shows the whole wall.
 void expect_covers(const Installation& room, const PictureShape& picture) {
   ASSERT_TRUE(validate(picture)) << validate(picture).error().message();
   double min_u = 1e9, max_u = -1e9, min_v = 1e9, max_v = -1e9;
@@ -55,7 +55,7 @@ void expect_covers(const Installation& room, const PictureShape& picture) {
   EXPECT_GE(min_v, -1.0);
   EXPECT_LE(max_u, width_px(picture) + 1.0);
   EXPECT_LE(max_v, height_px(picture) + 1.0);
-  // And the picture is no larger than that, in the direction that decides.
+  // The picture is also no larger than necessary in the limiting direction.
   const auto* fisheye = std::get_if<Fisheye>(&picture);
   const double side = fisheye != nullptr ? 2.0 * fisheye->radius_px() : std::max(width_px(picture), height_px(picture));
   EXPECT_GT(std::max(max_u - min_u, max_v - min_v), 0.9 * side);
@@ -72,7 +72,7 @@ TEST(Screens, one_plane_is_seen_in_perspective) {
   ASSERT_TRUE(std::holds_alternative<Perspective>(picture));
   EXPECT_GT(std::get<Perspective>(picture).tilt_rad, 10 * kDegree);
   expect_covers(room, picture);
-  // Straight ahead and level, the picture is the wall.
+  // Straight ahead and level, the picture equals the wall.
   const auto ahead = std::get<Perspective>(made(room_of(kPlane)).picture(1000));
   EXPECT_NEAR(ahead.tan_right, 2.0 / 3.0, 1e-12);
   EXPECT_NEAR(ahead.tan_left, -2.0 / 3.0, 1e-12);
@@ -80,7 +80,7 @@ TEST(Screens, one_plane_is_seen_in_perspective) {
 }
 
 TEST(Screens, a_plane_beside_the_eye_is_too_wide_for_a_flat_picture) {
-  // The eye is 2 cm before it: 179 degrees across.
+  // The eye is 2 cm in front of the wall: 179 degrees across.
   const Installation room = made(room_of(kPlane, "[0.0, 1.6, -2.98]"));
   const auto picture = room.picture(1000);
   EXPECT_TRUE(std::holds_alternative<Fisheye>(picture));

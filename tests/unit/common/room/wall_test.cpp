@@ -18,7 +18,7 @@ constexpr double kPi = std::numbers::pi;
 
 CylinderWall cylinder() { return {.radius_m = 3.0, .arc_rad = 2.2, .bottom_m = 0.4, .top_m = 2.9}; }
 PlanesWall plane() { return {{WallRectangle::facing({{0.3, 1.6, -3.0}}, 0.1, 0.2, 4.0, 2.0)}}; }
-/// Three sides of a room.
+/// Three walls of a room.
 PlanesWall corner() {
   return {{WallRectangle::above({-2, 1}, {-2, -2}, 0.0, 2.5), WallRectangle::above({-2, -2}, {2, -2}, 0.0, 2.5),
            WallRectangle::above({2, -2}, {2, 1}, 0.0, 2.5)}};
@@ -71,7 +71,7 @@ TEST(Wall, goes_on_past_its_edges_without_a_jump) {
     std::normal_distribution<double> normal;
     int beyond = 0;
     for (int i = 0; i < 3000; ++i) {
-      // Ahead, and far to the sides.
+      // Directions ahead and far to the sides.
       const Eigen::Vector3d d = Eigen::Vector3d(normal(random), 0.6 * normal(random), -1.0 - std::abs(normal(random)));
       const auto here = hit_extended(wall, ray(kEye, d));
       if (!here) continue;
@@ -111,7 +111,8 @@ TEST(Wall, what_is_not_finite_meets_nothing) {
 
 TEST(PlanesWall, a_plane_faces_who_looks_along_its_pan_and_tilt) {
   const WallRectangle r = WallRectangle::facing({{0, 0, 0}}, 0.5 * kPi, 0.0, 2.0, 1.0);
-  EXPECT_LT((r.normal() - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-12);  // Looking to the right, it faces left.
+  // The rectangle seen when looking to the right faces left.
+  EXPECT_LT((r.normal() - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-12);
   EXPECT_LT((r.right - Eigen::Vector3d(0, 0, 1)).norm(), 1e-12);
   const WallRectangle ceiling = WallRectangle::facing({{0, 3, 0}}, 0.0, 0.5 * kPi, 2.0, 1.0);
   EXPECT_LT((ceiling.normal() - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
@@ -130,7 +131,7 @@ TEST(PlanesWall, has_no_gap_in_its_corners_and_goes_on_above_them) {
 }
 
 TEST(PlanesWall, a_pillar_shades_what_is_behind_it) {
-  // A wall, and before it a narrower one.
+  // A wall with a narrower one in front of it.
   const PlanesWall wall{
       {WallRectangle::above({-3, -3}, {3, -3}, 0.0, 3.0), WallRectangle::above({-0.5, -1.5}, {0.5, -1.5}, 0.0, 3.0)}};
   EXPECT_FALSE(is_reached(wall, {{0.0, 1.0, -3.0}}, {{0.0, 1.0, 1.0}}));
@@ -148,7 +149,7 @@ TEST(DomeWall, its_axis_leans_up_and_its_edge_is_half_the_field_away) {
     EXPECT_TRUE(wall.hit(ray_to(wall.centre.xyz, wall.point_at(0.5 * kPi - 1e-6, around))));
     EXPECT_FALSE(wall.hit(ray_to(wall.centre.xyz, wall.point_at(0.5 * kPi + 1e-6, around))));
   }
-  // From outside through the open half: its inside is met.
+  // A ray from outside, through the open half, meets the inside.
   EXPECT_TRUE(wall.hit(ray(wall.centre.xyz - 9.0 * wall.axis(), wall.axis())));
 }
 
@@ -157,7 +158,7 @@ TEST(SolidAngle, of_an_octant_is_an_eighth_of_a_sphere_and_has_a_sign) {
   const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   EXPECT_NEAR(std::abs(solid_angle(origin, x, y, z)), 0.5 * kPi, 1e-12);
   EXPECT_NEAR(solid_angle(origin, x, z, y), -solid_angle(origin, x, y, z), 1e-12);
-  // Counter-clockwise as seen from in front.
+  // Counter-clockwise as seen from the front.
   EXPECT_GT(solid_angle({0, 0, 5}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}), 0.0);
 }
 

@@ -36,7 +36,7 @@ TEST(StandardWand, has_three_tags_that_lean_back_by_the_fold_on_both_sides) {
     EXPECT_EQ(tag.id, 15 + i);
     const auto face = face_of(tag);
     const Vector3d into = face.rotation() * Vector3d::UnitZ();
-    // The left panel looks to the left, as seen from the front: what is into it goes to the right.
+    // The left panel faces left, as seen from the front, so its inward normal points right.
     EXPECT_LT((into - Vector3d(std::sin((1 - i) * card.fold_rad), 0, std::cos((1 - i) * card.fold_rad))).norm(), 1e-12);
     EXPECT_EQ((face.rotation() * Vector3d::UnitY()).y(), 1.0);
     middle += face.translation() / 3.0;
@@ -47,7 +47,7 @@ TEST(StandardWand, has_three_tags_that_lean_back_by_the_fold_on_both_sides) {
 TEST(StandardWand, is_a_sheet_that_was_only_folded) {
   const FoldedCard card = FoldedCard().scaled(1.3);
   const Wand wand = standard_wand(0, card);
-  // Neighbouring tags' facing edges are as far from the fold as on the sheet.
+  // Facing edges of neighbouring tags have the same distance from the fold as on the sheet.
   const double margin = 0.5 * (card.panel_width_m - card.tag_size_m);
   for (std::size_t i = 0; i < 2; ++i) {
     const auto& left = wand.tags[i];
@@ -77,7 +77,7 @@ TEST(Wand, names_the_line_of_a_mistake) {
   EXPECT_THAT(mistake_in(tag_text(1, "[[0, 0, 0]]")), HasSubstr("must be four points"));
   EXPECT_THAT(mistake_in(tag_text(-1, kSquare)), HasSubstr("wand.toml:2:"));
   EXPECT_THAT(mistake_in(tag_text(1, kSquare) + "colour = 1\n"), HasSubstr("wand.toml:5:"));
-  // Two corners the wrong way round, another size, and one that is out of place.
+  // Two corners swapped, another size, and one corner displaced.
   EXPECT_THAT(mistake_in(tag_text(1, "[[35, -35, 0], [-35, -35, 0], [35, 35, 0], [-35, 35, 0]]")),
               HasSubstr("measure again"));
   EXPECT_THAT(mistake_in(tag_text(1, "[[-30, -30, 0], [30, -30, 0], [30, 30, 0], [-30, 30, 0]]")),

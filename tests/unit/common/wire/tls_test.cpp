@@ -35,8 +35,9 @@ class Tls : public testing::Test {
     wire::ProcessStatus status;
     return stub->GetStatus(&context, {}, &status);
   }
-  /// Runs `openssl s_client` with these options, and waits a second for the server's reaction after the handshake: gRPC
-  /// closes the connection of a client that it refuses; only with an accepted one does s_client end by itself ("DONE").
+  /// Runs `openssl s_client` with these options, and waits a second for the server's reaction after the handshake. gRPC
+  /// closes the connection of a client that it refuses; only with an accepted connection does s_client end by itself
+  /// ("DONE").
   [[nodiscard]] std::string dial(const std::string& options) const {
     return output_of("sleep 1 | timeout 10 openssl s_client -alpn h2 -connect '" + address() + "' " + options);
   }

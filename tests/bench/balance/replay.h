@@ -17,7 +17,7 @@ struct ReplayOptions {
   double timer_noise =
       0.0;  ///< Relative standard deviation of the cell costs reported to the balancer. The true costs are unchanged.
   std::uint32_t seed = 1;
-  bool oracle = false;  ///< The balancer knows the frame's own costs before it is rendered.
+  bool oracle = false;  ///< Gives the balancer the frame's true costs before it is rendered.
 };
 
 struct ReplayedFrame {
@@ -31,9 +31,9 @@ struct ReplayedFrame {
   double relative_bytes = 1.0;  ///< JPEG bytes relative to those of the picture in one piece.
 };
 
-/// Replays all frames but the first, whose costs cannot be predicted. The balancer sees what a coordinator sees: a
-/// view, then the costs of its frame. `make` creates the balancer (for the oracle, one for every frame). Deterministic
-/// except for plan_seconds.
+/// Replays all frames but the first, whose costs cannot be predicted. The balancer receives the same input as in a
+/// coordinator: a view, then the costs of its frame. `make` creates the balancer (for the oracle, one for every frame).
+/// Deterministic except for plan_seconds.
 [[nodiscard]] std::vector<ReplayedFrame> replay(std::span<const balance::RecordedFrame> frames,
                                                 const ReplayOptions& options,
                                                 const std::function<std::unique_ptr<balance::Balancer>()>& make);

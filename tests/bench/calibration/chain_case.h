@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A calibration of a simulated museum from beginning to end, and what its truth says of it.
+/// A complete calibration of a simulated museum, and its score against the truth.
 #pragma once
 
 #include <cstdint>
@@ -15,36 +15,37 @@
 namespace cyclorama {
 
 struct ChainCase {
-  std::string name;  ///< A preset's.
+  std::string name;  ///< Name of a preset.
   simulated::PresetOptions museum{};
   std::uint32_t seed = 1;
   scan::ViewSettings view{};
   int directions = 0;
   bool with_wall = true;
-  bool keeps_folder = false;  ///< What was measured stays there.
+  bool keeps_folder = false;  ///< Keeps the measurements in the folder.
 };
 
-/// Times of the outcome are this process's processor time: the machine may be shared, and solving has one thread.
+/// The outcome's times are processor times of this process, since the machine may be shared and solving has one thread.
 struct ChainResult {
   MuseumScore score;
   scan::CalibrationOutcome outcome;
-  SeamScore seams{};         ///< Of the corrected wall; where the outcome has light.
-  SeamScore seams_before{};  ///< Without its correction: blended, and taken for sRGB.
+  SeamScore seams{};         ///< Seams of the corrected wall, if the outcome has photometry.
+  SeamScore seams_before{};  ///< Seams without the correction: blended, with the response taken for sRGB.
   double response_rms = 0.0;
-  double museum_s = 0.0;            ///< Of the museum's clock: what a visitor would wait.
-  double patterns_exposed_s = 0.0;  ///< Of that, with the shutter open for places,
-  double light_exposed_s = 0.0;     ///< and for brightness and colours. The rest: projectors, turntable, read-out.
+  double museum_s = 0.0;            ///< Duration on the museum's clock, as a person in the museum would wait.
+  double patterns_exposed_s = 0.0;  ///< Part with the shutter open for patterns of position.
+  /// Part with the shutter open for brightness and colours. The rest: projectors, turntable, read-out.
+  double light_exposed_s = 0.0;
   std::size_t directions = 0;
 };
 
-/// What an installer knows of a preset's camera.
+/// Properties of a preset's camera that an installer can state.
 struct KnownCamera {
   double field_of_view_rad;
   double pitch_rad;
 };
 [[nodiscard]] KnownCamera camera_of_preset(const std::string& name);
 
-/// `folder` is made, and emptied afterwards, unless it is to be kept.
+/// Creates `folder`, and empties it afterwards unless it is to be kept.
 Result<ChainResult> run_chain(const ChainCase& chain, const std::filesystem::path& folder);
 
 }  // namespace cyclorama

@@ -8,8 +8,9 @@
 
 namespace cyclorama {
 
-/// One scan, and then pictures drawn by no model (the maps as they are), by each model of the wall's selection, and on the
-/// right wall by each model of the projectors' lenses: {"models": [a point of the trade for each]}, or {"why": ...}.
+/// Makes one scan and then draws pictures without a model (from the maps as they are), with each candidate model of the
+/// wall, and, on the right wall, with each model of the projectors' lenses. Returns {"models": [one point of the trade
+/// for each]}, or {"why": ...}.
 nlohmann::ordered_json model_points(const ChainCase& chain, const std::filesystem::path& folder);
 
 }  // namespace cyclorama

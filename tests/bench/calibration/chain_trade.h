@@ -7,7 +7,8 @@
 
 namespace cyclorama {
 
-/// Sweeps one knob of a calibration at a time, prints a table, and writes what trade.py draws. Returns what main does.
+/// Varies one parameter of a calibration at a time, prints a table, and writes the input of trade.py. Returns an exit
+/// code.
 int trade(bool is_quick, unsigned seeds, const std::filesystem::path& folder, const std::filesystem::path& json_file,
           Records* records);
 

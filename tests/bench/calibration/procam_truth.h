@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Decoded places against a calibration that knows nothing of them but 63 corners a view: on the board, where its plane
-/// says the place must be; elsewhere, the line on which it must lie, whatever the scene's shape.
+/// Compares decoded positions with an independent calibration from 63 corners per view: on the board, with the position
+/// that its plane implies; elsewhere, with the line on which the position must lie, whatever the scene's shape.
 #pragma once
 
 #include <Eigen/Dense>
@@ -14,7 +14,7 @@
 
 namespace cyclorama {
 
-/// Beyond the board the calibration is extrapolated: a little more is allowed there.
+/// Larger than structured_light::kGrossPx, since the calibration is extrapolated beyond the board.
 inline constexpr double kGrossOffLinePx = 4.0;
 
 struct TruthScore {
@@ -34,7 +34,7 @@ struct TruthScore {
   }
 };
 
-/// Judges one pixel in `every` x `every`.
+/// Judges one pixel of every square of `every` x `every`.
 inline void score_against(const structured_light::Decoded& decoded, const camera_calibration::BoardView& view,
                           const camera_calibration::ProcamCalibration& calibration, std::size_t pose, int every,
                           TruthScore* score) {

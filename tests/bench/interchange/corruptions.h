@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Ways in which files of each format break. Every result must be refused: a change that may be harmless is not here.
+/// Corruptions of files of each format. Every result must be refused, so changes that may be harmless are not included.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ inline std::string replaced(std::string text, std::string_view old, std::string_
   return text.replace(at, old.size(), now);
 }
 
-/// The line that begins at or after a place, as [begin, end) with its line end.
+/// Returns the first line that begins at or after `at`, as [begin, end) including its line end.
 inline std::pair<std::size_t, std::size_t> line_from(const std::string& text, std::size_t at) {
   const std::size_t begin = at == 0 ? 0 : text.find('\n', at - 1) + 1;
   return {begin, text.find('\n', begin) + 1};
@@ -62,7 +62,7 @@ inline std::vector<Corrupted> corrupted_png(const std::string& png, GeneratedWar
           {"another format", replaced(png, "PNG", "JPG")}};
 }
 
-/// An archive with one member changed.
+/// Rewrites an archive with one member changed.
 class Repacked {
  public:
   explicit Repacked(const std::string& archive) {
@@ -111,7 +111,7 @@ inline std::vector<Corrupted> corrupted_mpcdi(const std::string& archive, Genera
   const std::size_t mask = parts.first(".png");
   std::string flipped = archive;
   const std::size_t member = archive.find("geometry-1.pfm");
-  flipped[member + 40] = static_cast<char>(flipped[member + 40] ^ 0x24);  // In its packed bytes.
+  flipped[member + 40] = static_cast<char>(flipped[member + 40] ^ 0x24);  // Inside the compressed data.
   const auto manifest = [&](std::string how, std::string_view old, std::string_view now) {
     return Corrupted{std::move(how), parts.with(0, replaced(xml, old, now))};
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Each prints a table and, last, a line of JSON; the answer is the process's exit status.
+/// The benches of the continuous calibration. Each prints a table and finally a line of JSON, and returns an exit code.
 #pragma once
 
 #include <optional>
@@ -11,13 +11,13 @@
 
 namespace cyclorama {
 
-/// Bumps are drawn by their numbers.
+/// Bumps are generated from their numbers.
 struct BumpSeries {
   std::uint32_t first = 1;
   std::uint32_t count = 60;
   bool is_small = false;
 };
-/// Half as fine as a museum's, for a look that takes a minute: projectors of 960x540, cameras of 0.3 megapixels.
+/// Halves the resolution for a quick run of about a minute: projectors of 960x540, cameras of 0.3 megapixels.
 void make_small(BumpedShowOptions* options);
 int bumps(const ShowContent& content, const BumpSeries& series);
 int quiet(const ShowContent& content, bool is_quick, const Records::Options& kept);
@@ -27,15 +27,15 @@ struct DriftSeries {
   bool is_small = false;
 };
 int drift(const ShowContent& content, const DriftSeries& series);
-/// Cases are counted from 0; of the quick ones every other.
+/// Cases are counted from 0; a quick run uses every other one.
 int occlusion(const ShowContent& content, bool is_quick, std::size_t first);
 int constraints(const ShowContent& content, bool is_quick);
 int cost(const ShowContent& content, bool is_quick);
-/// Of refreshes, without and with a calibration beside.
+/// Pacing of refreshes, without (off) and with (on) a calibration on the same machine.
 struct Pacing {
   double p99_off_ms = 0.0;
   double p99_on_ms = 0.0;
-  double late_off = 0.0;  ///< Part of them that came half a refresh late or more.
+  double late_off = 0.0;  ///< Fraction of refreshes that were late by half a refresh or more.
   double late_on = 0.0;
 };
 std::optional<Pacing> measure_pacing(const ShowContent& content, bool is_quick);
@@ -44,17 +44,18 @@ struct Extremes {
   int cases = 0;
   int failures = 0;
 };
-/// The filter over very many steps with very unequal noises; the room where hardly anything holds it.
+/// Runs the filter over very many steps with very unequal noises, and rooms with hardly any constraint.
 int extremes(const ShowContent& content, bool is_quick);
-/// Nothing where a room cannot be made.
+/// Returns nothing if a room cannot be made.
 std::optional<Extremes> room_extremes(const ShowContent& content);
-/// What the rate, patches, cameras' pixels and the filter's window cost and gain; the points go into a JSON file too.
+/// Measures cost and gain of the rate, the patches, the cameras' pixels and the filter's window; also writes the points
+/// to a JSON file.
 int trade(const ShowContent& content, bool is_quick, const Records::Options& options, const std::string& json);
 int pictures(const ShowContent& content, const std::string& folder);
 
-/// Percentile of a list, nearest rank; -1 of none.
+/// Percentile of a list by nearest rank; -1 for an empty list.
 [[nodiscard]] double percentile(std::vector<double> values, double part);
-/// A correction is wrong if its projector is farther off with it than before, by more than this.
+/// A correction is wrong if it increases its projector's error by more than this.
 inline constexpr double kWrong_px = 0.5;
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Runs rendered sequences through the tracker's own search and pose, and keeps the errors.
+/// Runs rendered sequences through the tracker's own search and pose estimation, and records the errors.
 #pragma once
 
 #include "appliance/tags/tag_search.h"
@@ -18,7 +18,7 @@ inline TimePoint after(double seconds) {
 struct PoseError {
   double true_yaw_deg;
   double yaw_deg, x_mm;
-  double yaw_in_deviations;  ///< The yaw's error in units of the deviation that the pose claims.
+  double yaw_in_deviations;  ///< Error of the yaw in units of the pose's own standard deviation.
   std::size_t tags;
 };
 
@@ -26,7 +26,7 @@ struct PoseRun {
   std::vector<PoseError> errors;
   std::vector<double> seconds;  ///< Processor time of search and pose, per picture.
   int pictures = 0;
-  int company = 0;  ///< In which another visitor's wand was followed.
+  int company = 0;  ///< Pictures in which another visitor's wand was followed.
 };
 
 inline constexpr int kPicturesOfScene = 10;
@@ -45,7 +45,7 @@ inline void add_scene(const HandStudio& studio, const HandScene& scene, std::uin
     state = result.state;
     ++run->pictures;
     if (!result.tag) continue;
-    if (result.tag->wand.id() != studio.wand_id()) {  // The first that is seen keeps control, be it somebody else's.
+    if (result.tag->wand.id() != studio.wand_id()) {  // The first wand seen keeps control, even another visitor's.
       ++run->company;
       continue;
     }
@@ -63,7 +63,7 @@ struct PoseFigures {
   int flips, frames, lost, company;
 };
 
-/// Deviations are about the mean of each 15 degrees of true yaw; the bias is the worst such mean.
+/// Deviations are about the mean of each 15 degrees of true yaw; the bias is the largest such mean.
 inline PoseFigures figures_of(const PoseRun& run) {
   constexpr int kBins = 24;
   std::array<double, kBins> count{}, sum{}, sum_x{};
@@ -84,7 +84,7 @@ inline PoseFigures figures_of(const PoseRun& run) {
     figures.yaw_sd_deg += std::pow(e.yaw_deg - sum[bin] / count[bin], 2);
     figures.x_sd_mm += std::pow(e.x_mm - sum_x[bin] / count[bin], 2);
     figures.claimed += e.yaw_in_deviations * e.yaw_in_deviations;
-    // A flip shows the visitor the other side; at less than a few degrees either sign is rest.
+    // A flip turns the picture to the wrong side; within three degrees of zero the sign has no meaning.
     const double measured = e.true_yaw_deg + e.yaw_deg;
     if (std::abs(e.true_yaw_deg) > 3.0 && measured * e.true_yaw_deg < 0.0) ++figures.flips;
     sizes.push_back(std::abs(e.yaw_deg));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Rendered pictures of hands with wands, for the tracker's figures: what is drawn, and the truth beside it.
+/// Rendered pictures of hands with wands, with their true poses, for the tracker's figures.
 #pragma once
 
 #include <array>
@@ -15,11 +15,11 @@ namespace cyclorama {
 using HandPose = RigidTransform<frame::Camera, frame::Tag>;
 
 inline constexpr double kDegree = 0.017453292519943295;
-/// 640x480, focal length 600 px: what the goals are stated for.
+/// 640x480, focal length 600 px: the conditions of the stated goals.
 inline const Pinhole kBenchLens{640, 480, 600.0, 320.0, 240.0};
 
-/// A point of the unit cube: Halton's sequence (Halton 1960), leaped (Kocis and Whiten, "Computational Investigations
-/// of Low-Discrepancy Sequences", 1997), since its high dimensions go together at first.
+/// Returns a point of the unit cube from Halton's sequence (Halton 1960), leaped (Kocis and Whiten, "Computational
+/// Investigations of Low-Discrepancy Sequences", 1997), since its high dimensions are correlated at first.
 inline double halton(std::uint64_t index, std::size_t dimension) {
   constexpr std::array<unsigned, 18> kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61};
   constexpr std::uint64_t kLeap = 409;
@@ -32,7 +32,7 @@ inline double halton(std::uint64_t index, std::size_t dimension) {
   return value;
 }
 
-/// One short sequence: a hand that moves evenly, in light and with company of its own.
+/// One short sequence: a hand in uniform motion, with its own lighting and possibly another visitor.
 struct HandScene {
   Eigen::Vector3d position_m, speed_m_s;
   double yaw_rad, pitch_rad, roll_rad, yaw_rate, pitch_rate;
@@ -43,7 +43,7 @@ struct HandScene {
 
   static constexpr double kPicturesPerSecond = 30.0;
 
-  /// `max_yaw_deg`: to both sides.
+  /// Yaws are sampled from -max_yaw_deg to max_yaw_deg.
   static HandScene sampled(std::uint64_t index, double distance_m, double max_yaw_deg) {
     std::size_t dimension = 0;
     const auto between = [&](double min, double max) { return min + (max - min) * halton(index, dimension++); };
@@ -71,11 +71,11 @@ struct HandScene {
                                  pitch_rad + time_s * pitch_rate, roll_rad};
     return {simulated::rotation_of(key), key.position_m};
   }
-  /// What a pose is compared with: the middle of the exposure.
+  /// Reference for a measured pose: the middle of the exposure.
   [[nodiscard]] HandPose truth(int picture) const { return pose_at(picture / kPicturesPerSecond + 0.5 * exposure_s); }
 };
 
-/// Draws scenes. Reentrant.
+/// Renders scenes. Reentrant.
 class HandStudio {
  public:
   explicit HandStudio(Wand wand = standard_wand(0), const Pinhole& lens = kBenchLens)
@@ -122,7 +122,7 @@ class HandStudio {
   static constexpr int kNoiseLevels = 12;
   static constexpr double kMaxNoise = 6.0;
 
-  /// A finger's tip, 18 mm across, on a corner of a tag.
+  /// Draws a fingertip, 18 mm across, on a corner of a tag.
   void cover(const HandScene& scene, const HandPose& pose, Image<float, 1>* light) const {
     const WandTag& tag = wand_.tags[scene.covered_corner / 4 % wand_.tags.size()];
     const Eigen::Vector3d tip = (pose * Point<frame::Tag>{tag.corners[scene.covered_corner % 4]}).xyz;

@@ -17,8 +17,9 @@
 
 namespace cyclorama {
 
-/// As a virtual machine's first process: mounts what programs need, makes the console standard output, and loads
-/// /modules/* in the order of their names, each with the parameters that `parameters_of` its name ("vivid") says.
+/// Prepares the first process of a virtual machine: mounts the file systems that programs need, makes the console
+/// standard output, and loads /modules/* in the order of their names, each with the parameters that `parameters_of`
+/// returns for its name ("vivid").
 inline void become_first_process(const std::function<std::string(const std::string&)>& parameters_of) {
   for (const char* folder : {"/dev", "/proc", "/sys", "/tmp"}) ::mkdir(folder, 0755);
   ::mount("none", "/dev", "devtmpfs", 0, nullptr);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The kernel's virtual video driver (Documentation/admin-guide/media/vivid.rst) as a cable: what is shown at its HDMI
-/// output is what a camera driver reads at its HDMI input.
+/// The kernel's virtual video driver (Documentation/admin-guide/media/vivid.rst) as a cable: a camera driver reads from
+/// its HDMI input the pictures that are sent to its HDMI output.
 #pragma once
 
 #include <memory>
@@ -19,16 +19,17 @@ namespace cyclorama {
 inline constexpr const char* kVividParameters =
     "n_devs=1 node_types=0x101 num_inputs=1 input_types=3 num_outputs=1 output_types=1";
 
-/// Shows one picture of 640x480 in grey, at about 60 per second, on a thread of its own, until it dies. Thread-bound.
+/// Sends one grey picture of 640x480 at about 60 per second, on a thread of its own, until it is destroyed.
+/// Thread-bound.
 class VividCable {
  public:
-  /// Joins output to input, without the driver's own writing over it. kNotFound  the driver is not loaded.
+  /// Connects the output to the input, without the driver's own overlay. Errors: kNotFound if the driver is not loaded.
   static Result<std::unique_ptr<VividCable>> plug(const GreyImage& picture);
   ~VividCable();
 
-  /// Sets a control of the driver's by its name, as "Disconnect". kNotFound  it has none of that name.
+  /// Sets a control of the driver by its name, such as "Disconnect". Errors: kNotFound if there is no such control.
   static Status set_control(const std::string& name, int value);
-  /// "/dev/videoN" of the input.
+  /// Path of the input, "/dev/videoN".
   static Result<std::string> input_path();
 
  private:

@@ -299,7 +299,7 @@ healing::HealingLoop::Options loop_options(const Options& options, const Calibra
 }
 
 Status run_again(const std::filesystem::path& folder) {
-  TRY_ASSIGN(const std::string lines, replay(folder));
+  TRY_ASSIGN(const std::string lines, healing::replay(folder));
   std::fputs(lines.c_str(), stdout);
   constexpr std::size_t kMaxBytes = std::size_t{1} << 28;
   TRY_ASSIGN(const std::string recorded, read_text_file(folder / "report.txt", kMaxBytes));

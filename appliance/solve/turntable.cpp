@@ -92,7 +92,7 @@ Result<TurntableSolver> TurntableSolver::create(const Measurements& measurements
 Result<calibration::CalibratedTurntable> TurntableSolver::solve(const TurntableHints& hints) const {
   TRY_ASSIGN(SolvedTurntable moved, solve_turntable_problem(task(), hints, &plain_.state, Eigen::Vector2d::Zero()));
   if (!options_.start.tail<2>().isZero()) {
-    auto other = solve_plate(task(), hints, &plain_.state, options_.start.tail<2>());
+    auto other = solve_turntable_problem(task(), hints, &plain_.state, options_.start.tail<2>());
     constexpr double kBetter = 1.0 - 1e-6;  // A smaller difference is the same minimum, reached less exactly.
     if (other && other->cost < kBetter * moved.cost) moved = *std::move(other);
   }

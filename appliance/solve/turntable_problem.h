@@ -99,7 +99,7 @@ struct TurntableTask {
 /// Solves the bundle adjustment. `from` is the initial state, a solution without an offset; null: starts from the
 /// reported values and solves without an offset. Errors: kInvalidArgument if the lens has no directions for the tracks;
 /// kBadData if no start converges. Reentrant.
-Result<SolvedTurntable> solve_plate(const TurntableTask& task, const TurntableHints& hints, const TurntableState* from,
+Result<SolvedTurntable> solve_turntable_problem(const TurntableTask& task, const TurntableHints& hints, const TurntableState* from,
                                     const Eigen::Vector2d& offset_m);
 
 /// Returns the camera's lens with the parameters of a state.

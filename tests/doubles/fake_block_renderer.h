@@ -17,10 +17,10 @@
 
 namespace cyclorama {
 
-/// What all renderers of one fake node share, so that a test can hold them and count. Thread-safe.
+/// State shared by all renderers of one fake node, so that a test can hold them and count. Thread-safe.
 class FakeRendering {
  public:
-  /// Closed, every render() waits at its first cell until it is opened or cancelled.
+  /// While the gate is closed, every render() waits at its first cell until it is opened or cancelled.
   void set_gate(bool open) {
     {
       const std::lock_guard lock(mutex_);
@@ -28,7 +28,7 @@ class FakeRendering {
     }
     changed_.notify_all();
   }
-  /// The gate closes by itself when this many more rectangles were rendered.
+  /// Closes the gate after this many more rectangles are rendered.
   void close_gate_after(int rects) {
     const std::lock_guard lock(mutex_);
     rects_left_ = rects;
@@ -42,7 +42,7 @@ class FakeRendering {
     if (rects_left_ > 0) --rects_left_;
     return true;
   }
-  /// Called before each cell of a film, by the thread that renders; null for nothing.
+  /// Sets a call that the rendering thread makes before each cell of a film; null for none.
   void set_before_cell(std::function<void()> call) {
     const std::lock_guard lock(mutex_);
     before_cell_ = std::move(call);
@@ -56,8 +56,8 @@ class FakeRendering {
     if (call) call();
   }
   std::atomic<int> renders = 0;
-  std::atomic<int> samples = 0;     ///< Of all films together.
-  std::atomic<int> film_cells = 0;  ///< Cells of films that were rendered, each as often as it was.
+  std::atomic<int> samples = 0;     ///< Total of all films.
+  std::atomic<int> film_cells = 0;  ///< Rendered cells of films, counting repetitions.
 
  private:
   std::mutex mutex_;
@@ -67,7 +67,7 @@ class FakeRendering {
   int rects_left_ = -1;
 };
 
-/// Draws a pattern that depends on the pixel and on every field of the view, and on nothing else.
+/// Renders a pattern that depends on the pixel and on every field of the view, and on nothing else.
 class FakeBlockRenderer final : public node::BlockRenderer {
  public:
   explicit FakeBlockRenderer(std::shared_ptr<FakeRendering> shared, std::uint64_t memory_bytes = 1000)
@@ -83,14 +83,15 @@ class FakeBlockRenderer final : public node::BlockRenderer {
     ++shared_->renders;
     return cost_of(rect, std::vector<float>(static_cast<std::size_t>(cells_touched(rect).area()), kCellSeconds));
   }
-  /// The negative of the pattern.
+  /// Renders the negative of the pattern.
   render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                                      const std::function<bool()>& cancelled) override {
     const render::RenderCost cost = render(view, rect, ret_pixels, cancelled);
     for (std::uint8_t& value : ret_pixels->data()) value = static_cast<std::uint8_t>(255 - value);
     return cost;
   }
-  /// Every range has a pattern of its own, in sums that are not exact. Asks before each cell, as the real one does.
+  /// Renders a different pattern for every range, in inexact sums. Checks for cancellation before each cell, as the
+  /// real one does.
   render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
                                  const governor::SampleRange& samples, render::Film* film,
                                  const std::function<bool()>& cancelled) override {
@@ -129,8 +130,8 @@ class FakeBlockRenderer final : public node::BlockRenderer {
   [[nodiscard]] std::uint64_t memory_bytes() const override { return memory_bytes_; }
   [[nodiscard]] double probe_cpu_seconds() override { return 0.25; }
 
-  /// What a sample of each pixel of a cell is said to cost: as much as a ray tracer's, so that more nodes are worth
-  /// their overhead.
+  /// Reported cost of one sample of each pixel of a cell: similar to a ray tracer's, so that more nodes are worth their
+  /// overhead.
   static constexpr float kCellSeconds = 0x1p-15f;
 
  private:
@@ -166,7 +167,7 @@ class FakeBlockRenderer final : public node::BlockRenderer {
   const std::uint64_t memory_bytes_;
 };
 
-/// Loads everything but what is called "missing" or "huge".
+/// Loads every scene except those named "missing" or "huge".
 inline node::SceneLoader fake_loader(std::shared_ptr<FakeRendering> shared = std::make_shared<FakeRendering>()) {
   return [shared](const std::string& path,
                   const std::function<void(double)>& progress) -> Result<std::unique_ptr<node::BlockRenderer>> {

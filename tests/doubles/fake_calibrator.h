@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A calibrator that measures nothing: it tells what a test wants, and remembers what it was asked.
+/// A calibrator that measures nothing: it reports what a test sets and records its requests.
 #pragma once
 
 #include <atomic>
@@ -18,7 +18,7 @@
 
 namespace cyclorama {
 
-/// `steps` patterns, each with `jpeg`, and a good end.
+/// Progress of a successful calibration with `steps` patterns, each with the picture `jpeg`.
 inline std::vector<wire::CalibrateProgress> told_calibration(int steps, const std::string& jpeg) {
   std::vector<wire::CalibrateProgress> messages;
   for (int step = 0; step < steps; ++step) {
@@ -36,7 +36,8 @@ inline std::vector<wire::CalibrateProgress> told_calibration(int steps, const st
   return messages;
 }
 
-/// What a calibrator says that keeps three projectors in their places: one of them was bumped four minutes ago.
+/// Publishes the inspection tables of a calibrator that keeps three projectors aligned, one of which was bumped four
+/// minutes ago.
 inline void tell_healing(InspectionService* inspection) {
   inspection->set_fact("watch",
                        "keeps 2 of 3 projectors in place; 'right' is left as it is: something stands in the way");
@@ -77,7 +78,7 @@ inline void tell_healing(InspectionService* inspection) {
   inspection->set_table(past);
 }
 
-/// Listens on [::1] as long as it lives. Thread-safe, but for what is set before it is asked.
+/// Listens on [::1] for its whole life. Thread-safe, except for members that a test sets before the first request.
 class FakeCalibrator final : private wire::Calibrator::Service {
  public:
   FakeCalibrator() {
@@ -90,7 +91,7 @@ class FakeCalibrator final : private wire::Calibrator::Service {
   FakeCalibrator& operator=(const FakeCalibrator&) = delete;
 
   [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(server_->port()); }
-  /// Until a call was cancelled.
+  /// Waits until a call is cancelled.
   bool wait_for_cancel() {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, std::chrono::seconds(20), [this] { return was_cancelled_; });
@@ -101,7 +102,7 @@ class FakeCalibrator final : private wire::Calibrator::Service {
   }
 
   InspectionService inspection{"calibrator"};
-  /// Counts who wants a realignment, and undoes corrections that it never made.
+  /// Counts realignment requests, and reverts corrections that it never made.
   struct Healing final : wire::Healing::Service {
     grpc::Status Realign(grpc::ServerContext*, const wire::RealignOrder* order, wire::RealignAnswer* answer) override {
       if (order->undo()) {
@@ -113,7 +114,7 @@ class FakeCalibrator final : private wire::Calibrator::Service {
       return is_watching ? grpc::Status::OK
                          : grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "nothing watches the wall");
     }
-    /// One that is placed, and one that sees too little.
+    /// Reports one camera that is located, and one that sees too little.
     grpc::Status PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasOrder*,
                               wire::PlacedCameras* reply) override {
       while (is_placing && !context->IsCancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -126,18 +127,18 @@ class FakeCalibrator final : private wire::Calibrator::Service {
       reply->add_cameras()->set_trouble("camera 'right' sees no projector's light; turn it to the wall");
       return grpc::Status::OK;
     }
-    std::atomic<bool> is_placing{false};  ///< Goes on with it until it is cancelled.
+    std::atomic<bool> is_placing{false};  ///< If true, placing continues until it is cancelled.
     std::atomic<int> realigned{0};
-    std::atomic<int> corrections{1};  ///< That can be undone.
+    std::atomic<int> corrections{1};  ///< Number of corrections that can be undone.
     std::atomic<bool> is_watching{true};
   } healing;
 
-  // Set before, read after.
+  // Set before the first request; read afterwards.
   std::vector<wire::CalibrateProgress> messages = told_calibration(4, "a picture");
-  Duration step_takes = Duration::zero();  ///< Passes after each message.
-  std::atomic<bool> is_held{false};        ///< Goes no further than that, until it is cancelled.
+  Duration step_takes = Duration::zero();  ///< Delay after each message.
+  std::atomic<bool> is_held{false};        ///< While true, waits after the current message until it is cancelled.
   grpc::Status end = grpc::Status::OK;
-  std::string restored_date = "2026-10-01";  ///< Empty: there is none.
+  std::string restored_date = "2026-10-01";  ///< Empty if there is none.
   std::vector<wire::CalibrateOrder> orders;
   std::vector<std::string> answers;
 
@@ -149,7 +150,7 @@ class FakeCalibrator final : private wire::Calibrator::Service {
     changed_.notify_all();
     for (const wire::CalibrateProgress& message : messages) {
       writer->Write(message);
-      // Goes on once it is answered.
+      // Continues once an answer arrives.
       const std::size_t heard = answers.size();
       while (!message.question().empty() && answers.size() == heard && !context->IsCancelled())
         changed_.wait_for(lock, std::chrono::milliseconds(2));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A display without a wall: dials the tour, keeps what it is told, and can be slow.
+/// A display without heads: connects to the tour, records the messages, and can be slow.
 #pragma once
 
 #include <grpcpp/client_context.h>
@@ -23,7 +23,7 @@ namespace cyclorama {
 
 inline Panorama fake_wall(int width_px = 320) { return {width_px, width_px / 2, 2.0, 0.5, -0.5}; }
 
-/// Dialled in from construction on. Thread-safe.
+/// Connected from construction on. Thread-safe.
 class FakeDisplay {
  public:
   struct Frame {
@@ -58,13 +58,13 @@ class FakeDisplay {
     context_.TryCancel();
     if (reader_.joinable()) reader_.join();
   }
-  /// Asks for the time, and says so much of itself.
+  /// Requests the time, with these statistics of its own.
   void ask(const wire::ClockQuestion& question) {
     wire::DisplayReport report;
     *report.mutable_clock() = question;
     write(report);
   }
-  /// While not reading, it is a slow display.
+  /// Simulates a slow display by not reading.
   void set_reading(bool reading) {
     {
       const std::lock_guard lock(mutex_);
@@ -80,10 +80,10 @@ class FakeDisplay {
     return wait_until([count](const FakeDisplay& d) { return d.frames_complete() >= count; });
   }
 
-  // Inside wait_until(), or after leave().
+  // Valid inside wait_until(), or after leave().
   [[nodiscard]] const std::vector<Frame>& frames() const { return frames_; }
   [[nodiscard]] const std::vector<wire::Heading>& headings() const { return headings_; }
-  /// How many of the headings said when they are to be seen.
+  /// Number of headings that carried a presentation time.
   [[nodiscard]] int headings_with_show_at() const { return headings_with_show_at_; }
   [[nodiscard]] const std::vector<wire::ClockAnswer>& answers() const { return answers_; }
   [[nodiscard]] std::size_t frames_complete() const {
@@ -143,7 +143,7 @@ class FakeDisplay {
       wrongs_.push_back("the first message is not a heading");
     } else if (message.has_begin()) {
       if (open) wrongs_.push_back("a frame begins inside another");
-      // A frame that was given up may be asked for again, and a whole one may be refined, under its number.
+      // A frame that was given up may be requested again, and a complete one refined, under its number.
       if (!frames_.empty() && message.begin().number() < frames_.back().view.number())
         wrongs_.push_back("an older frame");
       frames_.push_back({message.begin(), 0, 0, false, false, {}});
@@ -174,7 +174,7 @@ class FakeDisplay {
   std::unique_ptr<grpc::ClientReaderWriter<wire::DisplayReport, wire::ShowMessage>> stream_;
 
   std::mutex writing_;
-  mutable std::mutex mutex_;  ///< Guards the following.
+  mutable std::mutex mutex_;  ///< Guards the members below.
   std::condition_variable changed_;
   bool reading_ = true;
   bool over_ = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A process that only shows itself: an InspectionService on [::1], and a Tour that remembers how it was steered.
+/// A process with only an InspectionService on [::1], and a Tour that records steering.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace cyclorama {
 
-/// A picture with something to see: a ramp, shifted by `shift_px`.
+/// Returns a visible picture: a ramp, shifted by `shift_px`.
 inline std::shared_ptr<const RgbImage> ramp_picture(int shift_px, int width = 64, int height = 32) {
   auto picture = std::make_shared<RgbImage>(width, height);
   for (int y = 0; y < height; ++y) {

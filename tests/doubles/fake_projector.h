@@ -18,10 +18,11 @@
 
 namespace cyclorama {
 
-/// A projector's network port on this machine: greets, reads one line, answers. Thread-safe.
+/// A projector's network port on this machine: sends a greeting, reads one line, answers. Thread-safe.
 class FakeProjector {
  public:
-  /// What it sends first, and what it answers to a line (without its carriage return); empty: it hangs up.
+  /// Returns the greeting, and the answer to a line (without its carriage return); an empty answer closes the
+  /// connection.
   using Answer = std::function<std::string(const std::string& line)>;
   FakeProjector(std::string greeting, Answer answer) : greeting_(std::move(greeting)), answer_(std::move(answer)) {
     listener_ = UniqueFd(::socket(AF_INET6, SOCK_STREAM | SOCK_CLOEXEC, 0));
@@ -68,7 +69,7 @@ class FakeProjector {
   int port_ = 0;
   mutable std::mutex mutex_;
   std::vector<std::string> heard_;
-  std::jthread thread_;  // Last: it ends before what it uses.
+  std::jthread thread_;  // Last member: it ends before the members that it uses.
 };
 
 }  // namespace cyclorama

@@ -8,7 +8,7 @@
 
 namespace cyclorama {
 
-/// A scene with a square of 20 m to walk in.
+/// Returns a scene with a walkable square of 20 m.
 inline wire::SceneDescription fake_scene(const std::string& name) {
   wire::SceneDescription scene;
   scene.set_name(name);

@@ -5,7 +5,7 @@
 
 namespace cyclorama {
 
-/// Another computer's clock: the machine's own, ahead by `skew` when it was made, and faster by `drift_ppm` ever since.
+/// Another computer's clock: ahead of the machine's by `skew` at construction, and faster by `drift_ppm` since then.
 /// Thread-safe.
 class FakeSkewedClock final : public Clock {
  public:
@@ -15,7 +15,7 @@ class FakeSkewedClock final : public Clock {
     return made_at_ + skew_ + scaled(SteadyClock().now() - made_at_, rate_);
   }
   void wait_until(TimePoint t) const override { SteadyClock().wait_until(true_time(t)); }
-  /// What the machine's clock showed when this one showed `t`.
+  /// Returns the machine's time at which this clock showed `t`.
   [[nodiscard]] TimePoint true_time(TimePoint t) const { return made_at_ + scaled(t - skew_ - made_at_, 1.0 / rate_); }
 
  private:

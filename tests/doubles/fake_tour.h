@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A tour that shows displays what a test tells it to.
+/// A tour that sends displays the messages of a test.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace cyclorama {
 
-/// Listens on [::1] from start() on. One display at a time. Thread-safe.
+/// Listens on [::1] from start() on. Accepts one display at a time. Thread-safe.
 class FakeTour final : private wire::Tour::Service {
  public:
   static std::unique_ptr<FakeTour> start(const std::string& address = "[::1]:0") {
@@ -32,11 +32,11 @@ class FakeTour final : private wire::Tour::Service {
   }
   [[nodiscard]] std::string address() const { return "[::1]:" + std::to_string(server_->port()); }
 
-  /// Waits for a display that has said hello.
+  /// Waits for a display that has sent its hello.
   bool wait_for_display() {
     return wait_until([this] { return stream_ != nullptr && has_hello_; });
   }
-  /// To the display that is connected; false when there is none.
+  /// Sends to the connected display; false if there is none.
   bool send(const wire::ShowMessage& message) {
     const std::lock_guard lock(mutex_);
     return stream_ != nullptr && stream_->Write(message);
@@ -50,7 +50,7 @@ class FakeTour final : private wire::Tour::Service {
     message.mutable_heading()->set_shutter_ns(shutter_ns);
     send(message);
   }
-  /// Ends the display's stream; it may dial again.
+  /// Ends the display's stream; the display may connect again.
   void hang_up() {
     std::unique_lock lock(mutex_);
     if (context_ == nullptr) return;
@@ -68,15 +68,15 @@ class FakeTour final : private wire::Tour::Service {
   bool wait_for_questions(std::size_t count) {
     return wait_until([&] { return questions.size() >= count; });
   }
-  /// Its clock is an hour ahead of the machine's.
+  /// Its clock is one hour ahead of the machine's.
   static std::int64_t now_ns() { return to_nanoseconds(SteadyClock().now() + std::chrono::hours(1)); }
 
-  // Read them after a wait that promises that nothing more comes.
+  // Read only after a wait that excludes further messages.
   wire::DisplayHello hello;
   int displays = 0;
   std::vector<wire::FramePresented> presented;
   std::vector<wire::FrameDropped> dropped;
-  std::vector<wire::ClockQuestion> questions;  ///< Still coming: only while no display is there.
+  std::vector<wire::ClockQuestion> questions;  ///< Read only while no display is connected, since more keep coming.
 
  private:
   using Stream = grpc::ServerReaderWriter<wire::ShowMessage, wire::DisplayReport>;
@@ -116,7 +116,7 @@ class FakeTour final : private wire::Tour::Service {
       changed_.notify_all();
     }
     const std::lock_guard lock(mutex_);
-    if (stream_ == stream) {  // Or it has dialled again before this one's end was noticed.
+    if (stream_ == stream) {  // The display may have reconnected before the end of this stream was noticed.
       context_ = nullptr;
       stream_ = nullptr;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A tracker without a camera: dials the tour and says what the test tells it.
+/// A tracker without a camera: connects to the tour and reports what the test sets.
 #pragma once
 
 #include <grpcpp/client_context.h>
@@ -31,7 +31,7 @@ class FakeTracker {
   FakeTracker(const FakeTracker&) = delete;
   FakeTracker& operator=(const FakeTracker&) = delete;
 
-  /// A tag `distance_m` before the camera, in its middle, that points `yaw_rad` to the visitor's right.
+  /// Reports a centred tag `distance_m` before the camera that points `yaw_rad` to the visitor's right.
   bool see(double distance_m, double yaw_rad) {
     wire::TrackedPose pose = picture();
     pose.set_found(true);

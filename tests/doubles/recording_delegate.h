@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// Keeps what CoordinatorState says to whom. Thread-bound.
+/// Records the messages of CoordinatorState and their receivers. Thread-bound.
 class RecordingDelegate final : public coordinator::CoordinatorDelegate {
  public:
   std::map<coordinator::NodeId, std::deque<wire::NodeCommand>> commands;
@@ -21,7 +21,7 @@ class RecordingDelegate final : public coordinator::CoordinatorDelegate {
   std::map<coordinator::SessionId, Error> ended_sessions;
   std::vector<coordinator::FrameReport> frames;
   std::vector<std::string> notices;
-  std::vector<coordinator::NoticeAbout> noticed;  ///< Whom each of them is about.
+  std::vector<coordinator::NoticeAbout> noticed;  ///< Subject of each notice.
 
   void to_node(coordinator::NodeId node, const wire::NodeCommand& command) override {
     commands[node].push_back(command);

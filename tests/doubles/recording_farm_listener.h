@@ -11,7 +11,7 @@
 
 namespace cyclorama {
 
-/// Keeps all that a farm says. Thread-safe.
+/// Records everything that a farm sends. Thread-safe.
 class RecordingFarmListener final : public client::FarmListener {
  public:
   struct Frame {
@@ -23,14 +23,14 @@ class RecordingFarmListener final : public client::FarmListener {
     int opened = 0;
     wire::SceneDescription scene;
     std::vector<std::string> reasons;
-    std::vector<Frame> frames;  ///< Ended ones, complete or not.
+    std::vector<Frame> frames;  ///< Ended frames, complete or not.
   };
 
   [[nodiscard]] Seen seen() const {
     const std::lock_guard lock(mutex_);
     return seen_;
   }
-  /// False when `enough` did not become true in time. Asked again at each event, and now and then.
+  /// Waits until `enough` is true, evaluated at each event and periodically; false on timeout.
   template <typename Predicate>
   bool wait(Predicate&& enough, Duration limit = std::chrono::seconds(20)) {
     const TimePoint deadline = SteadyClock().now() + limit;
@@ -70,7 +70,7 @@ class RecordingFarmListener final : public client::FarmListener {
     }
     changed_.notify_all();
   }
-  Frame open_;  ///< The client's thread only.
+  Frame open_;  ///< Accessed only by the client's thread.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   Seen seen_;

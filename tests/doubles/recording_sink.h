@@ -11,31 +11,31 @@
 
 namespace cyclorama::generator {
 
-/// What arrived in one file, summed up: a grotto of any size can be checked without keeping it.
+/// Summary of one file, so that a grotto of any size can be checked without storing it.
 struct RecordedFile {
   generator::GeometryCounts promised;
   generator::GeometryCounts arrived;
   std::uint64_t digest = 14695981039346656037u;  ///< FNV-1a over positions, normals, colours and indices, in order.
-  std::uint64_t bad_numbers = 0;                 ///< Vertices that are not finite, or whose normal has not length 1.
-  std::uint64_t bad_indices = 0;                 ///< Triangles that name a vertex twice or one that does not exist.
-  std::size_t max_call = 0;                      ///< Vertices or triangles given at once.
+  std::uint64_t bad_numbers = 0;  ///< Vertices that are not finite, or whose normal is not of unit length.
+  std::uint64_t bad_indices = 0;  ///< Triangles that name a vertex twice or a vertex that does not exist.
+  std::size_t max_call = 0;       ///< Maximum number of vertices or triangles in one call.
   std::array<float, 3> low{1e9f, 1e9f, 1e9f};
   std::array<float, 3> high{-1e9f, -1e9f, -1e9f};
   bool finished = false;
 };
 
-/// A geometry sink that counts and checks, and keeps nothing. Thread-safe.
+/// A geometry sink that counts and checks without storing. Thread-safe.
 class RecordingSink final : public generator::GeometrySink {
  public:
   Result<std::unique_ptr<generator::GeometryFile>> open(const std::string& name,
                                                         const generator::GeometryCounts& counts) override {
     const std::lock_guard lock(mutex_);
-    RecordedFile& file = files_[name];  // A map's elements stay where they are.
+    RecordedFile& file = files_[name];  // References to a map's elements remain valid.
     file.promised = counts;
     return std::unique_ptr<generator::GeometryFile>(std::make_unique<File>(file));
   }
 
-  /// Once all files are finished.
+  /// Valid once all files are finished.
   [[nodiscard]] const std::map<std::string, RecordedFile>& files() const { return files_; }
 
  private:

@@ -9,7 +9,7 @@
 
 namespace cyclorama {
 
-/// Gives what the test wrote down, one after the other, without waiting; then times out for ever.
+/// Returns the test's frames one after the other without waiting, and then times out on every call.
 class ScriptedCamera final : public camera::Camera {
  public:
   using Step = Result<std::shared_ptr<const camera::CameraFrame>>;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A motor controller at the other end of a pseudo-terminal, which answers as Marlin's firmware does, or as a script
-/// says.
+/// determines.
 #pragma once
 
 #include <fcntl.h>
@@ -28,12 +28,12 @@ namespace cyclorama {
 /// Thread-safe.
 class ScriptedController {
  public:
-  /// What it does instead of answering well: nothing (well), some text, silence (empty), or hanging up.
+  /// Replaces the regular answer: none (regular answer), some text, silence (empty), or a closed line.
   struct Fault {
     std::optional<std::string> says = std::nullopt;
     bool hangs_up = false;
   };
-  /// Asked for each line; `number` counts them from 0.
+  /// Called for each line; `number` counts lines from 0.
   using Script = std::function<std::optional<Fault>(std::size_t number, const std::string& line)>;
 
   explicit ScriptedController(Script script = {}) : script_(std::move(script)) {
@@ -42,7 +42,7 @@ class ScriptedController {
     std::array<char, 128> name{};
     CHECK(::ptsname_r(master_.get(), name.data(), name.size()) == 0);
     device_ = name.data();
-    // Keeps the line from hanging up before it is opened, and from echoing.
+    // Prevents a hang-up before the terminal is opened, and disables echo.
     held_.reset(::open(device_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
     CHECK(held_.is_open());
     termios settings{};
@@ -57,9 +57,9 @@ class ScriptedController {
     const std::lock_guard lock(mutex_);
     return heard_;
   }
-  /// In units of the axis.
+  /// Position in units of the axis.
   [[nodiscard]] double position() const { return position_; }
-  /// Something holds the turntable: it stays where it is.
+  /// Blocks the turntable, so that it does not move.
   void block(bool is_blocked) { is_blocked_ = is_blocked; }
 
  private:

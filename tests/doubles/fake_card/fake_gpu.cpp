@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GBM, EGL on GBM and udev, answered by the FakeMachine. GL itself is the machine's own, on no surface; a buffer's
-// pixels are those of the renderbuffer that it was given to as storage.
+// GBM, EGL on GBM and udev, implemented by the FakeMachine. GL itself is the machine's own, without a surface; a
+// buffer's pixels are those of the renderbuffer that it backs.
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <drm_fourcc.h>
@@ -50,7 +50,7 @@ cyclorama::output::Gl real_gl() {
   return *gl;
 }
 
-/// glEGLImageTargetRenderbufferStorageOES(): an image is its buffer.
+/// glEGLImageTargetRenderbufferStorageOES(): an image stands for its buffer.
 void give_storage(GLenum, void* image) {
   auto* const buffer = static_cast<gbm_bo*>(image);
   const cyclorama::output::Gl gl = real_gl();
@@ -152,7 +152,7 @@ EGLDisplay __wrap_eglGetPlatformDisplay(EGLenum platform, void* native, const EG
 EGLBoolean __wrap_eglInitialize(EGLDisplay display, EGLint* major, EGLint* minor) {
   return fails("eglInitialize") ? EGLBoolean{EGL_FALSE} : __real_eglInitialize(display, major, minor);
 }
-// The display without a surface is the process's only one, which others may use.
+// Does nothing, since the process has only one surfaceless display, which others may use.
 EGLBoolean __wrap_eglTerminate(EGLDisplay) { return EGL_TRUE; }
 EGLBoolean __wrap_eglBindAPI(EGLenum api) {
   return fails("eglBindAPI") ? EGLBoolean{EGL_FALSE} : __real_eglBindAPI(api);
@@ -174,7 +174,7 @@ EGLBoolean __wrap_eglDestroyContext(EGLDisplay display, EGLContext context) {
   return __real_eglDestroyContext(display, context);
 }
 EGLBoolean __wrap_eglMakeCurrent(EGLDisplay display, EGLSurface draw, EGLSurface read, EGLContext context) {
-  // Letting go of a context is not what fails.
+  // Releasing a context never fails.
   if (context != EGL_NO_CONTEXT && fails("eglMakeCurrent")) return EGL_FALSE;
   return __real_eglMakeCurrent(display, draw, read, context);
 }

@@ -154,7 +154,7 @@ void FakeMachine::closed(int fd) {
   CardState& card = *found->second;
   fds_.erase(found);
   if (card.master_fd != fd) return;
-  // The kernel removes what the file had made, and what shows it goes dark.
+  // The kernel removes objects that the file made, and connectors that show them go dark.
   card.master_fd = -1;
   card.framebuffers.clear();
   card.imported.clear();
@@ -184,7 +184,7 @@ const FakeMachine::Framebuffer* framebuffer_of(const FakeMachine::CardState& sta
 
 }  // namespace
 
-RgbImage read_buffer(const gbm_bo& buffer);  // In fake_gpu.cpp.
+RgbImage read_buffer(const gbm_bo& buffer);  // Defined in fake_gpu.cpp.
 
 std::optional<RgbImage> FakeMachine::wall(std::size_t card, std::size_t number) const {
   if (!mode_of(card, number)) return std::nullopt;
@@ -249,7 +249,7 @@ int FakeMachine::commit(CardState* card, const State& changes, std::uint32_t fla
   return 0;
 }
 
-/// As drm_atomic_check_only() of the kernel, as far as a driver like ours can get it wrong.
+/// Checks as the kernel's drm_atomic_check_only() does, for the errors that a driver like ours can make.
 int FakeMachine::refusal(const CardState& card, const State& wanted, bool allows_modeset) const {
   bool is_modeset = false;
   for (std::uint32_t i = 0; i < card.card.crtcs; ++i) {

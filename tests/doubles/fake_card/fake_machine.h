@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Graphics cards described as data, in the place of libdrm, GBM, EGL on GBM and udev: whoever links fake_card gets
-/// them instead of the machine's (the linker's --wrap). GL is real, on no surface, so what a connector shows is pixels.
+/// Graphics cards described as data, in place of libdrm, GBM, EGL on GBM and udev: a program that links fake_card gets
+/// them instead of the machine's (the linker's --wrap). GL is real, without a surface, so that a connector's picture
+/// consists of real pixels.
 ///
 ///   FakeClock clock;
 ///   FakeMachine machine({three_projectors()}, &clock);
 ///   auto output = open_drm_output(...);
-///   machine.fail("drmModeGetResources", EIO);       // The next call, once.
-///   machine.wall(0, 1)                              // What card 0's second connector shows; nothing: dark.
+///   machine.fail("drmModeGetResources", EIO);       // Fails the next call, once.
+///   machine.wall(0, 1)                              // Picture of card 0's second connector; nothing if dark.
 #pragma once
 
 #include <xf86drmMode.h>
@@ -26,14 +27,14 @@ struct gbm_bo {
   std::uint32_t height = 0;
   std::uint32_t format = 0;
   std::uint32_t handle = 0;
-  unsigned renderbuffer = 0;  ///< Where GL draws it.
+  unsigned renderbuffer = 0;  ///< Renderbuffer to which GL draws it.
 };
 
 namespace cyclorama {
 
-/// A progressive mode with plausible blanking.
+/// Returns a progressive mode with plausible blanking.
 drmModeModeInfo fake_mode(int width_px, int height_px, double refresh_hz, bool is_preferred = false);
-/// A whole EDID 1.4 base block; `colour_bits` 0, 6, 8, ... 16.
+/// Returns a complete EDID 1.4 base block; `colour_bits` is 0, 6, 8, ... 16.
 std::vector<std::uint8_t> fake_edid(const std::string& model, int colour_bits);
 
 struct FakeConnector {
@@ -43,21 +44,22 @@ struct FakeConnector {
   std::vector<drmModeModeInfo> modes;
   std::vector<std::uint8_t> edid;
   std::uint32_t possible_crtcs = 0xff;
-  std::uint64_t max_bpc = 0;  ///< 0: the driver has no such property.
+  std::uint64_t max_bpc = 0;  ///< 0 if the driver has no such property.
 };
 
 struct FakeCard {
   std::string path = "/dev/dri/card0";
   std::size_t crtcs = 3;
   std::vector<FakeConnector> connectors;
-  std::uint64_t max_clock_khz = 0;  ///< Of all modes together, which a card's memory limits; 0: any.
-  bool can_be_deep = true;          ///< Planes take 10 bits.
-  bool has_raster = true;           ///< False: flips happen when they are told to, as on virtual cards.
+  /// Upper bound on the sum of all modes' clocks, as given by memory bandwidth; 0 for none.
+  std::uint64_t max_clock_khz = 0;
+  bool can_be_deep = true;  ///< Planes support 10 bits.
+  bool has_raster = true;   ///< If false, flips happen immediately, as on virtual cards.
 };
 /// Three connected projectors of 64x36 pixels at 60 Hz: HDMI-A-1 to -3, 8 bit.
 FakeCard three_projectors();
 
-/// All there is, until it dies; one at a time. Thread-bound, to the thread of the output.
+/// The whole fake machine during its life; only one may exist at a time. Bound to the output's thread.
 class FakeMachine {
  public:
   FakeMachine(std::vector<FakeCard> cards, FakeClock* clock);
@@ -65,32 +67,32 @@ class FakeMachine {
   FakeMachine(const FakeMachine&) = delete;
   FakeMachine& operator=(const FakeMachine&) = delete;
 
-  /// To be changed at will; hot_plug() tells the driver that something was.
+  /// May be changed at any time; hot_plug() notifies the driver of a change.
   FakeConnector& connector(std::size_t card, std::size_t number);
   void hot_plug() { ++hot_plugs; }
-  /// Lets `passes` calls of this name pass and fails the next one with this errno. "page flip event": it never comes.
-  /// Commits are "drmModeAtomicCommit (test)", "(modeset)" and "(flip)".
+  /// Lets `passes` calls of this name succeed and fails the next one with this errno. "page flip event" suppresses the
+  /// event. Commits are "drmModeAtomicCommit (test)", "(modeset)" and "(flip)".
   void fail(const std::string& call, int error, int passes = 0);
-  /// Whether a fault that was ordered was met.
+  /// Returns whether the fault that was set has occurred.
   [[nodiscard]] bool was_fault_met() const { return !fault_; }
-  /// Another program takes the card, or leaves it.
+  /// Simulates another program that takes or releases the card.
   void set_master_taken(std::size_t card, bool is_taken);
-  /// Everything on the card is lost, as after a hang.
+  /// Loses all contents of the GPU, as after a hang.
   void reset_gpu() { is_gpu_reset = true; }
-  /// The rows from the top that a connector scans out now; nothing: no signal. A GL context must be current.
+  /// Rows from the top that a connector scans out now; nothing if there is no signal. A GL context must be current.
   [[nodiscard]] std::optional<RgbImage> wall(std::size_t card, std::size_t number) const;
-  /// Of a connector that is lit.
+  /// Mode of a connector that is lit.
   [[nodiscard]] std::optional<drmModeModeInfo> mode_of(std::size_t card, std::size_t number) const;
   [[nodiscard]] bool is_deep(std::size_t card, std::size_t number) const;
-  /// Commits that were not only tried; and how many of them could darken a screen.
+  /// Commits other than tests; and how many of them may have darkened a screen.
   [[nodiscard]] int commits(std::size_t card) const;
   [[nodiscard]] int modesets(std::size_t card) const;
-  /// How often each of the wrapped calls was made.
+  /// Number of calls of each wrapped function.
   [[nodiscard]] const std::map<std::string, int>& calls() const { return calls_; }
-  /// Buffers, images, contexts and files that are still held.
+  /// Number of buffers, images, contexts and files that are still held.
   [[nodiscard]] std::size_t held() const;
 
-  // What follows is for the wrapped calls alone.
+  // The members below are for the wrapped calls only.
 
   using State = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint64_t>;  // (object, property) -> value.
   struct Framebuffer {
@@ -119,14 +121,14 @@ class FakeMachine {
 
   static FakeMachine& the();
   static FakeMachine* the_or_null();
-  /// 0, or the errno that this call must fail with.
+  /// Returns 0, or the errno with which this call must fail.
   int meet(const char* call);
   [[nodiscard]] CardState* card_of(int fd);
   [[nodiscard]] CardState* card_at(const std::string& path);
   [[nodiscard]] FakeClock& clock() { return *clock_; }
   void opened(int fd, CardState* card);
   void closed(int fd);
-  /// A new number for whatever the kernel numbers.
+  /// Returns a new object number, as the kernel assigns them.
   std::uint32_t next_id() { return ++last_id_; }
   int commit(CardState* card, const State& changes, std::uint32_t flags, void* cookie, int fd);
 

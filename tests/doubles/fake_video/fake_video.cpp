@@ -19,7 +19,7 @@ Duration period_of(const v4l2_fract& interval) {
   return std::chrono::nanoseconds(1'000'000'000LL * interval.numerator / std::max(interval.denominator, 1U));
 }
 
-/// ITU-R BT.601 from 16 to 235, two pixels' chroma together.
+/// Encodes by ITU-R BT.601, range 16 to 235, with the chroma of two pixels together.
 std::vector<std::byte> encode_yuyv(const v4l2_pix_format& format, const RgbImage& picture) {
   CHECK(format.pixelformat == V4L2_PIX_FMT_YUYV && picture.width() == static_cast<int>(format.width) &&
         picture.height() == static_cast<int>(format.height));
@@ -44,14 +44,14 @@ std::vector<std::byte> encode_yuyv(const v4l2_pix_format& format, const RgbImage
   return bytes;
 }
 
-/// Brightness as the pixels hold it; chroma is 128.
+/// Encodes brightness in the pixel format; chroma is 128.
 std::vector<std::byte> encode(const v4l2_pix_format& format, std::uint32_t sequence) {
   const auto width = static_cast<int>(format.width);
   const auto height = static_cast<int>(format.height);
   if (format.pixelformat == V4L2_PIX_FMT_MJPEG) {
     RgbImage picture(width, height);
     for (int y = 0; y < height; ++y) {
-      // Of one level, which a JPEG keeps.
+      // A plain picture, which JPEG compression preserves.
       for (int x = 0; x < width; ++x) std::fill_n(picture.at(x, y), 3, fake_level(sequence, 0, 0));
     }
     JpegEncoder encoder;
@@ -161,7 +161,7 @@ void FakeVideo::closed(int fd) {
   if (found == fds_.end()) return;
   DeviceState* const device = found->second;
   fds_.erase(found);
-  // The kernel frees what the file had made.
+  // The kernel frees the file's buffers.
   if (device->owner_fd == fd) free_buffers(device);
 }
 
@@ -195,7 +195,7 @@ void FakeVideo::run(DeviceState* device) {
 void FakeVideo::fill(DeviceState* device, std::uint32_t index) {
   Buffer& buffer = device->buffers[index];
   if (device->device.sees) {
-    // The control's unit is 100 us.
+    // The unit of the control is 100 us.
     device->device.exposure =
         std::chrono::microseconds(100 * device->device.controls[V4L2_CID_EXPOSURE_ABSOLUTE].value);
   }

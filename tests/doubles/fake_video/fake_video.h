@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// V4L2 cameras described as data, in the place of the kernel's: whoever links fake_video gets them instead of the
-/// machine's (the linker's --wrap of open, ioctl, mmap...). Time is the clock's, which waiting moves.
+/// V4L2 cameras described as data, in place of the kernel's: a program that links fake_video gets them instead of the
+/// machine's (the linker's --wrap of open, ioctl, mmap...). Time is the fake clock's, which waiting advances.
 ///
 ///   FakeClock clock;
 ///   FakeVideo video({usb_camera()}, &clock);
 ///   auto camera = V4l2Camera::open(...);
-///   video.fail("VIDIOC_S_FMT", EBUSY);              // The next call of that name, once.
-///   video.fail_nth(7, EIO);                         // The seventh call from now, whatever it is.
+///   video.fail("VIDIOC_S_FMT", EBUSY);              // Fails the next call of that name, once.
+///   video.fail_nth(7, EIO);                         // Fails the seventh call from now, whatever it is.
 ///   video.unplug(0);
 #pragma once
 
@@ -30,12 +30,12 @@ namespace cyclorama {
 struct FakeSize {
   int width = 640;
   int height = 480;
-  std::vector<double> rates{30.0};  ///< Empty: the driver tells none.
+  std::vector<double> rates{30.0};  ///< Empty if the driver reports none.
 };
 
 struct FakeFormat {
   std::uint32_t fourcc = V4L2_PIX_FMT_YUYV;
-  std::vector<FakeSize> sizes{{}};  ///< Empty: the driver lists none and has the one of its signal, 640x480.
+  std::vector<FakeSize> sizes{{}};  ///< Empty if the driver lists none and has only that of its signal, 640x480.
 };
 
 struct FakeControl {
@@ -54,24 +54,24 @@ struct FakeVideoDevice {
   bool has_ranges = false;  ///< Sizes from 16x16 to 4096x4096 in steps of 8, rates from 1 to 120.
   std::map<std::uint32_t, FakeControl> controls;
   std::uint32_t stamp_flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
-  Duration exposure = std::chrono::milliseconds(4);  ///< Ends when the picture is there.
+  Duration exposure = std::chrono::milliseconds(4);  ///< Ends when the picture is ready.
   std::uint32_t row_padding = 0;
-  bool is_grabber = false;  ///< Its size is its signal's.
+  bool is_grabber = false;  ///< A grabber: its size is that of its signal.
   bool has_signal = true;
   bool exports_dma_bufs = true;
-  /// What it sees with an exposure in seconds, that of its control; of YUYV alone, in its size. Empty: fake_level().
+  /// Returns the scene for an exposure in seconds (the control's); YUYV only, in its size. Empty: fake_level().
   std::function<RgbImage(double)> sees = {};
 };
 
-/// A camera as most are: YUYV at 30 per second in VGA, JPEG at 30 in all sizes, exposure and gain to set.
+/// A typical camera: YUYV at 30 per second in VGA, JPEG at 30 in all sizes, controls for exposure and gain.
 FakeVideoDevice usb_camera();
-/// One for machine vision: grey, any size.
+/// A machine-vision camera: grey, any size.
 FakeVideoDevice grey_camera();
 
-/// What the fake shows at a place of picture `sequence`.
+/// Returns the fake's grey level at a pixel of picture `sequence`.
 [[nodiscard]] std::uint8_t fake_level(std::uint32_t sequence, int x, int y);
 
-/// All there is, until it dies; one at a time. Thread-bound, to the camera's thread.
+/// The whole fake machine during its life; only one may exist at a time. Bound to the camera's thread.
 class FakeVideo {
  public:
   FakeVideo(std::vector<FakeVideoDevice> devices, FakeClock* clock);
@@ -79,34 +79,34 @@ class FakeVideo {
   FakeVideo(const FakeVideo&) = delete;
   FakeVideo& operator=(const FakeVideo&) = delete;
 
-  /// To be changed at will.
+  /// May be changed at any time.
   FakeVideoDevice& device(std::size_t number) { return devices_.at(number)->device; }
   void unplug(std::size_t number);
   void plug(std::size_t number) { devices_.at(number)->is_plugged = true; }
-  /// Another program streams from it, or no longer.
+  /// Simulates another program that streams from the device, or stops.
   void set_taken(std::size_t number, bool is_taken) { devices_.at(number)->is_taken = is_taken; }
-  /// No more pictures, and no word about it.
+  /// Stops the pictures without an error.
   void set_stalled(std::size_t number, bool is_stalled) { devices_.at(number)->is_stalled = is_stalled; }
-  /// The next pictures carry V4L2_BUF_FLAG_ERROR.
+  /// Sets V4L2_BUF_FLAG_ERROR on the next pictures.
   void damage(std::size_t number, int pictures) { devices_.at(number)->damaged = pictures; }
-  /// The next pictures are cut short.
+  /// Truncates the next pictures.
   void shorten(std::size_t number, int pictures) { devices_.at(number)->shortened = pictures; }
-  /// The signal has another shape: a source change event.
+  /// Simulates a change of the signal's format: a source change event.
   void change_source(std::size_t number) { devices_.at(number)->has_event = true; }
 
-  /// Lets `passes` calls of this name pass and fails the next one with this errno.
+  /// Lets `passes` calls of this name succeed and fails the next one with this errno.
   void fail(const std::string& call, int error, int passes = 0) { fault_ = Fault{call, error, passes}; }
   void fail_nth(int nth, int error) { fault_ = Fault{"", error, nth - 1}; }
   [[nodiscard]] bool was_fault_met() const { return !fault_; }
-  /// The call that met it.
+  /// Returns the call that failed.
   [[nodiscard]] const std::string& failed_call() const { return failed_call_; }
 
-  /// Open files, exported buffers and maps, and devices that still have buffers.
+  /// Number of open files, exported buffers and maps, and of devices that still have buffers.
   [[nodiscard]] std::size_t held() const;
-  /// How often each call was made.
+  /// Number of calls of each function.
   [[nodiscard]] const std::map<std::string, int>& calls() const { return calls_; }
 
-  // What follows is for the wrapped calls alone.
+  // The members below are for the wrapped calls only.
 
   struct Buffer {
     UniqueFd memory;
@@ -124,7 +124,7 @@ class FakeVideo {
     int shortened = 0;
     v4l2_pix_format format{};
     v4l2_fract interval{1, 30};
-    int owner_fd = -1;  ///< Who has buffers.
+    int owner_fd = -1;  ///< File descriptor that owns the buffers.
     bool is_streaming = false;
     std::vector<Buffer> buffers;
     std::deque<std::uint32_t> queued;
@@ -134,16 +134,16 @@ class FakeVideo {
   };
 
   static FakeVideo* the_or_null();
-  /// 0, or the errno that this call must fail with.
+  /// Returns 0, or the errno with which this call must fail.
   int meet(const char* call);
   DeviceState* device_of(int fd);
   DeviceState* device_at(const std::string& path);
   void opened(int fd, DeviceState* device) { fds_[fd] = device; }
   void closed(int fd);
-  /// Exposes and fills what is due by now.
+  /// Exposes and fills the pictures that are due by now.
   void run(DeviceState* device);
   void free_buffers(DeviceState* device);
-  /// The V4L2 request; errno, or 0.
+  /// Performs the V4L2 request; returns errno, or 0.
   int request(DeviceState* device, int fd, unsigned long code, void* argument);
   [[nodiscard]] FakeClock& clock() { return *clock_; }
 
@@ -152,7 +152,7 @@ class FakeVideo {
 
  private:
   struct Fault {
-    std::string call;  ///< Empty: any.
+    std::string call;  ///< Empty for any call.
     int error = 0;
     int passes = 0;
   };

@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     CHECK(calibration.error().message().find("; ") != std::string::npos);
     return 0;
   }
-  // What was accepted can be written, and is then the same; and its wall gives numbers or nothing.
+  // An accepted calibration is unchanged by a round trip, and its wall gives numbers or nothing.
   const std::string written = calibration::calibration_json(*calibration);
   const auto back = calibration::parse_calibration(written, "fuzz");
   CHECK(back.has_value() && calibration::calibration_json(*back) == written);

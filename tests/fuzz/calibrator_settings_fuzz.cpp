@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// calibrator.toml, and the devices that are written in one line.
+/// calibrator.toml, and devices that are given in one line.
 #include <cstddef>
 #include <cstdint>
 #include <string>

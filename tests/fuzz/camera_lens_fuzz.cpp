@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     CHECK(camera.error().code() == ErrorCode::kBadData && !camera.error().message().empty());
     return 0;
   }
-  // What was accepted can be written, and is then the same; and every pixel of its picture has a direction.
+  // An accepted lens is unchanged by a round trip, and every pixel has a direction.
   const std::string written = calibration::camera_json(*camera);
   const auto back = calibration::parse_camera(written, "fuzz");
   CHECK(back.has_value() && calibration::camera_json(*back) == written);

@@ -5,7 +5,7 @@
 
 #include "drivers/devices/camera_spec.h"
 
-/// Any line is cut into parts of itself, and refused in words.
+/// Any line is split into parts of itself, and rejected with a message.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view line(reinterpret_cast<const char*>(data), size);
   const auto spec = cyclorama::devices::CameraSpec::parse(line);

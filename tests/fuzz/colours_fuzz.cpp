@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     CHECK(colours.error().message().find("; ") != std::string::npos);
     return 0;
   }
-  // What was accepted can be written, and is then the same; and heads can draw with it.
+  // Accepted colours are unchanged by a round trip, and heads can draw with them.
   const std::string written = calibration::colours_json(*colours);
   const auto back = calibration::parse_colours(written, "fuzz");
   CHECK(back.has_value() && calibration::colours_json(*back) == written);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever nodes and museums send, the coordinator neither crashes nor forgets itself, and breaks farm.proto towards no museum
-// that keeps to it. Input: one byte says who speaks or what happens, one byte is a length, then that many bytes: of
-// protobuf, or what chooses among messages that may well be right.
+// Whatever nodes and museums send, the coordinator neither crashes nor loses its consistency, and it never violates
+// farm.proto towards a museum that complies with it. Input: one byte selects the sender or event, one byte is a length,
+// followed by that many bytes: protobuf, or choices among messages that are probably valid.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -85,7 +85,7 @@ class Farm {
     state_.tick();
   }
 
-  /// The museums take at once what they are sent.
+  /// Lets the museums take all pending messages.
   void take_all() {
     for (bool moved = true; moved;) {
       moved = false;
@@ -106,10 +106,10 @@ class Farm {
     coordinator::SessionId id{};
     client::ViewWindow window{};
     std::uint64_t newest = 0;
-    bool is_sound = true;  ///< It sent only what farm.proto lets it.
+    bool is_sound = true;  ///< True while it has complied with farm.proto.
   };
 
-  /// One that has a scene, so that views lead to blocks.
+  /// Adds a node that has a scene, so that views lead to blocks.
   coordinator::NodeId new_node() {
     const coordinator::NodeId id{++last_id_};
     state_.node_connected(id);
@@ -131,7 +131,7 @@ class Farm {
     state_.session_requested(session.id, request, clock_.now());
   }
 
-  /// A museum as it should be: opens, then asks for what its window lets through.
+  /// A museum that complies: opens a session, then requests what its window permits.
   void look(Session& session, FuzzInput* input) {
     wire::SessionRequest request;
     if (!session.is_sound) return;
@@ -157,7 +157,7 @@ class Farm {
     }
   }
 
-  /// The node does what it was told first, or says something of itself.
+  /// The node executes its first pending command, or sends a message of its own.
   void work(coordinator::NodeId id, FuzzInput* input) {
     auto& queue = delegate_.commands[id];
     wire::NodeReport report;
@@ -184,7 +184,7 @@ class Farm {
       render(id, command.render(), how % 8 == 5 ? 0 : 1 + input->byte(), input);
     }
   }
-  /// At most so many tiles, and an end; without any it failed.
+  /// Sends at most `max` tiles and an end; without tiles the block failed.
   void render(coordinator::NodeId id, const wire::RenderBlock& order, std::uint32_t max, FuzzInput* input) {
     state_.order_written(id, order.block(), clock_.now());
     wire::NodeReport report;

@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace cyclorama;
   const auto read = healing::parse_correction({reinterpret_cast<const char*>(data), size});
   if (!read) return 0;
-  // What was accepted can be drawn for, written, and read again.
+  // An accepted log can be drawn, written and read again.
   CHECK(read->before.translation().allFinite() && read->after.rotation().coeffs().allFinite());
   const auto back = healing::parse_correction(healing::correction_line(*read));
   CHECK(back && back->kind == read->kind && back->projector == read->projector);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A record of costs, and a balancer that believes it.
+/// A record of costs, and a balancer that uses it.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

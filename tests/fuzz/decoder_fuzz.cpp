@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Photographs of anything: whatever a camera sees, nothing that is decoded is NaN, or off the projector.
+/// Arbitrary photographs: no decoded value is NaN or outside the projector.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

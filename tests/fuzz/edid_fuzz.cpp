@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a projector says of itself through its cable.
+/// Arbitrary EDID bytes.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::uint8_t> bytes(data, data + size);
   static_cast<void>(output::parse_edid(bytes));
   if (size < 128) return 0;
-  // The same with a header and a checksum that let it in.
+  // The same bytes with a valid header and checksum.
   for (std::size_t i = 0; i < 8; ++i) bytes[i] = i == 0 || i == 7 ? 0x00 : 0xff;
   bytes[127] = 0;
   bytes[127] = static_cast<std::uint8_t>(256 - std::accumulate(bytes.begin(), bytes.begin() + 128, 0) % 256);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever a head sends, a museum's client hands on only whole pictures, of views that were asked for. Input: one byte
-// says what happens, the next ones how; a message of any kind is one byte of length and that many bytes of protobuf.
+// Whatever a coordinator sends, a museum's client delivers only complete pictures of requested views. Input: one byte
+// selects the event, the next ones its parameters; an arbitrary message is one byte of length and that many bytes of
+// protobuf.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -30,7 +31,7 @@ wire::View view_of(std::uint64_t number, std::uint32_t width, std::uint32_t heig
   return view;
 }
 
-/// One that may well be right, as the bytes choose it; or any.
+/// Returns a reply that is probably valid, chosen by the bytes, or an arbitrary one.
 wire::SessionReply reply_of(FuzzInput* input) {
   wire::SessionReply reply;
   switch (input->byte() % 6) {
@@ -69,7 +70,7 @@ wire::SessionReply reply_of(FuzzInput* input) {
   return reply;
 }
 
-/// What a listener relies on.
+/// Checks the guarantees on which a listener relies.
 class Museum {
  public:
   void take(const wire::SessionReply& reply) {

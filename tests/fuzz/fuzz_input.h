@@ -8,7 +8,7 @@
 
 namespace cyclorama {
 
-/// A fuzzer's input, taken piece by piece as the choices of a program; zeros after its end. Borrows the bytes.
+/// A fuzzer's input, consumed piece by piece as the choices of a program; zeros after its end. Borrows the bytes.
 class FuzzInput {
  public:
   explicit FuzzInput(std::span<const std::uint8_t> bytes) : left_(bytes) {}
@@ -20,7 +20,7 @@ class FuzzInput {
     left_ = left_.subspan(1);
     return value;
   }
-  /// Fewer at the end.
+  /// Returns fewer bytes at the end.
   std::span<const std::uint8_t> bytes(std::size_t count) {
     const auto taken = left_.first(std::min(count, left_.size()));
     left_ = left_.subspan(taken.size());

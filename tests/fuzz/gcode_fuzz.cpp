@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a turntable's controller says over the serial line.
+/// Arbitrary answers of a turntable's controller over the serial line.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace cyclorama;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   gcode::LineCutter lines;
-  // In pieces, as a serial line delivers them.
+  // Splits the text, as a serial line delivers it.
   for (std::size_t i = 0; i < text.size(); i += 7) {
     lines.add(text.substr(i, 7));
     while (const auto line = lines.next()) {

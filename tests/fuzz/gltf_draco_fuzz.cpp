@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Damages good Draco data: a fuzzer that started from nothing would never get past its entropy coder. The first byte
-// picks the method, each three that follow an offset and what to change there.
+// Damages valid Draco data, since a fuzzer that started from nothing would never get past its entropy coder. The first
+// byte selects the method; each following group of three bytes is an offset and a change there.
 #include <array>
 
 #include "tests/unit/renderfarm/scene/draco_builder.h"

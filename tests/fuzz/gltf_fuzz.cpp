@@ -5,7 +5,7 @@
 
 namespace {
 
-// What comes back must hold together: the ray tracer reads it without looking again.
+// The model must be consistent, since the ray tracer uses it without further checks.
 void check(const cyclorama::scene::Model& model) {
   const auto require = [](bool condition) {
     if (!condition) std::abort();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What stands in the file of an operator's word on the hours: refused, or the same after a round trip, and it ends.
+/// The file of an operator's override of the opening hours: rejected, or unchanged by a round trip and limited in time.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (to_text(*parsed) != text || parsed->until - parsed->set_at > kMaxOverrideDuration) std::abort();
     if (parsed->holds(parsed->until) || parsed->holds(parsed->set_at - std::chrono::seconds(1))) std::abort();
   }
-  // As somebody writes it into the page.
+  // As entered in the operator's page.
   const WallTime now{std::chrono::seconds(1795500000)};
   const auto until = open_until(OpeningHours(), text, now);
   if (!until) return 0;

@@ -14,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     CHECK(light.error().message().find("; ") != std::string::npos);
     return 0;
   }
-  // What was accepted can be written, and is then the same; and it is light.
+  // An accepted measurement is unchanged by a round trip, and it is physically valid.
   const std::string written = photometry::light_json(*light);
   const auto back = photometry::parse_light(written, "fuzz");
   CHECK(back.has_value() && photometry::light_json(*back) == written);

@@ -10,7 +10,7 @@
 #include "kiosk/operator/sessions.h"
 #include "kiosk/update/update_status.h"
 
-/// What browsers, the updater and peers may send; and a secret that comes out of no text, wherever it stands.
+/// Input of browsers, the updater and peers; and a secret that must not appear in any output text.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
   if (size == 0) return 0;

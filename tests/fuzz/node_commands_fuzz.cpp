@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever coordinators send, a node neither crashes nor forgets itself: messages are read from the input and given to
-// NodeController, which does the work of its threads in between. Input: one byte says whose turn it is or what happens, one
-// byte is a length, then that many bytes of protobuf.
+// Whatever coordinators send, a node neither crashes nor loses its consistency: messages are read from the input and
+// given to NodeController, interleaved with the work of its threads. Input: one byte selects the event, one byte is a
+// length, followed by that many bytes of protobuf.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -16,10 +16,10 @@ namespace {
 
 using namespace cyclorama;
 
-/// Pictures of real sizes would only take time.
+/// Larger pictures would only take time.
 constexpr std::int64_t kMaxPixels = 128 * 128;
 
-/// A stream, its sender, and what the coordinator must see of it: every block that it gave has one end, unless it is gone.
+/// A stream, its sender, and the coordinator's guarantee: every block that it gave has one end, unless it is gone.
 struct Coordinator {
   std::shared_ptr<node::NodeLink> link;
   node::TileSender sender;
@@ -43,7 +43,7 @@ void open(node::NodeController& controller, Coordinator& coordinator) {
   }
 }
 
-/// A command of another kind that may well be right, as the bytes choose it.
+/// Returns a command of another kind that is probably valid, chosen by the bytes.
 wire::NodeCommand sound_other(const std::uint8_t* bytes, std::size_t length) {
   std::array<std::uint8_t, 3> chosen{};
   std::copy_n(bytes, std::min(length, chosen.size()), chosen.begin());
@@ -72,7 +72,7 @@ wire::NodeCommand sound_other(const std::uint8_t* bytes, std::size_t length) {
   return command;
 }
 
-/// One that a node renders, as the bytes choose it: number, rank, kind, samples, session.
+/// Returns a block that a node renders, chosen by the bytes: number, rank, kind, samples, session.
 wire::NodeCommand sound_block(const std::uint8_t* bytes, std::size_t length) {
   std::array<std::uint8_t, 5> chosen{};
   std::copy_n(bytes, std::min(length, chosen.size()), chosen.begin());
@@ -105,7 +105,7 @@ void close(node::NodeController& controller, Coordinator& coordinator) {
 
 void order(node::NodeController& controller, Coordinator& coordinator, wire::NodeCommand& command) {
   if (command.has_render()) {
-    // What the wire may ask for is far larger; its limits have a test of their own.
+    // The wire's limits are far larger and have a test of their own.
     const wire::Panorama& panorama = command.render().view().panorama();
     if (std::int64_t{panorama.width_px()} * panorama.height_px() > kMaxPixels) return;
     if (command.render().view().samples() > 8) command.mutable_render()->mutable_view()->set_samples(8);
@@ -163,7 +163,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   while (controller.loads().work()) {
   }
   do {
-    for (Coordinator& coordinator : coordinators) coordinator.take_all();  // Only then is there room for more.
+    for (Coordinator& coordinator : coordinators) coordinator.take_all();  // Makes room for more.
   } while (controller.renders().work());
   CHECK(controller.renders().waiting() == 0);
   for (const Coordinator& coordinator : coordinators) CHECK(coordinator.ends == coordinator.blocks);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A line of [hours], and a moment: whatever is understood has an answer at any time.
+/// A line of [hours] and a time: accepted hours have an answer at any time.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>

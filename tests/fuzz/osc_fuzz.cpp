@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Any packet: refused, or messages that come back to the bit.
+/// Any packet is rejected, or yields messages that are bit-identical after a round trip.
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A record of what photographs show.
+/// A record of the patterns that photographs show.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace cyclorama;
   const auto set = structured_light::read_pattern_set(std::string(data, data + size));
   if (!set) return 0;
-  // What is read is written alike, can be drawn, and is decoded or refused.
+  // An accepted set is unchanged by a round trip, can be drawn, and is decoded or rejected.
   const auto again = structured_light::read_pattern_set(structured_light::to_text(*set));
   if (!again || !(*again == *set)) std::abort();
   for (const structured_light::PatternPicture& picture : set->pictures) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a projector says over the network.
+/// Arbitrary PJLink answers of a projector.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>

@@ -8,7 +8,7 @@
 #include "kiosk/provision/pin.h"
 #include "kiosk/provision/provisioning_report.h"
 
-/// What a stick brings besides settings, and what is read back from the disk: refused, or the same after a round trip.
+/// A USB stick's files other than settings, and files read back from the disk: rejected, or unchanged by a round trip.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
   if (size == 0) return 0;

@@ -7,7 +7,7 @@
 #include "common/base/check.h"
 #include "common/image/radiance_hdr.h"
 
-// The first byte decides whether the rest is a whole file or the rows of a small picture.
+// The first byte selects whether the rest is a whole file or the rows of a small picture.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t kLimitPx = std::size_t{1} << 20;
   if (size == 0) return 0;

@@ -5,7 +5,7 @@
 
 #include "drivers/camera/raw_picture.h"
 
-/// Any bytes in any layout are a picture of the size that was asked for, or an Error.
+/// Any bytes in any layout yield a picture of the requested size, or an Error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
   if (size < 6) return 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// crl.pem, and what a certificate says of its owner.
+/// crl.pem, and the owner's name in a certificate.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -9,7 +9,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
-  // An authority's certificate, and its list.
+  // An authority's certificate and its revocation list.
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const std::size_t cut = text.find("-----BEGIN X509 CRL");
   const std::string_view certificate = text.substr(0, cut);

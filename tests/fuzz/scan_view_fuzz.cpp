@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace cyclorama;
   const auto manifest = scan::parse_manifest({reinterpret_cast<const char*>(data), size}, "fuzz");
   if (manifest) {
-    // What was accepted can be written, and is then the same.
+    // An accepted manifest is unchanged by a round trip.
     const std::string written = scan::manifest_text(*manifest);
     const auto back = scan::parse_manifest(written, "fuzz");
     CHECK(back.has_value() && scan::manifest_text(*back) == written);

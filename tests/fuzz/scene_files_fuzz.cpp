@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A list of a scene's files from the head: protobuf, or, so that more of them get through, lines of path and size.
+// A list of a scene's files from the coordinator: protobuf, or lines of path and size, which are accepted more often.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

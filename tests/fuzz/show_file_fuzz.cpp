@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     CHECK(show.error().code() == ErrorCode::kBadData && !show.error().message().empty());
     return 0;
   }
-  // What was accepted can be written and read.
+  // An accepted file can be written and read again.
   const auto back = calibration::parse_show(calibration::show_json(*show), "fuzz");
   CHECK(back.has_value() && back->projectors.size() == show->projectors.size());
   return 0;

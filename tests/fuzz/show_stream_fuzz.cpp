@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Show stream's messages into the frame assembler and the tour's clock. The input is a program: each step sends one
-// message, either any bytes as a message, or a begin, tile, end or lost stream with numbers from the input, so that
-// whole frames come about.
+// Messages of the Show stream for the frame assembler and the tour's clock. The input is a program: each step sends one
+// message, either arbitrary bytes, or a begin, tile, end or lost stream with numbers from the input, so that complete
+// frames occur.
 #include <array>
 #include <cmath>
 #include <future>
@@ -17,7 +17,7 @@
 namespace cyclorama {
 namespace {
 
-/// What is ready must be whole; each frame has one outcome.
+/// Checks that ready frames are complete and that each frame has one outcome.
 class CheckingSink final : public display::FrameSink {
  public:
   void frame_ready(display::DisplayFrame frame) override {
@@ -123,7 +123,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       assembler.take(std::move(message));
     }
   }
-  // The one decode thread works in order: when it comes to this, all tiles before it are decoded.
+  // The only decode thread works in order: when it reaches this task, all earlier tiles are decoded.
   std::promise<void> done;
   pool.submit([&](JpegDecoder&) { done.set_value(); });
   CHECK(done.get_future().wait_for(std::chrono::seconds(20)) == std::future_status::ready);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a page posts to steer.
+/// Arbitrary steering requests of a page.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// site.toml, and the place that a tour keeps.
+/// site.toml, and the position that a tour saves.
 #include <cstddef>
 #include <cstdint>
 

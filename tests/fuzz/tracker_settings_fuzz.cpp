@@ -5,7 +5,7 @@
 
 #include "appliance/tracker/tracker_settings.h"
 
-/// Any text is settings that work, or an Error.
+/// Any text yields valid settings or an Error.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto settings = cyclorama::tracker::TrackerSettings::parse(text, "fuzz.toml");

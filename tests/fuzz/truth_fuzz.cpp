@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The truth of a simulated museum, as text; what was read is written, and read again.
+/// The truth of a simulated museum as text; an accepted text is written and read again.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>

@@ -5,7 +5,7 @@
 
 #include "common/update/update_manifest.h"
 
-/// What a farm or a stick offers: refused, or three names that are files' names and nothing else.
+/// Manifests from a farm or a USB stick: rejected, or three valid file names.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
   const std::string_view text(reinterpret_cast<const char*>(data), size);

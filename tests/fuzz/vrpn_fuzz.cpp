@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Any datagrams, one after the other: the first byte of each says how long it is.
+/// Arbitrary datagrams in sequence; the first byte of each is its length.
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -13,7 +13,7 @@ struct Bytes {
   std::size_t size;
   Eigen::Vector2d take() {
     double values[2] = {0.0, 0.0};
-    // Short numbers make polygons that touch themselves; whole doubles make everything else.
+    // Short numbers make self-touching polygons; whole doubles make all others.
     if (size > 0 && (*data & 1) == 0 && size >= 3) {
       values[0] = static_cast<std::int8_t>(data[1]) / 8.0;
       values[1] = static_cast<std::int8_t>(data[2]) / 8.0;

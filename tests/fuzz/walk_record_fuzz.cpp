@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Any file: refused with its line, or replayed without NaN.
+/// Any file is rejected with its line, or replayed without NaN.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Any scene.toml that can be read: after an area was written into it, it can be read, and has that area.
+/// A readable scene.toml remains readable after an area was written into it, and has that area.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ground.holes = {{at + Eigen::Vector2d(1, 1), at + Eigen::Vector2d(2, 1), at + Eigen::Vector2d(1, 2)}};
   const auto changed = cyclorama::walkable::with_walkable(text, "scene.toml", ground, eye);
   if (!changed) return 0;
-  // The program refuses to save what cannot be read again; whatever is read again is right.
+  // The program refuses to save a file that cannot be read again; a file that can be read must have the area.
   const auto after = cyclorama::scene::parse_scene_package(*changed, "scene.toml", ".");
   if (after) CHECK(after->walkable.size() == 3 && after->walkable_holes.size() == 1 && after->title == before->title);
   return 0;

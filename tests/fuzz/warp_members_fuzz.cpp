@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures inside of a warp: a map as PFM, a mask as PNG.
+// Pictures inside a warp: a map as PFM, a mask as PNG.
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first byte chooses the format; what is accepted must be drawn, and written and read again.
+// The first byte selects the format; an accepted mesh must be drawable and survive a round trip.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>

@@ -25,7 +25,7 @@ TEST(BrightLevel, is_defined_for_every_picture) {
 
 TEST(NextGain, brings_every_scene_into_the_band_and_stays_there) {
   const GainRange range{16, 255, 3};
-  // A camera whose picture is proportional to its gain; beyond what 255 can show it clips.
+  // A camera whose picture is proportional to its gain and clips at 255.
   for (const double light : {0.3, 0.5, 1.0, 2.0, 6.0}) {
     for (long gain : {16L, 100L, 255L}) {
       const auto seen = [&] { return static_cast<int>(std::min(255.0, light * static_cast<double>(gain))); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contract of Camera, kept by each kind: file, simulated, and V4L2 on the fake device, both ways to its memory.
+// The contract of Camera, tested for each kind: file, simulated, and V4L2 on the fake device with both kinds of memory.
 #include "drivers/camera/camera.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// Where cameras of one kind are made, at 30 pictures per second.
+/// Factory for cameras of one kind, at 30 pictures per second.
 class Place {
  public:
   virtual ~Place() = default;

@@ -28,7 +28,7 @@ PictureOffer mjpg(int width, int height, double rate) {
 std::string chosen(std::vector<PictureOffer> offers, const PicturePreference& preferred = {}) {
   const auto first = choose_picture(offers, preferred);
   EXPECT_TRUE(first.has_value());
-  // Whatever order a driver lists them in.
+  // The order in which a driver lists its offers must not matter.
   std::mt19937 random(1);
   const std::string text = describe(offers[*first]);
   for (int i = 0; i < 20; ++i) {

@@ -19,7 +19,7 @@ constexpr int kHeight = 4;
 
 std::uint8_t level(int x, int y) { return static_cast<std::uint8_t>(10 * y + 50 * x + 3); }
 
-/// Of each byte that is not brightness: loud enough to be noticed.
+/// Value of bytes that are not brightness; bright enough to be noticed.
 constexpr std::byte kNoise{0xee};
 
 struct Written {
@@ -27,7 +27,7 @@ struct Written {
   std::vector<std::byte> bytes;
 };
 
-/// A picture of level() in rows with `padding` bytes; the last row has none, as drivers may leave it out.
+/// Writes a picture of level() in rows with `padding` bytes; the last row has none, since drivers may omit it.
 Written write(PixelLayout layout, std::size_t padding) {
   Written written;
   const std::size_t row = kWidth * bytes_per_pixel(layout);
@@ -81,7 +81,7 @@ TEST_P(ToGrey, refuses_a_picture_that_is_one_byte_short) {
     const Written written = write(GetParam(), padding);
     GreyImage grey;
     for (std::size_t bytes = 0; bytes < written.bytes.size(); ++bytes) {
-      // A copy of just that length, so that a sanitizer sees one byte too far.
+      // Copies exactly that length, so that a sanitizer detects an access of one byte too far.
       const std::vector<std::byte> cut(written.bytes.begin(),
                                        written.bytes.begin() + static_cast<std::ptrdiff_t>(bytes));
       RawPicture raw = written.raw;
@@ -145,7 +145,7 @@ TEST(ToGreyOfJpeg, decodes_and_checks_the_size) {
   }
 }
 
-/// UVC cameras leave out the Huffman tables, as the AVI format of 1996 does, and fill their buffers up with zeros.
+/// UVC cameras omit the Huffman tables, as the AVI format of 1996 does, and pad their buffers with zeros.
 TEST(ToGreyOfJpeg, decodes_a_camera_s_jpeg_without_huffman_tables) {
   JpegDecoder jpeg;
   std::vector<std::byte> bytes = jpeg_of(32, 16, 90);
@@ -170,7 +170,7 @@ TEST(ToGreyOfJpeg, decodes_a_camera_s_jpeg_without_huffman_tables) {
 
 using Rgb = std::array<int, 3>;
 
-/// Red, green and blue as a camera sends them, by the standard's own formulas.
+/// Converts red, green and blue to a camera's codes by the standard's formulas.
 Rgb yuv_of(const Rgb& rgb, bool is_full_range) {
   const double y = 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2];
   const double u = (rgb[2] - y) / 1.772;
@@ -180,8 +180,8 @@ Rgb yuv_of(const Rgb& rgb, bool is_full_range) {
   return {code(16 + y * 219 / 255), code(128 + u * 224 / 255), code(128 + v * 224 / 255)};
 }
 
-/// One colour per two columns and rows, so that no chroma is of two; odd sizes, so that the last has half of its
-/// pixels.
+/// One colour per two columns and rows, so that no chroma sample covers two colours; odd sizes, so that the last one
+/// covers only half of its pixels.
 Rgb colour_at(int x, int y) { return {40 + 50 * (x / 2), 200 - 60 * (y / 2), 90 + 40 * (x / 2)}; }
 
 struct CodedPicture {

@@ -87,7 +87,7 @@ TEST(InputSteering, gives_no_more_than_one_and_no_nan_for_any_events) {
   }
 }
 
-/// Plugged in and out by the test.
+/// A machine whose devices the test plugs and unplugs.
 struct FakeMachine {
   struct Plug {
     InputDescription description;

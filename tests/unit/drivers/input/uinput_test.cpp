@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A device that the kernel makes for us, where it may: plugged in, moved, pulled out.
+/// A device that the kernel makes through uinput, where permitted: plugged in, moved, unplugged.
 #include <gtest/gtest.h>
 #include <libevdev/libevdev-uinput.h>
 #include <libevdev/libevdev.h>
@@ -10,7 +10,7 @@
 namespace cyclorama::input {
 namespace {
 
-/// Null where there is no /dev/uinput.
+/// Returns null if there is no /dev/uinput.
 libevdev_uinput* plug_keyboard() {
   libevdev* const device = libevdev_new();
   libevdev_set_name(device, "cyclorama test keys");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the headless output does beyond the contract of outputs: it shares its heads' pictures.
+// Behaviour of the headless output beyond the contract of Output: it shares its heads' pictures.
 #include "drivers/output/headless/headless_output.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ class HeadlessOutputTest : public ::testing::Test {
   void TearDown() override { std::filesystem::remove_all(run_dir_); }
 
   HeadlessOptions options() const { return {{{"left", 64, 48}}, 200.0, run_dir_, {}, &is_awake_}; }
-  /// Of the head's newest picture.
+  /// Returns the information about the head's newest picture.
   SharedPictureInfo info() {
     auto reader = SharedPictureReader::open(shared_picture_path(run_dir_, "left"));
     EXPECT_TRUE(reader);
@@ -53,7 +53,7 @@ TEST_F(HeadlessOutputTest, shares_nothing_where_nothing_is_new) {
   ASSERT_TRUE((*output)->draw_to(0));
   for (int n = 0; n < 3; ++n) ASSERT_TRUE((*output)->present());
   EXPECT_EQ(info().picture, 1U);
-  is_awake_ = false;  // Once black.
+  is_awake_ = false;  // A single black picture.
   for (int n = 0; n < 3; ++n) {
     ASSERT_TRUE((*output)->draw_to(0));
     ASSERT_TRUE((*output)->present());

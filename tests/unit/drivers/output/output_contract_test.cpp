@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contract of Output, kept by each kind: headless on EGL and on OSMesa, and DRM on the fake card.
+// The contract of Output, tested for each kind: headless on EGL and on OSMesa, and DRM on the fake card.
 #include "drivers/output/output.h"
 
 #include <gmock/gmock.h>
@@ -25,15 +25,15 @@ using ::testing::Each;
 using ::testing::ElementsAre;
 using Light = HeadShown::Light;
 
-/// Where an output of one kind is opened, and how it is looked at.
+/// Opens an output of one kind and reads its pictures.
 class Place {
  public:
   virtual ~Place() = default;
   virtual Result<std::unique_ptr<Output>> open(const std::vector<HeadMode>& heads, double refresh_hz) = 0;
-  /// Rows from the top; nothing: it is dark.
+  /// Returns rows from the top; nothing if the head is dark.
   virtual std::optional<RgbImage> seen(const HeadMode& head, std::size_t number) = 0;
   [[nodiscard]] virtual const Clock& clock() const = 0;
-  /// A rate at which its heads can be refreshed.
+  /// A refresh rate that its heads support.
   [[nodiscard]] virtual double refresh_hz() const = 0;
   std::atomic<bool> is_awake{true};
 };
@@ -122,7 +122,7 @@ class OutputContract : public ::testing::TestWithParam<Kind> {
     EXPECT_TRUE(presented) << presented.error().message();
     return presented ? *presented : Presented{};
   }
-  /// Red, green and blue of all pixels, if they are the same; {-1}: dark.
+  /// Red, green and blue of all pixels if they are equal; {-1} if the head is dark.
   std::vector<int> seen(std::size_t head) {
     const auto picture = place_->seen(kHeads[head], head);
     if (!picture) return {-1};
@@ -253,7 +253,7 @@ TEST_P(OutputContract, sleeps_and_shows_the_newest_pictures_when_it_wakes) {
   place_->is_awake = false;
   const Presented before = present();
   for (std::size_t head = 0; head < 2; ++head) EXPECT_THAT(seen(head), ElementsAre(-1));
-  fill(0, {30, 0, 0});  // A frame that comes in the night.
+  fill(0, {30, 0, 0});  // A frame that arrives while asleep.
   EXPECT_GT(present().refresh, before.refresh);
   EXPECT_THAT(lights(), ElementsAre(Light::kDark, Light::kDark));
   for (std::size_t head = 0; head < 2; ++head) EXPECT_THAT(seen(head), ElementsAre(-1));

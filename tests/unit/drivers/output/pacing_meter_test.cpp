@@ -56,7 +56,7 @@ TEST_F(Pacing, has_no_pace_where_nothing_new_is_drawn_or_seen) {
 TEST_F(Pacing, does_not_go_backwards) {
   shown(100.0);
   EXPECT_FALSE(shown(100.0));
-  EXPECT_FALSE(shown(50.0));  // Another card's clock.
+  EXPECT_FALSE(shown(50.0));  // A time from another card's clock.
   EXPECT_TRUE(shown(60.0));
 }
 

@@ -35,7 +35,7 @@ TEST(RefreshSchedule, gives_a_refresh_that_is_only_a_little_late_its_number) {
   EXPECT_EQ(schedule.next(kStart).number, 0U);
   const auto refresh = schedule.next(kStart + std::chrono::milliseconds(130));
   EXPECT_EQ(refresh.number, 1U);
-  EXPECT_EQ(refresh.at, kStart + std::chrono::milliseconds(100));  // In the past: do not wait.
+  EXPECT_EQ(refresh.at, kStart + std::chrono::milliseconds(100));  // In the past, so no wait.
   EXPECT_EQ(schedule.missed(), 0U);
 }
 

@@ -23,7 +23,7 @@ class SharedPicture : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-/// Every pixel of picture n is the same, so that a torn one shows.
+/// All pixels of picture n are equal, so that a torn picture is detected.
 RgbImage plain(int width, int height, std::uint64_t n) {
   return RgbImage(width, height, static_cast<std::uint8_t>(n % 251));
 }
@@ -31,7 +31,7 @@ RgbImage plain(int width, int height, std::uint64_t n) {
 TEST_F(SharedPicture, gives_back_what_was_published) {
   const auto path = shared_picture_path(folder_, "left");
   EXPECT_EQ(path.filename(), "head-left.picture");
-  auto writer = SharedPictureWriter::create(path, 5, 3);  // 45 bytes: the last word is half used.
+  auto writer = SharedPictureWriter::create(path, 5, 3);  // 45 bytes: the last word is only partly used.
   ASSERT_TRUE(writer) << writer.error().message();
   RgbImage picture(5, 3);
   for (std::size_t i = 0; i < picture.data().size(); ++i) picture.data()[i] = static_cast<std::uint8_t>(i * 5 + 1);
@@ -102,7 +102,8 @@ TEST_F(SharedPicture, is_never_seen_torn) {
   for (int i = 0; i < 3000; ++i) {
     const auto info = reader->read_newest(&seen);
     if (!info) {
-      ASSERT_EQ(info.error().code(), ErrorCode::kBusy);  // A writer without any pause may win; it must say so.
+      // A writer without pauses may overtake the reader, which must then return kBusy.
+      ASSERT_EQ(info.error().code(), ErrorCode::kBusy);
       continue;
     }
     ++whole;

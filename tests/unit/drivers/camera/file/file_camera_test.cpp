@@ -20,7 +20,7 @@ namespace {
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 
-/// A folder of its own for each test.
+/// Provides a separate folder for each test.
 class FileCameraTest : public testing::Test {
  protected:
   FileCameraTest() {
@@ -31,7 +31,7 @@ class FileCameraTest : public testing::Test {
   }
   ~FileCameraTest() override { std::filesystem::remove_all(folder_); }
 
-  /// A grey photo whose level tells which one it is.
+  /// Writes a grey photo whose level identifies it.
   void put_photo(const std::string& name, std::uint8_t grey, int width = 4, int height = 3) const {
     ASSERT_TRUE(write_png(folder_ / name, RgbImage(width, height, grey)).has_value());
   }
@@ -146,7 +146,7 @@ TEST_F(FileCameraTest, says_what_is_wrong_with_a_file) {
   EXPECT_EQ(FileCamera::open(folder_ / "nothing", {}, clock_).error().code(), ErrorCode::kNotFound);
 }
 
-/// Holds three pictures at 30 per second.
+/// A video of three pictures at 30 per second.
 constexpr const char* kVideo = "apriltag/wpilib/short.mp4";
 
 TEST_F(FileCameraTest, replays_a_video_at_its_own_rate_and_loops) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What can be known of the libcamera camera on a machine that has none: it says so, and leaves nothing behind.
+// Behaviour of the libcamera camera on a machine without one: it reports an error and leaks nothing.
 #include "drivers/camera/libcamera/libcamera_camera.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the V4L2 camera asks of a device, and what it says when the device is lost, held, silent or wrong.
+// Requests of the V4L2 camera to a device, and its errors when the device is lost, held, silent or faulty.
 #include "drivers/camera/v4l2/v4l2_camera.h"
 
 #include <gmock/gmock.h>
@@ -32,7 +32,7 @@ struct Started {
   Result<std::shared_ptr<const CameraFrame>> next() { return camera->next_frame(clock.now() + seconds(1)); }
 };
 
-/// Picture n of the fake's, exactly.
+/// Returns whether the picture is exactly the fake's picture n.
 bool is_fake_picture(const GreyImage& picture, std::uint32_t sequence) {
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) {
@@ -111,7 +111,7 @@ TEST(V4l2Camera, reads_colours_when_it_is_asked_for_them_and_holds_their_balance
   EXPECT_TRUE(is_fake_picture((*frame)->pixels, 0));
   ASSERT_EQ((*frame)->colour.width(), 640);
   for (const auto& [x, y] : {std::pair(0, 0), std::pair(31, 17), std::pair(639, 479)}) {
-    // Of the fake's grey, from 16 to 235.
+    // The fake's grey ranges from 16 to 235.
     const double expected = std::clamp((fake_level(0, x, y) - 16.0) * 255.0 / 219.0, 0.0, 255.0);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR((*frame)->colour.at(x, y)[c], expected, 0.51);
   }
@@ -133,7 +133,7 @@ TEST(V4l2Camera, follows_the_light_with_its_gain_on_the_gain_s_steps) {
     ASSERT_TRUE(started.next().has_value());
     max = std::max(max, started.video.device(0).controls.at(V4L2_CID_GAIN).value);
   }
-  // The fake's pictures are bright enough whatever the gain: it must not move.
+  // The fake's pictures are bright enough at any gain, so the gain must not change.
   EXPECT_EQ(max, 0);
 }
 
@@ -146,7 +146,7 @@ TEST(V4l2Camera, says_when_a_picture_was_taken_by_the_kernel_s_stamp) {
     Started started(device);
     const auto frame = started.next();
     ASSERT_TRUE(frame.has_value());
-    // The fake's time stands still until somebody waits, so that delivery takes no time.
+    // The fake's time advances only during waits, so delivery takes no time.
     EXPECT_EQ(started.clock.now() - (*frame)->captured_at, milliseconds(5)) << is_start;
   }
   FakeVideoDevice device = usb_camera();
@@ -173,7 +173,7 @@ TEST(V4l2Camera, fails_when_it_is_unplugged_and_comes_back_at_the_same_port) {
   started.camera.reset();
   EXPECT_EQ(started.video.held(), 0U);
   EXPECT_EQ(V4l2Camera::open("usb-0000:00:14.0-2", options, started.clock).error().code(), ErrorCode::kNotFound);
-  // The kernel gives it another number, its port stays.
+  // The kernel assigns another number; the port stays the same.
   started.video.device(0).path = "/dev/video9";
   started.video.plug(0);
   auto again = V4l2Camera::open("usb-0000:00:14.0-2", options, started.clock);

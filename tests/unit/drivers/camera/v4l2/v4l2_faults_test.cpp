@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every call that the camera makes of the kernel fails once, in every way: nothing is leaked, what is wrong is said,
-// and the next camera delivers. After SQLite's anomaly tests: the failing call's number rises until nothing fails any
-// more.
+// Every call of the camera to the kernel fails once, in every way: nothing may leak, the error must be reported, and
+// the next camera must deliver. Modelled on SQLite's anomaly tests: the failing call's number increases until no call
+// fails any more.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,7 +17,7 @@ namespace {
 
 using std::chrono::seconds;
 
-/// What a tracker does of a camera: opens, takes pictures, closes. The first Error, if any.
+/// Uses a camera as a tracker does: opens it, takes pictures, closes it. Returns the first Error, if any.
 Status visit(const V4l2CameraOptions& options, const Clock& clock) {
   TRY_ASSIGN(const std::unique_ptr<Camera> camera, V4l2Camera::open("usb-0000:00:14.0-2", options, clock));
   TRY(camera->start());
@@ -38,7 +38,7 @@ class V4l2Faults : public testing::TestWithParam<int> {
   static Kind kind(int number) {
     Kind kind;
     kind.device = usb_camera();
-    // Small pictures: there are thousands.
+    // Small pictures, since there are thousands of them.
     for (FakeFormat& format : kind.device.formats) format.sizes = {{64, 48, {30.0}}};
     if (number == 1) kind.memory = BufferMemory::kDmaBuf;
     if (number == 2) {
@@ -80,7 +80,7 @@ TEST_P(V4l2Faults, nothing_leaks_and_the_camera_comes_back_whichever_call_fails)
         ++survived;
       }
       if (error == EINTR) {
-        // Every request is asked again.
+        // Every request is retried.
         EXPECT_TRUE(visited.has_value() || video.failed_call() == "open" || video.failed_call() == "mmap") << where;
       }
       const Status again = visit(options, clock);

@@ -29,7 +29,7 @@ class DrmOutputTest : public ::testing::Test {
     ASSERT_TRUE(output) << output.error().message();
     output_ = *std::move(output);
   }
-  /// One refresh in which every head gets its own shade of `colour`.
+  /// Performs one refresh in which every head gets its own shade of `colour`.
   Status refresh(int colour) {
     TRY(output_->wait_for_refresh());
     for (std::size_t head = 0; head < output_->heads().size(); ++head) {
@@ -44,7 +44,7 @@ class DrmOutputTest : public ::testing::Test {
     gl.ClearColor(static_cast<float>(colour) / 255.0f, static_cast<float>(head) / 255.0f, 0.0f, 1.0f);
     gl.Clear(GL_COLOR_BUFFER_BIT);
   }
-  /// What a connector shows in its middle: {colour, head, 0}; {-1} when it is dark.
+  /// Returns the centre pixel of a connector's picture: {colour, head, 0}, or {-1} if it is dark.
   std::vector<int> seen(std::size_t connector, std::size_t card = 0) const {
     const auto wall = machine_->wall(card, connector);
     if (!wall) return {-1};
@@ -105,7 +105,7 @@ TEST_F(DrmOutputTest, keeps_a_seconds_pace_while_it_sleeps) {
   EXPECT_NEAR(to_seconds(clock_.now() - before), 1.0, 0.05);
 }
 
-/// A picture whose corners differ, turned each way; rows of what is seen count from the top.
+/// Uses a picture with distinct corners in every rotation; rows of the result count from the top.
 TEST_F(DrmOutputTest, turns_a_heads_picture) {
   const auto corners = [&](Rotation rotation) {
     output_.reset();
@@ -237,7 +237,7 @@ TEST_F(DrmOutputTest, gives_a_projector_that_comes_back_its_picture_without_bein
   EXPECT_THAT(seen(1), ElementsAre(-1));
   EXPECT_THAT(seen(2), ElementsAre(40, 2, 0));
   EXPECT_THAT(output_->kind(), HasSubstr("middle: HDMI-A-2 is dark"));
-  // Another one comes in its place.
+  // Another connector takes its place.
   machine_->connector(0, 1).is_connected = true;
   machine_->connector(0, 1).modes = {fake_mode(80, 45, 60.0, true)};
   machine_->connector(0, 1).edid = fake_edid("other", 8);

@@ -32,7 +32,7 @@ TEST(Edid, tells_who_the_projector_is_and_how_deep_its_colours_are) {
 TEST(Edid, reads_every_depth_and_knows_when_none_is_told) {
   for (const int bits : {0, 6, 8, 10, 12, 14, 16}) EXPECT_EQ(parse_edid(fake_edid("x", bits))->colour_bits, bits);
   std::vector<std::uint8_t> older = fake_edid("x", 10);
-  older[19] = 3;  // Version 1.3 had no such field.
+  older[19] = 3;  // Version 1.3 has no such field.
   EXPECT_EQ(parse_edid(with_checksum(older))->colour_bits, 0);
   std::vector<std::uint8_t> analogue = fake_edid("x", 10);
   analogue[20] = 0x3f;

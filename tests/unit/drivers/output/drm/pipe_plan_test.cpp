@@ -39,7 +39,7 @@ TEST(PipePlan, believes_nothing_impossible_of_what_was) {
   EXPECT_THAT(assign_crtcs(possible, Crtcs{77, 1}), ElementsAre(0, std::nullopt));
 }
 
-/// All ways of three connectors with three CRTCs, by trying everything.
+/// Tests all possibilities of three connectors with three CRTCs.
 TEST(PipePlan, lights_as_many_as_can_be) {
   for (std::uint32_t all = 0; all < 512; ++all) {
     const std::vector<std::uint32_t> possible{all & 7, all >> 3 & 7, all >> 6 & 7};

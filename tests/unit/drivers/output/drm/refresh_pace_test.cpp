@@ -16,7 +16,7 @@ TEST(RefreshPace, counts_by_time_so_that_a_gap_shows_what_was_missed) {
   EXPECT_EQ(pace.number(), 1U);
   pace.shown(kStart + milliseconds(41), true);
   EXPECT_EQ(pace.number(), 4U);
-  pace.shown(kStart + milliseconds(41), true);  // A clock that stands still.
+  pace.shown(kStart + milliseconds(41), true);  // The clock stands still.
   EXPECT_EQ(pace.number(), 5U);
   EXPECT_GT(pace.shown_at(), kStart + milliseconds(41));
 }

@@ -39,7 +39,7 @@ TEST(Pjlink, asks_how_it_is) {
   }
 }
 
-// The example of the specification, 5.2: 498e4a67 and JBMIAProjectorLink.
+// Example from section 5.2 of the specification: 498e4a67 and JBMIAProjectorLink.
 TEST(Pjlink, proves_that_it_knows_the_password) {
   const FakeProjector fake("PJLINK 1 498e4a67\r", [](const std::string& line) {
     return line.starts_with("5d8409bc1c3fa39749434aa3a5c38682%1POWR") ? "%1POWR=1\r" : "PJLINK ERRA\r";

@@ -82,7 +82,7 @@ TEST(HandPath, answers_a_time_that_is_not_finite) {
 }
 
 TEST(HandPath, turns_the_tag_s_face_to_the_holder_s_right) {
-  // The visitor faces the camera, so the own right is -x; the face looks along -z of the tag.
+  // The visitor faces the camera, so their right is -x; the face looks along -z of the tag.
   const HandPath path = path_of({key(0, 0.0, 0.3)}, std::nullopt);
   const Eigen::Vector3d face = path.at(0).rotation() * -Eigen::Vector3d::UnitZ();
   EXPECT_LT(face.x(), -0.2);

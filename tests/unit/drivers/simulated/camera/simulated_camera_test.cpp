@@ -37,7 +37,7 @@ TEST(SimulatedView, is_the_same_picture_for_the_same_number_and_another_for_the_
 
 TEST(SimulatedView, adds_noise_of_the_deviation_that_was_asked_for) {
   Simulation simulation = plain();
-  simulation.path = still_at({0.0, 0.0, -1.0});  // Behind the camera: nothing but backdrop.
+  simulation.path = still_at({0.0, 0.0, -1.0});  // Behind the camera, so that only the backdrop is visible.
   simulation.noise_grey = 4.0;
   const GreyImage picture = SimulatedView(simulation).picture(5);
   double sum = 0.0;
@@ -52,7 +52,7 @@ TEST(SimulatedView, adds_noise_of_the_deviation_that_was_asked_for) {
 }
 
 TEST(SimulatedView, places_an_edge_to_a_hundredth_of_a_pixel) {
-  // The tag's left edge is upright in the picture: white paper outside, ink inside. Where it crosses a row follows from
+  // The tag's left edge is upright in the picture: white paper outside, ink inside. Its position in a row follows from
   // the mean of the row's pixels around it.
   for (double shift_px = 0.0; shift_px < 1.0; shift_px += 0.07) {
     Simulation simulation = plain();

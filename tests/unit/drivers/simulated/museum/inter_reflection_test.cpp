@@ -22,14 +22,14 @@ TrueWall corner() {
       PlanesWall{{WallRectangle::above({-3, 0}, {0, -3}, 0, 2), WallRectangle::above({0, -3}, {3, 0}, 0, 2)}});
 }
 
-/// Lumens, of light per cell.
+/// Returns the luminous flux in lumens of light per cell.
 double flux(const InterReflection& walls, const InterReflection::Light& light, std::size_t colour = 0) {
   double sum = 0.0;
   for (std::size_t i = 0; i < light.size(); ++i) sum += walls.areas_m2()[i] * light[i][colour];
   return sum;
 }
 
-// The integrating sphere: light that enters stays until it is absorbed, E = E0 rho / (1 - rho), the same everywhere.
+// The integrating sphere: light that enters is reflected until it is absorbed, E = E0 rho / (1 - rho), uniformly.
 TEST(InterReflection, in_a_whole_sphere_is_the_integrating_spheres) {
   const TrueWall wall = sphere(2.0 * kPi);
   const WallCells cells(wall, 300);
@@ -46,7 +46,7 @@ TEST(InterReflection, in_a_whole_sphere_is_the_integrating_spheres) {
   }
 }
 
-// A cap of a sphere sees itself with the part that it is of the sphere.
+// The form factor of a spherical cap to itself is its share of the sphere's area.
 TEST(InterReflection, in_a_cap_is_the_caps_part_of_the_sphere) {
   const TrueWall wall = sphere(0.5 * kPi);
   const WallCells cells(wall, 200);
@@ -90,7 +90,7 @@ TEST(InterReflection, keeps_energy_on_every_wall) {
     for (auto& lux : direct) lux = {1e-3 * static_cast<double>(random() % 1000), 1.0, 1.0};
     const auto indirect = walls.indirect(direct);
     for (std::size_t c = 0; c < 3; ++c) {
-      // What bounces once is less than what arrives: the series is at most the integrating sphere's.
+      // Light after one bounce is less than the arriving light: the series is at most that of the integrating sphere.
       EXPECT_LE(flux(walls, indirect, c), flux(walls, direct, c) * albedo[c] / (1.0 - albedo[c]) * (1.0 + 1e-6));
       EXPECT_GE(flux(walls, indirect, c), 0.0);
     }

@@ -12,7 +12,7 @@
 namespace cyclorama::simulated {
 namespace {
 
-/// A museum with few pixels and cells, which a test has time for.
+/// Returns a museum with few pixels and cells, which is fast enough for a test.
 Result<Preset> small_preset(std::string_view name, std::uint32_t seed) {
   PresetOptions options;
   options.projector_width_px = 192;
@@ -43,7 +43,7 @@ TEST_P(Presets, twenty_seeds_are_twenty_rooms_that_can_be_made) {
   }
 }
 
-// Else no calibration could make one picture of them.
+// Without overlap no calibration could align the projectors.
 TEST_P(Presets, projectors_light_most_of_the_wall_and_overlap) {
   for (std::uint32_t seed = 0; seed < 5; ++seed) {
     const Preset preset = *small_preset(GetParam(), seed);
@@ -82,7 +82,7 @@ TEST_P(Presets, the_truth_comes_back_from_its_file) {
   ASSERT_TRUE(write_preset(preset, folder));
   const auto read = MuseumTruth::read(truth_path_beside(std::filesystem::path(folder) / "installation.toml"));
   ASSERT_TRUE(read) << read.error().message();
-  // Angles pass through degrees, and quaternions are made unit again: the last digit may move.
+  // Angles are converted via degrees, and quaternions are normalised again, so the last digit may change.
   const TrueMuseum written = *TrueMuseum::make(preset.installation, preset.truth);
   const TrueMuseum again = *TrueMuseum::make(preset.installation, *read);
   for (std::size_t i = 0; i < preset.truth.projectors.size(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each effect alone, in an otherwise perfect room, against a closed form or another way to compute it.
+// Tests each effect alone, in an otherwise perfect room, against a closed form or an independent computation.
 #include "drivers/simulated/museum/simulated_museum.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kDistance_m = 4.0;
 
-/// A flat wall, and a projector and a camera side by side that face it.
+/// A flat wall that a projector and a camera face side by side.
 constexpr const char* kRoom = R"(
 name = "one projector on a plane"
 [wall]
@@ -84,11 +84,12 @@ TEST(SimulatedMuseum, a_pixel_lands_where_both_lenses_distortion_takes_it) {
   room.truth.projectors[0].lens = projector;
   room.truth.camera.lens = camera;
   room.truth.projectors[0].T_room_projector = {room.truth.projectors[0].T_room_projector.rotation(), {0.3, 1.8, 0.1}};
-  // So that a dot has a centre between pixels, of the camera and of the sampling.
+  // Blur gives a dot a centre between pixels, in the camera and in the sampling.
   room.truth.camera.blur_px = 0.7;
   room.truth.projectors[0].blur_px = 0.8;
   for (const auto& [x, y] : {std::pair(20, 30), std::pair(300, 20), std::pair(160, 90), std::pair(250, 170)}) {
-    // By hand: the projector's ray, the plane z = -4, the camera's lens. Both look along -z: y and z change sign.
+    // Computed by hand: the projector's ray, the plane z = -4, the camera's lens. Both look along -z, so y and z change
+    // sign.
     const Eigen::Vector3d ray = *projector.direction_at(x + 0.5, y + 0.5);
     const double along = (kDistance_m + 0.1) / ray.z();
     const Eigen::Vector3d on_wall(0.3 + along * ray.x(), 1.8 - along * ray.y(), -kDistance_m);
@@ -134,14 +135,15 @@ TEST(SimulatedMuseum, the_turntable_turns_about_an_axis_that_misses_the_camera_a
   const Eigen::Vector3d middle = museum.turning_point().xyz;
   for (const double angle : {-2.0, -0.3, 0.0, 0.7, 3.0}) {
     const auto pose = museum.camera_pose(angle);
-    // Rodrigues' formula about the axis, to the right: against the right hand's turn about an upward axis.
+    // Rodrigues' formula about the axis, to the right, that is, opposite to a right-handed rotation about an upward
+    // axis.
     const Eigen::Vector3d start = museum.camera_pose(0.0).translation() - middle;
     const Eigen::Vector3d turned = start * std::cos(angle) - axis.cross(start) * std::sin(angle) +
                                    axis * axis.dot(start) * (1.0 - std::cos(angle));
     EXPECT_LT((pose.translation() - middle - turned).norm(), 1e-12);
     EXPECT_NEAR(start.norm(), 0.05, 1e-12);
   }
-  // To the right: what the camera looks at moves towards +x.
+  // A turn to the right moves the camera's line of sight towards +x.
   EXPECT_GT((museum.camera_pose(0.3).rotation() * Eigen::Vector3d::UnitZ()).x(), 0.2);
 }
 
@@ -177,8 +179,8 @@ TEST(SimulatedMuseum, the_turntable_errs_as_its_gear_does) {
 
 // --- Light ---
 
-// On a wall that faces it, a projector whose pixels all have the same flux falls off with its vignetting alone: what a
-// tilted ray loses by distance and slope is what its pixels are dense in angle.
+// On a wall that faces it, a projector whose pixels all have the same flux falls off by its vignetting alone: the loss
+// of a tilted ray by distance and slope equals the gain by its pixels' density in angle.
 TEST(SimulatedMuseum, vignetting_is_the_power_of_the_cosine) {
   for (const double exponent : {0.0, 4.0}) {
     Room room;
@@ -212,7 +214,7 @@ TEST(SimulatedMuseum, all_lumens_arrive_whatever_the_distortion) {
     Room room;
     room.truth.projectors[0].lens = TrueLens(room.installation.projectors[0].lens, {k1, 0.0, 0.0});
     const TrueMuseum museum = room.light();
-    // Irradiance over the wall's area, by midpoints, where the picture is.
+    // Integrates irradiance over the picture's area on the wall by the midpoint rule.
     constexpr int kColumns = 800;
     constexpr int kRows = 600;
     double lumens = 0.0;
@@ -249,7 +251,7 @@ TEST(SimulatedMuseum, a_photograph_shows_the_true_radiance) {
   RgbImage picture(320, 180);
   for (int y = 0; y < 180; ++y) {
     for (int x = 0; x < 320; ++x) {
-      picture.at(x, y)[0] = static_cast<std::uint8_t>(60 + y);  // Even slopes, which no sampling blurs.
+      picture.at(x, y)[0] = static_cast<std::uint8_t>(60 + y);  // Linear slopes, which sampling does not blur.
       picture.at(x, y)[1] = static_cast<std::uint8_t>(200 - y);
       picture.at(x, y)[2] = 130;
     }
@@ -290,7 +292,7 @@ TEST(SimulatedMuseum, light_of_two_pictures_adds_up_and_black_leaks) {
 
 // --- Sharpness ---
 
-/// Of a bright column's picture in the camera: the variance across, in camera pixels squared.
+/// Returns the variance across the camera's picture of a bright column, in camera pixels squared.
 double spread(const Room& room, int column) {
   RgbImage picture(320, 180, 0);
   for (int y = 0; y < 180; ++y) {
@@ -359,7 +361,7 @@ TEST(SimulatedMuseum, a_global_shutter_that_is_early_sees_the_picture_before) {
   EXPECT_GT(*museum.photograph_grey(0.01)->at(200, 150), 100);
 }
 
-// --- Manners ---
+// --- Errors and determinism ---
 
 TEST(SimulatedMuseum, the_same_calls_give_the_same_photographs_on_any_threads) {
   Room room;

@@ -57,7 +57,7 @@ TEST(SimulatedShow, sees_what_the_turntables_camera_sees_from_the_same_place) {
   double squares = 0.0;
   for (std::size_t i = 0; i < turntable.data().size(); ++i)
     squares += std::pow(turntable.data()[i] - fixed.data()[i], 2.0);
-  // Both have their own noise: shot noise of a bright pixel is a code and a half.
+  // Both have independent noise: shot noise of a bright pixel is 1.5 codes.
   EXPECT_LT(std::sqrt(squares / static_cast<double>(turntable.data().size())), 3.0);
   EXPECT_GT(mean(fixed), 10.0);
 }

@@ -42,7 +42,7 @@ TEST(TrueLens, its_derivative_is_that_of_differences) {
   }
 }
 
-// The trap of a fixed number of iterations: each pixel comes back to 1e-9, or there is no ray for it.
+// Guards against a fixed number of iterations: each pixel is inverted to within 1e-9, or has no ray.
 TEST(TrueLens, each_pixel_comes_back_or_has_no_ray) {
   for (const double k1 : {-0.5, -0.3, -0.1, 0.0, 0.2, 0.8}) {
     for (const double k2 : {-0.1, 0.0, 0.15}) {
@@ -61,7 +61,7 @@ TEST(TrueLens, each_pixel_comes_back_or_has_no_ray) {
           EXPECT_LT((*back - Eigen::Vector2d(u, v)).norm(), 1e-9);
         }
       }
-      // A pincushion without a turning point has a ray for every pixel.
+      // Pincushion distortion without a turning point has a ray for every pixel.
       if (k1 >= 0.0 && k2 >= 0.0) {
         EXPECT_EQ(refused, 0) << k1 << " " << k2;
       }

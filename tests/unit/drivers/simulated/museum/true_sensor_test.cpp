@@ -21,7 +21,7 @@ struct Moments {
   double variance = 0.0;
 };
 
-/// Of many readings of the same charge, in electrons.
+/// Returns the moments of many readings of the same charge, in electrons.
 Moments read(const TrueCamera& camera, float electrons, int rows) {
   const TrueSensor sensor(camera);
   constexpr std::size_t kWidth = 1000;
@@ -42,7 +42,7 @@ Moments read(const TrueCamera& camera, float electrons, int rows) {
   return {sum / n, squares / n - sum / n * (sum / n)};
 }
 
-// z-tests against the closed form: variance = electrons (shot) + read^2, plus rounding's 1/12.
+// z-tests against the closed form: variance = electrons (shot) + read^2 + 1/12 for rounding.
 TEST(TrueSensor, noise_has_the_mean_and_variance_of_shot_and_read_noise) {
   TrueCamera camera = linear_camera();
   camera.has_shot_noise = true;
@@ -93,7 +93,7 @@ TEST(TrueSensor, the_same_stream_has_the_same_noise_and_another_has_another) {
   EXPECT_NE(a, b);
 }
 
-// Neighbours that knew of each other would make blur of noise.
+// Correlated noise of neighbours would act as blur.
 TEST(TrueSensor, neighbours_noise_is_independent) {
   TrueCamera camera = linear_camera();
   camera.read_noise_e = 200.0;
@@ -122,7 +122,7 @@ TEST(TrueResponse, stays_between_dark_and_bright) {
     EXPECT_LE(odd.at(x), 1.0);
   }
   EXPECT_EQ(odd.at(std::nan("")), 0.0);
-  EXPECT_LT(odd.at(0.85), odd.at(0.75));  // What a calibration must report.
+  EXPECT_LT(odd.at(0.85), odd.at(0.75));  // A flaw that a calibration must report.
 }
 
 }  // namespace

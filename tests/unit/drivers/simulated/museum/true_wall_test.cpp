@@ -41,7 +41,7 @@ TEST(TrueWall, without_relief_is_the_wall_of_the_installation) {
   }
 }
 
-// Two ways to one place: a ray meets the surface where the surface's own coordinates say that it is.
+// A ray must meet the surface at the position given by the surface's own coordinates.
 TEST(TrueWall, a_ray_to_a_place_of_the_wall_meets_it_there) {
   const Eigen::Vector3d eye(0.3, 1.5, 0.2);
   for (const WallDeviation& deviation : {WallDeviation(), some_deviation()}) {
@@ -82,7 +82,7 @@ TEST(TrueWall, a_grazing_ray_over_bumps_meets_the_first_one) {
   const Eigen::Vector3d origin(-2.9, 1.6, -3.85);
   const auto met = wall.hit({{origin}, Eigen::Vector3d(1.0, 0.0, -0.04)});
   ASSERT_TRUE(met);
-  EXPECT_LT(met->point.xyz.x(), -1.0);  // On the bump's near side.
+  EXPECT_LT(met->point.xyz.x(), -1.0);  // On the near side of the bump.
   EXPECT_NEAR(met->point.xyz.z(), -4.0 + deviation.at(met->point.xyz.x(), 0.0).m, 1e-6);
 }
 

@@ -76,7 +76,7 @@ TEST_F(RoomPictureTest, a_dark_room_is_dark_and_a_lit_one_glows_on_the_floor) {
   const RgbImage dark = room_.photograph(std::vector{off_, off_});
   const RgbImage lit = room_.photograph(std::vector{RgbImage(320, 240, 255), RgbImage(320, 240, 255)});
   EXPECT_LT(*std::max_element(dark.data().begin(), dark.data().end()), 40);
-  EXPECT_GT(lit.at(160, 85)[0], 200);                         // The wall before the eye.
+  EXPECT_GT(lit.at(160, 85)[0], 200);                         // The wall in front of the eye.
   EXPECT_GT(lit.at(160, 175)[0], dark.at(160, 175)[0] + 20);  // The floor below it.
 }
 

@@ -10,7 +10,7 @@
 namespace cyclorama {
 namespace {
 
-/// What this process has computed so far.
+/// A clock that counts this process's processor time.
 class ProcessorClock final : public Clock {
  public:
   [[nodiscard]] TimePoint now() const override {
@@ -19,7 +19,7 @@ class ProcessorClock final : public Clock {
   }
 };
 
-/// Counts how long it exposes.
+/// Adds up the exposure times.
 class CountingCamera final : public scan::ScanCamera {
  public:
   CountingCamera(scan::ScanCamera* camera, double* exposed_s) : camera_(*camera), exposed_s_(*exposed_s) {}

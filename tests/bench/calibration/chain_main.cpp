@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole chain in simulated museums: calibration_bench rooms|trade|seams [--quick]. Prints a table; rooms also a
-// line of JSON, which trade writes to a file.
+// Complete calibrations in simulated museums: calibration_bench rooms|trade|seams [--quick]. Prints a table; rooms also
+// prints a line of JSON, which trade writes to a file.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

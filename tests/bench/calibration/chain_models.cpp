@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 
 double cpu_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// What a wall is fitted to: every third control point of the maps that is sure of its place.
+/// Returns the samples to which a wall is fitted: every third control point of the maps with a small enough sigma.
 std::vector<solve::MapSample> samples_of(const std::vector<calibration::CalibratedProjector>& projectors) {
   constexpr int kEvery = 3;
   constexpr double kSure_px = 0.2;
@@ -48,7 +48,7 @@ std::optional<Eigen::Vector2d> pixel_of(const calibration::SurfaceFit& fit, std:
                                          (direction - *inverse_depth * T_eye_projector.translation()));
 }
 
-/// Where the model sees a pixel: the map's direction, moved by what the model says of its pixel.
+/// Direction of a pixel by the model: the map's direction, moved until the model predicts that pixel.
 std::optional<Eigen::Vector3d> direction_by(const calibration::SurfaceFit& fit, const calibration::MeasuredMap& map,
                                             std::size_t p, const Eigen::Vector2d& pixel) {
   constexpr double kBeside_px = 0.5;
@@ -74,7 +74,7 @@ std::optional<Eigen::Vector3d> direction_by(const calibration::SurfaceFit& fit, 
   return direction;
 }
 
-/// From the plane upwards, each from the one that begins it best.
+/// Fits every model from the plane upwards, each from its best starting model.
 std::vector<Result<calibration::SurfaceFit>> climb(const std::vector<solve::MeasuredProjector>& projectors,
                                                    const std::vector<solve::MapSample>& samples,
                                                    const calibration::SurfaceFit& first) {

@@ -23,8 +23,7 @@ double luminance(const simulated::RoomColour& colour) {
   return kEye.dot(Eigen::Vector3d(colour[0], colour[1], colour[2]));
 }
 
-/// A projector's own light by the truth, in the unit of what was measured of it. What walls throw at each other is
-/// not in it.
+/// True direct light of a projector, in the unit of the measured light. Excludes interreflections between walls.
 photometry::PictureField true_light(const simulated::TrueMuseum& museum, std::size_t projector,
                                     const photometry::PictureField& measured) {
   const double white =

@@ -22,11 +22,12 @@ struct TradePoint {
 ChainCase base_case() {
   ChainCase chain;
   chain.name = "cylinder126";
-  // A quarter of full HD each way, and of a camera of 2.4 megapixels: the same pixels on each other, less work.
+  // A quarter of full HD in each direction, and the same of a camera of 2.4 megapixels: the same ratio of pixels with
+  // less work.
   chain.museum.projector_width_px = 480;
   chain.museum.projector_height_px = 270;
   chain.museum.camera_megapixels = 0.15;
-  chain.with_wall = false;  // No knob of the scan; it would cost as much as the rest.
+  chain.with_wall = false;  // Not affected by any parameter of the scan, and as expensive as everything else together.
   return chain;
 }
 
@@ -45,7 +46,7 @@ std::vector<TradePoint> points(bool is_quick) {
       chain->view.base_bit = base;
       chain->view.phase_period_px = period;
       chain->view.phase_steps = steps;
-      // XOR codes see through light that comes by way of other walls (docs/design/structured-light.md).
+      // XOR codes are robust against light that arrives by way of other walls (docs/design/structured-light.md).
       if (base >= 0) {
         chain->view.decode.min_direct_share = 0.1;
         chain->view.decode.undecided.contrast = 0.02;
@@ -71,7 +72,7 @@ std::vector<TradePoint> points(bool is_quick) {
         [=](ChainCase* chain) { chain->museum.camera_megapixels = megapixels; });
   }
   for (const int directions : {2, 3, 4, 6}) {
-    add("directions", std::to_string(directions), directions == 3,  // As the plan of this room has it.
+    add("directions", std::to_string(directions), directions == 3,  // As planned for this room.
         [=](ChainCase* chain) { chain->directions = directions; });
   }
   if (is_quick) std::erase_if(all, [n = 0](const TradePoint&) mutable { return n++ % 2 != 0; });
@@ -94,7 +95,7 @@ Json run_point(const TradePoint& point, std::uint32_t seed, const std::filesyste
           {"solve_s", result->outcome.solve_s}};
 }
 
-/// Mean of the seeds; of max_px and missing the worst.
+/// Mean over the seeds; for max_px and missing, the maximum.
 Json together(const std::vector<Json>& records) {
   Json sum = Json::object();
   for (const Json& record : records) {

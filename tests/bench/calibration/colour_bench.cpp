@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brightness and colour of simulated museums, geometry told by the truth: colour_bench rooms|trade|slopes [--quick].
-// Prints a table, then a line of JSON; trade and slopes print CSV. What each column means: SeamScore in
-// tests/data_sets/photometry_museum.h; response_rms is the worst channel's.
+// Brightness and colour of simulated museums with the true geometry: colour_bench rooms|trade|slopes [--quick]. Prints
+// a table, then a line of JSON; trade and slopes print CSV. SeamScore in tests/data_sets/photometry_museum.h defines
+// the columns; response_rms is the worst channel's.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -108,7 +108,7 @@ Result<simulated::SimulatedMuseum> small_museum(std::string_view room, std::uint
   return simulated::SimulatedMuseum::make(preset.installation, preset.truth);
 }
 
-/// What a scan of fewer levels and exposures would have brought.
+/// Returns the input of a scan with fewer levels and exposures.
 photometry::PhotometryInput thinned(const photometry::PhotometryInput& input, int steps,
                                     const std::vector<double>& exposures_s) {
   constexpr int kFinest = 32;
@@ -124,7 +124,7 @@ photometry::PhotometryInput thinned(const photometry::PhotometryInput& input, in
   return result;
 }
 
-/// The same of a projector that is clipped and crushed, without photographs: a museum's are not.
+/// The same for a projector with clipped black and white, without photographs, since no simulated museum has one.
 int clipped_trade() {
   const auto clipped = [](double code) { return std::pow(std::clamp((code - 0.07) / 0.83, 0.0, 1.0), 2.2); };
   for (const int steps : {5, 9, 17, 33}) {
@@ -147,7 +147,7 @@ int clipped_trade() {
   return 0;
 }
 
-/// Levels of the ramps and their exposures against the response's error: one scan of all, thinned out.
+/// Error of the response by the ramps' levels and exposures: one scan with all of them, thinned out.
 int trade(bool is_quick) {
   const std::vector<std::vector<double>> exposures = {{1.0, 1.5}, {1.0, 3.0}, {1.0, 9.0}, {1.0, 3.0, 9.0}};
   fmt::print("bits,steps,exposures,pictures,worst_response_rms\n");
@@ -182,7 +182,7 @@ int trade(bool is_quick) {
   return 0;
 }
 
-/// How slowly brightness varies against how much light is kept.
+/// Trade between the smoothness of brightness and the light that is kept.
 int slopes(bool is_quick) {
   struct Room {
     const char* name;
@@ -220,7 +220,7 @@ int slopes(bool is_quick) {
   return 0;
 }
 
-/// FOLDER/{white,dark}-{before,after}.png of one museum.
+/// Writes FOLDER/{white,dark}-{before,after}.png of one museum.
 int pictures(const std::filesystem::path& folder) {
   auto museum = museum_of("cylinder126", 1, true);
   if (!museum) return failed("cylinder126", museum.error());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Projectors of calibrated museums are pushed, and put back by realign_projector(): quick_bench [--quick] [--only ROOM]
-// [--folder FOLDER]. Museums that lie in the folder already are not calibrated again. Prints a table, then a line of
-// JSON.
+// Displaces projectors of calibrated museums and corrects them by realign_projector(): quick_bench [--quick] [--only
+// ROOM] [--folder FOLDER]. Museums that are in the folder already are not calibrated again. Prints a table, then a line
+// of JSON.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -28,7 +28,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 double rounded(double x) { return std::round(x * 1e4) / 1e4; }
 
-/// What this process has computed so far.
+/// A clock that counts this process's processor time.
 class ProcessorClock final : public Clock {
  public:
   [[nodiscard]] TimePoint now() const override {
@@ -135,7 +135,7 @@ Json pushed(const Room& room, const Push& push, DisplacedMuseum museum, const fs
   return json;
 }
 
-/// How the whole calibration was, before anybody pushed anything.
+/// Records the score of the complete calibration, before any displacement.
 void tell_whole(const Room& room, const DisplacedMuseum& museum, const fs::path& calibrated, Json* json) {
   const Status inside =
       museum.inside([&](simulated::SimulatedMuseum& in_it, const scan::ScanDevices&, const scan::ScanSettings&) {

@@ -24,7 +24,7 @@ namespace {
 constexpr int kColumns = 9;
 constexpr int kRows = 7;
 constexpr double kSquareM = 0.075;
-/// Of the light between white and black: below it is the board's shadow, where light comes by detours alone.
+/// Fraction of the light between white and black; below it is the board's shadow, which receives only indirect light.
 constexpr double kLit = 20.0 / 255.0;
 constexpr double kCornerRadiusPx = 24.0;
 
@@ -57,7 +57,7 @@ Result<camera_calibration::BoardView> view_of(const Capture& capture, const stru
   return view;
 }
 
-/// What a view's decoding is worth, by itself and by the calibration.
+/// Quality of a view's decoding, by itself and compared with the calibration.
 struct Figures {
   double coverage = 0.0;
   double gross = 0.0;
@@ -96,7 +96,7 @@ Result<std::vector<structured_light::Decoded>> decode(const std::vector<Capture>
   return all;
 }
 
-/// Whole pixels: what the same readings give without edges.
+/// Rounds positions to whole pixels: the result of the same readings without edges.
 structured_light::Decoded whole_pixels(structured_light::Decoded decoded) {
   for (std::size_t i = 0; i < decoded.fate.data().size(); ++i) {
     if (decoded.fate.data()[i] != structured_light::PixelFate::kDecoded) continue;
@@ -200,7 +200,8 @@ void print_selection(const camera_calibration::ProcamSelection& selection) {
   }
 }
 
-/// Cameras of 0.3 to 20 megapixels before the same projector: a wall as formulas, for no such photographs are at hand.
+/// Cameras of 0.3 to 20 megapixels in front of the same projector. The wall is computed, since there are no such
+/// photographs.
 Status print_sizes() {
   fmt::print(
       "\nSimulated cameras before a projector of 1024x768\n| camera | projector px a camera px | decoded, % | gross, % "
@@ -289,7 +290,8 @@ Status run(const std::filesystem::path& folder, bool is_quick) {
 
 int main(int argc, char** argv) {
   if (argc < 2) return 2;
-  std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16);  // A curve takes minutes: each row as it comes.
+  // Line-buffered, so that each row of a curve, which takes minutes, appears at once.
+  std::setvbuf(stdout, nullptr, _IOLBF, 1 << 16);
   const auto status = cyclorama::run(argv[1], argc > 2 && std::strcmp(argv[2], "--quick") == 0);
   if (!status) fmt::print(stderr, "calibration_real: {}\n", status.error().message());
   return status ? 0 : 1;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solving what generated rooms measure: solve_bench registration|model|extremes [SEEDS] [--records FILE] [--seconds S]
-// [--only NAME]. Prints a table, then a line of JSON. With a file of records each case is run once: what the file has
-// is not run again, and after S seconds no case is begun (then it ends with 75: go on later).
+// Solves the measurements of generated rooms: solve_bench registration|model|extremes [SEEDS] [--records FILE]
+// [--seconds S] [--only NAME]. Prints a table, then a line of JSON. With a file of records each case is run only once,
+// and no case is started after S seconds (the exit code is then 75: continue later).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Of this process: the machine may be shared.
+/// Time of this process, since the machine may be shared.
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 double rounded(double x) { return std::round(x * 1e4) / 1e4; }
@@ -72,7 +72,7 @@ Json register_one(RoomKind kind, int projectors, unsigned seed) {
   return record;
 }
 
-/// Maps of three and four projectors of 1080p, without the wall's model, and with it for its time.
+/// Maps of three and four projectors of 1080p: without a model of the wall, and with one to measure its time.
 int registration(unsigned seeds, Records* records) {
   Json json = Json::object();
   fmt::print("{:<10}{:>5}{:>6}{:>9}{:>9}{:>9}{:>10}{:>10}{:>9}{:>9}{:>9}\n", "room", "proj", "seeds", "mean", "p95",
@@ -154,7 +154,7 @@ Json choose_one(RoomKind kind, unsigned seed) {
                                 {"usable", trial.is_usable}});
   }
   record["richest_px"] = calibration->wall->surfaces.back().heldout_rms_px;
-  // A lesser one that predicted better, beyond what is allowed for.
+  // A model with fewer parameters predicted better, by more than the tolerance.
   for (const calibration::ModelTrial& trial : calibration->wall->surfaces) {
     if (trial.name == name_of(model)) break;
     if (trial.is_usable && trial.heldout_rms_px < record["heldout_px"].get<double>()) record["right"] = false;
@@ -162,9 +162,9 @@ Json choose_one(RoomKind kind, unsigned seed) {
   return record;
 }
 
-/// How often each kind of room gets the model that it was made by. Two planes are a profile, and a degenerate quadric
-/// too. A richer model with a worse held-out error is never right. All kinds of one seed, then of the next: who is
-/// stopped has as many of each.
+/// Fraction of rooms of each kind for which the generating model is chosen. Two planes count as a profile and as a
+/// degenerate quadric, too. A model with more parameters and a worse left-out error is never right. Runs all kinds of
+/// one seed, then of the next, so that an interrupted run has equally many of each.
 int model(unsigned seeds, Records* records) {
   std::map<RoomKind, std::vector<Json>> by_kind;
   for (unsigned seed = 1; seed <= seeds; ++seed) {
@@ -202,11 +202,11 @@ int model(unsigned seeds, Records* records) {
 struct Extreme {
   std::string name;
   RoomPlan plan;
-  double bound_px;  ///< On p95 of the registration; beyond that it is a failure.
+  double bound_px;  ///< Upper bound of the registration's p95; exceeding it is a failure.
 };
 
 std::vector<Extreme> extremes(unsigned seeds) {
-  std::vector<Extreme> cases;  // All of one seed, then of the next.
+  std::vector<Extreme> cases;  // All cases of one seed, then of the next.
   const auto add = [&](const std::string& name, const auto& change, double bound_px = 0.6) {
     for (unsigned seed = 1; seed <= seeds; ++seed) {
       RoomPlan plan;
@@ -222,7 +222,7 @@ std::vector<Extreme> extremes(unsigned seeds) {
       plan->arc_rad = arc * kDegree;
       plan->projectors = std::clamp(static_cast<int>(std::ceil(arc / 45.0)), 2, 8);
       plan->half_height_m = 4.0 * std::tan(std::min(0.33, 0.4 * plan->arc_rad));
-      // Where the whole wall fits one picture, directions still differ, or nothing tells the axis.
+      // If the whole wall fits one picture, directions must still differ; otherwise the axis is undetermined.
       plan->turntable_step_rad = std::min(0.5, std::max(0.05, 0.4 * plan->arc_rad));
     });
   }
@@ -262,7 +262,7 @@ std::vector<Extreme> extremes(unsigned seeds) {
   for (const double megapixels : {0.3, 1.0, 5.0, 20.0}) {
     add(fmt::format("camera {} megapixels", megapixels), [=](RoomPlan* plan) {
       plan->camera_megapixels = megapixels;
-      plan->noise_px = 0.2 * std::sqrt(2.304 / megapixels);  // A camera's pixel is what is decoded to some part.
+      plan->noise_px = 0.2 * std::sqrt(2.304 / megapixels);  // Decoding is precise to a fraction of a camera pixel.
     });
   }
   for (const double person : {0.1, 0.3}) {
@@ -282,14 +282,14 @@ std::vector<Extreme> extremes(unsigned seeds) {
 bool is_finite(const calibration::Calibration& calibration) {
   for (const calibration::CalibratedProjector& p : calibration.projectors) {
     for (std::size_t i = 0; i < p.map.directions.size(); ++i) {
-      const bool is_none = std::isinf(p.map.sigma_px[i]);  // Says that there is none.
+      const bool is_none = std::isinf(p.map.sigma_px[i]);  // Marks an absent direction.
       if (!is_none && (!p.map.directions[i].allFinite() || !std::isfinite(p.map.sigma_px[i]))) return false;
     }
   }
   return calibration.turntable.covariance.allFinite() && std::isfinite(calibration.turntable.heldout_rms_px);
 }
 
-/// How far apart two calibrations' maps are, in pixels.
+/// Distance between the maps of two calibrations, in pixels.
 double apart_px(const calibration::Calibration& one, const calibration::Calibration& other) {
   double apart = 0.0;
   for (std::size_t p = 0; p < one.projectors.size(); ++p) {
@@ -306,7 +306,8 @@ double apart_px(const calibration::Calibration& one, const calibration::Calibrat
   return apart;
 }
 
-/// Either refused with a remedy, or within its bound, the same from another start, and never worse than before.
+/// A case must be refused with a remedy, or be within its bound, independent of the starting point and never worse than
+/// the previous calibration.
 Json push(const Extreme& extreme) {
   Json record{{"failures", Json::array()}};
   const auto fail = [&](const std::string& why) { record["failures"].push_back(why); };

@@ -11,16 +11,17 @@ namespace cyclorama {
 namespace {
 
 struct Outcome {
-  bool is_in_scope = true;  ///< Enough of the picture stays on the wall, and it moved by more than is seen.
+  /// Enough of the picture stays on the wall, and the movement is large enough to be visible.
+  bool is_in_scope = true;
   double moved_px = 0.0;
   double noticed_s = -1.0;
   double at_2s_px = 0.0;
   double at_5s_px = 0.0;
   int wrong = 0;
-  std::vector<double> curve_px;  ///< Step by step.
+  std::vector<double> curve_px;  ///< Error at each step.
 };
 
-/// The part of a projector's pixels that meet the wall.
+/// Fraction of a projector's pixels that meet the wall.
 double on_wall(const simulated::TrueMuseum& truth, std::size_t projector) {
   const Pinhole& lens = truth.truth().projectors[projector].lens.pinhole();
   int met = 0;
@@ -120,7 +121,7 @@ int bumps(const ShowContent& content, const BumpSeries& series) {
       ++beyond;
       continue;
     }
-    // A bump of less than half a pixel is not to be noticed, only to be no harm.
+    // A bump of less than half a pixel need not be detected, but must do no harm.
     if (outcome->moved_px > 1.0) {
       if (outcome->noticed_s < 0.0) ++unnoticed;
       noticed.push_back(outcome->noticed_s < 0.0 ? 5.0 : outcome->noticed_s);

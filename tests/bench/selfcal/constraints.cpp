@@ -12,7 +12,7 @@
 namespace cyclorama {
 namespace {
 
-/// A plain wall with a spot of the picture every ten degrees: a fifteenth of it or so can be compared.
+/// A plain wall with a spot of the picture every ten degrees: about a fifteenth of it has features.
 ShowContent few_features(const ShowContent& content) {
   constexpr double kApart_rad = 0.17;
   constexpr double kRadius_rad = 0.02;
@@ -24,7 +24,7 @@ ShowContent few_features(const ShowContent& content) {
       const double across = std::remainder(x * per_px, kApart_rad);
       const double down = std::remainder(y * per_px, kApart_rad);
       const double off = std::hypot(across, down) / kRadius_rad;
-      // Without an edge of its own.
+      // A smooth fade, without an edge of its own.
       const auto share = static_cast<float>(off < 1.0 ? (1.0 - off * off) * (1.0 - off * off) : 0.0);
       std::uint8_t* code = made.picture.at(x, y);
       for (int c = 0; c < 3; ++c)
@@ -36,8 +36,8 @@ ShowContent few_features(const ShowContent& content) {
 
 }  // namespace
 
-/// What each constraint is worth: cameras and a projector are bumped, and the picture's error is asked for afterwards;
-/// with features all over the picture, and with few.
+/// Gain of each constraint: bumps cameras and a projector, then measures the picture's error, with features all over
+/// the picture and with few.
 int constraints(const ShowContent& content, bool is_quick) {
   struct Set {
     const char* name;

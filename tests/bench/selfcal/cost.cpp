@@ -32,7 +32,7 @@ int cost(const ShowContent& content, bool is_quick) {
       if (!show.step()) return 1;
     }
     const double each = (show.calibrator_cpu_s() - begun) / steps;
-    // While the picture turns, other times are compared too.
+    // While the picture turns, several times are compared.
     show.set_turn(0.03);
     begun = show.calibrator_cpu_s();
     for (int i = 0; i < steps / 2; ++i) {
@@ -110,7 +110,7 @@ int features(const ShowContent& content, bool is_quick) {
         ++pictures;
         int wrong_here = 0;
         for (const healing::FeatureMatch& match : found->matches) {
-          // Where the truth says that this projector's pixel is seen.
+          // True position of this projector's pixel.
           const calibration::ShowCalibration& room = show.calibrator().believed();
           const int factor = look.prediction.light.factor;
           const auto wall = calibration::wall_seen_at(room, room.cameras[look.camera], match.predicted * factor);

@@ -25,7 +25,7 @@ int extremes(const ShowContent& content, bool is_quick) {
       return step;
     };
     const double walk = 1e-5;
-    // P is what the walk adds per step; R is `ratio` times that. The filter begins where it will settle.
+    // P is the variance that the walk adds per step; R is `ratio` times that. The filter starts in its steady state.
     const double variance = ratio * walk * walk;
     const double settled = walk * std::sqrt(0.5 * (1.0 + std::sqrt(1.0 + 4.0 * ratio)));
     healing::PoseFilter filter(settled, settled, {walk, walk});
@@ -55,7 +55,7 @@ int extremes(const ShowContent& content, bool is_quick) {
     }
     ++cases;
     const double mean = nees / counted;
-    // Errors are correlated over about sqrt(ratio) steps: so many fewer are independent. Five deviations.
+    // Errors are correlated over about sqrt(ratio) steps, so only every such step is independent. Five deviations.
     const double independent = std::max(1.0, steps / std::max(16.0, 2.0 * std::sqrt(ratio)));
     const double band = 5.0 * std::sqrt(12.0 / independent);
     const bool is_good = is_finite && min > 0.0 && std::abs(mean - 6.0) <= std::max(0.1, band);

@@ -16,8 +16,8 @@ struct Case {
   std::string name;
   /// Called before each step, counted from 0.
   std::function<void(BumpedShow*, int)> before;
-  bool has_to_hold = false;  ///< All projectors, at the end.
-  int bumped = -1;           ///< A projector that is bumped in the middle of it.
+  bool has_to_hold = false;  ///< All projectors must be right at the end.
+  int bumped = -1;           ///< Projector that is bumped in the middle of the case.
 };
 
 ShowContent plain_content(std::uint8_t code) {
@@ -135,7 +135,7 @@ int occlusion(const ShowContent& content, bool is_quick, std::size_t first) {
     };
     if (!run(16, false)) return 1;
     const bool is_held = !why.empty() && corrections == 0;
-    // Free again: the room as it was.
+    // Removes the visitors: the room is as before.
     show.room().set_visitors({});
     show.room().set_ambient(show.room().truth().truth().ambient_lux);
     show.set_content(content);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A display that turns its picture sixty times a second, with and without a calibration that asks what it shows and
-// works beside it: how evenly it refreshes, in alternation.
+// A display that turns its picture sixty times a second, with and without a calibration on the same machine that
+// requests what is shown: regularity of its refreshes, in alternation.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 constexpr double kRefresh_hz = 60.0;
 constexpr Duration kStepEvery = std::chrono::milliseconds(500);
 
-/// What the calibrator does of a step, but for its cameras: asks, and computes.
+/// The calibrator's work in a step, without cameras: requests the shown pictures, and computes.
 class Healing {
  public:
   Healing(const std::string& display, BumpedShow* show)

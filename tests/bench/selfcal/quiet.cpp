@@ -12,13 +12,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The visitor looks about: still, slowly to one side, still, to the other.
+/// The visitor's heading: still, slowly to one side, still, to the other.
 double turn_at(int step) {
   constexpr double kTurns[] = {0.0, 0.04, 0.0, -0.03, 0.02, 0.0, -0.05};
   return kTurns[(step / 8) % 7];
 }
 
-/// One hour of a small museum of its own: it settles at its usual rate, then it is looked at every `period`.
+/// One hour of a small museum of its own: it settles at its usual rate, then it is observed every `period`.
 Result<Json> quiet_hour(const ShowContent& content, std::uint32_t seed, Duration period, int steps) {
   BumpedShowOptions options;
   options.seed = seed;
@@ -47,7 +47,8 @@ Result<Json> quiet_hour(const ShowContent& content, std::uint32_t seed, Duration
 }  // namespace
 
 int quiet(const ShowContent& content, bool is_quick, const Records::Options& kept) {
-  // A day, an hour of each of 24 museums. Steps are what costs: the time between them is simulated, but not looked at.
+  // A day: one hour in each of 24 museums. Steps are the expensive part; the time between them is simulated but not
+  // observed.
   const int hours = is_quick ? 2 : 24;
   const Duration period = std::chrono::minutes(1);
   const int steps = static_cast<int>(std::chrono::hours(1) / period);
@@ -90,8 +91,8 @@ int quiet(const ShowContent& content, bool is_quick, const Records::Options& kep
 }
 
 int drift(const ShowContent& content, const DriftSeries& series) {
-  // A tenth of a pixel a minute, as a lamp that warms up; in steps of a hundredth, so that the simulation is not made
-  // anew for each look.
+  // A tenth of a pixel a minute, like a lamp that warms up; in steps of a hundredth, so that the simulation is not
+  // rebuilt for each observation.
   BumpedShowOptions options;
   if (series.is_small) make_small(&options);
   auto made = BumpedShow::make(options, content);
@@ -124,7 +125,7 @@ int drift(const ShowContent& content, const DriftSeries& series) {
       corrections += c.projector == 1 ? 1 : 0;
       fmt::print(stderr, "  off before {:.3f} px, then {:.3f} px\n", before[c.projector], show.error_px(c.projector));
     }
-    // What stands on the wall until the next look: it was drawn before this one.
+    // Error on the wall until this observation, which came after it was drawn.
     errors.push_back(before[1]);
     for (const std::size_t k : {std::size_t{0}, std::size_t{2}}) others.push_back(show.error_px(k));
     if ((i + 1) % (series.looks_per_s * 60) == 0) {

@@ -12,13 +12,13 @@ namespace cyclorama {
 namespace {
 
 constexpr double kHealed_px = 1.0;
-constexpr double kSteady_px = 0.5;  // Who is not bumped.
+constexpr double kSteady_px = 0.5;  // For projectors that are not bumped.
 
 struct Case {
   std::string name;
   std::function<void(BumpedShowOptions*)> set;
-  std::function<void(BumpedShow*)> begin;  ///< Once it has settled.
-  bool may_hold = false;                   ///< It need not heal, if it says why and does no harm.
+  std::function<void(BumpedShow*)> begin;  ///< Called once the calibration has settled.
+  bool may_hold = false;                   ///< Correction is not required, but a reason and no harm are.
 };
 
 ShowContent darker(const ShowContent& content, double times) {
@@ -27,7 +27,7 @@ ShowContent darker(const ShowContent& content, double times) {
   return made;
 }
 
-/// Reports of what was shown come a step later than they should.
+/// Delays the reports of shown pictures by one step.
 std::function<void(healing::ShowMoment*)> late() {
   auto waiting = std::make_shared<healing::ShowMoment>();
   return [waiting](healing::ShowMoment* moment) {
@@ -36,7 +36,7 @@ std::function<void(healing::ShowMoment*)> late() {
   };
 }
 
-/// What was told before is told again, and photographs come twice.
+/// Repeats earlier reports, and duplicates photographs.
 std::function<void(healing::ShowMoment*)> repeated() {
   auto before = std::make_shared<healing::ShowMoment>();
   return [before](healing::ShowMoment* moment) {
@@ -48,7 +48,7 @@ std::function<void(healing::ShowMoment*)> repeated() {
   };
 }
 
-/// Every fourth report is lost; the next one's number tells.
+/// Drops every fourth report, which leaves a gap in the numbers.
 std::function<void(healing::ShowMoment*)> missing() {
   auto count = std::make_shared<int>(0);
   return [count](healing::ShowMoment* moment) {
@@ -56,7 +56,7 @@ std::function<void(healing::ShowMoment*)> missing() {
   };
 }
 
-/// The cameras' clock is behind that of the displays.
+/// Puts the cameras' clock behind that of the displays.
 std::function<void(healing::ShowMoment*)> behind(Duration by) {
   return [by](healing::ShowMoment* moment) {
     for (healing::CameraPicture& seen : moment->seen) {
@@ -97,7 +97,7 @@ std::vector<Case> cases(const ShowContent& content) {
 }
 
 struct Outcome {
-  double worst_px = 0.0;  ///< Of who is not bumped.
+  double worst_px = 0.0;  ///< Largest error of the projectors that are not bumped.
   double bumped_px = 0.0;
   double after_px = 0.0;
   int wrong = 0;

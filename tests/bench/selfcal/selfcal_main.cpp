@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The continuous calibration on simulated museums: selfcal_bench COMMAND CONTENT.png [--quick]; of bumps and of a
-// drift a part can be asked for, and of the occlusions (--quick FIRST): selfcal_bench bump CONTENT.png FIRST COUNT
-// small|large, drift CONTENT.png MINUTES LOOKS_PER_S small|large. trade and quiet take --records FILE, which keeps each
-// case and does not run it again, --seconds S, after which no case is begun (then it ends with 75), --only KNOB,
+// The continuous calibration on simulated museums: selfcal_bench COMMAND CONTENT.png [--quick]. Some commands can run a
+// part: selfcal_bench bump CONTENT.png FIRST COUNT small|large, drift CONTENT.png MINUTES LOOKS_PER_S small|large, and
+// the occlusions with --quick FIRST. trade and quiet accept --records FILE, which keeps each case and does not run it
+// again; --seconds S, after which no case is started (the exit code is then 75: continue later); --only KNOB; and
 // --json FILE.
 #include <fmt/format.h>
 
@@ -33,7 +33,7 @@ int main(int count, char** words) {
   if (std::strcmp(words[2], "painted") == 0) {
     content = painted_content(6144, 3);
   } else {
-    // A whole turn with square pixels, as `cyclorama-render picture --size 6144x704` makes it.
+    // A full circle with square pixels, as made by `cyclorama-render picture --size 6144x704`.
     auto read = read_content(words[2], std::numbers::pi * 704 / 6144, -std::numbers::pi * 704 / 6144);
     if (!read) {
       fmt::print(stderr, "selfcal_bench: {}\n", read.error().message());

@@ -16,12 +16,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kDrift_s = 12.0;
-constexpr double kDrift_px_per_min = 1.5;  // A lamp in its first minutes; a warm one is slower by a tenth.
+constexpr double kDrift_px_per_min = 1.5;  // A lamp in its first minutes; a warm one drifts at a tenth of this.
 constexpr double kBump_s = 3.0;
-constexpr double kHealed_px = 0.3;  // On top of what it was off by before.
+constexpr double kHealed_px = 0.3;  // In addition to the error before the bump.
 constexpr double kNotHealed_s = 10.0;
 
-/// One setting of one knob.
+/// One value of one parameter.
 struct Setting {
   std::string knob;
   double value = 0.0;
@@ -47,7 +47,7 @@ std::vector<Setting> points(bool is_quick) {
       [](BumpedShowOptions* o, double px) { o->calibrator.patches.radius_px = static_cast<int>(px); });
   add("camera_megapixels", 0.3, {0.05, 0.1, 0.2, 0.3, 0.6}, [](BumpedShowOptions* o, double megapixels) {
     o->camera_megapixels = megapixels;
-    o->calibrator.width_px = 4096;  // All of them are looked at.
+    o->calibrator.width_px = 4096;  // So that all camera pixels are used.
   });
   add("walk", 1.0, {0.1, 0.3, 1.0, 3.0, 10.0}, [](BumpedShowOptions* o, double times) {
     o->calibrator.walk.turn_rad *= times;
@@ -62,7 +62,7 @@ calibration::PoseStep turn_of(BumpedShow& show, std::size_t projector, double px
   return step;
 }
 
-/// Over how long a time the filter takes its mean: its variance over what a second adds.
+/// Averaging time of the filter: its variance divided by the variance that a second adds.
 double window_s(BumpedShow& show, double sigma_px, const healing::PoseFilter::Walk& walk) {
   const calibration::ShowCalibration& room = show.calibrator().believed();
   calibration::PoseStep each;
@@ -72,7 +72,7 @@ double window_s(BumpedShow& show, double sigma_px, const healing::PoseFilter::Wa
   return sigma_px * sigma_px / (second_px * second_px);
 }
 
-/// One museum: it settles, a projector drifts, then one is bumped by 7 px and another by 1 px.
+/// One museum: it settles, a projector drifts, then one projector is bumped by 7 px and another by 1 px.
 Result<Json> one_case(const BumpedShowOptions& options, const ShowContent& content) {
   TRY_ASSIGN(BumpedShow show, BumpedShow::make(options, content));
   const double period_s = std::chrono::duration<double>(options.period).count();
@@ -88,7 +88,7 @@ Result<Json> one_case(const BumpedShowOptions& options, const ShowContent& conte
       wrong += show.error_px(c.projector) > before[c.projector] + kWrong_px ? 1 : 0;
     return Done{};
   };
-  // Twice a second is enough for a drift, but where the rate is what is asked for.
+  // Twice a second is enough for a drift, except where the rate is the parameter under test.
   const double drift_period_s = period_s == 0.25 ? 0.5 : period_s;
   show.set_period(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(drift_period_s)));
   show.set_turn(0.03);
@@ -151,7 +151,7 @@ int trade(const ShowContent& content, bool is_quick, const Records::Options& opt
     for (std::uint32_t seed = 1; seed <= (is_quick ? 1u : 2u); ++seed) {
       show.seed = seed;
       std::string failed;
-      // What is left as it is has been run once.
+      // The default setting is run only once for all parameters.
       const std::string setting = point.is_default ? "default" : fmt::format("{} {}", point.knob, point.value);
       const auto record = records.get(fmt::format("{} seed {}", setting, seed), [&] {
         auto made = one_case(show, content);

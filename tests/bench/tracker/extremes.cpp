@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Counts what was tried and what was wrong with it.
+/// Counts cases and failures.
 class Cases {
  public:
   explicit Cases(const char* name) : name_(name) {}
@@ -34,7 +34,7 @@ class Cases {
 bool is_finite(const tracker::T_CameraTag& pose) {
   return pose.translation().allFinite() && std::abs(pose.rotation().norm() - 1.0) < 1e-6;
 }
-/// Nothing found, or numbers that all are numbers.
+/// Returns true if nothing was found or all numbers are finite.
 bool is_sound(const tracker::TrackingResult& result) {
   if (!result.tag) return true;
   return is_finite(result.tag->T_camera_tag) && is_finite(result.tag->chosen.pose.T_camera_tag) &&
@@ -45,7 +45,7 @@ tracker::T_CameraTag pose_of(double yaw_deg, double pitch_deg, double roll_deg, 
   return {simulated::rotation_of({0.0, {}, yaw_deg * kDegree, pitch_deg * kDegree, roll_deg * kDegree}), true_position};
 }
 
-/// The wand's tags that look at the lens, projected; corners may be outside the picture, as no detector gives them.
+/// Projects the tags that face the camera; corners may be outside the picture, which no detector returns.
 std::vector<tags::TagDetection> project(const Wand& wand, const tracker::T_CameraTag& pose, const Pinhole& lens,
                                         double noise_px, std::mt19937* random) {
   std::normal_distribution<double> normal(0.0, noise_px);

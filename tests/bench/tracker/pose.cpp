@@ -16,7 +16,7 @@ namespace {
 constexpr std::array kDistancesM{0.6, 1.0, 1.5, 2.0, 2.5};
 constexpr double kMaxYawDeg = 60.0;
 
-/// Ten pictures of one scene, at each distance.
+/// Results of ten pictures of one scene, at each distance.
 using Scenes = std::array<PoseRun, kDistancesM.size()>;
 
 void add(const PoseRun& from, PoseRun* to) {
@@ -25,7 +25,7 @@ void add(const PoseRun& from, PoseRun* to) {
   to->company += from.company;
 }
 
-/// Scene `index` of `scenes` at each distance; every distance has scenes of its own.
+/// Runs scene `index` of `scenes` at each distance; every distance has scenes of its own.
 Scenes run_scene(const HandStudio& studio, std::uint64_t index, std::uint64_t scenes) {
   Scenes runs;
   for (std::size_t d = 0; d < runs.size(); ++d) {
@@ -36,13 +36,13 @@ Scenes run_scene(const HandStudio& studio, std::uint64_t index, std::uint64_t sc
   return runs;
 }
 
-/// What earlier runs wrote: a line "scene INDEX", then for each distance "PICTURES COMPANY ERRORS" and a line per
+/// Results of earlier runs: a line "scene INDEX", then for each distance "PICTURES COMPANY ERRORS" and a line per
 /// error.
 class KeptScenes {
  public:
   explicit KeptScenes(std::string path) : path_(std::move(path)) {}
 
-  /// How many scenes are there; they are added to `*ret`. A scene that was cut off is not.
+  /// Adds the stored scenes to `*ret` and returns their number. An incomplete last scene is ignored.
   std::uint64_t read(Scenes* ret) {
     std::ifstream file(path_);
     std::string word;
@@ -84,10 +84,10 @@ class KeptScenes {
  private:
   std::string path_;
   std::ofstream file_;
-  std::streamoff whole_ = 0;  ///< Bytes of whole scenes.
+  std::streamoff whole_ = 0;  ///< Size of the complete scenes in bytes.
 };
 
-/// Yaw by distance and true yaw, as people read it.
+/// Prints the yaw's errors by distance and true yaw, for people.
 void print_by_yaw(const Scenes& runs) {
   std::printf("\nyaw sd (deg) by true yaw:   0-15    15-30   30-45   45-60\n");
   for (std::size_t d = 0; d < runs.size(); ++d) {

@@ -41,9 +41,9 @@ double distance_px(const std::vector<tags::TagDetection>& found, const Listed& l
   return best;
 }
 
-/// How far from a true square seen by a pinhole the corners of printed tags are, per coordinate: of eight numbers a
-/// pose takes six, and two are left over. What lens, paper and detector do together; TrackingSettings::corner_floor_px
-/// is the part of it that the detector does not know of.
+/// Deviation of the corners of printed tags from a true square seen by a pinhole camera, per coordinate: a pose uses
+/// six of eight numbers, so two are left over. It is the joint effect of lens, paper and detector;
+/// TrackingSettings::corner_floor_px is the part that the detector cannot estimate.
 nlohmann::json corner_deviations(const std::filesystem::path& folder) {
   const Pinhole lens{640, 480, 338.56, 336.455, 230.487, 338.563 / 338.939};  // test_info.yaml
   std::vector<double> squares, excess;
@@ -71,7 +71,7 @@ nlohmann::json corner_deviations(const std::filesystem::path& folder) {
   };
   std::vector<double> sorted = squares;
   std::sort(sorted.begin(), sorted.end());
-  // Of a chi-square with two degrees of freedom over two, the median is ln 2.
+  // For a chi-square with two degrees of freedom, divided by two, the median is ln 2.
   const double robust = std::sqrt(sorted[sorted.size() / 2] / 0.6931);
   const double floor = std::sqrt(std::max(0.0, mean(excess)));
   std::printf(
@@ -86,7 +86,7 @@ struct Way {
   const char* name;
   double decimate;
   bool tiles;
-  /// As the lists were made: the detector's own corners.
+  /// Uses the detector's own corners, from which the lists were made.
   bool own_corners;
 };
 

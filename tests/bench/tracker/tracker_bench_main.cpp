@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
   app.add_option("--scenes", scenes, "trade: of ten pictures, for each value")->check(CLI::Range(1, 100'000));
   app.add_option("--json", json);
   CLI11_PARSE(app, argc, argv);
-  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // What is measured is seen at once, in a log too.
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // Line-buffered, so that results appear at once, in a log too.
   nlohmann::json figures;
   if (what == "pose") figures = cyclorama::measure_pose(quick ? 2000 : frames, threads, keep, seconds);
   if (what == "real") figures = cyclorama::measure_real();

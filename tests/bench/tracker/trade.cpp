@@ -9,7 +9,7 @@
 namespace cyclorama {
 namespace {
 
-/// Poses as the tracker measures them, before the filter, with the truth.
+/// Poses as measured by the tracker, before the filter, and the truth.
 struct Measured {
   double time_s;
   tracker::T_CameraTag pose, truth;
@@ -40,8 +40,8 @@ simulated::HandPath path_of(std::vector<simulated::KeyPose> keys, std::optional<
 }
 
 struct FilterFigures {
-  double lag_ms = 0.0;  ///< That explains most of the error while moving: least squares of error on speed.
-  double jitter = 0.0;  ///< Deviation at rest.
+  double lag_ms = 0.0;  ///< Lag that best explains the error while moving, by least squares of error on speed.
+  double jitter = 0.0;  ///< Standard deviation at rest.
 };
 
 /// Lag and jitter of one quantity: yaw in degrees, or x in millimetres.
@@ -69,7 +69,7 @@ FilterFigures figures_of(const std::vector<Measured>& moving, const std::vector<
 
 double yaw_of(const Eigen::Quaterniond& rotation) { return tracker::yaw_rad({rotation, {0, 0, 1}}) / kDegree; }
 
-/// `far`: at rest as well, twice as far away, where there is more to filter.
+/// `far`: also at rest, but twice as far away, where noise is larger.
 nlohmann::json filter_curve(const std::vector<Measured>& moving, const std::vector<Measured>& resting,
                             const std::vector<Measured>& far) {
   nlohmann::json points;

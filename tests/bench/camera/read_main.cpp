@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What it costs to read a camera's picture, per layout and size: the part of "shutter end to frame delivered" that is
-// ours. Prints a table; the last line is JSON. read_main [--quick]
+// Cost of reading a camera's picture, per layout and size: our share of the time from the shutter's end to the
+// delivered frame. Prints a table; the last line is JSON. Usage: read_main [--quick]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ struct Case {
   int height;
 };
 
-/// Edges and smooth parts, as in a room.
+/// Edges and smooth areas, as in a photograph of a room.
 RgbImage room(int width, int height) {
   RgbImage picture(width, height);
   for (int y = 0; y < height; ++y) {
@@ -45,7 +45,7 @@ void measure(const Case& wanted, int pictures, std::string* ret_json) {
   const SteadyClock clock;
   for (int i = 0; i < pictures; ++i) {
     const TimePoint begun_at = clock.now();
-    GreyImage grey;  // A new one for each, as for each CameraFrame.
+    GreyImage grey;  // A new picture each time, as for each CameraFrame.
     CHECK(camera::to_grey({wanted.layout, wanted.width, wanted.height, row, bytes}, &jpeg, &grey).has_value());
     ms.add(to_milliseconds(clock.now() - begun_at));
   }

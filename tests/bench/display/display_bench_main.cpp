@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The display's figures: display_bench exact|blit|trade|decode FILE|tiles FOLDER. Times are
-// processor time of all threads, the software rasteriser's included; what is compared takes turns, and a ratio is the
-// middle one of the turns'.
+// The display's figures: display_bench exact|blit|trade|decode FILE|tiles FOLDER. Times are processor time of all
+// threads, including the software rasteriser's. Compared variants take turns, and a ratio is the median over the turns.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <ctime>
@@ -37,7 +36,7 @@ void must(const Status& status) {
   if (!status) throw std::runtime_error(status.error().message());
 }
 
-/// A round room with three projectors of full HD, as the demo's but larger.
+/// A round room with three projectors of full HD: a larger version of the demo's.
 Installation hall() {
   Installation room = must(parse_installation(R"(
 name = "Hall"
@@ -90,7 +89,7 @@ RgbImage picture_of(const Panorama& panorama) {
   return picture;
 }
 
-/// The hall's heads on one output, and all that draws them.
+/// The hall's heads on one output, and everything that draws them.
 class Bench {
  public:
   explicit Bench(int panorama_px, double tolerance_px = 0.05) : room_(hall()), panorama_(room_.panorama(panorama_px)) {
@@ -121,7 +120,7 @@ class Bench {
     }
     return made;
   }
-  /// Of the texels that a display with these heads would take.
+  /// Returns the texture in the texel format that a display with these heads would choose.
   display::PanoramaTexture& texture_for(const std::vector<display::HeadPlan>& of) {
     return *textures_[display::texels_for(gl(), of) == display::Texels::kPacked ? 1 : 0];
   }
@@ -132,7 +131,7 @@ class Bench {
     }
     gl().Finish();
   }
-  /// The same pixels, said to be of another shape.
+  /// The same pixels with another shape.
   std::unique_ptr<display::PanoramaTexture> texture_of(const PictureShape& shape) {
     const bool is_packed = display::texels_for(gl(), plans) == display::Texels::kPacked;
     auto made = std::make_unique<display::PanoramaTexture>(gl(), *picture_programs_[is_packed ? 1 : 0]);
@@ -157,11 +156,12 @@ class Bench {
   SteadyClock clock_;
   Installation room_;
   Panorama panorama_;
-  std::vector<std::unique_ptr<display::PictureProgram>> picture_programs_;  // For halves, for packed texels.
+  // One for half floats, one for packed texels.
+  std::vector<std::unique_ptr<display::PictureProgram>> picture_programs_;
   std::vector<std::unique_ptr<display::PanoramaTexture>> textures_;
 };
 
-/// What pass 2 is compared with: the same pixels, each a bilinear sample of a picture of 8 bits, and nothing else.
+/// Reference for the cost of pass 2: the same pixels, each only a bilinear sample of an 8-bit picture.
 class Blit {
  public:
   explicit Blit(Bench* bench) : bench_(*bench), texture_(bench->gl()), array_(bench->gl()) {
@@ -248,7 +248,7 @@ Json blit(bool quick) {
     plan->colour.black = {0.01, 0.01, 0.01};
     plan->colour.black_lift = warp::BlackLiftImage(1920, 1080, 0.5f);
   });
-  // The hall's warps, as if they told places in these pictures: each pixel costs what it costs on such a wall.
+  // The hall's warps, interpreted as positions in these pictures: each pixel costs the same as on such a wall.
   const PictureShape flat = Perspective{1, 1, -1.1, 1.1, 0.7, -0.7, 0.1};
   const PictureShape dome = Fisheye{1, 1, 2.4, 0.6};
   const auto flat_texture = bench.texture_of(flat);
@@ -317,7 +317,7 @@ Json exact(bool quick) {
     if (difference > 1.0) fmt::print("head {}: {:.3f}, {}\n", n, difference, description(plan, panorama));
     worst_codes = std::max(worst_codes, difference);
   }
-  // Flat walls and domes, turned.
+  // Flat walls and domes, with the heading turned.
   double worst_turned = 0.0;
   for (int n = 0; n < count / 2; ++n) {
     const int width = heads.pixels(16, 200);
@@ -335,7 +335,7 @@ Json exact(bool quick) {
     worst_turned =
         std::max(worst_turned, worst_difference(image, plan, ExactPicture(picture, shape, turn), 0.02, 1.0 / 2048.0));
   }
-  // Where the picture is a ramp, a wrong place is a wrong code value: 1 px is `per_px` of light.
+  // In a steep ramp, a wrong position gives a wrong code value.
   double worst_px = 0.0;
   for (int n = 0; n < count / 4; ++n) {
     const int width = n % 2 == 0 ? 8192 : 1024;
@@ -351,7 +351,7 @@ Json exact(bool quick) {
     for (int y = 0; y < 90; ++y) {
       for (int x = 0; x < 160; ++x) {
         if (is_on_the_rim(plan.warp, x, y)) continue;
-        // The least move of the place that explains the code value, to its rounding.
+        // The smallest displacement that explains the code value, up to rounding.
         for (double off = 0.0; off <= 0.2; off += 0.001) {
           const double min =
               255.0 * std::min(reference.code_at(plan, x, y, -off)[1], reference.code_at(plan, x, y, off)[1]);
@@ -366,7 +366,7 @@ Json exact(bool quick) {
       }
     }
   }
-  // The hall as it is shown, pixel for pixel, nothing forgiven.
+  // The hall as shown, every pixel compared, without tolerance for edges.
   Bench bench(4096);
   const ExactPicture reference(*bench.frame.picture, bench.panorama(), 0.05);
   for (const display::HeadPlan& shown : bench.plans) {
@@ -521,7 +521,7 @@ Json trade(bool quick) {
   return figures;
 }
 
-/// One file, decoded as a tile is: megapixels per cpu-second. `tjbench` is asked by the script.
+/// Decodes one file in the same way as a tile: megapixels per cpu-second. The script compares it with `tjbench`.
 Json decode(const std::string& file, double seconds) {
   const std::vector<std::byte> jpeg = must(read_file(file, std::size_t{64} << 20));
   JpegDecoder decoder;
@@ -538,7 +538,7 @@ Json decode(const std::string& file, double seconds) {
   return {{"megapixels_per_s", 1e-6 * count * static_cast<double>(position.area()) / (cpu_s() - start)}};
 }
 
-/// Tiles as nodes send them, for decode() and for others.
+/// Writes tiles as sent by nodes, for decode() and other decoders.
 void write_tiles(const std::string& folder) {
   const RgbImage picture = picture_of({2048, 1024, 2.0, 0.5, -0.5});
   for (const int side : {256, 1024}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes every call of libdrm, GBM, EGL and udev that the DRM output makes fail once, in each way that it may, when the
-// show starts and in its middle; prints what the wall shows and how soon it is well again. Ends with 1 when it is not.
+// Makes every call of libdrm, GBM, EGL and udev in the DRM output fail once, in each possible way, when the show starts
+// and during the show. Prints what the wall shows and the time to recovery. Exits with 1 if it does not recover.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::size_t kHeads = 4;  // Three on the card that draws, one on another.
+constexpr std::size_t kHeads = 4;  // Three on the card that renders, one on another.
 constexpr int kMaxRefreshes = 30;
 
 struct Way {
@@ -25,10 +25,10 @@ struct Way {
 constexpr std::array<Way, 6> kWays{
     {{EBUSY, "EBUSY"}, {EACCES, "EACCES"}, {ENODEV, "ENODEV"}, {EINVAL, "EINVAL"}, {EIO, "EIO"}, {ENOMEM, "ENOMEM"}}};
 
-/// What the wall showed at one refresh, worst first.
+/// State of the wall at one refresh, worst first.
 enum class Seen { kDark, kOld, kOtherMode, kWell };
 
-/// The output's user: as the display's output keeper, but it tries again at once.
+/// The output's user; like the display's own, but it retries at once.
 class Show {
  public:
   Show() : machine_(cards(), &clock_) {
@@ -81,7 +81,7 @@ class Show {
     if (output_ == nullptr) return Seen::kDark;
     Seen worst = Seen::kWell;
     for (std::size_t head = 0; head < kHeads; ++head) {
-      if (!machine_.connector(head / 3, head % 3).is_connected) continue;  // Nobody can see that.
+      if (!machine_.connector(head / 3, head % 3).is_connected) continue;  // A disconnected head is invisible.
       const auto wall = machine_.wall(head / 3, head % 3);
       if (!wall) return Seen::kDark;
       const std::uint8_t* const p = wall->at(wall->width() / 2, wall->height() / 2);
@@ -104,14 +104,14 @@ class Show {
 struct Outcome {
   bool was_met = false;
   bool is_well = false;
-  int refreshes = 0;  ///< From the fault to all heads showing the newest picture.
+  int refreshes = 0;  ///< From the fault until all heads show the newest picture.
   int dark = 0;
   int old = 0;
   bool is_other_mode = false;
   bool was_made_anew = false;
 };
 
-/// Steps that make the output call everything that it ever calls; `step` says how far it came.
+/// Provokes all calls that the output can make; `step` selects the next provocation.
 void provoke(FakeMachine* machine, int step) {
   FakeConnector& swapped = machine->connector(0, 1);
   switch (step) {
@@ -140,7 +140,7 @@ Outcome run(const std::string& call, int error, bool is_start) {
   if (!is_start) {
     for (int n = 0; n < 5; ++n) show.refresh();
   }
-  // What nobody calls while opening a card that nobody else has.
+  // A call that is not made while opening a card that no other process holds.
   const bool is_taken_first = is_start && call == "drmSetMaster";
   if (is_taken_first) show.machine().set_master_taken(0, true);
   show.machine().fail(call, error);
@@ -153,7 +153,7 @@ Outcome run(const std::string& call, int error, bool is_start) {
     const Seen seen = show.refresh();
     if (!outcome.was_met && show.machine().was_fault_met()) {
       outcome.was_met = true;
-      // What was provoked is over: only the fault is left to recover from.
+      // Ends the provocations, so that only the fault is left to recover from.
       show.machine().set_master_taken(0, false);
       for (const auto& [card, number] : {std::pair(0, 1), std::pair(1, 0)}) {
         FakeConnector& back =
@@ -191,7 +191,7 @@ std::string text_of(const Outcome& outcome) {
   return text + fmt::format("well after {}", outcome.refreshes);
 }
 
-/// In the order of their names, as the first show called them.
+/// Returns the names of the calls in a first show, in alphabetical order.
 std::vector<std::string> all_calls() {
   Show show;
   for (int step = 0; step < 30; ++step) {
@@ -213,7 +213,7 @@ void try_one(const std::string& call, const Way& way, Totals* totals) {
   std::array<std::string, 2> shown;
   for (const bool is_start : {true, false}) {
     const Outcome outcome = run(call, way.error, is_start);
-    // Some calls are not made when the show starts: there is nothing to recover from.
+    // Some calls are not made at the start, so there is nothing to recover from.
     const bool counts = outcome.was_met || !is_start;
     shown[is_start ? 0 : 1] = counts ? text_of(outcome) : "(not called)";
     if (!counts) continue;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steering without a pattern, on rendered visitors whose truth is known: markerless_bench [--quick] [--json FILE].
-// Every picture is given to several trackers at once, of other sizes and rates, so that they can be compared.
-// With --recording VIDEO: what it makes of a recording, in which nothing is known but that people walk there.
+// Steering without a pattern, on rendered visitors with known truth: markerless_bench [--quick] [--json FILE]. Every
+// picture is given to several trackers of different sizes and rates, for comparison. With --recording VIDEO: results on
+// a recording of walking people, without truth.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
@@ -25,7 +25,7 @@ TimePoint at_time(double s) {
   return TimePoint(std::chrono::seconds(1000)) + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s));
 }
 
-/// One quantity's errors.
+/// Errors of one quantity.
 struct Errors {
   std::vector<double> values;
   void add(double value) { values.push_back(value); }
@@ -52,7 +52,7 @@ struct Figures {
   Errors x, depth, lean;
   int pictures = 0;  ///< While the visitor stands or steers.
   int found = 0;
-  int strangers = 0;  ///< Found while there was nobody to find.
+  int strangers = 0;  ///< Detections while there was no visitor.
   double jump_m = 0.0;
   double jump_rad = 0.0;
   std::vector<double> seconds;
@@ -108,9 +108,9 @@ void print(const std::string& name, const Figures& f) {
   std::fflush(stdout);
 }
 
-/// One tracker among those that see the same pictures.
+/// One of the trackers that receive the same pictures.
 struct Runner {
-  int every = 1;  ///< Of how many pictures it sees one.
+  int every = 1;  ///< Receives one in this many pictures.
   tracker::BodyTracker tracker;
   Figures figures{};
   std::optional<tracker::BodyPose> last{};
@@ -224,7 +224,7 @@ nlohmann::json curve(bool quick, int only_width) {
   return points;
 }
 
-/// What comes of a recording: how often somebody is followed, for how long, and how far poses jump.
+/// Results on a recording: number and duration of the periods in which somebody is followed, and jumps of poses.
 nlohmann::json recording(const std::string& path, double field_of_view_deg, double mark_distance_m,
                          const std::string& out) {
   auto camera = devices::make_camera("file:" + path + "?loop=no&frames_per_second=10", SteadyClock());

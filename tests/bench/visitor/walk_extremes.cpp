@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The walk at its ends: hands, stamps, rates and rooms as no visit has them. What is shown is measured, and must stay
-/// within the comfort limits.
+/// The walk under extreme hands, timestamps, rates and rooms that no visit has. The shown movement is measured and must
+/// stay within the comfort limits.
 ///
-///   walk_extremes [--quick]        a table, and last a JSON object: {"cases", "failures", peaks of all}
+///   walk_extremes [--quick]        prints a table and finally a JSON object: {"cases", "failures", peaks of all}
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct Case {
   Duration picture = 33ms;
   RandomHand::Habits habits{};
   double scale = 1.0;
-  double irregular = 0.0;  ///< Part of the steps that are of any other length, backwards too.
+  double irregular = 0.0;  ///< Fraction of steps with an arbitrary, even negative, length.
   std::function<void(tour::PoseSeen*)> spoil{};
   bool narrow = false;
 };
@@ -76,13 +76,13 @@ tour::ViewPeaks walk_through(const Case& at) {
     walk = tour::after(std::move(walk), tour::Tick{}, now, settings);
     const tour::Walker& walker = walk.navigation.walker;
     if (!walk.site.area->allows(walker.position_m)) meter.add({std::nan(""), 0.0}, 0.0, now);
-    // Time that runs back, or stands, must not move anything; time that leaps moves as if by kMaxStep.
+    // Time that stands or runs backwards must not move anything; time that jumps moves at most by kMaxStep.
     meter.add(walker.position_m, walker.heading_rad, now);
   }
   return meter.peaks();
 }
 
-/// The longest from the last picture to rest, over many moments at which the wand is lost.
+/// Longest time from the last picture to rest, over many moments at which the wand is lost.
 double max_rest_s(int trials) {
   double longest = 0.0;
   for (int trial = 0; trial < trials; ++trial) {
@@ -101,7 +101,7 @@ double max_rest_s(int trials) {
       }
       walk = tour::after(std::move(walk), tour::Tick{}, now, settings);
     }
-    // Pictures that show no pose are lost ones, too: of a hand that was wild for so long, rest was before.
+    // Pictures without a pose count as lost, so after a long wild movement the walk may be at rest already.
     if (walk.navigation.walker.is_at_rest()) continue;
     while (!walk.navigation.walker.is_at_rest() && now < seen_at + 5s) {
       now += 16'666'667ns;
@@ -112,12 +112,12 @@ double max_rest_s(int trials) {
   return longest;
 }
 
-/// As of a camera that hangs head down.
+/// Pose from a camera that is mounted upside down.
 void turn_over(tour::PoseSeen* seen) {
   seen->position_m[0] = -seen->position_m[0];
   seen->position_m[1] = -seen->position_m[1];
   const auto [w, x, y, z] = seen->rotation;
-  seen->rotation = {-z, -y, x, w};  // Half a turn about the camera's axis, then what it was.
+  seen->rotation = {-z, -y, x, w};  // A half turn about the camera's axis, applied after the original rotation.
 }
 
 }  // namespace
@@ -165,7 +165,7 @@ int main(int argc, char** argv) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   for (const Case& at : cases) {
     const tour::ViewPeaks peaks = walk_through(at);
-    // Measured from differences of places: rounding takes its part where steps are short and rooms are wide.
+    // Computed from differences of positions, so rounding matters where steps are short and rooms are large.
     const bool even = at.irregular == 0.0;
     const bool within =
         peaks.finite && peaks.speed_m_per_s <= tour::kComfort.speed_m_per_s * (1 + 1e-4) &&

@@ -57,7 +57,8 @@ double relative_bytes(std::span<const balance::PlannedBlock> plan, balance::Pict
 }  // namespace
 
 double relative_jpeg_bytes(const PixelRect& tile) {
-  // Log-log interpolation of the four measured points, over the side of a square with the same perimeter per area.
+  // Log-log interpolation of the four measured points, over the side of a square with the same ratio of perimeter to
+  // area.
   constexpr std::array<std::array<double, 2>, 4> kMeasured{{{32, 2.0}, {64, 0.5}, {128, 0.13}, {256, 0.04}}};
   const double side = 2.0 * tile.width * tile.height / (tile.width + tile.height);
   std::size_t i = 1;

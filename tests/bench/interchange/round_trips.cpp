@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many generated warps of each format: written, read, compared and written again; and as many broken ones, which must
-// be refused by an error that names the file, the place and what to do. interchange_round_trips FILES_PER_FORMAT FOLDER
+// Writes, reads, compares and rewrites many generated warps of each format. As many corrupted ones must be refused by
+// an error that names the file, the position and the remedy. Usage: interchange_round_trips FILES_PER_FORMAT FOLDER
 #include <fmt/format.h>
 
 #include <cmath>
@@ -39,7 +39,7 @@ void put(const Path& path, const std::string& bytes) {
   CHECK(write_file_atomically(path, std::string_view(bytes)).has_value());
 }
 
-/// Names the file, then a place in it, then after a semicolon the remedy.
+/// Returns true if the error names the file, then a position in it, then after a semicolon the remedy.
 bool says_all(const Error& error, const Path& path) {
   static const std::regex position(
       "(byte|line|member|region|buffer|mesh node|PNG|end|display|zip directory|mpcdi.xml|SimCAD|mesh)");
@@ -54,8 +54,8 @@ class Bench {
  public:
   Bench(int files, Path folder) : files_(files), folder_(std::move(folder)) {}
 
-  /// `trip` writes a generated warp to the path, reads it, and says whether all came back, byte by byte where the
-  /// format is one that we write. `broken` breaks what lies there; `read` reads it again.
+  /// `trip` writes a generated warp to the path, reads it, and returns true if it is unchanged, byte by byte for
+  /// formats that we write. `broken` corrupts the file; `read` reads it again.
   void format(const std::string& name, const std::string& ending,
               const std::function<bool(GeneratedWarps*, const Path&)>& trip,
               const std::function<std::vector<Corrupted>(const std::string&, GeneratedWarps*)>& broken,
@@ -164,7 +164,7 @@ bool trip_obj(GeneratedWarps* made, const Path& path) {
   return interchange::write_warp_obj(path, *back).has_value() && bytes_in(path) == first;
 }
 
-/// We only read these two: the file is laid out here, as its makers do.
+/// We only read this and the next format, so the file is composed here as its programs write it.
 bool trip_domeprojection(GeneratedWarps* made, const Path& path) {
   interchange::WarpNet net = made->grid();
   std::string text = "x;y;u;v;column;row\n";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long simulated museums take: to be made, per new pose of the camera, per photograph of a new pattern. And what
-// they look like: museum_bench [--quick] [--pictures FOLDER].
+// Times of simulated museums: to make one, per new pose of the camera, and per photograph of a new pattern. Also writes
+// their pictures. Usage: museum_bench [--quick] [--pictures FOLDER].
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -16,7 +16,7 @@
 namespace cyclorama {
 namespace {
 
-/// Stripes of a Gray code's bit, as calibrations show them.
+/// Stripes of one bit of a Gray code, as in calibrations.
 RgbImage stripes(const Pinhole& lens, int bit, bool is_inverse) {
   RgbImage picture(lens.width_px, lens.height_px);
   for (int y = 0; y < lens.height_px; ++y) {
@@ -30,7 +30,7 @@ RgbImage stripes(const Pinhole& lens, int bit, bool is_inverse) {
   return picture;
 }
 
-/// A grid of a projector's own colour on grey, with a thick frame.
+/// A grid in a projector's own colour on grey, with a thick frame.
 RgbImage chart(const Pinhole& lens, std::size_t projector) {
   RgbImage picture(lens.width_px, lens.height_px, 40);
   for (int y = 0; y < lens.height_px; ++y) {
@@ -49,7 +49,7 @@ struct Times {
   double pose_ms = 0.0;
   double grey_ms = 0.0;
   double colour_ms = 0.0;
-  double calibration_s = 0.0;  ///< 12 directions of 60 patterns on all projectors at once.
+  double calibration_s = 0.0;  ///< For 12 directions with 60 patterns on all projectors at once.
 };
 
 Result<Times> measure(const simulated::Preset& preset, int directions, int patterns, bool is_whole) {
@@ -65,7 +65,7 @@ Result<Times> measure(const simulated::Preset& preset, int directions, int patte
   double photograph_s = 0.0;
   for (int d = 0; d < directions; ++d) {
     museum.turn_to((d - 0.5 * (directions - 1)) * std::numbers::pi / 18.0);
-    // The first photograph finds out where everything is; what it shows is not new.
+    // The first photograph computes the geometry; the next ones measure new patterns.
     begun = clock.now();
     TRY_ASSIGN(const simulated::GreyPhotograph first, museum.photograph_grey(1.0 / 30.0));
     pose_s += to_seconds(clock.now() - begun);
@@ -110,7 +110,7 @@ Status run(bool is_quick, const std::string& pictures) {
       TRY(take_pictures(name, preset, pictures));
       continue;
     }
-    // The whole of one calibration; of the others so much as shows their speed.
+    // One complete calibration; for the others, a part suffices to show the speed.
     const bool is_whole = !is_quick && name == "cylinder126";
     TRY_ASSIGN(const Times t, measure(preset, is_whole ? 12 : 2, is_whole ? 60 : 8, is_whole));
     fmt::print("{:<20} {:>7.2f} {:>9.0f} {:>15.1f} {:>10.1f} {:>14.1f}{}\n", name, t.make_s, t.pose_ms, t.grey_ms,

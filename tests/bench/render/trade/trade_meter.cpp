@@ -132,7 +132,7 @@ double own_relmse(const render::Film& film) {
   const render::ScalarImage variance = film.variance();
   double sum = 0.0;
   for (std::size_t i = 0; i < variance.data().size(); ++i) {
-    const auto light = static_cast<double>(mean.data()[3 * i + 1]);  // Green is most of the luminance.
+    const auto light = static_cast<double>(mean.data()[3 * i + 1]);  // Green dominates the luminance.
     sum += static_cast<double>(variance.data()[i]) / (light * light + quality::kRelativeErrorFloor);
   }
   return sum / static_cast<double>(variance.data().size());

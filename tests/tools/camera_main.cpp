@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our own rendered pictures through a real V4L2 device, the kernel's vivid, for tests/image/camera_test.py. The first
-// process of a virtual machine: loads the driver, joins its output to its input, looks at what the V4L2 camera reads
-// there, breaks it in every way that the driver knows, and at last lets cyclorama-tracker itself run while the camera
-// is unplugged and plugged in again. Says one line "camera: ..." for each; ends with "camera: ok" or "camera: failed:
-// ...".
+// Rendered pictures through a real V4L2 device, the kernel's vivid, for tests/image/camera_test.py. First process of a
+// virtual machine: loads the driver, connects its output to its input, checks what the V4L2 camera reads, provokes
+// every fault that the driver can simulate, and finally runs cyclorama-tracker while the camera is unplugged and
+// plugged in again. Prints a line "camera: ..." for each step, and at the end "camera: ok" or "camera: failed: ...".
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/reboot.h>
@@ -39,7 +38,7 @@ void say(const std::string& line) {
 
 Error failure(std::string what) { return {ErrorCode::kBadData, std::move(what)}; }
 
-/// A hand with the standard wand, 1 m away and 12° turned.
+/// A hand with the standard wand, 1 m away and turned by 12°.
 simulated::SimulatedView the_view() {
   simulated::Simulation simulation;
   simulated::KeyPose key;
@@ -56,7 +55,7 @@ Result<std::unique_ptr<camera::Camera>> started(const std::string& options, cons
   return camera;
 }
 
-/// The first picture that is the sent one, bit for bit: what was on its way before may be the driver's own.
+/// Waits for the first picture that equals the sent one bit for bit; earlier ones may be the driver's own.
 Status await_picture(camera::Camera* camera, const GreyImage& sent, const Clock& clock) {
   int others = 0;
   for (const TimePoint until = clock.now() + seconds(20); clock.now() < until; ++others) {
@@ -83,11 +82,11 @@ Status look(const std::string& options, const GreyImage& sent, const Clock& cloc
     same += frame->pixels == sent ? 1 : 0;
     if (i == 0) first = frame->sequence;
     last = frame->sequence;
-    // Every tenth: a virtual machine without hardware detects slower than the driver sends.
+    // Every tenth picture, since detection in a virtual machine without acceleration is slower than the driver.
     if (i % 10 != 0) continue;
     TRY_ASSIGN(const std::vector<tags::TagDetection> tags, detector.detect(frame->pixels));
     detect_ms.add(to_milliseconds(clock.now() - delivered_at));
-    found += tags.size() == 3 ? 1 : 0;  // The standard wand's.
+    found += tags.size() == 3 ? 1 : 0;  // The standard wand has three.
   }
   say(fmt::format(
       "pictures {}: {} of {} bit for bit, tag found in {} of {}, {} dropped; stamp to delivery p50 {:.2f} ms, "
@@ -106,7 +105,7 @@ Status check_another_program(const Clock& clock) {
   return Done{};
 }
 
-/// What a fault of the driver's leads to: an Error, or none within a second.
+/// Checks the effect of a driver's fault: an Error, or none within a second.
 Status check_fault(const std::string& control, const GreyImage& sent, const Clock& clock) {
   TRY_ASSIGN(const std::unique_ptr<camera::Camera> camera, started("", clock));
   TRY(await_picture(camera.get(), sent, clock));
@@ -151,7 +150,7 @@ Status write_text(const char* path, std::string_view text) {
   return Done{};
 }
 
-/// Runs cyclorama-tracker; what it says comes to the console.
+/// Runs cyclorama-tracker, with its output on the console.
 class TrackerProcess {
  public:
   TrackerProcess() : id_(::fork()) {
@@ -171,7 +170,7 @@ class TrackerProcess {
   pid_t id_;
 };
 
-/// Camera out, camera in, while the tracker runs. The host reads what the tracker says meanwhile.
+/// Unplugs and replugs the camera while the tracker runs; the host reads the tracker's output meanwhile.
 Status check_tracker(const GreyImage& sent) {
   const auto wait = [](seconds time) { std::this_thread::sleep_for(time); };
   TRY_ASSIGN(std::unique_ptr<VividCable> cable, VividCable::plug(sent));

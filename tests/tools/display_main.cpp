@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// test-display: the real display with a clock that is wrong, for tests/bench/display/sync.py. It draws into memory and
-// writes one line per refresh: when it was, on the machine's true clock; its shared number, - for none; the frame that
-// was seen; by how many refreshes it and the heading came late; the heading; how many milliseconds before its shared
-// refresh it was begun. At the end it writes its gauges.
+// test-display: the real display with a wrong clock, for tests/bench/display/sync.py. It draws into memory and writes
+// one line per refresh: its time on the machine's true clock; its shared number, or - for none; the frame that was
+// shown; the lateness of the frame and of the heading in refreshes; the heading; and the lead of the drawing's start
+// over the shared refresh in milliseconds. At the end it writes its gauges.
 #include <fmt/os.h>
 
 #include "appliance/display/display.h"

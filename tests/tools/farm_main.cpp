@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// test-farm: a farm of plain or striped pictures that take so long each, and, once a tour is there, a visitor who turns
-// for ever. For tests/bench/display/sync.py and tests/bench/visitor/motion_to_photon.py. Says "port N", reads the
-// tour's address, and at the end tells the tour's gauges and its state.
+// test-farm: a farm of plain or striped pictures with a given rendering time, and, once a tour is connected, a visitor
+// who turns continuously. For tests/bench/display/sync.py and tests/bench/visitor/motion_to_photon.py. Prints "port N",
+// reads the tour's address, and at the end prints the tour's gauges and state.
 #include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@
 namespace cyclorama {
 namespace {
 
-/// A visitor at the tour's keys.
+/// A visitor who steers by keys.
 class Visitor {
  public:
   static Result<Visitor> at(const std::string& tour) {
@@ -31,7 +31,8 @@ class Visitor {
     wire::SteerRequest request;
     request.set_turn(0.3);
     wire::SteerReply reply;
-    static_cast<void>(wire::Tour::NewStub(channel_)->Steer(&context, request, &reply));  // It may start still.
+    // A failure is harmless: the next call repeats the key.
+    static_cast<void>(wire::Tour::NewStub(channel_)->Steer(&context, request, &reply));
   }
   void print_gauges() const {
     grpc::ClientContext context;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures through libcamera itself, for tests/image/camera_test.py: the first process of a virtual machine, where its
-// virtual camera shows one photo again and again. Says "libcamera: ..." per step, at last "libcamera: ok" or "failed:
-// ...".
+// Pictures through libcamera itself, for tests/image/camera_test.py: first process of a virtual machine, whose virtual
+// camera shows one photo repeatedly. Prints "libcamera: ..." per step, and at the end "libcamera: ok" or "failed: ...".
 #include <fmt/format.h>
 #include <sys/reboot.h>
 
@@ -56,7 +55,7 @@ Status look(camera::Camera* camera, const Clock& clock) {
       "ms",
       camera->id(), kPictures, frame->pixels.width(), frame->pixels.height(), frame->sequence - first + 1 - kPictures,
       *means.begin(), *means.rbegin(), latency_ms.at(0.5), latency_ms.at(0.95)));
-  // Late: what was finished meanwhile is dropped but for the newest.
+  // A late reader: of the pictures finished meanwhile, all but the newest are dropped.
   std::this_thread::sleep_for(std::chrono::milliseconds(400));
   TRY_ASSIGN(const auto late, camera->next_frame(clock.now() + seconds(5)));
   say(fmt::format("after a pause of 400 ms: {} later, {:.1f} ms old", late->sequence - frame->sequence,

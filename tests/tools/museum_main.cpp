@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A museum that trusts nobody: keeps a visit open, walks in a circle, and looks at every pixel of what comes. One line
-// of JSON on standard output per event; times are CLOCK_MONOTONIC's, so those of all processes of a machine compare.
+// A museum that verifies everything: keeps a session open, walks in a circle, and checks every pixel that it receives.
+// One line of JSON on standard output per event; times are CLOCK_MONOTONIC, so those of all processes of a machine are
+// comparable.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,7 +55,7 @@ std::uint64_t digest_of(std::span<const std::byte> bytes) {
   return digest;
 }
 
-/// All that a picture depends on: the same digits, the same picture.
+/// Everything that a picture depends on: equal digits mean equal pictures.
 std::string to_hex(const wire::View& view) {
   std::string hex;
   for (const char byte : view.SerializeAsString()) {
@@ -63,7 +64,7 @@ std::string to_hex(const wire::View& view) {
   return hex;
 }
 
-/// Nothing for what to_hex() never writes.
+/// Returns nothing for text that to_hex() never writes.
 std::optional<wire::View> view_from_hex(std::string_view hex) {
   std::string bytes;
   for (; hex.size() >= 2; hex.remove_prefix(2)) {
@@ -77,8 +78,8 @@ std::optional<wire::View> view_from_hex(std::string_view hex) {
   return view;
 }
 
-/// One view per line, numbers growing: its number alone, or all of it as to_hex() writes it, which begins with 0 as no
-/// number does. Errors as read_file(), and kBadData.
+/// Reads one view per line, with increasing numbers: either only the number, or the whole view as written by to_hex(),
+/// which begins with 0, unlike a number. Errors: as read_file(), and kBadData.
 Result<std::deque<wire::View>> read_views(const std::string& path) {
   constexpr std::size_t kLimitBytes = 64 << 20;
   TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path, kLimitBytes));
@@ -102,7 +103,7 @@ Result<std::deque<wire::View>> read_views(const std::string& path) {
   return views;
 }
 
-/// How often each cell of the 16-pixel grid was sent: a frame is whole when that is once everywhere.
+/// Counts how often each cell of the 16-pixel grid was sent; in a complete frame every count is one.
 class Cover {
  public:
   Cover() = default;
@@ -128,12 +129,12 @@ class Cover {
   std::vector<int> cells_{};
 };
 
-/// Asks, and bears witness. ask() from the main thread, the rest from the client's.
+/// Requests views and records events. ask() is called on the main thread, everything else on the client's.
 class Witness final : public client::FarmListener {
  public:
   explicit Witness(const Arguments& arguments) : arguments_(arguments) {}
 
-  /// What a view of nothing but a number shows depends on that alone. False when no visit was open yet.
+  /// A view with only a number is completed from that number alone. Returns false if no session is open yet.
   bool ask(client::FarmClient& client, wire::View view) {
     const std::lock_guard lock(mutex_);
     if (!scene_) return false;
@@ -153,7 +154,7 @@ class Witness final : public client::FarmListener {
     say({{"event", "opened"}, {"scene", scene.name()}});
   }
   void on_lost(const Error& reason) override {
-    // What the client found against farm.proto is the farm's fault; everything else is a connection that ended.
+    // A violation of farm.proto is the farm's fault; everything else is a connection that ended.
     say({{"event", reason.code() == ErrorCode::kBadData ? "violation" : "lost"}, {"reason", reason.message()}});
   }
   void on_begin(const wire::View& view) override {
@@ -211,7 +212,7 @@ class Witness final : public client::FarmListener {
                                 static_cast<int>(tile.width_px()), static_cast<int>(tile.height_px()),
                                 picture_.row_values());
   }
-  /// Colours of half the pixels are made smooth as far as their tile goes, so that they depend on where it was cut.
+  /// Halved chroma is interpolated only within its tile, so it depends on where the picture was cut.
   Status draw_grey(const wire::Tile& tile) {
     const auto width = static_cast<int>(tile.width_px()), height = static_cast<int>(tile.height_px());
     TRY_ASSIGN(const GreyImage grey, decoder_.decode_grey(std::as_bytes(std::span(tile.jpeg())),
@@ -260,9 +261,9 @@ class Witness final : public client::FarmListener {
   std::optional<wire::SceneDescription> scene_{};
   std::map<std::uint64_t, double> asked_at_;
   int ended_ = 0;
-  // The client's thread only.
+  // Used only on the client's thread.
   wire::View view_;
-  RgbImage picture_;  ///< Grey where the farm chose to halve the colours.
+  RgbImage picture_;  ///< Grey if the farm chose to halve the chroma.
   std::uint64_t last_ended_ = 0;
   Cover cover_;
   std::size_t bytes_ = 0;
@@ -270,7 +271,7 @@ class Witness final : public client::FarmListener {
   JpegDecoder decoder_;
 };
 
-/// At its rate, for ever; with a list of views, these, each when the frame before has ended.
+/// Requests views at the given rate for ever; or, with a list, each of its views when the previous frame has ended.
 void walk(const Arguments& arguments, std::deque<wire::View> list, Witness& witness, client::FarmClient& client,
           const StopSignal& stop) {
   const bool lockstep = !list.empty();

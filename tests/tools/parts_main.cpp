@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// test-parts: a museum's parts as the operator page sees them, all of them pretended: a tour, a display of three
-/// heads, a tracker and a calibrator. For looking at the page in a browser.
+/// test-parts: simulates a museum's parts as shown on the operator page: a tour, a display of three heads, a tracker
+/// and a calibrator. For viewing the page in a browser.
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Vaults before an evening sky, seen from `heading`.
+/// Vaults in front of an evening sky, seen from `heading`.
 RgbImage vaults(int width, int height, double heading) {
   RgbImage picture(width, height);
   for (int y = 0; y < height; ++y) {
@@ -94,7 +94,7 @@ struct Parts {
     tell_healing(&calibrator.inspection);
   }
 
-  /// As cyclorama-projectors does.
+  /// Publishes the lamps' state in the same way as cyclorama-projectors.
   void tell_lamps(bool is_unwell) {
     wire::Table table;
     table.set_name("projectors");

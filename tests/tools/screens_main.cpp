@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a room's wall shows of a scene, without a farm, a network and a graphics card: the ray tracer makes the picture
-// that installation.toml asks for, each projector's is warped and blended in double precision, and the simulated room
-// is photographed.
+// Shows a scene on a room's wall without a farm, a network or a graphics card: the ray tracer renders the picture that
+// installation.toml requires, each projector's picture is warped and blended in double precision, and the simulated
+// room is photographed.
 #include <fmt/format.h>
 
 #include <numbers>

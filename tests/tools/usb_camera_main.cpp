@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The V4L2 camera on a USB camera, for tests/image/usb_camera_guest_test.py: the first process of a virtual machine,
-// whose kernel drives the emulated camera (tests/image/usb_camera.py) by its own uvcvideo. Says "usb: ..." of each
-// picture that is another than the one before, with the fingerprint that usb_camera.py's fingerprint() makes; when it
-// is unplugged, and when it is there again. Then it becomes cyclorama-tracker with that camera.
+// The V4L2 camera on a USB camera, for tests/image/usb_camera_guest_test.py: first process of a virtual machine, whose
+// kernel drives the emulated camera (tests/image/usb_camera.py) with its own uvcvideo. Prints "usb: ..." for each
+// picture that differs from the previous one, with the same fingerprint as usb_camera.py's fingerprint(), and when the
+// camera is unplugged and present again. Then it becomes cyclorama-tracker with that camera.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -19,7 +19,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr int kPlugged = 2;  ///< So many times; the host unplugs it after what it sent was seen.
+/// Number of times that the camera is plugged in; the host unplugs it after its pictures were seen.
+constexpr int kPlugged = 2;
 
 void say(const std::string& line) {
   fmt::print("usb: {}\n", line);
@@ -33,7 +34,7 @@ std::uint64_t fingerprint(std::span<const std::uint8_t> bytes) {
   return hash;
 }
 
-/// Until it is unplugged.
+/// Reads pictures until the camera is unplugged.
 Status look(camera::Camera* camera, const Clock& clock) {
   TRY(camera->start());
   std::uint64_t shown = 0;
@@ -48,7 +49,7 @@ Status look(camera::Camera* camera, const Clock& clock) {
     const std::uint64_t now = fingerprint((*frame)->pixels.data());
     same = now == shown ? same + 1 : 0;
     shown = now;
-    // Once when it changes, once when it has stayed.
+    // Once when it changes, and once when it has stayed the same.
     if (same != 0 && same != 10) continue;
     say(fmt::format("picture {:016x} {}x{}, {} the same before it, exposure {:.1f} ms", now, (*frame)->pixels.width(),
                     (*frame)->pixels.height(), same, to_milliseconds((*frame)->exposure)));

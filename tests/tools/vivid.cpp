@@ -25,7 +25,7 @@ Status ask(int fd, unsigned long code, void* argument, const char* doing) {
   return Error::from_errno(doing);
 }
 
-/// Vivid's node with this capability.
+/// Opens vivid's node with this capability.
 Result<UniqueFd> open_node(std::uint32_t capability, std::string* ret_path = nullptr) {
   for (int number = 0; number < 16; ++number) {
     const std::string path = fmt::format("/dev/video{}", number);
@@ -53,7 +53,7 @@ Status set_control_of(int fd, const std::string& name, int value) {
   return Error(ErrorCode::kNotFound, fmt::format("vivid has no control '{}'", name));
 }
 
-/// 640x480 at 60 per second, of all that it knows.
+/// Selects 640x480 at 60 per second from the driver's list.
 Status set_timings(int fd) {
   v4l2_enum_dv_timings known{};
   while (::ioctl(fd, VIDIOC_ENUM_DV_TIMINGS, &known) == 0) {
@@ -105,7 +105,8 @@ Result<std::unique_ptr<VividCable>> VividCable::plug(const GreyImage& picture) {
   TRY_ASSIGN(cable->output_, open_node(V4L2_CAP_VIDEO_OUTPUT));
   const int fd = cable->output_.get();
   TRY(set_size(fd, true));
-  // Until 6.11 one switch; later each input is joined to an output, the first to the first by default.
+  // Before Linux 6.11 this is one switch; later each input is connected to an output, by default the first to the
+  // first.
   if (!VividCable::set_control("Loop Video", 1)) TRY(VividCable::set_control("HDMI 000-0 Is Connected To", 2));
   v4l2_requestbuffers wanted{};
   wanted.count = kBuffers;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Known pictures on the heads of this machine's graphics card, for tests/image/heads_test.py: eight bars of colour, and
-// in the lowest 32 rows one white square per head's number. As a virtual machine's first process it also mounts what it
-// needs and loads /modules/*. Says "wall: ..." once it shows, and again whenever the heads' modes change; then "pacing:
-// ..." after every 200 pictures.
+// Known pictures on the heads of this machine's graphics card, for tests/image/heads_test.py: eight colour bars, and in
+// the lowest 32 rows as many white squares as the head's number. As a virtual machine's first process it also mounts
+// file systems and loads /modules/*. Prints "wall: ..." once it shows and whenever the heads' modes change, and
+// "pacing: ..." after every 200 pictures.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mount.h>
@@ -64,7 +64,7 @@ void become_first_process() {
   }
 }
 
-/// How the last pictures came to one head. A picture's age counts from when it was begun.
+/// Pacing of the last pictures on one head. A picture's age counts from when its drawing began.
 class HeadPacing {
  public:
   void take(const output::HeadShown& shown, TimePoint begun_at) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A hand with the standard wand as a camera sees it, for tests/image: test-wand FILE YAW_DEG DISTANCE_M writes 640x480
-// grey bytes.
+// Draws a hand with the standard wand as seen by a camera, for tests/image: test-wand FILE YAW_DEG DISTANCE_M writes
+// 640x480 grey bytes.
 #include <fmt/format.h>
 
 #include <cstdlib>

@@ -23,7 +23,7 @@ std::string place_of(const std::string& kind, ConfigTable* camera) {
   if (position.find_first_of("?&\n") != std::string::npos)
     camera->refuse(key, "holds '?', '&' or a line's end; no port does");
   if (key == kPath && !position.starts_with("/")) camera->refuse(kPath, "must be a path, as /dev/v4l/by-path/...");
-  // Only V4L2 takes a device path here; libcamera's ids are device tree paths.
+  // A V4L2 port is no path, whereas libcamera's ids are device tree paths.
   if (key == kPortKey && kind == "v4l2" && position.starts_with("/")) {
     camera->refuse(kPortKey, "is a path; write device = \"...\"");
   }

@@ -34,8 +34,8 @@ Result<Card> Card::open(const std::filesystem::path& path) {
   card.path_ = path;
   card.fd_ = UniqueFd(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK));
   if (!card.fd_.is_open()) return Error::from_errno(fmt::format("opening '{}'", path.string()));
-  // The first process to open the card becomes master automatically; this handles one that opened it earlier than its
-  // predecessor left.
+  // The first process to open a card becomes its master automatically; one that opened it second acquires the right
+  // here once the first has left.
   if (drmIsMaster(card.fd()) == 0) {
     if (auto master = card.become_master(); !master) {
       return Error(ErrorCode::kBusy, fmt::format("'{}' belongs to another display server ({}); stop that one",

@@ -56,8 +56,8 @@ class ProjectorLight {
   bool is_lit_ = false;
 };
 
-/// Newest picture of a head for each eye. Synchronised displays share the refresh count; a room with several displays
-/// that are not synchronised may confuse the eyes.
+/// Newest picture of a head for each eye. A synchronised display counts refreshes together with others, and a room with
+/// several such displays may confuse the eyes.
 class TwoEyes {
  public:
   explicit TwoEyes(StereoPacking packing) : packing_(packing) {}

@@ -79,7 +79,7 @@ struct ConfigTable::Node {
     }
     return std::nullopt;
   }
-  /// Returns the known key that is most similar to an unknown one; empty if there is none.
+  /// Returns a known key that equals `key` apart from its unit or is within two edits of it; empty if there is none.
   [[nodiscard]] std::string meant_by(std::string_view key) const {
     for (const std::string& known : asked) {
       if (without_unit(known) == without_unit(key)) return known;

@@ -11,7 +11,7 @@
 namespace cyclorama {
 
 /// Decodes the channels R, G and B, or Y alone (grey), of a file with one part whose data window equals its display
-/// window, of any compression, in rows or tiles; of several tile sizes, the largest. Linear light; texels pass
+/// window, of any compression, in rows or tiles; of several resolutions, the highest. Linear light; texels pass
 /// sane_radiance(). Errors: kBadData if the file is damaged or truncated, has another layout (named, with the remedy),
 /// or has more than `limit_px` pixels, which are refused before memory is allocated for them. Reentrant.
 Result<RadianceImage> decode_openexr(std::span<const std::byte> bytes, std::size_t limit_px);

@@ -35,7 +35,7 @@ class WatermarkDetector {
 
  private:
   static constexpr int kPeriod = kWatermarkPeriodCells;
-  /// Difference of each cell of the period from its neighbours, averaged over all periods of the picture.
+  /// Difference of each cell of the period from its neighbours, summed over all periods of the picture.
   using Fold = std::array<float, static_cast<std::size_t>(kPeriod) * kPeriod>;
   [[nodiscard]] const Fold& fold_at(int x, int y) const {
     return folds_[static_cast<std::size_t>(y) * static_cast<std::size_t>(cell_px_) + static_cast<std::size_t>(x)];

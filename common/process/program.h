@@ -2,7 +2,7 @@
 /// The common behaviour of all programs: --help, --version, exit codes, one clear error.
 ///
 ///   int main(int argc, char** argv) {
-///     Program program("cyclorama-tour", "Leads the visit: steers, asks the farm, feeds the displays.");
+///     Program program("cyclorama-tour", "Leads the visit: requests pictures, feeds the displays.");
 ///     std::string config; program.options().add_option("--site", config, "site.toml")->required();
 ///     return program.run(argc, argv, [&](const StopSignal& stop) { return run_tour(config, stop); });
 ///   }

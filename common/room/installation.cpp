@@ -42,7 +42,7 @@ Plug read_plug(ConfigTable* table) {
   Plug plug;
   plug.connector = table->text("connector", "");
   if (table->has("card")) plug.card = table->integer("card", {0, 15});
-  if (plug.card && plug.connector.empty()) table->refuse("card", "says nothing without a 'connector'");
+  if (plug.card && plug.connector.empty()) table->refuse("card", "has no effect without a 'connector'");
   if (plug.connector.find(':') != std::string::npos)
     table->refuse("connector", "is a connector's name, such as HDMI-A-1; write card = 1 for one on the second card");
   plug.turn_deg = table->integer("turn_deg", {0, 270}, 0);

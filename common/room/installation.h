@@ -73,7 +73,7 @@ struct Installation {
   /// middle.
   [[nodiscard]] Panorama panorama(int width_px) const;
   /// Returns picture() for one eye, or for both if there is stereo: then each eye has that many pixels, but the height
-  /// is rounded up to a cut.
+  /// is rounded up to a multiple of kCutPx.
   [[nodiscard]] Projection projection(int width_px, int height_px = 0) const;
   /// Distance from the sweet spot at which the eyes converge (Viewing::screen_distance_m) for `picture`. Exact for a
   /// plane, and for a cylinder or dome about the sweet spot. For other walls it is the inverse of the mean inverse

@@ -31,7 +31,7 @@ class Visitor {
     wire::SteerRequest request;
     request.set_turn(0.3);
     wire::SteerReply reply;
-    // A failure is harmless: the next call repeats the key.
+    // May fail while the tour starts.
     static_cast<void>(wire::Tour::NewStub(channel_)->Steer(&context, request, &reply));
   }
   void print_gauges() const {

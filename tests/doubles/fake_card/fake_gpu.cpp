@@ -84,7 +84,7 @@ Object* freed(Object* object) {
 namespace cyclorama {
 
 RgbImage read_buffer(const gbm_bo& buffer) {
-  const Gl gl = real_gl();
+  const output::Gl gl = real_gl();
   GLint bound = 0;
   gl.GetIntegerv(GL_FRAMEBUFFER_BINDING, &bound);
   GLuint reader = 0;

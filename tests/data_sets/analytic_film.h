@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Films of a scene whose true picture is known: spheres on a chequered floor before a wall, in the light of a lamp
-/// with a soft shadow, under an even sky. Its noise has a known distribution: of each sample's light, half is
-/// exponential, and one sample in `firefly_every` carries that many times the mean of a tenth of it.
+/// Films of a scene whose true picture is known: spheres on a chequered floor before a wall, lit by a lamp with a soft
+/// shadow and a uniform sky. Its noise has a known distribution: half of each sample's light is exponentially
+/// distributed, and one sample in `firefly_every` carries that many times the mean of a tenth of it.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -18,9 +18,9 @@ struct AnalyticScene {
   Panorama panorama{192, 96, 1.2, 0.3, -0.3};
   Eigen::Vector3d eye{0.0, 1.5, 0.0};
   double heading_rad = 0.0;
-  double firefly_every = 2000.0;  ///< 0: none.
-  double noise = 1.0;             ///< 0: none but of the pixel's edges.
-  bool stratified = false;        ///< Then the samples of a pixel know of each other, and err less than their spread.
+  double firefly_every = 2000.0;  ///< 0 for none.
+  double noise = 1.0;             ///< 0 leaves only the noise at edges within pixels.
+  bool stratified = false;  ///< Samples of a pixel are stratified, so their mean errs less than their spread suggests.
 
   struct Hit {
     Eigen::Vector3f albedo = Eigen::Vector3f::Ones();
@@ -35,14 +35,14 @@ struct AnalyticScene {
     double nearest = 1e9;
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     Eigen::Vector3d albedo = Eigen::Vector3d::Ones();
-    if (d.y() < 0.0) {  // The floor y = 0.
+    if (d.y() < 0.0) {  // Floor y = 0.
       nearest = -eye.y() / d.y();
       const Eigen::Vector3d p = eye + nearest * d;
       normal = Eigen::Vector3d::UnitY();
       const auto square = static_cast<long>(std::floor(p.x() * 2.0) + std::floor(p.z() * 2.0));
       albedo = square % 2 == 0 ? Eigen::Vector3d(0.8, 0.75, 0.7) : Eigen::Vector3d(0.1, 0.15, 0.3);
     }
-    if (d.z() < 0.0) {  // The wall z = -8, up to y = 3.
+    if (d.z() < 0.0) {  // Wall z = -8, up to y = 3.
       const double t = (-8.0 - eye.z()) / d.z();
       if (t > 0.0 && t < nearest && eye.y() + t * d.y() < 3.0) {
         nearest = t;
@@ -72,7 +72,7 @@ struct AnalyticScene {
     return hit;
   }
 
-  /// Sky, and a lamp at (3, 5, -2) whose shadow of each sphere is half a metre soft.
+  /// Irradiance of the sky and of a lamp at (3, 5, -2), whose shadow of each sphere has a penumbra of half a metre.
   [[nodiscard]] static Eigen::Vector3d irradiance(const Eigen::Vector3d& p, const Eigen::Vector3d& normal) {
     const Eigen::Vector3d lamp(3.0, 5.0, -2.0);
     const Eigen::Vector3d to = lamp - p;
@@ -91,7 +91,7 @@ struct AnalyticScene {
     return Eigen::AngleAxisd(-heading_rad, Eigen::Vector3d::UnitY()) * panorama.direction_at({u, v});
   }
 
-  /// Of the whole panorama.
+  /// Returns a film of the whole panorama.
   [[nodiscard]] render::Film film(int samples, std::uint64_t seed) const {
     render::Film film(panorama.width_px, panorama.height_px, true);
     std::mt19937 generator(seed * 7919 + 1);
@@ -122,7 +122,7 @@ struct AnalyticScene {
     return film;
   }
 
-  /// Of mean 1.
+  /// Returns a random factor of mean 1.
   [[nodiscard]] double factor(std::mt19937& generator, int sample, int samples) const {
     if (noise == 0.0) return 1.0;
     std::uniform_real_distribution<double> uniform;
@@ -133,7 +133,7 @@ struct AnalyticScene {
     return value;
   }
 
-  /// The true picture, to what `side` times `side` places in each pixel can tell.
+  /// Returns the true picture, sampled at `side` times `side` positions in each pixel.
   [[nodiscard]] RadianceImage truth(int side = 8) const {
     RadianceImage image(panorama.width_px, panorama.height_px);
     for (int y = 0; y < image.height(); ++y) {

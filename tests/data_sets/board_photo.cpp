@@ -43,9 +43,9 @@ double BoardPhotographer::grey_at(const Eigen::Vector2d& board_m) const {
   const int y = static_cast<int>(std::floor(square.y()));
   if (x < 0 || y < 0 || x >= board_.columns || y >= board_.rows) return kWhite;
   if (TagBoard::is_black(x, y)) return kBlack;
-  // White squares before this one, row by row.
+  // Number of white squares before this one, row by row.
   const int tag = (y * board_.columns + x) / 2;
-  const double side = board_.tag_m * width_in_tags_ / board_.square_m;  // With its own border.
+  const double side = board_.tag_m * width_in_tags_ / board_.square_m;  // Includes the tag's border.
   const double u = (square.x() - x - 0.5) / side + 0.5;
   const double v = (square.y() - y - 0.5) / side + 0.5;
   if (!(u >= 0.0 && v >= 0.0 && u < 1.0 && v < 1.0)) return kWhite;
@@ -55,7 +55,7 @@ double BoardPhotographer::grey_at(const Eigen::Vector2d& board_m) const {
 
 GreyImage BoardPhotographer::photograph(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) const {
   GreyImage photo(width_px_, height_px_);
-  const Eigen::Vector3d origin = -R.transpose() * t;  // The camera, on the board's axes.
+  const Eigen::Vector3d origin = -R.transpose() * t;  // Camera centre in the board's frame.
   for (int y = 0; y < height_px_; ++y) {
     for (int x = 0; x < width_px_; ++x) {
       double sum = 0.0;

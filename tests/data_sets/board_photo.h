@@ -11,14 +11,14 @@
 
 namespace cyclorama {
 
-/// Photographs of a board on a grey table, through a lens with distortion: each pixel is the mean of 3 x 3 rays,
-/// without noise. A value.
+/// Renders photographs of a board on a grey table, through a lens with distortion: each pixel is the mean of 3 x 3
+/// rays, without noise. A value.
 class BoardPhotographer {
  public:
-  /// Precondition: the lens covers its picture.
+  /// Precondition: the lens has a ray for every pixel.
   BoardPhotographer(const TagBoard& board, const calibration::BrownLens& lens);
 
-  /// `R` and `t` bring a point of the board (its origin at the first corner) before the camera.
+  /// `R` and `t` transform a point of the board (its origin is the first corner) to the camera's frame.
   [[nodiscard]] GreyImage photograph(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) const;
 
  private:
@@ -27,8 +27,8 @@ class BoardPhotographer {
   TagBoard board_;
   int width_px_;
   int height_px_;
-  std::vector<Eigen::Vector2d> slopes_;   ///< Of all rays; found once.
-  std::vector<std::vector<bool>> white_;  ///< Of each tag's cells.
+  std::vector<Eigen::Vector2d> slopes_;   ///< Slopes of all rays, computed once.
+  std::vector<std::vector<bool>> white_;  ///< Colours of each tag's cells.
   int cells_ = 0;
   double width_in_tags_ = 0.0;
 };

@@ -8,7 +8,7 @@
 
 namespace cyclorama {
 
-/// The demo's installation, in the source tree that ctest names.
+/// Path of the demo's installation in the source tree, which ctest sets.
 inline std::filesystem::path demo_installation_path() {
   const char* const source = std::getenv("CYCLORAMA_SOURCE");
   return std::filesystem::path(source != nullptr ? source : ".") / "demo" / "installation.toml";
@@ -19,7 +19,7 @@ inline Installation demo_room() {
   return *std::move(room);
 }
 
-/// The same with a part of its pixels each way, which is quicker.
+/// The same with fewer pixels in each dimension, for speed.
 inline Installation demo_room_with_pixels_over(int divisor) {
   Installation room = demo_room();
   for (InstalledProjector& projector : room.projectors) {
@@ -33,7 +33,7 @@ inline Installation demo_room_with_pixels_over(int divisor) {
   return room;
 }
 
-/// Precondition: its wall is one, as the demo's is.
+/// Precondition: the wall is a cylinder, as the demo's is.
 inline const CylinderWall& cylinder_of(const Installation& room) { return std::get<CylinderWall>(room.wall); }
 
 }  // namespace cyclorama

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Readings of evenly lit projectors without photographs: curves, noise and disturbances as a test wants them.
+/// Readings of uniformly lit projectors without photographs, with configurable curves, noise and disturbances.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace cyclorama {
 
-/// A projector on a wall at infinity: its pixels are directions, `pan_rad` to the right.
+/// A projector on a wall at infinity: its pixels are directions, rotated by `pan_rad` to the right.
 inline calibration::MeasuredMap far_map(int width_px, int height_px, double field_rad, double pan_rad,
                                         int cell_px = 20) {
   calibration::MeasuredMap map;
@@ -44,25 +44,25 @@ struct EvenLight {
   std::array<Curve, 3> projector = {[](double x) { return std::pow(x, 2.2); },
                                     [](double x) { return std::pow(x, 2.2); },
                                     [](double x) { return std::pow(x, 2.2); }};
-  Curve camera = [](double light) { return light; };  ///< Code for light in parts of full scale.
+  Curve camera = [](double light) { return light; };  ///< Code for light as a fraction of full scale.
   double pedestal = 0.01;
-  double brightness = 0.24;  ///< Of each light in the camera's own channel, at the first exposure.
+  double brightness = 0.24;  ///< Brightness of each light in the camera's own channel at the first exposure.
   double black_level = 5e-4;
   double ambient = 2e-3;
-  double noise = 0.0;  ///< Of a cell's mean.
+  double noise = 0.0;  ///< Standard deviation of a cell's mean.
   int bits = 0;        ///< 0: codes are not rounded.
   int steps = 17;
   std::vector<double> exposures{1.0, 3.0};
   std::vector<double> black_exposures{1.0, 3.0, 32.0};
   std::array<double, 3> channel_light{1.0, 1.0, 1.0};
-  double disturbed = 0.0;  ///< Part of the readings that something walks through.
+  double disturbed = 0.0;  ///< Fraction of the readings that are disturbed, as by a passer-by.
   unsigned seed = 1;
 };
 
-/// Of a place in a projector's picture, 0 to 1 each way: brighter in its middle.
+/// Gain at a position in a projector's picture, 0 to 1 in each dimension; brighter in the centre.
 inline double gain_at(double u, double v) { return 1.0 - 0.8 * ((u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5)); }
 
-/// Adds a view of a projector of 12 * 8 cells, and its ramps. The others stand at black, and black_level.
+/// Adds a view of a projector of 12 * 8 cells with its ramps. The others show black, with their black level.
 inline void add_view(const std::vector<EvenLight>& lights, std::size_t projector, photometry::PhotometryInput* input) {
   const EvenLight& light = lights[projector];
   const calibration::MeasuredMap& map = input->projectors[projector].map;
@@ -74,7 +74,7 @@ inline void add_view(const std::vector<EvenLight>& lights, std::size_t projector
   view.cells.cells_y = 8;
   view.cells.cell_of = Image<std::int32_t, 1>(input->camera_width_px, input->camera_height_px, -1);
   std::vector<double> gains;
-  std::vector<std::array<double, 3>> leaks;  // Of the others, per channel.
+  std::vector<std::array<double, 3>> leaks;  // Black levels of the others, per channel.
   std::vector<photometry::InverseMap> inverses;
   for (const photometry::PhotometricProjector& other : input->projectors)
     inverses.push_back(*photometry::InverseMap::make(other.map));
@@ -148,7 +148,7 @@ inline void add_view(const std::vector<EvenLight>& lights, std::size_t projector
   input->views.push_back(std::move(view));
 }
 
-/// One projector, or two side by side whose pictures overlap by 10 of 40 degrees.
+/// Input for one projector, or for two side by side whose pictures overlap by 10 of 40 degrees.
 inline photometry::PhotometryInput even_light(const std::vector<EvenLight>& lights) {
   photometry::PhotometryInput input;
   input.camera_width_px = 400;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The calibration that measures an installation without error, as if it had been turned a little.
+/// An error-free calibration of an installation, with an optional rotation.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// Every projector's light lies `turned_rad` farther to the right than the installation says.
+/// Every projector's light lies `turned_rad` farther to the right than in the installation.
 inline calibration::Calibration exact_calibration(const Installation& room, const std::string& date,
                                                   double turned_rad = 0.0) {
   calibration::Calibration calibration;

@@ -31,7 +31,7 @@ std::function<double(const Eigen::Vector3d&)> wall_of(const RoomPlan& plan, std:
     }
     case RoomKind::kCorner: {
       const double turn = uniform(random, -0.15, 0.15);
-      const double half = uniform(random, 0.75, 0.95);  // Of the angle between the planes.
+      const double half = uniform(random, 0.75, 0.95);  // Half of the angle between the planes.
       const auto normal = [&](double side) {
         const double a = turn + side * (0.5 * std::numbers::pi - half);
         return Eigen::Vector3d(-std::sin(a), 0.0, std::cos(a));
@@ -59,7 +59,7 @@ std::function<double(const Eigen::Vector3d&)> wall_of(const RoomPlan& plan, std:
   if (plan.kind == RoomKind::kUnevenCylinder) {
     const double phase = uniform(random, 0.0, 6.28);
     const double waves = uniform(random, 1.2, 2.2);
-    return [=](const Eigen::Vector3d& p) {  // 4.06 to 4.6 m along the arc, as a real one has been measured.
+    return [=](const Eigen::Vector3d& p) {  // 4.06 to 4.6 m along the arc, as measured in a real room.
       const Eigen::Vector3d q = p - centre;
       const double a = std::atan2(q.x(), -q.z());
       return (r / 4.0) * (4.33 + 0.27 * std::sin(waves * a + phase)) - std::hypot(q.x(), q.z());
@@ -91,7 +91,7 @@ std::function<double(const Eigen::Vector3d&)> wall_of(const RoomPlan& plan, std:
   };
 }
 
-/// Axes of a device that looks along `forward`, its picture upright.
+/// Axes of a device that looks along `forward` with its picture upright.
 Eigen::Matrix3d axes_towards(const Eigen::Vector3d& forward, double roll) {
   const Eigen::Vector3d f = forward.normalized();
   const Eigen::Vector3d right = f.cross(Eigen::Vector3d::UnitY()).normalized();
@@ -193,7 +193,7 @@ void GeneratedRoom::place_projectors(std::mt19937* random) {
     device.lens = {0.5 * kWidth_px / widest, 0.5 * kWidth_px + uniform(random, -15.0, 15.0),
                    0.5 * kHeight_px + uniform(random, -15.0, 15.0), plan_.projector_k1 * uniform(random, 0.5, 1.0),
                    0.0};
-    // A wide lens is corrected better, or its edge would fold.
+    // A wide lens gets less distortion, since its edge would fold otherwise.
     device.lens.k1 /= 1.0 + widest * widest;
     projectors_.push_back(device);
   }
@@ -264,7 +264,7 @@ std::optional<Eigen::Vector2d> GeneratedRoom::pixel_lighting(std::size_t project
   if (!(seen.z() > 0.05)) return std::nullopt;
   const Eigen::Vector2d pixel = through(device.lens, seen);
   if (!(pixel.x() >= 0.0 && pixel.x() <= kWidth_px && pixel.y() >= 0.0 && pixel.y() <= kHeight_px)) return std::nullopt;
-  // Its ray may meet another part of the wall first, or a fold of the lens may have led here.
+  // The ray may meet another part of the wall first, or a fold of the lens may have produced this pixel.
   const auto lit = wall_point_of(projector, pixel);
   if (!lit || (*lit - point).norm() > 1e-3) return std::nullopt;
   return pixel;
@@ -289,7 +289,7 @@ solve::Measurements GeneratedRoom::measurements() const {
   std::mt19937 random(plan_.seed * 104729U + 13U);
   solve::Measurements measured;
   measured.camera = calibration::MeasuredLens::from_focal(camera_width_px_, camera_height_px_, camera_lens_.focal_px);
-  // What a good chessboard calibration leaves.
+  // Residual errors of a good chessboard calibration.
   const double sigmas[] = {0.7, 0.7, 0.7, 5e-4, 5e-4, 1e-6, 1e-5, 1e-5};
   const double truth[] = {camera_lens_.focal_px,
                           camera_lens_.centre_u_px,
@@ -345,7 +345,7 @@ solve::Measurements GeneratedRoom::measurements() const {
           if (uniform(&random, 0.0, 1.0) < plan_.outliers) {
             told = {uniform(&random, 0.0, kWidth_px), uniform(&random, 0.0, kHeight_px)};
           }
-          // In each direction somewhere else; a code that is wrong in its coarse bits is wrong by many pixels.
+          // A person hides a different part in each direction; a code with wrong coarse bits is off by many pixels.
           if (plan_.person_rad > 0.0) {
             const double at = told_angles_[d] + 0.4 * std::sin(3.0 * static_cast<double>(d) + 1.0);
             const double aside = std::atan2(point->x(), -point->z()) - at;

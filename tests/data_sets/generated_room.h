@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Rooms whose geometry is exact, and what a camera on a turntable would measure in them: projectors with lenses, a
-/// wall, noise, gross errors. Shares no formula with the solver: walls are implicit and hit by bisection, lenses are
-/// inverted by iteration. Made by geometry alone; drivers/simulated/museum takes photographs instead.
+/// Rooms with exact geometry, and the measurements of a camera on a turntable in them: projectors with lenses, a wall,
+/// noise, gross errors. It shares no formula with the solver: walls are implicit and intersected by bisection, lenses
+/// are inverted by iteration. Purely geometric; drivers/simulated/museum takes photographs instead.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,22 +26,22 @@ struct RoomPlan {
   RoomKind kind = RoomKind::kCylinder;
   unsigned seed = 1;
   int projectors = 3;
-  double arc_rad = 2.2;        ///< Of the wall, as the sweet spot sees it: 126 degrees.
-  double half_height_m = 1.4;  ///< The wall ends so far above and below the eye.
-  double radius_m = 4.0;       ///< Or distance.
-  double overlap = 0.15;       ///< Of a projector's width with each neighbour's.
-  double throw_ratio = 0.0;    ///< Distance over width; 0: from above the visitor.
+  double arc_rad = 2.2;        ///< Angle of the wall from the sweet spot: 126 degrees.
+  double half_height_m = 1.4;  ///< Extent of the wall above and below the eye.
+  double radius_m = 4.0;       ///< Radius, or distance of a flat wall.
+  double overlap = 0.15;       ///< Fraction of a projector's width shared with each neighbour.
+  double throw_ratio = 0.0;    ///< Distance over width; 0 for projectors above the visitor.
   double noise_px = 0.2;
   double outliers = 0.005;
   double turntable_sigma_rad = 3e-4;
   double turntable_step_rad = 0.55;
   Eigen::Vector3d camera_offset_m{0.003, 0.0, 0.006};  ///< Right, (unused), forward.
-  double camera_lens_error = 1.0;                      ///< In sigmas of what the solver is told of the camera's lens.
-  int stride_px = 8;                                   ///< Of the projector's pixels that are measured, about.
+  double camera_lens_error = 1.0;                      ///< In sigmas of the lens prior given to the solver.
+  int stride_px = 8;                                   ///< Approximate stride between measured projector pixels.
   double projector_k1 = -0.02;
-  double camera_megapixels = 2.304;  ///< 1920 x 1200; the lens sees the same field.
-  double person_rad = 0.0;   ///< So wide somebody walks through each direction: half of what was there is wrong.
-  double aim_off_rad = 0.0;  ///< Projectors look so far aside of what they light: grazing light.
+  double camera_megapixels = 2.304;  ///< 1920 x 1200; the field of view is independent of it.
+  double person_rad = 0.0;   ///< Width of a person in each direction; half of the correspondences there are wrong.
+  double aim_off_rad = 0.0;  ///< Angle between a projector's axis and its lit area: grazing light.
 };
 
 /// A value.
@@ -49,13 +49,14 @@ class GeneratedRoom {
  public:
   explicit GeneratedRoom(const RoomPlan& plan);
 
-  /// What the solver gets; the same for the same plan.
+  /// Measurements for the solver; equal for equal plans.
   [[nodiscard]] solve::Measurements measurements() const;
-  /// What the eye at the sweet spot sees where a projector's pixel lands; a unit vector. Nothing beside the wall.
+  /// Returns the direction from the sweet spot to the wall point that a projector's pixel lights; a unit vector.
+  /// Nothing beside the wall.
   [[nodiscard]] std::optional<Eigen::Vector3d> view_direction_of(std::size_t projector,
                                                                  const Eigen::Vector2d& pixel) const;
   [[nodiscard]] std::optional<Eigen::Vector3d> wall_point_of(std::size_t projector, const Eigen::Vector2d& pixel) const;
-  /// The pixel of a projector that lights a point; nothing outside of its picture.
+  /// Returns the pixel of a projector that lights a point; nothing outside its picture.
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_lighting(std::size_t projector,
                                                               const Eigen::Vector3d& point) const;
   [[nodiscard]] std::size_t projectors() const { return projectors_.size(); }
@@ -84,7 +85,7 @@ class GeneratedRoom {
   [[nodiscard]] Device camera_at(double angle_rad) const;
 
   RoomPlan plan_;
-  /// Positive before the wall, negative behind it.
+  /// Positive in front of the wall, negative behind it.
   std::function<double(const Eigen::Vector3d&)> before_;
   std::vector<Device> projectors_;
   std::vector<double> told_angles_;
@@ -96,17 +97,17 @@ class GeneratedRoom {
   double roll_ = 0.0;
 };
 
-/// How well maps fit together where projectors overlap, and how true they are: distances on the wall, in projector
-/// pixels. The maps' own heading and tilt do not count against truth: they are turned onto it first.
+/// Registration of maps where projectors overlap, and their true error: distances on the wall, in projector pixels. The
+/// maps' common heading and tilt are aligned with the truth first and do not count.
 struct RegistrationScore {
   double mean_px = 0.0;
   double p95_px = 0.0;
   double max_px = 0.0;
-  std::size_t correspondences = 0;  ///< In overlaps.
+  std::size_t correspondences = 0;  ///< Number in overlaps.
   double true_mean_px = 0.0;
   double true_p95_px = 0.0;
   double true_max_px = 0.0;
-  std::size_t missing = 0;  ///< Pixels that light the wall and have no direction.
+  std::size_t missing = 0;  ///< Pixels that light the wall but have no direction.
   std::size_t lit = 0;      ///< Pixels that light the wall.
 };
 using DirectionOf = std::function<std::optional<Eigen::Vector3d>(std::size_t projector, const Eigen::Vector2d& pixel)>;

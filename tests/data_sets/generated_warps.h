@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Calibrations made up from a seed: every part that a format can hold, in odd sizes, with pixels that are not mapped.
+/// Random calibrations from a seed: every part that a format can hold, in odd sizes, with unmapped pixels.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ class GeneratedWarps {
  public:
   explicit GeneratedWarps(std::uint32_t seed) : random_(seed) {}
 
-  /// Smooth, bent, and NaN in a corner: flat within 0 to 1, or some metres around the eye.
+  /// A smooth, curved map with NaN in a corner: flat within 0 to 1, or some metres around the eye.
   interchange::WarpMap map(int width, int height, bool flat) {
     interchange::WarpMap map(width, height);
     const double bend = number(0.0, 0.1);
@@ -98,7 +98,7 @@ class GeneratedWarps {
     return set;
   }
 
-  /// A bent grid with dimmed nodes and some that are not drawn, in 7 decimals.
+  /// A curved grid with dimmed and undrawn nodes, in 7 decimals.
   interchange::WarpNet grid() {
     interchange::WarpNet net;
     net.columns = count(2, 30);
@@ -114,7 +114,7 @@ class GeneratedWarps {
     return net;
   }
 
-  /// The same without its grid: triangles, and full light.
+  /// The same as triangles, without a grid and at full light.
   interchange::WarpNet triangles() {
     interchange::WarpNet net = grid();
     for (interchange::WarpNode& node : net.nodes) node.light = 1.0;

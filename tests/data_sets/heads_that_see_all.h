@@ -7,7 +7,7 @@
 
 namespace cyclorama {
 
-/// Heads that show all of any panorama: every tile is decoded.
+/// Heads that show all of any panorama, so that every tile is decoded.
 inline display::ShownByHeads heads_that_see_all() {
   constexpr int kRows = 1024;
   warp::PixelMap map(2, kRows);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Frames as a farm sends them: a view, and real JPEG tiles of a picture.
+/// Frames as a farm sends them: a view and real JPEG tiles of a picture.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ inline wire::View view_of(std::uint64_t number, const PictureShape& panorama, do
   return view_of(number, Projection{panorama, {}}, heading_rad);
 }
 
-/// Cut into tiles of at most `side_px`, a multiple of 16.
+/// Cuts a picture into tiles of at most `side_px`, a multiple of 16.
 inline std::vector<wire::Tile> tiles_of(std::uint64_t number, const RgbImage& picture, int side_px = 64) {
   std::vector<wire::Tile> tiles;
   JpegEncoder encoder;
@@ -55,7 +55,7 @@ inline wire::FrameEnd end_of(std::uint64_t number, std::size_t tiles, bool compl
   return end;
 }
 
-/// The messages of one whole frame, in order.
+/// Returns the messages of one complete frame, in order.
 inline std::vector<wire::ShowMessage> frame_messages(std::uint64_t number, const RgbImage& picture,
                                                      const Projection& projection, double heading_rad = 0.0,
                                                      int side_px = 64) {

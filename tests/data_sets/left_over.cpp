@@ -9,7 +9,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr int kCell_px = 60;  // About what a map's smoothness leaves of independent errors.
+constexpr int kCell_px = 60;  // Approximate correlation length that a map's smoothing leaves of independent errors.
 constexpr double kFullWidth_px = 1920.0;
 
 calibration::MeasuredMap measured(const calibration::ShowCalibration& truth,
@@ -23,7 +23,7 @@ calibration::MeasuredMap measured(const calibration::ShowCalibration& truth,
   map.cells_y = std::max(6, static_cast<int>(std::lround(map.height_px / (kCell_px * scale))));
   for (int y = 0; y <= map.cells_y; ++y) {
     for (int x = 0; x <= map.cells_x; ++x) {
-      // The direction of a pixel nearby is the direction with an error.
+      // The direction of a nearby pixel serves as the direction with an error.
       const Eigen::Vector2d off(draws->about_zero(1.7 * sigma_px * scale), draws->about_zero(1.7 * sigma_px * scale));
       const Eigen::Vector2d pixel(static_cast<double>(x) / map.cells_x * map.width_px,
                                   static_cast<double>(y) / map.cells_y * map.height_px);
@@ -71,7 +71,7 @@ Result<calibration::ShowCalibration> calibrated(const calibration::ShowCalibrati
                                   (k / kAcross + 0.5) / kDown * camera.lens.height_px);
       const auto position = calibration::wall_seen_at(truth, truth.cameras[i], pixel);
       if (!position) continue;
-      // Only what a projector lights is known.
+      // Only the lit part is known.
       bool is_lit = false;
       for (const calibration::ShowProjector& projector : truth.projectors) {
         const auto at =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a calibration leaves over, for shows that go on from one: the truth goes through what the calibrator itself
-/// does with a measured wall (fit_projector, place_camera), with errors as large as were measured of it.
+/// Residual errors of a calibration, for shows that continue from one: the truth passes through the calibrator's own
+/// processing of a measured wall (fit_projector, place_camera), with errors of the measured size.
 #pragma once
 
 #include "appliance/calibration/show_calibration.h"
@@ -10,19 +10,19 @@
 namespace cyclorama {
 
 struct LeftOver {
-  double map_px = 0.04;           ///< Of each measured direction, in pixels of the projector, each way (of 1080p).
-  double sweet_spot_m = 2e-3;     ///< The eye is not quite where installation.toml says, each axis, at most.
-  double camera_focal = 2e-4;     ///< Part of it, at most: what cyclorama-calibrate-camera leaves.
-  double camera_centre_px = 0.3;  ///< At most.
-  double camera_pixel_px = 0.1;   ///< Of each place by which a camera is placed, in its pixels, each way.
+  double map_px = 0.04;  ///< Standard deviation of each measured direction, in projector pixels per axis (at 1080p).
+  double sweet_spot_m = 2e-3;     ///< Upper bound per axis on the difference between the eye and installation.toml.
+  double camera_focal = 2e-4;     ///< Upper bound, relative: the residual of cyclorama-calibrate-camera.
+  double camera_centre_px = 0.3;  ///< Upper bound.
+  /// Standard deviation of each correspondence that locates a camera, in camera pixels per axis.
+  double camera_pixel_px = 0.1;
 };
 
-/// `truth` in the words of a calibration; the answer is what a calibration knows of it. Errors as those of
-/// fit_projector() and place_camera().
+/// Returns what a calibration would know of `truth`. Errors: those of fit_projector() and place_camera().
 Result<calibration::ShowCalibration> calibrated(const calibration::ShowCalibration& truth, const LeftOver& left,
                                                 simulated::RandomStream draws);
 
-/// Where `room` takes a true place on the wall to be, as seen from the sweet spot of `truth`.
+/// Returns the position that `room` assigns to a true point of the wall, as seen from the sweet spot of `truth`.
 [[nodiscard]] std::optional<Eigen::Vector3d> believed_position(const calibration::ShowCalibration& truth,
                                                                const calibration::ShowCalibration& room,
                                                                const Eigen::Vector3d& position);

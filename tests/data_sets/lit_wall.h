@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A wall that a projector lights and a camera sees, as formulas: to test decoding where the truth is known.
+/// A wall lit by a projector and seen by a camera, given by formulas, to test decoding against a known truth.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,24 +17,23 @@
 
 namespace cyclorama {
 
-/// A value; every photograph of one wall has its own noise, by its number.
+/// A value; each photograph of one wall has its own noise, selected by its number.
 struct LitWall {
   int camera_width_px = 160;
   int camera_height_px = 120;
-  /// Where a camera's place (first pixel's centre at (0.5, 0.5)) shines on the projector.
+  /// Maps a camera position (first pixel's centre at (0.5, 0.5)) to the projector pixel that lights it.
   std::function<Eigen::Vector2d(double u, double v)> projector_pixel_at = [](double u, double v) {
     return Eigen::Vector2d(0.6 * u, 0.6 * v);
   };
-  double blur_px = 0.7;   ///< Gaussian, deviation in projector pixels.
-  double ambient = 0.03;  ///< As Photo.
-  double noise = 0.004;   ///< Deviation, as Photo.
-  int codes = 255;        ///< The camera's highest code; 0: not quantised.
-  /// Direct light at a camera's pixel, as Photo, when the projector is white.
+  double blur_px = 0.7;   ///< Standard deviation of a Gaussian, in projector pixels.
+  double ambient = 0.03;  ///< As in Photo.
+  double noise = 0.004;   ///< Standard deviation, as in Photo.
+  int codes = 255;        ///< Maximum code of the camera; 0: not quantised.
+  /// Direct light at a camera pixel, as in Photo, when the projector is white.
   std::function<double(int u, int v)> direct = [](int, int) { return 0.6; };
-  /// Light from the whole picture's mean that comes by way of other walls: the half of the picture opposite to the
-  /// pixel.
+  /// Indirect light from other walls, relative to the mean of the half of the picture opposite to the pixel.
   std::function<double(int u, int v)> global = [](int, int) { return 0.0; };
-  /// What else changes a pixel's light in photograph number i: somebody who walks through.
+  /// Other changes of a pixel's light in photograph number i, as by a passer-by.
   std::function<double(int u, int v, std::size_t i, double light)> disturbance = [](int, int, std::size_t,
                                                                                     double light) { return light; };
 
@@ -46,7 +45,8 @@ struct LitWall {
     const int extent = is_columns ? set.width_px : set.height_px;
     const Profile profile(set, picture, extent, blur_px);
     structured_light::Photo photo(camera_width_px, camera_height_px);
-    // A table, read in another order for every photograph: a camera of 20 megapixels asks for a billion of these.
+    // A table, read in a different order for every photograph: a camera of 20 megapixels needs a billion of these
+    // values.
     const std::vector<float>& errors = normal_errors();
     auto place_in_table = static_cast<std::uint32_t>(7919 * (number + 1));
     for (int v = 0; v < camera_height_px; ++v) {
@@ -87,7 +87,7 @@ struct LitWall {
     return errors;
   }
 
-  /// One line across a picture's stripes, blurred, eight values a pixel.
+  /// One line across a picture's stripes, blurred, with eight values per pixel.
   class Profile {
    public:
     Profile(const structured_light::PatternSet& set, const structured_light::PatternPicture& picture, int extent,
@@ -130,13 +130,13 @@ struct LitWall {
   };
 };
 
-/// How far decoded places are from a wall's truth.
+/// Distances of decoded positions from a wall's truth.
 struct WallErrors {
   int decoded = 0;
-  int gross = 0;  ///< Further than 2 pixels.
+  int gross = 0;  ///< Farther than 2 pixels.
   double median_px = 0.0;
   double worst_px = 0.0;
-  double mean_square_of_sigmas = 0.0;  ///< Of the errors in units of their sigmas; 1 when these are honest.
+  double mean_square_of_sigmas = 0.0;  ///< Mean square of errors in units of their sigmas; 1 if the sigmas are correct.
 };
 
 inline WallErrors errors_of(const LitWall& wall, const structured_light::Decoded& decoded) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A small room in which light goes every way that there is.
+/// A small room with every kind of light transport.
 #pragma once
 
 #include "tests/data_sets/simple_scenes.h"

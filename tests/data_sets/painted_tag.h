@@ -6,7 +6,7 @@
 
 namespace cyclorama {
 
-/// One sharp picture without noise of a tag of 0.12 m, on a grey ground.
+/// Returns a sharp, noise-free picture of a tag of 0.12 m on a grey background.
 inline GreyImage painted_tag(int id, const RigidTransform<frame::Camera, frame::Tag>& pose, const Pinhole& lens) {
   Image<float, 1> light(lens.width_px, lens.height_px, 90.0f);
   simulated::TagPainter(id, 0.12).paint({pose}, lens, &light);

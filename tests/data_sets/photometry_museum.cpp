@@ -24,7 +24,7 @@ Image<float, 3> as_floats(const simulated::RgbPhotograph& photograph, int bits) 
   return codes;
 }
 
-/// What a perfect decoder would say of a projector.
+/// Returns the result of a perfect decoder for a projector.
 structured_light::Decoded decoded_of(const simulated::SimulatedMuseum& museum, const simulated::CameraTable& table,
                                      std::size_t projector) {
   structured_light::Decoded decoded;
@@ -65,7 +65,7 @@ class Stop {
     return views;
   }
 
-  /// All projectors dark, but one with a picture.
+  /// Shows a picture on one projector, with all others dark.
   Status show(std::size_t projector, const structured_light::PatternPicture& picture) {
     for (std::size_t p = 0; p < museum_.projector_count(); ++p) {
       const Pinhole& lens = museum_.installation().projectors[p].lens;
@@ -104,7 +104,7 @@ int seen_cells(const photometry::ProjectorView& view) {
   return static_cast<int>(std::ranges::count_if(view.cells.cells, [](const auto& cell) { return cell.pixels > 0; }));
 }
 
-/// White of the brightest projector just not clipped.
+/// Returns the exposure at which white of the brightest projector is just not clipped.
 Result<double> white_exposure(simulated::SimulatedMuseum* museum, Stop* stop) {
   double exposure_s = 1.0 / 60.0;
   for (int round = 0; round < 8; ++round) {

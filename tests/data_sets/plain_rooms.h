@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Rooms whose walkable area can be told by hand: boxes and slabs.
+/// Rooms whose walkable area can be determined by hand: boxes and slabs.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// All six sides, between two corners.
+/// A box with all six sides, between two corners.
 inline scene::Mesh box_mesh(const Eigen::Vector3f& min, const Eigen::Vector3f& max) {
   scene::Mesh mesh;
   for (int i = 0; i < 8; ++i) {
@@ -32,7 +32,7 @@ inline scene::Mesh box_mesh(const Eigen::Vector3f& min, const Eigen::Vector3f& m
   return mesh;
 }
 
-/// Four corners, all of whose triangles are seen from both sides.
+/// A quadrangle whose triangles are all visible from both sides.
 inline scene::Mesh quad_mesh(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vector3f& c,
                              const Eigen::Vector3f& d) {
   scene::Mesh mesh;

@@ -10,20 +10,20 @@
 
 namespace cyclorama {
 
-/// A visitor's hand, as a tracker reports it: moved to and fro, still for a while, shaking, out of sight, thrown, its
-/// numbers and stamps sometimes wrong. The same for the same seed.
+/// A visitor's hand, as a tracker reports it: moved to and fro, still for a while, shaking, hidden, thrown, with
+/// occasionally wrong numbers and time stamps. The same for the same seed.
 class RandomHand {
  public:
   struct Habits {
     double shake_m = 0.002;
     double shake_rad = 0.01;
-    double wild = 0.6;   ///< Times a second: another place at once, as of a thrown wand, another tag, or nonsense.
-    double lost = 0.15;  ///< Times a second: out of sight from then on, for up to three seconds.
+    double wild = 0.6;   ///< Rate per second of jumps: a thrown wand, another tag, or invalid numbers.
+    double lost = 0.15;  ///< Rate per second of disappearances, each for up to three seconds.
     bool odd_stamps = false;
   };
   RandomHand(std::uint64_t seed, const Habits& habits) : random_(seed), habits_(habits) {}
 
-  /// What the picture that is taken `step` after the last one shows.
+  /// Returns the observation of a picture taken `step` after the last one.
   tour::PoseSeen next(Duration step) {
     const double seconds = to_seconds(step);
     ++sequence_;
@@ -51,7 +51,7 @@ class RandomHand {
   double normal(double deviation) { return deviation * std::normal_distribution<double>()(random_); }
 
  private:
-  /// Repeated, early, an hour ahead, from before the start of time.
+  /// Returns a stamp that is repeated, early, an hour ahead, or negative.
   std::int64_t odd_stamp() {
     const double kind = uniform();
     if (kind < 0.02) return shutter_ns_ + 3'600'000'000'000;

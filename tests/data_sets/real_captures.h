@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Photographs of a real board under Gray code (shared/data/graycode): what they show, and how to read them.
+/// Photographs of a real board under Gray code (shared/data/graycode), their pattern set, and a decoder for them.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// Columns, rows, white, black: as expected.json's "order" says.
+/// Columns, rows, white, black, as in "order" of expected.json.
 inline structured_light::PatternSet real_pattern_set() {
   structured_light::PatternSet set;
   set.width_px = 1024;
@@ -38,7 +38,7 @@ inline Result<GreyImage> real_photo(const std::filesystem::path& folder, int cap
   return read_grey_image(folder / ("capture_" + std::to_string(capture)) / name, kPhotoLimitPx);
 }
 
-/// A decoder that has seen all photographs of a capture.
+/// Returns a decoder that has received all photographs of a capture.
 inline Result<structured_light::Decoder> real_decoder(const std::filesystem::path& folder, int capture,
                                                       const structured_light::DecodeSettings& settings = {}) {
   const structured_light::PatternSet set = real_pattern_set();

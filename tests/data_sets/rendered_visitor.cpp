@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kFloorM = 1.4;
-constexpr int kSamples = 2;  // Each way, per pixel.
+constexpr int kSamples = 2;  // Per pixel and dimension.
 
 enum class Cloth { kSkin, kHead, kShirt, kTrousers };
 
@@ -25,7 +25,7 @@ struct Capsule {
 std::vector<Capsule> body_of(const RenderedVisitor& visitor) {
   const double h = visitor.height_m;
   const Vector3d hip(visitor.x_m, kFloorM - 0.53 * h, visitor.depth_m);
-  // Above the hips all turns about them.
+  // Everything above the hips rotates about them.
   const double c = std::cos(visitor.lean_rad), s = std::sin(visitor.lean_rad);
   const auto upper = [&](double right, double up, double near = 0.0) {
     const double x = -right;
@@ -51,7 +51,7 @@ std::vector<Capsule> body_of(const RenderedVisitor& visitor) {
   return body;
 }
 
-/// Along `ray` (of length 1) from the lens; infinite where it passes by.
+/// Distance along `ray` (of length 1) from the lens; infinite if it misses.
 double distance_to(const Capsule& capsule, const Vector3d& ray) {
   const double kNever = std::numeric_limits<double>::infinity();
   const Vector3d axis = capsule.b - capsule.a;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Scenes for tests of what moves their files, and a place for them.
+/// Scenes for tests of file distribution, and temporary folders.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ inline scene_distribution::SceneFiles files_of(const SceneBytes& scene) {
   return files;
 }
 
-/// Bytes that look like nothing else; the same for the same seed.
+/// Returns incompressible bytes; the same for the same seed.
 inline std::string noise_bytes(std::size_t size, unsigned seed) {
   std::string bytes(size, '\0');
   std::uint32_t state = seed * 2654435761u + 1u;
@@ -49,7 +49,7 @@ inline void write_bytes(const std::filesystem::path& file, const std::string& by
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
-/// What a folder holds.
+/// Reads the contents of a folder.
 inline SceneBytes scene_in(const std::filesystem::path& folder) {
   SceneBytes scene;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
@@ -60,7 +60,7 @@ inline SceneBytes scene_in(const std::filesystem::path& folder) {
   return scene;
 }
 
-/// Gives what it was told to, in small pieces, and counts.
+/// Delivers its content in small pieces, and counts requests.
 class ScriptedSource final : public scene_distribution::FileSource {
  public:
   explicit ScriptedSource(const SceneBytes& scene) {
@@ -80,14 +80,14 @@ class ScriptedSource final : public scene_distribution::FileSource {
     return Done{};
   }
 
-  std::map<std::string, std::string> content;  ///< By SHA-256, which a lying source does not keep to.
+  std::map<std::string, std::string> content;  ///< Keyed by SHA-256, which a dishonest source does not match.
   std::size_t piece = 16;
-  std::size_t fail_after = std::string::npos;  ///< Bytes until the line breaks, for good.
+  std::size_t fail_after = std::string::npos;  ///< Number of bytes until the connection breaks permanently.
   std::size_t given = 0;
   int reads = 0;
 };
 
-/// A folder that is empty at the start and gone at the end; in memory where that can be, so that a sync costs nothing.
+/// A folder that is initially empty and deleted at the end; in memory if possible, so that a sync is cheap.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

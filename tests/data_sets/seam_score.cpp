@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kStep_deg = 0.1;
-constexpr int kAside = 4;  // Steps from the border's two neighbours: 0.45 degrees from the border.
+constexpr int kAside = 4;  // Steps from the two samples beside the border: 0.45 degrees from it.
 constexpr int kFar = 9;    // 0.95 degrees.
 constexpr double kMaskGoal = 0.005;
 constexpr std::array<double, 4> kContents = {1.0, 0.2, 0.02, 0.0};
@@ -35,7 +35,7 @@ std::array<double, std::size_t{Channels}> bilinear(const Image<float, Channels>&
   return result;
 }
 
-/// The wall with one linear grey on it, as its heads show it: code values with fractions, which dithering makes.
+/// The wall with one linear grey, as its heads show it: fractional code values, as produced by dithering.
 class ShownWall {
  public:
   ShownWall(const simulated::TrueMuseum& museum, const photometry::Photometry& photometry, double content,
@@ -67,7 +67,7 @@ class ShownWall {
     add_indirect(rounded);
   }
 
-  /// Radiance towards the eye, linear room colour.
+  /// Radiance towards the eye in linear room colour.
   [[nodiscard]] Eigen::Vector3d at(const simulated::TrueWall::Hit& hit) const {
     Eigen::Vector3d lux = as_vector(museum_.truth().ambient_lux);
     for (std::size_t p = 0; p < codes_.size(); ++p) {
@@ -110,7 +110,7 @@ class ShownWall {
   simulated::InterReflection::Light indirect_;
 };
 
-/// CIE 1976 L*a*b* of linear BT.709 light, against a white of the same kind.
+/// Returns CIE 1976 L*a*b* of linear BT.709 light, relative to a white of the same kind.
 Eigen::Vector3d lab_of(const Eigen::Vector3d& light, const Eigen::Vector3d& white) {
   Eigen::Matrix3d to_xyz;
   to_xyz << 0.4124, 0.3576, 0.1805, 0.2126, 0.7152, 0.0722, 0.0193, 0.1192, 0.9505;
@@ -131,15 +131,15 @@ double mean(const std::vector<double>& values) {
   return values.empty() ? 0.0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// A place on a line of sights, and whose pictures hold it.
+/// A sample on a line of sights, and the projectors whose pictures contain it.
 struct SeamSample {
   std::optional<simulated::TrueWall::Hit> hit;
   unsigned projectors = 0;
-  double weights = 0.0;  ///< Of all of them.
+  double weights = 0.0;  ///< Sum over all of them.
   Eigen::Vector2d at_deg = Eigen::Vector2d::Zero();
 };
 
-/// The places of a line that one side of a border is continued through, and how far from it they are.
+/// The samples from which one side of a border is extrapolated, and their distances from it.
 struct Side {
   std::vector<simulated::TrueWall::Hit> hits;
   std::vector<double> from_deg;
@@ -156,7 +156,7 @@ struct Pairs {
   std::vector<Bump> bumps;
 };
 
-/// From the border's neighbour on, `way` 1 or -1; all of them see the same projectors.
+/// Collects samples from the one beside the border, `way` being 1 or -1; all of them have the same projectors.
 Side side_of(const std::vector<SeamSample>& line, std::size_t neighbour, int way) {
   const auto at = [&](int step) { return static_cast<std::size_t>(static_cast<int>(neighbour) + way * step); };
   const auto is_same = [&](int step) {
@@ -172,7 +172,7 @@ Side side_of(const std::vector<SeamSample>& line, std::size_t neighbour, int way
   return side;
 }
 
-/// Where a straight line through the places of a side meets the border, and how it rises from there.
+/// Value at the border of a straight line through the samples of a side, and its slope.
 struct Continued {
   double value;
   double per_deg;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Real test data that the repository may not hold. Tests that need it skip where it is absent.
+/// Real test data that the repository may not contain. Tests that need it are skipped where it is absent.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace cyclorama {
 
-/// The file or folder `name` below shared/data, such as "apriltag/wpilib/short.mp4"; nothing when it is not here.
+/// Returns the file or folder `name` below shared/data, such as "apriltag/wpilib/short.mp4"; nothing if it is absent.
 inline std::optional<std::filesystem::path> shared_data(const std::string& name) {
   const char* const root = std::getenv("CYCLORAMA_SHARED");
   if (root == nullptr) return std::nullopt;
@@ -23,7 +23,7 @@ inline std::optional<std::filesystem::path> shared_data(const std::string& name)
 
 }  // namespace cyclorama
 
-/// Declares the path `variable`, or skips this test; fails it where CYCLORAMA_REQUIRE_SHARED=1 promises the data.
+/// Declares the path `variable`, or skips this test; fails it if CYCLORAMA_REQUIRE_SHARED=1 requires the data.
 #define CYCLORAMA_SHARED_DATA(variable, name)                                                \
   const auto variable##_or_nothing = ::cyclorama::shared_data(name);                         \
   if (!variable##_or_nothing) {                                                              \

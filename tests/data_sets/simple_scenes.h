@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Scenes whose picture can be computed by hand.
+/// Scenes whose pictures can be computed by hand.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace cyclorama {
 
-/// Matte, of one linear colour.
+/// A matte material of one linear colour.
 inline scene::Material matte_material(const Eigen::Vector3f& albedo) {
   scene::Material material;
   material.base_colour << albedo, 1.0f;
@@ -31,7 +31,7 @@ inline scene::Mesh square_mesh(float size, int material = 0) {
   return mesh;
 }
 
-/// A sphere about the origin without normals (so flat faces), `rings` from pole to pole. Closed.
+/// A sphere about the origin without normals (flat faces), with `rings` from pole to pole. Closed.
 inline scene::Mesh sphere_mesh(float radius, int rings, int material = 0) {
   scene::Mesh mesh;
   const int around = 2 * rings;
@@ -70,7 +70,7 @@ inline void add_mesh(scene::Scene& scene, scene::Mesh mesh,
   scene.model.meshes.push_back(std::move(mesh));
 }
 
-/// One mesh of a matte grey, in the dark.
+/// A scene of one mesh in matte grey, without light.
 inline scene::Scene scene_of(scene::Mesh mesh, const Eigen::Vector3f& albedo = Eigen::Vector3f::Constant(0.5f)) {
   scene::Scene scene;
   scene.model.materials.push_back(matte_material(albedo));
@@ -85,7 +85,7 @@ inline scene::Light point_light(const Eigen::Vector3d& position, float candela) 
   return light;
 }
 
-/// A full circle, from `top` to `bottom` in tangents of elevation.
+/// A view of a full circle, from `top` to `bottom` in tangents of elevation.
 inline render::PanoramaView view_from(const Eigen::Vector3d& eye, int width, int height, double top, double bottom) {
   render::PanoramaView view;
   view.eye = eye;
@@ -97,7 +97,7 @@ inline PixelRect whole(const render::PanoramaView& view) {
   return {0, 0, view.panorama.width_px, view.panorama.height_px};
 }
 
-/// Linear radiance of the whole view.
+/// Returns the linear radiance of the whole view.
 inline RadianceImage radiance_of(const render::Renderer& renderer, const render::PanoramaView& view) {
   RadianceImage image;
   renderer.render_radiance(view, whole(view), &image, nullptr);

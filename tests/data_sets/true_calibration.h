@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The calibration that measures a simulated museum without error: for what comes after a scan. Knows the truth.
+/// An error-free calibration of a simulated museum, for tests of later steps. Contains the truth.
 #pragma once
 
 #include <algorithm>
@@ -40,7 +40,7 @@ inline calibration::Calibration true_calibration(const simulated::TrueMuseum& mu
   return calibration;
 }
 
-/// How far a projector's light lies from where its map says, by the truth: 95th percentile over its pixels, in them.
+/// Returns the true error of a projector's map: 95th percentile over its pixels, in pixels.
 inline double map_off_px(const simulated::TrueMuseum& museum, std::size_t projector,
                          const calibration::MeasuredMap& map) {
   constexpr int kSide = 16;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a visitor does before a camera, as functions of time, with what happens around: for tests and figures.
+/// A visitor's movements before a camera, as functions of time, with changing surroundings: for tests and figures.
 #pragma once
 
 #include <algorithm>
@@ -12,17 +12,17 @@
 
 namespace cyclorama {
 
-/// From 0 at `from` to 1 at `to`, gently.
+/// Rises smoothly from 0 at `from` to 1 at `to`.
 inline double eased(double t, double from, double to) {
   const double u = std::clamp((t - from) / (to - from), 0.0, 1.0);
   return u * u * (3.0 - 2.0 * u);
 }
 
-/// Comes in from the side at 2 s, stands at the mark from 4 s on, with the small movements that standing people make,
-/// and from 7 s on steps aside, near, back, and leans; ends where it began at 19 s. Of the mark 2 m away.
+/// Comes in from the side at 2 s, stands at the mark from 4 s on, with the small movements of a standing person, and
+/// from 7 s on steps aside, near, back, and leans; ends at the starting position at 19 s. The mark is 2 m away.
 struct SteeringVisitor {
   RenderedVisitor looks{};
-  double mark_x_m = 0.05;  ///< Nobody stands on a mark exactly.
+  double mark_x_m = 0.05;  ///< Nobody stands exactly on a mark.
   double mark_depth_m = 2.03;
   double leaves_at_s = 1e9;
 
@@ -43,7 +43,7 @@ struct SteeringVisitor {
   }
 };
 
-/// One case: who is there and how it is lit at a time.
+/// One case: visitors and lighting as functions of time.
 struct VisitorStory {
   std::string name;
   SteeringVisitor visitor{};
@@ -52,7 +52,7 @@ struct VisitorStory {
   double noise_grey = 1.5;
 };
 
-/// Somebody behind, who walks past and stays for a while.
+/// Somebody in the background, who walks past and stops for a while.
 inline RenderedVisitor passer_by(double t) {
   RenderedVisitor other;
   other.shirt_grey = 140.0f;

@@ -15,7 +15,7 @@ struct ClockExchange {
   TimePoint asked{};             ///< Sending of the question, on our clock.
   std::int64_t received_ns = 0;  ///< Arrival of the question, on the other clock.
   std::int64_t answered_ns = 0;
-  TimePoint heard{};  ///< On ours.
+  TimePoint heard{};  ///< Arrival of the answer, on our clock.
 };
 
 /// Relation of another clock to ours. A value that may cross threads.

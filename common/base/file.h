@@ -15,7 +15,7 @@
 namespace cyclorama {
 
 /// Reads a regular file of at most `limit_bytes`. Errors: kNotFound if there is no such file; kBadData if it is larger
-/// than the limit or not a regular file; kSystem otherwise, with errno.
+/// than the limit or not a regular file; kSystem with errno otherwise.
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& path, std::size_t limit_bytes);
 Result<std::string> read_text_file(const std::filesystem::path& path, std::size_t limit_bytes);
 

@@ -31,7 +31,7 @@ struct CodeTable {
 
 std::uint8_t linear_to_srgb8(float linear) {
   static const CodeTable table;
-  if (!(linear > 0.0f)) return 0;  // Also for NaN.
+  if (!(linear > 0.0f)) return 0;  // True for NaN, too.
   if (linear >= 1.0f) return 255;
   std::uint8_t code = table.first[static_cast<std::size_t>(linear * CodeTable::kBuckets)];
   while (linear >= table.min[code + std::size_t{1}]) ++code;

@@ -13,7 +13,7 @@ namespace cyclorama {
 struct DomeWall {
   Point<frame::Room> centre;
   double radius_m = 0.0;
-  double field_rad = 0.0;  ///< From edge to edge, as seen from the centre; at most 2 pi, a whole sphere.
+  double field_rad = 0.0;  ///< Angle from edge to edge at the centre; 2 pi is a whole sphere.
   double tilt_rad = 0.0;   ///< Angle of the axis above the horizon.
 
   [[nodiscard]] std::optional<Point<frame::Room>> hit(const RoomRay& ray) const;

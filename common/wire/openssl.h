@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// OpenSSL's objects with owners. Included only by .cpp files.
+/// Owning pointers to OpenSSL's objects. Included only by .cpp files.
 #pragma once
 
 #include <openssl/bio.h>

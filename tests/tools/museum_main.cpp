@@ -239,7 +239,7 @@ class Witness final : public client::FarmListener {
     view.set_samples(static_cast<std::uint32_t>(arguments_.samples));
     constexpr std::uint32_t kQuality = 85;
     view.set_jpeg_quality(kQuality);
-    view.set_subsample_chroma(false);  // So that decoded pixels do not depend on where tiles are cut.
+    view.set_subsample_chroma(false);  // Decoded pixels then do not depend on where tiles are cut.
     Panorama panorama;
     panorama.width_px = arguments_.width;
     panorama.height_px = arguments_.height;

@@ -72,7 +72,7 @@ std::vector<TradePoint> points(bool is_quick) {
         [=](ChainCase* chain) { chain->museum.camera_megapixels = megapixels; });
   }
   for (const int directions : {2, 3, 4, 6}) {
-    add("directions", std::to_string(directions), directions == 3,  // As planned for this room.
+    add("directions", std::to_string(directions), directions == 3,  // The number planned for this room.
         [=](ChainCase* chain) { chain->directions = directions; });
   }
   if (is_quick) std::erase_if(all, [n = 0](const TradePoint&) mutable { return n++ % 2 != 0; });

@@ -47,7 +47,7 @@ std::vector<Setting> points(bool is_quick) {
       [](BumpedShowOptions* o, double px) { o->calibrator.patches.radius_px = static_cast<int>(px); });
   add("camera_megapixels", 0.3, {0.05, 0.1, 0.2, 0.3, 0.6}, [](BumpedShowOptions* o, double megapixels) {
     o->camera_megapixels = megapixels;
-    o->calibrator.width_px = 4096;  // So that all camera pixels are used.
+    o->calibrator.width_px = 4096;  // Wide enough to use all camera pixels.
   });
   add("walk", 1.0, {0.1, 0.3, 1.0, 3.0, 10.0}, [](BumpedShowOptions* o, double times) {
     o->calibrator.walk.turn_rad *= times;

@@ -15,13 +15,13 @@ struct PlannedPoint {
   render::PictureQuality quality;
 };
 
-/// In the middle of every setting's range; each curve passes through it.
+/// Returns the base setting, in the middle of every setting's range; each curve passes through it.
 [[nodiscard]] render::PictureQuality trade_base();
 
-/// Not every combination: each setting is varied alone around the base, which gives its curve; those that determine
-/// most of the time (samples, bounces, scale, and the denoiser) are varied together, which gives the Pareto front.
-/// Every combination is valid and occurs once. `quick` omits most. Pictures that differ only in their coding follow one
-/// another.
+/// Returns the settings to be measured, but not every combination: each setting is varied alone around the base, which
+/// gives its curve; those that determine most of the time (samples, bounces, scale, and the denoiser) are varied
+/// together, which gives the Pareto front. Every combination is valid and occurs once. `quick` omits most. Pictures
+/// that differ only in their coding follow one another.
 [[nodiscard]] std::vector<PlannedPoint> trade_plan(bool quick);
 
 }  // namespace cyclorama

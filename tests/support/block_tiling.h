@@ -10,8 +10,8 @@
 
 namespace cyclorama {
 
-/// That a plan keeps all that Balancer::split() promises: its blocks tile the picture, on the grid, in the order of the
-/// nodes, for each node stealable ones last.
+/// Checks all guarantees of Balancer::split(): the blocks tile the picture, on the grid, in the order of the nodes,
+/// with stealable ones last for each node.
 inline testing::AssertionResult is_whole_plan(balance::PictureSize size, std::size_t nodes,
                                               const std::vector<balance::PlannedBlock>& plan) {
   balance::WorkGrid taken(size);

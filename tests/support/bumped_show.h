@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A show in a simulated museum that runs while projectors are bumped: displays that draw a panorama, fixed cameras,
-/// and the continuous calibration between them. For tests and benchmarks; the truth is only used to score.
+/// A show in a simulated museum that continues while projectors are bumped: displays that draw a panorama, fixed
+/// cameras, and the continuous calibration between them. For tests and benchmarks; the truth is only used for scoring.
 #pragma once
 
 #include <functional>
@@ -17,14 +17,14 @@
 
 namespace cyclorama {
 
-/// All directions about the eye, as code values.
+/// Code values for all directions about the eye.
 struct ShowContent {
   Panorama shape;
   RgbImage picture;
 };
-/// Painted by sums of smooth noise and blotches with edges: something like rock. A whole turn.
+/// Paints a full turn of rock-like content from smooth noise and blotches with edges.
 [[nodiscard]] ShowContent painted_content(int width_px, std::uint32_t seed);
-/// A rendered PNG of a whole turn. Errors of read_png().
+/// Reads a rendered PNG of a full turn. Errors: those of read_png().
 Result<ShowContent> read_content(const std::string& path, double tan_top, double tan_bottom);
 
 struct BumpedShowOptions {
@@ -35,12 +35,13 @@ struct BumpedShowOptions {
   int projector_height_px = 1080;
   double camera_megapixels = 2.0;
   double camera_field_deg = 80.0;
-  double camera_apart_m = 0.0;  ///< Not 0: all beside the projector in the middle, so far from each other.
-  int wall_cells = 64;          ///< That throw light at each other.
+  /// If not 0, all cameras are beside the middle projector, at this distance from each other.
+  double camera_apart_m = 0.0;
+  int wall_cells = 64;  ///< Number of wall cells for inter-reflection.
   double exposure_s = 0.04;
-  Duration period = std::chrono::milliseconds(250);  ///< From one step to the next.
-  double turn_rad_s = 0.0;                           ///< The visitor's.
-  LeftOver left_over = {};                           ///< Of the calibration that the show goes on from.
+  Duration period = std::chrono::milliseconds(250);  ///< Time per step.
+  double turn_rad_s = 0.0;                           ///< Turning speed of the visitor.
+  LeftOver left_over = {};                           ///< Residual errors of the initial calibration.
   healing::ContinuousOptions calibrator = {};
   int threads = 1;
 };
@@ -50,31 +51,32 @@ class BumpedShow {
  public:
   static Result<BumpedShow> make(const BumpedShowOptions& options, ShowContent content);
 
-  /// One period: the displays draw for where projectors are believed to be, cameras look, the calibration steps.
+  /// Advances by one period: the displays draw for the estimated poses, the cameras take pictures, the calibration
+  /// takes a step.
   Result<healing::ShowReport> step();
-  /// The same for a calibration that somebody else makes: what it is to be told.
+  /// As step(), for an external calibration: returns its input.
   Result<healing::ShowMoment> look();
-  /// From the next look on.
+  /// Takes effect at the next step.
   void draw_for(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& pose) {
     draws_for_[projector] = pose;
   }
-  /// Nobody knows what is being shown: it is told anew.
+  /// Marks everything as unreported, so that it is reported anew.
   void forget_told() { is_changed_ = is_untold_ = true; }
   [[nodiscard]] const std::string& installation_text() const { return installation_text_; }
 
-  /// As a calibrator's process that was killed, and came back with what it had kept.
+  /// Restarts the calibrator as a process that was killed and restored its saved state.
   Status restart();
   void bump(std::size_t projector, const calibration::PoseStep& step);
   void bump_camera(std::size_t camera, const calibration::PoseStep& step);
   simulated::SimulatedShow& room() { return *room_; }
-  /// What the last step gave the calibration.
+  /// Returns the last input of the calibration.
   [[nodiscard]] const healing::ShowMoment& last_moment() const { return moment_; }
   [[nodiscard]] healing::ContinuousCalibrator& calibrator() { return *calibrator_; }
   void set_content(ShowContent content) {
     content_ = std::move(content);
     is_changed_ = true;
   }
-  /// Changes what the calibration is told of each moment: clocks that are wrong, reports that are lost.
+  /// Sets a function that modifies the input of each step, as with wrong clocks or lost reports.
   void set_teller(std::function<void(healing::ShowMoment*)> teller) { teller_ = std::move(teller); }
   void set_turn(double turn_rad_s) { options_.turn_rad_s = turn_rad_s; }
   void set_period(Duration period) { options_.period = period; }
@@ -83,16 +85,16 @@ class BumpedShow {
     is_on_[projector] = is_on;
   }
   [[nodiscard]] double now_s() const { return std::chrono::duration<double>(now_ - TimePoint{}).count(); }
-  /// Cpu time of the calibration alone, so far.
+  /// CPU time of the calibration alone, so far.
   [[nodiscard]] double calibrator_cpu_s() const { return cpu_s_; }
 
-  /// How far a projector's pixels are from where they are drawn for, by the truth, as seen from the sweet spot: the
-  /// map's own errors and what was not corrected, or wrongly, since; percentile in [0, 1] of its picture.
+  /// True error of a projector's pixels as seen from the sweet spot: the map's own errors and later displacements that
+  /// were not corrected, or wrongly; percentile in [0, 1] of its picture.
   [[nodiscard]] double error_px(std::size_t projector, double percentile = 0.95) const;
-  /// The same of what the displays draw for now.
+  /// As error_px(), for the poses with which the displays draw now.
   [[nodiscard]] double drawn_error_px(std::size_t projector, double percentile = 0.95) const;
   [[nodiscard]] std::size_t projector_count() const { return is_on_.size(); }
-  /// What a head shows now.
+  /// Picture that a head shows now.
   [[nodiscard]] const RgbImage& head(std::size_t projector) const { return *heads_[projector]; }
 
  private:
@@ -102,35 +104,35 @@ class BumpedShow {
   [[nodiscard]] RgbImage draw(std::size_t projector) const;
   [[nodiscard]] double off_px(std::size_t projector, const calibration::ShowProjector& drawn_for,
                               double percentile) const;
-  /// The pixel by which the model draws what a pixel lights; nothing beside the wall.
+  /// Returns the pixel with which the model draws what a pixel lights; nothing beside the wall.
   [[nodiscard]] std::optional<Eigen::Vector2d> drawn_at(std::size_t projector,
                                                         const calibration::ShowProjector& drawn_for,
                                                         const Eigen::Vector2d& pixel) const;
 
   BumpedShowOptions options_;
   ShowContent content_;
-  calibration::ShowCalibration truth_;                      ///< As it began.
-  std::vector<std::vector<Eigen::Vector2d>> left_over_px_;  ///< Per projector, at each scored pixel.
+  calibration::ShowCalibration truth_;                      ///< Initial truth.
+  std::vector<std::vector<Eigen::Vector2d>> left_over_px_;  ///< Residual error per projector at each scored pixel.
   std::unique_ptr<simulated::SimulatedShow> room_;
   std::unique_ptr<healing::ContinuousCalibrator> calibrator_;
   std::vector<std::shared_ptr<const RgbImage>> heads_;
   std::vector<bool> is_on_;
-  std::vector<bool> is_moved_;  ///< Since the last look.
+  std::vector<bool> is_moved_;  ///< Moved since the last step.
   std::string installation_text_;
   std::vector<RigidTransform<frame::Room, frame::Projector>> draws_for_;
   std::vector<RigidTransform<frame::Room, frame::Projector>> drawn_for_;
   double drawn_heading_rad_ = 0.0;
-  bool is_changed_ = true;  ///< What is to be drawn, or which lamps are on.
+  bool is_changed_ = true;  ///< True after a change of what is drawn or of the lamps.
   TimePoint now_ = TimePoint{} + std::chrono::seconds(100);
   double heading_rad_ = 0.0;
   healing::ShowMoment moment_;
   bool is_untold_ = true;
-  std::uint64_t number_ = 0;  ///< Of pictures that each head showed.
+  std::uint64_t number_ = 0;  ///< Number of pictures that each head has shown.
   std::function<void(healing::ShowMoment*)> teller_;
   double cpu_s_ = 0.0;
 };
 
-/// A bump of one of six degrees, or of all, whose pixels move by about so many.
+/// Returns a bump in one of six degrees of freedom, or in all, that moves pixels by about the given distance.
 [[nodiscard]] calibration::PoseStep drawn_bump(simulated::RandomStream* draws);
 
 }  // namespace cyclorama

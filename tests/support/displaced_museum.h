@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A simulated museum that is calibrated, and what somebody does to it afterwards.
+/// A calibrated simulated museum, with later displacements.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,8 @@ class DisplacedMuseum {
   [[nodiscard]] const simulated::Preset& preset() const { return preset_; }
   [[nodiscard]] simulated::MuseumTruth& truth() { return preset_.truth; }
 
-  /// About an axis through the projector's centre, and to a side; both in its own frame, of any length.
+  /// Rotates about an axis through the projector's centre and translates; both vectors are in its own frame, of any
+  /// length.
   void push(std::size_t projector, double angle_rad, const Eigen::Vector3d& axis, double by_m,
             const Eigen::Vector3d& towards) {
     auto& pose = preset_.truth.projectors[projector].T_room_projector;
@@ -34,14 +35,14 @@ class DisplacedMuseum {
     lens.centre_v_px += shift_px;
     p.lens = simulated::TrueLens(lens);
   }
-  /// The tripod is put back on its marks, as people do.
+  /// Puts the tripod back on its marks, with a typical error.
   void put_turntable_elsewhere(const Eigen::Vector3d& by_m, double heading_rad) {
     auto& pose = preset_.truth.turntable.T_room_turntable;
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(heading_rad, Eigen::Vector3d::UnitY()));
     pose = {pose.rotation() * turn, pose.translation() + by_m};
   }
 
-  /// A museum as it is now, with its devices, for `body`(museum, devices, settings).
+  /// Calls `body`(museum, devices, settings) with the museum in its current state.
   template <typename Body>
   Status inside(const Body& body) const {
     TRY_ASSIGN(simulated::SimulatedMuseum museum,
@@ -63,7 +64,7 @@ class DisplacedMuseum {
   double pitch_rad_;
 };
 
-/// By the truth, of what a folder's calibration says.
+/// True score of a folder's calibration.
 inline MuseumScore score_of(const simulated::SimulatedMuseum& museum, const calibration::Calibration& calibration) {
   return museum_score(museum.truth(), [&](std::size_t p, const Eigen::Vector2d& pixel) {
     return calibration.projectors[p].map.direction_at(pixel);

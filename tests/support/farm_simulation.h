@@ -32,7 +32,7 @@ inline wire::View view_of(std::uint64_t number, std::uint32_t width = 1024, std:
   return view;
 }
 
-/// A farm whose nodes and museums are moved by hand.
+/// A farm whose nodes and museums are advanced manually.
 class FarmSimulation {
  public:
   explicit FarmSimulation(coordinator::CoordinatorLimits limits = {})
@@ -42,7 +42,7 @@ class FarmSimulation {
   RecordingDelegate delegate;
   coordinator::CoordinatorState state;
   std::map<coordinator::SessionId, client::ViewWindow>
-      windows;  ///< What a client believes; refuses what breaks farm.proto.
+      windows;  ///< The client's window; rejects violations of farm.proto.
   std::map<coordinator::SessionId, std::uint64_t> answered;
   int complete = 0;
   int given_up = 0;
@@ -75,7 +75,7 @@ class FarmSimulation {
     request.mutable_open()->set_reference_samples(reference_samples);
     state.session_requested(id, request, clock.now());
     client::ViewWindow& window = windows[id];
-    // The client may ask at once, while the reply still waits to be taken.
+    // The client may request at once, while the reply is still pending.
     if (!delegate.replies[id].empty()) {
       EXPECT_TRUE(window.take(delegate.replies[id].front()));
     }
@@ -85,7 +85,7 @@ class FarmSimulation {
     windows.at(id).put(view);
     send_views(id);
   }
-  /// The museum takes one message; false when none waits.
+  /// The museum takes one message; false if none is pending.
   bool take(coordinator::SessionId id) {
     auto& queue = delegate.replies[id];
     if (queue.empty()) return false;
@@ -104,7 +104,7 @@ class FarmSimulation {
     send_views(id);
     return true;
   }
-  /// The node does one thing: a tile, or a block's end; false when it has nothing to do.
+  /// The node takes one step: a tile or a block's end; false if it has no work.
   bool work(coordinator::NodeId id, const std::string& error = "") {
     auto& queue = delegate.commands[id];
     for (const wire::NodeCommand& command : queue) {
@@ -137,7 +137,7 @@ class FarmSimulation {
     state.node_reported(id, report);
     return true;
   }
-  /// Until nothing moves any more.
+  /// Runs until there is nothing left to do.
   void settle(const std::vector<coordinator::NodeId>& nodes) {
     for (bool moved = true; moved;) {
       moved = false;
@@ -148,11 +148,11 @@ class FarmSimulation {
     }
   }
   wire::FrameEnd last_end;
-  std::vector<wire::View> begun;  ///< Of all frames that museums took.
+  std::vector<wire::View> begun;  ///< Views of all frames that museums received.
   std::map<std::uint64_t, std::pair<coordinator::NodeId, wire::RenderBlock>>
-      orders;  ///< Those that nodes have begun, by block.
+      orders;  ///< Blocks that nodes have begun, by number.
   std::size_t tile_bytes = 10;
-  std::map<coordinator::NodeId, double> slowed;  ///< So many times, by what else is done on the node's host.
+  std::map<coordinator::NodeId, double> slowed;  ///< Slowdown factor of each node by other work on its host.
 
  private:
   bool end(coordinator::NodeId id, const wire::RenderBlock& order, const std::string& error) {

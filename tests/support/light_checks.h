@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What light gives to a place: by sampling it, and by closed form.
+/// Irradiance at a point: by sampling and in closed form.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 namespace cyclorama {
 
-/// Mean over many aims of light times cosine. `sample(choice, u, &LightSample)`; the red channel counts.
+/// Mean over many samples of light times cosine. `sample(choice, u, &LightSample)`; only the red channel counts.
 template <typename Sample>
 [[nodiscard]] double sampled_irradiance(const Sample& sample, const render::Vec3& n, int samples = 1 << 14) {
   double sum = 0.0;
@@ -29,7 +29,7 @@ template <typename Sample>
   return sum / samples;
 }
 
-/// Of a polygon of radiance 1 that shines alike in all directions and lies above the horizon. Source: Lambert, 1760.
+/// Irradiance by a diffuse polygon of radiance 1 above the horizon. Source: Lambert, 1760.
 [[nodiscard]] inline double polygon_irradiance(const std::vector<Eigen::Vector3d>& corners, const Eigen::Vector3d& n) {
   double sum = 0.0;
   for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Bytes as a file that lies on no disk, for readers that want a path.
+/// Bytes as a file in memory, for readers that need a path.
 #pragma once
 
 #include <sys/mman.h>
@@ -15,7 +15,7 @@
 
 namespace cyclorama {
 
-/// Gone with the object; path() is good until then.
+/// Exists as long as the object; path() is valid until then.
 class MemoryFile {
  public:
   explicit MemoryFile(std::string_view bytes) : fd_(::memfd_create("memory_file", MFD_CLOEXEC)) {

@@ -9,7 +9,7 @@
 
 namespace cyclorama {
 
-/// Of all the triangles that are drawn, in square pixels: the picture's, if they cover it once.
+/// Total area of all drawn triangles in square pixels; equals the picture's area if they cover it exactly once.
 inline double area_px2(const warp::WarpMesh& mesh) {
   double area = 0.0;
   const std::vector<std::uint32_t> corners = mesh.triangles();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What model.h promises of every Model, asked of one.
+/// Checks the guarantees that model.h gives for every Model.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ bool all_finite(const Vectors& vectors) {
   return true;
 }
 
-/// Empty when `mesh` keeps its promises; else the first that it breaks.
+/// Returns an empty string if `mesh` satisfies all guarantees; else the first violation.
 inline std::string broken_promise(const scene::Mesh& mesh, const scene::Model& model) {
   const std::size_t n = mesh.positions.size();
   const auto fits = [&](const auto& vector) { return vector.empty() || vector.size() == n; };

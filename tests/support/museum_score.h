@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// How well a calibration's maps fit together on the wall of a simulated museum, by its truth.
+/// True registration of a calibration's maps on the wall of a simulated museum.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,17 +10,17 @@
 
 namespace cyclorama {
 
-/// In projector pixels, on the wall, of 80 columns of a picture.
+/// Distances on the wall in projector pixels, for pictures 80 columns wide.
 struct MuseumScore {
-  double mean_px = 0.0;  ///< Between two projectors: how far apart they draw one place of the wall.
+  double mean_px = 0.0;  ///< Mean distance at which two projectors draw one point of the wall.
   double p95_px = 0.0;
   double max_px = 0.0;
-  std::size_t correspondences = 0;  ///< In overlaps.
+  std::size_t correspondences = 0;  ///< Number in overlaps.
   double true_p95_px =
       0.0;  ///< Against what an eye in the turntable's turning point sees, once heading and tilt, which are
   double true_max_px = 0.0;  ///< the turntable's own, are turned onto it.
-  std::size_t lit = 0;       ///< Pixels that light the wall,
-  std::size_t missing = 0;   ///< and have no direction.
+  std::size_t lit = 0;       ///< Pixels that light the wall.
+  std::size_t missing = 0;   ///< Pixels of those that have no direction.
 };
 
 using DirectionOfPixel =

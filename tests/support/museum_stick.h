@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A folder as a museum's stick has it, good until a test spoils it, and a disk to install it on.
+/// A folder like a museum's USB stick, valid until a test damages it, and a disk for the installation.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace cyclorama {
 
 inline constexpr const char* kStickPin = "401773";
 
-/// One for all tests of a program: it takes seconds to make.
+/// Shared by all tests of a program, since it takes seconds to make.
 inline const TlsFiles& museum_certificates() {
   static TestAuthority authority;
   static const TlsFiles files = authority.museum("hall-3");
@@ -67,7 +67,7 @@ class MuseumStick {
     const auto text = read_text_file(root() / "settings" / name, 1 << 20);
     return text ? *text : "";
   }
-  /// CHECKs only what is the machine's fault.
+  /// CHECKs only errors of the machine.
   [[nodiscard]] provision::ProvisioningReport install(provision::StepHook hook = {},
                                                       const provision::FolderLimits& limits = {}) const {
     auto store = provision::SettingsStore::open(root(), std::move(hook));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// One head drawn by the graphics card and read back, and how far it is from the same on the CPU.
+/// One head drawn by GL and read back, and its difference from the CPU reference.
 #pragma once
 
 #include <array>
@@ -13,14 +13,14 @@
 
 namespace cyclorama {
 
-/// Opens an output for each picture: nothing is left of the one before.
+/// Opens an output for each picture, so that no state remains from the previous one.
 class PaintedHead {
  public:
-  /// Without `texels`, those that a display would take.
+  /// Without `texels`, uses those that a display would select.
   explicit PaintedHead(output::HeadlessOptions::Renderer renderer, std::optional<display::Texels> texels = std::nullopt)
       : renderer_(renderer), texels_(texels) {}
 
-  /// From the upper row downwards.
+  /// Rows from the top.
   RgbImage drawn(const display::HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape, double shift,
                  const std::vector<PixelRect>* parts = nullptr) {
     return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program,
@@ -31,7 +31,7 @@ class PaintedHead {
       painter.draw({&texture, shift});
     });
   }
-  /// After another picture was in its place.
+  /// Draws after another picture was in its place.
   RgbImage drawn_after(const display::HeadPlan& plan, const PlanarPicture& before, const PictureShape& shape_before,
                        const PlanarPicture& picture, const PictureShape& shape) {
     return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program,
@@ -55,7 +55,7 @@ class PaintedHead {
     });
   }
 
-  /// The whole head, of both eyes' pictures one above the other, each of `shape`; or of one for both.
+  /// Draws the whole head from both eyes' pictures, stacked, each of `shape`; or from one picture for both eyes.
   RgbImage drawn_for_two(const display::HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape,
                          double shift, Eye now = Eye::kLeft) {
     return drawn(plan, [&](const output::Gl& gl, const display::PictureProgram& program,
@@ -106,7 +106,7 @@ class PaintedHead {
   SteadyClock clock_;
 };
 
-/// A pixel's centre on the edge of a triangle that is left out may be drawn or not: cards snap corners to 1/256 px.
+/// A pixel centre on the edge of a triangle that is left out may be drawn or not: GPUs snap corners to 1/256 px.
 inline bool is_on_the_rim(const warp::Warp& warp, int x, int y) {
   const warp::WarpMesh* const mesh = std::get_if<warp::WarpMesh>(&warp);
   if (mesh == nullptr) return false;
@@ -120,8 +120,8 @@ inline bool is_on_the_rim(const warp::Warp& warp, int x, int y) {
   return drawn != 0 && drawn != 4;
 }
 
-/// The largest distance in code values of 8 bits from what the reference gives anywhere within `slack_px` of the place,
-/// and when each light is off by `slack_light` of itself.
+/// Maximum difference in 8-bit codes from any value of the reference within `slack_px` of the position, and with a
+/// relative error of `slack_light` in each light.
 inline double worst_difference(const RgbImage& drawn, const display::HeadPlan& plan, const ExactPicture& reference,
                                double slack_px, double slack_light = 0.0) {
   double worst = 0.0;
@@ -130,7 +130,7 @@ inline double worst_difference(const RgbImage& drawn, const display::HeadPlan& p
       if (is_on_the_rim(plan.warp, x, y)) continue;
       Eigen::Vector3d min = reference.code_at(plan, x, y);
       Eigen::Vector3d max = min;
-      // Between the ends of the slack it is monotone but for a centre of a pixel of the picture.
+      // Between the ends of the slack it is monotone, except at a pixel centre of the picture.
       const Eigen::Vector2d centre = reference.to_centre(plan.warp, x, y).cwiseMax(-slack_px).cwiseMin(slack_px);
       const std::array<Eigen::Vector2d, 4> correspondences{Eigen::Vector2d(0.0, 0.0), centre,
                                                            Eigen::Vector2d(slack_px, slack_px),
@@ -142,7 +142,7 @@ inline double worst_difference(const RgbImage& drawn, const display::HeadPlan& p
         min = min.cwiseMin(moved);
         max = max.cwiseMax(moved);
       }
-      // What is off the wall stays black.
+      // Pixels beside the wall stay black.
       const bool is_black = reference.is_black(plan, x, y);
       const auto [darker, brighter] = is_black ? std::pair(0.0, 0.0) : ExactPicture::dither_at(plan, x, y);
       for (int c = 0; c < 3; ++c) {
@@ -156,7 +156,7 @@ inline double worst_difference(const RgbImage& drawn, const display::HeadPlan& p
   return worst;
 }
 
-/// Plans and pictures that differ in everything that may differ.
+/// Random plans and pictures that vary in every parameter.
 class RandomHeads {
  public:
   explicit RandomHeads(unsigned seed) : random_(seed) {}
@@ -173,9 +173,9 @@ class RandomHeads {
     }
     return picture;
   }
-  /// Cells that look in and a little beyond a panorama; some of them nowhere. They are large, and look anywhere; or
-  /// each is one pixel, and it lies a few of the panorama's from the next: cards interpolate in floats and round
-  /// corners to 1/256 px, so that steeper ones would miss by more than 0.02 px.
+  /// Cells whose positions are inside and slightly outside a panorama, some of them nowhere. They are large and
+  /// arbitrary; or each is one pixel, a few pixels of the panorama from the next: GPUs interpolate in floats and round
+  /// corners to 1/256 px, so that steeper ones would be off by more than 0.02 px.
   warp::WarpMesh mesh(int width, int height, double span_rad, bool has_tiny_cells = false) {
     const auto cells = [&](int size) { return has_tiny_cells ? size : pixels(1, std::clamp(size / 12, 1, 9)); };
     warp::WarpMesh mesh{width, height, cells(width), cells(height), {}, 0.0};
@@ -205,14 +205,14 @@ class RandomHeads {
     }
     return map;
   }
-  /// Of a flat wall or a dome, with places around its axis that a wall may have.
+  /// Shape of a flat wall or a dome, with positions around its axis that a wall may have.
   PictureShape other_shape(int width, int height) {
     const double tilt = between(-1.5, 1.5);
     if (one_in(2)) return Fisheye{width, height, between(1.0, 6.0), tilt};
     return Perspective{width, height, between(-1.2, -0.3), between(0.3, 1.2), between(0.3, 1.2), between(-1.2, -0.3),
                        tilt};
   }
-  /// Noise with many zeros and ones, and one large part that is 1.
+  /// Noise with many zeros and ones, and one large area of 1.
   warp::MaskImage mask(int width, int height) {
     warp::MaskImage mask(width, height, 1.0f);
     const int left = pixels(0, width);
@@ -221,7 +221,7 @@ class RandomHeads {
     }
     return mask;
   }
-  /// Rising, of a random shape, with slopes up to eight times that of the plainest.
+  /// A monotone random curve, with slopes up to eight times that of the identity.
   warp::ResponseCurve curve() {
     std::vector<double> sums{0.0};
     for (int i = 0; i < 32; ++i) sums.push_back(sums.back() + (one_in(3) ? 0.0 : between(0.0, 8.0)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Frames and heads that are as plain as can be, for whoever shows them.
+/// Minimal frames and heads for tests of displays.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ inline PlanarPicture plain(int width, int height, std::uint8_t code, bool half =
   return picture;
 }
 
-/// 1.4 radians wide; it may be turned by 0.2 either way.
+/// A frame 1.4 radians wide, which may be turned by 0.2 either way.
 inline std::unique_ptr<display::DisplayFrame> frame_of(std::uint64_t number, const PlanarPicture& picture,
                                                        double heading_rad = 0.0) {
   auto frame = std::make_unique<display::DisplayFrame>(
@@ -28,7 +28,7 @@ inline std::unique_ptr<display::DisplayFrame> frame_of(std::uint64_t number, con
   return frame;
 }
 
-/// Looks a radian wide straight ahead.
+/// A head whose field of view is one radian, straight ahead.
 inline display::HeadPlan plain_head(int width, int height) {
   const auto right = static_cast<float>(width);
   const auto bottom = static_cast<float>(height);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reads Prometheus' text format 0.0.4 back: a second opinion on what is written. Any line that is none fails the test.
+/// Parses Prometheus' text format 0.0.4, independently of the writer. An invalid line fails the test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 namespace cyclorama {
 
-/// Name and labels, as written, to value. Each must stand once, and after the TYPE of its family.
+/// Returns the value for each name with labels, as written. Each must occur once, and after the TYPE of its family.
 inline std::map<std::string, double> samples_of(const std::string& text) {
   static const std::regex kSample(
       R"re(([a-zA-Z_:][a-zA-Z0-9_:]*)(\{(?:[a-zA-Z_]\w*="(?:[^"\\\n]|\\[\\"n])*",?)*\})? (\S+))re");

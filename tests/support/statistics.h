@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether random numbers are distributed as they claim to be: Pearson's chi-square test, for samplers of directions
-/// too. Sources: Press et al., "Numerical Recipes", 3rd edition, sections 6.2 and 14.3; Šidák, "Rectangular Confidence
-/// Regions for the Means of Multivariate Normal Distributions", 1967.
+/// Pearson's chi-square test of random numbers, also for samplers of directions. Sources: Press et al., "Numerical
+/// Recipes", 3rd edition, sections 6.2 and 14.3; Šidák, "Rectangular Confidence Regions for the Means of Multivariate
+/// Normal Distributions", 1967.
 #pragma once
 
 #include <algorithm>
@@ -23,10 +23,10 @@ namespace cyclorama {
 struct ChiSquare {
   double statistic = 0.0;
   int degrees = 0;
-  double p_value = 1.0;  ///< How often chance alone gives a statistic as large.
+  double p_value = 1.0;  ///< Probability of a statistic at least as large by chance.
 };
 
-/// Of a chi-square distributed variable: how often it is at least `statistic`. Q(degrees / 2, statistic / 2), the
+/// Returns the probability that a chi-square variable is at least `statistic`: Q(degrees / 2, statistic / 2), the
 /// regularised upper incomplete gamma function, by its series below the mean and its continued fraction above.
 [[nodiscard]] inline double chi_square_p_value(double statistic, int degrees) {
   if (!(statistic > 0.0) || degrees < 1) return std::isnan(statistic) ? 0.0 : 1.0;
@@ -63,10 +63,11 @@ struct ChiSquare {
   return std::clamp(fraction * scale, 0.0, 1.0);
 }
 
-/// The level for each of `tests` independent ones, so that all together raise a false alarm with probability `alpha`.
+/// Significance level for each of `tests` independent tests, such that all together raise a false alarm with
+/// probability `alpha`.
 [[nodiscard]] inline double sidak(double alpha, int tests) { return -std::expm1(std::log1p(-alpha) / tests); }
 
-/// Counts against expected counts of the same total. Bins of fewer than five expected are taken together.
+/// Tests counts against expected counts of the same total. Bins with an expectation below five are pooled.
 [[nodiscard]] inline ChiSquare chi_square(std::span<const double> observed, std::span<const double> expected) {
   constexpr double kMinExpected = 5.0;
   ChiSquare result;
@@ -86,7 +87,7 @@ struct ChiSquare {
       pool_expected += expected[i];
     }
   }
-  // A pool that stays small still shows what should not be there; it cannot show what is missing.
+  // A small pool can still reveal an excess; it cannot reveal a deficit.
   if (pool_expected >= kMinExpected || pool_observed > pool_expected)
     count(pool_observed, std::max(pool_expected, 1.0));
   result.degrees = std::max(1, bins - 1);
@@ -94,12 +95,13 @@ struct ChiSquare {
   return result;
 }
 
-/// Directions counted in bins that are rectangles of height along x and angle about x. A pilot run lays them: cut where
-/// it has its median, and cut off where it has nothing. Its directions also show the integration where narrow lobes and
-/// small lamps are. Thread-bound.
+/// Counts directions in bins that are rectangles of height along x and angle about x. A pilot run defines them: they
+/// are split at its median, and cropped where it has no directions. Its directions also guide the integration to narrow
+/// lobes and small lamps. Thread-bound.
 class SphereHistogram {
  public:
-  /// 2^depth bins, and some for what the pilot did not meet. `pilot` may be empty; it must not be counted again.
+  /// Makes 2^depth bins, and some for the parts that the pilot did not reach. `pilot` may be empty; its directions must
+  /// not be counted again.
   explicit SphereHistogram(const std::vector<render::Vec3>& pilot, int depth = 7) {
     std::vector<std::array<double, 2>> points;
     points.reserve(pilot.size());
@@ -115,14 +117,14 @@ class SphereHistogram {
     counts_[nodes_[node].bin] += 1.0;
     total_ += 1.0;
   }
-  /// A sample that gave no direction, or that `density` leaves out: part of the total.
+  /// Counts a sample without a direction, or one that the pdf excludes, as part of the total.
   void add_lost() {
     counts_.back() += 1.0;
     total_ += 1.0;
   }
   [[nodiscard]] double lost() const { return total_ > 0.0 ? counts_.back() / total_ : 0.0; }
 
-  /// The probability of each bin: the integral of density(Vec3), per steradian.
+  /// Returns the probability of each bin: the integral of density(Vec3), per steradian.
   template <typename Density>
   [[nodiscard]] std::vector<double> integrate(const Density& pdf) const {
     std::vector<double> probabilities;
@@ -135,7 +137,8 @@ class SphereHistogram {
     return probabilities;
   }
 
-  /// Whether what was counted is distributed as density(Vec3) says; what that lacks of one is expected to be lost.
+  /// Tests whether the counts follow density(Vec3); if it integrates to less than one, the rest is the expected share
+  /// of lost samples.
   template <typename Density>
   [[nodiscard]] ChiSquare compare(const Density& pdf, double* ret_integral = nullptr) const {
     constexpr double kMinExpected = 1e-3;
@@ -143,7 +146,7 @@ class SphereHistogram {
     double sum = 0.0;
     for (double& e : expected) {
       sum += e;
-      e = std::max(e * total_, kMinExpected);  // What the integration finds empty may hold the tail of a tail.
+      e = std::max(e * total_, kMinExpected);  // A bin that the integration finds empty may contain the end of a tail.
     }
     if (ret_integral != nullptr) *ret_integral = sum;
     expected.push_back(std::max((1.0 - sum) * total_, kMinExpected));
@@ -159,7 +162,7 @@ class SphereHistogram {
     Rectangle place;
     std::vector<std::array<double, 2>> pilot;
   };
-  /// Where something is, and the density there.
+  /// A position and the pdf there.
   struct Probe {
     std::array<double, 2> at{};
     double pdf = 0.0;
@@ -168,7 +171,7 @@ class SphereHistogram {
   struct Node {
     std::size_t axis = 0;
     double place = 0.0;
-    std::size_t above = 0;  ///< Zero: a leaf.
+    std::size_t above = 0;  ///< Index of the upper child; zero for a leaf.
     std::size_t bin = 0;
   };
   using Points = std::span<std::array<double, 2>>;
@@ -212,7 +215,7 @@ class SphereHistogram {
     split(r, axis, place, {points.first(half), points.subspan(half)}, {depth - 1, depth - 1});
   }
 
-  /// Of the points, which it sorts about it; the middle where there is none.
+  /// Median of the points, which are partitioned about it; the centre of the rectangle if there are none.
   static double median(const Rectangle& r, Points points, std::size_t axis) {
     if (points.size() < 2) return 0.5 * (r.low[axis] + r.high[axis]);
     const std::size_t half = points.size() / 2;
@@ -234,7 +237,7 @@ class SphereHistogram {
     return static_cast<double>(pdf(render::Vec3(d.cast<float>())));
   }
 
-  /// Gauss-Legendre of 3 x 3 points.
+  /// Gauss-Legendre quadrature with 3 x 3 points.
   template <typename Density>
   static double gauss(const Density& pdf, const Rectangle& r) {
     constexpr std::array<double, 3> kPlaces = {-0.7745966692414834, 0.0, 0.7745966692414834};
@@ -280,18 +283,18 @@ class SphereHistogram {
 
   std::vector<Node> nodes_;
   std::vector<Bin> bins_;
-  std::vector<double> counts_;  ///< Of each bin, and of what was lost.
+  std::vector<double> counts_;  ///< Counts of each bin and of lost samples.
   double total_ = 0.0;
 };
 
 struct SamplerCheck {
   ChiSquare chi_square;
-  double integral = 0.0;  ///< Of the density over the sphere.
-  double lost = 0.0;      ///< The part of the samples that gave no direction.
+  double integral = 0.0;  ///< Integral of the pdf over the sphere.
+  double lost = 0.0;      ///< Fraction of the samples without a direction.
 };
 
-/// sample(const Vec2& u, float choice) -> std::optional<Vec3>, against density(const Vec3&), with a quarter of
-/// `samples` more to lay the bins.
+/// Tests sample(const Vec2& u, float choice) -> std::optional<Vec3> against density(const Vec3&), with another quarter
+/// of `samples` to define the bins.
 template <typename Sample, typename Density>
 [[nodiscard]] SamplerCheck check_sampler(const Sample& sample, const Density& pdf, int samples = 1 << 15,
                                          unsigned seed = 1, int depth = 7) {

@@ -14,7 +14,7 @@
 
 namespace cyclorama {
 
-/// What a shell command printed, both streams.
+/// Returns the output of a shell command, both streams.
 inline std::string output_of(const std::string& command) {
   std::string text;
   FILE* const pipe = ::popen(("{ " + command + "; } 2>&1").c_str(), "r");
@@ -25,7 +25,7 @@ inline std::string output_of(const std::string& command) {
   return text;
 }
 
-/// A throw-away authority, made by the program that farms use, in a folder of its own.
+/// A temporary authority, made by the program that farms use, in a separate folder.
 class TestAuthority {
  public:
   TestAuthority() {
@@ -38,13 +38,13 @@ class TestAuthority {
   TestAuthority(const TestAuthority&) = delete;
   TestAuthority& operator=(const TestAuthority&) = delete;
 
-  /// cyclorama-authority with these words; what it prints.
+  /// Runs cyclorama-authority with these arguments and returns its output.
   std::string run(const std::string& words) {
     const char* const source = std::getenv("CYCLORAMA_SOURCE");
     return output_of("cd '" + folder_.string() + "' && '" + (source != nullptr ? source : ".") +
                      "/renderfarm/authority/cyclorama-authority' --folder ca " + words);
   }
-  /// A bundle by `words`, such as "node n1", unpacked over the last of that name.
+  /// Makes a bundle with arguments such as "node n1", unpacked over the previous one of that name.
   TlsFiles make(const std::string& words, const std::string& name) {
     const std::string said = run(words + " --output bundle.tar --replace");
     const std::filesystem::path to = folder_ / name;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Whether a noisy picture has the mean that it should have: a z-test of every pixel, and one of the whole picture,
-/// against the mean and the variance of a long run that was stored. Source: Subr and Arvo, "Statistical Hypothesis
-/// Testing for Assessing Monte Carlo Estimators", 2007; the whole picture finds small biases that no pixel shows.
+/// Tests whether a noisy picture has the expected mean: a z-test of every pixel, and one of the whole picture, against
+/// the stored mean and variance of a long run. Source: Subr and Arvo, "Statistical Hypothesis Testing for Assessing
+/// Monte Carlo Estimators", 2007; the test of the whole picture detects small biases that no pixel reveals.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,12 +24,12 @@
 
 namespace cyclorama {
 
-/// Luminance of a long run, per pixel: the mean, and the variance of one sample. Stratified samples scatter less than
-/// that, so the test is mild with them, never unjust.
+/// Luminance of a long run, per pixel: the mean, and the variance of one sample. Stratified samples have a smaller
+/// variance, so the test is then less sensitive but never raises more false alarms.
 struct Golden {
   int width = 0;
   int height = 0;
-  double samples = 0.0;  ///< Per pixel, of the long run.
+  double samples = 0.0;  ///< Samples per pixel of the long run.
   std::vector<double> mean;
   std::vector<double> variance;
 };
@@ -41,10 +41,10 @@ struct Golden {
          film.samples.data()[pixel];
 }
 
-/// A long run, film by film, added in double: a float that has grown large forgets small samples. Thread-bound.
+/// A long run, added film by film in double precision, since a large float sum loses small samples. Thread-bound.
 class GoldenRun {
  public:
-  /// Precondition: of the same size, and as many samples in every pixel.
+  /// Precondition: films have the same size and the same number of samples in every pixel.
   void add(const render::Film& film) {
     const std::size_t pixels = film.samples.data().size();
     if (sum_.empty()) {
@@ -80,7 +80,7 @@ class GoldenRun {
   std::vector<double> square_;
 };
 
-/// For tests/golden: a comment with the command that makes it again, then numbers.
+/// Text for tests/golden: a comment with the command that reproduces it, then numbers.
 [[nodiscard]] inline std::string golden_text(const Golden& golden, const std::string& command) {
   std::ostringstream text;
   text.precision(9);
@@ -109,22 +109,23 @@ class GoldenRun {
   return Error(ErrorCode::kBadData, "not a golden picture: make it again with the command in its second line");
 }
 
-/// tests/golden/`name`.txt of the repository.
+/// Path of tests/golden/`name`.txt in the repository.
 [[nodiscard]] inline std::filesystem::path golden_path(const std::string& name) {
   const char* const source = std::getenv("CYCLORAMA_SOURCE");
   return std::filesystem::path(source == nullptr ? "." : source) / "tests/golden" / (name + ".txt");
 }
 
 struct ZTest {
-  double level = 0.0;    ///< Of each test, so that all together raise a false alarm with probability alpha.
-  double worst_p = 1.0;  ///< Of the pixel that is least likely.
+  /// Significance level of each test, such that all together raise a false alarm with probability alpha.
+  double level = 0.0;
+  double worst_p = 1.0;  ///< p-value of the least likely pixel.
   std::size_t worst_pixel = 0;
-  double picture_p = 1.0;  ///< Of the sum over all pixels.
-  std::vector<double> z;   ///< Per pixel, positive where the film is too bright; infinite where it is no number.
+  double picture_p = 1.0;  ///< p-value of the sum over all pixels.
+  std::vector<double> z;   ///< Per pixel, positive where the film is too bright; infinite for NaN.
   [[nodiscard]] bool passed() const { return worst_p >= level && picture_p >= level; }
 };
 
-/// The film needs samples enough in each pixel that their mean is about normal. Precondition: the sizes are equal.
+/// Each pixel needs enough samples for a nearly normal mean. Precondition: the sizes are equal.
 [[nodiscard]] inline ZTest z_test(const render::Film& film, const Golden& golden, double alpha = 0.01) {
   CHECK(film.width() == golden.width && film.height() == golden.height);
   const auto p_of = [](double z) { return std::erfc(std::abs(z) / std::numbers::sqrt2); };
@@ -135,8 +136,8 @@ struct ZTest {
   for (std::size_t i = 0; i < golden.mean.size(); ++i) {
     const double n = film.samples.data()[i];
     const double mean = mean_luminance(film, i);
-    // A sum of n floats may be off by n roundings, here and in each film of the long run; without this a pixel that
-    // never scatters would fail.
+    // A sum of n floats may be off by n roundings, here and in each film of the long run; without this term a pixel
+    // without variance would fail.
     const double rounding = n * std::numeric_limits<float>::epsilon() * golden.mean[i];
     const double pixel = golden.variance[i] * (1.0 / n + 1.0 / golden.samples) + rounding * rounding;
     const double gap = mean - golden.mean[i];
@@ -155,7 +156,7 @@ struct ZTest {
   return test;
 }
 
-/// Against tests/golden/`name`.txt; a failure says where, and leaves the picture and z as PFM.
+/// Compares with tests/golden/`name`.txt; a failure names the pixel, and writes the picture and z as PFM.
 inline void expect_golden(const render::Film& film, const std::string& name) {
   const std::filesystem::path path = golden_path(name);
   const auto text = read_text_file(path, 1 << 22);

@@ -219,7 +219,7 @@ TEST_F(GatekeeperTest, requires_valid_files_at_the_start) {
 }
 
 TEST(FullDisk, is_reported_once_and_harms_no_session) {
-  ManualClock clock;
+  FakeClock clock;
   std::vector<std::string> said;
   const auto gate =
       *Gatekeeper::open({.audit = "/dev/full"}, clock, [&](const std::string& sentence) { said.push_back(sentence); });

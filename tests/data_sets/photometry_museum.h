@@ -16,7 +16,7 @@ namespace cyclorama {
 struct MuseumLightOptions {
   int ramp_steps = photometry::kRampSteps;
   std::vector<double> exposures{photometry::kRampExposures.begin(),
-                                photometry::kRampExposures.end()};  ///< As fractions of white's exposure.
+                                photometry::kRampExposures.end()};  ///< Fractions of white's exposure.
   double black_exposure = photometry::kBlackExposure;               ///< Likewise.
   std::vector<double> angles_deg{-44.0, -22.0, 0.0, 22.0, 44.0};
   int map_cell_px = 8;

@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (to_text(*parsed) != text || parsed->until - parsed->set_at > kMaxOverrideDuration) std::abort();
     if (parsed->holds(parsed->until) || parsed->holds(parsed->set_at - std::chrono::seconds(1))) std::abort();
   }
-  // As entered in the operator's page.
+  // An override entered in the operator's page.
   const WallTime now{std::chrono::seconds(1795500000)};
   const auto until = open_until(OpeningHours(), text, now);
   if (!until) return 0;

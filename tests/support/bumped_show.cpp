@@ -215,7 +215,7 @@ RgbImage BumpedShow::draw(std::size_t index) const {
         if (there && &other != &projector) sum += inwardness(other.lens, *there);
       }
       const double own = inwardness(projector.lens, pixel);
-      // As a code: the fraction of light to the power of one over gamma.
+      // Code value for the fraction of light, with a gamma of 2.2.
       node.mask = sum + own > 0.0 ? static_cast<float>(std::pow(own / (sum + own), 1.0 / 2.2)) : 0.0f;
     }
   }

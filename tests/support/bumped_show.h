@@ -54,7 +54,7 @@ class BumpedShow {
   /// Advances by one period: the displays draw for the estimated poses, the cameras take pictures, the calibration
   /// takes a step.
   Result<healing::ShowReport> step();
-  /// As step(), for an external calibration: returns its input.
+  /// Returns the input of an external calibration instead of taking its step.
   Result<healing::ShowMoment> look();
   /// Takes effect at the next step.
   void draw_for(std::size_t projector, const RigidTransform<frame::Room, frame::Projector>& pose) {
@@ -91,7 +91,7 @@ class BumpedShow {
   /// True error of a projector's pixels as seen from the sweet spot: the map's own errors and later displacements that
   /// were not corrected, or wrongly; percentile in [0, 1] of its picture.
   [[nodiscard]] double error_px(std::size_t projector, double percentile = 0.95) const;
-  /// As error_px(), for the poses with which the displays draw now.
+  /// Returns the same for the poses with which the displays draw now.
   [[nodiscard]] double drawn_error_px(std::size_t projector, double percentile = 0.95) const;
   [[nodiscard]] std::size_t projector_count() const { return is_on_.size(); }
   /// Picture that a head shows now.
@@ -132,7 +132,7 @@ class BumpedShow {
   double cpu_s_ = 0.0;
 };
 
-/// Returns a bump in one of six degrees of freedom, or in all, that moves pixels by about the given distance.
+/// Returns a random displacement in one of six degrees of freedom, or in all.
 [[nodiscard]] calibration::PoseStep drawn_bump(simulated::RandomStream* draws);
 
 }  // namespace cyclorama

@@ -35,7 +35,7 @@ class DisplacedMuseum {
     lens.centre_v_px += shift_px;
     p.lens = simulated::TrueLens(lens);
   }
-  /// Puts the tripod back on its marks, with a typical error.
+  /// Moves the turntable, as when the tripod is put back on its marks inexactly.
   void put_turntable_elsewhere(const Eigen::Vector3d& by_m, double heading_rad) {
     auto& pose = preset_.truth.turntable.T_room_turntable;
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(heading_rad, Eigen::Vector3d::UnitY()));

@@ -10,15 +10,15 @@
 
 namespace cyclorama {
 
-/// Distances on the wall in projector pixels, for pictures 80 columns wide.
+/// Distances on the wall in projector pixels, sampled at 80 columns of each picture.
 struct MuseumScore {
   double mean_px = 0.0;  ///< Mean distance at which two projectors draw one point of the wall.
   double p95_px = 0.0;
   double max_px = 0.0;
   std::size_t correspondences = 0;  ///< Number in overlaps.
   double true_p95_px =
-      0.0;  ///< Against what an eye in the turntable's turning point sees, once heading and tilt, which are
-  double true_max_px = 0.0;  ///< the turntable's own, are turned onto it.
+      0.0;  ///< 95th percentile against the view from the turntable's centre, after alignment of heading and tilt.
+  double true_max_px = 0.0;  ///< Maximum of the same errors.
   std::size_t lit = 0;       ///< Pixels that light the wall.
   std::size_t missing = 0;   ///< Pixels of those that have no direction.
 };

@@ -215,7 +215,7 @@ class SphereHistogram {
     split(r, axis, place, {points.first(half), points.subspan(half)}, {depth - 1, depth - 1});
   }
 
-  /// Median of the points, which are partitioned about it; the centre of the rectangle if there are none.
+  /// Median of the points, which are partitioned about it; the centre of the rectangle if there are fewer than two.
   static double median(const Rectangle& r, Points points, std::size_t axis) {
     if (points.size() < 2) return 0.5 * (r.low[axis] + r.high[axis]);
     const std::size_t half = points.size() / 2;

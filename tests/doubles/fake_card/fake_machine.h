@@ -54,7 +54,7 @@ struct FakeCard {
   /// Upper bound on the sum of all modes' clocks, as given by memory bandwidth; 0 for none.
   std::uint64_t max_clock_khz = 0;
   bool can_be_deep = true;  ///< Planes support 10 bits.
-  bool has_raster = true;   ///< If false, flips happen immediately, as on virtual cards.
+  bool has_raster = true;   ///< False on virtual cards: flips happen immediately.
 };
 /// Three connected projectors of 64x36 pixels at 60 Hz: HDMI-A-1 to -3, 8 bit.
 FakeCard three_projectors();

@@ -16,10 +16,9 @@ struct GainRange {
   long step = 1;
 };
 
-/// Returns the gain for the pictures to come, within `range` and on its steps, whatever `gain` is. Since the exposure
-/// is short and fixed, only the gain can compensate for darkness. It rises while the bright level is below 110 and
-/// falls while it is above 235, by a sixteenth of the range at a time; between the two it stays, so that it cannot
-/// oscillate.
+/// Returns the gain for the pictures to come, within `range` and on its steps for any `gain`. Since the exposure is
+/// short and fixed, only the gain can compensate for darkness. It rises while the bright level is below 110 and falls
+/// while it is above 235, by a sixteenth of the range at a time; between the two it stays, so that it cannot oscillate.
 [[nodiscard]] long next_gain(long gain, int bright_level, const GainRange& range);
 
 }  // namespace cyclorama::camera

@@ -16,8 +16,8 @@ enum class PixelLayout {
   kGrey8,      ///< GREY.
   kPlanarYuv,  ///< A first plane as kGrey8, then colour: NV12, NV21, NV16, YU12, YV12, 422P...
   kGrey16,     ///< Two bytes per pixel, the low one first, all 16 bits used: Y16.
-  kGrey12,     ///< As kGrey16, 12 bits used.
-  kGrey10,     ///< As kGrey16, 10 bits used.
+  kGrey12,     ///< Layout of kGrey16 with 12 bits used.
+  kGrey10,     ///< Layout of kGrey16 with 10 bits used.
   kYuyv,       ///< Brightness in every even byte: YUYV, YVYU.
   kUyvy,       ///< Brightness in every odd byte: UYVY, VYUY.
   kJpeg,       ///< A JPEG per picture: MJPG, JPEG.

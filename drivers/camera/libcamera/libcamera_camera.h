@@ -16,7 +16,8 @@ namespace cyclorama::camera {
 
 struct LibcameraOptions {
   PicturePreference preferred;
-  /// As for a V4L2 camera, with the gain at libcamera's default. Zero selects libcamera's automatic exposure.
+  /// Exposure time of a fixed exposure, with the gain at libcamera's default. Zero selects libcamera's automatic
+  /// exposure.
   Duration exposure = std::chrono::milliseconds(5);
 };
 

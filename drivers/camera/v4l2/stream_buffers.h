@@ -14,7 +14,7 @@
 
 namespace cyclorama::camera {
 
-/// How the driver's memory is accessed.
+/// Access method for the driver's memory.
 enum class BufferMemory {
   kMapped,  ///< mmap() of the device.
   kDmaBuf,  ///< Each buffer is a DMA-buf (VIDIOC_EXPBUF), which is mapped and can be shared.

@@ -264,7 +264,7 @@ class DrmOutput final : public Output {
 
   Status probe(CardState* card) {
     if (card->has_lost_master) {
-      // Whatever the commit's error was, another program is still the card's master.
+      // Regardless of the commit's error, another program is still the card's master.
       if (!card->heads->card().become_master()) return kms_error(-EACCES, "waiting for the card");
       card->has_lost_master = false;
     }

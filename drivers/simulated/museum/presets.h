@@ -25,7 +25,7 @@ struct PresetOptions {
   int projector_width_px = 1920;
   int projector_height_px = 1080;
   double camera_megapixels = 2.0;
-  double overlap = 0.25;  ///< As a fraction of the width of neighbouring pictures.
+  double overlap = 0.25;  ///< Fraction of the width of neighbouring pictures.
   bool has_flaws = true;  ///< If false, all optics are perfect and only the wall's shape remains.
 };
 

@@ -18,7 +18,7 @@ Error refuse(std::string_view spec, std::string_view what) {
   return Error(ErrorCode::kInvalidArgument, fmt::format("turntable '{}': {}", printable(spec, 200), what));
 }
 
-/// Cuts `text` at the first `separator`; the rest is empty when there is none.
+/// Splits `text` at the first `separator`; the rest is empty if there is none.
 std::string_view cut(std::string_view* text, char separator) {
   const std::size_t at = text->find(separator);
   const std::string_view first = text->substr(0, at);
@@ -26,7 +26,7 @@ std::string_view cut(std::string_view* text, char separator) {
   return first;
 }
 
-/// Whether `key` was one that is known, and its value one that it can have.
+/// Returns whether `key` is known and its value is valid.
 bool take(std::string_view key, std::string_view value, SerialTurntableOptions* ret) {
   if (key == "axis") {
     if (value.size() != 1) return false;
@@ -52,7 +52,7 @@ bool take(std::string_view key, std::string_view value, SerialTurntableOptions* 
   return true;
 }
 
-/// Returns what the option `key` is called now, or nothing where it is no former name.
+/// Returns the current name of the option `key`, or nothing if it is not a former name.
 std::string_view renamed_to(std::string_view key) {
   if (key ==
       "least_"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A turntable from one line of text, as it stands in a config file or behind --turntable:
+/// Makes a turntable from one line of text, as used in a settings file or behind --turntable:
 ///
 ///   # turntable
-///   manual                                         # Somebody is asked to turn it.
-///   serial:/dev/serial/by-id/usb-Arduino-if00      # A motor behind a controller that speaks G-code.
+///   manual                                         # A person is asked to turn it.
+///   serial:/dev/serial/by-id/usb-Arduino-if00      # A motor behind a G-code controller.
 ///   serial:/dev/ttyACM0?baud=115200&axis=X&units_per_turn=360&degrees_per_second=30&min_deg=-90&max_deg=90
 #pragma once
 
@@ -14,13 +14,14 @@
 
 namespace cyclorama::turntable {
 
-/// `operated_by` is who a manual one asks.
+/// `operated_by` is the operator of a manual turntable.
 ///
-/// kInvalidArgument  the line itself is wrong and says what is legal. Others as SerialTurntable::open().
+/// Errors: kInvalidArgument if the line itself is wrong (the message states what is legal); others as
+/// SerialTurntable::open().
 Result<std::unique_ptr<Turntable>> make_turntable(std::string_view spec,
                                                   std::unique_ptr<TurntableOperator> operated_by);
 
-/// The line alone; nothing is opened. kInvalidArgument  as above.
+/// Checks the line only; opens nothing. Errors: kInvalidArgument as above.
 Status check_turntable(std::string_view spec);
 
 }  // namespace cyclorama::turntable

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a camera is turned with while it looks at the wall, whatever moves it.
+/// Turns the calibration's camera about an upright axis; independent of the kind of drive.
 ///
 ///              home()              turn_to()
 ///   Unhomed ──────────▶ Ready ──────────────────┐
@@ -8,7 +8,7 @@
 ///      └──────────────────┤
 ///                         │ unplugged
 ///                         ▼
-///                       Failed       every call returns kUnavailable for ever; make a new Turntable.
+///                       Failed       every call returns kUnavailable from now on; make a new Turntable.
 #pragma once
 
 #include <string>
@@ -17,33 +17,32 @@
 
 namespace cyclorama::turntable {
 
-/// How far a turntable may turn: cables wind up. Radians, positive to the right (clockwise from above).
+/// Permitted range of angles, limited by cables. Radians, positive to the right (clockwise from above).
 struct TurnRange {
   double min_rad = 0.0;
   double max_rad = 0.0;
 };
 
-/// Used by the calibrator, which does not know which kind it holds. Thread-bound; calls block while the turntable
-/// moves.
+/// Used by the calibrator, which does not depend on the kind. Thread-bound; calls block while the turntable moves.
 ///
-/// In every call: kTimedOut     it stalled: it did not answer, or did not arrive. Free it and home() again.
-///                kBadData      what answers is no turntable, or it reports an error. Home it again.
-///                kUnavailable  Failed; see the diagram.
+/// Errors of every call: kTimedOut if it stalled, that is, did not answer or did not arrive (free it and call home()
+/// again); kBadData if the device is no turntable, or it reports an error (call home() again); kUnavailable once Failed
+/// (see the diagram).
 class Turntable {
  public:
   virtual ~Turntable() = default;
 
-  /// For people and for calibration.json.
+  /// Identifier for people and for calibration.json.
   [[nodiscard]] virtual const std::string& id() const = 0;
   [[nodiscard]] TurnRange range() const { return range_; }
   [[nodiscard]] bool is_homed() const { return state_ == State::kReady; }
 
-  /// Finds angle 0 and stands there.
+  /// Finds angle 0 and stops there.
   Status home();
-  /// Stands still at `angle_rad` when it returns, as far as it can tell.
-  /// kInvalidArgument  the angle is out of range or no number, or it was not homed; it has not moved.
+  /// Moves to `angle_rad` and returns once the drive reports standstill. Errors: kInvalidArgument if the angle is out
+  /// of range or not a number, or the turntable was not homed; it has then not moved.
   Status turn_to(double angle_rad);
-  /// Where it stands, as far as it can tell. kInvalidArgument  it was not homed.
+  /// Returns the angle as reported by the drive. Errors: kInvalidArgument if it was not homed.
   Result<double> angle();
 
  protected:
@@ -56,7 +55,7 @@ class Turntable {
   virtual Status move_home() = 0;
   virtual Status move_to(double angle_rad) = 0;
   virtual Result<double> ask_angle() = 0;
-  /// Follows the diagram.
+  /// Changes the state as in the diagram.
   Error failed(Error error);
   Status refuse_unless_ready() const;
 

@@ -8,7 +8,8 @@
 
 namespace cyclorama::simulated {
 
-/// The turntable of a simulated museum: it believes that it arrives, and errs as the museum's truth says.
+/// The turntable of a simulated museum: it reports nominal angles, and its true angles have the errors of the museum's
+/// truth.
 class SimulatedTurntable final : public turntable::Turntable {
  public:
   /// Borrows `museum` for its whole life.

@@ -34,7 +34,7 @@ Result<std::string> TerminalOperator::answer(const std::string& question, std::c
       if (!line.empty() && line.back() == '\r') line.pop_back();
       return line;
     }
-    if (read_.size() > kMaxLineLength) read_.clear();  // No person types that.
+    if (read_.size() > kMaxLineLength) read_.clear();  // No person types such a long line.
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - clock.now()).count();
     pollfd entry{in_fd_, POLLIN, 0};
     const int ready = ::poll(&entry, 1, static_cast<int>(std::clamp<std::int64_t>(left, 0, 3'600'000)));

@@ -11,15 +11,15 @@
 
 namespace cyclorama::turntable {
 
-/// Somebody beside the turntable: in front of a terminal, or of the operator page.
+/// A person beside the turntable, at a terminal or with the operator's page.
 class TurntableOperator {
  public:
   virtual ~TurntableOperator() = default;
-  /// One line, without its end. kTimedOut  nobody answers.     kUnavailable  nobody is there any more.
+  /// Returns one line, without its end. Errors: kTimedOut if nobody answers; kUnavailable if the operator has left.
   virtual Result<std::string> answer(const std::string& question, std::chrono::milliseconds timeout) = 0;
 };
 
-/// At a terminal: asks on one file descriptor and reads a line from the other. Borrows both.
+/// An operator at a terminal: writes questions to one file descriptor and reads answers from the other. Borrows both.
 class TerminalOperator final : public TurntableOperator {
  public:
   TerminalOperator(int in_fd, int out_fd) : in_fd_(in_fd), out_fd_(out_fd) {}
@@ -31,8 +31,8 @@ class TerminalOperator final : public TurntableOperator {
   std::string read_;
 };
 
-/// A turntable with a scale that a person turns. The operator may answer with the angle that it really stands at, which
-/// is then what angle() says; plain Enter means the one that was asked for, `q` gives up.
+/// A turntable with a scale that a person turns. The operator may answer with the angle on the scale, which angle()
+/// then returns; plain Enter confirms the requested angle, and `q` gives up.
 class ManualTurntable final : public Turntable {
  public:
   explicit ManualTurntable(std::unique_ptr<TurntableOperator> operated_by,

@@ -17,7 +17,7 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }
 
-/// "X:30.00" among words, up to "Count", which counts motor steps.
+/// Finds "X:30.00" among words, up to "Count", after which motor steps follow.
 std::optional<double> position_in(std::string_view line, char axis) {
   while (!line.empty()) {
     const std::size_t end = line.find_first_of(" \t");
@@ -25,7 +25,7 @@ std::optional<double> position_in(std::string_view line, char axis) {
     line = end == std::string_view::npos ? std::string_view() : without_blanks(line.substr(end));
     if (word == "Count") return std::nullopt;
     if (word.size() < 2 || word[0] != axis || word[1] != ':') continue;
-    // "X: 30.00" is written by some.
+    // Some controllers write "X: 30.00".
     const std::string_view rest = word.size() > 2 ? word.substr(2) : line.substr(0, line.find_first_of(" \t"));
     const auto value = parse_double(rest);
     if (!value || !std::isfinite(*value)) return std::nullopt;

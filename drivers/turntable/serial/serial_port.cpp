@@ -63,7 +63,7 @@ Status SerialPort::wait_for(short events, TimePoint deadline) const {
     const int ready = ::poll(&entry, 1, static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 600'000)));
     if (ready < 0 && errno != EINTR) return Error::from_errno("waiting for it");
     if (ready > 0) {
-      // What came before the plug was pulled is still to be read.
+      // Data that arrived before the unplugging can still be read.
       if ((entry.revents & events) != 0) return Done{};
       return unplugged();
     }
@@ -78,7 +78,7 @@ Status SerialPort::write_line(std::string_view line, TimePoint deadline) {
     TRY(wait_for(POLLOUT, deadline));
     const ssize_t count = ::write(fd_.get(), rest.data(), rest.size());
     if (count > 0) rest.remove_prefix(static_cast<std::size_t>(count));
-    // EIO, ENXIO and ENODEV are what drivers say of a device that has gone.
+    // Drivers return EIO, ENXIO or ENODEV for a device that is gone.
     if (count < 0 && errno != EAGAIN && errno != EINTR) return unplugged();
   }
   return Done{};

@@ -11,20 +11,19 @@
 
 namespace cyclorama::turntable {
 
-/// A tty, as 8 bits without parity, flow control or any change to bytes. Move-only; thread-bound.
+/// A tty in raw mode: 8 bits, no parity, no flow control. Move-only; thread-bound.
 class SerialPort {
  public:
-  /// kNotFound         no such device.
-  /// kBusy             another program of ours holds it.
-  /// kInvalidArgument  it is no serial line, or no rate that Linux has: 9600 to 921600.
+  /// Errors: kNotFound if there is no such device; kBusy if another of our programs holds it; kInvalidArgument if it is
+  /// no serial line, or the rate is not one that Linux supports from 9600 to 921600.
   static Result<SerialPort> open(const std::filesystem::path& device, int baud);
 
-  /// kUnavailable  unplugged.     kTimedOut  it does not take them before the deadline.
+  /// Errors: kUnavailable if unplugged; kTimedOut if the bytes are not accepted before the deadline.
   Status write_line(std::string_view line, TimePoint deadline);
-  /// Without its end. kUnavailable  unplugged.     kTimedOut  none before the deadline.
-  /// kBadData  bytes without an end: no controller, or another baud rate.
+  /// Returns a line without its end. Errors: kUnavailable if unplugged; kTimedOut if none came before the deadline;
+  /// kBadData if there is no line end: no controller, or a wrong baud rate.
   Result<std::string> read_line(TimePoint deadline);
-  /// Drops what has come and was not read.
+  /// Discards unread input.
   void forget_input();
 
  private:

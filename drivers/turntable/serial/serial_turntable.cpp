@@ -38,7 +38,8 @@ Result<std::unique_ptr<Turntable>> SerialTurntable::open(const SerialTurntableOp
 }
 
 Status SerialTurntable::wake() {
-  // A controller that resets when its line is opened greets, and may swallow the first command: say it twice.
+  // A controller that resets when its line is opened sends a greeting and may lose the first command, so it is sent
+  // twice.
   const auto half = options_.answer_timeout / 2;
   if (say("G90", half)) return Done{};
   return say("G90", options_.answer_timeout);
@@ -51,11 +52,11 @@ Status SerialTurntable::say(std::string_view command, std::chrono::milliseconds 
   const SteadyClock clock;
   const TimePoint last = clock.now() + timeout;
   int resends = 0;
-  port_.forget_input();  // An answer to what was given up would be taken for this one's.
+  port_.forget_input();  // A late answer to an abandoned command would be taken for this one's.
   TRY(port_.write_line(command, last));
   TimePoint answer_deadline = std::min(last, clock.now() + options_.answer_timeout);
   if (command == "M400" || command.starts_with("G28"))
-    answer_deadline = last;  // Not every firmware says that it is busy.
+    answer_deadline = last;  // Not every firmware reports that it is busy.
   for (;;) {
     TRY_ASSIGN(const std::string line, port_.read_line(answer_deadline));
     const gcode::Answer answer = gcode::parse_answer(line, options_.axis);
@@ -102,7 +103,7 @@ Status SerialTurntable::move_home() {
   TRY(say("G90", options_.answer_timeout));
   TRY(say(gcode::home_command(options_.axis), options_.home_timeout));
   last_angle_rad_ = 0.0;
-  // Home may be a switch beside zero: G28 says where that is, and we go to 0.
+  // Home may be a switch beside zero: G28 finds the switch, then the axis moves to 0.
   return move_to(0.0);
 }
 
@@ -110,7 +111,7 @@ Status SerialTurntable::move_to(double angle_rad) {
   const double units_per_rad = options_.units_per_turn / kTurn;
   const double speed = options_.speed_rad_s * std::abs(units_per_rad) * 60.0;
   TRY(say(gcode::go_command(options_.axis, angle_rad * units_per_rad, speed), options_.answer_timeout));
-  // Twice what the way takes, for speeding up and for slow controllers.
+  // Twice the nominal time, to allow for acceleration and slow controllers.
   const double way_s = 2.0 * std::abs(angle_rad - last_angle_rad_) / options_.speed_rad_s;
   TRY(say("M400", options_.answer_timeout + std::chrono::milliseconds(std::lround(1e3 * way_s))));
   TRY_ASSIGN(const double stands, ask_angle());

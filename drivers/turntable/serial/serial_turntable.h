@@ -12,24 +12,26 @@
 namespace cyclorama::turntable {
 
 struct SerialTurntableOptions {
-  std::filesystem::path device;  ///< Better /dev/serial/by-id/... than /dev/ttyUSB0, which may be another's tomorrow.
+  std::filesystem::path device;  ///< Prefer /dev/serial/by-id/..., since /dev/ttyUSB0 may be another device later.
   int baud = 115200;
   char axis = 'X';
-  double units_per_turn = 360.0;  ///< Of the controller's axis: 360 if it counts degrees. Negative: it turns left.
+  /// Units of the controller's axis: 360 for degrees. Negative if it turns to the left.
+  double units_per_turn = 360.0;
   TurnRange range{-std::numbers::pi, std::numbers::pi};
   double speed_rad_s = 0.35;
-  double tolerance_rad = 1e-3;                     ///< It has arrived when it says that it is so near: 0.06 degrees.
-  std::chrono::milliseconds answer_timeout{3000};  ///< Of a controller that is not busy. Many reset when opened: 2 s.
+  double tolerance_rad = 1e-3;  ///< Distance from the target that counts as arrived: 0.06 degrees.
+  /// Answer time of an idle controller. Many reset when opened, which takes 2 s.
+  std::chrono::milliseconds answer_timeout{3000};
   std::chrono::milliseconds home_timeout{90000};
 };
 
-/// A motor behind a controller that speaks G-code; gcode.h has the words, docs/guides/turntable.md the wiring.
+/// A motor behind a controller with G-code; gcode.h has the protocol, docs/guides/turntable.md the wiring.
 class SerialTurntable final : public Turntable {
  public:
-  /// Asks for an answer and moves nothing. Errors as SerialPort::open(), and
-  /// kTimedOut  nothing answers.   kBadData  what answers is no controller.   kInvalidArgument  options without sense.
+  /// Checks for an answer without any movement. Errors: those of SerialPort::open(); kTimedOut if nothing answers;
+  /// kBadData if the device is no such controller; kInvalidArgument if an option is invalid.
   static Result<std::unique_ptr<Turntable>> open(const SerialTurntableOptions& options);
-  /// kInvalidArgument  options without sense.
+  /// Errors: kInvalidArgument if an option is invalid.
   static Status check(const SerialTurntableOptions& options);
 
   [[nodiscard]] const std::string& id() const override { return id_; }
@@ -40,11 +42,11 @@ class SerialTurntable final : public Turntable {
   Status move_to(double angle_rad) override;
   Result<double> ask_angle() override;
 
-  /// Says a line and waits for its ok; `ret_position` gets the position if one came before.
+  /// Sends a line and waits for its ok; `ret_position` gets the position if one came before.
   Status say(std::string_view command, std::chrono::milliseconds timeout,
              std::optional<double>* ret_position = nullptr);
   Status wake();
-  /// After a stall, answers to what was given up may still come: asks for the position, and waits for that.
+  /// Resynchronises after a stall, when late answers may still arrive: requests the position and waits for it.
   Status find_step();
 
   SerialPort port_;

@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// A terminal of two pipes.
+/// A terminal that consists of two pipes.
 class Terminal {
  public:
   Terminal() {

@@ -23,7 +23,7 @@ SerialTurntableOptions quick(const ScriptedController& controller) {
   return options;
 }
 
-/// One visit: open, home, turn, ask. The first error, or none.
+/// Uses a turntable once: opens it, homes it, turns it, reads its angle. Returns the first error, if any.
 std::optional<Error> visit(const SerialTurntableOptions& options, std::unique_ptr<Turntable>* ret_turntable) {
   auto opened = SerialTurntable::open(options);
   if (!opened) return opened.error();
@@ -34,7 +34,7 @@ std::optional<Error> visit(const SerialTurntableOptions& options, std::unique_pt
   return std::nullopt;
 }
 
-/// A busy machine may be late with an answer; what counts is that it is well in the end.
+/// A busy machine may delay an answer; only the final state counts.
 bool goes_on(Turntable* turntable) {
   for (int i = 0; i < 20; ++i) {
     if (turntable->home() && turntable->turn_to(0.2)) return true;
@@ -66,13 +66,13 @@ TEST(SerialTurntable, units_may_be_steps_and_may_run_to_the_left) {
   EXPECT_NEAR(*turntable->angle(), 0.5, 1e-4);
 }
 
-// Each answer of a visit goes wrong in each way. What must come of it is an error that says so, in time; and a
-// turntable that goes on when the fault has gone, unless it was unplugged.
+// Each answer is corrupted in each way. The result must be an error with a matching message, in time, and a turntable
+// that works again once the fault has gone, unless it was unplugged.
 TEST(SerialTurntable, whichever_answer_fails_it_says_so_and_goes_on_afterwards) {
   struct Way {
     const char* name;
     ScriptedController::Fault fault;
-    bool may_pass;  ///< At places where it does no harm.
+    bool may_pass;  ///< True where the fault does no harm.
   };
   const std::vector<Way> ways{
       {"silence", {std::string()}, false},
@@ -95,7 +95,7 @@ TEST(SerialTurntable, whichever_answer_fails_it_says_so_and_goes_on_afterwards) 
       std::atomic<bool> has_failed = false;
       ScriptedController controller(
           [&](std::size_t number, const std::string&) -> std::optional<ScriptedController::Fault> {
-            // The line that fails is failed again when it is repeated, until it is mended.
+            // The failing line fails again when it is repeated, until the fault is removed.
             if (is_mended || number < failing) return std::nullopt;
             if (way.may_pass && number != failing) return std::nullopt;
             has_failed = true;
@@ -209,7 +209,7 @@ TEST(Gcode, reads_the_lines_that_firmwares_send) {
   EXPECT_EQ(position("X:-12.50 Y:3.00 Z:0.00 E:0.00 Count X:-1000 Y:0 Z:0", 'X').position, -12.5);
   EXPECT_EQ(position("X:-12.50 Y:3.00 Z:0.00 E:0.00 Count X:-1000 Y:0 Z:0", 'Y').position, 3.0);
   EXPECT_EQ(position("X: 1.5 Y: 2.5 Count X: 9", 'Y').position, 2.5);
-  EXPECT_EQ(position("Y:1.00 Count X:1000", 'X').kind, Kind::kChatter);  // Motor steps are no position.
+  EXPECT_EQ(position("Y:1.00 Count X:1000", 'X').kind, Kind::kChatter);  // Motor steps are not a position.
   EXPECT_EQ(position("X:inf", 'X').kind, Kind::kChatter);
   EXPECT_EQ(position("X:1e999 Y:0", 'X').kind, Kind::kChatter);
 }

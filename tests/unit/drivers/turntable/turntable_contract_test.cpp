@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contract of Turntable, kept by each kind: serial on a pseudo-terminal, manual with somebody who does as told, and
-// simulated in a museum that is not there.
+// The contract of Turntable, tested for each kind: serial on a pseudo-terminal, manual with an obedient operator, and
+// simulated in a simulated museum.
 #include "drivers/turntable/turntable.h"
 
 #include <gtest/gtest.h>
@@ -21,12 +21,12 @@ namespace {
 using std::chrono::milliseconds;
 constexpr TurnRange kRange{-1.5, 2.0};
 
-/// Where a turntable of one kind stands. `break_next` makes its next movement fail for a while, as this kind can fail.
+/// Makes a turntable of one kind. `break_next` makes its next movement fail for a while, in the way that this kind can.
 class Place {
  public:
   virtual ~Place() = default;
   virtual std::unique_ptr<Turntable> open() = 0;
-  /// False: this kind never stalls.
+  /// Returns false if this kind never stalls.
   virtual bool stall_next() = 0;
   virtual void free() {}
 };

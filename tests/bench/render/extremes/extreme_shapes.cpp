@@ -64,7 +64,7 @@ scene::Mesh block(const Eigen::Vector3d& size) {
   return mesh;
 }
 
-scene::Mesh turntable(double size, float repeats) {
+scene::Mesh square(double size, float repeats) {
   const auto h = static_cast<float>(0.5 * size);
   scene::Mesh mesh;
   mesh.positions = {{-h, 0, -h}, {h, 0, -h}, {h, 0, h}, {-h, 0, h}};
@@ -112,7 +112,7 @@ scene::Sky even_sky(float radiance) {
 
 scene::Scene open_ground() {
   scene::Scene scene;
-  put(scene, turntable(10.0), plain_material());
+  put(scene, square(10.0), plain_material());
   put(scene, ball(0.5, 12, true), plain_material({0.7f, 0.4f, 0.3f}),
       Eigen::Affine3d(Eigen::Translation3d(0.0, 0.5, -1.0)));
   scene.sky = even_sky(0.3f);

@@ -15,7 +15,7 @@ namespace cyclorama {
 /// A closed box about the origin, visible from inside and outside, since surfaces are two-sided.
 [[nodiscard]] scene::Mesh block(const Eigen::Vector3d& size);
 /// A square in the plane y = 0 about the origin, with texture coordinates from 0 to `repeats`.
-[[nodiscard]] scene::Mesh turntable(double size, float repeats = 1.0f);
+[[nodiscard]] scene::Mesh square(double size, float repeats = 1.0f);
 
 /// Adds the mesh and its material, and updates the bounds.
 void put(scene::Scene& scene, scene::Mesh mesh, const scene::Material& material,

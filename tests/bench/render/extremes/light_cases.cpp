@@ -22,7 +22,7 @@ PictureCase with(std::string name, void (*change)(ExtremePicture* picture)) {
 
 void no_area(ExtremePicture* picture) {
   scene::Scene& scene = picture->scene;
-  scene::Mesh line = turntable(1.0);
+  scene::Mesh line = square(1.0);
   for (auto& p : line.positions) p = {p[0], 1.0f, 0.0f};
   scene::Material glowing = plain_material();
   glowing.emissive.setConstant(5.0f);
@@ -108,7 +108,7 @@ void lights_on_surfaces(ExtremePicture* picture) {
   lights.push_back(lamp_at({0.0, 1.0, -1.0}, 1e3f, 0.0));  // At a vertex of the ball.
   scene::Material glowing = plain_material();
   glowing.emissive.setConstant(2.0f);
-  put(picture->scene, turntable(1.0), glowing, Eigen::Affine3d(Eigen::Translation3d(0.0, 0.0, 2.0)));
+  put(picture->scene, square(1.0), glowing, Eigen::Affine3d(Eigen::Translation3d(0.0, 0.0, 2.0)));
 }
 
 void eye_in_a_lamp(ExtremePicture* picture) { picture->scene.model.lights = {lamp_at(kEye, 5.0f, 0.5)}; }

@@ -118,7 +118,7 @@ ExtremePicture tiny_and_huge_textures() {
       material.metallic_roughness_texture.texture = texture;
       material.metallic = 1.0f;
       const double x = static_cast<double>(i) - 1.5;
-      put(scene, turntable(0.8, repeats), material,
+      put(scene, square(0.8, repeats), material,
           Translation(x, 0.2 + 0.3 * std::log10(static_cast<double>(repeats) + 1.0), -0.5) *
               Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitX()));
     }
@@ -158,14 +158,14 @@ ExtremePicture many_veils() {
   veil.base_colour.w() = 0.02f;
   veil.alpha_mode = scene::AlphaMode::kBlend;
   for (int i = 0; i < 300; ++i)
-    put(scene, turntable(4.0), veil, Eigen::Affine3d(Translation(0.0, 0.003 * (i + 1), 0.0)));
+    put(scene, square(4.0), veil, Eigen::Affine3d(Translation(0.0, 0.003 * (i + 1), 0.0)));
   return seen_from(std::move(scene), {0.0, 1.5, 1.0});
 }
 
 ExtremePicture boundless_floor() {
   scene::Scene scene = open_ground();
-  put(scene, turntable(1e8), plain_material(), Eigen::Affine3d(Translation(0.0, -0.1, 0.0)));
-  put(scene, turntable(1e14), plain_material(), Eigen::Affine3d(Translation(0.0, -2.0, 0.0)));
+  put(scene, square(1e8), plain_material(), Eigen::Affine3d(Translation(0.0, -0.1, 0.0)));
+  put(scene, square(1e14), plain_material(), Eigen::Affine3d(Translation(0.0, -2.0, 0.0)));
   scene.model.lights = {lamp_at({0.0, 2.0, 0.0}, 3.0f, 0.0), lamp_at({1e6, 1e5, 0.0}, 1e10f, 1e3)};
   return seen_from(std::move(scene), {0.0, 1.0, 2.0});
 }

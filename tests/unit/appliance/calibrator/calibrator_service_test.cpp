@@ -137,7 +137,7 @@ TEST_F(CalibratorServiceTest, puts_back_one_that_was_pushed) {
 }
 
 /// A turntable that a person turns and that the museum follows.
-class HandTurnedPlate final : public turntable::Turntable {
+class HandTurnedTurntable final : public turntable::Turntable {
  public:
   HandTurnedTurntable(TurntablePrompt* prompt, simulated::SimulatedMuseum* museum)
       : turntable::Turntable({-3.0, 3.0}), prompt_(*prompt), museum_(*museum) {}

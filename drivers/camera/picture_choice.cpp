@@ -11,9 +11,9 @@ namespace {
 
 /// Rates within this fraction of the preferred one count as equal: NTSC's 29.97 counts as 30.
 constexpr double kSameRate = 0.02;
-/// Half of the requested rate costs as much as four times the pixels.
+/// Half of the requested rate costs as much as a quarter of the requested pixels.
 constexpr double kRateWeight = 4.0;
-/// Half of the pixels cost as much as a quarter less of the requested rate; twice the pixels cost half of that.
+/// Half of the requested pixels cost as much as a rate lower by a quarter; twice the pixels cost half of that.
 constexpr double kSmallerWeight = 1.0;
 constexpr double kLargerWeight = 0.5;
 

@@ -32,7 +32,7 @@ struct V4l2CameraOptions {
 class V4l2Camera final : public Camera {
  public:
   /// Reads the formats that the device offers, without reserving anything. `where` is as in open_video_device().
-  /// Borrows `clock`, which must be CLOCK_MONOTONIC.
+  /// Borrows `clock`, which must have the time base of CLOCK_MONOTONIC.
   ///
   /// Errors: kNotFound, kBusy, kUnavailable and kSystem as open_video_device().
   static Result<std::unique_ptr<Camera>> open(std::string_view where, const V4l2CameraOptions& options,

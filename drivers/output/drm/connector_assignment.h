@@ -37,7 +37,7 @@ struct AvailableConnector {
 /// Returns the connector of each head, or nothing while none is known. `seen` is in the order of the cards. A head
 /// keeps its connector from `before` (empty at first) permanently, so that a projector that is switched off and on, or
 /// replaced, gets the same picture again. Heads without a preference take, in order, connected connectors that no other
-/// head has. Precondition: `before` is empty or as long as `preferences`.
+/// head has or requests. Precondition: `before` is empty or as long as `preferences`.
 [[nodiscard]] std::vector<std::optional<ConnectorId>> assign_connectors(
     std::span<const ConnectorPreference> preferences, std::span<const AvailableConnector> seen,
     std::span<const std::optional<ConnectorId>> before);

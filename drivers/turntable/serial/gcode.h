@@ -26,7 +26,7 @@ struct Answer {
   enum class Kind {
     kOk,
     kPosition,  ///< `position` is the axis position in its units.
-    kBusy,      ///< Still working; extends answer_deadline.
+    kBusy,      ///< Still working: the answer timeout starts again.
     kError,     ///< `text` has the message.
     kRestart,   ///< The controller was reset and has lost its position.
     kResend,

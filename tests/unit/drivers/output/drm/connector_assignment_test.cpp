@@ -15,7 +15,7 @@ std::vector<ConnectorPreference> preferences(std::initializer_list<const char*> 
   return preferences;
 }
 
-TEST(HeadPlacement, reads_what_a_wish_says) {
+TEST(HeadPlacement, reads_the_preferred_connector_of_a_head) {
   EXPECT_EQ(parse_connector_preference("HDMI-A-1")->connector, "HDMI-A-1");
   EXPECT_FALSE(parse_connector_preference("HDMI-A-1")->card);
   EXPECT_EQ(parse_connector_preference("1:DP-2")->card, 1U);

@@ -29,7 +29,7 @@ TEST(Edid, tells_who_the_projector_is_and_how_deep_its_colours_are) {
   EXPECT_EQ(edid->text(), "CYC EB-L1755U");
 }
 
-TEST(Edid, reads_every_depth_and_knows_when_none_is_told) {
+TEST(Edid, reads_every_depth_and_an_absent_one) {
   for (const int bits : {0, 6, 8, 10, 12, 14, 16}) EXPECT_EQ(parse_edid(fake_edid("x", bits))->colour_bits, bits);
   std::vector<std::uint8_t> older = fake_edid("x", 10);
   older[19] = 3;  // Version 1.3 has no such field.

@@ -23,36 +23,36 @@ namespace cyclorama::coordinator {
 /// How scenes reach nodes that have no copy of them.
 struct DistributionOptions {
   FileServer::Options files{};
-  std::filesystem::path digests{};  ///< Where the digests of files are kept over restarts; empty: nowhere.
+  std::filesystem::path digests{};  ///< File that keeps the digests across restarts; empty disables it.
 };
 
 struct CoordinatorOptions {
   std::vector<FarmScene> scenes{};     ///< At least one; the first is the default.
-  std::string museums = "[::1]:7401";  ///< Where museums dial; port 0 takes a free one.
-  std::string nodes = "[::1]:7402";    ///< Where nodes dial.
-  std::string inspect{};               ///< Where the operator looks; empty: nowhere.
+  std::string museums = "[::1]:7401";  ///< Listening address for museums; port 0 takes a free port.
+  std::string nodes = "[::1]:7402";    ///< Listening address for nodes.
+  std::string inspect{};               ///< Listening address of the inspection service; empty disables it.
   balance::BalanceStrategy strategy = balance::BalanceStrategy::kCostMapStealing;
   CoordinatorLimits limits{};
   trust::TrustOptions trust{};
   watch::WatchOptions watch{};
-  std::string record{};  ///< Folder for what frames cost, for cyclorama-bench-balance; empty: not kept.
+  std::string record{};  ///< Folder for the cost records that cyclorama-bench-balance reads; empty disables them.
   DistributionOptions distribution{};
-  std::filesystem::path updates{};  ///< Of appliances' images, as UpdateStore; empty: none.
+  std::filesystem::path updates{};  ///< Folder of the appliances' images (see UpdateStore); empty: no updates.
 };
 
-/// That names, paths and addresses can work, and that nothing listens to the world without TLS. kInvalidArgument names
-/// the culprit.
+/// Checks that names, paths and addresses are usable, and that no address beyond this machine is served without TLS.
+/// Errors: kInvalidArgument, which names the faulty value.
 Status validate(const CoordinatorOptions& options);
 
-/// The farm's coordinator as a running service: gRPC's streams around CoordinatorState. Threads: `coordinator` (the one loop that CoordinatorState
-/// lives on), `scenes` (reads the scenes that the coordinator hands out, at the start), `files` (reads what it sends of them),
-/// `audit` (waits for the disk), and gRPC's own, which only carry messages. Thread-safe.
+/// The farm's coordinator as a running service: gRPC streams around CoordinatorState. Threads: `coordinator` (the loop
+/// that owns CoordinatorState), `scenes` (reads the scenes to be distributed, at the start), `files` (reads the files
+/// to be sent), `audit` (writes to disk), and gRPC's own threads, which only carry messages. Thread-safe.
 class Coordinator {
  public:
   using Notice = std::function<void(const std::string& sentence, const NoticeAbout& about)>;
 
-  /// `notice` gets sentences for the log, on the coordinator's thread and those of its files. kInvalidArgument, kBusy  as
-  /// WireServer::start(). Else as Gatekeeper::open() and FarmWatch::start().
+  /// `notice` receives sentences for the log, on the coordinator's thread and on the file threads.
+  /// Errors: as WireServer::start(), Gatekeeper::open() and FarmWatch::start().
   static Result<std::unique_ptr<Coordinator>> start(CoordinatorOptions options, Notice notice);
   ~Coordinator();
   Coordinator(const Coordinator&) = delete;
@@ -60,16 +60,16 @@ class Coordinator {
 
   [[nodiscard]] int museum_port() const;
   [[nodiscard]] int node_port() const;
-  [[nodiscard]] int inspect_port() const;  ///< 0: none, or a socket in the file system.
-  [[nodiscard]] int watch_port() const;    ///< Of HTTP; 0: none.
-  /// When the loop last went round: at least every 100 ms while it is healthy.
+  [[nodiscard]] int inspect_port() const;  ///< 0 if disabled, or if it is a Unix socket.
+  [[nodiscard]] int watch_port() const;    ///< HTTP port; 0 if disabled.
+  /// Returns the time of the loop's last iteration; a healthy loop iterates at least every 100 ms.
   [[nodiscard]] TimePoint alive_at() const;
-  /// Of scenes' files, to nodes, so far.
+  /// Returns the bytes of scene files sent to nodes so far.
   [[nodiscard]] std::uint64_t sent_file_bytes() const;
-  /// One sentence for the operator.
+  /// Returns one sentence for the operator.
   [[nodiscard]] std::string state() const;
 
-  /// Tells everybody that the coordinator stops (UNAVAILABLE), waits for them a moment, and joins. Idempotent.
+  /// Ends all streams with UNAVAILABLE, waits briefly for the peers, and joins the threads. Idempotent.
   void stop();
 
  private:

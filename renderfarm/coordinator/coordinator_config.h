@@ -12,12 +12,12 @@ namespace cyclorama::coordinator {
 
 /// Reads farm.toml; docs/reference/settings.md lists its keys.
 ///
-/// Errors as Config's, and kInvalidArgument as validate(CoordinatorOptions).
+/// Errors: as Config; kInvalidArgument as validate(CoordinatorOptions).
 Result<CoordinatorOptions> read_coordinator_config(const std::filesystem::path& path);
-/// The same of a text; `name` stands in errors for the file's.
+/// Reads the same settings from a text; errors quote `name` as the file name.
 Result<CoordinatorOptions> parse_coordinator_config(std::string_view text, const std::string& name);
 
-/// NAME=PATH, as on the command line. kInvalidArgument.
+/// Parses NAME=PATH from the command line. Errors: kInvalidArgument.
 Result<FarmScene> parse_farm_scene(const std::string& text);
 
 }  // namespace cyclorama::coordinator

@@ -12,33 +12,34 @@
 
 namespace cyclorama::coordinator {
 
-/// The coordinator's numbers for the operator. What it tells the inspection service:
+/// Collects the coordinator's metrics for the operator. It reports to the inspection service:
 ///
-///   stages   queue, plan, fan_out, render, encode, farm, overhead of each whole frame of a moving picture; relay of
-///   each
-///            tile (docs/reference/frame-timing.md)
-///   gauges   frames, refined_frames, late_frames, given_up_frames: of all sessions since the start; frames_per_second,
-///            rays_per_second: of the last second or so; nodes, sessions
-///            nodes_ready: nodes that have the farm's first scene
-///   facts    scene: the farm's first; triangles: of that, instances counted; last_frame_given_up: why
+///   stages   queue, plan, fan_out, render, encode, farm and overhead of each complete frame of a moving picture;
+///            relay of each tile (docs/reference/frame-timing.md)
+///   gauges   frames, refined_frames, late_frames, given_up_frames: totals of all sessions since the start;
+///            frames_per_second, rays_per_second: over about the last second; nodes, sessions;
+///            nodes_ready: nodes that have loaded the farm's first scene
+///   facts    scene: the farm's first scene; triangles: its triangles, instances included; last_frame_given_up: the
+///            reason
 ///   tables   sessions, nodes (renderfarm/watch/farm_tables.h)
 ///
-/// The same goes into the metrics. Thread-bound: the coordinator's loop; what it feeds is borrowed and thread-safe.
+/// The same values go into the farm's metrics. Bound to the coordinator's loop; both sinks are borrowed and
+/// thread-safe.
 class CoordinatorMetrics {
  public:
   CoordinatorMetrics(InspectionService& inspection, watch::FarmMetrics& metrics)
       : inspection_(inspection), metrics_(metrics) {}
 
   void add(const FrameReport& report);
-  /// One step of a frame, as docs/reference/frame-timing.md names it.
+  /// Adds one stage of a frame, named as in docs/reference/frame-timing.md.
   void add_stage(const std::string& stage, double seconds);
-  /// The state at each call; tables and rates once a second.
+  /// Publishes the state at each call, and tables and rates once a second.
   void update(const CoordinatorState& state, TimePoint now);
 
  private:
   void add_to_session(const FrameReport& report);
   void add_loads(const FrameReport& report);
-  /// What the meters know of sessions and nodes, put into the overview; of those that are gone they know no more.
+  /// Adds the measured values of sessions and nodes to the overview, and drops those of peers that are gone.
   void complete(watch::FarmOverview* farm, double seconds);
 
   InspectionService& inspection_;

@@ -28,7 +28,7 @@ namespace cyclorama::coordinator {
 using NodeStream = PeerStream<wire::NodeReport, wire::NodeCommand>;
 using MuseumStream = PeerStream<wire::SessionRequest, wire::SessionReply>;
 
-// What gRPC's threads tell the loop.
+// Events that gRPC's threads post to the loop.
 struct NodeConnected {
   std::uint64_t id;
   std::shared_ptr<NodeStream> stream;
@@ -39,7 +39,7 @@ struct NodeMessage {
   wire::NodeReport report;
   TimePoint at;
 };
-/// An order for a block is on the wire.
+/// The command to render a block was written to the node's stream.
 struct OrderWritten {
   std::uint64_t id;
   std::uint64_t block;
@@ -158,7 +158,7 @@ class FarmService final : public wire::Farm::CallbackService,
   std::atomic<std::uint64_t> last_id_ = 0;
 };
 
-/// What museums keep themselves up to date with. `may` is asked on gRPC's threads.
+/// Serves system updates to museums. `may` authorizes a caller; it is called on gRPC's threads.
 class UpdatesService final : public wire::Updates::CallbackService {
  public:
   UpdatesService(UpdateStore store, FileServer& files, std::function<bool(const Identity&)> may)

@@ -18,20 +18,20 @@
 
 namespace cyclorama::coordinator {
 
-/// Writes what frames cost, one record per session, for cyclorama-bench-balance. A slow disk costs frames of
-/// the record, never time of the coordinator. Thread-safe; one thread of its own.
+/// Writes the costs of frames, one record per session, for cyclorama-bench-balance. If the disk is slow, frames are
+/// left out of the record; the coordinator never waits. Thread-safe; owns one thread.
 class CostLog {
  public:
-  /// Makes the folder. `notice` gets a sentence when a record cannot go on, on the log's thread.
-  /// kSystem  errno says why.
+  /// Creates the folder. `notice` receives a sentence when a record cannot be continued, on the log's thread.
+  /// Errors: kSystem with errno.
   static Result<std::unique_ptr<CostLog>> open(std::filesystem::path folder,
                                                std::function<void(const std::string&)> notice);
-  /// What waits is written first.
+  /// Writes the queued frames first.
   ~CostLog();
   CostLog(const CostLog&) = delete;
   CostLog& operator=(const CostLog&) = delete;
 
-  /// Complete frames whose nodes told the costs of all blocks; others are left out. Never waits.
+  /// Queues a complete frame whose nodes reported the costs of all blocks; ignores other frames. Never waits.
   void add(const FrameReport& report);
 
  private:
@@ -47,7 +47,7 @@ class CostLog {
 
   const std::filesystem::path folder_;
   const std::function<void(const std::string&)> notice_;
-  std::map<SessionId, std::unique_ptr<balance::CostRecorder>> records_;  ///< The thread's; null: it cannot be written.
+  std::map<SessionId, std::unique_ptr<balance::CostRecorder>> records_;  ///< The thread's own; null after an error.
 
   std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;

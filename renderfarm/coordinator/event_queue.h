@@ -10,12 +10,12 @@
 
 namespace cyclorama::coordinator {
 
-/// Many threads post, one loop takes. Not bounded by itself: the coordinator's streams each have at most one message and one
-/// finished write in it. Thread-safe.
+/// A queue with many posting threads and one consuming loop. It sets no bound itself: each stream has at most one
+/// message and one finished write in it. Thread-safe.
 template <typename Event>
 class EventQueue {
  public:
-  /// False after close(): the event is dropped.
+  /// Returns false after close(); the event is dropped.
   bool post(Event event) {
     {
       const std::lock_guard lock(mutex_);
@@ -25,7 +25,7 @@ class EventQueue {
     posted_.notify_one();
     return true;
   }
-  /// All that is there; waits for something until `deadline` or close().
+  /// Returns all queued events; if there are none, waits for one until `deadline` or close().
   std::deque<Event> take_all(TimePoint deadline) {
     std::unique_lock lock(mutex_);
     posted_.wait_until(lock, deadline, [this] { return closed_ || !events_.empty(); });

@@ -5,22 +5,22 @@
 
 namespace cyclorama::coordinator {
 
-/// In which order the farm renders frames of several sessions, so that each gets nodes in proportion to its weight while
-/// it wants them, and nothing is kept for it while it does not. Start-time fair queueing: Goyal, Vin, Cheng,
-/// "Start-time Fair Queuing", 1996. Costs are cpu-seconds, predicted by the session's last frame. Pure; thread-bound.
+/// Orders the frames of several sessions, so that each session gets nodes in proportion to its weight while it wants
+/// them; capacity is not reserved for idle sessions. Start-time fair queueing: Goyal, Vin, Cheng, "Start-time Fair
+/// Queuing", 1996. Costs are cpu-seconds, predicted by the session's last frame. Pure; thread-bound.
 class FairShare {
  public:
-  /// One session's place in the order.
+  /// The state of one session.
   struct Flow {
-    double weight = 1.0;  ///< Above 0.
+    double weight = 1.0;  ///< Must be above 0.
     double finish = 0.0;  ///< Virtual time at which its last frame is served.
   };
-  /// A frame's start in virtual time: the lower, the sooner. `cost` above 0.
+  /// Returns a frame's start in virtual time; the lowest start is served first. `cost` must be above 0.
   [[nodiscard]] double start(Flow& flow, double cost);
-  /// A frame with that start is being served: who comes later does not start before it.
+  /// A frame with that start is being served; no later frame gets an earlier start.
   void served(double start);
 
-  /// What the wire calls rank. Pictures at rest come after all moving ones, fairly among themselves.
+  /// Returns the `rank` of the wire. Pictures at rest come after all moving ones, with fair shares among themselves.
   [[nodiscard]] static std::uint64_t rank_of(double start, bool at_rest);
 
  private:

@@ -21,19 +21,20 @@
 
 namespace cyclorama::coordinator {
 
-/// Answers Nodes.ListFiles and Nodes.FetchFile: files of the library's scenes, to many nodes at once, piece by piece in
-/// turn; and gives museums their updates. Its thread (`files`) reads the disk and keeps the rate, so that neither waits
-/// in gRPC's threads nor in the coordinator's loop. Whoever it serves was let in before. Thread-safe.
+/// Serves Nodes.ListFiles and Nodes.FetchFile: files of the library's scenes, to many nodes at once, chunk by chunk in
+/// turn. It also sends museums their updates. Its thread (`files`) reads the disk and limits the rate, so that neither
+/// blocks gRPC's threads or the coordinator's loop. Callers have been authorized before. Thread-safe.
 class FileServer {
  public:
   struct Options {
-    double bytes_per_second = 0.0;  ///< To all together; 0: no limit.
-    /// Files on their way; more are told to come back. Museums have half of them, so that nodes need not wait.
+    double bytes_per_second = 0.0;  ///< Limit for all streams together; 0: no limit.
+    /// Maximum number of open streams; further callers are asked to retry. Museums get at most half of them, so that
+    /// nodes need not wait.
     std::size_t streams = 64;
   };
-  /// The library is borrowed.
+  /// Borrows the library.
   FileServer(const scene_distribution::SceneLibrary& library, Options options);
-  /// Every stream must be gone: the gRPC server is stopped first.
+  /// Precondition: all streams have ended, so the gRPC server must be stopped first.
   ~FileServer();
   FileServer(const FileServer&) = delete;
   FileServer& operator=(const FileServer&) = delete;
@@ -42,15 +43,15 @@ class FileServer {
                                  wire::SceneFiles* reply) const;
   grpc::ServerWriteReactor<wire::FileChunk>* fetch(grpc::CallbackServerContext* context,
                                                    const wire::FetchFileRequest& request);
-  /// The same of any file that the caller may give away, from `offset` on; an error is what the peer gets.
+  /// Sends any file that the caller may hand out, from `offset` on; an error goes to the peer.
   grpc::ServerWriteReactor<wire::FileChunk>* send(grpc::CallbackServerContext* context,
                                                   Result<scene_distribution::StampedFile> file, std::uint64_t offset);
-  /// Cuts the streams of those.
+  /// Cancels the streams of the matching peers.
   void cut(const std::function<bool(const Identity& who)>& whom);
-  /// Ends all streams (UNAVAILABLE), and those that come. Idempotent.
+  /// Ends all streams, present and future, with UNAVAILABLE. Idempotent.
   void stop();
 
-  /// That gRPC took, of all files so far.
+  /// Returns the bytes that gRPC has accepted, of all files so far.
   [[nodiscard]] std::uint64_t sent_bytes() const { return sent_bytes_; }
 
  private:
@@ -59,7 +60,7 @@ class FileServer {
   void queue(Stream& stream);
   void forget(Stream& stream);
   void cut_stalled();
-  /// Out of the queue: their turn may be long in coming, and they hold a place.
+  /// Removes cancelled streams from the queue, since they occupy a slot and their turn may be far off.
   std::vector<Stream*> take_cancelled();
 
   const scene_distribution::SceneLibrary& library_;
@@ -71,7 +72,7 @@ class FileServer {
   std::condition_variable changed_;
   bool stopping_ = false;
   std::set<Stream*> streams_;
-  std::deque<Stream*> queue_;  ///< Those that may have their next piece, in turn.
+  std::deque<Stream*> queue_;  ///< Streams that are ready for their next chunk, in turn.
   std::thread thread_;
 };
 

@@ -16,7 +16,7 @@
 
 namespace cyclorama::coordinator {
 
-/// Where a part of a picture is made. While it is refined the parts stay where they are: the sums are there.
+/// Assigns a part of a picture to a node. During refinement the parts stay at their nodes, which hold the sample sums.
 struct AssignedBlock {
   NodeId node{};
   PixelRect rect;
@@ -28,19 +28,19 @@ struct GovernorState {
 
   governor::Governor governor;
   int reference_samples = 0;
-  std::optional<wire::View> asked{};  ///< The last that was planned, as the museum asked.
-  std::size_t point = 0;              ///< Of the front: what it was planned at.
-  TimePoint written_at{};             ///< When the museum last took a whole frame.
-  TimePoint still_since{};            ///< The same, or when it last asked for something.
+  std::optional<wire::View> asked{};  ///< The last planned view, as requested by the museum.
+  std::size_t point = 0;              ///< Index in the Pareto front at which it was planned.
+  TimePoint written_at{};             ///< When the museum last took a complete frame.
+  TimePoint still_since{};            ///< The later of written_at and the last request.
   /// From the first refined picture on, until another view comes.
   std::optional<governor::Refinement> refinement{};
   std::vector<AssignedBlock> blocks{};
-  int failures = 0;            ///< Refined pictures given up one after the other: what is shown stays.
-  TimePoint retry_at{};        ///< Not before.
-  double ms_per_sample = 0.0;  ///< And megapixel, at rest; 0: not known.
+  int failures = 0;            ///< Consecutive refined pictures that were given up.
+  TimePoint retry_at{};        ///< Earliest time of the next attempt.
+  double ms_per_sample = 0.0;  ///< Milliseconds per sample and megapixel, at rest; 0: unknown.
 };
 
-/// Fills a view's knobs and shrinks its panorama by the quality's scale, to multiples of 16.
+/// Sets a view's quality settings and shrinks its panorama by the quality's scale, to multiples of 16.
 void apply(const render::PictureQuality& quality, wire::View* view);
 
 }  // namespace cyclorama::coordinator

@@ -12,17 +12,17 @@
 
 namespace cyclorama::coordinator {
 
-/// What a stream tells its owner. Called on gRPC's threads; must return at once.
+/// Callbacks of a stream to its owner, on gRPC's threads. They must return at once.
 template <typename In, typename Out>
 class PeerStreamEvents {
  public:
   virtual ~PeerStreamEvents() = default;
-  /// One at a time: the next comes after read_next().
+  /// Called for one message at a time: the next one comes after read_next().
   virtual void on_read(std::uint64_t id, In message) = 0;
   virtual void on_written(std::uint64_t id, Out message) = 0;
-  /// The peer sends no more, or is gone. finish() must follow.
+  /// The peer has half-closed the stream or is gone. finish() must follow.
   virtual void on_closed(std::uint64_t id) = 0;
-  /// Nothing follows.
+  /// The last callback.
   virtual void on_done(std::uint64_t id) = 0;
 
  protected:
@@ -31,8 +31,9 @@ class PeerStreamEvents {
   PeerStreamEvents& operator=(const PeerStreamEvents&) = default;
 };
 
-/// One peer's open call: messages in one by one as the owner asks, messages out through a queue. Keeps itself alive
-/// until gRPC is done with it; the owner may hold it longer, and every call does nothing then. Thread-safe.
+/// One open call of a peer: messages are read one by one as the owner requests, and written through a queue. The stream
+/// keeps itself alive until gRPC is done with it; the owner may hold it longer, but then its calls do nothing.
+/// Thread-safe.
 template <typename In, typename Out>
 class PeerStream final : public grpc::ServerBidiReactor<In, Out> {
  public:
@@ -49,7 +50,7 @@ class PeerStream final : public grpc::ServerBidiReactor<In, Out> {
     if (!finished_) this->StartRead(&in_);
   }
 
-  /// Queued without limit: who sends must bound it by on_written().
+  /// Queues without limit: the sender must bound the queue by on_written().
   void send(Out message) {
     const std::lock_guard lock(mutex_);
     if (ending_ || finished_) return;
@@ -57,12 +58,12 @@ class PeerStream final : public grpc::ServerBidiReactor<In, Out> {
     if (!writing_) write_front();
   }
 
-  /// Ends the call: after what is queued, or, `at_once`, without it. The first status counts.
+  /// Ends the call, after the queued messages unless `at_once`. The first status counts.
   void finish(grpc::Status status, bool at_once) {
     const std::lock_guard lock(mutex_);
     if (!std::exchange(ending_, true)) status_ = std::move(status);
     if (at_once && !done_) {
-      // A write that waits for a peer that does not read ends only so.
+      // Only cancellation ends a write to a peer that does not read.
       if (writing_) context_->TryCancel();
       queue_.erase(queue_.begin() + (writing_ ? 1 : 0), queue_.end());
     }
@@ -90,7 +91,7 @@ class PeerStream final : public grpc::ServerBidiReactor<In, Out> {
       message = std::move(queue_.front());
       queue_.pop_front();
       writing_ = false;
-      if (!ok) queue_.clear();  // The peer is gone; on_closed() tells.
+      if (!ok) queue_.clear();  // The peer is gone; on_closed() reports it.
       if (!queue_.empty()) write_front();
       finish_if_idle();
     }
@@ -118,12 +119,12 @@ class PeerStream final : public grpc::ServerBidiReactor<In, Out> {
   }
 
   const std::uint64_t id_;
-  grpc::CallbackServerContext* const context_;  ///< gRPC's; gone when done_.
+  grpc::CallbackServerContext* const context_;  ///< Owned by gRPC; invalid once done_.
   PeerStreamEvents<In, Out>& events_;
 
   std::mutex mutex_;  ///< Guards the following. gRPC never calls back inside Start*() or Finish().
   In in_;
-  std::deque<Out> queue_;  ///< The front one is being written while writing_.
+  std::deque<Out> queue_;  ///< While writing_, the first message is being written.
   grpc::Status status_;
   bool writing_ = false;
   bool ending_ = false;

@@ -13,25 +13,26 @@
 
 namespace cyclorama::coordinator {
 
-/// How long what goes to museums is on its way: of each tile, from the moment that it came (or that what held it back
-/// was gone) until it is written to the museum; of each frame, all but the rays. Used by Coordinator; thread-bound.
+/// Measures the coordinator's own delay of messages to museums: for each tile, from its arrival (or the end of what
+/// held it back) until it is written to the museum; for each frame, everything but the rays. Used by Coordinator;
+/// thread-bound.
 ///
-/// A frame's overhead is what lies between its view's arrival and its last tile's writing, less the time that it waited
-/// for older frames of its session, and less the time that the rays take: that of the block that was away longest. Frames
-/// whose blocks were moved or given again are left out, since their blocks were away one after the other.
+/// A frame's overhead is the time from its view's arrival to the writing of its last tile, minus the time spent waiting
+/// for older frames of its session, and minus the longest time that one of its blocks was away. Frames with moved or
+/// reassigned blocks are left out, since their blocks were away one after the other.
 class RelayTimes {
  public:
-  /// A message was queued for the museum, because of something that came at `cause`.
+  /// A message was queued for the museum, caused by an event at `cause`.
   void sent(SessionId session, TimePoint cause);
-  /// After its end was sent.
+  /// To be called after the frame's end was sent.
   void frame_ended(const FrameReport& report);
   void session_ended(SessionId session) { sessions_.erase(session); }
 
   struct Times {
-    std::optional<double> relay_seconds{};     ///< Of a tile.
-    std::optional<double> overhead_seconds{};  ///< Of a frame, with its end.
+    std::optional<double> relay_seconds{};     ///< Set if the message is a tile.
+    std::optional<double> overhead_seconds{};  ///< Set if the message is a frame's end.
   };
-  /// The oldest message that was sent and not yet taken is written. Nothing for a session that has ended.
+  /// The oldest message that was sent and not yet taken has been written. Returns nothing for a session that has ended.
   Times taken(SessionId session, const wire::SessionReply& reply, TimePoint at);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the coordinator remembers of a node and of a museum's session: plain data of CoordinatorState.
+/// Records of nodes and of museums' sessions: plain data of CoordinatorState.
 #pragma once
 
 #include <algorithm>
@@ -30,72 +30,72 @@ struct ReceivedView {
 };
 
 struct FrameInFlight {
-  std::uint64_t id = 0;  ///< Frames of one view, the first and its refinements, differ in it.
-  wire::View view;       ///< As rendered.
+  std::uint64_t id = 0;  ///< Distinguishes the first frame of a view from its refinements.
+  wire::View view;       ///< The view as rendered.
   FrameAssembly assembly{};
-  TimePoint received_at{};    ///< The view.
-  TimePoint turn_began_at{};  ///< Its planning began.
+  TimePoint received_at{};    ///< Arrival of the view.
+  TimePoint turn_began_at{};  ///< Start of planning.
   TimePoint planned_at{};
-  TimePoint fanned_out_at{};       ///< The last order of the plan was written to its node.
-  std::uint64_t last_planned = 0;  ///< The plan's last block; those beyond were given again, or moved.
-  TimePoint
-      foremost_since{};  ///< When no older frame of its session was before it any more: its deadlines count from here.
+  TimePoint fanned_out_at{};       ///< When the last command of the plan was written to its node.
+  std::uint64_t last_planned = 0;  ///< Number of the plan's last block; higher ones were reassigned or moved.
+  /// Since when no older frame of its session is before it: its deadlines count from here.
+  TimePoint foremost_since{};
   TimePoint last_tile_at{};
-  bool begun = false;              ///< Its `begin` was sent: tiles go out as they come.
-  std::vector<wire::Tile> held{};  ///< Tiles that came while an older frame was open.
-  std::size_t bytes = 0;           ///< Of all its tiles.
+  bool begun = false;              ///< Its `begin` was sent: tiles are relayed as they arrive.
+  std::vector<wire::Tile> held{};  ///< Tiles that arrived while an older frame was open.
+  std::size_t bytes = 0;           ///< Bytes of all its tiles.
   std::optional<std::string> failure{};
-  bool late = false;  ///< It failed by the deadline alone.
-  int moved = 0;      ///< Blocks that went to a node that was done.
+  bool late = false;  ///< It failed only because of the deadline.
+  int moved = 0;      ///< Blocks that an idle node took over.
   double fair_start = 0.0;
-  std::int64_t asked_px = 0;                       ///< Of the panorama as asked for, whatever the scale.
-  std::size_t point = 0;                           ///< Of the session's front, if it is governed.
-  std::optional<governor::SampleRange> refines{};  ///< The samples that it adds to a picture at rest.
+  std::int64_t asked_px = 0;                       ///< Pixels of the requested panorama, before any scaling.
+  std::size_t point = 0;                           ///< Index in the session's Pareto front, if it is governed.
+  std::optional<governor::SampleRange> refines{};  ///< Samples that it adds to a picture at rest.
 
   [[nodiscard]] bool is_over() const { return failure || assembly.is_complete(); }
 };
 
-/// A frame whose end is not yet on the wire.
+/// A frame whose end has not been written yet.
 struct WrittenFrame {
   std::uint64_t view_number = 0;
   TimePoint planned_at{};
   TimePoint last_tile_at{};
   bool reassigned = false;
   std::size_t point = 0;
-  double megapixels = 0.0;  ///< As asked for, whatever its scale.
-  int samples_added = 0;    ///< By a refinement; else 0.
+  double megapixels = 0.0;  ///< As requested, before any scaling.
+  int samples_added = 0;    ///< Samples per pixel that a refinement added; else 0.
 };
 
 struct Session {
-  trust::Grant grant{};  ///< What it may do.
+  trust::Grant grant{};  ///< Permissions of the session.
   std::string museum{};
   std::string scene{};  ///< Empty until the session is opened.
   TimePoint arrived_at{};
   std::uint64_t newest_view = 0;
-  /// In flight: the numbers of `frames` and `unwritten_ends`, so that a frame starts when an older one is on the wire.
+  /// Its in-flight numbers are those of `frames` and `unwritten_ends`: a frame starts once an older one is written.
   FrameWindow<ReceivedView> views{};
-  std::deque<FrameInFlight> frames{};  ///< Oldest first; the museum gets the front one. A refinement is alone.
+  std::deque<FrameInFlight> frames{};  ///< Oldest first; the first is relayed to the museum. A refinement is alone.
   std::deque<WrittenFrame> unwritten_ends{};
-  std::size_t bytes_waiting = 0;  ///< Held tiles, and tiles that the museum has not taken yet.
+  std::size_t bytes_waiting = 0;  ///< Bytes of held tiles and of tiles that the museum has not taken yet.
   std::size_t messages_waiting = 0;
-  TimePoint taken_at{};  ///< When the museum last took something.
+  TimePoint taken_at{};  ///< When the museum last took a message.
   std::unique_ptr<balance::Balancer> balancer{};
-  std::unique_ptr<GovernorState> governed{};  ///< Null: each view says its own quality.
+  std::unique_ptr<GovernorState> governed{};  ///< Null: each view sets its own quality.
   FairShare::Flow share{};
-  bool costs_known = false;                   ///< A frame was measured: forecasts are no guesses.
-  double frame_cpu_seconds = 0.05;            ///< What its last frame cost: what the next one will.
-  double pace_seconds = kInitialPaceSeconds;  ///< What a frame takes: the most of the last few.
-  TimePoint next_due = TimePoint::max();      ///< When a deadline of the foremost frame is met or missed.
-  std::uint64_t watermark = 0;                ///< As wire::RenderBlock.
+  bool costs_known = false;                   ///< A frame was measured, so forecasts have a basis.
+  double frame_cpu_seconds = 0.05;            ///< Cost of its last frame, the prediction for the next one.
+  double pace_seconds = kInitialPaceSeconds;  ///< Recent frame time: a maximum that decays slowly.
+  TimePoint next_due = TimePoint::max();      ///< Next deadline of the foremost frame.
+  std::uint64_t watermark = 0;                ///< As in wire::RenderBlock.
 
   static constexpr double kInitialPaceSeconds = 0.5;
   static constexpr double kMaxPaceSeconds = 60.0;
-  /// A frame took so long, since it was at the front.
+  /// Updates the pace with a frame's time, counted from when it became the foremost.
   void learn_pace(double seconds) {
     constexpr double kNew = 0.1;
     pace_seconds = std::min(kMaxPaceSeconds, std::max(seconds, (1.0 - kNew) * pace_seconds + kNew * seconds));
   }
-  /// No session starves of deadlines that nobody can keep: after each missed one the next is later.
+  /// Doubles the pace after a missed deadline, so that deadlines which are too short do not starve the session.
   void miss_pace() { pace_seconds = std::min(kMaxPaceSeconds, 2.0 * pace_seconds); }
 };
 
@@ -109,23 +109,23 @@ struct Node {
   struct LoadedScene {
     SceneState state = SceneState::kLoading;
     std::string error{};
-    double speed = 1.0;    ///< Of one of the node's threads in this scene: 1 is the first node's that told.
-    TimePoint asked_at{};  ///< When it was told to load it.
+    double speed = 1.0;    ///< Speed of one of the node's threads in this scene, relative to the first node's.
+    TimePoint asked_at{};  ///< When it was ordered to load the scene.
   };
   std::string name{};
   double threads = 0.0;  ///< 0 until hello.
   TimePoint arrived_at{};
-  TimePoint worked_at{};  ///< When it last sent a tile or ended a block, or was given one while it had none.
-  bool late = false;  ///< It kept a frame waiting, and has said nothing since: it gets no new blocks while others do.
-  std::optional<TimePoint> late_logged_at{};  ///< When the log last said so.
-  int late_unlogged = 0;                      ///< How often it did not, since then.
-  double utilisation = 1.0;                   ///< Of its threads by its blocks, of the last few.
-  double used_seconds = 0.0;                  ///< By them; older ones count less.
-  double possible_seconds = 0.0;              ///< Wall time of all threads meanwhile.
-  TimePoint measured_at{};                    ///< When the utilisation was last seen, or guessed.
-  wire::NodeStatus status{};                  ///< The last it told.
+  TimePoint worked_at{};  ///< When it last sent a tile, ended a block, or was given a block while it had none.
+  bool late = false;      ///< It delayed a frame and has been silent since: it gets no new blocks while others do.
+  std::optional<TimePoint> late_logged_at{};  ///< When the log last reported it.
+  int late_unlogged = 0;                      ///< Unlogged repetitions since then.
+  double utilisation = 1.0;                   ///< Recent utilisation of its threads by its blocks.
+  double used_seconds = 0.0;                  ///< Thread time of its blocks, decayed.
+  double possible_seconds = 0.0;              ///< Wall time of all threads meanwhile, decayed.
+  TimePoint measured_at{};                    ///< When the utilisation was last measured or estimated.
+  wire::NodeStatus status{};                  ///< Its latest report.
   std::map<std::string, LoadedScene> scenes{};
-  std::map<std::uint64_t, BlockLocation> blocks{};  ///< Ordered and not yet ended, whether or not still wanted.
+  std::map<std::uint64_t, BlockLocation> blocks{};  ///< Assigned and not yet ended, whether or not still wanted.
 
   [[nodiscard]] bool has(const std::string& scene) const {
     const auto found = scenes.find(scene);

@@ -10,21 +10,22 @@
 
 namespace cyclorama::coordinator {
 
-/// A farm's folder with, for each image by its name, the folder `update/` that image/build made:
+/// The farm's folder of system updates. It has one folder per image, with the contents of the folder `update/` that
+/// image/build made:
 ///
 ///   /srv/updates/cyclorama-museum/   SHA256SUMS  SHA256SUMS.sig  cyclorama-museum_V.efi  ..._UUID.root.raw
 ///   ..._UUID.verity.raw
 ///
-/// Copy SHA256SUMS.sig last: without it there is no version. Looked at anew with every question, so what is put there
-/// needs no restart. It gives away what SHA256SUMS names and nothing else. Reentrant.
+/// Copy SHA256SUMS.sig last: without it there is no version. The folder is read anew at every request, so new files
+/// need no restart. Only files that SHA256SUMS names are handed out. Reentrant.
 class UpdateStore {
  public:
-  /// Empty: there is none.
+  /// An empty folder name means that there are no updates.
   explicit UpdateStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// kNotFound  no such image.     kBadData  what lies there is not whole, or cannot be read.
+  /// Errors: kNotFound if there is no such image; kBadData if its files are incomplete or unreadable.
   [[nodiscard]] Result<wire::UpdateOffer> offer(const std::string& image) const;
-  /// By what SHA256SUMS says of it. Errors as offer(), and kNotFound.
+  /// Opens the file that SHA256SUMS lists with that digest. Errors: as offer(); kNotFound if it is not listed.
   [[nodiscard]] Result<scene_distribution::StampedFile> open(const std::string& image, const std::string& sha256) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a node needs of a ray tracer: the real one adapts Renderer (renderfarm/render), tests draw patterns.
+/// A node's interface to a ray tracer: production adapts Renderer (renderfarm/render), tests draw patterns.
 #pragma once
 
 #include <cstdint>
@@ -17,28 +17,28 @@
 
 namespace cyclorama::node {
 
-/// One loaded scene. The same view gives the same pixels, on any node and however it is cut. Thread-bound.
+/// One loaded scene. The same view gives the same pixels on any node, however it is cut into blocks. Thread-bound.
 class BlockRenderer {
  public:
   virtual ~BlockRenderer() = default;
-  /// As Renderer::render(): `ret_pixels` is resized to `rect`; `cancelled` is asked often, from any thread.
+  /// As Renderer::render(): `ret_pixels` is resized to `rect`; `cancelled` is called often, from any thread.
   virtual render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                                     const std::function<bool()>& cancelled) = 0;
-  /// The same with the noise taken out. It looks around the rect: one for a block costs less than one for each tile.
+  /// Renders and denoises. Denoising needs a margin around `rect`, so one call per block is cheaper than one per tile.
   virtual render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect,
                                              RgbImage* ret_pixels, const std::function<bool()>& cancelled) = 0;
-  /// Only these samples of the view, whatever number of samples it asks for, into `film`, of the rect's size and
-  /// without features. Cells that have samples stay as they are: a film that was cancelled is gone on with. Sums of
-  /// films of the ranges of cut_samples(), added in that order, are bit-identical on any node.
+  /// Renders only the given samples of the view, whatever number of samples it asks for, into `film`, which has the
+  /// rect's size and no features. Cells that have samples stay as they are, so a cancelled film can be continued. Sums
+  /// of films of the ranges of cut_samples(), added in that order, are bit-identical on any node.
   virtual render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
                                          const governor::SampleRange& samples, render::Film* film,
                                          const std::function<bool()>& cancelled) = 0;
-  /// What render() makes of a film, to the last bit.
+  /// Returns the pixels that render() would make of a film, bit-identical.
   [[nodiscard]] virtual RgbImage developed(const render::Film& film) const = 0;
-  /// All but the name, which the coordinator gives.
+  /// Returns everything but the name, which the coordinator assigns.
   [[nodiscard]] virtual wire::SceneDescription description() const = 0;
   [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;
-  /// Thread time per megapixel of a small fixed picture from the scene's start: how fast this host is with it.
+  /// Returns the thread time per megapixel of a small fixed picture from the scene's start: the host's speed.
   [[nodiscard]] virtual double probe_cpu_seconds() = 0;
 
  protected:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What a RenderBlock from the wire asks for. The coordinator checked it too; a node believes nobody.
+/// Reads a RenderBlock from the wire. The coordinator checked it, but a node validates every message itself.
 #pragma once
 
 #include <string>
@@ -12,14 +12,14 @@
 
 namespace cyclorama::node {
 
-/// The picture to be rendered, a part of which the block is. kInvalidArgument names the field.
+/// Returns the view of the whole picture that the block is a part of. Errors: kInvalidArgument, naming the field.
 Result<render::PanoramaView> view_of(const wire::RenderBlock& block);
 
-// Precondition of the following: view_of() took the block.
+// Precondition of the following: view_of() accepted the block.
 
 [[nodiscard]] PixelRect rect_of(const wire::RenderBlock& block);
 [[nodiscard]] JpegOptions jpeg_options_of(const wire::RenderBlock& block);
-/// Names all that decides the samples of the picture, for FilmStore.
+/// Returns a name of everything that determines the picture's samples, for FilmStore.
 [[nodiscard]] std::string picture_name_of(const wire::RenderBlock& block);
 
 }  // namespace cyclorama::node

@@ -19,33 +19,33 @@ class ClientContext;
 
 namespace cyclorama::node {
 
-/// Keeps a stream to one coordinator open, for ever.
+/// Keeps a stream to one coordinator open and reconnects whenever it ends.
 ///
-///   dialling ──stream open──► serving ──stream ends──► dialling ...
+///   connecting ──stream open──► serving ──stream ends──► connecting ...
 ///
-/// Threads: `link` dials and reads orders, and, while a stream is open, `send` encodes and writes, and says once a
-/// second how the node is. Keeps a reference to the controller, which must outlive it. Thread-safe.
+/// Threads: `link` connects and reads orders; while a stream is open, `send` encodes, writes, and reports the node's
+/// status once a second. Keeps a reference to the controller, which must outlive it. Thread-safe.
 class CoordinatorConnection {
  public:
-  /// The coordinator's two connections: frames shall not queue behind files.
+  /// Two connections to the coordinator, so that frames do not queue behind files.
   struct Channels {
     std::shared_ptr<grpc::Channel> work;
     std::shared_ptr<grpc::Channel> files;
   };
-  /// Starts to dial. `address` is how people call the coordinator; `hello` is what each stream begins with.
+  /// Starts to connect. `address` is the coordinator's name in messages; `hello` is the first message of each stream.
   CoordinatorConnection(std::string address, Channels channels, wire::NodeReport hello, NodeController& controller);
   ~CoordinatorConnection();
   CoordinatorConnection(const CoordinatorConnection&) = delete;
   CoordinatorConnection& operator=(const CoordinatorConnection&) = delete;
 
-  /// Dials no more, and ends the stream when all is sent that was rendered.
+  /// Stops reconnecting, and ends the stream once everything that was rendered has been sent.
   void finish();
-  /// Waits for the end that finish() asked for; false at the deadline.
+  /// Waits for the end that finish() requested; returns false at the deadline.
   bool wait_until_ended(TimePoint deadline);
   /// Ends the stream now and joins. Idempotent.
   void stop();
 
-  /// One sentence for an operator: "serving the coordinator at [::1]:7402".
+  /// Returns one sentence for the operator, such as "serving the coordinator at [::1]:7402".
   [[nodiscard]] std::string state() const;
 
  private:
@@ -63,8 +63,8 @@ class CoordinatorConnection {
   std::condition_variable changed_;
   bool stopping_ = false;
   bool ended_ = false;
-  grpc::ClientContext* context_ = nullptr;  ///< Of the current stream, so that stop() can cancel it.
-  std::shared_ptr<NodeLink> link_;          ///< Likewise.
+  grpc::ClientContext* context_ = nullptr;  ///< Context of the current stream, so that stop() can cancel it.
+  std::shared_ptr<NodeLink> link_;          ///< Link of the current stream.
   std::string state_;
 
   std::thread thread_;

@@ -5,7 +5,7 @@
 
 namespace cyclorama::node {
 
-/// Loads scenes from disk and ray traces them with `threads` threads.
+/// Returns a loader that reads scenes from disk and ray traces them with `threads` threads.
 [[nodiscard]] SceneLoader embree_scene_loader(int threads);
 
 }  // namespace cyclorama::node

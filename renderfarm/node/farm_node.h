@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A node of the farm: dials the coordinators, loads what it is told to, renders the blocks that it is given.
+/// A node of the farm: connects to the coordinators, loads the scenes and renders the blocks that they order.
 #pragma once
 
 #include <cstdint>
@@ -20,38 +20,40 @@ namespace cyclorama::node {
 class CoordinatorConnection;
 
 struct FarmNodeOptions {
-  std::vector<std::string> coordinators{};  ///< "[::1]:7402"; all are served at once.
-  std::string name{};                       ///< Shown to people.
-  int threads = 1;  ///< What the coordinator's balance goes by: how many threads the renderer uses.
-  std::uint64_t memory_limit_bytes = 0;  ///< What scenes and films may take together; 0: scenes are not limited.
-  scene_distribution::SceneCacheOptions
-      cache{};                    ///< For scenes that coordinators hand out; without a folder it takes none.
-  std::optional<TlsFiles> tls{};  ///< Nothing: not encrypted, for coordinators on this machine.
+  std::vector<std::string> coordinators{};  ///< Addresses such as "[::1]:7402"; all are served at once.
+  std::string name{};                       ///< Name shown to the operator.
+  int threads = 1;                          ///< Threads of the renderer; the coordinator balances by this number.
+  std::uint64_t memory_limit_bytes = 0;     ///< Limit for scenes and films together; 0: scenes are not limited.
+  /// Cache for distributed scenes; without a folder the node accepts none.
+  scene_distribution::SceneCacheOptions cache{};
+  std::optional<TlsFiles> tls{};  ///< Empty: not encrypted, for coordinators on this machine.
 };
 
-/// Serves its coordinators, for ever; never listens. Threads: `render`, `load`, and for each coordinator `link` and `send`
-/// (coordinator_connection.h); the renderer has threads of its own. A block whose stream ended is given up at once: the coordinator has
-/// given it to another node. Scenes stay loaded throughout, and are shared by the coordinators. Thread-safe.
+/// Serves its coordinators until stopped; never listens. Threads: `render`, `load`, and for each coordinator `link` and
+/// `send` (coordinator_connection.h); the renderer has threads of its own. A block whose stream ended is given up at
+/// once, because the coordinator has reassigned it. Scenes stay loaded throughout, and the coordinators share them.
+/// Thread-safe.
 class FarmNode {
  public:
-  /// Starts to dial. kInvalidArgument  an address is none, or there are none.     With `tls` also as
+  /// Starts to connect. Errors: kInvalidArgument if an address is malformed or there are none; with `tls`, also as
   /// check(TlsFiles).
   static Result<std::unique_ptr<FarmNode>> start(const FarmNodeOptions& options, SceneLoader loader);
   ~FarmNode();
   FarmNode(const FarmNode&) = delete;
   FarmNode& operator=(const FarmNode&) = delete;
 
-  /// Tells the coordinators that it wants no new blocks, renders those that it has, and ends its streams; what is not done
-  /// after `limit` is given up. To be followed by stop().
+  /// Tells the coordinators that the node is draining, renders the blocks that it has, and ends its streams. Blocks
+  /// that
+  /// are unfinished after `limit` are given up. To be followed by stop().
   void drain(Duration limit);
-  /// Ends the streams, gives up the block at hand and joins. A scene that is being loaded is finished first.
-  /// Idempotent.
+  /// Ends the streams, gives up the current block and joins the threads. A scene that is being loaded is finished
+  /// first. Idempotent.
   void stop();
 
-  /// In a few sentences for an operator: what it does now.
+  /// Returns a few sentences on the current state for the operator.
   [[nodiscard]] std::string state() const;
   [[nodiscard]] bool is_loading() const { return controller_.loads().is_loading(); }
-  /// False when a block is at work and no cell of it was begun since `since`: for the watchdog.
+  /// Returns false if a block is being rendered and no cell of it was begun since `since`. Used by the watchdog.
   [[nodiscard]] bool has_moved_since(TimePoint since) const { return controller_.renders().has_moved_since(since); }
 
  private:

@@ -12,31 +12,31 @@
 
 namespace cyclorama::node {
 
-/// The sums of pictures at rest, one picture per session, tile by tile, so that a node need not render a sample twice.
-/// What was forgotten is rendered again: a lost film costs time and changes no pixel. Thread-bound.
+/// The sample sums of pictures at rest, one picture per session, tile by tile, so that a node need not render a sample
+/// twice. Forgotten films are rendered again, which costs time and changes no pixel. Thread-bound.
 class FilmStore {
  public:
   struct Kept {
     render::Film film{};
-    int samples = 0;  ///< Asked for, per pixel.
+    int samples = 0;  ///< Requested samples per pixel.
   };
-  /// Coordinators number their sessions each for itself.
+  /// Sessions are identified per link, because each coordinator numbers its own.
   struct Session {
     LinkId link = 0;
     std::uint64_t session = 0;
     friend auto operator<=>(const Session&, const Session&) = default;
   };
-  /// Twenty bytes a pixel are kept, `most_bytes` in all.
+  /// Keeps twenty bytes per pixel, at most `max_bytes` in all.
   explicit FilmStore(std::size_t max_bytes = std::size_t{1} << 30) : max_bytes_(max_bytes) {}
 
-  /// Takes the film out; an empty one when it has none of that very picture and tile. `picture` names all that decides
-  /// the samples: scene, view, knobs.
+  /// Takes the film out of the store; returns an empty one if there is none of that picture and tile. `picture` names
+  /// everything that determines the samples: scene, view and quality settings.
   [[nodiscard]] Kept take(const Session& session, const std::string& picture, const PixelRect& tile);
-  /// Forgets other pictures of the session, and, if memory is short, other sessions, or, if that does not help, this film.
+  /// Forgets the session's other pictures. If memory is short, it forgets other sessions, and finally this film.
   void put(const Session& session, const std::string& picture, const PixelRect& tile, Kept kept);
-  /// The visitor moves, or has gone.
+  /// Forgets a session that moves again or has ended.
   void forget(const Session& session);
-  /// The coordinator has gone.
+  /// Forgets all sessions of a coordinator's stream that has ended.
   void forget_link(LinkId link);
 
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
@@ -45,7 +45,7 @@ class FilmStore {
   struct Picture {
     std::string name;
     std::map<PixelRect, Kept> tiles;
-    std::uint64_t used = 0;  ///< Grows: the smallest was used longest ago.
+    std::uint64_t used = 0;  ///< Use counter; the smallest is the least recently used.
   };
   using Pictures = std::map<Session, Picture>;
   Pictures::iterator drop(Pictures::iterator session);

@@ -5,7 +5,7 @@
 
 namespace cyclorama::node {
 
-/// One stream to a coordinator, for as long as the process lives: coordinators number their blocks and sessions each for itself.
+/// Identifies one stream to a coordinator; never reused in the process. Blocks and sessions are numbered per stream.
 using LinkId = std::uint64_t;
 
 }  // namespace cyclorama::node

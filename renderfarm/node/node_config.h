@@ -16,13 +16,13 @@ inline constexpr double kMinMemoryGib = 0.25;
 inline constexpr double kMaxMemoryGib = 65536.0;
 inline constexpr double kMaxCacheGib = 1e6;
 
-/// What the file says; what it does not say is empty or 0, and complete() fills it in.
-/// kNotFound, kSystem, kBadData  as Config: file, line, remedy.
+/// Reads the settings file; missing values are empty or 0, and complete() fills them in.
+/// Errors: kNotFound, kSystem, kBadData as Config, with file, line and remedy.
 Result<FarmNodeOptions> read_node_config(const std::filesystem::path& path);
-/// The same of a text; `name` stands in errors for the file's.
+/// Reads the same settings from a text; errors quote `name` as the file name.
 Result<FarmNodeOptions> parse_node_config(std::string_view text, const std::string& name);
 
-/// The host's name and all of its threads where nothing is said. kInvalidArgument  there is no coordinator.
+/// Fills in the host's name and all of its threads where missing. Errors: kInvalidArgument if there is no coordinator.
 Result<FarmNodeOptions> complete(FarmNodeOptions options);
 
 [[nodiscard]] std::uint64_t bytes_of_gib(double gib);

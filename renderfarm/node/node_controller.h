@@ -13,29 +13,29 @@
 
 namespace cyclorama::node {
 
-/// A node without its threads and its network: what coordinators may order, and what the node owes them. Every message of a
-/// coordinator passes take(), which believes nothing.
+/// A node without its threads and its network: executes the commands of coordinators and collects the replies. Every
+/// message of a coordinator passes take(), which validates it.
 ///
 ///   stream ──open()──► take() ──LoadScene──► loads ─┐
 ///                        └────RenderBlock──► renders ┴──► NodeLink ──► stream
 ///
-/// Thread-safe, apart from the desks' work() and wait().
+/// Thread-safe, apart from the workers' work() and wait().
 class NodeController {
  public:
-  /// `memory_limit_bytes`: for scenes and films together; a quarter of it, but no more than 1 GiB, is the films'.
-  /// 0: scenes are not limited. `cache` as SceneFetcher.
+  /// `memory_limit_bytes` limits scenes and films together; a quarter of it, at most 1 GiB, is for films. 0: scenes are
+  /// not limited. `cache` as in SceneFetcher.
   NodeController(SceneLoader loader, std::uint64_t memory_limit_bytes,
                  scene_distribution::SceneCacheOptions cache = {});
 
-  /// A stream to a coordinator has begun. It lasts until close(). `files` as NodeLink.
+  /// Begins a stream to a coordinator; it lasts until close(). `files` as in NodeLink.
   std::shared_ptr<NodeLink> open(std::shared_ptr<grpc::Channel> files = nullptr);
-  /// kBadData  the coordinator is broken: end the stream.
+  /// Errors: kBadData if the coordinator is broken; the caller ends the stream.
   Status take(const std::shared_ptr<NodeLink>& link, const wire::NodeCommand& command);
-  /// The stream has ended: its blocks are given up, and the scenes stay.
+  /// Ends a stream: its blocks are given up, and the scenes stay loaded.
   void close(NodeLink& link);
 
   [[nodiscard]] wire::NodeReport status() const;
-  /// From now on coordinators hear that the node wants no new blocks; those it has are rendered all the same.
+  /// Reports to the coordinators from now on that the node is draining; the blocks that it has are still rendered.
   void drain();
 
   [[nodiscard]] SceneLoadWorker& loads() { return loads_; }

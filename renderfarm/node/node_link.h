@@ -25,7 +25,7 @@ class Channel;
 
 namespace cyclorama::node {
 
-/// Pixels on their way to the encoder.
+/// Pixels to be encoded.
 struct RenderedTile {
   std::uint64_t block = 0;
   std::uint64_t view_number = 0;
@@ -33,39 +33,40 @@ struct RenderedTile {
   RgbImage pixels;
   JpegOptions options;
 };
-/// After the last tile of a block.
+/// The end of a block, sent after its last tile.
 struct RenderedBlock {
   std::uint64_t block = 0;
   render::RenderCost cost;
   std::string error{};
-  double waited_seconds = 0.0;  ///< For rays of other blocks.
+  double waited_seconds = 0.0;  ///< Time spent waiting for rays of other blocks.
 };
 
-/// What is on its way to one coordinator. One per stream; the sender takes what the others push.
+/// The outgoing queue to one coordinator. There is one per stream; the sender takes what the workers push.
 ///
-///   open ──finish()──► finishing: what is there is still sent ──close()──► closed: all who work for it stop
-///     └───────────────────────────────close()───────────────────────────────┘
+///   open ──finish()──► finishing: queued items are still sent ──close()──► closed: all work for it stops
+///     └────────────────────────────────close()────────────────────────────────┘
 ///
 /// Thread-safe.
 class NodeLink {
  public:
   using Outgoing = std::variant<wire::NodeReport, RenderedTile, RenderedBlock>;
 
-  /// `files` is where the coordinator hands files out; null: nowhere.
+  /// `files` is the channel on which the coordinator distributes files; null if it distributes none.
   explicit NodeLink(LinkId id, std::shared_ptr<grpc::Channel> files = nullptr) : id_(id), files_(std::move(files)) {}
   [[nodiscard]] LinkId id() const { return id_; }
   [[nodiscard]] const std::shared_ptr<grpc::Channel>& files() const { return files_; }
 
-  /// Never waits; nothing happens once the link finishes.
+  /// Queues an item; never waits. Does nothing once the link is finishing.
   void push(Outgoing item);
-  /// False while a few tiles are on their way already: an encoder or a network that does not keep up stops the rays.
+  /// Returns false while the queue is full: a slow encoder or network suspends rendering.
   [[nodiscard]] bool takes_tiles() const;
-  /// Waits for an item; nothing at the deadline, when the link is closed, and when it finishes and all was taken.
+  /// Waits for an item. Returns nothing at the deadline, when the link is closed, and when it finishes with an empty
+  /// queue.
   std::optional<Outgoing> pop(TimePoint deadline);
 
   void finish();
   void close();
-  [[nodiscard]] bool is_finished() const;  ///< All was taken, and no more will come.
+  [[nodiscard]] bool is_finished() const;  ///< True once the link is finishing and its queue is empty.
   [[nodiscard]] bool is_closed() const { return closed_; }
 
  private:

@@ -5,7 +5,7 @@
 
 namespace cyclorama::node {
 
-/// What of this process is in memory now; 0 where /proc does not say. Thread-safe.
+/// Returns the resident set size of this process; 0 if /proc is not available. Thread-safe.
 [[nodiscard]] std::uint64_t resident_memory_bytes();
 
 }  // namespace cyclorama::node

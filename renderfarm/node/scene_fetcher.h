@@ -18,22 +18,22 @@ class Channel;
 
 namespace cyclorama::node {
 
-/// Finds the scenes that a node is told to load: on its own disk, or, where the coordinator hands them out, in the node's
-/// cache, after fetching what that lacks. Thread-bound.
+/// Finds the scenes that a node is ordered to load: on its own disk, or, if the coordinator distributes them, in the
+/// node's cache, after fetching missing files. Thread-bound.
 class SceneFetcher {
  public:
-  /// A cache without a folder is none.
+  /// A cache without a folder is disabled.
   explicit SceneFetcher(scene_distribution::SceneCacheOptions cache) : options_(std::move(cache)) {}
 
-  /// Where an order's scene was found last, not held; nothing for what comes from the node's own disk.
+  /// Returns where an order's scene was last found, without a lease; nothing for scenes on the node's own disk.
   [[nodiscard]] std::optional<scene_distribution::SceneCache::Held> found_before(const wire::LoadScene& order) const;
 
-  /// `coordinator` should be a connection of its own, or null if it hands nothing out. `tell` gets sentences for people;
-  /// `cancelled` is asked often, from a thread of the call's own as well. While the coordinator cannot be reached, or is busy,
-  /// it tries again until cancelled. Blocks.
+  /// `coordinator` should be a separate connection, or null if it distributes nothing. `report_progress` receives
+  /// sentences for the operator. `cancelled` is called often, also from a thread of the call. While the coordinator is
+  /// unreachable or busy, the call retries until cancelled. Blocks.
   ///
-  /// kUnavailable  cancelled. Else as SceneCache::bring(), and what the coordinator answers: a sentence that names scene, file
-  /// and remedy.
+  /// Errors: kUnavailable if cancelled; else as SceneCache::bring(), or the coordinator's error: a sentence that names
+  /// scene, file and remedy.
   Result<scene_distribution::SceneCache::Held> find(const wire::LoadScene& order,
                                                     const std::shared_ptr<grpc::Channel>& coordinator,
                                                     const std::function<void(std::string)>& report_progress,
@@ -41,8 +41,8 @@ class SceneFetcher {
 
  private:
   const scene_distribution::SceneCacheOptions options_;
-  std::optional<scene_distribution::SceneCache> cache_;  ///< Once it was needed.
-  std::map<std::string, std::filesystem::path> found_;   ///< By digest.
+  std::optional<scene_distribution::SceneCache> cache_;  ///< Opened at the first use.
+  std::map<std::string, std::filesystem::path> found_;   ///< Paths by digest.
 };
 
 }  // namespace cyclorama::node

@@ -16,32 +16,32 @@
 
 namespace cyclorama::node {
 
-/// The scenes that coordinators want loaded, one after another, while blocks of others are rendered. Orders come from any
-/// thread; the work is done by whoever calls wait() and work(), always the same thread. Keeps a reference to the
+/// Loads the scenes that coordinators order, one after another, while blocks of others are rendered. Orders come from
+/// any thread; the work is done by the caller of wait() and work(), always the same thread. Keeps a reference to the
 /// scenes, which must outlive it.
 class SceneLoadWorker {
  public:
-  /// Tells a coordinator something; nothing happens when it has gone.
+  /// Sends a report to a coordinator; does nothing if its stream has ended.
   using ReportSink = std::function<void(LinkId, wire::NodeReport)>;
-  /// `cache` as SceneFetcher.
+  /// `cache` as in SceneFetcher.
   SceneLoadWorker(SceneStore& scenes, scene_distribution::SceneCacheOptions cache, ReportSink send_report)
       : scenes_(scenes), fetcher_(std::move(cache)), send_report_(std::move(send_report)) {}
 
   // Thread-safe:
 
-  /// kBadData  too many loads wait, or the message is huge: the coordinator is broken.
+  /// Errors: kBadData if too many loads wait or the message is huge: the coordinator is broken.
   Status take(std::shared_ptr<NodeLink> link, const wire::LoadScene& order);
   [[nodiscard]] bool is_loading() const { return loading_; }
-  /// One sentence for an operator: the scene that is being loaded or was loaded last; empty before the first.
+  /// Returns a sentence on the scene that is being loaded or was loaded last; empty before the first.
   [[nodiscard]] std::string state() const;
-  /// Ends wait(), and gives up what is being fetched. A load cannot be broken off.
+  /// Ends wait(), and aborts fetching. Loading cannot be aborted.
   void stop();
 
-  // The load thread's:
+  // For the load thread only:
 
   /// Waits for work; false once stopped.
   bool wait();
-  /// Loads one scene and answers. False when none waits.
+  /// Loads one scene and replies. Returns false if none waits.
   bool work();
 
  private:
@@ -49,7 +49,7 @@ class SceneLoadWorker {
     std::shared_ptr<NodeLink> link;
     wire::LoadScene order;
   };
-  /// Where the scene is: fetched, if the coordinator hands it out and it is not in memory.
+  /// Locates the scene, and fetches it if the coordinator distributes it and it is not in memory.
   Result<scene_distribution::SceneCache::Held> find(const NodeLink& link, const wire::LoadScene& order);
   [[nodiscard]] bool is_stopping() const;
   wire::SceneLoaded load(const NodeLink& link, const wire::LoadScene& order);

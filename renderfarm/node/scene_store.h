@@ -17,44 +17,44 @@
 
 namespace cyclorama::node {
 
-/// The scenes that a node has in memory, each once, whichever coordinators know it and however they call it. They stay when a
-/// coordinator goes away, so that it need not wait when it comes back. When memory is short, the scene that was used longest
-/// ago leaves, but none that a coordinator said is in use and none that blocks wait for.
-/// Thread-safe; one load() at a time, which holds nobody else up.
+/// The scenes in a node's memory, each loaded once, whichever coordinators know it and under whatever names. They stay
+/// when a coordinator disconnects, so that it need not wait when it returns. If memory is short, the least recently
+/// used scene is unloaded, unless a coordinator reported it as in use or blocks wait for it.
+/// Thread-safe; one load() at a time, which blocks no other call.
 class SceneStore {
  public:
-  /// A scene as one coordinator calls it.
+  /// A coordinator's name for a scene.
   struct Name {
     LinkId link = 0;
     std::string scene;
     friend auto operator<=>(const Name&, const Name&) = default;
   };
 
-  /// `most_bytes`: what the scenes may take together; 0: not limited. While a scene is being loaded it cannot be known,
-  /// so for that time they may take more.
+  /// `max_bytes` limits the scenes together; 0: no limit. The size of a scene is unknown while it is being loaded, so
+  /// the limit may be exceeded meanwhile.
   explicit SceneStore(SceneLoader loader, std::uint64_t max_bytes = 0)
       : loader_(std::move(loader)), max_bytes_(max_bytes) {}
 
-  /// Loads from `path` what the coordinator calls order.scene(), or finds that it is loaded from there, and says what the coordinator
-  /// must hear. A load that fails for whatever reason, memory included, is an answer with `error`; it is tried again
-  /// when it is asked for again. `ret_left`: what had to leave; their coordinators must hear of it, too.
+  /// Loads the scene at `path` under the name order.scene(), unless it is loaded already, and returns the reply to the
+  /// coordinator. Any failure, including lack of memory, becomes a reply with `error`; a repeated order tries again.
+  /// `ret_left` receives the names of unloaded scenes, to be reported to their coordinators, too.
   wire::SceneLoaded load(LinkId link, const wire::LoadScene& order, const std::string& path,
                          const std::function<void(double)>& progress, std::vector<Name>* ret_left);
-  /// Whether what is at `path` is loaded.
+  /// Returns true if the scene at `path` is loaded.
   [[nodiscard]] bool has(const std::string& path) const;
-  /// Null when it is not loaded. It stays as long as somebody holds it.
+  /// Returns null if the scene is not loaded. The scene stays in memory while anyone holds the pointer.
   [[nodiscard]] std::shared_ptr<BlockRenderer> find(LinkId link, const std::string& scene);
-  /// The coordinator has gone: what it calls its scenes is forgotten, not they.
+  /// Forgets the names of a coordinator that has disconnected; the scenes stay.
   void forget_link(LinkId link);
 
  private:
   struct Loaded {
     std::shared_ptr<BlockRenderer> renderer;
     wire::SceneLoaded answer;
-    std::uint64_t used = 0;  ///< Grows: the smallest was used longest ago.
+    std::uint64_t used = 0;  ///< Use counter; the smallest is the least recently used.
   };
   using Scenes = std::map<std::string, Loaded>;  ///< By path.
-  /// Freeing a large scene takes long: it is done without the lock.
+  /// Scenes to be freed after mutex_ is released, because freeing a large scene takes long.
   struct Leaving {
     std::vector<Name> names{};
     std::vector<std::shared_ptr<BlockRenderer>> renderers{};

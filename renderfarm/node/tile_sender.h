@@ -11,11 +11,11 @@
 
 namespace cyclorama::node {
 
-/// Turns what was rendered into what is sent, and adds up what the encoding costs. Thread-bound: the send thread's,
-/// which encodes one tile while the render thread makes the next.
+/// Encodes rendered tiles into reports and adds up the cost of encoding. Bound to the send thread, which encodes one
+/// tile while the render thread makes the next.
 class TileSender {
  public:
-  /// Takes items in the order of the link's queue: a block's tiles, then its end.
+  /// Must be called in the order of the link's queue: a block's tiles, then its end.
   wire::NodeReport report_of(NodeLink::Outgoing item);
 
  private:
@@ -28,7 +28,7 @@ class TileSender {
   };
 
   JpegEncoder encoder_;
-  std::map<std::uint64_t, Encoding> blocks_;  ///< Whose end has not come: tiles of several may come by turns.
+  std::map<std::uint64_t, Encoding> blocks_;  ///< Blocks whose end is pending; tiles of several may interleave.
 };
 
 }  // namespace cyclorama::node

@@ -20,17 +20,17 @@ namespace cyclorama::coordinator {
 namespace {
 
 constexpr Duration kTick = std::chrono::milliseconds(100);
-/// How long a stream that is told to end may take to drain.
+/// Timeout for a stream that is ending to drain.
 constexpr Duration kLinger = std::chrono::seconds(5);
 constexpr Duration kStopGrace = std::chrono::seconds(2);
 constexpr std::size_t kMaxSceneNameBytes = 64;
-/// A museum sends views, each of some hundred bytes; a node sends tiles.
+/// Museums send only views, a few hundred bytes each; nodes send tiles.
 constexpr int kMuseumMessageBytes = 64 << 10;
-/// Of one connection: a museum has a session and asks for scenes; a node has its stream and fetches files.
+/// Limits per connection: a museum has a session and lists scenes; a node has its stream and fetches files.
 constexpr int kMuseumCalls = 16;
 constexpr int kNodeCalls = 32;
 
-/// A stream and, once it was told to end, when that must have happened.
+/// A stream and, once it is ending, its deadline.
 template <typename Stream>
 struct Open {
   std::shared_ptr<Stream> stream;
@@ -65,7 +65,7 @@ void cut_late_ones(std::map<std::uint64_t, Open<Stream>>& streams, TimePoint now
 
 }  // namespace
 
-/// The loop's thread and everything that lives on it.
+/// The loop's thread and everything bound to it.
 class Coordinator::Loop final : private CoordinatorDelegate {
  public:
   Loop(CoordinatorOptions options, Notice notice)
@@ -82,7 +82,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
     TRY_ASSIGN(gate_, trust::Gatekeeper::open(options_.trust, clock_, say_));
     TRY(watch_.start(options_.watch, say_));
     thread_ = std::thread(
-        [this] { run(); });  // Before the servers: every call that a server takes needs somebody to finish it.
+        [this] { run(); });  // Started before the servers, because every call that they accept must be finished.
     TRY_ASSIGN(node_server_, WireServer::start(options_.nodes, {&nodes_service_}, port_for(Role::kNode)));
     TRY_ASSIGN(museum_server_,
                WireServer::start(options_.museums, {&farm_service_, &updates_service_}, port_for(Role::kMuseum)));
@@ -95,7 +95,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
   void stop() {
     events_.post(StopRequested{});
     files_.stop();
-    const TimePoint last = clock_.now() + kStopGrace;  // For all together: each may have a peer that hangs.
+    const TimePoint last = clock_.now() + kStopGrace;  // Shared deadline, since each server may have a hanging peer.
     for (const auto& server : {museum_server_.get(), node_server_.get(), inspect_server_.get()}) {
       if (server != nullptr) server->stop(std::max(Duration::zero(), last - clock_.now()));
     }
@@ -117,7 +117,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
   void run() {
     TimePoint next_tick = clock_.now();
     for (bool open = true; open;) {
-      open = !events_.is_closed();  // Asked first: what was posted before the closing is still handled.
+      open = !events_.is_closed();  // Read first, so that events posted before the closing are still handled.
       TimePoint wake = stopping_ ? next_tick : std::min(next_tick, state_.next_deadline());
       if (!held_.empty()) wake = std::min(wake, held_.begin()->first);
       for (Event& event : events_.take_all(wake)) {
@@ -159,7 +159,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
     end_session(SessionId{e.id}, bearable.error(), true);
   }
 
-  /// What museums with a limit of bytes took, when the limit lets the next frame go.
+  /// Passes on held notifications of museums with a byte limit, once the limit permits the next frame.
   void release(TimePoint now) {
     while (!held_.empty() && held_.begin()->first <= now) {
       ReplyWritten reply_written = std::move(held_.begin()->second);
@@ -200,7 +200,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
   void handle(NodeMessage& e) {
     cause_at_ = e.at;
     if (const std::string& name = node_names_[e.id]; e.report.has_hello() && !name.empty()) {
-      // Who it is, its certificate says; how its host calls it helps people where hosts share one.
+      // The certificate identifies the node; the name it reports helps where several hosts share a certificate.
       std::string* const said = e.report.mutable_hello()->mutable_name();
       *said = said->empty() || *said == name ? name : name + "/" + *said;
     }
@@ -299,7 +299,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
 
   const CoordinatorOptions options_;
   const Notice notice_;
-  /// Of nobody in particular.
+  /// Logs a sentence about no particular peer.
   const std::function<void(const std::string&)> say_ = [this](const std::string& sentence) { notice_(sentence, {}); };
   const SteadyClock clock_;
   Events events_;
@@ -307,12 +307,12 @@ class Coordinator::Loop final : private CoordinatorDelegate {
   watch::FarmWatch watch_{inspection_};
   CoordinatorMetrics meters_{inspection_, watch_.metrics()};
   RelayTimes relay_times_;
-  TimePoint cause_at_{};  ///< When what is being handled arrived.
+  TimePoint cause_at_{};  ///< Arrival time of the event being handled.
   std::unique_ptr<CostLog> cost_log_;
   CoordinatorState state_;
   std::unique_ptr<trust::Gatekeeper> gate_;
   std::multimap<TimePoint, ReplyWritten> held_;
-  std::map<std::uint64_t, std::string> node_names_;  ///< As their certificates say.
+  std::map<std::uint64_t, std::string> node_names_;  ///< Names from the nodes' certificates.
   bool stopping_ = false;
   std::map<std::uint64_t, Open<NodeStream>> nodes_;
   std::map<std::uint64_t, Open<MuseumStream>> museums_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoordinatorState's answer to nodes that are slow, silent or gone.
+// Handling of nodes that are slow, silent or gone.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,27 +12,28 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// How often a tile is given out before the frame is given up.
+/// Maximum number of assignments of a tile before its frame is given up.
 constexpr int kMaxAttempts = 4;
-/// Of the measure that a session's frames keep: a node that has said nothing for so long is silent...
+/// A node is silent after this fraction of the base time of its session's frames...
 constexpr double kSilent = 0.6;
-/// ... unless its block was expected to take longer, of which this many times are granted...
+/// ... or this multiple of the time that its block was expected to take, if that is longer...
 constexpr double kExpected = 1.5;
-/// ... or the system may just have been busy for a moment.
+/// ... but never sooner than this, since the system may just have been busy for a moment.
 constexpr Duration kMinSilenceTimeout = std::chrono::milliseconds(10);
-/// A picture at rest has no budget: the others' slowest block so many times, and at least half a second.
+/// A picture at rest has no budget: its timeout is this multiple of the other nodes' slowest block...
 constexpr double kAtRest = 4.0;
+/// ... but at least this.
 constexpr Duration kMinAtRestTimeout = std::chrono::milliseconds(500);
-/// Of the measure: a frame that takes longer is given up for the next one.
+/// After this multiple of the base time, a frame is given up for the next one.
 constexpr double kLate = 2.0;
-/// Until a block that was taken from a node is begun by another: a round trip and the coordinator's turn.
+/// Time until a block that was taken from a node is begun by another: a round trip and the coordinator's turn.
 constexpr double kStealSeconds = 0.001;
-/// A node whose blocks wait for its processors this much more than other nodes' is not just unlucky.
+/// A node counts as slowed if its utilisation is below this fraction of the other nodes'.
 constexpr double kSlowed = 0.5;
-/// A node that is late again and again is worth one line of the log in so long.
+/// Minimum time between log lines about a node that is late repeatedly.
 constexpr Duration kLateLogPeriod = std::chrono::seconds(10);
-/// A slowed node that was not measured for so long, since it got no block, is believed so many times as fast: it may
-/// have recovered, and of its little share it will be seen.
+/// A slowed node that was not measured for this long, for lack of blocks, is assumed to be kRecovery times as fast: it
+/// may have recovered, and its small share of blocks will show.
 constexpr Duration kForgotten = std::chrono::seconds(1);
 constexpr double kRecovery = 1.5;
 constexpr double kRemembered = 0.5;
@@ -68,7 +69,7 @@ TimePoint CoordinatorState::next_deadline() const {
   const TimePoint now = clock_.now();
   TimePoint next = TimePoint::max();
   for (const auto& [id, session] : sessions_) {
-    // What is past was acted upon, or waits for something else that happens.
+    // A deadline in the past has been handled already, or waits for some other event.
     if (session.next_due > now) next = std::min(next, session.next_due);
   }
   return next;
@@ -136,7 +137,7 @@ void CoordinatorState::retire(NodeId id) {
   Node& node = nodes_.at(id);
   if (std::exchange(node.late, true)) return;
   log_late_node(node);
-  const std::map<std::uint64_t, BlockLocation> blocks = node.blocks;  // A copy: what follows orders blocks.
+  const std::map<std::uint64_t, BlockLocation> blocks = node.blocks;  // Copied, because the loop orders new blocks.
   for (const auto& [block, place] : blocks) {
     FrameInFlight* const frame = find_frame(place);
     if (frame != nullptr && !frame->failure) frame->assembly.forgive_attempt(block);
@@ -185,7 +186,7 @@ void CoordinatorState::reassign(SessionId id, Session& session, FrameInFlight& f
     });
   };
   const auto idle = static_cast<std::size_t>(std::ranges::count_if(nodes, [&](NodeId node) { return !busy(node); }));
-  // So that all who are done help. A picture at rest stays in its tiles: its sums are kept by them.
+  // Cut tiles so that all idle nodes help. A picture at rest keeps its tiles, since its sums are stored per tile.
   if (!frame.refines && idle > tiles.size()) {
     std::vector<PixelRect> parts;
     for (const PixelRect& tile : tiles) {
@@ -256,7 +257,7 @@ void CoordinatorState::learn_utilisation(Node& node, const wire::BlockEnd& end) 
   const double possible = end.wall_seconds() * node.threads;
   const double used = end.render_cpu_seconds();
   if (!(possible > 0.0 && possible < kMaxSeconds && used >= 0.0 && used < kMaxSeconds)) return;
-  // Of all the time, no mean of the blocks: most blocks of a node that is stopped now and then are as quick as ever.
+  // Over the total time, not the mean of blocks: most blocks of a node that stalls now and then are as fast as ever.
   node.used_seconds = kKept * node.used_seconds + used;
   node.possible_seconds = kKept * node.possible_seconds + possible;
   node.utilisation = std::clamp(node.used_seconds / node.possible_seconds, 0.01, 1.0);
@@ -276,7 +277,7 @@ void CoordinatorState::compare_nodes() {
       const bool is_slowed = node.has(scene.name) && node.utilisation < kSlowed * usual;
       if (!is_slowed || clock_.now() - node.measured_at < kForgotten) continue;
       node.utilisation *= kRecovery;
-      node.possible_seconds *= kRemembered;  // What comes next says more of how fast it is now.
+      node.possible_seconds *= kRemembered;  // Gives new measurements more weight than old ones.
       node.used_seconds = node.utilisation * node.possible_seconds;
       node.measured_at = clock_.now();
     }
@@ -284,8 +285,8 @@ void CoordinatorState::compare_nodes() {
 }
 
 double CoordinatorState::speed_of(const Node& node, const std::string& scene) const {
-  // Blocks that are small for many threads, and hosts that are shared, make all nodes wait: only one that waits far
-  // more than the others is slowed.
+  // Small blocks on many threads and shared hosts make all nodes wait, so only a node that waits far more than the
+  // others counts as slowed.
   const auto usual = usual_utilisation_.find(scene);
   const double slowed = usual == usual_utilisation_.end() ? 1.0 : node.utilisation / usual->second;
   const auto known = node.scenes.find(scene);

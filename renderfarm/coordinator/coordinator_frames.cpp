@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoordinatorState's frames: from a view that waits to a frame that has ended.
+// The life of a frame, from a waiting view to the frame's end.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,12 +12,12 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// What a block costs beside its pixels: one tile and its acknowledgement through gRPC with TLS.
+/// Overhead of a block: one tile and its acknowledgement through gRPC with TLS.
 constexpr double kBlockSeconds = 0.0003;
-/// What one more node costs: until its orders are on the wire, as `./bench.sh farm-overhead` measures the fan-out.
-/// Its tiles come while others render.
+/// Overhead of one more node until its orders are written, measured as the fan-out of `./bench.sh farm-overhead`.
+/// Its tiles arrive while other nodes render.
 constexpr double kNodeSeconds = 0.00005;
-/// Cpu-seconds: a frame that cost nothing still takes its turn.
+/// Minimum cost in cpu-seconds, so that a frame that cost nothing still takes its turn.
 constexpr double kMinCpuSeconds = 1e-4;
 
 void add_stage(wire::FrameEnd* end, const char* name, double seconds) {
@@ -32,15 +32,15 @@ balance::PictureSize size_of(const wire::View& view) {
 
 std::array<double, 3> eye_of(const wire::View& view) { return {view.eye_m().x(), view.eye_m().y(), view.eye_m().z()}; }
 
-/// 0 of a picture that a turn does not shift.
+/// Returns 0 for a picture that a turn of the heading does not shift.
 double shifting_span(const wire::View& view) {
   return view.panorama().projection() == wire::Panorama::CYLINDER ? view.panorama().azimuth_span_rad() : 0.0;
 }
 
-/// Two eyes' pictures, one above the other.
+/// Returns the number of pictures above each other: one per eye.
 int stacked(const wire::View& view) { return view.panorama().has_eyes() ? 2 : 1; }
 
-/// What a pixel costs grows with its samples; how much more a bounce costs, only the scene knows.
+/// The cost of a pixel grows with its samples; the extra cost of a bounce depends on the scene.
 double effort_of(const wire::View& view) { return view.samples(); }
 
 }  // namespace
@@ -95,7 +95,7 @@ void CoordinatorState::plan(SessionId id, Session& session) {
   }
   frame.last_planned = last_block_;
   frame.planned_at = clock_.now();
-  // From here on it is the fan-out: the first order of a stream is written at once, on this thread.
+  // The fan-out begins here: the first order of a stream is written at once, on this thread.
   std::uint64_t number = first_block;
   for (const AssignedBlock& block : blocks) order_block(id, session, frame, number++, block.node, block.rect);
 }
@@ -103,7 +103,7 @@ void CoordinatorState::plan(SessionId id, Session& session) {
 void CoordinatorState::order_block(SessionId id, const Session& session, const FrameInFlight& frame,
                                    std::uint64_t block, NodeId node_id, const PixelRect& rect) {
   Node& node = nodes_.at(node_id);
-  if (node.blocks.empty()) node.worked_at = clock_.now();  // An idle node owes nothing for the time before.
+  if (node.blocks.empty()) node.worked_at = clock_.now();  // Time spent idle does not count as silence.
   node.blocks[block] = {id, frame.id};
   wire::NodeCommand command;
   wire::RenderBlock* const order = command.mutable_render();
@@ -221,7 +221,7 @@ FrameReport CoordinatorState::report_of(SessionId id, const FrameInFlight& frame
 }
 
 void CoordinatorState::finish(SessionId id, Session& session, FrameInFlight& frame) {
-  if (!frame.failure) cancel_blocks(frame);  // Of stragglers, whose work others did.
+  if (!frame.failure) cancel_blocks(frame);  // Cancels stragglers whose tiles other nodes delivered.
   FrameReport report = report_of(id, frame);
   if (session.governed) report.budget_ms = session.governed->governor.budget_ms();
   share_.served(frame.fair_start);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoordinatorState's dealings with nodes.
+// Handling of nodes' messages.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ bool is_same_scene(const wire::SceneDescription& a, const wire::SceneDescription
          a.triangles_stored() == b.triangles_stored();
 }
 
-/// Nothing for a tile that no picture can have.
+/// Returns nothing for a tile that no picture can have.
 std::optional<PixelRect> rect_of(const wire::Tile& tile) {
   constexpr std::uint32_t kFar = 1 << 20;
   if (std::max({tile.x_px(), tile.y_px(), tile.width_px(), tile.height_px()}) > kFar) return std::nullopt;
@@ -91,7 +91,7 @@ Status CoordinatorState::hello(NodeId id, Node& node, const wire::Hello& hello) 
   }
   node.name = printable(hello.name());
   node.threads = hello.threads();
-  // Those that are visited first; none that comes later takes the place of one that came before.
+  // Scenes in use come first; a later scene never replaces an earlier one.
   std::vector<FarmScene> order = scenes_;
   std::set<std::string> keep = scenes_in_use();
   std::stable_partition(order.begin(), order.end(), [&](const FarmScene& scene) { return keep.contains(scene.name); });
@@ -104,7 +104,7 @@ Status CoordinatorState::hello(NodeId id, Node& node, const wire::Hello& hello) 
 }
 
 void CoordinatorState::order_scene(NodeId id, Node& node, const FarmScene& scene, const std::set<std::string>& keep) {
-  if (!scene.is_ready()) return;  // scene_read() comes back to it.
+  if (!scene.is_ready()) return;  // scene_read() orders it later.
   node.scenes[scene.name] = {};
   node.scenes[scene.name].asked_at = clock_.now();
   wire::NodeCommand command;
@@ -193,7 +193,7 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
     known = loaded.description();
     TRY(keep_pareto_front(loaded));
   } else if (!is_same_scene(known, loaded.description())) {
-    // Pictures would be patched together from two scenes.
+    // Otherwise pictures would be patched together from two scenes.
     asked->second.state = Node::SceneState::kFailed;
     asked->second.error = "its copy differs from the other nodes'";
     delegate_.notice(
@@ -212,7 +212,7 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
 }
 
 double CoordinatorState::relative_speed(const wire::SceneLoaded& loaded) {
-  // A probe trembles with whatever else its host does: hosts of one kind shall count as one kind.
+  // Probes vary with the other load of a host; hosts of the same kind should count as equally fast.
   constexpr double kAlike = 0.12;
   constexpr double kMaxSpeedRatio = 100.0;
   const double seconds = loaded.probe_cpu_seconds();
@@ -234,7 +234,7 @@ Status CoordinatorState::tile_received(NodeId, Node& node, wire::BlockTile& mess
   if (place == node.blocks.end())
     return broken(fmt::format("it sent a tile of block {}, not its own", message.block()));
   FrameInFlight* const frame = find_frame(place->second);
-  if (frame == nullptr || frame->failure) return Done{};  // Nobody wants it any more.
+  if (frame == nullptr || frame->failure) return Done{};  // The tile is no longer wanted.
   wire::Tile& tile = *message.mutable_tile();
   const auto rect = rect_of(tile);
   const bool belongs = rect && !tile.jpeg().empty() && tile.view_number() == frame->view.number();
@@ -287,7 +287,7 @@ void CoordinatorState::node_disconnected(NodeId id) {
   const auto found = nodes_.find(id);
   if (found == nodes_.end()) return;
   const Node node = std::move(found->second);
-  nodes_.erase(found);  // First, so that its blocks are not given to it again.
+  nodes_.erase(found);  // Erased first, so that its blocks are not reassigned to it.
   if (node.threads > 0.0)
     delegate_.notice(fmt::format("{} is gone; {} left", to_text(node), nodes_.size()), trouble_with(node));
   lose_blocks(node.blocks, id);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What CoordinatorState tells of itself, for those who watch.
+// The reports of CoordinatorState for monitoring.
 #include <algorithm>
 
 #include "renderfarm/coordinator/coordinator_state.h"

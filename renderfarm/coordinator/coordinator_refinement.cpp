@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoordinatorState's governed sessions: the quality of moving pictures, and pictures at rest.
+// Governed sessions: the quality of moving pictures, and the refinement of pictures at rest.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,16 +11,16 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// A museum that has asked for nothing this long, with nothing on its way, stands still. Longer than a tour's step and
-/// a network's round trip, so that no work is begun in vain between two views of a walk.
+/// A session without a request for this long, and with nothing on its way, is at rest. Longer than a tour's step and a
+/// network's round trip, so that no work is begun in vain between two views of a walk.
 constexpr Duration kStill = std::chrono::milliseconds(150);
-/// After a refined picture was given up, the next one is ordered so late, and twice as late after each further one, so
-/// that a lost node can come back and a broken one does not keep the farm busy.
+/// Delay after a refined picture was given up, doubled after each further one, so that a lost node can come back and a
+/// broken one does not keep the farm busy.
 constexpr Duration kFirstRetry = std::chrono::seconds(5);
 constexpr Duration kLastRetry = std::chrono::seconds(60);
-constexpr int kMaxDoublings = 4;  ///< From the first to the last.
+constexpr int kMaxDoublings = 4;  ///< From kFirstRetry to kLastRetry.
 
-/// To a multiple of `cut`.
+/// Scales to a multiple of `cut`.
 std::uint32_t scaled(std::uint32_t px, double scale, int cut = kCutPx) {
   if (scale >= 1.0) return px;
   return std::min(px, static_cast<std::uint32_t>(cut * std::max(1.0, std::round(scale * px / cut))));
@@ -46,7 +46,7 @@ void apply(const render::PictureQuality& quality, wire::View* view) {
   view->set_subsample_chroma(quality.subsample_chroma);
   wire::Panorama& panorama = *view->mutable_panorama();
   panorama.set_width_px(scaled(panorama.width_px(), quality.scale));
-  // Between two eyes' pictures lies a cut.
+  // The two eyes' pictures must meet at a cell boundary.
   panorama.set_height_px(scaled(panorama.height_px(), quality.scale, panorama.has_eyes() ? 2 * kCutPx : kCutPx));
 }
 
@@ -58,10 +58,10 @@ void CoordinatorState::govern(GovernorState& governed, FrameInFlight* frame) {
 
 void CoordinatorState::learn(GovernorState& governed, const WrittenFrame& frame) {
   const TimePoint now = clock_.now();
-  // While two frames are at work, the later one has the farm from the earlier one's end on.
+  // Of two frames at work, the later one has the farm to itself only after the earlier one's end.
   const double ms = 1e3 * to_seconds(now - std::max(frame.planned_at, governed.written_at));
   governed.written_at = governed.still_since = now;
-  if (frame.reassigned) return;  // It took long for another reason than its quality.
+  if (frame.reassigned) return;  // Its time does not reflect its quality.
   if (frame.samples_added > 0) {
     governed.ms_per_sample = ms / (frame.samples_added * frame.megapixels);
   } else {
@@ -107,7 +107,7 @@ void CoordinatorState::refine(SessionId id, Session& session) {
   apply(quality, &frame.view);
   session.views.add(frame.view.number(), {});
   frame.received_at = frame.turn_began_at = frame.planned_at = frame.last_tile_at = clock_.now();
-  if (governed.blocks.empty()) governed.blocks = split(session, frame.view, true);  // Frozen from now on.
+  if (governed.blocks.empty()) governed.blocks = split(session, frame.view, true);  // Kept for all refinements.
   frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
   for (AssignedBlock& block : governed.blocks) {
     const std::vector<NodeId> able = nodes_for(session.scene);
@@ -121,7 +121,7 @@ void CoordinatorState::refine(SessionId id, Session& session) {
 void CoordinatorState::finish_refined(SessionId id, Session& session, FrameInFlight& frame, const FrameReport& report) {
   GovernorState& governed = *session.governed;
   if (frame.failure) {
-    // Nothing of it was sent, so that no end will be written.
+    // No part of it was sent, so no end will be written.
     session.views.finish(frame.view.number());
     const int doublings = std::min(governed.failures++, kMaxDoublings);
     governed.retry_at = clock_.now() + std::min(kLastRetry, kFirstRetry * (1 << doublings));

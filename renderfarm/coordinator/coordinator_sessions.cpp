@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoordinatorState's dealings with museums.
+// Handling of museums' sessions.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ void CoordinatorState::session_requested(SessionId id, const wire::SessionReques
     return;
   }
   const std::string refusal = fmt::format("the session of '{}' is refused: {}", session.museum, fine.error().message());
-  // A museum that waits for a scene to be loaded dials again and again: once is enough for the log.
+  // A museum that waits for a scene reconnects again and again; one log line is enough.
   if (refusal != last_refusal_)
     delegate_.notice(refusal, {.museum = session.museum, .session = id, .is_trouble = true});
   last_refusal_ = refusal;
@@ -79,7 +79,7 @@ Result<std::unique_ptr<GovernorState>> CoordinatorState::governed_by(const wire:
 
 Status CoordinatorState::open(SessionId id, Session& session, const wire::OpenSession& open) {
   session.museum = session.grant.museum.empty() ? printable(open.museum()) : session.grant.museum;
-  const std::string& wanted = open.scene();  // Empty: the first.
+  const std::string& wanted = open.scene();  // Empty selects the first scene.
   const auto scene = std::ranges::find_if(scenes_, [&](const FarmScene& known) {
     return (wanted.empty() || known.name == wanted) && session.grant.allows(known.name);
   });
@@ -199,7 +199,7 @@ void CoordinatorState::tick_sessions() {
     forget_session(id);
     delegate_.end_session(id, reason, true);
   }
-  std::vector<SessionId> watched;  // Watching may end a session.
+  std::vector<SessionId> watched;  // Copied, because watch() may end a session.
   for (const auto& [id, session] : sessions_) watched.push_back(id);
   for (const SessionId id : watched) watch(id);
 }

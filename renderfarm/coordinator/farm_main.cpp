@@ -31,7 +31,7 @@ struct TopArguments {
   watch::TopOptions top{};
 };
 
-/// Where the coordinator shows itself: as the command line says, else as the file, else as the package's own file.
+/// Takes the inspection address from the command line, else from the settings file, else from the package's own file.
 Status run_top_command(TopArguments arguments, const StopSignal& stop) {
   if (arguments.top.inspect.empty() && !arguments.config.empty()) {
     TRY_ASSIGN(const CoordinatorOptions coordinator, read_coordinator_config(arguments.config));
@@ -54,7 +54,7 @@ void add_top(CLI::App& app, TopArguments* arguments) {
   top->add_flag("--json", arguments->top.json, "Show it once, as JSON");
 }
 
-/// The file first; what the command line says overrules it.
+/// Reads the settings file first; the command line overrides it.
 Result<CoordinatorOptions> options_from(const Arguments& arguments) {
   CoordinatorOptions options;
   if (!arguments.config.empty()) {

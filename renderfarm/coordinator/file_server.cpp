@@ -15,12 +15,12 @@ namespace {
 
 constexpr std::size_t kPieceBytes = std::size_t{512} << 10;
 constexpr Duration kLook = std::chrono::seconds(1);
-/// A node that takes nothing for so long has no use for a place among the streams.
+/// A stream whose peer takes nothing for this long is cut, to free its slot.
 constexpr Duration kStall = std::chrono::seconds(60);
 
 const grpc::Status kStops(grpc::StatusCode::UNAVAILABLE, "the farm's coordinator stops");
 
-/// A call that ends as it begins.
+/// A call that ends at once with an error.
 class Refusal final : public grpc::ServerWriteReactor<wire::FileChunk> {
  public:
   explicit Refusal(const grpc::Status& status) { Finish(status); }
@@ -29,9 +29,9 @@ class Refusal final : public grpc::ServerWriteReactor<wire::FileChunk> {
 
 }  // namespace
 
-/// One file on its way. It is in the server's queue, or a piece of it is being written, or it is finished: never two of
-/// these. gRPC carries it from thread to thread between them; the lock, never waited for, carries its memory as well,
-/// in a way that a sanitizer sees.
+/// One file being sent. It is in the server's queue, or one of its chunks is being written, or it is finished, never
+/// two of these at once. gRPC carries it between threads meanwhile; the lock is never contended, but gives the memory
+/// ordering in a way that sanitizers see.
 class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk> {
  public:
   Stream(FileServer& server, grpc::CallbackServerContext* context, scene_distribution::StampedFile file,
@@ -45,7 +45,7 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
   [[nodiscard]] bool is_cancelled() const { return context_->IsCancelled(); }
   void end(const grpc::Status& status) { Finish(status); }
 
-  /// Reads and sends; what it costs. The stream may be gone afterwards.
+  /// Reads and sends the next chunk, and returns its bytes. The stream may be gone afterwards.
   std::uint64_t send_next() {
     const auto want = std::min<std::uint64_t>(kPieceBytes, file_.stamp.bytes - offset_);
     if (!read_next(want)) {
@@ -96,13 +96,13 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
   }
 
   FileServer& server_;
-  grpc::CallbackServerContext* const context_;  ///< gRPC's; gone after OnDone().
+  grpc::CallbackServerContext* const context_;  ///< Owned by gRPC; invalid after OnDone().
   const Identity who_;
   const scene_distribution::StampedFile file_;
   std::uint64_t offset_;
   wire::FileChunk chunk_;
   std::mutex hand_over_;
-  std::atomic<Duration::rep> writing_since_ = 0;  ///< TimePoint's count; 0: nothing is being written.
+  std::atomic<Duration::rep> writing_since_ = 0;  ///< Start of the current write as the count of a TimePoint; 0: none.
 };
 
 FileServer::FileServer(const scene_distribution::SceneLibrary& library, Options options)
@@ -116,7 +116,7 @@ FileServer::~FileServer() {
 grpc::ServerUnaryReactor* FileServer::list(grpc::CallbackServerContext* context, const wire::ListFilesRequest& request,
                                            wire::SceneFiles* reply) const {
   grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  const bool may_come = library_.is_reading();  // Asked first: what came meanwhile is found.
+  const bool may_come = library_.is_reading();  // Read first, so that scenes that arrive meanwhile are found.
   const auto files = library_.find(request.digest());
   grpc::Status status;
   if (files != nullptr) {
@@ -151,7 +151,7 @@ grpc::ServerWriteReactor<wire::FileChunk>* FileServer::send(grpc::CallbackServer
     return new Refusal(
         to_grpc(Error(ErrorCode::kBusy, fmt::format("{} files are on their way already; ask again", streams_.size()))));
   }
-  auto* const stream = new Stream(*this, context, *std::move(file), offset);  // Ends in its OnDone().
+  auto* const stream = new Stream(*this, context, *std::move(file), offset);  // Deletes itself in OnDone().
   streams_.insert(stream);
   if (stream->is_at_end()) {
     stream->end(grpc::Status::OK);

@@ -10,13 +10,13 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// What a node says about itself is not believed beyond reason: it goes into the next frame's plan.
+/// Clamps a value that a node reported, because it enters the next frame's plan.
 double measured(double seconds) { return std::isfinite(seconds) ? std::clamp(seconds, 0.0, 1e6) : 0.0; }
 
-/// A part renders as many pixels more around it as its JPEG has blocks less to share.
+/// Minimum edge of a part in pixels; smaller parts cost more in margins and JPEG overhead.
 constexpr int kMinPartPx = 64;
 
-/// None, unless they are one for each cell that the block touches.
+/// Returns no costs unless there is one for each cell that the block touches.
 std::vector<float> measured_cells(const wire::BlockEnd& end, const PixelRect& rect) {
   const auto touched = [](int from, int length) { return (from + length + kCutPx - 1) / kCutPx - from / kCutPx; };
   const int cells = touched(rect.x, rect.width) * touched(rect.y, rect.height);
@@ -82,7 +82,7 @@ bool FrameAssembly::take(const PixelRect& tile) {
   if (missing_.erase(tile) > 0) return true;
   const auto cut = parts_.find(tile);
   if (cut == parts_.end()) return false;
-  // The maker of the whole tile is wanted only if nobody was quicker with a part of it.
+  // The whole tile is wanted only if no part of it has been delivered.
   if (!is_untouched(tile)) return false;
   for (const PixelRect& part : cut->second) take(part);
   return true;
@@ -136,7 +136,7 @@ int FrameAssembly::attempts(const PixelRect& tile) const {
 
 bool FrameAssembly::is_complete() const {
   if (!missing_.empty()) return false;
-  // The times are wanted too, but not from a race that somebody else has won.
+  // The times of wanted blocks are needed too, but not after a reassignment, when other nodes may have been faster.
   return reassigned_ ||
          std::ranges::all_of(blocks_, [](const auto& entry) { return entry.second.ended || !entry.second.wanted; });
 }

@@ -31,7 +31,7 @@ Result<render::PanoramaView> view_of(const wire::RenderBlock& block) {
   whole.set_width_px(block.width_px());
   whole.set_height_px(block.height_px());
   TRY(validate(whole, picture.width_px(), picture.height_px()));
-  // A view's own number is the seed: noise changes from frame to frame and is the same on every node.
+  // The view's own number is the seed: noise changes from frame to frame and is the same on every node.
   render::PanoramaView view;
   view.eye = from_wire(block.view().eye_m());
   view.heading_rad = block.view().heading_rad();

@@ -57,13 +57,13 @@ RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Inter
     refining_.emplace();
     refining_->kept = films.take({order_->link, block().session()}, picture, tile);
     FilmStore::Kept& kept = refining_->kept;
-    // Beyond what is wanted: the coordinator asks for an earlier picture again.
+    // More samples than wanted: the coordinator requests an earlier picture again.
     if (kept.samples == 0 || kept.samples > wanted) kept = {render::Film(tile.width, tile.height, false), 0};
     for (const governor::SampleRange& range : governor::cut_samples({kept.samples, wanted}))
       refining_->ranges.push_back(range);
     kept.samples = wanted;
   }
-  // Once it has stopped a cell, it stays: else a film with holes would be taken for a whole one.
+  // Once true it stays true; otherwise a film with holes would pass for a complete one.
   std::atomic<bool> stopped = false;
   const auto stop = [&] {
     if (!stopped && (interrupts.cancelled() || interrupts.preempted())) stopped = true;
@@ -90,7 +90,7 @@ void BlockWork::add_cost(const render::RenderCost& cost, const PixelRect& rect) 
   cost_.rays += cost.rays;
   const PixelRect all = cells_touched(rect_of(block()));
   const PixelRect cells = cells_touched(rect);
-  if (cost.cell_cpu_seconds.size() != static_cast<std::size_t>(cells.area())) return;  // Not measured.
+  if (cost.cell_cpu_seconds.size() != static_cast<std::size_t>(cells.area())) return;  // Costs were not measured.
   auto seconds = cost.cell_cpu_seconds.begin();
   for (int row = cells.y; row < cells.y + cells.height; ++row) {
     for (int column = cells.x; column < cells.x + cells.width; ++column) {

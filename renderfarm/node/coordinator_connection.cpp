@@ -20,8 +20,8 @@ constexpr Duration kStatusPeriod = std::chrono::seconds(1);
 
 using Stream = grpc::ClientReaderWriter<wire::NodeReport, wire::NodeCommand>;
 
-/// Until the link closes or finishes, or the stream breaks; the latter closes the link, so that nothing is rendered in
-/// vain.
+/// Sends until the link closes or finishes, or the stream breaks. A broken stream closes the link, so that nothing is
+/// rendered in vain.
 void send_reports(Stream& stream, NodeLink& link, NodeController& controller) {
   const SteadyClock clock;
   TileSender sender;
@@ -38,7 +38,7 @@ void send_reports(Stream& stream, NodeLink& link, NodeController& controller) {
     }
   }
   if (fine && !link.is_closed()) {
-    stream.WritesDone();  // The coordinator ends the stream, and so the reader.
+    stream.WritesDone();  // The coordinator then ends the stream, which ends the reader.
   } else {
     link.close();
   }

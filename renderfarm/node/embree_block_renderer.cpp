@@ -12,7 +12,7 @@
 namespace cyclorama::node {
 namespace {
 
-/// Of the time from the first byte to the first ray, reading takes about this much; the rest builds the BVH.
+/// Approximate share of reading in the time from the first byte to the first ray; the rest builds the BVH.
 constexpr double kReadingShare = 0.6;
 
 class EmbreeBlockRenderer final : public BlockRenderer {
@@ -88,7 +88,7 @@ class EmbreeBlockRenderer final : public BlockRenderer {
     view.quality.samples = 1;
     const PixelRect whole{0, 0, view.panorama.width_px, view.panorama.height_px};
     double min = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < 3; ++i) {  // The first one warms the caches; whatever else the host does makes one slower.
+    for (int i = 0; i < 3; ++i) {  // The first run warms the caches; the minimum excludes other load of the host.
       RgbImage picture;
       min = std::min(min, renderer_->render(view, whole, &picture, nullptr).cpu_seconds);
     }

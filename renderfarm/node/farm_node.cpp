@@ -13,7 +13,7 @@
 namespace cyclorama::node {
 namespace {
 
-/// Of nice: threads that render fill all processors, and an order or a tile must not wait for one of them to be free.
+/// Nice value of the render threads: they fill all processors, and neither an order nor a tile may wait for them.
 constexpr int kRaysGiveWay = 5;
 
 }  // namespace
@@ -53,7 +53,7 @@ FarmNode::FarmNode(const FarmNodeOptions& options, SceneLoader loader)
 FarmNode::~FarmNode() { stop(); }
 
 void FarmNode::drain(Duration limit) {
-  // A coordinator that has not heard yet may have sent one more block.
+  // A coordinator that has not received the status yet may have sent one more block.
   constexpr Duration kQuiet = std::chrono::milliseconds(250);
   constexpr Duration kForSending = std::chrono::seconds(1);
   const TimePoint deadline = SteadyClock().now() + limit;

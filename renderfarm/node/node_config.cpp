@@ -19,7 +19,7 @@ std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "node";
 }
 
-/// Files are sought in node.toml's folder.
+/// Relative paths start from node.toml's folder.
 TlsFiles read_tls(ConfigTable tls, const std::filesystem::path& folder) {
   return {folder / tls.text("authority"), folder / tls.text("certificate"), folder / tls.text("key")};
 }

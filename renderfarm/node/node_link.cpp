@@ -5,7 +5,8 @@
 
 namespace cyclorama::node {
 namespace {
-/// Enough that rendering never waits for an encoder that keeps up; few, so that a slow network stops the rays.
+/// Large enough that rendering never waits for an encoder that keeps up, and small enough that a slow network suspends
+/// rendering.
 constexpr std::size_t kMaxOutgoing = 4;
 }  // namespace
 

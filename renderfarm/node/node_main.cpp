@@ -19,7 +19,7 @@ struct Arguments {
   bool is_check = false;
 };
 
-/// node.toml's keys are the options' names; what the command line says overrules it.
+/// The keys of node.toml are the options' names; the command line overrides them.
 Result<FarmNodeOptions> options_from(const Arguments& arguments) {
   FarmNodeOptions said = arguments.options;
   said.memory_limit_bytes = bytes_of_gib(arguments.memory_gib);
@@ -58,7 +58,7 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
   log(LogLevel::kInfo, "draining: renders the blocks that it has, then stops");
   node->drain(std::chrono::seconds(5));
   if (node->is_loading()) {
-    // A load cannot be broken off and may take minutes; a node holds nothing that is worth the wait.
+    // Loading cannot be aborted and may take minutes; a node holds no state that justifies the wait.
     log(LogLevel::kNotice, "stopping in the middle of loading a scene");
     std::_Exit(kExitOk);
   }

@@ -7,7 +7,7 @@
 
 namespace cyclorama::node {
 namespace {
-/// As many as the tiles of the largest picture, which a coordinator may send one by one after it lost a node.
+/// The number of tiles of the largest picture, which a coordinator may send one by one after it lost a node.
 constexpr std::size_t kMaxBlocksPerLink = 8192;
 }  // namespace
 

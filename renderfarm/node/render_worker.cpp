@@ -8,7 +8,7 @@
 
 namespace cyclorama::node {
 namespace {
-/// Far more than a scene's name and a view take.
+/// Far more than a scene's name and a view need.
 constexpr std::size_t kMaxOrderBytes = 4096;
 constexpr std::size_t kMaxEndedSessions = 4096;
 }  // namespace
@@ -63,7 +63,7 @@ void RenderWorker::forget_session(const FilmStore::Session& session) {
   {
     const std::lock_guard lock(mutex_);
     if (ended_sessions_.size() < kMaxEndedSessions)
-      ended_sessions_.push_back(session);  // Else its films leave when memory is short.
+      ended_sessions_.push_back(session);  // Beyond the limit, films are only dropped when memory is short.
   }
   changed_.notify_all();
 }

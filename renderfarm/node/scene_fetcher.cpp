@@ -24,12 +24,12 @@ namespace {
 constexpr Duration kFirstRetry = std::chrono::milliseconds(100);
 constexpr Duration kMaxRetryDelay = std::chrono::seconds(2);
 constexpr Duration kLook = std::chrono::milliseconds(50);
-/// A coordinator that gives files to many at a low rate may take some time for each piece.
+/// Timeout for the next chunk, since a coordinator that serves many nodes at a limited rate may be slow.
 constexpr Duration kSilence = std::chrono::seconds(60);
 constexpr auto kListDeadline = std::chrono::seconds(10);
 
-/// Ends the call at hand when it is not wanted any more, or silent, from a thread of its own: the call itself waits for
-/// bytes. Thread-safe.
+/// Cancels the current call once it is unwanted or silent, from a thread of its own, because the call itself blocks.
+/// Thread-safe.
 class CallWatch {
  public:
   explicit CallWatch(const std::function<bool()>& cancelled)
@@ -62,7 +62,7 @@ class CallWatch {
   std::jthread thread_;
 };
 
-/// While it lives, the call is watched.
+/// Watches the call during its own lifetime.
 class Watched {
  public:
   Watched(CallWatch& watch, grpc::ClientContext& context) : watch_(watch) { watch_.watch(&context); }
@@ -74,7 +74,7 @@ class Watched {
   CallWatch& watch_;
 };
 
-/// The coordinator, as a source of files.
+/// The coordinator as a source of files.
 class CoordinatorFileSource final : public scene_distribution::FileSource {
  public:
   CoordinatorFileSource(const std::shared_ptr<grpc::Channel>& channel, CallWatch& watch)
@@ -125,7 +125,7 @@ bool may_pass(const Error& error) {
          error.code() == ErrorCode::kBusy;
 }
 
-/// False: cancelled meanwhile.
+/// Returns false if cancelled meanwhile.
 bool wait(Duration delay, const std::function<bool()>& cancelled) {
   const SteadyClock clock;
   const TimePoint end = clock.now() + delay;

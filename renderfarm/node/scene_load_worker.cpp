@@ -11,7 +11,7 @@
 namespace cyclorama::node {
 namespace {
 constexpr std::size_t kMaxWaiting = 4096;
-/// Names and paths, and the names of all scenes of a large farm.
+/// Enough for names, paths, and the names of all scenes of a large farm.
 constexpr std::size_t kMaxOrderBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxErrorBytes = 1000;
 }  // namespace
@@ -66,7 +66,7 @@ bool SceneLoadWorker::work() {
   wire::NodeReport report;
   *report.mutable_scene_loaded() = load(*next.link, next.order);
   loading_ = false;
-  // It may have closed meanwhile, and then nobody else forgets what it calls the scene.
+  // If the link closed during the load, its names must be forgotten here.
   if (next.link->is_closed()) scenes_.forget_link(next.link->id());
   send_report_(next.link->id(), std::move(report));
   return true;
@@ -96,7 +96,7 @@ wire::SceneLoaded SceneLoadWorker::load(const NodeLink& link, const wire::LoadSc
     loaded = scenes_.load(link.id(), order, found->path.string(), progress, &left);
   } else {
     loaded.set_scene(order.scene());
-    loaded.set_error(printable(found.error().message(), kMaxErrorBytes));  // May quote the coordinator.
+    loaded.set_error(printable(found.error().message(), kMaxErrorBytes));  // The message may quote the coordinator.
   }
   for (const SceneStore::Name& scene : left) {
     wire::NodeReport report;

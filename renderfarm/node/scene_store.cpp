@@ -18,7 +18,7 @@ namespace cyclorama::node {
 namespace {
 constexpr std::size_t kMaxErrorBytes = 1000;
 
-/// What the scene's own front says, checked; empty without one.
+/// Returns the scene's own Pareto front, validated; empty if it has none.
 Result<std::string> front_of(const std::filesystem::path& scene) {
   constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
   const std::filesystem::path file = scene / "front.toml";
@@ -29,7 +29,7 @@ Result<std::string> front_of(const std::filesystem::path& scene) {
   return text;
 }
 
-/// What the scene will take at least, as a rule: geometry takes no less in memory, and pictures take more.
+/// Estimates the minimum memory of the scene: geometry usually takes no less in memory, and textures take more.
 std::uint64_t bytes_on_disk(const std::filesystem::path& scene) {
   std::error_code none;
   if (!std::filesystem::is_directory(scene, none)) {
@@ -50,7 +50,7 @@ double gibibytes(std::uint64_t bytes) { return static_cast<double>(bytes) / stat
 wire::SceneLoaded failed(const wire::LoadScene& order, const std::string& why) {
   wire::SceneLoaded answer;
   answer.set_scene(order.scene());
-  answer.set_error(printable(why, kMaxErrorBytes));  // May quote a file's bytes.
+  answer.set_error(printable(why, kMaxErrorBytes));  // The message may quote a file's bytes.
   return answer;
 }
 
@@ -106,7 +106,7 @@ void SceneStore::rename(const Name& name, Leaving* ret_leaving) {
   paths_.erase(other);
   const auto scene = scenes_.find(path);
   const bool known = std::ranges::any_of(paths_, [&](const auto& entry) { return entry.second == path; });
-  // First, so that memory never holds both; unless somebody else wants it.
+  // Unloads the old scene first, so that memory never holds both, unless it is in use elsewhere.
   if (!known && may_leave(*scene)) drop(scene, ret_leaving);
 }
 
@@ -158,7 +158,7 @@ Result<SceneStore::Loaded> SceneStore::loaded_from(const std::string& name, cons
 
 bool SceneStore::make_room(std::uint64_t needed, Leaving* ret_leaving) {
   if (max_bytes_ == 0) return true;
-  if (bytes_in_use() + needed > max_bytes_) return false;  // Nobody leaves for nothing.
+  if (bytes_in_use() + needed > max_bytes_) return false;  // Unloading could not free enough.
   while (bytes() + needed > max_bytes_) {
     auto oldest = scenes_.end();
     for (auto scene = scenes_.begin(); scene != scenes_.end(); ++scene) {
@@ -181,7 +181,7 @@ void SceneStore::drop(Scenes::iterator scene, Leaving* ret_leaving) {
 }
 
 bool SceneStore::may_leave(const Scenes::value_type& scene) const {
-  if (scene.second.renderer.use_count() > 1) return false;  // Blocks wait for it.
+  if (scene.second.renderer.use_count() > 1) return false;  // Blocks wait for the scene.
   return std::ranges::none_of(paths_, [&](const auto& entry) {
     const auto used = in_use_.find(entry.first.link);
     return entry.second == scene.first && used != in_use_.end() && used->second.contains(entry.first.scene);

@@ -28,7 +28,7 @@ wire::NodeReport TileSender::encoded(const RenderedTile& tile) {
     message->mutable_tile()->set_jpeg(jpeg->data(), jpeg->size());
   } else {
     encoding.error =
-        jpeg.error().message();  // The coordinator refuses an empty tile; the block's end says why it is empty.
+        jpeg.error().message();  // The coordinator refuses an empty tile; the block's end reports the reason.
   }
   encoding.cpu_seconds += thread_cpu_seconds() - begun;
   return report;

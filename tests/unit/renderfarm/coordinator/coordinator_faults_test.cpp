@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoordinatorState's deadlines, turns, and nodes that are slow, silent, about to stop, or short of memory.
+// Deadlines and turns, and nodes that are slow, silent, draining or short of memory.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ class Faults : public testing::Test {
     s.complete = 0;
     ASSERT_EQ(s.given_up, 0);
   }
-  /// All nodes but the one do all they have.
+  /// All other nodes finish all their blocks.
   void settle_without(NodeId one) {
     std::vector<NodeId> others;
     std::ranges::copy_if(nodes, std::back_inserter(others), [&](NodeId node) { return node != one; });
@@ -41,7 +41,7 @@ class Faults : public testing::Test {
     s.clock.advance(time);
     s.state.tick();
   }
-  /// One of which the first node is slowed so many times. How much of it was that node's, in pixels.
+  /// Renders one frame while the first node is slowed by this factor. Returns that node's share in pixels.
   std::int64_t frame(double slowed) {
     s.request_view(session, view_of(++number));
     std::int64_t share = 0;
@@ -86,14 +86,14 @@ TEST_F(Faults, what_a_silent_node_owes_is_shared_by_all_who_are_done) {
   EXPECT_EQ(s.complete, 1);
   EXPECT_EQ(s.given_up, 0);
   EXPECT_GE(owed, 1u);
-  s.settle(nodes);  // It wakes up: nobody wants what it brings.
+  s.settle(nodes);  // The silent node resumes, but its tiles are no longer wanted.
   EXPECT_EQ(s.complete, 1);
 }
 
 TEST_F(Faults, nodes_that_are_only_slow_never_end_a_frame_however_many) {
   open(12);
   s.request_view(session, view_of(++number));
-  s.settle({nodes.back()});  // All others are silent, and so are those that are asked to help.
+  s.settle({nodes.back()});  // All other nodes are silent, including those that the work is reassigned to.
   for (int i = 0; i < 12; ++i) {
     pass(200ms);
     s.settle({nodes.back()});
@@ -137,7 +137,7 @@ TEST_F(Faults, a_node_that_is_done_takes_what_another_has_not_begun) {
   for (const wire::NodeCommand& command : s.delegate.commands[busy]) {
     if (command.has_cancel()) cancelled.insert(command.cancel().block());
   }
-  // All but what it is at, and what is too little to be worth the way.
+  // Everything is taken but the current block and blocks too small to be worth moving.
   EXPECT_FALSE(cancelled.contains(owed.front().block()));
   EXPECT_TRUE(cancelled.contains(owed.back().block()));
   EXPECT_EQ(s.complete, 0);
@@ -145,11 +145,11 @@ TEST_F(Faults, a_node_that_is_done_takes_what_another_has_not_begun) {
   EXPECT_EQ(s.complete, 1);
   EXPECT_GE(s.delegate.frames.back().moved, 1);
   EXPECT_FALSE(s.delegate.frames.back().reassigned);
-  EXPECT_FALSE(s.delegate.frames.back().costs.empty());  // It still teaches.
+  EXPECT_FALSE(s.delegate.frames.back().costs.empty());  // Costs of moved blocks are still measured.
 }
 
 TEST_F(Faults, nodes_that_share_their_hosts_help_each_other_too) {
-  constexpr double kShared = 10.0;  // Their blocks take ten times as long as forecast, and that is usual.
+  constexpr double kShared = 10.0;  // All blocks take ten times as long as forecast, which is usual here.
   open(2);
   for (const NodeId node : nodes) s.slowed[node] = kShared;
   for (int i = 0; i < 30; ++i) {
@@ -162,7 +162,7 @@ TEST_F(Faults, nodes_that_share_their_hosts_help_each_other_too) {
   while (blocks(s.delegate.commands[busy]).size() > 2) s.work(busy);
   const std::vector<wire::RenderBlock> left = blocks(s.delegate.commands[busy]);
   ASSERT_EQ(left.size(), 2u);
-  pass(5ms);  // Beyond what the block under way would take alone on its host, and less than it takes.
+  pass(5ms);  // Longer than the current block would take on an unshared host, but shorter than it really takes.
   settle_without(busy);
   std::set<std::uint64_t> cancelled;
   for (const wire::NodeCommand& command : s.delegate.commands[busy]) {
@@ -177,14 +177,14 @@ TEST_F(Faults, the_second_frame_does_not_wait_for_a_node_that_held_up_the_first)
   open(4);
   const NodeId stuck = nodes[2];
   s.request_view(session, view_of(++number));
-  s.request_view(session, view_of(++number));  // In flight before anybody knows.
+  s.request_view(session, view_of(++number));  // In flight before the fault is detected.
   settle_without(stuck);
   pass(61ms);
   settle_without(stuck);
   EXPECT_EQ(s.complete, 2);
   s.request_view(session, view_of(++number));
   settle_without(stuck);
-  EXPECT_EQ(s.complete, 3);  // It got nothing of this one.
+  EXPECT_EQ(s.complete, 3);  // The stuck node got no block of this frame.
 }
 
 TEST_F(Faults, a_node_whose_block_was_expected_to_take_long_is_not_silent) {
@@ -192,7 +192,7 @@ TEST_F(Faults, a_node_whose_block_was_expected_to_take_long_is_not_silent) {
   s.request_view(session, view_of(++number));
   std::map<NodeId, std::size_t> before;
   for (const NodeId node : nodes) before[node] = blocks(s.delegate.commands[node]).size();
-  // Nobody is done: however long it takes, more blocks would not help.
+  // No node is idle, so more blocks would not help, however long it takes.
   pass(90ms);
   for (const NodeId node : nodes) EXPECT_EQ(blocks(s.delegate.commands[node]).size(), before[node]);
   s.settle(nodes);
@@ -288,7 +288,7 @@ TEST_F(Faults, a_scene_that_was_dropped_is_loaded_anew_for_the_next_session) {
   ASSERT_FALSE(s.delegate.commands[nodes[0]].empty());
   const wire::LoadScene& order = s.delegate.commands[nodes[0]].back().load_scene();
   EXPECT_EQ(order.scene(), "grotto");
-  EXPECT_EQ(order.in_use_size(), 1);  // The first session's.
+  EXPECT_EQ(order.in_use_size(), 1);  // The first session's scene.
 }
 
 TEST_F(Faults, a_node_that_drops_what_it_never_had_is_sent_away) {
@@ -306,7 +306,7 @@ TEST_F(Faults, frames_of_two_sessions_take_turns_and_pictures_at_rest_come_last)
   s.request_view(other, view_of(1));
   s.settle(nodes);
   s.clock.advance(1s);
-  s.state.tick();  // The other one is at rest now.
+  s.state.tick();  // The other session is at rest now.
   const auto at_rest = blocks(s.delegate.commands[nodes[0]]);
   ASSERT_FALSE(at_rest.empty());
   for (const wire::RenderBlock& block : at_rest) EXPECT_TRUE(block.keep());

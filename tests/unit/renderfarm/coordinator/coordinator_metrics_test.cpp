@@ -21,7 +21,7 @@ struct Meters {
   watch::FarmMetrics metrics;
   CoordinatorMetrics meters{inspection, metrics};
 
-  /// All that the simulation ended since the last call.
+  /// Adds all frames that the simulation has ended since the last call.
   void read() {
     for (; read_ < farm.delegate.frames.size(); ++read_) meters.add(farm.delegate.frames[read_]);
     meters.update(farm.state, farm.clock.now());
@@ -115,7 +115,7 @@ TEST(CoordinatorMetrics, the_orders_of_a_plan_are_fanned_out_when_the_last_of_th
       }
     }
   }
-  m.farm.state.order_written(nodes[0], 999, m.farm.clock.now() + 1h);  // No block of anybody.
+  m.farm.state.order_written(nodes[0], 999, m.farm.clock.now() + 1h);  // An unknown block.
   m.farm.clock.advance(10ms);
   m.farm.settle(nodes);
   ASSERT_EQ(m.farm.delegate.frames.size(), 1u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoordinatorState's governed sessions.
+// Governed sessions of CoordinatorState.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,10 +16,10 @@ using namespace std::chrono_literals;
 using testing::HasSubstr;
 using testing::Not;
 
-/// A farm with one governed session, where a frame takes as long as its samples and pixels say.
+/// A farm with one governed session, where a frame's time depends on its samples and pixels.
 class GovernedSession : public testing::Test {
  protected:
-  /// As the standard front has it.
+  /// Returns the cost from the standard Pareto front.
   static double cost_of(const wire::View& planned) {
     const governor::ParetoFront front = governor::ParetoFront::standard();
     for (std::size_t i = 0; i < front.size(); ++i) {
@@ -29,14 +29,14 @@ class GovernedSession : public testing::Test {
       same.mutable_panorama()->set_height_px(planned.panorama().height_px());
       if (same.SerializeAsString() == planned.SerializeAsString()) return front[i].cost;
     }
-    return 1.0;  // The museum's own.
+    return 1.0;  // The quality that the museum requested.
   }
   void open(double budget_ms, std::uint32_t reference_samples, int count = 2) {
     for (int i = 0; i < count; ++i) nodes.push_back(s.add_node());
     session = s.add_session(budget_ms, reference_samples);
     drain_opened(s, session);
   }
-  /// One frame of a moving view, from the asking to the museum's hands.
+  /// Renders one frame of a moving view, from the request until the museum has taken it.
   void move(double ms_per_cost = 1.0) {
     s.request_view(session, view_of(++number));
     const wire::View& planned = s.delegate.commands[nodes.front()].back().render().view();
@@ -44,12 +44,12 @@ class GovernedSession : public testing::Test {
         std::chrono::duration<double, std::milli>(ms_per_cost * cost_of(planned))));
     s.settle(nodes);
   }
-  /// The first refined picture is ordered; no node has begun it.
+  /// Stops when the first refined picture is ordered and no node has begun it.
   void begin_rest() {
     s.clock.advance(200ms);
     s.state.tick();
   }
-  /// Nobody asks for anything.
+  /// Lets time pass without a request.
   void stand_still(Duration time) {
     for (Duration passed{}; passed < time; passed += 100ms) {
       s.clock.advance(100ms);
@@ -129,7 +129,7 @@ TEST_F(GovernedSession, keeps_each_part_of_a_picture_where_its_sums_are) {
     all.insert(order.first);
   }
   ASSERT_EQ(all.size(), 3u);
-  EXPECT_LT(makers.size(), s.orders.size());  // Several pictures, of the same parts.
+  EXPECT_LT(makers.size(), s.orders.size());  // There were several pictures with the same parts.
   for (const auto& [corner, nodes_of_it] : makers) EXPECT_EQ(nodes_of_it.size(), 1u);
 }
 
@@ -139,7 +139,7 @@ TEST_F(GovernedSession, ends_a_refinement_without_a_trace_when_a_view_comes) {
   begin_rest();
   const std::size_t seen = s.begun.size();
   const int given_up = s.given_up;
-  s.work(nodes[0]);  // A tile of the next picture; nothing of it goes out.
+  s.work(nodes[0]);  // Renders a tile of the next picture, which must not be sent.
   for (const auto& reply : s.delegate.replies[session]) ADD_FAILURE() << reply.ShortDebugString();
   s.request_view(session, view_of(++number));
   bool cancelled = false;
@@ -222,7 +222,7 @@ TEST_F(GovernedSession, does_not_take_a_late_tile_of_the_moving_frame_for_one_of
   while (s.work(nodes[0])) {
   }
   s.clock.advance(600ms);
-  s.state.tick();  // The other one is late; the first takes over, and the frame ends.
+  s.state.tick();  // The other node is late; the first takes over, and the frame ends.
   s.settle({nodes[0]});
   ASSERT_EQ(s.complete, 1);
   begin_rest();
@@ -275,7 +275,7 @@ TEST_F(GovernedSession, cuts_two_eyes_pictures_of_any_size_between_them) {
   for (int frame = 0; frame < 80; ++frame) {
     wire::View view = view_of(++number);
     view.mutable_panorama()->mutable_eyes()->set_distance_m(0.063);
-    view.mutable_panorama()->set_height_px(608);  // 19 cells each.
+    view.mutable_panorama()->set_height_px(608);  // 19 cells for each eye.
     s.request_view(session, view);
     s.clock.advance(frame < 40 ? 1ms : 60ms);
     s.settle(nodes);

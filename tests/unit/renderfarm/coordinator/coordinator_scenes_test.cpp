@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoordinatorState's scenes that are on the coordinator's disk.
+// Scenes that are on the coordinator's disk.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ class CoordinatorScenes : public testing::Test {
     state.node_reported(id, report);
     return id;
   }
-  /// "name path digest" of what a node was told to load.
+  /// Returns "name path digest" of each scene that a node was ordered to load.
   std::vector<std::string> orders(NodeId node) {
     std::vector<std::string> texts;
     for (const wire::NodeCommand& command : delegate.commands[node]) {

@@ -29,7 +29,7 @@ TEST(CoordinatorState, relays_the_older_frame_first_and_holds_the_newer_ones_til
   s.request_view(session, view_of(2));
   while (s.work(a)) {
   }
-  // All of a's tiles of both frames are in; only frame 1's may be on their way.
+  // All tiles of node a have arrived, of both frames; only those of frame 1 may be relayed.
   for (const auto& reply : s.delegate.replies[session]) {
     EXPECT_TRUE(!reply.has_tile() || reply.tile().view_number() == 1);
     EXPECT_FALSE(reply.has_end());
@@ -37,7 +37,7 @@ TEST(CoordinatorState, relays_the_older_frame_first_and_holds_the_newer_ones_til
   s.settle({a, b});
   EXPECT_EQ(s.complete, 2);
   EXPECT_EQ(s.last_end.nodes(), 2u);
-  EXPECT_GT(s.last_end.balance_efficiency(), 0.7);  // The quicker one took a little of the other's.
+  EXPECT_GT(s.last_end.balance_efficiency(), 0.7);  // The faster node took over some blocks of the other.
 }
 
 TEST(CoordinatorState, keeps_at_most_two_frames_for_a_museum_that_takes_nothing) {
@@ -131,16 +131,16 @@ TEST(CoordinatorState, helps_a_straggler_once_the_others_are_done) {
   s.request_view(session, view_of(1));
   while (s.work(quick)) {
   }
-  s.clock.advance(std::chrono::milliseconds(290));  // Of the half second that a first frame may take.
+  s.clock.advance(std::chrono::milliseconds(290));  // A first frame may take half a second.
   s.state.tick();
   EXPECT_FALSE(s.work(quick));
   s.clock.advance(std::chrono::milliseconds(20));
   s.state.tick();
   EXPECT_TRUE(s.work(quick));
-  s.request_view(session, view_of(2));  // As long as it is silent, it gets nothing new to do.
+  s.request_view(session, view_of(2));  // While the node is silent, it gets no new blocks.
   s.settle({quick});
   EXPECT_EQ(s.complete, 2);
-  s.work(slow);  // It wakes up: what it brings first counts, the rest is dropped.
+  s.work(slow);  // The node resumes: tiles that it delivers first count, the rest are dropped.
   s.settle({quick, slow});
   s.request_view(session, view_of(3));
   s.settle({quick, slow});
@@ -187,7 +187,7 @@ TEST(CoordinatorState, stops_rendering_for_a_museum_that_left) {
   s.state.session_disconnected(session);
   EXPECT_THAT(s.delegate.commands[node], Contains(testing::Property(&wire::NodeCommand::has_cancel, true)));
   s.windows.clear();
-  s.settle({node});  // What it still sends harms nobody.
+  s.settle({node});  // Its late tiles are ignored.
   EXPECT_TRUE(s.delegate.ended_nodes.empty());
 }
 

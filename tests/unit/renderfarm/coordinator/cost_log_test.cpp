@@ -10,7 +10,7 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// A folder that goes with the test.
+/// Deletes its folder after each test.
 class CostLogTest : public testing::Test {
  protected:
   CostLogTest() { folder = mkdtemp(name.data()); }

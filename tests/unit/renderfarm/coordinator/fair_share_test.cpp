@@ -10,7 +10,7 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// Always serves the lowest start; each flow has the next frame ready while `wants` says so. Returns the cost served.
+/// Always serves the lowest start; a flow has its next frame ready while `wants` is true. Returns the cost served.
 template <std::size_t N, typename Wants>
 std::array<double, N> served_cost(std::array<FairShare::Flow, N> flows, const std::array<double, N>& costs, int frames,
                                   Wants wants) {
@@ -42,7 +42,7 @@ TEST(FairShare, gives_cpu_time_by_weight_whatever_a_frame_costs) {
 }
 
 TEST(FairShare, owes_nothing_to_who_was_away) {
-  // The second comes after a long while: from then on both get half, not the second everything.
+  // The second flow joins after a long absence: from then on both get half.
   const auto done =
       served_cost<2>({}, {1.0, 1.0}, 2000, [](std::size_t i, int frame) { return i == 0 || frame > 1000; });
   EXPECT_NEAR(done[0], 1500.0, 3.0);

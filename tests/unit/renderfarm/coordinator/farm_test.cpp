@@ -34,7 +34,7 @@ wire::View view_of(std::uint64_t number, std::uint32_t width = 1200, std::uint32
   return view;
 }
 
-/// The frame as a display would show it; fails where a pixel comes twice or never.
+/// Returns the frame as a display would show it; fails if a pixel comes twice or never.
 RgbImage composed(const RecordingFarmListener::Frame& frame) {
   const auto& p = frame.view.panorama();
   RgbImage picture(static_cast<int>(p.width_px()), static_cast<int>(p.height_px()));
@@ -64,7 +64,7 @@ struct TestNode {
   std::unique_ptr<node::FarmNode> node;
 };
 
-/// A farm of one process.
+/// A farm in one process.
 class Farm : public testing::Test {
  protected:
   void start_coordinator(int museum_port = 0, int node_port = 0,
@@ -98,7 +98,7 @@ class Farm : public testing::Test {
     EXPECT_TRUE(started);
     return *std::move(started);
   }
-  /// Asks the operator's window until `nodes` nodes have the default scene.
+  /// Polls the inspection service until `nodes` nodes have the default scene.
   bool wait_for_nodes(std::size_t nodes) {
     const auto channel = make_channel("[::1]:" + std::to_string(coordinator->inspect_port()));
     const auto stub = wire::Inspection::NewStub(*channel);
@@ -167,7 +167,7 @@ TEST_F(Farm, takes_the_noise_out_of_blocks_as_a_whole_when_a_view_asks_for_it) {
   const int tiles = node.rendering->renders;
   ASSERT_GT(tiles, 4);
   wire::View again = view_of(1);
-  again.set_number(1 + 256);  // The pattern's own period.
+  again.set_number(1 + 256);  // The pattern repeats after 256 views.
   again.set_denoise(true);
   client->request(again);
   ASSERT_TRUE(wait_for_frames(2));
@@ -176,7 +176,7 @@ TEST_F(Farm, takes_the_noise_out_of_blocks_as_a_whole_when_a_view_asks_for_it) {
   const RgbImage negative = composed(listener.seen().frames[1]);
   std::size_t different = 0;
   for (std::size_t i = 0; i < plain.data().size(); ++i) {
-    different += std::abs(255 - plain.data()[i] - negative.data()[i]) > 40 ? 1u : 0u;  // JPEG's own error apart.
+    different += std::abs(255 - plain.data()[i] - negative.data()[i]) > 40 ? 1u : 0u;  // Beyond JPEG's error.
   }
   EXPECT_LT(different, plain.data().size() / 50);
 }
@@ -191,7 +191,7 @@ TEST_F(Farm, makes_whole_frames_when_a_node_dies_in_the_middle_of_one) {
   client->request(view_of(1));
   ASSERT_TRUE(listener.wait([&](const auto&) { return dying.rendering->renders >= 1; }));
   client->request(view_of(2));
-  // The steady node sends its part; the other stops after two tiles, and then goes.
+  // The steady node sends its part; the other stops after two tiles and then disconnects.
   ASSERT_TRUE(
       listener.wait([&](const auto&) { return dying.rendering->renders == 2 && steady.rendering->renders >= 2; }));
   dying.node->stop();
@@ -218,7 +218,7 @@ TEST_F(Farm, refines_to_the_same_picture_whoever_makes_it) {
     const auto client = add_client(to, "", 50.0);
     client->request(view_of(1, 600, 300));
     if (n == 3) {
-      // One goes while they refine; the others have nothing of its part.
+      // One node disconnects during refinement; the others have no samples of its part.
       ASSERT_TRUE(to.wait([](const auto& seen) { return seen.frames.size() >= 3; }));
       nodes.pop_back();
     }

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// What of the coordinator hands files out.
+/// The file distribution of a coordinator.
 class ServingCoordinator {
  public:
   explicit ServingCoordinator(const fs::path& scene, FileServer::Options options = {}, int port = 0,
@@ -76,7 +76,7 @@ class ServingCoordinator {
   std::unique_ptr<WireServer> server_;
 };
 
-/// A coordinator that says what the test wants.
+/// A coordinator that gives the answers that a test chooses.
 class LyingCoordinator final : public wire::Nodes::Service {
  public:
   explicit LyingCoordinator(wire::SceneFiles list, std::vector<wire::FileChunk> chunks)
@@ -119,13 +119,13 @@ wire::FileChunk chunk(std::uint64_t offset, const std::string& data) {
 }
 
 bool never() { return false; }
-/// Between 20 and 30 %.
+/// Returns true for a progress of 20 to 30 %.
 bool is_under_way(const std::string& sentence) {
   return sentence.starts_with("fetching") && sentence.find(": 2") != std::string::npos;
 }
 void silently(const std::string&) {}
 
-/// What of a node fetches files.
+/// The file fetching of a node.
 class FetchingNode {
  public:
   FetchingNode(std::shared_ptr<grpc::Channel> coordinator, const fs::path& cache)
@@ -141,7 +141,7 @@ class FetchingNode {
   node::SceneFetcher fetcher_;
 };
 
-/// A node's call for one file, read as the test wants.
+/// A node's call for one file, which the test reads at its own pace.
 class Transfer {
  public:
   Transfer(const std::shared_ptr<grpc::Channel>& coordinator, const std::string& sha256, std::uint64_t offset = 0)
@@ -175,7 +175,7 @@ class Transfer {
   std::string bytes_;
 };
 
-/// Whether one more transfer finds a place, sooner or later.
+/// Returns true if one more transfer gets a slot before a timeout.
 bool finds_a_place(const std::shared_ptr<grpc::Channel>& channel, const std::string& file) {
   const SteadyClock clock;
   const TimePoint deadline = clock.now() + std::chrono::seconds(20);
@@ -195,7 +195,7 @@ class Files : public testing::Test {
   [[nodiscard]] FetchingNode fetcher(std::shared_ptr<grpc::Channel> coordinator) const {
     return {std::move(coordinator), cache};
   }
-  /// What one call answers, and how many bytes it brings.
+  /// Returns the status of one call, and the number of bytes that it brings.
   static grpc::Status fetch(const ServingCoordinator& coordinator, const std::string& sha256, std::uint64_t offset,
                             std::string* ret_bytes) {
     Transfer transfer(coordinator.dial(), sha256, offset);
@@ -244,14 +244,14 @@ TEST_F(Files, go_on_where_the_node_was_when_it_died) {
   ASSERT_TRUE(found);
   EXPECT_EQ(scene_in(found->path), scene);
   std::uint64_t had = came;
-  for (const char* const small : {"a/b.png", "scene.toml"}) {  // The order of the list: what came before the walls.
+    for (const char* const small : {"a/b.png", "scene.toml"}) {  // The files that the list has before the walls.
     had += scene.at(small).size();
   }
   EXPECT_EQ(found->fetched_bytes + had, scene_distribution::bytes_of(files_of(scene)));
 }
 
 TEST_F(Files, wait_for_a_coordinator_that_starts_again) {
-  // A low rate, so that the coordinator can be stopped in the middle.
+  // The rate is low, so that the coordinator can be stopped in the middle.
   auto coordinator = std::make_unique<ServingCoordinator>(folder, FileServer::Options{.bytes_per_second = 20e6});
   const int port = coordinator->port();
   const std::string digest = coordinator->digest();
@@ -319,7 +319,7 @@ TEST_F(Files, that_cannot_be_read_are_told_and_tried_again) {
 TEST_F(Files, are_on_their_way_to_so_many_at_once_and_no_more) {
   ServingCoordinator coordinator(folder, {.streams = 1});
   const std::string digest = coordinator.digest();
-  grpc::ChannelArguments narrow;  // Else the window grows until the whole file is on its way, on a fast machine.
+  grpc::ChannelArguments narrow;  // Keeps a fast machine from buffering the whole file in a growing window.
   narrow.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   narrow.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   const auto stub = wire::Nodes::NewStub(grpc::CreateCustomChannel("[::1]:" + std::to_string(coordinator.port()),
@@ -329,7 +329,7 @@ TEST_F(Files, are_on_their_way_to_so_many_at_once_and_no_more) {
   request.set_sha256(scene_distribution::sha256_of(walls));
   const auto slow = stub->FetchFile(&context, request);
   wire::FileChunk piece;
-  ASSERT_TRUE(slow->Read(&piece));  // It has its place, and takes no more.
+  ASSERT_TRUE(slow->Read(&piece));  // It holds its slot and reads no further.
   std::string bytes;
   EXPECT_EQ(fetch(coordinator, scene_distribution::sha256_of("b"), 0, &bytes).error_code(),
             grpc::StatusCode::RESOURCE_EXHAUSTED);
@@ -375,13 +375,13 @@ TEST_F(Files, end_when_the_node_wants_them_no_more_while_the_coordinator_is_sile
 
 TEST_F(Files, of_a_revoked_node_are_cut_in_the_middle_and_those_of_others_are_not) {
   TestAuthority authority;
-  // So slowly that no file is through before it is cut.
+  // The rate is so low that no file is complete before it is cut.
   ServingCoordinator coordinator(
       folder, {.bytes_per_second = 5e6, .streams = 2}, 0,
       {.tls = authority.coordinator(), .admit = [](const Identity&) { return std::nullopt; }});
   (void)coordinator.digest();
   const auto other_node = coordinator.dial(authority.node("n2"));
-  // Neither reads on, so neither comes to an end by itself.
+  // Neither transfer is read any further, so neither ends by itself.
   Transfer revoked(coordinator.dial(authority.node("n1")), scene_distribution::sha256_of(walls));
   Transfer other(other_node, scene_distribution::sha256_of(walls));
   ASSERT_TRUE(revoked.read());

@@ -74,7 +74,7 @@ TEST(FrameAssembly, gives_up_only_what_is_missing_and_takes_it_from_whoever_is_f
   EXPECT_TRUE(frame.was_reassigned());
 }
 
-/// A frame of one tile whose node is silent, cut in parts.
+/// Cuts a frame of one tile whose node is silent into parts.
 std::vector<PixelRect> cut_right(FrameAssembly& frame, std::size_t parts) {
   EXPECT_EQ(frame.give_up(2), std::vector{kRight});
   const std::vector<PixelRect> cut = frame.cut(kRight, parts);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Geometry never leaves the farm: a whole session at the museums' port, with a real coordinator, a real node and a scene whose
-// vertices are recognised wherever they turn up.
+// Geometry never leaves the farm: a whole session at the museums' port, with a real coordinator, a real node and a
+// scene whose vertices are recognised wherever they occur.
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
@@ -33,7 +33,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
-/// All that the museums' port may say. Whoever adds a field says here that it tells nothing of a scene's geometry.
+/// All fields of the museums' port. Adding a field here asserts that it reveals nothing of a scene's geometry.
 const std::set<std::string> kReviewed = {
     "EyePair.distance_m: double",
     "EyePair.screen_distance_m: double",
@@ -146,7 +146,7 @@ OddScene odd_scene() {
   std::ofstream obj(scene.folder / "odd.obj");
   for (int i = 0; i < 96; ++i) {
     const double turn = 0.0651 * i + 0.0217;
-    // What single precision, which the scene is stored in, makes of them.
+    // Rounded to single precision, in which the scene is stored.
     const auto odd = [](double value) { return static_cast<double>(static_cast<float>(value)); };
     const std::array<double, 3> vertex{odd(3.3713 * std::sin(turn) + 0.000173 * i), odd(0.2137 + 0.029311 * i),
                                        odd(3.7719 * std::cos(turn) - 0.000319 * i)};
@@ -162,12 +162,12 @@ OddScene odd_scene() {
   return scene;
 }
 
-/// Looks for the scene in whatever the farm says.
+/// Searches everything that the farm sends for the scene's geometry.
 class Searcher {
  public:
   explicit Searcher(const OddScene& scene) : scene_(scene) {
     for (const auto& vertex : scene.vertices) {
-      // Two neighbours in memory: eight bytes of floats do not come about by chance, as four do in a JPEG.
+      // Two adjacent coordinates: eight bytes of floats do not occur by chance in a JPEG, as four do.
       for (std::size_t i = 0; i + 1 < vertex.size(); ++i) {
         patterns_.insert(bytes_of(static_cast<float>(vertex[i])) + bytes_of(static_cast<float>(vertex[i + 1])));
       }
@@ -227,7 +227,7 @@ class Searcher {
   std::set<std::string> patterns_;
 };
 
-/// A JPEG of tables and coefficients only: no comment, no other application's segment, nothing after its end.
+/// Expects a JPEG with tables and coefficients only: no comment, no foreign APP segment, nothing after its end.
 void expect_plain(const std::string& jpeg) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(jpeg.at(i)); };
   ASSERT_TRUE(jpeg.size() > 4 && byte(0) == 0xff && byte(1) == 0xd8);
@@ -272,7 +272,7 @@ class Session : public testing::Test {
   static void set_deadline(grpc::ClientContext* context) {
     context->set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(30));
   }
-  /// Sessions, asks for the views, reads until that many frames have ended, or as far as it comes.
+  /// Opens a session, requests the views, and reads until that many frames have ended or the stream ends.
   grpc::Status session(const wire::OpenSession& open, const std::vector<wire::View>& views, std::size_t frames) {
     grpc::ClientContext context;
     set_deadline(&context);
@@ -304,7 +304,7 @@ class Session : public testing::Test {
     searcher.search_bytes(status.error_message() + status.error_details());
     return status;
   }
-  /// Until the node has the scene.
+  /// Retries until the node has the scene.
   grpc::Status patient_session(const wire::OpenSession& open, const std::vector<wire::View>& views,
                                std::size_t frames) {
     const TimePoint deadline = SteadyClock().now() + std::chrono::seconds(30);
@@ -340,7 +340,7 @@ wire::View view_of(std::uint64_t number, double heading) {
 
 TEST_F(Session, tells_pictures_and_nothing_of_the_geometry) {
   ASSERT_TRUE(patient_session({}, {view_of(1, 0.0), view_of(2, 1.5), view_of(3, -2.5)}, 3).ok());
-  wire::OpenSession governed;  // Stands still: refined pictures come as well.
+  wire::OpenSession governed;  // Comes to rest, so that refined pictures are sent as well.
   governed.set_scene("odd");
   governed.set_frame_budget_ms(200);
   governed.set_reference_samples(4);
@@ -369,7 +369,7 @@ TEST_F(Session, tells_pictures_and_nothing_of_the_geometry) {
   }
   EXPECT_EQ(frames, 5u);
   EXPECT_GT(colours.size(), 10u) << "the pictures must show the scene, or the search proves nothing";
-  // The description, and what tells of frames and tiles: no room for a scene.
+  // The scene description and the frames' metadata are too small to hold a scene.
   EXPECT_LE(other_bytes, 1000 + 500 * frames + 50 * tiles);
 }
 

@@ -51,7 +51,7 @@ TEST(RelayTimes, a_tile_takes_from_its_cause_until_it_is_written) {
   Wire wire;
   EXPECT_FALSE(wire.begin(kStart, kStart + 5ms).relay_seconds);
   EXPECT_DOUBLE_EQ(*wire.tile(kStart + 10ms, kStart + 12ms).relay_seconds, 0.002);
-  // Two are on their way at once: each has its own cause.
+  // Two tiles are under way at once, each with its own cause.
   wire.times.sent(kVisit, kStart + 20ms);
   wire.times.sent(kVisit, kStart + 21ms);
   wire::SessionReply tile;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A coordinator that hands a scene out, nodes that have nothing, and the real ray tracer.
+// A coordinator that distributes a scene, nodes with empty caches, and the real ray tracer.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -60,7 +60,7 @@ class Distribution : public testing::Test {
     EXPECT_TRUE(started);
     return *std::move(started);
   }
-  /// The tiles' bytes, by place.
+  /// Returns the tiles' bytes by position.
   [[nodiscard]] std::map<std::pair<std::uint32_t, std::uint32_t>, std::string> picture() const {
     RecordingFarmListener listener;
     const auto client = client::FarmClient::start(
@@ -109,7 +109,7 @@ TEST_F(Distribution, loads_a_scene_anew_that_was_changed_while_the_coordinator_w
   start_coordinator(true);
   node = add_node("cache");
   EXPECT_NE(picture(), before);
-  EXPECT_EQ(coordinator->sent_file_bytes(), darker.size());  // The tent itself was there.
+  EXPECT_EQ(coordinator->sent_file_bytes(), darker.size());  // The tent's own file was in the cache.
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coordinator's ports as museums and nodes meet them: real gRPC on [::1], with certificates of a throw-away authority.
+// The coordinator's ports as museums and nodes see them: real gRPC on [::1], with certificates of a test authority.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ void set_deadline(grpc::ClientContext& context) {
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));
 }
 
-/// A node that says it has every scene, and renders nothing.
+/// A node that reports every scene as loaded and renders nothing.
 class RawNode {
  public:
   RawNode(int port, const std::optional<TlsFiles>& tls)
@@ -33,7 +33,7 @@ class RawNode {
     report.mutable_hello()->set_threads(1);
     stream_->Write(report);
   }
-  /// Answers orders until so many scenes are loaded; false when the stream ends before.
+  /// Replies to commands until that many scenes are loaded; returns false if the stream ends before.
   bool load(int scenes) {
     wire::NodeCommand command;
     for (int loaded = 0; loaded < scenes; ++loaded) {
@@ -76,7 +76,7 @@ class RawSession {
   }
   RawSession(int port, const std::optional<TlsFiles>& tls)
       : RawSession(*make_channel("[::1]:" + std::to_string(port), tls)) {}
-  /// True once it is open.
+  /// Returns true once the session is open.
   bool open(const std::string& scene) {
     wire::SessionRequest request;
     request.mutable_open()->set_scene(scene);
@@ -103,7 +103,7 @@ class RawSession {
 
 class Trust : public testing::Test {
  protected:
-  /// With two scenes and a node that has them.
+  /// Starts a coordinator with two scenes and a node that has both.
   void start(const std::filesystem::path& audit = "audit.jsonl") {
     grant("[[museum]]\nname = \"hall-3\"\nscenes = [\"grotto\"]\n[[museum]]\nname = \"hall-4\"\nscenes = [\"*\"]\n");
     CoordinatorOptions options;
@@ -118,7 +118,7 @@ class Trust : public testing::Test {
     coordinator_ = *std::move(started);
     node_ = std::make_unique<RawNode>(coordinator_->node_port(), authority_.node("n1"));
     ASSERT_TRUE(node_->load(2));
-    // Loaded once a session of the last scene opens.
+    // The scenes count as loaded once a session of the last one opens.
     const TlsFiles any = authority_.museum("hall-4");
     const TimePoint deadline = SteadyClock().now() + std::chrono::seconds(20);
     while (!RawSession(coordinator_->museum_port(), any).open("relic")) ASSERT_LT(SteadyClock().now(), deadline);

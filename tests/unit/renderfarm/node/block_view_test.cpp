@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Views for one eye and for two, from the wire to rays.
+// Views for one eye and for two, from the wire message to camera rays.
 #include "renderfarm/node/block_view.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ TEST(BlockView, of_two_eyes_has_rays_from_exactly_where_they_are) {
     for (const int row : {0, 1, 160, 318, 319}) {
       for (const int column : {0, 100, 320, 639}) {
         const Eigen::Vector3d on_screen = kWall_m * *direction_at(shape, {column + 0.5, row + 0.5});
-        // On a round wall to the side of where the column looks, at any heading; on a flat one to the side of it.
+        // The eyes lie across the column's direction for a round wall, and parallel to a flat wall.
         const double azimuth = shape.index() == 0 ? round.azimuth_at(column + 0.5) : 0.0;
         const Eigen::Vector3d right(std::cos(azimuth), 0.0, std::sin(azimuth));
         for (const int eye : {0, 1}) {
@@ -73,7 +73,7 @@ TEST(BlockView, of_two_eyes_that_no_cut_parts_is_refused) {
   EXPECT_FALSE(view_of(block)) << "the block is larger than that";
 }
 
-/// The mean column of what shines in the rows of one eye.
+/// Returns the mean column of the light in the rows of one eye.
 double column_of_light(const RadianceImage& image, int top, int rows) {
   double sum = 0.0;
   double moment = 0.0;
@@ -88,7 +88,7 @@ double column_of_light(const RadianceImage& image, int top, int rows) {
 
 TEST(BlockView, shows_what_is_nearer_than_the_wall_with_crossed_disparity_and_leaves_no_hole_at_the_seam) {
   constexpr int kHeight = 96;
-  const Panorama panorama{512, kHeight, 0.512, 0.048, -0.048};  // A milliradian per pixel.
+  const Panorama panorama{512, kHeight, 0.512, 0.048, -0.048};  // One milliradian per pixel.
   for (const double distance_m : {1.5, 3.0, 12.0}) {
     // A small ball ahead.
     scene::Scene scene = scene_of(sphere_mesh(static_cast<float>(0.01 * distance_m), 24));
@@ -107,7 +107,7 @@ TEST(BlockView, shows_what_is_nearer_than_the_wall_with_crossed_disparity_and_le
     const RadianceImage light = film.mean();
     const double left = column_of_light(light, 0, kHeight);
     const double right = column_of_light(light, kHeight, kHeight);
-    // Nearer than the wall it lies to the left for the right eye.
+    // If it is nearer than the wall, the right eye sees it further left.
     const double apart_rad = kEyes_m * (1.0 / kWall_m - 1.0 / distance_m);
     EXPECT_NEAR(right - left, 1000.0 * apart_rad, 0.3) << distance_m;
     EXPECT_NEAR(0.5 * (left + right), 256.0, 0.3) << distance_m;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Films of the real ray tracer, as a node adds them up.
+// Films of the real ray tracer, accumulated as on a node.
 #include "renderfarm/node/embree_block_renderer.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ constexpr PixelRect kRect = {16, 0, 48, 32};
 constexpr const char* kFoldedSheet =
     "v -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nv -2 1 -2\nv 2 1 -2\nf 1 3 2\nf 1 4 3\nf 1 2 6\nf 1 6 5\n";
 
-/// A folded sheet, lit by what the importer finds: penumbrae and corners.
+/// A folded sheet lit by the importer's lights, with penumbrae and corners.
 std::unique_ptr<BlockRenderer> folded_sheet() {
   const std::filesystem::path file = testing::TempDir() + "folded_sheet.obj";
   std::ofstream(file) << kFoldedSheet;
@@ -38,7 +38,7 @@ render::PanoramaView view_of_sheet() {
   return view;
 }
 
-/// All samples up to `end`, in steps that end at these counts, each in its pieces.
+/// Accumulates samples in steps that end at the given counts; each step is cut by cut_samples().
 render::Film accumulated(BlockRenderer& renderer, const render::PanoramaView& view, const PixelRect& rect,
                          std::vector<int> steps) {
   render::Film film(rect.width, rect.height, false);
@@ -87,7 +87,7 @@ TEST(EmbreeBlockRenderer, develops_a_film_to_the_codes_of_render_by_the_scenes_o
     std::filesystem::remove_all(folder);
     ASSERT_TRUE(loaded) << loaded.error().message();
     render::PanoramaView view = view_of_sheet();
-    view.quality.samples = 7;  // A division that rounds.
+    view.quality.samples = 7;  // The division by 7 rounds.
     RgbImage picture;
     (*loaded)->render(view, kRect, &picture, nullptr);
     render::Film film(kRect.width, kRect.height, false);
@@ -126,7 +126,7 @@ TEST(EmbreeBlockRenderer, errs_less_from_picture_to_picture_by_at_least_the_squa
     if (samples == 4) first = error;
     last = error;
   }
-  // Mean squared error falls with the samples, or faster, for they are stratified: slope -1 from 4 to 256.
+  // Mean squared error falls at least with slope -1 from 4 to 256 samples, since the samples are stratified.
   const double slope = std::log(last / first) / std::log(kReference / 4.0);
   EXPECT_LT(slope, -0.9);
 }

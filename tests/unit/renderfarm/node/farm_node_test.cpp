@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A node over real gRPC on [::1], with coordinators that do as they are told.
+// A node over real gRPC on [::1], with coordinators that the test controls.
 #include "renderfarm/node/farm_node.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ wire::NodeCommand load(const std::string& scene, const std::string& path) {
   return command;
 }
 
-/// Of two tiles.
+/// A block of two tiles.
 wire::NodeCommand block(std::uint64_t number) {
   wire::NodeCommand command;
   wire::RenderBlock& render = *command.mutable_render();
@@ -107,7 +107,7 @@ TEST_F(FarmNodeTest, drains_before_it_stops) {
   }));
   const auto drained = std::async(std::launch::async, [&] { node->drain(std::chrono::seconds(20)); });
   ASSERT_TRUE(coordinator.wait(count(1, is_draining)));
-  coordinator.order(block(2));  // It had not heard yet.
+  coordinator.order(block(2));  // Ordered before the coordinator learns of the draining.
   rendering->set_gate(true);
   ASSERT_TRUE(coordinator.wait(count(2, is_good_end)));
   EXPECT_TRUE(coordinator.wait(count(4, is_tile)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A node without threads and network: orders in, what is on its way to the coordinators out.
+// A node without threads and network: tests its replies to commands.
 #include "renderfarm/node/node_controller.h"
 
 #include <gmock/gmock.h>
@@ -20,7 +20,7 @@ using testing::HasSubstr;
 constexpr int kWidth = 512;
 constexpr int kHeight = 256;
 
-/// A block of the left half or of all of a picture of two tiles.
+/// A block that covers the left half or all of a picture of two tiles.
 wire::NodeCommand block(std::uint64_t number, std::uint64_t rank = 0, std::uint32_t width = kWidth) {
   wire::NodeCommand command;
   wire::RenderBlock& render = *command.mutable_render();
@@ -71,7 +71,7 @@ class NodeDeskTest : public testing::Test {
     const Status fine = controller.take(to, command);
     EXPECT_TRUE(fine) << fine.error().message();
   }
-  /// All that is on its way: "tile 3", "end 3", "end 4: cancelled", "dropped grotto".
+  /// Returns all queued replies, such as "tile 3", "end 3", "end 4: cancelled", "dropped grotto".
   std::vector<std::string> sent(NodeLink& from) {
     std::vector<std::string> all;
     while (const auto item = from.pop(SteadyClock().now())) {
@@ -142,7 +142,7 @@ TEST_F(NodeDeskTest, gives_way_within_a_tile_at_rest_and_neither_loses_nor_repea
   all_work(*calm);
   const std::vector<RgbImage> expected = pictures[1];
   const int cells = rendering->film_cells;
-  EXPECT_EQ(cells, 3 * 512);  // Three pieces of samples.
+  EXPECT_EQ(cells, 3 * 512);  // Three ranges of samples.
 
   const auto link = opened("b");
   int moving = 0;
@@ -190,7 +190,7 @@ TEST_F(NodeDeskTest, ends_a_cancelled_block_at_once_whether_it_waits_or_is_half_
   EXPECT_THAT(all_work(*link),
               ElementsAre("tile 1", "end 1: cancelled", "end 3: cancelled", "tile 2", "tile 2", "end 2"));
   EXPECT_EQ(rendering->renders, 3);
-  // In the middle of a tile, of a moving picture and of one at rest.
+  // The blocks are cancelled in the middle of a tile, of a moving picture and of one at rest.
   take(link, kept(block(4), 0, 64));
   rendering->set_before_cell([&] { take(link, cancel(4)); });
   EXPECT_THAT(all_work(*link), ElementsAre("end 4: cancelled"));
@@ -257,7 +257,7 @@ TEST_F(NodeDeskTest, renders_what_is_loaded_while_it_loads) {
 }
 
 TEST_F(NodeDeskTest, tells_every_coordinator_when_a_scene_had_to_leave) {
-  NodeController small(fake_loader(rendering), 2000);  // 500 for films; the fake scenes take 1000 each.
+  NodeController small(fake_loader(rendering), 2000);  // 500 bytes for films; the fake scenes take 1000 each.
   const auto one = small.open();
   const auto other = small.open();
   const auto load = [&](const std::shared_ptr<NodeLink>& link, const char* scene) {

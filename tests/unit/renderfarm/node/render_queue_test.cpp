@@ -21,7 +21,7 @@ std::shared_ptr<BlockOrder> order(LinkId link, std::uint64_t block, std::uint64_
   return made;
 }
 
-/// The blocks of the links that take tiles, in the order in which they are worked at.
+/// Returns the blocks of the links that accept tiles, in the order in which they are rendered.
 std::vector<std::uint64_t> emptied(RenderQueue& queue, const std::set<LinkId>& full = {}) {
   std::vector<std::uint64_t> blocks;
   while (const auto next = queue.next([&](LinkId link) { return !full.contains(link); })) {
@@ -55,7 +55,7 @@ TEST(RenderQueue, keeps_the_block_at_work_until_it_is_done_and_says_when_another
   EXPECT_EQ(queue.next(all)->block.block(), 1u);
 }
 
-/// Of which coordinators the blocks are, in the order in which they are worked at; each coordinator always has another waiting.
+/// Returns the coordinators whose blocks are rendered, in order; each coordinator always has another block waiting.
 std::string coordinators_at_work(RenderQueue& queue, std::vector<std::uint64_t> ranks,
                                  const std::vector<std::uint64_t>& steps, int count) {
   std::string coordinators;

@@ -31,7 +31,7 @@ wire::SceneLoaded load(SceneStore& store, const std::string& scene, const std::s
       link, asked, path, [](double) {}, ret_left == nullptr ? &left : ret_left);
 }
 
-/// Bytes by path.
+/// Makes scenes of the given sizes in bytes, by path.
 SceneLoader sized_loader(std::map<std::string, std::uint64_t> bytes, int* loads) {
   return [bytes, loads](const std::string& path,
                         const std::function<void(double)>&) -> Result<std::unique_ptr<BlockRenderer>> {

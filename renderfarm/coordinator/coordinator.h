@@ -20,7 +20,7 @@
 
 namespace cyclorama::coordinator {
 
-/// How scenes reach nodes that have no copy of them.
+/// Settings for distributing scenes to nodes that have no copy of them.
 struct DistributionOptions {
   FileServer::Options files{};
   std::filesystem::path digests{};  ///< File that keeps the digests across restarts; empty disables it.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The coordinator's gRPC services. They live on gRPC's threads and only post events to the loop, or hand out files.
+/// The coordinator's gRPC services. They run on gRPC's threads and only post events to the loop or serve files.
 #pragma once
 
 #include <fmt/format.h>

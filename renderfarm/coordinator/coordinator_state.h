@@ -207,10 +207,10 @@ class CoordinatorState {
   CoordinatorDelegate& delegate_;
   std::map<NodeId, Node> nodes_;
   std::map<SessionId, Session> sessions_;
-  std::map<std::string, wire::SceneDescription> descriptions_;  ///< By scene, once a node has loaded it.
-  std::map<std::string, governor::ParetoFront> pareto_fronts_;  ///< By scene, for scenes that were measured.
-  std::map<std::string, double> probes_;                        ///< By scene: probe time of the first node to report.
-  std::map<std::string, double> usual_utilisation_;             ///< By scene: median of the nodes at the last tick.
+  std::map<std::string, wire::SceneDescription> descriptions_;  ///< Scenes that a node has loaded at any time.
+  std::map<std::string, governor::ParetoFront> pareto_fronts_;  ///< Measured scenes only, by scene.
+  std::map<std::string, double> probes_;                        ///< Probe time of the first node to report, by scene.
+  std::map<std::string, double> usual_utilisation_;             ///< Median of the nodes at the last tick, by scene.
   FairShare share_;
   std::uint64_t last_block_ = 0;
   std::uint64_t last_frame_ = 0;

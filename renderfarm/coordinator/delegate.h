@@ -29,9 +29,9 @@ struct FrameReport {
   bool reassigned = false;       ///< Tiles of one node were reassigned to others.
   int moved = 0;                 ///< Blocks that an idle node took over.
   TimePoint received_at{};       ///< Arrival of the view.
-  double queue_seconds = 0.0;    ///< From arrival until its turn came, behind older frames of the session.
-  double plan_seconds = 0.0;     ///< Until it was split and the commands to the nodes were built.
-  double fan_out_seconds = 0.0;  ///< Until the last of these commands was written to its node.
+  double queue_seconds = 0.0;    ///< Wait for its turn behind older frames of the session.
+  double plan_seconds = 0.0;     ///< Time to split it and build the commands to the nodes.
+  double fan_out_seconds = 0.0;  ///< Time until the last of these commands was written.
   /// The longest time that a block spent at its node, waiting for other rays or tracing its own.
   double rays_seconds = 0.0;
   double render_seconds = 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the coordinator remembers of a session that gave a frame budget: plain data of CoordinatorState.
+/// The state of a session with a frame budget: plain data of CoordinatorState.
 #pragma once
 
 #include <optional>
@@ -30,7 +30,7 @@ struct GovernorState {
   int reference_samples = 0;
   std::optional<wire::View> asked{};  ///< The last planned view, as requested by the museum.
   std::size_t point = 0;              ///< Index in the Pareto front at which it was planned.
-  TimePoint written_at{};             ///< When the museum last took a complete frame.
+  TimePoint written_at{};             ///< Time when the museum last took a complete frame.
   TimePoint still_since{};            ///< The later of written_at and the last request.
   /// From the first refined picture on, until another view comes.
   std::optional<governor::Refinement> refinement{};

@@ -5,7 +5,7 @@
 
 namespace cyclorama::coordinator {
 
-/// A node's or a museum's stream; counts from 1 and never comes again while the coordinator runs.
+/// Identifies a stream of a node or a museum; counts from 1 and is never reused while the coordinator runs.
 enum class NodeId : std::uint64_t {};
 enum class SessionId : std::uint64_t {};
 

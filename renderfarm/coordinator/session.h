@@ -36,9 +36,9 @@ struct FrameInFlight {
   TimePoint received_at{};    ///< Arrival of the view.
   TimePoint turn_began_at{};  ///< Start of planning.
   TimePoint planned_at{};
-  TimePoint fanned_out_at{};       ///< When the last command of the plan was written to its node.
+  TimePoint fanned_out_at{};       ///< Time when the last command of the plan was written.
   std::uint64_t last_planned = 0;  ///< Number of the plan's last block; higher ones were reassigned or moved.
-  /// Since when no older frame of its session is before it: its deadlines count from here.
+  /// Time when the last older frame of its session ended: its deadlines count from here.
   TimePoint foremost_since{};
   TimePoint last_tile_at{};
   bool begun = false;              ///< Its `begin` was sent: tiles are relayed as they arrive.
@@ -62,7 +62,7 @@ struct WrittenFrame {
   TimePoint last_tile_at{};
   bool reassigned = false;
   std::size_t point = 0;
-  double megapixels = 0.0;  ///< As requested, before any scaling.
+  double megapixels = 0.0;  ///< Requested size, before any scaling.
   int samples_added = 0;    ///< Samples per pixel that a refinement added; else 0.
 };
 
@@ -78,7 +78,7 @@ struct Session {
   std::deque<WrittenFrame> unwritten_ends{};
   std::size_t bytes_waiting = 0;  ///< Bytes of held tiles and of tiles that the museum has not taken yet.
   std::size_t messages_waiting = 0;
-  TimePoint taken_at{};  ///< When the museum last took a message.
+  TimePoint taken_at{};  ///< Time when the museum last took a message.
   std::unique_ptr<balance::Balancer> balancer{};
   std::unique_ptr<GovernorState> governed{};  ///< Null: each view sets its own quality.
   FairShare::Flow share{};
@@ -86,7 +86,7 @@ struct Session {
   double frame_cpu_seconds = 0.05;            ///< Cost of its last frame, the prediction for the next one.
   double pace_seconds = kInitialPaceSeconds;  ///< Recent frame time: a maximum that decays slowly.
   TimePoint next_due = TimePoint::max();      ///< Next deadline of the foremost frame.
-  std::uint64_t watermark = 0;                ///< As in wire::RenderBlock.
+  std::uint64_t watermark = 0;                ///< Watermark in wire::RenderBlock.
 
   static constexpr double kInitialPaceSeconds = 0.5;
   static constexpr double kMaxPaceSeconds = 60.0;
@@ -110,19 +110,19 @@ struct Node {
     SceneState state = SceneState::kLoading;
     std::string error{};
     double speed = 1.0;    ///< Speed of one of the node's threads in this scene, relative to the first node's.
-    TimePoint asked_at{};  ///< When it was ordered to load the scene.
+    TimePoint asked_at{};  ///< Time of the order to load the scene.
   };
   std::string name{};
   double threads = 0.0;  ///< 0 until hello.
   TimePoint arrived_at{};
-  TimePoint worked_at{};  ///< When it last sent a tile, ended a block, or was given a block while it had none.
+  TimePoint worked_at{};  ///< Time when it last sent a tile, ended a block, or got one while it had none.
   bool late = false;      ///< It delayed a frame and has been silent since: it gets no new blocks while others do.
-  std::optional<TimePoint> late_logged_at{};  ///< When the log last reported it.
+  std::optional<TimePoint> late_logged_at{};  ///< Time of the last log line about it.
   int late_unlogged = 0;                      ///< Unlogged repetitions since then.
   double utilisation = 1.0;                   ///< Recent utilisation of its threads by its blocks.
   double used_seconds = 0.0;                  ///< Thread time of its blocks, decayed.
   double possible_seconds = 0.0;              ///< Wall time of all threads meanwhile, decayed.
-  TimePoint measured_at{};                    ///< When the utilisation was last measured or estimated.
+  TimePoint measured_at{};                    ///< Time of the last measurement or estimate.
   wire::NodeStatus status{};                  ///< Its latest report.
   std::map<std::string, LoadedScene> scenes{};
   std::map<std::uint64_t, BlockLocation> blocks{};  ///< Assigned and not yet ended, whether or not still wanted.

@@ -21,7 +21,7 @@ namespace cyclorama::node {
 class BlockRenderer {
  public:
   virtual ~BlockRenderer() = default;
-  /// As Renderer::render(): `ret_pixels` is resized to `rect`; `cancelled` is called often, from any thread.
+  /// Renders like Renderer::render(): `ret_pixels` is resized to `rect`; `cancelled` is called often, from any thread.
   virtual render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                                     const std::function<bool()>& cancelled) = 0;
   /// Renders and denoises. Denoising needs a margin around `rect`, so one call per block is cheaper than one per tile.

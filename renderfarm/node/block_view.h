@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Reads a RenderBlock from the wire. The coordinator checked it, but a node validates every message itself.
+/// Reads a RenderBlock from the wire. A node validates every message itself, although the coordinator did so, too.
 #pragma once
 
 #include <string>

@@ -63,7 +63,7 @@ RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Inter
       refining_->ranges.push_back(range);
     kept.samples = wanted;
   }
-  // Once true it stays true; otherwise a film with holes would pass for a complete one.
+  // It stays true once set; otherwise a film with holes would pass for a complete one.
   std::atomic<bool> stopped = false;
   const auto stop = [&] {
     if (!stopped && (interrupts.cancelled() || interrupts.preempted())) stopped = true;

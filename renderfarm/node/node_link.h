@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the node's threads share while one stream to a coordinator is open.
+/// The queue that the node's threads share while one stream to a coordinator is open.
 #pragma once
 
 #include <atomic>

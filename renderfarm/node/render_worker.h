@@ -72,7 +72,7 @@ class RenderWorker {
   std::map<const BlockOrder*, BlockWork> begun_;  ///< Render thread only. Their orders are in the queue.
   std::atomic<bool> preempted_ = false;           ///< Another block than the current one goes first.
   std::atomic<bool> rendering_ = false;
-  std::atomic<Duration::rep> moved_at_{0};  ///< When a cell was last begun, as the count of a TimePoint.
+  std::atomic<Duration::rep> moved_at_{0};  ///< Time of the last begun cell, as the count of a TimePoint.
 
   mutable std::mutex mutex_;  ///< Guards the following.
   mutable std::condition_variable changed_;

@@ -53,7 +53,7 @@ class SceneStore {
     wire::SceneLoaded answer;
     std::uint64_t used = 0;  ///< Use counter; the smallest is the least recently used.
   };
-  using Scenes = std::map<std::string, Loaded>;  ///< By path.
+  using Scenes = std::map<std::string, Loaded>;  ///< Scenes by path.
   /// Scenes to be freed after mutex_ is released, because freeing a large scene takes long.
   struct Leaving {
     std::vector<Name> names{};

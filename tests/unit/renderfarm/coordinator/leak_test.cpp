@@ -173,7 +173,7 @@ class Searcher {
       }
       for (const double value : vertex) {
         patterns_.insert(bytes_of(value));
-        patterns_.insert(fmt::format("{:.9f}", value).substr(0, 7));  // As text, cut and not rounded.
+        patterns_.insert(fmt::format("{:.9f}", value).substr(0, 7));  // Decimal text, truncated rather than rounded.
       }
     }
   }

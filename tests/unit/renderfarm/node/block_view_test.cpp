@@ -107,7 +107,7 @@ TEST(BlockView, shows_what_is_nearer_than_the_wall_with_crossed_disparity_and_le
     const RadianceImage light = film.mean();
     const double left = column_of_light(light, 0, kHeight);
     const double right = column_of_light(light, kHeight, kHeight);
-    // If it is nearer than the wall, the right eye sees it further left.
+    // The right eye sees a ball in front of the wall further left.
     const double apart_rad = kEyes_m * (1.0 / kWall_m - 1.0 / distance_m);
     EXPECT_NEAR(right - left, 1000.0 * apart_rad, 0.3) << distance_m;
     EXPECT_NEAR(0.5 * (left + right), 256.0, 0.3) << distance_m;

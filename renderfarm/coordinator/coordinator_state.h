@@ -59,7 +59,7 @@ struct CoordinatorLimits {
 ///      ▲                      │                               │
 ///      └─────── a view ───────┴───────────────────────────────┘
 ///
-/// The deadlines of a frame count from the moment when no older frame of its session is before it. They are multiples
+/// The deadlines of a frame count from the moment when it becomes the oldest one of its session. They are multiples
 /// of a base time: the session's budget, or the recent frame time if that is longer. An idle node takes blocks that
 /// others have not begun. A node that has been silent for 60 % of the base time while others are done gets no more
 /// blocks; its outstanding tiles are cut and reassigned, so that all nodes help. After twice the base time, a frame

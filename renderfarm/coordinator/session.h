@@ -38,7 +38,7 @@ struct FrameInFlight {
   TimePoint planned_at{};
   TimePoint fanned_out_at{};       ///< Time when the last command of the plan was written.
   std::uint64_t last_planned = 0;  ///< Number of the plan's last block; higher ones were reassigned or moved.
-  /// Time when the last older frame of its session ended: its deadlines count from here.
+  /// Time when it became the oldest frame of its session: its deadlines count from here.
   TimePoint foremost_since{};
   TimePoint last_tile_at{};
   bool begun = false;              ///< Its `begin` was sent: tiles are relayed as they arrive.

@@ -33,8 +33,8 @@ class RenderWorker {
   void open(std::shared_ptr<NodeLink> link);
   /// Gives up all blocks of the link and forgets its sessions.
   void drop(LinkId link);
-  /// Precondition: the scene is loaded. Errors: kBadData if the coordinator is broken: a number in use, too many
-  /// blocks, or a huge message.
+  /// Queues a block; if its scene is not loaded by now, the block ends with an error. Errors: kBadData if the
+  /// coordinator is broken: a number in use, too many blocks, or a huge message.
   Status take(LinkId link, const wire::RenderBlock& block);
   /// Sends the block's end soon, whether it waits or is half done.
   void cancel(LinkId link, std::uint64_t block);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The display's part of site.toml; the tour reads the rest of the same file. Every setting has a default, also without
-/// a file.
+/// a file. Outside of [hours] (opening_hours.h) the heads are dark.
 ///
 ///   # site.toml
 ///   [display]
@@ -11,7 +11,6 @@
 ///   picture_width_px = 1024           # Size of the picture from the farm; all projectors together show it.
 ///   picture_height_px = 0             # 0: as high as square pixels make it.
 ///   refresh_hz = 50                   # Of the projectors; absent: 60, and 30 without projectors.
-///   [hours]                           # See opening_hours.h; the heads are dark outside of them.
 #pragma once
 
 #include <filesystem>

@@ -73,7 +73,7 @@ TEST(SettingsExamples, in_part_are_completed) {
   EXPECT_THAT(mistakes_in("    # installation.toml, in part\n    [[projector]]\n    turn_dge = 90\n", "a.md"),
               ElementsAre(HasSubstr("turn_dge")));
   EXPECT_THAT(mistakes_in("    # installation.toml\n    [[projector]]\n    turn_deg = 90\n", "a.md"),
-              ElementsAre(HasSubstr("is missing")));
+              ElementsAre(HasSubstr("top_m")));
 }
 
 }  // namespace

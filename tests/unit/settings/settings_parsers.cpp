@@ -87,7 +87,8 @@ const std::map<std::string, Parser>& parsers() {
 
 /// What a part of a file needs around it to be a whole one.
 Result<std::string> rest_of(const std::string& file_name) {
-  if (file_name == "farm.toml") return std::string("[[scene]]\nname = \"a\"\npath = \"/srv/a\"\n");
+  if (file_name == "farm.toml")
+    return std::string("museums = \"[::1]:1\"\nnodes = \"[::1]:2\"\n[[scene]]\nname = \"a\"\npath = \"/srv/a\"\n");
   if (file_name == "scene.toml") return std::string("title = \"a\"\n[[geometry]]\nfile = \"walls.ply\"\n");
   if (file_name == "installation.toml") {
     const char* const source = std::getenv("CYCLORAMA_SOURCE");  // NOLINT(concurrency-mt-unsafe): nobody sets it.

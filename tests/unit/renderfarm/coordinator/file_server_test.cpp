@@ -425,7 +425,7 @@ TEST_F(Files, of_a_lying_coordinator_are_refused) {
   EXPECT_THAT(refusal(scene_distribution::to_wire({{"scene.toml", 5, scene_distribution::sha256_of("wrong")}}), {}),
               HasSubstr("not the requested one"));
   EXPECT_THAT(refusal({}, {}), HasSubstr("no files"));
-  EXPECT_THAT(refusal(list, {chunk(0, "wrong")}), HasSubstr("other bytes for 'scene.toml'"));
+  EXPECT_THAT(refusal(list, {chunk(0, "wrong")}), HasSubstr("bytes for 'scene.toml' that do not match its list"));
   EXPECT_THAT(refusal(list, {chunk(0, "right!")}), HasSubstr("more of 'scene.toml'"));
   EXPECT_THAT(refusal(list, {chunk(0, "ri"), chunk(3, "ght")}), HasSubstr("out of order"));
   EXPECT_THAT(refusal(list, {chunk(0, "ri")}), HasSubstr("less of 'scene.toml'"));

@@ -175,7 +175,7 @@ TEST_F(Cache, refuses_a_source_with_wrong_bytes) {
     EXPECT_LE(source.reads, 3);
     return held ? "" : held.error().message();
   };
-  EXPECT_THAT(refusal(noise_bytes(100, 2)), HasSubstr("other bytes for 'a/same.ply'"));
+  EXPECT_THAT(refusal(noise_bytes(100, 2)), HasSubstr("bytes for 'a/same.ply' that do not match its list"));
   EXPECT_THAT(refusal(walls + "!"), HasSubstr("more of 'a/same.ply'"));
   EXPECT_THAT(refusal(walls.substr(0, 99)), HasSubstr("less of 'a/same.ply'"));
   bring(cache, scene);

@@ -103,7 +103,7 @@ TEST(CalibratorSettings, name_the_line_of_a_mistake_and_what_to_do) {
       {"listen = \"here\"\n", "calibrator.toml:1", "here"},
       {"\ndisplays = [\"left\"]\n", "calibrator.toml:2", "left"},
       {"displays = [\"=[::1]:7404\"]\n", "calibrator.toml:1", "write left,middle=HOST:PORT"},
-      {"\nturnplate = \"manual\"\n", "calibrator.toml:2", "is now called 'turntable'"},
+      {"\nturnplate = \"manual\"\n", "calibrator.toml:2", "is called 'turntable' now"},
       {"turntable = \"lazy-susan\"\n", "calibrator.toml:1", "the kinds are serial:DEVICE and manual"},
       {"turntable = \"serial:/dev/ttyUSB0?most_deg=90\"\n", "calibrator.toml:1", "'most_deg' is now called 'max_deg'"},
       {"turntable = \"serial:/dev/ttyUSB0?speed=1\"\n", "calibrator.toml:1", "the options are baud"},

@@ -28,7 +28,7 @@ path = "/srv/scenes/relic"
 )";
 
 TEST(CoordinatorConfig, reads_what_it_says_and_defaults_for_the_rest) {
-  const auto options = read(std::string(kGood) + "[limits]\nvisits = 3\n");
+  const auto options = read(std::string(kGood) + "[limits]\nsessions = 3\n");
   ASSERT_TRUE(options) << options.error().message();
   EXPECT_EQ(options->museums, "[::1]:7401");
   EXPECT_EQ(options->inspect, "");
@@ -58,7 +58,7 @@ TEST(CoordinatorConfig, says_which_scenes_the_coordinator_hands_out_and_how) {
 TEST(CoordinatorConfig, names_the_line_of_a_mistake) {
   EXPECT_THAT(read(std::string("colour = 3\n") + kGood).error().message(), HasSubstr("farm.toml:1"));
   EXPECT_THAT(read(std::string("balance = \"magic\"\n") + kGood).error().message(), HasSubstr("pbt"));
-  EXPECT_THAT(read(std::string(kGood) + "[limits]\nvisits = 0\n").error().message(), HasSubstr("farm.toml:10"));
+  EXPECT_THAT(read(std::string(kGood) + "[limits]\nsessions = 0\n").error().message(), HasSubstr("farm.toml:10"));
   EXPECT_FALSE(read("museums = 5\n"));
 }
 

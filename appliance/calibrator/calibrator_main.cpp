@@ -92,7 +92,8 @@ void add_scan_options(CLI::App& app, Options* ret) {
       ->type_name("CAMERA");
   app.add_option("--turntable", ret->turntable,
                  "Turntable: serial:DEVICE[?OPTIONS], or manual (default), which asks a person to turn it")
-      ->type_name("PLATE");
+      ->type_name("TURNTABLE");
+  add_renamed_option(app, "--turnplate", "--turntable");
   app.add_option("--display", ret->displays,
                  "A display that shows the patterns; repeat it for several displays, with the names of their "
                  "projectors; [::1]:7404")
@@ -112,6 +113,7 @@ void add_scan_options(CLI::App& app, Options* ret) {
       ->check(within(Ranges::kSettle_ms));
   app.add_option("--max-exposure-ms", ret->max_exposure_ms, "Longest exposure of the camera; 250")
       ->check(within(Ranges::kMaxExposure_ms));
+  add_renamed_option(app, "--longest-exposure-ms", "--max-exposure-ms");
 }
 
 void add_watch_options(CLI::App& app, Options* ret) {

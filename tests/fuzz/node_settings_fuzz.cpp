@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   CHECK(options->memory_limit_bytes <= node::bytes_of_gib(node::kMaxMemoryGib));
   CHECK(options->cache.limit_bytes <= node::bytes_of_gib(node::kMaxCacheGib));
   const auto whole = node::complete(*options);
-  CHECK(whole.has_value() == !options->heads.empty());
+  CHECK(whole.has_value() == !options->coordinators.empty());
   CHECK(!whole || (whole->threads > 0 && !whole->name.empty()));
   return 0;
 }

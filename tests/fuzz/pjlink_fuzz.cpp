@@ -9,8 +9,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  static_cast<void>(pjlink::authorise(text, "secret"));
-  static_cast<void>(pjlink::parse_power(text));
-  static_cast<void>(pjlink::parse_errors(text));
+  static_cast<void>(output::pjlink::authorise(text, "secret"));
+  static_cast<void>(output::pjlink::parse_power(text));
+  static_cast<void>(output::pjlink::parse_errors(text));
   return 0;
 }

@@ -9,7 +9,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto settings = cyclorama::tour::parse_tour_settings({reinterpret_cast<const char*>(data), size}, "site.toml");
   if (settings) {
-    CHECK(!settings->heads.empty());
+    CHECK(!settings->coordinators.empty());
     CHECK(settings->navigation.tag.yaw_rad.full > settings->navigation.tag.yaw_rad.dead);
     CHECK(settings->navigation.limits.acceleration_m_per_s2 > 0.0);
     CHECK(settings->picture.guard_rad >= 0.0 && settings->picture.guard_rad < 2.0);
@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto position =
       cyclorama::tour::parse_saved_position({reinterpret_cast<const char*>(data), size}, "place.toml");
   if (position) {
-    const auto again = cyclorama::tour::parse_saved_position(cyclorama::to_text(*position), "place.toml");
+    const auto again = cyclorama::tour::parse_saved_position(cyclorama::tour::to_text(*position), "place.toml");
     CHECK(again && *again == *position);
   }
   return 0;

@@ -15,7 +15,7 @@
 
 namespace cyclorama::display {
 
-/// One call of Tour.Show, from the connection to its end. When it is over, make another. Thread-safe, except for
+/// One call of Tour.Show, from the connection to its end. A new call needs a new object. Thread-safe, except for
 /// destruction.
 class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::ShowMessage> {
  public:

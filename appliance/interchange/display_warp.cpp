@@ -14,7 +14,7 @@ namespace cyclorama::interchange {
 namespace {
 
 constexpr int kMinCells = 8;
-constexpr int kFinestCellPx = 4;
+constexpr int kMinCellPx = 4;
 constexpr double kMaxCoordinate = 1e9;  // The upward direction in a panorama, allowing for rounding.
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -148,7 +148,7 @@ Result<warp::WarpMesh> mesh_from(const DirectionMap& directions, int width_px, i
   CHECK(!directions.empty() && width_px > 0 && height_px > 0 && tolerance_px > 0.0);
   const PicturePositions positions(directions, picture);
   const PixelScale scale = pixel_scale(picture);
-  const auto max = [](int px) { return std::max(1, px / kFinestCellPx); };
+  const auto max = [](int px) { return std::max(1, px / kMinCellPx); };
   for (int cells = kMinCells;; cells *= 2) {
     const int cells_x = std::min(cells, max(width_px));
     const int cells_y = std::min(cells, max(height_px));

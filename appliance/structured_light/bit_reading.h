@@ -44,7 +44,7 @@ struct BitThreshold {
 
 /// Returns true if all readings that the undecided bits allow lie in the same cell of 2^level pixels or an adjacent
 /// one. Gray code guarantees this at the edge of a stripe: one bit is undecided there, and both its readings are true.
-/// If all finer bits are decided they must agree that there is an edge: the readings are at most a cell apart.
+/// If all finer bits are decided, they must agree that there is an edge: the readings are at most a cell apart.
 [[nodiscard]] inline bool is_settled(std::uint16_t position, std::uint16_t undecided, int level) {
   const auto whole = static_cast<unsigned>(position);
   const int cell = static_cast<int>(whole >> level);

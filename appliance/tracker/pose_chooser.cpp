@@ -37,7 +37,7 @@ ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypothese
   double log_odds = 0.0;
   if (known) {
     const Eigen::Quaterniond& first = last->first;
-    // If there was only one pose before, the one that continues it is the first.
+    // If there was only one pose before, its continuation becomes the first.
     const double straight = first.angularDistance(best) + (last->second ? last->second->angularDistance(other) : 0.0);
     const double crossed = first.angularDistance(other) + (last->second ? last->second->angularDistance(best) : 0.0);
     best_is_first = straight <= crossed;

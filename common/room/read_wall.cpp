@@ -18,7 +18,7 @@ constexpr Range kMetres{-100.0, 100.0};
 constexpr Range kSides{0.1, 100.0};
 constexpr std::size_t kMaxPlanes = 64;
 constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;
-constexpr double kShortestPlane_m = 0.05;
+constexpr double kMinPlaneWidth_m = 0.05;
 
 Point<frame::Room> point_of(const std::vector<double>& xyz) { return {Eigen::Vector3d(xyz[0], xyz[1], xyz[2])}; }
 
@@ -59,8 +59,8 @@ Wall read_planes(ConfigTable* table) {
     for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
       const Eigen::Vector2d left(corners[i][0], corners[i][1]);
       const Eigen::Vector2d right(corners[i + 1][0], corners[i + 1][1]);
-      if (!((right - left).norm() >= kShortestPlane_m)) {
-        table->refuse("corners_m", fmt::format("has two corners within {} m; leave one out", kShortestPlane_m));
+      if (!((right - left).norm() >= kMinPlaneWidth_m)) {
+        table->refuse("corners_m", fmt::format("has two corners within {} m; leave one out", kMinPlaneWidth_m));
         return wall;
       }
       wall.rectangles.push_back(WallRectangle::above(left, right, heights.bottom_m, heights.top_m));

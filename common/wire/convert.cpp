@@ -18,7 +18,7 @@ constexpr std::uint32_t kMaxLightSamples = 16;
 constexpr float kMaxRadianceLimit = 1e9f;
 constexpr double kMaxEyeCoordinateM = 1e7;  // Far beyond any scene, but within float, which the ray kernels use.
 constexpr double kSteepest = 1e4;           // Tangent, within a hundredth of a degree of a right angle.
-constexpr double kWidestEyes_m = 1.0;       // Upper bound of the interpupillary distance; adults have about 0.063 m.
+constexpr double kMaxEyeDistance_m = 1.0;   // Upper bound of the interpupillary distance; adults have about 0.063 m.
 
 Error refuse(const char* field, const std::string& what) {
   return Error(ErrorCode::kInvalidArgument, fmt::format("view.{} {}", field, what));
@@ -42,9 +42,9 @@ Result<Viewing> viewing_of(const wire::EyePair& eyes, int* height) {
   if (*height % (2 * kCutPx) != 0) {
     return refuse_eyes(fmt::format("height_px is {}; that of two eyes must be a multiple of {}", *height, 2 * kCutPx));
   }
-  if (!(eyes.distance_m() > 0.0 && eyes.distance_m() <= kWidestEyes_m)) {
+  if (!(eyes.distance_m() > 0.0 && eyes.distance_m() <= kMaxEyeDistance_m)) {
     return refuse_eyes(
-        fmt::format("eyes.distance_m is {}; it must be above 0 and at most {}", eyes.distance_m(), kWidestEyes_m));
+        fmt::format("eyes.distance_m is {}; it must be above 0 and at most {}", eyes.distance_m(), kMaxEyeDistance_m));
   }
   *height /= 2;
   Viewing viewing;

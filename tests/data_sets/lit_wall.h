@@ -26,7 +26,7 @@ struct LitWall {
     return Eigen::Vector2d(0.6 * u, 0.6 * v);
   };
   double blur_px = 0.7;   ///< Standard deviation of a Gaussian, in projector pixels.
-  double ambient = 0.03;  ///< As in Photo.
+  double ambient = 0.03;  ///< Same scale as in Photo.
   double noise = 0.004;   ///< Standard deviation, as in Photo.
   int codes = 255;        ///< Maximum code of the camera; 0: not quantised.
   /// Direct light at a camera pixel, as in Photo, when the projector is white.

@@ -64,7 +64,7 @@ class Child {
   pid_t id_;
 };
 
-/// What the display asked for, of a picture of a whole turn.
+/// Cuts the part that the display requested out of a picture of a whole turn.
 RgbImage cut_out(const ShowContent& content, const Panorama& wanted) {
   RgbImage picture(wanted.width_px, wanted.height_px);
   for (int y = 0; y < picture.height(); ++y) {
@@ -102,7 +102,7 @@ class Scenario {
                  "--width", "1536", "--refresh-hz", "15", "--calibration", folder_});
     expect(tour->wait_for_display(), "the display asks for a picture");
     show_picture(*tour);
-    std::thread tour_again([&] {  // Whenever the display dials anew, as the tour does.
+    std::thread tour_again([&] {  // Starts the show again whenever the display reconnects.
       for (int known = 1; !is_over_;) {
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
         if (tour->displays == known || !tour->wait_for_display()) continue;
@@ -242,7 +242,7 @@ class Scenario {
     pose = calibration::stepped(pose, step);
     CHECK(write_file_atomically(simulated::truth_path_beside(folder_ / "installation.toml"), truth_.text()));
   }
-  /// Of the bumped projector: where displays draw for, against the truth.
+  /// Returns the error of the bumped projector's map with which displays draw, in pixels.
   [[nodiscard]] double off_px() const {
     auto museum = simulated::TrueMuseum::make(installation_, truth_);
     const auto calibration = calibration::read_calibration(folder_);

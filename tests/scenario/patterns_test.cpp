@@ -83,7 +83,7 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Whether it said something before it ended.
+  /// Returns whether the process wrote something before it ended.
   [[nodiscard]] bool said_something() const {
     char letter = 0;
     return ::read(out_.get(), &letter, 1) == 1;
@@ -104,7 +104,7 @@ class Wall {
  public:
   Wall(std::filesystem::path folder, const Installation& room) : folder_(std::move(folder)), room_(room) {}
 
-  /// What all heads show; empty before they show anything.
+  /// Returns the pictures of all heads; empty before they show anything.
   [[nodiscard]] std::vector<RgbImage> heads() const {
     std::vector<RgbImage> all;
     for (const InstalledProjector& projector : room_.projectors) {
@@ -115,7 +115,7 @@ class Wall {
     }
     return all;
   }
-  /// Until they show the same for half a second.
+  /// Waits until the heads show the same for half a second.
   [[nodiscard]] std::vector<RgbImage> still_heads() const {
     std::vector<RgbImage> before;
     for (int same = 0, looks = 0; same < 10 && looks < 600; ++looks) {

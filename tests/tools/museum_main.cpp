@@ -41,7 +41,7 @@ struct Arguments {
   int poses = 120;
   bool blind = false;
   double tile_delay_ms = 0.0;
-  double patience_s = 30.0;
+  double timeout_s = 30.0;
   std::string views{};
   std::string bundle{};
 };
@@ -296,7 +296,7 @@ void walk(const Arguments& arguments, std::deque<wire::View> list, Witness& witn
 }
 
 Status run(Arguments& arguments, const StopSignal& stop) {
-  arguments.farm.timeout = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(arguments.patience_s));
+  arguments.farm.timeout = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(arguments.timeout_s));
   if (!arguments.bundle.empty()) {
     const std::filesystem::path folder = arguments.bundle;
     arguments.farm.tls = TlsFiles{folder / "authority.crt", folder / "certificate.crt", folder / "key.pem"};
@@ -327,7 +327,7 @@ int main(int argc, char** argv) {
   app.add_option("--bundle", arguments.bundle, "The folder of its certificate, key and authority: dial with TLS");
   app.add_option("--budget-ms", arguments.farm.frame_budget_ms, "Per frame: the farm chooses the quality");
   app.add_option("--reference-samples", arguments.farm.reference_samples, "Of the picture at rest");
-  app.add_option("--timeout-s", arguments.patience_s, "A coordinator that says nothing for so long is given up");
+  app.add_option("--timeout-s", arguments.timeout_s, "A coordinator that says nothing for so long is given up");
   app.add_option("--rate-hz", arguments.rate_hz, "Of the views")->check(CLI::Range(0.01, 1000.0));
   app.add_option("--walk-s", arguments.walk_s, "Between two rests")->check(CLI::Range(0.1, 1e6));
   app.add_option("--rest-s", arguments.rest_s, "Ask for nothing for so long, again and again; 0: never")

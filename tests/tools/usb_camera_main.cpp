@@ -49,7 +49,7 @@ Status look(camera::Camera* camera, const Clock& clock) {
     const std::uint64_t now = fingerprint((*frame)->pixels.data());
     same = now == shown ? same + 1 : 0;
     shown = now;
-    // Once when it changes, and once when it has stayed the same.
+    // Printed when the picture changes, and once more when it has stayed the same.
     if (same != 0 && same != 10) continue;
     say(fmt::format("picture {:016x} {}x{}, {} the same before it, exposure {:.1f} ms", now, (*frame)->pixels.width(),
                     (*frame)->pixels.height(), same, to_milliseconds((*frame)->exposure)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Known pictures on the heads of this machine's graphics card, for tests/image/heads_test.py: eight colour bars, and in
-// the lowest 32 rows as many white squares as the head's number. As a virtual machine's first process it also mounts
+// the lowest 32 rows as many white squares as the head's number. As a virtual machine's first process, it also mounts
 // file systems and loads /modules/*. Prints "wall: ..." once it shows and whenever the heads' modes change, and
 // "pacing: ..." after every 200 pictures.
 #include <fcntl.h>

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 // Finer bits need more pictures, and cells of many pixels do not benefit from them: docs/design/calibration.md.
-constexpr int kFinestBit = 2;
+constexpr int kMinFinestBit = 2;
 constexpr int kHeadings = 15;  // Candidates on either side of the projector's middle.
 constexpr double kHeadingStep_rad = 1.0 * kDegree;
 constexpr double kTargetRim = 0.08;  // Fraction of the camera's picture; a displaced picture is not quite where it was.
@@ -65,7 +65,7 @@ double best_angle(const RealignmentBaseline& baseline, const turntable::TurnRang
 
 /// Returns the settings of a scan without the fine patterns that a projector's cells do not need.
 ViewSettings coarse(ViewSettings settings) {
-  settings.finest_bit = std::max(settings.finest_bit, kFinestBit);
+  settings.finest_bit = std::max(settings.finest_bit, kMinFinestBit);
   settings.phase_period_px = 0.0;
   settings.phase_steps = 0;
   if (settings.base_bit >= 0) settings.base_bit = std::max(settings.base_bit, settings.finest_bit);

@@ -50,7 +50,7 @@ struct Errors {
 
 struct Figures {
   Errors x, depth, lean;
-  int pictures = 0;  ///< While the visitor stands or steers.
+  int pictures = 0;  ///< Those in which the visitor stands or steers.
   int found = 0;
   int strangers = 0;  ///< Detections while there was no visitor.
   double jump_m = 0.0;

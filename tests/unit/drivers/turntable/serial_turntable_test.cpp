@@ -127,7 +127,7 @@ TEST(SerialTurntable, whichever_answer_fails_it_says_so_and_goes_on_afterwards) 
   }
 }
 
-TEST(SerialTurntable, patience_lasts_while_it_is_busy) {
+TEST(SerialTurntable, waits_longer_while_it_is_busy) {
   std::atomic<int> busy = 0;
   ScriptedController controller([&](std::size_t, const std::string& line) -> std::optional<ScriptedController::Fault> {
     if (!line.starts_with("G0")) return std::nullopt;

@@ -19,7 +19,7 @@ TEST(TrueLens, without_distortion_is_the_pinhole) {
 
 TEST(TrueLens, moves_a_known_point_as_opencv_does) {
   // cv2.projectPoints of (0.4, 0.3, 1), f = 1500, c = (979.5, 299.5), k1 k2 p1 p2 k3 = -0.1 0.02 0.001 -0.002 0.005,
-  // whose first pixel's centre is (0, 0). By hand: r^2 = 0.25, radial 0.976328125,
+  // whose first pixel's centre is (0, 0). Computed by hand: r^2 = 0.25, radial 0.976328125,
   // x = 0.4 * 0.976328125 + 2 * 0.001 * 0.12 - 0.002 * (0.25 + 0.32) = 0.38963125,
   // y = 0.3 * 0.976328125 + 0.001 * (0.25 + 0.18) - 2 * 0.002 * 0.12 = 0.2928484375.
   const TrueLens lens(kPinhole, {-0.1, 0.02, 0.005}, {0.001, -0.002});

@@ -244,7 +244,7 @@ TEST_F(Files, go_on_where_the_node_was_when_it_died) {
   ASSERT_TRUE(found);
   EXPECT_EQ(scene_in(found->path), scene);
   std::uint64_t had = came;
-    for (const char* const small : {"a/b.png", "scene.toml"}) {  // The files that the list has before the walls.
+  for (const char* const small : {"a/b.png", "scene.toml"}) {  // The files that the list has before the walls.
     had += scene.at(small).size();
   }
   EXPECT_EQ(found->fetched_bytes + had, scene_distribution::bytes_of(files_of(scene)));

@@ -53,9 +53,46 @@ bool find_active(const TraceView& view, const TraceCell& cell, CellFilm& film) {
   return any;
 }
 
+bool find_contrast(const TraceView& view, const TraceCell& cell, CellFilm& film) {
+  constexpr float kContrast = 6.0f / 255.0f;
+  std::array<float, kCellPixels> shown{};
+  for (int y = 0; y < cell.height; ++y) {
+    for (int x = 0; x < cell.width; ++x) {
+      const auto pixel = static_cast<std::size_t>(y * kCellPx + x);
+      const auto count = static_cast<float>(std::max(film.samples[pixel], 1));
+      shown[pixel] = displayed(view, static_cast<double>(luminance(film.sum[pixel]) / count));
+    }
+  }
+  bool any = false;
+  for (int y = 0; y < cell.height; ++y) {
+    for (int x = 0; x < cell.width; ++x) {
+      const auto pixel = static_cast<std::size_t>(y * kCellPx + x);
+      float largest = 0.0f;
+      for (int ny = std::max(0, y - 1); ny <= std::min(cell.height - 1, y + 1); ++ny) {
+        for (int nx = std::max(0, x - 1); nx <= std::min(cell.width - 1, x + 1); ++nx) {
+          largest = std::max(largest, std::abs(shown[static_cast<std::size_t>(ny * kCellPx + nx)] - shown[pixel]));
+        }
+      }
+      film.active[pixel] = largest > kContrast;
+      any |= film.active[pixel];
+    }
+  }
+  return any;
+}
+
 std::uint64_t sample_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
                           PathBatch& batch, CellFilm& film) {
   const bool adaptive = view.quality.adaptive_error > 0.0f;
+  if (view.quality.stored_light && scene.light != nullptr && view.quality.samples > 1 && !adaptive) {
+    TraceCell part = cell;
+    part.first_sample = view.quality.first_sample;
+    part.samples = 1;
+    std::uint64_t rays = trace_cell(scene, shade, view, part, batch, film);
+    if (!find_contrast(view, cell, film)) return rays;
+    ++part.first_sample;
+    part.samples = view.quality.samples - 1;
+    return rays + trace_cell(scene, shade, view, part, batch, film);
+  }
   const int end = view.quality.first_sample + view.quality.samples;
   TraceCell part = cell;
   part.first_sample = view.quality.first_sample;

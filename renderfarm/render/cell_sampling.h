@@ -12,6 +12,11 @@ namespace cyclorama::render {
 std::uint64_t sample_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
                           PathBatch& batch, CellFilm& film);
 
+/// Marks in film.active the pixels of the cell whose displayed luminance differs from a neighbour's by more than a few
+/// codes: edges and fine texture. Returns whether there are any. Source: Mitchell, "Generating Antialiased Images at Low
+/// Sampling Densities", 1987.
+bool find_contrast(const TraceView& view, const TraceCell& cell, CellFilm& film);
+
 /// Marks in film.active the pixels of the cell that need more samples. Returns whether there are any.
 bool find_active(const TraceView& view, const TraceCell& cell, CellFilm& film);
 

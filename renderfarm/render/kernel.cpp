@@ -116,20 +116,25 @@ void collect(const TraceView& view, const PathBatch& batch, CellFilm& film) {
 void trace_batch(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
                  PathBatch& batch, CellFilm& film) {
   generate_camera_rays(view, cell, batch);
-  for (bool first = true; batch.current().rays.count() > 0; first = false) {
+  trace_paths(scene, shade, view, Coherence::kCoherent, batch, film);
+  collect(view, batch, film);
+  batch.paths = 0;
+}
+
+}  // namespace
+
+void trace_paths(const TraceScene& scene, ShadeStage shade, const TraceView& view, Coherence first, PathBatch& batch,
+                 CellFilm& film) {
+  for (Coherence coherence = first; batch.current().rays.count() > 0; coherence = Coherence::kIncoherent) {
     RayQueue<RTCRayHit16>& rays = batch.current().rays;
-    trace_nearest(scene.top, first ? Coherence::kCoherent : Coherence::kIncoherent, rays);
+    trace_nearest(scene.top, coherence, rays);
     batch.rays_traced += static_cast<std::uint64_t>(rays.count());
     draw_random_numbers(batch);
     shade(scene, view, batch, film);
     rays.clear();
     batch.stage = 1 - batch.stage;
   }
-  collect(view, batch, film);
-  batch.paths = 0;
 }
-
-}  // namespace
 
 void CellFilm::clear() {
   sum.fill(Vec3::Zero());

@@ -66,6 +66,11 @@ using ShadeStage = void (*)(const TraceScene& scene, const TraceView& view, Path
 /// sun's disc has 2e9 cd/m^2.
 inline constexpr float kBrightest = 1e16f;
 
+/// Traces the rays of batch.current() and all rays that follow from them; the paths' light is in batch.path afterwards.
+/// Precondition: each path has its random numbers' state. Reentrant.
+void trace_paths(const TraceScene& scene, ShadeStage shade, const TraceView& view, Coherence first, PathBatch& batch,
+                 CellFilm& film);
+
 /// Adds the samples of `cell` to `film`: finite and not negative. Returns the number of rays. Reentrant; `batch` is
 /// scratch.
 std::uint64_t trace_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,

@@ -14,6 +14,8 @@
 #include "common/base/clock.h"
 #include "common/base/cpu_time.h"
 #include "common/image/cells.h"
+#include "renderfarm/light/light_file.h"
+#include "renderfarm/light/scene_key.h"
 #include "renderfarm/render/accelerator.h"
 #include "renderfarm/render/bake.h"
 #include "renderfarm/render/cell_sampling.h"
@@ -59,6 +61,7 @@ struct Renderer::State {
   std::unique_ptr<Accelerator> accelerator;
   SceneNeeds needs;
   ShadeStage shade = nullptr;
+  std::shared_ptr<const light::LightStore> stored_light;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   double build_seconds = 0.0;
   mutable tbb::task_arena arena;
@@ -226,6 +229,23 @@ RenderCost Renderer::render_radiance(const PanoramaView& view, const PixelRect& 
   return cost;
 }
 
+Status Renderer::set_light(std::shared_ptr<const light::LightStore> store, std::string_view name) {
+  if (store != nullptr) {
+    std::vector<light::PlacementSize> sizes;
+    for (const Placement& placement : state_->traced.placements) {
+      sizes.push_back({placement.mesh->vertex_count, placement.mesh->triangle_count});
+    }
+    TRY(light::check_fits(*store, light::key_of(state_->scene), sizes, name));
+  }
+  state_->stored_light = std::move(store);
+  state_->traced.light = state_->stored_light.get();
+  return Done{};
+}
+
+const light::LightStore* Renderer::light() const { return state_->stored_light.get(); }
+const TraceScene& Renderer::traced() const { return state_->traced; }
+const SceneNeeds& Renderer::needs() const { return state_->needs; }
+const Eigen::Vector3d& Renderer::origin() const { return state_->origin; }
 const scene::Scene& Renderer::scene() const { return state_->scene; }
 const LightSet& Renderer::lights() const { return state_->traced.lights; }
 double Renderer::build_seconds() const { return state_->build_seconds; }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "common/base/result.h"
@@ -16,6 +17,10 @@
 #include "renderfarm/render/film.h"
 #include "renderfarm/render/quality.h"
 
+namespace cyclorama::light {
+struct LightStore;
+}  // namespace cyclorama::light
+
 namespace cyclorama::scene {
 struct Scene;
 }  // namespace cyclorama::scene
@@ -24,6 +29,7 @@ namespace cyclorama::render {
 
 class LightSet;
 struct SceneNeeds;
+struct TraceScene;
 
 /// The picture to render: position of the eye, its heading, shape and quality. Scene frame.
 struct PanoramaView {
@@ -85,6 +91,15 @@ class Renderer {
   /// Renders the mean of the samples: linear radiance times exposure.
   RenderCost render_radiance(const PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,
                              const std::function<bool()>& cancelled) const;
+
+  /// Provides light that was computed ahead for RenderQuality::stored_light; null takes it away. Must not be called
+  /// while a picture is rendered. Errors: kBadData, naming `name`, if it is not this scene's; the light stays as it was.
+  Status set_light(std::shared_ptr<const light::LightStore> store, std::string_view name);
+  [[nodiscard]] const light::LightStore* light() const;  ///< Null if there is none.
+  /// For light_baking, which traces rays of its own: everything that the kernels read.
+  [[nodiscard]] const TraceScene& traced() const;
+  [[nodiscard]] const SceneNeeds& needs() const;
+  [[nodiscard]] const Eigen::Vector3d& origin() const;  ///< Of the render frame, in the Scene frame.
 
   [[nodiscard]] const scene::Scene& scene() const;
   [[nodiscard]] const LightSet& lights() const;  ///< Render frame.

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 
 #include "renderfarm/render/kernel.h"
 #include "renderfarm/render/sample_batch.h"
@@ -90,7 +91,7 @@ class Shade {
     const SurfaceMesh* const mesh = mesh_at(i, hit);
     if (mesh == nullptr) return;
     __builtin_prefetch(&mesh->records[hit.primID]);
-    if constexpr (kNeeds.textures) __builtin_prefetch(&mesh->triangles[hit.primID]);
+    if (kNeeds.textures || scene_.light != nullptr) __builtin_prefetch(&mesh->triangles[hit.primID]);
   }
   [[gnu::always_inline]] void prefetch_texcoords(int i) const {
     const RTCHit hit = rays_.hit(i);
@@ -180,8 +181,9 @@ class Shade {
 
     const Scatter scattering(shading.bsdf, shading.normal, wo);
     if (view_.features && ray.surfaces == 0) keep_features(i, ray, shading, scattering.albedo());
-    shine_ambient(ray, scattering);
     shine_eye_lamp(i, ray, point, scattering, wo);
+    if (read_stored_light(ray, hit, triangle, point, shading, scattering)) return;
+    shine_ambient(ray, scattering);
     // Light from behind counts if the surface transmits it.
     const Vec3 side = shading.one_sided ? shading.normal : Vec3(Vec3::Zero());
     const bool last = ray.scatterings >= view_.quality.bounces;
@@ -201,6 +203,19 @@ class Shade {
   void reflected(const PathRay& ray, const Vec3& light) {
     Path& path = path_of(ray);
     (ray.scatterings == 0 ? path.direct : path.indirect) += light;
+  }
+
+  /// Adds the light that was computed ahead for this point and returns true if that is all light that it reflects.
+  bool read_stored_light(const PathRay& ray, const RTCHit& hit, const TriangleHit& triangle, const SurfacePoint& point,
+                         const Shading& shading, const Scatter& scattering) {
+    if (scene_.light == nullptr || !view_.quality.stored_light || !reads_stored_light(*triangle.mesh, shading)) {
+      return false;
+    }
+    const std::optional<Vec3> stored = scene_.light->at(top_of(hit), point.front ? 0 : 1, hit.primID,
+                                                        triangle.mesh->triangles[hit.primID], triangle.weights);
+    if (!stored) return false;
+    reflected(ray, ray.throughput.cwiseProduct(scattering.albedo()).cwiseProduct(*stored));
+    return true;
   }
 
   void shine_ambient(const PathRay& ray, const Scatter& scattering) {

@@ -21,6 +21,17 @@ struct Shading {
   bool one_sided = true;
 };
 
+/// Returns true if light that was computed ahead may stand for all light that the surface reflects: it has no direction,
+/// so only wide lobes may read it, seen along the normal for which it was computed.
+[[nodiscard]] inline bool reads_stored_light(const SurfaceMesh& mesh, const Shading& shading) {
+  /// Narrower lobes show directions of the light.
+  constexpr float kWideAlpha = 0.5f;
+  const SurfaceMaterial& material = *mesh.material;
+  if (material.normal != nullptr) return false;
+  if (material.level == SurfaceLevel::kMatte) return true;
+  return material.level == SurfaceLevel::kGlossy && shading.bsdf.alpha >= kWideAlpha;
+}
+
 /// Looks up textures at one point.
 class TexelReader {
  public:

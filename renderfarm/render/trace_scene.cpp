@@ -40,6 +40,7 @@ SurfaceMesh trace_mesh(const scene::Mesh& mesh) {
   traced.positions = mesh.positions.data();
   traced.triangles = mesh.triangles.data();
   traced.triangle_count = mesh.triangles.size();
+  traced.vertex_count = mesh.positions.size();
   traced.normals = data_or_null(mesh.normals);
   traced.texcoords = {data_or_null(mesh.texcoords[0]), data_or_null(mesh.texcoords[1])};
   traced.tangents = data_or_null(mesh.tangents);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "renderfarm/light/light_store.h"
 #include "renderfarm/render/embree.h"
 #include "renderfarm/render/lights/light_geometry.h"
 #include "renderfarm/render/lights/light_set.h"
@@ -41,6 +42,7 @@ struct SurfaceMesh {
   const std::array<float, 3>* positions = nullptr;
   const std::array<std::uint32_t, 3>* triangles = nullptr;
   std::size_t triangle_count = 0;
+  std::size_t vertex_count = 0;
   const std::array<float, 3>* normals = nullptr;
   std::array<const std::array<float, 2>*, 2> texcoords = {nullptr, nullptr};
   const std::array<float, 4>* tangents = nullptr;
@@ -70,6 +72,7 @@ struct TraceScene {
   LampGeometries lamps;  ///< Lights that rays can hit.
   Vec3 ambient = Vec3::Zero();
   Vec3 eye_lamp = Vec3::Zero();
+  const light::LightStore* light = nullptr;  ///< Light computed ahead; null if there is none. Fits the placements.
 };
 
 /// Returns `source` with its textures requested; they exist once `textures` is built. Borrows all three.

@@ -9,6 +9,7 @@
 #include "common/image/png.h"
 #include "common/process/progress.h"
 #include "renderfarm/denoise/denoising_renderer.h"
+#include "renderfarm/light/light_file.h"
 #include "renderfarm/tools/view_options.h"
 
 namespace cyclorama::tools {
@@ -23,6 +24,7 @@ struct PictureOptions {
   ViewOptions view;
   render::RenderQuality quality;
   bool denoise = false;
+  std::string light;
   std::optional<int> bounces;
 };
 
@@ -56,6 +58,11 @@ Status picture(const PictureOptions& options, const StopSignal& stop) {
   if (stop.requested()) return stopped();
   TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
              build_with_progress(std::move(loaded.scene), options.scene));
+  if (!options.light.empty()) {
+    TRY_ASSIGN(light::LightStore store, light::read_light_file(options.light));
+    TRY(renderer->set_light(std::make_shared<light::LightStore>(std::move(store)), options.light));
+    view.quality.stored_light = true;
+  }
   denoise::DenoisingRenderer denoising(*renderer, options.scene.threads);
   // Each denoised band would need a margin, so there is only one.
   const int band_px = options.denoise ? view.picture().height_px() : kBandPx;
@@ -106,6 +113,9 @@ RenderCommand add_picture_command(CLI::App* program) {
                    "Stop sampling a pixel at this error; 0 disables it")
       ->capture_default_str();
   parser->add_flag("--denoise", options->denoise, "Denoise, with a bias; only for a panorama for one eye");
+  parser
+      ->add_option("--light", options->light, "File of stored light (cyclorama-render light) to read where it has any")
+      ->check(CLI::ExistingFile);
   parser->add_option("--json", options->json, "Also write the cost, as JSON");
   return {parser, [options](const StopSignal& stop) { return picture(*options, stop); }};
 }

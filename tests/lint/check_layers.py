@@ -39,15 +39,17 @@ renderfarm/coordinator: common/base common/config common/image common/process co
 renderfarm/denoise: common/base common/geometry common/image renderfarm/render renderfarm/scene
 renderfarm/generator: common/base common/process
 renderfarm/governor: common/base common/config renderfarm/render
+renderfarm/light: common/base renderfarm/scene
+renderfarm/light_baking: common/base renderfarm/light renderfarm/render renderfarm/scene
 renderfarm/node: common/base common/config common/image common/process common/wire renderfarm/balance
     renderfarm/denoise renderfarm/governor renderfarm/render renderfarm/scene renderfarm/scene_distribution
 renderfarm/quality: common/base common/image
-renderfarm/render: common/base common/geometry common/image renderfarm/scene
+renderfarm/render: common/base common/geometry common/image renderfarm/light renderfarm/scene
 renderfarm/scene: common/base common/config common/geometry common/image
 renderfarm/scene_distribution: common/base common/wire
 renderfarm/tools: common/base common/geometry common/image common/process common/wire renderfarm/balance
-    renderfarm/client renderfarm/denoise renderfarm/governor renderfarm/quality renderfarm/render renderfarm/scene
-    renderfarm/trust renderfarm/walkable
+    renderfarm/client renderfarm/denoise renderfarm/governor renderfarm/light renderfarm/light_baking renderfarm/quality
+    renderfarm/render renderfarm/scene renderfarm/trust renderfarm/walkable
 renderfarm/trust: common/base common/config common/wire
 renderfarm/walkable: common/base common/image renderfarm/render renderfarm/scene
 renderfarm/watch: common/base common/config common/http common/image common/process common/wire

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A LightStore in a file, `light.store` in a scene's folder:
+///
+///   "CYCLIGHT"  version u32  placements u32  scene key 2 x u64  unit f32  length of the settings u32, settings
+///   for each placement:  base_per_triangle u32, then for each side the lengths of base, grids and samples, 3 x u32
+///   for each placement and side:  base, grids, samples
+///   XXH3 (64 bits) of all bytes before
+///
+/// Everything is little-endian.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/result.h"
+#include "renderfarm/light/light_store.h"
+
+namespace cyclorama::light {
+
+inline constexpr const char* kLightFileName = "light.store";
+
+[[nodiscard]] std::vector<std::byte> light_file_bytes(const LightStore& store);
+
+/// Parses a file's bytes; `name` identifies the file in errors. Whatever the bytes are, the store that is returned can
+/// be read at every triangle for which it has samples; whether it fits a scene is the question of check_fits().
+/// Errors: kBadData, with the remedy.
+Result<LightStore> parse_light_file(std::span<const std::byte> bytes, std::string_view name);
+
+/// Reads a file. Errors: kNotFound if there is none; kBadData; kSystem.
+Result<LightStore> read_light_file(const std::filesystem::path& path);
+/// Writes the file completely or not at all.
+Status write_light_file(const std::filesystem::path& path, const LightStore& store);
+
+/// Numbers of a placed mesh, to which the arrays of its light must fit.
+struct PlacementSize {
+  std::size_t vertices = 0;
+  std::size_t triangles = 0;
+};
+/// Errors: kBadData unless the store is that of the scene with this key and these placements.
+Status check_fits(const LightStore& store, const SceneKey& scene, const std::vector<PlacementSize>& placements,
+                  std::string_view name);
+
+}  // namespace cyclorama::light

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Precomputed light on the surfaces of a scene, so that a picture needs no more than eye rays.
+///
+/// A sample is the irradiance at a point of a surface, divided by pi: the radiance that a white matte surface would
+/// reflect there. It contains all light that reaches the point, directly or after bounces, but not the surface's own
+/// colour, so textures stay as sharp as they are. Samples lie where they are needed:
+///
+///   base     at the vertices of a mesh with normals; otherwise one in the middle of each triangle
+///   grids    at the corners of n x n parts of a triangle on which light varies more than between its vertices
+///
+///                 2                   row 2   o
+///                / \                         / \       a grid of n = 2: six samples, row by row,
+///               /   \                row 1  o - o      three of them at the triangle's corners
+///              0 --- 1                     / \ / \                                                  .
+///                                    row 0 o - o - o
+///
+/// Both sides of a surface have samples of their own, and so has every instance of a mesh. Source: Yuksel, Keyser and
+/// House, "Mesh Colors", ACM TOG 29(2), 2010.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderfarm/light/rgb9e5.h"
+
+namespace cyclorama::light {
+
+/// A sample that has no value: whoever reads it traces paths instead. No encoded sample has these bits.
+inline constexpr std::uint32_t kNoSample = 0xffffffffu;
+
+/// Where a triangle's samples are.
+struct TriangleGrid {
+  static constexpr std::uint32_t kBase = 0;      ///< Base samples.
+  static constexpr std::uint32_t kTraced = ~0u;  ///< The triangle has no samples: paths are traced.
+  static constexpr int kMaxParts = 256;          ///< Along an edge; a power of two.
+  static constexpr std::uint32_t kMaxOffset = 1u << 28;
+
+  /// Returns the code of a grid of `parts` x `parts` whose samples begin at `offset`. Precondition: `parts` is a power
+  /// of two up to kMaxParts, and `offset` is below kMaxOffset.
+  [[nodiscard]] static constexpr std::uint32_t code(int parts, std::uint32_t offset) {
+    return (static_cast<std::uint32_t>(std::countr_zero(static_cast<unsigned>(parts)) + 1) << 28) | offset;
+  }
+  [[nodiscard]] static constexpr int parts(std::uint32_t code) { return 1 << ((code >> 28) - 1); }
+  [[nodiscard]] static constexpr std::uint32_t offset(std::uint32_t code) { return code & (kMaxOffset - 1); }
+  [[nodiscard]] static constexpr int samples(int parts) { return (parts + 1) * (parts + 2) / 2; }
+  /// Returns the index of the sample at column `i` (towards corner 1) of row `j` (towards corner 2).
+  [[nodiscard]] static constexpr int index(int parts, int i, int j) { return j * (parts + 1) - j * (j - 1) / 2 + i; }
+};
+static_assert(TriangleGrid::samples(2) == 6 && TriangleGrid::index(2, 0, 2) == 5);
+
+/// Light on one side of a placed mesh. Empty if no visitor sees that side.
+struct SideLight {
+  std::vector<std::uint32_t> base;     ///< RGB9E5 in the store's unit, or kNoSample.
+  std::vector<std::uint32_t> grids;    ///< A TriangleGrid code per triangle; empty if all have base samples.
+  std::vector<std::uint32_t> samples;  ///< Of the grids; coded like `base`.
+};
+
+/// Light on both sides of one placement of a mesh.
+struct SurfaceLight {
+  bool base_per_triangle = false;  ///< Otherwise per vertex.
+  std::array<SideLight, 2> sides;  ///< Front and back, by the triangles' winding.
+};
+
+/// Identifies what light depends on: geometry, materials, lamps. See scene_key.h.
+struct SceneKey {
+  std::uint64_t low = 0;
+  std::uint64_t high = 0;
+  friend bool operator==(const SceneKey&, const SceneKey&) = default;
+};
+
+/// The light of a whole scene. A value, immutable once it is in use; reading is thread-safe.
+struct LightStore {
+  SceneKey scene;
+  std::string settings;                ///< How it was made, for people and for comparison; one line.
+  float unit = 1.0f;                   ///< Radiance of a sample of 1.
+  std::vector<SurfaceLight> surfaces;  ///< By placement, in the order of the scene's instances that have triangles.
+
+  /// Returns the light at a point of triangle `primitive`, or nothing if paths must be traced there. `side` is 0 for
+  /// the front and 1 for the back; `weights` are barycentric; `vertices` are the triangle's.
+  [[nodiscard]] std::optional<Eigen::Vector3f> at(std::size_t placement, int side, std::uint32_t primitive,
+                                                  const std::array<std::uint32_t, 3>& vertices,
+                                                  const Eigen::Vector3f& weights) const {
+    const SurfaceLight& surface = surfaces[placement];
+    const SideLight& light = surface.sides[static_cast<std::size_t>(side)];
+    if (light.base.empty()) return std::nullopt;
+    const std::uint32_t grid = light.grids.empty() ? TriangleGrid::kBase : light.grids[primitive];
+    if (grid != TriangleGrid::kBase) return in_grid(light, grid, weights);
+    if (surface.base_per_triangle) return mixed<1>({light.base[primitive]}, {1.0f});
+    return mixed<3>({light.base[vertices[0]], light.base[vertices[1]], light.base[vertices[2]]},
+                    {weights[0], weights[1], weights[2]});
+  }
+
+  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] std::size_t sample_count() const;
+
+ private:
+  template <std::size_t kCount>
+  [[nodiscard]] std::optional<Eigen::Vector3f> mixed(const std::array<std::uint32_t, kCount>& codes,
+                                                     const std::array<float, kCount>& weights) const {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (std::size_t i = 0; i < kCount; ++i) {
+      if (codes[i] == kNoSample) return std::nullopt;
+      sum += from_rgb9e5(codes[i]) * weights[i];
+    }
+    return sum * unit;
+  }
+  [[nodiscard]] std::optional<Eigen::Vector3f> in_grid(const SideLight& light, std::uint32_t grid,
+                                                       const Eigen::Vector3f& weights) const;
+};
+
+}  // namespace cyclorama::light

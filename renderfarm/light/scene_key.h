@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderfarm/light/light_store.h"
+#include "renderfarm/scene/scene.h"
+
+namespace cyclorama::light {
+
+/// Returns the hash (XXH3, 128 bits) of everything in a scene on which its light depends. Names, the tour and the
+/// exposure are left out: they change nothing on the surfaces. Reads all geometry and textures, several gigabytes a
+/// second. Reentrant.
+[[nodiscard]] SceneKey key_of(const scene::Scene& scene);
+
+}  // namespace cyclorama::light

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace cyclorama::light_baking {
+
+/// What light costs and how exact it is. The curves are in docs/reference/light.md.
+struct BakeSettings {
+  int eyes = 64;  ///< Places in the walkable area from which surfaces are looked at.
+  int rays_per_eye = 1 << 18;
+  /// Resolution of the wall, which decides how fine light must be where a visitor can come near.
+  double pixels_per_degree = 20.0;
+  double pixels_per_sample = 4.0;  ///< Spacing of the finest samples, in pixels of the nearest eye.
+  int max_light_rays = 128;        ///< Shadow rays of a base sample; fewer where they agree.
+  double light_error = 0.01;       ///< Relative standard error of direct light at which no more are traced.
+  int max_grid_light_rays = 64;    ///< The same for the samples of grids, which lie closer together.
+  double grid_light_error = 0.02;
+  int coarse_rays = 16;  ///< Rays of a sample for each bounce before the last.
+  int final_rays = 128;  ///< Rays of a sample for the last bounce, which the visitor sees.
+  /// Relative error between the vertices above which a triangle gets a grid: of the light there and `dim_light`.
+  double probe_error = 0.04;
+  float dim_light = 0.0f;  ///< Radiance that is dark on the wall; bake_light() sets it from the scene's exposure.
+  int max_parts = 32;      ///< Upper bound of a grid's parts along an edge; a power of two up to 256.
+  std::uint64_t max_bytes = std::uint64_t{1} << 30;  ///< Grids that would exceed this are left out and traced.
+  std::uint64_t seed = 1;
+};
+
+}  // namespace cyclorama::light_baking

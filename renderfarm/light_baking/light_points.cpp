@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/light_baking/light_points.h"
+
+#include <tbb/parallel_for.h>
+
+#include "renderfarm/render/sampler.h"
+
+namespace cyclorama::light_baking {
+namespace {
+
+using render::Vec3;
+
+/// Distance of points from their surface as a share of its triangles' edges, so that neighbouring triangles, which are
+/// not quite flat together, do not hide what lies before them.
+constexpr float kOffEdge = 1e-3f;
+/// The least distance as a share of the coordinates: several of their roundings.
+constexpr float kOffPlace = 0x1p-20f;
+
+Vec3 render_point(const render::Placement& placement, const Vec3& local) {
+  return placement.baked ? local : Vec3(placement.linear * local + placement.translation);
+}
+
+Vec3 render_normal(const render::Placement& placement, const Vec3& local) {
+  return render::normalized_or(placement.baked ? local : Vec3(placement.normal_matrix * local), Vec3::Zero());
+}
+
+/// Returns the normal of a triangle's front, by its winding, with twice the area as its length; render frame.
+Vec3 face_of(const render::Placement& placement, std::size_t triangle, const std::array<Vec3, 3>& corners) {
+  const Vec3 face = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+  if (placement.baked) return face;
+  // A mirrored instance keeps its outside outside.
+  const render::SurfaceMesh& mesh = *placement.mesh;
+  std::array<Vec3, 3> local;
+  for (std::size_t i = 0; i < 3; ++i) local[i] = render::to_vec3(mesh.positions[mesh.triangles[triangle][i]]);
+  const Vec3 outside = placement.normal_matrix * (local[1] - local[0]).cross(local[2] - local[0]);
+  return face.dot(outside) < 0.0f ? Vec3(-face) : face;
+}
+
+float shortest_edge(const std::array<Vec3, 3>& c) {
+  return std::min({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
+}
+
+LightPoint make_point(const Vec3& on_surface, const Vec3& normal, const Vec3& facing, float edge, std::uint32_t seed) {
+  LightPoint point;
+  point.facing = facing;
+  point.normal = normal.dot(facing) < 0.0f ? Vec3(-normal) : normal;
+  point.off = std::max(kOffEdge * edge, kOffPlace * on_surface.cwiseAbs().maxCoeff());
+  point.position = on_surface + facing * point.off;
+  point.seed = seed;
+  return point;
+}
+
+/// Sums over the triangles around each vertex.
+struct VertexSums {
+  Vec3 face = Vec3::Zero();
+  float shortest_edge = std::numeric_limits<float>::infinity();
+};
+
+}  // namespace
+
+std::array<Vec3, 3> corners_of(const render::Placement& placement, std::size_t triangle) {
+  const render::SurfaceMesh& mesh = *placement.mesh;
+  std::array<Vec3, 3> corners;
+  for (std::size_t i = 0; i < 3; ++i) {
+    corners[i] = render_point(placement, render::to_vec3(mesh.positions[mesh.triangles[triangle][i]]));
+  }
+  return corners;
+}
+
+std::vector<LightPoint> base_points(const render::Placement& placement, std::uint32_t seed) {
+  const render::SurfaceMesh& mesh = *placement.mesh;
+  std::vector<LightPoint> points;
+  if (mesh.normals == nullptr) {
+    points.resize(mesh.triangle_count);
+    tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+      points[i] =
+          point_in(placement, i, Vec3::Constant(1.0f / 3.0f), render::mix_bits(seed + static_cast<std::uint32_t>(i)));
+    });
+    return points;
+  }
+  std::vector<VertexSums> sums(mesh.vertex_count);
+  for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
+    const std::array<Vec3, 3> corners = corners_of(placement, t);
+    const Vec3 face = face_of(placement, t, corners);
+    const float edge = shortest_edge(corners);
+    for (const std::uint32_t vertex : mesh.triangles[t]) {
+      sums[vertex].face += face;
+      if (edge > 0.0f) sums[vertex].shortest_edge = std::min(sums[vertex].shortest_edge, edge);
+    }
+  }
+  points.resize(mesh.vertex_count);
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    const Vec3 facing = render::normalized_or(sums[i].face, Vec3::Zero());
+    const Vec3 normal = render_normal(placement, render::to_vec3(mesh.normals[i]));
+    if (facing.isZero(0.0f) || normal.isZero(0.0f) || !std::isfinite(sums[i].shortest_edge)) return;
+    points[i] = make_point(render_point(placement, render::to_vec3(mesh.positions[i])), normal, facing,
+                           sums[i].shortest_edge, render::mix_bits(seed + static_cast<std::uint32_t>(i)));
+  });
+  return points;
+}
+
+LightPoint point_in(const render::Placement& placement, std::size_t triangle, const Vec3& weights, std::uint32_t seed) {
+  const render::SurfaceMesh& mesh = *placement.mesh;
+  const std::array<Vec3, 3> corners = corners_of(placement, triangle);
+  const Vec3 facing = render::normalized_or(face_of(placement, triangle, corners), Vec3::Zero());
+  if (facing.isZero(0.0f)) return {};
+  Vec3 normal = facing;
+  if (mesh.normals != nullptr) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 0; i < 3; ++i) {
+      sum += weights[static_cast<Eigen::Index>(i)] * render::to_vec3(mesh.normals[mesh.triangles[triangle][i]]);
+    }
+    normal = render::normalized_or(render_normal(placement, sum), facing);
+  }
+  const Vec3 on_surface = weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+  return make_point(on_surface, normal, facing, shortest_edge(corners), seed);
+}
+
+LightPoint other_side(const LightPoint& point) {
+  LightPoint other = point;
+  other.position -= 2.0f * point.off * point.facing;
+  other.normal = -point.normal;
+  other.facing = -point.facing;
+  other.seed = render::mix_bits(point.seed + 1);
+  return other;
+}
+
+}  // namespace cyclorama::light_baking

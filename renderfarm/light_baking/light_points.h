@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The points of a scene's surfaces at which light is computed.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "renderfarm/render/trace_scene.h"
+
+namespace cyclorama::light_baking {
+
+/// A point on one side of a surface, in the render frame. Rays start at `position`, which is slightly off the surface.
+struct LightPoint {
+  render::Vec3 position = render::Vec3::Zero();
+  render::Vec3 normal = render::Vec3::Zero();  ///< The shading normal; zero where there is no surface.
+  render::Vec3 facing = render::Vec3::Zero();  ///< The normal of the surface itself, on the same side.
+  float off = 0.0f;                            ///< Distance of `position` from the surface.
+  std::uint32_t seed = 0;                      ///< Of its random numbers.
+
+  [[nodiscard]] bool exists() const { return !normal.isZero(0.0f); }
+};
+
+/// Returns the corners of a triangle in the render frame.
+[[nodiscard]] std::array<render::Vec3, 3> corners_of(const render::Placement& placement, std::size_t triangle);
+
+/// Returns the points of the base samples of a placement, on its front: one per vertex, or one per triangle for a mesh
+/// without normals. Uses the threads of the TBB arena in which it is called.
+[[nodiscard]] std::vector<LightPoint> base_points(const render::Placement& placement, std::uint32_t seed);
+
+/// Returns the point of a triangle with these barycentric weights, on its front.
+[[nodiscard]] LightPoint point_in(const render::Placement& placement, std::size_t triangle, const render::Vec3& weights,
+                                  std::uint32_t seed);
+
+/// Returns the same point on the other side of the surface.
+[[nodiscard]] LightPoint other_side(const LightPoint& point);
+
+}  // namespace cyclorama::light_baking

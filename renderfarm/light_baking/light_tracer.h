@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Estimates the light at points of surfaces with the renderer's own rays, materials and lamps.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "renderfarm/light_baking/light_points.h"
+#include "renderfarm/render/kernel.h"
+
+namespace cyclorama::light_baking {
+
+/// Irradiance over pi at a point, by its origin. Their sum is what a sample stores, with the scene's ambient light.
+/// Light of a lamp may be found by a shadow ray or by a scattered ray that hits it; each counts with the weight of the
+/// power heuristic, so `lamps` alone is not all direct light.
+struct LampLight {
+  render::Vec3 light = render::Vec3::Zero();
+  float error = 0.0f;  ///< Standard error of its luminance.
+};
+
+struct TracerSettings {
+  int max_light_rays = 256;
+  float light_error = 0.01f;
+};
+
+/// Traces for one thread at a time. The scene and the stage are borrowed.
+class LightTracer {
+ public:
+  LightTracer(const render::TraceScene& scene, render::ShadeStage shade, int bounces);
+
+  /// Estimates the light that comes straight from lamps and the sky, by shadow rays: at least 16 for each point, then
+  /// more until the standard error is below `light_error` of the light or there are `max_light_rays`. Points that do
+  /// not exist get none.
+  void from_lamps(std::span<const LightPoint> points, const TracerSettings& settings, std::span<LampLight> ret);
+
+  /// Estimates all other light, from `rays` scattered rays per point, which read the light that the scene has at present
+  /// where they arrive. With `only_lamps` they find lamps alone. Precondition: `rays` is a power of two up to
+  /// render::kMaxRays.
+  void from_surfaces(std::span<const LightPoint> points, int rays, bool only_lamps, std::span<render::Vec3> ret);
+
+  /// Sets 1 for each pair of points between which nothing lies, otherwise 0.
+  void find_visible(std::span<const std::array<render::Vec3, 2>> pairs, std::span<std::uint8_t> ret);
+
+ private:
+  void add_light_ray(const LightPoint& point, std::uint32_t number, std::size_t path);
+
+  const render::TraceScene& scene_;
+  const render::ShadeStage shade_;
+  render::TraceView view_;
+  std::unique_ptr<render::PathBatch> batch_;
+  std::unique_ptr<render::CellFilm> film_;  ///< The kernels want one; nothing is kept of it.
+};
+
+}  // namespace cyclorama::light_baking

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/light_baking/visible_triangles.h"
+
+#include <tbb/parallel_for.h>
+
+#include <bit>
+#include <memory>
+#include <numbers>
+
+#include "renderfarm/render/ray_queue.h"
+#include "renderfarm/render/sampler.h"
+#include "renderfarm/render/surface.h"
+#include "renderfarm/scene/area.h"
+#include "renderfarm/scene/scene.h"
+
+namespace cyclorama::light_baking {
+namespace {
+
+using render::Vec3;
+
+/// Heights of eyes above and below the scene's own: children, tall people, and heads that are bent.
+constexpr double kHeightBand = 0.25;
+/// Attempts to find a walkable place; an area so narrow has only the start.
+constexpr int kMaxAttempts = 10'000;
+
+bool is_walkable(const scene::SceneInfo& info, const Eigen::Vector2d& place) {
+  if (!scene::is_inside(info.walkable, place)) return false;
+  return std::ranges::none_of(info.walkable_holes, [&](const auto& hole) { return scene::is_inside(hole, place); });
+}
+
+/// Distances as bits, so that threads may lower them: positive floats are ordered like their bits.
+using Bits = std::vector<std::atomic<std::uint32_t>>;
+
+void lower(std::atomic<std::uint32_t>& bits, std::uint32_t value) {
+  std::uint32_t known = bits.load(std::memory_order_relaxed);
+  while (value < known && !bits.compare_exchange_weak(known, value, std::memory_order_relaxed)) {
+  }
+}
+
+/// Returns direction number `i` of `count`: an even grid over the sphere, row by row, so that rays of a packet meet
+/// neighbouring triangles. `shift` in [0, 1)^2 moves the grid.
+Vec3 direction_of(int i, int count, const Eigen::Vector2d& shift) {
+  const int columns = static_cast<int>(std::sqrt(2.0 * count));
+  const int rows = std::max(1, count / columns);
+  const double v = (i / columns + shift.y()) / rows;
+  const double u = (i % columns + shift.x()) / columns;
+  const double height = 1.0 - 2.0 * std::min(v, 1.0);
+  const double across = std::sqrt(std::max(0.0, 1.0 - height * height));
+  const double angle = 2.0 * std::numbers::pi * u;
+  return Eigen::Vector3d(across * std::cos(angle), height, across * std::sin(angle)).cast<float>();
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> walkable_eyes(const scene::SceneInfo& info, int count, std::uint64_t seed) {
+  std::vector<Eigen::Vector3d> eyes = {info.start_eye};
+  if (info.walkable.size() < 3) return eyes;
+  Eigen::AlignedBox2d box;
+  for (const Eigen::Vector2d& corner : info.walkable) box.extend(corner);
+  const auto random = static_cast<std::uint32_t>(seed);
+  for (std::uint32_t i = 0; static_cast<int>(eyes.size()) < count && i < kMaxAttempts; ++i) {
+    const std::uint32_t index = render::reversed_bits(i);
+    const render::SobolPoint at = render::sobol_point(index, random, 0);
+    const float height = render::sobol_value(index, random, 1);
+    const Eigen::Vector2d place =
+        box.min() + box.sizes().cwiseProduct(Eigen::Vector2d(static_cast<double>(at.u), static_cast<double>(at.v)));
+    if (!is_walkable(info, place)) continue;
+    eyes.emplace_back(place.x(), info.start_eye.y() + kHeightBand * (2.0 * static_cast<double>(height) - 1.0),
+                      place.y());
+  }
+  return eyes;
+}
+
+VisibleTriangles find_visible_triangles(const render::Renderer& renderer, const BakeSettings& settings,
+                                        const std::function<bool()>& cancelled) {
+  const render::TraceScene& scene = renderer.traced();
+  const std::vector<Eigen::Vector3d> eyes = walkable_eyes(renderer.scene().info, settings.eyes, settings.seed);
+  std::vector<std::array<Bits, 2>> nearest(scene.placements.size());
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    for (Bits& bits : nearest[i]) {
+      bits = Bits(scene.placements[i].mesh->triangle_count);
+      for (std::atomic<std::uint32_t>& value : bits) value = std::bit_cast<std::uint32_t>(kUnseen);
+    }
+  }
+  constexpr int kTogether = render::kMaxRays;
+  const int batches = (settings.rays_per_eye + kTogether - 1) / kTogether;
+  tbb::parallel_for(0, static_cast<int>(eyes.size()) * batches, [&](int job) {
+    if (cancelled && cancelled()) return;
+    const auto eye_number = static_cast<std::size_t>(job / batches);
+    const Vec3 eye = (eyes[eye_number] - renderer.origin()).cast<float>();
+    const render::SobolPoint shift = render::sobol_point(render::reversed_bits(static_cast<std::uint32_t>(eye_number)),
+                                                         static_cast<std::uint32_t>(settings.seed), 2);
+    const auto rays = std::make_unique<render::RayQueue<RTCRayHit16>>();
+    const int first = job % batches * kTogether;
+    for (int i = first; i < std::min(first + kTogether, settings.rays_per_eye); ++i) {
+      rays->add(eye,
+                direction_of(i, settings.rays_per_eye, {static_cast<double>(shift.u), static_cast<double>(shift.v)}),
+                std::numeric_limits<float>::infinity(), render::mix_bits(static_cast<std::uint32_t>(i)));
+    }
+    render::trace_nearest(scene.top, render::Coherence::kCoherent, *rays);
+    for (int i = 0; i < rays->count(); ++i) {
+      if (!rays->has_hit(i)) continue;
+      const RTCHit hit = rays->hit(i);
+      if (hit.instID[0] == RTC_INVALID_GEOMETRY_ID && hit.geomID >= scene.placements.size()) continue;  // A lamp.
+      const render::SurfacePoint point = render::surface_at(render::triangle_at(scene, hit), rays->direction(i));
+      lower(nearest[render::top_of(hit)][point.front ? 0 : 1][hit.primID],
+            std::bit_cast<std::uint32_t>(rays->distance(i)));
+    }
+  });
+  VisibleTriangles visible;
+  visible.distance.resize(nearest.size());
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      std::vector<float>& distance = visible.distance[i][side];
+      std::uint64_t seen = 0;
+      distance.reserve(nearest[i][side].size());
+      for (const std::atomic<std::uint32_t>& bits : nearest[i][side]) {
+        distance.push_back(std::bit_cast<float>(bits.load()));
+        if (distance.back() < kUnseen) ++seen;
+      }
+      if (seen == 0) distance.clear();
+      visible.seen += seen;
+    }
+  }
+  return visible;
+}
+
+}  // namespace cyclorama::light_baking

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/tools/light_command.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <nlohmann/json.hpp>
+
+#include "common/process/progress.h"
+#include "renderfarm/light/light_file.h"
+#include "renderfarm/light_baking/bake_light.h"
+#include "renderfarm/render/memory.h"
+
+namespace cyclorama::tools {
+namespace {
+
+struct LightOptions {
+  SceneOptions scene;
+  std::string out;
+  std::string json;
+  light_baking::BakeSettings settings;
+};
+
+Status compute_light(const LightOptions& options, const StopSignal& stop) {
+  std::filesystem::path out = options.out;
+  if (out.empty()) {
+    if (!std::filesystem::is_directory(options.scene.scene)) {
+      return Error(ErrorCode::kInvalidArgument,
+                   fmt::format("{} is not a scene's folder: name the file to write with --out", options.scene.scene));
+    }
+    out = std::filesystem::path(options.scene.scene) / light::kLightFileName;
+  }
+  TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
+  if (stop.requested()) return stopped();
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             build_with_progress(std::move(loaded.scene), options.scene));
+  light_baking::BakeSettings settings = options.settings;
+  settings.final_rays = static_cast<int>(std::bit_floor(static_cast<unsigned>(settings.final_rays)));
+  settings.max_parts = static_cast<int>(std::bit_floor(static_cast<unsigned>(settings.max_parts)));
+  Progress progress("computing light");
+  TRY_ASSIGN(const light_baking::BakedLight baked,
+             light_baking::bake_light(
+                 *renderer, settings, options.scene.threads, [&](double fraction) { progress.update(fraction); },
+                 [&] { return stop.requested(); }));
+  TRY(light::write_light_file(out, *baked.store));
+  const auto triangles = static_cast<double>(renderer->scene().triangles_seen());
+  const double bytes_per_triangle = static_cast<double>(baked.store->bytes()) / triangles;
+  fmt::print(
+      "{}: {}, {:.1f} bytes per triangle; {} samples, {} triangles with a grid; visitors see {:.0f} % of {:.0f} "
+      "triangles; {:.1f} cpu-seconds\n",
+      out.string(), render::describe_bytes(baked.store->bytes()), bytes_per_triangle, baked.store->sample_count(),
+      baked.grids, 100.0 * static_cast<double>(baked.seen_triangles) / triangles, triangles, baked.cpu_seconds);
+  if (options.json.empty()) return Done{};
+  return write_json(options.json, {{"bytes", baked.store->bytes()},
+                                   {"bytes_per_triangle", bytes_per_triangle},
+                                   {"samples", baked.store->sample_count()},
+                                   {"grids", baked.grids},
+                                   {"separate_samples", baked.separate_samples},
+                                   {"seen_triangles", baked.seen_triangles},
+                                   {"cpu_s", baked.cpu_seconds}});
+}
+
+}  // namespace
+
+RenderCommand add_light_command(CLI::App* program) {
+  CLI::App* const parser =
+      program->add_subcommand("light", "Compute the light on a scene's surfaces, so that pictures need eye rays alone");
+  const auto options = std::make_shared<LightOptions>();
+  add_scene_options(parser, &options->scene);
+  light_baking::BakeSettings& settings = options->settings;
+  parser->add_option("--out", options->out, "The file to write; default: light.store in the scene's folder");
+  parser->add_option("--eyes", settings.eyes, "Places in the walkable area from which surfaces are looked at")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  parser->add_option("--pixels-per-degree", settings.pixels_per_degree, "Resolution of the wall that shows the scene")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  parser->add_option("--pixels-per-sample", settings.pixels_per_sample, "Spacing of the finest samples, in pixels")
+      ->check(CLI::Range(0.25, 64.0))
+      ->capture_default_str();
+  parser->add_option("--rays", settings.final_rays, "Scattered rays of each sample; rounded down to a power of two")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  parser->add_option("--light-rays", settings.max_light_rays, "Upper bound of a sample's shadow rays")
+      ->check(CLI::Range(16, 65536))
+      ->capture_default_str();
+  parser
+      ->add_option("--probe-error", settings.probe_error,
+                   "Relative error between vertices above which a triangle is sampled more finely")
+      ->check(CLI::Range(0.001, 10.0))
+      ->capture_default_str();
+  parser->add_option("--max-parts", settings.max_parts, "Upper bound of samples along a triangle's edge")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  parser->add_option("--seed", settings.seed, "Seed of the random numbers")->capture_default_str();
+  parser->add_option("--json", options->json, "Also write the figures as JSON");
+  return {parser, [options](const StopSignal& stop) { return compute_light(*options, stop); }};
+}
+
+}  // namespace cyclorama::tools

@@ -9,7 +9,7 @@
 ///     FOLDER/calibrations/DATE/light.json         the light they were computed from: photometry/light_file.h
 ///
 /// FOLDER/calibration.json is written last, and the others are never changed, so a reader always finds all files that
-/// belong to it, also after a power cut. An unfinished calibration is ignored, and the next one removes it.
+/// belong to it, even after a power cut. An unfinished calibration is ignored, and the next one removes it.
 #pragma once
 
 #include <filesystem>

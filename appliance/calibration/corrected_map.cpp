@@ -46,7 +46,7 @@ MeasuredMap corrected_map(const MeasuredMap& map, const ShowFile::Projector& pro
                           const Point<frame::Room>& sweet_spot) {
   if (is_same(projector)) return map;
   MeasuredMap made = map;
-  // The map may belong to one eye's pixels, which are stretched over the head's picture.
+  // The lens's size counts: the map may be of one eye's pixels, which are stretched over the head's whole picture.
   const double per_u = static_cast<double>(projector.lens.width_px) / map.cells_x;
   const double per_v = static_cast<double>(projector.lens.height_px) / map.cells_y;
   for (int y = 0; y <= map.cells_y; ++y) {

@@ -11,7 +11,7 @@ namespace cyclorama::calibration {
 namespace {
 
 constexpr int kTableAcross = 2048;  // Columns of a table over the picture; weights are smooth over a hundred of them.
-using Table = Image<float, 1>;      // Inwardness of each position in a projector's picture.
+using Table = Image<float, 1>;      // For each position of the picture, inwardness() of the projector's pixel there.
 
 /// Like blend_mask.cpp: 1 in the middle of the picture, 0 at its edges.
 double inwardness(const MeasuredMap& map, const Eigen::Vector2d& pixel) {

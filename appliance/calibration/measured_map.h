@@ -23,7 +23,7 @@ struct MeasuredMap {
   std::vector<Eigen::Vector3d> directions;
   std::vector<double> sigma_px;  ///< One per direction, in projector pixels per axis; large in gaps and beyond the rim.
   double heldout_rms_px = 0.0;   ///< Per axis, over cells that were left out of the fit.
-  double stiffness_px = 0.0;  ///< The change of slope per cell that the smoothness expects; chosen by held-out cells.
+  double stiffness_px = 0.0;  ///< Change of slope per cell that the smoothness term expects; chosen by left-out cells.
   std::size_t samples = 0;
 
   /// Returns a unit vector; nothing outside the picture or where the map has no direction.

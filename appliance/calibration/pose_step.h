@@ -17,7 +17,7 @@ namespace cyclorama::calibration {
 using PoseStep = Eigen::Matrix<double, 6, 1>;
 using PoseMatrix = Eigen::Matrix<double, 6, 6>;
 
-/// Largest displacement by a bump; beyond it, a new calibration is needed.
+/// Maximum displacement that counts as a bump; beyond it, a new calibration is needed.
 inline constexpr double kMaxTurn_rad = 0.12;
 inline constexpr double kMaxShift_m = 0.15;
 

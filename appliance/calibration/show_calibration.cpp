@@ -50,7 +50,7 @@ CodeLight rounded_light(CodeLight light) {
 Status ShowCalibration::validate() const {
   if (projectors.empty()) return Error(ErrorCode::kInvalidArgument, "no projector");
   if (cameras.empty())
-    return Error(ErrorCode::kInvalidArgument, "no camera looks at the show; fix one by each projector");
+    return Error(ErrorCode::kInvalidArgument, "no camera watches the show; mount one beside each projector");
   for (const ShowProjector& projector : projectors) TRY(check(projector.lens, projector.name));
   for (const ShowCamera& camera : cameras) TRY(check(camera.lens, camera.name));
   return Done{};

@@ -96,7 +96,8 @@ PoseMatrix root_of(StrictJson* json) {
   const std::vector<StrictJson> values = json->list("root", 36, 36);
   if (values.size() != 36) return root;
   for (Eigen::Index i = 0; i < 36; ++i) root.reshaped()[i] = values[static_cast<std::size_t>(i)].as_number(-1.0, 1.0);
-  if (!(std::abs(root.determinant()) > kFlattest)) json->refuse("is surer than can be; place the cameras again");
+  if (!(std::abs(root.determinant()) > kFlattest))
+    json->refuse("is more certain than is possible; place the cameras again");
   return root;
 }
 

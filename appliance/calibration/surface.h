@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The wall as seen from the sweet spot: its inverse depth in each direction. The candidate models, each richer:
+/// The wall as seen from the sweet spot: its inverse depth in each direction. The candidate models, from the smallest
+/// to the richest:
 ///
 ///     plane       2   the normal
 ///     cylinder    4   also the roll of its axis and its curvature; curvature 0 is a plane, so the transition is smooth

@@ -136,7 +136,7 @@ void add_watch_options(CLI::App& app, Options* ret) {
                  "Keep what is shown and seen in FOLDER/TIME for --replay; FOLDER grows to 8 GiB")
       ->type_name("FOLDER");
   app.add_option("--replay", ret->replay,
-                 "Only compute the corrections of a record again, print them, and end: 0 if they are the same")
+                 "Only compute the corrections of a record again, print them, and exit: 0 if they are the same")
       ->type_name("FOLDER");
 }
 
@@ -219,7 +219,7 @@ std::chrono::milliseconds settle_of(const CalibratorSettings& settings) {
   return std::chrono::milliseconds(static_cast<int>(1e3 * settings.settle_s + 0.5));
 }
 
-/// The opener holds the museum, so that it outlives all devices.
+/// The opener shares ownership of the museum, which must outlive all devices.
 DeviceOpener simulated_opener(const CalibratorSettings& settings, const std::filesystem::path& folder,
                               std::shared_ptr<simulated::SimulatedMuseum> museum) {
   return [settings, folder, museum]() -> Result<CalibrationDevices> {
@@ -243,10 +243,9 @@ DeviceOpener real_opener(const CalibratorSettings& settings, const std::filesyst
                          const Installation& installation, TurntablePrompt* prompt, const Clock& clock) {
   return [settings, folder, projectors = installation.projectors, prompt, &clock]() -> Result<CalibrationDevices> {
     const scan::FrameScanCamera::Opener open_camera = [spec = settings.camera, &clock](double exposure_s) {
-      // Gain must be fixed, since photographs are compared. libcamera's cameras fix their gain together with the
-      // exposure.
+      // The gain must be fixed, since photographs are compared; libcamera's cameras fix it together with the exposure.
       const std::string_view held = spec.starts_with("v4l2:") ? "&gain=held" : "";
-      // Cameras shorten an exposure that exceeds the frame period.
+      // The rate follows the exposure, since cameras shorten an exposure that exceeds the frame period.
       const double rate_hz = std::min(30.0, 0.9 / exposure_s);
       return devices::make_camera(
           devices::with_defaults(spec, fmt::format("{}&frames_per_second={:.4g}&colour=yes&exposure_ms={}{}",
@@ -306,7 +305,7 @@ Status run_again(const std::filesystem::path& folder) {
   constexpr std::size_t kMaxBytes = std::size_t{1} << 28;
   TRY_ASSIGN(const std::string recorded, read_text_file(folder / "report.txt", kMaxBytes));
   if (lines == recorded) return Done{};
-  return Error(ErrorCode::kBadData, "what is found now is not what was found then; see report.txt");
+  return Error(ErrorCode::kBadData, "the corrections are not the recorded ones; see report.txt");
 }
 
 Status run(const Options& options, const StopSignal& stop) {

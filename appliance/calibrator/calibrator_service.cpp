@@ -182,7 +182,7 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
 
 grpc::Status CalibratorService::Answer(grpc::ServerContext*, const wire::AnswerOrder* request, wire::AnswerReply*) {
   if (prompt_ != nullptr && prompt_->answer(request->text())) return grpc::Status::OK;
-  return refused("nothing is asked any more");
+  return refused("no question is open any more");
 }
 
 grpc::Status CalibratorService::Restore(grpc::ServerContext*, const wire::RestoreOrder*, wire::RestoreAnswer* reply) {

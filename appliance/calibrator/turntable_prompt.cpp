@@ -32,7 +32,7 @@ Result<std::string> TurntablePrompt::ask(const std::string& question, std::chron
   const auto deadline = std::chrono::steady_clock::now() + timeout;
   bool is_wanted = true;
   while (!answer_ && is_wanted && std::chrono::steady_clock::now() < deadline) {
-    lock.unlock();  // The listener writes to a network.
+    lock.unlock();  // The listener writes to a network and may block.
     is_wanted = listener(question);
     lock.lock();
     changed_.wait_until(lock, std::min(std::chrono::steady_clock::now() + kLook, deadline),

@@ -15,8 +15,8 @@ namespace cyclorama::calibrator {
 /// `cyclorama calibrate`, or the operator's page. Thread-safe.
 class TurntablePrompt {
  public:
-  /// Receives a new question, and repeats it every fifth of a second while it is open; empty: it was answered. Returns
-  /// false if the calibration is no longer wanted. Called by the thread that asks.
+  /// Called with a new question, again every fifth of a second while it is open, and with an empty text once it is
+  /// answered. Returns false if the calibration is no longer wanted. Called by the thread that asks.
   using Listener = std::function<bool(const std::string& question)>;
 
   /// Sets the listener of the calibration that begins; null: it has ended.

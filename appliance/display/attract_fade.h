@@ -11,9 +11,9 @@ struct AttractTimes {
   Duration fade = std::chrono::seconds(2);
 };
 
-/// Share of the attract picture. A picture that is wrong (the visitor has turned and no frame follows, the
-/// tour is gone, frames are given up) stays for a while and then fades; the next frame fades in. The share never jumps,
-/// however late a refresh is.
+/// Share of the attract picture in what the heads show. A picture that is wrong (the visitor has turned and no frame
+/// follows, the tour is gone, frames are given up) stays for a while and then fades; the next frame fades in. The share
+/// never jumps, however late a refresh is.
 ///
 ///          wrong for `after`
 ///   frame ──────────────────► fading ──► attract        Thread-bound; allocates nothing.

@@ -26,8 +26,9 @@ Error of_others(const std::string& name, int width_px, int height_px, const Pinh
                            printable(name), what, width_px, height_px, lens.width_px, lens.height_px));
 }
 
-/// Null where the calibration lacks a projector. An eye's pixels are a part of the head's, stretched over its whole
-/// picture, and a map's control points are evenly spread over the picture.
+/// Returns the map of each projector of the installation; null where the calibration lacks it. A map gets the size of
+/// one eye's pixels, which are stretched over the head's whole picture; its control points are evenly spread, so they
+/// stay as they are.
 Result<std::vector<const calibration::MeasuredMap*>> maps_of(calibration::Calibration* calibration,
                                                              const Installation& installation) {
   std::vector<const calibration::MeasuredMap*> maps;
@@ -67,11 +68,11 @@ Status add_colours(std::vector<calibration::CalibratedColour> colours, const Ins
   return Done{};
 }
 
-/// Displacement from which on a mask is carried along; below it, its ramps hardly differ.
+/// Minimum displacement at which masks follow their projector; below it, their ramps hardly differ.
 constexpr double kCarryMasksFrom_px = 2.0;
 
-/// Returns whether any projector moved by so much that masks must be carried along. Without a correction, or if it is
-/// of another calibration or unreadable, everything stays as measured.
+/// Adapts the maps to the present poses and returns whether any projector moved so far that the masks must follow.
+/// Without a correction, or if it is of another calibration or unreadable, everything stays as measured.
 bool correct_maps(const std::filesystem::path& folder, const Installation& installation,
                   calibration::Calibration* calibration, std::vector<std::string>* corrected) {
   const auto show = calibration::read_show(folder / calibration::kCorrectionFile);

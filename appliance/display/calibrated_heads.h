@@ -10,7 +10,7 @@
 
 namespace cyclorama::display {
 
-/// Returns what the heads draw with as long as nothing has been measured: the installation's model, and warps of other
+/// Returns the plans of the heads before anything is measured: from the installation's model, or from warps of other
 /// programs. Errors: kInvalidArgument if the picture's shape is invalid; those of measured_head().
 Result<std::vector<HeadPlan>> planned_heads(const Installation& installation, const PictureShape& picture);
 
@@ -29,7 +29,7 @@ struct CalibratedHeads {
 /// this calibration (appliance/healing). A head that packs two eyes' pictures side by side or one above the other uses
 /// only the maps, since colours cover whole heads. Takes seconds. Reentrant.
 /// Errors: kNotFound if there is no calibration; kBadData as read_calibration() and read_colours(); kInvalidArgument if
-/// it is of other projectors: none of these, or of another size.
+/// it contains none of these projectors, or one of another size.
 Result<CalibratedHeads> calibrated_heads(const std::filesystem::path& folder, const Installation& installation,
                                          const PictureShape& picture, std::vector<HeadPlan> planned);
 

@@ -224,7 +224,7 @@ void Display::on_message(wire::ShowMessage message) {
 void Display::frame_ready(DisplayFrame frame) {
   const int largest = present_->max_side_px();
   if (width_px(frame.shape) > largest || frame.stacked * height_px(frame.shape) > largest) {
-    return frame_dropped(frame.number, fmt::format("larger than {} px, the graphics card's most", largest));
+    return frame_dropped(frame.number, fmt::format("larger than {} px, the graphics card's maximum", largest));
   }
   tour_clock_.frame_ready(frame.show_at, frame.decoded_at);
   std::unique_ptr<DisplayFrame> unseen;
@@ -276,8 +276,8 @@ void Display::serve(TimePoint deadline) {
   } while (clock_.now() < deadline);
 }
 
-/// The state depends on the present time alone, independent of the start of the process and of clock changes. The wall
-/// is measured when the museum is closed.
+/// The state depends on the present time alone, independent of the start of the process and of clock changes. Patterns
+/// keep the heads awake, since a wall is measured while the museum is closed.
 void Display::keep_hours() {
   const auto now = wall_time(std::chrono::time_point_cast<WallTime::duration>(options_.system_clock()));
   is_awake_ = patterns_.is_open() || hours_.is_open(now);
@@ -307,7 +307,7 @@ void Display::keep_connected() {
   if (clock_.now() < connect_at_) return;
   {
     const std::lock_guard lock(mutex_);
-    drops_.clear();  // They have no meaning for the next connection.
+    drops_.clear();  // Drops of one connection have no meaning for the next.
     reported_after_ = newest_ready_;
   }
   stream_ = std::make_unique<ShowStream>(channel_, hello_, [this](wire::ShowMessage m) { on_message(std::move(m)); });
@@ -391,7 +391,7 @@ void Display::publish_state() {
     inspection_.set_state("Sleeps: the museum is closed.", true);
   } else if (trouble_) {
     inspection_.set_state(
-        fmt::format("Holds its last picture: the tour at {} does not answer ({}). Dialling again for ever.",
+        fmt::format("Holds its last picture: the tour at {} does not answer ({}). Reconnecting without end.",
                     options_.tour, trouble_->message()),
         false);
   } else if (stream_ == nullptr || !stream_->is_up()) {

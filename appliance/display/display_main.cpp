@@ -39,7 +39,7 @@ void add_options(CLI::App* app, Options* options) {
       ->required();
   app->add_option("--config", options->config, "The museum's site.toml: [display], [hours]");
   app->add_option("--hours-override", display.hours_override,
-                  "Where the operator page keeps what was said of [hours] for once");
+                  "File in which the operator page keeps its override of [hours] for one day");
   app->add_option("--tour", display.tour, "HOST:PORT of the tour to show, such as [::1]:7403")->required();
   app->add_option("--listen", display.listen,
                   "HOST:PORT for inspection and a calibration's patterns; port 0 takes a free one")
@@ -48,12 +48,11 @@ void add_options(CLI::App* app, Options* options) {
                   "Publish what each head shows as head-NAME.picture in this folder");
   app->add_flag("--check", options->is_check,
                 "Read the settings and all files that they name, and end: 0 if it would start");
-  app->add_option("--width", options->width_px,
-                  "Width in pixels of the picture to ask for. In the place of site.toml's")
+  app->add_option("--width", options->width_px, "Width in pixels of the requested picture. Overrides site.toml")
       ->check(CLI::Range(16, 16384));
-  app->add_option("--height", options->height_px, "Its height; 0 for square pixels. In the place of site.toml's")
+  app->add_option("--height", options->height_px, "Its height; 0 for square pixels. Overrides site.toml")
       ->check(CLI::Range(0, 16384));
-  app->add_option("--refresh-hz", options->refresh_hz, "Refreshes per second. In the place of site.toml's")
+  app->add_option("--refresh-hz", options->refresh_hz, "Refreshes per second. Overrides site.toml")
       ->check(CLI::Range(0.1, 1000.0));
   app->add_option("--output", options->output,
                   "Where to draw: drm (the projectors), headless (EGL, else OSMesa), egl or osmesa")
@@ -62,16 +61,15 @@ void add_options(CLI::App* app, Options* options) {
   app->add_option(
       "--head", options->heads,
       "With drm: PROJECTOR=CONNECTOR, such as left=HDMI-A-1; 1:HDMI-A-1 is on the second card; ,90 (180, 270) "
-      "turns the picture clockwise. In the place of the installation's connector, card and turn_deg; projectors of "
-      "which "
-      "nothing is said take the connectors that are free");
+      "turns the picture clockwise. Overrides the installation's connector, card and turn_deg; projectors that are "
+      "not named take the free connectors");
   app->add_option(
       "--card", display.output.cards,
-      "With drm: the graphics cards, such as /dev/dri/card0; the first one draws. In the place of the installation's "
-      "cards; without either: all that there are");
+      "With drm: the graphics cards, such as /dev/dri/card0; the first one draws. Overrides the installation's "
+      "cards; without either: all cards");
   app->add_option("--calibration", display.calibration,
-                  "A calibration's folder: draw as it measured, and move over when it is replaced. In the place of "
-                  "site.toml's");
+                  "A calibration's folder: draw as it measured, and change over when it is replaced. Overrides "
+                  "site.toml");
   app->add_option("--decode-threads", display.decode_threads, "Threads that decode tiles")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();

@@ -2,7 +2,7 @@
 /// From the Show stream's messages to whole frames. A frame is shown whole or not at all.
 ///
 ///   begin ──► tiles ──► end(complete) ──► those that a head shows decoded ──► frame_ready
-///     any missing, doubled, foreign, misplaced or damaged tile, an end that is not complete, a begin or a lost
+///     any missing, duplicate, foreign, misplaced or damaged tile, an end that is not complete, a begin or a lost
 ///     stream before the end  ──────────────────────────► frame_dropped, once, with the first reason
 #pragma once
 

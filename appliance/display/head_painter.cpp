@@ -167,7 +167,7 @@ void HeadPainter::use(const HeadProgram& program, const TurnedPicture& shown, co
     CHECK(turned.picture->texels() == texels_);
     gl_->Uniform2f(uniforms.per_texel, 1.0f / static_cast<float>(turned.picture->texture_width()),
                    1.0f / static_cast<float>(turned.picture->texture_height()));
-    // Unit of the shader's positions: the texture's size, or its pixels from the first one's centre on.
+    // The shader's positions are in units of the texture's size, or in pixels from the centre of its first pixel.
     const bool counts_pixels = texels_ == Texels::kPacked;
     const double width = counts_pixels ? 1.0 : turned.picture->texture_width();
     const double height = counts_pixels ? 1.0 : turned.picture->texture_height();

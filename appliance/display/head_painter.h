@@ -9,8 +9,8 @@
 
 namespace cyclorama::display {
 
-/// Returns the texels with which every code value of 8 bits stays right within one: packed ones if a processor renders,
-/// since it is fastest with them, unless a head's matrix, black lift or response needs more.
+/// Returns the texel format with which every 8-bit code value stays correct within one: packed if a processor renders,
+/// which is fastest with it, unless a head's matrix, black lift or response needs more.
 [[nodiscard]] Texels texels_for(const output::Gl& gl, const std::vector<HeadPlan>& plans);
 
 /// A picture, and how far the visitor has turned to the right since its view was requested. A panorama moves to the

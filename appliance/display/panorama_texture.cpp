@@ -94,8 +94,8 @@ PanoramaTexture::PanoramaTexture(const output::Gl& gl, const PictureProgram& pro
   filter(*gl_, GL_NEAREST, GL_CLAMP_TO_EDGE);
   for (const Plane* plane : {&blue_, &red_}) {
     gl_->BindTexture(GL_TEXTURE_2D, plane->texture.id());
-    // Sampled positions never reach the edge, where this would differ from clamping; but llvmpipe filters clamped bytes
-    // in 8 bits.
+    // Mirrors instead of clamping, since llvmpipe filters clamped bytes in 8 bits only. Sampled positions never reach
+    // the edge, where the two would differ.
     filter(*gl_, GL_LINEAR, GL_MIRRORED_REPEAT);
   }
   gl_->BindTexture(GL_TEXTURE_2D, light_.id());

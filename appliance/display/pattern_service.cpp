@@ -134,7 +134,7 @@ Result<TimePoint> PatternService::wait_for(std::uint64_t order, const grpc::Serv
       changed_.wait_for(lock, kLookAtCall);
       continue;
     }
-    if (shown_.order < order) return Error(ErrorCode::kUnavailable, "the display's output is away; see its state");
+    if (shown_.order < order) return Error(ErrorCode::kUnavailable, "the display's output was lost; see its state");
     std::string names;
     for (std::size_t i = 0; i < heads_.size() && i < 64; ++i) {
       if ((shown_.lacking >> i & 1) != 0) names += fmt::format("{}'{}'", names.empty() ? "" : ", ", heads_[i].name);

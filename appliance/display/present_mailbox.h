@@ -44,7 +44,7 @@ struct RefreshEvent {
   double turn_rad = 0.0;       ///< Angle by which it was turned.
   // Set while several displays show the tour (synchronised_refresh.h):
   std::optional<std::int64_t> synchronised_refresh;
-  ShowAt frame_due;        ///< Due time of the frame that is visible here first, or of one passed over.
+  ShowAt frame_due;  ///< Due time of the frame that this refresh shows first, or of an earlier one that it passes over.
   ShowAt heading_due;      ///< Due time of the heading.
   Duration drawn_ahead{};  ///< Lead of the start of drawing over the synchronised refresh.
 

@@ -116,7 +116,7 @@ Status Presenter::refresh() {
   return Done{};
 }
 
-/// The device on a connector may change while this runs.
+/// Follows the depths of the outputs, since the device on a connector may change while this runs.
 void Presenter::notice_depths() {
   for (std::size_t head = 0; head < heads_->count(); ++head) {
     const output::HeadShown& shown = output_.shown()[head];

@@ -23,7 +23,7 @@ class RefreshReporter {
   /// Returns a report if the refresh was the first of a frame.
   std::optional<wire::FramePresented> take(const RefreshEvent& event);
   void take(const HeadRefresh& refresh);
-  /// Nothing counts as shown until more refreshes come.
+  /// Records that no head shows anything until more refreshes come.
   void output_lost();
   void frame_dropped(const std::string& reason);
   /// Updates the rates about once a second; call it often.

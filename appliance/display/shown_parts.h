@@ -45,10 +45,10 @@ struct ShownParts {
 /// Returns the parts of two pictures of that height, one above the other, of which the heads show the same parts.
 [[nodiscard]] ShownParts shown_by_both_eyes(const ShownParts& of_one, int height_px);
 
-/// Returns the parts of a picture that some head shows while the visitor turns either way until a wall that shows
-/// `wall` of it would reach its edge (turn_reach() in common/geometry/guard_band.h), with a margin for filters. If the
-/// picture has no edge, the limit is half a radian, for which a visitor takes longer than a farm needs for a frame; or
-/// there is none, if hardly more becomes visible.
+/// Returns the parts of a picture that some head shows, with a margin for filters, while the visitor turns either way.
+/// The turn is limited to where a wall that shows the part `wall` would reach the picture's edge (turn_reach() in
+/// common/geometry/guard_band.h). For a picture without edges the limit is half a radian, for which a visitor takes
+/// longer than a farm needs for a frame; there is no limit if hardly more becomes visible.
 [[nodiscard]] ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture,
                                      const PictureShape& wall);
 

@@ -75,7 +75,7 @@ void TourClock::add_need(const ShowAt& at, TimePoint now, std::optional<Duration
   if (at.period_ns == 0 || !reading.is_known) return;
   const std::uint64_t since_ns = static_cast<std::uint64_t>(reading.at(now)) - static_cast<std::uint64_t>(at.told_ns);
   const Duration since = std::chrono::nanoseconds(static_cast<std::int64_t>(since_ns));
-  // It belongs to another tour, or is invalid.
+  // The schedule belongs to another tour, or is invalid.
   if (since < -kGiveUpAfter || since > 60 * kGiveUpAfter) return;
   *need = std::max(since, need->value_or(Duration::zero()));
 }

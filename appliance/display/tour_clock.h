@@ -21,9 +21,8 @@ using SystemClock = std::function<SystemTime()>;
 /// a second is given up. Thread-safe.
 class TourClock {
  public:
-  /// Lead of this computer's system clock over the tour's. It need not be small, since pictures follow the
-  /// measured clock of the tour; but logs are compared by it, and it shows whether this computer's clock is
-  /// disciplined.
+  /// Lead of this computer's system clock over the tour's. It need not be small, since pictures follow the measured
+  /// clock of the tour; but it is needed to compare logs, and it shows whether this computer's clock is disciplined.
   struct Skew {
     Duration ahead{};
     Duration error{};

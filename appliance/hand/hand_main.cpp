@@ -50,7 +50,7 @@ void add_options(CLI::App& app, Options* options) {
   app.add_option("--vrpn", options->vrpn, "Listen here for a VRPN tracker's datagrams")->type_name("HOST:PORT");
   app.add_option("--vrpn-device", options->vrpn_device, "Follow only the VRPN tracker of this name");
   app.add_option("--axes", options->axes,
-                 "Of those poses: 'camera', as cyclorama-tracker's, or 'room', x to the visitor's right, y up")
+                 "Axes of those poses: 'camera', as cyclorama-tracker's, or 'room', x to the visitor's right, y up")
       ->check(CLI::IsMember({"camera", "room"}))
       ->capture_default_str();
 }

@@ -22,7 +22,7 @@ using Pose = RigidTransform<frame::Room, frame::Projector>;
 constexpr const char* kFile = "corrections.log";
 constexpr std::uintmax_t kMaxLogBytes = std::uintmax_t{1} << 20;
 constexpr std::size_t kMaxProjectors = 64;
-// For turn and shift: the log has fewer digits than that, and a hundredth of a pixel is more.
+// Length of a turn in radians and a shift in metres: above the log's rounding, and below any correction.
 constexpr double kSame = 1e-5;
 
 std::string pose_json(const Pose& T) {

@@ -5,8 +5,8 @@
 ///     {"at": "2026-11-23T10:00:00Z", "projector": 2, "kind": "bump", "moved_px": 23.411, "sigma_px": 0.110,
 ///      "before": {"rotation_wxyz": [...], "position_m": [...]}, "after": {...}}
 ///
-/// Projectors are counted from 1. A kind is bump, drift or undone; with undone, `before` is the correction that was
-/// taken back, and `after` the pose before it.
+/// Projectors are counted from 1. A kind is bump, drift or undone; with undone, `before` is the pose of the
+/// correction that was taken back, and `after` the pose before that.
 #pragma once
 
 #include <filesystem>
@@ -34,7 +34,7 @@ struct LoggedCorrection {
 /// Parses one line; empty if it is no such line.
 [[nodiscard]] std::optional<LoggedCorrection> parse_correction(std::string_view line);
 
-/// Appends to the log. Failures are ignored: the wall is kept in place without a log.
+/// Appends to the log. Failures are ignored: the wall is corrected without a log too.
 void log_corrections(const std::filesystem::path& folder, std::span<const LoggedCorrection> corrections);
 
 /// Returns the last correction that is in force: it was not taken back, and its projector is drawn for its pose

@@ -29,7 +29,7 @@ class HealingHealth {
   void take(const ShowReport& report, TimePoint now);
   [[nodiscard]] wire::Table projectors(TimePoint now) const;
   [[nodiscard]] wire::Table history(TimePoint now) const;
-  /// Returns one sentence: "keeps 3 projectors in place", or why which of them are held.
+  /// Returns one sentence: "keeps 3 projectors in place", or which of them are held, and why.
   [[nodiscard]] std::string sentence() const;
   /// False while a projector wants a scan.
   [[nodiscard]] bool is_well() const;

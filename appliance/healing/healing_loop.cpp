@@ -127,14 +127,14 @@ Status HealingLoop::begin() {
     auto recording =
         used < kMaxRecordBytes
             ? ShowRecorder::begin(folder, options_.installation_file, start, kMaxRecordBytes - used)
-            : Error(ErrorCode::kBusy, "the records in that folder have their largest size; take some away");
+            : Error(ErrorCode::kBusy, "the records in that folder have reached their maximum size; remove some");
     if (recording) {
       recorder = *std::move(recording);
       // Reads the start back, since rounding changes the last bits of a rotation.
       TRY_ASSIGN(const ShowRecord read, ShowRecord::open(folder));
       start = read.start();
     } else if (options_.on_line) {
-      // A record is for engineers; the wall is kept in place without it.
+      // A record is only for engineers; the wall is corrected without it too.
       options_.on_line("nothing is recorded: " + recording.error().message());
     }
   }
@@ -223,7 +223,7 @@ void HealingLoop::keep(const ShowReport& report) {
   const Status written = write_state(has_corrected || is_unkept);
   const std::string why = written ? "" : written.error().message();
   if (!written) inspection_.count("watch_unkept");
-  if (!written && why != now.unkept && options_.on_line) options_.on_line("what was found cannot be kept: " + why);
+  if (!written && why != now.unkept && options_.on_line) options_.on_line("what was learned cannot be written: " + why);
   now.unkept = why;
 }
 
@@ -235,7 +235,7 @@ void HealingLoop::end_record_unless(const Status& kept) {
 }
 
 Status HealingLoop::write_state(bool with_correction) {
-  // It is read from colours.json at each start, and older versions do not accept such a member.
+  // Leaves out the light: it is read from colours.json at each start, and older versions do not accept such a member.
   calibration::ShowFile show = watching_->show;
   for (calibration::ShowFile::Projector& projector : show.projectors) projector.light.reset();
   if (with_correction) {
@@ -251,7 +251,7 @@ Status HealingLoop::write_state(bool with_correction) {
 }
 
 Status HealingLoop::realign() {
-  // A holder of the loop keeps its lock for minutes.
+  // Does not wait for the lock, which a holder of the loop keeps for minutes.
   if (holders_ > 0) return Error(ErrorCode::kUnavailable, "the wall is being measured");
   const std::lock_guard lock(working_);
   if (watching_ == nullptr) return Error(ErrorCode::kUnavailable, "the wall is not watched: " + lacks_);
@@ -269,7 +269,8 @@ Result<std::string> HealingLoop::undo() {
     applied.push_back(projector.T_room_projector);
   const auto last = last_correction(folder_, applied);
   if (!last) return Error(ErrorCode::kNotFound, "no correction stands that could be undone");
-  // Same values as a record gives when read, since rounding changes the last bits of a rotation.
+  // Builds the pose from the values that a record stores, so that a replay has the same bits: rounding changes the last
+  // bits of a rotation.
   TRY(now.calibrator.put_back(last->projector, {last->before.rotation(), last->before.translation()}));
   if (now.recorder) end_record_unless(now.recorder->add_put_back(last->projector, last->before));
   const LoggedCorrection undone{utc_now(),      "undone",    last->projector, last->moved_px,

@@ -69,7 +69,7 @@ calibration::ShowFile::Projector found_projector(const calibration::Calibration&
   }
   const auto fitted = fit_projector(found->map, installation.wall, installation.sweet_spot, begun);
   if (!fitted) {
-    made.unplaced = remedy("where it stands cannot be told from its map: " + fitted.error().message());
+    made.unplaced = remedy("its pose cannot be told from its map: " + fitted.error().message());
     return made;
   }
   made.lens = fitted->lens;
@@ -163,7 +163,7 @@ Result<calibration::ShowFile> save_camera_poses(const std::filesystem::path& fol
     if (before != known->cameras.end() && is_same(before->lens, camera.lens)) show.cameras.push_back(*before);
   }
   TRY_ASSIGN(show.projectors, projectors_of(folder, calibration, installation, known ? &*known : nullptr));
-  // From another camera pose the residuals differ.
+  // What was learned holds for the former camera poses only.
   for (calibration::ShowFile::Projector& projector : show.projectors) {
     projector.learned.reset();
     projector.light.reset();

@@ -24,7 +24,7 @@ struct HealingStart {
 /// Reads the room from the calibrator's folder, for a calibration that continues during the show.
 ///
 ///     calibration.json ── maps ─▶ fit_projector() ─▶ scanned     if the calibration is newer than watch.json
-///     watch.json ────────────────────────────────▶ cameras; also scanned, applied and learned, if it is of this one
+///     watch.json ────────────────────────────────▶ cameras; also scanned, applied and learned, if of the same date
 ///
 /// A camera that was never placed, or has another lens since, is left out, and so is a projector whose map fits no
 /// pose. The response from codes to light is taken from the calibration's colours.json if there is one. Errors:

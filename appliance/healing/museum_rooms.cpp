@@ -16,7 +16,8 @@ constexpr Duration kForAFrame = std::chrono::seconds(1);
 Result<std::unique_ptr<camera::Camera>> open_camera(const std::string& spec, double exposure_s, const Clock& clock) {
   const std::string more =
       fmt::format("{}{}exposure_ms={}", spec, spec.find('?') == std::string::npos ? '?' : '&', 1e3 * exposure_s);
-  // Brightness is compared between pictures. libcamera's cameras hold their gain at a fixed exposure.
+  // The gain must be fixed, since brightness is compared between pictures; libcamera's cameras fix it together with the
+  // exposure.
   return devices::make_camera(spec.starts_with("v4l2:") ? more + "&gain=held" : more, clock);
 }
 
@@ -70,7 +71,7 @@ class MuseumRoom final : public ShowRoom {
       cameras_[i] = std::move(camera);
     }
     auto frame = cameras_[i]->next_frame(clock_.now() + kForAFrame);
-    // The camera may return.
+    // The next call opens the camera again, which may be back.
     if (!frame && frame.error().code() == ErrorCode::kUnavailable) cameras_[i].reset();
     return frame;
   }
@@ -133,7 +134,7 @@ Result<calibration::CameraFile> lens_of(const std::string& camera, const std::ve
 
 std::string without_lens(const std::string& camera, const Error& error) {
   return fmt::format(
-      "camera '{0}' watches nothing: {1}; let 'cyclorama calibrate-camera' measure it, and lay what that writes as "
+      "camera '{0}' watches nothing: {1}; measure it with 'cyclorama calibrate-camera', and put the result into "
       "cameras/{0}.json beside calibrator.toml, or into the calibration's folder",
       camera, error.message());
 }

@@ -17,7 +17,7 @@ namespace {
 constexpr Duration kAnswerTimeout = std::chrono::seconds(2);
 constexpr Duration kRetryAfter = std::chrono::milliseconds(15);
 constexpr int kMaxRequests = 20;      // A third of a second: some refreshes of any projector.
-constexpr int kMaxFirstRequests = 8;  // At least one of these should be fast.
+constexpr int kMaxFirstRequests = 8;  // Requests until the clocks' difference is known; at least one should be fast.
 // Additional time before an exposure: earlier and later exposures are compared too, also while a camera's clock error
 // is unknown.
 constexpr Duration kShownBefore = kTimeDoubt + std::chrono::milliseconds(100);

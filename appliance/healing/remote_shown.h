@@ -26,7 +26,7 @@ class RemoteShown {
   struct Shown {
     std::vector<ShownPicture> pictures;  ///< Pictures that were not returned before.
     std::vector<ShownUntil> until;       ///< One per projector.
-    /// All heads showed the show throughout, and the displays' clocks are known to kTimeDoubt / 2; otherwise nothing
+    /// All heads displayed the show throughout, and the displays' clocks are known to kTimeDoubt / 2; otherwise nothing
     /// can be compared.
     bool is_show = true;
   };

@@ -143,7 +143,7 @@ Result<ShowRecorder> ShowRecorder::begin(const std::filesystem::path& folder, co
                                          const RecordStart& start, std::uintmax_t max_bytes) {
   if (std::holds_alternative<MeshWall>(start.applied.wall)) {
     return Error(ErrorCode::kInvalidArgument,
-                 "a wall that is a mesh lies in other files and is not recorded; record without --record");
+                 "a wall that is a mesh lies in other files and is not recorded; run without --record");
   }
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
@@ -173,7 +173,8 @@ Result<ShowRecorder> ShowRecorder::begin(const std::filesystem::path& folder, co
 }
 
 Status ShowRecorder::put(const std::string& bytes) {
-  if (bytes.size() > left_) return Error(ErrorCode::kBusy, "the record has its largest size; no more is kept");
+  if (bytes.size() > left_)
+    return Error(ErrorCode::kBusy, "the record has reached its maximum size; no more is recorded");
   if (std::fwrite(bytes.data(), 1, bytes.size(), record_.get()) != bytes.size() || std::fflush(record_.get()) != 0)
     return system_error("show.record");
   left_ -= bytes.size();

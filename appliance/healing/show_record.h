@@ -94,7 +94,7 @@ class ShowRecord {
 
   struct Event {
     bool wants_realignment = false;
-    std::optional<std::size_t> put_back{};  ///< A projector that was put back, with its pose:
+    std::optional<std::size_t> put_back{};  ///< A projector that was put back; its pose follows.
     RigidTransform<frame::Room, frame::Projector> position{};
     ShowMoment moment;
   };
@@ -109,7 +109,7 @@ class ShowRecord {
   ShowRecord(File file, std::uintmax_t size, RecordStart start)
       : file_(std::move(file)), left_(size), start_(std::move(start)) {}
   File file_;
-  std::uintmax_t left_;  ///< Bytes left.
+  std::uintmax_t left_;  ///< Bytes that were not read yet.
   RecordStart start_;
 };
 

@@ -42,7 +42,7 @@ struct PlacementDevices {
   std::unique_ptr<scan::PatternScreen> screen;             ///< Last, so that it is released first.
 };
 
-/// Opens either of them, one at a time, so that the cameras are free in between. Thread-bound.
+/// Opens a ShowRoom or PlacementDevices, one at a time, so that the cameras are free in between. Thread-bound.
 class ShowRooms {
  public:
   virtual ~ShowRooms() = default;

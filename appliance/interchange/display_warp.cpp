@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kMinCells = 8;
 constexpr int kMinCellPx = 4;
-constexpr double kMaxCoordinate = 1e9;  // The upward direction in a panorama, allowing for rounding.
+// Excludes the upward direction, whose panorama position is infinite but for rounding.
+constexpr double kMaxCoordinate = 1e9;
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 /// Positions of directions in a picture; azimuths count from the middle of the mapped area, so that none jumps within

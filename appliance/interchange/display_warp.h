@@ -50,7 +50,7 @@ Result<warp::Warp> warp_from(const DirectionMap& directions, int width_px, int h
 
 /// Returns factors on linear light per projector pixel: alpha (mean of its channels), and 0 where nothing is mapped.
 [[nodiscard]] warp::MaskImage mask_of(const WarpRegion& region);
-/// Returns the minimum linear light of every pixel (black level); empty if the region has no beta map.
+/// Returns the linear light that every pixel adds (beta), so that black is even; empty if the region has no beta map.
 [[nodiscard]] std::optional<warp::MaskImage> black_level_of(const WarpRegion& region);
 
 /// Returns our warp as a 2d region over the whole of `picture`: u, v at each pixel's centre, NaN where the mesh is not

@@ -8,7 +8,8 @@
 
 namespace cyclorama::interchange {
 
-/// The third number of a flat map has no meaning and may be NaN.
+/// Returns whether the sample's first two numbers are finite; the third one of a flat map has no meaning and may be
+/// NaN.
 [[nodiscard]] bool is_mapped(const float* sample);
 
 /// Samples a map at `x` to the right and `y` DOWN over the region, 0 to 1. Bilinear between four samples and beyond the

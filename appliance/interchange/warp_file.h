@@ -27,7 +27,7 @@ struct WarpFileOptions {
   int columns = 65;  ///< Size of a grid that is written.
   int rows = 37;
   WarpProfile profile = WarpProfile::k2d;     ///< For a PFM.
-  std::optional<std::filesystem::path> mask;  ///< Accompanies a PFM.
+  std::optional<std::filesystem::path> mask;  ///< PNG that accompanies a PFM.
   MpcdiVersion version = MpcdiVersion::k2_0;  ///< For writing an MPCDI file.
 };
 

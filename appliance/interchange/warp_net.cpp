@@ -112,7 +112,7 @@ Status check(const WarpNet& net) {
     const WarpNode& n = net.nodes[i];
     for (const double value : {n.x, n.y, n.u, n.v}) {
       if (!(std::abs(value) <= kMaxCoordinate)) {
-        return fault(fmt::format("mesh node {}", i + 1), fmt::format("{} is no place in a picture", value),
+        return fault(fmt::format("mesh node {}", i + 1), fmt::format("{} is no position in a picture", value),
                      "export x, y, u and v in parts of the picture");
       }
     }

@@ -144,7 +144,7 @@ struct WarpLimits {
 };
 
 /// Checks whether a set can be written or used; the error has a reader's form: "region 'left': ...; remedy". Errors:
-/// kBadData if sizes or counts are invalid, numbers are not finite, ids are doubled, or parts that the profile needs
+/// kBadData if sizes or counts are invalid, numbers are not finite, ids are not unique, or parts that the profile needs
 /// are missing.
 [[nodiscard]] Status check(const WarpSet& set);
 /// Checks one region on its own, like check() of a set.

@@ -33,7 +33,7 @@ class XmlElement {
 
   Result<std::optional<std::string>> optional_attribute(std::string_view name) const;
   Result<std::string> attribute(std::string_view name) const;
-  /// The number is finite.
+  /// Returns a finite number.
   Result<double> number_attribute(std::string_view name) const;
   /// Empty if there is none.
   Result<std::optional<int>> optional_count_attribute(std::string_view name, int max) const;

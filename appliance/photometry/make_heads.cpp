@@ -20,8 +20,8 @@ constexpr double kBlur_rad = 1.0 * kDegree;
 constexpr double kBeside_rad = 2.0 * kDegree;
 constexpr double kNoShare = 1e-3;  // A projector with a smaller share of a point does not limit it.
 constexpr int kStep_px = 2;        // Masks are smooth, so every other pixel suffices.
-constexpr float kSteep = 0.03f;    // Weights change quickly where the corners of pictures meet,
-constexpr float kBent = 0.004f;    // or bend: interpolation errs by an eighth of it.
+constexpr float kSteep = 0.03f;    // Maximum change of a weight over a step that is interpolated.
+constexpr float kBent = 0.004f;    // Likewise of its bend; interpolation errs by an eighth of that.
 constexpr double kMinBlackLift = 1e-7;
 
 /// Values of one head pixel.

@@ -48,7 +48,7 @@ inline constexpr double kBlackExposure = 32.0;
 
 struct PhotometryOptions {
   /// Maximum relative change of brightness over the wall, per degree seen from the sweet spot. Slopes of a few percent
-  /// per degree are not noticed. 0: uniform, as dark as the darkest place.
+  /// per degree are not noticed. 0: uniform, as dark as the darkest point.
   double max_slope_per_deg = 0.02;
   /// The same limit where a picture begins or ends upon another, because a step is looked for there and the edge makes
   /// a slope visible. Chosen on the curve in docs/trade.md: with it 95 % of the steps across borders are below a
@@ -81,7 +81,7 @@ struct Photometry {
   /// Vignetting: the camera's response to light in its corners relative to its middle.
   double camera_corner = 1.0;
   /// Fraction of the light that the projectors could give together, weighted by solid angle; and the fraction that a
-  /// uniform brightness, as dark as the darkest place, would keep.
+  /// uniform brightness, as dark as the darkest point, would keep.
   double light_kept = 0.0;
   double light_kept_flat = 0.0;
   double step_unexplained = 0.0;     ///< Relative RMS of white's readings about the model.

@@ -39,7 +39,7 @@ std::vector<calibration::CalibratedColour> colours_of(const photometry::Photomet
 }
 
 /// Carries the previous light over to the new maps; nothing if there was none or it is unusable, in which case the wall
-/// loses it.
+/// is shown without measured brightness and colours.
 std::optional<photometry::FollowedLight> light_of_before(const std::filesystem::path& folder,
                                                          const std::optional<calibration::Calibration>& previous,
                                                          const calibration::Calibration& calibration) {

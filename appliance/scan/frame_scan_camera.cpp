@@ -66,7 +66,7 @@ Result<std::shared_ptr<const camera::CameraFrame>> FrameScanCamera::next(double 
   for (;;) {
     auto frame = camera_->next_frame(deadline);
     if (!frame) {
-      if (frame.error().code() == ErrorCode::kUnavailable) camera_.reset();  // It may come back.
+      if (frame.error().code() == ErrorCode::kUnavailable) camera_.reset();  // The next photograph opens it again.
       return frame;
     }
     // Some drivers stamp the end of the exposure as its start; one exposure later both are right.

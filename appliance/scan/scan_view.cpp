@@ -177,7 +177,7 @@ Result<std::vector<solve::Correspondence>> decode_correspondences(std::span<cons
     if (!is_pixel(c.camera_u, identity.camera_width_px) || !is_pixel(c.camera_v, identity.camera_height_px) ||
         !is_within(c.projector_x, format.width_px) || !is_within(c.projector_y, format.height_px) ||
         !(c.sigma_px > 0.0f && c.sigma_px < 1e6f)) {
-      return bad("it holds a place outside of the pictures");
+      return bad("it contains a position outside of the pictures");
     }
   }
   return correspondences;
@@ -213,7 +213,7 @@ Result<ScanFolder> ScanFolder::resume(std::filesystem::path folder, const ScanId
   }
   TRY_ASSIGN(ScanManifest manifest, parse_manifest(*text, path.string()));
   if (!(manifest.identity == identity)) {
-    return bad(fmt::format("the scan in '{}' cannot be gone on with: {}", folder.string(),
+    return bad(fmt::format("the scan in '{}' cannot be resumed: {}", folder.string(),
                            difference(manifest.identity, identity)));
   }
   ScanFolder scan(std::move(folder), identity);

@@ -26,7 +26,7 @@ struct ScanView {
   std::size_t projector = 0;
   double angle_rad = 0.0;   ///< Reported by the turntable.
   double exposure_s = 0.0;  ///< 0: the projector lights nothing here.
-  double disturbed = 0.0;   ///< Fraction of the lit pixels before which something moved.
+  double disturbed = 0.0;   ///< Fraction of the lit pixels in front of which something moved.
   int pictures = 0;         ///< Photographs taken, over all attempts.
   std::vector<solve::Correspondence> correspondences{};
 };

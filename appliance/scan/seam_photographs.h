@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Photographs of the seams for the installer, as a visitor will see them, before and after a calibration.
 ///
-///     for each two projectors that meet:  turn to the middle of their overlap
+///     for each pair of projectors that meet:  turn to the middle of their overlap
 ///         ─▶ lines by the old calibration, then by the new one; white likewise ─▶ four photographs
 #pragma once
 

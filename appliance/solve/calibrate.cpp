@@ -18,7 +18,8 @@ constexpr double kWallFloor_px = 0.05;  // Added to a sample's sigma: residual e
 // An old map stays valid if it predicts new measurements about as well as the new map predicts its left-out ones;
 // left-out errors of some hundred correspondences scatter by some percent.
 constexpr double kStillRight = 1.1;
-// Bound within which all old maps may be kept: their own error is less than three quarters of the new scatter.
+// Ratio up to which all old maps together may be kept; their own error is then less than three quarters of the new
+// maps' scatter, since 1.25² = 1 + 0.75².
 constexpr double kHardlyWorse = 1.25;
 /// A smaller relative difference of the registration is within the scatter of single correspondences and no evidence of
 /// motion.
@@ -26,7 +27,7 @@ constexpr double kMeetAsWell = 1.02;
 /// Fraction of the new measurements for which an old map may have no direction, since either map may end a little
 /// earlier at the rim.
 constexpr double kMaxUnknownShare = 0.01;
-constexpr double kMaxUnremarkedError_px = 0.5;  // Held-out error of a map.
+constexpr double kMaxUnremarkedError_px = 0.5;  // Left-out error of a map.
 // A hint is wrong if it worsens the prediction of left-out tracks by more than this; they scatter by some percent.
 constexpr double kHintAgrees = 1.02;
 constexpr int kRefitSteps = 20;

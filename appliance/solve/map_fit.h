@@ -26,7 +26,7 @@ struct MapOptions {
   double max_sigma_px = 2.0;  ///< A gap with a larger sigma is not filled.
   double max_gap_px = 240.0;  ///< A gap is not filled farther than this from any sample.
   std::size_t min_samples = 60;
-  int left_out_every = 8;  ///< One block of samples in this many is held out while the stiffness is chosen.
+  int left_out_every = 8;  ///< One block of samples in this many is left out while the stiffness is chosen.
 };
 
 /// Fits a map by robust least squares with smoothness, by sparse Cholesky; the control points' variances come from

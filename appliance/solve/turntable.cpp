@@ -100,7 +100,7 @@ Result<calibration::CalibratedTurntable> TurntableSolver::solve(const TurntableH
   const Eigen::Vector2d sigma = moved.offset_sigma_m();
   const bool is_clear = (offset.cwiseAbs().array() > kClearOffset_sigmas * sigma.array()).any();
   const bool is_known = sigma.maxCoeff() < 0.5 * options_.offset_sigma_m;
-  // Known directions constrain the offset more than the tracks do.
+  // Known directions constrain the offset better than left-out tracks can test it.
   const bool predicts = hints.known || moved.left_out.rms_px < plain_.left_out.rms_px;
   const bool with_offset = is_clear && predicts;
   const SolvedTurntable& best = with_offset ? moved : plain_;

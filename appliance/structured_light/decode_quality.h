@@ -15,7 +15,7 @@ struct DecodeQuality {
   double coverage = 0.0;                    ///< Fraction of the lit pixels that were decoded.
   /// Fraction of the decoded pixels in smooth tiles that are farther than kGrossPx from the tile's plane.
   double gross = 0.0;
-  double residual_median_px = 0.0;  ///< Distance on the projector from the tile's plane, over the others.
+  double residual_median_px = 0.0;  ///< Median distance on the projector from the tile's plane, over the other pixels.
   double residual_p99_px = 0.0;
   int judged = 0;  ///< Decoded pixels in smooth tiles.
 };

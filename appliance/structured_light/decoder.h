@@ -23,7 +23,7 @@ struct DecodeSettings {
   /// second pane. With XOR codes, which suppress such light, a tenth suffices.
   double min_direct_share = 0.6;
   BitThreshold undecided = {2.0, 0.1};  ///< Minimum difference that decides a bit.
-  /// Standard deviation of the sum of pattern and inverse, relative to the amplitude, beyond noise.
+  /// Maximum standard deviation of the sum of pattern and inverse, relative to the amplitude, beyond noise.
   double disturbance = 0.12;
   double max_sigma_px = 0.3;  ///< A pixel with a larger sigma counts as having an unstable bit.
   int min_patch_px = 60;

@@ -26,7 +26,7 @@ struct ExposureLimits {
 /// Statistics of a photograph of the white picture, for judging its exposure.
 struct ExposureSample {
   ExposureTime exposure{0.0};
-  double saturated = 0.0;  ///< Fraction of the pixels that the projector lights.
+  double saturated = 0.0;  ///< Saturated fraction of the pixels that the projector lights.
   double bright = 0.0;     ///< 99.5th percentile of those pixels, as Photo.
   double lit = 0.0;        ///< Fraction of all pixels that the projector lights.
 };

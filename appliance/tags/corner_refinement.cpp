@@ -127,7 +127,7 @@ void set_variance(const std::vector<EdgePoint>& points, double length_px, Line* 
   line->turn_variance = each / (independent * std::max(along / count, 1e-6));
 }
 
-/// `thickness_px`: distance of the opposite side.
+/// Fits a line to the side between two corners; `thickness_px` is the distance of the opposite side.
 Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to, double thickness_px,
              int cells_across) {
   const Line unchanged{from, (to - from).normalized()};

@@ -9,8 +9,8 @@
 namespace cyclorama::tags {
 namespace {
 
-/// Margin around a known tag: its white border and the change of a hand's motion within a picture, in tag sizes and at
-/// least these pixels.
+/// Margin around a known tag, in tag sizes and at least in pixels: its white border, and the change of a hand's motion
+/// from one picture to the next.
 constexpr double kMarginShare = 0.5;
 constexpr double kMinMarginPx = 12.0;
 /// A tag that is larger than this in the decimated picture is found there just as reliably.
@@ -97,7 +97,7 @@ Status TagSearch::add_from(const GreyImage& picture, const PixelRect& part, doub
                            std::vector<TagDetection>* ret_found) {
   TRY_ASSIGN(const std::vector<TagDetection> more, detector_.detect_in(picture, part, decimate));
   for (const TagDetection& tag : more) {
-    // The first detections were found at full resolution.
+    // Keeps the first detection of a tag, which was found at full resolution.
     const bool has = std::any_of(ret_found->begin(), ret_found->end(),
                                  [&](const TagDetection& found) { return is_same(found, tag); });
     if (!has) ret_found->push_back(tag);

@@ -11,7 +11,7 @@ namespace cyclorama::tags {
 /// Finds tags in a stream of pictures, in far less time than a search of every pixel takes, and as reliably:
 ///
 ///   ┌───────────────┐   full resolution   around each tag of the last pictures, and in one tile of the picture after
-///   │   ┌──┐        │                     the other, so that every place is searched within kJobs pictures
+///   │   ┌──┐        │                     the other, so that all of it is searched within kJobs pictures
 ///   │   │▒▒│  ┌─┐   │   decimated         the whole picture: while a known tag is missing, while none is known, and
 ///   │   └──┘  │▒│   │                     twice in kJobs pictures
 ///   └───────────────┘

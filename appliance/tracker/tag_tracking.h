@@ -25,12 +25,12 @@ struct PatternSettings {
 
 struct TrackingSettings {
   PatternSettings patterns;
-  /// Contribution of lens, paper and folding to each corner's deviation, px. Measured on rendered pictures, where it is
-  /// this small; on a real card 0.1. More than 0.
+  /// Contribution of lens, paper and folding to each corner's deviation, px. The default was measured on rendered
+  /// pictures; on a real card it is about 0.1. More than 0.
   double corner_floor_px = 0.03;
   ChooserSettings chooser;
-  /// At the knee of the curve of `./bench.sh visitor-trade`: 5 and 3 ms of delay in motion, at the jitter of this
-  /// cut-off.
+  /// Both lie at the knee of the curve of `./bench.sh visitor-trade`: 5 and 3 ms of delay in motion, with the jitter of
+  /// a cut-off of 2 Hz.
   OneEuroSettings position{2.0, 120.0, 1.0};
   OneEuroSettings rotation{2.0, 60.0, 1.0};
 };

@@ -50,21 +50,22 @@ void add_options(CLI::App* app, Options* ret) {
   app->add_option("--steer-by", ret->steer_by,
                   "wand (default), or body: visitors carry nothing, and stand at a mark; leaning turns, stepping walks")
       ->check(CLI::IsMember({"wand", "body"}));
-  app->add_option("--mark-distance-m", ret->mark_distance_m, "Of --steer-by body: from the camera to the mark; 2 m")
+  app->add_option("--mark-distance-m", ret->mark_distance_m,
+                  "With --steer-by body: distance from the camera to the mark; 2 m")
       ->check(CLI::Range(0.5, 10.0));
   app->add_option("--tag-size-mm", ret->tag_size_mm, "Follow flat tags instead of wands: edge of the black square")
       ->check(CLI::Range(1.0, 10000.0));
   app->add_option("--wand", ret->wands, "Follow the wand that FILE describes (cyclorama wand --describe); repeat it")
       ->type_name("FILE")
       ->allow_extra_args(false);
-  app->add_option("--field-of-view-deg", ret->field_of_view_deg, "Of the picture's width")
+  app->add_option("--field-of-view-deg", ret->field_of_view_deg, "Horizontal field of view of the camera")
       ->check(CLI::Range(1.0, 170.0));
   app->add_option("--decimate", ret->decimate, "Seek tags in a picture this many times smaller")
       ->check(CLI::Range(1.0, 8.0));
   app->add_flag("--check", ret->is_check,
                 "Read the settings and all files that they name, and end: 0 if it would start");
   app->add_flag("--list-cameras", ret->list_cameras,
-                "Say which cameras are plugged in, each with the line for tracker.toml, and end");
+                "List the cameras that are plugged in, each with its lines for tracker.toml, and end");
 }
 
 /// Prints a block per camera that can be pasted into tracker.toml.
@@ -146,7 +147,7 @@ Status run(const Options& options, const StopSignal& stop) {
 int main(int argc, char** argv) {
   cyclorama::Program program(
       "cyclorama-tracker",
-      "Finds the visitor's wand, or the visitor, in a camera's pictures and tells the tour the pose.");
+      "Finds the visitor's wand, or the visitor, in a camera's pictures and sends the pose to the tour.");
   cyclorama::tracker::Options options;
   add_options(&program.options(), &options);
   return program.run(argc, argv, [&](const cyclorama::StopSignal& stop) { return run(options, stop); });

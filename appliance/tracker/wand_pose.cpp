@@ -17,9 +17,9 @@ using Eigen::Vector3d;
 
 /// Two minima that differ by less count as one.
 constexpr double kSamePoseRad = 0.01;
-/// A pose whose odds are worse than e to the minus half of this is rejected.
+/// A second pose is dropped if its misfit exceeds the best one's by this: its odds are then exp(-kHopeless / 2).
 constexpr double kHopeless = 60.0;
-/// Misfit added by a tag that should be visible and is not found: odds of e to 1, since hands cover tags.
+/// Misfit added by a tag that should be visible and is not found: odds of only e to 1, since hands cover tags.
 constexpr double kMissingTag = 2.0;
 /// A tag "should be visible" if it is this large, turned towards the camera by this much and inside the picture.
 constexpr double kSurelySeenSidePx = 11.0;

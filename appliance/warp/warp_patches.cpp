@@ -129,15 +129,15 @@ Result<WarpPatches> make_warp_patches(const ProjectorMap& map, const PictureShap
     auto narrower = narrow_px < kMinPatchPx ? std::nullopt : fitted(map, picture, narrow_px, grid->patch_height_px);
     auto flatter = flat_px < kMinPatchPx ? std::nullopt : fitted(map, picture, grid->patch_width_px, flat_px);
     if (!narrower && !flatter) {
-      return no_patches(fmt::format("the smallest are off by {:.3f} px, and {} px are asked for", grid->worst_error_px,
-                                    tolerance_px));
+      return no_patches(
+          fmt::format("the smallest are off by {:.3f} px, and {} px are required", grid->worst_error_px, tolerance_px));
     }
     // Prefers the longer side if both gain alike.
     const double favour = grid->patch_width_px >= grid->patch_height_px ? kAlike : 1.0 / kAlike;
     const bool across = !flatter || (narrower && narrower->worst_error_px <= favour * flatter->worst_error_px);
     grid = across ? std::move(narrower) : std::move(flatter);
   }
-  if (!grid) return no_patches("part of the projector's picture lies nowhere");
+  if (!grid) return no_patches("part of the projector's picture has no position");
   return *std::move(grid);
 }
 

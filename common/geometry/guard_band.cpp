@@ -17,7 +17,7 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr int kMaxSidePx = 16384;
 constexpr double kMaxTangent = 5.671;  // Tangent of 80 degrees; beyond, a flat picture consists mostly of its border.
-constexpr double kSameEdge = 1e-9;     // In tangents; a picture that is not turned stays inside itself.
+constexpr double kSameEdge = 1e-9;     // In tangents; a tolerance, so that an unturned picture lies inside itself.
 
 int whole_px(double px) { return static_cast<int>(std::clamp(std::ceil(px - 1e-6), 1.0, double{kMaxSidePx})); }
 int cut_px(double px) { return std::min((whole_px(px) + kCutPx - 1) / kCutPx * kCutPx, kMaxSidePx); }
@@ -69,7 +69,7 @@ PictureShape grown(const Perspective& p, double guard) {
   Perspective wider = p;
   wider.width_px = cut_px((extent->right - extent->left) * across_px);
   wider.height_px = whole_px((extent->top - extent->bottom) * up_px);
-  // Rounding is added to both sides equally, and pixels keep their size.
+  // Rounding widens both sides equally, so that pixels keep their size.
   const double middle = 0.5 * (extent->left + extent->right);
   const double half = std::max(0.5 * wider.width_px / across_px, 0.5 * (extent->right - extent->left));
   wider.tan_left = middle - half;

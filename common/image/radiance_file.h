@@ -14,7 +14,7 @@ namespace cyclorama {
 /// A photographed sun is about 1e9 times as bright as its sky; sums over whole pictures remain far within float's
 /// range.
 inline constexpr float kMaxRadiance = 1e9f;
-/// Maximum of a half float: an infinite texel of a picture was brighter than this.
+/// Maximum of a half float, which replaces infinity: the light of an infinite texel exceeded it.
 inline constexpr float kMaxHalf = 65504.0f;
 
 /// Makes a texel's value safe to render with: NaN and negative light become 0, infinity becomes kMaxHalf, and values

@@ -153,7 +153,8 @@ class HdrReader {
     return Done{};
   }
 
-  /// Reads literal texels; (1, 1, 1, n) repeats the previous texel n times, right after another such n * 256 times, ...
+  /// Reads literal texels; (1, 1, 1, n) repeats the previous texel n times; further such texels directly after it mean
+  /// n * 256 times, n * 256^2 times, and so on.
   Status old_row(std::vector<Texel>* ret_row) {
     int shift = 0;
     for (std::size_t done = 0; done < ret_row->size();) {

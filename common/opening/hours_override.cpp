@@ -48,7 +48,7 @@ std::string to_text(const HoursOverride& override) {
 }
 
 Result<HoursOverride> parse_hours_override(std::string_view text) {
-  const Error bad(ErrorCode::kBadData, "what was said of the hours for once is damaged, and does not count");
+  const Error bad(ErrorCode::kBadData, "the override of the opening hours is damaged and is ignored");
   if (text.size() > kMaxFileBytes) return bad;
   HoursOverride override;
   override.is_open = text.starts_with("open from ");

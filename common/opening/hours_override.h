@@ -18,7 +18,7 @@
 namespace cyclorama {
 
 inline constexpr const char* kHoursOverrideFile = "hours/override";  ///< In the museum's state folder.
-/// Long enough from one week's opening day to the next one's, with a clock that is put back.
+/// Covers the time from one week's opening day to the next week's, even if the clock is set back meanwhile.
 inline constexpr auto kMaxOverrideDuration = std::chrono::hours(24 * 9);
 
 /// A value. Whole seconds; set_at < until <= set_at + kMaxOverrideDuration, for every source.

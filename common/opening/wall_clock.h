@@ -16,7 +16,7 @@ struct ClockMarks {
   std::filesystem::path synchronized = "/run/systemd/timesync/synchronized";  ///< Created by systemd-timesyncd.
 };
 
-/// Returns `now`; while the clock is lost, 1970, which OpeningHours treats as open, and updates as no night.
+/// Returns `now`, or a time in 1970 while the clock is lost, for which OpeningHours is open and no update is due.
 /// Thread-safe.
 [[nodiscard]] WallTime wall_time(WallTime now, const ClockMarks& marks = {});
 

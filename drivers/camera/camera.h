@@ -4,8 +4,8 @@
 ///            start()                  stop()
 ///   Closed ──────────▶ Streaming ──────────▶ Closed
 ///                          │ unplugged, or a driver error
-///                          Failed          next_frame() returns kUnavailable from now on; make a new Camera.
-///                        Failed          next_frame() returns kUnavailable for ever; make a new Camera.
+///                          ▼
+///                        Failed             next_frame() returns kUnavailable from now on; make a new Camera.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ class Camera {
  public:
   virtual ~Camera() = default;
 
-  /// Stable across reboots and re-plugs into the same port (USB path, or the recording's file name).
+  /// Stable across reboots and re-plugs into the same port (the port path, or the recording's file name).
   /// Use it as the key in calibration.json. Thread-safe.
   [[nodiscard]] virtual const std::string& id() const = 0;
 

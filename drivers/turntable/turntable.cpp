@@ -21,7 +21,7 @@ Status Turntable::refuse_unless_ready() const {
   }
   if (state_ == State::kUnhomed) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("turntable '{}' does not know where it stands; home it first", id()));
+                 fmt::format("turntable '{}' does not know its angle; home it first", id()));
   }
   return Done{};
 }

@@ -47,7 +47,7 @@ class TypedAnswers {
  public:
   explicit TypedAnswers(wire::Calibrator::Stub* stub)
       : stub_(*stub), reader_([this](const std::stop_token& is_over) { read(is_over); }) {}
-  /// Shows a question; empty: there is none any more.
+  /// Shows a question; an empty text means that no question is open any more.
   void ask(const std::string& question) {
     if (!question.empty()) std::fprintf(stderr, "\n%s", printable(question, kMaxRemarkLength).c_str());
     is_asked_ = !question.empty();
@@ -153,7 +153,7 @@ Status CalibrateCommand::run(const StopSignal& stop) const {
   const auto stub = wire::Calibrator::NewStub(channel);
   if (is_restored) {
     TRY_ASSIGN(const std::string date, restore(stub.get()));
-    std::printf("the calibration of %s counts again\n", date.c_str());
+    std::printf("the calibration of %s is in use again\n", date.c_str());
     return Done{};
   }
   wire::CalibrateOrder order;
@@ -170,7 +170,7 @@ std::string calibration_report(const wire::CalibrateDone& done) {
   text += fmt::format("  projectors agree within {:.2f} px on 95 % of where they meet\n", done.registration_p95_px());
   if (!done.report_path().empty())
     text += fmt::format("  report: {}\n", printable(done.report_path(), kMaxRemarkLength));
-  if (done.remarks_size() > 0) text += "what is not as it could be:\n";
+  if (done.remarks_size() > 0) text += "what could be better:\n";
   for (const std::string& remark : done.remarks()) text += fmt::format("  - {}\n", printable(remark, kMaxRemarkLength));
   return text;
 }

@@ -11,7 +11,7 @@
 
 namespace cyclorama::operations {
 
-/// cyclorama calibrate: has the wall measured, and reports the quality of the result.
+/// cyclorama calibrate: starts a calibration of the wall and reports the quality of its result.
 struct CalibrateCommand {
   std::string calibrator = "[::1]:7410";
   std::optional<std::string> quick;  ///< The only projector to measure; absent: all.

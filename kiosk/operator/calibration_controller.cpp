@@ -64,7 +64,7 @@ Status CalibrationController::begin(const char* what, const char* step,
     newest_.set_step(step);
     jpeg_.clear();
   }
-  if (thread_.joinable()) thread_.join();  // The thread has ended, since nothing was running.
+  if (thread_.joinable()) thread_.join();  // Does not block: nothing is running, so the thread has ended.
   thread_ = std::thread([work = std::move(work), context] { work(context.get()); });
   return Done{};
 }
@@ -131,7 +131,7 @@ Status CalibrationController::answer(const std::string& text) {
   wire::AnswerReply reply;
   const grpc::Status status = calibrator_->Answer(&context, order, &reply);
   if (status.error_code() == grpc::StatusCode::FAILED_PRECONDITION)
-    return Error(ErrorCode::kNotFound, "the calibration asks nothing any more");
+    return Error(ErrorCode::kNotFound, "the calibration has no open question any more");
   return status.ok() ? Status(Done{}) : from_grpc(status, "answering the calibration");
 }
 
@@ -144,7 +144,7 @@ Result<std::string> CalibrationController::restore() {
   context.set_deadline(std::chrono::system_clock::now() + kRestoreDeadline);
   wire::RestoreAnswer answer;
   const grpc::Status status = calibrator_->Restore(&context, wire::RestoreOrder(), &answer);
-  if (!status.ok()) return from_grpc(status, "bringing the calibration of before back");
+  if (!status.ok()) return from_grpc(status, "restoring the previous calibration");
   return printable(answer.date(), 100);
 }
 

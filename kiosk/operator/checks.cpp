@@ -29,7 +29,7 @@ constexpr std::string_view kLit = "lit: ";
 struct Part {
   std::string_view name;
   std::string_view title;
-  CheckLevel unwell;  ///< Level while the part is not well.
+  CheckLevel unwell;  ///< Level of the check while the part is unhealthy.
   std::string_view remedy;
 };
 constexpr std::array<Part, 8> kParts{{
@@ -41,7 +41,7 @@ constexpr std::array<Part, 8> kParts{{
      "A calibration can be begun again; the wall shows the last one's."},
     {"coordinator", "Farm", CheckLevel::kFault, "Tell those who run the farm."},
     {"hand", "Hand controls", CheckLevel::kWarning, "Plug the controller in again."},
-    {"projectors", "Projectors' power", CheckLevel::kWarning, "See what is said of each projector."},
+    {"projectors", "Projectors' power", CheckLevel::kWarning, "See the entry of each projector."},
     {"simulated-room", "Simulated room", CheckLevel::kWarning, "A real wall does not need it."},
 }};
 
@@ -88,7 +88,7 @@ class List {
     const Part* const known = part_of(name);
     const std::string title = known == nullptr ? name : std::string(known->title);
     const std::string id = "part-" + name;
-    if (!process.asked) return add(id, title, CheckLevel::kOk, "It has not been asked yet.", "");
+    if (!process.asked) return add(id, title, CheckLevel::kOk, "It has not been queried yet.", "");
     if (process.away) {
       return add(id, title, CheckLevel::kFault, process.sentence,
                  "Wait a minute: it starts again by itself. If it stays away, start this computer again; if that does "
@@ -172,7 +172,7 @@ class List {
     for (const wire::Stage& stage : tour->status->stages()) {
       if (stage.name() != "farm_round_trip" || stage.count() == 0) continue;
       const CheckLevel level = stage.p95_ms() > kSlowFarm_ms ? CheckLevel::kWarning : CheckLevel::kOk;
-      add("farm", "Way to the farm and back", level,
+      add("farm", "Round trip to the farm", level,
           fmt::format("A picture takes {:.0f} ms, and 95 of 100 take less than {:.0f} ms.", stage.p50_ms(),
                       stage.p95_ms()),
           "Run the network test. If the network is quick, the farm has too much to do: tell those who run it.");
@@ -220,7 +220,7 @@ class List {
     std::tm parts{};
     const std::time_t now = std::chrono::system_clock::to_time_t(findings_.now);
     if (::gmtime_r(&now, &parts) != nullptr && parts.tm_year + 1900 < 2026) {
-      return add("clock", "Clock", CheckLevel::kFault, fmt::format("It stands in the year {}.", parts.tm_year + 1900),
+      return add("clock", "Clock", CheckLevel::kFault, fmt::format("It shows the year {}.", parts.tm_year + 1900),
                  "Connect the network, so that it is set; if it is wrong after each night, the battery on the board is "
                  "empty.");
     }
@@ -234,15 +234,14 @@ class List {
   void disk() {
     const MachineFacts& machine = findings_.machine;
     if (!machine.only_in_memory.empty()) {
-      return add(
-          "disk", "Disk", CheckLevel::kFault,
-          fmt::format("What this computer is told, it forgets when it is switched off: {}.", machine.only_in_memory),
-          "Hold the space bar while it starts, choose 'forget all settings', and plug in the stick with the "
-          "settings. If it says so again, the disk is worn out and must be replaced.");
+      return add("disk", "Disk", CheckLevel::kFault,
+                 fmt::format("This computer forgets its settings when it is switched off: {}.", machine.only_in_memory),
+                 "Hold the space bar while it starts, choose 'forget all settings', and plug in the stick with the "
+                 "settings. If it says so again, the disk is worn out and must be replaced.");
     }
     if (machine.is_read_only.value_or(false)) {
       return add("disk", "Disk", CheckLevel::kFault, "It cannot be written any more.",
-                 "Start this computer again. If that is so again, the disk is worn out and must be replaced.");
+                 "Start this computer again. If that happens again, the disk is worn out and must be replaced.");
     }
     if (!machine.disk_free_bytes || !machine.disk_bytes || *machine.disk_bytes == 0) return;
     const double share = static_cast<double>(*machine.disk_free_bytes) / static_cast<double>(*machine.disk_bytes);
@@ -260,7 +259,7 @@ class List {
     if (!findings_.machine.memory_free_share) return;
     const double share = *findings_.machine.memory_free_share;
     add("memory", "Memory", share < kMinFreeMemoryShare ? CheckLevel::kWarning : CheckLevel::kOk,
-        fmt::format("{:.0f} of 100 parts are free.", 100.0 * share), "Start this computer again at a quiet moment.");
+        fmt::format("{:.0f} % is free.", 100.0 * share), "Start this computer again at a quiet moment.");
   }
 
   void temperature() {
@@ -277,7 +276,7 @@ class List {
                               findings_.machine.slowed_by_heat);
     }
     add("temperature", "Temperature", level, sentence,
-        "Clean the computer's vents, and let air to it; it slows down or switches itself off when it is too warm.");
+        "Clean the computer's vents, and let air reach it; it slows down or switches itself off when it is too warm.");
   }
 
   void update() {

@@ -30,9 +30,9 @@ namespace {
 struct Options {
   std::vector<std::string> watches;
   std::optional<std::string> endpoints;
-  std::optional<std::string> json;    // status
-  std::string process, picture, out;  // picture, record
-  double seconds = 30.0;              // record
+  std::optional<std::string> json;    // For `status`.
+  std::string process, picture, out;  // For `picture` and `record`.
+  double seconds = 30.0;              // For `record`, like the next three.
   double timeout_s = 180.0;
   double expect_frames = 1.0;
   std::optional<double> started_s;
@@ -42,7 +42,7 @@ struct Options {
   DoctorCommand doctor;
   UpdateCommand update;
   HoursCommand hours;
-  int exit_code = kExitOk;  // For a command that succeeded.
+  int exit_code = kExitOk;  // Exit code of a command that succeeded.
   CalibrateCameraCommand calibrate_camera;
 };
 
@@ -117,7 +117,7 @@ Status save_picture(const Options& options, const std::vector<ProcessLink>& link
   return write_png(options.out, image);
 }
 
-/// Looks until the first frame was presented; returns false on timeout or stop.
+/// Polls until the first frame was presented; returns false on timeout or stop.
 bool wait_for_first_frame(const Options& options, Recording* recording, const StopSignal& stop) {
   const TimePoint deadline = SteadyClock().now() + seconds(options.timeout_s);
   do {
@@ -144,7 +144,7 @@ void record_span(const Options& options, Recording* recording, RecordedSpan* spa
     }
     progress.update(std::min(1.0, to_seconds(now - begin) / options.seconds));
   }
-  // Counts up to the tour's newest answer.
+  // The frame count is that of the tour's newest answer.
   span->seconds = to_seconds(SteadyClock().now() - begin);
   span->frames = std::max(0.0, recording->frames() - frames_before);
 }

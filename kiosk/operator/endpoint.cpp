@@ -68,7 +68,7 @@ Result<std::vector<Endpoint>> gather_endpoints(const std::vector<std::string>& w
     }
   }
   if (endpoints.empty()) {
-    return Error(ErrorCode::kInvalidArgument, "nothing to look at; give --watch NAME=ADDRESS, such as tour=[::1]:7403");
+    return Error(ErrorCode::kInvalidArgument, "nothing to watch; give --watch NAME=ADDRESS, such as tour=[::1]:7403");
   }
   return endpoints;
 }

@@ -79,7 +79,7 @@ std::vector<std::string> still_missing(const HealthSnapshot& look, const HealthR
     const bool known = std::any_of(look.processes.begin(), look.processes.end(),
                                    [&](const ProcessObservation& process) { return process.endpoint.name == name; });
     if (!known)
-      missing.push_back(fmt::format("{} must be well, but nobody watches it; add --watch {}=ADDRESS", name, name));
+      missing.push_back(fmt::format("{} must be well, but it is not watched; add --watch {}=ADDRESS", name, name));
   }
   if (heads < static_cast<std::size_t>(std::max(rules.heads, 0))) {
     missing.push_back(fmt::format("the displays have {} heads of {}", heads, rules.heads));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Decides whether a museum that has just started works well enough to keep this version of its software.
 ///
-///   look, look, look ... ──▶ `looks` good ones in a row: keep it       deadline passes: give it up, with the reasons
+///   check, check, check ... ──▶ `looks` good checks in a row: keep it    deadline passes: give it up, with the reasons
 ///
 /// Only conditions that depend on the software count: a farm or network that is away, or an unplugged camera, is no
 /// reason to return to an older version.
@@ -20,7 +20,7 @@ namespace cyclorama::operations {
 struct HealthRules {
   std::vector<std::string> well;  ///< Processes that must report that they are healthy, besides answering.
   int heads = 1;                  ///< Minimum number of heads of all displays together.
-  int looks = 3;                  ///< Number of consecutive looks that must find nothing.
+  int looks = 3;                  ///< Number of consecutive checks that must find nothing wrong.
   /// Heads that were dark before the restart: their projectors may still be off. Their pictures are checked all the
   /// same.
   std::set<std::string> may_be_dark;
@@ -29,7 +29,7 @@ struct HealthRules {
 /// Input of the rules: the processes, and the available pictures of the heads, by process and name.
 struct HealthSnapshot {
   std::vector<ProcessObservation> processes;
-  std::map<std::pair<std::string, std::string>, bool> is_blank;  ///< Lacks pictures that could not be had.
+  std::map<std::pair<std::string, std::string>, bool> is_blank;  ///< Without the pictures that could not be fetched.
 };
 
 /// Returns one sentence for each condition that is not met yet; none when all are. Pure.
@@ -39,14 +39,14 @@ struct HealthSnapshot {
 ///      the museum is closed: then it draws for heads that are dark.
 [[nodiscard]] std::vector<std::string> still_missing(const HealthSnapshot& look, const HealthRules& rules);
 
-/// Counts good looks in a row. A process that restarted since the look before resets the count, since one that dies
-/// every few seconds answers most of the time. A value.
+/// Counts good checks in a row. A process that restarted since the previous check resets the count, since one that
+/// dies every few seconds answers most of the time. A value.
 class HealthCount {
  public:
   explicit HealthCount(HealthRules rules) : rules_(std::move(rules)) {}
   void take(const HealthSnapshot& look);
   [[nodiscard]] bool is_well() const { return in_a_row_ >= rules_.looks; }
-  /// Unmet conditions of the newest look.
+  /// Unmet conditions of the newest check.
   [[nodiscard]] const std::vector<std::string>& missing() const { return missing_; }
 
  private:

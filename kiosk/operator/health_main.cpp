@@ -39,7 +39,7 @@ void add_options(CLI::App& app, Options* options) {
                  "Minimum number of heads that show a picture, of all displays together")
       ->check(CLI::Range(0, 64))
       ->capture_default_str();
-  app.add_option("--looks", options->rules.looks, "Number of checks in a row, a second apart, that must find nothing")
+  app.add_option("--looks", options->rules.looks, "Number of checks in a row, a second apart, that must succeed")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--deadline", options->deadline_s, "Seconds until the command fails")

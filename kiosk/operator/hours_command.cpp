@@ -13,8 +13,7 @@ namespace {
 std::string text_of(const OpeningSchedule& schedule) {
   std::string text = schedule.is_open ? "Open now" : "Closed now";
   if (schedule.override) {
-    text +=
-        fmt::format(" until {} ({}), as was said for once; then as the settings say", schedule.until, schedule.zone);
+    text += fmt::format(" until {} ({}), by an override; then as the settings say", schedule.until, schedule.zone);
   }
   text += ".\n";
   if (!schedule.override_problem.empty()) text += fmt::format("As the settings say: {}.\n", schedule.override_problem);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Findings for the operator page's login, before anybody has entered a PIN: why nobody can.
 ///
-///   no PIN in use     what became of the USB stick, whether this computer keeps its state in memory only, and the
-///                     remedy: a person in front of it can read that nowhere else
+///   no PIN in use     the result of the newest USB stick, whether this computer keeps its state in memory only,
+///                     and the remedy, since a person in front of it can read that nowhere else
 ///   a PIN in use      nothing, since an unauthenticated peer must not learn anything
 #pragma once
 

@@ -96,7 +96,7 @@ void read_clock(const fs::path& root, MachineFacts* ret) {
     return;
   }
   timex state{};
-  const int answer = ::adjtimex(&state);  // Sets nothing; a sandbox may refuse it all the same.
+  const int answer = ::adjtimex(&state);  // Only reads, but a sandbox may refuse it nevertheless.
   if (answer >= 0) ret->is_clock_set = (state.status & STA_UNSYNC) == 0;
 }
 

@@ -171,7 +171,7 @@ void serve_requests(httplib::Server& server, MuseumServices* services) {
       return answer_error(Error(ErrorCode::kBadData, "'request' must be update or factory-reset"), response);
     }
     if (services->requests.empty()) {
-      return answer_error(Error(ErrorCode::kNotFound, "this computer's software is not kept by the museum image"),
+      return answer_error(Error(ErrorCode::kNotFound, "this computer's software is not managed by the museum image"),
                           response);
     }
     const Status made = write_file_atomically(services->requests / wanted, std::string_view("\n"));

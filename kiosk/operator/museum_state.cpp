@@ -45,14 +45,14 @@ Status set_hours(const MuseumState& museum, const HoursRequest& wanted, WallTime
   std::error_code failed;
   if (wanted.kind == HoursRequest::Kind::kSettings) {
     std::filesystem::remove(museum.hours_override(), failed);
-    if (failed) return Error(ErrorCode::kSystem, "taking back what was said of the hours: " + failed.message());
+    if (failed) return Error(ErrorCode::kSystem, "removing the override of the hours: " + failed.message());
     return Done{};
   }
   TRY_ASSIGN(const OpeningHours hours, read_opening_hours(museum.site()));
   TRY_ASSIGN(const HoursOverride override, wanted.kind == HoursRequest::Kind::kOpen
                                                ? open_until(hours, wanted.until, now)
                                                : closed_for_today(hours, now));
-  // An error shows up in the write that follows.
+  // If this fails, the write that follows reports the error.
   std::filesystem::create_directory(museum.hours_override().parent_path(), failed);
   return write_file_atomically(museum.hours_override(), std::string_view(to_text(override)));
 }

@@ -120,7 +120,7 @@ Check farm_check(const std::string& coordinator, std::size_t number, Duration lo
         fmt::format("It answers over {}, in {:.1f} ms ({:.1f} to {:.1f}).", to->ai_family == AF_INET6 ? "IPv6" : "IPv4",
                     middle, times_ms.front(), times_ms.back());
     if (check.level != CheckLevel::kOk)
-      check.remedy = "The way is long: turning is still smooth, but walking follows late.";
+      check.remedy = "The round trip is long: turning is still smooth, but walking responds late.";
     return check;
   }
   check.sentence = fmt::format("It cannot be reached: {}.", std::strerror(error));

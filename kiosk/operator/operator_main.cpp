@@ -59,8 +59,8 @@ Result<OperatorAccess> make_access(const Options& options, const Clock& clock) {
   if (!options.museum || !options.keep) {
     return Error(
         ErrorCode::kInvalidArgument,
-        "the page asks for a PIN: say where it is with --museum FOLDER, and where the page's certificate may be "
-        "kept with --keep FOLDER; or --no-pin for this computer alone");
+        "the page requires a PIN: name its folder with --museum FOLDER and the folder for the page's certificate "
+        "with --keep FOLDER; or serve this computer alone with --no-pin");
   }
   TRY_ASSIGN(access.certificate, page_certificate(*options.keep, std::time(nullptr)));
   access.tls = HttpTls{access.certificate->certificate_pem, access.certificate->key_pem};

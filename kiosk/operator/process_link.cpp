@@ -21,7 +21,7 @@ Result<Reply> ask(const Endpoint& endpoint, Call&& call) {
   context.set_deadline(std::chrono::system_clock::now() + kDeadline);  // gRPC's deadlines use the system clock.
   Reply reply;
   const grpc::Status status = call(&context, &reply);
-  if (!status.ok()) return from_grpc(status, fmt::format("asking {} at {}", endpoint.name, endpoint.address));
+  if (!status.ok()) return from_grpc(status, fmt::format("querying {} at {}", endpoint.name, endpoint.address));
   return reply;
 }
 

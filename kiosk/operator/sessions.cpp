@@ -23,7 +23,7 @@ constexpr auto kForgiveAfter = std::chrono::hours(1);
 Result<std::string> new_token() {
   std::array<unsigned char, kTokenBytes> bytes{};
   if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) {
-    return Error(ErrorCode::kSystem, "this computer gives no random numbers");
+    return Error(ErrorCode::kSystem, "this computer's random number generator fails");
   }
   std::string token;
   for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);

@@ -20,7 +20,7 @@ struct SupportOrder {
 
 /// Returns a ZIP: status.json, checks.json, versions.txt, every .toml and .json of the settings in use and of the state
 /// folder, journal.txt. All texts are redacted (redaction.h); keys, certificates, passwords and pictures are left out.
-/// problems.txt names what could not be had. Errors: kSystem if the archive cannot be made.
+/// problems.txt lists what could not be included. Errors: kSystem if the archive cannot be made.
 Result<std::string> support_bundle(const SupportOrder& order, const std::string& status_json,
                                    const std::string& checks_json);
 

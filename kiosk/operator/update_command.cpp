@@ -27,7 +27,7 @@ void UpdateCommand::add_to(CLI::App* app) {
   command.add_option("--requests", requests, "Folder in which the museum image looks for requests")
       ->capture_default_str();
   command.add_option("--museum", museum, "The museum's state folder")->capture_default_str();
-  command.add_option("--wait", wait_s, "Seconds to wait for the result; the update goes on all the same")
+  command.add_option("--wait", wait_s, "Seconds to wait for the result; the update continues regardless")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
 }
@@ -36,7 +36,7 @@ Status UpdateCommand::run(const StopSignal& stop) const {
   std::error_code failed;
   if (!fs::is_directory(requests, failed)) {
     return Error(ErrorCode::kNotFound,
-                 fmt::format("'{}' is not there: this computer's software is not kept by the museum image, or its "
+                 fmt::format("'{}' is not there: this computer's software is not managed by the museum image, or its "
                              "operator page does not run; install the newer packages instead",
                              requests));
   }
@@ -59,7 +59,7 @@ Status UpdateCommand::run(const StopSignal& stop) const {
     is_over =
         (!before || status.at != before->at) && status.state != State::kChecking && status.state != State::kLoading;
   }
-  if (!is_over) return Error(ErrorCode::kTimedOut, "no answer yet; 'cyclorama doctor' tells it when it has come");
+  if (!is_over) return Error(ErrorCode::kTimedOut, "no answer yet; 'cyclorama doctor' shows it when it has come");
   const std::string sentence = fmt::format("{} runs: {}", status.version, status.sentence);
   if (status.state == State::kFailed) return Error(ErrorCode::kUnavailable, sentence);
   std::printf("%s\n", sentence.c_str());

@@ -14,7 +14,7 @@ Watch::Watch(std::vector<ProcessLink> links) : links_(std::move(links)) {
   for (const ProcessLink& link : links_) {
     ProcessObservation unknown;
     unknown.endpoint = link.endpoint();
-    unknown.sentence = "It has not been asked yet.";
+    unknown.sentence = "It has not been queried yet.";
     observations_.push_back(std::move(unknown));
   }
   for (std::size_t i = 0; i < links_.size(); ++i) threads_.emplace_back([this, i] { look(i); });

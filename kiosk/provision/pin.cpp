@@ -119,7 +119,7 @@ Result<std::string> hashed_pin(std::string_view pin) {
   TRY(check_pin(pin));
   std::vector<unsigned char> salt(kSaltBytes);
   if (RAND_bytes(salt.data(), static_cast<int>(salt.size())) != 1) {
-    return Error(ErrorCode::kSystem, "this computer gives no random numbers");
+    return Error(ErrorCode::kSystem, "this computer's random number generator fails");
   }
   const Cost cost;
   TRY_ASSIGN(const std::vector<unsigned char> hash, derived(pin, salt, cost));

@@ -160,7 +160,7 @@ Status SettingsStore::switch_to(const std::string& number) {
   }
   step("take into use");
   TRY(move(link, settings()));
-  step("make it last");
+  step("flush the link");
   return sync_folder(root_);
 }
 
@@ -174,7 +174,7 @@ Status SettingsStore::commit(std::vector<CopiedFile> files, const std::vector<Se
   TRY(sync_folder(staging()));
   step("name the generation");
   TRY(move(staging(), generation(number)));
-  step("make the name last");
+  step("flush the name");
   TRY(sync_folder(root_ / "generations"));
   TRY(switch_to(number));
   step("remove the old");
@@ -207,7 +207,7 @@ Status SettingsStore::restore() {
   TRY(sync_folder(folder));
   step("name the generation");
   TRY(move(folder, generation(number)));
-  step("make the name last");
+  step("flush the name");
   TRY(sync_folder(root_ / "generations"));
   TRY(switch_to(number));
   prune();

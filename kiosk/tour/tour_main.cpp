@@ -156,7 +156,7 @@ Status replay(const std::string& path) {
       walk.ticks, walk.poses, to_seconds(walk.length), peaks.distance_m, peaks.speed_m_per_s,
       peaks.turn_rad_per_s / kDegree, peaks.acceleration_m_per_s2, peaks.turn_acceleration_rad_per_s2 / kDegree);
   if (walk.difference)
-    return Error(ErrorCode::kBadData, fmt::format("'{}' walks otherwise: {}", path, *walk.difference));
+    return Error(ErrorCode::kBadData, fmt::format("the replay of '{}' differs: {}", path, *walk.difference));
   fmt::print("the same to the bit\n");
   return Done{};
 }

@@ -92,7 +92,7 @@ class Fetch {
     TRY_ASSIGN(const std::uint64_t room, folder.room());
     if (room >= needed) return Done{};
     return Error(ErrorCode::kSystem,
-                 fmt::format("the disk has room for {} MB, and {} needs {}; forget everything, or take a larger disk",
+                 fmt::format("the disk has room for {} MB, and {} needs {}; do a factory reset or use a larger disk",
                              room >> 20, version_, needed >> 20));
   }
 
@@ -103,7 +103,7 @@ class Fetch {
     while (there < bytes) {
       const std::uint64_t before = there;
       TRY(farm_.read(order_.image, file.sha256, there, [&](std::span<const std::byte> piece) -> Status {
-        if (!goes_on()) return Error(ErrorCode::kUnavailable, "broken off until another night");
+        if (!goes_on()) return Error(ErrorCode::kUnavailable, "interrupted until another night");
         if (piece.size() > bytes - there) {
           folder->forget(file);
           return Error(ErrorCode::kBadData, fmt::format("the farm sends more of '{}' than it said", file.name));

@@ -23,7 +23,7 @@ struct UpdateLimits {
 struct FetchOrder {
   std::string image;    ///< "cyclorama-museum".
   std::string version;  ///< The running version.
-  /// Newest version that was here already or failed to start; nothing that is not newer is fetched.
+  /// Newest version that was here already or failed to start; only newer ones are fetched.
   std::string not_again{};
   std::filesystem::path key{};     ///< Public key for the signature of versions.
   std::filesystem::path folder{};  ///< Folder that collects the files.

@@ -56,7 +56,7 @@ Result<std::string> sha256_of_file(const std::filesystem::path& path) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned length = 0;
   if (!works || EVP_DigestFinal_ex(context.get(), digest.data(), &length) != 1) {
-    return Error(ErrorCode::kSystem, "OpenSSL makes no SHA-256");
+    return Error(ErrorCode::kSystem, "OpenSSL cannot make a SHA-256");
   }
   std::string text;
   for (unsigned i = 0; i < length; ++i) text += fmt::format("{:02x}", digest.at(i));

@@ -39,7 +39,7 @@ void to_cost_per_px(WorkGrid* work, double factor) {
 struct Between {
   int first = 0;
   int second = 0;
-  float t = 0.0f;  ///< Weight of the second.
+  float t = 0.0f;  ///< Weight of `second`.
 };
 Between between(double place, int cells) {
   const double from = std::clamp(place - 0.5, 0.0, cells - 1.0);

@@ -87,7 +87,7 @@ class CostMapBalancer final : public Balancer {
     return plan;
   }
 
-  /// `least` is the minimum work of a piece.
+  /// Cuts a node's part into pieces by `shares`. A piece of less than `min` work is merged into the one before it.
   [[nodiscard]] std::vector<PlannedBlock> pieces_of(const CellRect& part, std::size_t node, const WorkSums& work,
                                                     std::vector<double> shares, double min) const {
     while (shares.size() > 1 && shares.back() * work.of(part) < min) {
@@ -101,7 +101,7 @@ class CostMapBalancer final : public Balancer {
     return plan;
   }
 
-  /// `worth` is the minimum expected saving, in seconds, before a piece moves to another node.
+  /// `min_gain` is the minimum expected saving, in seconds, before a piece moves to another node.
   void level_out(Plan* plan, const std::vector<std::size_t>& nodes, const std::vector<double>& speeds,
                  double min_gain) const {
     std::vector<NodeQueue> queues;

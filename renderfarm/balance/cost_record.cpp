@@ -33,10 +33,10 @@ const char* fault_of(const RecordedFrame& frame) {
     return "the picture is not 1 to 16384 pixels each way";
   }
   if (!std::isfinite(frame.heading_rad) || !std::ranges::all_of(frame.eye_m, [](double v) { return std::isfinite(v); }))
-    return "heading or eye is no number";
+    return "heading or eye is not finite";
   if (!(frame.azimuth_span_rad >= 0.0 && std::isfinite(frame.azimuth_span_rad))) return "the azimuth span is below 0";
   if (!(frame.effort > 0.0 && std::isfinite(frame.effort))) return "the effort is not above 0";
-  if (!std::ranges::all_of(frame.work.cells(), is_work)) return "a cell's work is no number, or below 0";
+  if (!std::ranges::all_of(frame.work.cells(), is_work)) return "a cell's work is not finite, or below 0";
   return nullptr;
 }
 
@@ -121,7 +121,7 @@ Result<std::vector<RecordedFrame>> read_cost_record(const std::filesystem::path&
 Result<CostRecorder> CostRecorder::create(const std::filesystem::path& path) {
   UniqueFd fd(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644));
   if (!fd.is_open() && errno == EEXIST) {
-    return Error(ErrorCode::kBusy, fmt::format("'{}' exists: a record is never written over", path.string()));
+    return Error(ErrorCode::kBusy, fmt::format("'{}' exists: records are never overwritten", path.string()));
   }
   if (!fd.is_open()) return Error::from_errno(fmt::format("creating '{}'", path.string()));
   CostRecorder recorder(std::move(fd), path);
@@ -173,7 +173,7 @@ Status CostRecorder::write(std::span<const std::byte> bytes) {
   }
   // A partial frame would make all that follows unreadable.
   if (::ftruncate(fd_.get(), static_cast<off_t>(written_)) != 0) {
-    return Error::from_errno(fmt::format("taking half a frame off '{}'", path_.string()));
+    return Error::from_errno(fmt::format("removing half a frame from '{}'", path_.string()));
   }
   return Error(ErrorCode::kSystem, fmt::format("writing '{}': the disk took only a part", path_.string()));
 }

@@ -27,7 +27,7 @@ double stretched(const CellRect& r) {
 struct Cut {
   CutDirection direction = CutDirection::kAcross;
   int at = 0;
-  double seconds = std::numeric_limits<double>::infinity();  ///< Time of the slowest part.
+  double seconds = std::numeric_limits<double>::infinity();  ///< Time of the slower part.
 };
 
 class CutSearch {
@@ -66,7 +66,7 @@ class CutSearch {
         if (at < 1) continue;
         const CellRect before = before_cut(region, d, at);
         const double work = work_.of(before);
-        // Lower bound, however well the parts are cut.
+        // No cuts inside the parts can be faster than this.
         if (std::max(work / first_speed, (all - work) / second_speed) >= best.seconds) continue;
         const double seconds_before = seconds(before, first, forks_ahead);
         if (seconds_before >= best.seconds) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Strategies for comparison: equal division, and the paper's prediction binary tree.
+/// Strategies for comparison: equal division, and the prediction binary tree of Cordasco et al. (split_tree.h).
 #pragma once
 
 #include <memory>

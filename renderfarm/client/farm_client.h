@@ -45,7 +45,6 @@ struct FarmClientOptions {
 /// number, more samples. A begun frame always ends; if the coordinator is lost, with `complete` false and the reason.
 /// Nothing is read during a call, so a slow listener slows the farm down and never fills memory. May call
 /// FarmClient::request(), never stop().
-/// FarmClient::request(), never stop().
 class FarmListener {
  public:
   virtual ~FarmListener() = default;

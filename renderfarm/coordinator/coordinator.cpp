@@ -357,11 +357,11 @@ Status validate(const CoordinatorOptions& options) {
     if (options.trust.tls || options.trust.insecure || is_loopback(address)) continue;
     return refuse(
         fmt::format("'{}' can be reached by others, and there is no TLS; make certificates with "
-                    "cyclorama-authority and write [tls], or say insecure = true",
+                    "cyclorama-authority and write [tls], or set insecure = true",
                     printable(address)));
   }
   if (!options.inspect.empty() && !options.trust.insecure && !is_loopback(options.inspect)) {
-    return refuse(fmt::format("'{}', where the operator looks, can be reached by others; write [::1] and a port",
+    return refuse(fmt::format("the inspection address '{}' can be reached by others; write [::1] and a port",
                               printable(options.inspect)));
   }
   return validate(options.watch);

@@ -14,15 +14,15 @@ namespace {
 
 /// Maximum number of assignments of a tile before its frame is given up.
 constexpr int kMaxAttempts = 4;
-/// A node is silent after this fraction of the base time of its session's frames...
+/// A node is silent after the longest of three times. The first is this fraction of its session's base time.
 constexpr double kSilent = 0.6;
-/// ... or this multiple of the time that its block was expected to take, if that is longer...
+/// The second is this multiple of the time that its block was expected to take.
 constexpr double kExpected = 1.5;
-/// ... but never sooner than this, since the system may just have been busy for a moment.
+/// The third is a lower bound, because the system may just have been busy for a moment.
 constexpr Duration kMinSilenceTimeout = std::chrono::milliseconds(10);
-/// A picture at rest has no budget: its timeout is this multiple of the other nodes' slowest block...
+/// A picture at rest has no budget: its timeout is this multiple of the other nodes' slowest block.
 constexpr double kAtRest = 4.0;
-/// ... but at least this.
+/// Minimum of that timeout.
 constexpr Duration kMinAtRestTimeout = std::chrono::milliseconds(500);
 /// After this multiple of the base time, a frame is given up for the next one.
 constexpr double kLate = 2.0;
@@ -106,7 +106,8 @@ void CoordinatorState::meet_deadlines(SessionId id) {
   if (!frame.refines && has_successor && taken >= kLate * to_seconds(measure_of(session))) {
     session.miss_pace();
     frame.late = true;
-    fail(frame, fmt::format("late: not whole after {:.0f} ms; the last whole picture stands in for it", 1e3 * taken),
+    fail(frame,
+         fmt::format("late: incomplete after {:.0f} ms; the last complete picture stands in for it", 1e3 * taken),
          session);
     for (const NodeId node : silent_nodes(session, frame)) retire(node);
     return advance(id);

@@ -40,7 +40,8 @@ std::optional<PixelRect> rect_of(const wire::Tile& tile) {
 void CoordinatorState::node_connected(NodeId id) {
   if (nodes_.size() >= limits_.nodes) {
     delegate_.end_node(
-        id, Error(ErrorCode::kBusy, fmt::format("this coordinator takes {} nodes and has them", limits_.nodes)));
+        id, Error(ErrorCode::kBusy,
+                  fmt::format("this coordinator accepts {} nodes, and that many are connected", limits_.nodes)));
     return;
   }
   Node node;
@@ -76,7 +77,7 @@ void CoordinatorState::node_reported(NodeId id, wire::NodeReport report) {
     fine = broken("a message of unknown kind");
   }
   if (fine) return;
-  delegate_.notice(fmt::format("{} is sent away: {}", to_text(node), fine.error().message()), trouble_with(node));
+  delegate_.notice(fmt::format("{} is rejected: {}", to_text(node), fine.error().message()), trouble_with(node));
   delegate_.end_node(id, fine.error());
   node_disconnected(id);
 }
@@ -162,7 +163,7 @@ void CoordinatorState::status_received(Node& node, const wire::NodeStatus& statu
 Status CoordinatorState::scene_dropped(Node& node, const wire::SceneDropped& dropped) {
   const auto known = node.scenes.find(dropped.scene());
   if (known == node.scenes.end()) {
-    return broken(fmt::format("it dropped scene '{}', which nobody gave it", printable(dropped.scene())));
+    return broken(fmt::format("it dropped scene '{}', which it was never ordered to load", printable(dropped.scene())));
   }
   if (known->second.state == Node::SceneState::kLoaded) {
     known->second.state = Node::SceneState::kDropped;
@@ -175,7 +176,7 @@ Status CoordinatorState::scene_dropped(Node& node, const wire::SceneDropped& dro
 Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
   const auto asked = node.scenes.find(loaded.scene());
   if (asked == node.scenes.end() || asked->second.state != Node::SceneState::kLoading) {
-    return broken(fmt::format("it loaded scene '{}', which nobody asked for", printable(loaded.scene())));
+    return broken(fmt::format("it loaded scene '{}', which nobody requested", printable(loaded.scene())));
   }
   if (!loaded.error().empty()) {
     constexpr std::size_t kMaxErrorBytes = 500;
@@ -197,7 +198,7 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
     asked->second.state = Node::SceneState::kFailed;
     asked->second.error = "its copy differs from the other nodes'";
     delegate_.notice(
-        fmt::format("{} has another scene '{}' than the other nodes: copy it anew; not used for it until then",
+        fmt::format("{} has another scene '{}' than the other nodes: copy it again; it is not used until then",
                     to_text(node), loaded.scene()),
         trouble_with(node));
     return Done{};
@@ -254,7 +255,7 @@ Status CoordinatorState::tile_received(NodeId, Node& node, wire::BlockTile& mess
     frame->held.push_back(std::move(tile));
   }
   if (session.bytes_waiting > limits_.session_bytes) {
-    fail(*frame, "the museum takes pictures more slowly than they are made, or they are too large", session);
+    fail(*frame, "the museum receives pictures more slowly than the farm renders them, or they are too large", session);
   }
   advance(id);
   return Done{};
@@ -272,7 +273,7 @@ Status CoordinatorState::block_ended(NodeId id, Node& node, const wire::BlockEnd
   frame->assembly.end(end.block(), end);
   const std::vector<PixelRect> orphans = frame->assembly.give_up(end.block());
   if (!orphans.empty()) {
-    delegate_.notice(fmt::format("{} did not finish a block: {}; others take over", to_text(node),
+    delegate_.notice(fmt::format("{} did not finish a block: {}; other nodes take over", to_text(node),
                                  end.error().empty() ? "it gave no reason" : printable(end.error(), 200)),
                      trouble_with(node));
     reassign(place.session, session, *frame, orphans, id);

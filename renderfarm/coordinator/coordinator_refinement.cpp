@@ -20,7 +20,7 @@ constexpr Duration kFirstRetry = std::chrono::seconds(5);
 constexpr Duration kLastRetry = std::chrono::seconds(60);
 constexpr int kMaxDoublings = 4;  ///< From kFirstRetry to kLastRetry.
 
-/// Scales to a multiple of `cut`.
+/// Returns `px` times `scale`, rounded to a multiple of `cut` and at most `px`.
 std::uint32_t scaled(std::uint32_t px, double scale, int cut = kCutPx) {
   if (scale >= 1.0) return px;
   return std::min(px, static_cast<std::uint32_t>(cut * std::max(1.0, std::round(scale * px / cut))));

@@ -13,7 +13,9 @@ namespace cyclorama::coordinator {
 void CoordinatorState::session_connected(SessionId id, trust::Grant grant) {
   if (sessions_.size() >= limits_.sessions) {
     delegate_.end_session(
-        id, Error(ErrorCode::kBusy, fmt::format("this farm takes {} sessions at once and has them", limits_.sessions)),
+        id,
+        Error(ErrorCode::kBusy,
+              fmt::format("this farm accepts {} sessions at once, and that many are open", limits_.sessions)),
         false);
     return;
   }
@@ -88,7 +90,7 @@ Status CoordinatorState::open(SessionId id, Session& session, const wire::OpenSe
   }
   if (scene == scenes_.end()) {
     return Error(ErrorCode::kNotFound,
-                 fmt::format("this farm has no scene '{}'; ask for the list of scenes", printable(wanted)));
+                 fmt::format("this farm has no scene '{}'; request the list of scenes", printable(wanted)));
   }
   if (nodes_with(scene->name) == 0) {
     order_scene_anew(scene->name);
@@ -113,10 +115,10 @@ Status CoordinatorState::request_view(Session& session, const wire::View& view, 
   }
   if (view.number() <= session.newest_view) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("view.number is {} after {}; it must grow", view.number(), session.newest_view));
+                 fmt::format("view.number is {} after {}; it must increase", view.number(), session.newest_view));
   }
   if (view.first_sample() != 0) {
-    return Error(ErrorCode::kInvalidArgument, "view.first_sample is not 0; the farm alone refines");
+    return Error(ErrorCode::kInvalidArgument, "view.first_sample is not 0; only the farm refines pictures");
   }
   session.newest_view = view.number();
   session.views.put(view.number(), {view, received_at});
@@ -140,7 +142,7 @@ Error CoordinatorState::unavailable_reason(const std::string& scene) const {
   std::string why = "no node is connected; start cyclorama-node on the render hosts";
   if (!nodes_.empty()) why = fmt::format("none of {} nodes has it", nodes_.size());
   if (!failure.empty()) why = fmt::format("no node could load it; node {}", failure);
-  if (loading > 0) why = fmt::format("{} of {} nodes are loading it; it is ready soon", loading, nodes_.size());
+  if (loading > 0) why = fmt::format("{} of {} nodes are loading it; it will be ready soon", loading, nodes_.size());
   return Error(ErrorCode::kUnavailable, fmt::format("scene '{}': {}", scene, why));
 }
 

@@ -63,7 +63,7 @@ struct CoordinatorLimits {
 /// of a base time: the session's budget, or the recent frame time if that is longer. An idle node takes blocks that
 /// others have not begun. A node that has been silent for 60 % of the base time while others are done gets no more
 /// blocks; its outstanding tiles are cut and reassigned, so that all nodes help. After twice the base time, a frame
-/// that has a successor is given up: the last complete picture stands in for it, and the frame's end says so. The
+/// that has a successor is given up: the last complete picture stands in for it, and the frame's end reports this. The
 /// outstanding tiles of a node that disconnects or fails are reassigned at once. The first delivery of a tile counts;
 /// later ones are dropped.
 ///

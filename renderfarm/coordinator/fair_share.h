@@ -5,7 +5,7 @@
 
 namespace cyclorama::coordinator {
 
-/// Orders the frames of several sessions, so that each session gets nodes in proportion to its weight while it wants
+/// Orders the frames of several sessions, so that each session gets nodes in proportion to its weight while it needs
 /// them; capacity is not reserved for idle sessions. Start-time fair queueing: Goyal, Vin, Cheng, "Start-time Fair
 /// Queuing", 1996. Costs are cpu-seconds, predicted by the session's last frame. Pure; thread-bound.
 class FairShare {
@@ -20,7 +20,8 @@ class FairShare {
   /// A frame with that start is being served; no later frame gets an earlier start.
   void served(double start);
 
-  /// Returns the `rank` of the wire. Pictures at rest come after all moving ones, with fair shares among themselves.
+  /// Returns the `rank` of wire::RenderBlock. Pictures at rest come after all moving ones, with fair shares among
+  /// themselves.
   [[nodiscard]] static std::uint64_t rank_of(double start, bool at_rest);
 
  private:

@@ -38,19 +38,19 @@ Status run_top_command(TopArguments arguments, const StopSignal& stop) {
     arguments.top.inspect = coordinator.inspect;
     if (coordinator.inspect.empty()) {
       return Error(ErrorCode::kInvalidArgument,
-                   arguments.config + " says no inspect, so nobody can look at that coordinator");
+                   arguments.config + " has no key 'inspect', so this coordinator cannot be inspected");
     }
   }
   return watch::run_top(arguments.top, stop);
 }
 
 void add_top(CLI::App& app, TopArguments* arguments) {
-  CLI::App* const top = app.add_subcommand("top", "Show the farm that runs: sessions, nodes and the steps of a frame");
-  top->add_option("--config", arguments->config, "Ask the coordinator that runs with this farm.toml")
+  CLI::App* const top = app.add_subcommand("top", "Show the running farm: sessions, nodes and the steps of a frame");
+  top->add_option("--config", arguments->config, "Connect to the coordinator that runs with this farm.toml")
       ->check(CLI::ExistingFile);
   top->add_option("--inspect", arguments->top.inspect,
-                  fmt::format("Where the coordinator shows itself (default {})", watch::kPackagedInspect));
-  top->add_flag("--once", arguments->top.once, "Show it once and end; so it is too when the output is no terminal");
+                  fmt::format("The coordinator's inspection address (default {})", watch::kPackagedInspect));
+  top->add_flag("--once", arguments->top.once, "Show it once and exit; always so if the output is not a terminal");
   top->add_flag("--json", arguments->top.json, "Show it once, as JSON");
 }
 
@@ -90,8 +90,8 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
   TRY_ASSIGN(CoordinatorOptions options, options_from(arguments));
   if (arguments.is_check) return validate(options);
   TRY_ASSIGN(const auto coordinator, Coordinator::start(std::move(options), log_notice));
-  log(LogLevel::kNotice,
-      fmt::format("museums dial port {}, nodes dial port {}", coordinator->museum_port(), coordinator->node_port()));
+  log(LogLevel::kNotice, fmt::format("listening on port {} for museums, on port {} for nodes",
+                                     coordinator->museum_port(), coordinator->node_port()));
   Notify notify;
   notify.ready();
   std::string last_state;
@@ -121,23 +121,24 @@ int main(int argc, char** argv) {
   using namespace cyclorama::coordinator;
   Program program(
       "cyclorama-farm",
-      "The render farm's coordinator: museums and nodes dial it, and it splits each picture among the nodes.");
+      "The render farm's coordinator: museums and nodes connect to it, and it splits each picture among the nodes.");
   Arguments arguments;
   CLI::App& app = program.options();
-  app.add_option("--config", arguments.config, "Read this farm.toml; the other options overrule it")
+  app.add_option("--config", arguments.config, "Read this farm.toml; the other options override it")
       ->check(CLI::ExistingFile);
   app.add_option("--scene", arguments.scenes, "NAME=PATH of a scene on the nodes' disks; the first is the default");
   app.add_option("--scene-on-coordinator", arguments.own_scenes,
                  "NAME=PATH of a scene on this disk, which nodes fetch");
-  app.add_option("--museums", arguments.museums, "Where museums dial (default [::1]:7401)");
-  app.add_option("--nodes", arguments.nodes, "Where nodes dial (default [::1]:7402)");
-  app.add_option("--inspect", arguments.inspect, "Where `cyclorama-farm top` and the operator look (default: nowhere)");
-  app.add_option("--balance", arguments.balance, "How pictures are split; the others are there for comparison")
+  app.add_option("--museums", arguments.museums, "Listening address for museums (default [::1]:7401)");
+  app.add_option("--nodes", arguments.nodes, "Listening address for nodes (default [::1]:7402)");
+  app.add_option("--inspect", arguments.inspect,
+                 "Listening address for `cyclorama-farm top` and the operator (default: none)");
+  app.add_option("--balance", arguments.balance, "How pictures are split; all but the first are for comparison")
       ->check(CLI::IsMember({"cost-map-stealing", "cost-map", "pbt-leaves", "pbt", "equal"}));
   app.add_option("--record", arguments.record,
-                 "Write what each frame costs into this folder, for cyclorama-bench-balance");
-  app.add_flag("--insecure", arguments.insecure, "Let others than this machine dial without TLS");
-  app.add_flag("--check", arguments.is_check, "Read the settings and end: 0 if they are good");
+                 "Record the costs of frames in this folder, for cyclorama-bench-balance");
+  app.add_flag("--insecure", arguments.insecure, "Accept connections from other machines without TLS");
+  app.add_flag("--check", arguments.is_check, "Check the settings and exit: 0 if they are valid");
   TopArguments top;
   add_top(app, &top);
   return program.run(argc, argv, [&](const StopSignal& stop) {

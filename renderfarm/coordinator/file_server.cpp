@@ -30,8 +30,8 @@ class Refusal final : public grpc::ServerWriteReactor<wire::FileChunk> {
 }  // namespace
 
 /// One file being sent. It is in the server's queue, or one of its chunks is being written, or it is finished, never
-/// two of these at once. gRPC carries it between threads meanwhile; the lock is never contended, but gives the memory
-/// ordering in a way that sanitizers see.
+/// two of these at once. gRPC hands it from thread to thread in between. Its lock is never contended; it provides the
+/// memory ordering in a way that sanitizers see.
 class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk> {
  public:
   Stream(FileServer& server, grpc::CallbackServerContext* context, scene_distribution::StampedFile file,
@@ -49,8 +49,8 @@ class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk
   std::uint64_t send_next() {
     const auto want = std::min<std::uint64_t>(kPieceBytes, file_.stamp.bytes - offset_);
     if (!read_next(want)) {
-      end(to_grpc(
-          Error(ErrorCode::kNotFound, "the file was changed on the coordinator, or its disk fails; look there")));
+      end(to_grpc(Error(ErrorCode::kNotFound,
+                        "the file was changed on the coordinator's host, or its disk fails; check it there")));
       return 0;
     }
     StartWrite(&chunk_);
@@ -149,7 +149,7 @@ grpc::ServerWriteReactor<wire::FileChunk>* FileServer::send(grpc::CallbackServer
   if (streams_.size() >= options_.streams ||
       (is_for_museum && static_cast<std::size_t>(of_museums) >= (options_.streams + 1) / 2)) {
     return new Refusal(
-        to_grpc(Error(ErrorCode::kBusy, fmt::format("{} files are on their way already; ask again", streams_.size()))));
+        to_grpc(Error(ErrorCode::kBusy, fmt::format("{} files are being sent already; try again", streams_.size()))));
   }
   auto* const stream = new Stream(*this, context, *std::move(file), offset);  // Deletes itself in OnDone().
   streams_.insert(stream);

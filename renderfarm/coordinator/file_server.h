@@ -28,7 +28,7 @@ class FileServer {
  public:
   struct Options {
     double bytes_per_second = 0.0;  ///< Limit for all streams together; 0: no limit.
-    /// Maximum number of open streams; further callers are asked to retry. Museums get at most half of them, so that
+    /// Maximum number of open streams; further callers must retry. Museums get at most half of them, so that
     /// nodes need not wait.
     std::size_t streams = 64;
   };

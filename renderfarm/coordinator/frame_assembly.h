@@ -21,7 +21,7 @@ struct BlockForecast {
   bool stealable = false;  ///< May be moved until a node begins it.
 };
 
-/// One picture being assembled: which tiles are still missing, and which nodes were asked for them. Pure; thread-bound.
+/// One picture being assembled: which tiles are still missing, and which nodes are to render them. Pure; thread-bound.
 ///
 /// Invariants: 1. the tiles of the first blocks tile the picture (tiles_of); 2. no pixel is delivered twice, whichever
 /// node renders it; 3. a reassigned block is one tile of an earlier one, or, after cut(), a part of it: then the first

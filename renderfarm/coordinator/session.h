@@ -72,7 +72,7 @@ struct Session {
   std::string scene{};  ///< Empty until the session is opened.
   TimePoint arrived_at{};
   std::uint64_t newest_view = 0;
-  /// Its in-flight numbers are those of `frames` and `unwritten_ends`: a frame starts once an older one is written.
+  /// The views in flight are those of `frames` and `unwritten_ends`, so a view waits until an older frame is written.
   FrameWindow<ReceivedView> views{};
   std::deque<FrameInFlight> frames{};  ///< Oldest first; the first is relayed to the museum. A refinement is alone.
   std::deque<WrittenFrame> unwritten_ends{};

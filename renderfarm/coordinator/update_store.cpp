@@ -14,10 +14,10 @@ Error none(const std::string& image) {
   return Error(ErrorCode::kNotFound, fmt::format("this farm has no version of '{}'", printable(image, 100)));
 }
 
-/// Does not name paths of the farm's host, which are of no use to a museum.
+/// Leaves out paths on the farm's host, which are of no use to a museum.
 Error unreadable() {
   return Error(ErrorCode::kBadData,
-               "what lies in the farm's folder of updates cannot be read; its operator copies it once more");
+               "the files in the farm's folder of updates cannot be read; its operator must copy them again");
 }
 
 }  // namespace

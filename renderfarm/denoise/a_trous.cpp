@@ -88,7 +88,7 @@ struct Neighbour {
   float kernel, per_step;
 };
 
-/// Adds the contribution of these neighbours to the run of `count` pixels from (x, y).
+/// Adds the contribution of the neighbours at one offset to the run of `count` pixels from (x, y).
 void add_neighbour(const Guide& guide, const LightPlanes& light, const Plane& per_tolerance, const Neighbour& neighbour,
                    int x, int y, int count, Sums* sums) {
   const int first = std::max(x, -neighbour.dx);

@@ -71,9 +71,10 @@ render::RenderCost has_cell_times(render::RenderCost cost, const PixelRect& wide
 Status check_denoisable(const render::PanoramaView& view) {
   const Projection picture = view.picture();
   if (picture.stacked() == 1 || height_px(picture.shape) % kCutPx == 0) return Done{};
-  return Error(ErrorCode::kInvalidArgument,
-               fmt::format("two eyes' pictures, each {} pixels high, are not denoised; make that a multiple of {}",
-                           height_px(picture.shape), kCutPx));
+  return Error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("stereo pictures of {} pixels in height per eye cannot be denoised; make the height a multiple of {}",
+                  height_px(picture.shape), kCutPx));
 }
 
 DenoisingRenderer::DenoisingRenderer(const render::Renderer& renderer, int threads)

@@ -10,7 +10,7 @@ namespace cyclorama::denoise {
 Result<DenoiseGain> measure_gain(const RadianceImage& reference, std::span<const render::Film> films,
                                  const DenoiseFilm& denoise) {
   const auto refuse = [](std::string why) { return Error(ErrorCode::kInvalidArgument, std::move(why)); };
-  if (films.size() < 2) return refuse(fmt::format("bias takes at least 2 films, not {}", films.size()));
+  if (films.size() < 2) return refuse(fmt::format("measuring bias needs at least 2 films, not {}", films.size()));
   const std::span<const float> truth = reference.data();
   const auto weight = [&](std::size_t i) {
     const auto value = static_cast<double>(truth[i]);

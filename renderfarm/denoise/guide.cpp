@@ -33,7 +33,7 @@ constexpr float kSureErrors = 3.0f;
 constexpr float kTolerance = 64.0f;
 constexpr float kToleranceHalved = 8.0f;
 
-/// Clamps to [-most, most]; NaN and infinities give 0.
+/// Clamps to [-max, max]; NaN and infinities give 0.
 inline float finite(float value, float max) {
   const float cut = value < max ? value : max;
   const float whole = cut > -max ? cut : -max;

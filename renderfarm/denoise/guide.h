@@ -29,7 +29,7 @@ struct Guide {
   Plane tolerance;
   Plane normal_x, normal_y, normal_z;  ///< Zero if the eye sees no surface.
   Plane place_x, place_y, place_z;     ///< Metres from the eye.
-  Plane plane_offset;                  ///< Dot product of normal and place.
+  Plane plane_offset;                  ///< Dot product of normal and position.
   Plane per_footprint;                 ///< Inverse of the pixel's width at the surface, 1/m.
 };
 

@@ -19,7 +19,7 @@ constexpr std::size_t kPlaceBytes = 12;
 constexpr std::size_t kNormalBytes = 12;
 constexpr std::size_t kColourBytes = 3;
 constexpr std::size_t kTriangleBytes = 13;
-static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "numbers are copied in their memory representation");
 
 std::string header_of(const GeometryCounts& counts, Shading shading) {
   return fmt::format(

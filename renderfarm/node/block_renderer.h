@@ -27,7 +27,7 @@ class BlockRenderer {
   /// Renders and denoises. Denoising needs a margin around `rect`, so one call per block is cheaper than one per tile.
   virtual render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect,
                                              RgbImage* ret_pixels, const std::function<bool()>& cancelled) = 0;
-  /// Renders only the given samples of the view, whatever number of samples it asks for, into `film`, which has the
+  /// Renders only the given samples of the view, whatever number of samples it requests, into `film`, which has the
   /// rect's size and no features. Cells that have samples stay as they are, so a cancelled film can be continued. Sums
   /// of films of the ranges of cut_samples(), added in that order, are bit-identical on any node.
   virtual render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,

@@ -52,7 +52,7 @@ CoordinatorConnection::CoordinatorConnection(std::string address, Channels chann
       channels_(std::move(channels)),
       hello_(std::move(hello)),
       controller_(controller),
-      state_(fmt::format("dialling the coordinator at {}", address_)),
+      state_(fmt::format("connecting to the coordinator at {}", address_)),
       thread_([this] { run(); }) {}
 
 CoordinatorConnection::~CoordinatorConnection() { stop(); }
@@ -103,7 +103,7 @@ void CoordinatorConnection::run() {
     bool served = false;
     const Error reason = serve(&served);
     delay = served ? kFirstRetry : std::min(2 * delay, kMaxRetryDelay);
-    set_state(fmt::format("no coordinator: {}; dialling again", reason.message()));
+    set_state(fmt::format("no coordinator: {}; connecting again", reason.message()));
     wait_until_connected(*channels_.work, delay, [this] { return is_stopping(); });
     stopped = is_stopping();
   }

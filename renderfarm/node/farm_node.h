@@ -42,9 +42,8 @@ class FarmNode {
   FarmNode(const FarmNode&) = delete;
   FarmNode& operator=(const FarmNode&) = delete;
 
-  /// Tells the coordinators that the node is draining, renders the blocks that it has, and ends its streams. Blocks
-  /// that
-  /// are unfinished after `limit` are given up. To be followed by stop().
+  /// Reports to the coordinators that the node is draining, renders the blocks that it has, and ends its streams.
+  /// Blocks that are unfinished after `limit` are given up. To be followed by stop().
   void drain(Duration limit);
   /// Ends the streams, gives up the current block and joins the threads. A scene that is being loaded is finished
   /// first. Idempotent.

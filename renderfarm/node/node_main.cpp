@@ -55,7 +55,7 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
     }
   }
   notify.stopping();
-  log(LogLevel::kInfo, "draining: renders the blocks that it has, then stops");
+  log(LogLevel::kInfo, "draining: the node renders the blocks that it has, then stops");
   node->drain(std::chrono::seconds(5));
   if (node->is_loading()) {
     // Loading cannot be aborted and may take minutes; a node holds no state that justifies the wait.
@@ -74,21 +74,22 @@ int main(int argc, char** argv) {
   using namespace cyclorama::node;
   Program program(
       "cyclorama-node",
-      "Ray traces for a render farm: dials its coordinator, loads the scenes it is told to, renders blocks.");
+      "Ray traces for a render farm: connects to coordinators, loads the scenes that they order, renders blocks.");
   Arguments arguments;
   CLI::App& app = program.options();
-  app.add_option("--config", arguments.config, "Read this node.toml; the other options overrule it")
+  app.add_option("--config", arguments.config, "Read this node.toml; the other options override it")
       ->check(CLI::ExistingFile);
   FarmNodeOptions& options = arguments.options;
   app.add_option("--coordinator", options.coordinators,
-                 "A farm's coordinator, such as [::1]:7402; given again, all are served at once");
+                 "Address of a coordinator, such as [::1]:7402; several are served at once");
   app.add_option("--threads", options.threads, "Threads that render (default: all)")
       ->check(CLI::Range(1, kMaxNodeThreads));
   app.add_option("--memory-gib", arguments.memory_gib,
-                 "What scenes and pictures at rest may take together (default: scenes are not limited)")
+                 "Limit for scenes and pictures at rest together (default: scenes are not limited)")
       ->check(CLI::Range(kMinMemoryGib, kMaxMemoryGib));
-  app.add_option("--cache", options.cache.folder, "Folder for scenes that coordinators hand out (default: takes none)");
-  app.add_flag("--check", arguments.is_check, "Read the settings and end: 0 if they are good");
-  app.add_option("--name", options.name, "How people call this node (default: the host's name)");
+  app.add_option("--cache", options.cache.folder,
+                 "Folder for scenes that coordinators distribute (default: none are accepted)");
+  app.add_flag("--check", arguments.is_check, "Check the settings and exit: 0 if they are valid");
+  app.add_option("--name", options.name, "Name shown to the operator (default: the host's name)");
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });
 }

@@ -88,7 +88,7 @@ class CoordinatorFileSource final : public scene_distribution::FileSource {
     request.set_digest(digest);
     wire::SceneFiles reply;
     if (const grpc::Status status = stub_->ListFiles(&context, request, &reply); !status.ok()) {
-      return from_grpc(status, "asking the coordinator for its files");
+      return from_grpc(status, "requesting the scene's files from the coordinator");
     }
     return scene_distribution::from_wire(reply, digest);
   }
@@ -156,7 +156,7 @@ Result<scene_distribution::SceneCache::Held> SceneFetcher::find(const wire::Load
     return Error(ErrorCode::kBadData, "the coordinator gave neither a path nor a digest");
   if (options_.folder.empty()) {
     return Error(ErrorCode::kInvalidArgument,
-                 "the coordinator hands this scene out, and this node has no place for it; write "
+                 "the coordinator distributes this scene, and this node has no cache for it; write "
                  "'cache' in node.toml, or --cache FOLDER");
   }
   if (!cache_) {
@@ -176,7 +176,7 @@ Result<scene_distribution::SceneCache::Held> SceneFetcher::find(const wire::Load
     if (held || !may_pass(held.error())) return held;
     report_progress(fmt::format("fetching scene '{}': {}; trying again", scene, held.error().message()));
     if (!wait(delay, cancelled))
-      return Error(ErrorCode::kUnavailable, "given up: the coordinator is gone, or wants it no more");
+      return Error(ErrorCode::kUnavailable, "given up: the coordinator is gone, or no longer needs the scene");
   }
 }
 

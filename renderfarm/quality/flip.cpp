@@ -192,7 +192,7 @@ Result<Flip> flip(const RgbImage& picture, const RgbImage& reference, double pix
   TRY(check_same_size(picture.width(), picture.height(), reference.width(), reference.height()));
   if (!(pixels_per_degree >= 1.0 && pixels_per_degree <= 1000.0)) {
     return Error(ErrorCode::kInvalidArgument,
-                 fmt::format("{} pixels per degree are asked for; it must be 1 to 1000", pixels_per_degree));
+                 fmt::format("{} pixels per degree were requested; it must be 1 to 1000", pixels_per_degree));
   }
   const ColourSpace space;
   const Planes opponent_a = opponent_of(picture, space);

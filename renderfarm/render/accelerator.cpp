@@ -89,7 +89,7 @@ Status Accelerator::check(const char* doing) const {
       return Done{};
     case RTC_ERROR_OUT_OF_MEMORY:
       return Error(ErrorCode::kSystem,
-                   fmt::format("{}: out of memory: {} are taken and {} were free; take a coarser "
+                   fmt::format("{}: out of memory: {} are in use and {} were free; take a coarser "
                                "scene or a machine with more memory",
                                doing, describe_bytes(bytes()), describe_bytes(static_cast<std::size_t>(limit_bytes_))));
     case RTC_ERROR_UNSUPPORTED_CPU:

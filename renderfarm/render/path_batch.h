@@ -12,7 +12,7 @@ namespace cyclorama::render {
 
 /// One sample of one pixel, starting at the eye.
 struct Path {
-  Vec3 direct = Vec3::Zero();        ///< Radiance so far that the visible surface emits or reflects once.
+  Vec3 direct = Vec3::Zero();        ///< Radiance so far that the visible surface emits, or reflects from a light.
   Vec3 indirect = Vec3::Zero();      ///< Radiance of all longer paths.
   std::uint32_t index_reversed = 0;  ///< Identifies its random numbers, together with `seed`; see sampler.h.
   std::uint32_t seed = 0;
@@ -22,9 +22,9 @@ struct Path {
 /// The most recent ray of a path.
 struct PathRay {
   Vec3 throughput = Vec3::Ones();
-  /// Per solid angle, of its direction; 0 for a direction that could not be sampled otherwise (camera ray, mirror).
+  /// Pdf of its direction, per steradian; 0 if light sampling could not have chosen it (camera ray, mirror).
   float pdf = 0.0f;
-  Vec3 from_normal = Vec3::Zero();  ///< Normal at its start; with `density`, for weighting against light sampling.
+  Vec3 from_normal = Vec3::Zero();  ///< Normal at its start; with `pdf`, for weighting against light sampling.
   float cone_width = 0.0f;          ///< Width of the sample's cone at its start, in metres.
   Vec3 absorption = Vec3::Zero();   ///< Per metre, of the medium that it crosses.
   float cone_spread = 0.0f;         ///< Spread of the cone, in radians.

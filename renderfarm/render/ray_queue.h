@@ -23,7 +23,7 @@ class RayQueue {
   [[nodiscard]] bool full() const { return count_ == kMaxRays; }
   void clear() { count_ = 0; }
 
-  /// Adds a ray. `lot` seeds the random numbers for half-transparent surfaces on its way. Precondition: not full.
+  /// Adds a ray. `random_number` seeds the decisions at half-transparent surfaces on its way. Precondition: not full.
   void add(const Vec3& origin, const Vec3& direction, float far, std::uint32_t random_number) {
     RTCRay16& ray = rays_of(packet(count_));
     const int lane = lane_of(count_++);

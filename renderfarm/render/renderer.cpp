@@ -71,14 +71,14 @@ struct Renderer::State {
                  const Output& output) const;
 };
 
-static_assert(scene::kMaxSceneBounces <= kMaxBounces, "what a scene asks for can be rendered");
-static_assert(kCellPx == kCostCellPx, "what is measured is what is told");
+static_assert(scene::kMaxSceneBounces <= kMaxBounces, "every scene's bounces must be renderable");
+static_assert(kCellPx == kCostCellPx, "costs are reported in the cells in which they are measured");
 
 Status check_view(const PanoramaView& view, const PixelRect& rect) {
   const Projection picture = view.picture();
   TRY(picture.validate());
   const auto refuse = [](std::string what) { return Error(ErrorCode::kInvalidArgument, std::move(what)); };
-  if (!view.eye.allFinite()) return refuse("the eye's place is not finite");
+  if (!view.eye.allFinite()) return refuse("the eye's position is not finite");
   if (!std::isfinite(view.heading_rad)) return refuse("the heading is not finite");
   TRY(validate(view.quality));
   const bool inside = rect.x >= 0 && rect.y >= 0 && rect.width >= 0 && rect.height >= 0 &&

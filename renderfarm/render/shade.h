@@ -24,8 +24,8 @@ inline constexpr std::uint32_t kFirstSurface = 1;
 enum SurfaceDimension : std::uint32_t { kLight, kLightPlace, kScatter, kLobe, kSurfaceDimensions };
 
 /// Russian roulette: a path survives with this many times the largest component of its throughput as its probability,
-/// at most 1. In a matte hall of 16 samples and three surfaces, error times cpu-seconds is minimal for 2 to 4: 16 %
-/// less than without roulette (1: more than without).
+/// at most 1. In a matte hall, with 16 samples and paths of up to three surfaces, error times cpu-seconds is minimal
+/// for factors of 2 to 4: 16 % less than without roulette. With a factor of 1 it is more than without.
 inline constexpr float kRouletteChance = 3.0f;
 /// Number of mirrors and clear surfaces that a path may meet in addition to its bounces; then it ends.
 inline constexpr int kMaxPassages = 16;
@@ -42,8 +42,8 @@ void draw_random_numbers(PathBatch& batch);
 /// Traces the queued batch.shadow_rays and adds the light that arrives to their paths.
 void trace_shadows(const TraceScene& scene, PathBatch& batch);
 
-/// Returns the power-heuristic weight of the technique with `density` against `other`, for the same light. A `density`
-/// of 0 means that there is only one technique.
+/// Returns the power-heuristic weight of the technique with `pdf` against the one with `other`, for the same light. A
+/// `pdf` of 0 means that there is only one technique.
 [[nodiscard]] inline float share_of(float pdf, float other) {
   if (pdf == 0.0f) return 1.0f;
   const float ratio = other / pdf;
@@ -199,7 +199,7 @@ class Shade {
     film_.distance[pixel] += rays_.distance(i);
   }
 
-  /// Adds light that was reflected once more than the ray was; `light` includes the throughput.
+  /// Adds light that arrives by one scattering more than the ray itself; `light` includes the throughput.
   void reflected(const PathRay& ray, const Vec3& light) {
     Path& path = path_of(ray);
     (ray.scatterings == 0 ? path.direct : path.indirect) += light;
@@ -223,8 +223,8 @@ class Shade {
     reflected(ray, ray.throughput.cwiseProduct(scene_.ambient).cwiseProduct(scattering.albedo()));
   }
 
-  /// Adds the eye lamp's light. From the eye, its shadows are hidden behind the objects that cast them, so camera rays
-  /// need no shadow ray.
+  /// Adds the light of the lamp at the eye. Its shadows are hidden from the eye by the objects that cast them, so what
+  /// camera rays hit needs no shadow ray.
   void shine_eye_lamp(int i, const PathRay& ray, const SurfacePoint& point, const Scatter& scattering, const Vec3& wo) {
     constexpr float kMinDistance2 = 0.05f * 0.05f;  // The lamp is beside the eye, not in it.
     if (scene_.eye_lamp.isZero(0.0f)) return;
@@ -276,8 +276,8 @@ class Shade {
     LightSample aim;
     const Vec3 start = start_off_surface(point, point.facing);
     if (!scene_.lights.sample(start, side, random_numbers.choice, random_numbers.place, &aim)) return;
-    // The same test as in go_on(): light must not black_level through the triangle where its normal and the shading normal
-    // disagree.
+    // The same test as in should_continue(): light must not leak through the triangle where its normal and the shading
+    // normal disagree.
     if ((point.facing.dot(aim.direction) > 0.0f) != (normal.dot(aim.direction) > 0.0f)) return;
     Vec3 light = scattering.evaluate(aim.direction).cwiseProduct(aim.radiance_over_pdf);
     if (light.isZero(0.0f)) return;
@@ -302,7 +302,7 @@ class Shade {
         scattering.sample({batch_.random_numbers.scatter_u[slot], batch_.random_numbers.scatter_v[slot]},
                           batch_.random_numbers.lobe[slot]);
     if (sample.weight.isZero(0.0f)) return;
-    // Light must not black_level through the triangle where its normal and the shading normal disagree.
+    // Light must not leak through the triangle where its normal and the shading normal disagree.
     if ((point.facing.dot(sample.wi) > 0.0f) == sample.through) return;
 
     PathRay next = ray;

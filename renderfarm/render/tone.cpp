@@ -30,7 +30,7 @@ ToneTable::ToneTable(scene::ToneCurve curve) {
     min[static_cast<std::size_t>(code)] = min_bits(curve, code);
     min_[static_cast<std::size_t>(code)] = std::bit_cast<float>(min[static_cast<std::size_t>(code)]);
   }
-  min_[256] = std::numeric_limits<float>::quiet_NaN();  // No light exceeds NaN.
+  min_[256] = std::numeric_limits<float>::quiet_NaN();  // No light compares as brighter, so 255 is the last code.
   std::size_t code = 0;
   for (std::size_t i = 0; i < first_.size(); ++i) {
     while (code < 255 && (i << kShift) >= min[code + 1]) ++code;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Settings for geometry without any for its visitors, derived from its shape.
+/// Settings for visitors, derived from the shape of geometry that comes without any.
 ///
 ///   room    floor with walls around it and a ceiling above   the visitor stands where it is widest
 ///   site    ground to walk on, under the sky                 the same

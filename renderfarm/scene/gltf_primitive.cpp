@@ -48,8 +48,8 @@ Result<std::optional<GltfPrimitive>> GltfPrimitive::open(GltfDocument* document,
 Status GltfPrimitive::open_draco(const GltfObject& extension) {
   TRY_ASSIGN(const std::size_t indices, document_->required_index(object_, "indices", "accessors"));
   TRY_ASSIGN(const GltfAccessorShape shape, read_accessor_shape(*document_, indices));
-  // Draco encodes triangles only. The extension also allows strips to be compressed so, but then their count means
-  // little.
+  // Draco encodes triangles only. The extension also allows it for strips, but their accessor's count then does not
+  // give the number of triangles.
   if (topology_ != GltfTopology::kTriangles) {
     return object_.damaged("mode", "Draco data of strips and fans is not supported");
   }

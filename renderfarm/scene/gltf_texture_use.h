@@ -18,7 +18,7 @@ namespace cyclorama::scene {
 Result<TextureUse> read_texture_use(const GltfDocument& document, const GltfObject& from, const char* key,
                                     GltfNotes* notes);
 
-/// Returns from.key, or `fallback` if absent, clipped to [0, most] with a note.
+/// Returns from.key, or `fallback` if absent, clipped to [0, max] with a note.
 Result<float> read_factor(const GltfObject& from, const char* key, double fallback, double max, GltfNotes* notes);
 
 /// Returns from.key.scale of a normal map; 1 if absent.

@@ -34,7 +34,7 @@ class CellSet {
 /// Returns the cells of `set` connected by their sides to the start cell; none if the start is not in `set`.
 [[nodiscard]] CellSet reached_from(const CellSet& set, int start_x, int start_z);
 
-/// Returns the borders of `set` as cell corners (x, z), ordered by their first corner: least z, then least x. For a
+/// Returns the borders of `set` as cell corners (x, z), ordered by their first corner: lowest z, then lowest x. For a
 /// connected set the outline comes first, then its holes. Cells that touch only at a corner are not joined.
 [[nodiscard]] std::vector<std::vector<Eigen::Vector2i>> borders_of(const CellSet& set);
 

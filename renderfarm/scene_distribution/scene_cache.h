@@ -49,7 +49,6 @@ using CacheProgress = std::function<bool(const char* doing, double fraction)>;
 /// file that this object has verified and whose stamp is unchanged is not read again. So a crash or a power cut at any
 /// moment costs at most what was not yet written. Room is made by dropping files that belong to no scene, then the
 /// least recently requested scenes. Several processes may share a folder: one fills it at a time. Thread-bound.
-/// scenes that were not wanted for longest. Several processes may share a folder: one fills it at a time. Thread-bound.
 class SceneCache {
  public:
   /// Creates the folders and removes leftovers of a crash. Errors: kSystem if they cannot be created or written.

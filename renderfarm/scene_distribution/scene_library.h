@@ -33,7 +33,7 @@ class SceneLibrary {
     std::string digest;    ///< Empty if not known yet.
     std::string sentence;  ///< For the log.
   };
-  /// Starts reading. `tell` is called on the thread; `digests` is DigestMemory's file, or empty.
+  /// Starts reading. `on_news` is called on the thread; `digests` is DigestMemory's file, or empty.
   SceneLibrary(std::vector<Source> sources, std::filesystem::path digests, std::function<void(News)> on_news);
   ~SceneLibrary();
   SceneLibrary(const SceneLibrary&) = delete;

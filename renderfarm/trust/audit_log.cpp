@@ -116,7 +116,7 @@ Status AuditLog::append(const std::string& line) {
   Error failure = written < 0 ? Error::from_errno(fmt::format("writing the audit log '{}'", path_.string()))
                               : Error(ErrorCode::kSystem, fmt::format("the disk of '{}' is full", path_.string()));
   if (written > 0 && is_known && ::ftruncate(file_->get(), before.st_size) != 0) {
-    failure = Error::from_errno(fmt::format("taking half a line from the audit log '{}'", path_.string()));
+    failure = Error::from_errno(fmt::format("removing half a line from the audit log '{}'", path_.string()));
   }
   return failure;
 }

@@ -32,7 +32,7 @@ struct Grant {
 ///   name = "hall-3"                  # As in its certificate.
 ///   scenes = ["grotto", "relic"]     # Or ["*"].
 ///   weight = 2.0                     # Left out: 1. From 0.01 to 100.
-///   sessions = 4                       # Left out: 4. At once.
+///   sessions = 4                     # Left out: 4. At once.
 ///   megabytes_per_s = 20             # Left out: not limited. From 0.1.
 ///   updates = false                  # Left out: true. Whether it gets versions of its image from here.
 ///   watermark = "9e1f2bad2af9ea4e"   # Left out: none. 16 hexadecimal digits, not all 0.

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Finds the walkable area of a scene with rays: downwards for the ground and the headroom, sideways for obstacles. The
-/// eye keeps its height (the paper's walk), so ground counts only as far as it suits that height.
+/// Finds the walkable area of a scene with rays: downwards for the ground and the headroom, sideways for obstacles.
+/// Visitors' eyes keep their height, so only ground that suits that height is walkable.
 ///
 ///        ceiling ▔▔▔▔▔▔▔▔▔▔▔      at each cell of 5 cm, beginning with the start:
 ///          headroom   ↑            1. ground: a surface in the band below the eye, with headroom above it
 ///     eye ──●─ ─ ─ ─ ─ ─ ─ ─       2. no step to the next cell higher than a stair's, and no slope above steepest_rad
 ///   ←──→   ╱│╲  ←──→               3. nothing within the body's radius, from the knee up to the headroom
 ///  radius   │  radius
-///   ▁▁▁▁▁▁▁▁▁▁▁▁▁╱▔▔ band          The cells that are reachable in this way become polygons, with holes around
-///   pillars.
-///   ▁▁▁▁▁▁▁▁▁▁▁▁▁╱▔▔ band          The cells that are reachable in this way become polygons, with holes around
-///   pillars.
+///   ▁▁▁▁▁▁▁▁▁▁▁▁▁╱▔▔ band
+///
+/// The cells that are reachable in this way become polygons, with holes around pillars.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -31,8 +30,9 @@ struct BodySize {
   double headroom_m = 0.15;  ///< Above the eye.
   double step_m = 0.25;      ///< Height that can be stepped up, down, or over.
   double knee_m = 0.45;      ///< Obstacles below this height do not matter.
-  double lower_m = 0.64;     ///< Ground may be this much below the ground at the start,
-  /// and this much above it; beyond that, an eye of fixed height would be too high or too low.
+  /// Bounds of the ground's height below and above that at the start: beyond them, an eye of fixed height would be too
+  /// high or too low.
+  double lower_m = 0.64;
   double higher_m = 0.40;
   double gap_m = 0.15;          ///< Width of holes in the ground that are bridged; scans have such holes.
   double steepest_rad = 0.785;  ///< 45 degrees over 0.6 m, as on steep stairs.
@@ -53,7 +53,7 @@ struct WalkableGround {
   double radius_m = 0.0;  ///< Clearance that was applied.
   double floor_m = 0.0;   ///< Height of the ground at the start.
   double cell_m = 0.0;
-  // For pictures: cell (x, z) is kinds[z * width + x]; its lowest corner is `least + cell_m * (x, z)`.
+  // For pictures: cell (x, z) is kinds[z * width + x]; its lowest corner is `min + cell_m * (x, z)`.
   int width = 0;
   int depth = 0;
   Eigen::Vector2d min = Eigen::Vector2d::Zero();

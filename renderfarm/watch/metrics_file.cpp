@@ -36,7 +36,8 @@ void MetricsFile::run() {
   for (std::unique_lock lock(mutex_); !changed_.wait_for(lock, period_, [this] { return stopping_; });) {
     lock.unlock();
     const Status written = write_file_atomically(path_, metrics_.text());
-    if (!written && works) notice_(written.error().message() + ", ignoring; the metrics are old until it works again");
+    if (!written && works)
+      notice_(written.error().message() + ", ignoring; the metrics are out of date until writing works again");
     if (written && !works) notice_(fmt::format("'{}' is written again", path_.string()));
     works = written.has_value();
     lock.lock();

@@ -65,7 +65,7 @@ Status run_top(const TopOptions& options, const StopSignal& stop) {
     OtherPage::show(top_text(status, terminal_columns()) + trouble);
     if (stop.wait_until(SteadyClock().now() + kPeriod)) return Done{};
     auto answer = request_status(*stub, address);
-    trouble = answer ? "" : fmt::format("\n{}; what is above is old\n", answer.error().message());
+    trouble = answer ? "" : fmt::format("\n{}; the figures above are old\n", answer.error().message());
     if (answer) status = *std::move(answer);
   } while (true);
 }

@@ -3,9 +3,9 @@
 ///
 ///   GET /                  the page; its parts are /page.css, /page.js, /icon.svg
 ///   GET /status            status_json.h
-///   GET /sessions            the open sessions: [ { id, museum, scene, frames_per_second, … } ]
-///   GET /sessions/ID.mjpeg   the session's pictures while it lasts, at most ten per second; `?half` halves their sides
-///   GET /sessions/ID.jpg     its newest picture; 404 if it has none yet
+///   GET /sessions          the open sessions: [ { id, museum, scene, frames_per_second, … } ]
+///   GET /sessions/ID.mjpeg the session's pictures while it lasts, at most ten per second; `?half` halves their sides
+///   GET /sessions/ID.jpg   its newest picture; 404 if it has none yet
 ///   GET /metrics           Prometheus
 ///   GET /health            {"healthy": …} with 200 or 503; the only one that needs no token
 ///

@@ -278,7 +278,7 @@ GeneratedRoom::Device GeneratedRoom::camera_at(double angle_rad) const {
   device.position = plan_.camera_offset_m.x() * right + plan_.camera_offset_m.z() * heading;
   const Eigen::Vector3d forward = std::cos(pitch_) * heading + std::sin(pitch_) * up;
   const Eigen::Vector3d upwards = right.cross(forward);
-  // Rolled: the camera's right axis moves towards up... seen by the camera, its picture turns the other way.
+  // The roll tilts the camera's right axis downwards.
   device.axes << std::cos(roll_) * right + std::sin(roll_) * -upwards,
       -(std::cos(roll_) * upwards + std::sin(roll_) * right), forward;
   device.lens = camera_lens_;

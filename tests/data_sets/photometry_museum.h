@@ -42,12 +42,10 @@ double response_rms(const simulated::TrueMuseum& museum, const photometry::Photo
 /// azimuth are sampled in steps of 0.1 degrees; a border is where the set of projectors that light the point changes.
 ///   step     luminance 0.45 degrees behind a border minus that 0.45 degrees before it, relative, at full white
 ///   jump     luminance difference at the border itself, relative, at full white: each side is extrapolated linearly
-///   from
-///            0.45 to 0.95 degrees (as far as the same projectors light; at least 0.05 to 0.45). Changes
-///            within 0.45 degrees count as at the border; a slope that continues beyond does not
+///            from the samples at 0.45 to 0.95 degrees (as far as the same projectors light; at least 0.05 to 0.45).
+///            Changes within 0.45 degrees count as if they were at the border; a slope that continues beyond does not
 ///   bump     luminance in the middle of an overlap relative to the straight line between 0.45 degrees on either side
-///   of
-///            it, at full white
+///            of it, at full white
 ///   delta_e  CIE 1976 L*a*b* between the pair of `step`, for linear content of 1, 0.2, 0.02 and 0, all together; the
 ///            reference white is the brightest full white on the wall
 struct SeamScore {
@@ -74,8 +72,8 @@ struct SeamScore {
   double delta_e_max = 0.0;
   double delta_e_black_p95 = 0.0;  ///< For content 0 alone.
   /// Maximum deviation from 1 of the sum of weights where several projectors light the wall, at least `rim_deg` from
-  /// unlit parts: at the rim of the lit area, corners of pictures meet in points where any weights must jump, and the
-  /// weights change more slowly the more pixels one is away.
+  /// unlit parts: at the rim of the lit area, corners of pictures meet in points where any weights must jump; the
+  /// weights change more slowly farther from these points.
   double mask_sum_error = 0.0;
   double mask_sum_error_rim = 0.0;  ///< Likewise, including the rim.
   double mask_off = 0.0;            ///< Fraction of points in overlaps, rim included, that are off by more than 0.005.

@@ -131,7 +131,7 @@ double mean(const std::vector<double>& values) {
   return values.empty() ? 0.0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// A sample on a line of sights, and the projectors whose pictures contain it.
+/// A sample on a scan line, and the projectors whose pictures contain it.
 struct SeamSample {
   std::optional<simulated::TrueWall::Hit> hit;
   unsigned projectors = 0;
@@ -156,7 +156,8 @@ struct Pairs {
   std::vector<Bump> bumps;
 };
 
-/// Collects samples from the one beside the border, `way` being 1 or -1; all of them have the same projectors.
+/// Collects the samples from `neighbour`, which is beside the border, in the direction `way` (1 or -1), as long as the
+/// same projectors light them.
 Side side_of(const std::vector<SeamSample>& line, std::size_t neighbour, int way) {
   const auto at = [&](int step) { return static_cast<std::size_t>(static_cast<int>(neighbour) + way * step); };
   const auto is_same = [&](int step) {

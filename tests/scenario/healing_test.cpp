@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real processes: a display and a calibrator, in a museum that is simulated inside of the calibrator. A projector is
-// bumped while the show goes on; the wall's error falls again, also when the calibrator is killed in the middle of it
-// and comes back. What was recorded is found again, bit by bit, twice. One command brings the calibration of before
-// back. The truth is for scoring, and for who bumps; more of what may happen is in healing_loop_test.
+// Runs the real display and calibrator in a museum that the calibrator simulates. A projector is bumped during the
+// show, and the wall's error must fall again, even if the calibrator is killed and restarted meanwhile. One command
+// must restore the previous calibration, and replaying the record twice must give the same corrections bit by bit. The
+// truth is only used to bump projectors and to score the wall. healing_loop_test covers more cases.
 //
 //   healing_test DISPLAY CALIBRATOR
 #include <fcntl.h>
@@ -35,10 +35,10 @@
 namespace cyclorama {
 namespace {
 
-constexpr int kWall = 1;  // The projector in the middle.
+constexpr int kWall = 1;  // Number of the projector that is bumped: the middle one.
 constexpr const char* kBefore = "2026-11-21T10-00-00Z";
 
-/// A process that is killed when this dies.
+/// A child process that is killed by the destructor.
 class Child {
  public:
   explicit Child(const std::vector<std::string>& command) : id_(::fork()) {
@@ -64,7 +64,7 @@ class Child {
   pid_t id_;
 };
 
-/// Cuts the part that the display requested out of a picture of a whole turn.
+/// Cuts the part that the display requested out of a full-circle picture.
 RgbImage cut_out(const ShowContent& content, const Panorama& wanted) {
   RgbImage picture(wanted.width_px, wanted.height_px);
   for (int y = 0; y < picture.height(); ++y) {
@@ -124,7 +124,7 @@ class Scenario {
       expect(says("keeps 3 projectors in place", 30), "all is well again");
       expect(realign(), "it can be told to realign");
       bump({-0.003, 0.003, 0.0, 0.0, 0.003, 0.0});
-      heals.kill(SIGKILL);  // At once: in the middle of it, or before it saw anything.
+      heals.kill(SIGKILL);  // At once: during the recovery, or before it detected the bump.
     }
     {
       const double bumped_px = off_px();
@@ -182,7 +182,7 @@ class Scenario {
     const auto stub = wire::Healing::NewStub(*channel);
     wire::PlacedCameras placed;
     grpc::Status status;
-    for (int tries = 0; tries < 100; ++tries) {  // It is only starting.
+    for (int tries = 0; tries < 100; ++tries) {  // It may still be starting.
       grpc::ClientContext context;
       context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(150));
       status = stub->PlaceCameras(&context, {}, &placed);
@@ -199,7 +199,7 @@ class Scenario {
     wire::RealignAnswer answer;
     return wire::Healing::NewStub(*channel)->Realign(&context, {}, &answer).ok();
   }
-  /// The date of what counts now.
+  /// Restores the previous calibration and returns the date of the one now in use, or the error.
   std::string restore() {
     const auto channel = make_channel(calibrator_address());
     grpc::ClientContext context;

@@ -60,7 +60,7 @@ int calibrate(const std::string& address, const std::string& projector, int widt
   return 0;
 }
 
-/// A child process, killed when this dies.
+/// A child process that is killed by the destructor.
 class Child {
  public:
   explicit Child(const std::vector<std::string>& command) {
@@ -115,7 +115,7 @@ class Wall {
     }
     return all;
   }
-  /// Waits until the heads show the same for half a second.
+  /// Waits until the heads' pictures have not changed for half a second.
   [[nodiscard]] std::vector<RgbImage> still_heads() const {
     std::vector<RgbImage> before;
     for (int same = 0, looks = 0; same < 10 && looks < 600; ++looks) {
@@ -159,7 +159,7 @@ int scenario(const std::string& self, const std::string& display, const std::str
     const Wall wall(folder, *room);
     const std::vector<RgbImage> show = wall.still_heads();
     expect(!show.empty() && !is_dark(show[0]), "the display shows its attract picture");
-    for (const unsigned seed : {1U, 2U}) {  // The second calibrator is let in at once after the first was killed.
+    for (const unsigned seed : {1U, 2U}) {  // The second one connects as soon as the first is killed.
       if (show.empty()) break;
       const InstalledProjector& projector = room->projectors[seed % room->projectors.size()];
       Child calibrator({self, "--calibrate", address, projector.name, std::to_string(projector.lens.width_px),

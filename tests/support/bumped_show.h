@@ -24,7 +24,7 @@ struct ShowContent {
 };
 /// Paints a full turn of rock-like content from smooth noise and blotches with edges.
 [[nodiscard]] ShowContent painted_content(int width_px, std::uint32_t seed);
-/// Reads a rendered PNG of a full turn. Errors: those of read_png().
+/// Reads a rendered PNG of a full turn. Errors: those of read_file() and decode_png().
 Result<ShowContent> read_content(const std::string& path, double tan_top, double tan_bottom);
 
 struct BumpedShowOptions {

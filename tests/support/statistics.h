@@ -124,7 +124,7 @@ class SphereHistogram {
   }
   [[nodiscard]] double lost() const { return total_ > 0.0 ? counts_.back() / total_ : 0.0; }
 
-  /// Returns the probability of each bin: the integral of density(Vec3), per steradian.
+  /// Returns the probability of each bin: the integral of pdf(Vec3), which is per steradian.
   template <typename Density>
   [[nodiscard]] std::vector<double> integrate(const Density& pdf) const {
     std::vector<double> probabilities;
@@ -137,7 +137,7 @@ class SphereHistogram {
     return probabilities;
   }
 
-  /// Tests whether the counts follow density(Vec3); if it integrates to less than one, the rest is the expected share
+  /// Tests whether the counts follow pdf(Vec3); if it integrates to less than one, the rest is the expected share
   /// of lost samples.
   template <typename Density>
   [[nodiscard]] ChiSquare compare(const Density& pdf, double* ret_integral = nullptr) const {
@@ -293,7 +293,7 @@ struct SamplerCheck {
   double lost = 0.0;      ///< Fraction of the samples without a direction.
 };
 
-/// Tests sample(const Vec2& u, float choice) -> std::optional<Vec3> against density(const Vec3&), with another quarter
+/// Tests sample(const Vec2& u, float choice) -> std::optional<Vec3> against pdf(const Vec3&), with another quarter
 /// of `samples` to define the bins.
 template <typename Sample, typename Density>
 [[nodiscard]] SamplerCheck check_sampler(const Sample& sample, const Density& pdf, int samples = 1 << 15,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // test-display: the real display with a wrong clock, for tests/bench/display/sync.py. It draws into memory and writes
-// one line per refresh: its time on the machine's true clock; its shared number, or - for none; the frame that was
-// shown; the lateness of the frame and of the heading in refreshes; the heading; and the lead of the drawing's start
-// over the shared refresh in milliseconds. At the end it writes its gauges.
+// one line per refresh: its time on the machine's true clock; its synchronised number, or - for none; the frame that
+// was shown; the lateness of the frame and of the heading in refreshes; the heading; and how long before the
+// synchronised refresh drawing began, in milliseconds. At the end it writes its gauges.
 #include <fmt/os.h>
 
 #include "appliance/display/display.h"

@@ -9,9 +9,10 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr int kMinComparedPatches = 10;  // Minimum number of patches before a projector counts as lost in a camera.
-constexpr double kLostBelow = 0.35;      // Share of them that fits.
-constexpr double kFoundAbove = 0.45;     // Share that must fit when it is found again.
+// Minimum number of compared patches by which a projector can count as lost in a camera.
+constexpr int kMinComparedPatches = 10;
+constexpr double kLostBelow = 0.35;   // Share of them that fits; below it, the projector is lost.
+constexpr double kFoundAbove = 0.45;  // Share that must fit when it is found again.
 constexpr int kMinFits = 10;
 constexpr std::size_t kMinEdges = 8;
 constexpr double kNoisiest = 6.0;   // Maximum noise of the residuals, in expected deviations.

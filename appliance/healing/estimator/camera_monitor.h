@@ -48,7 +48,7 @@ class CameraMonitor {
   /// Room that the warps were made for; it lags a little behind the believed one.
   [[nodiscard]] const calibration::ShowCalibration& predicted_room() const { return room_; }
 
-  /// Fills prediction, scale, patches and edges of a look whose pictures are set. `usual_gain` 0: not known yet.
+  /// Fills prediction, scale, patches and edges of `look`, whose pictures are set. `usual_gain` 0: not known yet.
   void compare(double usual_gain, CameraObservation* look) const;
   /// Returns the patches of `seen` under the assumption that `shone` was projected.
   [[nodiscard]] std::vector<PatchShift> compare(std::span<const LightPlane> shone, double gain,

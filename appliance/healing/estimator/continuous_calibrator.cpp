@@ -313,10 +313,12 @@ Result<ContinuousCalibrator> ContinuousCalibrator::resume(const calibration::Sho
                            applied.cameras.size() == believed.cameras.size() &&
                            applied.projectors.size() == learned.at_rest.size() &&
                            applied.projectors.size() + applied.cameras.size() == learned.roots.size();
-  if (!is_one_room) return Error(ErrorCode::kInvalidArgument, "what is applied and what was learned are of two rooms");
+  if (!is_one_room)
+    return Error(ErrorCode::kInvalidArgument, "what is applied and what was learned belong to different rooms");
   for (const calibration::PoseMatrix& root : learned.roots) {
     if (!root.allFinite() || !root.inverse().allFinite())
-      return Error(ErrorCode::kInvalidArgument, "what was learned is surer than can be; place the cameras again");
+      return Error(ErrorCode::kInvalidArgument,
+                   "what was learned is more certain than is possible; place the cameras again");
   }
   auto state = std::make_unique<State>(applied, options);
   state->believed = believed;

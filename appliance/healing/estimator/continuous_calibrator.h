@@ -69,7 +69,8 @@ struct ContinuousOptions {
   double min_sigma_px = 0.3;  ///< Lower bound of an observation's deviation, in the calibration's pixels.
   /// Projector pixels per pixel of the calibration, whose pictures are smaller by that factor.
   double pixels = 1.0;
-  double correct_from_px = 0.2;      ///< Less drift stays, in the projectors' pixels: a correction would be seen more.
+  /// In the projectors' pixels; smaller drift stays, since a correction would be more visible.
+  double correct_from_px = 0.2;
   double correct_from_sigmas = 4.0;  ///< Threshold as a normal variable's deviations, for all directions together.
   Duration settle = std::chrono::seconds(3);
   Duration scan_wanted_after = std::chrono::minutes(5);

@@ -20,7 +20,7 @@ struct ContinuousCalibrator::State {
   calibration::ShowCalibration believed;
   calibration::ShowCalibration applied;
   calibration::ShowCalibration reference;  ///< Believed poses at the time when the scan's residuals had been learned.
-  std::vector<PoseFilter> filters;         ///< Projectors', then cameras'.
+  std::vector<PoseFilter> filters;         ///< Of the projectors, then of the cameras.
   std::vector<PixelMotion> motion;         ///< Per projector.
   std::vector<ProjectorHealth> health;
   std::vector<TimePoint> measured_at;
@@ -37,7 +37,7 @@ struct ContinuousCalibrator::State {
   std::vector<ShowTimeline> timelines;
   std::vector<Duration> times_off;  ///< Per camera: delay of its pictures relative to their time stamps.
   bool is_moving = false;           ///< The content moved during the last observations.
-  bool is_calm = false;             ///< The content stood still long before them, too: no clock can be so wrong.
+  bool is_calm = false;  ///< The content also stood still for longer before them than any clock can be wrong.
   std::optional<TimePoint> still_at;
   std::vector<CameraObservation> looks;
   std::optional<TimePoint> begun_at;
@@ -51,16 +51,16 @@ struct ContinuousCalibrator::State {
   [[nodiscard]] std::size_t bodies() const { return filters.size(); }
   [[nodiscard]] std::size_t projectors() const { return believed.projectors.size(); }
 
-  // show_observations.cpp
+  // Defined in show_observations.cpp:
   void look_at(const ShowMoment& moment, ShowReport* report);
   std::optional<std::vector<LightPlane>> shone_between(TimePoint opened, TimePoint closed, double* ret_motion_px);
   bool is_still(TimePoint from, TimePoint until);
-  /// Returns whether a look fits its own time better than a little earlier or later, while the show moves. Learns the
+  /// Returns whether `look` fits its own time better than a little earlier or later, while the show moves. Learns the
   /// error of the time stamps.
   bool is_of_its_time(const CameraObservation& look, TimePoint opened, TimePoint closed, TimePoint now,
                       ShowReport* report);
 
-  // continuous_calibrator.cpp
+  // Defined in continuous_calibrator.cpp:
   void learn(TimePoint now, const PoseSolution& solution, ShowReport* report);
   /// Forgets what was known of a body, so that the next measurement is followed.
   void loosen(BodyIndex body);
@@ -71,7 +71,7 @@ struct ContinuousCalibrator::State {
   void hold(std::size_t projector, HoldReason why, std::string reason, TimePoint now, ShowReport* report);
   void notice(std::size_t projector, ShowReport* report);
 
-  // bump_recovery.cpp
+  // Defined in bump_recovery.cpp:
   [[nodiscard]] std::vector<PatchObservation> trusted_observations() const;
   [[nodiscard]] std::vector<EdgeObservation> edges(std::span<const CameraObservation> of) const;
   [[nodiscard]] std::vector<BodyPrior> priors() const;
@@ -79,7 +79,7 @@ struct ContinuousCalibrator::State {
   [[nodiscard]] std::vector<BodyPrior> loose_projectors() const;
   /// Pairs of projector and camera where much was compared and hardly anything fits.
   [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> lost() const;
-  /// Tries explanations of the looks, in order of cost. Returns whether one was found, verified and accepted.
+  /// Tries explanations of the observations, in order of cost. Returns whether one was found, verified and accepted.
   bool recover(TimePoint now, bool is_lost, ShowReport* report);
   /// Marks bodies for which no pose was accepted: until one is, or they are observed in their former pose, they are not
   /// followed either.

@@ -9,7 +9,7 @@ namespace cyclorama::healing {
 namespace {
 
 constexpr int kMinPatches = 10;
-constexpr double kDiffers_px = 4.0;  // Reach of patches.
+constexpr double kDiffers_px = 4.0;  // Distance counted for a patch that is not found: the reach of the search.
 // Contribution of a slightly wrong pose and of noise to the difference between two times.
 constexpr double kBetter_px = 0.12;
 constexpr double kBetterPart = 0.1;

@@ -10,7 +10,8 @@
 
 namespace cyclorama::healing {
 
-/// Shift of an exposure to either side; an error of at least half of it is detected.
+/// Time by which an exposure is shifted, earlier and later, for comparison; a clock error of at least half of it is
+/// detected.
 inline constexpr Duration kTimeDoubt = std::chrono::milliseconds(20);
 
 struct ExposureTiming {

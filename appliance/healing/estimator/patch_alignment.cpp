@@ -9,8 +9,8 @@
 namespace cyclorama::healing {
 namespace {
 
-constexpr double kCorrelation = 4.0;  // Neighbouring pixels share noise: bilinear sampling and softening.
-constexpr double kPriorPx = 3.0;      // For the shift in a direction in which a patch has no gradient.
+constexpr double kCorrelation = 4.0;  // Factor on the variance: sampling and softening correlate neighbouring pixels.
+constexpr double kPriorPx = 3.0;      // Prior deviation of the shift; it holds where a patch has no gradient.
 constexpr double kFloorPx = 0.02;     // Minimum deviation of a patch, from sampling.
 constexpr double kSettledPx = 0.003;
 
@@ -229,8 +229,8 @@ LightScale light_scale(const Prediction& prediction, const LightPlane& picture) 
     }
   }
   if (means.size() < 8) return {};
-  // Fits from the darker half's median to the brighter half's: a person, or a lamp that is off, does not invert the
-  // slope.
+  // The line goes through the medians of the darker and of the brighter half, so that neither a person nor a lamp that
+  // is off inverts its slope.
   std::ranges::sort(means, [](const auto& a, const auto& b) { return a.x() < b.x(); });
   const auto half = static_cast<std::ptrdiff_t>(means.size() / 2);
   const auto median = [](auto begin, auto end, int axis) {

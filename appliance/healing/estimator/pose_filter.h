@@ -21,8 +21,9 @@ namespace cyclorama::healing {
 /// A value; reentrant.
 class PoseFilter {
  public:
-  /// Per square root of a second: 0.06 px of 1080p in a minute, in which warm-up drifts by about 0.1 px; twice as much
-  /// halves the certainty of the mean. A settling screw moves faster, and is found as a bump.
+  /// Deviation of the random walk per square root of a second: 0.06 px of 1080p in a minute, in which warm-up drifts by
+  /// about 0.1 px; twice as much halves the certainty of the mean. A settling screw moves faster, and is found as a
+  /// bump.
   struct Walk {
     double turn_rad = 5e-6;
     double shift_m = 1e-5;
@@ -63,8 +64,8 @@ class PoseFilter {
 [[nodiscard]] double innovation_limit(int directions, double normal = 6.0);
 
 /// The last innovations of one body. Several in a row that are each inconspicuous can be significant together, as after
-/// a bump of half a pixel that a filter with a large covariance would follow for seconds. Undisturbed, in simulated
-/// museums, they were 2 per 6 directions at most; the limit for eight together is 17 each. A value.
+/// a bump of half a pixel that a filter with a large covariance would follow for seconds. In undisturbed simulated
+/// museums their squared lengths were at most 2 for 6 directions; the limit for eight together is 17 each. A value.
 class InnovationWindow {
  public:
   static constexpr std::size_t kMaxCount = 8;

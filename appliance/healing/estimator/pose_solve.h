@@ -30,7 +30,7 @@ struct BodySolution {
   calibration::PoseMatrix covariance = calibration::PoseMatrix::Zero();  ///< Covariance of the step, prior included.
   /// Information from the measurements alone, while all other bodies are uncertain.
   calibration::PoseMatrix information = calibration::PoseMatrix::Zero();
-  /// Directions of `information` that are known better than a tenth of the prior's start.
+  /// Number of directions of `information` that are known to better than a tenth of a loose body's deviation.
   int rank = 0;
 };
 

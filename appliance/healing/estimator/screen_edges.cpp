@@ -107,7 +107,8 @@ std::vector<EdgePoint> edge_points(const Wall& wall, const calibration::ShowCame
 
 std::vector<EdgePoint> lit_across(const std::vector<EdgePoint>& points, const calibration::ShowCalibration& room,
                                   std::size_t camera, int factor, std::span<const LightPlane> shone) {
-  constexpr double kGoesOn = 0.5;  // Share of the light inside, since content changes over some pixels too.
+  // Minimum share of the light inside; not 1, since content changes over some pixels too.
+  constexpr double kGoesOn = 0.5;
   const calibration::ShowCamera& eye = room.cameras[camera];
   const auto light = [&](const EdgePoint& point, double out_px) {
     const auto wall = calibration::wall_seen_at(room, eye, point.at + out_px * factor * point.outward);

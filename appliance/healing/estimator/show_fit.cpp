@@ -140,8 +140,8 @@ Result<FittedPose<Body>> judged(std::span<const WallCorrespondence> pixels, cons
   made.rms_px = counted == 0 ? 1e6 : std::sqrt(sum / static_cast<double>(counted));
   if (2 * made.used < pixels.size() || !(made.rms_px < kMaxRms_px) || !made.pose.translation().allFinite()) {
     return Error(ErrorCode::kBadData,
-                 fmt::format("no place fits: {} of {} pixels do; is the wall what installation.toml says?", made.used,
-                             pixels.size()));
+                 fmt::format("no pose fits: only {} of {} pixels agree; is the wall what installation.toml says?",
+                             made.used, pixels.size()));
   }
   return made;
 }
@@ -169,7 +169,7 @@ Result<FittedPose<frame::Projector>> fit_projector(const calibration::MeasuredMa
   }
   if (pixels.size() < kMinPixels) return too_few(pixels.size());
   Fit fit{numbers_of(installed.T_room_projector), calibration::to_block(installed.lens)};
-  if (!refine(pixels, true, &fit)) return Error(ErrorCode::kBadData, "no place fits where its light lands");
+  if (!refine(pixels, true, &fit)) return Error(ErrorCode::kBadData, "no pose fits where its light lands");
   return judged<frame::Projector>(pixels, fit, installed.lens);
 }
 
@@ -194,7 +194,7 @@ Result<FittedPose<frame::Camera>> place_camera(const calibration::BrownParameter
     const double within = kOutlier_px / lens.focal_u_px;
     if (!cv::solvePnPRansac(positions, slopes, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, shift, false, 2000,
                             static_cast<float>(within), 0.999, cv::noArray(), cv::SOLVEPNP_SQPNP))
-      return Error(ErrorCode::kBadData, "no place fits what the camera sees of the wall");
+      return Error(ErrorCode::kBadData, "no pose fits what the camera sees of the wall");
     for (int i = 0; i < 3; ++i) {
       fit.pose[static_cast<std::size_t>(i)] = turn.at<double>(i);
       fit.pose[static_cast<std::size_t>(3 + i)] = shift.at<double>(i);
@@ -202,7 +202,7 @@ Result<FittedPose<frame::Camera>> place_camera(const calibration::BrownParameter
   } catch (const cv::Exception& e) {
     return Error(ErrorCode::kBadData, std::string("OpenCV: ") + e.what());
   }
-  if (!refine(pixels, false, &fit)) return Error(ErrorCode::kBadData, "no place fits what the camera sees of the wall");
+  if (!refine(pixels, false, &fit)) return Error(ErrorCode::kBadData, "no pose fits what the camera sees of the wall");
   return judged<frame::Camera>(pixels, fit, lens);
 }
 

@@ -22,7 +22,7 @@ struct FittedPose {
   calibration::BrownParameters lens;
   RigidTransform<frame::Room, Body> pose;
   double rms_px = 0.0;   ///< Distance without the worst twentieth, in pixels.
-  std::size_t used = 0;  ///< Number of pixels within some deviations.
+  std::size_t used = 0;  ///< Number of pixels that fit.
 };
 
 /// Fits the projector whose pixels land where its map and the wall require. `installed` is the start of the search, and

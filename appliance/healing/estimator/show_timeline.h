@@ -43,8 +43,8 @@ class ShowTimeline {
   };
   /// Empty if the pictures of the whole exposure are not known.
   std::optional<Exposed> between(TimePoint opened, TimePoint closed);
-  /// True if one picture stood from `from` to `until` and ever since, as far as it is known, or pictures whose
-  /// difference a camera cannot see. False if it is not known.
+  /// True if one picture, or pictures whose difference a camera cannot see, stood from `from` to `until` and, as far as
+  /// is known, ever since. False if the pictures of that time are not known.
   bool is_still(TimePoint from, TimePoint until);
 
  private:

@@ -36,7 +36,7 @@ void add_reading_options(CLI::App* command, Arguments* arguments) {
   command->add_option("--mask", arguments->mask, "The PNG that belongs to a PFM: how much light each pixel gives");
   command->add_flag_callback(
       "--in-space", [arguments] { arguments->options.profile = WarpProfile::kAdvanced3d; },
-      "A PFM holds points in space, not places in a picture");
+      "A PFM holds points in space, not positions in a picture");
   command->add_option("--region", arguments->region, "Which region (projector), where a file has several");
 }
 

@@ -72,8 +72,8 @@ solve::Measurements measurements_of(const RealignmentBaseline& baseline, const R
   return all;
 }
 
-/// Averages cells of the displaced projector or of the references, whose sizes differ: the references are seen in every
-/// fourth pixel only.
+/// Averages correspondences of the displaced projector or of the references over cells. The cells' sizes differ, since
+/// references may be decoded in every fourth camera pixel only.
 solve::CellMeans cells_of(const solve::Measurements& all, bool of_target) {
   solve::Measurements some = all;
   auto& places = some.directions[0].correspondences;
@@ -142,7 +142,7 @@ Result<Displacement> displacement_of(const RealignmentBaseline& baseline, std::s
   }
   if (found->verdict == DisplacementVerdict::kUnexplained) {
     return realignment_refused(
-        fmt::format("what projector '{}' lights is {:.1f} px from what a push explains: look whether "
+        fmt::format("what projector '{}' lights is {:.1f} px from what a displacement explains: look whether "
                     "something stands in its light",
                     target.name, found->after_px));
   }

@@ -14,8 +14,8 @@ namespace cyclorama::tracker {
 struct BackgroundSettings {
   /// Pictures are reduced to about this many cells across, each the mean of its pixels.
   int cells_across = 160;
-  Duration learns_for = std::chrono::milliseconds(1500);  ///< Duration at the start.
-  Duration follows_in = std::chrono::seconds(20);         ///< Time constant with which it follows changes of the room.
+  Duration learns_for = std::chrono::milliseconds(1500);  ///< Duration of the learning at the start.
+  Duration follows_in = std::chrono::seconds(20);         ///< Time constant of following changes of the room.
   /// Something that stands still for this long becomes part of the room.
   Duration absorbs_after = std::chrono::seconds(20);
 };

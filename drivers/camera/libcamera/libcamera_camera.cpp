@@ -215,7 +215,7 @@ Status LibcameraCamera::set_up() {
   is_running_ = true;
   for (const auto& request : requests_) {
     if (const int queued = camera_->queueRequest(request.get()); queued != 0) {
-      return lc_error(queued, fmt::format("asking camera '{}' for a picture", id_));
+      return lc_error(queued, fmt::format("requesting a picture of camera '{}'", id_));
     }
   }
   return Done{};
@@ -224,7 +224,7 @@ Status LibcameraCamera::set_up() {
 Status LibcameraCamera::configure() {
   configuration_ = viewfinder_of(camera_.get());
   if (configuration_ == nullptr || configuration_->empty()) {
-    return Error(ErrorCode::kSystem, fmt::format("camera '{}' has no pictures to look at", id_));
+    return Error(ErrorCode::kSystem, fmt::format("camera '{}' has no viewfinder stream", id_));
   }
   lc::StreamConfiguration& stream = configuration_->at(0);
   const std::vector<PictureOffer> offers = offers_of(stream, options_.preferred);
@@ -282,7 +282,7 @@ void LibcameraCamera::stop() {
 Status LibcameraCamera::queue_again(lc::Request* request) {
   request->reuse(lc::Request::ReuseBuffers);
   if (const int queued = camera_->queueRequest(request); queued != 0) {
-    return lc_error(queued, fmt::format("asking camera '{}' for a picture", id_));
+    return lc_error(queued, fmt::format("requesting a picture of camera '{}'", id_));
   }
   return Done{};
 }

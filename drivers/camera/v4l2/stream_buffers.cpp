@@ -75,7 +75,7 @@ Result<StreamBuffers> StreamBuffers::start(int device_fd, BufferMemory memory) {
   wanted.count = kBuffers;
   wanted.type = kType;
   wanted.memory = V4L2_MEMORY_MMAP;
-  if (!device_call(device_fd, VIDIOC_REQBUFS, &wanted)) return device_error("asking for its buffers");
+  if (!device_call(device_fd, VIDIOC_REQBUFS, &wanted)) return device_error("requesting buffers");
   made.has_buffers_ = true;
   if (wanted.count < kMinBuffers) {
     return Error(ErrorCode::kUnavailable, "it has no memory for two pictures");
@@ -93,7 +93,7 @@ Result<StreamBuffers> StreamBuffers::start(int device_fd, BufferMemory memory) {
 
 Status StreamBuffers::map(std::uint32_t index, BufferMemory memory) {
   v4l2_buffer asked = buffer_of(index);
-  if (!device_call(fd_, VIDIOC_QUERYBUF, &asked)) return device_error("looking at its buffers");
+  if (!device_call(fd_, VIDIOC_QUERYBUF, &asked)) return device_error("querying its buffers");
   Buffer& buffer = buffers_[index];
   buffer.length = asked.length;
   int source = fd_;

@@ -86,7 +86,7 @@ Result<VideoDevice> VideoDevice::open(const std::string& path) {
   v4l2_capability capability{};
   if (!device_call(device.fd(), VIDIOC_QUERYCAP, &capability)) {
     if (errno == ENOTTY || errno == EINVAL) return Error(ErrorCode::kNotFound, fmt::format("'{}' is no camera", path));
-    return device_error(fmt::format("asking '{}' what it is", path));
+    return device_error(fmt::format("querying the capabilities of '{}'", path));
   }
   struct stat status {};
   if (::fstat(device.fd(), &status) == 0) device.number_ = status.st_rdev;
@@ -97,7 +97,7 @@ Result<VideoDevice> VideoDevice::open(const std::string& path) {
   if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0) {
     const bool is_planar = (can & V4L2_CAP_VIDEO_CAPTURE_MPLANE) != 0;
     return Error(ErrorCode::kNotFound,
-                 device.named(is_planar ? "is part of a camera that needs assembling; try libcamera:"
+                 device.named(is_planar ? "is one part of a camera that only libcamera can drive; try libcamera:"
                                         : "does not capture video; of a camera's several nodes another one does"));
   }
   return device;
@@ -185,7 +185,7 @@ Status VideoDevice::follow_signal() const {
   if (errno == ENOLINK || errno == ENOLCK || errno == ERANGE) {
     return Error(ErrorCode::kUnavailable, named("no usable signal at its input: is the camera on, and its cable in?"));
   }
-  if (errno == ENODEV || errno == ENXIO) return device_error(named("asking for its signal"));
+  if (errno == ENODEV || errno == ENXIO) return device_error(named("querying its signal"));
   return Done{};  // A camera, not a grabber.
 }
 

@@ -13,8 +13,8 @@ void AtomicRequest::set(const Properties& object, std::string_view name, std::ui
   if (mistake_) return;
   const Property* const property = object.find(name);
   if (property == nullptr) {
-    mistake_ = Error(ErrorCode::kUnavailable,
-                     fmt::format("the driver gives KMS object {} no property '{}'", object.object_id(), name));
+    mistake_ =
+        Error(ErrorCode::kUnavailable, fmt::format("KMS object {} has no property '{}'", object.object_id(), name));
     return;
   }
   const int result = drmModeAtomicAddProperty(request_.get(), object.object_id(), property->id, value);

@@ -19,7 +19,7 @@ Result<bool> has_connectors(const std::filesystem::path& node) {
   if (!fd.is_open()) return Error::from_errno(fmt::format("opening '{}'", node.string()));
   const KmsResources resources(drmModeGetResources(fd.get()));
   if (resources == nullptr && errno == EOPNOTSUPP) return false;
-  if (resources == nullptr) return Error::from_errno(fmt::format("reading what '{}' has", node.string()));
+  if (resources == nullptr) return Error::from_errno(fmt::format("reading the resources of '{}'", node.string()));
   return resources->count_connectors > 0;
 }
 
@@ -51,7 +51,7 @@ Result<Card> Card::open(const std::filesystem::path& path) {
   }
   std::uint64_t is_monotonic = 0;
   if (const int result = drmGetCap(card.fd(), DRM_CAP_TIMESTAMP_MONOTONIC, &is_monotonic); result != 0)
-    return kms_error(result, fmt::format("asking '{}' for its clock", path.string()));
+    return kms_error(result, fmt::format("querying the clock of '{}'", path.string()));
   card.has_monotonic_time_ = is_monotonic != 0;
   TRY(card.read_crtcs());
   TRY(card.read_planes());
@@ -65,7 +65,7 @@ Status Card::become_master() const {
 
 Status Card::read_crtcs() {
   const KmsResources resources(drmModeGetResources(fd()));
-  if (resources == nullptr) return Error::from_errno(fmt::format("reading what '{}' has", path_.string()));
+  if (resources == nullptr) return Error::from_errno(fmt::format("reading the resources of '{}'", path_.string()));
   if (resources->count_crtcs == 0 || resources->count_connectors == 0)
     return Error(ErrorCode::kUnavailable, fmt::format("'{}' drives no connectors", path_.string()));
   for (int i = 0; i < resources->count_crtcs; ++i) {

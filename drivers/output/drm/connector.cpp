@@ -47,7 +47,7 @@ Result<Connector> probe_connector(int fd, std::uint32_t id) {
   connector.modes.assign(probed->modes, probed->modes + probed->count_modes);
   connector.possible_crtcs = drmModeConnectorGetPossibleCrtcs(fd, probed.get());
   if (connector.is_connected && connector.possible_crtcs == 0)
-    return Error::from_errno(fmt::format("asking what can feed {}", connector.name));
+    return Error::from_errno(fmt::format("reading the possible CRTCs of {}", connector.name));
   auto properties = Properties::read(fd, id, DRM_MODE_OBJECT_CONNECTOR);
   if (!properties) return std::move(properties).error().while_doing(connector.name);
   connector.properties = *std::move(properties);

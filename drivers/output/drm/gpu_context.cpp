@@ -48,7 +48,7 @@ Status GpuContext::open() {
 
 Status GpuContext::make_context() {
   const char* const extensions = eglQueryString(display_, EGL_EXTENSIONS);
-  if (extensions == nullptr) return drawing_failed("asking what it can do");
+  if (extensions == nullptr) return drawing_failed("reading EGL's extensions");
   const bool can_tell_resets =
       std::string_view(extensions).find("EGL_EXT_create_context_robustness") != std::string_view::npos;
   constexpr std::array<EGLint, 3> kVersion3{EGL_CONTEXT_MAJOR_VERSION, 3, EGL_NONE};

@@ -45,7 +45,7 @@ class Connection {
     addrinfo* found = nullptr;
     const std::string port = fmt::format("{}", address.port);
     if (const int error = ::getaddrinfo(address.host.c_str(), port.c_str(), &hints, &found); error != 0)
-      return Error(ErrorCode::kUnavailable, fmt::format("finding it: {}", ::gai_strerror(error)));
+      return Error(ErrorCode::kUnavailable, fmt::format("resolving its name: {}", ::gai_strerror(error)));
     const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> freed(found, &::freeaddrinfo);
     Error last(ErrorCode::kUnavailable, "it has no address");
     for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
@@ -71,7 +71,7 @@ class Connection {
       std::array<char, 256> bytes{};
       const ssize_t count = ::recv(fd_.get(), bytes.data(), bytes.size(), 0);
       if (count < 0) return unavailable();
-      if (count == 0) return Error(ErrorCode::kUnavailable, "it hung up");
+      if (count == 0) return Error(ErrorCode::kUnavailable, "it closed the connection");
       read_.append(bytes.data(), static_cast<std::size_t>(count));
     }
   }
@@ -157,7 +157,7 @@ Result<std::string> parse_answer(std::string_view line, std::string_view command
   const std::string_view value = line.substr(head.size());
   if (value == "ERR1" || value == "ERR2") return Error(ErrorCode::kBadData, "it does not know that command");
   if (value == "ERR3")
-    return Error(ErrorCode::kUnavailable, "it cannot just now; it may be cooling down or warming up");
+    return Error(ErrorCode::kUnavailable, "it cannot do that now; it may be cooling down or warming up");
   if (value == "ERR4") return Error(ErrorCode::kSystem, "it reports a failure; look at its own display");
   return std::string(value);
 }

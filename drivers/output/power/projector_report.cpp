@@ -10,7 +10,7 @@ namespace {
 
 using Level = ProjectorReport::Level;
 
-constexpr auto kToSwitch = std::chrono::seconds(90);  // Some report the old state for a minute.
+constexpr auto kToSwitch = std::chrono::seconds(90);  // Some projectors report the old state for a minute.
 // Upper bound for warming up or cooling down; manuals give 1 to 3 minutes.
 constexpr auto kMaxTransition = std::chrono::minutes(6);
 
@@ -20,9 +20,9 @@ struct Part {
 };
 /// Ordered as in the answer to ERST.
 constexpr std::array<Part, 6> kParts{{
-    {"fan", "Clean its vents and let air to it; if that does not help, have it repaired."},
+    {"fan", "Clean its vents and let air reach it; if that does not help, have it repaired."},
     {"lamp", "Its lamp is at its end: have it replaced."},
-    {"temperature", "It is too warm: clean its vents and its filter, and let air to it."},
+    {"temperature", "It is too warm: clean its vents and its filter, and let air reach it."},
     {"cover", "Close its covers."},
     {"filter", "Clean its filter, or replace it."},
     {"other", "Look at its own display, and into its manual."},
@@ -47,7 +47,7 @@ std::optional<ProjectorReport> of_errors(const ProjectorErrors& errors) {
 ProjectorReport of_silence(const Error& error) {
   switch (error.code()) {
     case ErrorCode::kInvalidArgument:
-      return {Level::kWarning, "It does not take our password, so it is not switched: " + error.message() + ".",
+      return {Level::kWarning, "It refuses our password, so it is not switched: " + error.message() + ".",
               "Write the password that is set in the projector's menu into the file that pjlink_password_file names."};
     case ErrorCode::kBadData:
       return {Level::kWarning, "What answers is no projector: " + error.message() + ".",

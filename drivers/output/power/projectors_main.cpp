@@ -105,7 +105,7 @@ struct Kept {
   NamedProjector projector;
   ProjectorDuty duty{};
   ProjectorReporter reporter{};
-  ProjectorReport report{ProjectorReport::Level::kOk, "It has not been asked yet.", ""};
+  ProjectorReport report{ProjectorReport::Level::kOk, "It has not been queried yet.", ""};
   std::string said{};
 };
 
@@ -210,7 +210,7 @@ int main(int argc, char** argv) {
   using namespace cyclorama::output;
   Program program(
       "cyclorama-projectors",
-      "Switches projectors on and off over the network (PJLink class 1), asks how they are, or keeps them to "
+      "Switches projectors on and off over the network (PJLink class 1), reports their state, or keeps them to "
       "the museum's hours.");
   Options options;
   program.options()
@@ -224,13 +224,13 @@ int main(int argc, char** argv) {
                                "The room (TOML): its projectors that have pjlink = \"HOST\"");
   program.options().add_option("--config", options.config, "With keep: the museum's site.toml: [hours]");
   program.options().add_option("--hours-override", options.hours_override,
-                               "With keep: where the operator page keeps what was said of [hours] for once");
+                               "With keep: the file with the operator page's override of [hours]");
   program.options().add_option("--listen", options.listen,
-                               "With keep: HOST:PORT where to show to the operator how each is; left out: nowhere");
+                               "With keep: HOST:PORT that serves the projectors' states to the operator; absent: none");
   program.options().add_option("--password-file", options.password_file,
-                               "A file that holds the password of those named here");
+                               "A file that holds the password of the projectors named here");
   program.options()
-      .add_option("--within", options.within_s, "Seconds to try a projector that cannot just now")
+      .add_option("--within", options.within_s, "Seconds to retry a projector that cannot switch now")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(options, stop); });

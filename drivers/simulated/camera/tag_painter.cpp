@@ -22,7 +22,7 @@ constexpr float kSleeveGrey = 60.0f;
 /// than the tags with their borders.
 constexpr double kCardHalf = 0.78;
 constexpr double kPanelHalf = 0.642;
-/// The hand, in units of 0.12 m below a flat card whose tag has that size.
+/// The hand, in units of kHandUnitM, or of the tag's size where it holds a flat card.
 constexpr double kHandUnitM = 0.12;
 constexpr double kHandHalfWidth = 0.80;
 constexpr double kHandBottom = 2.6;

@@ -96,7 +96,7 @@ std::string corner_text(const PresetOptions& options, double half_angle_rad) {
   const std::string wall = fmt::format(
       "shape = \"planes\"\ncorners_m = [[{:.6f}, {:.6f}], [0, {}], [{:.6f}, {:.6f}]]\nbottom_m = {}\ntop_m = {}\n", -x,
       z, -kAway_m, x, z, kBottom_m + 0.2, kTop_m - 0.2);
-  // Covers the wall as far as its ends at the sides.
+  // The field covers the wall up to its left and right ends.
   return head_text("corner", wall) + around(options, 0.5 * (kAway_m + std::hypot(x, z)), 2.0 * std::atan2(x, -z), 0.6);
 }
 

@@ -188,7 +188,8 @@ std::vector<std::vector<float>> SimulatedMuseum::State::exposed_light(const std:
   }
   if (latest <= now_s) return seen_light(channels, false);
   if (earliest >= end_s) return seen_light(channels, true);
-  // Some rows see a change. Projectors change independently, so each is computed alone, and the light is added.
+  // Some rows are exposed during a change. Each projector changes at its own time, so the light of each is computed
+  // alone, and the results are added.
   std::vector<std::vector<float>> sum;
   std::vector<Showing> all = std::move(showing);
   const auto only = [&](std::size_t projector, bool is_before) {

@@ -2,8 +2,7 @@
 /// A museum during the show: fixed cameras look at the wall, somebody bumps a projector, visitors walk through the
 /// light. For the continuous calibration. Contains the truth: see truth.h for its permitted users.
 ///
-///     show(i, picture) ─▶ projector i ─ light ─▶ people ─▶ wall ⇄ wall ─▶ people ─▶ camera k ─▶ photograph(k,
-///     exposure)
+///     show(i, picture) ─▶ projector i ─ light ─▶ people ─▶ wall ⇄ wall ─▶ people ─▶ camera k ─▶ photograph(k, ...)
 ///                             ▲ move_projector()              set_ambient()            ▲ move_camera()
 ///
 /// It has no clock: a picture is shown until the next one, and a photograph sees the current pictures. The optics are

@@ -62,10 +62,10 @@ struct TrueCamera {
 
 /// Angles are positive to the right (clockwise from above), as headings are.
 struct TrueTurntable {
-  /// The turntable turns about the y axis of the Plate frame.
+  /// The turntable turns about the y axis of the Turntable frame.
   RigidTransform<frame::Room, frame::Turntable> T_room_turntable;
   RigidTransform<frame::Turntable, frame::Camera>
-      T_turntable_camera;     ///< Its translation is what the camera misses the axis by.
+      T_turntable_camera;     ///< Its translation is the camera's offset from the axis.
   double scale_error = 0.0;   ///< Relative error of the angle; positive turns too far.
   double wobble_rad = 0.0;    ///< Amplitude of a sine once per turn, from an eccentric gear.
   double backlash_rad = 0.0;  ///< The angle falls short by half of it, in the direction of the last turn.

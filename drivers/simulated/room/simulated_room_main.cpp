@@ -110,8 +110,8 @@ Status run(const Settings& settings, const StopSignal& stop) {
     }
     inspection.set_gauge("projectors_lit", static_cast<double>(lit));
     inspection.set_state(lit == lights.size()
-                             ? fmt::format("all {} projectors shine", lit)
-                             : fmt::format("{} of {} projectors shine; is the display running?", lit, lights.size()),
+                             ? fmt::format("all {} projectors are lit", lit)
+                             : fmt::format("{} of {} projectors are lit; is the display running?", lit, lights.size()),
                          lit == lights.size());
     if (!watched && !is_right_watched) continue;
     const TimePoint begun = clock.now();
@@ -135,12 +135,12 @@ int main(int argc, char** argv) {
   using namespace cyclorama;
   using namespace cyclorama::simulated;
   Program program("cyclorama-simulated-room",
-                  "A room that does not exist: lights a wall with what the heads show, and photographs it.");
+                  "A simulated room: lights a wall with what the heads show, and photographs it.");
   Settings settings;
   CLI::App& options = program.options();
   options.add_option("--installation", settings.installation, "installation.toml: the room")->required();
   options.add_option("--run-dir", settings.run_dir, "Where the display publishes its heads' pictures")->required();
-  options.add_option("--listen", settings.listen, "Address for the operator's eyes")->capture_default_str();
+  options.add_option("--listen", settings.listen, "Address for the operator")->capture_default_str();
   options.add_option("--rate-hz", settings.rate_hz, "Photographs per second, while somebody looks")
       ->check(CLI::Range(0.1, 60.0))
       ->capture_default_str();

@@ -72,7 +72,7 @@ Status SerialTurntable::say(std::string_view command, std::chrono::milliseconds 
       case Kind::kError:
         return Error(ErrorCode::kBadData, fmt::format("it answers '{}' to {}", answer.text, command));
       case Kind::kRestart:
-        return Error(ErrorCode::kTimedOut, "it has begun anew and does not know where it stands; look at its power");
+        return Error(ErrorCode::kTimedOut, "it was reset and has lost its position; look at its power supply");
       case Kind::kResend:
         if (++resends > kMaxResends)
           return Error(ErrorCode::kBadData, "it does not get lines whole; look at the cable and the baud rate");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The museum: what needs attention, and what its people can do here.
+// The museum's cards: what needs attention, and what the museum's staff can do about it.
 import { showHealing } from "./healing.js";
 import { byId, get, isNumber, make, repeat } from "./helpers.js";
 import { projectorNames } from "./page.js";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The card that shows whether the projectors are still in their places.
+// The card that shows whether the projectors are still aligned.
 import { byId, isNumber, make, makeSvg } from "./helpers.js";
 import { ask, press, say } from "./requests.js";
 

@@ -26,7 +26,7 @@ byId("form").addEventListener("submit", async (event) => {
   pin.select();
 });
 
-// While no PIN is in use the page shows everybody why, and looks again until a USB stick has brought one.
+// While no PIN is in use, the page shows everybody the reason, and polls until a USB stick has brought one.
 let isWatching = false;
 async function watchTheDoor() {
   if (isWatching) return;
@@ -48,7 +48,7 @@ async function watchTheDoor() {
       );
       if (!told) pin.focus();
     } catch {
-      // Entering a PIN shows that the page does not answer.
+      // Ignored: an attempt to log in reports that the page does not answer.
     }
     if (told) await pause(3000);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Buttons that send a request to the operator's program, and what came of it in words.
+// Buttons that send a request to cyclorama-operator and show its result in words.
 import { byId, post } from "./helpers.js";
 
 export function say(text, isWrong) {
@@ -7,7 +7,7 @@ export function say(text, isWrong) {
   byId("care-note").classList.toggle("wrong", Boolean(isWrong));
 }
 
-// Returns the answer's JSON. It throws the program's own sentence when the request is refused.
+// Returns the answer's JSON. Throws the program's own sentence when the request is refused.
 export async function ask(path, body, seconds = 10) {
   const answer = await post(path, body, 1000 * seconds);
   if (answer.status === 401) location.replace("/login.html");

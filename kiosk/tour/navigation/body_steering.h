@@ -4,8 +4,7 @@
 ///
 ///        ═══════════════ wall ═══════════════
 ///                       ▣ camera                 The pose is that of a "tag" worn on the body: its position is where
-///             back  ◄── + ──► forward            the visitor stands, and its rotation about the camera's z is the
-///             lean.
+///             back  ◄── + ──► forward            the visitor stands; its rotation about the camera's z is the lean.
 ///                       ☺ mark on the floor      The visitor's right is the camera's -x, as in tag_steering.h; leaning
 ///                                                to the right is an anticlockwise rotation in the picture.
 #pragma once

@@ -3,9 +3,9 @@
 /// within them by construction (walk.h); tests measure this on the displayed views.
 ///
 /// Sources, and what follows from them:
-///  [1] Oculus Best Practices, "Motion" (developer.oculus.com/design/latest/concepts/bp_app_motion): walking is 1.4
-///  m/s,
-///      jogging 3 m/s; accelerations should be short and infrequent, since the vestibular system does not feel them.
+///  [1] Oculus Best Practices, "Motion" (developer.oculus.com/design/latest/concepts/bp_app_motion): walking is
+///      1.4 m/s, jogging 3 m/s; accelerations should be short and infrequent, since the vestibular system does not feel
+///      them.
 ///  [2] So, Lo, Ho: Effects of navigation speed on motion sickness caused by an immersive virtual environment. Human
 ///      Factors 43(3), 2001, 452-461: nausea and vection grow from 3 to 10 m/s (r.m.s.).
 ///  [3] de Winkel, Irmak, Happee, Shyrokau: Standards for passenger comfort in automated vehicles: acceleration and

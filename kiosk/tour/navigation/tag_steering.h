@@ -15,8 +15,7 @@
 ///                       ☺ visitor
 ///
 ///  - An unmirrored camera picture shows the visitor's right hand on the left, as a photograph does. Therefore *a tag
-///    at
-///    the visitor's right has a NEGATIVE camera x*, and `right` grows as x falls.
+///    at the visitor's right has a NEGATIVE camera x*, and `right` grows as x falls.
 ///  - The tag points along the normal of its print: along -z of the tag, to the wall. Turned to the visitor's right by
 ///    an angle a (clockwise seen from above), it points along (-sin a, 0, -cos a) in the camera frame, so the tag's z
 ///    axis is (sin a, 0, cos a) and `a = atan2(z.x, z.z)`. Clockwise from above is the same rotation for camera and

@@ -15,9 +15,10 @@ using Eigen::Vector2d;
 
 constexpr double kMaxMarginM = 0.01;
 constexpr double kMarginBySize = 5e-4;
-constexpr double kSlack = 1e-3;  // Fraction of the margin by which a push overshoots, so that rounding never matters.
+constexpr double kSlack = 1e-3;  // Fraction of the margin by which a correction overshoots, against rounding.
 constexpr double kMaxCoordinateM = 1e7;
-constexpr int kDisplacements = 4;  // Covers two edges that meet, and a repetition for what the second push undid.
+// Enough for two edges that meet, each twice, since moving away from one may move back across the other.
+constexpr int kDisplacements = 4;
 // A step that cannot be taken whole is halved at least kMinHalvings times, and down to this fraction of the margin.
 constexpr double kMinStepShare = 0.125;
 constexpr int kMinHalvings = 3;
@@ -194,8 +195,8 @@ bool WalkableArea::find_position_near(const Vector2d& position, Vector2d* ret_fo
 }
 
 bool WalkableArea::find_any_position() {
-  // Searches beside the edges, at growing distances along their normals: few tests, since a hostile polygon has no such
-  // position.
+  // Searches beside the edges, at growing distances along their normals. The number of tests is limited, since a
+  // malicious polygon may have no such position.
   for (const Edge& beside : edges_) {
     const Vector2d edge = beside.b - beside.a;
     if (edge.norm() <= 0.0) continue;

@@ -58,7 +58,7 @@ void ShowSchedule::choose_period() {
 void ShowSchedule::measured(const wire::ClockQuestion& question, TimePoint now) {
   const std::lock_guard lock(mutex_);
   const auto add = [now](double need_s, RecentMaximum* longest) {
-    // An invalid value is not waited for, either.
+    // Ignores invalid values and those of a display that is too slow to wait for.
     if (!(need_s > 0.0 && need_s <= to_seconds(kMaxLead))) return;
     longest->add(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(need_s)), now);
   };

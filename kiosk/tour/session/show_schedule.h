@@ -13,7 +13,7 @@
 namespace cyclorama::tour {
 
 /// Maximum of the values of the last minute. A larger value counts at once and is dropped after a minute; with a
-/// shorter window, every recurring delay would again come unexpected. Thread-bound.
+/// shorter window, delays that recur every few seconds would be missed again and again. Thread-bound.
 class RecentMaximum {
  public:
   explicit RecentMaximum(Duration at_first) : at_first_(at_first) {}

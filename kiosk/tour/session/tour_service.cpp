@@ -25,8 +25,8 @@ SharedShowMessage stamped(const wire::ClockAnswer& answer) {
 
 /// A Show stream. Owns itself until gRPC is done with it; the hub shares it while the display is a member.
 ///
-///   created ──hello──► member of the hub ──(cancelled, half-closed, wrong message, closed)──► finished ──OnDone──►
-///   gone
+///   created ──hello──► member of the hub ──(cancelled, half-closed, wrong message, closed)──► finished
+///   finished ──OnDone──► gone
 ///
 /// Lock order: the hub's lock before this one; therefore nothing here calls the hub while it holds its own.
 class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire::ShowMessage>, public DisplayLink {

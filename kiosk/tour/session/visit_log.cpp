@@ -18,7 +18,8 @@ constexpr std::size_t kMaxStages = 48;
 constexpr std::size_t kMaxReasons = 24;
 constexpr std::size_t kMaxNameLength = 100;
 constexpr auto kRateWindow = std::chrono::seconds(5);
-/// A longer stage was interrupted rather than measured; it also bounds a wrong difference between two machines' clocks.
+/// Upper bound of a plausible stage time: a longer stage was interrupted, or the difference between two machines'
+/// clocks is wrong.
 constexpr double kMaxStageS = 60.0;
 
 /// Returns the printable name while there is room for it, else one name that all others share.

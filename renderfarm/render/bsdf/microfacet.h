@@ -56,8 +56,8 @@ class Microfacets {
  public:
   Microfacets(float alpha, const Vec3& wo) : alpha2_(alpha * alpha), alpha_(alpha), wo_(wo), root_(root(wo.z())) {}
 
-  /// Returns the distribution of normals with h.z > 0. Uses sine and cosine, because 1 - cos² loses its precision in a
-  /// narrow lobe.
+  /// Returns the distribution of normals (GGX's D) at h, with h.z > 0. Uses sine and cosine, because 1 - cos² loses its
+  /// precision in a narrow lobe.
   [[nodiscard]] float pdf(const Vec3& h) const {
     const float d = h.x() * h.x() + h.y() * h.y() + alpha2_ * h.z() * h.z();
     return d > 0.0f ? alpha2_ / (kPi * d * d) : 0.0f;
@@ -75,11 +75,11 @@ class Microfacets {
     const Vec3 h = stretched + Vec3(radius * std::cos(angle), radius * std::sin(angle), z);
     return normalized_or({alpha_ * h.x(), alpha_ * h.y(), h.z()}, Vec3::UnitZ());
   }
-  /// Returns the pdf of the directions to which the sampled normals mirror wo; `d` is density(h).
+  /// Returns the pdf of the directions to which the sampled normals mirror wo; `d` is pdf(h).
   [[nodiscard]] float reflected_pdf(float d, bool bounded) const {
     return 0.5f * d / ((bounded ? bound() : 1.0f) * wo_.z() + root_);
   }
-  /// Returns the pdf of the sampled normals themselves, unbounded; `d` is density(h), o_h the cosine between wo and h.
+  /// Returns the pdf of the sampled normals themselves, unbounded; `d` is pdf(h), o_h the cosine between wo and h.
   [[nodiscard]] float microfacet_pdf(float d, float o_h) const { return 2.0f * d * o_h / (wo_.z() + root_); }
 
  private:

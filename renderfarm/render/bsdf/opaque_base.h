@@ -21,7 +21,7 @@ namespace cyclorama::render {
   return {after_more_bounces(mean.x(), once), after_more_bounces(mean.y(), once), after_more_bounces(mean.z(), once)};
 }
 
-/// Returns the first factor over the last of a lobe f(o) f(i) / mean(f).
+/// Returns f(o) / mean(f), the factor of a lobe f(o) f(i) / mean(f) that depends on the viewer alone.
 [[nodiscard]] inline float share(float here, float mean) { return mean > 0.0f ? here / mean : 0.0f; }
 
 /// The glossy lobe's colour, and everything else as one wide lobe. Thread-bound.

@@ -17,7 +17,7 @@ namespace cyclorama::render {
 struct ScatterSample {
   Vec3 wi = Vec3::UnitZ();
   Vec3 weight = Vec3::Zero();  ///< BSDF times cosine over pdf. Zero: absorbed; the other fields are then undefined.
-  float pdf = 0.0f;            ///< Equals density(wi); 0 for a mirror or clear glass, which evaluate() excludes.
+  float pdf = 0.0f;            ///< Scattering::pdf(wi); 0 for a mirror or clear glass, which evaluate() excludes.
   bool through = false;        ///< wi is on the other side of the surface.
 };
 

@@ -15,11 +15,11 @@ struct Lamp {
   Vec3 intensity = Vec3::Zero();        ///< Candela; lux for directional lamps.
   float power = 0.0f;                   ///< Luminance of the intensity.
   float radius = 0.0f;                  ///< Point and spot, metres.
-  float inverse_range = 0.0f;           ///< 0: unlimited.
+  float inverse_range = 0.0f;           ///< 1/m; 0: unlimited.
   float cos_outer = -1.0f;              ///< Spot only.
   float inverse_cone = 1.0f;            ///< Spot: 1 / (cos inner - cos outer).
-  float one_minus_cos_disc = 0.0f;      ///< Directional: for the angular radius.
-  float sin_disc = 0.0f;                ///< Directional: for the angular radius.
+  float one_minus_cos_disc = 0.0f;      ///< Directional: 1 - cosine of the disc's angular radius.
+  float sin_disc = 0.0f;                ///< Directional: sine of the disc's angular radius.
   bool visible = false;                 ///< Rays can hit it.
 };
 

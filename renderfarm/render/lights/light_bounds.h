@@ -26,7 +26,7 @@ struct LightBounds {
   DirectionCone normals;       ///< Normals of the emitting surfaces.
   float cos_emission = 1.0f;   ///< Cosine of the greatest emission angle from a normal: 0 for surfaces.
   float power = 0.0f;          ///< Candela (luminance) along the normal; for a group, the sum.
-  float inverse_range = 0.0f;  ///< For the longest range of the group; 0: unlimited.
+  float inverse_range = 0.0f;  ///< 1/m, of the longest range in the group; 0: unlimited.
 
   void extend(const LightBounds& other);
   [[nodiscard]] Vec3 centre() const { return 0.5f * low + 0.5f * high; }

@@ -8,8 +8,8 @@
 /// chosen, and n = 0 stands for both sides. A ray that hits a light gets its radiance, and the pdf with which sample()
 /// would have chosen that direction, as follows:
 ///
-///     hits a placement         radiance: the material's emission    density(p, n, lights.of_triangle(...), ...)
-///     hits a visible lamp      radiance(light, p, direction)        density(p, n, light, ...)
+///     hits a placement         radiance: the material's emission    pdf(p, n, lights.of_triangle(...), ...)
+///     hits a visible lamp      radiance(light, p, direction)        pdf(p, n, light, ...)
 ///     hits nothing             environment(direction)               environment_pdf(p, n, direction)
 ///
 /// A pdf is per steradian and includes the choice of the light. 0 means that sample() never chooses the direction, so

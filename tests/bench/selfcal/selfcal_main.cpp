@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The continuous calibration on simulated museums: selfcal_bench COMMAND CONTENT.png [--quick]. Some commands can run a
-// part: selfcal_bench bump CONTENT.png FIRST COUNT small|large, drift CONTENT.png MINUTES LOOKS_PER_S small|large, and
+// part: selfcal_bench bump CONTENT.png FIRST COUNT small|large, drift CONTENT.png MINUTES STEPS_PER_S small|large, and
 // the occlusions with --quick FIRST. trade and quiet accept --records FILE, which keeps each case and does not run it
-// again; --seconds S, after which no case is started (the exit code is then 75: continue later); --only KNOB; and
-// --json FILE.
+// again; --seconds S, after which no case is started (the exit code is then 75: continue later); --only PREFIX,
+// which runs only cases whose key begins with it; and --json FILE.
 #include <fmt/format.h>
 
 #include <cstring>

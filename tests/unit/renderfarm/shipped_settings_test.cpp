@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the packages install as settings (systemd/settings): as they are, they lack one thing, and say so; each line
-// that they show as a comment is right.
+// Tests of the settings that the packages install (systemd/settings). As installed, each file lacks one required
+// setting, which the error must name; every commented line must be valid.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ std::string uncommented(const std::string& text) {
   return std::regex_replace(text, std::regex("(^|\n)#(\\[|[a-z_]+ = )"), "$1$2");
 }
 
-TEST(ShippedSettings, of_the_coordinator_lack_the_scenes_and_nothing_else) {
+TEST(ShippedSettings, of_the_coordinator_lack_only_the_scenes) {
   const auto options = coordinator::parse_coordinator_config(shipped("farm.toml"), "/etc/cyclorama/farm.toml");
   ASSERT_FALSE(options);
   EXPECT_THAT(options.error().message(), HasSubstr("[[scene]]"));
@@ -38,7 +38,7 @@ TEST(ShippedSettings, of_the_coordinator_lack_the_scenes_and_nothing_else) {
       shipped("farm.toml") + "\n[[scene]]\nname = \"a\"\npath = \"/srv/a\"\n", "farm.toml"));
 }
 
-TEST(ShippedSettings, of_a_node_lack_the_coordinator_and_nothing_else) {
+TEST(ShippedSettings, of_a_node_lack_only_the_coordinator) {
   const auto options = node::parse_node_config(shipped("node.toml"), "node.toml");
   ASSERT_TRUE(options) << options.error().message();
   const auto whole = node::complete(*options);
@@ -46,7 +46,7 @@ TEST(ShippedSettings, of_a_node_lack_the_coordinator_and_nothing_else) {
   EXPECT_THAT(whole.error().message(), HasSubstr("'coordinators' in node.toml"));
 }
 
-TEST(ShippedSettings, show_only_keys_that_there_are) {
+TEST(ShippedSettings, show_only_existing_keys) {
   const auto coordinator =
       coordinator::parse_coordinator_config(uncommented(shipped("farm.toml")), "/etc/cyclorama/farm.toml");
   ASSERT_TRUE(coordinator) << coordinator.error().message();

@@ -24,7 +24,7 @@ std::vector<Line> lines_of(std::string_view text) {
   return lines;
 }
 
-/// "# site.toml" or "# installation.toml, in part"; or "# camera" and "# turntable".
+/// Reads a line such as "# site.toml", "# installation.toml, in part" or "# camera"; returns false for any other line.
 bool read_marker(const std::string& line, SettingsExample* ret) {
   static const std::regex kMarker(R"(\s*#\s*([a-z_]+\.toml|camera|turntable)(, in part)?\s*)");
   std::smatch match;
@@ -41,7 +41,7 @@ bool looks_like_a_setting(const std::string& line) {
   return std::regex_match(line, kTable) || std::regex_match(line, kKey);
 }
 
-/// The block as an example, if it is named or looks like settings.
+/// Adds the block as an example if its file is named or if it looks like settings.
 void add_block(const std::vector<Line>& block, const std::string& named_by_others, std::vector<SettingsExample>* ret) {
   if (block.empty()) return;
   SettingsExample example{block.front().number, {}, false, {}};

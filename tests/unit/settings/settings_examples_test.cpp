@@ -47,7 +47,7 @@ TEST(SettingsExamples, in_the_tree_are_read_by_their_parsers) {
   EXPECT_GT(examples, 20u);
 }
 
-TEST(SettingsExamples, with_a_wrong_key_are_found_with_their_line) {
+TEST(SettingsExamples, with_a_wrong_key_are_reported_with_their_line) {
   EXPECT_THAT(mistakes_in("# site.toml\n\n```toml\n[walk]\nforward_m_per_s = 1.0\n```\n", "a.md"), IsEmpty());
   EXPECT_THAT(mistakes_in("# site.toml\n\n```toml\n[walk]\nforward_km_per_s = 1.0\n```\n", "a.md"),
               ElementsAre(HasSubstr("a.md:5: walk.forward_km_per_s: is not a setting")));
@@ -59,7 +59,7 @@ TEST(SettingsExamples, with_a_wrong_key_are_found_with_their_line) {
               ElementsAre(HasSubstr("widht_px")));
 }
 
-TEST(SettingsExamples, of_a_file_that_nobody_reads_are_mistakes) {
+TEST(SettingsExamples, of_an_unknown_file_are_mistakes) {
   EXPECT_THAT(mistakes_in("## A title\n\n```toml\na = 1\n```\n", "a.md"), ElementsAre(HasSubstr("unknown file")));
   EXPECT_THAT(mistakes_in("Text.\n\n    [walk]\n", "a.md"), ElementsAre(HasSubstr("unknown file")));
   EXPECT_THAT(mistakes_in("///   a = \"b\"\n", "a.h"), ElementsAre(HasSubstr("unknown file")));
@@ -67,7 +67,7 @@ TEST(SettingsExamples, of_a_file_that_nobody_reads_are_mistakes) {
   EXPECT_THAT(mistakes_in("///   y = x / clip, at most 1\n///   foo() = 1;\n", "a.h"), IsEmpty());
 }
 
-TEST(SettingsExamples, in_part_are_completed) {
+TEST(SettingsExamples, that_are_partial_are_completed) {
   EXPECT_THAT(mistakes_in("    # installation.toml, in part\n    [[projector]]\n    turn_deg = 90\n", "a.md"),
               IsEmpty());
   EXPECT_THAT(mistakes_in("    # installation.toml, in part\n    [[projector]]\n    turn_dge = 90\n", "a.md"),

@@ -37,13 +37,13 @@ Parser one_after_another(std::vector<Parser> parsers) {
   };
 }
 
-/// Several programs read site.toml, each its own tables.
+/// Several programs read site.toml; each of them reads its own tables.
 Parser site_parser() {
   return one_after_another({parser(tour::parse_tour_settings), parser(display::parse_display_settings),
                             parser(update::parse_update_settings)});
 }
 
-/// A device's line; that it is not plugged in is no mistake.
+/// A parser of lines that describe a device. A device that is not plugged in is not a mistake.
 template <typename Make>
 Parser device_parser(Make make) {
   return [make](const std::string& text, const std::string&) -> Status {
@@ -85,7 +85,7 @@ const std::map<std::string, Parser>& parsers() {
   return all;
 }
 
-/// What a part of a file needs around it to be a whole one.
+/// Returns the settings that complete a part of this file.
 Result<std::string> rest_of(const std::string& file_name) {
   if (file_name == "farm.toml")
     return std::string("museums = \"[::1]:1\"\nnodes = \"[::1]:2\"\n[[scene]]\nname = \"a\"\npath = \"/srv/a\"\n");
@@ -97,7 +97,7 @@ Result<std::string> rest_of(const std::string& file_name) {
   return std::string();
 }
 
-/// Puts `part` over `whole`: tables are merged, [[tables]] by their order, and other values replaced.
+/// Merges `part` into `whole`: tables key by key, [[tables]] by position; other values are replaced.
 void merge(const toml::table& part, toml::table* whole) {
   for (const auto& [key, value] : part) {
     toml::node* const there = whole->get(key.str());
@@ -133,14 +133,14 @@ Result<std::string> completed(const SettingsExample& example) {
 
 Status parse_example(const SettingsExample& example, const Parser& parse, const std::string& path) {
   if (!example.is_in_part) {
-    // Lines count as in the document.
+    // Lines are counted as in the document.
     return parse(std::string(static_cast<std::size_t>(example.line - 1), '\n') + example.text, path);
   }
   TRY_ASSIGN(const std::string whole, completed(example));
   return parse(whole, path);
 }
 
-/// The example with one alternative that it shows in a comment: a key, or a table with its keys.
+/// Returns the example once for each alternative in its comments (a key, or a table with its keys), with it added.
 std::vector<SettingsExample> alternatives(const SettingsExample& example) {
   static const std::regex kShown(
       R"re(# ?(\[\[?[a-z_.]+\]\]?\s*(#.*)?|[a-z_0-9]+ = ("[^"]*"|\[.*\]|-?[0-9.]+|true|false)\s*(#.*)?))re");
@@ -187,7 +187,7 @@ std::vector<std::string> mistakes_of(const SettingsExample& example, const std::
   if (!read) return {fmt::format("{} ({}): {}", where, example.file_name, read.error().message())};
   for (const SettingsExample& alternative : alternatives(example)) {
     const Status other = parse_example(alternative, parse->second, path);
-    // Alternatives need not go together with the rest of the example.
+    // An alternative may contradict the rest of the example, but it must name existing settings.
     if (!other && names_no_setting(other.error().message())) {
       mistakes.push_back(fmt::format("{} ({}), in a comment: {}", where, example.file_name, other.error().message()));
     }

@@ -9,10 +9,10 @@
 
 namespace cyclorama {
 
-/// Reads a text as the product reads a file. `name` stands for the file in errors.
+/// Parses a text as the product parses the file. Errors use `name` as the file's name.
 using Parser = std::function<Status(const std::string& text, const std::string& name)>;
 
-/// Any function of a text and a name that returns a Result.
+/// Wraps a function that takes a text and a name and returns a Result.
 template <typename Parse>
 Parser parser(Parse parse) {
   return [parse](const std::string& text, const std::string& name) -> Status {

@@ -59,7 +59,7 @@ class CalibrationFile : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(CalibrationFile, comes_back_as_it_was) {
+TEST_F(CalibrationFile, survives_a_round_trip) {
   const Calibration written = small_calibration("2026-01-01T00-00-00Z");
   const auto saved = save_calibration(folder_, written);
   ASSERT_TRUE(saved) << saved.error().message();
@@ -73,7 +73,7 @@ TEST_F(CalibrationFile, comes_back_as_it_was) {
   EXPECT_TRUE(std::isinf(map.sigma_px[3]));
 }
 
-TEST_F(CalibrationFile, of_before_is_kept_and_can_be_gone_back_to) {
+TEST_F(CalibrationFile, keeps_the_previous_calibration_which_can_be_restored) {
   ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-01T00-00-00Z")));
   ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-02T00-00-00Z")));
   EXPECT_EQ(kept_calibrations(folder_), (std::vector<std::string>{"2026-01-02T00-00-00Z", "2026-01-01T00-00-00Z"}));
@@ -86,7 +86,7 @@ TEST_F(CalibrationFile, of_before_is_kept_and_can_be_gone_back_to) {
   EXPECT_FALSE(save_calibration(folder_, small_calibration("../x")));
 }
 
-TEST_F(CalibrationFile, keeps_the_newest_ten) {
+TEST_F(CalibrationFile, keeps_the_ten_newest) {
   for (int day = 10; day < 24; ++day) {
     ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-" + std::to_string(day) + "T00-00-00Z")));
   }
@@ -95,7 +95,7 @@ TEST_F(CalibrationFile, keeps_the_newest_ten) {
 }
 
 // Simulates a power cut between two files: a calibration counts only once its last file is written.
-TEST_F(CalibrationFile, counts_only_when_all_that_belongs_to_it_is_written) {
+TEST_F(CalibrationFile, takes_effect_only_when_all_its_files_are_written) {
   const CalibrationPart light{"light.json", "{}"};
   ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-01T00-00-00Z"), {}, {&light, 1}));
   const auto own = folder_ / "calibrations/2026-01-01T00-00-00Z";
@@ -126,7 +126,7 @@ TEST_F(CalibrationFile, counts_only_when_all_that_belongs_to_it_is_written) {
   }
 }
 
-TEST_F(CalibrationFile, whose_map_is_broken_is_refused_by_its_name) {
+TEST_F(CalibrationFile, names_the_broken_map) {
   ASSERT_TRUE(save_calibration(folder_, small_calibration("2026-01-01T00-00-00Z")));
   const auto map = folder_ / "calibrations/2026-01-01T00-00-00Z/2.map.pfm";
   ASSERT_TRUE(write_file_atomically(map, std::string_view("PF\n1 1\n-1.0\n            ")));
@@ -135,7 +135,7 @@ TEST_F(CalibrationFile, whose_map_is_broken_is_refused_by_its_name) {
   EXPECT_NE(read.error().message().find("2.map.pfm"), std::string::npos) << read.error().message();
 }
 
-TEST(CalibrationJson, names_the_place_of_what_is_wrong) {
+TEST(CalibrationJson, names_the_position_of_a_mistake) {
   const std::string good = calibration_json(small_calibration("2026-01-01T00-00-00Z"));
   struct Case {
     std::string from, to, position;
@@ -162,7 +162,7 @@ TEST(CalibrationJson, names_the_place_of_what_is_wrong) {
   }
 }
 
-TEST(CalibrationJson, that_is_cut_anywhere_is_refused) {
+TEST(CalibrationJson, refuses_every_truncation) {
   const std::string good = calibration_json(small_calibration("2026-01-01T00-00-00Z"));
   for (std::size_t length = 0; length + 2 < good.size(); length += 37) {
     const auto parsed = parse_calibration(std::string_view(good).substr(0, length), "c.json");

@@ -24,7 +24,7 @@ CameraFile usual() {
   return camera;
 }
 
-TEST(CameraFile, comes_back_as_it_was) {
+TEST(CameraFile, survives_a_round_trip) {
   const std::string written = camera_json(usual());
   const auto read = parse_camera(written, "camera.json");
   ASSERT_TRUE(read) << read.error().message();
@@ -33,7 +33,7 @@ TEST(CameraFile, comes_back_as_it_was) {
   EXPECT_EQ(read->lens.covariance, usual().lens.covariance);
 }
 
-TEST(CameraFile, names_the_place_of_what_is_wrong) {
+TEST(CameraFile, names_the_position_of_a_mistake) {
   struct Case {
     std::string from, to, position;
   };
@@ -59,14 +59,14 @@ TEST(CameraFile, names_the_place_of_what_is_wrong) {
   }
 }
 
-TEST(CameraFile, that_is_cut_anywhere_is_refused) {
+TEST(CameraFile, refuses_every_truncation) {
   const std::string good = camera_json(usual());
   for (std::size_t length = 0; length + 2 < good.size(); length += 19) {
     EXPECT_FALSE(parse_camera(std::string_view(good).substr(0, length), "camera.json"));
   }
 }
 
-TEST(CameraFile, serves_pictures_of_another_size_but_not_of_another_shape) {
+TEST(CameraFile, scales_to_another_size_but_not_to_another_aspect_ratio) {
   const MeasuredLens lens = usual().lens;
   const auto half = lens_for_picture(lens, 640, 480);
   ASSERT_TRUE(half) << half.error().message();

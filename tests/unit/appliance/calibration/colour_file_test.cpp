@@ -43,7 +43,7 @@ class ColourFile : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(ColourFile, comes_back_as_it_was_within_sixteen_bits) {
+TEST_F(ColourFile, survives_a_round_trip_within_16_bits) {
   const auto written = two_colours();
   ASSERT_TRUE(write_colours(folder_, written));
   const auto read = read_colours(folder_);
@@ -63,13 +63,13 @@ TEST_F(ColourFile, comes_back_as_it_was_within_sixteen_bits) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ((*colour.response)[c].codes, (*written[1].colour.response)[c].codes);
 }
 
-TEST_F(ColourFile, need_not_be_there) {
+TEST_F(ColourFile, may_be_absent) {
   const auto none = read_colours(folder_);
   ASSERT_TRUE(none);
   EXPECT_TRUE(none->empty());
 }
 
-TEST_F(ColourFile, names_its_pictures_by_numbers_whatever_projectors_are_called) {
+TEST_F(ColourFile, numbers_its_pictures_whatever_the_projectors_names) {
   std::vector<CalibratedColour> colours = two_colours();
   colours[0].name = "../left \"one\"";
   ASSERT_TRUE(write_colours(folder_, colours));
@@ -79,7 +79,7 @@ TEST_F(ColourFile, names_its_pictures_by_numbers_whatever_projectors_are_called)
   EXPECT_EQ(read->front().name, colours[0].name);
 }
 
-TEST_F(ColourFile, takes_no_name_twice) {
+TEST_F(ColourFile, refuses_a_duplicate_name) {
   std::vector<CalibratedColour> colours = two_colours();
   colours[0].name = colours[1].name;
   const auto written = write_colours(folder_, colours);
@@ -88,7 +88,7 @@ TEST_F(ColourFile, takes_no_name_twice) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "colours.json"));
 }
 
-TEST_F(ColourFile, says_what_is_wrong) {
+TEST_F(ColourFile, names_a_mistake) {
   const std::string good = colours_json(two_colours());
   ASSERT_TRUE(parse_colours(good, "colours.json"));
   const auto refused = [&](const std::string& from, const std::string& to) {

@@ -39,7 +39,7 @@ Eigen::Vector2d fixed_steps_inverse(const BrownParameters& lens, const Eigen::Ve
   return slope;
 }
 
-TEST(BrownLens, without_distortion_is_a_pinhole) {
+TEST(BrownLens, without_distortion_it_is_a_pinhole) {
   const BrownLens lens = lens_of(plain_lens());
   EXPECT_EQ(lens.trusted_slope(), BrownLens::kMaxSlope);
   const auto pixel = lens.pixel_of({0.2, -0.1, 2.0});
@@ -51,7 +51,7 @@ TEST(BrownLens, without_distortion_is_a_pinhole) {
   EXPECT_TRUE(lens.covers_picture().has_value());
 }
 
-TEST(BrownLens, answers_to_a_billionth_of_a_pixel_or_refuses_whatever_the_lens) {
+TEST(BrownLens, inverts_any_lens_to_a_billionth_of_a_pixel_or_refuses) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   int answered = 0;
@@ -107,7 +107,7 @@ TEST(BrownLens, finds_every_direction_that_it_images) {
   }
 }
 
-TEST(BrownLens, magnifies_at_least_as_promised_within_its_trusted_slope) {
+TEST(BrownLens, has_at_least_the_promised_magnification_within_its_trusted_slope) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   for (int i = 0; i < 300; ++i) {
@@ -140,7 +140,7 @@ TEST(BrownLens, magnifies_at_least_as_promised_within_its_trusted_slope) {
   }
 }
 
-TEST(BrownLens, refuses_beyond_the_fold_where_fixed_steps_answer_wrongly) {
+TEST(BrownLens, refuses_pixels_beyond_the_fold_where_fixed_iterations_are_wrong) {
   BrownParameters parameters = plain_lens();
   parameters.k1 = -0.5;  // r (1 - r²/2) has its maximum at r = sqrt(2/3), which is imaged 0.544 from the axis.
   const BrownLens lens = lens_of(parameters);
@@ -159,7 +159,7 @@ TEST(BrownLens, refuses_beyond_the_fold_where_fixed_steps_answer_wrongly) {
   EXPECT_THAT(covers.error().message(), testing::HasSubstr("folds over"));
 }
 
-TEST(BrownLens, refuses_what_is_not_a_number) {
+TEST(BrownLens, refuses_nan) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const BrownLens lens = lens_of(plain_lens());
@@ -178,7 +178,7 @@ TEST(BrownLens, refuses_what_is_not_a_number) {
   EXPECT_FALSE(BrownLens::from(flat).has_value());
 }
 
-TEST(BrownLens, a_block_holds_what_it_was_made_of) {
+TEST(BrownLens, converts_to_a_parameter_block_and_back) {
   BrownParameters parameters = plain_lens();
   parameters.k1 = -0.2;
   parameters.p2 = 0.01;
@@ -188,7 +188,7 @@ TEST(BrownLens, a_block_holds_what_it_was_made_of) {
   EXPECT_EQ(back.width_px, 1280);
 }
 
-TEST(LensModel, each_is_freer_than_the_one_before) {
+TEST(LensModel, each_has_more_parameters_than_the_one_before) {
   int freedom = 0;
   for (const LensModel model : kLensModels) {
     EXPECT_GT(freedom_of(model), freedom);

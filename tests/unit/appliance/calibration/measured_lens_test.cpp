@@ -19,7 +19,7 @@ MeasuredLens lens_with(double k1, double k2, double k3, double p1, double p2) {
   return lens;
 }
 
-TEST(MeasuredLens, comes_back_to_a_billionth_of_a_pixel_or_refuses) {
+TEST(MeasuredLens, inverts_to_a_billionth_of_a_pixel_or_refuses) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   int found = 0;
@@ -39,7 +39,7 @@ TEST(MeasuredLens, comes_back_to_a_billionth_of_a_pixel_or_refuses) {
   EXPECT_GT(found, 6000);
 }
 
-TEST(MeasuredLens, refuses_what_lies_past_the_turning_point_of_its_distortion) {
+TEST(MeasuredLens, refuses_pixels_past_the_turning_point_of_its_distortion) {
   const MeasuredLens lens = lens_with(-0.5, 0.0, 0.0, 0.0, 0.0);
   const double turning = std::sqrt(1.0 / 1.5);  // Maximum of r (1 - r²/2), which is 0.544.
   EXPECT_FALSE(lens.pixel_of({turning * 1.01, 0.0, 1.0}));
@@ -50,14 +50,14 @@ TEST(MeasuredLens, refuses_what_lies_past_the_turning_point_of_its_distortion) {
   EXPECT_LT(near->x(), turning);
 }
 
-TEST(MeasuredLens, has_nothing_behind_it_and_nothing_for_what_is_no_number) {
+TEST(MeasuredLens, images_nothing_behind_it_and_no_nan) {
   const MeasuredLens lens = lens_with(0.0, 0.0, 0.0, 0.0, 0.0);
   EXPECT_FALSE(lens.pixel_of({0.1, 0.1, -1.0}));
   EXPECT_FALSE(lens.pixel_of({0.0, 0.0, 0.0}));
   EXPECT_FALSE(lens.direction_at({std::nan(""), 3.0}));
 }
 
-TEST(MeasuredLens, has_the_first_pixels_centre_at_a_half) {
+TEST(MeasuredLens, has_the_first_pixels_centre_at_one_half) {
   const MeasuredLens lens = lens_with(0.0, 0.0, 0.0, 0.0, 0.0);
   const auto middle = lens.pixel_of({0.0, 0.0, 2.0});
   ASSERT_TRUE(middle);

@@ -78,7 +78,7 @@ class CalibratorServiceTest : public ::testing::Test {
   std::vector<wire::CalibrateProgress> progress_;
 };
 
-TEST_F(CalibratorServiceTest, calibrates_tells_its_progress_and_goes_back) {
+TEST_F(CalibratorServiceTest, calibrates_reports_progress_and_restores_the_previous_calibration) {
   const auto done = calibrate({});
   ASSERT_TRUE(done.ok()) << done.error_message();
   ASSERT_GE(progress_.size(), 3u);
@@ -108,7 +108,7 @@ TEST_F(CalibratorServiceTest, calibrates_tells_its_progress_and_goes_back) {
   EXPECT_EQ(calibration::read_calibration(folder_)->date, date);
 }
 
-TEST_F(CalibratorServiceTest, puts_back_one_that_was_pushed) {
+TEST_F(CalibratorServiceTest, realigns_a_displaced_projector) {
   ASSERT_TRUE(calibrate({}).ok());
   const calibration::Calibration before = *calibration::read_calibration(folder_);
   auto& stands = preset_.truth.projectors[1].T_room_projector;
@@ -157,7 +157,7 @@ class HandTurnedTurntable final : public turntable::Turntable {
   simulated::SimulatedMuseum& museum_;
 };
 
-TEST_F(CalibratorServiceTest, asks_its_client_to_turn_the_turntable) {
+TEST_F(CalibratorServiceTest, asks_the_client_to_turn_the_turntable) {
   TurntablePrompt prompt;
   CalibratorService service(
       preset_.installation, folder_,
@@ -196,7 +196,7 @@ TEST_F(CalibratorServiceTest, asks_its_client_to_turn_the_turntable) {
   server->stop(std::chrono::seconds(5));
 }
 
-TEST_F(CalibratorServiceTest, cancelled_leaves_no_calibration_and_goes_on_when_told_to) {
+TEST_F(CalibratorServiceTest, leaves_no_calibration_when_cancelled_and_can_resume) {
   const auto cancelled = calibrate({}, 3);
   EXPECT_EQ(cancelled.error_code(), grpc::StatusCode::CANCELLED);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "calibration.json"));
@@ -213,7 +213,7 @@ TEST_F(CalibratorServiceTest, cancelled_leaves_no_calibration_and_goes_on_when_t
   EXPECT_TRUE(std::filesystem::exists(folder_ / "calibration.json"));
 }
 
-TEST_F(CalibratorServiceTest, does_one_at_a_time) {
+TEST_F(CalibratorServiceTest, runs_one_calibration_at_a_time) {
   grpc::ClientContext context;
   const auto first = stub_->Calibrate(&context, {});
   wire::CalibrateProgress message;
@@ -227,7 +227,7 @@ TEST_F(CalibratorServiceTest, does_one_at_a_time) {
   EXPECT_EQ(first->Finish().error_code(), grpc::StatusCode::CANCELLED);
 }
 
-TEST_F(CalibratorServiceTest, refuses_to_put_back_what_was_never_calibrated) {
+TEST_F(CalibratorServiceTest, refuses_to_realign_a_projector_without_a_calibration) {
   wire::CalibrateOrder quick;
   quick.set_quick(true);
   EXPECT_EQ(calibrate(quick).error_code(), grpc::StatusCode::INVALID_ARGUMENT) << "which one?";

@@ -24,7 +24,7 @@ std::string mistake_in(const std::string& text) {
   return settings ? "no mistake" : settings.error().message();
 }
 
-TEST(CalibratorSettings, of_an_empty_file_are_the_defaults) {
+TEST(CalibratorSettings, have_defaults_for_an_empty_file) {
   const auto settings = CalibratorSettings::parse("", "calibrator.toml");
   ASSERT_TRUE(settings) << settings.error().message();
   const CalibratorSettings defaults;
@@ -90,7 +90,7 @@ TEST(CalibratorSettings, reads_every_key) {
   EXPECT_EQ(settings->watch[1].spec, "libcamera:/base/soc/i2c0mux?height_px=1080");
 }
 
-TEST(CalibratorSettings, name_the_line_of_a_mistake_and_what_to_do) {
+TEST(CalibratorSettings, names_the_line_of_a_mistake_and_the_remedy) {
   struct Case {
     const char* text;
     const char* line;
@@ -137,7 +137,7 @@ TEST(CalibratorSettings, name_the_line_of_a_mistake_and_what_to_do) {
   }
 }
 
-TEST(CalibratorSettings, find_lenses_beside_the_file) {
+TEST(CalibratorSettings, look_for_lenses_beside_the_file) {
   std::string name = (std::filesystem::temp_directory_path() / "calibrator-settings-XXXXXX").string();
   ASSERT_NE(::mkdtemp(name.data()), nullptr);
   const std::filesystem::path folder = name;
@@ -173,7 +173,7 @@ TEST(CalibratorSettings, find_lenses_beside_the_file) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(CameraSource, is_a_name_and_a_line) {
+TEST(CameraSource, has_a_name_and_a_device_line) {
   const auto plug = scan::parse_camera_source("left=v4l2:usb-1?width_px=640");
   ASSERT_TRUE(plug);
   EXPECT_EQ(plug->name, "left");

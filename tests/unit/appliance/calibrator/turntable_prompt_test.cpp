@@ -14,7 +14,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::minutes;
 
-TEST(TurntablePrompt, asks_through_the_listener_and_takes_one_answer) {
+TEST(TurntablePrompt, asks_through_the_listener_and_accepts_one_answer) {
   TurntablePrompt prompt;
   EXPECT_FALSE(prompt.answer("too early"));
   std::vector<std::string> heard;
@@ -33,14 +33,14 @@ TEST(TurntablePrompt, asks_through_the_listener_and_takes_one_answer) {
   EXPECT_FALSE(prompt.answer("too late"));
 }
 
-TEST(TurntablePrompt, says_that_nobody_answers_or_that_nobody_is_there) {
+TEST(TurntablePrompt, reports_a_missing_answer_and_a_missing_listener) {
   TurntablePrompt prompt;
   EXPECT_EQ(prompt.ask("where?", minutes(1)).error().code(), ErrorCode::kUnavailable);
   prompt.set_listener([](const std::string&) { return true; });
   EXPECT_EQ(prompt.ask("where?", milliseconds(1)).error().code(), ErrorCode::kTimedOut);
 }
 
-TEST(TurntablePrompt, ends_when_the_calibration_is_cancelled_while_it_waits) {
+TEST(TurntablePrompt, ends_when_the_calibration_is_cancelled) {
   TurntablePrompt prompt;
   std::atomic<int> looks{0};
   prompt.set_listener([&](const std::string&) { return ++looks < 3; });
@@ -50,7 +50,7 @@ TEST(TurntablePrompt, ends_when_the_calibration_is_cancelled_while_it_waits) {
   EXPECT_EQ(looks, 3);
 }
 
-TEST(TurntablePrompt, turns_a_turntable_by_hand) {
+TEST(TurntablePrompt, lets_a_person_turn_a_manual_turntable) {
   TurntablePrompt prompt;
   prompt.set_listener([&](const std::string& question) {
     if (!question.empty()) prompt.answer(question.find("its mark") != std::string::npos ? "" : "44");

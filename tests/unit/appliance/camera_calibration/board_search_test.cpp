@@ -64,7 +64,7 @@ TEST_F(BoardSearch, finds_all_corners_to_a_tenth_of_a_pixel) {
   EXPECT_LE(rms_px(*view, at), 0.1);
 }
 
-TEST_F(BoardSearch, takes_a_part_of_the_board) {
+TEST_F(BoardSearch, accepts_a_partly_visible_board) {
   const Pose at = pose(board_, {0.13, 0.1, 0.26}, -0.3, 0.2, 0.0);
   const auto view = find_board(photographer_->photograph(at.R, at.t), {board_}, &detector_);
   ASSERT_TRUE(view) << view.error().message();
@@ -72,14 +72,14 @@ TEST_F(BoardSearch, takes_a_part_of_the_board) {
   EXPECT_LE(rms_px(*view, at), 0.1);
 }
 
-TEST_F(BoardSearch, refuses_a_picture_without_one) {
+TEST_F(BoardSearch, refuses_a_picture_without_a_board) {
   const auto view = find_board(GreyImage(800, 600), {board_}, &detector_);
   ASSERT_FALSE(view);
   EXPECT_EQ(view.error().code(), ErrorCode::kNotFound);
   EXPECT_THAT(view.error().message(), testing::HasSubstr("; bring it nearer"));
 }
 
-TEST_F(BoardSearch, of_photographs_gives_the_lens) {
+TEST_F(BoardSearch, gives_the_lens_from_photographs) {
   std::vector<LensView> views;
   const Eigen::Vector3d correspondences[] = {{0.0, 0.0, 0.34},  {-0.1, -0.07, 0.3}, {0.1, -0.07, 0.3},
                                              {-0.1, 0.08, 0.3}, {0.11, 0.08, 0.3},  {0.0, 0.02, 0.45},

@@ -88,7 +88,7 @@ double apart_px(const calibration::MeasuredLens& found, const calibration::Brown
   return worst;
 }
 
-TEST(LensSelection, finds_a_lens_within_what_it_claims) {
+TEST(LensSelection, recovers_a_lens_within_its_stated_uncertainty) {
   int within = 0;
   constexpr int kSeeds = 4;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
@@ -106,7 +106,7 @@ TEST(LensSelection, finds_a_lens_within_what_it_claims) {
   EXPECT_GE(within, kSeeds - 1);
 }
 
-TEST(LensSelection, takes_no_more_than_predicts) {
+TEST(LensSelection, takes_no_more_parameters_than_improve_the_prediction) {
   calibration::BrownParameters pinhole = true_lens();
   pinhole.k1 = pinhole.k2 = 0.0;
   for (unsigned seed = 1; seed <= 2; ++seed) {
@@ -116,7 +116,7 @@ TEST(LensSelection, takes_no_more_than_predicts) {
   }
 }
 
-TEST(LensSelection, is_not_led_astray_by_corners_that_are_wrong) {
+TEST(LensSelection, is_robust_against_wrong_corners) {
   std::vector<LensView> views = shown(true_lens(), 14, 3);
   for (std::size_t i = 0; i < views.size(); ++i) views[i].camera_px[i % 12] += Eigen::Vector2d(15.0, -9.0);
   const auto choice = select_lens(views, kWidth, kHeight);
@@ -124,7 +124,7 @@ TEST(LensSelection, is_not_led_astray_by_corners_that_are_wrong) {
   EXPECT_LE(apart_px(choice->fit.lens, true_lens()), 0.6);
 }
 
-TEST(LensSelection, refuses_too_few_pictures_and_those_that_are_all_one) {
+TEST(LensSelection, refuses_too_few_and_identical_pictures) {
   const std::vector<LensView> views = shown(true_lens(), 4, 1);
   const auto few = select_lens(views, kWidth, kHeight);
   ASSERT_FALSE(few);
@@ -145,7 +145,7 @@ TEST(LensSelection, refuses_boards_that_all_face_the_camera) {
   EXPECT_THAT(choice.error().message(), testing::HasSubstr("turned by 20 to 45 degrees"));
 }
 
-TEST(LensSelection, says_which_part_of_the_picture_is_not_known) {
+TEST(LensSelection, reports_the_part_of_the_picture_that_is_unknown) {
   Shown middle;
   middle.aside = 0.12;
   middle.near_m = 0.7;
@@ -157,7 +157,7 @@ TEST(LensSelection, says_which_part_of_the_picture_is_not_known) {
   EXPECT_THAT(words, testing::HasSubstr("; add pictures with the board"));
 }
 
-TEST(LensSelection, refuses_what_is_no_number) {
+TEST(LensSelection, refuses_nan) {
   std::vector<LensView> views = shown(true_lens(), 8, 1);
   views[3].camera_px[2].x() = std::nan("");
   const auto choice = select_lens(views, kWidth, kHeight);

@@ -75,7 +75,7 @@ std::vector<BoardView> views_of(const Rig& rig, int count, double tilt_rad, doub
   return views;
 }
 
-TEST(Homography, maps_a_plane_as_it_was_made) {
+TEST(Homography, recovers_the_mapping_of_a_plane) {
   Eigen::Matrix3d h;
   h << 1.2, 0.1, 5.0, -0.2, 0.9, 7.0, 1e-3, 2e-3, 1.0;
   std::vector<Eigen::Vector2d> from;
@@ -93,7 +93,7 @@ TEST(Homography, maps_a_plane_as_it_was_made) {
   EXPECT_FALSE(homography(from, to)) << "all on a line";
 }
 
-TEST(Procam, is_found_exactly_from_exact_views) {
+TEST(Procam, is_exact_for_exact_views) {
   const Rig rig;
   const auto found = solve_procam(views_of(rig, 4, 0.5, 0.0), {kCameraSize, kProjectorSize});
   ASSERT_TRUE(found.has_value()) << found.error().message();
@@ -107,7 +107,7 @@ TEST(Procam, is_found_exactly_from_exact_views) {
   EXPECT_EQ(found->unknowns, 2 * 4 + 6 + 4 * 6);
 }
 
-TEST(Procam, is_as_sure_as_it_says) {
+TEST(Procam, has_a_consistent_covariance) {
   const Rig rig;
   double squares = 0.0;
   int count = 0;
@@ -130,13 +130,13 @@ TEST(Procam, is_as_sure_as_it_says) {
   EXPECT_LT(squares / count, 1.8);
 }
 
-TEST(Procam, leads_to_one_place_from_several_starting_points) {
+TEST(Procam, converges_from_several_starting_points) {
   const auto found = solve_procam(views_of(Rig{}, 4, 0.5, 0.2), {kCameraSize, kProjectorSize});
   ASSERT_TRUE(found.has_value());
   EXPECT_EQ(found->starts_agreeing, kMaxStarts);
 }
 
-TEST(Procam, of_views_that_do_not_determine_it_is_refused_with_what_to_add) {
+TEST(Procam, refuses_views_that_do_not_determine_it_and_names_what_to_add) {
   for (const auto& views : {views_of(Rig{}, 3, 0.0, 0.0), views_of(Rig{}, 1, 0.5, 0.1)}) {
     const auto found = solve_procam(
         views, {kCameraSize, kProjectorSize, calibration::LensModel::kFull, calibration::LensModel::kFull});
@@ -146,7 +146,7 @@ TEST(Procam, of_views_that_do_not_determine_it_is_refused_with_what_to_add) {
   }
 }
 
-TEST(Procam, of_no_numbers_is_refused) {
+TEST(Procam, refuses_nan) {
   const ProcamChoice choice{kCameraSize, kProjectorSize};
   EXPECT_FALSE(solve_procam({}, choice).has_value());
   auto views = views_of(Rig{}, 3, 0.5, 0.1);
@@ -160,7 +160,7 @@ TEST(Procam, of_no_numbers_is_refused) {
   EXPECT_FALSE(solve_procam(views, choice).has_value());
 }
 
-TEST(Procam, predicts_a_view_that_it_has_not_seen) {
+TEST(Procam, predicts_a_view_that_was_left_out) {
   const Rig rig;
   auto views = views_of(rig, 5, 0.5, 0.2);
   const BoardView left_out = views.back();
@@ -184,7 +184,7 @@ std::string table_of(const ProcamSelection& selection) {
   return table;
 }
 
-TEST(ProcamSelection, takes_the_least_model_that_predicts) {
+TEST(ProcamSelection, takes_the_smallest_model_that_predicts_well) {
   Rig rig;
   rig.camera.k1 = -0.6;
   rig.projector.k1 = 0.0;
@@ -195,7 +195,8 @@ TEST(ProcamSelection, takes_the_least_model_that_predicts) {
   EXPECT_EQ(chosen.projector, calibration::LensModel::kPinhole) << table_of(*selection);
   EXPECT_EQ(chosen.board, BoardModel::kFlat) << table_of(*selection);
   for (const ProcamCandidate& model : selection->models) {
-    // A richer model that is better would have been chosen, and so would a smaller one that is as good.
+    // Neither a model with more parameters that predicts better was passed over, nor one with fewer that predicts as
+    // well.
     if (model.freedom > chosen.freedom) {
       EXPECT_GE(model.heldout_rms_px * 1.000001, chosen.heldout_rms_px * (1.0 - calibration::kMinModelGain));
     }
@@ -205,8 +206,8 @@ TEST(ProcamSelection, takes_the_least_model_that_predicts) {
   }
 }
 
-TEST(ProcamSelection, finds_a_board_that_is_bent) {
-  // In views of such a board a corner is displaced as its height requires.
+TEST(ProcamSelection, detects_a_bent_board) {
+  // On a bent board each corner is displaced by its height.
   const BoardShape shape{.stretch = 0.002, .bend_xx = 0.015, .bend_yy = -0.02};
   const auto selection = select_procam_model(views_of(Rig{}, 5, 0.5, 0.1, 5, shape), kCameraSize, kProjectorSize);
   ASSERT_TRUE(selection.has_value()) << selection.error().message();
@@ -215,7 +216,7 @@ TEST(ProcamSelection, finds_a_board_that_is_bent) {
   EXPECT_NEAR(selection->calibration.board.bend_yy, shape.bend_yy, 0.003);
 }
 
-TEST(ProcamSelection, with_nothing_to_leave_out_is_refused) {
+TEST(ProcamSelection, refuses_too_few_views_to_leave_one_out) {
   const auto selection = select_procam_model(views_of(Rig{}, 2, 0.5, 0.1), kCameraSize, kProjectorSize);
   ASSERT_FALSE(selection.has_value());
   EXPECT_EQ(selection.error().code(), ErrorCode::kBadData);

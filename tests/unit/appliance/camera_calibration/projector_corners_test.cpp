@@ -26,7 +26,7 @@ structured_light::Decoded decoded_of(const LitWall& wall) {
   return *std::move(decoded);
 }
 
-TEST(ProjectorPosePrior, is_told_to_some_hundredths_between_the_pixels) {
+TEST(ProjectorPixelAt, interpolates_to_some_hundredths_of_a_pixel) {
   const LitWall wall = slanted_wall();
   const structured_light::Decoded decoded = decoded_of(wall);
   for (const Eigen::Vector2d& at :
@@ -37,7 +37,7 @@ TEST(ProjectorPosePrior, is_told_to_some_hundredths_between_the_pixels) {
   }
 }
 
-TEST(ProjectorPosePrior, is_not_moved_by_what_is_wrong) {
+TEST(ProjectorPixelAt, is_robust_against_outliers) {
   const LitWall wall = slanted_wall();
   structured_light::Decoded decoded = decoded_of(wall);
   // A tenth of the pixels are shifted in the same direction.
@@ -50,7 +50,7 @@ TEST(ProjectorPosePrior, is_not_moved_by_what_is_wrong) {
   EXPECT_LT((*position - wall.projector_pixel_at(40.0, 40.0)).norm(), 0.03);
 }
 
-TEST(ProjectorPosePrior, is_unknown_where_little_is_decoded) {
+TEST(ProjectorPixelAt, is_empty_where_little_is_decoded) {
   structured_light::Decoded decoded = decoded_of(slanted_wall());
   EXPECT_FALSE(projector_pixel_at(decoded, {-50.0, 40.0}, 12.0));
   EXPECT_FALSE(projector_pixel_at(decoded, {1e300, 40.0}, 12.0));

@@ -48,7 +48,7 @@ Result<ProcamCalibration> reference_calibration(const std::vector<BoardView>& vi
                               BoardModel::kBent});
 }
 
-TEST(RealCapture, is_decoded_finely_and_without_gross_errors) {
+TEST(RealCapture, is_decoded_precisely_and_without_gross_errors) {
   CYCLORAMA_SHARED_DATA(folder, "graycode");
   const auto decoder = real_decoder(folder, 0);
   ASSERT_TRUE(decoder.has_value()) << decoder.error().message();
@@ -86,7 +86,7 @@ TEST(RealCapture, is_decoded_finely_and_without_gross_errors) {
   EXPECT_LT(std::sqrt(squares), 0.35);
 }
 
-TEST(RealCapture, corners_of_the_reference_calibrate_camera_and_projector) {
+TEST(RealCapture, calibrates_camera_and_projector_from_the_references_corners) {
   CYCLORAMA_SHARED_DATA(folder, "graycode");
   const auto found = reference_calibration(reference_views(folder));
   ASSERT_TRUE(found.has_value()) << found.error().message();
@@ -95,7 +95,7 @@ TEST(RealCapture, corners_of_the_reference_calibrate_camera_and_projector) {
   EXPECT_EQ(found->starts_agreeing, kMaxStarts);
 }
 
-TEST(Chessboard, that_is_not_there_is_not_found) {
+TEST(Chessboard, is_not_found_where_there_is_none) {
   const auto nothing = find_chessboard(GreyImage(320, 240, 128), 9, 7);
   ASSERT_FALSE(nothing.has_value());
   EXPECT_EQ(nothing.error().code(), ErrorCode::kNotFound);

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 
 constexpr const char* kDate = "2026-01-01T00-00-00Z";
 
-class CalibratingHeads : public ::testing::Test {
+class CalibratedHeadsTest : public ::testing::Test {
  protected:
   void SetUp() override {
     std::string folder = ::testing::TempDir() + "/calibrated.XXXXXX";
@@ -37,7 +37,7 @@ class CalibratingHeads : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(CalibratingHeads, of_a_calibration_without_error_draws_and_blends_as_the_installation_says) {
+TEST_F(CalibratedHeadsTest, agree_with_the_installation_after_an_exact_calibration) {
   ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, kDate)));
   const auto made = heads();
   ASSERT_TRUE(made) << made.error().message();
@@ -67,7 +67,7 @@ TEST_F(CalibratingHeads, of_a_calibration_without_error_draws_and_blends_as_the_
   }
 }
 
-TEST_F(CalibratingHeads, blend_by_weights_that_add_up_to_one_at_each_place_of_the_wall) {
+TEST_F(CalibratedHeadsTest, have_weights_that_add_up_to_one_on_the_wall) {
   ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, kDate)));
   const auto made = heads();
   ASSERT_TRUE(made) << made.error().message();
@@ -99,7 +99,7 @@ TEST_F(CalibratingHeads, blend_by_weights_that_add_up_to_one_at_each_place_of_th
   EXPECT_LT(worst, 0.005) << "of heads of 160 pixels, whose masks are read between pixels here";
 }
 
-TEST_F(CalibratingHeads, takes_masks_and_colours_from_the_calibrations_folder) {
+TEST_F(CalibratedHeadsTest, use_the_masks_and_colours_of_the_calibrations_folder) {
   std::vector<calibration::CalibratedColour> colours;
   for (const InstalledProjector& projector : room_.projectors) {
     calibration::CalibratedColour one{
@@ -129,7 +129,7 @@ TEST_F(CalibratingHeads, takes_masks_and_colours_from_the_calibrations_folder) {
   EXPECT_THAT(wrong.error().message(), HasSubstr("8x8"));
 }
 
-TEST_F(CalibratingHeads, keeps_what_was_planned_of_a_projector_that_was_not_seen) {
+TEST_F(CalibratedHeadsTest, keep_the_planned_map_of_a_projector_that_was_not_seen) {
   calibration::Calibration calibration = exact_calibration(room_, kDate);
   calibration.projectors[1].name = "attic";
   ASSERT_TRUE(calibration::save_calibration(folder_, calibration));
@@ -140,7 +140,7 @@ TEST_F(CalibratingHeads, keeps_what_was_planned_of_a_projector_that_was_not_seen
   EXPECT_EQ(made->heads[1].mask, (*planned)[1].mask);
 }
 
-TEST_F(CalibratingHeads, refuses_a_calibration_of_other_projectors_and_tells_that_there_is_none) {
+TEST_F(CalibratedHeadsTest, refuse_a_calibration_of_other_projectors_and_report_a_missing_one) {
   EXPECT_EQ(heads().error().code(), ErrorCode::kNotFound);
   calibration::Calibration others = exact_calibration(room_, kDate);
   for (calibration::CalibratedProjector& projector : others.projectors) projector.name += "2";
@@ -154,7 +154,7 @@ TEST_F(CalibratingHeads, refuses_a_calibration_of_other_projectors_and_tells_tha
   EXPECT_THAT(larger.error().message(), HasSubstr("320x240"));
 }
 
-TEST_F(CalibratingHeads, of_two_eyes_beside_each_other_stretch_the_map_over_each_eyes_pixels) {
+TEST_F(CalibratedHeadsTest, stretch_the_map_over_each_eyes_pixels_side_by_side) {
   ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, kDate)));
   room_.stereo.emplace();
   room_.stereo->packing = StereoPacking::kSideBySide;

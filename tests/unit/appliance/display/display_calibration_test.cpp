@@ -20,7 +20,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-class DisplayingCalibrated : public ::testing::Test {
+class DisplayCalibrationTest : public ::testing::Test {
  protected:
   void SetUp() override {
     std::string folder = ::testing::TempDir() + "/calibrated.XXXXXX";
@@ -95,7 +95,7 @@ class DisplayingCalibrated : public ::testing::Test {
   std::jthread serving_;
 };
 
-TEST_F(DisplayingCalibrated, moves_over_to_a_new_calibration_keeps_it_when_a_bad_one_comes_and_goes_back) {
+TEST_F(DisplayCalibrationTest, uses_a_new_calibration_ignores_a_bad_one_and_can_return) {
   start();
   EXPECT_THAT(fact("calibration_refused"), HasSubstr("none yet"));
   show_halves();
@@ -131,7 +131,7 @@ TEST_F(DisplayingCalibrated, moves_over_to_a_new_calibration_keeps_it_when_a_bad
   EXPECT_TRUE(wait_until([&] { return edge() == moved_to; }));
 }
 
-TEST_F(DisplayingCalibrated, begins_with_the_calibration_that_is_there) {
+TEST_F(DisplayCalibrationTest, starts_with_the_existing_calibration) {
   ASSERT_TRUE(calibration::save_calibration(folder_, exact_calibration(room_, "2026-01-01T00-00-00Z", 0.1)));
   start();
   EXPECT_THAT(fact("calibration"), StartsWith("2026-01-01"));
@@ -139,7 +139,7 @@ TEST_F(DisplayingCalibrated, begins_with_the_calibration_that_is_there) {
   EXPECT_TRUE(wait_until([&] { return edge() >= 0 && edge() < 75; })) << edge();
 }
 
-TEST_F(DisplayingCalibrated, begins_as_installed_when_the_calibration_is_broken) {
+TEST_F(DisplayCalibrationTest, starts_with_the_installation_if_the_calibration_is_broken) {
   ASSERT_TRUE(write_file_atomically(folder_ / "calibration.json", std::string_view("no JSON")));
   start();
   EXPECT_THAT(fact("calibration_refused"), HasSubstr("no JSON"));

@@ -84,7 +84,7 @@ class Patterns {
   bool is_open_ = true;
 };
 
-class DisplayingPatterns : public ::testing::Test {
+class DisplayPatternsTest : public ::testing::Test {
  protected:
   void SetUp() override {
     std::string folder = ::testing::TempDir() + "/patterns.XXXXXX";
@@ -169,7 +169,7 @@ class DisplayingPatterns : public ::testing::Test {
   std::jthread serving_;
 };
 
-TEST_F(DisplayingPatterns, shows_them_code_for_code_and_dark_where_nothing_was_said_then_the_show_bit_for_bit) {
+TEST_F(DisplayPatternsTest, shows_patterns_exactly_and_then_the_same_show_again) {
   show_frame(1, 1);
   const std::vector<RgbImage> show = heads();
   Patterns patterns(display_->port());
@@ -196,7 +196,7 @@ TEST_F(DisplayingPatterns, shows_them_code_for_code_and_dark_where_nothing_was_s
   EXPECT_EQ(heads(), show) << "as soon as the call has ended";
 }
 
-TEST_F(DisplayingPatterns, come_a_hundred_times_each_seen_when_it_is_answered) {
+TEST_F(DisplayPatternsTest, shows_a_hundred_patterns_each_before_its_answer) {
   Patterns patterns(display_->port());
   for (unsigned n = 1; n <= 100; ++n) {
     const std::string name = std::array{"left", "middle", "right"}[n % 3];
@@ -205,7 +205,7 @@ TEST_F(DisplayingPatterns, come_a_hundred_times_each_seen_when_it_is_answered) {
   }
 }
 
-TEST_F(DisplayingPatterns, give_way_to_the_show_when_the_client_is_killed_and_frames_came_meanwhile) {
+TEST_F(DisplayPatternsTest, returns_to_the_show_when_the_client_is_killed) {
   show_frame(1, 1);
   {
     Patterns patterns(display_->port());
@@ -220,7 +220,7 @@ TEST_F(DisplayingPatterns, give_way_to_the_show_when_the_client_is_killed_and_fr
   EXPECT_TRUE(wait_until([&] { return state().find("Shows the tour") != std::string::npos; }));
 }
 
-TEST_F(DisplayingPatterns, are_one_calibrations_at_a_time) {
+TEST_F(DisplayPatternsTest, serves_one_calibration_at_a_time) {
   Patterns first(display_->port());
   ASSERT_TRUE(first.show(1, {{"left", png_of(noise(1))}}));
   Patterns second(display_->port());
@@ -235,7 +235,7 @@ TEST_F(DisplayingPatterns, are_one_calibrations_at_a_time) {
   EXPECT_TRUE(third.show(1, {{"left", png_of(noise(4))}}));
 }
 
-TEST_F(DisplayingPatterns, that_are_wrong_end_the_call_with_a_reason_and_the_show_is_back) {
+TEST_F(DisplayPatternsTest, refuses_wrong_patterns_with_a_reason_and_returns_to_the_show) {
   ASSERT_TRUE(wait_until_still());
   const std::vector<RgbImage> show = heads();
   std::string broken = png_of(noise(1));
@@ -262,7 +262,7 @@ TEST_F(DisplayingPatterns, that_are_wrong_end_the_call_with_a_reason_and_the_sho
   }
 }
 
-TEST_F(DisplayingPatterns, wake_the_heads_at_night_and_let_them_sleep_again) {
+TEST_F(DisplayPatternsTest, wakes_the_heads_at_night_and_lets_them_sleep_again) {
   show_frame(1, 1);
   set_hour(23);
   ASSERT_TRUE(wait_until([&] { return state().find("Sleeps") != std::string::npos; }));
@@ -277,12 +277,12 @@ TEST_F(DisplayingPatterns, wake_the_heads_at_night_and_let_them_sleep_again) {
   EXPECT_THAT(head("middle").data(), Each(0));
 }
 
-class DisplayingPatternsIdly : public DisplayingPatterns {
+class DisplayPatternsIdleTest : public DisplayPatternsTest {
  protected:
-  DisplayingPatternsIdly() { patterns_idle_ = std::chrono::milliseconds(400); }
+  DisplayPatternsIdleTest() { patterns_idle_ = std::chrono::milliseconds(400); }
 };
 
-TEST_F(DisplayingPatternsIdly, a_calibration_that_hangs_gives_the_wall_back) {
+TEST_F(DisplayPatternsIdleTest, returns_to_the_show_when_a_calibration_hangs) {
   show_frame(1, 1);
   const std::vector<RgbImage> show = heads();
   Patterns patterns(display_->port());
@@ -297,7 +297,7 @@ TEST_F(DisplayingPatternsIdly, a_calibration_that_hangs_gives_the_wall_back) {
   EXPECT_TRUE(next.show(1, {{"left", png_of(noise(1))}}));
 }
 
-TEST_F(DisplayingPatterns, end_with_the_display) {
+TEST_F(DisplayPatternsTest, ends_the_call_when_the_display_stops) {
   Patterns patterns(display_->port());
   ASSERT_TRUE(patterns.show(1, {{"left", png_of(noise(1))}}));
   serving_.request_stop();

@@ -45,7 +45,7 @@ struct Off {
   double max = 0.0;
 };
 
-class ScreenDisplaying : public ::testing::TestWithParam<const char*> {
+class DisplayScreensTest : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     std::string folder = ::testing::TempDir() + "/screens.XXXXXX";
@@ -126,7 +126,7 @@ class ScreenDisplaying : public ::testing::TestWithParam<const char*> {
   std::jthread serving_;
 };
 
-TEST_P(ScreenDisplaying, the_wall_shows_what_the_eye_is_to_see_at_every_heading) {
+TEST_P(DisplayScreensTest, shows_the_eye_the_right_light_at_every_heading) {
   const auto asked = from_wire(tour_->hello.wanted());
   ASSERT_TRUE(asked) << asked.error().message();
   EXPECT_EQ(*asked, room_.projection(768));
@@ -152,7 +152,7 @@ TEST_P(ScreenDisplaying, the_wall_shows_what_the_eye_is_to_see_at_every_heading)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Demo, ScreenDisplaying,
+INSTANTIATE_TEST_SUITE_P(Demo, DisplayScreensTest,
                          ::testing::Values("installation.toml", "plane.toml", "corner.toml", "dome.toml", "mesh.toml",
                                            "stereo.toml", "stereo.toml+top_bottom", "stereo.toml+sequential"),
                          [](const auto& tested) {

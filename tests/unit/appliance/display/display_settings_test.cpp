@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(DisplaySettings, are_read_from_the_file_that_the_tour_reads_too) {
+TEST(DisplaySettings, are_read_from_the_same_file_as_the_tours) {
   const auto settings = parse_display_settings(R"(
 [farm]
 coordinators = ["[::1]:7401"]
@@ -52,7 +52,7 @@ TEST(DisplaySettings, have_defaults) {
   EXPECT_TRUE(settings->hours.is_open(WallTime(std::chrono::hours(24 * 365 * 57))));
 }
 
-TEST(DisplaySettings, refuse_what_they_do_not_know_by_line) {
+TEST(DisplaySettings, refuse_unknown_keys_by_line) {
   const auto refused = [](const std::string& text) {
     const auto settings = parse_display_settings(text, "site.toml");
     return settings ? std::string("taken") : settings.error().message();
@@ -68,7 +68,7 @@ TEST(DisplaySettings, refuse_what_they_do_not_know_by_line) {
   EXPECT_THAT(refused("[hours]\nopen = [\"always\"]\n"), HasSubstr("site.toml:2: hours.open"));
 }
 
-TEST(AttractPicture, of_a_museum_spans_the_wall) {
+TEST(AttractPicture, spans_the_wall_of_a_museum) {
   const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "attract.jpg";
   const auto jpeg = JpegEncoder().encode(RgbImage(320, 100, 90), {.quality = 95});
   ASSERT_TRUE(jpeg);

@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-class Displaying : public ::testing::Test {
+class DisplayTest : public ::testing::Test {
  protected:
   void SetUp() override {
     std::string folder = ::testing::TempDir() + "/display.XXXXXX";
@@ -104,7 +104,7 @@ class Displaying : public ::testing::Test {
   std::jthread serving_;
 };
 
-TEST_F(Displaying, says_hello_and_shows_a_dim_sky_before_the_first_frame) {
+TEST_F(DisplayTest, sends_hello_and_shows_the_attract_picture_before_the_first_frame) {
   const auto tour = FakeTour::start();
   start(tour->address());
   ASSERT_TRUE(tour->wait_for_display());
@@ -117,7 +117,7 @@ TEST_F(Displaying, says_hello_and_shows_a_dim_sky_before_the_first_frame) {
   EXPECT_GT(*std::ranges::max_element(picture.data()), 20);
 }
 
-TEST_F(Displaying, shows_whole_frames_and_reports_each_once) {
+TEST_F(DisplayTest, shows_complete_frames_and_reports_each_once) {
   const auto tour = FakeTour::start();
   start(tour->address());
   ASSERT_TRUE(tour->wait_for_display());
@@ -146,7 +146,7 @@ TEST_F(Displaying, shows_whole_frames_and_reports_each_once) {
   EXPECT_GT(gauge("bytes_per_frame"), 1000.0);
 }
 
-TEST_F(Displaying, holds_the_last_whole_frame_when_the_stream_dies_within_one_and_comes_back) {
+TEST_F(DisplayTest, keeps_the_last_complete_frame_when_the_stream_breaks_and_reconnects) {
   const auto tour = FakeTour::start();
   start(tour->address());
   ASSERT_TRUE(tour->wait_for_display());
@@ -168,7 +168,7 @@ TEST_F(Displaying, holds_the_last_whole_frame_when_the_stream_dies_within_one_an
   EXPECT_TRUE(tour->dropped.empty());
 }
 
-TEST_F(Displaying, waits_for_a_tour_that_is_not_there_yet_and_for_one_that_was_killed) {
+TEST_F(DisplayTest, waits_for_a_tour_that_has_not_started_or_was_killed) {
   auto tour = FakeTour::start();
   const std::string address = tour->address();
   tour.reset();
@@ -191,7 +191,7 @@ TEST_F(Displaying, waits_for_a_tour_that_is_not_there_yet_and_for_one_that_was_k
   }
 }
 
-TEST_F(Displaying, gives_up_a_tour_that_sends_what_is_no_message_and_dials_again) {
+TEST_F(DisplayTest, reconnects_after_an_invalid_message) {
   const auto tour = FakeTour::start();
   start(tour->address());
   ASSERT_TRUE(tour->wait_for_display());
@@ -208,7 +208,7 @@ TEST_F(Displaying, gives_up_a_tour_that_sends_what_is_no_message_and_dials_again
   EXPECT_EQ(tour->displays, 2);
 }
 
-TEST_F(Displaying, reports_a_damaged_frame_and_keeps_the_old_one) {
+TEST_F(DisplayTest, reports_a_damaged_frame_and_keeps_the_old_one) {
   const auto tour = FakeTour::start();
   start(tour->address());
   ASSERT_TRUE(tour->wait_for_display());
@@ -224,7 +224,7 @@ TEST_F(Displaying, reports_a_damaged_frame_and_keeps_the_old_one) {
   EXPECT_EQ(gauge("frames_dropped"), 1.0);
 }
 
-TEST_F(Displaying, turns_the_held_frame_with_the_newest_heading) {
+TEST_F(DisplayTest, turns_its_frame_to_the_newest_heading) {
   const auto tour = FakeTour::start();
   start(tour->address());
   ASSERT_TRUE(tour->wait_for_display());
@@ -259,7 +259,7 @@ TEST_F(Displaying, turns_the_held_frame_with_the_newest_heading) {
   EXPECT_TRUE(has_heading_time);
 }
 
-TEST_F(Displaying, measures_the_tours_clock_and_shows_at_the_refresh_that_it_is_told) {
+TEST_F(DisplayTest, measures_the_tours_clock_and_shows_frames_at_the_scheduled_refresh) {
   const auto tour = FakeTour::start();
   system_ahead_ = std::chrono::milliseconds(250);
   start(tour->address());
@@ -300,7 +300,7 @@ TEST_F(Displaying, measures_the_tours_clock_and_shows_at_the_refresh_that_it_is_
   }));
 }
 
-TEST_F(Displaying, makes_pictures_for_watchers) {
+TEST_F(DisplayTest, renders_pictures_for_watchers) {
   const auto tour = FakeTour::start();
   start(tour->address());
   ASSERT_TRUE(tour->wait_for_display());
@@ -326,7 +326,7 @@ TEST_F(Displaying, makes_pictures_for_watchers) {
   EXPECT_THAT(facts, ::testing::IsSupersetOf({"gl_renderer", "output", "warp_vertices"}));
 }
 
-TEST_F(Displaying, is_dark_outside_of_opening_hours_and_shows_the_newest_frame_at_once_when_it_opens) {
+TEST_F(DisplayTest, is_dark_outside_opening_hours_and_shows_the_newest_frame_when_it_opens) {
   hours_ = *OpeningHours::parse({"Tue 10:00-18:00"}, "UTC");
   const WallTime midnight(std::chrono::sys_days(std::chrono::year(2026) / 11 / 24));  // A Tuesday.
   const auto set_system_clock = [&](WallTime time) { system_ahead_ = time - std::chrono::system_clock::now(); };

@@ -68,7 +68,7 @@ class RecordingSink final : public FrameSink {
   std::condition_variable changed_;
 };
 
-class FrameAssembling : public ::testing::Test {
+class FrameAssemblerTest : public ::testing::Test {
  protected:
   void send(const Messages& messages) {
     for (const wire::ShowMessage& message : messages) assembler_.take(message);
@@ -94,7 +94,7 @@ class FrameAssembling : public ::testing::Test {
   FrameAssembler assembler_{&pool_, &sink_, &clock_, heads_that_see_all()};
 };
 
-TEST_F(FrameAssembling, gives_a_whole_frame_as_it_was_sent) {
+TEST_F(FrameAssemblerTest, returns_a_complete_frame_as_it_was_sent) {
   Messages messages = good(7);
   messages[0].mutable_begin()->set_shutter_ns(123456);
   send(messages);
@@ -111,7 +111,7 @@ TEST_F(FrameAssembling, gives_a_whole_frame_as_it_was_sent) {
   EXPECT_GE(frame.decoded_at, frame.begun_at);
 }
 
-TEST_F(FrameAssembling, takes_tiles_in_any_order_and_of_any_size) {
+TEST_F(FrameAssemblerTest, accepts_tiles_in_any_order_and_of_any_size) {
   Messages messages = good(7);
   std::reverse(messages.begin() + 1, messages.end() - 1);
   send(messages);
@@ -122,7 +122,7 @@ TEST_F(FrameAssembling, takes_tiles_in_any_order_and_of_any_size) {
   for (const DisplayFrame& frame : sink_.frames) EXPECT_LE(max_difference(*frame.picture, gradient()), 12);
 }
 
-TEST_F(FrameAssembling, takes_half_chroma_and_refuses_a_frame_that_changes_it) {
+TEST_F(FrameAssemblerTest, accepts_half_chroma_and_drops_a_frame_that_changes_it) {
   Messages messages = good(7);
   Messages halved = messages;
   const RgbImage grey(kPanorama.width_px, kPanorama.height_px, 77);
@@ -179,7 +179,7 @@ TEST(FrameAssembler, decodes_only_the_tiles_that_a_head_shows) {
   }
 }
 
-TEST_F(FrameAssembling, keeps_frames_apart_that_are_held_for_long) {
+TEST_F(FrameAssemblerTest, keeps_frames_apart_that_are_held_for_a_long_time) {
   std::vector<RgbImage> sent;
   for (std::uint64_t n = 1; n <= 8; ++n) {
     sent.emplace_back(kPanorama.width_px, kPanorama.height_px, static_cast<std::uint8_t>(20 * n));
@@ -198,32 +198,32 @@ TEST_F(FrameAssembling, keeps_frames_apart_that_are_held_for_long) {
   EXPECT_LE(max_difference(*sink_.frames[1].picture, gradient()), 12);
 }
 
-TEST_F(FrameAssembling, drops_a_frame_whose_tile_is_missing) {
+TEST_F(FrameAssemblerTest, drops_a_frame_whose_tile_is_missing) {
   Messages messages = good(7);
   messages.erase(messages.begin() + 2);
   expect_dropped(messages, "5 of 6 tiles came");
 }
 
-TEST_F(FrameAssembling, drops_a_frame_with_a_hole_whatever_its_end_says) {
+TEST_F(FrameAssemblerTest, drops_a_frame_with_a_hole_that_its_end_calls_complete) {
   Messages messages = good(7);
   messages.erase(messages.begin() + 2);
   messages.back().mutable_end()->set_tiles(5);
   expect_dropped(messages, "cells of the picture are empty");
 }
 
-TEST_F(FrameAssembling, drops_a_frame_with_a_tile_twice) {
+TEST_F(FrameAssemblerTest, drops_a_frame_with_a_duplicate_tile) {
   Messages messages = good(7);
   messages.insert(messages.begin() + 2, messages[1]);
   expect_dropped(messages, "covers a place that another tile covers");
 }
 
-TEST_F(FrameAssembling, drops_a_frame_with_a_tile_of_another) {
+TEST_F(FrameAssemblerTest, drops_a_frame_with_a_tile_of_another_frame) {
   Messages messages = good(7);
   messages[2].mutable_tile()->set_view_number(6);
   expect_dropped(messages, "a tile of frame 6");
 }
 
-TEST_F(FrameAssembling, drops_a_frame_with_a_tile_outside_it) {
+TEST_F(FrameAssemblerTest, drops_a_frame_with_a_tile_outside_it) {
   for (const auto& [x, width] :
        {std::pair<std::uint32_t, std::uint32_t>{144, 64}, {5, 16}, {0, 0}, {0xfffffff0U, 32}, {16, 0xffffffffU}}) {
     sink_.drops.clear();
@@ -235,19 +235,19 @@ TEST_F(FrameAssembling, drops_a_frame_with_a_tile_outside_it) {
   }
 }
 
-TEST_F(FrameAssembling, drops_a_frame_with_a_tile_that_ends_between_cuts) {
+TEST_F(FrameAssemblerTest, drops_a_frame_with_a_tile_that_ends_off_the_grid) {
   Messages messages = good(7);
   messages[1].mutable_tile()->set_width_px(40);
   expect_dropped(messages, "does not end on a cut");
 }
 
-TEST_F(FrameAssembling, drops_a_frame_whose_tile_has_another_size_than_it_says) {
+TEST_F(FrameAssemblerTest, drops_a_frame_with_a_tile_of_a_wrong_size) {
   Messages messages = good(7);
   *messages[1].mutable_tile()->mutable_jpeg() = messages[3].tile().jpeg();  // The narrower tile at the right edge.
   expect_dropped(messages, "were announced");
 }
 
-TEST_F(FrameAssembling, drops_a_frame_with_a_damaged_or_empty_tile) {
+TEST_F(FrameAssemblerTest, drops_a_frame_with_a_damaged_or_empty_tile) {
   for (const int damage : {0, 1, 2}) {
     sink_.drops.clear();
     sink_.frames.clear();
@@ -260,7 +260,7 @@ TEST_F(FrameAssembling, drops_a_frame_with_a_damaged_or_empty_tile) {
   }
 }
 
-TEST_F(FrameAssembling, drops_a_frame_that_the_farm_gave_up_and_says_why) {
+TEST_F(FrameAssemblerTest, drops_a_frame_that_the_farm_gave_up_with_its_reason) {
   Messages messages = good(7);
   messages.back().mutable_end()->set_complete(false);
   messages.back().mutable_end()->set_reason("node 2 was lost\x1b[31m");
@@ -268,19 +268,19 @@ TEST_F(FrameAssembling, drops_a_frame_that_the_farm_gave_up_and_says_why) {
   expect_dropped(messages, "the farm gave the frame up: node 2 was lost?[31m");
 }
 
-TEST_F(FrameAssembling, drops_a_frame_into_which_another_begins) {
+TEST_F(FrameAssemblerTest, drops_a_frame_that_another_interrupts) {
   Messages messages = good(7);
   messages.pop_back();
   expect_dropped(messages, "another frame began");
 }
 
-TEST_F(FrameAssembling, drops_a_frame_with_the_end_of_another) {
+TEST_F(FrameAssemblerTest, drops_a_frame_with_the_end_of_another_frame) {
   Messages messages = good(7);
   messages.back().mutable_end()->set_view_number(6);
   expect_dropped(messages, "the end of frame 6");
 }
 
-TEST_F(FrameAssembling, drops_views_that_cannot_be) {
+TEST_F(FrameAssemblerTest, drops_invalid_views) {
   const auto refused = [&](const auto& change, const std::string& reason, std::uint64_t number = 7) {
     sink_.drops.clear();
     sink_.frames.clear();
@@ -312,7 +312,7 @@ TEST_F(FrameAssembling, drops_views_that_cannot_be) {
       "16384x16384 pixels");
 }
 
-TEST_F(FrameAssembling, drops_tiles_and_ends_without_a_begin_once) {
+TEST_F(FrameAssemblerTest, drops_tiles_and_ends_without_a_begin_and_reports_it_once) {
   Messages messages = good(7);
   messages.erase(messages.begin());
   expect_dropped(messages, "without its frame's begin");
@@ -321,7 +321,7 @@ TEST_F(FrameAssembling, drops_tiles_and_ends_without_a_begin_once) {
   expect_dropped({good(7).back()}, "its end came without its begin");
 }
 
-TEST_F(FrameAssembling, drops_what_a_lost_stream_left_unfinished) {
+TEST_F(FrameAssemblerTest, drops_the_unfinished_frame_of_a_lost_stream) {
   Messages messages = good(7);
   messages.resize(3);
   send(messages);
@@ -333,7 +333,7 @@ TEST_F(FrameAssembling, drops_what_a_lost_stream_left_unfinished) {
   EXPECT_EQ(sink_.frames.size(), 1U);
 }
 
-TEST_F(FrameAssembling, refuses_frames_that_come_faster_than_they_are_decoded) {
+TEST_F(FrameAssemblerTest, drops_frames_that_arrive_faster_than_they_are_decoded) {
   std::promise<void> gate;
   const auto opened = gate.get_future().share();
   for (int thread = 0; thread < 2; ++thread) {
@@ -348,7 +348,7 @@ TEST_F(FrameAssembling, refuses_frames_that_come_faster_than_they_are_decoded) {
   EXPECT_EQ(sink_.frames.size(), 3U);
 }
 
-TEST(FrameAssembler, never_shows_a_frame_whose_tiles_were_not_decoded_when_the_display_stops) {
+TEST(FrameAssembler, never_shows_a_frame_with_undecoded_tiles_when_the_display_stops) {
   SteadyClock clock;
   RecordingSink sink;
   std::promise<void> gate;
@@ -373,7 +373,7 @@ TEST(FrameAssembler, never_shows_a_frame_whose_tiles_were_not_decoded_when_the_d
 
 /// Sends every damaged JPEG of the shared data as a tile: the frame is dropped, or its tile is a whole picture of the
 /// announced size.
-TEST_F(FrameAssembling, survives_every_bad_jpeg_of_the_shared_data_as_a_tile) {
+TEST_F(FrameAssemblerTest, survives_every_bad_jpeg_as_a_tile) {
   int tried = 0;
   for (const char* const folder : {"bad/afl_jpeg", "bad/go_fuzz_jpeg"}) {
     CYCLORAMA_SHARED_DATA(path, folder);
@@ -411,7 +411,7 @@ TEST_F(FrameAssembling, survives_every_bad_jpeg_of_the_shared_data_as_a_tile) {
 }
 
 /// A display whose heads show two eyes' pictures.
-class StereoFrameAssembling : public FrameAssembling {
+class StereoFrameAssemblerTest : public FrameAssemblerTest {
  protected:
   static ShownByHeads heads_for_two() {
     ShownByHeads shown = heads_that_see_all();
@@ -427,7 +427,7 @@ class StereoFrameAssembling : public FrameAssembling {
   FrameAssembler stereo_{&pool_, &sink_, &clock_, heads_for_two()};
 };
 
-TEST_F(StereoFrameAssembling, gives_a_frame_when_both_eyes_pictures_are_whole) {
+TEST_F(StereoFrameAssemblerTest, returns_a_frame_when_both_eyes_are_complete) {
   const RgbImage picture = gradient(150, 192);
   send_for_two(frame_messages(1, picture, for_two()));
   send_for_two(frame_messages(2, gradient(), kPanorama));
@@ -441,7 +441,7 @@ TEST_F(StereoFrameAssembling, gives_a_frame_when_both_eyes_pictures_are_whole) {
       << "one picture is good for both eyes";
 }
 
-TEST_F(StereoFrameAssembling, drops_a_frame_that_lacks_any_tile_of_either_eye) {
+TEST_F(StereoFrameAssemblerTest, drops_a_frame_that_lacks_any_tile_of_either_eye) {
   const Messages whole = frame_messages(1, gradient(150, 192), for_two());
   for (std::size_t lost = 1; lost + 1 < whole.size(); ++lost) {
     Messages messages = whole;
@@ -455,7 +455,7 @@ TEST_F(StereoFrameAssembling, drops_a_frame_that_lacks_any_tile_of_either_eye) {
   EXPECT_THAT(sink_.frames, ::testing::IsEmpty());
 }
 
-TEST_F(StereoFrameAssembling, never_mixes_one_eye_of_a_frame_with_the_other_of_the_next) {
+TEST_F(StereoFrameAssemblerTest, never_mixes_one_eye_of_a_frame_with_the_other_of_the_next) {
   Messages mixed = frame_messages(1, gradient(150, 192), for_two());
   const Messages next = frame_messages(2, gradient(150, 192), for_two());
   for (std::size_t i = 1; i + 1 < mixed.size(); ++i) {
@@ -470,7 +470,7 @@ TEST_F(StereoFrameAssembling, never_mixes_one_eye_of_a_frame_with_the_other_of_t
   EXPECT_EQ(sink_.frames[0].number, 2U);
 }
 
-TEST_F(StereoFrameAssembling, decodes_of_both_eyes_what_a_head_shows) {
+TEST_F(StereoFrameAssemblerTest, decodes_the_parts_of_both_eyes_that_a_head_shows) {
   // A head that lights the lower half of the wall's picture.
   warp::PixelMap map(2, 64);
   for (int y = 0; y < 64; ++y) {
@@ -497,7 +497,7 @@ TEST_F(StereoFrameAssembling, decodes_of_both_eyes_what_a_head_shows) {
   EXPECT_EQ(rows[0], rows[1]);
 }
 
-TEST_F(FrameAssembling, of_heads_for_one_eye_drops_a_frame_for_two) {
+TEST_F(FrameAssemblerTest, drops_a_stereo_frame_for_mono_heads) {
   const Projection two{Panorama{150, 96, 2.0, 0.5, -0.5}, {Eyes::kOverUnder, 0.063, 3.0}};
   expect_dropped(frame_messages(7, gradient(150, 192), two), "a picture for two eyes");
 }

@@ -15,7 +15,7 @@
 namespace cyclorama::display {
 namespace {
 
-TEST(AtomicSlot, gives_every_value_to_the_taker_or_back_to_the_putter_once) {
+TEST(AtomicSlot, returns_every_value_exactly_once_to_either_side) {
   AtomicSlot<int> slot;
   EXPECT_TRUE(slot.is_empty());
   constexpr int kValues = 20000;
@@ -36,7 +36,7 @@ TEST(AtomicSlot, gives_every_value_to_the_taker_or_back_to_the_putter_once) {
   EXPECT_EQ(seen[kValues - 1], 1);
 }
 
-TEST(NewestValue, gives_the_newest_whole_and_each_once) {
+TEST(NewestValue, returns_the_newest_value_untorn_and_once) {
   struct Pair {
     int a = 0;
     int b = 0;
@@ -57,7 +57,7 @@ TEST(NewestValue, gives_the_newest_whole_and_each_once) {
   EXPECT_FALSE(slot.take(&seen));
 }
 
-TEST(EventRing, keeps_order_and_counts_what_finds_no_place) {
+TEST(EventRing, keeps_the_order_and_counts_events_that_do_not_fit) {
   EventRing<int, 4> ring;
   for (int n = 0; n < 6; ++n) ring.push(n);
   EXPECT_EQ(ring.lost(), 2U);
@@ -103,7 +103,7 @@ TEST(EventRing, passes_events_between_two_threads) {
   EXPECT_EQ(popped + ring.lost(), static_cast<std::uint64_t>(kEvents));
 }
 
-TEST(WaitingFrames, gives_every_frame_to_the_taker_or_back_to_the_putter_once) {
+TEST(WaitingFrames, returns_every_frame_exactly_once_to_either_side) {
   WaitingFrames waiting;
   constexpr std::size_t kFrames = 20000;
   std::vector<int> outcomes(kFrames + 1, 0);
@@ -128,7 +128,7 @@ TEST(WaitingFrames, gives_every_frame_to_the_taker_or_back_to_the_putter_once) {
   for (std::size_t n = 1; n <= kFrames; ++n) ASSERT_EQ(outcomes[n], 1) << n;
 }
 
-TEST(HeadingTrack, keeps_the_newest_and_those_before_it) {
+TEST(HeadingTrack, keeps_the_newest_heading_and_earlier_ones) {
   HeadingTrack track;
   RecentHeadings recent;
   EXPECT_FALSE(track.take(&recent));
@@ -147,7 +147,7 @@ TEST(HeadingTrack, keeps_the_newest_and_those_before_it) {
   EXPECT_EQ(recent.headings.back().order, 40 - recent.headings.size() + 1);
 }
 
-TEST(DecodePool, runs_every_job_on_threads_of_its_own) {
+TEST(DecodePool, runs_every_task_on_its_own_threads) {
   DecodePool pool(3);
   std::atomic<int> runs{0};
   std::promise<std::thread::id> last;
@@ -161,7 +161,7 @@ TEST(DecodePool, runs_every_job_on_threads_of_its_own) {
   EXPECT_NE(thread.get(), std::this_thread::get_id());
 }
 
-TEST(DecodePool, destroys_what_it_has_not_begun) {
+TEST(DecodePool, destroys_tasks_that_have_not_begun) {
   const auto token = std::make_shared<int>(0);
   std::promise<void> gate;
   {

@@ -49,12 +49,12 @@ warp::WarpMesh straight(int width, int height, double span_rad) {
           0.0};
 }
 
-class HeadPainting : public ::testing::TestWithParam<Renderer> {
+class HeadPainterTest : public ::testing::TestWithParam<Renderer> {
  protected:
   PaintedHead head_{GetParam()};
 };
 
-TEST_P(HeadPainting, agrees_with_the_cpu_over_random_warps_masks_and_colours) {
+TEST_P(HeadPainterTest, agrees_with_the_cpu_over_random_warps_masks_and_colours) {
   RandomHeads heads(11);
   double worst = 0.0;
   for (int n = 0; n < 24; ++n) {
@@ -78,7 +78,7 @@ TEST_P(HeadPainting, agrees_with_the_cpu_over_random_warps_masks_and_colours) {
   std::printf("noise within 0.02 px: worst %.3f code values\n", worst);
 }
 
-TEST_P(HeadPainting, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
+TEST_P(HeadPainterTest, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
   const Installation room = demo_room();
   const Panorama panorama = room.panorama(512);
   const PlanarPicture picture = JpegEncoder().to_planar(smooth(panorama.width_px, panorama.height_px));
@@ -104,7 +104,7 @@ TEST_P(HeadPainting, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
   }
 }
 
-TEST_P(HeadPainting, agrees_with_the_cpu_over_random_flat_pictures_and_domes_that_are_turned) {
+TEST_P(HeadPainterTest, agrees_with_the_cpu_over_random_flat_pictures_and_turned_domes) {
   RandomHeads heads(12);
   double worst = 0.0;
   for (int n = 0; n < 24; ++n) {
@@ -128,7 +128,7 @@ TEST_P(HeadPainting, agrees_with_the_cpu_over_random_flat_pictures_and_domes_tha
   std::printf("noise within 0.02 px: worst %.3f code values\n", worst);
 }
 
-TEST_P(HeadPainting, agrees_with_the_cpu_pixel_for_pixel_on_walls_of_every_shape) {
+TEST_P(HeadPainterTest, agrees_with_the_cpu_pixel_for_pixel_on_walls_of_every_shape) {
   for (const char* const name : {"plane", "corner", "dome", "mesh"}) {
     auto room = read_installation(demo_installation_path().parent_path() / (std::string(name) + ".toml"));
     ASSERT_TRUE(room) << room.error().message();
@@ -159,7 +159,7 @@ TEST_P(HeadPainting, agrees_with_the_cpu_pixel_for_pixel_on_walls_of_every_shape
   }
 }
 
-TEST_P(HeadPainting, finds_the_place_in_a_dome_of_2048_pixels) {
+TEST_P(HeadPainterTest, finds_the_position_in_a_dome_of_2048_pixels) {
   RandomHeads heads(4);
   for (const double turn : {0.0, 0.25}) {
     const Fisheye dome{2048, 2048, 3.6, 0.8};
@@ -174,7 +174,7 @@ TEST_P(HeadPainting, finds_the_place_in_a_dome_of_2048_pixels) {
   }
 }
 
-TEST_P(HeadPainting, finds_the_place_in_a_panorama_of_8192_pixels) {
+TEST_P(HeadPainterTest, finds_the_position_in_a_panorama_of_8192_pixels) {
   RandomHeads heads(3);
   for (const bool whole_turn : {false, true}) {
     const Panorama panorama{8192, 32, whole_turn ? kTurn : 3.0, 0.5, -0.5};
@@ -185,7 +185,7 @@ TEST_P(HeadPainting, finds_the_place_in_a_panorama_of_8192_pixels) {
   }
 }
 
-TEST_P(HeadPainting, of_a_turned_visitor_is_the_shifted_picture) {
+TEST_P(HeadPainterTest, turning_shifts_the_picture) {
   RandomHeads heads(5);
   const Panorama panorama{256, 64, 2.56, 0.4, -0.4};  // 0.01 rad per pixel.
   const PlanarPicture picture = heads.noise(256, 64, false);
@@ -206,7 +206,7 @@ TEST_P(HeadPainting, of_a_turned_visitor_is_the_shifted_picture) {
   EXPECT_LE(worst_difference(turned, plan, ExactPicture(shifted, panorama, 0.0), 0.005), 1.0);
 }
 
-TEST_P(HeadPainting, leaves_black_where_the_mask_or_the_warp_is_empty) {
+TEST_P(HeadPainterTest, stays_black_where_the_mask_or_the_warp_is_empty) {
   RandomHeads heads(6);
   const Panorama panorama{64, 64, 1.0, 0.5, -0.5};
   const PlanarPicture white = plain(64, 64, 255);
@@ -225,7 +225,7 @@ TEST_P(HeadPainting, leaves_black_where_the_mask_or_the_warp_is_empty) {
   EXPECT_THAT(head_.drawn(plan, white, panorama, 0.0).data(), ::testing::Each(0));
 }
 
-TEST_P(HeadPainting, follows_a_response_with_a_steep_step) {
+TEST_P(HeadPainterTest, follows_a_response_with_a_steep_step) {
   const Panorama panorama{256, 16, 1.0, 0.5, -0.5};
   RgbImage ramp(256, 16);
   for (int y = 0; y < 16; ++y) {
@@ -244,7 +244,7 @@ TEST_P(HeadPainting, follows_a_response_with_a_steep_step) {
   EXPECT_NEAR(image.at(250, 8)[1], 250, 1);  // The conversion from sRGB to sRGB changes nothing.
 }
 
-TEST_P(HeadPainting, dithers_without_changing_the_mean) {
+TEST_P(HeadPainterTest, dithers_without_changing_the_mean) {
   for (const Texels texels : {Texels::kHalves, Texels::kPacked}) {
     PaintedHead head(GetParam(), texels);
     const double slack = texels == Texels::kHalves ? 0.0 : 0.15;  // Slack for the packed texels' own steps.
@@ -270,7 +270,7 @@ TEST_P(HeadPainting, dithers_without_changing_the_mean) {
   }
 }
 
-TEST_P(HeadPainting, draws_patches_of_random_terms_turned_or_not_as_the_cpu_does) {
+TEST_P(HeadPainterTest, draws_random_patches_as_the_cpu_does) {
   RandomHeads heads(21);
   for (int n = 0; n < 6; ++n) {
     const PictureShape shape =
@@ -296,7 +296,7 @@ TEST_P(HeadPainting, draws_patches_of_random_terms_turned_or_not_as_the_cpu_does
   }
 }
 
-TEST_P(HeadPainting, repeats_the_edges_of_a_picture_that_is_smaller_than_the_one_before) {
+TEST_P(HeadPainterTest, repeats_the_edges_of_a_picture_smaller_than_the_previous_one) {
   const Panorama large{300, 80, 2.0, 0.5, -0.5};
   const Panorama small{120, 40, 2.0, 0.5, -0.5};
   RandomHeads heads(31);
@@ -309,7 +309,7 @@ TEST_P(HeadPainting, repeats_the_edges_of_a_picture_that_is_smaller_than_the_one
   }
 }
 
-TEST_P(HeadPainting, dithers_to_the_depth_of_the_output) {
+TEST_P(HeadPainterTest, dithers_to_the_depth_of_the_output) {
   const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
   HeadPlan plan{straight(64, 64, 1.0), warp::MaskImage(64, 64, 0.71f)};
   plan.depth_bits = 10;  // Noise is less than one code value of 8 bits.
@@ -321,7 +321,7 @@ TEST_P(HeadPainting, dithers_to_the_depth_of_the_output) {
   EXPECT_LT(differing, image.data().size() / 3);
 }
 
-TEST_P(HeadPainting, mixes_two_pictures_in_linear_light) {
+TEST_P(HeadPainterTest, mixes_two_pictures_in_linear_light) {
   const Panorama panorama{16, 16, 1.0, 0.5, -0.5};
   for (const bool mapped : {false, true}) {
     HeadPlan plan{straight(32, 32, 1.0), warp::MaskImage(32, 32, 1.0f), {}, 8, false};
@@ -333,7 +333,7 @@ TEST_P(HeadPainting, mixes_two_pictures_in_linear_light) {
   }
 }
 
-TEST_P(HeadPainting, sees_no_seam_where_a_whole_turn_closes) {
+TEST_P(HeadPainterTest, has_no_seam_where_a_full_circle_closes) {
   const Panorama panorama{64, 16, kTurn, 0.5, -0.5};
   RandomHeads heads(9);
   const PlanarPicture picture = heads.noise(64, 16, true);
@@ -342,10 +342,10 @@ TEST_P(HeadPainting, sees_no_seam_where_a_whole_turn_closes) {
   EXPECT_LE(worst_difference(image, plan, ExactPicture(picture, panorama, std::numbers::pi), kSlack_px), 1.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Headless, HeadPainting, ::testing::Values(Renderer::kEgl, Renderer::kOsMesa),
+INSTANTIATE_TEST_SUITE_P(Headless, HeadPainterTest, ::testing::Values(Renderer::kEgl, Renderer::kOsMesa),
                          [](const auto& tested) { return tested.param == Renderer::kEgl ? "egl" : "osmesa"; });
 
-TEST(LitTriangles, are_split_into_those_that_need_the_mask_and_those_that_do_not) {
+TEST(LitTriangles, are_split_by_whether_they_need_the_mask) {
   warp::WarpMesh mesh{40, 40, 4, 4, {}, 0.0};
   for (int j = 0; j <= 4; ++j) {
     for (int i = 0; i <= 4; ++i)
@@ -361,7 +361,7 @@ TEST(LitTriangles, are_split_into_those_that_need_the_mask_and_those_that_do_not
   EXPECT_EQ(lit.masked.size(), 3U * 2U * 6U);      // The second row, and the last column below it.
 }
 
-TEST(LitRects, cover_what_is_lit_once_and_tell_where_the_mask_is_one) {
+TEST(LitRects, cover_the_lit_area_once_and_mark_where_the_mask_is_one) {
   const warp::WarpPatches warp{300, 170, 128, 96, std::vector<warp::WarpPatch>(6), 0.0};
   RandomHeads heads(8);
   for (int n = 0; n < 20; ++n) {

@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(MakeOutput, reads_where_a_projector_hangs) {
+TEST(MakeOutput, reads_the_connector_of_a_projector) {
   const auto plain = parse_head("left=HDMI-A-1");
   ASSERT_TRUE(plain);
   EXPECT_EQ(plain->projector, "left");
@@ -23,7 +23,7 @@ TEST(MakeOutput, reads_where_a_projector_hangs) {
   EXPECT_EQ(parse_head("left=,180")->rotation, output::Rotation::kHalf);
 }
 
-TEST(MakeOutput, refuses_what_names_no_place) {
+TEST(MakeOutput, refuses_an_invalid_connector) {
   for (const char* wrong :
        {"", "left", "=DP-1", "left=DP-1,45", "left=DP-1,360", "left=DP-1,-90", "left=DP-1,", "left=x:DP-1"}) {
     const auto head = parse_head(wrong);
@@ -40,7 +40,7 @@ Installation two_projectors() {
   return installation;
 }
 
-TEST(MakeOutput, hangs_projectors_where_the_installation_says) {
+TEST(MakeOutput, uses_the_connectors_of_the_installation) {
   Installation installation = two_projectors();
   installation.projectors[0].plug = {1, "DP-2", 90};
   installation.projectors[1].plug = {{}, "HDMI-A-1", 180};
@@ -56,7 +56,7 @@ TEST(MakeOutput, hangs_projectors_where_the_installation_says) {
   EXPECT_EQ(options->refresh_hz, 50.0);
 }
 
-TEST(MakeOutput, takes_an_options_word_over_the_installations) {
+TEST(MakeOutput, prefers_the_command_line_to_the_installation) {
   Installation installation = two_projectors();
   installation.projectors[0].plug = {1, "DP-2", 90};
   installation.projectors[1].plug = {{}, "HDMI-A-1", 180};
@@ -73,7 +73,7 @@ TEST(MakeOutput, takes_an_options_word_over_the_installations) {
   EXPECT_EQ(options->cards, choice.cards);
 }
 
-TEST(MakeOutput, knows_only_installed_projectors) {
+TEST(MakeOutput, accepts_installed_projectors_only) {
   OutputChoice choice;
   choice.kind = OutputChoice::Kind::kDrm;
   choice.heads = {*parse_head("middle=DP-1")};

@@ -76,7 +76,7 @@ class MeasuredHead : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(MeasuredHead, a_whole_rooms_file_gives_each_projector_the_region_with_its_name) {
+TEST_F(MeasuredHead, takes_the_region_of_its_name_from_a_rooms_file) {
   ASSERT_TRUE(interchange::write_mpcdi(folder_ / "wall.mpcdi", interchange::set_of(room_)));
   const auto head = read(folder_ / "wall.mpcdi");
   expect_the_room(head, 0.2);
@@ -84,7 +84,7 @@ TEST_F(MeasuredHead, a_whole_rooms_file_gives_each_projector_the_region_with_its
   EXPECT_TRUE(read(folder_ / "wall.mpcdi", "left").has_value());
 }
 
-TEST_F(MeasuredHead, what_no_mesh_follows_becomes_a_map_of_each_pixel) {
+TEST_F(MeasuredHead, becomes_a_pixel_map_where_no_mesh_fits) {
   interchange::WarpSet room = interchange::set_of(room_);
   for (interchange::WarpRegion& region : room.buffers[0].regions) {
     for (int y = 0; y < region.height_px; ++y) {  // Simulates a wavy wall.
@@ -99,7 +99,7 @@ TEST_F(MeasuredHead, what_no_mesh_follows_becomes_a_map_of_each_pixel) {
   EXPECT_GT(direction_at(head->warp, 160, 120)->tan_elevation, truth->tan_elevation + 0.003);
 }
 
-TEST_F(MeasuredHead, flat_maps_and_meshes_are_of_the_picture_that_is_asked_for) {
+TEST_F(MeasuredHead, takes_flat_maps_and_meshes_for_the_requested_picture) {
   for (const char* const name : {"a.mpcdi", "a.pfm", "a.data", "a.obj"}) {
     const bool is_pair = std::string_view(name) == "a.pfm";
     ASSERT_TRUE(interchange::write_warp_file(folder_ / name, flat_, "", {.columns = 129, .rows = 97, .mask = {}}))
@@ -115,7 +115,7 @@ TEST_F(MeasuredHead, flat_maps_and_meshes_are_of_the_picture_that_is_asked_for) 
   }
 }
 
-TEST_F(MeasuredHead, a_beta_map_is_light_that_is_added) {
+TEST_F(MeasuredHead, adds_the_light_of_a_beta_map) {
   interchange::WarpRegion& region = flat_.buffers[0].regions[0];
   region.beta = interchange::MaskMap(1, 1, 1, 8);
   region.beta->samples = {51};
@@ -128,7 +128,7 @@ TEST_F(MeasuredHead, a_beta_map_is_light_that_is_added) {
   EXPECT_NEAR(shone.x(), 0.2, 1e-6);
 }
 
-TEST_F(MeasuredHead, a_bad_file_is_refused_with_projector_file_place_and_remedy) {
+TEST_F(MeasuredHead, refuses_a_bad_file_naming_projector_file_position_and_remedy) {
   EXPECT_THAT(read(folder_ / "none.mpcdi").error().message(),
               AllOf(HasSubstr("projector 'middle'"), HasSubstr("none.mpcdi")));
   std::ofstream(folder_ / "bad.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 3\n";

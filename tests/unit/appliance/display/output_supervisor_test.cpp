@@ -23,7 +23,7 @@ using ::testing::Le;
 constexpr int kWidth = 64;
 constexpr int kHeight = 36;
 
-class Keeping : public ::testing::Test {
+class OutputSupervisorTest : public ::testing::Test {
  protected:
   void open() {
     auto opened = OutputSupervisor::open(plan(), &mailbox_, &clock_);
@@ -78,7 +78,7 @@ class Keeping : public ::testing::Test {
   std::unique_ptr<OutputSupervisor> supervisor_;
 };
 
-TEST_F(Keeping, shows_the_frame_again_when_the_graphics_processor_was_reset) {
+TEST_F(OutputSupervisorTest, shows_the_frame_again_after_a_reset_of_the_graphics_processor) {
   open();
   show(1, 150);
   expect_shown(150);
@@ -96,7 +96,7 @@ TEST_F(Keeping, shows_the_frame_again_when_the_graphics_processor_was_reset) {
   expect_shown(150);
 }
 
-TEST_F(Keeping, keeps_the_heading_and_takes_the_frame_that_came_meanwhile) {
+TEST_F(OutputSupervisorTest, keeps_the_heading_and_shows_the_frame_that_arrived_meanwhile) {
   open();
   PlanarPicture halves(140, 20, false);
   for (int y = 0; y < 20; ++y) std::fill_n(halves.luma().at(70, y), 70, std::uint8_t{255});
@@ -115,7 +115,7 @@ TEST_F(Keeping, keeps_the_heading_and_takes_the_frame_that_came_meanwhile) {
   EXPECT_GT(wall->at(kWidth / 2 - 3, 18)[1], 200);
 }
 
-TEST_F(Keeping, shows_a_calibrations_patterns_on_the_output_that_is_opened_anew_and_answers_then) {
+TEST_F(OutputSupervisorTest, shows_patterns_on_the_reopened_output_before_it_answers) {
   open();
   show(1, 150);
   const auto put = [&](std::uint64_t order, bool is_open, std::uint8_t code) {
@@ -156,7 +156,7 @@ TEST_F(Keeping, shows_a_calibrations_patterns_on_the_output_that_is_opened_anew_
   expect_shown(150);
 }
 
-TEST_F(Keeping, answers_for_a_pattern_once_a_flip_that_failed_was_done_again) {
+TEST_F(OutputSupervisorTest, answers_for_a_pattern_after_repeating_a_failed_flip) {
   open();
   show(1, 150);
   auto wall = std::make_unique<PatternWall>();
@@ -175,7 +175,7 @@ TEST_F(Keeping, answers_for_a_pattern_once_a_flip_that_failed_was_done_again) {
   EXPECT_THAT(machine_.wall(0, 0)->data(), Each(99));
 }
 
-TEST_F(Keeping, tries_a_card_that_is_gone_with_growing_pauses_until_it_is_back) {
+TEST_F(OutputSupervisorTest, retries_a_missing_card_with_increasing_pauses) {
   open();
   show(1, 90);
   machine_.fail("drmModeAtomicCommit (flip)", ENODEV);
@@ -202,7 +202,7 @@ TEST_F(Keeping, tries_a_card_that_is_gone_with_growing_pauses_until_it_is_back) 
   EXPECT_EQ(supervisor_->state().losses, 1);
 }
 
-TEST_F(Keeping, does_not_spin_when_what_it_opens_is_lost_at_once) {
+TEST_F(OutputSupervisorTest, pauses_when_a_new_output_is_lost_at_once) {
   open();
   tried_at_ = {clock_.now()};
   while (tried_at_.size() < 9) {
@@ -222,7 +222,7 @@ TEST_F(Keeping, does_not_spin_when_what_it_opens_is_lost_at_once) {
   EXPECT_NEAR(pauses_s().back(), 0.1, 0.02);
 }
 
-TEST_F(Keeping, comes_back_whichever_call_fails_while_it_opens) {
+TEST_F(OutputSupervisorTest, recovers_whichever_call_fails_while_opening) {
   open();
   show(1, 120);
   const std::map<std::string, int> calls = machine_.calls();
@@ -245,7 +245,7 @@ TEST_F(Keeping, comes_back_whichever_call_fails_while_it_opens) {
   EXPECT_EQ(machine_.held(), 0U);
 }
 
-TEST_F(Keeping, says_why_it_cannot_begin) {
+TEST_F(OutputSupervisorTest, reports_why_it_cannot_start) {
   machine_.set_master_taken(0, true);
   const auto opened = OutputSupervisor::open(plan(), &mailbox_, &clock_);
   ASSERT_FALSE(opened);

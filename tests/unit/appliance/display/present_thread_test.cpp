@@ -24,7 +24,7 @@ using ::testing::Le;
 constexpr int kWidth = 64;
 constexpr int kHeight = 48;
 
-class PresentingAlone : public ::testing::Test {
+class PresentThreadTest : public ::testing::Test {
  protected:
   PresentPlan plan() {
     PresentPlan plan;
@@ -68,7 +68,7 @@ class PresentingAlone : public ::testing::Test {
   int refreshes_ = 0;
 };
 
-TEST_F(PresentingAlone, opens_a_lost_output_again_and_shows_the_newest_frame) {
+TEST_F(PresentThreadTest, reopens_a_lost_output_and_shows_the_newest_frame) {
   start(clock_);
   EXPECT_TRUE(serve_until([&] { return !state_.kind.empty(); }));
   EXPECT_GT(present_->max_side_px(), 1000);
@@ -88,14 +88,14 @@ TEST_F(PresentingAlone, opens_a_lost_output_again_and_shows_the_newest_frame) {
   EXPECT_EQ(state_.losses, 1);
 }
 
-TEST_F(PresentingAlone, cannot_start_without_an_output) {
+TEST_F(PresentThreadTest, cannot_start_without_an_output) {
   outputs_.lose();
   const auto present = PresentThread::start(plan(), &mailbox_, &clock_);
   ASSERT_FALSE(present);
   EXPECT_EQ(present.error().code(), ErrorCode::kUnavailable);
 }
 
-TEST_F(PresentingAlone, tells_of_a_start_that_comes_further_and_not_of_one_that_hangs) {
+TEST_F(PresentThreadTest, reports_progress_of_a_start_but_not_of_one_that_hangs) {
   PresentPlan slow = plan();
   std::atomic<bool> goes_on = true;
   std::atomic<int> told = 0;
@@ -115,7 +115,7 @@ TEST_F(PresentingAlone, tells_of_a_start_that_comes_further_and_not_of_one_that_
   EXPECT_THAT(told_until_it_went_on, AllOf(Ge(2), Le(3)));  // The last step may be reported after the second report.
 }
 
-TEST_F(PresentingAlone, is_not_alive_while_the_driver_hangs) {
+TEST_F(PresentThreadTest, is_not_alive_while_the_driver_hangs) {
   FakeClock clock;
   start(clock);
   EXPECT_TRUE(present_->is_alive());

@@ -49,7 +49,7 @@ class RasterOutput final : public output::Output {
 };
 
 /// The tour's clock is an hour behind; refresh 0 of the output is the tour's 0.
-class PresentingSynchronised : public ::testing::Test {
+class SynchronisedPresenterTest : public ::testing::Test {
  protected:
   void SetUp() override {
     auto memory = *output::open_headless_output({{{"a", kSide, kSide}}, 1000.0, {}, {}}, clock_);
@@ -103,7 +103,7 @@ class PresentingSynchronised : public ::testing::Test {
   std::vector<std::uint64_t> unseen_;
 };
 
-TEST_F(PresentingSynchronised, shows_each_frame_at_its_refresh) {
+TEST_F(SynchronisedPresenterTest, shows_each_frame_at_its_refresh) {
   mailbox_.frames.put(frame(1, 4));
   mailbox_.frames.put(frame(2, 6));
   std::vector<std::int64_t> late;
@@ -112,7 +112,7 @@ TEST_F(PresentingSynchronised, shows_each_frame_at_its_refresh) {
   EXPECT_THAT(unseen_, ::testing::IsEmpty());
 }
 
-TEST_F(PresentingSynchronised, tells_every_refresh_its_shared_number_and_shows_the_frame_itself) {
+TEST_F(SynchronisedPresenterTest, reports_synchronised_numbers_and_shows_the_frame_itself) {
   mailbox_.frames.put(frame(30, 3));
   mailbox_.heads[0].want([] { return std::make_unique<RgbImage>(kSide, kSide); });
   EXPECT_EQ(refresh().synchronised_refresh, 2);
@@ -127,7 +127,7 @@ TEST_F(PresentingSynchronised, tells_every_refresh_its_shared_number_and_shows_t
   EXPECT_NEAR(mailbox_.heads[0].take()->at(8, 8)[1], 150, 2);
 }
 
-TEST_F(PresentingSynchronised, shows_a_frame_that_was_not_ready_late_and_says_by_how_much) {
+TEST_F(SynchronisedPresenterTest, shows_an_unready_frame_late_and_reports_the_delay) {
   firsts(5);  // Runs up to refresh 6.
   mailbox_.frames.put(frame(1, 4));
   const RefreshEvent event = refresh();
@@ -135,7 +135,7 @@ TEST_F(PresentingSynchronised, shows_a_frame_that_was_not_ready_late_and_says_by
   EXPECT_EQ(event.late(event.frame_due), 3);
 }
 
-TEST_F(PresentingSynchronised, says_when_a_refresh_that_was_missed_made_a_frame_late) {
+TEST_F(SynchronisedPresenterTest, reports_that_a_missed_refresh_made_a_frame_late) {
   mailbox_.frames.put(frame(1, 2));
   output_->missed = 2;
   const RefreshEvent event = refresh();
@@ -143,7 +143,7 @@ TEST_F(PresentingSynchronised, says_when_a_refresh_that_was_missed_made_a_frame_
   EXPECT_EQ(event.late(event.frame_due), 2);
 }
 
-TEST_F(PresentingSynchronised, passes_over_what_a_newer_frame_takes_the_place_of_and_counts_from_when_it_was_missing) {
+TEST_F(SynchronisedPresenterTest, skips_superseded_frames_and_counts_the_delay_from_the_first_missing_one) {
   firsts(5);
   mailbox_.frames.put(frame(2, 7));  // Decoded in another order than they came.
   mailbox_.frames.put(frame(1, 5));
@@ -156,7 +156,7 @@ TEST_F(PresentingSynchronised, passes_over_what_a_newer_frame_takes_the_place_of
   EXPECT_THAT(unseen_, ::testing::ElementsAre(1, 1));
 }
 
-TEST_F(PresentingSynchronised, shows_at_once_what_nothing_is_said_of) {
+TEST_F(SynchronisedPresenterTest, shows_an_unscheduled_frame_at_once) {
   mailbox_.frames.put(frame(1, 50));
   EXPECT_THAT(firsts(2), ::testing::Each(0));
   mailbox_.frames.put(frame(2, 0));  // The other displays have left.
@@ -164,7 +164,7 @@ TEST_F(PresentingSynchronised, shows_at_once_what_nothing_is_said_of) {
   EXPECT_THAT(unseen_, ::testing::ElementsAre(1));
 }
 
-TEST_F(PresentingSynchronised, shows_at_once_what_was_meant_by_another_clock) {
+TEST_F(SynchronisedPresenterTest, shows_a_frame_scheduled_by_another_clock_at_once) {
   mailbox_.frames.put(frame(1, 1'000'000));
   EXPECT_THAT(firsts(1), ::testing::ElementsAre(1));
   mailbox_.frames.put(frame(2, 20));
@@ -173,7 +173,7 @@ TEST_F(PresentingSynchronised, shows_at_once_what_was_meant_by_another_clock) {
   EXPECT_THAT(firsts(1), ::testing::ElementsAre(2));
 }
 
-TEST_F(PresentingSynchronised, turns_to_each_heading_at_its_refresh_and_never_back) {
+TEST_F(SynchronisedPresenterTest, turns_to_each_heading_at_its_refresh_and_never_back) {
   mailbox_.frames.put(frame(1, 0));
   refresh();
   const auto told = [&](double heading_rad, std::int64_t refresh) {
@@ -201,7 +201,7 @@ TEST_F(PresentingSynchronised, turns_to_each_heading_at_its_refresh_and_never_ba
   EXPECT_EQ(refresh().heading_rad, 0.039);
 }
 
-TEST_F(PresentingSynchronised, keeps_frames_that_wait_within_bounds) {
+TEST_F(SynchronisedPresenterTest, bounds_the_number_of_waiting_frames) {
   std::size_t untaken = 0;
   for (std::uint64_t n = 1; n <= 40; ++n) {
     untaken += mailbox_.frames.put(frame(n, 60)) != nullptr ? 1U : 0U;
@@ -213,9 +213,9 @@ TEST_F(PresentingSynchronised, keeps_frames_that_wait_within_bounds) {
 }
 
 /// A head that alternates the left and the right eye's picture.
-class PresentingByTurns : public PresentingSynchronised {
+class AlternatingPresenterTest : public SynchronisedPresenterTest {
  protected:
-  PresentingByTurns() { packing_ = StereoPacking::kFrameSequential; }
+  AlternatingPresenterTest() { packing_ = StereoPacking::kFrameSequential; }
   static std::unique_ptr<DisplayFrame> frame_for_two(std::uint64_t order, std::int64_t refresh) {
     PlanarPicture picture(32, 32, false);
     const auto luma = picture.luma().data();
@@ -239,7 +239,7 @@ class PresentingByTurns : public PresentingSynchronised {
   RefreshEvent event_;
 };
 
-TEST_F(PresentingByTurns, shows_the_left_eye_at_even_refreshes_as_all_displays_count_them) {
+TEST_F(AlternatingPresenterTest, shows_the_left_eye_at_even_synchronised_refreshes) {
   mailbox_.frames.put(frame_for_two(1, 1));
   refresh();  // Ends the attract picture.
   // From now on the tour's count is 1 ahead of this output's.
@@ -255,7 +255,7 @@ TEST_F(PresentingByTurns, shows_the_left_eye_at_even_refreshes_as_all_displays_c
   EXPECT_EQ(turns[1], 10);
 }
 
-TEST_F(PresentingByTurns, finds_the_turn_again_after_missed_refreshes) {
+TEST_F(AlternatingPresenterTest, keeps_the_eyes_in_order_after_missed_refreshes) {
   mailbox_.frames.put(frame_for_two(1, 1));
   refresh();  // Ends the attract picture.
   for (const std::uint64_t missed : {0U, 1U, 2U, 3U, 0U}) {
@@ -269,7 +269,7 @@ TEST_F(PresentingByTurns, finds_the_turn_again_after_missed_refreshes) {
   }
 }
 
-TEST_F(PresentingByTurns, counts_by_itself_while_nobody_shares_numbers) {
+TEST_F(AlternatingPresenterTest, counts_its_own_refreshes_without_a_synchronised_number) {
   mailbox_.clock.put({});
   mailbox_.frames.put(frame_for_two(1, 0));
   refresh();  // Ends the attract picture.

@@ -40,7 +40,7 @@ namespace {
 constexpr int kWidth = 64;
 constexpr int kHeight = 48;
 
-class Presenting : public ::testing::Test {
+class PresenterTest : public ::testing::Test {
  protected:
   void SetUp() override {
     output_ = *output::open_headless_output({{{"a", kWidth, kHeight}, {"b", kWidth, kHeight}}, 1000.0, {}, {}}, clock_);
@@ -82,7 +82,7 @@ class Presenting : public ::testing::Test {
   int presented_ = 0;
 };
 
-TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_changing_sizes_and_headings) {
+TEST_F(PresenterTest, does_not_allocate_during_a_thousand_refreshes) {
   RandomHeads heads(1);
   std::vector<std::unique_ptr<DisplayFrame>> frames;
   for (std::uint64_t n = 0; n < 300; ++n) {
@@ -127,7 +127,7 @@ TEST_F(Presenting, allocates_nothing_in_a_thousand_refreshes_with_frames_of_chan
   EXPECT_EQ(allocations, 2);
 }
 
-TEST(PresenterStart, tries_its_shaders_on_a_few_pixels_of_each_head) {
+TEST(PresenterStart, tests_its_shaders_on_a_few_pixels_of_each_head) {
   const FakeClock clock;
   const auto output =
       *output::open_headless_output({{{"a", kWidth, kHeight}, {"b", kWidth, kHeight}}, 1000.0, {}, {}}, clock);
@@ -155,7 +155,7 @@ TEST(PresenterStart, tries_its_shaders_on_a_few_pixels_of_each_head) {
   }
 }
 
-TEST_F(Presenting, shows_each_frame_whole_and_never_two_at_once) {
+TEST_F(PresenterTest, shows_each_frame_whole_and_never_parts_of_two) {
   mailbox_.frames.put(frame_of(1, plain(80, 40, 50)));
   refresh_for(std::chrono::milliseconds(400));
   for (std::uint64_t n = 2; n < 40; ++n) {
@@ -167,7 +167,7 @@ TEST_F(Presenting, shows_each_frame_whole_and_never_two_at_once) {
   }
 }
 
-TEST_F(Presenting, repeats_the_last_frame_turned_to_the_newest_heading) {
+TEST_F(PresenterTest, repeats_the_last_frame_at_the_newest_heading) {
   PlanarPicture halves(140, 20, false);
   for (int y = 0; y < 20; ++y) std::fill_n(halves.luma().at(70, y), 70, std::uint8_t{255});
   mailbox_.frames.put(frame_of(1, halves, 1.0));
@@ -188,7 +188,7 @@ TEST_F(Presenting, repeats_the_last_frame_turned_to_the_newest_heading) {
   EXPECT_NEAR(edge(), 32 + 13, 1);
 }
 
-TEST_F(Presenting, keeps_its_picture_while_nobody_frees_the_old_ones) {
+TEST_F(PresenterTest, keeps_its_picture_while_retired_frames_are_not_freed) {
   for (std::uint64_t n = 1; n <= 12; ++n) {
     mailbox_.frames.put(frame_of(n, plain(40, 20, 100)));
     clock_.advance(std::chrono::milliseconds(10));
@@ -210,7 +210,7 @@ std::unique_ptr<PatternWall> pattern_wall(std::uint64_t order, bool is_open,
   return wall;
 }
 
-TEST_F(Presenting, allocates_nothing_while_patterns_come_and_go_and_answers_each_with_the_refresh_that_shows_it) {
+TEST_F(PresenterTest, does_not_allocate_for_patterns_and_answers_each_with_its_first_refresh) {
   const auto picture = [](std::uint8_t code) { return std::make_shared<RgbaImage>(kWidth, kHeight, code); };
   std::vector<std::unique_ptr<PatternWall>> walls;
   for (std::uint64_t n = 1; n <= 200; ++n) {
@@ -234,7 +234,7 @@ TEST_F(Presenting, allocates_nothing_while_patterns_come_and_go_and_answers_each
   EXPECT_EQ(allocations, 0);
 }
 
-TEST_F(Presenting, shows_the_frame_bit_for_bit_when_patterns_end_and_watchers_see_patterns_meanwhile) {
+TEST_F(PresenterTest, returns_to_the_same_frame_after_patterns_which_watchers_see) {
   RandomHeads heads(3);
   mailbox_.frames.put(frame_of(1, heads.noise(80, 40, false)));
   refresh_for(std::chrono::milliseconds(400));
@@ -260,7 +260,7 @@ TEST_F(Presenting, shows_the_frame_bit_for_bit_when_patterns_end_and_watchers_se
   EXPECT_EQ(shown(), show);
 }
 
-TEST_F(Presenting, keeps_the_patterns_while_nobody_frees_the_old_ones) {
+TEST_F(PresenterTest, keeps_the_patterns_while_retired_ones_are_not_freed) {
   const auto wall = [](std::uint64_t order) {
     return pattern_wall(order, true, {std::make_shared<RgbaImage>(kWidth, kHeight, 7), nullptr});
   };
@@ -283,10 +283,10 @@ std::unique_ptr<HeadSet> heads_with_mask(float mask) {
   return std::make_unique<HeadSet>(std::make_shared<const std::vector<HeadPlan>>(std::move(plans)));
 }
 
-class ChangingHeads : public Presenting {
+class HeadChangeTest : public PresenterTest {
  protected:
   void SetUp() override {
-    Presenting::SetUp();
+    PresenterTest::SetUp();
     presenter_.reset();
     const auto plans = std::make_shared<std::vector<HeadPlan>>(2, plain_head(kWidth, kHeight));
     for (HeadPlan& plan : *plans) plan.mask = warp::MaskImage(kWidth, kHeight, 0.999f);
@@ -300,7 +300,7 @@ class ChangingHeads : public Presenting {
   int code() { return shown().at(30, 20)[1]; }
 };
 
-TEST_F(ChangingHeads, blends_for_half_a_second_never_jumps_and_allocates_nothing) {
+TEST_F(HeadChangeTest, fades_for_half_a_second_without_a_jump_or_an_allocation) {
   // llvmpipe compiles a shader anew for textures of other sizes, at a first change as at a first frame.
   mailbox_.plans.wanted.put(heads_with_mask(0.998f));
   refresh_for(std::chrono::milliseconds(700));
@@ -333,7 +333,7 @@ TEST_F(ChangingHeads, blends_for_half_a_second_never_jumps_and_allocates_nothing
   EXPECT_EQ(shown(), changed);
 }
 
-TEST_F(ChangingHeads, waits_for_a_frame_that_has_the_parts_which_they_show_but_not_for_ever) {
+TEST_F(HeadChangeTest, waits_a_limited_time_for_a_frame_with_the_needed_parts) {
   const int before = code();
   auto set = heads_with_mask(0.05f);
   set->needs_frames_after = 1;
@@ -354,7 +354,7 @@ TEST_F(ChangingHeads, waits_for_a_frame_that_has_the_parts_which_they_show_but_n
 }
 
 /// No refresh changes the share by more than its part of the fade (whose maximum slope is 1.5 times the mean).
-class Fading : public Presenting {
+class AttractFadeTest : public PresenterTest {
  protected:
   double step() {
     const double share = refresh().attract_share;
@@ -370,7 +370,7 @@ class Fading : public Presenting {
   double last_ = 1.0;
 };
 
-TEST_F(Fading, goes_to_the_attract_picture_when_no_frame_follows_the_visitor_and_back_without_a_jump) {
+TEST_F(AttractFadeTest, fades_to_the_attract_picture_without_new_frames_and_back_without_a_jump) {
   EXPECT_EQ(step(), 1.0);
   EXPECT_THAT(shown().data(), ::testing::Each(0));
   mailbox_.frames.put(frame_of(1, plain(40, 20, 200)));
@@ -384,7 +384,7 @@ TEST_F(Fading, goes_to_the_attract_picture_when_no_frame_follows_the_visitor_and
   EXPECT_NEAR(steps_until([](double share) { return share == 0.0; }), 10, 3);
 }
 
-TEST_F(Fading, begins_when_the_tour_is_gone_even_if_nobody_moves) {
+TEST_F(AttractFadeTest, begins_when_the_tour_is_lost_even_if_nobody_moves) {
   mailbox_.frames.put(frame_of(1, plain(40, 20, 200)));
   steps_until([](double share) { return share == 0.0; });
   mailbox_.is_failing = true;
@@ -392,7 +392,7 @@ TEST_F(Fading, begins_when_the_tour_is_gone_even_if_nobody_moves) {
   EXPECT_THAT(shown().data(), ::testing::Each(0));
 }
 
-TEST_F(Fading, does_not_jump_when_refreshes_are_late) {
+TEST_F(AttractFadeTest, does_not_jump_when_refreshes_are_late) {
   mailbox_.frames.put(frame_of(1, plain(40, 20, 200)));
   for (int n = 0; n < 10; ++n) {
     clock_.advance(std::chrono::seconds(5));

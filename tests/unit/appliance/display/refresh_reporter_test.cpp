@@ -13,7 +13,7 @@ using std::chrono::milliseconds;
 
 constexpr double kHz = 100.0;
 
-class Reporting : public ::testing::Test {
+class RefreshReporterTest : public ::testing::Test {
  protected:
   double gauge(const std::string& name) const {
     const wire::ProcessStatus status = inspection_.status();
@@ -34,7 +34,7 @@ class Reporting : public ::testing::Test {
   RefreshReporter reporter_{&inspection_, {"left", "right"}};
 };
 
-TEST_F(Reporting, tells_each_heads_pace) {
+TEST_F(RefreshReporterTest, reports_the_pacing_of_each_head) {
   for (int n = 0; n < 100; ++n) shown(0, milliseconds(10 * n));
   for (int n = 0; n < 50; ++n) shown(1, milliseconds(20 * n));
   const wire::Stage left = stage("refresh_interval: left");
@@ -49,14 +49,14 @@ TEST_F(Reporting, tells_each_heads_pace) {
   EXPECT_EQ(gauge("late_refreshes: left"), 1.0);
 }
 
-TEST_F(Reporting, tells_how_old_pictures_are) {
+TEST_F(RefreshReporterTest, reports_the_age_of_pictures) {
   for (int n = 1; n <= 100; ++n) shown(0, milliseconds(10 * n));
   EXPECT_NEAR(stage("picture_age: left").p50_ms(), 500.0, 1e-6);
   EXPECT_NEAR(stage("picture_age: left").p99_ms(), 990.0, 1e-6);
   EXPECT_EQ(stage("picture_age: right").count(), 0U);
 }
 
-TEST_F(Reporting, tells_which_heads_are_lit_and_does_not_count_what_nobody_sees) {
+TEST_F(RefreshReporterTest, reports_which_heads_are_lit_and_ignores_the_pacing_of_dark_ones) {
   EXPECT_EQ(gauge("lit: left"), 0.0);
   shown(0, milliseconds(10));
   shown(1, milliseconds(10), Light::kDark);

@@ -86,7 +86,7 @@ Off off(const HeadPlan& plan, const DisplayFrame& frame, double turn_rad, int fa
   return {max, sum / count, edges / all};
 }
 
-TEST(HeadSampler, draws_what_the_graphics_card_should) {
+TEST(HeadSampler, agrees_with_the_graphics_card) {
   const Installation room = demo_room_with_pixels_over(8);
   const PictureShape shape = room.picture(512);
   auto plans = planned_heads(room, shape);
@@ -108,9 +108,9 @@ TEST(HeadSampler, draws_what_the_graphics_card_should) {
   EXPECT_LT(off(middle, frame, 0.0, 1).mean, 0.8);
 }
 
-class History : public ::testing::Test {
+class ShownHistoryTest : public ::testing::Test {
  protected:
-  History() : history_(frame_of(0, shape_), plans_) {}
+  ShownHistoryTest() : history_(frame_of(0, shape_), plans_) {}
 
   void refresh(int number, std::uint64_t first_of_frame = 0, double turn_rad = 0.0, double attract_share = 0.0,
                bool is_show = true) {
@@ -130,7 +130,7 @@ class History : public ::testing::Test {
   ShownHistory history_;
 };
 
-TEST_F(History, tells_the_moment_before_and_those_within) {
+TEST_F(ShownHistoryTest, has_the_moment_before_an_interval_and_those_within) {
   static_cast<void>(ask(0, 0));
   history_.frame_ready(frame_of(1, shape_));
   history_.frame_ready(frame_of(2, shape_));
@@ -149,7 +149,7 @@ TEST_F(History, tells_the_moment_before_and_those_within) {
   ASSERT_EQ(ask(6, 7).moments.size(), 1u);
 }
 
-TEST_F(History, has_no_picture_of_what_is_no_show) {
+TEST_F(ShownHistoryTest, has_no_picture_while_no_show_is_shown) {
   static_cast<void>(ask(0, 0));
   history_.frame_ready(frame_of(1, shape_));
   refresh(0, 1);
@@ -164,7 +164,7 @@ TEST_F(History, has_no_picture_of_what_is_no_show) {
   EXPECT_EQ(shown.moments[2].frame->order, 0u) << "its own picture";
 }
 
-TEST_F(History, knows_nothing_while_one_calibration_gives_way_to_the_next) {
+TEST_F(ShownHistoryTest, has_nothing_during_a_change_of_calibrations) {
   static_cast<void>(ask(0, 0));
   history_.frame_ready(frame_of(1, shape_));
   refresh(0, 1);
@@ -182,7 +182,7 @@ TEST_F(History, knows_nothing_while_one_calibration_gives_way_to_the_next) {
   EXPECT_NE(shown.moments[2].frame, nullptr);
 }
 
-TEST_F(History, forgets_when_nobody_asks_and_after_two_seconds) {
+TEST_F(ShownHistoryTest, forgets_after_two_seconds_and_without_requests) {
   history_.frame_ready(frame_of(1, shape_));
   refresh(0, 1);
   for (int i = 1; i < 50; ++i) refresh(i, 0, 1e-3 * i);

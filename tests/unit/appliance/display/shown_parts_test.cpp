@@ -73,7 +73,7 @@ std::int64_t area(const ShownParts& shown) {
   return sum;
 }
 
-TEST(ShownParts, hold_all_that_the_demo_reads_and_do_not_overlap) {
+TEST(ShownParts, contain_all_that_the_demo_reads_and_do_not_overlap) {
   const Installation room = demo_room();
   for (const int width : {256, 1024, 3000}) {
     const Panorama wall = room.panorama(width);
@@ -92,7 +92,7 @@ TEST(ShownParts, hold_all_that_the_demo_reads_and_do_not_overlap) {
   }
 }
 
-TEST(ShownParts, hold_all_that_walls_of_every_shape_read) {
+TEST(ShownParts, contain_all_that_walls_of_every_shape_read) {
   for (const char* const name : {"plane", "corner", "dome", "mesh"}) {
     const auto room = read_installation(demo_installation_path().parent_path() / (std::string(name) + ".toml"));
     ASSERT_TRUE(room) << room.error().message();
@@ -120,7 +120,7 @@ TEST(ShownParts, hold_all_that_walls_of_every_shape_read) {
   }
 }
 
-TEST(ShownParts, of_a_dome_about_the_zenith_turn_without_end_where_all_of_it_is_lit) {
+TEST(ShownParts, allow_unlimited_turning_of_a_fully_lit_dome) {
   const Fisheye dome{512, 512, 3.0, 0.5 * std::numbers::pi};
   warp::PixelMap all(200, 200);
   warp::PixelMap quarter(200, 200);
@@ -144,7 +144,7 @@ TEST(ShownParts, of_a_dome_about_the_zenith_turn_without_end_where_all_of_it_is_
   EXPECT_LT(area(part), 512 * 512 * 6 / 10);
 }
 
-TEST(ShownParts, of_one_projector_are_a_part_of_a_whole_turn_whichever_way_it_looks) {
+TEST(ShownParts, cover_only_a_part_of_the_circle_for_one_projector_at_any_heading) {
   Installation room = demo_room();
   const Panorama circle{2048, 400, kTurn, 0.6, -0.6};
   room.projectors.resize(1);
@@ -161,7 +161,7 @@ TEST(ShownParts, of_one_projector_are_a_part_of_a_whole_turn_whichever_way_it_lo
   }
 }
 
-TEST(ShownParts, let_a_wall_all_around_turn_without_end) {
+TEST(ShownParts, allow_unlimited_turning_of_a_full_circle_wall) {
   warp::PixelMap map(256, 100);
   for (int y = 0; y < 100; ++y) {
     for (int x = 0; x < 256; ++x) {
@@ -176,7 +176,7 @@ TEST(ShownParts, let_a_wall_all_around_turn_without_end) {
   EXPECT_NEAR(shown.turn_limit_rad, std::numbers::pi, 1e-12);
 }
 
-TEST(ShownParts, are_none_of_a_head_that_lights_nothing) {
+TEST(ShownParts, are_empty_for_a_head_that_lights_nothing) {
   const warp::PixelMap map(8, 8, std::numeric_limits<float>::quiet_NaN());
   const warp::PixelMap dark(8, 8, 0.0f);
   for (const PictureShape& wall :
@@ -186,7 +186,7 @@ TEST(ShownParts, are_none_of_a_head_that_lights_nothing) {
   }
 }
 
-TEST(ShownParts, are_the_same_of_both_eyes_pictures) {
+TEST(ShownParts, are_the_same_for_both_eyes) {
   const ShownParts one{0.2, {{0, 16, 64, 32}, {96, 0, 4, 80}}};
   const ShownParts both = shown_by_both_eyes(one, 80);
   EXPECT_EQ(both.turn_limit_rad, 0.2);

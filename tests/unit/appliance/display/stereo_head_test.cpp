@@ -42,7 +42,7 @@ RgbImage part_of(const RgbImage& head, StereoPacking packing, Eye eye) {
   return cropped(head, {part.x_px, part.y_px, part.width_px, part.height_px});
 }
 
-class StereoPainting : public ::testing::TestWithParam<Renderer> {
+class StereoHeadTest : public ::testing::TestWithParam<Renderer> {
  protected:
   RgbImage seen_by(Eye eye, const HeadPlan& plan, const PlanarPicture& picture, const PictureShape& shape,
                    double turn = 0.0) {
@@ -51,7 +51,7 @@ class StereoPainting : public ::testing::TestWithParam<Renderer> {
   PaintedHead head_{GetParam()};
 };
 
-TEST_P(StereoPainting, agrees_with_the_cpu_for_each_eye_over_random_warps_masks_and_colours) {
+TEST_P(StereoHeadTest, agrees_with_the_cpu_for_each_eye_over_random_warps_masks_and_colours) {
   RandomHeads heads(21);
   double worst = 0.0;
   for (int n = 0; n < 24; ++n) {
@@ -84,7 +84,7 @@ TEST_P(StereoPainting, agrees_with_the_cpu_for_each_eye_over_random_warps_masks_
   std::printf("noise for two eyes within 0.02 px: worst %.3f code values\n", worst);
 }
 
-TEST_P(StereoPainting, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
+TEST_P(StereoHeadTest, agrees_with_the_cpu_pixel_for_pixel_on_the_demo) {
   Installation room = *read_installation(demo_installation_path().parent_path() / "stereo.toml");
   for (const StereoPacking packing : kPackings) {
     Installation seen = room;
@@ -134,7 +134,7 @@ PlanarPicture red_above_blue(int width, int height, bool half_chroma) {
   return both;
 }
 
-TEST_P(StereoPainting, shows_neither_eye_anything_of_the_others_picture) {
+TEST_P(StereoHeadTest, never_mixes_the_eyes_pictures) {
   RandomHeads heads(8);
   const Panorama shape{48, 32, 1.0, 0.25, -0.25};
   for (const StereoPacking packing : kPackings) {
@@ -176,7 +176,7 @@ void expect_same(const HeadPlan& plan, const RgbImage& a, const RgbImage& b) {
   }
 }
 
-TEST_P(StereoPainting, shows_one_picture_to_both_eyes_and_the_left_one_to_a_head_for_one) {
+TEST_P(StereoHeadTest, shows_one_picture_to_both_eyes_and_the_left_one_on_a_mono_head) {
   RandomHeads heads(9);
   const Panorama shape{64, 32, 1.0, 0.5, -0.5};
   const PlanarPicture one = heads.noise(64, 32, true);
@@ -192,7 +192,7 @@ TEST_P(StereoPainting, shows_one_picture_to_both_eyes_and_the_left_one_to_a_head
   for (const Eye now : kEyes) expect_same(plan, head_.drawn_for_two(plan, both, shape, 0.1, now), left);
 }
 
-INSTANTIATE_TEST_SUITE_P(Headless, StereoPainting, ::testing::Values(Renderer::kEgl, Renderer::kOsMesa),
+INSTANTIATE_TEST_SUITE_P(Headless, StereoHeadTest, ::testing::Values(Renderer::kEgl, Renderer::kOsMesa),
                          [](const auto& tested) { return tested.param == Renderer::kEgl ? "egl" : "osmesa"; });
 
 }  // namespace

@@ -19,7 +19,7 @@ const TimePoint kStart{1000s};
 ShowAt at(std::int64_t refresh) { return {refresh, kPeriod_ns, 0}; }
 
 /// An output whose refresh n is at kStart + phase + n periods, on a clock that is the tour's.
-class Numbering : public ::testing::Test {
+class SynchronisedRefreshTest : public ::testing::Test {
  protected:
   void SetUp() override {
     shared_.set_clock({true, 0, 0ns});
@@ -40,7 +40,7 @@ class Numbering : public ::testing::Test {
   TimePoint now_{};
 };
 
-TEST_F(Numbering, begins_with_the_second_refresh_and_takes_the_nearest_number) {
+TEST_F(SynchronisedRefreshTest, starts_at_the_second_refresh_with_the_nearest_number) {
   for (const auto& [phase, first] :
        {std::pair<Duration, std::int64_t>{0ms, 100002}, {4ms, 100002}, {6ms, 100003}, {9ms, 100003}}) {
     shared_ = {};
@@ -53,7 +53,7 @@ TEST_F(Numbering, begins_with_the_second_refresh_and_takes_the_nearest_number) {
   }
 }
 
-TEST_F(Numbering, has_none_while_the_clock_or_the_period_is_not_known) {
+TEST_F(SynchronisedRefreshTest, has_no_number_while_clock_or_period_is_unknown) {
   refresh();
   shared_.set_clock({});
   EXPECT_EQ(refresh(), std::nullopt);
@@ -64,14 +64,14 @@ TEST_F(Numbering, has_none_while_the_clock_or_the_period_is_not_known) {
   EXPECT_EQ(refresh(), std::nullopt);
 }
 
-TEST_F(Numbering, counts_missed_refreshes) {
+TEST_F(SynchronisedRefreshTest, counts_missed_refreshes) {
   refresh();
   EXPECT_EQ(refresh(), 100002);
   EXPECT_EQ(refresh(0ns, 3), 100006);
   EXPECT_EQ(refresh(), 100007);
 }
 
-TEST_F(Numbering, does_not_jitter_between_two_numbers_when_the_output_lies_in_their_middle) {
+TEST_F(SynchronisedRefreshTest, does_not_alternate_between_two_numbers_half_way_between_them) {
   phase_ = 5ms;
   std::mt19937 random(1);
   std::uniform_int_distribution<int> jitter_us(-700, 700);
@@ -83,14 +83,14 @@ TEST_F(Numbering, does_not_jitter_between_two_numbers_when_the_output_lies_in_th
   }
 }
 
-TEST_F(Numbering, is_not_shifted_by_a_machine_that_is_late_now_and_then) {
+TEST_F(SynchronisedRefreshTest, is_not_shifted_by_occasional_delays) {
   std::mt19937 random(2);
   refresh();
   const std::int64_t first = *refresh();
   for (std::int64_t n = 1; n < 2000; ++n) ASSERT_EQ(refresh(random() % 10 == 0 ? 4900us : 200us), first + n);
 }
 
-TEST_F(Numbering, leaves_a_number_out_for_each_refresh_that_a_slower_output_falls_behind) {
+TEST_F(SynchronisedRefreshTest, skips_a_number_when_a_slower_output_falls_behind) {
   period_ = 10010us;  // 0.1 %: one in a thousand.
   refresh();
   std::int64_t last = *refresh();
@@ -106,7 +106,7 @@ TEST_F(Numbering, leaves_a_number_out_for_each_refresh_that_a_slower_output_fall
   EXPECT_NEAR(left_out, 10, 1);
 }
 
-TEST_F(Numbering, repeats_a_number_for_each_refresh_that_a_faster_output_gains) {
+TEST_F(SynchronisedRefreshTest, repeats_a_number_when_a_faster_output_gains_a_refresh) {
   period_ = 9990us;
   refresh();
   std::int64_t last = *refresh();
@@ -120,7 +120,7 @@ TEST_F(Numbering, repeats_a_number_for_each_refresh_that_a_faster_output_gains) 
   EXPECT_NEAR(repeated, 10, 1);
 }
 
-TEST_F(Numbering, follows_another_rate_of_the_output_and_a_clock_that_was_stepped) {
+TEST_F(SynchronisedRefreshTest, follows_a_changed_rate_and_a_stepped_clock) {
   refresh();
   refresh();
   shared_.set_clock({true, static_cast<std::uint64_t>(std::int64_t{3'600'000'000'000}), 0ns});
@@ -131,7 +131,7 @@ TEST_F(Numbering, follows_another_rate_of_the_output_and_a_clock_that_was_steppe
   EXPECT_EQ(*refresh(), number + 2) << "every second number";
 }
 
-TEST_F(Numbering, knows_what_is_due) {
+TEST_F(SynchronisedRefreshTest, selects_what_is_due) {
   refresh();
   refresh();
   shared_.begin(now_);  // Refresh 100003.
@@ -144,7 +144,7 @@ TEST_F(Numbering, knows_what_is_due) {
   EXPECT_TRUE(shared_.is_due({100004, kPeriod_ns + 1, 0})) << "counted otherwise";
 }
 
-TEST_F(Numbering, tells_how_long_before_its_refresh_drawing_begins) {
+TEST_F(SynchronisedRefreshTest, reports_how_long_before_its_refresh_drawing_begins) {
   phase_ = -3ms;
   refresh();
   refresh();
@@ -152,7 +152,7 @@ TEST_F(Numbering, tells_how_long_before_its_refresh_drawing_begins) {
   EXPECT_NEAR(to_milliseconds(shared_.drawn_ahead()), 11.0, 0.01);
 }
 
-TEST_F(Numbering, survives_clocks_that_show_anything) {
+TEST_F(SynchronisedRefreshTest, survives_arbitrary_clocks) {
   for (const std::int64_t theirs :
        {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max(), std::int64_t{-1}}) {
     shared_.set_clock({true, static_cast<std::uint64_t>(theirs), 0ns});

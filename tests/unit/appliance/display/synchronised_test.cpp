@@ -261,20 +261,20 @@ TEST(Synchronised, displays_with_skewed_and_drifting_clocks_show_the_same_frames
   for (std::size_t i = 0; i < 4; ++i) EXPECT_GE(*room.synchronised_share(i), 0.999) << i;
 }
 
-TEST(Synchronised, outputs_that_run_free_pass_through_every_phase) {
+TEST(Synchronised, free_running_outputs_pass_through_every_phase) {
   Room room({{1s, 0.0, 60.0, 0ms}, {2s, 0.0, 59.99, 3ms}, {3s, 0.0, 60.006, 9ms}});
   room.run(10min);
   expect_synchronised(room.agreement(5s));
 }
 
-TEST(Synchronised, networks_of_which_one_way_is_slower_cost_no_more_than_that) {
+TEST(Synchronised, asymmetric_networks_cost_no_more_than_their_asymmetry) {
   Room room(
       {{1s, 0.0, 60.0, 2ms, 200us, 200us}, {2s, 0.0, 60.0, 2ms, 200us, 1800us}, {3s, 0.0, 60.0, 2ms, 2200us, 100us}});
   room.run(5min);
   expect_synchronised(room.agreement(5s));
 }
 
-TEST(Synchronised, every_seed_holds) {
+TEST(Synchronised, random_farms_of_displays_stay_synchronised) {
   for (unsigned seed = 2; seed < 8; ++seed) {
     std::mt19937 random(seed);
     const auto between = [&](double a, double b) { return std::uniform_real_distribution(a, b)(random); };
@@ -292,7 +292,7 @@ TEST(Synchronised, every_seed_holds) {
   }
 }
 
-TEST(Synchronised, nobody_waits_for_a_display_that_is_too_slow_and_it_says_so) {
+TEST(Synchronised, a_display_that_is_too_slow_delays_no_other_and_reports_it) {
   Room room({{0s, 0.0, 60.0, 0ms}, {0s, 0.0, 60.0, 5ms}, {0s, 0.0, 60.0, 8ms, {}, {}, 300ms}});
   room.run(2min);
   EXPECT_GE(*room.synchronised_share(0), 0.999);
@@ -303,7 +303,7 @@ TEST(Synchronised, nobody_waits_for_a_display_that_is_too_slow_and_it_says_so) {
   EXPECT_LE(first - room.shown(2).back().frame, 12);
 }
 
-TEST(Synchronised, a_hiccup_of_one_display_is_its_own_and_the_next_is_met_in_step) {
+TEST(Synchronised, a_hiccup_affects_one_display_which_is_synchronised_at_the_next_frame) {
   Room room({{0s, 0.0, 60.0, 0ms}, {5s, 0.0, 60.0, 5ms}});
   room.run(60s);
   room.hold(1, 60s + 200ms);
@@ -317,7 +317,7 @@ TEST(Synchronised, a_hiccup_of_one_display_is_its_own_and_the_next_is_met_in_ste
       << "the next within a minute finds the tour prepared, and costs no refresh";
 }
 
-TEST(SynchronisedShare, is_of_the_last_minute) {
+TEST(SynchronisedShare, covers_the_last_minute) {
   SynchronisedShare share;
   const TimePoint begin(1000s);
   EXPECT_FALSE(share.share(begin));

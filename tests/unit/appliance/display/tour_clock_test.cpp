@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 
 constexpr std::int64_t kPeriod_ns = 16'666'667;
 
-class Asking : public ::testing::Test {
+class TourClockTest : public ::testing::Test {
  protected:
   /// The tour's clock is 7 s ahead of ours; each way takes a millisecond.
   wire::ClockAnswer answer(const wire::ClockQuestion& question) const {
@@ -42,7 +42,7 @@ class Asking : public ::testing::Test {
   wire::ClockQuestion last_;
 };
 
-TEST_F(Asking, learns_the_tours_clock_and_how_far_the_system_clocks_are_apart) {
+TEST_F(TourClockTest, learns_the_tours_clock_and_the_offset_of_the_system_clocks) {
   EXPECT_FALSE(clock_.reading(now_).is_known);
   EXPECT_FALSE(clock_.skew());
   ASSERT_TRUE(ask());
@@ -56,13 +56,13 @@ TEST_F(Asking, learns_the_tours_clock_and_how_far_the_system_clocks_are_apart) {
   EXPECT_NEAR(last_.skew_error_s(), 0.001, 1e-6);
 }
 
-TEST_F(Asking, asks_quickly_at_first_and_then_a_few_times_a_second) {
+TEST_F(TourClockTest, asks_often_at_first_and_then_a_few_times_a_second) {
   int questions = 0;
   for (const TimePoint end = now_ + 10s; now_ < end; pass(5ms)) questions += ask() ? 1 : 0;
   EXPECT_NEAR(questions, 16 + 38, 3);
 }
 
-TEST_F(Asking, asks_again_after_a_second_without_an_answer_and_takes_no_late_one) {
+TEST_F(TourClockTest, asks_again_after_a_second_and_ignores_a_late_answer) {
   const auto lost = clock_.question(now_);
   ASSERT_TRUE(lost);
   pass(990ms);
@@ -75,7 +75,7 @@ TEST_F(Asking, asks_again_after_a_second_without_an_answer_and_takes_no_late_one
   EXPECT_FALSE(clock_.take(answer(*second), now_ + 2ms)) << "once";
 }
 
-TEST_F(Asking, takes_no_answer_to_what_it_never_asked) {
+TEST_F(TourClockTest, ignores_answers_to_questions_that_it_never_asked) {
   EXPECT_FALSE(clock_.take({}, now_));
   const auto question = clock_.question(now_);
   wire::ClockAnswer foreign = answer(*question);
@@ -87,7 +87,7 @@ TEST_F(Asking, takes_no_answer_to_what_it_never_asked) {
   EXPECT_FALSE(clock_.reading(now_).is_known);
 }
 
-TEST_F(Asking, survives_answers_of_any_times) {
+TEST_F(TourClockTest, survives_answers_with_arbitrary_times) {
   for (const std::int64_t time : {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()}) {
     pass(2s);
     const auto question = clock_.question(now_);
@@ -103,7 +103,7 @@ TEST_F(Asking, survives_answers_of_any_times) {
   }
 }
 
-TEST_F(Asking, tells_the_longest_that_it_needed_since_the_last_question) {
+TEST_F(TourClockTest, reports_the_longest_need_since_the_last_question) {
   ASSERT_TRUE(ask());
   const auto told = [&](Duration ago) { return ShowAt{1, kPeriod_ns, to_nanoseconds(now_ + 7s - ago)}; };
   clock_.frame_ready(told(20ms), now_);
@@ -125,7 +125,7 @@ TEST_F(Asking, tells_the_longest_that_it_needed_since_the_last_question) {
   EXPECT_EQ(last_.heading_need_s(), 0.0);
 }
 
-TEST_F(Asking, forgets_the_tour_that_it_lost) {
+TEST_F(TourClockTest, forgets_a_lost_tour) {
   ASSERT_TRUE(ask());
   clock_.reset();
   EXPECT_FALSE(clock_.reading(now_).is_known);
@@ -133,7 +133,7 @@ TEST_F(Asking, forgets_the_tour_that_it_lost) {
   EXPECT_TRUE(ask()) << "at once";
 }
 
-TEST(ShowAt, is_none_where_it_is_nonsense) {
+TEST(ShowAt, is_empty_for_an_invalid_time) {
   wire::ShowMessage message;
   const auto parsed = [&](std::int64_t refresh, std::int64_t period_ns) {
     message.mutable_show_at()->set_refresh(refresh);

@@ -12,18 +12,18 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-TEST(YawShift, is_the_turn_since_the_picture_was_asked_for) {
+TEST(YawShift, is_the_turn_since_the_picture_was_requested) {
   EXPECT_NEAR(yaw_shift(0.3, 0.38, 0.1).angle_rad, 0.08, 1e-12);
   EXPECT_NEAR(yaw_shift(0.3, 0.25, 0.1).angle_rad, -0.05, 1e-12);
   EXPECT_FALSE(yaw_shift(0.3, 0.25, 0.1).is_past_guard);
 }
 
-TEST(YawShift, goes_the_short_way_round) {
+TEST(YawShift, takes_the_short_way_round) {
   EXPECT_NEAR(yaw_shift(kPi - 0.02, -kPi + 0.03, 0.1).angle_rad, 0.05, 1e-12);
   EXPECT_NEAR(yaw_shift(0.01 + 20.0 * kPi, 0.03, 0.1).angle_rad, 0.02, 1e-9);
 }
 
-TEST(YawShift, stops_at_the_end_of_what_there_is_and_says_so) {
+TEST(YawShift, stops_at_the_end_of_the_picture_and_reports_it) {
   const YawShift right = yaw_shift(0.0, 0.5, 0.1);
   EXPECT_NEAR(right.angle_rad, 0.1, 1e-12);
   EXPECT_TRUE(right.is_past_guard);
@@ -31,7 +31,7 @@ TEST(YawShift, stops_at_the_end_of_what_there_is_and_says_so) {
   EXPECT_EQ(yaw_shift(0.0, 0.5, 0.0).angle_rad, 0.0);
 }
 
-TEST(YawShift, reaches_as_far_as_the_guard_band) {
+TEST(YawShift, is_limited_by_the_guard_band) {
   const Panorama picture{2200, 400, 2.2, 0.4, -0.4};
   const auto reach_of = [&](double shown_span_rad) {
     return shown_parts({}, picture, Panorama{2000, 400, shown_span_rad, 0.4, -0.4}).turn_limit_rad;
@@ -42,7 +42,7 @@ TEST(YawShift, reaches_as_far_as_the_guard_band) {
   EXPECT_EQ(reach_of(3.0), 0.0);
 }
 
-TEST(YawShift, knows_a_whole_turn) {
+TEST(YawShift, recognises_a_full_circle) {
   EXPECT_TRUE(is_whole_turn({6283, 400, 2.0 * kPi, 0.4, -0.4}));
   const Panorama guarded = Panorama{1000, 100, 2.2, 0.2, -0.2}.with_guard_band(10.0);
   EXPECT_TRUE(is_whole_turn(guarded));

@@ -37,7 +37,7 @@ tracker::PoseReport pose(std::int32_t sensor, bool found = true) {
   return {sensor, 1, 2'000'000'000, found, {0.1, 0.2, 1.0}, {1, 0, 0, 0}};
 }
 
-TEST(PoseListener, hears_what_the_speaker_says_in_both_tongues) {
+TEST(PoseListener, receives_what_our_tracker_sends_in_both_protocols) {
   PoseListener ears = listener();
   for (const bool osc : {true, false}) {
     const auto mouth =
@@ -50,7 +50,7 @@ TEST(PoseListener, hears_what_the_speaker_says_in_both_tongues) {
   }
 }
 
-TEST(PoseListener, hears_a_wish) {
+TEST(PoseListener, receives_a_request) {
   PoseListener ears = listener();
   const auto socket = tracker::DatagramSender::open(at(ears.osc_port()));
   ASSERT_TRUE(socket);
@@ -58,7 +58,7 @@ TEST(PoseListener, hears_a_wish) {
   EXPECT_EQ(hear(ears).steer, (std::array<double, 3>{1.0, 0.0, -0.25}));
 }
 
-TEST(PoseListener, follows_the_first_of_several_sensors_until_it_has_been_silent_for_a_second) {
+TEST(PoseListener, follows_the_first_sensor_until_it_has_been_silent_for_a_second) {
   PoseListener ears = listener();
   const auto mouth = tracker::PoseSender::open(at(ears.osc_port()), "", "");
   ASSERT_TRUE(mouth);
@@ -73,7 +73,7 @@ TEST(PoseListener, follows_the_first_of_several_sensors_until_it_has_been_silent
   EXPECT_EQ(hear(ears, kNow + 2s).poses.front().sensor, 2);
 }
 
-TEST(PoseListener, counts_what_is_no_packet_and_goes_on) {
+TEST(PoseListener, counts_invalid_packets_and_continues) {
   PoseListener ears = listener();
   for (const int port : {ears.osc_port(), ears.vrpn_port()}) {
     const auto socket = tracker::DatagramSender::open(at(port));
@@ -86,7 +86,7 @@ TEST(PoseListener, counts_what_is_no_packet_and_goes_on) {
   EXPECT_EQ(ears.refused(), 2u);
 }
 
-TEST(PoseListener, says_who_has_the_port) {
+TEST(PoseListener, reports_that_the_port_is_in_use) {
   PoseListener ears = listener();
   const auto second = PoseListener::open(at(ears.osc_port()), "", "");
   ASSERT_FALSE(second);

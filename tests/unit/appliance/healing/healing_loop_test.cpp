@@ -178,7 +178,7 @@ class HealingLoopTest : public ::testing::Test {
   std::unique_ptr<HealingLoop> loop_;
 };
 
-TEST_F(HealingLoopTest, two_projectors_that_are_bumped_at_once_are_found_again) {
+TEST_F(HealingLoopTest, corrects_two_projectors_that_are_bumped_at_once) {
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
   const double before = std::max(off_px(0), off_px(2));
@@ -192,7 +192,7 @@ TEST_F(HealingLoopTest, two_projectors_that_are_bumped_at_once_are_found_again) 
   for (const std::string& line : corrections()) EXPECT_THAT(line, Not(HasSubstr("\"projector\": 2"))) << line;
 }
 
-TEST_F(HealingLoopTest, a_projector_that_is_off_is_named_and_comes_back) {
+TEST_F(HealingLoopTest, names_a_projector_that_is_off_and_uses_it_again_when_it_is_on) {
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
   const auto lamp = [&](bool is_on) {
@@ -207,7 +207,7 @@ TEST_F(HealingLoopTest, a_projector_that_is_off_is_named_and_comes_back) {
   EXPECT_THAT(corrections(), IsEmpty());
 }
 
-TEST_F(HealingLoopTest, one_that_left_the_screen_is_named_while_the_others_are_kept) {
+TEST_F(HealingLoopTest, names_a_projector_that_left_the_screen_and_keeps_the_others) {
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
   bump(2, 0.6);  // Its light leaves the screen.
@@ -219,7 +219,7 @@ TEST_F(HealingLoopTest, one_that_left_the_screen_is_named_while_the_others_are_k
   for (const std::string& line : corrections()) EXPECT_THAT(line, HasSubstr("\"projector\": 1")) << line;
 }
 
-TEST_F(HealingLoopTest, goes_on_in_mid_recovery_and_does_not_take_the_bump_for_what_the_scan_left_over) {
+TEST_F(HealingLoopTest, resumes_a_recovery_and_does_not_take_the_bump_for_a_residual) {
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
   ASSERT_TRUE(comes([&] {
@@ -237,7 +237,7 @@ TEST_F(HealingLoopTest, goes_on_in_mid_recovery_and_does_not_take_the_bump_for_w
   EXPECT_TRUE(comes([&] { return off_px(1) < before + 1.0; }, 5)) << log();
 }
 
-TEST_F(HealingLoopTest, says_for_as_long_as_displays_cannot_be_told_and_tells_them_then) {
+TEST_F(HealingLoopTest, reports_while_displays_cannot_be_informed_and_informs_them_later) {
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
   // A file cannot be renamed onto a folder that is not empty.
@@ -252,7 +252,7 @@ TEST_F(HealingLoopTest, says_for_as_long_as_displays_cannot_be_told_and_tells_th
   EXPECT_EQ(says().find("displays are not told"), std::string::npos) << says();
 }
 
-TEST_F(HealingLoopTest, goes_on_without_a_camera_that_was_never_placed_and_names_it) {
+TEST_F(HealingLoopTest, works_without_a_camera_that_was_never_placed_and_names_it) {
   std::vector<PlacedCamera> placed;
   for (const calibration::ShowCamera& camera : stage_.show->calibrator().applied().cameras)
     placed.push_back({camera.name, camera.lens, camera.T_room_camera});
@@ -268,7 +268,7 @@ TEST_F(HealingLoopTest, goes_on_without_a_camera_that_was_never_placed_and_names
   for (const std::string& line : corrections()) EXPECT_THAT(line, HasSubstr("\"projector\": 3")) << line;
 }
 
-TEST_F(HealingLoopTest, goes_on_without_a_projector_whose_map_tells_no_place_and_names_it) {
+TEST_F(HealingLoopTest, works_without_a_projector_whose_map_gives_no_pose_and_names_it) {
   const simulated::TrueMuseum& truth = stage_.show->room().truth();
   calibration::Calibration calibration = true_calibration(truth, "2026-11-22T11-00-00Z");
   for (Eigen::Vector3d& direction : calibration.projectors[2].map.directions) direction.setConstant(std::nan(""));
@@ -287,7 +287,7 @@ TEST_F(HealingLoopTest, goes_on_without_a_projector_whose_map_tells_no_place_and
   for (const std::string& line : corrections()) EXPECT_THAT(line, HasSubstr("\"projector\": 1")) << line;
 }
 
-TEST_F(HealingLoopTest, takes_the_last_correction_back_and_keeps_to_that) {
+TEST_F(HealingLoopTest, undoes_the_last_correction_and_does_not_repeat_it) {
   begin();
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
   EXPECT_EQ(loop_->undo().error().code(), ErrorCode::kNotFound);
@@ -333,7 +333,7 @@ std::string logged(const std::string& line) {
       projector + 1, kind.data(), moved_px, sigma_px, text(a), text(b));
 }
 
-TEST_F(HealingLoopTest, a_recorded_show_is_found_again_bit_by_bit_as_often_as_one_likes) {
+TEST_F(HealingLoopTest, replays_a_recorded_show_bit_by_bit_any_number_of_times) {
   begin(true);
   ASSERT_TRUE(comes_to_say("keeps 3 projectors in place")) << says();
   bump(1, 0.004);

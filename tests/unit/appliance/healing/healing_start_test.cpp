@@ -60,7 +60,7 @@ class Folder {
   std::filesystem::path path;
 };
 
-TEST(ShowFile, comes_back_as_it_was_written) {
+TEST(ShowFile, survives_a_round_trip) {
   const Installation room = demo_room();
   calibration::ShowFile show;
   show.calibration = "2026-11-22T10-00-00Z";
@@ -84,7 +84,7 @@ TEST(ShowFile, comes_back_as_it_was_written) {
   EXPECT_EQ(read->cameras[0].name, show.cameras[0].name);
 }
 
-TEST(ShowFile, keeps_to_the_bit_how_codes_become_light_and_why_one_is_not_placed) {
+TEST(ShowFile, keeps_responses_and_missing_poses_bit_by_bit) {
   calibration::ShowFile show;
   show.calibration = "x";
   show.projectors.push_back(installed(demo_room().projectors[0]));
@@ -120,7 +120,7 @@ struct CalibratedRoom {
   PlacedCamera placed;
 };
 
-TEST(HealingStart, goes_on_with_what_is_good_and_names_the_rest) {
+TEST(HealingStart, uses_what_is_valid_and_names_the_rest) {
   CalibratedRoom room;
   for (Eigen::Vector3d& direction : room.calibration.projectors[0].map.directions) direction.setConstant(std::nan(""));
   room.calibration.projectors.pop_back();
@@ -138,7 +138,7 @@ TEST(HealingStart, goes_on_with_what_is_good_and_names_the_rest) {
             ErrorCode::kNotFound);
 }
 
-TEST(HealingStart, predicts_by_the_responses_that_were_measured) {
+TEST(HealingStart, predicts_with_the_measured_responses) {
   CalibratedRoom room;
   calibration::CalibratedColour colour;
   colour.name = room.room.projectors[1].name;
@@ -162,7 +162,7 @@ TEST(HealingStart, predicts_by_the_responses_that_were_measured) {
   }
 }
 
-TEST(CorrectionLog, finds_the_last_correction_that_stands) {
+TEST(CorrectionLog, finds_the_last_correction_that_was_not_undone) {
   const Folder folder;
   const Installation room = demo_room();
   std::vector<RigidTransform<frame::Room, frame::Projector>> at;
@@ -195,7 +195,7 @@ TEST(CorrectionLog, finds_the_last_correction_that_stands) {
   EXPECT_FALSE(last_correction(folder.path, at));
 }
 
-TEST(ShowFile, names_the_place_of_what_is_wrong) {
+TEST(ShowFile, names_the_position_of_a_mistake) {
   calibration::ShowFile show;
   show.calibration = "x";
   show.projectors.push_back(installed(demo_room().projectors[0]));
@@ -217,7 +217,7 @@ TEST(ShowFile, names_the_place_of_what_is_wrong) {
     EXPECT_FALSE(calibration::parse_show(good.substr(0, cut), "watch.json"));
 }
 
-TEST(CorrectedMap, stays_to_the_bit_where_nothing_moved) {
+TEST(CorrectedMap, does_not_change_where_nothing_moved) {
   const Installation room = demo_room_with_pixels_over(8);
   const calibration::Calibration scanned = exact_calibration(room, "x", 0.01);
   const calibration::MeasuredMap same =
@@ -229,7 +229,7 @@ TEST(CorrectedMap, stays_to_the_bit_where_nothing_moved) {
   EXPECT_EQ(moved_px(installed(room.projectors[0]), room.wall), 0.0);
 }
 
-TEST(CorrectedMap, is_the_map_of_a_projector_that_stands_elsewhere) {
+TEST(CorrectedMap, is_the_map_of_the_displaced_projector) {
   Installation room = demo_room_with_pixels_over(8);
   const calibration::Calibration before = exact_calibration(room, "x");
   for (std::size_t i = 0; i < room.projectors.size(); ++i) {
@@ -245,7 +245,7 @@ TEST(CorrectedMap, is_the_map_of_a_projector_that_stands_elsewhere) {
   }
 }
 
-TEST(ShowFit, finds_a_projector_by_its_map) {
+TEST(ShowFit, locates_a_projector_by_its_map) {
   Installation room = demo_room_with_pixels_over(4);
   calibration::ShowProjector start;
   start.lens = lens_of(room.projectors[1].lens);
@@ -266,7 +266,7 @@ TEST(ShowFit, finds_a_projector_by_its_map) {
   EXPECT_EQ(fit_projector(none, room.wall, room.sweet_spot, start).error().code(), ErrorCode::kInvalidArgument);
 }
 
-TEST(ShowFit, places_a_camera_though_a_third_of_its_pixels_are_wrong) {
+TEST(ShowFit, places_a_camera_although_a_third_of_its_pixels_are_wrong) {
   const Installation room = demo_room();
   const calibration::BrownParameters lens{640, 480, 500.0, 500.0, 321.0, 239.0, -0.05, 0.01, 1e-4, -2e-4, 0.0};
   calibration::ShowCamera camera{"", lens, {}, {}};
@@ -332,7 +332,7 @@ struct SmallShow {
   calibration::ShowCalibration show;
 };
 
-TEST(ShowRecord, is_found_again_bit_by_bit) {
+TEST(ShowRecord, replays_bit_by_bit) {
   const Folder folder;
   const SmallShow small;
   std::string lines;
@@ -361,7 +361,7 @@ TEST(ShowRecord, is_found_again_bit_by_bit) {
   EXPECT_EQ(*again, lines);
 }
 
-TEST(ShowRecord, knows_what_was_put_back) {
+TEST(ShowRecord, replays_an_undone_correction) {
   const Folder folder;
   const SmallShow small;
   const calibration::PoseMatrix root = 1e-4 * calibration::PoseMatrix::Identity();
@@ -403,7 +403,7 @@ TEST(ShowRecord, knows_what_was_put_back) {
   EXPECT_EQ(put_back, 1);
 }
 
-TEST(ShowRecord, ends_wherever_it_is_cut_and_refuses_what_it_is_not) {
+TEST(ShowRecord, ends_where_it_was_cut_and_refuses_other_files) {
   const Folder folder;
   const SmallShow small;
   {
@@ -447,7 +447,7 @@ TEST(ShowRecord, ends_wherever_it_is_cut_and_refuses_what_it_is_not) {
   EXPECT_TRUE(!event || !*event);
 }
 
-TEST(ShowRecord, ends_at_its_largest_size_and_all_of_a_folder_count) {
+TEST(ShowRecord, ends_at_its_maximum_size_counting_all_of_its_folder) {
   const Folder folder;
   const SmallShow small;
   EXPECT_EQ(record_bytes(folder.path / "none"), 0u);
@@ -465,7 +465,7 @@ TEST(ShowRecord, ends_at_its_largest_size_and_all_of_a_folder_count) {
   EXPECT_LE(std::filesystem::file_size(one / "show.record"), 3 * pictures);
 }
 
-TEST(HealingHealth, tells_who_is_held_and_why) {
+TEST(HealingHealth, reports_which_projectors_are_held_and_why) {
   HealingHealth health({"left", "right"}, 2.0);
   EXPECT_EQ(health.sentence(), "begins to watch the wall");
   ShowReport report;

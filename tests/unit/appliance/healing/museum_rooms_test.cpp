@@ -49,7 +49,7 @@ class MuseumRoomsTest : public ::testing::Test {
   SteadyClock clock_;
 };
 
-TEST_F(MuseumRoomsTest, takes_the_stick_s_lens_where_the_calibration_has_none) {
+TEST_F(MuseumRoomsTest, uses_the_usb_sticks_lens_where_the_calibration_has_none) {
   write_lens("own/left.json", 500.0);
   write_lens("stick/left.json", 600.0);
   write_lens("stick/right.json", 700.0);
@@ -60,7 +60,7 @@ TEST_F(MuseumRoomsTest, takes_the_stick_s_lens_where_the_calibration_has_none) {
   EXPECT_THAT(made->troubles(), IsEmpty());
 }
 
-TEST_F(MuseumRoomsTest, goes_on_without_a_camera_that_has_no_lens_or_a_damaged_one) {
+TEST_F(MuseumRoomsTest, works_without_cameras_that_have_no_valid_lens) {
   write_lens("own/right.json", 500.0);
   const auto missing = rooms();
   ASSERT_THAT(missing->cameras(), SizeIs(1));
@@ -74,7 +74,7 @@ TEST_F(MuseumRoomsTest, goes_on_without_a_camera_that_has_no_lens_or_a_damaged_o
   EXPECT_THAT(damaged->troubles(), ElementsAre(AllOf(HasSubstr("camera 'left'"), HasSubstr("left.json"))));
 }
 
-TEST_F(MuseumRoomsTest, without_any_lens_the_loop_says_what_is_missing) {
+TEST_F(MuseumRoomsTest, reports_what_is_missing_without_any_lens) {
   InspectionService inspection("calibrator");
   HealingLoop::Options options;
   std::mutex mutex;

@@ -81,7 +81,7 @@ struct Room {
   }
 };
 
-TEST(RemoteShown, knows_when_a_picture_was_lit_however_long_the_display_draws) {
+TEST(RemoteShown, knows_when_a_picture_was_lit_however_slowly_the_display_draws) {
   Room room;
   const TimePoint lit = room.clock.now() - 300ms;
   room.tell(1, lit);
@@ -98,7 +98,7 @@ TEST(RemoteShown, knows_when_a_picture_was_lit_however_long_the_display_draws) {
   EXPECT_GE(told->until[0].at, opened + 40ms);
 }
 
-TEST(RemoteShown, a_picture_is_told_once_and_counted) {
+TEST(RemoteShown, reports_and_counts_each_picture_once) {
   Room room;
   room.tell(1, room.clock.now() - 300ms);
   const auto first = room.shown->between(room.clock.now() - 100ms, room.clock.now() - 60ms);
@@ -112,7 +112,7 @@ TEST(RemoteShown, a_picture_is_told_once_and_counted) {
   EXPECT_EQ(second->until[0].number, 2u);
 }
 
-TEST(RemoteShown, a_display_that_was_started_again_counts_anew) {
+TEST(RemoteShown, counts_anew_after_a_restart_of_the_display) {
   Room room;
   room.tell(500, room.clock.now() - 300ms);
   ASSERT_TRUE(room.shown->between(room.clock.now() - 100ms, room.clock.now() - 60ms));

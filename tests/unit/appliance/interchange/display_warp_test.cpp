@@ -17,12 +17,12 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr double kTolerancePx = 0.1;
-constexpr double kRimRad = 3e-3;  ///< A fifth of a pixel of these small projectors, lost at the end of the wall.
+constexpr double kRimRad = 3e-3;  ///< Margin at the wall's end: a fifth of a pixel of these small projectors.
 
 /// The room's middle projector with a tenth of its pixels, through an MPCDI file and back.
-class Returned : public ::testing::Test {
+class DisplayWarpTest : public ::testing::Test {
  protected:
-  Returned()
+  DisplayWarpTest()
       : room_(demo_room_with_pixels_over(10)),
         map_(room_, 1),
         masks_(warp::make_blend_masks(warp::projector_maps(room_))) {}
@@ -63,7 +63,7 @@ class Returned : public ::testing::Test {
   std::vector<warp::MaskImage> masks_;
 };
 
-TEST_F(Returned, a_flat_region_draws_what_the_projector_showed) {
+TEST_F(DisplayWarpTest, a_flat_region_draws_what_the_projector_showed) {
   const Panorama picture = room_.panorama(2048);
   const auto mesh = warp::make_warp_mesh(map_, picture, 0.2);
   ASSERT_TRUE(mesh.has_value()) << mesh.error().message();
@@ -88,7 +88,7 @@ TEST_F(Returned, a_flat_region_draws_what_the_projector_showed) {
   EXPECT_GT(lit, mask.width() * mask.height() / 2);
 }
 
-TEST_F(Returned, points_on_the_wall_draw_what_the_projector_showed) {
+TEST_F(DisplayWarpTest, points_on_the_wall_draw_what_the_projector_showed) {
   const Panorama picture = room_.panorama(2048);
   const WarpRegion region =
       through_file(region_in_space(map_, room_.sweet_spot, masks_[1], "middle"), WarpProfile::kAdvanced3d);
@@ -100,7 +100,7 @@ TEST_F(Returned, points_on_the_wall_draw_what_the_projector_showed) {
   EXPECT_LT(worst_angle(*back), kRimRad);
 }
 
-TEST_F(Returned, points_from_the_floor_need_the_place_of_the_eye) {
+TEST_F(DisplayWarpTest, points_from_the_floor_need_the_eyes_position) {
   WarpRegion region = region_in_space(map_, room_.sweet_spot, masks_[1], "middle");
   const auto expected = directions_of(region, WarpProfile::kAdvanced3d, {});
   ASSERT_TRUE(expected.has_value());
@@ -124,7 +124,7 @@ TEST_F(Returned, points_from_the_floor_need_the_place_of_the_eye) {
   }
 }
 
-TEST_F(Returned, a_whole_room_is_written_with_its_projectors_names_and_blend) {
+TEST_F(DisplayWarpTest, a_whole_room_is_written_with_its_projectors_names_and_blend) {
   const auto bytes = encode_mpcdi(set_of(room_));
   ASSERT_TRUE(bytes.has_value()) << bytes.error().message();
   const auto file = decode_mpcdi(*bytes);
@@ -155,7 +155,7 @@ void expect_direction(const WarpRegion& region, const Eigen::Vector3d& expected)
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(directions->at(0, 0)[i], expected.normalized()[i], 1e-6) << i;
 }
 
-TEST(Directions, a_frustum_turns_right_then_up_then_clockwise) {
+TEST(Directions, a_frustum_is_turned_right_then_up_then_clockwise) {
   expect_direction(looking(0, 0, 0, 0.5f, 0.5f), {0, 0, -1});
   expect_direction(looking(0, 0, 0, 1.0f, 1.0f), {1, 1, -1});  // The picture's upper right corner.
   expect_direction(looking(90, 0, 0, 0.5f, 0.5f), {1, 0, 0});
@@ -175,7 +175,7 @@ TEST(Directions, a_region_is_a_part_of_its_buffers_picture) {
   EXPECT_NEAR(d[1] / std::hypot(d[0], d[2]), 0.25, 1e-6);
 }
 
-TEST(Directions, what_cannot_be_seen_is_refused_with_what_to_give) {
+TEST(Directions, refuses_what_is_not_visible_with_a_remedy) {
   WarpRegion region = looking(0, 0, 0, 0.5f, 0.5f);
   EXPECT_THAT(directions_of(region, WarpProfile::kAdvanced3d, {}).error().message(), HasSubstr("geometricUnit"));
   EXPECT_EQ(directions_of(region, WarpProfile::k2d, {}).error().code(), ErrorCode::kInvalidArgument) << "no picture";
@@ -187,7 +187,7 @@ TEST(Directions, what_cannot_be_seen_is_refused_with_what_to_give) {
   EXPECT_THAT(directions_of(region, WarpProfile::k3d, {}).error().message(), HasSubstr("geometryWarpFile"));
 }
 
-TEST(MeshFrom, a_projector_across_the_seam_at_half_a_turn_has_azimuths_that_do_not_jump) {
+TEST(MeshFrom, azimuths_are_continuous_across_half_a_turn) {
   DirectionMap directions(64, 8);
   for (int y = 0; y < 8; ++y) {
     for (int x = 0; x < 64; ++x) {
@@ -206,13 +206,13 @@ TEST(MeshFrom, a_projector_across_the_seam_at_half_a_turn_has_azimuths_that_do_n
   }
 }
 
-TEST(MeshFrom, a_map_without_a_mapped_sample_is_refused) {
+TEST(MeshFrom, refuses_a_map_without_a_mapped_sample) {
   const DirectionMap none(8, 8, std::numeric_limits<float>::quiet_NaN());
   EXPECT_THAT(mesh_from(none, 8, 8, Panorama{1024, 512, 2.0, 0.5, -0.5}, 1.0).error().message(),
               HasSubstr("too little"));
 }
 
-TEST(BlackLevel, is_light_after_gamma_in_the_projectors_pixels) {
+TEST(BlackLevel, is_light_after_gamma_in_projector_pixels) {
   WarpRegion region = looking(0, 0, 0, 0.5f, 0.5f);
   EXPECT_FALSE(black_level_of(region).has_value());
   region.width_px = 4;

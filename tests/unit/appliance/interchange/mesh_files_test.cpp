@@ -30,7 +30,7 @@ void expect_near(const WarpNet& a, const WarpNet& b) {
   }
 }
 
-TEST(Bourke, comes_back_to_seven_decimals_and_is_written_the_same_again) {
+TEST(Bourke, survives_a_round_trip_to_seven_decimals_and_is_rewritten_identically) {
   for (std::uint32_t seed = 0; seed < 30; ++seed) {
     GeneratedWarps made(seed);
     WarpNet net = made.grid();
@@ -46,7 +46,7 @@ TEST(Bourke, comes_back_to_seven_decimals_and_is_written_the_same_again) {
   }
 }
 
-TEST(Bourke, a_mesh_as_its_author_writes_it_is_understood) {
+TEST(Bourke, reads_a_mesh_as_its_author_writes_it) {
   const auto net = parse_bourke("2\n2 2\r\n-1.6 -1 0 0 1\n1.6 -1 1 0 1\n  -1.6 1 0 1\t0.5\n1.6 1 1 1 -1\n", 1.6);
   ASSERT_TRUE(net.has_value()) << net.error().message();
   EXPECT_EQ(net->nodes[0], (WarpNode{0.0, 0.0, 0.0, 0.0, 1.0}));
@@ -54,7 +54,7 @@ TEST(Bourke, a_mesh_as_its_author_writes_it_is_understood) {
   EXPECT_TRUE(net->drawn().size() == 0) << "both triangles have the node that is not drawn";
 }
 
-TEST(Bourke, every_fault_names_its_line) {
+TEST(Bourke, names_the_line_of_every_mistake) {
   const auto refusal = [](std::string_view text) {
     const auto net = parse_bourke(text, 1.0);
     return net ? "" : net.error().message();
@@ -74,7 +74,7 @@ TEST(Bourke, every_fault_names_its_line) {
   EXPECT_EQ(print_bourke(GeneratedWarps(1).triangles(), 1.0).error().code(), ErrorCode::kInvalidArgument);
 }
 
-TEST(WarpObj, comes_back_to_seven_decimals_and_is_written_the_same_again) {
+TEST(WarpObj, survives_a_round_trip_to_seven_decimals_and_is_rewritten_identically) {
   for (std::uint32_t seed = 0; seed < 30; ++seed) {
     const WarpNet net = GeneratedWarps(seed).triangles();
     const auto text = print_warp_obj(net);
@@ -86,7 +86,7 @@ TEST(WarpObj, comes_back_to_seven_decimals_and_is_written_the_same_again) {
   }
 }
 
-TEST(WarpObj, polygons_relative_indices_and_shared_vertices_are_understood) {
+TEST(WarpObj, reads_polygons_relative_indices_and_shared_vertices) {
   const auto net = parse_warp_obj(
       "# made elsewhere\nmtllib x.mtl\no screen\nv -1 -1\nv 1 -1 0\nv 1 1 0.0\nv -1 1 0\nvn 0 0 1\n"
       "vt 0 0\nvt 1 0\nvt 1 1 0\nvt 0 1\nf 1/1/1 2/2/1 3/3/1 4/4/1\nf -4//1 -2/-2 -1/1\n");
@@ -97,7 +97,7 @@ TEST(WarpObj, polygons_relative_indices_and_shared_vertices_are_understood) {
   EXPECT_EQ(last, (WarpNode{0.0, 1.0, 0.0, 0.0, 1.0}));
 }
 
-TEST(WarpObj, every_fault_names_its_line) {
+TEST(WarpObj, names_the_line_of_every_mistake) {
   const auto refusal = [](std::string_view text) {
     const auto net = parse_warp_obj(text);
     return net ? "" : net.error().message();
@@ -113,7 +113,7 @@ TEST(WarpObj, every_fault_names_its_line) {
   EXPECT_THAT(refusal("v 0 0 0\nvt 0 0\n"), HasSubstr("no faces"));
 }
 
-TEST(Domeprojection, is_read_in_any_order_and_from_the_upper_left_corner) {
+TEST(Domeprojection, reads_nodes_in_any_order_from_the_upper_left_corner) {
   const auto net = parse_domeprojection(
       "x;y;u;v;column;row\n0;1;0.1;0.9;0;1\n1;1;0.8;0.9;1;1\r\n0;0;0.1;0.2;0;0\n1;0;0.8;0.2;1;0\n");
   ASSERT_TRUE(net.has_value()) << net.error().message();
@@ -122,7 +122,7 @@ TEST(Domeprojection, is_read_in_any_order_and_from_the_upper_left_corner) {
   EXPECT_EQ(net->nodes[2], (WarpNode{0.0, 0.0, 0.1, 1.0 - 0.9, 1.0}));
 }
 
-TEST(Domeprojection, every_fault_names_its_line) {
+TEST(Domeprojection, names_the_line_of_every_mistake) {
   const auto refusal = [](std::string_view text) {
     const auto net = parse_domeprojection(text);
     return net ? "" : net.error().message();
@@ -137,7 +137,7 @@ TEST(Domeprojection, every_fault_names_its_line) {
   EXPECT_THAT(refusal(""), HasSubstr("end: 0 nodes"));
 }
 
-TEST(SimCad, offsets_move_the_nodes_right_and_down) {
+TEST(SimCad, offsets_move_nodes_right_and_down) {
   const auto net = parse_simcad(
       "<GeometryFile><GeometryDefinition><X-FlatParameters range=\"2560\">0 256 0 0</X-FlatParameters>"
       "<Y-FlatParameters range=\"1\">0 0.25\n0 0</Y-FlatParameters></GeometryDefinition></GeometryFile>");
@@ -147,7 +147,7 @@ TEST(SimCad, offsets_move_the_nodes_right_and_down) {
   EXPECT_EQ(net->nodes[1], (WarpNode{1.1, 0.75, 1.0, 1.0, 1.0}));
 }
 
-TEST(SimCad, every_fault_names_its_line) {
+TEST(SimCad, names_the_line_of_every_mistake) {
   const auto refusal = [](std::string_view x, std::string_view y) {
     const auto net =
         parse_simcad(fmt::format("<GeometryFile>\n<GeometryDefinition>\n<X-FlatParameters {}"

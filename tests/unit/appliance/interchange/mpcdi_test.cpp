@@ -66,7 +66,7 @@ std::string refusal(std::string_view manifest) {
   return file ? "" : file.error().message();
 }
 
-TEST(Mpcdi, what_is_written_comes_back_and_is_written_the_same_again) {
+TEST(Mpcdi, survives_a_round_trip_and_is_rewritten_identically) {
   for (const WarpProfile profile :
        {WarpProfile::k2d, WarpProfile::k3d, WarpProfile::kAdvanced3d, WarpProfile::kShaderLamps}) {
     for (const MpcdiVersion version : {MpcdiVersion::k1_0, MpcdiVersion::k2_0}) {
@@ -84,7 +84,7 @@ TEST(Mpcdi, what_is_written_comes_back_and_is_written_the_same_again) {
   }
 }
 
-TEST(Mpcdi, the_spelling_of_each_version_is_written_and_both_are_read) {
+TEST(Mpcdi, writes_the_spelling_of_each_version_and_reads_both) {
   const auto manifest_of = [](MpcdiVersion version) {
     const auto bytes = encode_mpcdi(GeneratedWarps(1).set(WarpProfile::k2d, version));
     auto zip = ZipReader::open(*bytes, 1 << 20);
@@ -106,7 +106,7 @@ TEST(Mpcdi, the_spelling_of_each_version_is_written_and_both_are_read) {
   EXPECT_EQ(old->set.region("nobody"), nullptr);
 }
 
-TEST(Mpcdi, poses_alone_are_read_from_the_bare_manifest) {
+TEST(Mpcdi, reads_poses_from_a_bare_manifest) {
   const auto file = decode_mpcdi(bytes_of(R"(<?xml version="1.0" encoding="utf-8"?>
 <MPCDI profile="sl" geometry="2" color="1" date="2018-11-16 19:30:11" version="2.0">
   <display><buffer id="wolf">
@@ -134,7 +134,7 @@ TEST(Mpcdi, poses_alone_are_read_from_the_bare_manifest) {
   EXPECT_THAT(file->ignored[0], HasSubstr("mpcdi.xml, line 16, <extensionSet>"));
 }
 
-TEST(Mpcdi, words_that_the_reference_library_gets_wrong_are_unknown_and_said) {
+TEST(Mpcdi, treats_the_reference_librarys_misspellings_as_unknown) {
   const auto file = read_archive(with(whole(), "</interpolation>",
                                       "</interpolation><geometricUnit>unkown</geometricUnit>"
                                       "<originof3DData>linear</originof3DData>"));
@@ -144,7 +144,7 @@ TEST(Mpcdi, words_that_the_reference_library_gets_wrong_are_unknown_and_said) {
   EXPECT_THAT(file->ignored[0], HasSubstr("'linear'"));
 }
 
-TEST(Mpcdi, every_fault_of_the_manifest_names_its_line_and_a_remedy) {
+TEST(Mpcdi, names_line_and_remedy_of_every_mistake_in_the_manifest) {
   const std::string good = whole();
   ASSERT_EQ(refusal(good), "");
   EXPECT_EQ(refusal(with(good, R"(profile="2d")", R"(profile="4d")")),
@@ -171,7 +171,7 @@ TEST(Mpcdi, every_fault_of_the_manifest_names_its_line_and_a_remedy) {
   EXPECT_THAT(refusal(""), HasSubstr("this is no XML"));
 }
 
-TEST(Mpcdi, a_damaged_archive_is_refused_whichever_byte_is_changed_or_lost) {
+TEST(Mpcdi, refuses_damaged_archives_whichever_byte_is_changed_or_lost) {
   const auto bytes = encode_mpcdi(GeneratedWarps(5).set(WarpProfile::k2d, MpcdiVersion::k2_0));
   ASSERT_TRUE(bytes.has_value());
   for (std::size_t length = 0; length < bytes->size(); length += 1 + length / 50) {
@@ -179,7 +179,7 @@ TEST(Mpcdi, a_damaged_archive_is_refused_whichever_byte_is_changed_or_lost) {
     ASSERT_FALSE(cut.has_value()) << length;
     EXPECT_EQ(cut.error().code(), ErrorCode::kBadData);
   }
-  // A change may be harmless, but it must never do silent harm.
+  // A changed byte is either reported or changes nothing that is read.
   for (std::size_t at = 0; at < bytes->size(); at += 1 + at / 50) {
     std::vector<std::byte> changed = *bytes;
     changed[at] ^= std::byte{0x40};
@@ -190,7 +190,7 @@ TEST(Mpcdi, a_damaged_archive_is_refused_whichever_byte_is_changed_or_lost) {
   }
 }
 
-TEST(Zip, hostile_archives_are_refused_with_the_member) {
+TEST(Zip, refuses_hostile_archives_by_member) {
   const auto refused = [](const std::vector<ZipMember>& members) {
     const auto bytes = packed(members);
     const auto zip = ZipReader::open(bytes, 1 << 20);
@@ -208,7 +208,7 @@ TEST(Zip, hostile_archives_are_refused_with_the_member) {
   EXPECT_THAT(refused(many), HasSubstr("1025 members"));
 }
 
-TEST(Zip, a_member_may_not_grow_beyond_the_limit_or_beyond_what_deflate_can) {
+TEST(Zip, refuses_members_larger_than_the_limit_or_than_deflate_allows) {
   const std::vector<std::byte> zeros(std::size_t{1} << 20);
   std::vector<std::byte> bytes = packed({{"zeros", zeros}});
   {
@@ -235,7 +235,7 @@ TEST(Zip, a_member_may_not_grow_beyond_the_limit_or_beyond_what_deflate_can) {
   EXPECT_THAT(ZipReader::open(bytes, std::size_t{8} << 30).error().message(), HasSubstr("claim to unpack"));
 }
 
-TEST(Mpcdi, a_file_is_written_whole_and_errors_name_it) {
+TEST(Mpcdi, writes_a_file_completely_and_names_it_in_errors) {
   const auto path = std::filesystem::temp_directory_path() / ("mpcdi_test_" + std::to_string(::getpid()) + ".mpcdi");
   const WarpSet set = GeneratedWarps(7).set(WarpProfile::kAdvanced3d, MpcdiVersion::k2_0);
   ASSERT_TRUE(write_mpcdi(path, set).has_value());

@@ -40,7 +40,7 @@ class WarpFiles : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(WarpFiles, every_format_that_is_written_is_read_as_nearly_the_same_map) {
+TEST_F(WarpFiles, every_format_survives_a_round_trip_approximately) {
   for (const char* const name : {"a.mpcdi", "a.pfm", "a.data", "a.obj"}) {
     const std::filesystem::path path = folder_ / name;
     const Status written = write_warp_file(path, set_, "", options_);
@@ -62,7 +62,7 @@ TEST_F(WarpFiles, every_format_that_is_written_is_read_as_nearly_the_same_map) {
   }
 }
 
-TEST_F(WarpFiles, a_mesh_carries_the_mask_as_light_and_an_obj_has_it_beside) {
+TEST_F(WarpFiles, a_mesh_carries_the_mask_as_light_and_an_obj_has_a_separate_mask) {
   ASSERT_TRUE(write_warp_file(folder_ / "a.data", set_, "left", options_).has_value());
   const auto file = read_warp_file(folder_ / "a.data", options_);
   ASSERT_TRUE(file.has_value());
@@ -71,7 +71,7 @@ TEST_F(WarpFiles, a_mesh_carries_the_mask_as_light_and_an_obj_has_it_beside) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "b.png"));
 }
 
-TEST_F(WarpFiles, what_does_not_fit_is_refused_with_what_to_give) {
+TEST_F(WarpFiles, refuses_what_does_not_fit_with_a_remedy) {
   const auto refusal = [](const Status& status) { return status ? "" : status.error().message(); };
   EXPECT_THAT(refusal(write_warp_file(folder_ / "a.csv", set_, "", options_)), HasSubstr("use .mpcdi"));
   EXPECT_THAT(refusal(write_warp_file(folder_ / "a.pfm", set_, "right", options_)), HasSubstr("'left'"));
@@ -82,7 +82,7 @@ TEST_F(WarpFiles, what_does_not_fit_is_refused_with_what_to_give) {
   EXPECT_THAT(read_warp_file(folder_ / "far.data", options_).error().message(), HasSubstr("covers no pixel"));
 }
 
-TEST_F(WarpFiles, a_picture_shows_what_is_mapped_and_dims_by_the_mask) {
+TEST_F(WarpFiles, preview_shows_the_mapped_area_dimmed_by_the_mask) {
   const WarpRegion& region = set_.buffers[0].regions[0];
   const RgbImage picture = picture_of(region);
   EXPECT_EQ(picture.at(0, 39)[0], 0);

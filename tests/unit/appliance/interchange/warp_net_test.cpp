@@ -26,7 +26,7 @@ WarpNet square(int columns, int rows) {
   return net;
 }
 
-TEST(WarpNet, an_even_grid_becomes_the_map_that_changes_nothing) {
+TEST(WarpNet, an_even_grid_becomes_the_identity_map) {
   const auto region = region_from(square(7, 5), "r", 20, 10);
   ASSERT_TRUE(region.has_value()) << region.error().message();
   EXPECT_FALSE(region->alpha.has_value());
@@ -39,7 +39,7 @@ TEST(WarpNet, an_even_grid_becomes_the_map_that_changes_nothing) {
   EXPECT_TRUE(check(*region, WarpProfile::k2d).has_value());
 }
 
-TEST(WarpNet, light_becomes_a_mask_and_what_is_not_drawn_is_not_mapped) {
+TEST(WarpNet, light_becomes_a_mask_and_undrawn_cells_are_unmapped) {
   WarpNet net = square(3, 2);
   net.nodes[0].light = net.nodes[3].light = 0.5;  // The left edge.
   net.nodes[2].light = -1.0;                      // Lower right.
@@ -52,7 +52,7 @@ TEST(WarpNet, light_becomes_a_mask_and_what_is_not_drawn_is_not_mapped) {
   EXPECT_EQ(region->alpha->light_at(7, 3), 0.0);
 }
 
-TEST(WarpNet, a_smooth_map_survives_becoming_a_grid_and_a_map_again) {
+TEST(WarpNet, a_smooth_map_survives_conversion_to_a_grid_and_back) {
   WarpRegion region;
   region.id = "r";
   region.width_px = 160;
@@ -84,7 +84,7 @@ TEST(WarpNet, a_polar_grid_is_closed) {
   EXPECT_EQ(net.drawn().size(), 8U);
 }
 
-TEST(WarpNet, what_cannot_be_is_refused) {
+TEST(WarpNet, refuses_invalid_grids) {
   WarpNet outside = square(2, 2);
   for (WarpNode& node : outside.nodes) node.x += 5.0;
   EXPECT_EQ(region_from(outside, "r", 8, 8).error().code(), ErrorCode::kBadData);
@@ -103,7 +103,7 @@ TEST(WarpNet, what_cannot_be_is_refused) {
   EXPECT_TRUE(net_from(region, 2, 2).has_value()) << "one sample is the same everywhere";
 }
 
-TEST(MapSampling, is_straight_between_and_beyond_samples_and_takes_the_nearest_at_a_rim) {
+TEST(MapSampling, is_linear_between_and_beyond_samples_and_nearest_at_a_rim) {
   WarpMap map(2, 1);
   map.at(0, 0)[0] = 1.0f;
   map.at(1, 0)[0] = 3.0f;

@@ -26,7 +26,7 @@ class WarpPair : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(WarpPair, comes_back_as_it_was_written_unmapped_pixels_too) {
+TEST_F(WarpPair, survives_a_round_trip_including_unmapped_pixels) {
   GeneratedWarps made(1);
   WarpRegion region;
   region.id = "left";
@@ -44,7 +44,7 @@ TEST_F(WarpPair, comes_back_as_it_was_written_unmapped_pixels_too) {
   EXPECT_TRUE(std::isnan(back->map->at(0, 19)[0])) << "the lower left corner is not mapped";
 }
 
-TEST_F(WarpPair, makes_any_mask_linear_grey_in_sixteen_bits) {
+TEST_F(WarpPair, converts_any_mask_to_linear_grey_of_16_bits) {
   WarpRegion region;
   region.id = "left";
   region.map = GeneratedWarps(2).map(2, 1, true);
@@ -60,7 +60,7 @@ TEST_F(WarpPair, makes_any_mask_linear_grey_in_sixteen_bits) {
   EXPECT_NEAR(back->alpha->light_at(1, 0), 0.25197, 1e-5);  // (128 / 255)^2
 }
 
-TEST_F(WarpPair, says_which_file_is_at_fault_and_where) {
+TEST_F(WarpPair, names_the_wrong_file_and_the_position) {
   WarpRegion region;
   region.map = GeneratedWarps(3).map(4, 4, true);
   ASSERT_TRUE(write_warp_pair(folder_ / "a.pfm", folder_ / "a.png", region).has_value());
@@ -93,7 +93,7 @@ TEST(WarpPfm, refuses_grey_infinite_and_oversized_maps) {
   EXPECT_THAT(check(region, WarpProfile::k2d).error().message(), HasSubstr("column 2, row 1"));
 }
 
-TEST(MaskPng, keeps_grey_and_colour_in_eight_and_sixteen_bits) {
+TEST(MaskPng, reads_grey_and_colour_of_8_and_16_bits) {
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     MaskMap mask = GeneratedWarps(seed).mask(17, 9);
     mask.gamma = 1.0;

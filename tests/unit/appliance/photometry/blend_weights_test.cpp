@@ -82,7 +82,7 @@ class BlendWeightsOf : public testing::TestWithParam<Wall> {};
 
 /// Measures what calibration_bench calls "weights off 1": each picture has the weights of its own map, and the wall
 /// adds them up according to the truth.
-TEST_P(BlendWeightsOf, add_up_to_one_on_the_wall_though_maps_are_off_by_some_hundredths_of_a_pixel) {
+TEST_P(BlendWeightsOf, add_up_to_one_although_maps_are_off_by_hundredths_of_a_pixel) {
   constexpr double kOff_px = 0.03;
   constexpr double kRim_deg = 0.4;  // About ten pixels.
   const Maps truth = maps_of(GetParam(), 0.0);
@@ -130,7 +130,7 @@ const Wall kWalls[] = {
 };
 INSTANTIATE_TEST_SUITE_P(walls, BlendWeightsOf, testing::ValuesIn(kWalls));
 
-TEST(BlendWeights, fade_towards_sides_on_another_picture_and_no_others) {
+TEST(BlendWeights, fade_only_towards_sides_inside_another_picture) {
   const Maps maps = maps_of({"two", 40.0, {{-15.0, 0.0, 0.0}, {15.0, 0.0, 0.0}}}, 0.0);
   const BlendWeights weights(maps.projectors, maps.inverses);
   const auto left_at = [&](const Eigen::Vector2d& pixel) {
@@ -140,9 +140,9 @@ TEST(BlendWeights, fade_towards_sides_on_another_picture_and_no_others) {
     return -1.0;
   };
   EXPECT_NEAR(left_at({kWidth_px - 1e-6, 0.5 * kHeight_px}), 0.0, 1e-9);
-  // Here the other picture begins, so left is still alone.
+  // The right picture begins here, so the left one still has the full weight.
   EXPECT_EQ(left_at({0.3 * kWidth_px, 0.5 * kHeight_px}), 1.0);
-  // The rim of the lit area changes nothing: in the middle of the overlap the weight is a half, at its top too.
+  // The rim of the lit area has no influence: in the middle of the overlap the weight is a half, even at its top.
   const auto pixel = maps.inverses[0].pixel_at(-Eigen::Vector3d::UnitZ());
   ASSERT_TRUE(pixel);
   EXPECT_NEAR(left_at(*pixel), 0.5, 0.01);
@@ -152,7 +152,7 @@ TEST(BlendWeights, fade_towards_sides_on_another_picture_and_no_others) {
   EXPECT_NEAR(left_at(*above), 0.5, 0.01);
 }
 
-TEST(BlendWeights, of_projectors_on_one_place_are_alike) {
+TEST(BlendWeights, are_equal_for_projectors_in_one_position) {
   const Maps maps = maps_of({"two in one", 40.0, {{0.0, 0.0, 0.0}, {0.01, -0.01, 0.02}}}, 0.0);
   const BlendWeights weights(maps.projectors, maps.inverses);
   for (const double x : {-0.2, 0.0, 0.1}) {

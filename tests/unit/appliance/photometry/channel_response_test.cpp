@@ -41,7 +41,7 @@ TEST(ChannelResponse, follows_gammas_from_1_to_4_between_its_points) {
   }
 }
 
-TEST(ChannelResponse, follows_curves_of_the_shape_of_an_s) {
+TEST(ChannelResponse, follows_s_shaped_curves) {
   for (const double bend : {-0.1, 0.12, 0.3}) {
     const auto curve = [bend](double x) { return std::pow(x, 2.2) + bend * x * (1.0 - x) * (1.0 - 2.0 * x); };
     const auto response = channel_response(ramp_of(curve));
@@ -50,7 +50,7 @@ TEST(ChannelResponse, follows_curves_of_the_shape_of_an_s) {
   }
 }
 
-TEST(ChannelResponse, its_inverse_makes_the_light_that_was_wanted) {
+TEST(ChannelResponse, has_an_inverse_that_gives_the_wanted_light) {
   for (const double gamma : {1.0, 2.2, 4.0}) {
     const auto curve = [gamma](double x) { return std::pow(x, gamma); };
     const auto response = channel_response(ramp_of(curve));
@@ -62,7 +62,7 @@ TEST(ChannelResponse, its_inverse_makes_the_light_that_was_wanted) {
   }
 }
 
-TEST(ChannelResponse, tells_where_a_channel_is_clipped_and_follows_the_kink) {
+TEST(ChannelResponse, detects_clipping_and_follows_the_kink) {
   for (const double clip : {0.7, 0.85, 0.9}) {
     const auto curve = [clip](double x) { return std::pow(std::min(x / clip, 1.0), 2.2); };
     const auto response = channel_response(ramp_of(curve));
@@ -74,7 +74,7 @@ TEST(ChannelResponse, tells_where_a_channel_is_clipped_and_follows_the_kink) {
   }
 }
 
-TEST(ChannelResponse, tells_a_channel_that_stays_black_and_one_that_falls) {
+TEST(ChannelResponse, reports_a_channel_that_stays_black_and_one_that_decreases) {
   const auto crushed = channel_response(ramp_of([](double x) { return std::max(0.0, x - 0.3) / 0.7; }));
   ASSERT_TRUE(crushed);
   EXPECT_TRUE(crushed->dark_below);
@@ -93,7 +93,7 @@ TEST(ChannelResponse, tells_a_channel_that_stays_black_and_one_that_falls) {
   EXPECT_TRUE(std::ranges::is_sorted(inverse.codes));
 }
 
-TEST(ChannelResponse, refuses_ramps_that_tell_nothing) {
+TEST(ChannelResponse, refuses_ramps_without_information) {
   EXPECT_FALSE(channel_response(ramp_of([](double) { return 0.0; })));
   EXPECT_FALSE(channel_response(ramp_of([](double x) { return x; }, 2)));
   auto twice = ramp_of([](double x) { return x; });

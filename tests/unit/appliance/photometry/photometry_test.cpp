@@ -37,7 +37,7 @@ bool is_finite(const Photometry& photometry) {
   return std::isfinite(photometry.light_kept) && std::isfinite(photometry.camera_corner);
 }
 
-TEST(Photometry, of_two_alike_projectors_changes_only_what_the_overlap_needs) {
+TEST(Photometry, changes_two_equal_projectors_only_where_they_overlap) {
   const auto result = photometry(even_light({EvenLight{}, EvenLight{}}));
   ASSERT_TRUE(result) << result.error().message();
   EXPECT_TRUE(is_finite(*result));
@@ -47,7 +47,7 @@ TEST(Photometry, of_two_alike_projectors_changes_only_what_the_overlap_needs) {
   EXPECT_GT(result->light_kept, result->light_kept_flat);
 }
 
-TEST(Photometry, light_of_both_adds_up_to_a_target_that_varies_slowly) {
+TEST(Photometry, adds_up_to_a_smooth_target) {
   EvenLight dim;
   dim.brightness = 0.15;
   PhotometryInput input = even_light({EvenLight{}, dim});
@@ -82,7 +82,7 @@ TEST(Photometry, light_of_both_adds_up_to_a_target_that_varies_slowly) {
   }
 }
 
-TEST(Photometry, says_what_is_wrong_with_a_projector) {
+TEST(Photometry, names_the_problem_of_a_projector) {
   EvenLight clipped;
   clipped.projector[0] = [](double x) { return std::pow(std::min(x / 0.85, 1.0), 2.2); };
   EvenLight dim;
@@ -96,7 +96,7 @@ TEST(Photometry, says_what_is_wrong_with_a_projector) {
   EXPECT_THAT(result->remarks, Contains(HasSubstr("projector 'right': its black is 1/")));
 }
 
-TEST(Photometry, a_grey_camera_leaves_colours_alone_and_says_so) {
+TEST(Photometry, leaves_colours_alone_with_a_grey_camera_and_reports_it) {
   PhotometryInput input = even_light({EvenLight{}, EvenLight{}});
   input.has_colour = false;
   const auto result = photometry(input);
@@ -106,7 +106,7 @@ TEST(Photometry, a_grey_camera_leaves_colours_alone_and_says_so) {
   EXPECT_THAT(result->remarks, Contains(HasSubstr("use a colour camera")));
 }
 
-TEST(Photometry, one_projector_alone_keeps_nearly_all_of_its_middle) {
+TEST(Photometry, keeps_nearly_all_light_of_a_single_projectors_middle) {
   const auto result = photometry(even_light({EvenLight{}}));
   ASSERT_TRUE(result) << result.error().message();
   EXPECT_TRUE(is_finite(*result));
@@ -164,7 +164,7 @@ double off(const PhotometryInput& input) {
   return max - min;
 }
 
-TEST(Photometry, tells_a_projectors_light_from_what_the_camera_darkens_off_its_middle) {
+TEST(Photometry, separates_a_projectors_light_from_the_cameras_vignetting) {
   const Eigen::Vector2d centre(214.0, 143.0);
   const double without = off(seen_from_two_stops(centre, 0.0));
   PhotometryInput input = seen_from_two_stops(centre, 3.0);
@@ -175,7 +175,7 @@ TEST(Photometry, tells_a_projectors_light_from_what_the_camera_darkens_off_its_m
   EXPECT_FALSE(photometry(input));
 }
 
-TEST(Photometry, refuses_what_makes_no_sense) {
+TEST(Photometry, refuses_invalid_input) {
   PhotometryInput input = even_light({EvenLight{}});
   PhotometryOptions options;
   options.max_slope_per_deg = -1.0;
@@ -197,7 +197,7 @@ TEST(Photometry, refuses_what_makes_no_sense) {
 }
 
 // With four projectors the pictures are less high than the wall, so that corners lie on it.
-TEST(Photometry, makes_a_museums_wall_even_against_its_truth) {
+TEST(Photometry, evens_out_a_simulated_museums_wall) {
   simulated::PresetOptions small;
   small.projectors = 4;
   small.projector_width_px = 480;
@@ -216,7 +216,7 @@ TEST(Photometry, makes_a_museums_wall_even_against_its_truth) {
   ASSERT_TRUE(result) << result.error().message();
   EXPECT_TRUE(is_finite(*result));
   EXPECT_LT(response_rms(museum->truth(), *result), 0.005);
-  // Pixels are four times as large as in full HD, and so is the margin at the rim that does not count.
+  // Pixels are four times as large as in full HD, and so is the margin at the rim that is not scored.
   const SeamScore score = seam_score(museum->truth(), *result, true, 0.8);
   EXPECT_GT(score.pairs, 40u);
   EXPECT_LT(score.mask_sum_error, 0.005);

@@ -36,7 +36,7 @@ TEST(SolveResponses, finds_gammas_from_1_to_4_with_a_linear_camera) {
   for (const double gamma : {1.0, 1.8, 2.2, 4.0}) EXPECT_LT(worst_error(of_gamma(gamma)), 5e-4) << gamma;
 }
 
-TEST(SolveResponses, finds_them_whatever_the_cameras_own_curve) {
+TEST(SolveResponses, finds_them_for_any_response_of_the_camera) {
   for (const double camera : {0.45, 0.8, 1.05, 1.2}) {
     EvenLight light = of_gamma(2.2);
     light.camera = [camera](double x) { return std::pow(x, camera); };
@@ -46,7 +46,7 @@ TEST(SolveResponses, finds_them_whatever_the_cameras_own_curve) {
   }
 }
 
-TEST(SolveResponses, tells_the_cameras_light_up_to_its_unit) {
+TEST(SolveResponses, finds_the_cameras_response_up_to_a_factor) {
   EvenLight light;
   light.camera = [](double x) { return std::pow(x, 0.8); };
   const auto solved = solve_responses(even_light({light}));
@@ -57,7 +57,7 @@ TEST(SolveResponses, tells_the_cameras_light_up_to_its_unit) {
   EXPECT_NEAR(solved->camera.dark_code(), std::pow(light.pedestal, 0.8), 3e-3);
 }
 
-TEST(SolveResponses, three_channels_may_differ_and_two_projectors_too) {
+TEST(SolveResponses, handles_channels_and_projectors_that_differ) {
   EvenLight left;
   left.projector = {[](double x) { return std::pow(x, 1.6); },
                     [](double x) { return std::pow(x, 2.2) + 0.1 * x * (1.0 - x) * (1.0 - 2.0 * x); },
@@ -75,7 +75,7 @@ TEST(SolveResponses, three_channels_may_differ_and_two_projectors_too) {
   }
 }
 
-TEST(SolveResponses, noise_and_eight_bits_cost_less_than_half_a_percent) {
+TEST(SolveResponses, loses_less_than_half_a_percent_to_noise_and_eight_bits) {
   EvenLight light;
   light.noise = 1e-3;
   EXPECT_LT(worst_error(light), 2e-3);
@@ -84,14 +84,14 @@ TEST(SolveResponses, noise_and_eight_bits_cost_less_than_half_a_percent) {
   EXPECT_LT(worst_error(light), 5e-3);
 }
 
-TEST(SolveResponses, a_person_who_walks_through_changes_little) {
+TEST(SolveResponses, is_robust_against_a_passer_by) {
   EvenLight light;
   light.noise = 3e-4;
   light.disturbed = 0.03;
   EXPECT_LT(worst_error(light), 5e-3);
 }
 
-TEST(SolveResponses, a_dark_projector_is_measured_as_long_as_it_is_seen) {
+TEST(SolveResponses, measures_a_dark_projector_as_long_as_it_is_visible) {
   EvenLight light;
   light.brightness = 0.02;
   light.noise = 1e-4;
@@ -103,7 +103,7 @@ std::string refusal(const PhotometryInput& input) {
   return solved ? "solved" : solved.error().message();
 }
 
-TEST(SolveResponses, refuses_a_channel_without_light_by_its_name) {
+TEST(SolveResponses, names_a_channel_without_light) {
   EvenLight light;
   light.channel_light = {1.0, 0.0, 1.0};
   EXPECT_THAT(refusal(even_light({EvenLight{}, light})),
@@ -112,7 +112,7 @@ TEST(SolveResponses, refuses_a_channel_without_light_by_its_name) {
   EXPECT_THAT(refusal(even_light({light})), HasSubstr("projector 'left' gives no light"));
 }
 
-TEST(SolveResponses, refuses_what_cannot_be_told_and_says_what_to_photograph) {
+TEST(SolveResponses, refuses_undetermined_responses_and_says_what_to_photograph) {
   EvenLight light;
   light.exposures = {1.0};
   EXPECT_THAT(refusal(even_light({light})), HasSubstr("with a second one"));

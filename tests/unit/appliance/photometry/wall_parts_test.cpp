@@ -42,7 +42,7 @@ TEST(InverseMap, finds_the_pixel_of_every_direction) {
   }
 }
 
-TEST(InverseMap, knows_nothing_of_holes_and_refuses_maps_that_are_none) {
+TEST(InverseMap, is_empty_in_holes_and_refuses_invalid_maps) {
   calibration::MeasuredMap map = far_map(320, 200, 0.9, 0.0);
   const auto middle = *map.direction_at({160.0, 100.0});
   map.directions[static_cast<std::size_t>(5 * 17 + 8)] = Eigen::Vector3d::Constant(kNaN);
@@ -66,7 +66,7 @@ std::vector<InverseMap> inverses_of(const std::vector<PhotometricProjector>& pro
   return inverses;
 }
 
-TEST(BlendWeights, add_up_to_one_and_change_without_a_step) {
+TEST(BlendWeights, add_up_to_one_and_are_continuous) {
   const auto projectors = two_projectors();
   const auto inverses = inverses_of(projectors);
   const BlendWeights weights(projectors, inverses);
@@ -89,7 +89,7 @@ TEST(BlendWeights, add_up_to_one_and_change_without_a_step) {
   EXPECT_TRUE(weights.at(Eigen::Vector3d(0.0, 0.0, 1.0)).empty());
 }
 
-TEST(BlendWeights, fade_where_a_column_hides_the_wall_from_one) {
+TEST(BlendWeights, fade_where_a_column_hides_the_wall_from_one_projector) {
   auto projectors = two_projectors();
   // The left picture ends inside the right one: its last three columns of control points are hidden.
   for (std::size_t y = 0; y <= 10; ++y) {
@@ -108,7 +108,7 @@ TEST(BlendWeights, fade_where_a_column_hides_the_wall_from_one) {
   EXPECT_GT(left_at(180.0), 0.5);
 }
 
-TEST(DirectionField, is_the_largest_below_what_can_be_reached_with_that_slope) {
+TEST(DirectionField, is_the_largest_field_below_the_available_light_with_that_slope) {
   const auto projectors = two_projectors();
   auto field = DirectionField::over(projectors, 0.5 * kDegree);
   ASSERT_TRUE(field);
@@ -146,7 +146,7 @@ TEST(DirectionField, is_the_largest_below_what_can_be_reached_with_that_slope) {
   EXPECT_NEAR(field->slow_below(0.0, 0.0).at(dim), 0.5, 1e-9);
 }
 
-TEST(DirectionField, varies_less_where_pictures_begin_and_end) {
+TEST(DirectionField, varies_less_at_the_borders_of_pictures) {
   const auto projectors = two_projectors();
   auto field = DirectionField::over(projectors, 0.35 * kDegree);
   ASSERT_TRUE(field);
@@ -174,7 +174,7 @@ TEST(DirectionField, varies_less_where_pictures_begin_and_end) {
   EXPECT_GE(slow.at(at(25.0)), 0.9);
 }
 
-TEST(DirectionField, holds_a_wall_that_goes_all_round) {
+TEST(DirectionField, works_on_a_full_circle_wall) {
   std::vector<PhotometricProjector> projectors;
   for (int i = 0; i < 6; ++i)
     projectors.push_back({"one of six", far_map(320, 200, 70.0 * kDegree, i * 60.0 * kDegree)});
@@ -194,7 +194,7 @@ Eigen::Matrix3d primaries_of(double red_in_green, double green_in_red, double bl
   return m / kLuminance.dot(m.rowwise().sum());
 }
 
-TEST(CommonGamut, of_one_projector_is_its_own) {
+TEST(CommonGamut, is_a_single_projectors_own_gamut) {
   const std::vector<Eigen::Matrix3d> primaries = {primaries_of(0.2, 0.1, 1.0)};
   const std::vector<std::string> names = {"only"};
   const auto gamut = common_gamut(primaries, kLuminance, names);
@@ -204,7 +204,7 @@ TEST(CommonGamut, of_one_projector_is_its_own) {
   EXPECT_NEAR(gamut->kept[0], 1.0, 1e-9);
 }
 
-TEST(CommonGamut, makes_one_colour_of_all_projectors_within_their_reach) {
+TEST(CommonGamut, gives_all_projectors_the_same_colours) {
   const std::vector<Eigen::Matrix3d> primaries = {primaries_of(0.2, 0.1, 1.0), primaries_of(0.3, 0.05, 0.8),
                                                   primaries_of(0.1, 0.2, 1.2)};
   const std::vector<std::string> names = {"a", "b", "c"};
@@ -224,7 +224,7 @@ TEST(CommonGamut, makes_one_colour_of_all_projectors_within_their_reach) {
   EXPECT_NEAR(kLuminance.dot(gamut->wall.rowwise().sum()), 1.0, 1e-12);
 }
 
-TEST(CommonGamut, refuses_projectors_without_colours_or_without_common_ones) {
+TEST(CommonGamut, refuses_projectors_without_colours_or_common_ones) {
   const std::vector<std::string> names = {"a", "b"};
   const std::vector<Eigen::Matrix3d> grey = {primaries_of(0.2, 0.1, 1.0), Eigen::Matrix3d::Ones()};
   const auto refused = common_gamut(grey, kLuminance, names);
@@ -238,7 +238,7 @@ TEST(CommonGamut, refuses_projectors_without_colours_or_without_common_ones) {
   EXPECT_FALSE(common_gamut(apart, kLuminance, names));
 }
 
-TEST(PictureField, follows_what_is_smooth_and_fills_gaps_without_running_away) {
+TEST(PictureField, follows_smooth_data_and_fills_gaps_without_diverging) {
   std::vector<FieldSample> samples;
   std::vector<double> values;
   const auto truth = [](const Eigen::Vector2d& p) { return 0.5 * std::cos(0.01 * p.x()) + 1e-3 * p.y(); };
@@ -258,7 +258,7 @@ TEST(PictureField, follows_what_is_smooth_and_fills_gaps_without_running_away) {
   EXPECT_NEAR(field.at({125.0, 100.0}), truth({125.0, 100.0}), 0.02);
 }
 
-TEST(ReadLight, takes_means_of_cells_and_leaves_clipped_ones_out) {
+TEST(ReadLight, averages_cells_and_leaves_out_clipped_ones) {
   structured_light::Decoded decoded;
   decoded.position_px = Image<float, 2>(80, 60);
   decoded.fate = Image<structured_light::PixelFate, 1>(80, 60, structured_light::PixelFate::kDecoded);

@@ -54,7 +54,7 @@ MuseumScore score_of(const simulated::SimulatedMuseum& museum, const calibration
   });
 }
 
-TEST_P(CalibrationRun, fits_the_projectors_together_on_the_wall) {
+TEST_P(CalibrationRun, aligns_the_projectors_on_the_wall) {
   const bool is_plane = GetParam() == std::string_view("plane");
   simulated::PresetOptions options;
   options.projectors = is_plane ? 2 : 3;
@@ -115,7 +115,7 @@ simulated::PresetOptions two_small_projectors() {
 }
 
 /// The sun through a window, evenly on the wall. The test knows the truth; the calibration sees only the light.
-TEST_F(CalibrationOfLight, in_daylight_is_right_or_refused_with_a_remedy) {
+TEST_F(CalibrationOfLight, in_daylight_it_is_right_or_refused_with_a_remedy) {
   for (const double lux : {300.0, 3000.0}) {
     auto preset = simulated::make_preset("cylinder126", 5, two_small_projectors());
     ASSERT_TRUE(preset.has_value());
@@ -143,7 +143,7 @@ TEST_F(CalibrationOfLight, in_daylight_is_right_or_refused_with_a_remedy) {
   }
 }
 
-TEST_F(CalibrationOfLight, makes_the_projectors_alike_in_brightness_and_colour) {
+TEST_F(CalibrationOfLight, equalises_brightness_and_colour_of_the_projectors) {
   const auto preset = simulated::make_preset("cylinder126", 5, two_small_projectors());
   ASSERT_TRUE(preset.has_value());
   auto museum = simulated::SimulatedMuseum::make(preset->installation, preset->truth);

@@ -46,7 +46,7 @@ class SteadyCamera final : public camera::Camera {
   std::string id_ = "steady";
 };
 
-TEST(FrameScanCamera, photographs_what_was_exposed_after_it_was_asked_with_the_exposure_asked_for) {
+TEST(FrameScanCamera, returns_a_frame_exposed_after_the_request_with_the_requested_exposure) {
   FakeClock clock;
   bool is_unplugged = false;
   std::vector<double> opened;
@@ -104,7 +104,7 @@ class ColourCamera final : public camera::Camera {
   std::string id_ = "colour";
 };
 
-TEST(FrameScanCamera, photographs_colours_where_the_camera_has_them) {
+TEST(FrameScanCamera, returns_colours_if_the_camera_has_them) {
   FakeClock clock;
   const auto camera = FrameScanCamera::open(
       [&](double) -> Result<std::unique_ptr<camera::Camera>> {

@@ -33,7 +33,7 @@ class KnownLens : public ::testing::Test {
   calibration::CameraFile file_;
 };
 
-TEST_F(KnownLens, is_none_where_nobody_wrote_one) {
+TEST_F(KnownLens, is_empty_without_a_lens_file) {
   const auto lens = known_lens({}, folder_, "v4l2:usb-1", 1280, 720);
   ASSERT_TRUE(lens.has_value());
   EXPECT_FALSE(lens->has_value());
@@ -49,7 +49,7 @@ TEST_F(KnownLens, is_found_by_the_cameras_id_with_its_covariance) {
   EXPECT_FALSE(known_lens({}, folder_, "v4l2:usb-2", 640, 360)->has_value()) << "another camera's";
 }
 
-TEST_F(KnownLens, that_is_named_must_be_there_and_fit) {
+TEST_F(KnownLens, must_exist_and_fit_if_it_is_named) {
   EXPECT_THAT(known_lens(folder_ / "mine.json", folder_, "x", 1280, 720).error().message(), HasSubstr("mine.json"));
   write("mine.json");
   EXPECT_TRUE(known_lens(folder_ / "mine.json", folder_, "another id", 1280, 720)->has_value());

@@ -59,7 +59,7 @@ std::vector<InstalledProjector> projectors() {
 
 constexpr std::chrono::milliseconds kSettle(1);
 
-TEST(RemotePatternScreen, shows_on_the_right_display_and_leaves_them_all_at_the_end) {
+TEST(RemotePatternScreen, shows_on_the_right_display_and_releases_all_at_the_end) {
   Display a;
   Display b;
   {
@@ -84,7 +84,7 @@ TEST(RemotePatternScreen, shows_on_the_right_display_and_leaves_them_all_at_the_
   EXPECT_TRUE(b.service.is_back);
 }
 
-TEST(RemotePatternScreen, tells_what_the_display_refused) {
+TEST(RemotePatternScreen, passes_on_the_displays_refusal) {
   Display display;
   display.service.is_taken = true;
   const auto taken = RemotePatternScreen::open(projectors(), {*parse_pattern_display(display.address())}, kSettle);
@@ -103,7 +103,7 @@ TEST(RemotePatternScreen, tells_what_the_display_refused) {
   }
 }
 
-TEST(RemotePatternScreen, every_projector_belongs_to_one_display) {
+TEST(RemotePatternScreen, assigns_every_projector_to_one_display) {
   const auto none = RemotePatternScreen::open(projectors(), {*parse_pattern_display("left=[::1]:1")}, kSettle);
   ASSERT_FALSE(none.has_value());
   EXPECT_THAT(none.error().message(), HasSubstr("'right'"));
@@ -113,7 +113,7 @@ TEST(RemotePatternScreen, every_projector_belongs_to_one_display) {
   EXPECT_EQ(two.error().code(), ErrorCode::kInvalidArgument);
 }
 
-TEST(RemotePatternScreen, display_of_a_line_of_text) {
+TEST(RemotePatternScreen, reads_a_display_from_a_line_of_text) {
   EXPECT_THAT(parse_pattern_display("left,far right=[::1]:7404")->projectors, ElementsAre("left", "far right"));
   EXPECT_EQ(parse_pattern_display("left,right=museum:7404")->address, "museum:7404");
   EXPECT_TRUE(parse_pattern_display("[::1]:7404")->projectors.empty());

@@ -55,7 +55,7 @@ calibration::Calibration of_a_room(const GeneratedRoom& room, bool with_wall) {
   return *std::move(calibration);
 }
 
-TEST(ReportPage, tells_of_a_room_with_plots_and_is_whole) {
+TEST(ReportPage, describes_a_room_with_plots_in_well_formed_html) {
   const GeneratedRoom room(coarse_plan());
   const calibration::Calibration calibration = of_a_room(room, true);
   ReportFindings findings;
@@ -74,7 +74,7 @@ TEST(ReportPage, tells_of_a_room_with_plots_and_is_whole) {
   EXPECT_TRUE(write_file_atomically(std::filesystem::path(::testing::TempDir()) / "cyclorama-report.html", page));
 }
 
-TEST(ReportPage, tells_residuals_that_are_the_noise_of_the_measurements) {
+TEST(ReportPage, shows_residuals_that_match_the_noise) {
   RoomPlan plan = coarse_plan();
   plan.noise_px = 0.2;
   plan.outliers = 0.0;
@@ -88,7 +88,7 @@ TEST(ReportPage, tells_residuals_that_are_the_noise_of_the_measurements) {
   EXPECT_GT(errors[errors.size() / 2], 0.1);
 }
 
-TEST(ReportPage, of_hardly_anything_is_a_page_still_and_says_no_names_as_code) {
+TEST(ReportPage, is_complete_with_hardly_any_data_and_escapes_names) {
   calibration::Calibration calibration;
   calibration.date = "2026-01-01T00-00-00Z";
   calibration.remarks = {"<script>alert(1)</script> & \"more\""};
@@ -104,7 +104,7 @@ TEST(ReportPage, of_hardly_anything_is_a_page_still_and_says_no_names_as_code) {
   EXPECT_TRUE(is_balanced(report_page(calibration)));
 }
 
-TEST(ReportPage, lies_beside_the_calibrations_maps_and_shows_photographs) {
+TEST(ReportPage, lies_beside_the_maps_and_shows_photographs) {
   std::string folder = ::testing::TempDir() + "/report.XXXXXX";
   ASSERT_NE(::mkdtemp(folder.data()), nullptr);
   calibration::Calibration calibration;

@@ -30,7 +30,7 @@ ScanPlanOptions camera_of(double field_deg, double pitch_deg = 0.0) {
   return options;
 }
 
-TEST(ScanPlan, looks_at_every_projector_of_every_kind_of_room_from_two_directions_or_more) {
+TEST(ScanPlan, sees_every_projector_from_two_or_more_directions) {
   for (const std::string& name : simulated::preset_names()) {
     const bool is_dome = name == "dome";
     const auto plan = plan_scan(room(name.c_str()), camera_of(is_dome ? 92.0 : 70.0, is_dome ? 25.0 : 0.0));
@@ -47,7 +47,7 @@ TEST(ScanPlan, looks_at_every_projector_of_every_kind_of_room_from_two_direction
   }
 }
 
-TEST(ScanPlan, takes_more_directions_with_a_narrower_lens) {
+TEST(ScanPlan, uses_more_directions_with_a_narrower_lens) {
   std::size_t before = 1;
   for (const double field_deg : {100.0, 70.0, 45.0, 32.0}) {
     const auto plan = plan_scan(room("cylinder126"), camera_of(field_deg));
@@ -63,7 +63,7 @@ TEST(ScanPlan, takes_more_directions_with_a_narrower_lens) {
   EXPECT_GE(before, 4u);
 }
 
-TEST(ScanPlan, takes_as_many_directions_as_it_is_told_to) {
+TEST(ScanPlan, uses_the_requested_number_of_directions) {
   ScanPlanOptions options = camera_of(70.0);
   options.directions = 6;
   const auto plan = plan_scan(room("cylinder126"), options);
@@ -71,7 +71,7 @@ TEST(ScanPlan, takes_as_many_directions_as_it_is_told_to) {
   EXPECT_EQ(plan->directions.size(), 6u);
 }
 
-TEST(ScanPlan, stays_within_the_turntables_range_and_says_what_is_not_seen_then) {
+TEST(ScanPlan, stays_within_the_turntables_range_and_reports_what_is_not_seen) {
   ScanPlanOptions options = camera_of(70.0);
   options.range = {-0.4, 0.4};
   const auto plan = plan_scan(room("cylinder126", 4), options);
@@ -81,7 +81,7 @@ TEST(ScanPlan, stays_within_the_turntables_range_and_says_what_is_not_seen_then)
   EXPECT_THAT(plan->remarks.front(), HasSubstr("wider"));
 }
 
-TEST(ScanPlan, refuses_a_camera_that_looks_elsewhere_and_says_what_to_change) {
+TEST(ScanPlan, refuses_a_camera_that_looks_elsewhere_with_a_remedy) {
   const auto up = plan_scan(room("cylinder126"), camera_of(40.0, 80.0));
   ASSERT_FALSE(up.has_value());
   EXPECT_EQ(up.error().code(), ErrorCode::kInvalidArgument);
@@ -93,7 +93,7 @@ TEST(ScanPlan, refuses_a_camera_that_looks_elsewhere_and_says_what_to_change) {
   EXPECT_THAT(one.error().message(), HasSubstr("; "));
 }
 
-TEST(ScanPlan, does_not_look_for_a_projector_where_it_is_not) {
+TEST(ScanPlan, assigns_no_projector_to_a_direction_that_does_not_see_it) {
   const auto plan = plan_scan(room("cylinder126", 4), camera_of(50.0));
   ASSERT_TRUE(plan.has_value());
   const auto& first = plan->directions.front().projectors;

@@ -48,7 +48,7 @@ bool same(const std::vector<solve::Correspondence>& a, const std::vector<solve::
   return a.size() == b.size() && encode_correspondences(a) == encode_correspondences(b);
 }
 
-TEST_F(ScanFolderTest, goes_on_with_what_was_kept) {
+TEST_F(ScanFolderTest, resumes_with_the_stored_views) {
   {
     auto scan = ScanFolder::begin(folder_, identity());
     ASSERT_TRUE(scan.has_value()) << scan.error().message();
@@ -69,7 +69,7 @@ TEST_F(ScanFolderTest, goes_on_with_what_was_kept) {
   EXPECT_EQ(scan->find(2, 0), nullptr);
 }
 
-TEST_F(ScanFolderTest, does_not_go_on_with_what_has_been_calibrated_or_was_left_alone) {
+TEST_F(ScanFolderTest, does_not_resume_a_finished_or_abandoned_scan) {
   ASSERT_TRUE(ScanFolder::begin(folder_, identity()));
   std::filesystem::last_write_time(folder_ / "manifest.json",
                                    std::filesystem::file_time_type::clock::now() - std::chrono::hours(11));
@@ -87,7 +87,7 @@ TEST_F(ScanFolderTest, does_not_go_on_with_what_has_been_calibrated_or_was_left_
   EXPECT_EQ(ended.error().code(), ErrorCode::kNotFound);
 }
 
-TEST_F(ScanFolderTest, begins_anew_where_an_older_scan_lies) {
+TEST_F(ScanFolderTest, starts_anew_in_the_folder_of_an_older_scan) {
   ASSERT_TRUE(ScanFolder::begin(folder_, identity())->keep(view(0, 0, 10)).has_value());
   ASSERT_TRUE(ScanFolder::begin(folder_, identity()).has_value());
   const auto scan = ScanFolder::resume(folder_, identity());
@@ -96,13 +96,13 @@ TEST_F(ScanFolderTest, begins_anew_where_an_older_scan_lies) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "0-0.view"));
 }
 
-TEST_F(ScanFolderTest, has_nothing_to_go_on_with_where_there_is_nothing) {
+TEST_F(ScanFolderTest, has_nothing_to_resume_in_an_empty_folder) {
   const auto resumed = ScanFolder::resume(folder_, identity());
   ASSERT_FALSE(resumed.has_value());
   EXPECT_EQ(resumed.error().code(), ErrorCode::kNotFound);
 }
 
-TEST_F(ScanFolderTest, refuses_another_scans_views_and_says_what_differs) {
+TEST_F(ScanFolderTest, refuses_the_views_of_another_scan_and_names_the_difference) {
   ASSERT_TRUE(ScanFolder::begin(folder_, identity())->keep(view(0, 0, 10)).has_value());
   ScanIdentity other = identity();
   other.camera = "usb-2";
@@ -121,7 +121,7 @@ TEST_F(ScanFolderTest, refuses_another_scans_views_and_says_what_differs) {
   expect_refused(other, "patterns");
 }
 
-TEST_F(ScanFolderTest, refuses_a_damaged_view_whatever_byte_it_is) {
+TEST_F(ScanFolderTest, refuses_a_view_with_any_damaged_byte) {
   ASSERT_TRUE(ScanFolder::begin(folder_, identity())->keep(view(0, 0, 6)).has_value());
   const std::filesystem::path file = folder_ / "0-0.view";
   const auto whole = read_file(file, 1 << 20);
@@ -138,7 +138,7 @@ TEST_F(ScanFolderTest, refuses_a_damaged_view_whatever_byte_it_is) {
   expect_refused(identity(), "damaged");
 }
 
-TEST_F(ScanFolderTest, refuses_a_manifest_that_was_cut_anywhere) {
+TEST_F(ScanFolderTest, refuses_a_truncated_manifest) {
   ASSERT_TRUE(ScanFolder::begin(folder_, identity())->keep(view(0, 0, 6)).has_value());
   const auto text = read_text_file(folder_ / "manifest.json", 1 << 20);
   ASSERT_TRUE(text.has_value());
@@ -147,7 +147,7 @@ TEST_F(ScanFolderTest, refuses_a_manifest_that_was_cut_anywhere) {
   }
 }
 
-TEST(ScanManifest, names_the_place_of_a_mistake) {
+TEST(ScanManifest, names_the_position_of_a_mistake) {
   ScanManifest manifest{identity(), {{view(2, 1, 0), 12, "0123456789abcdef"}}};
   std::string text = manifest_text(manifest);
   ASSERT_TRUE(parse_manifest(text, "m").has_value());
@@ -160,7 +160,7 @@ TEST(ScanManifest, names_the_place_of_a_mistake) {
   EXPECT_THAT(refused.error().message(), HasSubstr("m: /views/0/direction"));
 }
 
-TEST(ScanCorrespondences, at_the_very_end_of_the_cameras_picture_are_no_pixels_and_refused) {
+TEST(ScanCorrespondences, are_refused_on_the_far_edge_of_the_cameras_picture) {
   const solve::Correspondence last{639.5f, 479.5f, 320.0f, 200.0f, 0.1f, 0};
   EXPECT_TRUE(decode_correspondences(encode_correspondences({&last, 1}), identity(), 0).has_value());
   for (const solve::Correspondence& position : {solve::Correspondence{640.0f, 1.0f, 1.0f, 1.0f, 0.1f, 0},
@@ -169,7 +169,7 @@ TEST(ScanCorrespondences, at_the_very_end_of_the_cameras_picture_are_no_pixels_a
   }
 }
 
-TEST(ScanCorrespondences, outside_of_the_pictures_are_refused) {
+TEST(ScanCorrespondences, are_refused_outside_the_pictures) {
   for (const solve::Correspondence& position : {solve::Correspondence{-1.0f, 1.0f, 1.0f, 1.0f, 0.1f, 0},
                                                 solve::Correspondence{1.0f, 481.0f, 1.0f, 1.0f, 0.1f, 0},
                                                 solve::Correspondence{1.0f, 1.0f, 321.0f, 1.0f, 0.1f, 0},

@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(TestLight, has_lines_every_two_degrees_and_each_fifth_is_stronger) {
+TEST(TestLight, has_lines_every_two_degrees_of_which_every_fifth_is_brighter) {
   const auto at = [](double azimuth_deg, double elevation_deg) {
     const double a = azimuth_deg * std::numbers::pi / 180.0;
     const double e = elevation_deg * std::numbers::pi / 180.0;
@@ -33,7 +33,7 @@ TEST(TestLight, has_lines_every_two_degrees_and_each_fifth_is_stronger) {
   EXPECT_DOUBLE_EQ(test_light(TestPicture::kWhite, {1, 0, 0}), 1.0);
 }
 
-TEST(DrawnHead, masks_light_not_codes_and_leaves_dark_what_has_no_direction) {
+TEST(DrawnHead, masks_light_rather_than_codes_and_is_dark_without_a_direction) {
   warp::MaskImage mask(16, 2, 0.5f);
   DrawnHead head{16, 2, {}, &mask, nullptr};
   head.direction_at = [](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector3d> {
@@ -82,7 +82,7 @@ class SeamPhotographsTest : public ::testing::Test {
   calibration::Calibration calibration_;
 };
 
-TEST_F(SeamPhotographsTest, are_four_of_each_seam_and_leave_the_wall_dark) {
+TEST_F(SeamPhotographsTest, takes_four_of_each_seam_and_leaves_the_wall_dark) {
   SimulatedPatternScreen screen(&*museum_);
   SimulatedScanCamera camera(&*museum_, PhotographColour::kGrey);
   simulated::SimulatedTurntable turntable(&*museum_);
@@ -111,7 +111,7 @@ TEST_F(SeamPhotographsTest, are_four_of_each_seam_and_leave_the_wall_dark) {
   EXPECT_NEAR(sum(afterwards) / sum(dark), 1.0, 0.05);
 }
 
-TEST_F(SeamPhotographsTest, cancelled_end_at_once) {
+TEST_F(SeamPhotographsTest, ends_at_once_when_cancelled) {
   SimulatedPatternScreen screen(&*museum_);
   SimulatedScanCamera camera(&*museum_, PhotographColour::kGrey);
   simulated::SimulatedTurntable turntable(&*museum_);

@@ -34,7 +34,7 @@ class CountingScreen final : public PatternScreen {
   SimulatedPatternScreen screen_;
 };
 
-TEST(VideoCalibration, fits_the_projectors_together_by_a_camera_of_the_kernel_s) {
+TEST(VideoCalibration, aligns_the_projectors_with_a_v4l2_camera) {
   simulated::PresetOptions options;
   options.projectors = 2;
   options.projector_width_px = 160;

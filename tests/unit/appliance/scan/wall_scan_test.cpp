@@ -166,7 +166,7 @@ TEST_F(WallScanTest, lights_one_projector_at_a_time_and_leaves_the_wall_dark) {
   EXPECT_GT(told_.back(), 0.95);
 }
 
-TEST_F(WallScanTest, goes_on_after_the_camera_was_unplugged_without_repeating_a_view) {
+TEST_F(WallScanTest, resumes_after_the_camera_was_unplugged_without_repeating_a_view) {
   const auto whole = scan();
   ASSERT_TRUE(whole.has_value());
   const int all = camera_.taken;
@@ -192,7 +192,7 @@ TEST_F(WallScanTest, goes_on_after_the_camera_was_unplugged_without_repeating_a_
   EXPECT_EQ(camera_.taken, 0);
 }
 
-TEST_F(WallScanTest, ends_within_a_picture_when_it_is_cancelled) {
+TEST_F(WallScanTest, ends_within_one_picture_when_cancelled) {
   camera_.cancel_at = 20;
   const auto cancelled_scan = scan();
   ASSERT_FALSE(cancelled_scan.has_value());
@@ -201,7 +201,7 @@ TEST_F(WallScanTest, ends_within_a_picture_when_it_is_cancelled) {
   EXPECT_THAT(screen_.lit, Each(false));
 }
 
-TEST_F(WallScanTest, measures_again_what_somebody_walked_through) {
+TEST_F(WallScanTest, repeats_a_measurement_through_which_somebody_walked) {
   camera_.person_from = 12;
   camera_.person_until = 24;
   const auto result = scan();
@@ -210,7 +210,7 @@ TEST_F(WallScanTest, measures_again_what_somebody_walked_through) {
   EXPECT_THAT(result->remarks, IsEmpty());
 }
 
-TEST_F(WallScanTest, says_so_when_somebody_does_not_go_away) {
+TEST_F(WallScanTest, reports_a_person_who_does_not_go_away) {
   camera_.person_from = 12;
   camera_.person_until = 100000;
   const auto result = scan();
@@ -223,7 +223,7 @@ TEST_F(WallScanTest, says_so_when_somebody_does_not_go_away) {
   EXPECT_THAT(result->remarks.front(), HasSubstr("keep people away"));
 }
 
-TEST_F(WallScanTest, names_a_projector_that_stays_dark_and_goes_on_once_it_is_on) {
+TEST_F(WallScanTest, reports_a_projector_that_stays_dark_and_resumes_when_it_is_on) {
   screen_.dark = 1;
   const auto dark = scan();
   ASSERT_FALSE(dark.has_value());
@@ -236,7 +236,7 @@ TEST_F(WallScanTest, names_a_projector_that_stays_dark_and_goes_on_once_it_is_on
   ASSERT_TRUE(lit.has_value()) << lit.error().message();
 }
 
-TEST_F(WallScanTest, has_all_views_of_a_direction_from_one_stop_of_the_turntable) {
+TEST_F(WallScanTest, takes_all_views_of_a_direction_from_one_stop_of_the_turntable) {
   const auto whole = scan();
   ASSERT_TRUE(whole.has_value()) << whole.error().message();
   // The camera is unplugged in each part of a scan in turn.
@@ -258,7 +258,7 @@ TEST_F(WallScanTest, has_all_views_of_a_direction_from_one_stop_of_the_turntable
   }
 }
 
-TEST_F(WallScanTest, refuses_a_camera_whose_photographs_have_become_smaller_when_it_measures_light_too) {
+TEST_F(WallScanTest, refuses_photographs_that_have_become_smaller) {
   const auto whole = scan();
   ASSERT_TRUE(whole.has_value()) << whole.error().message();
   camera_.smaller_from = camera_.taken;
@@ -270,7 +270,7 @@ TEST_F(WallScanTest, refuses_a_camera_whose_photographs_have_become_smaller_when
   EXPECT_THAT(screen_.lit, Each(false));
 }
 
-TEST_F(WallScanTest, homes_a_turntable_that_stalled_once_and_gives_up_on_one_that_stalls_always) {
+TEST_F(WallScanTest, homes_a_turntable_that_stalled_once_and_gives_up_if_it_always_stalls) {
   turntable_.stalls = 1;
   ASSERT_TRUE(scan().has_value());
   EXPECT_EQ(turntable_.homed, 2);
@@ -281,7 +281,7 @@ TEST_F(WallScanTest, homes_a_turntable_that_stalled_once_and_gives_up_on_one_tha
   EXPECT_THAT(stuck.error().message(), HasSubstr("free it"));
 }
 
-TEST_F(WallScanTest, refuses_to_go_on_with_other_patterns) {
+TEST_F(WallScanTest, refuses_to_resume_with_other_patterns) {
   ASSERT_TRUE(scan().has_value());
   settings_.resume = true;
   settings_.view.finest_bit = 2;

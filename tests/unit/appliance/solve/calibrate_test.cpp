@@ -48,7 +48,7 @@ void knock(Measurements* measured, std::uint32_t projector, float by_px) {
   }
 }
 
-TEST(Calibrate, is_never_worse_after_a_noisy_one_that_cannot_find_the_camera) {
+TEST(Calibrate, is_never_worse_after_a_noisy_scan_that_cannot_locate_the_camera) {
   CalibrateOptions options;
   options.with_wall = false;
   for (const double incidence : {30.0, 75.0}) {
@@ -78,7 +78,7 @@ TEST(Calibrate, is_never_worse_after_a_noisy_one_that_cannot_find_the_camera) {
   }
 }
 
-TEST(Calibrate, is_never_worse_after_a_noisy_one_of_a_few_degrees) {
+TEST(Calibrate, is_never_worse_after_a_noisy_scan_of_a_few_degrees) {
   // All previous maps narrowly fail the new measurements, which determine the camera's lens and the angles badly.
   CalibrateOptions options;
   options.with_wall = false;
@@ -102,7 +102,7 @@ TEST(Calibrate, is_never_worse_after_a_noisy_one_of_a_few_degrees) {
   }
 }
 
-TEST(Calibrate, gives_a_knocked_projector_a_new_map_that_fits_those_that_stay) {
+TEST(Calibrate, makes_a_new_map_for_a_bumped_projector_that_fits_the_others) {
   CalibrateOptions options;
   options.with_wall = false;
   RoomPlan plan = coarse_plan(RoomKind::kCylinder);
@@ -126,7 +126,7 @@ TEST(Calibrate, gives_a_knocked_projector_a_new_map_that_fits_those_that_stay) {
   EXPECT_LE(score.p95_px, 0.2);
 }
 
-TEST(Calibrate, replaces_a_map_with_a_hole_however_right_the_rest_of_it_is) {
+TEST(Calibrate, replaces_a_map_with_a_hole_even_if_the_rest_is_right) {
   CalibrateOptions options;
   options.with_wall = false;
   RoomPlan plan = coarse_plan(RoomKind::kCylinder);
@@ -147,7 +147,7 @@ TEST(Calibrate, replaces_a_map_with_a_hole_however_right_the_rest_of_it_is) {
   EXPECT_FALSE(anew->projectors[1].is_previous);
 }
 
-TEST(Calibrate, replaces_maps_that_were_off_by_parallax_once_the_camera_is_known) {
+TEST(Calibrate, replaces_maps_with_parallax_once_the_camera_is_located) {
   CalibrateOptions options;
   options.with_wall = false;
   const auto rough =
@@ -161,7 +161,7 @@ TEST(Calibrate, replaces_maps_that_were_off_by_parallax_once_the_camera_is_known
   EXPECT_LE(score_of(room, *fine).true_p95_px, 0.5);
 }
 
-TEST(Calibrate, is_true_in_a_corner_whose_nearness_no_harmonics_follow) {
+TEST(Calibrate, is_accurate_in_a_corner_that_harmonics_cannot_represent) {
   RoomPlan plan = coarse_plan(RoomKind::kCorner);
   plan.arc_rad = 1.5;
   const GeneratedRoom room(plan);
@@ -172,7 +172,7 @@ TEST(Calibrate, is_true_in_a_corner_whose_nearness_no_harmonics_follow) {
   EXPECT_LE(score_of(room, *calibration).true_p95_px, 0.9) << calibration->turntable.offset_reason;
 }
 
-TEST(Calibrate, finds_a_wall_by_which_another_eye_sees_right) {
+TEST(Calibrate, finds_a_wall_that_is_right_for_another_eye) {
   const GeneratedRoom room(coarse_plan(RoomKind::kCylinder));
   const auto calibration = calibrate(room.measurements(), "2026-01-01T00-00-00Z");
   ASSERT_TRUE(calibration) << calibration.error().message();
@@ -194,7 +194,7 @@ TEST(Calibrate, finds_a_wall_by_which_another_eye_sees_right) {
   }
 }
 
-TEST(Calibrate, names_the_projector_that_nobody_saw) {
+TEST(Calibrate, names_a_projector_that_was_not_seen) {
   Measurements measured = GeneratedRoom(coarse_plan(RoomKind::kCylinder)).measurements();
   for (TurntableDirection& direction : measured.directions) {
     std::erase_if(direction.correspondences, [](const Correspondence& c) { return c.projector == 2; });
@@ -204,7 +204,7 @@ TEST(Calibrate, names_the_projector_that_nobody_saw) {
   EXPECT_NE(calibration.error().message().find("'projector 3'"), std::string::npos) << calibration.error().message();
 }
 
-TEST(Calibrate, is_the_same_every_time) {
+TEST(Calibrate, is_deterministic) {
   const Measurements measured = GeneratedRoom(coarse_plan(RoomKind::kPlane)).measurements();
   CalibrateOptions options;
   options.with_wall = false;

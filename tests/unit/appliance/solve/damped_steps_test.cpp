@@ -58,7 +58,7 @@ std::optional<Given> banana(const Eigen::VectorXd& x) {
   return given;
 }
 
-TEST(DampedSteps, find_the_end_of_a_bent_valley) {
+TEST(DampedSteps, find_the_minimum_of_a_curved_valley) {
   Problem problem(banana, Eigen::Vector2d(-1.2, 1.0));
   const auto cost = minimise(&problem, {200, 1e-16, 1e-14});
   ASSERT_TRUE(cost);
@@ -66,7 +66,7 @@ TEST(DampedSteps, find_the_end_of_a_bent_valley) {
   EXPECT_LE((problem.at() - Eigen::Vector2d(1.0, 1.0)).norm(), 1e-9);
 }
 
-TEST(DampedSteps, need_one_step_where_all_is_straight) {
+TEST(DampedSteps, need_one_step_for_a_linear_problem) {
   const Eigen::MatrixXd slopes = (Eigen::MatrixXd(3, 2) << 1.0, 2.0, 0.0, 1e-6, 3.0, 0.0).finished();
   const Eigen::Vector3d told(1.0, 2.0, 3.0);
   Problem problem(
@@ -80,7 +80,7 @@ TEST(DampedSteps, need_one_step_where_all_is_straight) {
   EXPECT_LE(problem.linearised, 4);
 }
 
-TEST(DampedSteps, turn_back_where_residuals_have_no_value) {
+TEST(DampedSteps, step_back_where_residuals_have_no_value) {
   const Residuals log_of = [](const Eigen::VectorXd& x) -> std::optional<Given> {
     if (!(x[0] > 0.0)) return std::nullopt;
     Given given;
@@ -95,7 +95,7 @@ TEST(DampedSteps, turn_back_where_residuals_have_no_value) {
   EXPECT_FALSE(minimise(&nowhere, {}));
 }
 
-TEST(DampedSteps, leave_what_nothing_holds_where_it_is) {
+TEST(DampedSteps, do_not_change_undetermined_parameters) {
   const Residuals first_alone = [](const Eigen::VectorXd& x) {
     return Given{Eigen::VectorXd::Constant(1, x[0] - 2.0), (Eigen::MatrixXd(1, 2) << 1.0, 0.0).finished()};
   };
@@ -105,7 +105,7 @@ TEST(DampedSteps, leave_what_nothing_holds_where_it_is) {
   EXPECT_EQ(problem.at()[1], 5.0);
 }
 
-TEST(RobustLoss, has_the_slope_that_differences_give_and_counts_small_errors_as_they_are) {
+TEST(RobustLoss, has_the_derivative_of_differences_and_is_quadratic_for_small_errors) {
   for (const RobustLoss loss : {RobustLoss::kHuber, RobustLoss::kCauchy}) {
     for (const double square : {1e-6, 0.5, 8.9, 9.1, 100.0, 1e6}) {
       const double step = 1e-5 * square;

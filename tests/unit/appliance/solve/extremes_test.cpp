@@ -87,7 +87,7 @@ const End kEnds[] = {
 
 class Extremes : public testing::TestWithParam<End> {};
 
-TEST_P(Extremes, are_right_or_refused_with_a_remedy) {
+TEST_P(Extremes, are_solved_correctly_or_refused_with_a_remedy) {
   RoomPlan plan;
   plan.stride_px = 14;
   GetParam().change(&plan);

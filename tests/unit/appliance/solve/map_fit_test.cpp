@@ -50,20 +50,20 @@ double worst_error_px(const calibration::MeasuredMap& map, double margin_px) {
   return worst;
 }
 
-TEST(MeasuredMap, is_exact_where_nothing_disturbs) {
+TEST(MeasuredMap, is_exact_without_noise) {
   const auto map = fit_measured_map(1920, 1080, samples_of(0.0, 0.0, 1));
   ASSERT_TRUE(map) << map.error().message();
   EXPECT_LE(worst_error_px(*map, 0.0), 0.05);
 }
 
-TEST(MeasuredMap, averages_noise_and_refuses_gross_errors) {
+TEST(MeasuredMap, averages_noise_and_rejects_gross_errors) {
   const auto map = fit_measured_map(1920, 1080, samples_of(0.2, 0.01, 2, 8));
   ASSERT_TRUE(map) << map.error().message();
   EXPECT_LE(worst_error_px(*map, 24.0), 0.5);
   EXPECT_NEAR(map->heldout_rms_px, 0.2, 0.06);
 }
 
-TEST(MeasuredMap, fills_gaps_and_says_how_unsure_it_is) {
+TEST(MeasuredMap, fills_gaps_and_states_its_uncertainty) {
   auto samples = samples_of(0.05, 0.0, 3);
   std::erase_if(samples, [](const MapSample& s) {
     return std::abs(s.projector_px.x() - 700.0) < 80.0 && std::abs(s.projector_px.y() - 500.0) < 80.0;
@@ -77,7 +77,7 @@ TEST(MeasuredMap, fills_gaps_and_says_how_unsure_it_is) {
   EXPECT_LE(error_px, 4.0 * map->sigma_at({700.0, 500.0}) + 0.05);
 }
 
-TEST(MeasuredMap, has_nothing_far_from_what_was_seen) {
+TEST(MeasuredMap, is_empty_far_from_observations) {
   auto samples = samples_of(0.05, 0.0, 4);
   std::erase_if(samples, [](const MapSample& s) { return s.projector_px.x() > 600.0; });
   const auto map = fit_measured_map(1920, 1080, samples);
@@ -88,7 +88,7 @@ TEST(MeasuredMap, has_nothing_far_from_what_was_seen) {
   EXPECT_FALSE(map->direction_at({-1.0, 5.0}));
 }
 
-TEST(MeasuredMap, refuses_too_little_and_what_lies_on_a_line) {
+TEST(MeasuredMap, refuses_too_few_and_collinear_points) {
   const auto few = fit_measured_map(1920, 1080, std::vector<MapSample>(3, {{5.0, 5.0}, {0.0, 0.0, -1.0}, 0.1}));
   ASSERT_FALSE(few);
   EXPECT_EQ(few.error().code(), ErrorCode::kInvalidArgument);
@@ -99,7 +99,7 @@ TEST(MeasuredMap, refuses_too_little_and_what_lies_on_a_line) {
   EXPECT_NE(on_a_line.error().message().find("line"), std::string::npos);
 }
 
-TEST(MeasuredMap, becomes_a_warp_that_says_the_same) {
+TEST(MeasuredMap, becomes_a_warp_with_the_same_directions) {
   const auto map = fit_measured_map(1920, 1080, samples_of(0.0, 0.0, 5));
   ASSERT_TRUE(map);
   const Panorama picture{2048, 1024, 2.0, 0.5, -0.5};
@@ -117,7 +117,7 @@ TEST(MeasuredMap, becomes_a_warp_that_says_the_same) {
   }
 }
 
-TEST(SelectedInverse, has_the_dense_inverses_diagonal) {
+TEST(SelectedInverse, has_the_diagonal_of_the_dense_inverse) {
   constexpr int kSize = 60;
   std::mt19937 random(6);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);

@@ -57,14 +57,14 @@ calibration::SurfaceModel model_of(RoomKind kind, unsigned seed) {
   return choice->fit.surface.model;
 }
 
-TEST(ModelChoice, finds_the_least_wall_that_predicts) {
+TEST(ModelChoice, finds_the_smallest_wall_model_that_predicts_well) {
   EXPECT_EQ(model_of(RoomKind::kPlane, 1), calibration::SurfaceModel::kPlane);
   EXPECT_EQ(model_of(RoomKind::kCylinder, 1), calibration::SurfaceModel::kCylinder);
   EXPECT_EQ(model_of(RoomKind::kTiltedCylinder, 1), calibration::SurfaceModel::kCylinder);
   EXPECT_EQ(model_of(RoomKind::kDome, 1), calibration::SurfaceModel::kQuadric);
 }
 
-TEST(ModelChoice, follows_walls_that_are_nearly_something_else) {
+TEST(ModelChoice, approximates_walls_that_are_nearly_of_another_shape) {
   EXPECT_EQ(model_of(RoomKind::kUnevenCylinder, 1), calibration::SurfaceModel::kProfile);
   // Two planes are a degenerate quadric: eight parameters describe them exactly, a profile only to its knots.
   EXPECT_THAT(model_of(RoomKind::kCorner, 1),
@@ -72,7 +72,7 @@ TEST(ModelChoice, follows_walls_that_are_nearly_something_else) {
   EXPECT_EQ(model_of(RoomKind::kBumpy, 1), calibration::SurfaceModel::kMesh);
 }
 
-TEST(ModelChoice, finds_its_way_round_a_corner_where_plane_and_cylinder_ended_on_one_wall) {
+TEST(ModelChoice, finds_a_profile_where_plane_and_cylinder_fit_one_wall_of_a_corner_only) {
   const Given g = given(RoomKind::kCorner, 7);
   const auto choice = choose_model(g.projectors, g.samples, g.distance_m);
   ASSERT_TRUE(choice) << choice.error().message();
@@ -103,7 +103,7 @@ Given through_rich_lenses(Given g) {
   return g;
 }
 
-TEST(ModelChoice, a_richer_lens_is_no_reason_for_a_richer_wall) {
+TEST(ModelChoice, does_not_enlarge_the_wall_model_for_the_sake_of_the_lens) {
   for (const auto& [kind, wall] : {std::pair(RoomKind::kPlane, calibration::SurfaceModel::kPlane),
                                    std::pair(RoomKind::kCylinder, calibration::SurfaceModel::kCylinder)}) {
     const Given g = through_rich_lenses(given(kind, 2));
@@ -113,7 +113,7 @@ TEST(ModelChoice, a_richer_lens_is_no_reason_for_a_richer_wall) {
   }
 }
 
-TEST(ModelChoice, never_takes_a_richer_wall_that_predicts_worse) {
+TEST(ModelChoice, never_takes_a_larger_wall_model_that_predicts_worse) {
   const Given g = given(RoomKind::kCylinder, 2);
   const auto choice = choose_model(g.projectors, g.samples, g.distance_m);
   ASSERT_TRUE(choice) << choice.error().message();
@@ -128,7 +128,7 @@ TEST(ModelChoice, never_takes_a_richer_wall_that_predicts_worse) {
   EXPECT_EQ(choice->fit.surface_sigmas.size(), 4U);
 }
 
-TEST(ModelChoice, says_which_projector_has_no_place) {
+TEST(ModelChoice, names_a_projector_without_a_pose) {
   Given g = given(RoomKind::kCylinder, 3);
   g.projectors[1].position.reset();
   const auto choice = choose_model(g.projectors, g.samples, g.distance_m);

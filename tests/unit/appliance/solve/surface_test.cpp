@@ -35,7 +35,7 @@ calibration::Surface cylinder(double curvature) {
   return surface;
 }
 
-TEST(Surface, a_cylinder_about_the_eye_is_equally_far_all_round) {
+TEST(Surface, a_cylinder_about_the_eye_has_a_constant_distance) {
   const calibration::Surface surface = cylinder(0.25);
   for (double a = -3.1; a < 3.1; a += 0.2) {
     const auto inverse_depth = surface.inverse_depth_at({std::sin(a), 0.0, -std::cos(a)});
@@ -44,7 +44,7 @@ TEST(Surface, a_cylinder_about_the_eye_is_equally_far_all_round) {
   }
 }
 
-TEST(Surface, a_cylinder_goes_over_into_a_plane_without_a_jump) {
+TEST(Surface, a_cylinder_becomes_a_plane_continuously) {
   const calibration::Surface flat = plane();
   for (const double curvature : {0.0, 1e-12, -1e-12, 1e-9}) {
     calibration::Surface nearly = cylinder(curvature);
@@ -59,7 +59,7 @@ TEST(Surface, a_cylinder_goes_over_into_a_plane_without_a_jump) {
   }
 }
 
-TEST(Surface, each_richer_start_says_what_the_lesser_said) {
+TEST(Surface, each_larger_model_starts_equal_to_the_smaller_one) {
   for (const calibration::Surface& from : {plane(), cylinder(0.25), cylinder(0.1)}) {
     for (const calibration::SurfaceModel model : calibration::kSurfaceModels) {
       if (model == calibration::SurfaceModel::kPlane ||
@@ -81,7 +81,7 @@ TEST(Surface, each_richer_start_says_what_the_lesser_said) {
   }
 }
 
-TEST(Surface, is_missed_by_what_looks_past_a_wall_that_bulges) {
+TEST(Surface, is_missed_by_rays_past_a_bulging_wall) {
   EXPECT_TRUE(cylinder(-1.0).inverse_depth_at(Eigen::Vector3d(0.0, 0.0, -1.0)));
   EXPECT_FALSE(cylinder(-1.0).inverse_depth_at(Eigen::Vector3d(0.5, 0.0, -0.866)));
 }
@@ -134,7 +134,7 @@ calibration::Surface disturbed(calibration::SurfaceModel model) {
   return surface;
 }
 
-TEST(SurfaceCost, has_the_jacobian_that_differences_give_on_every_rung) {
+TEST(SurfaceCost, has_the_jacobian_of_differences_for_every_model) {
   for (const calibration::SurfaceModel model : calibration::kSurfaceModels) {
     const calibration::Surface surface = disturbed(model);
     MapSample sample;
@@ -155,7 +155,7 @@ TEST(SurfaceCost, has_the_jacobian_that_differences_give_on_every_rung) {
   }
 }
 
-TEST(SplinePrior, has_the_slopes_that_differences_give) {
+TEST(SplinePrior, has_the_derivatives_of_differences) {
   for (const calibration::SurfaceModel model :
        {calibration::SurfaceModel::kProfile, calibration::SurfaceModel::kMesh}) {
     const calibration::Surface surface = disturbed(model);
@@ -187,7 +187,7 @@ TEST(SplinePrior, has_the_slopes_that_differences_give) {
   }
 }
 
-TEST(Surface, rungs_are_read_by_their_names) {
+TEST(Surface, models_are_read_by_their_names) {
   for (const calibration::SurfaceModel model : calibration::kSurfaceModels)
     EXPECT_EQ(calibration::surface_model(calibration::name_of(model)), model);
   EXPECT_FALSE(calibration::surface_model("sphere"));

@@ -62,7 +62,7 @@ class ObservationCost : public ceres::CostFunction {
   TurntableObservation sight_;
 };
 
-TEST(TurntableCost, has_the_jacobian_that_differences_give) {
+TEST(TurntableCost, has_the_jacobian_of_differences) {
   CellMean seen;
   seen.camera_px = {900.0, 500.0};
   seen.camera_per_projector << 0.6, 0.02, -0.03, 0.55;
@@ -83,7 +83,7 @@ TEST(TurntableCost, has_the_jacobian_that_differences_give) {
 
 /// Compares the problem's gradient with finite differences of its cost, including the sums over directions and the
 /// elimination of tracks.
-TEST(TurntableAdjustment, goes_downhill_to_where_no_shared_number_can_make_it_better) {
+TEST(TurntableAdjustment, reaches_a_minimum_over_all_shared_parameters) {
   const Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   const CellMeans means = average_cells(measured, fitting_cell_px(measured));
   const auto tracks = choose_tracks(measured, means, 300, 5);
@@ -131,7 +131,7 @@ TEST(TurntableAdjustment, goes_downhill_to_where_no_shared_number_can_make_it_be
   EXPECT_LE((scaled - Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols())).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-TEST(TurntableSolve, finds_axis_offset_and_angles_within_what_it_claims) {
+TEST(TurntableSolve, recovers_axis_offset_and_angles_within_its_stated_uncertainty) {
   RoomPlan plan = coarse_plan();
   plan.camera_offset_m = {0.008, 0.0, 0.015};
   const Measurements measured = GeneratedRoom(plan).measurements();
@@ -145,7 +145,7 @@ TEST(TurntableSolve, finds_axis_offset_and_angles_within_what_it_claims) {
   EXPECT_TRUE(turntable->covariance.allFinite());
 }
 
-TEST(TurntableSolve, takes_an_offset_that_cannot_be_seen_for_none) {
+TEST(TurntableSolve, takes_an_unobservable_offset_as_zero) {
   RoomPlan plan = coarse_plan();
   plan.camera_offset_m.setZero();
   const auto turntable = solved(GeneratedRoom(plan).measurements());
@@ -153,7 +153,7 @@ TEST(TurntableSolve, takes_an_offset_that_cannot_be_seen_for_none) {
   EXPECT_LE(turntable->offset_m.norm(), 0.004) << turntable->offset_reason;
 }
 
-TEST(TurntableSolve, starts_elsewhere_and_comes_to_the_same) {
+TEST(TurntableSolve, converges_from_another_start) {
   const Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   const auto one = solved(measured);
   TurntableSolverOptions elsewhere;
@@ -168,7 +168,7 @@ TEST(TurntableSolve, starts_elsewhere_and_comes_to_the_same) {
   }
 }
 
-TEST(TurntableSolve, refuses_one_direction_and_says_what_to_add) {
+TEST(TurntableSolve, refuses_a_single_direction_and_names_what_to_add) {
   Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   measured.directions.resize(1);
   const auto turntable = solved(measured);
@@ -177,7 +177,7 @@ TEST(TurntableSolve, refuses_one_direction_and_says_what_to_add) {
   EXPECT_NE(turntable.error().message().find("add a direction"), std::string::npos) << turntable.error().message();
 }
 
-TEST(TurntableSolve, refuses_directions_that_share_nothing_and_names_the_gap) {
+TEST(TurntableSolve, refuses_directions_without_common_points_and_names_the_gap) {
   RoomPlan plan = coarse_plan();
   plan.arc_rad = 3.0;
   plan.turntable_step_rad = 1.5;
@@ -187,13 +187,13 @@ TEST(TurntableSolve, refuses_directions_that_share_nothing_and_names_the_gap) {
   EXPECT_NE(turntable.error().message().find("degrees"), std::string::npos) << turntable.error().message();
 }
 
-TEST(TurntableSolve, refuses_angles_that_count_the_wrong_way) {
+TEST(TurntableSolve, refuses_angles_with_the_wrong_sign) {
   Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   for (TurntableDirection& direction : measured.directions) direction.angle_rad = -direction.angle_rad;
   EXPECT_FALSE(solved(measured));
 }
 
-TEST(Measurements, that_are_no_numbers_are_refused_by_their_place) {
+TEST(Measurements, refuses_nan_by_its_position) {
   Measurements measured = GeneratedRoom(coarse_plan()).measurements();
   measured.directions[1].correspondences[7].camera_u = std::nanf("");
   const auto status = measured.validate();
@@ -201,7 +201,7 @@ TEST(Measurements, that_are_no_numbers_are_refused_by_their_place) {
   EXPECT_NE(status.error().message().find("direction 1, correspondence 7"), std::string::npos);
 }
 
-TEST(Registration, of_maps_that_no_screen_model_helped_is_within_a_quarter_pixel) {
+TEST(Registration, is_within_a_quarter_pixel_without_a_wall_model) {
   const GeneratedRoom room(coarse_plan());
   const Measurements measured = room.measurements();
   const CellMeans means = average_cells(measured, fitting_cell_px(measured));

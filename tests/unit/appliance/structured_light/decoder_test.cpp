@@ -32,7 +32,7 @@ int count_of(const Decoded& decoded, PixelFate fate) {
   return static_cast<int>(std::count(decoded.fate.data().begin(), decoded.fate.data().end(), fate));
 }
 
-TEST(Decoder, finds_every_pixel_of_a_plain_wall_to_some_hundredths) {
+TEST(Decoder, decodes_every_pixel_of_a_plain_wall_to_some_hundredths) {
   const LitWall wall;
   const Decoded decoded = decoded_of(wall, small_set());
   const WallErrors errors = errors_of(wall, decoded);
@@ -46,7 +46,7 @@ TEST(Decoder, finds_every_pixel_of_a_plain_wall_to_some_hundredths) {
   EXPECT_NEAR(decoded.noise, wall.noise, 0.3 * wall.noise);
 }
 
-TEST(Decoder, follows_stripes_however_the_camera_is_turned) {
+TEST(Decoder, decodes_stripes_for_any_rotation_of_the_camera) {
   for (const double angle : {0.4, 0.785398, 1.5707963, 2.5, 3.1415926, 4.5}) {
     LitWall wall;
     wall.projector_pixel_at = [angle](double u, double v) {
@@ -62,7 +62,7 @@ TEST(Decoder, follows_stripes_however_the_camera_is_turned) {
   }
 }
 
-TEST(Decoder, with_phases_is_finer_than_with_stripes_alone) {
+TEST(Decoder, is_finer_with_phases_than_with_stripes_alone) {
   LitWall wall;
   wall.noise = 0.001;
   wall.codes = 4095;
@@ -73,7 +73,7 @@ TEST(Decoder, with_phases_is_finer_than_with_stripes_alone) {
   EXPECT_EQ(phases.gross, 0);
 }
 
-TEST(Decoder, says_how_sure_it_is_where_the_camera_sees_less_than_the_projector_shows) {
+TEST(Decoder, has_right_sigmas_where_the_camera_resolves_less_than_the_projector) {
   for (const double pixels : {2.0, 3.0, 4.0}) {
     LitWall wall;
     wall.projector_pixel_at = [pixels](double u, double v) { return Eigen::Vector2d(pixels * u, pixels * v); };
@@ -90,7 +90,7 @@ TEST(Decoder, says_how_sure_it_is_where_the_camera_sees_less_than_the_projector_
   }
 }
 
-TEST(Decoder, keeps_apart_why_a_pixel_was_not_decoded) {
+TEST(Decoder, distinguishes_the_reasons_for_undecoded_pixels) {
   LitWall wall;
   wall.direct = [](int u, int v) {
     if (v < 30) return 0.0;            // Shadow.
@@ -112,7 +112,7 @@ TEST(Decoder, keeps_apart_why_a_pixel_was_not_decoded) {
   EXPECT_EQ(errors_of(wall, decoded).gross, 0);
 }
 
-TEST(Decoder, loses_no_more_than_what_somebody_covers_who_walks_through) {
+TEST(Decoder, loses_only_what_a_passer_by_covers) {
   LitWall wall;
   // A person moves one step to the right with every picture and is as bright as a stripe's edge.
   wall.disturbance = [](int u, int, std::size_t i, double light) {
@@ -125,7 +125,7 @@ TEST(Decoder, loses_no_more_than_what_somebody_covers_who_walks_through) {
   EXPECT_GT(errors.decoded, 160 * 120 / 10);
 }
 
-TEST(Decoder, with_xor_codes_sees_through_light_from_wall_to_wall) {
+TEST(Decoder, is_robust_against_interreflection_with_xor_codes) {
   LitWall wall;
   wall.direct = [](int u, int) { return u % 80 < 30 ? 0.1 : 0.4; };
   wall.global = [](int u, int) { return u % 80 < 30 ? 0.35 : 0.05; };
@@ -141,7 +141,7 @@ TEST(Decoder, with_xor_codes_sees_through_light_from_wall_to_wall) {
       << "the wall is no test: plain Gray code sees through it as well";
 }
 
-TEST(Decoder, parts_direct_light_from_global) {
+TEST(Decoder, separates_direct_from_global_light) {
   LitWall wall;
   wall.noise = 0.001;
   wall.global = [](int u, int) { return u < 80 ? 0.2 : 0.0; };
@@ -154,7 +154,7 @@ TEST(Decoder, parts_direct_light_from_global) {
   EXPECT_NEAR(*decoded.global_light.at(120, 60), 0.0, 0.03);
 }
 
-TEST(Decoder, of_a_projector_that_is_dark_says_so) {
+TEST(Decoder, reports_a_dark_projector) {
   LitWall wall;
   wall.direct = [](int, int) { return 0.0; };
   const auto decoded = wall.decoder(small_set()).finish();
@@ -163,7 +163,7 @@ TEST(Decoder, of_a_projector_that_is_dark_says_so) {
   EXPECT_THAT(decoded.error().message(), testing::HasSubstr("projector"));
 }
 
-TEST(Decoder, of_a_picture_that_is_all_too_bright_decodes_nothing_and_says_why) {
+TEST(Decoder, decodes_nothing_in_an_overexposed_picture_and_reports_it) {
   LitWall wall;
   wall.direct = [](int, int) { return 3.0; };
   const Decoded decoded = decoded_of(wall, small_set());
@@ -171,7 +171,7 @@ TEST(Decoder, of_a_picture_that_is_all_too_bright_decodes_nothing_and_says_why) 
   EXPECT_GT(count_of(decoded, PixelFate::kSaturated), 160 * 120 * 9 / 10);
 }
 
-TEST(Decoder, loses_pixels_and_never_gives_wrong_ones_as_noise_rises) {
+TEST(Decoder, loses_pixels_as_noise_rises_but_has_no_wrong_ones) {
   int before = 1 << 30;
   for (const double noise : {0.005, 0.02, 0.05, 0.1, 0.2}) {
     LitWall wall;
@@ -186,7 +186,7 @@ TEST(Decoder, loses_pixels_and_never_gives_wrong_ones_as_noise_rises) {
   }
 }
 
-TEST(Decoder, takes_cameras_of_any_size) {
+TEST(Decoder, accepts_cameras_of_any_size) {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{1, 200}, std::pair{200, 1}, std::pair{640, 480}}) {
     LitWall wall;
     wall.camera_width_px = width;
@@ -202,7 +202,7 @@ TEST(Decoder, takes_cameras_of_any_size) {
   }
 }
 
-TEST(Decoder, refuses_what_is_no_set_or_no_photograph) {
+TEST(Decoder, refuses_invalid_sets_and_photographs) {
   PatternSet set = small_set();
   EXPECT_FALSE(Decoder::from(set, {}, 0, 10).has_value());
   std::swap(set.pictures[2], set.pictures[3]);
@@ -224,7 +224,7 @@ TEST(Decoder, refuses_what_is_no_set_or_no_photograph) {
   EXPECT_FALSE(decoder->add(Photo(10, 10)).has_value());
 }
 
-TEST(DecodeQuality, counts_what_stands_out_of_a_smooth_wall) {
+TEST(DecodeQuality, counts_outliers_on_a_smooth_wall) {
   const LitWall wall;
   Decoded decoded = decoded_of(wall, small_set());
   const DecodeQuality good = quality_of(decoded, 0.1);

@@ -25,7 +25,7 @@ ExposureSample photograph(double radiance_per_s, ExposureTime exposure, double a
   return exposure_sample(exposure, white, black);
 }
 
-TEST(Exposure, is_found_in_a_few_photographs_however_bright_the_wall) {
+TEST(Exposure, is_found_in_a_few_photographs_for_any_brightness) {
   const ExposureLimits limits{.shortest = ExposureTime(1e-4),
                               .longest = ExposureTime(0.25),
                               .preferred_longest = ExposureTime(0.25),
@@ -47,7 +47,7 @@ TEST(Exposure, is_found_in_a_few_photographs_however_bright_the_wall) {
   }
 }
 
-TEST(Exposure, is_in_whole_periods_of_the_projector_where_one_fits) {
+TEST(Exposure, consists_of_whole_projector_periods_if_possible) {
   const ExposureLimits limits{
       .shortest = ExposureTime(1e-3), .longest = ExposureTime(0.3), .projector_period = ExposureTime(1.0 / 60.0)};
   for (double radiance = 4.0; radiance < 500.0; radiance *= 1.7) {
@@ -69,7 +69,7 @@ TEST(Exposure, is_in_whole_periods_of_the_projector_where_one_fits) {
   }
 }
 
-TEST(Exposure, of_a_dim_wall_is_no_longer_than_it_must_be) {
+TEST(Exposure, is_no_longer_than_necessary_for_a_dim_wall) {
   for (const double period : {0.0, 1.0 / 60.0}) {
     const ExposureLimits limits{.projector_period = ExposureTime(period)};
     double before = 1.0;
@@ -99,7 +99,7 @@ TEST(Exposure, of_a_dim_wall_is_no_longer_than_it_must_be) {
   }
 }
 
-TEST(Exposure, that_no_camera_can_give_is_refused_with_what_to_turn) {
+TEST(Exposure, refuses_an_unreachable_exposure_with_a_remedy) {
   const ExposureLimits limits;
   const auto refused = [&limits](double radiance) {
     std::vector<ExposureSample> samples;
@@ -116,7 +116,7 @@ TEST(Exposure, that_no_camera_can_give_is_refused_with_what_to_turn) {
   EXPECT_THAT(refused(0.0), testing::HasSubstr("open the iris"));
 }
 
-TEST(Exposure, of_limits_that_are_none_is_refused) {
+TEST(Exposure, refuses_invalid_limits) {
   EXPECT_FALSE(next_exposure({}, {.shortest = ExposureTime(0.0)}).has_value());
   EXPECT_FALSE(next_exposure({}, {.shortest = ExposureTime(1.0), .longest = ExposureTime(0.5)}).has_value());
   EXPECT_FALSE(next_exposure({}, {.longest = ExposureTime(std::numeric_limits<double>::infinity())}).has_value());

@@ -29,7 +29,7 @@ TEST(OpenCvComparison, patterns_are_the_same_pictures_in_the_same_order) {
   }
 }
 
-TEST(OpenCvComparison, decodes_to_the_same_stripes_and_more_of_them) {
+TEST(OpenCvComparison, decodes_to_the_same_stripes_and_decodes_more_pixels) {
   LitWall wall;
   wall.noise = 0.008;
   const auto set = structured_light({.width_px = 128, .height_px = 96});

@@ -27,7 +27,7 @@ std::vector<int> word_at(const PatternSet& set, PatternAxis axis, int position) 
   return word;
 }
 
-TEST(Patterns, need_as_many_bits_as_tell_the_pixels_apart) {
+TEST(Patterns, have_as_many_bits_as_the_pixels_require) {
   EXPECT_EQ(bits_for(1), 1);
   EXPECT_EQ(bits_for(2), 1);
   EXPECT_EQ(bits_for(1024), 10);
@@ -35,7 +35,7 @@ TEST(Patterns, need_as_many_bits_as_tell_the_pixels_apart) {
   EXPECT_EQ(bits_for(16384), 14);
 }
 
-TEST(Patterns, of_gray_code_give_every_column_and_row_its_own_word_one_bit_from_its_neighbours) {
+TEST(Patterns, gray_codes_are_unique_and_neighbours_differ_in_one_bit) {
   const PatternSet set = set_of({.width_px = 100, .height_px = 37});
   for (const auto& [axis, extent] : {std::pair{PatternAxis::kColumns, 100}, std::pair{PatternAxis::kRows, 37}}) {
     std::set<std::vector<int>> words;
@@ -54,7 +54,7 @@ TEST(Patterns, of_gray_code_give_every_column_and_row_its_own_word_one_bit_from_
   }
 }
 
-TEST(Patterns, and_their_inverses_add_up_to_white) {
+TEST(Patterns, pictures_and_their_inverses_add_up_to_white) {
   const PatternSet set = set_of({.width_px = 64, .height_px = 48, .base_bit = 1});
   for (std::size_t i = 2; i < set.pictures.size(); i += 2) {
     ASSERT_FALSE(set.pictures[i].is_inverse);
@@ -64,7 +64,7 @@ TEST(Patterns, and_their_inverses_add_up_to_white) {
   }
 }
 
-TEST(Patterns, of_xor_codes_have_no_stripe_wider_than_the_base) {
+TEST(Patterns, xor_codes_have_no_stripe_wider_than_their_base) {
   for (const int base : {0, 1, 2}) {
     const PatternSet set = set_of({.width_px = 256, .height_px = 128, .base_bit = base});
     for (const PatternPicture& picture : set.pictures) {
@@ -82,7 +82,7 @@ TEST(Patterns, of_xor_codes_have_no_stripe_wider_than_the_base) {
   }
 }
 
-TEST(Patterns, of_phases_are_sines_that_move_by_equal_steps) {
+TEST(Patterns, phase_patterns_are_sines_shifted_by_equal_steps) {
   const PatternSet set = set_of({.width_px = 64, .height_px = 64, .phase_period_px = 16.0, .phase_steps = 4});
   for (int x = 0; x < 64; ++x) {
     double sum = 0.0;
@@ -96,7 +96,7 @@ TEST(Patterns, of_phases_are_sines_that_move_by_equal_steps) {
               0.5 + 0.5 * std::cos(2.0 * M_PI * 0.5 / 16.0), 1e-12);
 }
 
-TEST(Patterns, that_cannot_be_decoded_are_refused_with_what_is_allowed) {
+TEST(Patterns, refuses_sets_that_cannot_be_decoded_and_names_the_allowed_ones) {
   EXPECT_FALSE(structured_light({.width_px = 0}).has_value());
   EXPECT_FALSE(structured_light({.width_px = 20000}).has_value());
   EXPECT_FALSE(structured_light({.finest_bit = 11}).has_value());
@@ -107,7 +107,7 @@ TEST(Patterns, that_cannot_be_decoded_are_refused_with_what_is_allowed) {
   EXPECT_FALSE(ramps(100, 100, 1, {PatternLight::kAll}).has_value());
 }
 
-TEST(Patterns, are_drawn_as_they_are_told) {
+TEST(Patterns, are_drawn_as_described) {
   const PatternSet set = set_of({.width_px = 40, .height_px = 30, .phase_period_px = 8.0, .phase_steps = 3});
   for (const PatternPicture& picture : set.pictures) {
     const RgbImage image = drawn(set, picture);
@@ -118,7 +118,7 @@ TEST(Patterns, are_drawn_as_they_are_told) {
   }
 }
 
-TEST(Patterns, of_ramps_light_one_primary_at_a_time) {
+TEST(Patterns, ramps_light_one_primary_at_a_time) {
   const auto set = ramps(8, 4, 5, {PatternLight::kRed, PatternLight::kBlue});
   ASSERT_TRUE(set.has_value());
   ASSERT_EQ(set->pictures.size(), 10U);
@@ -128,7 +128,7 @@ TEST(Patterns, of_ramps_light_one_primary_at_a_time) {
   EXPECT_THAT(std::vector<int>(blue.at(3, 2), blue.at(3, 2) + 3), testing::ElementsAre(0, 0, 64));
 }
 
-TEST(Patterns, come_back_from_text_as_they_were) {
+TEST(Patterns, survive_a_round_trip_through_text) {
   const PatternSet set = set_of(
       {.width_px = 1920, .height_px = 1080, .finest_bit = 1, .base_bit = 1, .phase_period_px = 16.5, .phase_steps = 5});
   const auto back = read_pattern_set(to_text(set));
@@ -136,7 +136,7 @@ TEST(Patterns, come_back_from_text_as_they_were) {
   EXPECT_EQ(*back, set);
 }
 
-TEST(Patterns, in_bad_text_are_refused_with_the_line) {
+TEST(Patterns, names_the_line_of_bad_text) {
   for (const std::string text : {"", "patterns 2 4 4 base -1 phase 0 0\n", "patterns 1 0 4 base -1 phase 0 0\n",
                                  "patterns 1 4 4 base -1 phase nan 0\n"}) {
     const auto set = read_pattern_set(text);

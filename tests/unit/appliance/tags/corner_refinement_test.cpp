@@ -35,7 +35,7 @@ double farthest(const Corners& a, const Corners& b) {
   return max;
 }
 
-TEST(RefineCorners, brings_corners_that_are_off_back_to_the_edges) {
+TEST(RefineCorners, moves_inexact_corners_back_to_the_edges) {
   const GreyImage picture = painted_tag(7, kPose, kLens);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> off(-0.5, 0.5);
@@ -46,7 +46,7 @@ TEST(RefineCorners, brings_corners_that_are_off_back_to_the_edges) {
   }
 }
 
-TEST(RefineCorners, is_not_pulled_by_a_finger_on_the_edge) {
+TEST(RefineCorners, is_robust_against_a_finger_on_the_edge) {
   GreyImage picture = painted_tag(7, kPose, kLens);
   const Corners truth = true_corners();
   const Eigen::Vector2d middle = 0.5 * (truth[0] + truth[1]);
@@ -56,7 +56,7 @@ TEST(RefineCorners, is_not_pulled_by_a_finger_on_the_edge) {
   EXPECT_LT(farthest(refine_corners(picture, truth, kCells).positions, truth), 0.3);
 }
 
-TEST(RefineCorners, knows_how_far_off_it_is) {
+TEST(RefineCorners, has_a_consistent_covariance) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 4.0);
   const GreyImage clean = painted_tag(7, kPose, kLens);
@@ -79,14 +79,14 @@ TEST(RefineCorners, knows_how_far_off_it_is) {
   EXPECT_LT(squares, 3.0);
 }
 
-TEST(RefineCorners, leaves_corners_alone_where_there_is_no_edge) {
+TEST(RefineCorners, does_not_move_corners_where_there_is_no_edge) {
   const GreyImage flat(640, 480, 90);
   EXPECT_EQ(refine_corners(flat, true_corners(), kCells).positions, true_corners());
   EXPECT_EQ(refine_corners(GreyImage(), true_corners(), kCells).positions, true_corners());
   EXPECT_EQ(refine_corners(GreyImage(1, 1), true_corners(), kCells).positions, true_corners());
 }
 
-TEST(RefineCorners, answers_any_corners_with_finite_ones_that_are_near) {
+TEST(RefineCorners, returns_finite_corners_nearby_for_any_corners) {
   const GreyImage picture = painted_tag(7, kPose, kLens);
   std::mt19937 random(2);
   std::uniform_real_distribution<double> any(-100.0, 800.0);

@@ -23,7 +23,7 @@ TagDetection seen_at(const Eigen::Vector3d& middle, const calibration::BrownLens
   return tag;
 }
 
-TEST(StraightCorners, are_where_a_lens_without_distortion_sees_them) {
+TEST(StraightCorners, are_the_images_in_a_lens_without_distortion) {
   const calibration::BrownLens lens = bent();
   const Eigen::Vector3d middle(0.3, -0.2, 0.9);
   const auto straight = straightened({seen_at(middle, lens)}, lens, kStraight);
@@ -40,7 +40,7 @@ TEST(StraightCorners, are_where_a_lens_without_distortion_sees_them) {
   EXPECT_GT((astray->best.T_camera_tag.translation() - middle).norm(), 5e-3);
 }
 
-TEST(StraightCorners, carry_their_covariance_as_differences_say) {
+TEST(StraightCorners, propagate_the_covariance_as_differences_do) {
   const calibration::BrownLens lens = bent();
   TagDetection tag = seen_at({0.3, -0.2, 0.9}, lens);
   tag.covariance[2] << 0.02, 0.005, 0.005, 0.01;

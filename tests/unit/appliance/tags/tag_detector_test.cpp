@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(All, Decimation,
                                          Precision{1.0, true, 0.04}, Precision{1.5, true, 0.04},
                                          Precision{2.0, true, 0.04}, Precision{3.0, true, 0.04}));
 
-TEST(TagDetector, finds_nothing_in_pictures_that_can_hold_nothing) {
+TEST(TagDetector, finds_nothing_in_pictures_that_are_too_small) {
   for (const double decimate : {1.0, 1.5, 2.0, 8.0}) {
     DetectorSettings settings;
     settings.decimate = decimate;

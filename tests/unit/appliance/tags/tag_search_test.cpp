@@ -72,14 +72,14 @@ TEST(TagSearch, follows_a_hand_that_moves_fast) {
   }
 }
 
-TEST(TagSearch, finds_a_wand_again_wherever_it_comes_back) {
+TEST(TagSearch, finds_a_wand_again_wherever_it_reappears) {
   TagSearch search = search_of();
   ids_in(paint({{standard_wand(0), pose_at(0.3, 0.1, 1.0)}}), &search);
   EXPECT_TRUE(ids_in(paint({}), &search).empty());
   EXPECT_EQ(ids_in(paint({{standard_wand(0), pose_at(-0.3, -0.1, 0.9)}}), &search).size(), 3U);
 }
 
-TEST(TagSearch, gives_each_tag_once_and_two_cards_of_one_number_twice) {
+TEST(TagSearch, returns_each_tag_once_and_two_cards_with_one_number_twice) {
   TagSearch search = search_of();
   const GreyImage picture =
       paint({{standard_wand(0), pose_at(-0.25, 0.0, 1.0)}, {standard_wand(0), pose_at(0.25, 0.0, 1.0)}});

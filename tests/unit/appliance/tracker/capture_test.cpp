@@ -36,7 +36,7 @@ bool eventually(Condition condition) {
   return condition();
 }
 
-TEST(Capture, hands_over_the_newest_picture_and_counts_what_nobody_took) {
+TEST(Capture, delivers_the_newest_picture_and_counts_the_skipped_ones) {
   const SteadyClock clock;
   Capture capture(
       []() -> Result<std::unique_ptr<camera::Camera>> {
@@ -52,7 +52,7 @@ TEST(Capture, hands_over_the_newest_picture_and_counts_what_nobody_took) {
   EXPECT_EQ(capture.camera_id(), "scripted");
 }
 
-TEST(Capture, makes_the_camera_again_whichever_call_fails) {
+TEST(Capture, reopens_the_camera_whichever_call_fails) {
   const SteadyClock clock;
   int made = 0;  // Used by the capture thread until it has ended.
   {
@@ -79,7 +79,7 @@ TEST(Capture, makes_the_camera_again_whichever_call_fails) {
   EXPECT_EQ(made, 4);
 }
 
-TEST(Capture, says_what_is_wrong_and_ends_in_the_middle_of_its_pause) {
+TEST(Capture, reports_the_error_and_can_be_stopped_during_its_pause) {
   const SteadyClock clock;
   TimePoint began;
   {

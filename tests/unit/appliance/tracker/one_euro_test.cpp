@@ -19,13 +19,13 @@ constexpr OneEuroSettings kCalm{1.0, 0.0, 1.0};
 
 Quaterniond yaw(double rad) { return Quaterniond(Eigen::AngleAxisd(rad, Vector3d::UnitY())); }
 
-TEST(OneEuro, begins_at_the_first_measurement) {
+TEST(OneEuro, starts_at_the_first_measurement) {
   const auto first = filter(kCalm, std::optional<FilteredPosition>(), Vector3d(1, 2, 3), kStart);
   ASSERT_TRUE(first.has_value());
   EXPECT_EQ(first->value, Vector3d(1, 2, 3));
 }
 
-TEST(OneEuro, answers_a_step_as_a_low_pass_of_its_cutoff_does) {
+TEST(OneEuro, has_the_step_response_of_a_low_pass) {
   // After one time constant, 1 / (2 pi f), a first-order low-pass has gone 63 % of the way.
   std::optional<FilteredPosition> state;
   for (int ms = 0; ms <= 159; ++ms) {
@@ -34,7 +34,7 @@ TEST(OneEuro, answers_a_step_as_a_low_pass_of_its_cutoff_does) {
   EXPECT_NEAR(state->value.x(), 0.632, 0.01);
 }
 
-TEST(OneEuro, calms_a_hand_at_rest_and_follows_one_in_motion) {
+TEST(OneEuro, smooths_a_hand_at_rest_and_follows_one_in_motion) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0.0, 0.001);
   const OneEuroSettings settings{1.0, 10.0, 1.0};
@@ -51,7 +51,7 @@ TEST(OneEuro, calms_a_hand_at_rest_and_follows_one_in_motion) {
   EXPECT_LT(late, 0.03);  // 1 Hz alone would lag by 0.08 m.
 }
 
-TEST(OneEuro, ignores_time_that_repeats_or_runs_backwards_a_little) {
+TEST(OneEuro, ignores_time_stamps_that_repeat_or_go_back_a_little) {
   auto state = filter(kCalm, std::optional<FilteredPosition>(), Vector3d(0, 0, 0), kStart);
   for (const auto shift : {milliseconds(0), milliseconds(-1), milliseconds(-499)}) {
     const auto next = filter(kCalm, state, Vector3d(9, 9, 9), kStart + shift);
@@ -61,7 +61,7 @@ TEST(OneEuro, ignores_time_that_repeats_or_runs_backwards_a_little) {
   }
 }
 
-TEST(OneEuro, starts_afresh_after_a_gap_in_either_direction) {
+TEST(OneEuro, restarts_after_a_gap_in_either_direction) {
   const auto state = filter(kCalm, std::optional<FilteredPosition>(), Vector3d(0, 0, 0), kStart);
   for (const TimePoint at : {kStart + milliseconds(500), kStart - milliseconds(500), TimePoint::max(), TimePoint()}) {
     const auto next = filter(kCalm, state, Vector3d(9, 9, 9), at);
@@ -70,7 +70,7 @@ TEST(OneEuro, starts_afresh_after_a_gap_in_either_direction) {
   }
 }
 
-TEST(OneEuro, ignores_what_is_not_finite) {
+TEST(OneEuro, ignores_measurements_that_are_not_finite) {
   EXPECT_FALSE(filter(kCalm, std::optional<FilteredPosition>(), Vector3d(kNan, 0, 0), kStart).has_value());
   const auto state = filter(kCalm, std::optional<FilteredPosition>(), Vector3d(1, 1, 1), kStart);
   EXPECT_EQ(filter(kCalm, state, Vector3d(0, kNan, 0), kStart + milliseconds(30))->value, state->value);
@@ -81,7 +81,7 @@ TEST(OneEuro, ignores_what_is_not_finite) {
   }
 }
 
-TEST(OneEuro, turns_along_the_shorter_way_whatever_the_sign_of_the_quaternion) {
+TEST(OneEuro, turns_the_short_way_for_either_sign_of_the_quaternion) {
   std::optional<FilteredRotation> state = filter(kCalm, std::optional<FilteredRotation>(), yaw(0.0), kStart);
   const Quaterniond target = yaw(0.2);
   const Quaterniond negated(-target.w(), -target.x(), -target.y(), -target.z());
@@ -93,7 +93,7 @@ TEST(OneEuro, turns_along_the_shorter_way_whatever_the_sign_of_the_quaternion) {
   EXPECT_LT(turned, 0.1);
 }
 
-TEST(OneEuro, follows_a_steady_turn_with_a_steady_delay) {
+TEST(OneEuro, follows_a_constant_turn_with_a_constant_delay) {
   const OneEuroSettings settings{1.0, 3.0, 1.0};
   std::optional<FilteredRotation> state;
   for (int i = 0; i < 200; ++i) state = filter(settings, state, yaw(0.02 * i), kStart + milliseconds(33) * i);

@@ -29,20 +29,20 @@ bool is(const ChosenPose& chosen, double yaw_rad) {
   return chosen.pose.T_camera_tag.rotation().angularDistance(pose(yaw_rad, 0).T_camera_tag.rotation()) < 0.05;
 }
 
-TEST(Choose, takes_the_better_one_of_the_first_picture) {
+TEST(PoseChooser, takes_the_better_pose_in_the_first_picture) {
   const auto chosen = choose({}, std::nullopt, poses(pose(0.3, 0.1), pose(-0.3, 0.4)), kStart);
   EXPECT_TRUE(is(chosen, 0.3));
   EXPECT_GT(chosen.probability, 0.9);
 }
 
-TEST(Choose, takes_the_only_one_whatever_was_believed) {
+TEST(PoseChooser, takes_the_only_pose_whatever_it_believed) {
   const auto before = choose({}, std::nullopt, poses(pose(0.3, 0.1), pose(-0.3, 0.9)), kStart);
   const auto chosen = choose({}, before.state, {pose(-0.2, 0.1), std::nullopt}, kStart + milliseconds(33));
   EXPECT_TRUE(is(chosen, -0.2));
   EXPECT_EQ(chosen.probability, 1.0);
 }
 
-TEST(Choose, is_not_turned_by_one_picture_that_prefers_the_wrong_one) {
+TEST(PoseChooser, is_not_changed_by_one_picture_that_prefers_the_wrong_pose) {
   std::optional<Hypotheses> state;
   for (int i = 0; i < 10; ++i) {
     state = choose({}, state, poses(pose(0.3, 0.1), pose(-0.3, 0.2)), kStart + milliseconds(33) * i).state;
@@ -51,7 +51,7 @@ TEST(Choose, is_not_turned_by_one_picture_that_prefers_the_wrong_one) {
   EXPECT_TRUE(is(chosen, 0.3));
 }
 
-TEST(Choose, gives_up_a_wrong_belief_within_half_a_second) {
+TEST(PoseChooser, drops_a_wrong_belief_within_half_a_second) {
   std::optional<Hypotheses> state;
   for (int i = 0; i < 30; ++i) {
     state = choose({}, state, poses(pose(-0.3, 0.05), pose(0.3, 0.9)), kStart + milliseconds(33) * i).state;
@@ -66,7 +66,7 @@ TEST(Choose, gives_up_a_wrong_belief_within_half_a_second) {
   EXPECT_LE(needed, 15);
 }
 
-TEST(Choose, is_right_far_more_often_than_single_pictures_are) {
+TEST(PoseChooser, is_right_far_more_often_than_single_pictures) {
   // Errors like those of a small tag: the right pose is better in most pictures, but by less than the noise.
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, 0.06);
@@ -86,7 +86,7 @@ TEST(Choose, is_right_far_more_often_than_single_pictures_are) {
   EXPECT_LT(wrong_over_time, kPictures / 50);
 }
 
-TEST(Choose, follows_each_explanation_while_the_hand_turns) {
+TEST(PoseChooser, follows_both_poses_while_the_hand_turns) {
   std::optional<Hypotheses> state;
   for (int i = 0; i < 60; ++i) {
     const double yaw = 0.2 + 0.008 * i;
@@ -99,7 +99,7 @@ TEST(Choose, follows_each_explanation_while_the_hand_turns) {
   }
 }
 
-TEST(Choose, forgets_after_a_gap_and_survives_any_time) {
+TEST(PoseChooser, forgets_after_a_gap_and_survives_any_time_stamp) {
   const auto before = choose({}, std::nullopt, poses(pose(0.3, 0.01), pose(-0.3, 0.9)), kStart);
   for (const TimePoint at : {kStart + milliseconds(600), kStart - milliseconds(600), TimePoint::max(), TimePoint()}) {
     EXPECT_TRUE(is(choose({}, before.state, poses(pose(0.3, 0.11), pose(-0.3, 0.1)), at), -0.3));

@@ -50,7 +50,7 @@ tags::DetectorSettings thorough() {
   return settings;
 }
 
-TEST(RealPhotos, every_tag_of_the_swarmathon_lists_is_found_where_it_is_listed) {
+TEST(RealPhotos, finds_every_tag_of_the_swarmathon_lists_where_it_is_listed) {
   CYCLORAMA_SHARED_DATA(folder, "apriltag/swarmathon");
   tags::DetectorSettings settings = thorough();
   settings.refine_edges = false;  // The lists were made without it.
@@ -78,7 +78,7 @@ TEST(RealPhotos, every_tag_of_the_swarmathon_lists_is_found_where_it_is_listed) 
   std::printf("swarmathon: %d listed, farthest corner %.3f px\n", listed, largest);
 }
 
-TEST(RealPhotos, every_tag_of_another_detector_s_output_is_found) {
+TEST(RealPhotos, finds_every_tag_that_another_detector_found) {
   CYCLORAMA_SHARED_DATA(folder, "apriltag");
   const auto expected = nlohmann::json::parse(std::ifstream(folder / "expected_libapriltag.json"));
   std::vector<double> distances;
@@ -105,7 +105,7 @@ TEST(RealPhotos, every_tag_of_another_detector_s_output_is_found) {
               distances.back());
 }
 
-TEST(RealPhotos, a_turned_tag_turns_by_what_the_turntable_says) {
+TEST(RealPhotos, a_tag_turns_by_the_turntables_angle) {
   CYCLORAMA_SHARED_DATA(folder, "apriltag/duckietown");
   // test_info.yaml: K, tag_size. Our lens has square pixels, so corners are converted to such a lens.
   // lens.

@@ -106,7 +106,7 @@ TEST(SimulatedAccuracy, the_whole_demo_is_tracked) {
   EXPECT_LT(s.raw_yaw_deg, 0.3);
 }
 
-TEST(SimulatedAccuracy, a_dim_noisy_and_blurred_picture_is_tracked_too) {
+TEST(SimulatedAccuracy, a_dim_noisy_and_blurred_picture_is_tracked) {
   simulated::Simulation simulation;
   simulation.frames_per_second = 15.0;
   simulation.noise_grey = 5.0;

@@ -58,7 +58,7 @@ TEST(EstimatePoses, recovers_the_pose_from_exact_corners) {
   }
 }
 
-TEST(EstimatePoses, gives_the_mirrored_pose_of_a_far_tag_as_the_other_one) {
+TEST(EstimatePoses, returns_the_mirrored_pose_of_a_far_tag_as_the_second_one) {
   const T_CameraTag truth(Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY())), {0.0, 0.0, 2.0});
   const auto poses = estimate_poses(*seen(truth), kSize, kLens);
   ASSERT_TRUE(poses.has_value());
@@ -117,7 +117,7 @@ TEST(EstimatePoses, agrees_with_libapriltag) {
   EXPECT_GE(agreed, 290);
 }
 
-TEST(EstimatePoses, gives_nothing_for_degenerate_corners) {
+TEST(EstimatePoses, returns_nothing_for_degenerate_corners) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   const Corners square{Eigen::Vector2d(300, 200), {340, 200}, {340, 240}, {300, 240}};
@@ -135,7 +135,7 @@ TEST(EstimatePoses, gives_nothing_for_degenerate_corners) {
   EXPECT_FALSE(estimate_poses({square[0], square[1], {310, 210}, square[3]}, kSize, kLens).has_value());  // Dented.
 }
 
-TEST(EstimatePoses, answers_any_quadrilateral_with_finite_numbers_or_nothing) {
+TEST(EstimatePoses, returns_finite_numbers_or_nothing_for_any_quadrangle) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> exponent(-3.0, 5.0);
   std::uniform_real_distribution<double> any(-1.0, 1.0);

@@ -37,7 +37,7 @@ std::optional<int> id_of(const TrackingResult& result) {
   return result.tag ? std::optional<int>(result.tag->wand.id()) : std::nullopt;
 }
 
-TEST(Track, gives_the_pose_of_the_tag_in_the_picture) {
+TEST(TagTracking, returns_the_pose_of_the_tag_in_the_picture) {
   const std::vector<tags::TagDetection> seen{tag(4, 0.2, 0.9)};
   const auto result = track(flat(), {}, seen, kLens, kStart);
   ASSERT_TRUE(result.tag.has_value());
@@ -45,7 +45,7 @@ TEST(Track, gives_the_pose_of_the_tag_in_the_picture) {
   EXPECT_LT(result.tag->chosen.pose.reprojection_px, 1e-3);
 }
 
-TEST(Track, stays_with_its_tag_when_a_larger_one_comes) {
+TEST(TagTracking, keeps_its_tag_when_a_larger_one_appears) {
   const std::vector<tags::TagDetection> first{tag(4, 0.2, 0.9)};
   const std::vector<tags::TagDetection> both{tag(9, -0.2, 0.5), tag(4, 0.2, 0.9)};
   const auto before = track(flat(), {}, first, kLens, kStart);
@@ -53,7 +53,7 @@ TEST(Track, stays_with_its_tag_when_a_larger_one_comes) {
   EXPECT_EQ(id_of(track(flat(), {}, both, kLens, kStart)), 9);
 }
 
-TEST(Track, takes_another_tag_only_once_its_own_was_lost_for_a_while) {
+TEST(TagTracking, changes_to_another_tag_only_after_its_own_was_lost_for_a_while) {
   const std::vector<tags::TagDetection> own{tag(4, 0.2, 0.9)};
   const std::vector<tags::TagDetection> other{tag(9, -0.2, 0.5)};
   const auto before = track(flat(), {}, own, kLens, kStart);
@@ -61,11 +61,11 @@ TEST(Track, takes_another_tag_only_once_its_own_was_lost_for_a_while) {
   EXPECT_EQ(id_of(soon), std::nullopt);
   const auto later = track(flat(), soon.state, other, kLens, kStart + milliseconds(300));
   ASSERT_EQ(id_of(later), 9);
-  // It begins anew with it: nothing of the first tag's position is left.
+  // The filter is reset: nothing of the first tag's position is left.
   EXPECT_LT((later.tag->T_camera_tag.translation() - Eigen::Vector3d(-0.2, 0.0, 0.5)).norm(), 1e-4);
 }
 
-TEST(Track, sees_no_tag_but_the_one_that_it_was_told) {
+TEST(TagTracking, follows_only_the_configured_tag) {
   TrackingSettings settings = flat();
   settings.patterns.only = 4;
   const std::vector<tags::TagDetection> other{tag(9, -0.2, 0.5)};
@@ -74,7 +74,7 @@ TEST(Track, sees_no_tag_but_the_one_that_it_was_told) {
   EXPECT_EQ(id_of(track(settings, {}, both, kLens, kStart)), 4);
 }
 
-TEST(Track, leaves_its_state_alone_when_the_corners_are_impossible) {
+TEST(TagTracking, keeps_its_state_when_the_corners_are_impossible) {
   tags::TagDetection broken = tag(4, 0.2, 0.9);
   broken.corners[1].x() = std::numeric_limits<double>::quiet_NaN();
   const std::vector<tags::TagDetection> first{tag(4, 0.2, 0.9)};
@@ -85,7 +85,7 @@ TEST(Track, leaves_its_state_alone_when_the_corners_are_impossible) {
   EXPECT_EQ(result.state.seen_at, kStart);
 }
 
-TEST(Track, answers_a_repeated_time_with_the_same_pose) {
+TEST(TagTracking, returns_the_same_pose_for_a_repeated_time) {
   const std::vector<tags::TagDetection> first{tag(4, 0.2, 0.9)};
   const std::vector<tags::TagDetection> moved{tag(4, 0.0, 0.9)};
   const auto before = track(flat(), {}, first, kLens, kStart);
@@ -104,7 +104,7 @@ std::vector<tags::TagDetection> wand_at(int number, const Eigen::Vector3d& posit
   return seen;
 }
 
-TEST(Track, follows_a_standard_wand_by_all_its_tags_and_says_how_surely) {
+TEST(TagTracking, follows_a_standard_wand_by_all_its_tags_and_states_its_uncertainty) {
   auto seen = wand_at(3, {0.1, 0.0, 1.1});
   const auto result = track({}, {}, seen, kLens, kStart);
   ASSERT_EQ(id_of(result), 9);
@@ -116,7 +116,7 @@ TEST(Track, follows_a_standard_wand_by_all_its_tags_and_says_how_surely) {
   EXPECT_EQ(id_of(track({}, result.state, seen, kLens, kStart + milliseconds(33))), 9);
 }
 
-TEST(Track, stays_with_its_wand_when_another_comes_nearer) {
+TEST(TagTracking, keeps_its_wand_when_a_nearer_one_appears) {
   const auto first = wand_at(3, {0.2, 0.0, 1.1});
   auto both = wand_at(4, {-0.2, 0.0, 0.8});
   both.insert(both.end(), first.begin(), first.end());
@@ -125,7 +125,7 @@ TEST(Track, stays_with_its_wand_when_another_comes_nearer) {
   EXPECT_EQ(id_of(track({}, {}, both, kLens, kStart)), 12);
 }
 
-TEST(Track, does_not_mix_two_cards_of_one_number) {
+TEST(TagTracking, does_not_mix_two_cards_with_the_same_number) {
   auto both = wand_at(3, {0.35, 0.0, 1.1});
   const auto other = wand_at(3, {-0.35, 0.0, 1.2});
   both.insert(both.end(), other.begin(), other.end());
@@ -150,7 +150,7 @@ std::vector<tags::TagDetection> lone_tag_at(double yaw_deg, unsigned picture) {
   return {detection};
 }
 
-TEST(Track, waits_while_a_lone_small_tag_may_point_to_either_side) {
+TEST(TagTracking, waits_while_the_pose_of_a_small_tag_is_ambiguous) {
   int told = 0, wrong = 0, waited = 0;
   for (unsigned hand = 0; hand < 300; ++hand) {
     const double yaw_deg = hand % 2 == 0 ? 45.0 : -45.0;
@@ -174,7 +174,7 @@ TEST(Track, waits_while_a_lone_small_tag_may_point_to_either_side) {
   EXPECT_LE(wrong, told / 100);
 }
 
-TEST(Track, knows_measured_wands_and_no_others) {
+TEST(TagTracking, accepts_measured_wands_only) {
   TrackingSettings settings;
   settings.patterns.wands = {flat_tag(500, 0.2)};
   EXPECT_EQ(id_of(track(settings, {}, wand_at(3, {0.1, 0.0, 1.1}), kLens, kStart)), std::nullopt);

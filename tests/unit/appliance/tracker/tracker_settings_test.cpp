@@ -22,7 +22,7 @@ std::string mistake_in(const std::string& text) {
   return settings ? "" : settings.error().message();
 }
 
-TEST(TrackerSettings, has_the_demo_s_values_when_nothing_is_said) {
+TEST(TrackerSettings, has_the_demos_values_by_default) {
   const auto settings = TrackerSettings::parse("", "tracker.toml");
   ASSERT_TRUE(settings.has_value());
   const TrackerSettings defaults;
@@ -32,7 +32,7 @@ TEST(TrackerSettings, has_the_demo_s_values_when_nothing_is_said) {
   EXPECT_NEAR(settings->lens.field_of_view_rad, defaults.lens.field_of_view_rad, 1e-12);
 }
 
-TEST(TrackerSettings, looks_through_a_calibrated_lens) {
+TEST(TrackerSettings, uses_a_calibrated_lens) {
   const auto folder = std::filesystem::temp_directory_path() / ("tracker-lens-" + std::to_string(getpid()));
   std::filesystem::create_directory(folder);
   calibration::CameraFile camera{"a camera",
@@ -116,7 +116,7 @@ TEST(TrackerSettings, reads_every_key) {
   EXPECT_EQ(lens.centre_v_px, 250.0);
 }
 
-TEST(TrackerSettings, reads_which_wands_visitors_hold) {
+TEST(TrackerSettings, reads_the_visitors_wands) {
   EXPECT_EQ(TrackerSettings::parse("[wand]\nnumber = 4\n", "t")->tracking.patterns.only, 4);
   const std::filesystem::path folder = testing::TempDir();
   std::ofstream(folder / "blue.toml") << wand_toml(standard_wand(9));
@@ -130,7 +130,7 @@ TEST(TrackerSettings, reads_which_wands_visitors_hold) {
   EXPECT_THAT(mistake_in("[tag]\nid = 1\n[wand]\nnumber = 1\n"), HasSubstr("remove one"));
 }
 
-TEST(TrackerSettings, reads_by_what_visitors_steer) {
+TEST(TrackerSettings, reads_the_way_of_steering) {
   const auto wand = TrackerSettings::parse("", "tracker.toml");
   ASSERT_TRUE(wand.has_value());
   EXPECT_EQ(wand->steer_by, SteerBy::kWand);

@@ -142,7 +142,7 @@ TEST_F(TrackerTest, follows_a_visitor_who_carries_nothing) {
   server->stop(milliseconds(0));
 }
 
-TEST_F(TrackerTest, finds_the_tour_again_after_it_was_away) {
+TEST_F(TrackerTest, reconnects_to_a_tour_that_was_away) {
   FakeTour first;
   auto server = serve(&first, "[::1]:0");
   ASSERT_NE(server, nullptr);
@@ -162,7 +162,7 @@ TEST_F(TrackerTest, finds_the_tour_again_after_it_was_away) {
   server->stop(milliseconds(0));
 }
 
-TEST_F(TrackerTest, lives_on_without_camera_and_tour_and_says_so) {
+TEST_F(TrackerTest, runs_without_camera_and_tour_and_reports_it) {
   settings_.camera = "file:/nowhere/at/all.png";
   settings_.tour = "[::1]:1";
   const auto tracker = started();
@@ -184,7 +184,7 @@ TEST_F(TrackerTest, refuses_settings_that_can_never_work) {
   EXPECT_FALSE(Tracker::start(settings_, clock_, &inspection_).has_value());
 }
 
-TEST_F(TrackerTest, shows_its_picture_only_to_those_who_watch) {
+TEST_F(TrackerTest, publishes_its_picture_only_while_somebody_watches) {
   settings_.tour = "[::1]:1";
   auto server = WireServer::start("[::1]:0", {&inspection_});
   ASSERT_TRUE(server.has_value());

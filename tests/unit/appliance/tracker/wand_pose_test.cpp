@@ -57,7 +57,7 @@ Vector6d error_of(const T_CameraTag& measured, const T_CameraTag& truth) {
   return error;
 }
 
-TEST(WandPose, is_exact_where_the_corners_are) {
+TEST(WandPose, is_exact_for_exact_corners) {
   const Wand wand = standard_wand(3);
   for (double yaw = -80.0; yaw <= 80.0; yaw += 10.0) {
     const T_CameraTag truth = pose_at(yaw, 1.4);
@@ -68,7 +68,7 @@ TEST(WandPose, is_exact_where_the_corners_are) {
   }
 }
 
-TEST(WandPose, leaves_one_explanation_where_a_flat_tag_leaves_two) {
+TEST(WandPose, is_unambiguous_where_a_flat_tag_has_two_poses) {
   const T_CameraTag truth = pose_at(20.0, 1.5);
   std::mt19937 random(4);
   auto flat = seen_of(flat_tag(0, 0.07), truth);
@@ -81,7 +81,7 @@ TEST(WandPose, leaves_one_explanation_where_a_flat_tag_leaves_two) {
   EXPECT_FALSE(poses->other.has_value());
 }
 
-TEST(WandPose, of_a_flat_tag_is_the_tag_s_own) {
+TEST(WandPose, is_the_tags_own_pose_for_a_flat_tag) {
   std::mt19937 random(5);
   for (int i = 0; i < 100; ++i) {
     auto seen = seen_of(flat_tag(0, 0.12), pose_at(0.6 * i - 30.0, 0.9));
@@ -95,7 +95,7 @@ TEST(WandPose, of_a_flat_tag_is_the_tag_s_own) {
 }
 
 /// The covariance is consistent: errors, in units of it, have mean square 1 per degree of freedom.
-TEST(WandPose, knows_how_far_off_it_is) {
+TEST(WandPose, has_a_consistent_covariance) {
   const Wand wand = standard_wand(0);
   std::mt19937 random(6);
   for (const double yaw : {0.0, 30.0, 55.0}) {
@@ -115,7 +115,7 @@ TEST(WandPose, knows_how_far_off_it_is) {
   }
 }
 
-TEST(WandPose, is_hardly_pulled_by_corners_under_a_finger) {
+TEST(WandPose, is_little_affected_by_corners_under_a_finger) {
   const Wand wand = standard_wand(0);
   const T_CameraTag truth = pose_at(10.0, 1.0);
   std::mt19937 random(7);
@@ -127,7 +127,7 @@ TEST(WandPose, is_hardly_pulled_by_corners_under_a_finger) {
   EXPECT_LT(error_of(poses->best.T_camera_tag, truth).head<3>().norm(), 0.01);
 }
 
-TEST(WandPose, takes_a_tag_that_is_not_seen_as_a_sign_against_a_pose_that_would_show_it) {
+TEST(WandPose, rejects_a_pose_that_would_show_an_unseen_tag) {
   // Turned far to a side, only the left panel is visible. Its other pose turns the wand to the front, where the middle
   // tag would be visible.
   const Wand wand = standard_wand(0);
@@ -152,7 +152,7 @@ TEST(WandPose, takes_a_tag_that_is_not_seen_as_a_sign_against_a_pose_that_would_
   EXPECT_GE(right, 60);
 }
 
-TEST(WandPose, is_nothing_or_finite_whatever_the_corners_are) {
+TEST(WandPose, is_finite_or_nothing_for_any_corners) {
   const Wand wand = standard_wand(0);
   std::mt19937 random(9);
   std::uniform_real_distribution<double> any(-2000.0, 3000.0);
@@ -197,7 +197,7 @@ TEST(FitPose, refuses_points_that_determine_no_pose) {
   EXPECT_TRUE(fit_pose(points({{0, 0, 0}, {0.1, 0, 0}, {0.1, 0.1, 0}, {0, 0.1, 0.02}}), start, kLens).has_value());
 }
 
-TEST(MixedCovariance, is_wide_where_either_may_be_right) {
+TEST(MixedCovariance, is_large_where_either_pose_may_be_right) {
   TagPose a;
   a.T_camera_tag = pose_at(20.0, 1.0);
   a.covariance = 1e-6 * Matrix6d::Identity();

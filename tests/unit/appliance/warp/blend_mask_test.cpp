@@ -23,7 +23,7 @@ std::optional<double> bilinear(const MaskImage& mask, const Eigen::Vector2d& pix
   return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) + fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
 }
 
-TEST(BlendMask, lets_all_projectors_together_shine_one_on_every_wall_point) {
+TEST(BlendMask, the_sum_of_all_masks_is_one_on_every_wall_point) {
   const Installation room = demo_room();
   const CylinderWall& wall = cylinder_of(room);
   const std::vector<ProjectorMap> maps = projector_maps(room);
@@ -52,7 +52,7 @@ TEST(BlendMask, lets_all_projectors_together_shine_one_on_every_wall_point) {
   std::printf("worst sum of 20000 wall points differs from 1 by %.5f; %d points are shared\n", worst, shared);
 }
 
-TEST(BlendMask, is_dark_exactly_where_the_pixel_misses_the_wall) {
+TEST(BlendMask, is_zero_exactly_where_the_pixel_misses_the_wall) {
   const std::vector<ProjectorMap> maps = projector_maps(demo_room());
   const std::vector<MaskImage> masks = make_blend_masks(maps);
   int dark = 0;
@@ -70,7 +70,7 @@ TEST(BlendMask, is_dark_exactly_where_the_pixel_misses_the_wall) {
   EXPECT_GT(dark, 1000);
 }
 
-TEST(BlendMask, has_no_step_inside_the_wall) {
+TEST(BlendMask, is_continuous_inside_the_wall) {
   const Installation room = demo_room();
   const std::vector<ProjectorMap> maps = projector_maps(room);
   constexpr int kSteps = 2000;
@@ -85,7 +85,7 @@ TEST(BlendMask, has_no_step_inside_the_wall) {
   }
 }
 
-TEST(BlendMask, weights_are_all_zero_where_no_projector_reaches) {
+TEST(BlendMask, weights_are_zero_where_no_projector_lights_the_wall) {
   Installation room = demo_room();
   room.projectors.resize(1);
   const std::vector<ProjectorMap> maps = projector_maps(room);
@@ -93,7 +93,7 @@ TEST(BlendMask, weights_are_all_zero_where_no_projector_reaches) {
   EXPECT_THAT(blend_weights(maps, cylinder_of(room).point_at(-1.0, 1.5)), ::testing::ElementsAre(1.0));
 }
 
-TEST(DemoRoom, is_lit_everywhere_by_pictures_that_overlap_by_a_sixth) {
+TEST(DemoRoom, is_lit_everywhere_and_its_pictures_overlap_by_a_sixth) {
   Installation room = demo_room();
   EXPECT_EQ(unlit_fraction(room), 0.0);
   const std::vector<ProjectorMap> maps = projector_maps(room);

@@ -26,7 +26,7 @@ TEST(PixelMap, is_the_exact_map_at_every_pixel) {
   }
 }
 
-TEST(Warp, is_of_patches_where_they_are_enough_of_a_mesh_along_creases_and_else_a_map) {
+TEST(Warp, consists_of_patches_or_a_mesh_or_a_map_as_the_wall_requires) {
   const Installation room = demo_room();
   const ProjectorMap map(room, 1);
   const auto easy = make_warp(map, room.panorama(256), 0.05);
@@ -43,7 +43,7 @@ TEST(Warp, is_of_patches_where_they_are_enough_of_a_mesh_along_creases_and_else_
   EXPECT_TRUE(std::holds_alternative<PixelMap>(*hard));
 }
 
-TEST(Warp, of_walls_of_every_shape_keeps_to_its_tolerance_and_of_many_folds_is_a_map) {
+TEST(Warp, keeps_its_tolerance_on_every_shape_and_is_a_map_for_many_folds) {
   for (const char* const name : {"plane.toml", "dome.toml", "mesh.toml"}) {
     const auto room = read_installation(demo_installation_path().parent_path() / name);
     ASSERT_TRUE(room) << room.error().message();
@@ -59,11 +59,11 @@ TEST(Warp, of_walls_of_every_shape_keeps_to_its_tolerance_and_of_many_folds_is_a
   }
 }
 
-TEST(Warp, of_a_panorama_that_is_none_is_refused) {
+TEST(Warp, refuses_an_invalid_panorama) {
   EXPECT_EQ(make_warp(ProjectorMap(demo_room(), 0), Panorama{}).error().code(), ErrorCode::kInvalidArgument);
 }
 
-TEST(Warp, lies_nowhere_where_its_map_is_not_a_number) {
+TEST(Warp, has_no_position_where_its_map_is_nan) {
   PixelMap map(2, 1, 0.5f);
   map.at(1, 0)[1] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_TRUE(direction_at(map, 0, 0));

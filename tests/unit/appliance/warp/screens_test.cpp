@@ -74,7 +74,7 @@ TEST_P(ScreenWarp, triangles_cover_the_picture_once) {
   EXPECT_NEAR(area_px2(*mesh), static_cast<double>(mesh->width_px) * mesh->height_px, 2.0);
 }
 
-TEST_P(ScreenWarp, is_lit_everywhere_and_weights_add_up_to_one) {
+TEST_P(ScreenWarp, lights_the_whole_wall_with_weights_that_add_up_to_one) {
   const Installation room = this->room();
   EXPECT_EQ(unlit_fraction(room), 0.0);
   const std::vector<ProjectorMap> maps = projector_maps(room);
@@ -99,7 +99,7 @@ std::array<double, 3> light_from(const Eigen::Vector3d& direction) {
   return {0.5 + 0.3 * std::sin(4.0 * d.x()), 0.5 + 0.3 * std::cos(5.0 * d.y()), 0.5 + 0.3 * std::sin(3.0 * d.z())};
 }
 
-TEST_P(ScreenWarp, the_wall_shows_what_the_eye_is_to_see_when_the_visitor_has_turned_and_when_not) {
+TEST_P(ScreenWarp, shows_the_eye_the_right_light_at_every_heading) {
   const Installation room = this->room();
   const PictureShape wanted = room.picture(width_px());
   const std::vector<ProjectorMap> maps = projector_maps(room);
@@ -151,7 +151,7 @@ TEST_P(ScreenWarp, the_wall_shows_what_the_eye_is_to_see_when_the_visitor_has_tu
 INSTANTIATE_TEST_SUITE_P(Demo, ScreenWarp, ::testing::Values("plane", "corner", "dome", "mesh"),
                          [](const auto& tested) { return std::string(tested.param); });
 
-TEST(ScreenBlend, what_is_in_the_shade_of_a_pillar_is_lit_by_the_other_projector_alone) {
+TEST(ScreenBlend, lights_the_shadow_of_a_pillar_by_the_other_projector_alone) {
   Installation room;
   room.wall = PlanesWall{
       {WallRectangle::above({-3, -3}, {3, -3}, 0.0, 3.0), WallRectangle::above({-0.5, -1.5}, {0.5, -1.5}, 0.0, 3.0)}};

@@ -38,7 +38,7 @@ Installation random_room(std::mt19937* random) {
   return room;
 }
 
-TEST(ProjectorMap, agrees_with_the_ray_from_the_eye_to_every_wall_point_that_it_lights) {
+TEST(ProjectorMap, has_for_every_lit_wall_point_the_direction_from_the_eye) {
   std::mt19937 random(1);
   int lit = 0;
   for (int n = 0; n < 60; ++n) {
@@ -66,7 +66,7 @@ TEST(ProjectorMap, agrees_with_the_ray_from_the_eye_to_every_wall_point_that_it_
   EXPECT_GT(lit, 1000);
 }
 
-TEST(ProjectorMap, has_no_jump_where_the_azimuth_passes_a_half_turn) {
+TEST(ProjectorMap, is_continuous_where_the_azimuth_passes_half_a_turn) {
   Installation room = demo_room();
   std::get<CylinderWall>(room.wall).arc_rad = 2.0 * std::numbers::pi;
   room.projectors.resize(1);
@@ -110,7 +110,7 @@ TEST(WarpMesh, holds_its_tolerance_at_every_pixel_of_the_demo) {
   }
 }
 
-TEST(WarpMesh, is_no_finer_than_it_must_be) {
+TEST(WarpMesh, is_no_finer_than_necessary) {
   const Installation room = demo_room();
   const ProjectorMap map(room, 1);
   const auto fine = make_warp_mesh(map, room.panorama(2048), 0.05);
@@ -120,7 +120,7 @@ TEST(WarpMesh, is_no_finer_than_it_must_be) {
   EXPECT_LT(fine->vertices.size(), 20000U);
 }
 
-TEST(WarpMesh, gives_each_vertex_back_and_covers_the_picture_with_triangles) {
+TEST(WarpMesh, maps_its_vertices_exactly_and_covers_the_picture_with_triangles) {
   const Installation room = demo_room();
   const auto mesh = make_warp_mesh(ProjectorMap(room, 0), room.panorama(1024));
   ASSERT_TRUE(mesh);
@@ -133,7 +133,7 @@ TEST(WarpMesh, gives_each_vertex_back_and_covers_the_picture_with_triangles) {
   EXPECT_NEAR(area_px2(*mesh), 640.0 * 480.0, 1.0);
 }
 
-TEST(WarpMesh, leaves_out_what_has_no_direction) {
+TEST(WarpMesh, leaves_out_pixels_without_a_direction) {
   WarpMesh mesh{2, 2, 2, 2, std::vector<WarpVertex>(9), 0.0};
   EXPECT_EQ(mesh.triangles().size(), 3U * 8U);
   mesh.vertices[0].azimuth_rad = std::numeric_limits<float>::quiet_NaN();
@@ -142,12 +142,12 @@ TEST(WarpMesh, leaves_out_what_has_no_direction) {
   EXPECT_TRUE(mesh.interpolate({1.5, 1.2}));
 }
 
-TEST(WarpMesh, refuses_a_panorama_that_is_none) {
+TEST(WarpMesh, refuses_an_invalid_panorama) {
   const Installation room = demo_room();
   EXPECT_EQ(make_warp_mesh(ProjectorMap(room, 0), Panorama{}).error().code(), ErrorCode::kInvalidArgument);
 }
 
-TEST(WarpMesh, holds_its_tolerance_in_random_rooms_or_says_that_none_does) {
+TEST(WarpMesh, holds_its_tolerance_in_random_rooms_or_reports_that_it_cannot) {
   std::mt19937 random(7);
   int made = 0;
   for (int n = 0; n < 40; ++n) {

@@ -26,7 +26,7 @@ double worst_error(const ProjectorMap& map, const WarpPatches& warp, const Pictu
   return worst;
 }
 
-TEST(WarpPatches, keep_to_their_tolerance_on_walls_of_every_smooth_shape) {
+TEST(WarpPatches, keep_their_tolerance_on_every_smooth_wall) {
   for (const char* const name : {"plane.toml", "dome.toml", "installation.toml"}) {
     const auto room = std::string(name) == "installation.toml"
                           ? Result<Installation>(demo_room())
@@ -46,7 +46,7 @@ TEST(WarpPatches, keep_to_their_tolerance_on_walls_of_every_smooth_shape) {
   }
 }
 
-TEST(WarpPatches, are_far_fewer_than_a_meshs_cells) {
+TEST(WarpPatches, are_far_fewer_than_the_cells_of_a_mesh) {
   const Installation room = demo_room();
   const ProjectorMap map(room, 0);
   const auto patches = make_warp_patches(map, room.panorama(2048), 0.05);
@@ -72,7 +72,7 @@ TEST(WarpPatches, meet_at_their_edges_within_the_tolerance) {
   }
 }
 
-TEST(WarpPatches, refuse_what_they_cannot_hold) {
+TEST(WarpPatches, refuse_walls_that_they_cannot_represent) {
   const Installation room = demo_room();
   const ProjectorMap map(room, 0);
   EXPECT_EQ(make_warp_patches(map, room.panorama(8192), 1e-5).error().code(), ErrorCode::kInvalidArgument);

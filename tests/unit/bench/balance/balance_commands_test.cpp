@@ -54,7 +54,7 @@ class BalanceCommands : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(BalanceCommands, record_what_every_cell_of_every_frame_costs) {
+TEST_F(BalanceCommands, record_the_cost_of_every_cell_of_every_frame) {
   for (const std::string path : {"orbit", "walk"}) {
     const Status status = record(path, file(path + ".costs"));
     ASSERT_TRUE(status) << status.error().message();
@@ -70,7 +70,7 @@ TEST_F(BalanceCommands, record_what_every_cell_of_every_frame_costs) {
             (*read_cost_record(file("orbit.costs")))[0].heading_rad);
 }
 
-TEST_F(BalanceCommands, replay_with_every_strategy_and_number_of_nodes) {
+TEST_F(BalanceCommands, replay_every_strategy_and_number_of_nodes) {
   ASSERT_TRUE(record("orbit", file("a.costs")));
   const Status status = run({"replay", file("a.costs"), "--nodes", "2,4", "--unequal", "--json", file("out.json")});
   ASSERT_TRUE(status) << status.error().message();
@@ -99,7 +99,7 @@ TEST_F(BalanceCommands, draw_figure_9) {
   EXPECT_THAT(*svg, HasSubstr("frames per second, cost-map-stealing"));
 }
 
-TEST_F(BalanceCommands, say_what_is_wrong) {
+TEST_F(BalanceCommands, report_mistakes) {
   EXPECT_EQ(run({"replay", file("none.costs")}).error().code(), ErrorCode::kNotFound);
   EXPECT_EQ(run({"replay", file("roof.obj")}).error().code(), ErrorCode::kBadData);
   EXPECT_THAT(run({"figure9", file("a.costs")}).error().message(), HasSubstr("NAME=FILE"));

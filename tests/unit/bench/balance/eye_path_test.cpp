@@ -30,7 +30,7 @@ TEST(EyePath, orbits_at_one_distance_and_looks_at_the_middle) {
   EXPECT_NEAR(path[60].eye.z(), -2.0, 1e-3);  // Half an orbit.
 }
 
-TEST(EyePath, stays_inside_of_a_hall) {
+TEST(EyePath, stays_inside_a_hall) {
   const Eigen::AlignedBox3d hall(Eigen::Vector3d(-5.0, 0.0, -3.0), Eigen::Vector3d(5.0, 4.0, 3.0));
   for (const EyePose& pose : orbit(scene(), hall, {.frames = 40, .step_rad = 0.2})) {
     EXPECT_NEAR((pose.eye - Eigen::Vector3d(0.0, 1.6, 0.5)).norm(), 1.5, 1e-9);
@@ -50,7 +50,7 @@ TEST(EyePath, walks_to_every_stop_in_small_steps) {
   EXPECT_EQ(reached, 2u);
 }
 
-TEST(EyePath, stands_where_there_is_nowhere_to_go) {
+TEST(EyePath, stands_still_without_stops) {
   scene::SceneInfo info = scene();
   info.stops.clear();
   for (const EyePose& pose : walk(info, {.frames = 5})) EXPECT_EQ(pose.eye, info.start_eye);

@@ -15,7 +15,7 @@ constexpr PictureSize kSize{960, 540};
 
 using Density = std::function<double(double x, double y)>;  ///< At a position in fractions of the picture.
 
-/// A relic in front of nothing: most of the cost on a tenth of the picture.
+/// A relic before an empty background: a tenth of the picture has most of the cost.
 double relic(double x, double y) {
   const double r2 = (x - 0.4) * (x - 0.4) * 9.0 + (y - 0.5) * (y - 0.5) * 4.0;
   return 0.1 + 4.0 * std::exp(-6.0 * r2);
@@ -61,7 +61,7 @@ std::vector<RecordedFrame> walking_past(const Density& density, int frames) {
   return out;
 }
 
-TEST(Replay, finds_each_strategy_better_than_the_simpler_one) {
+TEST(Replay, shows_each_strategy_better_than_the_simpler_one) {
   for (const Density& density : {Density(relic), Density(wall)}) {
     const auto frames = walking_past(density, 30);
     const double equal = mean_efficiency(replayed(frames, BalanceStrategy::kEqual, farm_of(16)));
@@ -73,7 +73,7 @@ TEST(Replay, finds_each_strategy_better_than_the_simpler_one) {
   }
 }
 
-TEST(Replay, finds_ours_below_equal_division_in_no_frame) {
+TEST(Replay, shows_our_strategy_never_below_equal_division) {
   for (const std::size_t nodes : {2u, 5u, 16u, 64u, 200u}) {
     const auto frames = walking_past(relic, 30);
     const auto equal = replayed(frames, BalanceStrategy::kEqual, farm_of(nodes));
@@ -82,7 +82,7 @@ TEST(Replay, finds_ours_below_equal_division_in_no_frame) {
   }
 }
 
-TEST(Replay, has_an_oracle_that_nobody_surpasses_by_much) {
+TEST(Replay, has_an_oracle_that_no_strategy_beats_by_much) {
   const auto frames = walking_past(wall, 20);
   SimulatedFarm farm = farm_of(16);
   const ReplayOptions options{.farm = farm, .oracle = true};
@@ -108,15 +108,15 @@ double worst_step(double node_overhead_seconds, bool stealing) {
   return worst;
 }
 
-TEST(Replay, never_finds_a_frame_slower_for_one_node_more) {
+TEST(Replay, is_never_slower_with_one_more_node) {
   for (const double node_overhead_seconds : {2e-5, 1e-3}) {
     EXPECT_LE(worst_step(node_overhead_seconds, false), 1.0001);
-    // Steals are decided as they occur, not for the optimum of the frame.
+    // Each steal is decided when it occurs, so the frame's time need not be the optimum.
     EXPECT_LE(worst_step(node_overhead_seconds, true), 1.02);
   }
 }
 
-TEST(Replay, uses_unequal_nodes_by_their_speed) {
+TEST(Replay, uses_unequal_nodes_according_to_their_speed) {
   const auto frames = walking_past(wall, 20);
   SimulatedFarm farm = farm_of(8);
   farm.speeds = {1.0, 4.0, 1.0, 2.0, 0.25, 1.0, 0.5, 3.0};
@@ -124,7 +124,7 @@ TEST(Replay, uses_unequal_nodes_by_their_speed) {
   EXPECT_GT(mean_efficiency(replayed(frames, BalanceStrategy::kCostMap, farm)), 0.9);
 }
 
-TEST(Replay, takes_the_costs_along_when_the_eye_turns) {
+TEST(Replay, moves_the_costs_with_the_turning_eye) {
   // The picture spans 1.5 rad; its content moves left as far as the eye turns right.
   const auto turning = [](bool told) {
     std::vector<RecordedFrame> out;
@@ -139,13 +139,13 @@ TEST(Replay, takes_the_costs_along_when_the_eye_turns) {
   EXPECT_GT(told, untold + 0.05);
 }
 
-TEST(Replay, goes_on_when_the_picture_changes_its_size) {
+TEST(Replay, continues_when_the_picture_changes_its_size) {
   std::vector<RecordedFrame> frames;
   for (int i = 0; i < 12; ++i) frames.push_back(frame(wall, 0.0, i % 2 == 0 ? kSize : PictureSize{640, 368}));
   EXPECT_GT(mean_efficiency(replayed(frames, BalanceStrategy::kCostMapStealing, farm_of(8))), 0.94);
 }
 
-TEST(Replay, bears_noise_in_the_timers) {
+TEST(Replay, tolerates_noise_in_the_timers) {
   ReplayOptions options{.farm = farm_of(16), .timer_noise = 0.3};
   options.farm.stealing = true;
   const auto frames = walking_past(wall, 20);
@@ -153,7 +153,7 @@ TEST(Replay, bears_noise_in_the_timers) {
             0.9);
 }
 
-TEST(Replay, says_the_same_every_time) {
+TEST(Replay, is_deterministic) {
   const auto frames = walking_past(relic, 5);
   const auto one = replayed(frames, BalanceStrategy::kCostMapStealing, farm_of(16));
   const auto two = replayed(frames, BalanceStrategy::kCostMapStealing, farm_of(16));

@@ -19,7 +19,7 @@ PlannedBlock block(std::size_t node, int cell, double predicted, bool stealable 
   return {node, {16 * cell, 0, 16, 16}, stealable, predicted};
 }
 
-TEST(Simulation, adds_up_what_a_node_has_to_do) {
+TEST(Simulation, adds_up_a_nodes_work) {
   const WorkGrid work = row({3.0f, 1.0f, 2.0f});
   const SimulatedFarm farm{.speeds = {1.0, 2.0}, .block_overhead_seconds = 0.25};
   const SimulatedFrame frame = simulate(farm, work, std::vector{block(0, 0, 3.0), block(1, 1, 1.0), block(1, 2, 2.0)});
@@ -56,7 +56,7 @@ TEST(Simulation, lets_a_node_without_any_block_steal_from_the_start) {
   EXPECT_DOUBLE_EQ(simulate(farm, work, std::vector{block(0, 0, 2.0), block(0, 1, 2.0, true)}).seconds, 2.5);
 }
 
-TEST(Simulation, leaves_the_victim_a_block_that_it_has_begun_before_the_word_came) {
+TEST(Simulation, never_takes_a_block_that_the_victim_began_before_the_order_arrived) {
   // Predicted to take 10, the first takes 1.2: at 1.5 the second is being rendered.
   const WorkGrid work = row({1.2f, 1.0f, 1.0f});
   const SimulatedFarm farm{.speeds = {1.0, 1.0}, .steal_seconds = 0.5, .stealing = true};
@@ -72,7 +72,7 @@ TEST(Simulation, ends_at_once_without_work) {
   EXPECT_DOUBLE_EQ(simulate(farm, WorkGrid(), {}).seconds, 0.0);
 }
 
-TEST(Simulation, knows_what_small_tiles_cost) {
+TEST(Simulation, includes_the_cost_of_small_tiles) {
   EXPECT_NEAR(relative_jpeg_bytes({0, 0, 32, 32}), 3.0, 1e-9);
   EXPECT_NEAR(relative_jpeg_bytes({0, 0, 64, 64}), 1.5, 1e-9);
   EXPECT_NEAR(relative_jpeg_bytes({0, 0, 128, 128}), 1.13, 1e-9);

@@ -37,7 +37,7 @@ class GovernedCommand : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(GovernedCommand, says_of_each_budget_what_came_of_it_and_how_the_error_falls_at_rest) {
+TEST_F(GovernedCommand, reports_the_result_of_each_budget_and_how_the_error_falls_at_rest) {
   const Status status = governed({"--budgets", "5,200"});
   ASSERT_TRUE(status) << status.error().message();
   const auto text = read_text_file(json(), 1 << 20);
@@ -55,7 +55,7 @@ TEST_F(GovernedCommand, says_of_each_budget_what_came_of_it_and_how_the_error_fa
   EXPECT_LT(figures["still"]["slope"], 0.0);
 }
 
-TEST_F(GovernedCommand, takes_the_front_that_it_is_given_or_says_why_not) {
+TEST_F(GovernedCommand, uses_a_given_pareto_front_or_reports_why_not) {
   EXPECT_FALSE(governed({"--front", (folder_ / "none.toml").string()}));
   ASSERT_TRUE(write_file_atomically(folder_ / "front.toml",
                                     std::string_view("[[point]]\ncpu_us_per_px = 1.0\nerror = 0.5\nsamples = 3\n")));

@@ -20,7 +20,7 @@ RgbImage rings(int width, int height) {
   return picture;
 }
 
-TEST(JpegCurve, quality_costs_bytes_and_brings_likeness) {
+TEST(JpegCurve, higher_quality_costs_bytes_and_reduces_the_error) {
   const auto points = measure_jpeg(rings(160, 96));
   ASSERT_TRUE(points) << points.error().message();
   const JpegPoint* before = nullptr;
@@ -50,7 +50,7 @@ TEST(JpegCurve, small_tiles_cost_bytes) {
   EXPECT_LT(bytes.at(64), bytes.at(32));
 }
 
-TEST(JpegCurve, a_picture_below_the_smallest_tile_is_refused) {
+TEST(JpegCurve, refuses_a_picture_smaller_than_the_smallest_tile) {
   EXPECT_EQ(measure_jpeg(rings(31, 400)).error().code(), ErrorCode::kInvalidArgument);
 }
 

@@ -45,7 +45,7 @@ class TradeCommand : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(TradeCommand, leaves_a_table_a_plot_and_a_front_that_the_governor_reads) {
+TEST_F(TradeCommand, writes_a_table_a_plot_and_a_pareto_front_for_the_governor) {
   const Status status = trade({"1", "--threads", "8", "--reference-samples", "32x16", "--size", "--quick"});
   ASSERT_TRUE(status) << status.error().message();
   EXPECT_GT(std::ranges::count(text("trade.csv"), '\n'), 20);
@@ -55,7 +55,7 @@ TEST_F(TradeCommand, leaves_a_table_a_plot_and_a_front_that_the_governor_reads) 
   EXPECT_THAT(text("reference.txt"), HasSubstr("8 samples"));
 }
 
-TEST_F(TradeCommand, uses_the_reference_again_until_its_settings_change) {
+TEST_F(TradeCommand, reuses_the_reference_until_its_settings_change) {
   const auto reference = [&] { return std::filesystem::last_write_time(folder_ / "out/reference.pfm"); };
   ASSERT_TRUE(trade({"1", "--threads", "8", "--reference-samples", "32x16", "--size", "--quick"}));
   const auto first = reference();
@@ -65,7 +65,7 @@ TEST_F(TradeCommand, uses_the_reference_again_until_its_settings_change) {
   EXPECT_NE(reference(), first);
 }
 
-TEST_F(TradeCommand, makes_the_reference_anew_when_the_scenes_file_is_another_of_as_many_triangles) {
+TEST_F(TradeCommand, renders_a_new_reference_when_the_scenes_file_changes) {
   const auto run = [&] { return trade({"1", "--threads", "8", "--reference-samples", "32x16", "--size", "--quick"}); };
   ASSERT_TRUE(run());
   const std::string settings = text("reference.txt");
@@ -75,7 +75,7 @@ TEST_F(TradeCommand, makes_the_reference_anew_when_the_scenes_file_is_another_of
   EXPECT_NE(text("reference.txt"), settings);
 }
 
-TEST_F(TradeCommand, makes_a_reference_anew_that_is_cut_missing_or_of_another_size) {
+TEST_F(TradeCommand, renders_a_new_reference_if_it_is_truncated_missing_or_of_another_size) {
   const std::filesystem::path file = folder_ / "out/reference.pfm";
   const auto run = [&] { return trade({"1", "--threads", "8", "--reference-samples", "32x16", "--size", "--quick"}); };
   ASSERT_TRUE(run());

@@ -21,7 +21,7 @@ RgbImage waves(int width, int height) {
   return picture;
 }
 
-TEST(WatermarkCurve, costs_and_gives_more_with_every_step_of_strength) {
+TEST(WatermarkCurve, cost_and_detection_increase_with_the_strength) {
   EXPECT_EQ(measure_watermark(waves(63, 400)).error().code(), ErrorCode::kInvalidArgument);
   const auto points = measure_watermark(waves(512, 384));
   ASSERT_TRUE(points) << points.error().message();

@@ -6,7 +6,7 @@
 namespace cyclorama {
 namespace {
 
-TEST(Address, is_a_host_and_a_port) {
+TEST(Address, has_a_host_and_a_port) {
   const auto address = parse_address("[2001:db8::1]:7404");
   ASSERT_TRUE(address);
   EXPECT_EQ(address->host, "2001:db8::1");
@@ -20,7 +20,7 @@ TEST(Address, is_a_host_and_a_port) {
   }
 }
 
-TEST(Address, is_of_this_machine_only_when_nobody_else_can_dial_it) {
+TEST(Address, is_local_only_if_no_other_machine_can_connect_to_it) {
   for (const char* const near : {"[::1]:1", "127.0.0.1:1", "127.9.8.7:1", "localhost:1", "unix:/run/farm.sock"}) {
     EXPECT_TRUE(is_loopback(near)) << near;
   }

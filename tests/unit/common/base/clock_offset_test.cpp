@@ -40,18 +40,18 @@ double off_ns(const ClockOffset& offset, const Peer& peer, TimePoint now) {
   return static_cast<double>(reading.at(now) - peer.at(now));
 }
 
-TEST(ClockOffset, knows_nothing_before_the_first_answer) {
+TEST(ClockOffset, is_unknown_before_the_first_answer) {
   EXPECT_FALSE(ClockOffset().reading(TimePoint(1000s)).is_known);
 }
 
-TEST(ClockOffset, is_right_when_both_ways_take_as_long) {
+TEST(ClockOffset, is_exact_when_both_ways_take_equally_long) {
   const Peer peer{-73h};
   ClockOffset offset;
   ASSERT_TRUE(offset.add(peer.exchange(TimePoint(1000s), 3ms, 3ms)));
   EXPECT_NEAR(off_ns(offset, peer, TimePoint(1000s)), 0.0, 2.0);
 }
 
-TEST(ClockOffset, is_never_farther_off_than_it_says_however_lopsided_the_ways_are) {
+TEST(ClockOffset, is_within_its_stated_uncertainty_for_any_asymmetry) {
   const Peer peer{12345ms};
   std::mt19937 random(1);
   std::exponential_distribution<double> delay_ms(0.5);
@@ -73,7 +73,7 @@ TEST(ClockOffset, is_never_farther_off_than_it_says_however_lopsided_the_ways_ar
   }
 }
 
-TEST(ClockOffset, trusts_the_quickest_exchange) {
+TEST(ClockOffset, prefers_the_fastest_exchange) {
   const Peer peer{5s};
   ClockOffset offset;
   ASSERT_TRUE(offset.add(peer.exchange(TimePoint(1000s), 100us, 120us)));
@@ -98,7 +98,7 @@ TEST(ClockOffset, follows_a_clock_that_drifts_by_100_ppm_for_a_day) {
   }
 }
 
-TEST(ClockOffset, takes_the_new_time_at_once_after_a_step_that_is_certain) {
+TEST(ClockOffset, follows_a_certain_step_at_once) {
   const Peer before{0s};
   const Peer after{-20ms};
   ClockOffset offset;
@@ -114,7 +114,7 @@ TEST(ClockOffset, takes_the_new_time_at_once_after_a_step_that_is_certain) {
   EXPECT_NEAR(off_ns(offset, again, now), 0.0, 1e3);
 }
 
-TEST(ClockOffset, grows_less_sure_while_answers_are_lost_and_stays_right) {
+TEST(ClockOffset, becomes_less_certain_while_answers_are_lost_and_stays_right) {
   const Peer peer{0s, 50.0};
   ClockOffset offset;
   ASSERT_TRUE(offset.add(peer.exchange(TimePoint(1000s), 100us, 100us)));
@@ -123,7 +123,7 @@ TEST(ClockOffset, grows_less_sure_while_answers_are_lost_and_stays_right) {
   EXPECT_GT(offset.reading(later).error, 10ms);
 }
 
-TEST(ClockOffset, leaves_out_what_makes_no_sense) {
+TEST(ClockOffset, ignores_invalid_answers) {
   const TimePoint asked(1000s);
   const TimePoint heard(1001s);
   ClockOffset offset;
@@ -136,7 +136,7 @@ TEST(ClockOffset, leaves_out_what_makes_no_sense) {
   EXPECT_FALSE(offset.reading(heard).is_known);
 }
 
-TEST(ClockOffset, wraps_around_with_their_clock) {
+TEST(ClockOffset, handles_overflow_of_the_other_clock) {
   const TimePoint asked(1000s);
   ClockOffset offset;
   // Received just before the other clock's count overflows, answered after it.

@@ -22,7 +22,7 @@ class FileTest : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(FileTest, what_is_written_is_read) {
+TEST_F(FileTest, reads_what_was_written) {
   const auto path = folder_ / "a";
   ASSERT_TRUE(write_file_atomically(path, std::string_view("wall\0paper", 10)).has_value());
   const auto text = read_text_file(path, 10);
@@ -33,13 +33,13 @@ TEST_F(FileTest, what_is_written_is_read) {
   EXPECT_EQ(mapped->bytes().size(), 10u);
 }
 
-TEST_F(FileTest, an_empty_file_is_read_and_mapped) {
+TEST_F(FileTest, reads_and_maps_an_empty_file) {
   ASSERT_TRUE(write_file_atomically(folder_ / "empty", std::string_view()).has_value());
   EXPECT_EQ(*read_text_file(folder_ / "empty", 0), "");
   EXPECT_TRUE(MappedFile::open(folder_ / "empty")->bytes().empty());
 }
 
-TEST_F(FileTest, too_large_missing_and_odd_files_are_refused_by_name) {
+TEST_F(FileTest, refuses_oversized_missing_and_special_files_by_name) {
   ASSERT_TRUE(write_file_atomically(folder_ / "large", std::string_view("12345")).has_value());
   const auto large = read_text_file(folder_ / "large", 4);
   ASSERT_FALSE(large.has_value());
@@ -52,7 +52,7 @@ TEST_F(FileTest, too_large_missing_and_odd_files_are_refused_by_name) {
   EXPECT_EQ(read_file(folder_ / "pipe", 1).error().code(), ErrorCode::kBadData);  // Must not hang.
 }
 
-TEST_F(FileTest, a_write_that_fails_leaves_the_old_file_and_nothing_else) {
+TEST_F(FileTest, a_failed_write_leaves_only_the_old_file) {
   ASSERT_TRUE(write_file_atomically(folder_ / "kept", std::string_view("old")).has_value());
   std::filesystem::create_directory(folder_ / "taken");
   EXPECT_FALSE(write_file_atomically(folder_ / "taken", std::string_view("new")).has_value());

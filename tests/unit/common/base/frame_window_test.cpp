@@ -32,7 +32,7 @@ TEST(FrameWindow, sends_two_and_keeps_only_the_newest_of_the_rest) {
   EXPECT_EQ(window.in_flight(), kFramesInFlight);
 }
 
-TEST(FrameWindow, replaces_a_request_that_waits_before_it_is_sent) {
+TEST(FrameWindow, replaces_a_waiting_request_before_it_is_sent) {
   Window window;
   window.put(1, "one");
   EXPECT_TRUE(window.put(2, "two"));
@@ -40,7 +40,7 @@ TEST(FrameWindow, replaces_a_request_that_waits_before_it_is_sent) {
   EXPECT_EQ(sent(&window), "nothing");
 }
 
-TEST(FrameWindow, forgets_what_was_skipped) {
+TEST(FrameWindow, forgets_skipped_requests) {
   Window window;
   window.add(3, "three");
   window.add(5, "five");
@@ -62,7 +62,7 @@ TEST(FrameWindow, finishes_only_what_is_in_flight) {
   EXPECT_EQ(window.in_flight(), 0u);
 }
 
-TEST(FrameWindow, sends_the_newest_again_after_a_loss) {
+TEST(FrameWindow, sends_the_newest_request_again_after_a_loss) {
   Window window;
   window.lose();
   EXPECT_FALSE(window.is_waiting());

@@ -11,7 +11,7 @@ namespace {
 
 TimePoint soon() { return SteadyClock().now() + std::chrono::seconds(5); }
 
-TEST(LatestValue, the_newest_wins_and_put_tells_of_the_dropped_one) {
+TEST(LatestValue, keeps_the_newest_value_and_put_reports_a_dropped_one) {
   LatestValue<int> slot;
   EXPECT_FALSE(slot.put(1));
   EXPECT_TRUE(slot.put(2));
@@ -19,24 +19,24 @@ TEST(LatestValue, the_newest_wins_and_put_tells_of_the_dropped_one) {
   EXPECT_EQ(slot.take(), std::nullopt);
 }
 
-TEST(LatestValue, carries_what_can_only_move) {
+TEST(LatestValue, accepts_move_only_values) {
   LatestValue<std::unique_ptr<int>> slot;
   slot.put(std::make_unique<int>(7));
   EXPECT_EQ(**slot.take(), 7);
 }
 
-TEST(LatestValue, a_waiter_gets_what_another_thread_puts) {
+TEST(LatestValue, wakes_a_waiting_thread) {
   LatestValue<int> slot;
   std::jthread other([&] { slot.put(3); });
   EXPECT_EQ(slot.take_before(soon()), 3);
 }
 
-TEST(LatestValue, waiting_ends_at_the_deadline) {
+TEST(LatestValue, stops_waiting_at_the_deadline) {
   LatestValue<int> slot;
   EXPECT_EQ(slot.take_before(SteadyClock().now()), std::nullopt);
 }
 
-TEST(LatestValue, closing_wakes_a_waiter_and_leaves_the_last_value) {
+TEST(LatestValue, closing_wakes_a_waiter_and_keeps_the_last_value) {
   LatestValue<int> slot;
   std::jthread other([&] { slot.close(); });
   EXPECT_EQ(slot.take_before(soon()), std::nullopt);

@@ -6,7 +6,7 @@
 namespace cyclorama {
 namespace {
 
-TEST(CoveredCells, a_picture_that_ends_within_a_cell_is_covered_once) {
+TEST(CoveredCells, covers_a_picture_that_ends_within_a_cell_once) {
   CoveredCells cells(40, 17);
   EXPECT_EQ(cells.count(), 6u);
   EXPECT_TRUE(cells.cover(0, 0, 32, 16));
@@ -16,7 +16,7 @@ TEST(CoveredCells, a_picture_that_ends_within_a_cell_is_covered_once) {
   EXPECT_EQ(cells.covered(), cells.count());
 }
 
-TEST(CoveredCells, a_tile_over_another_covers_nothing_more) {
+TEST(CoveredCells, counts_overlapping_tiles_once) {
   CoveredCells cells(64, 64);
   EXPECT_TRUE(cells.cover(48, 48, 16, 16));
   EXPECT_FALSE(cells.cover(0, 0, 64, 64));

@@ -19,7 +19,7 @@ std::vector<std::string> lines_of(std::string_view text) {
 
 using Lines = std::vector<std::string>;
 
-TEST(LineReader, lines_end_as_on_unix_windows_and_the_old_mac) {
+TEST(LineReader, accepts_line_ends_of_unix_windows_and_old_macs) {
   EXPECT_EQ(lines_of("a\nb\n"), (Lines{"a", "b"}));
   EXPECT_EQ(lines_of("a\r\nb\r\n"), (Lines{"a", "b"}));
   EXPECT_EQ(lines_of("a\rb\r"), (Lines{"a", "b"}));
@@ -45,7 +45,7 @@ TEST(LineReader, a_windows_line_end_after_unix_ones_is_one_end) {
   EXPECT_EQ(reader.offset(), 16u);
 }
 
-TEST(Words, are_taken_one_by_one) {
+TEST(Words, are_returned_one_by_one) {
   std::string_view text = "  f\t1/2  -3 ";
   EXPECT_EQ(next_word(&text), "f");
   EXPECT_EQ(next_word(&text), "1/2");
@@ -55,7 +55,7 @@ TEST(Words, are_taken_one_by_one) {
   EXPECT_EQ(trimmed("  "), "");
 }
 
-TEST(Numbers, are_read_up_to_what_is_none) {
+TEST(Numbers, are_read_up_to_the_first_invalid_character) {
   bool whole = false;
   EXPECT_EQ(number_in("+2.e1", &whole), 20.0);
   EXPECT_TRUE(whole);

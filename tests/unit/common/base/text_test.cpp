@@ -15,20 +15,20 @@ TEST(Text, a_number_must_fill_the_text) {
   EXPECT_EQ(parse_double("1.5m"), std::nullopt);
 }
 
-TEST(Text, what_is_printed_holds_no_control_bytes_and_has_an_end) {
+TEST(Text, printable_text_has_no_control_bytes_and_a_limited_length) {
   EXPECT_EQ(printable("a\x1b[2J\n\xff"), "a?[2J??");
   EXPECT_EQ(printable("abcdef", 3), "abc...");
   EXPECT_EQ(printable("abc", 3), "abc");
 }
 
-TEST(Text, every_script_is_printed_and_never_cut_within_a_character) {
+TEST(Text, accepts_every_script_and_never_cuts_within_a_character) {
   EXPECT_EQ(printable("莫高窟 é \xf0\x9f\x8f\xaf"), "莫高窟 é \xf0\x9f\x8f\xaf");
   EXPECT_EQ(printable("莫高窟", 8), "莫高...");
   EXPECT_EQ(printable("莫高窟", 9), "莫高窟");
   EXPECT_EQ(printable("莫高窟", 2), "...");
 }
 
-TEST(Text, what_is_no_character_is_a_question_mark_for_each_byte) {
+TEST(Text, replaces_each_invalid_byte_by_a_question_mark) {
   EXPECT_EQ(printable("\xc3"), "?");       // Cut short.
   EXPECT_EQ(printable("\xc0\x80"), "??");  // Overlong, in two, three and four bytes.
   EXPECT_EQ(printable("\xe0\x80\x80"), "???");

@@ -6,7 +6,7 @@
 namespace cyclorama {
 namespace {
 
-TEST(TokenBucket, lets_the_burst_go_and_then_the_rate) {
+TEST(TokenBucket, permits_a_burst_and_then_the_rate) {
   TokenBucket bucket(10.0, 5.0);
   const TimePoint start = TimePoint{} + std::chrono::hours(1);
   for (int i = 0; i < 5; ++i) EXPECT_EQ(bucket.take(1.0, start), start);
@@ -16,7 +16,7 @@ TEST(TokenBucket, lets_the_burst_go_and_then_the_rate) {
   EXPECT_EQ(bucket.take(5.0, later), later);
 }
 
-TEST(TokenBucket, without_a_reserve_keeps_the_mean_rate_and_saves_nothing_up) {
+TEST(TokenBucket, keeps_the_mean_rate_and_saves_nothing_without_a_burst) {
   TokenBucket bucket(1000.0, 0.0);
   const TimePoint start(std::chrono::seconds(100));
   EXPECT_LE(bucket.paid_at(), start);
@@ -26,7 +26,7 @@ TEST(TokenBucket, without_a_reserve_keeps_the_mean_rate_and_saves_nothing_up) {
   EXPECT_EQ(bucket.paid_at(), start + std::chrono::milliseconds(50'100));
 }
 
-TEST(TokenBucket, without_a_rate_pays_at_once) {
+TEST(TokenBucket, never_waits_without_a_rate) {
   TokenBucket bucket(0.0, 0.0);
   const TimePoint start(std::chrono::seconds(100));
   EXPECT_EQ(bucket.take(1e12, start), start);

@@ -31,7 +31,7 @@ void read_wall(ConfigTable& root) {
   wall.number("arc_deg", {2.0, 360.0}, 180.0);
 }
 
-TEST(Config, a_good_file_has_no_mistakes_and_gives_its_values) {
+TEST(Config, reads_the_values_of_a_valid_file) {
   auto config = Config::parse(R"(
 name = "grotto"
 count = 3
@@ -63,7 +63,7 @@ power = 2
   EXPECT_TRUE(config->finish().has_value());
 }
 
-TEST(Config, fallbacks_stand_for_keys_that_are_absent) {
+TEST(Config, absent_keys_have_their_defaults) {
   EXPECT_EQ(complaint("",
                       [](ConfigTable& root) {
                         EXPECT_EQ(root.number("a", {0, 1}, 0.5), 0.5);
@@ -78,7 +78,7 @@ TEST(Config, fallbacks_stand_for_keys_that_are_absent) {
             "");
 }
 
-TEST(Config, a_wrong_key_names_its_line_and_what_was_meant) {
+TEST(Config, a_wrong_key_names_its_line_and_the_likely_key) {
   EXPECT_THAT(complaint("[wall]\nradius_m = 2\narc_dge = 90\n", read_wall),
               AllOf(StartsWith("site.toml:3: "), HasSubstr("wall.arc_dge"), HasSubstr("'arc_deg'")));
   EXPECT_THAT(complaint("[wall]\nradius_m = 2\nhumidity = 90\n", read_wall),
@@ -92,7 +92,7 @@ TEST(Config, a_wrong_unit_names_the_right_one) {
               AllOf(StartsWith("site.toml:3: "), HasSubstr("write 'arc_deg', in that unit")));
 }
 
-TEST(Config, a_required_key_that_is_misspelt_is_told_once_where_it_is) {
+TEST(Config, a_misspelt_required_key_is_reported_once_at_its_line) {
   EXPECT_EQ(complaint("[wall]\n\nradus_m = 2\n", read_wall),
             "site.toml:3: wall.radus_m: is not a setting; did you mean 'radius_m'?");
   EXPECT_EQ(complaint("[wall]\n\nradius_mm = 2000\n", read_wall),
@@ -168,12 +168,12 @@ TEST(Config, every_kind_of_value_refuses_the_others) {
   for (const Case& c : cases) EXPECT_THAT(complaint(c.text, c.read), StartsWith("site.toml:1: x: ")) << c.text;
 }
 
-TEST(Config, the_mistake_nearest_the_top_is_told_and_the_others_counted) {
+TEST(Config, the_first_mistake_is_reported_and_the_others_counted) {
   EXPECT_THAT(complaint("[wall]\nradius_m = 'a'\narc_deg = 'b'\nfoo = 1\n", read_wall),
               AllOf(StartsWith("site.toml:2: "), HasSubstr("(and 2 more)")));
 }
 
-TEST(Config, what_the_caller_refuses_is_told_with_its_line) {
+TEST(Config, a_value_that_the_caller_refuses_is_reported_with_its_line) {
   EXPECT_THAT(complaint("[wall]\nradius_m = 2\n",
                         [](ConfigTable& root) {
                           ConfigTable wall = root.table("wall");
@@ -193,7 +193,7 @@ TEST(Config, a_setting_under_its_former_name_is_refused_with_the_new_one) {
   EXPECT_EQ(complaint("max_m = 2\n", read), "");
 }
 
-TEST(Config, text_that_is_not_toml_names_line_and_column) {
+TEST(Config, invalid_toml_names_line_and_column) {
   for (const char* const text : {"a = ", "a = 1\na = 2", "[x", "a = 1 b = 2", "[\n", "[\n]", "[[\n", "[.]", "a.\n=1",
                                  "a = 1 \u00e9", "\u00e9 = 1", "\u4e00", "a = \"\xff\""}) {
     const auto config = Config::parse(text, "site.toml");
@@ -203,7 +203,7 @@ TEST(Config, text_that_is_not_toml_names_line_and_column) {
   }
 }
 
-TEST(Config, a_file_that_is_not_there_is_not_found) {
+TEST(Config, a_missing_file_is_reported_as_not_found) {
   const auto config = Config::read("/nowhere/site.toml");
   ASSERT_FALSE(config.has_value());
   EXPECT_EQ(config.error().code(), ErrorCode::kNotFound);

@@ -53,7 +53,7 @@ bool contains(const PictureShape& shape, const PicturePlace& place, double slack
          p.v <= height_px(shape) + slack_px;
 }
 
-TEST(GuardBand, holds_what_is_shown_after_every_turn_within_it) {
+TEST(GuardBand, contains_what_is_shown_after_every_turn_within_it) {
   for (const PictureShape& shown : shapes()) {
     const PictureShape wide = with_guard_band(shown, kGuard);
     ASSERT_TRUE(validate(wide)) << validate(wide).error().message();
@@ -70,7 +70,7 @@ TEST(GuardBand, holds_what_is_shown_after_every_turn_within_it) {
   }
 }
 
-TEST(GuardBand, ends_where_the_reach_does) {
+TEST(GuardBand, ends_at_the_maximum_turn) {
   for (const PictureShape& shown : shapes()) {
     const PictureShape wide = with_guard_band(shown, kGuard);
     const double reach = turn_reach(wide, shown);
@@ -85,20 +85,20 @@ TEST(GuardBand, ends_where_the_reach_does) {
   }
 }
 
-TEST(GuardBand, a_dome_master_needs_none_and_turns_without_end) {
+TEST(GuardBand, is_not_needed_by_a_dome_master_which_turns_without_limit) {
   const PictureShape dome = Fisheye{1024, 1024, kPi, 0.5 * kPi};
   EXPECT_EQ(with_guard_band(dome, kGuard), dome);
   EXPECT_TRUE(std::isinf(turn_reach(dome, dome)));
 }
 
-TEST(GuardBand, of_a_panorama_is_what_it_always_was) {
+TEST(GuardBand, of_a_panorama_agrees_with_the_panoramas_own) {
   const Panorama panorama{1000, 300, 2.0, 0.4, -0.3};
   EXPECT_EQ(with_guard_band(panorama, kGuard), PictureShape(panorama.with_guard_band(kGuard)));
   EXPECT_NEAR(turn_reach(Panorama{1000, 300, 2.2, 0.4, -0.3}, panorama), 0.1, 1e-12);
   EXPECT_TRUE(std::isinf(turn_reach(Panorama{1000, 300, 2.0 * kPi, 0.4, -0.3}, panorama)));
 }
 
-TEST(GuardBand, of_a_flat_picture_stops_at_eighty_degrees) {
+TEST(GuardBand, stops_at_eighty_degrees_in_a_flat_picture) {
   const double tan_75 = std::tan(75.0 * kDegree);
   const Perspective wide{1000, 200, -tan_75, tan_75, 0.2, -0.2, 0.0};
   const auto grown = std::get<Perspective>(with_guard_band(wide, kGuard));
@@ -112,14 +112,14 @@ TEST(GuardBand, of_a_flat_picture_stops_at_eighty_degrees) {
   EXPECT_EQ(turn_reach(wider, wider), 0.0);
 }
 
-TEST(GuardBand, pictures_that_differ_in_kind_cannot_stand_for_each_other) {
+TEST(GuardBand, refuses_to_replace_a_picture_of_another_kind) {
   EXPECT_EQ(turn_reach(shapes()[0], shapes()[1]), 0.0);
   EXPECT_EQ(turn_reach(shapes()[1], shapes()[2]), 0.0);  // The tilts differ.
   EXPECT_FALSE(covering(shapes()[0], shapes()[1]));
   EXPECT_FALSE(covering(shapes()[4], shapes()[5]));
 }
 
-TEST(Covering, holds_both_with_the_finer_pixels) {
+TEST(Covering, contains_both_with_the_finer_pixels) {
   for (const PictureShape& one : shapes()) EXPECT_EQ(covering(one, one), one);
   const PictureShape left = Perspective{500, 400, -1.0, 0.2, 0.5, -0.5, 0.1};
   const PictureShape right = Perspective{1000, 400, 0.0, 1.0, 0.3, -0.6, 0.1};
@@ -148,7 +148,7 @@ TEST(Covering, holds_both_with_the_finer_pixels) {
   EXPECT_NEAR(width_px(*domes), 512 * kPi / 1.5, 1.0);
 }
 
-TEST(GuardBand, parts_two_eyes_pictures_by_a_cut_and_changes_no_field) {
+TEST(GuardBand, separates_two_eyes_pictures_by_a_cut_and_keeps_the_field) {
   for (const PictureShape& shape :
        {PictureShape(Panorama{700, 301, 2.0, 0.4, -0.5}),
         PictureShape(Perspective{700, 313, -0.9, 1.1, 0.4, -0.4, 0.2}), PictureShape(Fisheye{500, 480, 2.9, 0.3})}) {

@@ -8,7 +8,7 @@
 namespace cyclorama {
 namespace {
 
-TEST(ObjCorner, words_may_be_left_out) {
+TEST(ObjCorner, indices_may_be_omitted) {
   const auto joined = [](std::string_view word) {
     const ObjCornerWords words = obj_corner(word);
     return std::string(words.vertex) + "|" + std::string(words.texture) + "|" + std::string(words.normal) + "|" +
@@ -23,7 +23,7 @@ TEST(ObjCorner, words_may_be_left_out) {
   EXPECT_EQ(joined("/"), "|||");
 }
 
-TEST(ObjIndex, counts_from_one_or_back_from_what_stands_above) {
+TEST(ObjIndex, counts_from_one_or_backwards_from_the_last_vertex) {
   EXPECT_EQ(obj_index("1", 3, 5), 0u);
   EXPECT_EQ(obj_index("5", 3, 5), 4u);
   EXPECT_EQ(obj_index("-1", 3, 5), 2u);

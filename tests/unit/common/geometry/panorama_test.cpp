@@ -16,7 +16,7 @@ constexpr double kTiny = 1e-9;  // Pixels or metres; rounding of about ten opera
 
 Panorama half_circle() { return {2048, 640, kPi, 0.4, -0.6}; }
 
-TEST(Panorama, the_middle_looks_ahead_and_the_right_side_to_the_right) {
+TEST(Panorama, looks_ahead_in_the_middle_and_right_on_the_right) {
   const Panorama panorama = half_circle();
   const Eigen::Vector3d ahead = panorama.direction_at({1024.0, 0.4 / 1.0 * 640.0});
   EXPECT_LT((ahead - Eigen::Vector3d(0, 0, -1)).norm(), kTiny);
@@ -25,7 +25,7 @@ TEST(Panorama, the_middle_looks_ahead_and_the_right_side_to_the_right) {
   EXPECT_NEAR(panorama.direction_at({0.0, 640.0}).y(), -0.6, kTiny);
 }
 
-TEST(Panorama, pixel_of_is_the_inverse_of_direction_at_whatever_the_length) {
+TEST(Panorama, pixel_of_is_the_inverse_of_direction_at_for_any_length) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   for (int i = 0; i < 2000; ++i) {
@@ -38,11 +38,11 @@ TEST(Panorama, pixel_of_is_the_inverse_of_direction_at_whatever_the_length) {
   }
 }
 
-TEST(Panorama, straight_up_has_no_place) {
+TEST(Panorama, has_no_pixel_for_straight_up) {
   EXPECT_TRUE(std::isinf(half_circle().pixel_of(Eigen::Vector3d::UnitY()).v));
 }
 
-TEST(Panorama, validate_refuses_every_field_that_is_wrong) {
+TEST(Panorama, validate_refuses_every_invalid_field) {
   EXPECT_TRUE(half_circle().validate().has_value());
   EXPECT_TRUE((Panorama{1, 1, 2.0 * kPi, 1e-9, 0.0}).validate().has_value());
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -71,14 +71,14 @@ TEST(Panorama, a_guard_band_keeps_the_pixel_size_and_the_middle) {
   }
 }
 
-TEST(Panorama, a_guard_band_never_goes_beyond_the_full_circle) {
+TEST(Panorama, a_guard_band_never_exceeds_the_full_circle) {
   const Panorama wider = half_circle().with_guard_band(10.0);
   EXPECT_LE(wider.azimuth_span_rad, 2.0 * kPi + kTiny);
   EXPECT_EQ(wider.width_px, 4096);
   EXPECT_EQ(half_circle().with_guard_band(-1.0), half_circle());
 }
 
-TEST(Panorama, wrapped_angles_lie_in_one_turn_and_differ_by_whole_turns) {
+TEST(Panorama, wrapped_angles_are_within_one_turn_and_differ_by_full_turns) {
   for (const double angle : {0.0, 1.0, -1.0, kPi, -kPi, 3.0 * kPi, 100.0, -1e6}) {
     const double wrapped = wrapped_angle(angle);
     EXPECT_GT(wrapped, -kPi);

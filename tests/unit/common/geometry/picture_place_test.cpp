@@ -38,7 +38,7 @@ Eigen::Vector3d turned_right(const Eigen::Vector3d& d, double turn) {
   return Eigen::AngleAxisd(-turn, Eigen::Vector3d::UnitY()) * d;
 }
 
-TEST(PicturePlace, a_direction_comes_back_from_its_place_inside_the_picture_or_not) {
+TEST(PicturePlace, position_and_direction_are_inverse_inside_and_outside_the_picture) {
   int found = 0;
   for (const PictureShape& shape : shapes()) {
     for (const Eigen::Vector3d& d : directions(500)) {
@@ -51,7 +51,7 @@ TEST(PicturePlace, a_direction_comes_back_from_its_place_inside_the_picture_or_n
   EXPECT_GT(found, 2500);
 }
 
-TEST(PicturePlace, pixels_are_even_in_places_and_agree_with_the_picture) {
+TEST(PicturePlace, positions_are_linear_in_pixels_and_agree_with_the_picture) {
   for (const PictureShape& shape : shapes()) {
     const PixelScale scale = pixel_scale(shape);
     for (const Eigen::Vector3d& d : directions(500)) {
@@ -68,7 +68,7 @@ TEST(PicturePlace, pixels_are_even_in_places_and_agree_with_the_picture) {
   }
 }
 
-TEST(PicturePlace, ends_only_where_a_picture_without_end_does) {
+TEST(PicturePlace, has_edges_unless_the_picture_is_unlimited) {
   const Eigen::Vector3d up(0, 1, 0);
   const Eigen::Vector3d back(0, 0, 1);
   const Eigen::Vector3d right(1, 0, 0);
@@ -89,7 +89,7 @@ TEST(PicturePlace, ends_only_where_a_picture_without_end_does) {
   EXPECT_EQ(place_of(narrow, {0.0, 0.0, -2.0}), PicturePlace{});
 }
 
-TEST(PicturePlace, a_turn_moves_the_place_to_where_the_turned_direction_lies) {
+TEST(PicturePlace, turning_moves_a_position_to_the_turned_direction) {
   for (const PictureShape& shape : shapes()) {
     for (const double turn : {-0.5, -1e-6, 0.0, 0.14, 1.0}) {
       for (const Eigen::Vector3d& d : directions(100)) {
@@ -105,19 +105,19 @@ TEST(PicturePlace, a_turn_moves_the_place_to_where_the_turned_direction_lies) {
   }
 }
 
-TEST(PicturePlace, a_turn_of_a_panorama_is_a_shift_to_the_last_bit) {
+TEST(PicturePlace, turning_a_panorama_is_an_exact_shift) {
   const auto moved = turned(Panorama{16, 16, 1.0, 0.5, -0.5}, {0.25, 0.5}, 0.125);
   EXPECT_EQ(moved, (PicturePlace{0.375, 0.5}));
 }
 
-TEST(PicturePlace, a_dome_master_turns_about_its_middle) {
+TEST(PicturePlace, turning_a_dome_master_rotates_it_about_its_centre) {
   const PictureShape dome = Fisheye{1024, 1024, kPi, 0.5 * kPi};
   const auto heading = turned(dome, {0.0, -0.5 * kPi}, 0.5 * kPi);
   EXPECT_NEAR(heading->across, 0.5 * kPi, 1e-12);  // The direction that is now ahead was on the right.
   EXPECT_NEAR(heading->up, 0.0, 1e-12);
 }
 
-TEST(PicturePlace, means_the_same_in_pictures_of_one_kind_and_tilt) {
+TEST(PicturePlace, is_the_same_in_pictures_of_one_kind_and_tilt) {
   for (const PictureShape& shape : shapes()) {
     const PictureShape larger = with_pixels(shape, 1234, 567);
     EXPECT_EQ(width_px(larger), 1234);

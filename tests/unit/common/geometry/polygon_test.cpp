@@ -72,12 +72,12 @@ TEST(Triangulate, covers_concave_polygons_exactly_once_with_their_winding) {
   }
 }
 
-TEST(Triangulate, cuts_an_arrow_inside) {
+TEST(Triangulate, keeps_the_triangles_of_an_arrow_inside) {
   const Corners arrow = {{0, 0, 0}, {2, -1, 0}, {0.5, 0, 0}, {2, 1, 0}};
   EXPECT_NEAR(total_area(arrow, triangles_of(arrow)), 0.5, 1e-12);
 }
 
-TEST(Triangulate, ends_with_something_when_there_is_no_answer) {
+TEST(Triangulate, returns_something_for_polygons_without_a_triangulation) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(triangles_of({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0.5, 0}}).size(), 3u);  // Crosses itself.
   EXPECT_EQ(triangles_of(Corners(9, Eigen::Vector3d::Zero())).size(), 7u);

@@ -78,7 +78,7 @@ double column_of(const Projection& projection, double distance_m) {
   return left;
 }
 
-TEST(Projection, a_pixel_comes_back_from_its_direction_whatever_the_length) {
+TEST(Projection, pixel_and_direction_are_inverse_for_any_length) {
   for (const PictureShape& shape : shapes()) {
     ASSERT_TRUE(validate(shape).has_value()) << validate(shape).error().message();
     // Rounding of a coordinate near 1 moves a direction by 1e-16, which is many pixels of a picture this narrow.
@@ -101,7 +101,7 @@ TEST(Projection, the_middle_of_every_level_picture_looks_along_the_heading) {
   }
 }
 
-TEST(Projection, tilt_turns_the_middle_upwards) {
+TEST(Projection, tilt_moves_the_middle_upwards) {
   const PictureShape fisheye = Fisheye{100, 100, 1.0, 0.3};
   const PictureShape perspective = Perspective::from_field(100, 100, 1.0, 0.3);
   for (const PictureShape& shape : {fisheye, perspective}) {
@@ -117,7 +117,7 @@ TEST(Projection, a_dome_master_has_the_zenith_in_the_middle_and_the_heading_at_i
   EXPECT_LT((*direction_at(dome, {2048, 1024}) - Eigen::Vector3d(1, 0, 0)).norm(), kTiny);
 }
 
-TEST(Projection, a_fisheye_shows_nothing_outside_of_its_circle) {
+TEST(Projection, a_fisheye_shows_nothing_outside_its_circle) {
   const Fisheye wide{800, 600, 2.0 * kPi, 0.0};
   EXPECT_FALSE(direction_at(wide, {99.9, 300}).has_value());
   EXPECT_FALSE(direction_at(wide, {187, 87}).has_value());
@@ -127,7 +127,7 @@ TEST(Projection, a_fisheye_shows_nothing_outside_of_its_circle) {
   EXPECT_FALSE(pixel_of(half, {1, 0, 0.001}).has_value());
 }
 
-TEST(Projection, what_no_pixel_can_show_has_no_pixel) {
+TEST(Projection, there_is_no_pixel_for_invisible_directions) {
   EXPECT_FALSE(pixel_of(Panorama{10, 10, 1.0, 1.0, -1.0}, {0, 1, 0}).has_value());
   EXPECT_FALSE(pixel_of(Perspective::from_field(10, 10, 1.0, 0.0), {0, 0, 1}).has_value());
   EXPECT_FALSE(pixel_of(Perspective::from_field(10, 10, 1.0, 0.0), {1, 0, 0}).has_value());
@@ -155,7 +155,7 @@ TEST(Projection, both_eyes_look_through_the_same_point_of_the_screen) {
   }
 }
 
-TEST(Projection, disparity_is_zero_on_the_screen_positive_beyond_it_and_negative_before_it) {
+TEST(Projection, disparity_is_zero_on_the_screen_positive_behind_it_and_negative_in_front) {
   for (const PictureShape& shape : level_shapes()) {
     const auto disparity = [&](double distance_m) {
       return column_of(stereo(shape, Eyes::kRight), distance_m) - column_of(stereo(shape, Eyes::kLeft), distance_m);
@@ -173,7 +173,7 @@ TEST(Projection, at_infinity_the_disparity_is_the_eye_distance_on_the_screen) {
   EXPECT_NEAR(apart, 0.063 / 6.0 * 1000, 1e-4);  // The wall is 6 m wide.
 }
 
-TEST(Projection, eyes_of_a_flat_screen_stay_side_by_side_and_those_of_a_round_one_face_what_they_see) {
+TEST(Projection, eyes_stay_side_by_side_at_a_flat_screen_and_face_the_direction_at_a_round_one) {
   for (const PictureShape& shape : shapes()) {
     const bool flat = std::holds_alternative<Perspective>(shape);
     for (const PanoramaPixel& p : places(shape, 100)) {
@@ -208,7 +208,7 @@ TEST(Projection, on_a_dome_the_eyes_come_together_towards_the_zenith) {
   EXPECT_TRUE(dome.ray_at({500, 500})->direction.allFinite());
 }
 
-TEST(Projection, a_viewer_beside_the_sweet_spot_sees_the_screen_where_it_stands) {
+TEST(Projection, a_viewer_beside_the_sweet_spot_sees_the_screen_at_its_position) {
   for (const PictureShape& shape : shapes()) {
     Projection projection = stereo(shape, Eyes::kLeft);
     projection.viewing.viewer_m = {0.4, -0.2, 0.1};
@@ -222,7 +222,7 @@ TEST(Projection, a_viewer_beside_the_sweet_spot_sees_the_screen_where_it_stands)
   }
 }
 
-TEST(Projection, over_under_is_the_left_picture_above_the_right_one) {
+TEST(Projection, in_a_stacked_picture_the_left_eyes_is_above_the_right_eyes) {
   for (const PictureShape& shape : level_shapes()) {
     const Projection both = stereo(shape, Eyes::kOverUnder);
     EXPECT_EQ(both.height_px(), 2 * height_px(shape));
@@ -237,7 +237,7 @@ TEST(Projection, over_under_is_the_left_picture_above_the_right_one) {
   }
 }
 
-TEST(Projection, what_cannot_be_is_refused_by_the_name_of_its_field) {
+TEST(Projection, refuses_invalid_shapes_by_the_name_of_the_field) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const auto message = [](const PictureShape& shape) {
     const Status status = validate(shape);
@@ -260,7 +260,7 @@ TEST(Projection, what_cannot_be_is_refused_by_the_name_of_its_field) {
   EXPECT_THAT(message(Equirectangular{10, 10, 1.0, 0.5, 0.5}), HasSubstr("elevation_top_rad"));
 }
 
-TEST(Projection, eyes_behind_the_screen_and_pictures_too_high_are_refused) {
+TEST(Projection, refuses_eyes_behind_the_screen_and_pictures_that_are_too_high) {
   const auto message = [](const Projection& projection) {
     const Status status = projection.validate();
     return status ? std::string() : status.error().message();

@@ -7,7 +7,7 @@
 namespace cyclorama {
 namespace {
 
-TEST(HttpServer, answers_errors_with_the_status_of_their_code) {
+TEST(HttpServer, maps_error_codes_to_http_status) {
   const auto server = HttpServer::start("[::1]:0", {}, [](httplib::Server& routes) {
     routes.Get("/busy", [](const httplib::Request&, httplib::Response& response) {
       answer_error(Error(ErrorCode::kBusy, "four \xff watch"), response);

@@ -40,26 +40,26 @@ Tally try_all(const std::filesystem::path& folder) {
   return tally;
 }
 
-TEST(BadPictures, png_of_a_fuzzer_load_or_are_refused) {
+TEST(BadPictures, png_files_of_a_fuzzer_load_or_are_refused) {
   CYCLORAMA_SHARED_DATA(folder, "bad/go_fuzz_png");
   const Tally tally = try_all(folder);
   EXPECT_GT(tally.loaded, 0);
   EXPECT_GT(tally.refused, 0);
 }
 
-TEST(BadPictures, jpeg_of_a_fuzzer_load_or_are_refused) {
+TEST(BadPictures, jpeg_files_of_a_fuzzer_load_or_are_refused) {
   CYCLORAMA_SHARED_DATA(folder, "bad/go_fuzz_jpeg");
   const Tally tally = try_all(folder);
   EXPECT_GT(tally.loaded, 0);
   EXPECT_GT(tally.refused, 0);
 }
 
-TEST(BadPictures, jpeg_of_another_fuzzer_load_or_are_refused) {
+TEST(BadPictures, jpeg_files_of_another_fuzzer_load_or_are_refused) {
   CYCLORAMA_SHARED_DATA(folder, "bad/afl_jpeg");
   EXPECT_GT(try_all(folder).refused, 0);
 }
 
-TEST(BadPictures, openexr_is_refused_by_name) {
+TEST(BadPictures, openexr_files_are_refused_by_name) {
   CYCLORAMA_SHARED_DATA(folder, "bad/openexr");
   const Tally tally = try_all(folder);
   EXPECT_EQ(tally.loaded, 0);

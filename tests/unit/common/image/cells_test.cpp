@@ -6,7 +6,7 @@
 namespace cyclorama {
 namespace {
 
-TEST(Cells, are_those_that_a_rect_touches) {
+TEST(Cells, are_those_that_a_rectangle_touches) {
   EXPECT_EQ(cells_touched({0, 0, 16, 16}), (PixelRect{0, 0, 1, 1}));
   EXPECT_EQ(cells_touched({16, 32, 17, 15}), (PixelRect{1, 2, 2, 1}));
   EXPECT_EQ(cells_touched({15, 31, 2, 2}), (PixelRect{0, 1, 2, 2}));
@@ -14,7 +14,7 @@ TEST(Cells, are_those_that_a_rect_touches) {
   EXPECT_TRUE(cells_touched({16, 16, 0, 5}).empty());
 }
 
-TEST(Cells, stand_row_by_row) {
+TEST(Cells, are_stored_row_by_row) {
   const PixelRect cells{3, 5, 4, 2};
   std::size_t next = 0;
   for (int row = 5; row < 7; ++row) {

@@ -9,14 +9,14 @@
 namespace cyclorama {
 namespace {
 
-TEST(Colour, srgb_and_linear_undo_each_other) {
+TEST(Colour, srgb_and_linear_are_inverse) {
   for (int i = 0; i <= 1000; ++i) {
     const float code = static_cast<float>(i) / 1000.0f;
     EXPECT_NEAR(linear_to_srgb(srgb_to_linear(code)), code, 2e-6f);
   }
 }
 
-TEST(Colour, each_code_of_8_bits_survives_the_way_to_light_and_back) {
+TEST(Colour, every_8_bit_code_survives_the_conversion_to_light_and_back) {
   for (int code = 0; code < 256; ++code) {
     EXPECT_EQ(linear_to_srgb8(srgb_to_linear(static_cast<float>(code) / 255.0f)), code);
   }

@@ -12,7 +12,7 @@ RgbImage numbered(int width, int height) {
   return picture;
 }
 
-TEST(Cropped, takes_the_pixels_of_the_part_and_no_others) {
+TEST(Cropped, takes_only_the_pixels_of_the_part) {
   const RgbImage picture = numbered(7, 5);
   const RgbImage part = cropped(picture, {2, 1, 4, 3});
   ASSERT_EQ(part.width(), 4);
@@ -22,7 +22,7 @@ TEST(Cropped, takes_the_pixels_of_the_part_and_no_others) {
   }
 }
 
-TEST(Cropped, gives_the_whole_back_and_nothing_of_nothing) {
+TEST(Cropped, returns_the_whole_picture_or_an_empty_one) {
   const RgbImage picture = numbered(7, 5);
   EXPECT_EQ(cropped(picture, {0, 0, 7, 5}), picture);
   EXPECT_TRUE(cropped(picture, {7, 5, 0, 0}).empty());

@@ -17,7 +17,7 @@ int inked(const RgbImage& picture) {
 }
 bool is_inked(const RgbImage& picture, int x, int y) { return *picture.at(x, y) == kInk[0]; }
 
-TEST(DrawLine, joins_both_ends) {
+TEST(DrawLine, includes_both_ends) {
   RgbImage picture(20, 10);
   draw_line(&picture, {2.5, 1.5}, {15.5, 7.5}, kInk);
   EXPECT_TRUE(is_inked(picture, 2, 1));
@@ -31,19 +31,19 @@ TEST(DrawLine, joins_both_ends) {
   }
 }
 
-TEST(DrawLine, is_as_wide_as_it_was_told) {
+TEST(DrawLine, has_the_requested_width) {
   RgbImage picture(20, 20);
   draw_line(&picture, {-100, 10}, {100, 10}, kInk, 4);
   EXPECT_EQ(inked(picture), 20 * 4);
 }
 
-TEST(DrawLine, draws_what_is_inside_of_a_line_from_far_away) {
+TEST(DrawLine, draws_the_visible_part_of_a_line_from_far_away) {
   RgbImage picture(20, 20);
   draw_line(&picture, {-1e15, 10.5}, {1e15, 10.5}, kInk);
   EXPECT_EQ(inked(picture), 20);
 }
 
-TEST(DrawLine, leaves_out_what_is_outside_or_not_finite) {
+TEST(DrawLine, ignores_lines_that_are_outside_or_not_finite) {
   RgbImage picture(20, 20);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
@@ -57,7 +57,7 @@ TEST(DrawLine, leaves_out_what_is_outside_or_not_finite) {
   draw_text(&nothing, 0, 0, "text", kInk);
 }
 
-TEST(DrawText, shows_letters_of_five_by_seven_pixels) {
+TEST(DrawText, draws_letters_of_five_by_seven_pixels) {
   RgbImage picture(40, 10);
   draw_text(&picture, 1, 1, "I1", kInk);
   EXPECT_TRUE(is_inked(picture, 3, 4));  // The stem of the I.
@@ -67,7 +67,7 @@ TEST(DrawText, shows_letters_of_five_by_seven_pixels) {
   EXPECT_EQ(picture, small);
 }
 
-TEST(DrawText, stays_inside) {
+TEST(DrawText, clips_at_the_pictures_edges) {
   RgbImage picture(9, 9);
   draw_text(&picture, -3, -3, "WWWWWWWW", kInk, 3);
   draw_text(&picture, 100, 100, "W", kInk);
@@ -75,7 +75,7 @@ TEST(DrawText, stays_inside) {
   EXPECT_GT(inked(picture), 0);
 }
 
-TEST(ToRgb, repeats_the_grey) {
+TEST(ToRgb, repeats_the_grey_value) {
   GreyImage grey(2, 1);
   *grey.at(1, 0) = 77;
   const RgbImage rgb = to_rgb(grey);

@@ -30,7 +30,7 @@ double mean_difference(const RgbImage& a, const RgbImage& b) {
   return sum / static_cast<double>(a.data().size());
 }
 
-TEST(Jpeg, a_picture_comes_back_nearly_the_same_whatever_its_size) {
+TEST(Jpeg, a_picture_of_any_size_survives_a_round_trip_approximately) {
   JpegEncoder encoder;
   JpegDecoder decoder;
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{17, 3}, std::pair{64, 48}, std::pair{333, 201}}) {
@@ -49,7 +49,7 @@ TEST(Jpeg, a_picture_comes_back_nearly_the_same_whatever_its_size) {
   }
 }
 
-TEST(Jpeg, a_part_of_a_picture_is_encoded_and_decoded_in_place) {
+TEST(Jpeg, encodes_and_decodes_a_part_of_a_picture_in_place) {
   const RgbImage image = gradient(64, 64);
   JpegEncoder encoder;
   const auto jpeg = encoder.encode(image.at(16, 16), 32, 32, image.row_values(), {.quality = 95});
@@ -65,7 +65,7 @@ TEST(Jpeg, a_part_of_a_picture_is_encoded_and_decoded_in_place) {
   EXPECT_EQ(wrong.error().code(), ErrorCode::kBadData);
 }
 
-TEST(Jpeg, planes_are_the_same_picture_whatever_its_size) {
+TEST(Jpeg, planes_agree_with_the_picture_for_any_size) {
   JpegEncoder encoder;
   JpegDecoder decoder;
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{17, 3}, std::pair{64, 48}, std::pair{333, 201}}) {
@@ -84,7 +84,7 @@ TEST(Jpeg, planes_are_the_same_picture_whatever_its_size) {
   }
 }
 
-TEST(Jpeg, planes_are_decoded_in_place_and_nothing_beside_them_is_touched) {
+TEST(Jpeg, decodes_planes_in_place_and_changes_nothing_beside_them) {
   JpegEncoder encoder;
   JpegDecoder decoder;
   for (const bool subsample : {false, true}) {
@@ -106,12 +106,12 @@ TEST(Jpeg, planes_are_decoded_in_place_and_nothing_beside_them_is_touched) {
   }
 }
 
-TEST(Jpeg, planes_of_a_picture_are_that_picture) {
+TEST(Jpeg, planes_of_a_picture_agree_with_it) {
   const RgbImage picture = gradient(61, 33);
   EXPECT_LT(mean_difference(JpegDecoder().to_rgb(JpegEncoder().to_planar(picture)), picture), 0.7);
 }
 
-TEST(Jpeg, a_picture_that_is_cut_short_is_refused_and_never_shown_half) {
+TEST(Jpeg, refuses_a_truncated_picture_and_never_returns_a_part) {
   JpegEncoder encoder;
   JpegDecoder decoder;
   const auto jpeg = encoder.encode(gradient(64, 48), {});
@@ -124,7 +124,7 @@ TEST(Jpeg, a_picture_that_is_cut_short_is_refused_and_never_shown_half) {
   }
 }
 
-TEST(Jpeg, limits_hold_before_memory_is_taken) {
+TEST(Jpeg, checks_limits_before_allocating_memory) {
   JpegEncoder encoder;
   const auto jpeg = encoder.encode(gradient(64, 48), {});
   ASSERT_TRUE(jpeg.has_value());
@@ -134,7 +134,7 @@ TEST(Jpeg, limits_hold_before_memory_is_taken) {
   EXPECT_TRUE(decoder.decode_grey(*jpeg, 64 * 48).has_value());
 }
 
-TEST(Jpeg, what_cannot_be_written_is_refused) {
+TEST(Jpeg, refuses_what_cannot_be_written) {
   JpegEncoder encoder;
   EXPECT_EQ(encoder.encode(RgbImage(), {}).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(encoder.encode(nullptr, 65501, 1, 0, {}).error().code(), ErrorCode::kInvalidArgument);

@@ -65,7 +65,7 @@ std::string write(const Written& how) {
   return stream.str();
 }
 
-TEST(OpenExr, comes_back_from_every_lossless_compression_in_rows_and_tiles) {
+TEST(OpenExr, reads_every_lossless_compression_in_rows_and_tiles) {
   for (const Imf::Compression compression :
        {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION}) {
     for (const bool tiled : {false, true}) {
@@ -81,7 +81,7 @@ TEST(OpenExr, comes_back_from_every_lossless_compression_in_rows_and_tiles) {
   }
 }
 
-TEST(OpenExr, light_that_cannot_be_rendered_becomes_some_that_can) {
+TEST(OpenExr, replaces_invalid_light) {
   const std::string file = write({});
   const auto image = decode_openexr(bytes_of(file), kLimitPx);
   ASSERT_TRUE(image.has_value());
@@ -90,7 +90,7 @@ TEST(OpenExr, light_that_cannot_be_rendered_becomes_some_that_can) {
   EXPECT_EQ(image->at(3, 0)[2], 0.0f);
 }
 
-TEST(OpenExr, luminance_alone_is_grey_and_alpha_is_left_out) {
+TEST(OpenExr, reads_luminance_alone_as_grey_and_ignores_alpha) {
   const std::string grey = write({.channels = {"Y"}});
   const auto image = decode_openexr(bytes_of(grey), kLimitPx);
   ASSERT_TRUE(image.has_value()) << image.error().message();
@@ -99,7 +99,7 @@ TEST(OpenExr, luminance_alone_is_grey_and_alpha_is_left_out) {
   EXPECT_TRUE(decode_openexr(bytes_of(with_alpha), kLimitPx).has_value());
 }
 
-TEST(OpenExr, other_layouts_are_refused_by_name) {
+TEST(OpenExr, refuses_other_layouts_by_name) {
   const auto message = [](const Written& how) {
     const std::string file = write(how);
     const auto image = decode_openexr(bytes_of(file), kLimitPx);
@@ -111,7 +111,7 @@ TEST(OpenExr, other_layouts_are_refused_by_name) {
   EXPECT_NE(message({.cropped = true}).find("uncropped"), std::string::npos);
 }
 
-TEST(OpenExr, cut_short_or_too_large_it_is_refused) {
+TEST(OpenExr, refuses_truncated_and_oversized_files) {
   const std::string file = write({.tiled = false});
   for (std::size_t length = 0; length < file.size(); ++length) {
     const auto image = decode_openexr(bytes_of(file.substr(0, length)), kLimitPx);
@@ -122,7 +122,7 @@ TEST(OpenExr, cut_short_or_too_large_it_is_refused) {
   EXPECT_TRUE(decode_openexr(bytes_of(file), kWidth * kHeight).has_value());
 }
 
-TEST(OpenExr, an_attribute_longer_than_the_file_is_refused_before_memory_is_taken_for_it) {
+TEST(OpenExr, refuses_an_attribute_longer_than_the_file_before_allocating_memory) {
   std::string file = write({});
   const std::size_t length = file.find("compression") + 2 * sizeof("compression");
   file[length + 3] = 0x7f;
@@ -131,7 +131,7 @@ TEST(OpenExr, an_attribute_longer_than_the_file_is_refused_before_memory_is_take
   EXPECT_NE(image.error().message().find("byte"), std::string::npos) << image.error().message();
 }
 
-TEST(OpenExr, photographs_are_read_by_content_and_damaged_files_refused_in_one_sentence) {
+TEST(OpenExr, reads_photographs_by_content_and_refuses_damaged_files_in_one_sentence) {
   CYCLORAMA_SHARED_DATA(courtyard, "hdri/courtyard.exr");
   const auto image = read_radiance(courtyard, kLimitPx);
   ASSERT_TRUE(image.has_value()) << image.error().message();

@@ -28,7 +28,7 @@ std::vector<std::byte> bytes_of(const std::string& text) {
   return {begin, begin + text.size()};
 }
 
-TEST(Pfm, a_picture_comes_back_bit_by_bit) {
+TEST(Pfm, survives_a_round_trip_bit_by_bit) {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{3, 200}, std::pair{257, 31}}) {
     const RadianceImage image = noise(width, height);
     const auto back = decode_pfm(encode_pfm(image), kLimitPx);
@@ -37,7 +37,7 @@ TEST(Pfm, a_picture_comes_back_bit_by_bit) {
   }
 }
 
-TEST(Pfm, what_is_not_finite_stays_so_for_whoever_compares_to_see) {
+TEST(Pfm, keeps_values_that_are_not_finite) {
   RadianceImage image(2, 1);
   image.at(0, 0)[1] = std::numeric_limits<float>::quiet_NaN();
   image.at(1, 0)[2] = -std::numeric_limits<float>::infinity();
@@ -47,7 +47,7 @@ TEST(Pfm, what_is_not_finite_stays_so_for_whoever_compares_to_see) {
   EXPECT_EQ(back->at(1, 0)[2], -std::numeric_limits<float>::infinity());
 }
 
-TEST(Pfm, the_first_row_of_the_file_is_the_lowest_of_the_picture) {
+TEST(Pfm, stores_the_lowest_row_first) {
   const auto image = decode_pfm(encode_pfm(noise(4, 3)), kLimitPx);
   const std::vector<std::byte> pfm = encode_pfm(*image);
   float first = 0.0f;
@@ -55,7 +55,7 @@ TEST(Pfm, the_first_row_of_the_file_is_the_lowest_of_the_picture) {
   EXPECT_EQ(first, image->at(0, 2)[0]);
 }
 
-TEST(Pfm, big_endian_and_grey_are_read_too) {
+TEST(Pfm, reads_big_endian_and_grey_files) {
   const std::string one("\x3f\x80\x00\x00", 4);
   const std::string two("\x40\x00\x00\x00", 4);
   const auto grey = decode_pfm(bytes_of("Pf\n2 1\n1.0\n" + one + two), kLimitPx);
@@ -69,7 +69,7 @@ TEST(Pfm, big_endian_and_grey_are_read_too) {
   EXPECT_EQ(colour->at(0, 0)[1], 2.0f);
 }
 
-TEST(Pfm, cut_short_too_long_too_large_or_not_one_it_is_refused_with_its_place) {
+TEST(Pfm, refuses_invalid_files_naming_the_position) {
   const std::vector<std::byte> pfm = encode_pfm(noise(7, 5));
   for (std::size_t length = 0; length < pfm.size(); ++length) {
     const auto part = decode_pfm(std::span(pfm).first(length), kLimitPx);
@@ -88,7 +88,7 @@ TEST(Pfm, cut_short_too_long_too_large_or_not_one_it_is_refused_with_its_place) 
   }
 }
 
-TEST(Pfm, a_written_file_is_read_and_errors_name_it) {
+TEST(Pfm, reads_a_written_file_and_names_it_in_errors) {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("pfm_test_" + std::to_string(::getpid()) + ".pfm");
   const RadianceImage image = noise(8, 8);

@@ -20,7 +20,7 @@ RgbImage noise(int width, int height) {
   return image;
 }
 
-TEST(Png, a_picture_comes_back_exactly_with_opaque_alpha) {
+TEST(Png, survives_a_round_trip_with_opaque_alpha) {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{3, 200}, std::pair{257, 31}}) {
     const RgbImage image = noise(width, height);
     const auto png = encode_png(image);
@@ -38,7 +38,7 @@ TEST(Png, a_picture_comes_back_exactly_with_opaque_alpha) {
   }
 }
 
-TEST(Png, cut_short_flipped_or_too_large_it_is_refused) {
+TEST(Png, refuses_truncated_damaged_and_oversized_files) {
   const auto png = encode_png(noise(64, 48));
   ASSERT_TRUE(png.has_value());
   EXPECT_FALSE(decode_png(*png, 64 * 48 - 1).has_value());
@@ -52,11 +52,11 @@ TEST(Png, cut_short_flipped_or_too_large_it_is_refused) {
   EXPECT_FALSE(decode_png(flipped, kTextureLimitPx).has_value());
 }
 
-TEST(Png, an_empty_picture_cannot_be_written) {
+TEST(Png, cannot_write_an_empty_picture) {
   EXPECT_EQ(encode_png(RgbImage()).error().code(), ErrorCode::kInvalidArgument);
 }
 
-TEST(Png, a_written_file_is_read_by_its_content_and_errors_name_it) {
+TEST(Png, reads_a_file_by_its_content_and_names_it_in_errors) {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("png_test_" + std::to_string(::getpid()) + ".jpg");
   ASSERT_TRUE(write_png(path, noise(8, 8)).has_value());

@@ -30,7 +30,7 @@ std::string texel(int r, int g, int b, int e) {
 std::string literal(const std::string& channel) { return static_cast<char>(channel.size()) + channel; }
 std::string run(int count, int value) { return {static_cast<char>(128 + count), static_cast<char>(value)}; }
 
-TEST(RadianceHdr, a_byte_means_itself_times_its_exponent) {
+TEST(RadianceHdr, scales_a_byte_by_its_exponent) {
   const auto image = decoded(head("-Y 1 +X 3") + texel(128, 64, 0, 129) + texel(255, 1, 2, 0) + texel(1, 2, 3, 136));
   ASSERT_TRUE(image.has_value()) << image.error().message();
   EXPECT_EQ(image->at(0, 0)[0], 1.0f);
@@ -40,7 +40,7 @@ TEST(RadianceHdr, a_byte_means_itself_times_its_exponent) {
   EXPECT_EQ(image->at(2, 0)[2], 3.0f);
 }
 
-TEST(RadianceHdr, runs_and_literals_of_each_channel_make_a_row) {
+TEST(RadianceHdr, decodes_runs_and_literals_of_each_channel) {
   const std::string row = "\x02\x02" + std::string(1, '\0') + "\x09" + run(9, 10) + literal("123456789") + run(4, 7) +
                           run(5, 8) + run(9, 136);
   const auto image = decoded(head("-Y 2 +X 9") + row + row);
@@ -52,7 +52,7 @@ TEST(RadianceHdr, runs_and_literals_of_each_channel_make_a_row) {
   }
 }
 
-TEST(RadianceHdr, the_older_runs_repeat_the_texel_before_them) {
+TEST(RadianceHdr, decodes_the_older_runs_of_the_previous_texel) {
   const auto image =
       decoded(head("-Y 1 +X 300") + texel(5, 6, 7, 136) + texel(1, 1, 1, 42) + texel(1, 1, 1, 1) + texel(9, 9, 9, 136));
   ASSERT_TRUE(image.has_value()) << image.error().message();  // 1 + 42 + 256 + 1
@@ -61,7 +61,7 @@ TEST(RadianceHdr, the_older_runs_repeat_the_texel_before_them) {
 }
 
 /// Texels are numbered in stored order; the positions of the first and the last give the orientation.
-TEST(RadianceHdr, all_eight_orientations_are_turned_upright) {
+TEST(RadianceHdr, turns_all_eight_orientations_upright) {
   struct Case {
     const char* resolution;
     std::array<int, 2> first, second;
@@ -80,7 +80,7 @@ TEST(RadianceHdr, all_eight_orientations_are_turned_upright) {
   }
 }
 
-TEST(RadianceHdr, exposure_and_colour_correction_are_undone) {
+TEST(RadianceHdr, undoes_exposure_and_colour_correction) {
   const auto image = decoded(head("-Y 1 +X 1", "EXPOSURE=2.0\nEXPOSURE= 4\nCOLORCORR= 1 2 0.5\n# a=b\nVIEW= -vtv\n") +
                              texel(16, 16, 16, 136));
   ASSERT_TRUE(image.has_value()) << image.error().message();
@@ -89,13 +89,13 @@ TEST(RadianceHdr, exposure_and_colour_correction_are_undone) {
   EXPECT_EQ(image->at(0, 0)[2], 4.0f);
 }
 
-TEST(RadianceHdr, more_light_than_can_be_summed_is_cut) {
+TEST(RadianceHdr, clips_light_that_is_too_bright_to_sum) {
   const auto image = decoded(head("-Y 1 +X 1") + texel(255, 0, 0, 255));
   ASSERT_TRUE(image.has_value());
   EXPECT_EQ(image->at(0, 0)[0], 1e9f);
 }
 
-TEST(RadianceHdr, what_is_wrong_is_said_with_its_place) {
+TEST(RadianceHdr, names_the_position_of_a_mistake) {
   const std::string new_row("\x02\x02\x00\x09", 4);
   for (const std::string& text :
        {std::string(), std::string("PNG"), head("-Y 1 +Y 1") + texel(2, 2, 2, 2), head("-Y 0 +X 1"),
@@ -115,7 +115,7 @@ TEST(RadianceHdr, what_is_wrong_is_said_with_its_place) {
   EXPECT_FALSE(decoded(head("-Y 10 +X 10") + std::string(400, '\2'), 99).has_value());
 }
 
-TEST(RadianceHdr, photographs_are_read_and_cut_short_refused) {
+TEST(RadianceHdr, reads_photographs_and_refuses_truncated_ones) {
   // The means come from an independently written decoder.
   for (const auto& [name, known_mean] :
        {std::pair{"hdri/chinese_garden_1k.hdr", 0.4637809}, std::pair{"hdri/drachenfels_cellar_1k.hdr", 0.3200655}}) {

@@ -61,7 +61,7 @@ RgbImage halved(const RgbImage& picture) {
   return half;
 }
 
-TEST(Watermark, is_the_same_however_the_picture_is_cut) {
+TEST(Watermark, is_independent_of_the_division_into_tiles) {
   const RgbImage plain = some_picture();
   const RgbImage whole = marked(plain);
   for (const int step : {16, 48, 256, 101}) {  // 101 is not a multiple of the block size.
@@ -76,7 +76,7 @@ TEST(Watermark, is_the_same_however_the_picture_is_cut) {
   }
 }
 
-TEST(Watermark, no_key_changes_nothing) { EXPECT_EQ(marked(some_picture(), 0), some_picture()); }
+TEST(Watermark, changes_nothing_without_a_key) { EXPECT_EQ(marked(some_picture(), 0), some_picture()); }
 
 TEST(Watermark, changes_one_cell_in_eight_by_one_code_value) {
   const RgbImage grey(512, 512, 128);
@@ -93,14 +93,14 @@ TEST(Watermark, changes_one_cell_in_eight_by_one_code_value) {
   EXPECT_NEAR(static_cast<double>(sum) / count, 0.0, 0.05);  // The picture's mean brightness is unchanged.
 }
 
-TEST(Watermark, leaves_black_and_white_alone) {
+TEST(Watermark, does_not_change_black_and_white) {
   for (const int value : {0, 3, 7, 248, 255}) {
     const RgbImage flat(256, 256, static_cast<std::uint8_t>(value));
     EXPECT_EQ(marked(flat), flat) << value;
   }
 }
 
-TEST(Watermark, is_found_by_its_key_and_by_no_other) {
+TEST(Watermark, is_detected_with_its_key_only) {
   const RgbImage picture = marked(some_picture());
   EXPECT_GT(watermark_score(kKey, picture), 15.0);
   EXPECT_LT(std::abs(watermark_score(kKey, some_picture())), 5.0);
@@ -119,21 +119,21 @@ TEST(Watermark, is_found_by_its_key_and_by_no_other) {
   EXPECT_NEAR(squares / kKeys, 1.0, 3.0 * std::sqrt(2.0 / kKeys));
 }
 
-TEST(Watermark, keys_that_differ_in_one_bit_share_nothing) {
+TEST(Watermark, is_unrelated_for_keys_that_differ_in_one_bit) {
   const WatermarkDetector detector(marked(some_picture()));
   for (int bit = 0; bit < 64; ++bit) {
     EXPECT_LT(std::abs(detector.score(kKey ^ std::uint64_t{1} << bit)), 5.0) << bit;
   }
 }
 
-TEST(Watermark, outlives_jpeg) {
+TEST(Watermark, survives_jpeg) {
   const RgbImage picture = marked(some_picture());
   for (const int quality : {95, 85, 75}) {
     EXPECT_GT(watermark_score(kKey, through_jpeg(picture, quality)), kWatermarkCertain) << quality;
   }
 }
 
-TEST(Watermark, outlives_being_cut_out_anywhere) {
+TEST(Watermark, survives_cropping_at_any_position) {
   const RgbImage picture = through_jpeg(marked(some_picture()), 85);
   const RgbImage part = cropped(picture, {333, 90, 500, 401});
   const WatermarkFind find = WatermarkDetector(part).search(kKey);
@@ -143,12 +143,12 @@ TEST(Watermark, outlives_being_cut_out_anywhere) {
   EXPECT_LT(WatermarkDetector(part).search(kKey + 1).score, 6.0);
 }
 
-TEST(Watermark, outlives_half_the_size) {
+TEST(Watermark, survives_scaling_to_half_the_size) {
   const RgbImage picture = through_jpeg(halved(marked(some_picture())), 85);
   EXPECT_GT(WatermarkDetector(picture, kWatermarkCellPx / 2).score(kKey), kWatermarkCertain);
 }
 
-TEST(Watermark, pictures_smaller_than_a_cell_have_no_score) {
+TEST(Watermark, has_no_score_for_pictures_smaller_than_a_cell) {
   EXPECT_EQ(watermark_score(kKey, RgbImage(3, 2, 9)), 0.0);
   EXPECT_EQ(WatermarkDetector(RgbImage{}).search(kKey).score, 0.0);
 }

@@ -23,7 +23,7 @@ std::string mistake_in(const char* text, const Read& read) {
   return status.error().message();
 }
 
-TEST(StrictJson, reads_what_is_as_it_should_be) {
+TEST(StrictJson, reads_a_valid_document) {
   EXPECT_EQ(mistake_in(R"({"size": 3, "share": 0.5, "is_on": true, "name": "a", "list": [1, 2.5], "more": {"x": 1}})",
                        [](StrictJson* json) {
                          EXPECT_EQ(json->integer("size", 0, 3), 3);
@@ -41,7 +41,7 @@ TEST(StrictJson, reads_what_is_as_it_should_be) {
             "");
 }
 
-TEST(StrictJson, reports_the_first_mistake_with_its_place_and_remedy) {
+TEST(StrictJson, reports_the_first_mistake_with_its_position_and_remedy) {
   const auto read = [](StrictJson* json) {
     for (StrictJson one : json->list("list", 1, 2)) {
       one.integer("x", 0, 9);
@@ -71,7 +71,7 @@ TEST(StrictJson, refuses_other_kinds_of_values) {
               HasSubstr("is not a number from 2"));
 }
 
-TEST(StrictJson, says_where_a_text_is_no_json) {
+TEST(StrictJson, names_the_position_of_invalid_json) {
   EXPECT_EQ(mistake_in("{\"a\": }", [](StrictJson*) {}), "a.json: byte 7: no JSON; write it again");
 }
 

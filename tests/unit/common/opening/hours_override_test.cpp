@@ -40,7 +40,7 @@ HoursOverride closed(const OpeningHours& hours, WallTime now) {
   return made ? *made : HoursOverride{};
 }
 
-TEST(HoursOverride, keeps_a_museum_open_until_the_time_that_was_said) {
+TEST(HoursOverride, keeps_a_museum_open_until_the_given_time) {
   const OpeningHours week = hours({"Tue-Sun 10:00-18:00"});
   const WallTime evening = local("2026-11-24 17:30:12");  // Tuesday.
   const HoursOverride override = opened(week, "22:00", evening);
@@ -86,14 +86,14 @@ TEST(HoursOverride, is_refused_without_a_clock_or_a_time) {
   }
 }
 
-TEST(HoursOverride, does_not_count_by_a_clock_that_stands_before_it_was_said) {
+TEST(HoursOverride, is_ignored_if_the_clock_is_before_its_start) {
   const OpeningHours week = hours({"Tue-Sun 10:00-18:00"});
   const HoursOverride override = closed(week, local("2026-11-24 12:00:00"));
   EXPECT_TRUE(is_open(week, override, local("2026-11-24 11:59:59"))) << "the battery on the board was empty";
 }
 
 /// Every kind of override, at any time, around both changes of the clocks.
-TEST(HoursOverride, never_outlives_its_end) {
+TEST(HoursOverride, never_lasts_beyond_its_end) {
   std::mt19937 random(8);
   const OpeningHours settings[] = {hours({"Tue-Sun 10:00-18:00"}), hours({"Mon-Sun 00:00-24:00"}),
                                    hours({"Fri,Sat 22:00-03:00", "Sun 09:00-10:00"}), hours({"Mon 02:30-02:45"})};
@@ -148,7 +148,7 @@ TEST(HoursOverride, is_refused_when_its_file_is_damaged) {
   }
 }
 
-TEST(OverriddenHours, follow_the_file_as_it_comes_goes_and_breaks) {
+TEST(OverriddenHours, follow_the_file_as_it_appears_disappears_and_breaks) {
   std::string name = (std::filesystem::temp_directory_path() / "hours-XXXXXX").string();
   ASSERT_NE(::mkdtemp(name.data()), nullptr);
   const std::filesystem::path file = std::filesystem::path(name) / "override";

@@ -40,9 +40,7 @@ std::string complaint(const std::vector<std::string>& lines, const std::string& 
   return parsed ? "" : parsed.error().message();
 }
 
-TEST(OpeningHours, are_always_where_nothing_is_said) {
-  EXPECT_TRUE(OpeningHours().is_open(local("2026-12-25 03:00:00")));
-}
+TEST(OpeningHours, are_unlimited_by_default) { EXPECT_TRUE(OpeningHours().is_open(local("2026-12-25 03:00:00"))); }
 
 TEST(OpeningHours, begin_with_their_first_second_and_end_with_their_last) {
   const OpeningHours week = hours({"Tue-Sun 10:00-18:00"});
@@ -54,7 +52,7 @@ TEST(OpeningHours, begin_with_their_first_second_and_end_with_their_last) {
   EXPECT_TRUE(week.is_open(local("2026-11-29 12:00:00")));   // Sunday.
 }
 
-TEST(OpeningHours, of_several_lines_add_up) {
+TEST(OpeningHours, add_up_over_several_lines) {
   const OpeningHours week = hours({"Mon,Thu-Fri 10:00-12:00,14:00-18:00", "Thu 17:00-22:00", "Sat-Mon 08:00-09:00"});
   for (const char* open : {"2026-11-23 10:30:00", "2026-11-23 08:30:00", "2026-11-26 15:00:00", "2026-11-26 21:59:59",
                            "2026-11-27 11:00:00", "2026-11-28 08:00:00", "2026-11-29 08:00:00"}) {
@@ -66,7 +64,7 @@ TEST(OpeningHours, of_several_lines_add_up) {
   }
 }
 
-TEST(OpeningHours, go_on_after_midnight) {
+TEST(OpeningHours, continue_after_midnight) {
   const OpeningHours week = hours({"Fri,Sat 22:00-02:00", "Sun 00:00-24:00"});
   EXPECT_FALSE(week.is_open(local("2026-11-27 21:59:59")));
   EXPECT_TRUE(week.is_open(local("2026-11-27 23:59:59")));
@@ -78,7 +76,7 @@ TEST(OpeningHours, go_on_after_midnight) {
   EXPECT_FALSE(week.is_open(local("2026-11-30 00:00:00")));  // Sunday's hours do not continue past midnight.
 }
 
-TEST(OpeningHours, of_a_date_take_the_place_of_its_weekday) {
+TEST(OpeningHours, of_a_date_replace_those_of_its_weekday) {
   const OpeningHours year = hours(
       {"Mon-Sun 10:00-18:00", "Thu 20:00-01:00", "2026-12-24 10:00-14:00", "2026-12-25 closed", "2026-12-31 closed"});
   EXPECT_TRUE(year.is_open(local("2026-12-24 13:59:59")));  // Thursday.
@@ -92,7 +90,7 @@ TEST(OpeningHours, of_a_date_take_the_place_of_its_weekday) {
   EXPECT_TRUE(year.is_open(local("2027-12-25 12:00:00")));  // Another year.
 }
 
-TEST(OpeningHours, follow_the_clock_on_the_wall_through_summer_and_winter) {
+TEST(OpeningHours, follow_local_time_in_summer_and_winter) {
   const OpeningHours week = hours({"Mon-Sun 10:00-18:00"});
   EXPECT_FALSE(week.is_open(utc("2026-07-01 07:59:59")));
   EXPECT_TRUE(week.is_open(utc("2026-07-01 08:00:00")));
@@ -105,7 +103,7 @@ TEST(OpeningHours, follow_the_clock_on_the_wall_through_summer_and_winter) {
   EXPECT_TRUE(week.is_open(utc("2026-10-25 16:59:59")));
 }
 
-TEST(OpeningHours, that_name_an_hour_which_a_day_lacks_meet_at_the_jump) {
+TEST(OpeningHours, use_the_moment_of_the_change_for_an_hour_that_a_day_lacks) {
   // On 29 March, 02:00 is followed by 03:00, at 01:00 UTC.
   const OpeningHours from_within = hours({"Sun 02:30-04:00"});
   EXPECT_FALSE(from_within.is_open(utc("2026-03-29 00:59:59")));
@@ -117,7 +115,7 @@ TEST(OpeningHours, that_name_an_hour_which_a_day_lacks_meet_at_the_jump) {
   EXPECT_FALSE(hours({"Sun 02:10-02:50"}).is_open(utc("2026-03-29 01:00:00")));
 }
 
-TEST(OpeningHours, that_name_an_hour_which_comes_twice_neither_flicker_nor_end_early) {
+TEST(OpeningHours, are_open_throughout_an_hour_that_occurs_twice) {
   // On 25 October, 02:00 to 03:00 occurs twice, from 00:00 and from 01:00 UTC.
   const auto changes = [](const OpeningHours& night) {
     std::vector<std::string> at;
@@ -134,7 +132,7 @@ TEST(OpeningHours, that_name_an_hour_which_comes_twice_neither_flicker_nor_end_e
   EXPECT_THAT(changes(hours({"Sun 02:10-02:50"})), ::testing::ElementsAre("00:10", "01:50"));
 }
 
-TEST(OpeningHours, are_the_same_from_whatever_moment_one_looks) {
+TEST(OpeningHours, are_independent_of_the_moment_at_which_they_are_evaluated) {
   // A computer that starts in the middle has only the current time.
   const std::vector<std::string> lines{"Mon-Fri 09:00-17:00", "Sat 20:00-03:00"};
   const OpeningHours kept = hours(lines);
@@ -142,7 +140,7 @@ TEST(OpeningHours, are_the_same_from_whatever_moment_one_looks) {
     ASSERT_EQ(kept.is_open(t), hours(lines).is_open(t));
 }
 
-TEST(OpeningHours, are_open_while_the_clock_was_never_set) {
+TEST(OpeningHours, are_open_while_the_clock_is_not_set) {
   const OpeningHours never = hours({"2026-12-24 10:00-14:00"});
   for (const char* unset : {"1970-01-01 00:00:07", "2000-01-01 03:00:00", "2025-12-31 23:59:59"})
     EXPECT_TRUE(never.is_open(utc(unset))) << unset;
@@ -150,13 +148,13 @@ TEST(OpeningHours, are_open_while_the_clock_was_never_set) {
   EXPECT_FALSE(never.is_open(utc("2199-01-01 00:00:00")));
 }
 
-TEST(OpeningHours, know_other_places) {
+TEST(OpeningHours, support_other_time_zones) {
   const OpeningHours far = hours({"Mon-Sun 10:00-18:00"}, "Pacific/Kiritimati");  // 14 hours ahead of UTC.
   EXPECT_TRUE(far.is_open(utc("2026-06-30 20:00:00")));
   EXPECT_FALSE(far.is_open(utc("2026-06-30 04:00:00")));
 }
 
-TEST(OpeningHours, refuse_what_they_cannot_understand) {
+TEST(OpeningHours, refuse_invalid_text) {
   for (const char* line : {"",
                            " ",
                            "Mon",
@@ -192,7 +190,7 @@ TEST(OpeningHours, refuse_what_they_cannot_understand) {
   EXPECT_EQ(complaint({"Mon 00:00-24:00", "2028-02-29 closed"}, ""), "");
 }
 
-TEST(OpeningHours, are_read_from_a_site) {
+TEST(OpeningHours, are_read_from_site_toml) {
   const auto read = [](const std::string& text) -> std::string {
     auto config = Config::parse(text, "site.toml");
     EXPECT_TRUE(config);

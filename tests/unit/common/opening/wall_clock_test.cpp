@@ -8,7 +8,7 @@
 namespace cyclorama {
 namespace {
 
-TEST(WallClock, is_believed_unless_it_was_lost_and_no_time_server_has_answered_since) {
+TEST(WallClock, is_trusted_unless_it_was_lost_and_not_synchronised_since) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "wall_clock_test";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Child, gives_what_a_program_said_and_how_it_ended) {
+TEST(Child, returns_a_programs_output_and_exit_code) {
   const auto end = run_child({"sh", "-c", "echo out; echo err >&2; exit 3"});
   ASSERT_TRUE(end);
   EXPECT_EQ(end->exit_code, 3);
@@ -16,13 +16,13 @@ TEST(Child, gives_what_a_program_said_and_how_it_ended) {
   EXPECT_FALSE(end->is_cut);
 }
 
-TEST(Child, passes_words_on_as_they_are) {
+TEST(Child, passes_arguments_unchanged) {
   const auto end = run_child({"printf", "%s|", "a b", "$HOME", "'\"", ""});
   ASSERT_TRUE(end);
   EXPECT_EQ(end->output, "a b|$HOME|'\"||");
 }
 
-TEST(Child, is_cut_short_when_it_says_too_much_but_runs_to_its_end) {
+TEST(Child, truncates_long_output_but_lets_the_program_finish) {
   const auto end = run_child({"sh", "-c", "yes | head -c 300000; exit 7"}, {10s, 1000});
   ASSERT_TRUE(end);
   EXPECT_EQ(end->output.size(), 1000u);
@@ -30,7 +30,7 @@ TEST(Child, is_cut_short_when_it_says_too_much_but_runs_to_its_end) {
   EXPECT_EQ(end->exit_code, 7);
 }
 
-TEST(Child, is_killed_at_its_limit_with_all_that_it_started) {
+TEST(Child, is_killed_at_its_timeout_with_all_its_descendants) {
   for (const char* const script : {"sleep 100", "sleep 100 & sleep 100", "exec >&- 2>&-; sleep 100"}) {
     const auto end = run_child({"sh", "-c", script}, {200ms, 1000});
     ASSERT_FALSE(end) << script;
@@ -38,13 +38,13 @@ TEST(Child, is_killed_at_its_limit_with_all_that_it_started) {
   }
 }
 
-TEST(Child, tells_the_signal_that_ended_it) {
+TEST(Child, reports_the_signal_that_ended_it) {
   const auto end = run_child({"sh", "-c", "kill -9 $$"});
   ASSERT_TRUE(end);
   EXPECT_EQ(end->exit_code, 128 + 9);
 }
 
-TEST(Child, is_not_found_where_there_is_no_such_program) {
+TEST(Child, reports_a_missing_program) {
   const auto end = run_child({"/nowhere/at-all"});
   ASSERT_FALSE(end);
   EXPECT_EQ(end.error().code(), ErrorCode::kNotFound);

@@ -15,14 +15,14 @@ std::string logged(LogLevel level, const std::string& message, std::span<const L
   return testing::internal::GetCapturedStderr();
 }
 
-TEST(Log, is_one_plain_line_for_people) {
+TEST(Log, prints_one_plain_line) {
   EXPECT_EQ(logged(LogLevel::kInfo, "all is well"), "all is well\n");
   EXPECT_EQ(logged(LogLevel::kWarning, "look\nhere"), "warning: look?here\n");
   const std::array<LogField, 2> fields{{{"CYCLORAMA_NODE", "render-07"}, {"CYCLORAMA_MUSEUM", ""}}};
   EXPECT_EQ(logged(LogLevel::kInfo, "it came", fields), "it came\n") << "fields are the journal's";
 }
 
-TEST(Log, leaves_out_what_nobody_asked_for) {
+TEST(Log, omits_what_is_below_its_level) {
   EXPECT_EQ(logged(LogLevel::kDebug, "a detail"), "");
   set_log_level(LogLevel::kDebug);
   EXPECT_EQ(logged(LogLevel::kDebug, "a detail"), "debug: a detail\n");

@@ -10,7 +10,7 @@
 namespace cyclorama {
 namespace {
 
-TEST(StopSignal, waits_until_the_deadline_and_stays_requested_once_it_came) {
+TEST(StopSignal, waits_until_the_deadline_and_stays_set_once_received) {
   const StopSignal stop;
   EXPECT_FALSE(stop.requested());
   EXPECT_FALSE(stop.wait_until(SteadyClock().now() + std::chrono::milliseconds(5)));
@@ -27,7 +27,7 @@ int run(std::vector<const char*> arguments, const Status& result) {
   return program.run(static_cast<int>(argv.size()), argv.data(), [&](const StopSignal&) { return result; });
 }
 
-TEST(Program, exit_codes_tell_done_failed_and_wrong_usage) {
+TEST(Program, exit_codes_distinguish_success_failure_and_wrong_usage) {
   EXPECT_EQ(run({}, Done{}), kExitOk);
   EXPECT_EQ(run({"--help"}, Error(ErrorCode::kBusy, "not reached")), kExitOk);
   EXPECT_EQ(run({"--version"}, Error(ErrorCode::kBusy, "not reached")), kExitOk);

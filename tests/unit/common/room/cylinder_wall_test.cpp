@@ -27,7 +27,7 @@ TEST(CylinderWall, points_and_arc_angles_are_inverse) {
   EXPECT_LT((wall.point_at(0.5 * kPi, 1.0).xyz - Eigen::Vector3d(3.5, 1.0, -0.25)).norm(), 1e-12);
 }
 
-TEST(CylinderWall, a_ray_from_inside_meets_the_point_that_it_was_aimed_at) {
+TEST(CylinderWall, a_ray_from_inside_hits_the_point_at_which_it_is_aimed) {
   const CylinderWall wall = half_circle();
   std::mt19937 random(3);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -43,7 +43,7 @@ TEST(CylinderWall, a_ray_from_inside_meets_the_point_that_it_was_aimed_at) {
   }
 }
 
-TEST(CylinderWall, rays_past_its_edges_meet_nothing) {
+TEST(CylinderWall, rays_past_its_edges_miss) {
   const CylinderWall wall = half_circle();
   const Eigen::Vector3d eye(0.5, 1.6, -0.25);
   EXPECT_FALSE(wall.hit(ray(eye, {0, 0, 1})).has_value());        // Behind: the arc is half a circle.
@@ -53,7 +53,7 @@ TEST(CylinderWall, rays_past_its_edges_meet_nothing) {
   EXPECT_FALSE(wall.hit(ray({9, 1, 0}, {1, 0, 0})).has_value());  // Away from it.
 }
 
-TEST(CylinderWall, its_outside_is_not_a_screen) {
+TEST(CylinderWall, its_outside_cannot_be_hit) {
   const CylinderWall wall = half_circle();
   EXPECT_FALSE(wall.hit(ray({0.5, 1.0, -9.0}, {0, 0, -1})).has_value());
   // From the front, through the open side, and from the back, through the wall: both rays meet the inside of the far
@@ -66,7 +66,7 @@ TEST(CylinderWall, its_outside_is_not_a_screen) {
   EXPECT_NEAR(far_side->xyz.z(), 2.75, 1e-9);
 }
 
-TEST(CylinderWall, what_is_not_finite_meets_nothing) {
+TEST(CylinderWall, rays_that_are_not_finite_miss) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   const CylinderWall wall = half_circle();

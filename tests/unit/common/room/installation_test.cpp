@@ -42,7 +42,7 @@ std::string complaint(const std::string& text) {
   return installation ? "" : installation.error().message();
 }
 
-TEST(Installation, a_room_is_read_with_its_units) {
+TEST(Installation, reads_a_room_with_its_units) {
   const auto room = parse_installation(kRoom, "room.toml");
   ASSERT_TRUE(room.has_value()) << room.error().message();
   EXPECT_NEAR(std::get<CylinderWall>(room->wall).arc_rad, std::numbers::pi, 1e-12);
@@ -51,7 +51,7 @@ TEST(Installation, a_room_is_read_with_its_units) {
   EXPECT_EQ(room->projectors[0].lens.width_px, 1280);
 }
 
-TEST(Installation, a_warp_of_another_program_lies_beside_it) {
+TEST(Installation, reads_another_programs_warp_beside_it) {
   EXPECT_FALSE(parse_installation(kRoom, "room.toml")->projectors[0].warp.has_value());
   const auto room = parse_installation(kRoom + "warp = 'wall.mpcdi'\nwarp_region = 'l'\n", "room.toml", "/museum");
   ASSERT_TRUE(room.has_value()) << room.error().message();
@@ -64,7 +64,7 @@ TEST(Installation, a_warp_of_another_program_lies_beside_it) {
   EXPECT_EQ(pair->projectors[0].warp->mask, "/museum/l.png");
 }
 
-TEST(Installation, a_warp_elsewhere_or_half_of_one_is_refused) {
+TEST(Installation, refuses_a_warp_outside_its_folder_or_an_incomplete_one) {
   for (const char* const name : {"../wall.mpcdi", "/wall.mpcdi", ""}) {
     EXPECT_THAT(complaint(kRoom + "warp = '" + name + "'\n"),
                 AllOf(StartsWith("room.toml:"), HasSubstr("beside the installation")))
@@ -73,7 +73,7 @@ TEST(Installation, a_warp_elsewhere_or_half_of_one_is_refused) {
   EXPECT_THAT(complaint(kRoom + "warp_region = 'l'\n"), HasSubstr("warp_region"));
 }
 
-TEST(Installation, a_pan_to_the_left_looks_to_the_left_and_upright) {
+TEST(Installation, a_pan_to_the_left_looks_left_and_upright) {
   const auto room = parse_installation(kRoom, "room.toml");
   ASSERT_TRUE(room.has_value());
   const auto& T = room->projectors[0].T_room_projector;
@@ -113,7 +113,7 @@ TEST(Installation, the_panorama_covers_the_wall_from_the_sweet_spot) {
   }
 }
 
-TEST(Installation, says_where_a_projector_is_plugged_in) {
+TEST(Installation, reads_a_projectors_connector) {
   const auto room = parse_installation("cards = [\"/dev/dri/card1\", \"/dev/dri/card0\"]\n" + kRoom +
                                            "connector = \"HDMI-A-2\"\ncard = 1\nturn_deg = 270\n",
                                        "room.toml");
@@ -141,7 +141,7 @@ TEST(Installation, says_where_a_projector_is_plugged_in) {
   EXPECT_EQ(complaint(kRoom + "connector = \"DP-1\"\n" + other + "connector = \"DP-1\"\ncard = 1\n"), "");
 }
 
-TEST(Installation, says_how_a_projector_is_switched) {
+TEST(Installation, reads_how_a_projector_is_switched) {
   const auto room =
       parse_installation(kRoom + "pjlink = \"192.0.2.11\"\npjlink_password_file = \"pw\"\n", "room.toml", "/etc/c");
   ASSERT_TRUE(room.has_value()) << room.error().message();
@@ -161,7 +161,7 @@ TEST(Installation, says_how_a_projector_is_switched) {
   EXPECT_THAT(complaint(kRoom + "pjlink_password_file = \"pw\"\n"), HasSubstr("needs 'pjlink'"));
 }
 
-TEST(Installation, mistakes_name_their_line) {
+TEST(Installation, names_the_line_of_a_mistake) {
   EXPECT_THAT(complaint(with(kRoom, "radius_m = 3.0", "radius_mm = 3000")),
               HasSubstr("write 'radius_m', in that unit"));
   EXPECT_THAT(complaint(with(kRoom, "radius_m = 3.0", "radius_m = -3.0")), StartsWith("room.toml:3: wall.radius_m"));
@@ -175,7 +175,7 @@ TEST(Installation, mistakes_name_their_line) {
 
 std::string in_stereo(const std::string& lines) { return with(kRoom, "[wall]", "[stereo]\n" + lines + "\n[wall]"); }
 
-TEST(Installation, heads_for_two_eyes_are_read) {
+TEST(Installation, reads_stereo_heads) {
   EXPECT_FALSE(parse_installation(kRoom, "room.toml")->stereo.has_value());
   for (const auto& [word, packing] :
        {std::pair("side-by-side", StereoPacking::kSideBySide), std::pair("top-bottom", StereoPacking::kTopBottom),
@@ -191,7 +191,7 @@ TEST(Installation, heads_for_two_eyes_are_read) {
   EXPECT_THAT(complaint(in_stereo("packing = 'top-bottom'\neye_distance_m = 0")), HasSubstr("eye_distance_m"));
 }
 
-TEST(Installation, two_eyes_want_a_side_that_they_can_share) {
+TEST(Installation, requires_a_side_that_two_eyes_can_share) {
   const std::string odd = with(in_stereo("packing = 'side-by-side'"), "width_px = 1280", "width_px = 1281");
   EXPECT_THAT(complaint(odd), AllOf(HasSubstr("width_px"), HasSubstr("even")));
   const std::string high = with(in_stereo("packing = 'top-bottom'"), "height_px = 800", "height_px = 801");

@@ -29,7 +29,7 @@ std::string complaint(const std::string& text) {
   return mesh ? "" : mesh.error().message();
 }
 
-TEST(MeshWall, is_read_as_programs_write_it) {
+TEST(MeshWall, reads_files_as_other_programs_write_them) {
   EXPECT_EQ(MeshWall::read(kSquare)->triangle_count(), 2u);
   const auto rich = MeshWall::read(
       "mtllib wall.mtl\no wall\nv -1 0 -2\nv 1 0 -2\nv 1 2 -2 1 0 0\nvt 0 0\nvt 1 0\nvn 0 0 1\ns off\nusemtl grey\n"
@@ -41,7 +41,7 @@ TEST(MeshWall, is_read_as_programs_write_it) {
   EXPECT_LT((hit->xyz - Eigen::Vector3d(0.5, 0.5, -2)).norm(), 1e-12);
 }
 
-TEST(MeshWall, mistakes_name_their_line_and_what_to_do) {
+TEST(MeshWall, names_the_line_of_a_mistake_and_the_remedy) {
   EXPECT_THAT(complaint(""), HasSubstr("no faces"));
   EXPECT_THAT(complaint("v 1 2\n"), StartsWith("line 1: has 2 numbers; 3 are needed"));
   EXPECT_THAT(complaint("v 1 2 x\n"), StartsWith("line 1: 'x' is not a number"));
@@ -58,7 +58,7 @@ TEST(MeshWall, mistakes_name_their_line_and_what_to_do) {
   EXPECT_THAT(complaint(kSquare + "curv 0 1 2 3\n"), HasSubstr("'curv' is not understood"));
 }
 
-TEST(MeshWall, faces_that_run_against_each_other_are_refused) {
+TEST(MeshWall, refuses_faces_of_inconsistent_orientation) {
   EXPECT_THAT(complaint("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n"),
               StartsWith("line 6: this face runs against the one in line 5"));
   // The same even though the corners are stored once for each face.
@@ -66,7 +66,7 @@ TEST(MeshWall, faces_that_run_against_each_other_are_refused) {
               HasSubstr("runs against"));
 }
 
-TEST(MeshWall, of_many_faces_is_nearly_the_wall_that_it_was_made_of) {
+TEST(MeshWall, approximates_the_shape_from_which_it_was_made) {
   const CylinderWall round{.radius_m = 3.0, .arc_rad = 2.2, .bottom_m = 0.4, .top_m = 2.9};
   const auto mesh = MeshWall::read(obj_of(round, 500, 10));
   ASSERT_TRUE(mesh);
@@ -86,7 +86,7 @@ TEST(MeshWall, of_many_faces_is_nearly_the_wall_that_it_was_made_of) {
   EXPECT_GT(hits, 2000);
 }
 
-TEST(MeshWall, only_edges_that_are_seen_are_creases) {
+TEST(MeshWall, has_creases_only_at_visible_edges) {
   EXPECT_TRUE(MeshWall::read(kSquare)->creases().empty());  // Neither its diagonal nor its rim is a crease.
   const auto folded =
       MeshWall::read("v -1 0 0\nv 0 0 -1\nv 1 0 0\nv -1 2 0\nv 0 2 -1\nv 1 2 0\nf 1 2 5 4\nf 2 3 6 5\n");
@@ -96,7 +96,7 @@ TEST(MeshWall, only_edges_that_are_seen_are_creases) {
   EXPECT_EQ(folded->creases()[0].to.xyz.x(), 0.0);
 }
 
-TEST(TriangleTree, finds_what_a_look_at_every_triangle_finds) {
+TEST(TriangleTree, agrees_with_a_search_of_all_triangles) {
   std::mt19937 random(8);
   std::normal_distribution<double> normal;
   const auto vector = [&] { return Eigen::Vector3d(normal(random), normal(random), normal(random)); };

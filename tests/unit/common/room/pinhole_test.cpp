@@ -30,7 +30,7 @@ TEST(Pinhole, pixel_of_is_the_inverse_of_direction_at) {
   }
 }
 
-TEST(Pinhole, what_is_behind_lands_nowhere) {
+TEST(Pinhole, images_nothing_behind_it) {
   const Pinhole lens = Pinhole::from_field_of_view(64, 64, 1.0);
   EXPECT_FALSE(lens.pixel_of({0, 0, -1}).has_value());
   EXPECT_FALSE(lens.pixel_of({1, 0, 0}).has_value());

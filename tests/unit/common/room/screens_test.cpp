@@ -66,7 +66,7 @@ const std::string kCorner =
     "shape = \"planes\"\ncorners_m = [[-2, 0], [-2, -2], [2, -2], [2, 0]]\nbottom_m = 0.2\ntop_m = 2.6\n";
 const std::string kDome = "shape = \"dome\"\ncentre_m = [0, 1.6, 0]\nradius_m = 3.0\nfield_deg = 160\ntilt_deg = 50\n";
 
-TEST(Screens, one_plane_is_seen_in_perspective) {
+TEST(Screens, one_plane_needs_a_perspective_picture) {
   const Installation room = made(room_of(kPlane + "pan_deg = 10\ntilt_deg = 15\n", "[0.3, 1.2, 0.2]"));
   const auto picture = room.picture(1000);
   ASSERT_TRUE(std::holds_alternative<Perspective>(picture));
@@ -87,7 +87,7 @@ TEST(Screens, a_plane_beside_the_eye_is_too_wide_for_a_flat_picture) {
   expect_covers(room, picture);
 }
 
-TEST(Screens, planes_with_corners_are_seen_in_a_panorama) {
+TEST(Screens, planes_with_corners_need_a_panorama) {
   const Installation room = made(room_of(kCorner));
   const auto picture = room.picture(1000);
   ASSERT_TRUE(std::holds_alternative<Panorama>(picture));
@@ -109,7 +109,7 @@ TEST(Screens, a_floor_needs_a_fisheye) {
   expect_covers(room, picture);
 }
 
-TEST(Screens, a_dome_is_seen_in_a_fisheye_about_its_axis_with_a_margin) {
+TEST(Screens, a_dome_needs_a_fisheye_about_its_axis_with_a_margin) {
   const Installation room = made(room_of(kDome));
   const auto picture = std::get<Fisheye>(room.picture(1000));
   EXPECT_NEAR(picture.tilt_rad, 50 * kDegree, 1e-12);
@@ -119,7 +119,7 @@ TEST(Screens, a_dome_is_seen_in_a_fisheye_about_its_axis_with_a_margin) {
   expect_covers(made(room_of(kDome, "[0.4, 1.2, 0.5]")), made(room_of(kDome, "[0.4, 1.2, 0.5]")).picture(700, 500));
 }
 
-TEST(Screens, the_demos_are_read) {
+TEST(Screens, reads_the_demos) {
   for (const char* const name : {"plane", "corner", "dome", "mesh"}) {
     const auto room = read_installation(demo_installation_path().parent_path() / (std::string(name) + ".toml"));
     ASSERT_TRUE(room) << room.error().message();
@@ -127,7 +127,7 @@ TEST(Screens, the_demos_are_read) {
   }
 }
 
-TEST(Screens, what_is_behind_the_wall_is_refused) {
+TEST(Screens, refuses_walls_behind_the_eye) {
   EXPECT_THAT(complaint(room_of(kPlane, "[0, 1.6, -4]")),
               AllOf(StartsWith("room.toml:9: visitor.eye_m: is behind the wall"), HasSubstr("turn the wall")));
   EXPECT_THAT(complaint(room_of("shape = \"planes\"\ncorners_m = [[2, -2], [-2, -2]]\ntop_m = 2\n")),
@@ -138,7 +138,7 @@ TEST(Screens, what_is_behind_the_wall_is_refused) {
   EXPECT_THAT(complaint(behind), HasSubstr("projector[0].position_m"));
 }
 
-TEST(Screens, mistakes_name_their_line) {
+TEST(Screens, names_the_line_of_a_mistake) {
   EXPECT_THAT(complaint(room_of("shape = \"cone\"\n")), StartsWith("room.toml:3: wall.shape"));
   EXPECT_THAT(complaint(room_of(kPlane + "radius_m = 3\n")), StartsWith("room.toml:7: wall.radius_m"));
   EXPECT_THAT(complaint(room_of("shape = \"planes\"\n")), HasSubstr("[[wall.plane]]"));
@@ -152,7 +152,7 @@ TEST(Screens, mistakes_name_their_line) {
               AllOf(StartsWith("room.toml:4: wall.file"), HasSubstr("none.obj")));
 }
 
-TEST(Screens, a_mesh_lies_beside_its_installation) {
+TEST(Screens, finds_a_mesh_beside_its_installation) {
   const std::filesystem::path folder = testing::TempDir() + "/screens";
   std::filesystem::create_directories(folder);
   const auto write = [&](const std::string& text) { std::ofstream(folder / "wall.obj") << text; };

@@ -19,7 +19,7 @@ TEST(Stereo, two_eyes_share_a_head_without_a_gap) {
   }
 }
 
-TEST(Stereo, eyes_take_turns_whatever_the_count) {
+TEST(Stereo, alternates_eyes_for_any_count) {
   EXPECT_EQ(eye_at(0), Eye::kLeft);
   EXPECT_EQ(eye_at(1), Eye::kRight);
   EXPECT_EQ(eye_at(-1), Eye::kRight);
@@ -27,7 +27,7 @@ TEST(Stereo, eyes_take_turns_whatever_the_count) {
   EXPECT_EQ(eye_at(std::int64_t{1} << 62), Eye::kLeft);
 }
 
-TEST(Stereo, an_eyes_pixels_shine_where_the_head_draws_them) {
+TEST(Stereo, an_eyes_pixels_are_where_the_head_draws_them) {
   Pinhole head = Pinhole::from_field_of_view(640, 480, 1.0);
   head.centre_u_px += 31.0;
   head.centre_v_px -= 170.0;

@@ -34,7 +34,7 @@ RoomRay ray_to(const Eigen::Vector3d& from, const Point<frame::Room>& to) { retu
 
 const Eigen::Vector3d kEye(0.2, 1.6, 0.1);
 
-TEST(Wall, a_ray_from_the_eye_meets_the_patch_that_it_was_aimed_at_from_in_front) {
+TEST(Wall, a_ray_from_the_eye_hits_the_patch_at_which_it_is_aimed_from_the_front) {
   for (const Wall& wall : walls()) {
     const auto found = patches(wall, 500);
     ASSERT_GT(found.size(), 200u) << wall.index();
@@ -52,7 +52,7 @@ TEST(Wall, a_ray_from_the_eye_meets_the_patch_that_it_was_aimed_at_from_in_front
   }
 }
 
-TEST(Wall, patches_share_the_area) {
+TEST(Wall, areas_of_patches_add_up_to_the_walls) {
   const double expected[] = {3.0 * 2.2 * 2.5, 8.0, 10.0 * 2.5, 2.0 * kPi * 16.0, 3.0 * 2.2 * 2.5};
   std::size_t i = 0;
   for (const Wall& wall : walls()) {
@@ -65,7 +65,7 @@ TEST(Wall, patches_share_the_area) {
   }
 }
 
-TEST(Wall, goes_on_past_its_edges_without_a_jump) {
+TEST(Wall, continues_smoothly_past_its_edges) {
   for (const Wall& wall : walls()) {
     std::mt19937 random(2);
     std::normal_distribution<double> normal;
@@ -85,7 +85,7 @@ TEST(Wall, goes_on_past_its_edges_without_a_jump) {
   }
 }
 
-TEST(Wall, is_seen_from_one_side_only) {
+TEST(Wall, is_visible_from_one_side_only) {
   for (const Wall& wall : walls()) {
     EXPECT_TRUE(is_lit_from(wall, {kEye})) << wall.index();
     const Eigen::Vector3d behind(0.2, 1.6, -9.0);
@@ -97,7 +97,7 @@ TEST(Wall, is_seen_from_one_side_only) {
   EXPECT_FALSE(hit(Wall(corner()), ray(behind, {0, 0, 1})));
 }
 
-TEST(Wall, what_is_not_finite_meets_nothing) {
+TEST(Wall, rays_that_are_not_finite_miss) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   for (const Wall& wall : walls()) {
@@ -109,7 +109,7 @@ TEST(Wall, what_is_not_finite_meets_nothing) {
   }
 }
 
-TEST(PlanesWall, a_plane_faces_who_looks_along_its_pan_and_tilt) {
+TEST(PlanesWall, a_plane_is_perpendicular_to_its_pan_and_tilt) {
   const WallRectangle r = WallRectangle::facing({{0, 0, 0}}, 0.5 * kPi, 0.0, 2.0, 1.0);
   // The rectangle seen when looking to the right faces left.
   EXPECT_LT((r.normal() - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-12);
@@ -118,7 +118,7 @@ TEST(PlanesWall, a_plane_faces_who_looks_along_its_pan_and_tilt) {
   EXPECT_LT((ceiling.normal() - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
 }
 
-TEST(PlanesWall, has_no_gap_in_its_corners_and_goes_on_above_them) {
+TEST(PlanesWall, has_no_gap_in_its_corners_and_continues_above_them) {
   const PlanesWall wall = corner();
   for (double height = 0.0; height <= 2.5; height += 0.01) {
     EXPECT_TRUE(wall.hit(ray_to(kEye, {{-2.0, height, -2.0}}))) << height;
@@ -130,7 +130,7 @@ TEST(PlanesWall, has_no_gap_in_its_corners_and_goes_on_above_them) {
   EXPECT_LT((met->xyz - above).norm(), 1e-9);
 }
 
-TEST(PlanesWall, a_pillar_shades_what_is_behind_it) {
+TEST(PlanesWall, a_pillar_hides_what_is_behind_it) {
   // A wall with a narrower one in front of it.
   const PlanesWall wall{
       {WallRectangle::above({-3, -3}, {3, -3}, 0.0, 3.0), WallRectangle::above({-0.5, -1.5}, {0.5, -1.5}, 0.0, 3.0)}};
@@ -139,7 +139,7 @@ TEST(PlanesWall, a_pillar_shades_what_is_behind_it) {
   EXPECT_TRUE(is_reached(wall, {{0.0, 1.0, -3.0}}, {{-3.0, 1.0, 0.0}}));
 }
 
-TEST(DomeWall, its_axis_leans_up_and_its_edge_is_half_the_field_away) {
+TEST(DomeWall, has_an_axis_that_leans_up_and_an_edge_at_half_its_field) {
   const DomeWall wall = dome();
   const auto top = wall.hit(ray(wall.centre.xyz, wall.axis()));
   ASSERT_TRUE(top);
@@ -153,7 +153,7 @@ TEST(DomeWall, its_axis_leans_up_and_its_edge_is_half_the_field_away) {
   EXPECT_TRUE(wall.hit(ray(wall.centre.xyz - 9.0 * wall.axis(), wall.axis())));
 }
 
-TEST(SolidAngle, of_an_octant_is_an_eighth_of_a_sphere_and_has_a_sign) {
+TEST(SolidAngle, is_an_eighth_of_a_sphere_for_an_octant_and_has_a_sign) {
   const Eigen::Vector3d x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
   const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   EXPECT_NEAR(std::abs(solid_angle(origin, x, y, z)), 0.5 * kPi, 1e-12);

@@ -18,7 +18,7 @@ std::string good() {
          line("cyclorama-museum_0.2_0c-2.verity.raw");
 }
 
-TEST(UpdateManifest, has_a_kernel_image_root_and_its_hashes_whatever_their_order) {
+TEST(UpdateManifest, has_a_kernel_a_root_image_and_its_hashes_in_any_order) {
   const std::string other = line("cyclorama-museum_0.2_0c-2.verity.raw") + line("cyclorama-museum_0.2.efi") + kHash +
                             " *cyclorama-museum_0.2_0b-1.root.raw";
   for (const std::string& text : {good(), other}) {
@@ -32,7 +32,7 @@ TEST(UpdateManifest, has_a_kernel_image_root_and_its_hashes_whatever_their_order
   }
 }
 
-TEST(UpdateManifest, refuses_everything_else_and_says_which_line) {
+TEST(UpdateManifest, refuses_everything_else_by_line) {
   const std::vector<std::pair<std::string, const char*>> wrong{
       {"", "line 0: it ends without a file '.efi'"},
       {line("cyclorama-museum_0.2.efi"), "line 1: it ends without a file '.root.raw'"},
@@ -57,7 +57,7 @@ TEST(UpdateManifest, refuses_everything_else_and_says_which_line) {
   }
 }
 
-TEST(UpdateManifest, knows_which_version_is_newer) {
+TEST(UpdateManifest, compares_versions) {
   const std::vector<std::string> grow{
       "0.1", "0.1.0", "0.1.0.202611230121",          "0.1.0.202611230346", "0.1.1", "0.2.0.1", "0.10",
       "1",   "1.0",   "2.00000000000000000000000001"};

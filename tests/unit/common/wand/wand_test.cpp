@@ -26,7 +26,7 @@ std::string tag_text(int id, const std::string& corners) {
 }
 const std::string kSquare = "[[-35, -35, 0], [35, -35, 0], [35, 35, 0], [-35, 35, 0]]";
 
-TEST(StandardWand, has_three_tags_that_lean_back_by_the_fold_on_both_sides) {
+TEST(StandardWand, has_three_tags_of_which_the_outer_ones_are_folded_back) {
   const Wand wand = standard_wand(5);
   ASSERT_EQ(wand.tags.size(), 3U);
   const FoldedCard card;
@@ -44,7 +44,7 @@ TEST(StandardWand, has_three_tags_that_lean_back_by_the_fold_on_both_sides) {
   EXPECT_LT(middle.norm(), 1e-12);
 }
 
-TEST(StandardWand, is_a_sheet_that_was_only_folded) {
+TEST(StandardWand, is_a_folded_flat_sheet) {
   const FoldedCard card = FoldedCard().scaled(1.3);
   const Wand wand = standard_wand(0, card);
   // Facing edges of neighbouring tags have the same distance from the fold as on the sheet.
@@ -58,7 +58,7 @@ TEST(StandardWand, is_a_sheet_that_was_only_folded) {
   }
 }
 
-TEST(Wand, reads_what_it_writes) {
+TEST(Wand, survives_a_round_trip) {
   Wand wand = standard_wand(7);
   wand.name = "the \"old\" one \\ blue";
   const auto again = parse_wand(wand_toml(wand), "wand.toml");
@@ -91,7 +91,7 @@ TEST(Wand, names_the_line_of_a_mistake) {
   EXPECT_THAT(mistake_in(many), HasSubstr("at most 32 tags"));
 }
 
-TEST(Wand, takes_corners_as_a_ruler_gives_them) {
+TEST(Wand, accepts_corners_measured_with_a_ruler) {
   EXPECT_TRUE(
       parse_wand(tag_text(1, "[[-35.5, -35, 0], [35, -34.6, 1], [35, 35, 0], [-34.8, 35, 0]]"), "w").has_value());
 }

@@ -12,7 +12,7 @@
 namespace cyclorama {
 namespace {
 
-TEST(Channel, every_error_code_survives_the_crossing) {
+TEST(Channel, every_error_code_survives_a_call) {
   for (const ErrorCode code :
        {ErrorCode::kInvalidArgument, ErrorCode::kNotFound, ErrorCode::kBusy, ErrorCode::kUnavailable,
         ErrorCode::kTimedOut, ErrorCode::kBadData, ErrorCode::kSystem}) {
@@ -22,7 +22,7 @@ TEST(Channel, every_error_code_survives_the_crossing) {
   }
 }
 
-TEST(Channel, addresses_need_host_and_port_and_ipv6_its_brackets) {
+TEST(Channel, addresses_require_host_and_port_and_ipv6_brackets) {
   for (const char* const good : {"[::1]:7401", "localhost:1", "10.0.0.1:65535"}) {
     EXPECT_TRUE(make_channel(good).has_value()) << good;
   }
@@ -31,7 +31,7 @@ TEST(Channel, addresses_need_host_and_port_and_ipv6_its_brackets) {
   }
 }
 
-TEST(Channel, goes_through_a_socket_in_the_file_system_too) {
+TEST(Channel, works_over_a_unix_socket) {
   const std::string folder = testing::TempDir() + "cyclorama-channel-" + std::to_string(::getpid());
   std::filesystem::create_directories(folder);
   const std::string address = "unix:" + folder + "/inspect.sock";
@@ -98,7 +98,7 @@ TEST_F(InspectionTest, status_reports_stages_gauges_and_state) {
   EXPECT_EQ(status.gauges(0).value(), 3.0);
 }
 
-TEST_F(InspectionTest, a_picture_is_made_only_on_request) {
+TEST_F(InspectionTest, renders_a_picture_only_on_request) {
   EXPECT_FALSE(service_.is_watched("wall"));
   wire::PictureRequest request;
   request.set_name("wall");

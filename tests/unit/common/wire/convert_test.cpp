@@ -21,7 +21,7 @@ wire::View good_view() {
   return view;
 }
 
-TEST(Convert, pictures_of_every_projection_cross_unchanged) {
+TEST(Convert, pictures_of_every_projection_survive_a_round_trip) {
   wire::Panorama wire;
   for (const PictureShape& shape :
        {PictureShape(Panorama{1920, 1088, 2.2, 0.41, -0.42}),
@@ -34,7 +34,7 @@ TEST(Convert, pictures_of_every_projection_cross_unchanged) {
   }
 }
 
-TEST(Convert, a_panorama_is_the_same_bytes_as_before_there_were_other_pictures) {
+TEST(Convert, encodes_a_panorama_as_before_there_were_other_projections) {
   wire::Panorama wire;
   to_wire(Panorama{16, 8, 0.0, 0.0, 0.0}, &wire);
   EXPECT_EQ(wire.SerializeAsString(), std::string("\x08\x10\x10\x08"));
@@ -48,7 +48,7 @@ Projection for_two(const PictureShape& shape) {
   return picture;
 }
 
-TEST(Convert, two_eyes_cross_unchanged_and_one_costs_no_byte) {
+TEST(Convert, two_eyes_survive_a_round_trip_and_one_costs_no_byte) {
   for (const PictureShape& shape :
        {PictureShape(Panorama{1920, 1088, 2.2, 0.41, -0.42}),
         PictureShape(Perspective{1200, 704, -0.9, 1.1, 0.6, -0.5, 0.2}), PictureShape(Fisheye{1024, 1008, 2.9, 0.7})}) {
@@ -92,7 +92,7 @@ TEST(Convert, wrong_eyes_are_named) {
   }
 }
 
-TEST(Convert, an_unknown_projection_is_one_clear_error) {
+TEST(Convert, reports_an_unknown_projection) {
   wire::View view = good_view();
   // An unknown projection, as a later program might send it.
   ASSERT_TRUE(view.mutable_panorama()->MergeFromString("\x30\x07"));
@@ -102,7 +102,7 @@ TEST(Convert, an_unknown_projection_is_one_clear_error) {
   EXPECT_THAT(status.error().message(), HasSubstr("projection is 7, which this program does not support; update it"));
 }
 
-TEST(Convert, other_projections_are_checked_too) {
+TEST(Convert, checks_other_projections_too) {
   const auto refused = [](const PictureShape& shape) {
     wire::View view = good_view();
     to_wire(shape, view.mutable_panorama());
@@ -117,7 +117,7 @@ TEST(Convert, other_projections_are_checked_too) {
   EXPECT_THAT(refused(Fisheye{640, 640, 3.0, std::numeric_limits<double>::quiet_NaN()}), HasSubstr("tilt_rad"));
 }
 
-TEST(Convert, a_good_view_passes) {
+TEST(Convert, accepts_a_valid_view) {
   wire::View view = good_view();
   EXPECT_TRUE(validate(view).has_value());
   view.set_samples(1024);
@@ -131,7 +131,7 @@ TEST(Convert, a_good_view_passes) {
   EXPECT_TRUE(validate(view).has_value());
 }
 
-TEST(Convert, each_wrong_field_of_a_view_is_named) {
+TEST(Convert, names_each_invalid_field_of_a_view) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto refused = [](auto&& damage) {
     wire::View view = good_view();
@@ -156,7 +156,7 @@ TEST(Convert, each_wrong_field_of_a_view_is_named) {
   EXPECT_THAT(refused([](auto& v) { v.mutable_panorama()->set_tan_elevation_top(-0.5); }), HasSubstr("top"));
 }
 
-TEST(Convert, a_tile_must_lie_inside_the_picture_on_the_grid) {
+TEST(Convert, requires_tiles_inside_the_picture_on_the_grid) {
   const auto fits = [&](std::uint32_t x, std::uint32_t y, std::uint32_t w, std::uint32_t h) {
     wire::Tile tile;
     tile.set_x_px(x);

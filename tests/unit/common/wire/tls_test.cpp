@@ -65,7 +65,7 @@ class Tls : public testing::Test {
   std::unique_ptr<WireServer> server_;
 };
 
-TEST_F(Tls, reports_the_caller) {
+TEST_F(Tls, reports_the_peers_identity) {
   serve(authority_.coordinator());
   const TlsFiles museum = authority_.museum("hall-3");
   const grpc::Status status = call(museum);
@@ -84,7 +84,7 @@ TEST_F(Tls, checks_every_call_and_returns_the_reason) {
   EXPECT_EQ(last_seen().role, Role::kNode);
 }
 
-TEST_F(Tls, refuses_whoever_has_no_certificate_of_its_authority) {
+TEST_F(Tls, refuses_clients_without_a_certificate_of_its_authority) {
   serve(authority_.coordinator());
   EXPECT_FALSE(call(std::nullopt).ok());
   EXPECT_THAT(dial("-tls1_3"), Not(HasSubstr("DONE")));
@@ -98,7 +98,7 @@ TEST_F(Tls, refuses_whoever_has_no_certificate_of_its_authority) {
   EXPECT_EQ(last_seen().role, Role::kNobody) << "nobody came so far";
 }
 
-TEST_F(Tls, speaks_1_3_and_nothing_older) {
+TEST_F(Tls, accepts_tls_1_3_only) {
   serve(authority_.coordinator());
   const std::string options = options_of(authority_.museum("hall-3"));
   const std::string welcome = dial("-tls1_3 " + options);
@@ -147,7 +147,7 @@ TEST_F(Tls, names_the_invalid_file) {
               HasSubstr("a server needs a coordinator's"));
 }
 
-TEST(Identity, is_one_name_and_one_known_unit) {
+TEST(Identity, has_one_name_and_one_known_unit) {
   EXPECT_FALSE(identity_in(""));
   EXPECT_FALSE(identity_in("-----BEGIN CERTIFICATE-----\nAAAA\n-----END CERTIFICATE-----\n"));
   const auto made_for = [](const std::string& subject) {

@@ -9,7 +9,7 @@
 namespace cyclorama::camera {
 namespace {
 
-TEST(BrightLevel, is_that_of_paper_and_not_that_of_a_lamp) {
+TEST(BrightLevel, is_the_level_of_paper_rather_than_of_a_lamp) {
   GreyImage picture(640, 480, 40);
   for (int y = 0; y < 40; ++y) std::fill_n(picture.at(0, y), 40, std::uint8_t{255});  // 0.5 %
   EXPECT_EQ(bright_level(picture), 40);
@@ -23,7 +23,7 @@ TEST(BrightLevel, is_defined_for_every_picture) {
   EXPECT_EQ(bright_level(GreyImage(33, 7, 0)), 0);
 }
 
-TEST(NextGain, brings_every_scene_into_the_band_and_stays_there) {
+TEST(NextGain, reaches_the_target_band_in_every_scene_and_stays_there) {
   const GainRange range{16, 255, 3};
   // A camera whose picture is proportional to its gain and clips at 255.
   for (const double light : {0.3, 0.5, 1.0, 2.0, 6.0}) {
@@ -37,7 +37,7 @@ TEST(NextGain, brings_every_scene_into_the_band_and_stays_there) {
   }
 }
 
-TEST(NextGain, stays_within_the_range_and_on_its_steps) {
+TEST(NextGain, stays_within_its_range_and_steps) {
   for (const GainRange& range : {GainRange{0, 1, 1}, GainRange{-10, 10, 4}, GainRange{5, 5, 1}, GainRange{9, 3, 1},
                                  GainRange{0, INT_MAX, 1}, GainRange{INT_MIN, INT_MAX, 0}}) {
     for (const long gain : {0L, -1000L, 7L, static_cast<long>(INT_MAX), LONG_MIN}) {

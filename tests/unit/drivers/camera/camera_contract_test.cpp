@@ -78,7 +78,7 @@ class CameraContract : public testing::TestWithParam<MakePlace> {
   std::unique_ptr<Camera> camera_;
 };
 
-TEST_P(CameraContract, has_an_id_that_stays_the_same) {
+TEST_P(CameraContract, has_a_permanent_id) {
   EXPECT_FALSE(camera_->id().empty());
   const std::string id = camera_->id();
   ASSERT_TRUE(camera_->start().has_value());
@@ -101,7 +101,7 @@ TEST_P(CameraContract, delivers_nothing_before_start_and_after_stop) {
   EXPECT_TRUE(next().has_value());
 }
 
-TEST_P(CameraContract, counts_its_pictures_and_says_when_each_was_taken) {
+TEST_P(CameraContract, numbers_its_pictures_and_states_when_each_was_taken) {
   ASSERT_TRUE(camera_->start().has_value());
   std::shared_ptr<const CameraFrame> last;
   for (int i = 0; i < 10; ++i) {
@@ -119,7 +119,7 @@ TEST_P(CameraContract, counts_its_pictures_and_says_when_each_was_taken) {
   }
 }
 
-TEST_P(CameraContract, gives_a_late_caller_the_newest_and_shows_the_gap) {
+TEST_P(CameraContract, gives_a_late_caller_the_newest_picture_and_counts_the_gap) {
   ASSERT_TRUE(camera_->start().has_value());
   const auto first = next();
   ASSERT_TRUE(first.has_value());
@@ -130,7 +130,7 @@ TEST_P(CameraContract, gives_a_late_caller_the_newest_and_shows_the_gap) {
   EXPECT_LT(place_->clock.now() - (*late)->captured_at, milliseconds(50));
 }
 
-TEST_P(CameraContract, gives_no_stale_picture_however_late_the_caller_is) {
+TEST_P(CameraContract, never_returns_a_stale_picture_to_a_late_caller) {
   ASSERT_TRUE(camera_->start().has_value());
   ASSERT_TRUE(next().has_value());
   for (const int pause_ms : {150, 400, 3000}) {
@@ -141,14 +141,14 @@ TEST_P(CameraContract, gives_no_stale_picture_however_late_the_caller_is) {
   }
 }
 
-TEST_P(CameraContract, gives_what_is_ready_though_the_deadline_is_over) {
+TEST_P(CameraContract, returns_a_ready_picture_although_the_deadline_is_over) {
   ASSERT_TRUE(camera_->start().has_value());
   ASSERT_TRUE(next().has_value());
   place_->clock.advance(milliseconds(50));
   EXPECT_TRUE(camera_->next_frame(place_->clock.now() - seconds(1)).has_value());
 }
 
-TEST_P(CameraContract, times_out_at_the_deadline_and_goes_on) {
+TEST_P(CameraContract, times_out_at_the_deadline_and_continues) {
   ASSERT_TRUE(camera_->start().has_value());
   ASSERT_TRUE(next().has_value());
   const TimePoint deadline = place_->clock.now() + milliseconds(5);
@@ -159,7 +159,7 @@ TEST_P(CameraContract, times_out_at_the_deadline_and_goes_on) {
   EXPECT_TRUE(next().has_value());
 }
 
-TEST_P(CameraContract, leaves_a_frame_to_its_holder) {
+TEST_P(CameraContract, never_changes_a_frame_that_the_caller_holds) {
   ASSERT_TRUE(camera_->start().has_value());
   std::vector<std::shared_ptr<const CameraFrame>> held;
   for (int i = 0; i < 12; ++i) held.push_back(*next());

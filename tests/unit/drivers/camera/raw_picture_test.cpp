@@ -59,7 +59,7 @@ Written write(PixelLayout layout, std::size_t padding) {
 
 class ToGrey : public testing::TestWithParam<PixelLayout> {};
 
-TEST_P(ToGrey, reads_brightness_and_nothing_else) {
+TEST_P(ToGrey, reads_only_brightness) {
   JpegDecoder jpeg;
   for (const std::size_t padding : {0U, 1U, 7U, 64U}) {
     Written written = write(GetParam(), padding);
@@ -93,7 +93,7 @@ TEST_P(ToGrey, refuses_a_picture_that_is_one_byte_short) {
   }
 }
 
-TEST_P(ToGrey, refuses_sizes_that_make_no_sense) {
+TEST_P(ToGrey, refuses_invalid_sizes) {
   JpegDecoder jpeg;
   Written written = write(GetParam(), 0);
   written.raw.bytes = written.bytes;
@@ -116,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(AllLayouts, ToGrey,
                                          PixelLayout::kGrey12, PixelLayout::kGrey16, PixelLayout::kYuyv,
                                          PixelLayout::kUyvy));
 
-TEST(ToGreyOfDeepPixels, keeps_white_white_when_a_driver_sets_bits_above_the_promised) {
+TEST(ToGreyOfDeepPixels, keeps_white_when_a_driver_sets_bits_above_the_promised_ones) {
   JpegDecoder jpeg;
   const std::vector<std::byte> bytes{std::byte{0xff}, std::byte{0xff}};
   GreyImage grey;
@@ -146,7 +146,7 @@ TEST(ToGreyOfJpeg, decodes_and_checks_the_size) {
 }
 
 /// UVC cameras omit the Huffman tables, as the AVI format of 1996 does, and pad their buffers with zeros.
-TEST(ToGreyOfJpeg, decodes_a_camera_s_jpeg_without_huffman_tables) {
+TEST(ToGreyOfJpeg, decodes_a_cameras_jpeg_without_huffman_tables) {
   JpegDecoder jpeg;
   std::vector<std::byte> bytes = jpeg_of(32, 16, 90);
   for (std::size_t at = 2; at + 4 <= bytes.size() && bytes[at] == std::byte{0xff};) {
@@ -213,7 +213,7 @@ CodedPicture coded(PixelLayout layout, const ColourCode& colour, std::size_t pad
   return picture;
 }
 
-TEST(ToColour, reads_what_the_standard_writes) {
+TEST(ToColour, agrees_with_the_standards_formulas) {
   JpegDecoder jpeg;
   for (const auto& [layout, chroma] :
        {std::pair(PixelLayout::kYuyv, Chroma::kBetween), std::pair(PixelLayout::kUyvy, Chroma::kBetween),
@@ -255,7 +255,7 @@ TEST(ToColour, refuses_a_picture_that_is_one_byte_short) {
   }
 }
 
-TEST(ToColour, cuts_off_what_no_colour_is) {
+TEST(ToColour, clips_impossible_colours) {
   JpegDecoder jpeg;
   RgbImage rgb;
   const std::vector<std::byte> bytes{std::byte{255}, std::byte{255}, std::byte{0}, std::byte{255}};

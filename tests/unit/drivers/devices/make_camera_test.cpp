@@ -18,7 +18,7 @@ Error error_of(std::string_view spec) {
   return camera ? Error(ErrorCode::kSystem, "it was made") : camera.error();
 }
 
-TEST(MakeCamera, lists_the_kinds_when_it_does_not_know_one) {
+TEST(MakeCamera, lists_the_kinds_for_an_unknown_one) {
   for (const char* spec : {"", ":", "webcam", "v4l3:/dev/video0", "FILE:x", "\xff\x01"}) {
     const Error error = error_of(spec);
     EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument) << spec;
@@ -26,14 +26,14 @@ TEST(MakeCamera, lists_the_kinds_when_it_does_not_know_one) {
   }
 }
 
-TEST(MakeCamera, tells_a_wrong_line_from_an_absent_file) {
+TEST(MakeCamera, distinguishes_an_invalid_line_from_a_missing_file) {
   EXPECT_EQ(error_of("file:").code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(error_of("file:?loop=no").code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(error_of("file:/nowhere/at/all.png").code(), ErrorCode::kNotFound);
   EXPECT_EQ(error_of("simulated:/nowhere/at/all.toml").code(), ErrorCode::kNotFound);
 }
 
-TEST(MakeCamera, refuses_options_that_it_does_not_know) {
+TEST(MakeCamera, refuses_unknown_options) {
   EXPECT_THAT(error_of("file:x.png?rate=3").message(), HasSubstr("frames_per_second=N and loop=yes or loop=no"));
   EXPECT_THAT(error_of("file:x.png?frames_per_second=fast").message(), HasSubstr("must be a number"));
   for (const char* rate : {"0", "-1", "nan", "inf", "1e9"}) {
@@ -42,7 +42,7 @@ TEST(MakeCamera, refuses_options_that_it_does_not_know) {
   }
 }
 
-TEST(MakeCamera, refuses_options_of_real_cameras_before_it_looks_for_one) {
+TEST(MakeCamera, refuses_wrong_options_of_a_real_camera_before_searching_for_it) {
   for (const char* line : {"v4l2:?width_px=0", "v4l2:?height_px=nan", "v4l2:?frames_per_second=0",
                            "v4l2:?exposure_ms=-1", "v4l2:?memory=disk", "v4l2:?colour=maybe", "v4l2:usb-1?=&==",
                            "libcamera:?memory=dma_buf", "libcamera:?width_px=9999", "simulated:?width_px=640"}) {
@@ -50,7 +50,7 @@ TEST(MakeCamera, refuses_options_of_real_cameras_before_it_looks_for_one) {
   }
 }
 
-TEST(MakeCamera, says_that_a_real_camera_is_not_there) {
+TEST(MakeCamera, reports_a_missing_real_camera) {
   for (const char* line :
        {"v4l2:no-such-port", "v4l2:/dev/no-such-camera", "v4l2:no-such-port?width_px=640&exposure_ms=0"}) {
     EXPECT_EQ(error_of(line).code(), ErrorCode::kNotFound) << line;
@@ -58,7 +58,7 @@ TEST(MakeCamera, says_that_a_real_camera_is_not_there) {
   EXPECT_EQ(error_of("v4l2:/dev/null").code(), ErrorCode::kNotFound);
 }
 
-TEST(MakeCamera, makes_the_demo_s_camera_from_one_word) {
+TEST(MakeCamera, makes_the_demos_camera_from_one_word) {
   const FakeClock clock;
   auto camera = make_camera("simulated", clock);
   ASSERT_TRUE(camera.has_value()) << camera.error().message();

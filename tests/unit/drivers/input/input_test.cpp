@@ -27,7 +27,7 @@ InputDescription keyboard() {
 }
 InputDescription space_mouse() { return {"SpaceNavigator", {}, {REL_X, REL_Y, REL_Z, REL_RX, REL_RY, REL_RZ}, {}}; }
 
-TEST(InputKind, is_told_by_what_a_device_has) {
+TEST(InputKind, is_detected_by_the_devices_capabilities) {
   EXPECT_EQ(kind_of(gamepad()), InputKind::kGamepad);
   EXPECT_EQ(kind_of(keyboard()), InputKind::kKeyboard);
   EXPECT_EQ(kind_of(space_mouse()), InputKind::kSpaceMouse);
@@ -50,7 +50,7 @@ TEST(InputSteering, follows_the_sticks_of_a_gamepad) {
   EXPECT_EQ(pad.command(kNow).forward, 0.0) << "a worn stick rests off its middle";
 }
 
-TEST(InputSteering, follows_keys_until_they_are_let_go) {
+TEST(InputSteering, follows_keys_until_they_are_released) {
   InputSteering keys(InputKind::kKeyboard, keyboard());
   keys.take({EV_KEY, KEY_W, 1}, kNow);
   keys.take({EV_KEY, KEY_LEFT, 1}, kNow);
@@ -62,7 +62,7 @@ TEST(InputSteering, follows_keys_until_they_are_let_go) {
   EXPECT_TRUE(keys.command(kNow).is_rest());
 }
 
-TEST(InputSteering, forgets_a_cap_that_says_nothing_any_more) {
+TEST(InputSteering, ignores_a_silent_spacemouse_after_a_while) {
   InputSteering cap(InputKind::kSpaceMouse, space_mouse());
   cap.take({EV_REL, REL_Y, -350}, kNow);
   cap.take({EV_REL, REL_RZ, 200}, kNow);
@@ -71,7 +71,7 @@ TEST(InputSteering, forgets_a_cap_that_says_nothing_any_more) {
   EXPECT_TRUE(cap.command(kNow + 200ms).is_rest());
 }
 
-TEST(InputSteering, gives_no_more_than_one_and_no_nan_for_any_events) {
+TEST(InputSteering, is_at_most_one_and_finite_for_any_events) {
   InputDescription broken = gamepad();
   broken.absolute[ABS_X] = {0, 0};
   broken.absolute[ABS_Y] = {5, -5};
@@ -128,7 +128,7 @@ struct FakeMachine {
   }
 };
 
-TEST(InputWatch, follows_devices_in_and_out_and_in_again) {
+TEST(InputWatch, follows_devices_as_they_are_plugged_and_unplugged) {
   FakeMachine machine;
   InputWatch watch(machine.devices());
   watch.update(kNow);
@@ -152,7 +152,7 @@ TEST(InputWatch, follows_devices_in_and_out_and_in_again) {
   EXPECT_NEAR(watch.command(kNow).forward, 1.0, 1e-3);
 }
 
-TEST(InputWatch, leaves_alone_what_steers_nothing_and_tries_again_what_does_not_open) {
+TEST(InputWatch, ignores_devices_that_cannot_steer_and_retries_those_that_do_not_open) {
   FakeMachine machine;
   machine.plugs["event0"] =
       std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{{"Power", {KEY_POWER}, {}, {}}, {}, false, false});
@@ -167,7 +167,7 @@ TEST(InputWatch, leaves_alone_what_steers_nothing_and_tries_again_what_does_not_
   EXPECT_EQ(watch.open_count(), 1u);
 }
 
-TEST(InputWatch, adds_up_devices_and_survives_one_that_floods) {
+TEST(InputWatch, adds_up_devices_and_survives_a_flood_of_events) {
   FakeMachine machine;
   auto keys = machine.plugs["a"] = std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{keyboard(), {}, false, false});
   auto mad = machine.plugs["b"] = std::make_shared<FakeMachine::Plug>(FakeMachine::Plug{gamepad(), {}, false, false});
@@ -179,7 +179,7 @@ TEST(InputWatch, adds_up_devices_and_survives_one_that_floods) {
   EXPECT_EQ(watch.command(kNow).forward, 1.0) << "limited";
 }
 
-TEST(Evdev, says_what_is_no_device) {
+TEST(Evdev, refuses_files_that_are_not_devices) {
   const std::string folder = testing::TempDir() + "/no_devices";
   std::filesystem::create_directories(folder);
   EXPECT_EQ(open_evdev(folder + "/event0").error().code(), ErrorCode::kNotFound);

@@ -22,7 +22,7 @@ libevdev_uinput* plug_keyboard() {
   return made;
 }
 
-TEST(Uinput, is_followed_from_plug_to_unplug) {
+TEST(Uinput, devices_are_followed_from_plugging_to_unplugging) {
   libevdev_uinput* const keys = plug_keyboard();
   if (keys == nullptr) GTEST_SKIP() << "no /dev/uinput here";
   auto device = open_evdev(libevdev_uinput_get_devnode(keys));

@@ -36,7 +36,7 @@ class HeadlessOutputTest : public ::testing::Test {
   std::filesystem::path run_dir_;
 };
 
-TEST_F(HeadlessOutputTest, says_with_each_picture_when_it_was_shown) {
+TEST_F(HeadlessOutputTest, publishes_each_picture_with_its_time) {
   auto output = open_headless_output(options(), clock_);
   ASSERT_TRUE(output);
   ASSERT_TRUE((*output)->wait_for_refresh());
@@ -47,7 +47,7 @@ TEST_F(HeadlessOutputTest, says_with_each_picture_when_it_was_shown) {
   EXPECT_EQ(info().presented_at, presented->at);
 }
 
-TEST_F(HeadlessOutputTest, shares_nothing_where_nothing_is_new) {
+TEST_F(HeadlessOutputTest, publishes_nothing_if_nothing_is_new) {
   auto output = open_headless_output(options(), clock_);
   ASSERT_TRUE(output);
   ASSERT_TRUE((*output)->draw_to(0));
@@ -61,7 +61,7 @@ TEST_F(HeadlessOutputTest, shares_nothing_where_nothing_is_new) {
   EXPECT_EQ(info().picture, 2U);
 }
 
-TEST_F(HeadlessOutputTest, needs_no_run_directory_but_one_that_is_there) {
+TEST_F(HeadlessOutputTest, works_without_a_run_directory_but_refuses_a_missing_one) {
   HeadlessOptions opened = options();
   opened.run_dir.clear();
   auto output = open_headless_output(opened, clock_);

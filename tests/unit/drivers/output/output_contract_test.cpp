@@ -143,7 +143,7 @@ class OutputContract : public ::testing::TestWithParam<Kind> {
   std::unique_ptr<Output> output_;
 };
 
-TEST_P(OutputContract, shows_what_was_drawn_on_the_head_that_it_was_drawn_to) {
+TEST_P(OutputContract, shows_each_picture_on_the_head_for_which_it_was_drawn) {
   open();
   ASSERT_EQ(output_->heads().size(), 2U);
   EXPECT_EQ(output_->heads()[1].name, "a/b");
@@ -207,7 +207,7 @@ TEST_P(OutputContract, counts_rows_from_the_bottom_as_gl_does) {
   }
 }
 
-TEST_P(OutputContract, numbers_refreshes_upwards_whether_something_is_drawn_or_not) {
+TEST_P(OutputContract, numbers_refreshes_upwards_whether_or_not_something_is_drawn) {
   open();
   std::optional<Presented> previous;
   for (int n = 0; n < 10; ++n) {
@@ -221,7 +221,7 @@ TEST_P(OutputContract, numbers_refreshes_upwards_whether_something_is_drawn_or_n
   }
 }
 
-TEST_P(OutputContract, tells_what_each_head_did) {
+TEST_P(OutputContract, reports_what_each_head_did) {
   open();
   EXPECT_THAT(lights(), ElementsAre(Light::kDark, Light::kDark));
   fill(0, {1, 2, 3});
@@ -264,7 +264,7 @@ TEST_P(OutputContract, sleeps_and_shows_the_newest_pictures_when_it_wakes) {
   EXPECT_THAT(lights(), Each(::testing::Ne(Light::kDark)));
 }
 
-TEST_P(OutputContract, may_begin_asleep) {
+TEST_P(OutputContract, can_start_asleep) {
   place_->is_awake = false;
   open();
   fill(0, {10, 0, 0});
@@ -277,7 +277,7 @@ TEST_P(OutputContract, may_begin_asleep) {
   EXPECT_THAT(seen(1), ElementsAre(20, 0, 0));
 }
 
-TEST_P(OutputContract, says_what_a_bad_shader_is_refused_for) {
+TEST_P(OutputContract, reports_the_errors_of_a_bad_shader) {
   open();
   const auto program = GlProgram::link(gl(), "#version 300 es\nnonsense", "#version 300 es\nvoid main() {}");
   ASSERT_FALSE(program);
@@ -285,7 +285,7 @@ TEST_P(OutputContract, says_what_a_bad_shader_is_refused_for) {
   EXPECT_TRUE(gl().check("nothing"));
 }
 
-TEST_P(OutputContract, can_be_opened_again) {
+TEST_P(OutputContract, can_be_reopened) {
   for (int n = 1; n < 4; ++n) {
     output_.reset();
     open();
@@ -299,7 +299,7 @@ TEST_P(OutputContract, can_be_opened_again) {
   }
 }
 
-TEST_P(OutputContract, refuses_what_cannot_be) {
+TEST_P(OutputContract, refuses_invalid_requests) {
   const auto code_of = [&](const std::vector<HeadMode>& heads, double refresh_hz) {
     const auto output = place_->open(heads, refresh_hz);
     EXPECT_FALSE(output);

@@ -10,7 +10,7 @@ using Light = HeadShown::Light;
 
 constexpr double kHz = 100.0;  // 10 ms.
 
-class Pacing : public ::testing::Test {
+class PacingMeterTest : public ::testing::Test {
  protected:
   std::optional<PictureStep> shown(double at_ms, Light light = Light::kNew) {
     const auto at = std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(at_ms));
@@ -19,7 +19,7 @@ class Pacing : public ::testing::Test {
   PacingMeter meter_;
 };
 
-TEST_F(Pacing, measures_from_picture_to_picture) {
+TEST_F(PacingMeterTest, measures_the_time_between_pictures) {
   EXPECT_FALSE(shown(100.0));
   for (int n = 1; n < 5; ++n) {
     const auto step = shown(100.0 + 10.0 * n);
@@ -30,7 +30,7 @@ TEST_F(Pacing, measures_from_picture_to_picture) {
   }
 }
 
-TEST_F(Pacing, tells_late_from_missed) {
+TEST_F(PacingMeterTest, distinguishes_late_from_missed_refreshes) {
   shown(0.0);
   EXPECT_FALSE(shown(12.4)->is_late);
   const auto late = shown(12.4 + 12.6);
@@ -42,7 +42,7 @@ TEST_F(Pacing, tells_late_from_missed) {
   EXPECT_EQ(shown(40.1 + 1000.0)->missed, 99U);
 }
 
-TEST_F(Pacing, has_no_pace_where_nothing_new_is_drawn_or_seen) {
+TEST_F(PacingMeterTest, is_not_measured_without_new_pictures_or_on_dark_heads) {
   for (const Light pause : {Light::kSame, Light::kDark}) {
     shown(0.0);
     EXPECT_TRUE(shown(10.0));
@@ -53,7 +53,7 @@ TEST_F(Pacing, has_no_pace_where_nothing_new_is_drawn_or_seen) {
   }
 }
 
-TEST_F(Pacing, does_not_go_backwards) {
+TEST_F(PacingMeterTest, does_not_go_backwards) {
   shown(100.0);
   EXPECT_FALSE(shown(100.0));
   EXPECT_FALSE(shown(50.0));  // A time from another card's clock.

@@ -8,7 +8,7 @@ namespace {
 
 const TimePoint kStart = from_nanoseconds(1'000'000'000'000);
 
-TEST(RefreshSchedule, comes_at_the_same_pace_whatever_the_work_between_takes) {
+TEST(RefreshSchedule, keeps_its_pace_however_long_the_work_takes) {
   RefreshSchedule schedule(30.0, kStart);
   TimePoint now = kStart;
   for (std::uint64_t n = 0; n < 100'000; ++n) {
@@ -20,7 +20,7 @@ TEST(RefreshSchedule, comes_at_the_same_pace_whatever_the_work_between_takes) {
   EXPECT_EQ(schedule.missed(), 0U);
 }
 
-TEST(RefreshSchedule, skips_what_has_passed_and_counts_it) {
+TEST(RefreshSchedule, skips_and_counts_refreshes_that_have_passed) {
   RefreshSchedule schedule(10.0, kStart);
   EXPECT_EQ(schedule.next(kStart).number, 0U);
   const auto late = schedule.next(kStart + std::chrono::milliseconds(450));
@@ -30,7 +30,7 @@ TEST(RefreshSchedule, skips_what_has_passed_and_counts_it) {
   EXPECT_EQ(schedule.next(kStart + std::chrono::milliseconds(501)).number, 6U);
 }
 
-TEST(RefreshSchedule, gives_a_refresh_that_is_only_a_little_late_its_number) {
+TEST(RefreshSchedule, numbers_a_slightly_late_refresh_correctly) {
   RefreshSchedule schedule(10.0, kStart);
   EXPECT_EQ(schedule.next(kStart).number, 0U);
   const auto refresh = schedule.next(kStart + std::chrono::milliseconds(130));

@@ -28,7 +28,7 @@ RgbImage plain(int width, int height, std::uint64_t n) {
   return RgbImage(width, height, static_cast<std::uint8_t>(n % 251));
 }
 
-TEST_F(SharedPicture, gives_back_what_was_published) {
+TEST_F(SharedPicture, returns_what_was_published) {
   const auto path = shared_picture_path(folder_, "left");
   EXPECT_EQ(path.filename(), "head-left.picture");
   auto writer = SharedPictureWriter::create(path, 5, 3);  // 45 bytes: the last word is only partly used.
@@ -57,7 +57,7 @@ TEST_F(SharedPicture, gives_back_what_was_published) {
   }
 }
 
-TEST_F(SharedPicture, says_when_its_writer_is_gone_and_when_another_took_its_place) {
+TEST_F(SharedPicture, reports_that_its_writer_is_gone_or_was_replaced) {
   const auto path = shared_picture_path(folder_, "left");
   auto reader = [&] {
     auto writer = SharedPictureWriter::create(path, 4, 4);
@@ -118,7 +118,7 @@ TEST_F(SharedPicture, is_never_seen_torn) {
   EXPECT_GT(newest, 1U);
 }
 
-TEST_F(SharedPicture, refuses_what_is_not_such_a_file) {
+TEST_F(SharedPicture, refuses_other_files) {
   EXPECT_EQ(SharedPictureReader::open(folder_ / "absent").error().code(), ErrorCode::kNotFound);
   EXPECT_EQ(SharedPictureReader::open(folder_).error().code(), ErrorCode::kBadData);
   std::ofstream(folder_ / "empty");
@@ -132,7 +132,7 @@ TEST_F(SharedPicture, refuses_what_is_not_such_a_file) {
   EXPECT_EQ(SharedPictureReader::open(path).error().code(), ErrorCode::kBadData);
 }
 
-TEST_F(SharedPicture, refuses_sizes_and_folders_that_cannot_be) {
+TEST_F(SharedPicture, refuses_invalid_sizes_and_folders) {
   for (const auto& [width, height] : {std::pair{0, 4}, {4, -1}, {16385, 1}}) {
     EXPECT_EQ(SharedPictureWriter::create(folder_ / "x", width, height).error().code(), ErrorCode::kInvalidArgument);
   }
@@ -140,7 +140,7 @@ TEST_F(SharedPicture, refuses_sizes_and_folders_that_cannot_be) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
-TEST_F(SharedPicture, keeps_odd_head_names_apart_and_inside_the_folder) {
+TEST_F(SharedPicture, keeps_unusual_head_names_distinct_and_inside_the_folder) {
   EXPECT_EQ(shared_picture_path(folder_, "a/../b").parent_path(), folder_);
   EXPECT_NE(shared_picture_path(folder_, "a b"), shared_picture_path(folder_, "a_b"));
 }

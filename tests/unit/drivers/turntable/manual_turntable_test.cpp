@@ -44,7 +44,7 @@ class Terminal {
   UniqueFd read_in_, write_in_, read_out_, write_out_;
 };
 
-TEST(ManualTurntable, asks_for_the_angle_and_believes_an_enter) {
+TEST(ManualTurntable, asks_for_the_angle_and_accepts_an_enter) {
   Terminal terminal;
   ManualTurntable turntable(terminal.somebody());
   terminal.type("\n\n\r\n");
@@ -57,7 +57,7 @@ TEST(ManualTurntable, asks_for_the_angle_and_believes_an_enter) {
   EXPECT_NEAR(*turntable.angle(), -45.0 * kDegree, 1e-12);
 }
 
-TEST(ManualTurntable, the_operators_own_reading_counts) {
+TEST(ManualTurntable, uses_the_operators_own_reading) {
   Terminal terminal;
   ManualTurntable turntable(terminal.somebody());
   terminal.type("\nabout there\n999\n29.5\n");
@@ -67,7 +67,7 @@ TEST(ManualTurntable, the_operators_own_reading_counts) {
   EXPECT_THAT(terminal.shown(), HasSubstr("'about there' is no angle"));
 }
 
-TEST(ManualTurntable, an_operator_who_leaves_ends_it) {
+TEST(ManualTurntable, ends_when_the_operator_leaves) {
   Terminal terminal;
   ManualTurntable turntable(terminal.somebody());
   terminal.type("q\n");
@@ -78,7 +78,7 @@ TEST(ManualTurntable, an_operator_who_leaves_ends_it) {
   EXPECT_EQ(alone.home().error().code(), ErrorCode::kUnavailable);
 }
 
-TEST(ManualTurntable, an_operator_who_sleeps_is_a_stall) {
+TEST(ManualTurntable, reports_a_stall_when_the_operator_does_not_answer) {
   Terminal terminal;
   ManualTurntable turntable(terminal.somebody(), {-1.0, 1.0}, std::chrono::milliseconds(20));
   terminal.type("\nhalf a li");

@@ -42,7 +42,7 @@ bool goes_on(Turntable* turntable) {
   return false;
 }
 
-TEST(SerialTurntable, says_what_the_protocol_page_says) {
+TEST(SerialTurntable, sends_the_documented_commands) {
   ScriptedController controller;
   SerialTurntableOptions options = quick(controller);
   options.answer_timeout = milliseconds(3000);
@@ -54,7 +54,7 @@ TEST(SerialTurntable, says_what_the_protocol_page_says) {
   EXPECT_NEAR(controller.position(), 28.6479, 1e-9);
 }
 
-TEST(SerialTurntable, units_may_be_steps_and_may_run_to_the_left) {
+TEST(SerialTurntable, supports_units_of_steps_and_a_reversed_axis) {
   ScriptedController controller;
   SerialTurntableOptions options = quick(controller);
   options.answer_timeout = milliseconds(3000);
@@ -68,7 +68,7 @@ TEST(SerialTurntable, units_may_be_steps_and_may_run_to_the_left) {
 
 // Each answer is corrupted in each way. The result must be an error with a matching message, in time, and a turntable
 // that works again once the fault has gone, unless it was unplugged.
-TEST(SerialTurntable, whichever_answer_fails_it_says_so_and_goes_on_afterwards) {
+TEST(SerialTurntable, reports_any_failed_answer_and_works_afterwards) {
   struct Way {
     const char* name;
     ScriptedController::Fault fault;
@@ -142,7 +142,7 @@ TEST(SerialTurntable, waits_longer_while_it_is_busy) {
   EXPECT_EQ(busy, 1);
 }
 
-TEST(SerialTurntable, a_greeting_controller_is_asked_twice) {
+TEST(SerialTurntable, repeats_its_command_after_a_controllers_greeting) {
   ScriptedController controller([](std::size_t number, const std::string&) -> std::optional<ScriptedController::Fault> {
     if (number == 0) return ScriptedController::Fault{"start\necho:Marlin 2.1.2\n"};
     return std::nullopt;
@@ -152,7 +152,7 @@ TEST(SerialTurntable, a_greeting_controller_is_asked_twice) {
   EXPECT_TRUE(SerialTurntable::open(options));
 }
 
-TEST(SerialTurntable, a_late_ok_is_not_taken_for_the_next_one) {
+TEST(SerialTurntable, does_not_take_a_late_ok_for_the_next_one) {
   std::atomic<bool> is_late = true;
   ScriptedController controller([&](std::size_t, const std::string& line) -> std::optional<ScriptedController::Fault> {
     if (line.starts_with("G0 X28") && is_late) return ScriptedController::Fault{std::string()};
@@ -172,7 +172,7 @@ TEST(SerialTurntable, a_late_ok_is_not_taken_for_the_next_one) {
   EXPECT_NEAR(*(*turntable)->angle(), 0.25, 1e-3);
 }
 
-TEST(SerialTurntable, two_programs_cannot_hold_one_line) {
+TEST(SerialTurntable, locks_its_line) {
   ScriptedController controller;
   SerialTurntableOptions options = quick(controller);
   options.answer_timeout = milliseconds(3000);
@@ -181,7 +181,7 @@ TEST(SerialTurntable, two_programs_cannot_hold_one_line) {
   EXPECT_EQ(SerialTurntable::open(options).error().code(), ErrorCode::kBusy);
 }
 
-TEST(SerialTurntable, what_is_no_line_is_refused) {
+TEST(SerialTurntable, refuses_files_that_are_not_serial_lines) {
   SerialTurntableOptions options;
   options.device = "/dev/there-is-none";
   EXPECT_EQ(SerialTurntable::open(options).error().code(), ErrorCode::kNotFound);
@@ -193,7 +193,7 @@ TEST(SerialTurntable, what_is_no_line_is_refused) {
   EXPECT_EQ(SerialTurntable::open(options).error().code(), ErrorCode::kInvalidArgument);
 }
 
-TEST(Gcode, reads_the_lines_that_firmwares_send) {
+TEST(Gcode, reads_the_lines_of_common_firmwares) {
   using Kind = gcode::Answer::Kind;
   const auto kind = [](std::string_view line) { return gcode::parse_answer(line, 'X').kind; };
   EXPECT_EQ(kind("ok"), Kind::kOk);
@@ -214,7 +214,7 @@ TEST(Gcode, reads_the_lines_that_firmwares_send) {
   EXPECT_EQ(position("X:1e999 Y:0", 'X').kind, Kind::kChatter);
 }
 
-TEST(MakeTurntable, says_what_is_wrong_with_a_line_of_text) {
+TEST(MakeTurntable, reports_what_is_wrong_with_a_line_of_text) {
   const auto code = [](std::string_view spec) { return make_turntable(spec, nullptr).error().code(); };
   EXPECT_EQ(code("lazy-susan"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code("serial:"), ErrorCode::kInvalidArgument);

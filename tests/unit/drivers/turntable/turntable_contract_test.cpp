@@ -129,14 +129,14 @@ INSTANTIATE_TEST_SUITE_P(Each, TurntableContract,
                                            Kind{"simulated", make_place<SimulatedPlace>}),
                          [](const auto& kind) { return kind.param.name; });
 
-TEST_P(TurntableContract, knows_no_angle_before_it_was_home) {
+TEST_P(TurntableContract, has_no_angle_before_homing) {
   EXPECT_FALSE(turntable_->id().empty());
   EXPECT_FALSE(turntable_->is_homed());
   EXPECT_EQ(turntable_->turn_to(0.1).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(turntable_->angle().error().code(), ErrorCode::kInvalidArgument);
 }
 
-TEST_P(TurntableContract, homes_and_turns_where_it_is_told) {
+TEST_P(TurntableContract, homes_and_turns_to_the_requested_angle) {
   ASSERT_TRUE(turntable_->home());
   EXPECT_TRUE(turntable_->is_homed());
   EXPECT_NEAR(*turntable_->angle(), 0.0, 1e-3);
@@ -156,7 +156,7 @@ TEST_P(TurntableContract, keeps_its_limits) {
   EXPECT_NEAR(*turntable_->angle(), 0.3, 1e-3);
 }
 
-TEST_P(TurntableContract, a_stall_is_told_and_mended_by_going_home) {
+TEST_P(TurntableContract, reports_a_stall_and_recovers_by_homing) {
   ASSERT_TRUE(turntable_->home());
   if (!place_->stall_next()) GTEST_SKIP() << "this kind never stalls";
   EXPECT_EQ(turntable_->turn_to(1.0).error().code(), ErrorCode::kTimedOut);

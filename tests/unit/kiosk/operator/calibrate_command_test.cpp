@@ -36,7 +36,7 @@ wire::CalibrateProgress end_of_it() {
   return progress;
 }
 
-class Calibrating : public ::testing::Test {
+class CalibrateCommandTest : public ::testing::Test {
  protected:
   struct Outcome {
     Status status;
@@ -63,7 +63,7 @@ class Calibrating : public ::testing::Test {
   FakeCalibrator calibrator_;
 };
 
-TEST_F(Calibrating, tells_each_step_in_plain_lines_and_the_result_with_its_remarks) {
+TEST_F(CalibrateCommandTest, prints_each_step_and_the_result_with_its_remarks) {
   calibrator_.messages = {step("show patterns", 0.0), step("show patterns", 0.3), step("show patterns", 0.31),
                           step("solve", 0.9), end_of_it()};
   const Outcome outcome = run({});
@@ -77,7 +77,7 @@ TEST_F(Calibrating, tells_each_step_in_plain_lines_and_the_result_with_its_remar
   EXPECT_FALSE(calibrator_.orders[0].resume());
 }
 
-TEST_F(Calibrating, asks_whoever_sits_there_and_sends_what_is_typed) {
+TEST_F(CalibrateCommandTest, forwards_questions_to_the_terminal_and_sends_the_typed_answers) {
   int ends[2] = {-1, -1};
   ASSERT_EQ(::pipe(ends), 0);
   const int before = ::dup(STDIN_FILENO);
@@ -94,7 +94,7 @@ TEST_F(Calibrating, asks_whoever_sits_there_and_sends_what_is_typed) {
   EXPECT_EQ(calibrator_.answers, std::vector<std::string>{"12.5"});
 }
 
-TEST_F(Calibrating, orders_what_was_asked) {
+TEST_F(CalibrateCommandTest, sends_the_requested_order) {
   calibrator_.messages = {end_of_it()};
   EXPECT_TRUE(run({"--quick", "left"}).status);
   EXPECT_TRUE(run({"--resume"}).status);
@@ -107,7 +107,7 @@ TEST_F(Calibrating, orders_what_was_asked) {
   EXPECT_THROW(run({"--restore", "--quick", "left"}), CLI::ParseError);
 }
 
-TEST_F(Calibrating, cancels_the_call_when_it_is_told_to_stop) {
+TEST_F(CalibrateCommandTest, cancels_the_call_on_a_signal) {
   calibrator_.messages = {step("show patterns", 0.2)};
   calibrator_.is_held = true;
   const std::jthread killer([this] {
@@ -125,7 +125,7 @@ TEST_F(Calibrating, cancels_the_call_when_it_is_told_to_stop) {
   ::sigtimedwait(&interrupts, nullptr, &now);  // Removes a pending signal before the next test.
 }
 
-TEST_F(Calibrating, fails_with_the_calibrators_own_words) {
+TEST_F(CalibrateCommandTest, fails_with_the_calibrators_own_message) {
   calibrator_.messages = {step("show patterns", 0.2)};
   calibrator_.end = {grpc::StatusCode::FAILED_PRECONDITION, "a calibration runs already; wait for its end"};
   const Outcome busy = run({});
@@ -138,7 +138,7 @@ TEST_F(Calibrating, fails_with_the_calibrators_own_words) {
   EXPECT_EQ(nothing.status.error().code(), ErrorCode::kBadData);
 }
 
-TEST_F(Calibrating, goes_back_to_the_calibration_of_before) {
+TEST_F(CalibrateCommandTest, restores_the_previous_calibration) {
   calibrator_.restored_date.clear();
   const Outcome none = run({"--restore"});
   ASSERT_FALSE(none.status);
@@ -150,7 +150,7 @@ TEST_F(Calibrating, goes_back_to_the_calibration_of_before) {
   EXPECT_TRUE(calibrator_.orders.empty()) << "nothing is measured";
 }
 
-TEST_F(Calibrating, says_that_nobody_listens) {
+TEST_F(CalibrateCommandTest, reports_a_missing_calibrator) {
   CalibrateCommand command;
   command.calibrator = "[::1]:1";
   const Status status = command.run(stop_);

@@ -32,7 +32,7 @@ struct Controller {
   }
 };
 
-TEST(CalibrationController, tells_how_a_calibration_went) {
+TEST(CalibrationController, reports_the_outcome_of_a_calibration) {
   Controller controller;
   EXPECT_EQ(controller.now()["state"], "idle");
   ASSERT_TRUE(controller.controller->start({}));
@@ -45,7 +45,7 @@ TEST(CalibrationController, tells_how_a_calibration_went) {
   EXPECT_TRUE(controller.controller->start({})) << "and again";
 }
 
-TEST(CalibrationController, cancels_and_runs_one_at_a_time) {
+TEST(CalibrationController, cancels_and_runs_one_calibration_at_a_time) {
   Controller controller;
   controller.calibrator.is_held = true;
   ASSERT_TRUE(controller.controller->start({}));
@@ -61,7 +61,7 @@ TEST(CalibrationController, cancels_and_runs_one_at_a_time) {
   EXPECT_EQ(controller.end()["state"], "done");
 }
 
-TEST(CalibrationController, says_why_one_failed) {
+TEST(CalibrationController, reports_why_one_failed) {
   Controller controller;
   controller.calibrator.messages.resize(1);
   controller.calibrator.end = to_grpc(Error(ErrorCode::kUnavailable, "projector 'left' is dark; switch it on"));
@@ -71,7 +71,7 @@ TEST(CalibrationController, says_why_one_failed) {
   EXPECT_THAT(end["error"].get<std::string>(), HasSubstr("projector 'left' is dark; switch it on"));
 }
 
-TEST(CalibrationController, says_that_nobody_calibrates_here) {
+TEST(CalibrationController, reports_a_missing_calibrator) {
   auto controller = CalibrationController::make("[::1]:1");
   ASSERT_TRUE(controller);
   ASSERT_TRUE((*controller)->start({}));
@@ -82,7 +82,7 @@ TEST(CalibrationController, says_that_nobody_calibrates_here) {
   EXPECT_FALSE((*controller)->restore());
 }
 
-TEST(CalibrationController, has_the_fixed_cameras_placed) {
+TEST(CalibrationController, places_the_fixed_cameras) {
   Controller controller;
   EXPECT_EQ(controller.now()["what"], "wall");
   ASSERT_TRUE(controller.controller->place_cameras());
@@ -107,7 +107,7 @@ TEST(CalibrationController, has_the_fixed_cameras_placed) {
   EXPECT_EQ(controller.end()["what"], "wall");
 }
 
-TEST(CalibrationController, brings_the_one_of_before_back) {
+TEST(CalibrationController, restores_the_previous_calibration) {
   Controller controller;
   const auto date = controller.controller->restore();
   ASSERT_TRUE(date);
@@ -118,7 +118,7 @@ TEST(CalibrationController, brings_the_one_of_before_back) {
   EXPECT_EQ(none.error().code(), ErrorCode::kNotFound);
 }
 
-TEST(CalibrationController, ends_at_once_with_a_calibration_that_runs) {
+TEST(CalibrationController, stops_at_once_during_a_calibration) {
   Controller controller;
   controller.calibrator.is_held = true;
   ASSERT_TRUE(controller.controller->start({}));

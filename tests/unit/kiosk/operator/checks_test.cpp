@@ -71,7 +71,7 @@ Check find(const Findings& findings, std::string_view id) {
   return {"", "not in the list", CheckLevel::kOk, "", ""};
 }
 
-TEST(Checks, find_nothing_where_all_is_well) {
+TEST(Checks, report_nothing_when_all_is_well) {
   for (const Check& check : checks_of(well())) {
     EXPECT_EQ(check.level, CheckLevel::kOk) << check.id << ": " << check.sentence;
     EXPECT_THAT(check.remedy, IsEmpty()) << check.id;
@@ -86,9 +86,9 @@ struct Trouble {
   CheckLevel level;
   void (*make)(Findings*);
 };
-class Troubles : public testing::TestWithParam<Trouble> {};
+class CheckProblems : public testing::TestWithParam<Trouble> {};
 
-TEST_P(Troubles, are_found_alone_and_with_a_remedy) {
+TEST_P(CheckProblems, are_reported_alone_and_with_a_remedy) {
   Findings findings = well();
   GetParam().make(&findings);
   const Check check = find(findings, GetParam().id);
@@ -103,7 +103,7 @@ TEST_P(Troubles, are_found_alone_and_with_a_remedy) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Each, Troubles,
+    Each, CheckProblems,
     testing::Values(
         Trouble{"part-tour", CheckLevel::kFault, [](Findings* f) { f->processes[0].status->set_healthy(false); }},
         Trouble{"part-tracker", CheckLevel::kWarning, [](Findings* f) { f->processes[2].status->set_healthy(false); }},
@@ -148,13 +148,13 @@ INSTANTIATE_TEST_SUITE_P(
         Trouble{"update", CheckLevel::kWarning,
                 [](Findings* f) { f->update->state = update::UpdateStatus::State::kRolledBack; }}));
 
-TEST(Checks, take_dark_projectors_of_a_closed_museum_for_well) {
+TEST(Checks, accept_dark_projectors_while_the_museum_is_closed) {
   Findings findings = well();
   for (int i = 0; i < 3; ++i) findings.processes[1].status->mutable_gauges(i)->set_value(0.0);
   EXPECT_EQ(find(findings, "heads").level, CheckLevel::kOk);
 }
 
-TEST(Checks, say_nothing_of_what_is_not_known) {
+TEST(Checks, report_nothing_about_unknown_facts) {
   Findings findings = well();
   findings.machine = {};
   findings.update.reset();
@@ -163,7 +163,7 @@ TEST(Checks, say_nothing_of_what_is_not_known) {
   }
 }
 
-TEST(MachineFacts, are_read_from_the_kernel_s_files) {
+TEST(MachineFacts, are_read_from_the_kernels_files) {
   std::string name = (std::filesystem::temp_directory_path() / "machine-XXXXXX").string();
   ASSERT_NE(::mkdtemp(name.data()), nullptr);
   const std::filesystem::path root = name;
@@ -195,7 +195,7 @@ TEST(MachineFacts, are_read_from_the_kernel_s_files) {
   EXPECT_FALSE(read_machine_facts(root, root).warmest_c) << "nothing is known of nothing";
 }
 
-TEST(Checks, tell_how_each_projector_is) {
+TEST(Checks, report_the_state_of_each_projector) {
   Findings findings = well();
   findings.processes.push_back(process("projectors", false, "1 of 2 projectors are as they should be."));
   wire::Table* const table = findings.processes.back().status->add_tables();
@@ -222,7 +222,7 @@ TEST(Checks, tell_how_each_projector_is) {
   EXPECT_THAT(checks_table(checks_of(findings)), HasSubstr("No projector has a network address"));
 }
 
-TEST(LoginChecks, tell_why_nobody_can_enter_and_nothing_else) {
+TEST(LoginChecks, report_only_why_nobody_can_log_in) {
   Findings findings = well();
   findings.is_museum = false;
   findings.provisioning.reset();
@@ -251,7 +251,7 @@ TEST(LoginChecks, tell_why_nobody_can_enter_and_nothing_else) {
   for (const Check& check : told) EXPECT_THAT(check.sentence, Not(HasSubstr("hall-3")));
 }
 
-TEST(MachineFacts, a_mount_that_a_service_may_not_write_to_is_no_broken_disk) {
+TEST(MachineFacts, do_not_take_a_read_only_mount_for_a_broken_disk) {
   std::string name = (std::filesystem::temp_directory_path() / "machine-XXXXXX").string();
   ASSERT_NE(::mkdtemp(name.data()), nullptr);
   const std::filesystem::path root = name;
@@ -275,7 +275,7 @@ TEST(MachineFacts, a_mount_that_a_service_may_not_write_to_is_no_broken_disk) {
   std::filesystem::remove_all(root);
 }
 
-TEST(UpdateStatus, is_read_from_what_the_updater_writes) {
+TEST(UpdateStatus, is_read_from_the_updaters_file) {
   const auto status = update::parse_update_status(
       R"({"state": "ready", "version": "0.1.0", "available": "0.2.0", "at": "2026-11-22T03:10:00Z", "later": 1})");
   ASSERT_TRUE(status);
@@ -287,7 +287,7 @@ TEST(UpdateStatus, is_read_from_what_the_updater_writes) {
   }
 }
 
-TEST(NetworkTest, says_where_the_way_ends) {
+TEST(NetworkTest, names_the_step_at_which_the_connection_fails) {
   using std::chrono::milliseconds;
   const auto checks =
       test_network({"[::1]:1", "farm", "no-such-host.invalid:7401", "unix:/run/x"}, {}, milliseconds(500));

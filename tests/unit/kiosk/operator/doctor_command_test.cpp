@@ -13,7 +13,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-TEST(UsualWatches, are_those_of_what_this_computer_is) {
+TEST(UsualWatches, depend_on_the_role_of_this_computer) {
   const std::filesystem::path root = std::filesystem::path(testing::TempDir()) / "usual_watches";
   std::filesystem::remove_all(root);
   std::filesystem::create_directories(root / "usr/bin");

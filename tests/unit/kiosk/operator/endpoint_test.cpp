@@ -19,7 +19,7 @@ std::filesystem::path file_with(const std::string& name, std::string_view text) 
   return path;
 }
 
-TEST(Endpoints, come_from_options) {
+TEST(Endpoints, are_given_by_options) {
   const auto endpoints = gather_endpoints({"tour=[::1]:7403", "simulated-room=host:1"}, std::nullopt);
   ASSERT_TRUE(endpoints);
   EXPECT_EQ((*endpoints)[0].name, "tour");
@@ -27,7 +27,7 @@ TEST(Endpoints, come_from_options) {
   EXPECT_EQ((*endpoints)[1].name, "simulated-room");
 }
 
-TEST(Endpoints, come_from_a_file_whose_addresses_options_replace) {
+TEST(Endpoints, are_read_from_a_file_and_overridden_by_options) {
   const auto path = file_with("endpoints.toml",
                               "[[watch]]\nname = 'tour'\naddress = '[::1]:1'\n"
                               "[[watch]]\nname = 'display'\naddress = '[::1]:2'\n");
@@ -38,7 +38,7 @@ TEST(Endpoints, come_from_a_file_whose_addresses_options_replace) {
   EXPECT_EQ((*endpoints)[1].address, "[::1]:2");
 }
 
-TEST(Endpoints, are_refused_with_the_remedy) {
+TEST(Endpoints, are_refused_with_a_remedy) {
   for (const char* const text : {"", "tour", "=x", "tour=", "../x=[::1]:1", "a b=[::1]:1"}) {
     const auto endpoint = parse_endpoint(text);
     ASSERT_FALSE(endpoint) << text;

@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(HealingController, tells_the_page_how_projectors_are_kept_in_place) {
+TEST(HealingController, describes_how_projectors_are_kept_in_place) {
   FakeCalibrator calibrator;
   const auto controller = HealingController::make(calibrator.address());
   ASSERT_TRUE(controller);
@@ -31,7 +31,7 @@ TEST(HealingController, tells_the_page_how_projectors_are_kept_in_place) {
   EXPECT_EQ(json["history"][0].size(), 4u);
 }
 
-TEST(HealingController, takes_nothing_of_what_a_peer_says_for_granted) {
+TEST(HealingController, does_not_trust_a_peers_numbers_and_texts) {
   wire::ProcessStatus status;
   EXPECT_EQ(watched_json(status), "null");
   wire::Table* const table = status.add_tables();
@@ -60,7 +60,7 @@ TEST(HealingController, passes_on_why_nothing_is_realigned) {
   EXPECT_THAT(refused.error().message(), HasSubstr("nothing watches the wall"));
 }
 
-TEST(HealingController, tells_which_correction_was_undone_or_that_none_stands) {
+TEST(HealingController, reports_which_correction_was_undone_or_that_there_is_none) {
   FakeCalibrator calibrator;
   const auto controller = HealingController::make(calibrator.address());
   ASSERT_TRUE(controller);

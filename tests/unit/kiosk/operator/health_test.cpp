@@ -38,13 +38,13 @@ struct Museum {
   [[nodiscard]] std::vector<std::string> missing() const { return still_missing(look_at(links), rules); }
 };
 
-TEST(Health, is_well_with_a_picture_on_every_head_though_the_farm_is_away) {
+TEST(Health, is_good_with_a_picture_on_every_head_although_the_farm_is_away) {
   Museum museum;
   museum.rules.heads = 2;
   EXPECT_THAT(museum.missing(), IsEmpty());
 }
 
-TEST(Health, misses_a_head_that_is_dark_blank_or_without_a_picture) {
+TEST(Health, reports_a_head_that_is_dark_blank_or_without_a_picture) {
   Museum museum;
   museum.display.inspection.set_gauge("lit: left", 0.0);
   museum.display.inspection.set_picture("projector/right", std::make_shared<RgbImage>(64, 32));
@@ -53,13 +53,13 @@ TEST(Health, misses_a_head_that_is_dark_blank_or_without_a_picture) {
   EXPECT_THAT(museum.missing(), Contains(HasSubstr("head 'third' has given no picture")));
 }
 
-TEST(Health, misses_heads_that_are_not_there_at_all) {
+TEST(Health, reports_missing_heads) {
   Museum museum;
   museum.rules.heads = 3;
   EXPECT_THAT(museum.missing(), ElementsAre(HasSubstr("2 heads of 3")));
 }
 
-TEST(Health, lets_a_display_sleep_when_the_museum_is_closed_but_not_when_it_is_broken) {
+TEST(Health, allows_a_display_to_sleep_while_the_museum_is_closed_unless_it_is_broken) {
   Museum museum;
   museum.display.inspection.set_gauge("awake", 0.0);
   for (const char* const lit : {"lit: left", "lit: right"}) museum.display.inspection.set_gauge(lit, 0.0);
@@ -70,7 +70,7 @@ TEST(Health, lets_a_display_sleep_when_the_museum_is_closed_but_not_when_it_is_b
   EXPECT_THAT(museum.missing(), Contains(HasSubstr("no card")));
 }
 
-TEST(Health, lets_heads_be_dark_that_were_before_the_restart_when_there_is_a_picture_for_them) {
+TEST(Health, allows_heads_that_were_dark_before_the_restart_if_they_have_a_picture) {
   Museum museum;
   museum.display.inspection.set_gauge("lit: left", 0.0);
   EXPECT_THAT(dark_heads(look_at(museum.links)), ElementsAre("left"));
@@ -83,7 +83,7 @@ TEST(Health, lets_heads_be_dark_that_were_before_the_restart_when_there_is_a_pic
   EXPECT_THAT(museum.missing(), ElementsAre(HasSubstr("'left' has a picture, but it is blank")));
 }
 
-TEST(Health, misses_who_must_be_well_or_is_away_or_unknown) {
+TEST(Health, reports_required_processes_that_are_unhealthy_absent_or_unknown) {
   Museum museum;
   museum.rules.well = {"tour", "tracker"};
   EXPECT_THAT(museum.missing(),
@@ -93,7 +93,7 @@ TEST(Health, misses_who_must_be_well_or_is_away_or_unknown) {
   EXPECT_THAT(still_missing(look_at(*gone), {{}, 0, 1, {}}), ElementsAre(HasSubstr("tracker is away")));
 }
 
-TEST(Health, counts_anew_when_a_process_died_between_two_looks) {
+TEST(Health, starts_counting_anew_when_a_process_died_between_two_checks) {
   Museum museum;
   HealthRules rules;
   rules.looks = 2;
@@ -114,7 +114,7 @@ TEST(Health, counts_anew_when_a_process_died_between_two_looks) {
   EXPECT_EQ(json["seconds"], 12.5);
 }
 
-TEST(Health, is_not_well_before_anybody_looked) {
+TEST(Health, is_not_good_before_the_first_check) {
   const HealthCount count{HealthRules{}};
   EXPECT_FALSE(count.is_well());
   EXPECT_THAT(count.missing(), ElementsAre(HasSubstr("nothing has been looked at")));

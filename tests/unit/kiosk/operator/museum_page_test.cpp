@@ -97,7 +97,7 @@ struct Page {
   int post(const char* path, const char* body) { return client->Post(path, cookie, body, "application/json")->status; }
 };
 
-TEST(MuseumPage, shows_nothing_before_the_pin) {
+TEST(MuseumPage, shows_nothing_without_the_pin) {
   Page page;
   for (const char* const path : {"/status", "/museum", "/metrics", "/page.js", "/care.js", "/picture/tour/x.jpg",
                                  "/support-bundle.zip", "/calibration.jpg", "/door/", "/nothing"}) {
@@ -113,7 +113,7 @@ TEST(MuseumPage, shows_nothing_before_the_pin) {
   EXPECT_TRUE(page.tour.steered().empty());
 }
 
-TEST(MuseumPage, tells_at_the_door_why_there_is_no_pin_until_there_is_one) {
+TEST(MuseumPage, shows_at_the_login_why_there_is_no_pin_until_there_is_one) {
   Page page;
   const auto door = [&] {
     const auto answer = page.client->Get("/door");
@@ -149,7 +149,7 @@ TEST(MuseumPage, tells_at_the_door_why_there_is_no_pin_until_there_is_one) {
   page.enter();
 }
 
-TEST(MuseumPage, opens_with_the_pin_and_closes_again) {
+TEST(MuseumPage, opens_with_the_pin_and_closes_on_logout) {
   Page page;
   page.enter();
   for (const char* const path : {"/", "/status", "/museum", "/metrics"}) EXPECT_EQ(page.get(path), 200) << path;
@@ -158,7 +158,7 @@ TEST(MuseumPage, opens_with_the_pin_and_closes_again) {
   EXPECT_EQ(page.get("/status"), 401);
 }
 
-TEST(MuseumPage, makes_who_guesses_wait) {
+TEST(MuseumPage, delays_guesses) {
   Page page;
   for (int i = 0; i < 3; ++i) EXPECT_EQ(page.post("/login", R"({"pin": "000001"})"), 403);
   const auto answer = page.client->Post("/login", R"({"pin": "401773"})", "application/json");
@@ -167,7 +167,7 @@ TEST(MuseumPage, makes_who_guesses_wait) {
   for (const char* const bad : {"", "{}", "[]", R"({"pin": 401773})"}) EXPECT_EQ(page.post("/login", bad), 400) << bad;
 }
 
-TEST(MuseumPage, is_not_asked_by_other_pages) {
+TEST(MuseumPage, refuses_requests_of_other_pages) {
   Page page;
   page.enter();
   const std::string host = "[::1]:" + std::to_string(page.server->port());
@@ -185,7 +185,7 @@ TEST(MuseumPage, is_not_asked_by_other_pages) {
   EXPECT_EQ(page.client->Post("/steer", page.cookie, R"({"forward": 1})", "text/plain")->status, 415);
 }
 
-TEST(MuseumPage, needs_tls_for_a_pin_and_loopback_without_one) {
+TEST(MuseumPage, requires_tls_for_a_pin_and_loopback_without_one) {
   Page page;
   const auto bare = PageServer::start("[::1]:0", page.watch.get(), {&page.museum, page.sessions.get(), nullptr});
   ASSERT_FALSE(bare);
@@ -200,7 +200,7 @@ TEST(MuseumPage, needs_tls_for_a_pin_and_loopback_without_one) {
   EXPECT_EQ(client.Get("/status", {{"Host", "evil.example"}})->status, 421) << "a name that was made to lead here";
 }
 
-TEST(MuseumPage, tells_what_there_is_to_tell_of_the_museum) {
+TEST(MuseumPage, reports_the_museums_state) {
   Page page;
   page.enter();
   const Json museum = Json::parse(page.client->Get("/museum", page.cookie)->body);
@@ -216,7 +216,7 @@ TEST(MuseumPage, tells_what_there_is_to_tell_of_the_museum) {
   EXPECT_THAT(later["checks"].dump(), HasSubstr("Version 2 did not start well"));
 }
 
-TEST(MuseumPage, calibrates_tests_the_network_and_passes_requests_on) {
+TEST(MuseumPage, starts_calibrations_tests_the_network_and_passes_requests_on) {
   Page page;
   page.enter();
   EXPECT_EQ(page.post("/calibration", R"({"do": "start"})"), 204);
@@ -242,7 +242,7 @@ TEST(MuseumPage, calibrates_tests_the_network_and_passes_requests_on) {
   EXPECT_EQ(page.post("/request", R"({"request": "../update"})"), 400);
 }
 
-TEST(MuseumPage, keeps_open_or_closed_for_once_and_takes_that_back) {
+TEST(MuseumPage, overrides_the_opening_hours_once_and_revokes_the_override) {
   Page page;
   page.enter();
   const auto schedule = [&] { return Json::parse(page.client->Get("/museum", page.cookie)->body)["schedule"]; };
@@ -275,7 +275,7 @@ TEST(MuseumPage, keeps_open_or_closed_for_once_and_takes_that_back) {
   EXPECT_EQ(page.client->Post("/hours", R"({"do": "closed"})", "application/json")->status, 401);
 }
 
-TEST(MuseumPage, gives_a_support_bundle_without_any_secret) {
+TEST(MuseumPage, offers_a_support_bundle_without_secrets) {
   Page page;
   page.stick.write("beamer-password", "open-sesame-9\n");
   page.stick.write("calibrator.toml", "# open-sesame-9\nturntable = \"manual\"\n");
@@ -316,7 +316,7 @@ TEST(MuseumPage, gives_a_support_bundle_without_any_secret) {
   }
 }
 
-TEST(PageCertificate, is_made_once_kept_private_and_renewed_in_time) {
+TEST(PageCertificate, is_created_once_kept_private_and_renewed_in_time) {
   const MuseumStick disk;
   const std::time_t now = std::time(nullptr);
   const auto first = page_certificate(disk.root(), now);

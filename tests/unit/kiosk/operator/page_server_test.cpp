@@ -49,7 +49,7 @@ struct Operator {
   }
 };
 
-TEST(PageServer, serves_the_page_and_all_that_it_refers_to) {
+TEST(PageServer, serves_the_page_and_everything_to_which_it_refers) {
   Operator op;
   EXPECT_EQ(page_files().size(), 9u);
   for (const PageFile& file : page_files()) {
@@ -66,7 +66,7 @@ TEST(PageServer, serves_the_page_and_all_that_it_refers_to) {
   EXPECT_THAT(page, Not(HasSubstr("https://"))) << "no resource from elsewhere";
 }
 
-TEST(PageServer, tells_the_state_of_every_part) {
+TEST(PageServer, reports_the_state_of_every_part) {
   Operator op;
   op.tour.inspection.set_gauge("frames_per_second", 20.5);
   op.tour.inspection.set_fact("title", "A plain room");
@@ -80,7 +80,7 @@ TEST(PageServer, tells_the_state_of_every_part) {
   EXPECT_EQ(status["processes"][1]["state"], "All is well with display.");
 }
 
-TEST(PageServer, goes_on_when_a_process_goes_away_and_comes_back) {
+TEST(PageServer, survives_a_process_that_goes_away_and_comes_back) {
   Operator op;
   op.display->inspection.set_gauge("heads", 3);
   ASSERT_TRUE(op.eventually([&] { return op.status()["processes"][1]["gauges"].contains("heads"); }));
@@ -95,7 +95,7 @@ TEST(PageServer, goes_on_when_a_process_goes_away_and_comes_back) {
   EXPECT_TRUE(op.eventually([&] { return op.status()["well"] == true; }));
 }
 
-TEST(PageServer, passes_pictures_on_whose_names_hold_a_slash) {
+TEST(PageServer, serves_pictures_whose_names_contain_a_slash) {
   Operator op;
   EXPECT_EQ(op.client->Get("/picture/display/projector%2Fleft.jpg")->status, 404);
   op.display->inspection.set_picture("projector/left", ramp_picture(0));
@@ -120,7 +120,7 @@ TEST(PageServer, steers_the_tour) {
   EXPECT_EQ(op.tour.steered()[0].turn(), -1.0);
 }
 
-TEST(PageServer, refuses_to_steer_for_a_foreign_page_or_beyond_the_range) {
+TEST(PageServer, refuses_to_steer_for_a_foreign_page_or_out_of_range) {
   Operator op;
   EXPECT_EQ(op.client->Post("/steer", R"({"forward": 1})", "text/plain")->status, 415);
   EXPECT_EQ(op.client->Post("/steer", R"({"forward": 1.5})", "application/json")->status, 400);
@@ -137,14 +137,14 @@ TEST(PageServer, offers_metrics) {
   EXPECT_THAT(answer->body, HasSubstr("cyclorama_up{process=\"tour\"} 1\n"));
 }
 
-TEST(PageServer, says_in_plain_words_that_there_is_no_such_page) {
+TEST(PageServer, reports_a_missing_page_in_plain_words) {
   Operator op;
   const auto answer = op.client->Get("/nothing");
   EXPECT_EQ(answer->status, 404);
   EXPECT_EQ(Json::parse(answer->body)["error"], "there is no page '/nothing'");
 }
 
-TEST(PageServer, refuses_an_address_that_is_none_or_taken) {
+TEST(PageServer, refuses_an_invalid_or_used_address) {
   Operator op;
   for (const char* const address : {"", "8080", "::1:8080", "[::1]", "[::1]:99999", "[::1]:x", ":80"}) {
     const auto page = PageServer::start(address, op.watch.get());

@@ -42,7 +42,7 @@ struct LoginFixture {
   }
 };
 
-TEST(Sessions, let_in_who_knows_the_pin_for_a_while) {
+TEST(Sessions, admit_a_client_that_knows_the_pin_for_a_limited_time) {
   LoginFixture door;
   const auto token = door.sessions->open("40 17 73", kHere);
   ASSERT_TRUE(token);
@@ -58,7 +58,7 @@ TEST(Sessions, let_in_who_knows_the_pin_for_a_while) {
   EXPECT_TRUE(door.sessions->is_open(*other));
 }
 
-TEST(Sessions, end_after_half_an_hour_of_rest_or_half_a_day) {
+TEST(Sessions, end_after_half_an_hour_without_requests_or_half_a_day) {
   LoginFixture door;
   const auto idle = door.sessions->open("401773", kHere);
   ASSERT_TRUE(idle);
@@ -74,7 +74,7 @@ TEST(Sessions, end_after_half_an_hour_of_rest_or_half_a_day) {
   EXPECT_FALSE(door.sessions->is_open(*busy));
 }
 
-TEST(Sessions, let_who_guesses_wait_longer_and_longer_even_with_the_right_pin) {
+TEST(Sessions, delay_guesses_more_and_more_even_with_the_right_pin) {
   LoginFixture door;
   for (int i = 0; i < 3; ++i) EXPECT_EQ(door.refused("000001"), ErrorCode::kInvalidArgument);
   EXPECT_EQ(door.refused("401773"), ErrorCode::kBusy) << "within the wait no PIN is looked at";
@@ -93,7 +93,7 @@ TEST(Sessions, let_who_guesses_wait_longer_and_longer_even_with_the_right_pin) {
   EXPECT_EQ(door.refused("000003"), ErrorCode::kInvalidArgument) << "and the count begins anew";
 }
 
-TEST(Sessions, take_all_addresses_of_one_network_for_one) {
+TEST(Sessions, treat_all_addresses_of_one_network_as_one) {
   LoginFixture door;
   for (int i = 1; i <= 3; ++i) {
     EXPECT_EQ(door.refused("000001", "2001:db8:0:7::" + std::to_string(i)), ErrorCode::kInvalidArgument);
@@ -104,7 +104,7 @@ TEST(Sessions, take_all_addresses_of_one_network_for_one) {
   EXPECT_EQ(network_of(kHere), kHere);
 }
 
-TEST(Sessions, bound_the_guesses_of_all_networks_together) {
+TEST(Sessions, limit_the_guesses_of_all_networks_together) {
   SessionRules rules;
   rules.tries_at_once = 5.0;
   LoginFixture door(rules);
@@ -118,7 +118,7 @@ TEST(Sessions, bound_the_guesses_of_all_networks_together) {
   EXPECT_TRUE(door.sessions->open("401773", "198.51.100.1"));
 }
 
-TEST(Sessions, ask_for_another_pin_as_soon_as_it_is_provisioned) {
+TEST(Sessions, require_the_new_pin_as_soon_as_it_is_provisioned) {
   LoginFixture door;
   door.set_pin("771340");
   EXPECT_EQ(door.refused("401773"), ErrorCode::kInvalidArgument);
@@ -132,7 +132,7 @@ TEST(Sessions, ask_for_another_pin_as_soon_as_it_is_provisioned) {
   EXPECT_EQ(door.refused("771340"), ErrorCode::kBadData);
 }
 
-TEST(Sessions, are_not_more_than_there_may_be) {
+TEST(Sessions, are_limited_in_number) {
   SessionRules rules;
   rules.max = 2;
   LoginFixture door(rules);

@@ -43,7 +43,7 @@ wire::ProcessStatus odd_status() {
   return status;
 }
 
-TEST(StatusJson, is_json_whatever_a_process_says) {
+TEST(StatusJson, is_valid_json_for_any_text_of_a_process) {
   const std::string text = status_json({seen("tour", odd_status())});
   const auto json = nlohmann::json::parse(text, nullptr, false);
   ASSERT_FALSE(json.is_discarded()) << text;
@@ -52,7 +52,7 @@ TEST(StatusJson, is_json_whatever_a_process_says) {
   EXPECT_EQ(json["flow"][0]["where"], "farm");
 }
 
-TEST(StatusJson, is_well_only_when_every_process_is) {
+TEST(StatusJson, is_healthy_only_when_every_process_is) {
   ProcessObservation away;
   away.endpoint = {"display", "[::1]:2"};
   away.asked = true;
@@ -60,7 +60,7 @@ TEST(StatusJson, is_well_only_when_every_process_is) {
   EXPECT_THAT(status_json({seen("tour", odd_status()), away}), HasSubstr("\"well\": false"));
 }
 
-TEST(Steer, takes_any_of_three_numbers) {
+TEST(Steer, accepts_any_of_three_numbers) {
   const auto wanted = parse_steer(R"({"forward": -1, "right": 0.25})");
   ASSERT_TRUE(wanted);
   EXPECT_EQ(wanted->forward(), -1.0);
@@ -81,7 +81,7 @@ TEST(Steer, refuses_everything_else_by_name) {
   EXPECT_THAT(parse_steer(R"({"turn": 2})").error().message(), HasSubstr("'turn'"));
 }
 
-TEST(Metrics, are_in_prometheus_format_whatever_a_process_says) {
+TEST(Metrics, are_valid_prometheus_text_for_any_text_of_a_process) {
   const std::string text = metrics_text({seen("tour", odd_status())});
   EXPECT_THAT(text, HasSubstr("cyclorama_dropped_frames_total{process=\"tour\",reason=\"\\\"late\\\"\\n\"} 3\n"));
   EXPECT_THAT(text, HasSubstr("cyclorama_stage_seconds{process=\"tour\",stage=\"render\",quantile=\"0.5\"} 0.02\n"));
@@ -89,7 +89,7 @@ TEST(Metrics, are_in_prometheus_format_whatever_a_process_says) {
   EXPECT_THAT(text, HasSubstr("cyclorama_gauge{process=\"tour\",name=\"heading_deg\"} NaN\n"));
 }
 
-TEST(Metrics, give_no_old_numbers_of_a_process_that_is_away) {
+TEST(Metrics, have_no_old_values_of_an_absent_process) {
   ProcessObservation gone = seen("tour", odd_status());
   gone.away = true;
   const std::string text = metrics_text({gone});

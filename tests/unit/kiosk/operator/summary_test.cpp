@@ -60,7 +60,7 @@ struct Museum {
   [[nodiscard]] std::vector<std::string> problems() const { return problems_of(*recording, span); }
 };
 
-TEST(Summary, finds_nothing_wrong_when_all_is_well) {
+TEST(Summary, finds_no_problem_when_all_is_well) {
   Museum museum;
   museum.look();
   museum.recording->begin();
@@ -69,7 +69,7 @@ TEST(Summary, finds_nothing_wrong_when_all_is_well) {
   EXPECT_THAT(museum.problems(), IsEmpty());
 }
 
-TEST(Summary, holds_what_the_demo_promises_in_frame_order) {
+TEST(Summary, has_the_demos_figures_in_the_order_of_a_frame) {
   Museum museum;
   museum.look();
   const auto json = nlohmann::ordered_json::parse(summary_json(*museum.recording, museum.span, {"one thing"}));
@@ -87,7 +87,7 @@ TEST(Summary, holds_what_the_demo_promises_in_frame_order) {
   EXPECT_EQ(json["problems"][0], "one thing");
 }
 
-TEST(Summary, counts_the_nodes_of_the_farm_not_those_of_the_last_frame) {
+TEST(Summary, counts_the_farms_nodes_not_those_of_the_last_frame) {
   FakeProcess tour("tour");
   FakeProcess farm("coordinator");
   tour.inspection.set_gauge("nodes", 1);
@@ -100,7 +100,7 @@ TEST(Summary, counts_the_nodes_of_the_farm_not_those_of_the_last_frame) {
   EXPECT_EQ(json["nodes"], 2);
 }
 
-TEST(Summary, tells_each_part_that_did_not_work) {
+TEST(Summary, names_each_part_that_did_not_work) {
   {
     Museum museum;
     museum.look();
@@ -143,7 +143,7 @@ TEST(Summary, tells_each_part_that_did_not_work) {
   }
 }
 
-TEST(Summary, tells_of_a_process_that_was_away_for_a_while) {
+TEST(Summary, reports_a_process_that_was_away_for_a_while) {
   Museum museum;
   museum.look();
   museum.move();
@@ -157,7 +157,7 @@ TEST(Summary, tells_of_a_process_that_was_away_for_a_while) {
   EXPECT_THAT(museum.problems(), ElementsAre(HasSubstr("tracker did not answer for")));
 }
 
-TEST(Summary, tells_that_no_tag_was_ever_followed) {
+TEST(Summary, reports_that_no_tag_was_ever_followed) {
   FakeProcess tour("tour");
   FakeProcess tracker("tracker");
   tracker.inspection.set_picture("camera", ramp_picture(1));
@@ -185,7 +185,7 @@ TEST(Summary, is_written_with_its_pictures) {
   }
 }
 
-TEST(PictureCheck, tells_blank_from_dark) {
+TEST(PictureCheck, distinguishes_blank_from_dark) {
   RgbImage dark(100, 100);
   EXPECT_TRUE(is_blank(dark));
   EXPECT_TRUE(is_blank(RgbImage()));
@@ -216,7 +216,7 @@ TEST(PictureCheck, shrinks_by_averaging) {
   EXPECT_EQ(shrunk(stripes, 500), stripes);
 }
 
-TEST(PictureCheck, lays_pictures_out_side_by_side) {
+TEST(PictureCheck, arranges_pictures_side_by_side) {
   const RgbImage sheet =
       contact_sheet({{RgbImage(40, 20, 255), RgbImage(80, 20, 255)}, {RgbImage()}, {RgbImage(4, 90, 255)}}, 40);
   EXPECT_EQ(sheet.width(), 2 * 44 + 4);

@@ -47,7 +47,7 @@ GreyImage rasterised(const std::string& pdf, const Paper& paper) {
   return picture;
 }
 
-TEST(BoardSheet, shows_a_camera_all_corners_at_their_places) {
+TEST(BoardSheet, has_all_corners_at_the_right_positions_for_a_camera) {
   for (const Paper& paper : papers()) {
     const GreyImage picture = rasterised(to_pdf(board_sheet(paper)), paper);
     auto detector = camera_calibration::make_board_detector();
@@ -66,7 +66,7 @@ TEST(BoardSheet, shows_a_camera_all_corners_at_their_places) {
   }
 }
 
-TEST(WandSheet, shows_a_detector_the_tags_at_their_places_and_sizes) {
+TEST(WandSheet, has_all_tags_at_the_right_positions_and_sizes_for_a_detector) {
   for (const Paper& paper : papers()) {
     const GreyImage picture = rasterised(to_pdf(wand_sheet(11, paper)), paper);
     tags::DetectorSettings settings;
@@ -88,7 +88,7 @@ TEST(WandSheet, shows_a_detector_the_tags_at_their_places_and_sizes) {
   }
 }
 
-TEST(WandSheet, is_a_pdf_whose_table_points_at_its_objects) {
+TEST(WandSheet, is_a_pdf_whose_table_has_the_right_offsets) {
   const std::string pdf = to_pdf(wand_sheet(0, papers()[0]));
   EXPECT_EQ(pdf.substr(0, 8), "%PDF-1.4");
   EXPECT_EQ(pdf.substr(pdf.size() - 6), "%%EOF\n");
@@ -102,7 +102,7 @@ TEST(WandSheet, is_a_pdf_whose_table_points_at_its_objects) {
   EXPECT_THAT(pdf, testing::HasSubstr("startxref\n" + std::to_string(table)));
 }
 
-TEST(VectorPage, keeps_words_from_ending_the_string_they_are_in) {
+TEST(VectorPage, escapes_text_in_strings) {
   VectorPage page(100.0, 100.0);
   page.text({10, 10}, 5.0, "a (b) \\ \n\xc3\xa4");
   EXPECT_THAT(to_pdf({page}), testing::HasSubstr("(a \\(b\\) \\\\ ?\?\?) Tj"));

@@ -83,7 +83,7 @@ class FarmStick {
   fs::path place_;
 };
 
-TEST(FarmHost, takes_head_node_and_a_scene_from_one_stick) {
+TEST(FarmHost, takes_coordinator_node_and_a_scene_from_one_usb_stick) {
   const FarmStick host;
   const ProvisioningReport report = host.install();
   EXPECT_EQ(report.verdict, ProvisioningVerdict::kInstalled) << report_json(report);
@@ -97,7 +97,7 @@ TEST(FarmHost, takes_head_node_and_a_scene_from_one_stick) {
   }
 }
 
-TEST(FarmHost, may_be_a_head_or_a_node_alone) {
+TEST(FarmHost, may_be_a_coordinator_or_a_node_alone) {
   const FarmStick host;
   host.remove("node.toml");
   EXPECT_EQ(host.install().verdict, ProvisioningVerdict::kInstalled);
@@ -107,7 +107,7 @@ TEST(FarmHost, may_be_a_head_or_a_node_alone) {
   EXPECT_FALSE(fs::exists(host.settings() / "farm.toml")) << "what is not on the stick is not in use any more";
 }
 
-TEST(FarmHost, is_no_museum_and_a_museum_is_no_render_host) {
+TEST(FarmHost, cannot_be_a_museum_and_a_museum_cannot_be_a_render_host) {
   const FarmStick host;
   host.write("site.toml", "");
   EXPECT_THAT(host.install().problems, Contains(HasSubstr("site.toml is a museum's")));
@@ -177,7 +177,7 @@ INSTANTIATE_TEST_SUITE_P(
                "'t', which is not there"}),
     [](const auto& test) { return test.param.name; });
 
-TEST(FarmHost, keeps_room_for_what_runs_and_takes_settings_alone_on_a_full_disk) {
+TEST(FarmHost, keeps_room_for_what_runs_and_updates_only_settings_on_a_full_disk) {
   constexpr std::uintmax_t kMiB = 1 << 20;
   const FolderLimits max{200, 4096 * kMiB, 16384 * kMiB};
   EXPECT_EQ(within(std::numeric_limits<std::uintmax_t>::max(), max).max_bytes, max.max_bytes);
@@ -189,7 +189,7 @@ TEST(FarmHost, keeps_room_for_what_runs_and_takes_settings_alone_on_a_full_disk)
   EXPECT_EQ(within(0, {200, 10, 10}).max_bytes, 10U);
 }
 
-TEST(FarmHost, asks_the_programs_about_their_own_tables) {
+TEST(FarmHost, checks_settings_by_the_programs_themselves) {
   const FarmStick host;
   const fs::path programs = host.settings().parent_path() / "bin";
   fs::create_directories(programs);

@@ -18,7 +18,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-TEST(Provision, takes_a_good_stick_into_use_and_tells_what_is_in_it) {
+TEST(Provision, applies_a_good_usb_stick_and_reports_its_contents) {
   const MuseumStick museum;
   const ProvisioningReport report = museum.install();
   EXPECT_EQ(report.verdict, ProvisioningVerdict::kInstalled);
@@ -34,7 +34,7 @@ TEST(Provision, takes_a_good_stick_into_use_and_tells_what_is_in_it) {
   EXPECT_THAT(museum.in_use("tls/key.pem"), HasSubstr("PRIVATE KEY"));
 }
 
-TEST(Provision, keeps_the_pin_as_a_hash_alone_and_the_key_for_nobody_else) {
+TEST(Provision, stores_the_pin_only_as_a_hash_and_the_key_unreadable_for_others) {
   const MuseumStick museum;
   ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   EXPECT_FALSE(fs::exists(museum.root() / "settings" / "operator.toml"));
@@ -56,7 +56,7 @@ TEST(Provision, keeps_the_pin_as_a_hash_alone_and_the_key_for_nobody_else) {
   }
 }
 
-TEST(Provision, lets_every_service_read_the_rest_whatever_the_umask) {
+TEST(Provision, makes_everything_else_readable_for_services_with_any_umask) {
   const MuseumStick museum;
   fs::remove_all(museum.root());
   const mode_t before = ::umask(0077);
@@ -72,7 +72,7 @@ TEST(Provision, lets_every_service_read_the_rest_whatever_the_umask) {
   EXPECT_EQ(info.st_mode & 0777, 0644u);
 }
 
-TEST(Provision, changes_nothing_for_the_same_stick_again) {
+TEST(Provision, changes_nothing_when_applied_twice) {
   const MuseumStick museum;
   ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   const ProvisioningReport again = museum.install();
@@ -82,7 +82,7 @@ TEST(Provision, changes_nothing_for_the_same_stick_again) {
   EXPECT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled) << "another PIN is another set";
 }
 
-TEST(Provision, brings_the_settings_of_before_back_and_forth) {
+TEST(Provision, switches_to_the_previous_settings_and_back) {
   const MuseumStick museum;
   ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   museum.write("site.toml", MuseumStick::site("hall-4"));
@@ -102,7 +102,7 @@ TEST(Provision, brings_the_settings_of_before_back_and_forth) {
   EXPECT_EQ(info.st_mode & 0007, 0u) << "a secret stays one";
 }
 
-TEST(Provision, has_nothing_to_bring_back_after_the_first_stick) {
+TEST(Provision, has_nothing_to_restore_after_the_first_usb_stick) {
   const MuseumStick museum;
   ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   auto store = SettingsStore::open(museum.root());
@@ -121,7 +121,7 @@ struct Spoilt {
 };
 class BadStick : public testing::TestWithParam<Spoilt> {};
 
-TEST_P(BadStick, is_refused_with_a_reason_and_the_settings_before_stay) {
+TEST_P(BadStick, is_refused_with_a_reason_and_the_previous_settings_stay) {
   const MuseumStick museum;
   ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   museum.write("site.toml", MuseumStick::site("hall-4"));
@@ -211,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(
                "this computer's own"}),
     [](const auto& test) { return test.param.name; });
 
-TEST(Provision, tells_every_mistake_at_once) {
+TEST(Provision, reports_every_mistake_at_once) {
   const MuseumStick museum;
   museum.remove("tls/key.pem");
   museum.write("wand.toml", "nonsense");
@@ -222,7 +222,7 @@ TEST(Provision, tells_every_mistake_at_once) {
 }
 
 /// The operator page's login shows problems to everybody while no PIN is in use.
-TEST(Provision, quotes_no_secret_however_it_was_written) {
+TEST(Provision, never_quotes_a_secret) {
   constexpr const char* kSecret = "739914";
   const MuseumStick museum;
   const auto good_room = read_text_file(museum.stick() / "installation.toml", 1 << 20);
@@ -261,7 +261,7 @@ TEST(Provision, quotes_no_secret_however_it_was_written) {
   EXPECT_THAT(refusal(), Not(HasSubstr(key->substr(key->find('\n') + 1, 20))));
 }
 
-TEST(Provision, refuses_too_much) {
+TEST(Provision, refuses_files_over_the_limits) {
   const MuseumStick museum;
   museum.write("large.obj", std::string(5000, 'x'));
   EXPECT_THAT(museum.install({}, {200, 4000, 100'000}).problems, Contains(HasSubstr("large.obj")));
@@ -269,7 +269,7 @@ TEST(Provision, refuses_too_much) {
   EXPECT_THAT(museum.install({}, {3, 1 << 20, 1 << 20}).problems, Contains(HasSubstr("one file too many")));
 }
 
-TEST(Provision, leaves_out_what_computers_put_on_sticks_and_says_so) {
+TEST(Provision, ignores_and_reports_files_that_computers_put_on_usb_sticks) {
   const MuseumStick museum;
   museum.write("._site.toml", "junk");
   museum.write("desktop.ini", "junk");
@@ -279,7 +279,7 @@ TEST(Provision, leaves_out_what_computers_put_on_sticks_and_says_so) {
   EXPECT_EQ(museum.in_use("desktop.ini"), "");
 }
 
-TEST(Provision, says_what_is_not_as_one_may_have_meant_it) {
+TEST(Provision, warns_of_likely_mistakes) {
   const MuseumStick museum;
   museum.write("site.toml", "[farm]\ncoordinators = [\"[2001:db8::1]:7401\"]\n");
   museum.remove("tracker.toml");
@@ -290,7 +290,7 @@ TEST(Provision, says_what_is_not_as_one_may_have_meant_it) {
               ElementsAre(HasSubstr("not encrypted"), HasSubstr("no camera follows"), HasSubstr("no PIN")));
 }
 
-TEST(Provision, takes_the_calibrator_s_cameras_and_their_lenses) {
+TEST(Provision, takes_the_calibrators_cameras_and_their_lenses) {
   const MuseumStick museum;
   museum.write("calibrator.toml",
                "[[watch.camera]]\nname = \"left\"\nkind = \"v4l2\"\nport = \"usb-1\"\n[[watch.camera]]\nname = "
@@ -306,7 +306,7 @@ TEST(Provision, takes_the_calibrator_s_cameras_and_their_lenses) {
   EXPECT_EQ(museum.in_use("cameras/left.json"), "{\"of\": \"left\"}");
 }
 
-TEST(Provision, asks_the_programs_about_their_own_tables) {
+TEST(Provision, checks_settings_by_the_programs_themselves) {
   const MuseumStick museum;
   const fs::path programs = museum.root() / "bin";
   fs::create_directories(programs);
@@ -328,7 +328,7 @@ TEST(Provision, asks_the_programs_about_their_own_tables) {
               ElementsAre("cyclorama-tracker refuses them: cyclorama-tracker: tracker.toml:2: no such camera"));
 }
 
-TEST(Provision, only_checks_when_asked_to) {
+TEST(Provision, only_checks_if_requested) {
   const MuseumStick museum;
   auto store = SettingsStore::open(museum.root());
   ASSERT_TRUE(store);
@@ -339,7 +339,7 @@ TEST(Provision, only_checks_when_asked_to) {
   EXPECT_EQ(store->in_use(), "");
 }
 
-TEST(ProvisioningReport, comes_back_from_json_and_refuses_all_else) {
+TEST(ProvisioningReport, survives_a_round_trip_through_json_and_refuses_all_else) {
   const MuseumStick museum;
   museum.write("wand.toml", "x = \"\xff\"\n");
   const ProvisioningReport report = museum.install();
@@ -349,13 +349,13 @@ TEST(ProvisioningReport, comes_back_from_json_and_refuses_all_else) {
   for (const char* const bad : {"", "{}", "[]", "{\"verdict\": \"installed\"}"}) EXPECT_FALSE(parse_report(bad)) << bad;
 }
 
-TEST(Pin, is_refused_when_anybody_would_try_it_first) {
+TEST(Pin, is_refused_if_it_is_easy_to_guess) {
   for (const char* const pin : {"", "12345", "111111", "123456", "987654", "ab\ncdef", "\xc3\xa4\xc3\xa4\xc3\xa4"})
     EXPECT_FALSE(check_pin(pin)) << pin;
   for (const char* const pin : {"401773", "112233", "correct horse"}) EXPECT_TRUE(check_pin(pin)) << pin;
 }
 
-TEST(Pin, has_another_hash_each_time) {
+TEST(Pin, has_a_different_hash_each_time) {
   const auto one = hashed_pin(kStickPin);
   const auto two = hashed_pin(kStickPin);
   ASSERT_TRUE(one && two);

@@ -56,7 +56,7 @@ void expect_whole(const MuseumStick& museum, const std::string& where) {
   }
 }
 
-TEST(SettingsStore, has_one_whole_set_in_use_whenever_the_power_fails) {
+TEST(SettingsStore, has_one_complete_set_in_use_whenever_the_power_fails) {
   const MuseumStick museum;
   ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   int cuts = 0;
@@ -88,7 +88,7 @@ TEST(SettingsStore, has_one_whole_set_in_use_whenever_the_power_fails) {
   EXPECT_LT(old_ones, cuts) << "some cuts come after the new ones are in use";
 }
 
-TEST(SettingsStore, survives_cuts_while_it_brings_settings_back) {
+TEST(SettingsStore, survives_power_cuts_while_it_restores_settings) {
   const MuseumStick museum;
   ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   museum.write("site.toml", MuseumStick::site("hall-4"));
@@ -113,7 +113,7 @@ TEST(SettingsStore, survives_cuts_while_it_brings_settings_back) {
   }
 }
 
-TEST(SettingsStore, keeps_the_old_settings_when_a_file_cannot_be_written_whole) {
+TEST(SettingsStore, keeps_the_old_settings_when_a_file_cannot_be_written) {
   const MuseumStick museum;
   ASSERT_EQ(museum.install().verdict, ProvisioningVerdict::kInstalled);
   museum.write("site.toml", MuseumStick::site("hall-4"));
@@ -147,7 +147,7 @@ bool has_own_mounts() {
 }
 
 /// Needs permission to mount a disk of its own.
-TEST(SettingsStore, keeps_the_old_settings_on_a_disk_that_is_full) {
+TEST(SettingsStore, keeps_the_old_settings_on_a_full_disk) {
   const MuseumStick museum;
   const std::string size = "size=256k,nr_inodes=200";
   constexpr int kNotAllowed = 70;
@@ -171,7 +171,7 @@ TEST(SettingsStore, keeps_the_old_settings_on_a_disk_that_is_full) {
   EXPECT_EQ(end, 0);
 }
 
-TEST(SettingsStore, is_one_program_s_at_a_time) {
+TEST(SettingsStore, is_locked_by_one_program_at_a_time) {
   const MuseumStick museum;
   const auto one = SettingsStore::open(museum.root());
   ASSERT_TRUE(one);
@@ -180,7 +180,7 @@ TEST(SettingsStore, is_one_program_s_at_a_time) {
   EXPECT_EQ(two.error().code(), ErrorCode::kBusy);
 }
 
-TEST(SettingsStore, keeps_two_sets_and_no_more) {
+TEST(SettingsStore, keeps_two_sets_only) {
   const MuseumStick museum;
   for (int i = 0; i < 5; ++i) {
     museum.write("site.toml", MuseumStick::site("hall-" + std::to_string(i)));
@@ -189,7 +189,7 @@ TEST(SettingsStore, keeps_two_sets_and_no_more) {
   EXPECT_EQ(std::distance(fs::directory_iterator(museum.root() / "generations"), fs::directory_iterator()), 2);
 }
 
-TEST(Checksums, are_read_as_sha256sum_writes_them) {
+TEST(Checksums, are_read_in_the_format_of_sha256sum) {
   const std::string hash(64, 'a');
   const auto files = parse_checksums(hash + "  site.toml\n" + hash + " *./tls/key.pem\r\n\n");
   ASSERT_TRUE(files);

@@ -102,7 +102,7 @@ std::string text_of(const fs::path& path) {
   return text ? *text : "";
 }
 
-TEST(FetchUpdate, brings_a_newer_version_whole_and_asks_for_nothing_twice) {
+TEST(FetchUpdate, fetches_a_newer_version_completely_and_nothing_twice) {
   Farm farm;
   farm.start();
   const auto outcome = farm.fetch(farm.order());
@@ -117,7 +117,7 @@ TEST(FetchUpdate, brings_a_newer_version_whole_and_asks_for_nothing_twice) {
   EXPECT_EQ(farm.sent_bytes(), sent);
 }
 
-TEST(FetchUpdate, goes_on_where_it_was_cut) {
+TEST(FetchUpdate, resumes_where_it_was_interrupted) {
   Farm farm;
   farm.start();
   int pieces = 0;
@@ -137,7 +137,7 @@ TEST(FetchUpdate, goes_on_where_it_was_cut) {
       << "the rest, and the hashes";
 }
 
-TEST(FetchUpdate, forgets_what_had_come_of_another_version) {
+TEST(FetchUpdate, discards_parts_of_another_version) {
   Farm farm;
   farm.start();
   int pieces = 0;
@@ -150,7 +150,7 @@ TEST(FetchUpdate, forgets_what_had_come_of_another_version) {
   EXPECT_FALSE(fs::exists(farm.offer() / (std::string(kRoot) + ".part")));
 }
 
-TEST(FetchUpdate, fetches_anew_what_was_damaged_on_this_disk) {
+TEST(FetchUpdate, fetches_again_what_was_damaged_on_this_disk) {
   Farm farm;
   farm.start();
   int pieces = 0;
@@ -165,7 +165,7 @@ TEST(FetchUpdate, fetches_anew_what_was_damaged_on_this_disk) {
   EXPECT_EQ(farm.fetch(farm.order())->kind, Kind::kReady);
 }
 
-TEST(FetchUpdate, has_nothing_to_do_for_an_old_version_or_one_that_failed_here) {
+TEST(FetchUpdate, ignores_an_old_version_and_one_that_failed_here) {
   Farm farm;
   farm.start();
   FetchOrder order = farm.order();
@@ -185,7 +185,7 @@ TEST(FetchUpdate, has_nothing_to_do_for_an_old_version_or_one_that_failed_here) 
   EXPECT_EQ(farm.sent_bytes(), 0u);
 }
 
-TEST(FetchUpdate, refuses_what_another_signed) {
+TEST(FetchUpdate, refuses_a_foreign_signature) {
   Farm farm;
   farm.sign("theirs");
   farm.start();
@@ -196,7 +196,7 @@ TEST(FetchUpdate, refuses_what_another_signed) {
   EXPECT_EQ(farm.sent_bytes(), 0u);
 }
 
-TEST(FetchUpdate, refuses_a_file_that_is_not_the_signed_one) {
+TEST(FetchUpdate, refuses_a_file_that_differs_from_the_signed_one) {
   Farm farm;
   farm.write(kRoot, std::string(kRootBytes, 'q'));
   farm.start();
@@ -208,7 +208,7 @@ TEST(FetchUpdate, refuses_a_file_that_is_not_the_signed_one) {
   EXPECT_FALSE(fs::exists(farm.offer() / (std::string(kRoot) + ".part")));
 }
 
-TEST(FetchUpdate, refuses_more_than_it_may_be_and_more_than_the_disk_has_room_for) {
+TEST(FetchUpdate, refuses_files_over_the_limit_and_over_the_free_space) {
   Farm farm;
   farm.start();
   FetchOrder order = farm.order();
@@ -226,7 +226,7 @@ TEST(FetchUpdate, refuses_more_than_it_may_be_and_more_than_the_disk_has_room_fo
   EXPECT_EQ(farm.sent_bytes(), 0u);
 }
 
-TEST(FetchUpdate, is_for_museums_that_are_granted_it) {
+TEST(FetchUpdate, serves_only_museums_with_the_grant) {
   TestAuthority authority;
   Farm farm;
   const fs::path museums = farm.place() / "museums.toml";
@@ -268,7 +268,7 @@ class LyingCoordinator final : public wire::Updates::Service {
   const wire::UpdateOffer offer_;
 };
 
-TEST(FetchUpdate, believes_no_lengths_and_no_order) {
+TEST(FetchUpdate, does_not_trust_announced_lengths_and_order) {
   const Farm farm;
   wire::UpdateOffer offer;
   offer.set_sums(text_of(farm.shelf() / "SHA256SUMS"));
@@ -294,7 +294,7 @@ TEST(FetchUpdate, believes_no_lengths_and_no_order) {
   EXPECT_THAT(said(), HasSubstr("is not the file"));
 }
 
-TEST(FetchUpdate, says_that_the_farm_is_away) {
+TEST(FetchUpdate, reports_that_the_farm_is_unreachable) {
   const Farm farm;
   auto client = client::UpdateClient::make({"[::1]:1"}, std::nullopt);
   ASSERT_TRUE(client);

@@ -31,7 +31,7 @@ TEST(UpdateSettings, wait_for_the_night_and_for_the_last_visitor) {
   EXPECT_FALSE(usual.is_night(at(5)));
 }
 
-TEST(UpdateSettings, are_the_museums_to_choose) {
+TEST(UpdateSettings, can_be_set_by_the_museum) {
   const UpdateSettings chosen =
       settings(std::string("[update]\nfrom_farm = false\nhours = \"23:00-09:00\"\n") + kZurich);
   EXPECT_FALSE(chosen.from_farm);
@@ -39,12 +39,12 @@ TEST(UpdateSettings, are_the_museums_to_choose) {
   EXPECT_TRUE(chosen.is_night(at(8, 59)));
 }
 
-TEST(UpdateSettings, of_a_museum_that_is_always_open_count_by_the_night_alone) {
+TEST(UpdateSettings, depend_on_the_night_alone_in_a_museum_that_is_always_open) {
   const UpdateSettings always = settings("[update]\nhours = \"00:00-24:00\"\n");
   EXPECT_TRUE(always.is_night(at(12)));
 }
 
-TEST(UpdateSettings, wait_for_who_keeps_the_museum_open_for_once) {
+TEST(UpdateSettings, wait_for_the_end_of_an_override_that_keeps_the_museum_open) {
   for (const std::string& hours : {std::string(kZurich), std::string()}) {
     const UpdateSettings usual = settings(hours);
     const HoursOverride open{true, at(3), at(4)};
@@ -56,11 +56,11 @@ TEST(UpdateSettings, wait_for_who_keeps_the_museum_open_for_once) {
   EXPECT_FALSE(settings(kZurich).is_night(at(5), closed));
 }
 
-TEST(UpdateSettings, do_nothing_by_a_clock_that_was_never_set) {
+TEST(UpdateSettings, allow_no_update_while_the_clock_is_not_set) {
   EXPECT_FALSE(settings("[update]\nhours = \"00:00-24:00\"\n").is_night(WallTime{}));
 }
 
-TEST(UpdateSettings, name_what_is_wrong) {
+TEST(UpdateSettings, name_a_mistake) {
   for (const char* const wrong :
        {"hours = \"2-5\"", "hours = \"\"", "hours = \"closed\"", "from_farms = true", "hours = 3"}) {
     const auto read = parse_update_settings(std::string("[update]\n") + wrong + "\n", "site.toml");

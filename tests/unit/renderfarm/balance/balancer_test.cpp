@@ -65,7 +65,7 @@ TEST_P(EveryBalancer, tiles_the_picture_exactly_for_1_to_4096_nodes) {
   }
 }
 
-TEST_P(EveryBalancer, tiles_pictures_of_any_size_with_more_nodes_than_cells_too) {
+TEST_P(EveryBalancer, tiles_pictures_of_any_size_even_with_more_nodes_than_cells) {
   std::mt19937 random(7);
   for (const PictureSize size :
        {PictureSize{1, 1}, PictureSize{1, 16384}, PictureSize{16384, 1}, PictureSize{17, 17}, PictureSize{33, 47},
@@ -82,7 +82,7 @@ TEST_P(EveryBalancer, tiles_pictures_of_any_size_with_more_nodes_than_cells_too)
   }
 }
 
-TEST_P(EveryBalancer, bears_costs_speeds_and_views_that_are_no_numbers) {
+TEST_P(EveryBalancer, survives_invalid_costs_speeds_and_views) {
   const PictureSize size{1600, 900};
   for (const double bad : {0.0, kNan, kInfinity, -kInfinity, -1.0, 1e308, 5e-324}) {
     for (const bool all : {true, false}) {
@@ -108,7 +108,7 @@ TEST_P(EveryBalancer, bears_costs_speeds_and_views_that_are_no_numbers) {
   }
 }
 
-TEST_P(EveryBalancer, bears_blocks_that_are_not_of_the_picture) {
+TEST_P(EveryBalancer, survives_blocks_outside_the_picture) {
   const PictureSize size{640, 480};
   const std::vector<double> speeds(4, 1.0);
   const std::vector<MeasuredBlock> blocks{{{-16, 0, 64, 64}, 1.0},   {{0, 0, 64, 4096}, 1.0},
@@ -121,7 +121,7 @@ TEST_P(EveryBalancer, bears_blocks_that_are_not_of_the_picture) {
   EXPECT_TRUE(is_whole_plan(size, 4, balancer->split(request(size, speeds))));
 }
 
-TEST_P(EveryBalancer, has_nothing_to_say_without_nodes_or_pixels) {
+TEST_P(EveryBalancer, returns_nothing_without_nodes_or_pixels) {
   const std::vector<double> none;
   const std::vector<double> some(3, 1.0);
   EXPECT_TRUE(balancer->split(request({640, 480}, none)).empty());
@@ -129,7 +129,7 @@ TEST_P(EveryBalancer, has_nothing_to_say_without_nodes_or_pixels) {
   EXPECT_TRUE(balancer->split(request({640, -1}, some)).empty());
 }
 
-TEST_P(EveryBalancer, says_the_same_every_time) {
+TEST_P(EveryBalancer, is_deterministic) {
   std::vector<std::vector<PlannedBlock>> plans[2];
   for (auto& of_run : plans) {
     std::mt19937 random(11);
@@ -143,7 +143,7 @@ TEST_P(EveryBalancer, says_the_same_every_time) {
   EXPECT_EQ(plans[0], plans[1]);
 }
 
-TEST_P(EveryBalancer, goes_on_when_nodes_come_and_go_and_the_picture_changes) {
+TEST_P(EveryBalancer, continues_when_nodes_come_and_go_and_the_picture_changes) {
   std::mt19937 random(5);
   for (const auto& [n, size] : {std::pair(4u, PictureSize{800, 448}),
                                 {5u, {800, 448}},
@@ -165,7 +165,7 @@ TEST(BalanceStrategy, has_a_name) {
   EXPECT_EQ(balance_strategy_of("best"), std::nullopt);
 }
 
-TEST(EqualBalancer, gives_area_by_speed) {
+TEST(EqualBalancer, divides_the_area_by_speed) {
   const auto balancer = make_balancer(BalanceStrategy::kEqual);
   const std::vector<double> speeds{1.0, 3.0};
   const auto plan = balancer->split(request({1600, 160}, speeds));
@@ -173,7 +173,7 @@ TEST(EqualBalancer, gives_area_by_speed) {
   EXPECT_EQ(plan[0].rect, (PixelRect{0, 0, 400, 160}));
 }
 
-TEST(CostMapStealing, lists_a_few_ever_smaller_pieces_after_what_is_the_nodes_own) {
+TEST(CostMapStealing, makes_a_few_stealable_pieces_of_decreasing_size) {
   const auto balancer = make_balancer(BalanceStrategy::kCostMapStealing);
   const std::vector<double> speeds(4, 1.0);
   const PictureSize size{1920, 1080};
@@ -193,7 +193,7 @@ TEST(CostMapStealing, lists_a_few_ever_smaller_pieces_after_what_is_the_nodes_ow
   EXPECT_EQ(plan.size(), 16u);
 }
 
-TEST(CostMapStealing, makes_no_pieces_that_cost_more_than_they_could_bring) {
+TEST(CostMapStealing, makes_no_piece_whose_overhead_exceeds_its_gain) {
   const auto balancer = make_balancer(BalanceStrategy::kCostMapStealing);
   const std::vector<double> speeds(4, 1.0);
   SplitRequest asked = request({640, 352}, speeds);
@@ -212,7 +212,7 @@ TEST(CostMap, gives_no_work_to_nodes_that_would_make_the_frame_slower) {
   EXPECT_EQ(balancer->split(asked).size(), 10u);
 }
 
-TEST(BalanceEfficiency, is_mean_over_largest) {
+TEST(BalanceEfficiency, is_mean_over_maximum) {
   EXPECT_DOUBLE_EQ(balance_efficiency(std::vector<double>{1.0, 1.0, 1.0}), 1.0);
   EXPECT_DOUBLE_EQ(balance_efficiency(std::vector<double>{1.0, 3.0}), 2.0 / 3.0);
   EXPECT_DOUBLE_EQ(balance_efficiency(std::vector<double>{0.0, 0.0, 0.0, 2.0}), 0.25);

@@ -58,13 +58,13 @@ Density relic_at(double px) {
   return [px](double x, double) { return 1e-6 + 1e-3 * std::exp(-0.001 * (x - px) * (x - px)); };
 }
 
-TEST(CostMap, takes_every_pixel_alike_before_anything_is_measured) {
+TEST(CostMap, assumes_equal_costs_before_anything_is_measured) {
   const WorkGrid work = CostMap().predict(view({40, 20}));
   EXPECT_FLOAT_EQ(work.at(0, 0), 256e-6f);
   EXPECT_FLOAT_EQ(work.at(2, 1), 32e-6f);  // 8 x 4 pixels.
 }
 
-TEST(CostMap, expects_what_was_measured) {
+TEST(CostMap, predicts_what_was_measured) {
   CostMap map(kSharp);
   const auto density = [](double x, double y) { return 1e-6 * (1.0 + x + y); };
   learn(&map, measured(kSize, density));
@@ -72,7 +72,7 @@ TEST(CostMap, expects_what_was_measured) {
   EXPECT_NEAR(work.at(3, 5), 256e-6 * (1.0 + 56.0 + 88.0), 1e-9);
 }
 
-TEST(CostMap, moves_with_the_turn_of_an_eye_that_stands_still) {
+TEST(CostMap, shifts_with_the_turn_of_an_eye_that_stands_still) {
   CostMap map(kSharp);
   learn(&map, measured(kSize, relic_at(400.0)));
   const double before = middle_of_work(map.predict(view()));
@@ -81,7 +81,7 @@ TEST(CostMap, moves_with_the_turn_of_an_eye_that_stands_still) {
   EXPECT_NEAR(middle_of_work(map.predict(view(kSize, -0.3))), before + 6.0, 0.1);
 }
 
-TEST(CostMap, stays_in_a_picture_that_no_turn_shifts) {
+TEST(CostMap, stays_in_a_picture_that_turning_does_not_shift) {
   CostMap map(kSharp);
   learn(&map, measured(kSize, relic_at(400.0)));
   SplitRequest flat = view();
@@ -91,7 +91,7 @@ TEST(CostMap, stays_in_a_picture_that_no_turn_shifts) {
   EXPECT_NEAR(middle_of_work(map.predict(flat)), before, 0.1);
 }
 
-TEST(CostMap, stays_where_an_orbit_keeps_its_relic) {
+TEST(CostMap, stays_where_an_orbit_keeps_its_object) {
   CostMap map(kSharp);
   // The eye orbits and turns; the relic stays in the middle.
   for (int i = 0; i < 12; ++i) {
@@ -101,7 +101,7 @@ TEST(CostMap, stays_where_an_orbit_keeps_its_relic) {
   EXPECT_NEAR(middle_of_work(map.predict(view(kSize, 1.2, 2.4))), 20.0, 0.2);
 }
 
-TEST(CostMap, serves_a_picture_of_another_size) {
+TEST(CostMap, can_be_used_for_a_picture_of_another_size) {
   CostMap map(kSharp);
   learn(&map, measured(kSize, relic_at(200.0)));
   const WorkGrid small = map.predict(view(kSize));
@@ -111,14 +111,14 @@ TEST(CostMap, serves_a_picture_of_another_size) {
   EXPECT_NEAR(map.predict(view({333, 177})).total() / small.total(), 333.0 * 177.0 / (640.0 * 320.0), 0.05);
 }
 
-TEST(CostMap, counts_effort) {
+TEST(CostMap, scales_with_the_number_of_samples) {
   CostMap map(kSharp);
   learn(&map, measured(kSize, relic_at(200.0)), 0.0, 0.0, 4.0);
   const double four = map.predict(view(kSize, 0.0, 0.0, 4.0)).total();
   EXPECT_NEAR(map.predict(view(kSize, 0.0, 0.0, 1.0)).total(), 0.25 * four, 1e-6 * four);
 }
 
-TEST(CostMap, keeps_the_contrast_inside_a_block_that_tells_nothing_of_it) {
+TEST(CostMap, keeps_the_contrast_within_a_block_that_reports_only_its_total) {
   CostMap map(kSharp);
   learn(&map, measured(kSize, relic_at(200.0)));
   const WorkGrid before = map.predict(view());
@@ -131,14 +131,14 @@ TEST(CostMap, keeps_the_contrast_inside_a_block_that_tells_nothing_of_it) {
   }
 }
 
-TEST(CostMap, knows_no_contrast_by_the_papers_rule) {
+TEST(CostMap, has_no_contrast_within_a_block_by_the_papers_rule) {
   CostMap map({.times = CellTimes::kUniform, .turns = false, .spreads = 0.0});
   learn(&map, measured(kSize, relic_at(200.0)));
   const WorkGrid work = map.predict(view(kSize, 0.5));
   EXPECT_FLOAT_EQ(work.at(0, 0), work.at(12, 10));
 }
 
-TEST(CostMap, keeps_what_it_knows_of_parts_that_were_not_measured) {
+TEST(CostMap, keeps_the_costs_of_parts_that_were_not_measured) {
   CostMap map(kSharp);
   learn(&map, measured(kSize, relic_at(200.0)));
   const WorkGrid before = map.predict(view());
@@ -149,13 +149,13 @@ TEST(CostMap, keeps_what_it_knows_of_parts_that_were_not_measured) {
   EXPECT_FLOAT_EQ(after.at(12, 10), before.at(12, 10));
 }
 
-TEST(CostMap, leaves_no_cell_for_nothing) {
+TEST(CostMap, has_no_cell_without_cost) {
   CostMap map(kSharp);
   learn(&map, measured(kSize, [](double x, double) { return x < 320.0 ? 0.0 : 1e-3; }));
   EXPECT_GT(map.predict(view()).at(0, 0), 0.0f);
 }
 
-TEST(CostMap, spreads_costs_when_the_view_has_moved_and_keeps_all_of_them) {
+TEST(CostMap, spreads_costs_when_the_view_has_moved_and_keeps_their_sum) {
   CostMap map({.spreads = 0.5});
   const MeasuredBlock block = measured(kSize, relic_at(320.0));
   learn(&map, block);
@@ -164,7 +164,7 @@ TEST(CostMap, spreads_costs_when_the_view_has_moved_and_keeps_all_of_them) {
   EXPECT_NEAR(work.total(), block.cpu_seconds, 0.02 * block.cpu_seconds);
 }
 
-TEST(CostMap, keeps_two_eyes_pictures_apart) {
+TEST(CostMap, keeps_the_two_eyes_pictures_apart) {
   // The left eye's picture costs almost nothing, the right eye's, below it, a thousand times as much.
   const auto density = [](double, double y) { return y < 160.0 ? 1e-6 : 1e-3; };
   CostMap map;  // With spreading when the view moves.
@@ -191,7 +191,7 @@ TEST(CostMap, keeps_two_eyes_pictures_apart) {
   EXPECT_GT(of_one.predict(view(kSize, 0.3, 0.1)).at(7, 9), 3e-5f * 256.0f) << "in one picture costs spread";
 }
 
-TEST(CostMap, begins_the_second_eye_with_what_the_first_one_costs) {
+TEST(CostMap, initialises_the_second_eye_with_the_firsts_costs) {
   CostMap map(kSharp);
   learn(&map, measured({640, 160}, [](double, double y) { return 1e-6 * (1.0 + y); }));
   SplitRequest request = view(kSize);

@@ -39,7 +39,7 @@ class CostRecord : public testing::Test {
   std::filesystem::path path_ = folder_ / "one.costs";
 };
 
-TEST_F(CostRecord, comes_back_as_it_was_written) {
+TEST_F(CostRecord, survives_a_round_trip) {
   auto recorder = CostRecorder::create(path_);
   ASSERT_TRUE(recorder);
   RecordedFrame first = frame({100, 40}, 0.25f);
@@ -59,7 +59,7 @@ TEST_F(CostRecord, comes_back_as_it_was_written) {
   EXPECT_EQ((*frames)[1].work.columns(), 2);
 }
 
-TEST_F(CostRecord, takes_what_nodes_measured) {
+TEST_F(CostRecord, contains_what_nodes_measured) {
   auto recorder = CostRecorder::create(path_);
   ASSERT_TRUE(recorder);
   // The second node is twice as fast; the third quarter was not reported.
@@ -71,7 +71,7 @@ TEST_F(CostRecord, takes_what_nodes_measured) {
   EXPECT_THAT(frames->front().work.cells(), testing::ElementsAre(1.0f, 8.0f, 2.0f, 0.0f));
 }
 
-TEST_F(CostRecord, is_read_up_to_its_last_whole_frame_wherever_it_was_cut) {
+TEST_F(CostRecord, is_read_up_to_its_last_complete_frame_wherever_it_was_cut) {
   const auto one = written({frame({48, 32}, 1.0f)});
   const auto two = written({frame({48, 32}, 1.0f), frame({48, 32}, 2.0f)});
   for (std::size_t length = 8; length <= two.size(); ++length) {
@@ -84,7 +84,7 @@ TEST_F(CostRecord, is_read_up_to_its_last_whole_frame_wherever_it_was_cut) {
   }
 }
 
-TEST_F(CostRecord, refuses_what_no_recorder_writes_in_one_sentence) {
+TEST_F(CostRecord, refuses_invalid_files_in_one_sentence) {
   const auto good = written({frame({48, 32}, 1.0f)});
   const auto with = [&](std::size_t at, auto value) {
     auto bytes = good;
@@ -105,7 +105,7 @@ TEST_F(CostRecord, refuses_what_no_recorder_writes_in_one_sentence) {
   EXPECT_THAT(with(68, std::numeric_limits<float>::quiet_NaN()), HasSubstr("work"));
 }
 
-TEST_F(CostRecord, is_never_written_over) {
+TEST_F(CostRecord, is_never_overwritten) {
   ASSERT_TRUE(CostRecorder::create(path_));
   const auto again = CostRecorder::create(path_);
   ASSERT_FALSE(again);
@@ -113,7 +113,7 @@ TEST_F(CostRecord, is_never_written_over) {
   EXPECT_EQ(CostRecorder::create(folder_ / "no" / "such.costs").error().code(), ErrorCode::kNotFound);
 }
 
-TEST_F(CostRecord, takes_no_frame_that_could_not_be_read_again) {
+TEST_F(CostRecord, refuses_a_frame_that_could_not_be_read_again) {
   auto recorder = CostRecorder::create(path_);
   ASSERT_TRUE(recorder);
   EXPECT_EQ(recorder->add(frame({0, 32}, 1.0f)).error().code(), ErrorCode::kInvalidArgument);

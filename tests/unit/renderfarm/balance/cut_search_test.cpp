@@ -19,7 +19,7 @@ TEST(WorkSums, sum_any_rectangle) {
   EXPECT_DOUBLE_EQ(sums.of({1, 1, 0, 1}), 0.0);
 }
 
-TEST(WorkSums, find_the_cut_nearest_to_a_work) {
+TEST(WorkSums, find_the_cut_with_the_nearest_work) {
   WorkGrid work({80, 16});
   for (float& cell : work.cells()) cell = 1.0f;
   const WorkSums sums(work);
@@ -29,7 +29,7 @@ TEST(WorkSums, find_the_cut_nearest_to_a_work) {
   EXPECT_EQ(nearest_cut(sums, {0, 0, 5, 1}, CutDirection::kAcross, 99.0), 4);
 }
 
-TEST(CutSearch, cuts_where_both_are_done_at_once) {
+TEST(CutSearch, cuts_where_both_sides_finish_at_once) {
   WorkGrid work({160, 32}, 1.0f);
   const std::vector<double> speeds{1.0, 4.0};
   const auto parts = cut_for_nodes(WorkSums(work), speeds);
@@ -37,7 +37,7 @@ TEST(CutSearch, cuts_where_both_are_done_at_once) {
   EXPECT_EQ(parts[1], (CellRect{2, 0, 8, 2}));
 }
 
-TEST(CutSearch, cuts_the_shorter_side_where_only_that_is_fair) {
+TEST(CutSearch, cuts_the_shorter_side_if_only_that_is_balanced) {
   // Four cells wide and three high: the last column has nearly all the work, in its two upper cells.
   WorkGrid work({64, 48}, 0.01f);
   work.at(3, 0) = work.at(3, 1) = 10.0f;
@@ -45,7 +45,7 @@ TEST(CutSearch, cuts_the_shorter_side_where_only_that_is_fair) {
   EXPECT_EQ(cut_for_nodes(WorkSums(work), speeds)[0], (CellRect{0, 0, 4, 1}));
 }
 
-TEST(CutSearch, looks_a_fork_ahead) {
+TEST(CutSearch, looks_one_level_ahead) {
   // A cut between the columns gives both sides equal work, but a side whose work lies in one cell cannot be divided
   // between two.
   WorkGrid work({64, 64}, 0.001f);
@@ -55,7 +55,7 @@ TEST(CutSearch, looks_a_fork_ahead) {
   for (const CellRect& part : parts) EXPECT_NEAR(WorkSums(work).of(part), 1.0, 0.05);
 }
 
-TEST(CutSearch, cuts_shares_off_compactly) {
+TEST(CutSearch, gives_nodes_compact_shares) {
   const WorkSums work(WorkGrid({320, 320}, 1.0f));
   const std::vector<double> shares{0.8, 0.1, 0.06, 0.04};
   const auto parts = cut_by_shares(work, work.whole(), shares);
@@ -71,7 +71,7 @@ TEST(CutSearch, cuts_shares_off_compactly) {
   EXPECT_EQ(cut_by_shares(work, {3, 4, 2, 1}, shares).size(), 2u);
 }
 
-TEST(Levelling, gives_from_the_fullest_to_the_emptiest) {
+TEST(Levelling, moves_work_from_the_most_to_the_least_loaded_node) {
   const std::vector<NodeQueue> nodes{
       {1.0, {{5.0, false}, {2.0, true}, {1.0, true}}}, {1.0, {{6.0, false}, {0.5, true}}}, {2.0, {{8.0, false}}}};
   const auto moves = level(nodes, 0.0);
@@ -85,7 +85,7 @@ TEST(Levelling, gives_from_the_fullest_to_the_emptiest) {
   EXPECT_EQ(moves[1].to, 2u);
 }
 
-TEST(Levelling, moves_nothing_that_is_not_worth_it) {
+TEST(Levelling, moves_nothing_that_is_not_worth_the_overhead) {
   const std::vector<NodeQueue> nodes{{1.0, {{5.0, false}, {0.4, true}}}, {1.0, {{5.0, false}}}};
   EXPECT_TRUE(level(nodes, 0.1).empty());
   EXPECT_TRUE(level({}, 0.0).empty());

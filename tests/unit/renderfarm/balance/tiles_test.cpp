@@ -29,11 +29,11 @@ TEST(Tiles, cover_the_block_exactly_on_the_grid_and_are_small) {
   }
 }
 
-TEST(Tiles, of_a_tile_are_the_tile) {
+TEST(Tiles, of_a_single_tile_are_that_tile) {
   for (const PixelRect& tile : tiles_of({32, 64, 1000, 700})) EXPECT_EQ(tiles_of(tile), std::vector{tile});
 }
 
-TEST(Tiles, of_nothing_are_none) { EXPECT_TRUE(tiles_of({0, 0, 0, 5}).empty()); }
+TEST(Tiles, of_an_empty_block_are_none) { EXPECT_TRUE(tiles_of({0, 0, 0, 5}).empty()); }
 
 TEST(Tiles, have_no_slivers) {
   for (const PixelRect& tile : tiles_of({0, 0, 272, 256})) EXPECT_GE(tile.width, 128);

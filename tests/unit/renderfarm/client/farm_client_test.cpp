@@ -36,7 +36,7 @@ std::unique_ptr<FarmClient> start(const std::vector<std::string>& coordinators, 
   return *std::move(client);
 }
 
-TEST(FarmClient, opens_a_session_and_brings_whole_frames_in_order) {
+TEST(FarmClient, opens_a_session_and_delivers_complete_frames_in_order) {
   FakeFarm farm;
   RecordingFarmListener listener;
   const auto client = start({farm.address()}, listener);
@@ -62,7 +62,7 @@ TEST(FarmClient, opens_a_session_and_brings_whole_frames_in_order) {
   }
 }
 
-TEST(FarmClient, has_two_frames_in_flight_and_drops_to_the_newest_view) {
+TEST(FarmClient, has_two_frames_in_flight_and_skips_to_the_newest_view) {
   FakeFarm farm;
   farm.set_gate(false);
   RecordingFarmListener listener;
@@ -98,7 +98,7 @@ TEST(FarmClient, reconnects_and_requests_again_after_the_coordinator_restarts) {
   EXPECT_TRUE(listener.seen().frames.front().end.complete());
 }
 
-TEST(FarmClient, ends_a_broken_frame_and_delivers_it_whole_afterwards) {
+TEST(FarmClient, ends_a_broken_frame_and_delivers_it_completely_afterwards) {
   FakeFarm farm;
   farm.break_next_frame_after(2);
   RecordingFarmListener listener;
@@ -135,7 +135,7 @@ TEST(FarmClient, reports_a_refusal_once_and_keeps_trying) {
   ASSERT_TRUE(listener.wait([](const auto& seen) { return seen.opened == 1; }));
 }
 
-TEST(FarmClient, gives_up_a_coordinator_that_does_not_answer) {
+TEST(FarmClient, disconnects_from_a_coordinator_that_does_not_answer) {
   FakeFarm farm;
   farm.set_gate(false);
   RecordingFarmListener listener;
@@ -169,7 +169,7 @@ TEST(FarmClient, refuses_a_scene_without_a_walkable_area) {
   EXPECT_EQ(listener.seen().opened, 0);
 }
 
-TEST(FarmClient, stops_at_any_moment_and_twice) {
+TEST(FarmClient, can_be_stopped_at_any_moment_and_twice) {
   FakeFarm farm;
   farm.set_gate(false);
   RecordingFarmListener listener;
@@ -184,7 +184,7 @@ TEST(FarmClient, stops_at_any_moment_and_twice) {
   }
 }
 
-TEST(FarmClient, refuses_to_start_without_a_good_address) {
+TEST(FarmClient, refuses_to_start_without_a_valid_address) {
   RecordingFarmListener listener;
   EXPECT_EQ(FarmClient::start({}, listener).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(FarmClient::start({.coordinators = {"::1:7401"}}, listener).error().code(), ErrorCode::kInvalidArgument);

@@ -164,7 +164,7 @@ TEST(ViewWindow, forgets_the_numbers_that_the_farm_skips) {
   EXPECT_FALSE(window.take(end_of(1, 0, false)));
 }
 
-TEST(ViewWindow, takes_a_whole_frame_and_refuses_one_with_a_hole) {
+TEST(ViewWindow, accepts_a_complete_frame_and_refuses_one_with_a_hole) {
   ViewWindow window = open_window();
   for (std::uint64_t n : {1u, 2u}) {
     window.put(view_of(n));
@@ -179,7 +179,7 @@ TEST(ViewWindow, takes_a_whole_frame_and_refuses_one_with_a_hole) {
   EXPECT_FALSE(window.take(end_of(2, 1)));
 }
 
-TEST(ViewWindow, refuses_what_breaks_the_order) {
+TEST(ViewWindow, refuses_messages_out_of_order) {
   ViewWindow window = open_window();
   for (std::uint64_t n : {1u, 2u}) {
     window.put(view_of(n));
@@ -198,7 +198,7 @@ TEST(ViewWindow, refuses_what_breaks_the_order) {
   EXPECT_EQ(window.take(tile_of(1, 0, 32)).error().code(), ErrorCode::kBadData);
 }
 
-TEST(ViewWindow, takes_a_frame_with_fewer_pixels_and_checks_its_tiles_by_its_own_size) {
+TEST(ViewWindow, accepts_a_frame_with_fewer_pixels_and_checks_its_tiles_by_its_own_size) {
   ViewWindow window = open_window();
   window.put(view_of(1, 64, 64));
   ASSERT_TRUE(window.take_sendable());
@@ -212,7 +212,7 @@ TEST(ViewWindow, takes_a_frame_with_fewer_pixels_and_checks_its_tiles_by_its_own
   EXPECT_TRUE(window.take(end_of(1, 1)));
 }
 
-TEST(ViewWindow, takes_the_last_frame_again_refined_even_while_a_newer_view_is_in_flight) {
+TEST(ViewWindow, accepts_a_refined_last_frame_even_while_a_newer_view_is_in_flight) {
   ViewWindow window = open_window();
   window.put(view_of(1));
   ASSERT_TRUE(window.take_sendable());
@@ -233,7 +233,7 @@ TEST(ViewWindow, takes_the_last_frame_again_refined_even_while_a_newer_view_is_i
   EXPECT_FALSE(window.take(begin_of(1))) << "2 was answered since";
 }
 
-TEST(ViewWindow, expects_no_refined_frame_from_the_next_farm) {
+TEST(ViewWindow, expects_no_refined_frame_from_another_farm) {
   ViewWindow window = open_window();
   window.put(view_of(1));
   ASSERT_TRUE(window.take_sendable());

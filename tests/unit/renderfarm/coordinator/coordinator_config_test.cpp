@@ -27,7 +27,7 @@ name = "relic"
 path = "/srv/scenes/relic"
 )";
 
-TEST(CoordinatorConfig, reads_what_it_says_and_defaults_for_the_rest) {
+TEST(CoordinatorConfig, reads_every_key_and_has_defaults) {
   const auto options = read(std::string(kGood) + "[limits]\nsessions = 3\n");
   ASSERT_TRUE(options) << options.error().message();
   EXPECT_EQ(options->museums, "[::1]:7401");
@@ -39,7 +39,7 @@ TEST(CoordinatorConfig, reads_what_it_says_and_defaults_for_the_rest) {
   EXPECT_EQ(options->strategy, balance::BalanceStrategy::kCostMapStealing);
 }
 
-TEST(CoordinatorConfig, says_which_scenes_the_coordinator_hands_out_and_how) {
+TEST(CoordinatorConfig, reads_which_scenes_are_distributed_and_how) {
   const auto plain = read(kGood);
   ASSERT_TRUE(plain);
   EXPECT_FALSE(plain->scenes[1].on_coordinator);
@@ -62,13 +62,13 @@ TEST(CoordinatorConfig, names_the_line_of_a_mistake) {
   EXPECT_FALSE(read("museums = 5\n"));
 }
 
-TEST(CoordinatorConfig, refuses_scenes_that_cannot_be_told_apart) {
+TEST(CoordinatorConfig, refuses_scenes_with_the_same_name) {
   EXPECT_THAT(read(std::string(kGood) + "[[scene]]\nname = \"grotto\"\npath = \"x\"\n").error().message(),
               HasSubstr("twice"));
   EXPECT_THAT(read("museums = \"[::]:1\"\nnodes = \"[::]:2\"\n").error().message(), HasSubstr("no scene"));
 }
 
-TEST(CoordinatorConfig, lets_nobody_in_from_elsewhere_without_tls) {
+TEST(CoordinatorConfig, requires_tls_for_connections_from_other_machines) {
   const std::string scenes = "[[scene]]\nname = \"grotto\"\npath = \"x\"\n";
   const std::string open = "museums = \"[::]:7401\"\nnodes = \"[::1]:7402\"\n";
   EXPECT_THAT(read(open + scenes).error().message(), HasSubstr("cyclorama-authority"));
@@ -88,7 +88,7 @@ TEST(CoordinatorConfig, lets_nobody_in_from_elsewhere_without_tls) {
   EXPECT_EQ(safe->trust.audit, "/var/log/audit");
 }
 
-TEST(FarmScene, is_a_name_and_a_path) {
+TEST(FarmScene, has_a_name_and_a_path) {
   EXPECT_EQ(parse_farm_scene("a=/b=c")->path, "/b=c");
   for (const char* const bad : {"", "=", "a", "a=", "=b"}) EXPECT_FALSE(parse_farm_scene(bad)) << bad;
 }

@@ -17,7 +17,7 @@ using testing::Contains;
 using testing::HasSubstr;
 
 /// A farm with one session whose frames have taken 100 ms for a while.
-class Faults : public testing::Test {
+class CoordinatorFaultsTest : public testing::Test {
  protected:
   void open(int count, double frame_budget_ms = 0.0) {
     for (int i = 0; i < count; ++i) nodes.push_back(s.add_node());
@@ -67,7 +67,7 @@ class Faults : public testing::Test {
   std::uint64_t number = 0;
 };
 
-TEST_F(Faults, what_a_silent_node_owes_is_shared_by_all_who_are_done) {
+TEST_F(CoordinatorFaultsTest, a_silent_nodes_work_is_shared_by_all_idle_nodes) {
   open(5);
   const NodeId stuck = nodes.front();
   s.request_view(session, view_of(++number));
@@ -90,7 +90,7 @@ TEST_F(Faults, what_a_silent_node_owes_is_shared_by_all_who_are_done) {
   EXPECT_EQ(s.complete, 1);
 }
 
-TEST_F(Faults, nodes_that_are_only_slow_never_end_a_frame_however_many) {
+TEST_F(CoordinatorFaultsTest, slow_nodes_alone_never_end_a_frame) {
   open(12);
   s.request_view(session, view_of(++number));
   s.settle({nodes.back()});  // All other nodes are silent, including those that the work is reassigned to.
@@ -102,7 +102,7 @@ TEST_F(Faults, nodes_that_are_only_slow_never_end_a_frame_however_many) {
   EXPECT_EQ(s.complete, 1);
 }
 
-TEST_F(Faults, a_node_that_is_late_again_and_again_is_one_line_of_the_log_in_ten_seconds) {
+TEST_F(CoordinatorFaultsTest, a_node_that_is_repeatedly_late_is_logged_once_in_ten_seconds) {
   open(3);
   const NodeId stuck = nodes.front();
   const auto lines = [&] {
@@ -126,7 +126,7 @@ TEST_F(Faults, a_node_that_is_late_again_and_again_is_one_line_of_the_log_in_ten
   EXPECT_THAT(s.delegate.notices.back(), HasSubstr("(4 times more since it was last said)"));
 }
 
-TEST_F(Faults, a_node_that_is_done_takes_what_another_has_not_begun) {
+TEST_F(CoordinatorFaultsTest, an_idle_node_takes_blocks_that_another_has_not_begun) {
   open(3);
   s.request_view(session, view_of(++number));
   const NodeId busy = nodes[1];
@@ -148,7 +148,7 @@ TEST_F(Faults, a_node_that_is_done_takes_what_another_has_not_begun) {
   EXPECT_FALSE(s.delegate.frames.back().costs.empty());  // Costs of moved blocks are still measured.
 }
 
-TEST_F(Faults, nodes_that_share_their_hosts_help_each_other_too) {
+TEST_F(CoordinatorFaultsTest, nodes_on_shared_hosts_help_each_other_too) {
   constexpr double kShared = 10.0;  // All blocks take ten times as long as forecast, which is usual here.
   open(2);
   for (const NodeId node : nodes) s.slowed[node] = kShared;
@@ -173,7 +173,7 @@ TEST_F(Faults, nodes_that_share_their_hosts_help_each_other_too) {
   EXPECT_EQ(s.delegate.frames.back().moved, 1);
 }
 
-TEST_F(Faults, the_second_frame_does_not_wait_for_a_node_that_held_up_the_first) {
+TEST_F(CoordinatorFaultsTest, the_next_frame_does_not_wait_for_a_node_that_delayed_the_last) {
   open(4);
   const NodeId stuck = nodes[2];
   s.request_view(session, view_of(++number));
@@ -187,7 +187,7 @@ TEST_F(Faults, the_second_frame_does_not_wait_for_a_node_that_held_up_the_first)
   EXPECT_EQ(s.complete, 3);  // The stuck node got no block of this frame.
 }
 
-TEST_F(Faults, a_node_whose_block_was_expected_to_take_long_is_not_silent) {
+TEST_F(CoordinatorFaultsTest, a_node_with_a_block_of_long_expected_time_is_not_silent) {
   open(3);
   s.request_view(session, view_of(++number));
   std::map<NodeId, std::size_t> before;
@@ -199,7 +199,7 @@ TEST_F(Faults, a_node_whose_block_was_expected_to_take_long_is_not_silent) {
   EXPECT_EQ(s.complete, 1);
 }
 
-TEST_F(Faults, a_late_frame_is_given_up_for_the_next_and_says_so) {
+TEST_F(CoordinatorFaultsTest, a_late_frame_is_abandoned_for_the_next_with_a_reason) {
   open(1);
   s.request_view(session, view_of(++number));
   pass(250ms);
@@ -216,7 +216,7 @@ TEST_F(Faults, a_late_frame_is_given_up_for_the_next_and_says_so) {
   EXPECT_FALSE(s.last_end.late());
 }
 
-TEST_F(Faults, a_farm_that_cannot_keep_the_deadline_still_shows_pictures) {
+TEST_F(CoordinatorFaultsTest, a_farm_that_misses_every_deadline_still_shows_pictures) {
   open(2, 20.0);
   for (int i = 0; i < 60; ++i) {
     s.request_view(session, view_of(++number));
@@ -227,7 +227,7 @@ TEST_F(Faults, a_farm_that_cannot_keep_the_deadline_still_shows_pictures) {
   EXPECT_GE(s.complete, 50);
 }
 
-TEST_F(Faults, a_draining_node_ends_what_it_has_and_gets_nothing_new) {
+TEST_F(CoordinatorFaultsTest, a_draining_node_finishes_its_blocks_and_gets_no_new_ones) {
   open(2);
   s.request_view(session, view_of(++number));
   wire::NodeReport report;
@@ -242,7 +242,7 @@ TEST_F(Faults, a_draining_node_ends_what_it_has_and_gets_nothing_new) {
   EXPECT_EQ(s.complete, 2);
 }
 
-TEST_F(Faults, a_slowed_node_is_given_less_until_it_recovers) {
+TEST_F(CoordinatorFaultsTest, a_slowed_node_gets_less_work_until_it_recovers) {
   open(4);
   const std::int64_t fair = frame(1.0);
   for (int i = 0; i < 20; ++i) frame(10.0);
@@ -251,7 +251,7 @@ TEST_F(Faults, a_slowed_node_is_given_less_until_it_recovers) {
   EXPECT_GT(frame(1.0), fair / 2);
 }
 
-TEST_F(Faults, a_node_that_was_too_slow_to_help_is_tried_again_with_a_little) {
+TEST_F(CoordinatorFaultsTest, a_node_that_was_too_slow_is_tried_again_with_a_little_work) {
   open(8);
   const std::int64_t fair = frame(1.0);
   for (int i = 0; i < 20; ++i) frame(100.0);
@@ -269,7 +269,7 @@ TEST_F(Faults, a_node_that_was_too_slow_to_help_is_tried_again_with_a_little) {
   EXPECT_GT(frame(1.0), fair / 2);
 }
 
-TEST_F(Faults, a_node_that_is_stopped_now_and_then_counts_as_slow_though_most_blocks_are_quick) {
+TEST_F(CoordinatorFaultsTest, a_node_that_stalls_now_and_then_counts_as_slow) {
   open(4);
   const std::int64_t fair = frame(1.0);
   const auto stopped = [](int i) { return i % 3 == 0 ? 40.0 : 1.0; };
@@ -277,7 +277,7 @@ TEST_F(Faults, a_node_that_is_stopped_now_and_then_counts_as_slow_though_most_bl
   for (int i = 0; i < 30; ++i) EXPECT_LT(frame(stopped(i)), fair / 2) << i;
 }
 
-TEST_F(Faults, a_scene_that_was_dropped_is_loaded_anew_for_the_next_session) {
+TEST_F(CoordinatorFaultsTest, a_dropped_scene_is_loaded_again_for_the_next_session) {
   open(1);
   wire::NodeReport report;
   report.mutable_scene_dropped()->set_scene("grotto");
@@ -291,7 +291,7 @@ TEST_F(Faults, a_scene_that_was_dropped_is_loaded_anew_for_the_next_session) {
   EXPECT_EQ(order.in_use_size(), 1);  // The first session's scene.
 }
 
-TEST_F(Faults, a_node_that_drops_what_it_never_had_is_sent_away) {
+TEST_F(CoordinatorFaultsTest, a_node_that_drops_a_scene_it_never_had_is_disconnected) {
   open(2);
   wire::NodeReport report;
   report.mutable_scene_dropped()->set_scene("cave");
@@ -299,7 +299,7 @@ TEST_F(Faults, a_node_that_drops_what_it_never_had_is_sent_away) {
   EXPECT_TRUE(s.delegate.ended_nodes.contains(nodes[0]));
 }
 
-TEST_F(Faults, frames_of_two_sessions_take_turns_and_pictures_at_rest_come_last) {
+TEST_F(CoordinatorFaultsTest, frames_of_two_sessions_alternate_and_refinements_come_last) {
   open(1);
   const SessionId other = s.add_session(50.0);
   drain_opened(s, other);
@@ -316,7 +316,7 @@ TEST_F(Faults, frames_of_two_sessions_take_turns_and_pictures_at_rest_come_last)
   EXPECT_LT(both.back().rank(), at_rest.front().rank());
 }
 
-TEST_F(Faults, nodes_forget_the_pictures_of_a_session_that_left) {
+TEST_F(CoordinatorFaultsTest, nodes_forget_the_pictures_of_a_session_that_left) {
   open(2);
   s.state.session_disconnected(session);
   for (const NodeId node : nodes) {

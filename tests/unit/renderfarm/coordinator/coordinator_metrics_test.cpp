@@ -32,7 +32,7 @@ struct Meters {
   std::size_t read_ = 0;
 };
 
-TEST(CoordinatorMetrics, show_each_session_and_each_node_for_itself) {
+TEST(CoordinatorMetrics, show_each_session_and_each_node_separately) {
   Meters m;
   const std::vector<NodeId> nodes{m.farm.add_node(1), m.farm.add_node(1)};
   const SessionId governed = m.farm.add_session(40.0);
@@ -64,7 +64,7 @@ TEST(CoordinatorMetrics, show_each_session_and_each_node_for_itself) {
   EXPECT_EQ(samples_of(m.metrics.text()).at("cyclorama_frames_total{museum=\"museum\"}"), 3);
 }
 
-TEST(CoordinatorMetrics, forget_who_has_gone) {
+TEST(CoordinatorMetrics, forget_sessions_and_nodes_that_left) {
   Meters m;
   const NodeId node = m.farm.add_node();
   const SessionId session = m.farm.add_session();
@@ -83,7 +83,7 @@ TEST(CoordinatorMetrics, forget_who_has_gone) {
   EXPECT_EQ(status["gauges"]["frames"], 1) << "what was done stays done";
 }
 
-TEST(CoordinatorMetrics, tell_what_nodes_say_of_themselves) {
+TEST(CoordinatorMetrics, show_what_nodes_report) {
   Meters m;
   const NodeId node = m.farm.add_node(4);
   wire::NodeReport report;
@@ -101,7 +101,7 @@ TEST(CoordinatorMetrics, tell_what_nodes_say_of_themselves) {
   EXPECT_EQ(row["blocks_waiting"], 3);
 }
 
-TEST(CoordinatorMetrics, the_orders_of_a_plan_are_fanned_out_when_the_last_of_them_is_written) {
+TEST(CoordinatorMetrics, time_a_plan_until_its_last_command_is_written) {
   Meters m;
   const std::vector<NodeId> nodes{m.farm.add_node(), m.farm.add_node()};
   const SessionId session = m.farm.add_session();
@@ -128,7 +128,7 @@ TEST(CoordinatorMetrics, the_orders_of_a_plan_are_fanned_out_when_the_last_of_th
   EXPECT_EQ(stages, (std::vector<std::string>{"queue", "plan", "fan_out", "render", "encode", "farm"}));
 }
 
-TEST(Notices, say_whom_they_are_about) {
+TEST(Notices, name_their_subject) {
   FarmSimulation farm;
   const NodeId node = farm.add_node();
   const SessionId session = farm.add_session();

@@ -82,7 +82,7 @@ TEST_F(GovernedSession, moves_to_the_best_picture_that_fits_the_budget) {
   EXPECT_THAT(s.state.summary(), HasSubstr("moving, 2 samples at 71 %"));
 }
 
-TEST_F(GovernedSession, leaves_a_session_without_a_budget_as_its_views_say) {
+TEST_F(GovernedSession, leaves_a_session_without_a_budget_at_its_views_quality) {
   open(0.0, 0);
   move();
   stand_still(10s);
@@ -115,7 +115,7 @@ TEST_F(GovernedSession, refines_to_the_reference_and_then_rests) {
   EXPECT_EQ(s.orders.size(), orders) << "nodes rest, too";
 }
 
-TEST_F(GovernedSession, keeps_each_part_of_a_picture_where_its_sums_are) {
+TEST_F(GovernedSession, renders_each_part_where_its_samples_are) {
   open(20.0, 64, 3);
   for (int frame = 0; frame < 3; ++frame) move();
   s.orders.clear();
@@ -133,7 +133,7 @@ TEST_F(GovernedSession, keeps_each_part_of_a_picture_where_its_sums_are) {
   for (const auto& [corner, nodes_of_it] : makers) EXPECT_EQ(nodes_of_it.size(), 1u);
 }
 
-TEST_F(GovernedSession, ends_a_refinement_without_a_trace_when_a_view_comes) {
+TEST_F(GovernedSession, aborts_a_refinement_completely_when_a_view_arrives) {
   open(20.0, 1024);
   move();
   begin_rest();
@@ -160,7 +160,7 @@ TEST_F(GovernedSession, ends_a_refinement_without_a_trace_when_a_view_comes) {
   EXPECT_EQ(s.begun[seen + 2].first_sample(), s.begun[seen + 1].samples());
 }
 
-TEST_F(GovernedSession, goes_on_refining_when_a_node_goes) {
+TEST_F(GovernedSession, continues_a_refinement_when_a_node_disconnects) {
   open(20.0, 256);
   move();
   begin_rest();
@@ -173,7 +173,7 @@ TEST_F(GovernedSession, goes_on_refining_when_a_node_goes) {
   EXPECT_EQ(s.given_up, 0);
 }
 
-TEST_F(GovernedSession, reaches_the_reference_when_its_only_node_was_lost_and_comes_back) {
+TEST_F(GovernedSession, reaches_the_reference_after_its_only_node_was_lost_and_came_back) {
   open(20.0, 256, 1);
   move();
   begin_rest();
@@ -190,7 +190,7 @@ TEST_F(GovernedSession, reaches_the_reference_when_its_only_node_was_lost_and_co
   EXPECT_THAT(s.state.summary(), Not(HasSubstr("failed")));
 }
 
-TEST_F(GovernedSession, shows_what_it_has_when_refining_fails_and_tries_ever_more_rarely) {
+TEST_F(GovernedSession, shows_what_it_has_when_refining_fails_and_retries_ever_more_rarely) {
   open(20.0, 256, 1);
   move();
   begin_rest();
@@ -216,7 +216,7 @@ TEST_F(GovernedSession, shows_what_it_has_when_refining_fails_and_tries_ever_mor
   EXPECT_EQ(s.last_end.samples(), 256u) << "the next view does not wait";
 }
 
-TEST_F(GovernedSession, does_not_take_a_late_tile_of_the_moving_frame_for_one_of_the_refined) {
+TEST_F(GovernedSession, does_not_take_a_late_tile_of_the_moving_frame_for_a_refined_one) {
   open(20.0, 64);
   s.request_view(session, view_of(++number));
   while (s.work(nodes[0])) {
@@ -269,7 +269,7 @@ TEST_F(GovernedSession, refuses_budgets_and_views_out_of_range) {
   EXPECT_EQ(s.delegate.ended_sessions.count(id), 1u);
 }
 
-TEST_F(GovernedSession, cuts_two_eyes_pictures_of_any_size_between_them) {
+TEST_F(GovernedSession, separates_two_eyes_pictures_of_any_size) {
   open(20.0, 64);
   std::set<std::uint32_t> heights;
   for (int frame = 0; frame < 80; ++frame) {

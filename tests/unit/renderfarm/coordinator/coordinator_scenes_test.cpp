@@ -47,7 +47,7 @@ class CoordinatorScenes : public testing::Test {
   std::uint64_t last_id_ = 0;
 };
 
-TEST_F(CoordinatorScenes, are_ordered_by_digest_once_they_were_read_and_never_by_path) {
+TEST_F(CoordinatorScenes, are_loaded_by_digest_once_they_were_read_and_never_by_path) {
   const NodeId early = add_node();
   const NodeId unauthenticated{100};
   state.node_connected(unauthenticated);
@@ -58,7 +58,7 @@ TEST_F(CoordinatorScenes, are_ordered_by_digest_once_they_were_read_and_never_by
   EXPECT_THAT(orders(add_node()), ElementsAre("own /nodes/own ", "shared  " + digest));
 }
 
-TEST_F(CoordinatorScenes, that_are_still_being_read_are_said_to_be) {
+TEST_F(CoordinatorScenes, are_reported_as_being_read) {
   add_node();
   const SessionId session{1};
   state.session_connected(session);
@@ -70,7 +70,7 @@ TEST_F(CoordinatorScenes, that_are_still_being_read_are_said_to_be) {
   EXPECT_THAT(delegate.ended_sessions.at(session).message(), HasSubstr("still reading its files"));
 }
 
-TEST_F(CoordinatorScenes, of_which_a_node_says_that_it_loaded_one_unasked_end_its_stream) {
+TEST_F(CoordinatorScenes, a_node_that_loaded_one_without_a_command_is_disconnected) {
   const NodeId node = add_node();
   wire::NodeReport report;
   report.mutable_scene_loaded()->set_scene("shared");

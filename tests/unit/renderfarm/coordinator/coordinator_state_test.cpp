@@ -57,7 +57,7 @@ TEST(CoordinatorState, keeps_at_most_two_frames_for_a_museum_that_takes_nothing)
   EXPECT_EQ(begun, 2);
 }
 
-TEST(CoordinatorState, gives_a_frame_up_that_is_too_large_to_keep_and_says_why) {
+TEST(CoordinatorState, abandons_a_frame_over_the_limit_with_a_reason) {
   CoordinatorLimits limits;
   limits.session_bytes = 1000;
   FarmSimulation s(limits);
@@ -76,7 +76,7 @@ TEST(CoordinatorState, gives_a_frame_up_that_is_too_large_to_keep_and_says_why) 
   EXPECT_EQ(s.complete, 1);
 }
 
-TEST(CoordinatorState, ends_a_session_that_takes_nothing_for_long) {
+TEST(CoordinatorState, ends_a_session_that_takes_no_messages_for_long) {
   FarmSimulation s;
   const NodeId node = s.add_node();
   const SessionId session = s.add_session();
@@ -94,7 +94,7 @@ TEST(CoordinatorState, ends_a_session_that_takes_nothing_for_long) {
   EXPECT_EQ(s.state.sessions(), 0u);
 }
 
-TEST(CoordinatorState, sends_strangers_away_who_say_nothing) {
+TEST(CoordinatorState, disconnects_peers_that_send_nothing) {
   FarmSimulation s;
   s.state.node_connected(NodeId{1000});
   s.state.session_connected(SessionId{1000});
@@ -104,7 +104,7 @@ TEST(CoordinatorState, sends_strangers_away_who_say_nothing) {
   EXPECT_EQ(s.delegate.ended_sessions.count(SessionId{1000}), 1u);
 }
 
-TEST(CoordinatorState, gives_a_block_that_failed_to_another_node_and_not_for_ever) {
+TEST(CoordinatorState, reassigns_a_failed_block_a_limited_number_of_times) {
   FarmSimulation s;
   const NodeId good = s.add_node();
   const NodeId bad = s.add_node();
@@ -122,7 +122,7 @@ TEST(CoordinatorState, gives_a_block_that_failed_to_another_node_and_not_for_eve
   EXPECT_EQ(s.given_up, 1);
 }
 
-TEST(CoordinatorState, helps_a_straggler_once_the_others_are_done) {
+TEST(CoordinatorState, steals_from_a_straggler_once_the_others_are_idle) {
   FarmSimulation s;
   const NodeId quick = s.add_node();
   const NodeId slow = s.add_node();
@@ -165,7 +165,7 @@ TEST(CoordinatorState, does_not_mix_nodes_with_different_scenes) {
   EXPECT_THAT(s.delegate.notices, Contains(HasSubstr("another scene")));
 }
 
-TEST(CoordinatorState, takes_no_more_peers_than_it_may) {
+TEST(CoordinatorState, accepts_a_limited_number_of_peers) {
   CoordinatorLimits limits;
   limits.nodes = 1;
   limits.sessions = 1;
@@ -191,7 +191,7 @@ TEST(CoordinatorState, stops_rendering_for_a_museum_that_left) {
   EXPECT_TRUE(s.delegate.ended_nodes.empty());
 }
 
-TEST(CoordinatorState, keeps_its_promises_whatever_happens_in_whatever_order) {
+TEST(CoordinatorState, keeps_its_guarantees_for_any_order_of_events) {
   for (unsigned seed = 0; seed < 150; ++seed) {
     std::mt19937 random(seed);
     const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };

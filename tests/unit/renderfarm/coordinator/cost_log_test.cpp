@@ -65,7 +65,7 @@ TEST_F(CostLogTest, writes_one_record_per_session_of_whole_moving_frames) {
   EXPECT_THAT(counts, testing::UnorderedElementsAre(3u, 1u));
 }
 
-TEST_F(CostLogTest, says_where_it_cannot_write) {
+TEST_F(CostLogTest, reports_that_it_cannot_write) {
   std::ofstream(folder / "costs") << "a file";
   const auto log = CostLog::open(folder / "costs", [](const std::string&) {});
   ASSERT_FALSE(log);

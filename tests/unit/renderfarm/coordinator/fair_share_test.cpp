@@ -35,13 +35,13 @@ std::array<double, N> served_cost(std::array<FairShare::Flow, N> flows, const st
   return done;
 }
 
-TEST(FairShare, gives_cpu_time_by_weight_whatever_a_frame_costs) {
+TEST(FairShare, gives_processor_time_by_weight_whatever_a_frame_costs) {
   const auto done = served_cost<3>({{{1.0}, {2.0}, {4.0}}}, {0.5, 0.01, 0.1}, 20000, [](auto, auto) { return true; });
   EXPECT_NEAR(done[1] / done[0], 2.0, 0.05);
   EXPECT_NEAR(done[2] / done[0], 4.0, 0.05);
 }
 
-TEST(FairShare, owes_nothing_to_who_was_away) {
+TEST(FairShare, gives_no_credit_for_absence) {
   // The second flow joins after a long absence: from then on both get half.
   const auto done =
       served_cost<2>({}, {1.0, 1.0}, 2000, [](std::size_t i, int frame) { return i == 0 || frame > 1000; });
@@ -49,7 +49,7 @@ TEST(FairShare, owes_nothing_to_who_was_away) {
   EXPECT_NEAR(done[1], 500.0, 3.0);
 }
 
-TEST(FairShare, ranks_pictures_at_rest_behind_all_that_move) {
+TEST(FairShare, ranks_refinements_behind_all_moving_pictures) {
   EXPECT_LT(FairShare::rank_of(1e12, false), FairShare::rank_of(0.0, true));
   EXPECT_LT(FairShare::rank_of(1.0, true), FairShare::rank_of(2.0, true));
   EXPECT_LT(FairShare::rank_of(1e300, false), FairShare::rank_of(0.0, true));

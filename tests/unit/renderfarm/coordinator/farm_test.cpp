@@ -65,7 +65,7 @@ struct TestNode {
 };
 
 /// A farm in one process.
-class Farm : public testing::Test {
+class FarmTest : public testing::Test {
  protected:
   void start_coordinator(int museum_port = 0, int node_port = 0,
                          std::vector<FarmScene> scenes = {{"grotto", "some/path"}}) {
@@ -130,7 +130,7 @@ class Farm : public testing::Test {
   RecordingFarmListener listener;
 };
 
-TEST_F(Farm, makes_the_same_picture_with_1_2_3_and_5_nodes) {
+TEST_F(FarmTest, renders_the_same_picture_with_1_2_3_and_5_nodes) {
   std::vector<RgbImage> pictures;
   for (const std::size_t n : {1u, 2u, 3u, 5u}) {
     start_coordinator();
@@ -157,7 +157,7 @@ TEST_F(Farm, makes_the_same_picture_with_1_2_3_and_5_nodes) {
   for (const RgbImage& picture : pictures) EXPECT_EQ(picture, pictures.front());
 }
 
-TEST_F(Farm, takes_the_noise_out_of_blocks_as_a_whole_when_a_view_asks_for_it) {
+TEST_F(FarmTest, denoises_blocks_if_a_view_requests_it) {
   start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
@@ -181,7 +181,7 @@ TEST_F(Farm, takes_the_noise_out_of_blocks_as_a_whole_when_a_view_asks_for_it) {
   EXPECT_LT(different, plain.data().size() / 50);
 }
 
-TEST_F(Farm, makes_whole_frames_when_a_node_dies_in_the_middle_of_one) {
+TEST_F(FarmTest, completes_frames_when_a_node_dies_during_one) {
   start_coordinator();
   TestNode steady = add_node("steady");
   TestNode dying = add_node("dying");
@@ -207,7 +207,7 @@ TEST_F(Farm, makes_whole_frames_when_a_node_dies_in_the_middle_of_one) {
   EXPECT_EQ(listener.seen().frames.back().end.nodes(), 1u);
 }
 
-TEST_F(Farm, refines_to_the_same_picture_whoever_makes_it) {
+TEST_F(FarmTest, refines_to_the_same_picture_whichever_nodes_render_it) {
   std::vector<RgbImage> pictures;
   for (const std::size_t n : {1u, 2u, 3u}) {
     start_coordinator();
@@ -241,7 +241,7 @@ TEST_F(Farm, refines_to_the_same_picture_whoever_makes_it) {
   for (const RgbImage& picture : pictures) EXPECT_EQ(picture, pictures.front());
 }
 
-TEST_F(Farm, sends_nothing_at_rest_and_starts_again_with_the_next_view) {
+TEST_F(FarmTest, sends_nothing_at_rest_and_starts_again_with_the_next_view) {
   start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
@@ -260,7 +260,7 @@ TEST_F(Farm, sends_nothing_at_rest_and_starts_again_with_the_next_view) {
   ASSERT_TRUE(wait_for_rest());
 }
 
-TEST_F(Farm, helps_a_node_that_hangs_and_shows_each_tile_once) {
+TEST_F(FarmTest, replaces_a_node_that_hangs_and_shows_each_tile_once) {
   start_coordinator();
   TestNode steady = add_node("steady");
   TestNode hanging = add_node("hanging");
@@ -273,7 +273,7 @@ TEST_F(Farm, helps_a_node_that_hangs_and_shows_each_tile_once) {
   composed(listener.seen().frames.front());
 }
 
-TEST_F(Farm, ends_frames_with_a_reason_when_the_last_node_goes_and_comes_back_with_the_next) {
+TEST_F(FarmTest, ends_frames_with_a_reason_without_nodes_and_resumes_with_the_next_node) {
   start_coordinator();
   TestNode only = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
@@ -294,7 +294,7 @@ TEST_F(Farm, ends_frames_with_a_reason_when_the_last_node_goes_and_comes_back_wi
   EXPECT_EQ(listener.seen().frames[1].view.number(), 2u);
 }
 
-TEST_F(Farm, uses_a_late_node_from_a_later_frame_on) {
+TEST_F(FarmTest, uses_a_late_node_from_a_later_frame_on) {
   start_coordinator();
   TestNode first = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
@@ -312,7 +312,7 @@ TEST_F(Farm, uses_a_late_node_from_a_later_frame_on) {
   EXPECT_EQ(composed(listener.seen().frames.back()).width(), 1200);
 }
 
-TEST_F(Farm, heals_by_itself_when_the_coordinator_restarts) {
+TEST_F(FarmTest, recovers_when_the_coordinator_restarts) {
   start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
@@ -330,7 +330,7 @@ TEST_F(Farm, heals_by_itself_when_the_coordinator_restarts) {
   EXPECT_TRUE(listener.seen().frames.back().end.complete());
 }
 
-TEST_F(Farm, serves_two_museums_at_once) {
+TEST_F(FarmTest, serves_two_museums_at_once) {
   start_coordinator(0, 0, {{"grotto", "a"}, {"relic", "b"}});
   std::vector<TestNode> nodes;
   for (int i = 0; i < 2; ++i) nodes.push_back(add_node());
@@ -353,7 +353,7 @@ TEST_F(Farm, serves_two_museums_at_once) {
   EXPECT_EQ(other.seen().scene.name(), "relic");
 }
 
-TEST_F(Farm, says_what_is_wrong_with_a_session) {
+TEST_F(FarmTest, reports_what_is_wrong_with_a_session) {
   start_coordinator(0, 0, {{"grotto", "some/path"}, {"broken", "missing"}, {"large", "huge"}});
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
@@ -401,7 +401,7 @@ class RawSession {
   std::unique_ptr<grpc::ClientReaderWriter<wire::SessionRequest, wire::SessionReply>> stream_;
 };
 
-TEST_F(Farm, refuses_views_out_of_range_and_goes_on_serving_others) {
+TEST_F(FarmTest, refuses_views_out_of_range_and_continues_for_others) {
   start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
@@ -439,7 +439,7 @@ TEST_F(Farm, refuses_views_out_of_range_and_goes_on_serving_others) {
   EXPECT_TRUE(listener.seen().frames.front().end.complete());
 }
 
-TEST_F(Farm, ends_a_session_with_ok_when_the_museum_closes_it) {
+TEST_F(FarmTest, ends_a_session_with_ok_when_the_museum_closes_it) {
   start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
@@ -449,7 +449,7 @@ TEST_F(Farm, ends_a_session_with_ok_when_the_museum_closes_it) {
   EXPECT_TRUE(session.end().ok());
 }
 
-TEST_F(Farm, goes_on_for_others_when_a_museum_takes_nothing) {
+TEST_F(FarmTest, continues_for_others_when_a_museum_takes_no_messages) {
   start_coordinator();
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
@@ -475,7 +475,7 @@ grpc::Status refusal_of_node(int port, const std::vector<wire::NodeReport>& repo
   return stream->Finish();
 }
 
-TEST_F(Farm, sends_broken_nodes_away) {
+TEST_F(FarmTest, disconnects_broken_nodes) {
   start_coordinator();
   wire::NodeReport hello;
   hello.mutable_hello()->set_version(CYCLORAMA_VERSION);
@@ -511,7 +511,7 @@ TEST_F(Farm, sends_broken_nodes_away) {
   ASSERT_TRUE(wait_for_nodes(1));
 }
 
-TEST_F(Farm, lists_its_scenes) {
+TEST_F(FarmTest, lists_its_scenes) {
   start_coordinator(0, 0, {{"grotto", "some/path"}, {"relic", "other"}});
   TestNode node = add_node();
   ASSERT_TRUE(wait_for_nodes(1));
@@ -524,7 +524,7 @@ TEST_F(Farm, lists_its_scenes) {
   EXPECT_EQ(reply.scenes(0).title(), "A plain room");
 }
 
-TEST_F(Farm, refuses_to_start_with_bad_options) {
+TEST_F(FarmTest, refuses_to_start_with_bad_options) {
   const auto refusal_of = [](CoordinatorOptions options) {
     options.museums = options.nodes = "[::1]:0";
     const auto started = Coordinator::start(options, [](const std::string&, const NoticeAbout&) {});

@@ -187,7 +187,7 @@ bool finds_a_place(const std::shared_ptr<grpc::Channel>& channel, const std::str
   return false;
 }
 
-class Files : public testing::Test {
+class ServedFiles : public testing::Test {
  protected:
   void SetUp() override {
     for (const auto& [path, bytes] : scene) write_bytes(folder / path, bytes);
@@ -211,7 +211,7 @@ class Files : public testing::Test {
   const SceneBytes scene{{"scene.toml", "title = \"x\""}, {"walls.ply", walls}, {"a/b.png", "b"}, {"none", ""}};
 };
 
-TEST_F(Files, reach_an_empty_cache_whole) {
+TEST_F(ServedFiles, reach_an_empty_cache_completely) {
   ServingCoordinator coordinator(folder);
   FetchingNode node = fetcher(coordinator.dial());
   std::vector<std::string> told;
@@ -224,7 +224,7 @@ TEST_F(Files, reach_an_empty_cache_whole) {
   EXPECT_THAT(told, testing::Contains("fetching scene 'grotto': 100 %"));
 }
 
-TEST_F(Files, go_on_where_the_node_was_when_it_died) {
+TEST_F(ServedFiles, are_resumed_after_the_node_died) {
   ServingCoordinator coordinator(folder);
   const std::string digest = coordinator.digest();
   std::atomic<bool> enough = false;
@@ -250,7 +250,7 @@ TEST_F(Files, go_on_where_the_node_was_when_it_died) {
   EXPECT_EQ(found->fetched_bytes + had, scene_distribution::bytes_of(files_of(scene)));
 }
 
-TEST_F(Files, wait_for_a_coordinator_that_starts_again) {
+TEST_F(ServedFiles, are_resumed_after_the_coordinator_restarted) {
   // The rate is low, so that the coordinator can be stopped in the middle.
   auto coordinator = std::make_unique<ServingCoordinator>(folder, FileServer::Options{.bytes_per_second = 20e6});
   const int port = coordinator->port();
@@ -279,7 +279,7 @@ TEST_F(Files, wait_for_a_coordinator_that_starts_again) {
   EXPECT_LT(again.files().sent_bytes(), walls.size());
 }
 
-TEST_F(Files, of_no_scene_are_given_to_nobody) {
+TEST_F(ServedFiles, that_belong_to_no_scene_are_not_served) {
   ServingCoordinator coordinator(folder);
   const std::string digest = coordinator.digest();
   std::string bytes;
@@ -297,7 +297,7 @@ TEST_F(Files, of_no_scene_are_given_to_nobody) {
               HasSubstr("no such scene"));
 }
 
-TEST_F(Files, that_were_changed_on_the_coordinator_are_refused) {
+TEST_F(ServedFiles, that_were_changed_on_the_coordinator_are_refused) {
   ServingCoordinator coordinator(folder);
   const std::string digest = coordinator.digest();
   write_bytes(folder / "walls.ply", walls + "!");
@@ -308,7 +308,7 @@ TEST_F(Files, that_were_changed_on_the_coordinator_are_refused) {
   EXPECT_THAT(found.error().message(), HasSubstr("restart the coordinator"));
 }
 
-TEST_F(Files, that_cannot_be_read_are_told_and_tried_again) {
+TEST_F(ServedFiles, that_cannot_be_read_are_reported_and_retried) {
   fs::rename(folder / "scene.toml", folder / "elsewhere");
   ServingCoordinator coordinator(folder);
   EXPECT_THAT(coordinator.complaint(), HasSubstr("scene 'grotto' cannot be given to nodes"));
@@ -316,7 +316,7 @@ TEST_F(Files, that_cannot_be_read_are_told_and_tried_again) {
   EXPECT_EQ(coordinator.digest(), scene_distribution::digest_of(files_of(scene)));
 }
 
-TEST_F(Files, are_on_their_way_to_so_many_at_once_and_no_more) {
+TEST_F(ServedFiles, are_sent_to_a_limited_number_of_nodes_at_once) {
   ServingCoordinator coordinator(folder, {.streams = 1});
   const std::string digest = coordinator.digest();
   grpc::ChannelArguments narrow;  // Keeps a fast machine from buffering the whole file in a growing window.
@@ -347,7 +347,7 @@ TEST_F(Files, are_on_their_way_to_so_many_at_once_and_no_more) {
   EXPECT_EQ(scene_in(found->path), scene);
 }
 
-TEST_F(Files, reach_many_nodes_at_once) {
+TEST_F(ServedFiles, reach_many_nodes_at_once) {
   ServingCoordinator coordinator(folder);
   const std::string digest = coordinator.digest();
   std::vector<std::future<bool>> nodes;
@@ -361,7 +361,7 @@ TEST_F(Files, reach_many_nodes_at_once) {
   for (auto& node : nodes) EXPECT_TRUE(node.get());
 }
 
-TEST_F(Files, end_when_the_node_wants_them_no_more_while_the_coordinator_is_silent) {
+TEST_F(ServedFiles, stop_when_the_node_cancels_while_the_coordinator_is_silent) {
   ServingCoordinator coordinator(folder, {.bytes_per_second = 1.0});
   const std::string digest = coordinator.digest();
   FetchingNode node = fetcher(coordinator.dial());
@@ -373,7 +373,7 @@ TEST_F(Files, end_when_the_node_wants_them_no_more_while_the_coordinator_is_sile
   EXPECT_EQ(found.error().code(), ErrorCode::kUnavailable);
 }
 
-TEST_F(Files, of_a_revoked_node_are_cut_in_the_middle_and_those_of_others_are_not) {
+TEST_F(ServedFiles, of_a_revoked_node_are_cut_off_and_those_of_others_are_not) {
   TestAuthority authority;
   // The rate is so low that no file is complete before it is cut.
   ServingCoordinator coordinator(
@@ -396,7 +396,7 @@ TEST_F(Files, of_a_revoked_node_are_cut_in_the_middle_and_those_of_others_are_no
   EXPECT_EQ(other.bytes(), walls);
 }
 
-TEST_F(Files, that_are_cut_before_their_turn_hold_no_place) {
+TEST_F(ServedFiles, that_are_cut_off_before_their_turn_hold_no_slot) {
   ServingCoordinator coordinator(folder, {.bytes_per_second = 1.0, .streams = 1});
   (void)coordinator.digest();
   Transfer transfer(coordinator.dial(), scene_distribution::sha256_of(walls));
@@ -406,7 +406,7 @@ TEST_F(Files, that_are_cut_before_their_turn_hold_no_place) {
   EXPECT_TRUE(finds_a_place(coordinator.dial(), walls));
 }
 
-TEST_F(Files, of_a_lying_coordinator_are_refused) {
+TEST_F(ServedFiles, of_a_dishonest_coordinator_are_refused) {
   const SceneBytes small{{"scene.toml", "right"}};
   const wire::SceneFiles list = scene_distribution::to_wire(files_of(small));
   const std::string digest = scene_distribution::digest_of(files_of(small));
@@ -435,7 +435,7 @@ TEST_F(Files, of_a_lying_coordinator_are_refused) {
   EXPECT_TRUE(node.find(order(digest), silently, never));
 }
 
-TEST_F(Files, need_a_place) {
+TEST_F(ServedFiles, need_a_slot) {
   const auto channel = *make_channel("[::1]:1");
   FetchingNode none(channel, {});
   EXPECT_THAT(none.find(order(scene_distribution::sha256_of("x")), silently, never).error().message(),

@@ -32,7 +32,7 @@ wire::BlockEnd end_of(double cpu_seconds) {
   return end;
 }
 
-TEST(FrameAssembly, is_complete_when_all_tiles_and_ends_came) {
+TEST(FrameAssembly, is_complete_when_all_tiles_and_ends_have_arrived) {
   FrameAssembly frame = planned();
   for (const PixelRect& tile : balance::tiles_of(kLeft)) EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
   frame.end(1, end_of(2.0));
@@ -49,7 +49,7 @@ TEST(FrameAssembly, is_complete_when_all_tiles_and_ends_came) {
   EXPECT_EQ(sum.rays, 200u);
 }
 
-TEST(FrameAssembly, tells_new_from_duplicate_from_foreign) {
+TEST(FrameAssembly, distinguishes_new_duplicate_and_foreign_tiles) {
   FrameAssembly frame = planned();
   const PixelRect tile = balance::tiles_of(kLeft).front();
   EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
@@ -59,7 +59,7 @@ TEST(FrameAssembly, tells_new_from_duplicate_from_foreign) {
   EXPECT_EQ(frame.accept(1, {0, 0, 16, 16}), Verdict::kForeign);
 }
 
-TEST(FrameAssembly, gives_up_only_what_is_missing_and_takes_it_from_whoever_is_first) {
+TEST(FrameAssembly, reassigns_only_missing_tiles_and_accepts_them_from_any_node) {
   FrameAssembly frame = planned();
   const auto tiles = balance::tiles_of(kLeft);
   EXPECT_EQ(frame.accept(1, tiles[0]), Verdict::kNew);
@@ -82,7 +82,7 @@ std::vector<PixelRect> cut_right(FrameAssembly& frame, std::size_t parts) {
   return cut;
 }
 
-TEST(FrameAssembly, cuts_a_tile_into_parts_that_make_it_up) {
+TEST(FrameAssembly, divides_a_tile_into_parts_that_cover_it) {
   for (const std::size_t parts : {1u, 2u, 3u, 4u, 50u}) {
     FrameAssembly frame = planned();
     const auto cut = cut_right(frame, parts);
@@ -98,7 +98,7 @@ TEST(FrameAssembly, cuts_a_tile_into_parts_that_make_it_up) {
   }
 }
 
-TEST(FrameAssembly, takes_a_cut_tile_from_its_first_node_only_while_no_part_came) {
+TEST(FrameAssembly, accepts_a_divided_tile_from_its_first_node_only_before_any_part) {
   FrameAssembly frame = planned();
   const auto cut = cut_right(frame, 2);
   EXPECT_EQ(frame.accept(2, kRight), Verdict::kNew);
@@ -121,7 +121,7 @@ TEST(FrameAssembly, takes_a_cut_tile_from_its_first_node_only_while_no_part_came
   EXPECT_EQ(other.accept(21, again[1]), Verdict::kNew);
 }
 
-TEST(FrameAssembly, counts_a_moved_block_where_it_went) {
+TEST(FrameAssembly, credits_a_moved_block_to_its_new_node) {
   FrameAssembly frame = planned();
   frame.move(2, 3, kA, 2.0);
   for (const PixelRect& tile : balance::tiles_of(kLeft)) EXPECT_EQ(frame.accept(1, tile), Verdict::kNew);
@@ -141,7 +141,7 @@ TEST(FrameAssembly, counts_a_moved_block_where_it_went) {
   EXPECT_DOUBLE_EQ(sum.costs[1].speed, 2.0);
 }
 
-TEST(FrameAssembly, believes_only_cells_that_are_the_blocks) {
+TEST(FrameAssembly, accepts_costs_only_of_the_blocks_own_cells) {
   FrameAssembly frame = planned();
   wire::BlockEnd end = end_of(1.0);
   for (int i = 0; i < 256; ++i) end.add_cell_cpu_seconds(i == 7 ? -1.0f : 0.5f);
@@ -153,7 +153,7 @@ TEST(FrameAssembly, believes_only_cells_that_are_the_blocks) {
   EXPECT_TRUE(frame.summary().costs.at(0).cell_cpu_seconds.empty());
 }
 
-TEST(FrameAssembly, does_not_believe_times_that_are_none) {
+TEST(FrameAssembly, ignores_invalid_times) {
   FrameAssembly frame = planned();
   frame.end(1, end_of(std::numeric_limits<double>::quiet_NaN()));
   frame.end(2, end_of(-std::numeric_limits<double>::infinity()));

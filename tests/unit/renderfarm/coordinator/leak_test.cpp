@@ -124,7 +124,7 @@ void add_fields(const Descriptor& message, std::set<std::string>* ret_fields) {
   }
 }
 
-TEST(Leak, the_port_of_the_museums_has_no_field_that_was_not_reviewed) {
+TEST(Leak, the_museums_port_has_no_unreviewed_field) {
   const auto* const service = wire::SessionReply::descriptor()->file()->FindServiceByName("Farm");
   ASSERT_NE(service, nullptr);
   std::set<std::string> fields;
@@ -247,7 +247,7 @@ void expect_plain(const std::string& jpeg) {
   EXPECT_TRUE(JpegDecoder().decode(std::as_bytes(std::span(jpeg)), 1 << 20));
 }
 
-class Session : public testing::Test {
+class MuseumsPortTest : public testing::Test {
  protected:
   void SetUp() override {
     CoordinatorOptions options;
@@ -338,7 +338,7 @@ wire::View view_of(std::uint64_t number, double heading) {
   return view;
 }
 
-TEST_F(Session, tells_pictures_and_nothing_of_the_geometry) {
+TEST_F(MuseumsPortTest, reveals_pictures_but_no_geometry) {
   ASSERT_TRUE(patient_session({}, {view_of(1, 0.0), view_of(2, 1.5), view_of(3, -2.5)}, 3).ok());
   wire::OpenSession governed;  // Comes to rest, so that refined pictures are sent as well.
   governed.set_scene("odd");
@@ -373,7 +373,7 @@ TEST_F(Session, tells_pictures_and_nothing_of_the_geometry) {
   EXPECT_LE(other_bytes, 1000 + 500 * frames + 50 * tiles);
 }
 
-TEST_F(Session, ends_with_words_that_tell_no_geometry) {
+TEST_F(MuseumsPortTest, errors_reveal_no_geometry) {
   wire::OpenSession open;
   open.set_scene("absent");
   EXPECT_FALSE(session(open, {}, 1).ok());
@@ -381,7 +381,7 @@ TEST_F(Session, ends_with_words_that_tell_no_geometry) {
   EXPECT_EQ(session(open, {}, 1).error_code(), grpc::StatusCode::NOT_FOUND);
 }
 
-TEST_F(Session, the_museums_port_answers_none_of_the_nodes_questions) {
+TEST_F(MuseumsPortTest, refuses_the_nodes_calls_at_the_museums_port) {
   const auto stub = wire::Nodes::NewStub(channel);
   {
     grpc::ClientContext context;
@@ -405,7 +405,7 @@ TEST_F(Session, the_museums_port_answers_none_of_the_nodes_questions) {
   EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::UNIMPLEMENTED);
 }
 
-TEST(Searcher, finds_a_vertex_wherever_it_is_hidden) {
+TEST(Searcher, finds_a_vertex_in_every_encoding) {
   const OddScene scene = odd_scene();
   std::filesystem::remove_all(scene.folder);
   const auto& vertex = scene.vertices[40];

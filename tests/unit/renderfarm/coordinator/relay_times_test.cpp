@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr SessionId kVisit{1};
+constexpr SessionId kSession{1};
 const TimePoint kStart{1h};
 
 struct Wire {
@@ -31,7 +31,7 @@ struct Wire {
   }
   static FrameReport report(std::uint64_t number) {
     FrameReport report;
-    report.session = kVisit;
+    report.session = kSession;
     report.complete = true;
     report.view.set_number(number);
     report.received_at = kStart;
@@ -42,66 +42,66 @@ struct Wire {
 
  private:
   RelayTimes::Times both(const wire::SessionReply& reply, TimePoint cause, TimePoint taken) {
-    times.sent(kVisit, cause);
-    return times.taken(kVisit, reply, taken);
+    times.sent(kSession, cause);
+    return times.taken(kSession, reply, taken);
   }
 };
 
-TEST(RelayTimes, a_tile_takes_from_its_cause_until_it_is_written) {
+TEST(RelayTimes, a_tiles_relay_time_runs_from_its_cause_until_it_is_written) {
   Wire wire;
   EXPECT_FALSE(wire.begin(kStart, kStart + 5ms).relay_seconds);
   EXPECT_DOUBLE_EQ(*wire.tile(kStart + 10ms, kStart + 12ms).relay_seconds, 0.002);
   // Two tiles are under way at once, each with its own cause.
-  wire.times.sent(kVisit, kStart + 20ms);
-  wire.times.sent(kVisit, kStart + 21ms);
+  wire.times.sent(kSession, kStart + 20ms);
+  wire.times.sent(kSession, kStart + 21ms);
   wire::SessionReply tile;
   tile.mutable_tile();
-  EXPECT_DOUBLE_EQ(*wire.times.taken(kVisit, tile, kStart + 25ms).relay_seconds, 0.005);
-  EXPECT_DOUBLE_EQ(*wire.times.taken(kVisit, tile, kStart + 26ms).relay_seconds, 0.005);
+  EXPECT_DOUBLE_EQ(*wire.times.taken(kSession, tile, kStart + 25ms).relay_seconds, 0.005);
+  EXPECT_DOUBLE_EQ(*wire.times.taken(kSession, tile, kStart + 26ms).relay_seconds, 0.005);
 }
 
-TEST(RelayTimes, a_frames_overhead_is_all_but_its_turn_and_its_rays) {
+TEST(RelayTimes, a_frames_overhead_excludes_its_queue_and_render_times) {
   Wire wire;
   wire.begin(kStart, kStart + 3ms);
   wire.tile(kStart + 33ms, kStart + 35ms);
-  wire.times.sent(kVisit, kStart + 33ms);
+  wire.times.sent(kSession, kStart + 33ms);
   wire.times.frame_ended(Wire::report(7));
-  const auto times = wire.times.taken(kVisit, Wire::end(7), kStart + 40ms);
+  const auto times = wire.times.taken(kSession, Wire::end(7), kStart + 40ms);
   ASSERT_TRUE(times.overhead_seconds);
   EXPECT_NEAR(*times.overhead_seconds, 0.035 - 0.002 - 0.030, 1e-9) << "the end itself does not count";
 }
 
-TEST(RelayTimes, only_whole_frames_whose_blocks_stayed_where_they_were_count) {
+TEST(RelayTimes, only_complete_frames_without_moved_blocks_count) {
   for (const auto& spoil : std::initializer_list<void (*)(FrameReport&)>{
            [](FrameReport& r) { r.complete = false; }, [](FrameReport& r) { r.refined = true; },
            [](FrameReport& r) { r.reassigned = true; }, [](FrameReport& r) { r.moved = 1; }}) {
     Wire wire;
     wire.tile(kStart, kStart + 35ms);
-    wire.times.sent(kVisit, kStart);
+    wire.times.sent(kSession, kStart);
     FrameReport report = Wire::report(7);
     spoil(report);
     wire.times.frame_ended(report);
-    EXPECT_FALSE(wire.times.taken(kVisit, Wire::end(7), kStart + 40ms).overhead_seconds);
+    EXPECT_FALSE(wire.times.taken(kSession, Wire::end(7), kStart + 40ms).overhead_seconds);
   }
 }
 
-TEST(RelayTimes, a_refined_end_of_the_same_view_is_not_taken_for_the_first) {
+TEST(RelayTimes, the_end_of_a_refinement_is_not_taken_for_the_frames_end) {
   Wire wire;
   wire.tile(kStart, kStart + 35ms);
-  wire.times.sent(kVisit, kStart);
+  wire.times.sent(kSession, kStart);
   wire.times.frame_ended(Wire::report(7));
-  EXPECT_TRUE(wire.times.taken(kVisit, Wire::end(7), kStart + 40ms).overhead_seconds);
-  wire.times.sent(kVisit, kStart);
-  EXPECT_FALSE(wire.times.taken(kVisit, Wire::end(7), kStart + 80ms).overhead_seconds);
+  EXPECT_TRUE(wire.times.taken(kSession, Wire::end(7), kStart + 40ms).overhead_seconds);
+  wire.times.sent(kSession, kStart);
+  EXPECT_FALSE(wire.times.taken(kSession, Wire::end(7), kStart + 80ms).overhead_seconds);
 }
 
-TEST(RelayTimes, a_session_that_has_ended_leaves_nothing) {
+TEST(RelayTimes, an_ended_session_leaves_nothing) {
   Wire wire;
-  wire.times.sent(kVisit, kStart);
-  wire.times.session_ended(kVisit);
+  wire.times.sent(kSession, kStart);
+  wire.times.session_ended(kSession);
   wire::SessionReply tile;
   tile.mutable_tile();
-  EXPECT_FALSE(wire.times.taken(kVisit, tile, kStart + 1ms).relay_seconds);
+  EXPECT_FALSE(wire.times.taken(kSession, tile, kStart + 1ms).relay_seconds);
 }
 
 }  // namespace

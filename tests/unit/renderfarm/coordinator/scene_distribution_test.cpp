@@ -39,7 +39,7 @@ wire::View a_view() {
   return view;
 }
 
-class Distribution : public testing::Test {
+class SceneDistributionTest : public testing::Test {
  protected:
   void SetUp() override {
     write_bytes(folder / "scene.toml", kScene);
@@ -83,7 +83,7 @@ class Distribution : public testing::Test {
   std::unique_ptr<Coordinator> coordinator;
 };
 
-TEST_F(Distribution, gives_a_node_with_nothing_the_scene_and_so_the_same_picture) {
+TEST_F(SceneDistributionTest, brings_a_scene_to_an_empty_node_that_renders_the_same_picture) {
   start_coordinator(false);
   auto node = add_node("unused");
   const auto from_disk = picture();
@@ -97,7 +97,7 @@ TEST_F(Distribution, gives_a_node_with_nothing_the_scene_and_so_the_same_picture
   EXPECT_FALSE(fs::exists(temporary.path() / "unused"));
 }
 
-TEST_F(Distribution, loads_a_scene_anew_that_was_changed_while_the_coordinator_was_away) {
+TEST_F(SceneDistributionTest, reloads_a_scene_that_was_changed_while_the_coordinator_was_away) {
   start_coordinator(true);
   auto node = add_node("cache");
   const auto before = picture();

@@ -101,7 +101,7 @@ class RawSession {
   std::unique_ptr<grpc::ClientReaderWriter<wire::SessionRequest, wire::SessionReply>> stream_;
 };
 
-class Trust : public testing::Test {
+class TrustTest : public testing::Test {
  protected:
   /// Starts a coordinator with two scenes and a node that has both.
   void start(const std::filesystem::path& audit = "audit.jsonl") {
@@ -143,7 +143,7 @@ class Trust : public testing::Test {
   std::unique_ptr<RawNode> node_;
 };
 
-TEST_F(Trust, shows_and_opens_to_a_museum_what_it_is_granted) {
+TEST_F(TrustTest, offers_a_museum_only_its_granted_scenes) {
   start();
   const TlsFiles tls = authority_.museum("hall-3");
   EXPECT_THAT(scenes_of(tls), ElementsAre("grotto"));
@@ -163,14 +163,14 @@ TEST_F(Trust, shows_and_opens_to_a_museum_what_it_is_granted) {
   EXPECT_EQ(as_absent, absent.error_message()) << "nobody learns what else the farm has";
 }
 
-TEST_F(Trust, opens_sessions_while_the_disk_of_the_audit_log_is_full) {
+TEST_F(TrustTest, opens_sessions_while_the_disk_of_the_audit_log_is_full) {
   start("/dev/full");
   RawSession open = session(authority_.museum("hall-3"));
   EXPECT_TRUE(open.open("grotto"));
   EXPECT_TRUE(open.close().ok());
 }
 
-TEST_F(Trust, keeps_museums_and_nodes_at_their_own_ports) {
+TEST_F(TrustTest, keeps_museums_and_nodes_at_their_own_ports) {
   start();
   RawSession as_museum(coordinator_->museum_port(), authority_.node("n2"));
   EXPECT_FALSE(as_museum.open("grotto"));
@@ -186,7 +186,7 @@ TEST_F(Trust, keeps_museums_and_nodes_at_their_own_ports) {
       << "every call of a port is asked about";
 }
 
-TEST_F(Trust, lets_nobody_in_without_a_certificate_of_its_authority) {
+TEST_F(TrustTest, admits_nobody_without_a_certificate_of_its_authority) {
   start();
   RawSession plain(coordinator_->museum_port(), std::nullopt);
   EXPECT_FALSE(plain.open("grotto"));
@@ -196,7 +196,7 @@ TEST_F(Trust, lets_nobody_in_without_a_certificate_of_its_authority) {
   EXPECT_EQ(foreign.end().error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
-TEST_F(Trust, ends_what_is_open_when_its_certificate_is_revoked) {
+TEST_F(TrustTest, ends_open_streams_when_a_certificate_is_revoked) {
   start();
   const TlsFiles tls = authority_.museum("hall-3");
   RawSession open = session(tls);
@@ -217,7 +217,7 @@ TEST_F(Trust, ends_what_is_open_when_its_certificate_is_revoked) {
       << "a new certificate is welcome";
 }
 
-TEST_F(Trust, ends_a_session_whose_grant_is_taken_away) {
+TEST_F(TrustTest, ends_a_session_whose_grant_is_withdrawn) {
   start();
   RawSession open = session(authority_.museum("hall-3"));
   ASSERT_TRUE(open.open("grotto"));
@@ -228,7 +228,7 @@ TEST_F(Trust, ends_a_session_whose_grant_is_taken_away) {
   EXPECT_THAT(scenes_of(authority_.museum("hall-3")), ElementsAre("relic"));
 }
 
-TEST_F(Trust, ends_a_flood_and_a_message_that_no_museum_sends) {
+TEST_F(TrustTest, ends_a_flood_of_messages_and_an_impossible_message) {
   start();
   const TlsFiles tls = authority_.museum("hall-3");
   RawSession large = session(tls);
@@ -255,7 +255,7 @@ TEST_F(Trust, ends_a_flood_and_a_message_that_no_museum_sends) {
   EXPECT_THAT(flood.end().error_message(), HasSubstr("views per second"));
 }
 
-TEST_F(Trust, goes_on_for_others_while_a_museum_opens_a_thousand_sessions) {
+TEST_F(TrustTest, serves_others_while_a_museum_opens_a_thousand_sessions) {
   start();
   const auto channel =
       *make_channel("[::1]:" + std::to_string(coordinator_->museum_port()), authority_.museum("hall-3"));
@@ -266,7 +266,7 @@ TEST_F(Trust, goes_on_for_others_while_a_museum_opens_a_thousand_sessions) {
   EXPECT_TRUE(other.close().ok());
 }
 
-TEST_F(Trust, writes_down_who_came_and_how_it_ended) {
+TEST_F(TrustTest, logs_who_connected_and_how_it_ended) {
   start();
   {
     RawSession seen = session(authority_.museum("hall-3"));

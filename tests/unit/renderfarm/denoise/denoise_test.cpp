@@ -69,7 +69,7 @@ bool is_finite(const RadianceImage& image) {
   return std::all_of(image.data().begin(), image.data().end(), [](float v) { return std::isfinite(v); });
 }
 
-TEST(Denoiser, keeps_the_mean_of_an_even_wall_and_takes_its_noise) {
+TEST(Denoiser, removes_the_noise_of_an_even_wall_and_keeps_its_mean) {
   constexpr double kMaxLoss = 0.02;  // Caused by fireflies, and by the weight of the brightest pixels.
   for (const int samples : {1, 2, 4}) {
     Wall wall(96, 96, samples);
@@ -118,7 +118,7 @@ TEST(Denoiser, keeps_an_edge_of_depth) {
   expect_edge_kept([](render::FilmFeatures* features, int x, int y) { *features->distance.at(x, y) *= 1.05f; });
 }
 
-TEST(Denoiser, a_firefly_does_not_become_a_blob) {
+TEST(Denoiser, does_not_blur_a_firefly_into_a_spot) {
   for (const int samples : {1, 4}) {
     Wall wall(33, 33, samples);
     wall.add_noise(samples, 3, [](int, int) { return 1.0f; });
@@ -130,13 +130,13 @@ TEST(Denoiser, a_firefly_does_not_become_a_blob) {
   }
 }
 
-TEST(Denoiser, a_small_highlight_of_which_its_samples_are_sure_stays) {
+TEST(Denoiser, keeps_a_small_highlight_that_its_samples_confirm) {
   Wall wall(33, 33, 4);
   wall.set(16, 16, 4, {99.0f, 100.0f, 100.0f, 101.0f});
   EXPECT_NEAR(*wall.denoised().at(16, 16), 100.0f, 1.0f);
 }
 
-TEST(Denoiser, a_picture_without_noise_is_left_as_it_is) {
+TEST(Denoiser, does_not_change_a_picture_without_noise) {
   Wall wall(48, 48, 2);
   for (int y = 0; y < 48; ++y) {
     for (int x = 0; x < 48; ++x)
@@ -147,7 +147,7 @@ TEST(Denoiser, a_picture_without_noise_is_left_as_it_is) {
   for (std::size_t i = 0; i < mean.data().size(); ++i) ASSERT_NEAR(picture.data()[i], mean.data()[i], 2e-3f);
 }
 
-TEST(Denoiser, errs_less_than_the_film_from_one_sample_to_a_thousand) {
+TEST(Denoiser, has_a_smaller_error_than_the_film_from_one_sample_to_a_thousand) {
   for (const bool stratified : {false, true}) {
     AnalyticScene scene;
     scene.panorama = {64, 32, 1.2, 0.3, -0.3};
@@ -165,7 +165,7 @@ TEST(Denoiser, errs_less_than_the_film_from_one_sample_to_a_thousand) {
   }
 }
 
-TEST(Denoiser, a_block_with_its_halo_is_that_part_of_the_picture_to_the_last_bit) {
+TEST(Denoiser, a_block_with_its_margin_equals_that_part_of_the_picture_bit_by_bit) {
   AnalyticScene scene;
   const render::Film film = scene.film(2, 4);
   const RadianceImage whole = denoised(film, scene.rays());
@@ -201,7 +201,7 @@ TEST(Denoiser, a_block_with_its_halo_is_that_part_of_the_picture_to_the_last_bit
   }
 }
 
-TEST(Denoiser, what_is_not_finite_never_leaves) {
+TEST(Denoiser, does_not_spread_nan) {
   for (const float bad : {kNan, kInfinity, -kInfinity, 3e38f, -3e38f, 1e-42f}) {
     for (int which = 0; which < 6; ++which) {
       Wall wall(24, 24, 2);
@@ -218,7 +218,7 @@ TEST(Denoiser, what_is_not_finite_never_leaves) {
   }
 }
 
-TEST(Denoiser, pixels_without_samples_are_black_and_tell_their_neighbours_nothing) {
+TEST(Denoiser, pixels_without_samples_are_black_and_do_not_affect_their_neighbours) {
   Wall wall(24, 24, 2);
   wall.set(12, 12, 0, {});
   const RadianceImage picture = wall.denoised();
@@ -227,7 +227,7 @@ TEST(Denoiser, pixels_without_samples_are_black_and_tell_their_neighbours_nothin
   EXPECT_EQ(mean_of(Wall(5, 5, 0).denoised()), 0.0);
 }
 
-TEST(Denoiser, ten_orders_of_magnitude_may_meet) {
+TEST(Denoiser, handles_ten_orders_of_magnitude_side_by_side) {
   Wall wall(48, 24, 2);
   wall.add_noise(2, 2, [](int x, int) { return x < 24 ? 1e10f : 1e-3f; });
   for (int y = 0; y < 24; ++y) {
@@ -239,7 +239,7 @@ TEST(Denoiser, ten_orders_of_magnitude_may_meet) {
   EXPECT_NEAR(*picture.at(44, 12), 1e-3f, 3e-4f);
 }
 
-TEST(Denoiser, pictures_of_one_pixel_row_or_column) {
+TEST(Denoiser, accepts_pictures_of_one_pixel_row_or_column) {
   for (const auto& [width, height] : {std::pair(1, 1), std::pair(1, 40), std::pair(40, 1)}) {
     const Wall wall(width, height, 1, 3.0f);
     const RadianceImage picture = wall.denoised();
@@ -247,7 +247,7 @@ TEST(Denoiser, pictures_of_one_pixel_row_or_column) {
   }
 }
 
-TEST(Denoiser, a_sky_keeps_its_gradient_and_stays_out_of_the_ground) {
+TEST(Denoiser, keeps_the_gradient_of_a_sky_apart_from_the_ground) {
   Wall wall(32, 32, 2);
   for (int y = 0; y < 16; ++y) {
     for (int x = 0; x < 32; ++x) {

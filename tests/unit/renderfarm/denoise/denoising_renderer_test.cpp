@@ -43,7 +43,7 @@ class DenoisingRendererTest : public testing::Test {
   static inline std::unique_ptr<render::Renderer> renderer_;
 };
 
-TEST_F(DenoisingRendererTest, takes_noise_out_of_flat_and_round_pictures_too) {
+TEST_F(DenoisingRendererTest, removes_noise_from_flat_and_round_pictures) {
   for (const PictureShape& shape :
        {PictureShape(Perspective{160, 120, -1.0, 1.0, 0.75, -0.75, 0.2}), PictureShape(Fisheye{128, 128, 3.0, 0.5})}) {
     render::PanoramaView noisy = view();
@@ -70,7 +70,7 @@ TEST_F(DenoisingRendererTest, takes_noise_out_of_flat_and_round_pictures_too) {
   }
 }
 
-TEST_F(DenoisingRendererTest, makes_of_any_part_the_pixels_of_the_whole_film_to_the_last_bit) {
+TEST_F(DenoisingRendererTest, denoises_any_part_as_in_the_whole_film_bit_by_bit) {
   render::Film film;
   renderer_->render_film(view(), whole(view()), true, &film, nullptr);
   const RadianceImage light = denoised(film, panorama_rays(view().panorama, view().heading_rad, whole(view())));
@@ -87,7 +87,7 @@ TEST_F(DenoisingRendererTest, makes_of_any_part_the_pixels_of_the_whole_film_to_
   }
 }
 
-TEST_F(DenoisingRendererTest, gives_another_size_and_an_empty_one_with_the_same_memory) {
+TEST_F(DenoisingRendererTest, handles_another_size_and_an_empty_one_with_the_same_memory) {
   DenoisingRenderer denoising(*renderer_, 2);
   RgbImage first, small, empty, again;
   denoising.render(view(), whole(view()), &first, nullptr);
@@ -99,7 +99,7 @@ TEST_F(DenoisingRendererTest, gives_another_size_and_an_empty_one_with_the_same_
   EXPECT_EQ(again, first);
 }
 
-TEST_F(DenoisingRendererTest, counts_the_margins_rays) {
+TEST_F(DenoisingRendererTest, counts_the_rays_of_the_margin) {
   const PixelRect part{48, 48, 16, 16};
   RgbImage picture;
   const render::RenderCost plain = renderer_->render(view(), part, &picture, nullptr);
@@ -108,7 +108,7 @@ TEST_F(DenoisingRendererTest, counts_the_margins_rays) {
   EXPECT_GT(cost.wall_seconds, 0.0);
 }
 
-TEST_F(DenoisingRendererTest, counts_the_filters_processor_time) {
+TEST_F(DenoisingRendererTest, counts_the_processor_time_of_the_filter) {
   auto renderer = render::Renderer::build(scene_of(sphere_mesh(3.0f, 4)), 1, nullptr);
   ASSERT_TRUE(renderer) << renderer.error().message();
   DenoisingRenderer denoising(**renderer, 1);
@@ -125,7 +125,7 @@ TEST_F(DenoisingRendererTest, counts_the_filters_processor_time) {
   EXPECT_GT(with, 1.3 * without);
 }
 
-TEST_F(DenoisingRendererTest, tells_all_that_a_part_cost_by_the_parts_own_cells) {
+TEST_F(DenoisingRendererTest, attributes_all_costs_of_a_part_to_its_own_cells) {
   DenoisingRenderer denoising(*renderer_, 2);
   RgbImage picture;
   const auto columns_and_rows = [&](const PixelRect& rect, const std::function<bool()>& cancelled) {
@@ -155,7 +155,7 @@ render::PanoramaView for_eyes(render::PanoramaView view, Eyes eyes, int height_p
   return view;
 }
 
-TEST_F(DenoisingRendererTest, lets_nothing_of_one_eyes_picture_into_the_others) {
+TEST_F(DenoisingRendererTest, never_mixes_the_eyes_pictures) {
   constexpr int kHeight = 96;
   const render::PanoramaView both = for_eyes(view(), Eyes::kOverUnder, kHeight);
   ASSERT_TRUE(check_denoisable(both));
@@ -179,7 +179,7 @@ TEST_F(DenoisingRendererTest, lets_nothing_of_one_eyes_picture_into_the_others) 
   EXPECT_NE(right, left);
 }
 
-TEST_F(DenoisingRendererTest, takes_noise_out_of_both_eyes_pictures) {
+TEST_F(DenoisingRendererTest, removes_noise_from_both_eyes_pictures) {
   constexpr int kHeight = 96;
   const render::PanoramaView noisy = for_eyes(view(), Eyes::kOverUnder, kHeight);
   render::PanoramaView clean = noisy;
@@ -204,7 +204,7 @@ TEST_F(DenoisingRendererTest, takes_noise_out_of_both_eyes_pictures) {
   }
 }
 
-TEST_F(DenoisingRendererTest, wants_two_eyes_pictures_parted_by_a_cut) {
+TEST_F(DenoisingRendererTest, requires_a_cut_between_the_eyes_pictures) {
   for (const Eyes eyes : {Eyes::kMono, Eyes::kLeft, Eyes::kRight}) {
     EXPECT_TRUE(check_denoisable(for_eyes(view(), eyes, 150)));
   }

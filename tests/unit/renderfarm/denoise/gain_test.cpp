@@ -22,7 +22,7 @@ std::vector<render::Film> noisy_films(int count) {
 
 constexpr double kWeight = 1.0 / 1.01;
 
-TEST(DenoiseGain, tells_a_bias_from_what_averages_out) {
+TEST(DenoiseGain, distinguishes_bias_from_noise) {
   // Halves the noise and adds a tenth.
   const auto denoise = [](const render::Film& film) {
     RadianceImage picture = film.mean();
@@ -45,7 +45,7 @@ TEST(DenoiseGain, finds_no_bias_where_there_is_none) {
   EXPECT_NEAR((*gain).bias_share(), 0.0, 0.01);
 }
 
-TEST(DenoiseGain, refuses_what_cannot_be_measured) {
+TEST(DenoiseGain, refuses_pictures_that_cannot_be_measured) {
   const auto as_it_is = [](const render::Film& film) { return film.mean(); };
   EXPECT_EQ(measure_gain(RadianceImage(64, 64), noisy_films(1), as_it_is).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(measure_gain(RadianceImage(64, 63), noisy_films(2), as_it_is).error().code(), ErrorCode::kInvalidArgument);

@@ -32,7 +32,7 @@ class ClosedGrotto : public testing::TestWithParam<std::uint64_t> {
   scene::Scene scene_;
 };
 
-TEST_P(ClosedGrotto, no_sky_is_seen_from_anywhere_inside) {
+TEST_P(ClosedGrotto, shows_no_sky_from_anywhere_inside) {
   // Only the sky emits light, so any light in a picture came through a hole.
   scene_.model.lights.clear();
   scene_.ambient.setZero();

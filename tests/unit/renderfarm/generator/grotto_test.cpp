@@ -51,7 +51,7 @@ TEST(Grotto, is_refused_below_and_above_its_range) {
   }
 }
 
-TEST(Grotto, writes_the_announced_counts_of_finite_numbers) {
+TEST(Grotto, writes_the_announced_number_of_finite_vertices) {
   for (const std::uint64_t asked : {10'000u, 120'000u}) {
     const auto grotto = plan_grotto(asked, 5);
     ASSERT_TRUE(grotto.has_value());
@@ -84,7 +84,7 @@ TEST(Grotto, stays_inside_its_rock) {
   }
 }
 
-TEST(Grotto, is_the_same_to_the_bit_whatever_the_threads) {
+TEST(Grotto, is_identical_for_any_number_of_threads) {
   const auto once = digests(made(40'000, 3, 1));
   EXPECT_EQ(digests(made(40'000, 3, 1)), once);
   EXPECT_EQ(digests(made(40'000, 3, 2)), once);
@@ -98,7 +98,7 @@ TEST(Grotto, differs_with_the_seed) {
   EXPECT_NE(one.at("disciples.ply"), two.at("disciples.ply"));
 }
 
-TEST(Grotto, gives_geometry_row_by_row_however_large_it_is) {
+TEST(Grotto, streams_geometry_row_by_row_at_any_size) {
   // The longest row of 60 M triangles; a thread holds a few of these at a time.
   const auto grotto = plan_grotto(kMaxTriangles, 1);
   ASSERT_TRUE(grotto.has_value());
@@ -121,7 +121,7 @@ class FailingSink final : public GeometrySink {
   RecordingSink inner_;
 };
 
-TEST(Grotto, reports_why_any_file_could_not_be_written) {
+TEST(Grotto, reports_why_a_file_could_not_be_written) {
   const auto grotto = plan_grotto(10'000, 1);
   ASSERT_TRUE(grotto.has_value());
   for (int n = 0; n < static_cast<int>(grotto->parts.size()); ++n) {
@@ -134,7 +134,7 @@ TEST(Grotto, reports_why_any_file_could_not_be_written) {
   }
 }
 
-TEST(Grotto, stops_when_asked_to) {
+TEST(Grotto, stops_when_cancelled) {
   const auto grotto = plan_grotto(20'000'000, 1);
   ASSERT_TRUE(grotto.has_value());
   RecordingSink sink;
@@ -143,7 +143,7 @@ TEST(Grotto, stops_when_asked_to) {
   EXPECT_EQ(status.error().code(), ErrorCode::kUnavailable);
 }
 
-TEST(Grotto, reports_progress_that_ends_at_one) {
+TEST(Grotto, reports_progress_up_to_one) {
   const auto grotto = plan_grotto(300'000, 1);
   ASSERT_TRUE(grotto.has_value());
   RecordingSink sink;

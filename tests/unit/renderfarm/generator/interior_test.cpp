@@ -33,7 +33,7 @@ TEST(Interior, is_finite_and_inside_its_walls) {
   }
 }
 
-TEST(Interior, gives_the_same_light_however_many_lamps_it_has) {
+TEST(Interior, has_the_same_total_light_for_any_number_of_lamps) {
   const auto light = [](int lamps) {
     const auto hall = plan_interior(1'000'000, 1, lamps);
     EXPECT_TRUE(hall.has_value());
@@ -59,7 +59,7 @@ TEST(Interior, its_four_lamps_are_one_and_a_half_metres_wide_and_do_not_touch) {
   }
 }
 
-TEST(Interior, refuses_what_it_cannot_make) {
+TEST(Interior, refuses_impossible_requests) {
   EXPECT_EQ(plan_interior(1'000, 1, 4).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(plan_interior(60'000, 1, 0).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(plan_interior(60'000, 1, kMaxInteriorLamps + 1).error().code(), ErrorCode::kInvalidArgument);

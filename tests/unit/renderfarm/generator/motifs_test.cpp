@@ -43,7 +43,7 @@ std::vector<Named> motifs() {
            }}};
 }
 
-TEST(Motifs, are_colours_everywhere_at_any_fineness) {
+TEST(Motifs, have_colours_everywhere_at_any_resolution) {
   std::mt19937 random{3};
   std::uniform_real_distribution<float> place{-12.0f, 12.0f};
   for (const Named& motif : motifs()) {
@@ -69,13 +69,13 @@ float roughness(const Motif& paint, float spacing) {
   return sum / kSteps;
 }
 
-TEST(Motifs, blur_on_coarse_grids_instead_of_flickering) {
+TEST(Motifs, blur_on_coarse_grids_instead_of_aliasing) {
   for (const Named& motif : motifs()) {
     EXPECT_LT(roughness(motif.paint, 0.4f), 0.7f * roughness(motif.paint, 0.002f) + 1e-4f) << motif.name;
   }
 }
 
-TEST(ThousandBuddhas, step_in_colour_from_cell_to_cell_and_repeat_after_eight) {
+TEST(ThousandBuddhas, change_colour_from_cell_to_cell_and_repeat_after_eight) {
   const auto robe = [](int column) {
     return thousand_buddhas({(static_cast<float>(column) + 0.5f) * kCellWidth + 0.04f, 0.5f * kCellHeight - 0.02f},
                             0.001f);

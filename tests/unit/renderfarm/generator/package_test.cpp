@@ -59,7 +59,7 @@ TEST_F(GrottoPackage, is_a_scene_that_loads) {
   EXPECT_TRUE(scene->bounds.contains(Eigen::Vector3d(0.0, 1.6, 3.1)));
 }
 
-TEST_F(GrottoPackage, starts_and_stops_in_the_walkable_area) {
+TEST_F(GrottoPackage, has_its_start_and_stops_in_the_walkable_area) {
   ASSERT_TRUE(write_package(order_, always).has_value());
   const auto scene = scene::load_scene(order_.folder, scene::ImportLimits{}, nullptr);
   ASSERT_TRUE(scene.has_value());
@@ -83,7 +83,7 @@ TEST_F(GrottoPackage, starts_and_stops_in_the_walkable_area) {
   }
 }
 
-TEST_F(GrottoPackage, is_the_same_to_the_byte_for_the_same_order) {
+TEST_F(GrottoPackage, is_identical_for_the_same_request) {
   const auto report = write_package(order_, always);
   ASSERT_TRUE(report.has_value());
   std::map<std::string, std::string> first;
@@ -99,7 +99,7 @@ TEST_F(GrottoPackage, is_the_same_to_the_byte_for_the_same_order) {
   for (const auto& [name, content] : first) EXPECT_EQ(bytes(name), content) << name;
 }
 
-TEST_F(GrottoPackage, keeps_the_folder_unless_it_is_a_grotto_to_be_replaced) {
+TEST_F(GrottoPackage, replaces_a_folder_only_if_it_is_a_grotto_and_replacing_was_requested) {
   ASSERT_TRUE(write_package(order_, always).has_value());
   const std::string old = bytes("scene.toml");
   const auto names = everything();
@@ -129,13 +129,13 @@ TEST_F(GrottoPackage, never_replaces_anything_else) {
   EXPECT_THAT(everything(), testing::ElementsAre("one", "one/scene.toml"));
 }
 
-TEST_F(GrottoPackage, takes_an_empty_folder) {
+TEST_F(GrottoPackage, accepts_an_empty_folder) {
   fs::create_directory(order_.folder);
   ASSERT_TRUE(write_package(order_, always).has_value());
   EXPECT_TRUE(fs::exists(order_.folder / "scene.toml"));
 }
 
-TEST_F(GrottoPackage, leaves_nothing_when_it_is_stopped) {
+TEST_F(GrottoPackage, leaves_nothing_when_cancelled) {
   order_.triangles = 20'000'000;
   const auto stopped = write_package(order_, [](double) { return false; });
   ASSERT_FALSE(stopped.has_value());

@@ -53,7 +53,7 @@ TEST_F(PlyWriter, writes_files_that_the_importer_reads) {
   EXPECT_THAT(mesh.triangles, testing::ElementsAreArray(kTriangles));
 }
 
-TEST_F(PlyWriter, leaves_the_normals_out_where_shading_is_flat) {
+TEST_F(PlyWriter, omits_normals_for_flat_shading) {
   const GeometryCounts counts{kVertices.size(), kTriangles.size()};
   PlySink sink(folder_, Shading::kFlat);
   auto file = sink.open("a.ply", counts);
@@ -68,14 +68,14 @@ TEST_F(PlyWriter, leaves_the_normals_out_where_shading_is_flat) {
   EXPECT_EQ(model->meshes[0].colours[1][0], 255);
 }
 
-TEST_F(PlyWriter, never_writes_over_a_file) {
+TEST_F(PlyWriter, never_overwrites_a_file) {
   ASSERT_TRUE(write_file_atomically(folder_ / "a.ply", "mine").has_value());
   const auto file = PlySink(folder_, Shading::kSmooth).open("a.ply", {});
   ASSERT_FALSE(file.has_value());
   EXPECT_THAT(file.error().message(), testing::HasSubstr("a.ply"));
 }
 
-TEST_F(PlyWriter, says_when_its_folder_is_missing) {
+TEST_F(PlyWriter, reports_a_missing_folder) {
   const auto absent = PlySink(folder_ / "absent", Shading::kSmooth).open("a.ply", {});
   ASSERT_FALSE(absent.has_value());
   EXPECT_EQ(absent.error().code(), ErrorCode::kNotFound);

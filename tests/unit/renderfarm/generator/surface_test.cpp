@@ -45,7 +45,7 @@ Patch plane() {
   return patch;
 }
 
-TEST(Patch, a_plane_becomes_a_grid_with_its_normal_and_colours_that_are_clipped) {
+TEST(Patch, a_plane_becomes_a_grid_with_its_normal_and_clipped_colours) {
   KeptFile file;
   const Part part{"plane.ply", {plane()}};
   ASSERT_TRUE(write_part(part, file, always).has_value());
@@ -78,7 +78,7 @@ TEST(Patch, turns_towards_a_point_or_away_from_it) {
   }
 }
 
-TEST(Patch, the_second_patch_of_a_part_names_its_own_vertices) {
+TEST(Patch, the_second_patch_of_a_part_refers_to_its_own_vertices) {
   Part part{"two.ply", {plane(), plane()}};
   part.patches[1].at = [](float u, float v, float) { return Surfel{{u, v, 5.0f}, Vec3::Ones()}; };
   KeptFile file;
@@ -89,7 +89,7 @@ TEST(Patch, the_second_patch_of_a_part_names_its_own_vertices) {
   }
 }
 
-TEST(Patch, a_patch_folded_to_a_point_still_has_unit_normals) {
+TEST(Patch, a_patch_collapsed_to_a_point_has_unit_normals) {
   Part part{"point.ply", {plane()}};
   part.patches[0].at = [](float, float, float) { return Surfel{Vec3::Ones(), Vec3::Ones()}; };
   KeptFile file;
@@ -97,7 +97,7 @@ TEST(Patch, a_patch_folded_to_a_point_still_has_unit_normals) {
   for (const Vertex& v : file.vertices) EXPECT_NEAR(Vec3(v.normal.data()).norm(), 1.0f, 1e-6f);
 }
 
-TEST(Patch, work_stops_between_rows) {
+TEST(Patch, cancels_between_rows) {
   int calls = 0;
   KeptFile file;
   const Status status = write_part({"plane.ply", {plane()}}, file, [&](std::uint64_t) { return ++calls < 2; });
@@ -106,7 +106,7 @@ TEST(Patch, work_stops_between_rows) {
   EXPECT_EQ(file.vertices.size(), 18u);
 }
 
-TEST(ShareTriangles, gives_the_denser_patch_more_and_refuses_too_few) {
+TEST(ShareTriangles, gives_more_to_the_denser_patch_and_refuses_too_few) {
   std::vector<Part> parts = {{"a.ply", {plane()}}, {"b.ply", {plane()}}};
   parts[1].patches[0].density = 2.0f;
   ASSERT_TRUE(share_triangles(parts, 100'000).has_value());
@@ -129,7 +129,7 @@ Sculpture ball(float radius) {
   return s;
 }
 
-TEST(Sculpture, a_ball_is_wrapped_without_a_seam_and_looks_outwards) {
+TEST(Sculpture, a_ball_has_no_seam_and_faces_outwards) {
   const Pose pose = standing_at({1.0f, 2.0f, 3.0f}, 0.7f, 2.0f);
   Part part{"ball.ply", {wrapped(ball(0.5f), pose, 1.0f)}};
   part.patches[0].columns = 40;

@@ -15,7 +15,7 @@ ParetoPoint point_of(double cost, double error) {
   return point;
 }
 
-TEST(ParetoFront, keeps_what_no_cheaper_point_beats_in_the_order_of_cost) {
+TEST(ParetoFront, keeps_the_points_that_no_cheaper_point_beats_in_order_of_cost) {
   const auto front = ParetoFront::make(
       {point_of(8, 1), point_of(1, 9), point_of(2, 9), point_of(4, 3), point_of(4, 2), point_of(16, 1)});
   ASSERT_TRUE(front);
@@ -25,7 +25,7 @@ TEST(ParetoFront, keeps_what_no_cheaper_point_beats_in_the_order_of_cost) {
   EXPECT_EQ(front->best().cost, 8.0);
 }
 
-TEST(ParetoFront, refuses_no_points_and_points_that_are_none) {
+TEST(ParetoFront, refuses_an_empty_list_and_invalid_points) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(ParetoFront::make({}));
@@ -38,7 +38,7 @@ TEST(ParetoFront, refuses_no_points_and_points_that_are_none) {
   EXPECT_FALSE(ParetoFront::make({bad}));
 }
 
-TEST(ParetoFront, has_a_standard_one_in_which_every_point_is_on_the_front) {
+TEST(ParetoFront, has_a_standard_one_of_which_no_point_is_dominated) {
   const ParetoFront front = ParetoFront::standard();
   EXPECT_GE(front.size(), 8u);
   for (std::size_t i = 1; i < front.size(); ++i) {

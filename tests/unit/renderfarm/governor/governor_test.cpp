@@ -39,7 +39,7 @@ int changes(const std::vector<std::size_t>& chosen, std::size_t from = 0) {
   return count;
 }
 
-TEST(Governor, starts_at_the_cheapest_and_goes_once_to_the_best_that_fits) {
+TEST(Governor, starts_at_the_cheapest_point_and_goes_directly_to_the_best_that_fits) {
   Governor governor(front_of(8), 50.0);
   const auto chosen = play(governor, 200, [](int, double cost) { return 2.0 * cost; });
   EXPECT_EQ(chosen.front(), 0u);
@@ -47,7 +47,7 @@ TEST(Governor, starts_at_the_cheapest_and_goes_once_to_the_best_that_fits) {
   EXPECT_EQ(changes(chosen), 1);
 }
 
-TEST(Governor, gives_way_within_two_frames_when_costs_jump_tenfold) {
+TEST(Governor, reduces_quality_within_two_frames_when_costs_jump_tenfold) {
   Governor governor(front_of(8), 50.0);
   play(governor, 100, [](int, double cost) { return cost; });
   const auto chosen = play(governor, 100, [](int, double cost) { return 10.0 * cost; });
@@ -56,7 +56,7 @@ TEST(Governor, gives_way_within_two_frames_when_costs_jump_tenfold) {
   EXPECT_EQ(changes(chosen), 1);
 }
 
-TEST(Governor, comes_back_when_the_costs_have_fallen_again) {
+TEST(Governor, returns_when_the_costs_have_fallen_again) {
   Governor governor(front_of(8), 50.0);
   const auto chosen = play(governor, 400, [](int frame, double cost) { return (frame < 100 ? 10.0 : 1.0) * cost; });
   EXPECT_EQ(chosen[99], 2u);
@@ -64,20 +64,20 @@ TEST(Governor, comes_back_when_the_costs_have_fallen_again) {
   EXPECT_EQ(chosen.back(), 5u);
 }
 
-TEST(Governor, is_not_moved_by_one_frame_that_hung) {
+TEST(Governor, ignores_one_slow_frame) {
   Governor governor(front_of(8), 50.0);
   play(governor, 100, [](int, double cost) { return cost; });
   const auto chosen = play(governor, 100, [](int frame, double cost) { return (frame == 50 ? 30.0 : 1.0) * cost; });
   EXPECT_EQ(changes(chosen), 0);
 }
 
-TEST(Governor, stays_at_the_cheapest_when_the_budget_cannot_be_kept) {
+TEST(Governor, stays_at_the_cheapest_point_when_the_budget_cannot_be_kept) {
   Governor governor(front_of(8), 0.001);
   const auto chosen = play(governor, 100, [](int, double cost) { return cost; });
   EXPECT_EQ(*std::ranges::max_element(chosen), 0u);
 }
 
-TEST(Governor, takes_the_best_when_the_budget_is_huge) {
+TEST(Governor, takes_the_best_point_for_a_huge_budget) {
   Governor governor(front_of(8), 1e12);
   EXPECT_EQ(play(governor, 100, [](int, double cost) { return cost; }).back(), 7u);
 }
@@ -88,7 +88,7 @@ TEST(Governor, has_no_choice_with_one_point) {
   EXPECT_EQ(*std::ranges::max_element(chosen), 0u);
 }
 
-TEST(Governor, ignores_times_that_are_none) {
+TEST(Governor, ignores_invalid_times) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   for (const double bad : {0.0, -1.0, kNan, kInfinite}) {
@@ -105,7 +105,7 @@ TEST(Governor, ignores_times_that_are_none) {
   EXPECT_FALSE(governor.predicted_ms(0, 1.0)) << "a picture without pixels";
 }
 
-TEST(Governor, follows_the_size_of_the_picture_at_once) {
+TEST(Governor, adapts_at_once_to_the_size_of_the_picture) {
   Governor governor(front_of(8), 50.0);
   play(governor, 100, [](int, double cost) { return cost; });
   EXPECT_EQ(play(
@@ -114,7 +114,7 @@ TEST(Governor, follows_the_size_of_the_picture_at_once) {
             2u);
 }
 
-TEST(Governor, does_not_pump_when_times_are_noisy) {
+TEST(Governor, does_not_oscillate_when_times_are_noisy) {
   std::mt19937 random(7);
   std::lognormal_distribution<double> noise(0.0, 0.25);
   // The budget may lie anywhere between two points.
@@ -125,7 +125,7 @@ TEST(Governor, does_not_pump_when_times_are_noisy) {
   }
 }
 
-TEST(Governor, tries_less_and_less_often_what_proves_too_expensive) {
+TEST(Governor, retries_a_point_that_proved_too_expensive_ever_more_rarely) {
   // The more expensive point costs more than stated, so it appears to fit but does not.
   Governor governor(front_of(2), 10.0);
   const auto chosen = play(governor, 1000, [](int, double cost) { return cost < 2.0 ? 3.0 : 12.0; });

@@ -16,7 +16,7 @@ std::string refusal_of(const std::string& text) {
 
 constexpr const char* kPoint = "[[point]]\ncpu_us_per_px = 2\nerror = 0.5\n";
 
-TEST(ParetoFrontFile, what_is_left_out_has_its_default) {
+TEST(ParetoFrontFile, omitted_keys_have_defaults) {
   const auto front = parse_pareto_front(kPoint, "front.toml");
   ASSERT_TRUE(front) << front.error().message();
   ASSERT_EQ(front->size(), 1u);
@@ -25,7 +25,7 @@ TEST(ParetoFrontFile, what_is_left_out_has_its_default) {
   EXPECT_EQ((*front)[0].quality, render::PictureQuality{});
 }
 
-TEST(ParetoFrontFile, what_is_written_is_read_bit_by_bit) {
+TEST(ParetoFrontFile, survives_a_round_trip_bit_by_bit) {
   std::vector<ParetoPoint> points(2);
   points[0].cost = 1.0 / 3.0;
   points[0].error = 0.1;
@@ -60,7 +60,7 @@ TEST(ParetoFrontFile, the_standard_front_can_be_written_and_read) {
   EXPECT_EQ(again->size(), ParetoFront::standard().size());
 }
 
-TEST(ParetoFrontFile, a_mistake_is_told_with_its_line_and_what_would_be_right) {
+TEST(ParetoFrontFile, names_the_line_of_a_mistake_and_the_remedy) {
   EXPECT_THAT(refusal_of(std::string(kPoint) + "samples = 0\n"),
               testing::AllOf(HasSubstr("front.toml:4"), HasSubstr("samples"), HasSubstr("65536")));
   EXPECT_THAT(refusal_of(std::string(kPoint) + "scale = 1.5\n"), HasSubstr("front.toml:4"));
@@ -76,11 +76,11 @@ TEST(ParetoFrontFile, a_mistake_is_told_with_its_line_and_what_would_be_right) {
   EXPECT_THAT(refusal_of("not toml"), HasSubstr("front.toml:1"));
 }
 
-TEST(ParetoFrontFile, without_a_point_it_says_how_to_make_one) {
+TEST(ParetoFrontFile, without_a_point_explains_how_to_make_one) {
   EXPECT_THAT(refusal_of(""), HasSubstr("cyclorama-bench-render trade"));
 }
 
-TEST(ParetoFrontFile, that_is_not_there_is_not_found) {
+TEST(ParetoFrontFile, reports_a_missing_file) {
   EXPECT_EQ(read_pareto_front(testing::TempDir() + "/no/front.toml").error().code(), ErrorCode::kNotFound);
 }
 

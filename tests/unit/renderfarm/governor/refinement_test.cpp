@@ -32,7 +32,7 @@ std::vector<int> steps(Refinement refinement, double ms_per_sample = 0.01) {
   return ends;
 }
 
-TEST(CutSamples, cuts_every_range_where_any_other_range_is_cut) {
+TEST(CutSamples, divides_every_range_at_the_same_positions) {
   EXPECT_TRUE(cut_samples({5, 5}).empty());
   EXPECT_EQ(cut_samples({0, 1}), (std::vector<SampleRange>{{0, 1}}));
   EXPECT_EQ(cut_samples({0, 5}), (std::vector<SampleRange>{{0, 1}, {1, 2}, {2, 4}, {4, 5}}));
@@ -46,7 +46,7 @@ TEST(CutSamples, cuts_every_range_where_any_other_range_is_cut) {
   }
 }
 
-TEST(Refinement, doubles_until_the_reference_and_then_rests) {
+TEST(Refinement, doubles_the_samples_until_the_reference_and_then_rests) {
   const ParetoFront front = plain_pareto_front();
   EXPECT_EQ(steps(Refinement(front, front[1], 1024)), (std::vector<int>{8, 16, 32, 64, 128, 256, 512, 1024}));
   EXPECT_EQ(steps(Refinement(front, front[0], 100)), (std::vector<int>{2, 4, 8, 16, 32, 64, 100}));
@@ -54,7 +54,7 @@ TEST(Refinement, doubles_until_the_reference_and_then_rests) {
   EXPECT_EQ(steps(Refinement(front, front[2], 7)), (std::vector<int>{7})) << "fewer than the moving picture had";
 }
 
-TEST(Refinement, takes_about_a_second_for_a_picture_when_samples_are_slow) {
+TEST(Refinement, takes_about_a_second_per_picture_when_samples_are_slow) {
   const ParetoFront front = plain_pareto_front();
   EXPECT_EQ(steps(Refinement(front, front[1], 320), 10.0), (std::vector<int>{8, 16, 32, 64, 128, 256, 320}));
   EXPECT_EQ(steps(Refinement(front, front[1], 320), 1e6), (std::vector<int>{8, 16, 32, 64, 128, 192, 256, 320}));
@@ -74,7 +74,7 @@ TEST(Refinement, ends_every_picture_but_the_last_at_a_cut) {
   }
 }
 
-TEST(Refinement, begins_no_worse_than_the_moving_picture_was) {
+TEST(Refinement, starts_no_worse_than_the_moving_picture) {
   ParetoPoint denoised = point_of(2, 0.02, 2);
   denoised.quality.denoise = true;
   ParetoPoint small = point_of(1, 1.5, 1);
@@ -86,7 +86,7 @@ TEST(Refinement, begins_no_worse_than_the_moving_picture_was) {
   EXPECT_EQ(Refinement(only, only[0], 1024).next(0.0)->end, 4) << "nothing to compare with";
 }
 
-TEST(Refinement, leaves_out_what_makes_a_reference_wrong) {
+TEST(Refinement, turns_off_what_would_bias_the_reference) {
   ParetoPoint best = point_of(1, 1, 4);
   best.quality.scale = 0.5;
   best.quality.denoise = true;

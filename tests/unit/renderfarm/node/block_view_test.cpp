@@ -38,7 +38,7 @@ TEST(BlockView, of_one_eye_is_the_panorama_itself) {
   EXPECT_EQ(view->panorama, panorama);
 }
 
-TEST(BlockView, of_two_eyes_has_rays_from_exactly_where_they_are) {
+TEST(BlockView, of_two_eyes_has_rays_that_start_at_the_eyes) {
   const Panorama round{640, 320, 2.0, 0.5, -0.5};
   const Perspective flat{640, 320, -1.0, 1.0, 0.5, -0.5, 0.0};
   for (const PictureShape& shape : {PictureShape(round), PictureShape(flat)}) {
@@ -65,7 +65,7 @@ TEST(BlockView, of_two_eyes_has_rays_from_exactly_where_they_are) {
   }
 }
 
-TEST(BlockView, of_two_eyes_that_no_cut_parts_is_refused) {
+TEST(BlockView, of_two_eyes_is_refused_if_no_cut_separates_them) {
   wire::RenderBlock block = whole_block(for_two(Panorama{64, 32, 1.0, 0.4, -0.4}));
   block.mutable_view()->mutable_panorama()->set_height_px(80);
   EXPECT_FALSE(view_of(block));
@@ -86,7 +86,7 @@ double column_of_light(const RadianceImage& image, int top, int rows) {
   return sum > 0.0 ? moment / sum : -1.0;
 }
 
-TEST(BlockView, shows_what_is_nearer_than_the_wall_with_crossed_disparity_and_leaves_no_hole_at_the_seam) {
+TEST(BlockView, shows_near_objects_with_crossed_disparity_and_no_hole_at_the_seam) {
   constexpr int kHeight = 96;
   const Panorama panorama{512, kHeight, 0.512, 0.048, -0.048};  // One milliradian per pixel.
   for (const double distance_m : {1.5, 3.0, 12.0}) {

@@ -42,7 +42,7 @@ std::vector<RenderedTile> tiles(Kind kind, std::uint64_t watermark) {
 
 class BlockWorkMarks : public testing::TestWithParam<Kind> {};
 
-TEST_P(BlockWorkMarks, every_tile_by_its_place_in_the_picture_if_there_is_a_key) {
+TEST_P(BlockWorkMarks, every_tile_by_its_position_in_the_picture_if_there_is_a_key) {
   constexpr std::uint64_t kKey = 0x9e1f2bad2af9ea4e;
   const std::vector<RenderedTile> plain = tiles(GetParam(), 0);
   const std::vector<RenderedTile> marked = tiles(GetParam(), kKey);

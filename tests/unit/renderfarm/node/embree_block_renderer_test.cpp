@@ -63,7 +63,7 @@ double squared_error(const RadianceImage& a, const RadianceImage& b) {
   return sum / static_cast<double>(a.data().size());
 }
 
-TEST(EmbreeBlockRenderer, accumulates_bit_for_bit_what_it_renders_afresh_however_it_is_cut) {
+TEST(EmbreeBlockRenderer, accumulates_bit_by_bit_what_it_renders_at_once_however_it_is_divided) {
   const auto renderer = folded_sheet();
   const render::PanoramaView view = view_of_sheet();
   const render::Film steps = accumulated(*renderer, view, kRect, {2, 8, 16, 64, 128});
@@ -76,7 +76,7 @@ TEST(EmbreeBlockRenderer, accumulates_bit_for_bit_what_it_renders_afresh_however
   }
 }
 
-TEST(EmbreeBlockRenderer, develops_a_film_to_the_codes_of_render_by_the_scenes_own_curve) {
+TEST(EmbreeBlockRenderer, develops_a_film_to_the_codes_of_render_with_the_scenes_tone_curve) {
   for (const char* const curve : {"shoulder", "linear", "filmic"}) {
     const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "toned_scene";
     std::filesystem::create_directories(folder);
@@ -98,7 +98,7 @@ TEST(EmbreeBlockRenderer, develops_a_film_to_the_codes_of_render_by_the_scenes_o
   }
 }
 
-TEST(EmbreeBlockRenderer, accumulates_up_to_float_rounding_what_one_render_of_all_samples_gives) {
+TEST(EmbreeBlockRenderer, accumulates_the_same_as_one_render_up_to_rounding) {
   const auto renderer = folded_sheet();
   const render::PanoramaView view = view_of_sheet();
   const RadianceImage pieces = accumulated(*renderer, view, kRect, {64}).mean();
@@ -110,7 +110,7 @@ TEST(EmbreeBlockRenderer, accumulates_up_to_float_rounding_what_one_render_of_al
   }
 }
 
-TEST(EmbreeBlockRenderer, errs_less_from_picture_to_picture_by_at_least_the_square_root_law) {
+TEST(EmbreeBlockRenderer, has_an_error_that_falls_at_least_by_the_square_root_law) {
   const auto renderer = folded_sheet();
   render::PanoramaView view = view_of_sheet();
   view.quality.sequence = 2048;
@@ -131,7 +131,7 @@ TEST(EmbreeBlockRenderer, errs_less_from_picture_to_picture_by_at_least_the_squa
   EXPECT_LT(slope, -0.9);
 }
 
-TEST(EmbreeBlockRenderer, says_how_fast_this_host_is_with_it) {
+TEST(EmbreeBlockRenderer, reports_the_speed_of_this_host) {
   const auto renderer = folded_sheet();
   EXPECT_GT(renderer->probe_cpu_seconds(), 0.0);
   EXPECT_TRUE(std::isfinite(renderer->probe_cpu_seconds()));

@@ -65,7 +65,7 @@ class FarmNodeTest : public testing::Test {
   std::shared_ptr<FakeRendering> rendering = std::make_shared<FakeRendering>();
 };
 
-TEST_F(FarmNodeTest, serves_all_its_coordinators_at_once_and_goes_on_when_one_dies) {
+TEST_F(FarmNodeTest, serves_all_its_coordinators_at_once_and_continues_when_one_dies) {
   auto one = std::make_unique<ScriptedCoordinator>();
   ScriptedCoordinator other;
   const int port = one->port();
@@ -116,7 +116,7 @@ TEST_F(FarmNodeTest, drains_before_it_stops) {
   node->stop();
 }
 
-TEST_F(FarmNodeTest, gives_up_what_is_not_done_in_time) {
+TEST_F(FarmNodeTest, abandons_what_is_not_done_in_time) {
   ScriptedCoordinator coordinator;
   const auto node = start({coordinator.address(), "[::1]:1"});
   ASSERT_TRUE(coordinator.wait(count(1, is_hello)));
@@ -130,7 +130,7 @@ TEST_F(FarmNodeTest, gives_up_what_is_not_done_in_time) {
   EXPECT_FALSE(coordinator.wait(count(1, is_good_end), Duration::zero()));
 }
 
-TEST_F(FarmNodeTest, leaves_a_coordinator_that_is_broken_and_dials_again) {
+TEST_F(FarmNodeTest, disconnects_from_a_broken_coordinator_and_reconnects) {
   ScriptedCoordinator coordinator;
   const auto node = start({coordinator.address()});
   ASSERT_TRUE(coordinator.wait(count(1, is_hello)));
@@ -147,7 +147,7 @@ TEST_F(FarmNodeTest, leaves_a_coordinator_that_is_broken_and_dials_again) {
   EXPECT_TRUE(coordinator.wait(count(1, is_good_end)));
 }
 
-TEST_F(FarmNodeTest, refuses_to_start_without_a_coordinator_that_could_be) {
+TEST_F(FarmNodeTest, refuses_to_start_without_a_valid_coordinator) {
   EXPECT_FALSE(FarmNode::start({}, fake_loader()));
   EXPECT_FALSE(FarmNode::start({.coordinators = {"[::1]:7402", "nowhere"}}, fake_loader()));
 }

@@ -12,7 +12,7 @@ constexpr std::size_t kTileBytes = std::size_t{20} * 16 * 16;
 
 FilmStore::Kept kept_of(int samples) { return {render::Film(16, 16, false), samples}; }
 
-TEST(FilmStore, gives_back_what_was_kept_of_that_very_picture_and_tile) {
+TEST(FilmStore, returns_what_it_has_of_the_same_picture_and_tile) {
   FilmStore films;
   films.put({1, 1}, "a", kLeft, kept_of(4));
   films.put({1, 1}, "a", kRight, kept_of(8));
@@ -26,7 +26,7 @@ TEST(FilmStore, gives_back_what_was_kept_of_that_very_picture_and_tile) {
   EXPECT_EQ(films.bytes(), 0u);
 }
 
-TEST(FilmStore, keeps_one_picture_a_session) {
+TEST(FilmStore, keeps_one_picture_per_session) {
   FilmStore films;
   films.put({1, 1}, "a", kLeft, kept_of(4));
   films.put({1, 2}, "a", kLeft, kept_of(5));
@@ -62,7 +62,7 @@ TEST(FilmStore, replaces_a_tile_without_counting_it_twice) {
   EXPECT_EQ(films.take({1, 1}, "a", kLeft).samples, 8);
 }
 
-TEST(FilmStore, forgets_the_session_that_was_used_longest_ago_when_memory_is_short) {
+TEST(FilmStore, drops_the_least_recently_used_session_when_memory_is_short) {
   FilmStore films(2 * kTileBytes);
   films.put({1, 1}, "a", kLeft, kept_of(1));
   films.put({1, 2}, "a", kLeft, kept_of(2));

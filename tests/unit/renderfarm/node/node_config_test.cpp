@@ -18,7 +18,7 @@ Result<FarmNodeOptions> read(const std::string& text) {
   return read_node_config(path);
 }
 
-TEST(NodeConfig, reads_what_it_says_and_leaves_the_rest_to_the_host) {
+TEST(NodeConfig, reads_every_key_and_leaves_the_rest_to_the_host) {
   const auto full = read(
       "coordinators = [\"[::1]:1\", \"[::1]:2\"]\nname = \"r7\"\nthreads = 3\nmemory_gib = 1.5\n"
       "cache = \"/c\"\ncache_gib = 0.5\n");
@@ -49,7 +49,7 @@ TEST(NodeConfig, names_the_nodes_certificate_or_none) {
   EXPECT_FALSE(read("coordinator = \"[::1]:1\"\n[tls]\nauthority = \"a\"\n"));
 }
 
-TEST(NodeConfig, says_what_is_wrong_and_where) {
+TEST(NodeConfig, names_a_mistake_and_its_line) {
   const auto refusal_of = [](const std::string& text) {
     const auto options = read(text);
     return options ? std::string() : options.error().message();

@@ -53,7 +53,7 @@ wire::NodeCommand cancel(std::uint64_t number) {
   return command;
 }
 
-class NodeDeskTest : public testing::Test {
+class NodeControllerTest : public testing::Test {
  protected:
   std::shared_ptr<NodeLink> opened(const std::string& path = "a") {
     auto link = controller.open();
@@ -104,7 +104,7 @@ class NodeDeskTest : public testing::Test {
   std::map<std::uint64_t, RenderedBlock> ends;
 };
 
-TEST_F(NodeDeskTest, renders_blocks_by_rank_and_changes_between_two_tiles) {
+TEST_F(NodeControllerTest, renders_blocks_by_rank_and_switches_between_tiles) {
   const auto link = opened();
   take(link, block(1, 5));
   take(link, block(2, 5));
@@ -117,7 +117,7 @@ TEST_F(NodeDeskTest, renders_blocks_by_rank_and_changes_between_two_tiles) {
   EXPECT_EQ(controller.renders().waiting(), 0u);
 }
 
-TEST_F(NodeDeskTest, tells_what_each_cell_of_a_block_cost) {
+TEST_F(NodeControllerTest, reports_the_cost_of_each_cell_of_a_block) {
   const auto link = opened();
   wire::NodeCommand command = block(1);
   command.mutable_render()->set_x_px(32);
@@ -136,7 +136,7 @@ TEST_F(NodeDeskTest, tells_what_each_cell_of_a_block_cost) {
   EXPECT_THAT(ends[1].cost.cell_cpu_seconds, testing::Each(4 * FakeBlockRenderer::kCellSeconds)) << "of four samples";
 }
 
-TEST_F(NodeDeskTest, gives_way_within_a_tile_at_rest_and_neither_loses_nor_repeats_a_cell) {
+TEST_F(NodeControllerTest, preempts_a_refinement_within_a_tile_and_neither_loses_nor_repeats_a_cell) {
   const auto calm = opened();
   take(calm, kept(block(1, 100), 0, 4));
   all_work(*calm);
@@ -161,7 +161,7 @@ TEST_F(NodeDeskTest, gives_way_within_a_tile_at_rest_and_neither_loses_nor_repea
   EXPECT_EQ(rendering->film_cells - cells, cells);
 }
 
-TEST_F(NodeDeskTest, adds_to_the_samples_that_it_has_unless_the_session_ended) {
+TEST_F(NodeControllerTest, adds_to_existing_samples_unless_the_session_ended) {
   const auto link = opened();
   take(link, kept(block(1), 0, 4));
   all_work(*link);
@@ -178,7 +178,7 @@ TEST_F(NodeDeskTest, adds_to_the_samples_that_it_has_unless_the_session_ended) {
   EXPECT_EQ(pictures[3], pictures[2]);
 }
 
-TEST_F(NodeDeskTest, ends_a_cancelled_block_at_once_whether_it_waits_or_is_half_done) {
+TEST_F(NodeControllerTest, ends_a_cancelled_block_at_once_whether_it_waits_or_is_half_done) {
   const auto link = opened();
   take(link, block(1, 1));
   take(link, block(2, 2));
@@ -196,7 +196,7 @@ TEST_F(NodeDeskTest, ends_a_cancelled_block_at_once_whether_it_waits_or_is_half_
   EXPECT_THAT(all_work(*link), ElementsAre("end 4: cancelled"));
 }
 
-TEST_F(NodeDeskTest, keeps_two_coordinators_apart) {
+TEST_F(NodeControllerTest, keeps_two_coordinators_apart) {
   const auto one = opened();
   const auto other = opened();
   take(one, kept(block(1), 0, 2));
@@ -213,7 +213,7 @@ TEST_F(NodeDeskTest, keeps_two_coordinators_apart) {
   EXPECT_THAT(all_work(*other), ElementsAre("tile 3", "tile 3", "end 3")) << "scenes stay";
 }
 
-TEST_F(NodeDeskTest, goes_on_for_a_coordinator_that_takes_tiles_while_another_takes_none) {
+TEST_F(NodeControllerTest, continues_for_a_coordinator_that_takes_tiles_while_another_takes_none) {
   const auto stuck = opened();
   const auto link = opened();
   for (std::uint64_t number = 1; number <= 8; ++number) take(stuck, block(number, 0));
@@ -228,7 +228,7 @@ TEST_F(NodeDeskTest, goes_on_for_a_coordinator_that_takes_tiles_while_another_ta
   }
 }
 
-TEST_F(NodeDeskTest, says_what_is_wrong_with_a_block) {
+TEST_F(NodeControllerTest, reports_what_is_wrong_with_a_block) {
   const auto link = opened();
   wire::NodeCommand unknown = block(1);
   unknown.mutable_render()->set_scene("cave");
@@ -244,7 +244,7 @@ TEST_F(NodeDeskTest, says_what_is_wrong_with_a_block) {
   EXPECT_FALSE(controller.take(link, huge));
 }
 
-TEST_F(NodeDeskTest, renders_what_is_loaded_while_it_loads) {
+TEST_F(NodeControllerTest, renders_loaded_scenes_while_it_loads_another) {
   const auto link = opened();
   wire::NodeCommand load;
   load.mutable_load_scene()->set_scene("cave");
@@ -256,7 +256,7 @@ TEST_F(NodeDeskTest, renders_what_is_loaded_while_it_loads) {
   EXPECT_THAT(sent(*link), ElementsAre("loaded cave"));
 }
 
-TEST_F(NodeDeskTest, tells_every_coordinator_when_a_scene_had_to_leave) {
+TEST_F(NodeControllerTest, informs_every_coordinator_when_a_scene_was_dropped) {
   NodeController small(fake_loader(rendering), 2000);  // 500 bytes for films; the fake scenes take 1000 each.
   const auto one = small.open();
   const auto other = small.open();
@@ -274,7 +274,7 @@ TEST_F(NodeDeskTest, tells_every_coordinator_when_a_scene_had_to_leave) {
   EXPECT_THAT(sent(*other), ElementsAre("loaded grotto", "dropped grotto", "loaded cave"));
 }
 
-TEST_F(NodeDeskTest, says_how_it_is_and_that_it_drains) {
+TEST_F(NodeControllerTest, reports_its_state_and_that_it_drains) {
   const auto link = opened();
   take(link, block(1));
   const wire::NodeStatus status = controller.status().status();
@@ -291,7 +291,7 @@ TEST_F(NodeDeskTest, says_how_it_is_and_that_it_drains) {
   EXPECT_TRUE(link->is_finished());
 }
 
-TEST_F(NodeDeskTest, waits_until_nothing_waits) {
+TEST_F(NodeControllerTest, waits_until_nothing_is_queued) {
   const auto link = opened();
   const auto idle = [&] {
     return controller.renders().wait_until_idle(SteadyClock().now() + std::chrono::milliseconds(20),

@@ -31,7 +31,7 @@ std::vector<std::uint64_t> emptied(RenderQueue& queue, const std::set<LinkId>& f
   return blocks;
 }
 
-TEST(RenderQueue, gives_the_lowest_rank_first_and_of_one_rank_what_came_first) {
+TEST(RenderQueue, returns_the_lowest_rank_first_and_equal_ranks_in_order_of_arrival) {
   RenderQueue queue;
   EXPECT_EQ(emptied(queue), std::vector<std::uint64_t>{});
   for (const auto& [block, rank] : {std::pair{10u, 5u}, {11u, 0u}, {12u, 5u}, {13u, 2u}, {9u, 5u}, {14u, 0u}}) {
@@ -42,7 +42,7 @@ TEST(RenderQueue, gives_the_lowest_rank_first_and_of_one_rank_what_came_first) {
   EXPECT_EQ(queue.size(), 0u);
 }
 
-TEST(RenderQueue, keeps_the_block_at_work_until_it_is_done_and_says_when_another_goes_first) {
+TEST(RenderQueue, keeps_the_block_in_progress_until_it_is_done_and_reports_preemption) {
   RenderQueue queue;
   const auto all = [](LinkId) { return true; };
   queue.add(order(1, 1, 7));
@@ -78,7 +78,7 @@ std::string coordinators_at_work(RenderQueue& queue, std::vector<std::uint64_t> 
   return coordinators;
 }
 
-TEST(RenderQueue, shares_between_coordinators_that_began_at_different_times) {
+TEST(RenderQueue, shares_time_between_coordinators_that_began_at_different_times) {
   RenderQueue queue;
   for (const auto& began :
        {std::vector<std::uint64_t>{0, 7'000'000'000}, {7'000'000'000, 0}, {4'000'000'000'000'000'000, 3}}) {
@@ -91,14 +91,14 @@ TEST(RenderQueue, shares_between_coordinators_that_began_at_different_times) {
   }
 }
 
-TEST(RenderQueue, gives_a_coordinator_whose_blocks_cost_half_as_much_twice_as_many) {
+TEST(RenderQueue, gives_a_coordinator_with_blocks_of_half_the_cost_twice_as_many) {
   RenderQueue queue;
   const std::string coordinators = coordinators_at_work(queue, {500, 90'000'000}, {10'000, 20'000}, 60);
   EXPECT_NEAR(static_cast<double>(std::count(coordinators.begin(), coordinators.end(), '1')), 40.0, 1.0)
       << coordinators;
 }
 
-TEST(RenderQueue, lets_a_coordinator_that_had_nothing_waiting_join_now_and_not_in_its_past) {
+TEST(RenderQueue, gives_no_credit_to_a_coordinator_for_time_without_blocks) {
   RenderQueue queue;
   for (std::uint64_t i = 0; i < 5; ++i) queue.add(order(1, i, 1'000'000 * i));
   queue.add(order(2, 100, 50));
@@ -109,7 +109,7 @@ TEST(RenderQueue, lets_a_coordinator_that_had_nothing_waiting_join_now_and_not_i
   EXPECT_EQ(emptied(queue), (std::vector<std::uint64_t>{101, 3, 4, 102}));
 }
 
-TEST(RenderQueue, renders_what_rests_after_all_that_moves_whichever_coordinator_wants_it) {
+TEST(RenderQueue, renders_refinements_after_all_moving_pictures_of_any_coordinator) {
   RenderQueue queue;
   queue.add(order(1, 1, kRankAtRest));
   queue.add(order(1, 2, ~std::uint64_t{0}));
@@ -119,7 +119,7 @@ TEST(RenderQueue, renders_what_rests_after_all_that_moves_whichever_coordinator_
   EXPECT_EQ(emptied(queue), (std::vector<std::uint64_t>{3, 5, 1, 4, 2}));
 }
 
-TEST(RenderQueue, gives_a_cancelled_block_first_as_it_only_wants_its_end) {
+TEST(RenderQueue, returns_a_cancelled_block_first) {
   RenderQueue queue;
   const auto waiting = order(1, 2, 9);
   queue.add(order(1, 1, 0));
@@ -133,7 +133,7 @@ TEST(RenderQueue, gives_a_cancelled_block_first_as_it_only_wants_its_end) {
   EXPECT_EQ(emptied(queue), (std::vector<std::uint64_t>{2, 1}));
 }
 
-TEST(RenderQueue, passes_over_a_link_that_takes_no_tiles_but_for_its_cancelled_blocks) {
+TEST(RenderQueue, skips_a_link_that_takes_no_tiles_except_for_its_cancelled_blocks) {
   RenderQueue queue;
   queue.add(order(1, 1, 0));
   queue.add(order(1, 2, 1));
@@ -143,7 +143,7 @@ TEST(RenderQueue, passes_over_a_link_that_takes_no_tiles_but_for_its_cancelled_b
   EXPECT_EQ(emptied(queue), (std::vector<std::uint64_t>{1}));
 }
 
-TEST(RenderQueue, refuses_a_number_in_use_and_more_blocks_of_a_link_than_a_picture_has_tiles) {
+TEST(RenderQueue, refuses_a_used_number_and_more_blocks_of_a_link_than_a_picture_has_tiles) {
   RenderQueue queue;
   EXPECT_TRUE(queue.add(order(1, 1, 0)));
   EXPECT_FALSE(queue.add(order(1, 1, 3)));

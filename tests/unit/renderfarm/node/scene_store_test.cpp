@@ -66,7 +66,7 @@ TEST(SceneStore, loads_a_scene_once_and_keeps_it) {
   EXPECT_EQ(loads, 3) << "one name stands for one scene";
 }
 
-TEST(SceneStore, shares_scenes_between_coordinators_whatever_they_call_them) {
+TEST(SceneStore, shares_scenes_between_coordinators_under_any_names) {
   int loads = 0;
   SceneStore store(sized_loader({{"a", 1}, {"b", 1}}, &loads));
   load(store, "grotto", "a", 1);
@@ -84,7 +84,7 @@ TEST(SceneStore, shares_scenes_between_coordinators_whatever_they_call_them) {
   EXPECT_EQ(loads, 2) << "it stayed in memory";
 }
 
-TEST(SceneStore, lets_the_scene_that_was_used_longest_ago_leave_when_memory_is_short) {
+TEST(SceneStore, drops_the_least_recently_used_scene_when_memory_is_short) {
   int loads = 0;
   SceneStore store(sized_loader({{"a", 40}, {"b", 40}, {"c", 50}, {"d", 30}}, &loads), 100);
   std::vector<SceneStore::Name> left;
@@ -101,7 +101,7 @@ TEST(SceneStore, lets_the_scene_that_was_used_longest_ago_leave_when_memory_is_s
   EXPECT_THAT(left, testing::UnorderedElementsAre(SceneStore::Name{1, "A"}, SceneStore::Name{2, "A2"}));
 }
 
-TEST(SceneStore, lets_no_scene_leave_that_is_in_use_and_says_so) {
+TEST(SceneStore, never_drops_a_scene_in_use_and_reports_it) {
   int loads = 0;
   SceneStore store(sized_loader({{"a", 40}, {"b", 40}, {"c", 50}, {"d", 200}}, &loads), 100);
   std::vector<SceneStore::Name> left;
@@ -127,14 +127,14 @@ TEST(SceneStore, lets_no_scene_leave_that_is_in_use_and_says_so) {
   EXPECT_NE(store.find(1, "A"), nullptr) << "another coordinator's session holds it";
 }
 
-TEST(SceneStore, answers_with_the_reason_when_a_scene_cannot_be_loaded) {
+TEST(SceneStore, reports_why_a_scene_cannot_be_loaded) {
   SceneStore store(fake_loader());
   EXPECT_THAT(load(store, "x", "missing").error(), HasSubstr("no such file"));
   EXPECT_THAT(load(store, "x", "huge").error(), HasSubstr("more memory than this host has"));
   EXPECT_EQ(store.find(1, "x"), nullptr);
 }
 
-TEST(SceneStore, tells_the_front_in_the_scenes_folder_and_refuses_a_wrong_one) {
+TEST(SceneStore, reports_the_pareto_front_in_the_scenes_folder_and_refuses_a_wrong_one) {
   const std::filesystem::path folder = testing::TempDir() + "scene_store_front";
   std::filesystem::create_directories(folder);
   SceneStore store(fake_loader());

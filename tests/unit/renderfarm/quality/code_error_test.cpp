@@ -56,24 +56,24 @@ TEST(Psnr, is_infinite_for_equal_pictures_and_zero_between_black_and_white) {
   EXPECT_DOUBLE_EQ(*psnr(constant(0), constant(255)), 0.0);
 }
 
-TEST(Psnr, of_one_code_value_is_48_13_decibels) {
+TEST(Psnr, is_48_13_decibels_for_one_code_value) {
   EXPECT_NEAR(*psnr(constant(100), constant(101)), 48.1308036, 1e-6);
   EXPECT_NEAR(*psnr(constant(110), constant(100)), 28.1308036, 1e-6);
 }
 
-TEST(Ssim, is_one_for_equal_pictures_alone) {
+TEST(Ssim, is_one_for_equal_pictures_only) {
   EXPECT_NEAR(*ssim(noise(1), noise(1)), 1.0, 1e-12);
   EXPECT_NEAR(*ssim(constant(0), constant(0)), 1.0, 1e-12);
   EXPECT_LT(*ssim(noise(1), noise(2)), 0.1);
 }
 
-TEST(Ssim, of_constant_pictures_is_the_luminance_term) {
+TEST(Ssim, is_the_luminance_term_for_constant_pictures) {
   EXPECT_NEAR(*ssim(constant(100), constant(150)), (2.0 * 100 * 150 + 6.5025) / (100.0 * 100 + 150 * 150 + 6.5025),
               1e-9);
   EXPECT_NEAR(*ssim(constant(0), constant(255)), 6.5025 / (255.0 * 255.0 + 6.5025), 1e-9);
 }
 
-TEST(Ssim, agrees_with_windows_taken_one_by_one) {
+TEST(Ssim, agrees_with_windows_evaluated_one_by_one) {
   RgbImage near = noise(3);
   for (std::uint8_t& code : near.data()) code = static_cast<std::uint8_t>(code / 2 + 60);
   EXPECT_NEAR(*ssim(near, noise(3)), ssim_by_windows(near, noise(3)), 1e-9);
@@ -86,13 +86,13 @@ TEST(Ssim, is_negative_for_a_negative) {
   EXPECT_LT(*ssim(negative, noise(6)), -0.5);
 }
 
-TEST(CodeError, pictures_of_other_sizes_are_refused) {
+TEST(CodeError, refuses_pictures_of_different_sizes) {
   EXPECT_EQ(psnr(constant(0, 24, 20), constant(0, 20, 24)).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(ssim(constant(0, 24, 20), constant(0, 20, 24)).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_FALSE(psnr({}, {}));
 }
 
-TEST(Ssim, a_picture_smaller_than_its_window_is_refused) {
+TEST(Ssim, refuses_a_picture_smaller_than_its_window) {
   const auto result = ssim(constant(0, 10, 20), constant(0, 10, 20));
   ASSERT_FALSE(result);
   EXPECT_THAT(result.error().message(), testing::HasSubstr("11x11"));

@@ -6,7 +6,7 @@
 namespace cyclorama::quality {
 namespace {
 
-TEST(Enlarged, a_picture_of_that_size_stays_bit_for_bit) {
+TEST(Enlarged, a_picture_of_that_size_is_unchanged) {
   RadianceImage light(5, 3, 0.1f);
   light.at(2, 1)[0] = 7.0f;
   EXPECT_EQ(enlarged(light, 5, 3), light);
@@ -26,7 +26,7 @@ TEST(Enlarged, a_ramp_stays_a_ramp_between_the_outermost_centres) {
   }
 }
 
-TEST(Enlarged, sizes_that_are_no_multiples_keep_the_mean) {
+TEST(Enlarged, any_ratio_of_sizes_keeps_the_mean) {
   RadianceImage picture(7, 5);
   for (std::size_t i = 0; i < picture.data().size(); ++i) picture.data()[i] = static_cast<float>(i % 11);
   const RadianceImage large = enlarged(picture, 70, 50);

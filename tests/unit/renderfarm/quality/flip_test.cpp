@@ -141,20 +141,20 @@ double flip_at(const RgbImage& a, const RgbImage& b, int x, int y, double ppd) {
   return std::pow(colour, 1 - std::sqrt(feature / std::numbers::sqrt2));
 }
 
-TEST(Flip, equal_pictures_differ_nowhere) {
+TEST(Flip, is_zero_for_equal_pictures) {
   const auto result = flip(noise(1, 40, 30), noise(1, 40, 30));
   ASSERT_TRUE(result.has_value());
   EXPECT_EQ(result->mean, 0.0);
   EXPECT_EQ(*std::max_element(result->each.data().begin(), result->each.data().end()), 0.0f);
 }
 
-TEST(Flip, black_and_white_differ_by_the_closed_form) {
+TEST(Flip, has_the_closed_form_for_black_and_white) {
   // Lightness differs by 100; green and blue, the pair with the largest distance, by 203.30: .95 + .05 (100^.7 /
   // 203.30^.7 - .4) / .6.
   EXPECT_NEAR(mean_of(filled(kBlack), filled(kWhite)), 0.96738, 1e-5);
 }
 
-TEST(Flip, green_and_blue_differ_entirely) {
+TEST(Flip, has_its_maximum_for_green_and_blue) {
   EXPECT_NEAR(mean_of(filled({0, 255, 0}), filled({0, 0, 255})), 1.0, 1e-5);
 }
 
@@ -175,7 +175,7 @@ TEST(Flip, agrees_with_the_paper_evaluated_pixel_by_pixel) {
   }
 }
 
-TEST(Flip, is_the_same_whichever_picture_is_the_reference) {
+TEST(Flip, is_symmetric) {
   const RgbImage a = noise(4, 30, 30);
   const RgbImage b = noise(5, 30, 30);
   EXPECT_DOUBLE_EQ(mean_of(a, b), mean_of(b, a));
@@ -190,7 +190,7 @@ TEST(Flip, grows_with_the_difference) {
   }
 }
 
-TEST(Flip, fine_noise_is_seen_less_from_far_away) {
+TEST(Flip, fine_noise_is_less_visible_from_far_away) {
   RgbImage noisy = filled(kGrey, 64, 64);
   std::mt19937 random(6);
   for (std::uint8_t& code : noisy.data()) code = static_cast<std::uint8_t>(code - 12 + static_cast<int>(random() % 25));
@@ -219,7 +219,7 @@ TEST(Flip, a_lost_edge_is_seen_where_it_was) {
   EXPECT_LT(*result->each.at(2, 20), 1e-4f);
 }
 
-TEST(Flip, is_never_outside_of_0_to_1) {
+TEST(Flip, is_never_outside_0_to_1) {
   RgbImage stripes = filled(kBlack, 40, 40);
   for (int y = 0; y < 40; ++y) std::fill_n(stripes.at(20, y), 60, std::uint8_t{255});
   for (const double ppd : {1.0, 67.0, 1000.0}) {
@@ -231,9 +231,9 @@ TEST(Flip, is_never_outside_of_0_to_1) {
   }
 }
 
-TEST(Flip, one_pixel_is_a_picture) { EXPECT_GT(mean_of(filled(kBlack, 1, 1), filled(kWhite, 1, 1)), 0.9); }
+TEST(Flip, accepts_a_single_pixel) { EXPECT_GT(mean_of(filled(kBlack, 1, 1), filled(kWhite, 1, 1)), 0.9); }
 
-TEST(Flip, other_sizes_and_impossible_eyes_are_refused) {
+TEST(Flip, refuses_different_sizes_and_impossible_viewing_conditions) {
   EXPECT_EQ(flip(filled(kGrey, 4, 5), filled(kGrey, 5, 4)).error().code(), ErrorCode::kInvalidArgument);
   for (const double ppd : {0.0, -67.0, 1e9, std::nan("")}) EXPECT_FALSE(flip(filled(kGrey), filled(kGrey), ppd));
 }

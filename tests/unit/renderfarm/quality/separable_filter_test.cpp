@@ -25,13 +25,13 @@ TEST(SeparableFilter, a_point_becomes_the_mirrored_kernel) {
   EXPECT_EQ(*result.at(5, 3), 0.0);
 }
 
-TEST(SeparableFilter, a_constant_stays_what_it_is_up_to_the_border) {
+TEST(SeparableFilter, a_constant_is_unchanged_up_to_the_border) {
   const Kernel kernel = normalized(gaussian(9, 2.0));
   const Plane result = filtered(Plane(5, 3, 2.5), kernel, kernel);
   for (const double value : result.data()) EXPECT_NEAR(value, 2.5, 1e-14);
 }
 
-TEST(SeparableFilter, beyond_the_border_the_last_pixel_goes_on) {
+TEST(SeparableFilter, the_last_pixel_is_repeated_beyond_the_border) {
   Plane plane(3, 1);
   *plane.at(2, 0) = 1.0;
   EXPECT_EQ(*filtered_along_rows(plane, {1, 1, 1}).at(2, 0), 2.0);
@@ -51,7 +51,7 @@ TEST(SeparableFilter, float_and_double_agree) {
   for (std::size_t i = 0; i < 200; ++i) EXPECT_NEAR(static_cast<double>(a.data()[i]), b.data()[i], 1e-6);
 }
 
-TEST(SeparableFilter, no_pixels_stay_no_pixels) { EXPECT_TRUE(filtered(Plane(), {1}, {1}).empty()); }
+TEST(SeparableFilter, an_empty_picture_stays_empty) { EXPECT_TRUE(filtered(Plane(), {1}, {1}).empty()); }
 
 }  // namespace
 }  // namespace cyclorama::quality

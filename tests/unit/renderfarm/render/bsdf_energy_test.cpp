@@ -22,7 +22,7 @@ Vec3 returned(const Scatter& scattering, int samples) {
   return (sum / samples).cast<float>();
 }
 
-TEST(BsdfEnergy, white_in_a_white_furnace_is_white) {
+TEST(BsdfEnergy, a_white_surface_in_a_white_furnace_is_white) {
   for (const BsdfCase& at : white_cases()) {
     for (const double polar : {0.0, 0.7, 1.2, 1.45}) {
       with_scattering(at, Vec3::UnitZ(), direction(polar, 0.7), [&](const auto& scattering) {
@@ -32,7 +32,7 @@ TEST(BsdfEnergy, white_in_a_white_furnace_is_white) {
   }
 }
 
-TEST(BsdfEnergy, nothing_gives_more_than_it_gets) {
+TEST(BsdfEnergy, no_surface_gains_energy) {
   for (const BsdfCase& at : tinted_cases()) {
     for (const double polar : {0.0, 0.8, 1.3, 1.55}) {
       with_scattering(at, Vec3::UnitZ(), direction(polar, 0.7), [&](const auto& scattering) {
@@ -42,7 +42,7 @@ TEST(BsdfEnergy, nothing_gives_more_than_it_gets) {
   }
 }
 
-TEST(BsdfEnergy, albedo_is_what_comes_back) {
+TEST(BsdfEnergy, albedo_is_the_reflected_light) {
   for (const BsdfCase& at : tinted_cases()) {
     for (const double polar : {0.0, 0.8, 1.3}) {
       with_scattering(at, Vec3::UnitZ(), direction(polar, 0.7), [&](const auto& scattering) {
@@ -63,7 +63,7 @@ float evaluated(const BsdfCase& at, const Vec3& wo, const Vec3& wi) {
   return value / std::abs(wi.z());
 }
 
-TEST(BsdfEnergy, light_and_viewer_may_be_swapped_above_the_surface) {
+TEST(BsdfEnergy, is_reciprocal_above_the_surface) {
   std::vector<BsdfCase> cases = white_cases();
   const std::vector<BsdfCase> tinted = tinted_cases();
   cases.insert(cases.end(), tinted.begin(), tinted.end());
@@ -81,7 +81,7 @@ TEST(BsdfEnergy, light_and_viewer_may_be_swapped_above_the_surface) {
 }
 
 /// Seen through the surface, the other side of a body is a surface of the inverse index with a reversed normal.
-TEST(BsdfEnergy, light_and_viewer_may_be_swapped_through_the_surface) {
+TEST(BsdfEnergy, is_reciprocal_through_the_surface) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> polar(0.05, 1.5);
   for (const float coat : {0.0f, 1.0f}) {

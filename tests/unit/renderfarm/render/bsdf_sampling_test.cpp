@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distribution of samples, compared with density().
+// Distribution of samples, compared with pdf().
 #include <gtest/gtest.h>
 
 #include "renderfarm/render/sampler.h"
@@ -28,7 +28,7 @@ SamplerCheck check_of(const Scatter& scattering, unsigned seed) {
   return check_sampler(sample, pdf, 1 << 13, seed, 5);
 }
 
-TEST(BsdfSampling, directions_are_distributed_as_the_density_says) {
+TEST(BsdfSampling, samples_follow_the_pdf) {
   const std::vector<BsdfCase> cases = all_cases();
   const double level = sidak(0.01, static_cast<int>(cases.size()));
   unsigned seed = 1;
@@ -44,7 +44,7 @@ TEST(BsdfSampling, directions_are_distributed_as_the_density_says) {
   }
 }
 
-TEST(BsdfSampling, weights_are_the_bsdf_over_the_density) {
+TEST(BsdfSampling, weights_are_the_bsdf_over_the_pdf) {
   constexpr int kSamples = 64;
   const Vec3 normal = Vec3(0.3f, -0.5f, 0.7f).normalized();
   for (const BsdfCase& at : all_cases()) {
@@ -68,7 +68,7 @@ TEST(BsdfSampling, weights_are_the_bsdf_over_the_density) {
   }
 }
 
-TEST(BsdfSampling, no_sample_of_a_white_surface_is_a_firefly) {
+TEST(BsdfSampling, has_no_fireflies_on_white_surfaces) {
   constexpr int kSamples = 1 << 10;
   for (const BsdfCase& at : white_cases()) {
     with_scattering(at, Vec3::UnitZ(), direction(1.2, 0.5), [&](const auto& scattering) {

@@ -24,7 +24,7 @@ TEST(Scattering, a_matte_surface_is_exactly_lambert_at_every_level) {
   }
 }
 
-TEST(Scattering, a_level_shows_what_the_one_below_it_shows) {
+TEST(Scattering, a_level_agrees_with_the_one_below_it) {
   const scene::Material material = [] {
     scene::Material plastic = white_material(0.4f);
     plastic.base_colour << 0.7f, 0.3f, 0.2f, 1.0f;
@@ -53,7 +53,7 @@ TEST(Scattering, a_polished_metal_is_a_mirror) {
   EXPECT_NEAR(sample.weight.x(), 0.9f, 1e-2f);
 }
 
-TEST(Scattering, glass_of_index_1_is_not_there) {
+TEST(Scattering, glass_of_index_1_is_invisible) {
   for (const float roughness : {0.0f, 0.5f, 1.0f}) {
     for (const bool inside : {false, true}) {
       const Bsdf bsdf = make_bsdf(glass_material(roughness, 1.0f, false), {}, inside, SurfaceLevel::kLayered);
@@ -71,7 +71,7 @@ TEST(Scattering, glass_of_index_1_is_not_there) {
   }
 }
 
-TEST(Scattering, clear_glass_bends_light_as_snell_says) {
+TEST(Scattering, clear_glass_refracts_by_snells_law) {
   const Bsdf bsdf = make_bsdf(glass_material(0.0f, 1.5f, false), {}, false, SurfaceLevel::kLayered);
   const Vec3 wo = direction(0.9, 0.0);
   const Scattering<SurfaceLevel::kLayered> scattering(bsdf, Vec3::UnitZ(), wo);
@@ -85,7 +85,7 @@ TEST(Scattering, clear_glass_bends_light_as_snell_says) {
   EXPECT_TRUE(leaving.sample({0.5f, 0.5f}, 0.99f).wi.isApprox(wo, 1e-5f));
 }
 
-TEST(Scattering, beyond_the_critical_angle_nothing_leaves_a_body) {
+TEST(Scattering, beyond_the_critical_angle_all_light_is_reflected) {
   const Bsdf bsdf = make_bsdf(glass_material(0.0f, 1.5f, false), {}, true, SurfaceLevel::kLayered);
   const Scattering<SurfaceLevel::kLayered> scattering(bsdf, Vec3::UnitZ(), direction(0.8, 0.0));
   for (const float choice : {0.0f, 0.5f, 0.999f}) {
@@ -95,7 +95,7 @@ TEST(Scattering, beyond_the_critical_angle_nothing_leaves_a_body) {
   }
 }
 
-TEST(Scattering, a_clear_sheet_does_not_bend_light) {
+TEST(Scattering, a_clear_sheet_does_not_refract_light) {
   const Bsdf bsdf = make_bsdf(glass_material(0.0f, 1.5f, true), {}, true, SurfaceLevel::kLayered);
   const Vec3 wo = direction(1.0, 0.3);
   const ScatterSample sample = Scattering<SurfaceLevel::kLayered>(bsdf, Vec3::UnitZ(), wo).sample({0.5f, 0.5f}, 0.99f);
@@ -111,7 +111,7 @@ TEST(Scattering, without_specular_a_dielectric_is_matte) {
   EXPECT_NEAR(scattering.evaluate(direction(0.5, 3.14)).x(), std::cos(0.5f) / kPi, 1e-4f);
 }
 
-TEST(Absorption, is_that_of_the_attenuation_colour_after_its_distance) {
+TEST(Absorption, has_the_attenuation_colour_at_its_distance) {
   scene::Material material = glass_material(0.0f, 1.5f, false);
   EXPECT_TRUE(absorption_of(material).isZero(0.0f));
   material.attenuation_colour << 0.5f, 1.0f, 0.0f;
@@ -130,7 +130,7 @@ TEST(Absorption, is_that_of_the_attenuation_colour_after_its_distance) {
   EXPECT_TRUE(absorption_of(material).isZero(0.0f));
 }
 
-TEST(SurfaceLevel, is_the_least_that_shows_a_material) {
+TEST(SurfaceLevel, is_the_lowest_that_can_show_a_material) {
   scene::Material material = white_material(1.0f);
   EXPECT_EQ(surface_level_of(material), SurfaceLevel::kMatte);
   material.ior = 1.8f;
@@ -167,7 +167,7 @@ void expect_numbers(const BsdfCase& at, const Vec3& wo) {
   });
 }
 
-TEST(Scattering, extremes_give_numbers) {
+TEST(Scattering, is_finite_for_extreme_parameters) {
   std::vector<BsdfCase> cases = white_cases();
   for (const float roughness : {0.0f, 1e-6f, 0.0316f, 0.032f, 1.0f, -1.0f, 5.0f, NAN}) {
     for (const float ior : {1.0f, 1.0005f, 1.002f, 1e3f, scene::kMaxIor}) {

@@ -87,7 +87,7 @@ void expect_same(const RayCamera& a, const RayCamera& b, const Places& places) {
   }
 }
 
-TEST(RayCamera, looks_within_a_hundredth_of_a_pixel_of_where_double_looks) {
+TEST(RayCamera, agrees_with_double_precision_to_a_hundredth_of_a_pixel) {
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(-kHeading, Eigen::Vector3d::UnitY()).toRotationMatrix();
   for (const PictureShape& shape : large_shapes()) {
     for (const Eyes eyes : {Eyes::kMono, Eyes::kLeft, Eyes::kRight}) {
@@ -110,7 +110,7 @@ TEST(RayCamera, looks_within_a_hundredth_of_a_pixel_of_where_double_looks) {
   }
 }
 
-TEST(RayCamera, two_eyes_at_one_place_see_what_one_sees_bit_for_bit) {
+TEST(RayCamera, two_eyes_at_one_position_have_the_rays_of_one_eye) {
   for (const PictureShape& shape : large_shapes()) {
     const Projection mono = with_eyes(shape, Eyes::kMono);
     const RayCamera camera(mono, kHeading);
@@ -122,7 +122,7 @@ TEST(RayCamera, two_eyes_at_one_place_see_what_one_sees_bit_for_bit) {
   }
 }
 
-TEST(RayCamera, over_under_holds_both_eyes_pictures_bit_for_bit) {
+TEST(RayCamera, a_stacked_picture_contains_both_eyes_pictures_bit_by_bit) {
   for (const PictureShape& shape :
        {PictureShape(Panorama{800, 300, 2.0, 0.5, -0.5}), PictureShape(Perspective::from_field(800, 300, 1.0, 0.1)),
         PictureShape(Fisheye{512, 512}), PictureShape(Equirectangular{600, 300})}) {
@@ -145,7 +145,7 @@ TEST(RayCamera, over_under_holds_both_eyes_pictures_bit_for_bit) {
   }
 }
 
-TEST(RayCamera, a_batch_of_any_length_gives_the_bits_of_single_rays) {
+TEST(RayCamera, a_batch_of_any_length_equals_single_rays_bit_by_bit) {
   for (const PictureShape& shape : large_shapes()) {
     for (const Eyes eyes : {Eyes::kMono, Eyes::kLeft}) {
       const Projection projection = with_eyes(shape, eyes);
@@ -221,7 +221,7 @@ TEST(RayCamera, the_cone_is_the_larger_angle_between_neighbouring_pixels) {
   EXPECT_NEAR(near_ray.cone, 2.0f * far_ray.cone, 1e-6f * far_ray.cone);
 }
 
-TEST(RayCamera, places_outside_of_a_fisheyes_circle_have_no_ray) {
+TEST(RayCamera, there_are_no_rays_outside_a_fisheyes_circle) {
   const RayCamera camera(Projection{Fisheye{100, 60, kPi, 0.0}, {}}, 0.0);
   EXPECT_TRUE(camera.leaves_out_pixels());
   CameraRay ray;
@@ -232,7 +232,7 @@ TEST(RayCamera, places_outside_of_a_fisheyes_circle_have_no_ray) {
   EXPECT_EQ(ray.direction, Vec3(0, 0, -1));
 }
 
-TEST(RayCamera, the_whole_circle_of_a_360_degree_fisheye_looks_backwards_at_its_edge) {
+TEST(RayCamera, a_360_degree_fisheye_looks_backwards_at_its_edge) {
   const RayCamera camera(Projection{Fisheye{1000, 1000, 2.0 * kPi, 0.0}, {}}, 0.0);
   CameraRay ray;
   for (int i = 0; i < 16; ++i) {
@@ -243,7 +243,7 @@ TEST(RayCamera, the_whole_circle_of_a_360_degree_fisheye_looks_backwards_at_its_
   }
 }
 
-TEST(RayCamera, every_shape_shows_the_same_scene_from_the_same_eye) {
+TEST(RayCamera, every_projection_shows_the_same_scene) {
   scene::Scene scene = scene_of(square_mesh(200.0f));
   scene.model.lights = {point_light({0, 2, 0}, 10.0f)};
   const auto renderer = *Renderer::build(std::move(scene), 1, nullptr);
@@ -279,7 +279,7 @@ TEST(RayCamera, a_picture_is_black_where_the_fisheye_has_no_ray) {
   EXPECT_NEAR(static_cast<double>(cost.rays), 1600.0 * kPi / 4.0, 60.0);
 }
 
-TEST(RayCamera, a_near_thing_lies_where_each_eye_sees_it) {
+TEST(RayCamera, a_near_object_appears_where_each_eye_sees_it) {
   scene::Scene scene = scene_of(sphere_mesh(0.02f, 16));
   scene.ambient = Eigen::Vector3f::Ones();
   const auto renderer = *Renderer::build(std::move(scene), 1, nullptr);

@@ -89,7 +89,7 @@ Film picture(const Renderer& renderer, const GoldenScene& at, std::uint64_t seed
   return film;
 }
 
-TEST(Golden, pictures_have_the_mean_that_they_had) {
+TEST(Golden, pictures_have_the_stored_mean) {
   for (const GoldenScene& at : kScenes) {
     SCOPED_TRACE(at.name);
     const auto renderer = at.make();
@@ -104,7 +104,7 @@ TEST(Golden, pictures_have_the_mean_that_they_had) {
   }
 }
 
-TEST(Golden, a_room_that_lacks_the_last_bounce_is_found) {
+TEST(Golden, a_missing_last_bounce_is_detected) {
   const auto text = read_text_file(golden_path(kRoom), 1 << 22);
   ASSERT_TRUE(text) << text.error().message();
   const auto golden = parse_golden(*text);

@@ -23,11 +23,11 @@ std::vector<SceneNeeds> all_needs() {
   return all;
 }
 
-TEST(KernelFor, holds_all_that_is_needed) {
+TEST(KernelFor, has_all_needed_features) {
   for (const SceneNeeds& needs : all_needs()) EXPECT_EQ(kernel_for(needs) | needs, kernel_for(needs));
 }
 
-TEST(KernelFor, tells_which_kernel_is_picked) {
+TEST(KernelFor, reports_the_selected_kernel) {
   std::map<ShadeStage, SceneNeeds> compiled;
   for (const SceneNeeds& needs : all_needs()) {
     const auto [known, is_new] = compiled.emplace(shade_stage_for(needs), kernel_for(needs));
@@ -67,7 +67,7 @@ bool same_bits(const RadianceImage& a, const RadianceImage& b) {
   return std::equal(a.data().begin(), a.data().end(), b.data().begin(), b.data().end());
 }
 
-TEST(MoreGeneralKernels, change_no_bit_by_textures_normal_maps_and_environment_that_are_not_there) {
+TEST(MoreGeneralKernels, are_identical_bit_by_bit_without_textures_normal_maps_and_environment) {
   const RadianceImage own = picture(under_lamp(ball_on_floor()), {});
   EXPECT_GT(mean_of(own), 0.01);
   EXPECT_TRUE(same_bits(own, picture(under_lamp(ball_on_floor()), {.textures = true})));
@@ -75,7 +75,7 @@ TEST(MoreGeneralKernels, change_no_bit_by_textures_normal_maps_and_environment_t
   EXPECT_TRUE(same_bits(own, picture(under_lamp(ball_on_floor()), {.environment = true})));
 }
 
-TEST(MoreGeneralKernels, change_no_bit_by_lights_that_are_not_there) {
+TEST(MoreGeneralKernels, are_identical_bit_by_bit_for_lights_that_are_not_there) {
   const RadianceImage own = picture(under_sky(ball_on_floor()), {});
   EXPECT_GT(mean_of(own), 0.01);
   EXPECT_TRUE(same_bits(own, picture(under_sky(ball_on_floor()), {.lights = true})));
@@ -90,7 +90,7 @@ double max_difference(const RadianceImage& a, const RadianceImage& b) {
   return largest / mean_of(a);
 }
 
-TEST(MoreGeneralKernels, show_matte_surfaces_alike) {
+TEST(MoreGeneralKernels, render_matte_surfaces_the_same) {
   // The random numbers are the same but the arithmetic differs: rounding may move a path across an edge, and no more.
   const RadianceImage own = picture(under_sky(under_lamp(ball_on_floor())), {});
   for (const SurfaceLevel surface : {SurfaceLevel::kGlossy, SurfaceLevel::kLayered}) {
@@ -100,7 +100,7 @@ TEST(MoreGeneralKernels, show_matte_surfaces_alike) {
   }
 }
 
-TEST(MoreGeneralKernels, show_glossy_surfaces_alike) {
+TEST(MoreGeneralKernels, render_glossy_surfaces_the_same) {
   const auto glossy = [] {
     scene::Scene scene = under_sky(under_lamp(ball_on_floor()));
     scene.model.materials[0].roughness = 0.4f;

@@ -54,7 +54,7 @@ scene::Texture four_colours() {
   return texture;
 }
 
-TEST(Materials, a_texture_lies_on_the_wall_the_right_way_round_by_either_set_of_coordinates) {
+TEST(Materials, a_texture_has_the_right_orientation_by_either_set_of_coordinates) {
   for (const int set : {0, 1}) {
     scene::Scene scene = wall(Eigen::Vector3f::Ones());
     scene.model.textures.push_back(four_colours());
@@ -70,7 +70,7 @@ TEST(Materials, a_texture_lies_on_the_wall_the_right_way_round_by_either_set_of_
   }
 }
 
-TEST(Materials, a_texture_transform_moves_what_is_looked_up) {
+TEST(Materials, a_texture_transform_moves_the_lookup) {
   scene::Scene scene = wall(Eigen::Vector3f::Ones());
   scene.model.textures.push_back(four_colours());
   scene::TextureUse& use = scene.model.materials[0].base_colour_texture;
@@ -167,7 +167,7 @@ TEST(Materials, half_transparent_glass_dims_the_light_behind_it) {
   EXPECT_NEAR(with / without, 0.7f, 0.03f);
 }
 
-TEST(Materials, what_shines_is_seen) {
+TEST(Materials, an_emissive_surface_is_visible) {
   scene::Scene scene = wall();
   scene.model.materials[0].emissive = {2.0f, 0.5f, 0.0f};
   EXPECT_TRUE(seen(*built(std::move(scene)), 0, 0).isApprox(Eigen::Vector3f(2.0f, 0.5f, 0.0f)));
@@ -189,7 +189,7 @@ TEST(Materials, both_sides_are_lit_whatever_the_winding) {
 }
 
 /// The bump points to +x in texture space, which is to the right on this wall, so light from the right brightens it.
-TEST(Materials, a_normal_map_leans_the_way_its_texture_runs) {
+TEST(Materials, a_normal_map_leans_in_the_direction_of_its_texture) {
   for (const bool tangents : {false, true}) {
     for (const bool mirrored : {false, true}) {
       scene::Scene scene = wall();
@@ -288,7 +288,7 @@ TEST(Materials, a_sphere_light_makes_a_penumbra_within_its_bounds) {
   EXPECT_NEAR(part(1.3), 1.0f, 1e-3f);
 }
 
-TEST(Materials, the_eye_lamp_follows_the_inverse_square_and_throws_no_shadow) {
+TEST(Materials, the_eye_lamp_follows_the_inverse_square_law_and_casts_no_shadow) {
   scene::Scene scene = wall();
   scene.eye_lamp = Eigen::Vector3f::Constant(static_cast<float>(2.0 * std::numbers::pi));
   const auto renderer = built(std::move(scene));

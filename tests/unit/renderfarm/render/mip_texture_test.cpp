@@ -38,7 +38,7 @@ Rgba texel(const MipTexture& mips, std::size_t level, int x = 0, int y = 0) {
   return {t[0], t[1], t[2], t[3]};
 }
 
-TEST(MipTexture, a_checkerboard_becomes_mid_grey_in_light_and_not_in_code) {
+TEST(MipTexture, averages_a_checkerboard_in_linear_light) {
   const scene::Texture board = drawn(8, 8, [](int x, int y) {
     const auto c = static_cast<std::uint8_t>((x + y) % 2 == 0 ? 255 : 0);
     return Rgba{c, c, c, 255};
@@ -52,7 +52,7 @@ TEST(MipTexture, a_checkerboard_becomes_mid_grey_in_light_and_not_in_code) {
   EXPECT_EQ(texel(MipTexture(board, TextureContent::kData), 3), (Rgba{128, 128, 128, 255}));
 }
 
-TEST(MipTexture, what_is_transparent_does_not_colour_what_is_not) {
+TEST(MipTexture, transparent_texels_do_not_colour_opaque_ones) {
   const scene::Texture leaf = drawn(2, 2, [](int x, int y) {
     return x + y == 0 ? Rgba{0, 255, 0, 255} : Rgba{255, 0, 255, 0};
   });
@@ -72,7 +72,7 @@ TEST(MipTexture, normals_are_averaged_as_vectors) {
   EXPECT_EQ(texel(mips, 2), (Rgba{128, 128, 236, 255}));
 }
 
-TEST(MipTexture, level_0_is_the_scenes_own_picture_and_the_others_a_third_of_it) {
+TEST(MipTexture, shares_level_0_with_the_scene_and_adds_a_third) {
   const scene::Texture texture = noise(256, 256);
   const MipTexture mips(texture, TextureContent::kColour);
   EXPECT_EQ(mips.levels().front().texels, texture.pixels.data().data());
@@ -81,7 +81,7 @@ TEST(MipTexture, level_0_is_the_scenes_own_picture_and_the_others_a_third_of_it)
 }
 
 /// Sizes that are not powers of two: every texel has equal weight in every level.
-TEST(MipTexture, the_mean_is_kept_whatever_the_size) {
+TEST(MipTexture, keeps_the_mean_for_any_size) {
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{1, 7}, std::pair{64, 1}, std::pair{3, 3},
                                       std::pair{5, 128}, std::pair{127, 33}, std::pair{640, 257}}) {
     const scene::Texture texture = noise(width, height);
@@ -99,7 +99,7 @@ TEST(MipTexture, the_mean_is_kept_whatever_the_size) {
   }
 }
 
-TEST(MipTexture, seven_texels_lie_evenly_under_three) {
+TEST(MipTexture, weights_seven_texels_equally_in_three) {
   const scene::Texture seven = drawn(7, 1, [](int x, int) {
     return Rgba{static_cast<std::uint8_t>(x == 2 ? 252 : 0), 0, 0, 255};
   });
@@ -109,7 +109,7 @@ TEST(MipTexture, seven_texels_lie_evenly_under_three) {
   EXPECT_EQ(texel(mips, 1, 2)[0], 0);
 }
 
-TEST(MipTexture, one_texel_and_sixteen_thousand_by_a_thousand_both_work) {
+TEST(MipTexture, accepts_one_texel_and_16000_by_1000) {
   const scene::Texture one = drawn(1, 1, [](int, int) { return Rgba{1, 2, 3, 4}; });
   const MipTexture single(one, TextureContent::kColour);
   EXPECT_EQ(single.levels().size(), 1U);
@@ -151,7 +151,7 @@ TEST(MipTexture, wraps_at_every_level) {
   }
 }
 
-TEST(MipTexture, between_two_levels_it_is_linear_and_beyond_the_last_it_stays) {
+TEST(MipTexture, is_linear_between_levels_and_constant_beyond_the_last) {
   const scene::Texture texture = drawn(2, 2, [](int x, int) {
     return Rgba{static_cast<std::uint8_t>(x == 0 ? 200 : 100), 0, 0, 255};
   });
@@ -164,7 +164,7 @@ TEST(MipTexture, between_two_levels_it_is_linear_and_beyond_the_last_it_stays) {
   EXPECT_NEAR(red(INFINITY), 150.0f, 1e-3f);
 }
 
-TEST(MipTexture, nearest_stays_nearest_between_texels_and_between_levels) {
+TEST(MipTexture, uses_no_interpolation_with_nearest_filtering) {
   scene::Texture texture = drawn(4, 4, [](int x, int y) {
     return Rgba{static_cast<std::uint8_t>(40 * x + 10 * y), 0, 0, 255};
   });
@@ -179,7 +179,7 @@ TEST(MipTexture, nearest_stays_nearest_between_texels_and_between_levels) {
   EXPECT_EQ(code(0.51f, INFINITY), texel(mips, 2, 0, 0)[0]);
 }
 
-TEST(MipTextures, one_picture_is_made_once_for_each_thing_that_it_holds) {
+TEST(MipTextures, makes_one_pyramid_per_picture_and_use) {
   scene::Model model;
   model.textures.push_back(noise(8, 8));
   scene::TextureUse use;

@@ -33,7 +33,7 @@ double squared_error(const Renderer& renderer, PanoramaView view) {
   return sum / static_cast<double>(count);
 }
 
-TEST(PathTracerError, the_squared_error_falls_at_least_as_fast_as_samples_grow) {
+TEST(PathTracerError, falls_at_least_in_proportion_to_the_samples) {
   scene::Scene scene = scene_of(sphere_mesh(3.0f, 12), {0.7f, 0.6f, 0.5f});
   scene.model.materials.push_back(white_material(0.5f, 1.0f));
   add_mesh(scene, sphere_mesh(0.6f, 8, 1), Eigen::Affine3d(Eigen::Translation3d(0.5, -0.6, -1.6)));
@@ -68,7 +68,7 @@ std::unique_ptr<Renderer> lamp_in_the_dark(double size) {
 
 /// The samples of a pixel are evenly distributed: a feature as large as the cell of one of the first `adaptive_minimum`
 /// samples is certainly found. A smaller one may be missed, and is then never sampled.
-TEST(PathTracerError, adaptive_sampling_misses_nothing_that_its_first_samples_find) {
+TEST(PathTracerError, adaptive_sampling_misses_nothing_that_its_first_samples_hit) {
   PanoramaView view = view_from({0, 3, 0}, 16, 16, 2.0, -2.0);
   view.panorama.azimuth_span_rad = 4.0;
   view.quality.samples = 256;
@@ -89,7 +89,7 @@ TEST(PathTracerError, adaptive_sampling_misses_nothing_that_its_first_samples_fi
   }
 }
 
-TEST(PathTracerError, adaptive_sampling_keeps_the_error_that_it_was_asked_for) {
+TEST(PathTracerError, adaptive_sampling_reaches_the_requested_error) {
   const auto renderer = built(mixed_room());
   PanoramaView view = room_view(3, 1024);
   double before = 1.0;

@@ -248,30 +248,30 @@ void expect_light_of(const Lighting& lit) {
   }
 }
 
-TEST(PathTracerLights, a_rectangle_gives_what_its_integral_says) {
+TEST(PathTracerLights, a_rectangle_gives_its_integral) {
   expect_light_of(rectangle(true));
   expect_light_of(rectangle(false));
 }
-TEST(PathTracerLights, a_disk_gives_what_its_integral_says) {
+TEST(PathTracerLights, a_disk_gives_its_integral) {
   expect_light_of(disk(true));
   expect_light_of(disk(false));
 }
-TEST(PathTracerLights, a_ball_gives_what_its_integral_says) {
+TEST(PathTracerLights, a_sphere_gives_its_integral) {
   expect_light_of(ball(true));
   expect_light_of(ball(false));
 }
-TEST(PathTracerLights, a_glowing_mesh_gives_what_its_integral_says) {
+TEST(PathTracerLights, a_glowing_mesh_gives_its_integral) {
   const std::vector<Eigen::Affine3d> facing_down = {three_places()[0]};
   expect_light_of(glowing_square("one-sided", facing_down, false));
   expect_light_of(glowing_square("double-sided", facing_down, true));
 }
-TEST(PathTracerLights, glowing_instances_give_what_their_integral_says) {
+TEST(PathTracerLights, glowing_instances_give_their_integral) {
   expect_light_of(glowing_square("one-sided instances", three_places(), false));
   expect_light_of(glowing_square("double-sided instances", three_places(), true));
 }
-TEST(PathTracerLights, a_sky_gives_what_its_integral_says) { expect_light_of(sky()); }
-TEST(PathTracerLights, an_environment_map_gives_what_its_integral_says) { expect_light_of(environment_map()); }
-TEST(PathTracerLights, lights_of_all_kinds_together_give_what_their_integral_says) { expect_light_of(all_of_them()); }
+TEST(PathTracerLights, a_sky_gives_its_integral) { expect_light_of(sky()); }
+TEST(PathTracerLights, an_environment_map_gives_its_integral) { expect_light_of(environment_map()); }
+TEST(PathTracerLights, lights_of_all_kinds_together_give_their_integral) { expect_light_of(all_of_them()); }
 
 /// Light sampling covers the front only; scattered rays see the back emit.
 TEST(PathTracerLights, the_back_of_a_glowing_mesh_is_found_by_scattering) {

@@ -59,7 +59,7 @@ void expect_same_part(const Film& whole, const Film& part, const PixelRect& rect
   }
 }
 
-TEST(PathTracerSampling, threads_change_no_bit) {
+TEST(PathTracerSampling, is_independent_of_the_number_of_threads) {
   std::vector<std::unique_ptr<Renderer>> renderers;
   for (const int threads : {1, 2, 4}) renderers.push_back(built(mixed_room(), threads));
   for (const NamedView& at : views()) {
@@ -75,7 +75,7 @@ TEST(PathTracerSampling, threads_change_no_bit) {
   }
 }
 
-TEST(PathTracerSampling, tiles_change_no_bit) {
+TEST(PathTracerSampling, is_independent_of_the_tiling) {
   const auto renderer = built(mixed_room(), 2);
   for (const NamedView& at : views()) {
     const int width = at.view.picture().width_px();
@@ -94,7 +94,7 @@ TEST(PathTracerSampling, tiles_change_no_bit) {
 }
 
 /// Float sums in the same order are identical, and in another order agree to rounding.
-TEST(PathTracerSampling, a_picture_in_steps_is_the_picture_in_one) {
+TEST(PathTracerSampling, gives_the_same_picture_in_steps_as_at_once) {
   constexpr int kSamples = 8;
   const auto renderer = built(mixed_room());
   for (NamedView at : views()) {

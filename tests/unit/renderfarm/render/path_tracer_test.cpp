@@ -32,10 +32,10 @@ PanoramaView view_around(int bounces, int samples) {
 
 scene::Sky even_sky() { return {Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones(), Eigen::Vector3f::Ones()}; }
 
-/// Returns 1 + albedo + ... + albedo^most.
+/// Returns 1 + albedo + ... + albedo^max.
 double series(double albedo, int max) { return (1.0 - std::pow(albedo, max + 1)) / (1.0 - albedo); }
 
-TEST(PathTracer, a_glowing_furnace_is_a_geometric_series_that_bounces_cut) {
+TEST(PathTracer, a_furnace_that_glows_inside_gives_a_geometric_series) {
   constexpr double kGlow = 0.5;
   for (const float albedo : {0.2f, 0.5f, 0.8f}) {
     const auto renderer = built(glowing_furnace(albedo, static_cast<float>(kGlow), true));
@@ -51,7 +51,7 @@ TEST(PathTracer, a_glowing_furnace_is_a_geometric_series_that_bounces_cut) {
 }
 
 /// The front is outside, so light sampling ignores the inside: every reflection must be found by BSDF sampling.
-TEST(PathTracer, a_furnace_that_glows_from_behind_lacks_what_the_last_bounce_would_aim_at) {
+TEST(PathTracer, a_furnace_that_glows_outside_lacks_the_light_sample_of_the_last_bounce) {
   for (const int bounces : {1, 5}) {
     const double expected = series(0.5, bounces);
     const MeasuredLight light = measured(*built(glowing_furnace(0.5f, 1.0f, false)), view_around(bounces, 4), 8);
@@ -60,7 +60,7 @@ TEST(PathTracer, a_furnace_that_glows_from_behind_lacks_what_the_last_bounce_wou
 }
 
 /// Russian roulette ends paths of many bounces; the surviving paths account for them.
-TEST(PathTracer, paths_that_end_by_lot_keep_the_series) {
+TEST(PathTracer, russian_roulette_keeps_the_series) {
   for (const float albedo : {0.3f, 0.6f, 0.9f}) {
     const auto renderer = built(glowing_furnace(albedo, 1.0f, true));
     const double expected = series(static_cast<double>(albedo), kMaxBounces + 1);
@@ -98,7 +98,7 @@ std::vector<NamedMaterial> white_materials() {
   return all;
 }
 
-TEST(PathTracer, white_balls_of_every_material_vanish_in_even_light) {
+TEST(PathTracer, white_balls_of_every_material_are_invisible_in_even_light) {
   for (const NamedMaterial& at : white_materials()) {
     SCOPED_TRACE(at.name);
     scene::Scene scene = scene_of(sphere_mesh(1.0f, 16));
@@ -113,7 +113,7 @@ TEST(PathTracer, white_balls_of_every_material_vanish_in_even_light) {
   }
 }
 
-TEST(PathTracer, lamps_that_are_brighter_by_any_factor_make_the_picture_as_much_brighter) {
+TEST(PathTracer, is_linear_in_the_lamps_power) {
   const PanoramaView view = room_view(4, 8);
   const Film film = film_of(*built(mixed_room()), view);
   for (const float scale : {0x1p-20f, 0x1p20f, 1e-6f, 1e6f}) {
@@ -126,7 +126,7 @@ TEST(PathTracer, lamps_that_are_brighter_by_any_factor_make_the_picture_as_much_
   }
 }
 
-TEST(PathTracer, more_aims_at_lights_change_no_mean) {
+TEST(PathTracer, more_light_samples_do_not_change_the_mean) {
   const auto renderer = built(mixed_room());
   PanoramaView view = room_view(2, 8);
   const MeasuredLight one = measured(*renderer, view, 16);
@@ -148,7 +148,7 @@ TEST(PathTracer, more_bounces_are_never_darker) {
   }
 }
 
-TEST(PathTracer, the_firefly_limit_tells_how_much_light_it_took) {
+TEST(PathTracer, the_firefly_limit_reports_the_light_that_it_removed) {
   const auto renderer = built(mixed_room());
   PanoramaView view = room_view(6, 16);
   const auto light = [&](double* ret_removed) {
@@ -214,7 +214,7 @@ TEST(PathTracer, light_comes_through_clear_panes) {
 }
 
 /// Each crossing of a half-transparent pane draws its own random number, even for the same pane.
-TEST(PathTracer, what_is_seen_through_a_veil_and_lit_through_it_is_dimmed_twice) {
+TEST(PathTracer, light_seen_and_arriving_through_a_veil_is_dimmed_twice) {
   constexpr double kAlpha = 0.4;
   for (const int bounces : {0, 1}) {
     scene::Scene scene = scene_of(square_mesh(0.01f));
@@ -232,7 +232,7 @@ TEST(PathTracer, what_is_seen_through_a_veil_and_lit_through_it_is_dimmed_twice)
   }
 }
 
-TEST(PathTracer, pictures_of_other_seeds_see_a_veil_by_other_lots) {
+TEST(PathTracer, other_seeds_draw_other_random_numbers_at_a_veil) {
   scene::Scene scene = scene_of(square_mesh(4.0f));
   scene.sky = even_sky();
   scene.model.materials[0].base_colour << 0.0f, 0.0f, 0.0f, 0.5f;
@@ -245,7 +245,7 @@ TEST(PathTracer, pictures_of_other_seeds_see_a_veil_by_other_lots) {
   EXPECT_NE(first.sum, film_of(*renderer, view).sum);
 }
 
-TEST(PathTracer, a_visible_lamp_is_as_bright_as_it_says_to_the_eye_and_in_a_mirror) {
+TEST(PathTracer, a_visible_lamp_has_its_radiance_directly_and_in_a_mirror) {
   scene::Scene scene;
   scene.model.materials.push_back(white_material(0.0f, 1.0f));
   add_mesh(scene, square_mesh(0.1f));

@@ -23,9 +23,9 @@ std::string refusal_of(const std::function<void(PictureQuality*)>& turn) {
   return status.error().message();
 }
 
-TEST(PictureQuality, as_it_is_made_is_legal) { EXPECT_TRUE(validate(PictureQuality{})); }
+TEST(PictureQuality, has_valid_defaults) { EXPECT_TRUE(validate(PictureQuality{})); }
 
-TEST(PictureQuality, a_knob_out_of_range_is_named_with_its_range) {
+TEST(PictureQuality, names_a_setting_out_of_range_with_its_range) {
   EXPECT_EQ(refusal_of([](auto* q) { q->scale = 1.5; }), "scale is 1.5; it must be 0.125 to 1");
   EXPECT_THAT(refusal_of([](auto* q) { q->scale = 0.0; }), HasSubstr("scale"));
   EXPECT_THAT(refusal_of([](auto* q) { q->scale = kNan; }), HasSubstr("scale"));
@@ -33,7 +33,7 @@ TEST(PictureQuality, a_knob_out_of_range_is_named_with_its_range) {
   EXPECT_THAT(refusal_of([](auto* q) { q->jpeg_quality = 101; }), HasSubstr("jpeg_quality"));
 }
 
-TEST(PictureQuality, the_knobs_of_rendering_are_checked_too) {
+TEST(PictureQuality, checks_the_render_settings_too) {
   EXPECT_THAT(refusal_of([](auto* q) { q->render.samples = 0; }), HasSubstr("samples"));
   EXPECT_THAT(refusal_of([](auto* q) { q->render.first_sample = kMaxSamples; }), HasSubstr("first_sample"));
   EXPECT_THAT(refusal_of([](auto* q) { q->render.bounces = -1; }), HasSubstr("bounces"));

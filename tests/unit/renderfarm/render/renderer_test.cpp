@@ -79,7 +79,7 @@ TEST(Renderer, a_plane_under_a_point_light_follows_the_inverse_square_law) {
   }
 }
 
-TEST(Renderer, tiling_and_threads_change_no_bit) {
+TEST(Renderer, is_independent_of_tiling_and_threads) {
   PanoramaView view = view_from({0, 1.6, 0}, 100, 50, 0.8, -0.8);
   view.quality.samples = 3;
   view.seed = 0x123456789abcdefu;
@@ -104,7 +104,7 @@ TEST(Renderer, tiling_and_threads_change_no_bit) {
   }
 }
 
-TEST(Renderer, the_seed_changes_the_noise_and_not_the_picture) {
+TEST(Renderer, the_seed_changes_only_the_noise) {
   const auto renderer = built(busy_scene());
   PanoramaView view = view_from({0, 1.6, 0}, 64, 32, 0.8, -0.8);
   view.quality.samples = 16;
@@ -115,7 +115,7 @@ TEST(Renderer, the_seed_changes_the_noise_and_not_the_picture) {
   EXPECT_NEAR(mean_of(first), mean_of(second), 0.01 * mean_of(first));
 }
 
-TEST(Renderer, far_from_the_origin_the_picture_is_the_same) {
+TEST(Renderer, gives_the_same_picture_far_from_the_origin) {
   const Eigen::Vector3d far(5e6, -3e5, 7e6);
   PanoramaView view = view_from({0, 1.6, 0}, 64, 32, 0.8, -0.8);
   const RadianceImage near_picture = radiance_of(*built(busy_scene()), view);
@@ -128,7 +128,7 @@ TEST(Renderer, far_from_the_origin_the_picture_is_the_same) {
   EXPECT_LE(different, 6);  // A shift of a nanometre may move a silhouette across one or two samples.
 }
 
-TEST(Renderer, a_view_that_cannot_be_is_refused_with_the_reason) {
+TEST(Renderer, refuses_an_invalid_view_with_the_reason) {
   const PanoramaView good = view_from({0, 0, 0}, 64, 32, 1.0, -1.0);
   EXPECT_TRUE(check_view(good, whole(good)).has_value());
   EXPECT_TRUE(check_view(good, {64, 32, 0, 0}).has_value());
@@ -165,7 +165,7 @@ TEST(Renderer, a_cancelled_picture_stays_black) {
   EXPECT_THAT(std::vector<std::uint8_t>(image.data().begin(), image.data().end()), testing::Each(0));
 }
 
-TEST(Renderer, reports_what_a_picture_cost) {
+TEST(Renderer, reports_the_cost_of_a_picture) {
   const auto renderer = built(busy_scene());
   const PanoramaView view = view_from({0, 1.6, 0}, 64, 64, 0.8, -0.8);
   RgbImage image;
@@ -176,7 +176,7 @@ TEST(Renderer, reports_what_a_picture_cost) {
   EXPECT_GT(renderer->bvh_bytes(), 0u);
 }
 
-TEST(Renderer, tells_what_each_cell_of_the_pictures_grid_cost) {
+TEST(Renderer, reports_the_cost_of_each_cell_of_the_grid) {
   const auto renderer = built(busy_scene());
   PanoramaView view = view_from({0, 1.6, 0}, 72, 64, 0.8, -0.8);
   view.quality.samples = 4;
@@ -194,7 +194,7 @@ TEST(Renderer, tells_what_each_cell_of_the_pictures_grid_cost) {
   EXPECT_TRUE(renderer->render(view, {0, 0, 0, 0}, &image, nullptr).cell_cpu_seconds.empty());
 }
 
-TEST(Renderer, goes_on_with_a_film_to_the_very_film_of_one_go_and_renders_no_cell_twice) {
+TEST(Renderer, resumes_a_film_with_the_same_result_and_renders_no_cell_twice) {
   const auto renderer = built(busy_scene());
   PanoramaView view = view_from({0, 1.6, 0}, 80, 64, 0.8, -0.8);
   view.quality.samples = 3;
@@ -224,7 +224,7 @@ TEST(Renderer, goes_on_with_a_film_to_the_very_film_of_one_go_and_renders_no_cel
   }
 }
 
-TEST(Renderer, building_reports_progress_that_grows_to_one) {
+TEST(Renderer, reports_the_progress_of_building_up_to_one) {
   std::vector<double> seen;
   const auto renderer = Renderer::build(busy_scene(), 2, [&](double fraction) { seen.push_back(fraction); });
   ASSERT_TRUE(renderer.has_value());

@@ -47,7 +47,7 @@ TEST(SampleSequence, the_samples_of_neighbouring_pixels_are_a_net_together) {
   expect_net(points_of_pixels(8, 4, 3, 4));
 }
 
-TEST(SampleSequence, numbers_stay_inside_the_unit_square_to_the_last_pixel_and_sample) {
+TEST(SampleSequence, stays_inside_the_unit_square_for_all_pixels_and_samples) {
   for (const int x : {0, 1, 16383}) {
     for (const int s : {0, 1, 4095, 65535}) {
       const SampleSequence sequence(~0ull, x, 16383, s, 65536);
@@ -60,7 +60,7 @@ TEST(SampleSequence, numbers_stay_inside_the_unit_square_to_the_last_pixel_and_s
   }
 }
 
-TEST(SampleSequence, pixels_dimensions_and_seeds_do_not_repeat_each_other) {
+TEST(SampleSequence, differs_between_pixels_dimensions_and_seeds) {
   std::set<std::pair<float, float>> seen;
   int count = 0;
   for (std::uint64_t seed = 0; seed < 4; ++seed) {

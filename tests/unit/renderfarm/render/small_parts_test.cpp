@@ -26,7 +26,7 @@ TEST(ToneMapped, keeps_the_lower_half_and_never_reaches_white) {
   EXPECT_EQ(tone_mapped(std::numeric_limits<float>::infinity()), 1.0f);
 }
 
-TEST(ToneMapped, what_is_no_light_is_black) {
+TEST(ToneMapped, maps_negative_light_and_nan_to_black) {
   EXPECT_EQ(tone_mapped(-1.0f), 0.0f);
   EXPECT_EQ(tone_mapped(std::numeric_limits<float>::quiet_NaN()), 0.0f);
 }
@@ -39,7 +39,7 @@ TEST(Sky, is_a_gradient_from_ground_over_horizon_to_zenith) {
   EXPECT_TRUE(sky_radiance(sky, {0.8660254f, 0.5f, 0}).isApprox(Vec3(0.5f, 0.5f, 0)));
 }
 
-TEST(Memory, is_read_from_the_line_that_says_available) {
+TEST(Memory, is_read_from_the_line_of_available_memory) {
   EXPECT_EQ(parse_available_memory("MemTotal:  8 kB\nMemAvailable:     123 kB\nBuffers: 1 kB\n"), 123u * 1024u);
   EXPECT_EQ(parse_available_memory("MemTotal: 8 kB\n"), std::nullopt);
   EXPECT_EQ(parse_available_memory("MemAvailable:"), std::nullopt);
@@ -49,7 +49,7 @@ TEST(Memory, is_read_from_the_line_that_says_available) {
   EXPECT_GT(available_memory().value_or(0), 0u);
 }
 
-TEST(Memory, a_scene_that_would_not_fit_is_refused_by_its_name_with_the_need) {
+TEST(Memory, refuses_a_scene_that_would_not_fit_with_its_name_and_need) {
   constexpr std::size_t kGigabyte = std::size_t{1} << 30;
   EXPECT_TRUE(check_render_memory("hall", {1'000'000, 0, 0}, kGigabyte).has_value());
   const Status status = check_render_memory("hall", {60'000'000, 0, 300'000'000}, kGigabyte);
@@ -63,7 +63,7 @@ TEST(Memory, a_scene_that_would_not_fit_is_refused_by_its_name_with_the_need) {
   EXPECT_FALSE(check_render_memory("hall", {1, 0, kGigabyte}, kGigabyte).has_value()) << "textures alone";
 }
 
-TEST(SceneNeeds, are_those_of_what_is_used) {
+TEST(SceneNeeds, are_those_of_the_used_materials) {
   scene::Scene scene = scene_of(square_mesh(1.0f));
   EXPECT_EQ(needs_of(scene), SceneNeeds{});
   EXPECT_EQ(describe(needs_of(scene)), "nothing");
@@ -81,7 +81,7 @@ TEST(SceneNeeds, are_those_of_what_is_used) {
   EXPECT_FALSE(needs_of(scene).textures);
 }
 
-TEST(Blending, needs_something_to_see_through) {
+TEST(Blending, requires_a_transparent_surface) {
   scene::Scene scene = scene_of(square_mesh(1.0f));
   scene.model.textures.emplace_back();
   scene.model.textures[0].pixels = RgbaImage(2, 2, 255);

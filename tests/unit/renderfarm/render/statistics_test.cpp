@@ -10,7 +10,7 @@ Vec3 uniform_sphere(const Vec2& u) { return uniform_cap(u, 2.0f); }
 
 double uniform_pdf(const Vec3&) { return 0.25 / std::numbers::pi; }
 
-TEST(ChiSquare, p_values_are_those_of_the_tables) {
+TEST(ChiSquare, has_the_p_values_of_the_tables) {
   EXPECT_NEAR(chi_square_p_value(3.841458820694124, 1), 0.05, 1e-12);
   EXPECT_NEAR(chi_square_p_value(18.307038053275146, 10), 0.05, 1e-12);
   EXPECT_NEAR(chi_square_p_value(135.80672317102676, 100), 0.01, 1e-12);
@@ -21,17 +21,17 @@ TEST(ChiSquare, p_values_are_those_of_the_tables) {
   EXPECT_EQ(chi_square_p_value(std::numeric_limits<double>::quiet_NaN(), 5), 0.0);
 }
 
-TEST(ChiSquare, levels_of_many_tests_make_one) {
+TEST(ChiSquare, combines_the_levels_of_many_tests) {
   EXPECT_NEAR(1.0 - std::pow(1.0 - sidak(0.01, 250), 250), 0.01, 1e-12);
   EXPECT_NEAR(sidak(0.01, 1), 0.01, 1e-15);
 }
 
-TEST(ChiSquare, what_cannot_be_is_never_by_chance) {
+TEST(ChiSquare, gives_impossible_counts_probability_zero) {
   EXPECT_EQ(chi_square(std::array{10.0, 1.0}, std::array{11.0, 0.0}).p_value, 0.0);
   EXPECT_GT(chi_square(std::array{10.0, 0.0}, std::array{10.0, 0.0}).p_value, 0.9);
 }
 
-TEST(SphereHistogram, p_values_of_a_right_density_are_evenly_spread) {
+TEST(SphereHistogram, has_uniform_p_values_for_the_right_pdf) {
   int low = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     const SamplerCheck check = check_sampler([](const Vec2& u, float) { return std::optional(uniform_sphere(u)); },
@@ -42,7 +42,7 @@ TEST(SphereHistogram, p_values_of_a_right_density_are_evenly_spread) {
   EXPECT_NEAR(low, 20, 12);
 }
 
-TEST(SphereHistogram, finds_a_density_that_is_a_few_percent_off) {
+TEST(SphereHistogram, detects_a_pdf_that_is_a_few_percent_wrong) {
   const auto pdf = [](const Vec3& v) { return uniform_pdf(v) * (1.0 + 0.1 * static_cast<double>(v.z())); };
   const auto sample = [](const Vec2& u, float) { return std::optional(uniform_sphere(u)); };
   const SamplerCheck check = check_sampler(sample, pdf);
@@ -50,7 +50,7 @@ TEST(SphereHistogram, finds_a_density_that_is_a_few_percent_off) {
   EXPECT_LT(check.chi_square.p_value, 1e-6);
 }
 
-TEST(SphereHistogram, finds_samples_that_are_lost_unsaid) {
+TEST(SphereHistogram, detects_samples_that_are_lost) {
   const auto sample = [](const Vec2& u, float choice) {
     return choice < 0.01f ? std::nullopt : std::optional(uniform_sphere(u));
   };
@@ -60,7 +60,7 @@ TEST(SphereHistogram, finds_samples_that_are_lost_unsaid) {
 }
 
 /// A cap of half a degree, of which a fixed grid would have a single bin.
-TEST(SphereHistogram, resolves_what_is_narrow_and_has_hard_edges) {
+TEST(SphereHistogram, resolves_narrow_lobes_and_hard_edges) {
   constexpr float kHeight = 4e-5f;
   const Vec3 axis = Vec3(0.3f, -0.5f, 0.8f).normalized();
   const auto sample = [&](const Vec2& u, float) { return std::optional(from_frame_of(axis, uniform_cap(u, kHeight))); };

@@ -43,8 +43,8 @@ bool hits_anything(const Traced& t, const Vec3& origin, const Vec3& direction) {
   return rays->distance(0) < 0.0f;
 }
 
-/// Traces rays from inside a closed sphere. Each must hit it, and a second ray from the hit must behave for either
-/// side: inwards it hits again (closed: no black_level) and never the same triangle (no self-hit); outwards it hits nothing.
+/// Traces rays from inside a closed sphere. Each must hit it. A second ray from the hit must hit the sphere again if it
+/// points inwards (no leak), but not the same triangle (no self-hit); if it points outwards, it must hit nothing.
 void expect_tight(const Traced& t, const Vec3& centre, int rays) {
   std::mt19937 random(9);
   std::normal_distribution<float> normal;
@@ -94,7 +94,7 @@ TEST(Surface, a_closed_sphere_has_no_leak_and_no_self_hit_near_or_far) {
   }
 }
 
-TEST(Surface, size_does_not_matter) {
+TEST(Surface, is_independent_of_the_scale) {
   for (const float radius : {1e-3f, 1.0f, 1e3f, 1e5f}) {
     SCOPED_TRACE(radius);
     const Traced t(scene_of(sphere_mesh(radius, 40)));
@@ -102,7 +102,7 @@ TEST(Surface, size_does_not_matter) {
   }
 }
 
-TEST(Surface, a_turned_and_stretched_instance_is_as_tight) {
+TEST(Surface, a_rotated_and_stretched_instance_has_no_leak_either) {
   Eigen::Affine3d placed = Eigen::Affine3d(Eigen::Translation3d(30, -20, 10)) *
                            Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()) *
                            Eigen::Scaling(3.0, 0.2, -1.0);
@@ -113,7 +113,7 @@ TEST(Surface, a_turned_and_stretched_instance_is_as_tight) {
   expect_tight(t, placed.translation().cast<float>(), 20000);
 }
 
-TEST(Surface, baked_equals_instanced) {
+TEST(Surface, baked_and_instanced_meshes_agree) {
   scene::Mesh sphere = sphere_mesh(1.0f, 20);
   for (const auto& p : sphere.positions) sphere.normals.push_back(p);
   sphere.origin = {5, 0, 0};
@@ -144,7 +144,7 @@ TEST(Surface, baked_equals_instanced) {
 }
 
 /// Triangles without area, normals without length and textures without extent could introduce NaN into scattering.
-TEST(Surface, degenerate_triangles_give_directions) {
+TEST(Surface, degenerate_triangles_give_finite_directions) {
   scene::Mesh mesh;
   mesh.positions = {{0, 0, 0},      {0, 0, 0},      {0, 0, 0},     {1, 0, 0},    {2, 0, 0},
                     {1e-38f, 0, 0}, {0, 1e-38f, 0}, {3e38f, 0, 0}, {0, 3e38f, 0}};
@@ -176,7 +176,7 @@ TEST(Surface, degenerate_triangles_give_directions) {
   }
 }
 
-TEST(Bake, a_mirror_keeps_normals_outside) {
+TEST(Bake, keeps_normals_outwards_under_reflection) {
   scene::Mesh sphere = sphere_mesh(1.0f, 10);
   for (const auto& p : sphere.positions) sphere.normals.push_back(p);
   bake(sphere, Eigen::Affine3d(Eigen::Scaling(-1.0, 1.0, 1.0)), Eigen::Vector3d::Zero());

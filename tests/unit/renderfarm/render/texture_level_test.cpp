@@ -39,7 +39,7 @@ struct Square {
   Placement placement;
 };
 
-TEST(TextureLevel, counts_the_doublings_of_a_texel) {
+TEST(TextureLevel, is_the_logarithm_of_the_footprint_in_texels) {
   const Square square;
   for (const float level : {0.0f, 1.0f, 2.5f, 8.0f}) {
     for (const std::size_t triangle : {0U, 1U}) {
@@ -50,7 +50,7 @@ TEST(TextureLevel, counts_the_doublings_of_a_texel) {
   EXPECT_NEAR(square.lod({4.0f / kTexels, 0.25f}), 4.0f, 1e-4f);
 }
 
-TEST(TextureLevel, grows_with_distance_and_with_slant) {
+TEST(TextureLevel, increases_with_distance_and_slant) {
   const Square square;
   float last = -std::numeric_limits<float>::infinity();
   for (float distance = 0.1f; distance < 1e5f; distance *= 1.3f) {
@@ -63,7 +63,7 @@ TEST(TextureLevel, grows_with_distance_and_with_slant) {
   }
 }
 
-TEST(TextureLevel, is_the_same_whatever_the_units_of_the_scene) {
+TEST(TextureLevel, is_independent_of_the_scenes_units) {
   const Square metres;
   for (const double scale : {1e-3, 1e-2, 1.0, 1e2, 1e3}) {
     const Square scaled(Eigen::Matrix3d::Identity() * scale);
@@ -73,14 +73,14 @@ TEST(TextureLevel, is_the_same_whatever_the_units_of_the_scene) {
   }
 }
 
-TEST(TextureLevel, follows_the_textures_transform) {
+TEST(TextureLevel, accounts_for_the_textures_transform) {
   Square square;
   const float before = square.lod({0.1f, 1.0f});
   square.use.transform.leftCols<2>() *= 4.0f;
   EXPECT_NEAR(square.lod({0.1f, 1.0f}), before + 2.0f, 1e-4f);
 }
 
-TEST(TextureLevel, without_a_width_it_is_the_finest_and_without_a_triangle_still_a_level) {
+TEST(TextureLevel, is_finest_without_a_width_and_defined_without_a_triangle) {
   Square square;
   EXPECT_EQ(square.lod({0.0f, 1.0f}), 0.0f);
   EXPECT_EQ(square.lod({std::numeric_limits<float>::quiet_NaN(), 1.0f}), 0.0f);
@@ -136,7 +136,7 @@ struct Floor {
   Placement placement;
 };
 
-TEST(TextureLevel, a_far_floor_has_the_mean_of_the_supersampled_one_at_a_fraction_of_its_noise) {
+TEST(TextureLevel, keeps_the_mean_of_a_far_floor_with_a_fraction_of_the_noise) {
   const Floor floor;
   std::mt19937 random(6);
   std::uniform_real_distribution<float> in_pixel(0.0f, 1.0f);

@@ -23,24 +23,24 @@ float red(const scene::Texture& texture, float u, float v = 0.5f, float lod = 0.
   return lookup(mips(texture), {u, v}, Coding::kLinear, lod).x();
 }
 
-TEST(TextureLookup, a_texels_centre_is_the_texel) {
+TEST(TextureLookup, returns_the_texel_at_its_centre) {
   const scene::Texture texture = ramp(false, scene::WrapMode::kClamp);
   for (int i = 0; i < 4; ++i) {
     EXPECT_NEAR(red(texture, (static_cast<float>(i) + 0.5f) / 4.0f), static_cast<float>(i) / 3.0f, 1e-6f);
   }
 }
 
-TEST(TextureLookup, between_two_centres_it_is_linear) {
+TEST(TextureLookup, is_linear_between_two_centres) {
   EXPECT_NEAR(red(ramp(false, scene::WrapMode::kClamp), 0.25f), 0.5f / 3.0f, 1e-6f);
   EXPECT_NEAR(red(ramp(false, scene::WrapMode::kClamp), 0.5f), 0.5f, 1e-6f);
 }
 
-TEST(TextureLookup, v_counts_down_from_the_first_row) {
+TEST(TextureLookup, v_increases_downwards_from_the_first_row) {
   EXPECT_NEAR(red(ramp(true, scene::WrapMode::kClamp), 0.5f, 0.125f), 0.0f, 1e-6f);
   EXPECT_NEAR(red(ramp(true, scene::WrapMode::kClamp), 0.5f, 0.875f), 1.0f, 1e-6f);
 }
 
-TEST(TextureLookup, wraps_at_the_corners_as_asked) {
+TEST(TextureLookup, wraps_at_the_edges_as_specified) {
   const scene::Texture clamp = ramp(false, scene::WrapMode::kClamp);
   EXPECT_NEAR(red(clamp, 0.0f), 0.0f, 1e-6f);
   EXPECT_NEAR(red(clamp, 1.0f), 1.0f, 1e-6f);
@@ -62,7 +62,7 @@ TEST(TextureLookup, wraps_at_the_corners_as_asked) {
   EXPECT_NEAR(red(mirror, 2.125f), 0.0f, 1e-6f);
 }
 
-TEST(TextureLookup, nearest_takes_one_texel_whole) {
+TEST(TextureLookup, nearest_filtering_returns_one_texel) {
   scene::Texture texture = ramp(false, scene::WrapMode::kRepeat);
   texture.nearest = true;
   EXPECT_EQ(red(texture, 0.26f), 85.0f / 255.0f);
@@ -72,7 +72,7 @@ TEST(TextureLookup, nearest_takes_one_texel_whole) {
   EXPECT_EQ(red(texture, 1.0f), 1.0f);
 }
 
-TEST(TextureLookup, filters_in_linear_light_and_leaves_alpha_linear) {
+TEST(TextureLookup, filters_in_linear_light_and_alpha_linearly) {
   scene::Texture texture;
   texture.pixels = RgbaImage(2, 1);
   for (int c = 0; c < 4; ++c) texture.pixels.at(1, 0)[c] = 255;
@@ -86,7 +86,7 @@ TEST(TextureLookup, filters_in_linear_light_and_leaves_alpha_linear) {
   EXPECT_NEAR(lookup(mips(texture), {0.5f, 0.5f}, Coding::kSrgb, 0.0f).w(), 128.0f / 255.0f, 1e-6f);
 }
 
-TEST(TextureLookup, coordinates_beyond_all_sense_give_a_colour) {
+TEST(TextureLookup, is_finite_for_extreme_coordinates) {
   for (const scene::WrapMode wrap : {scene::WrapMode::kRepeat, scene::WrapMode::kMirror, scene::WrapMode::kClamp}) {
     for (const bool nearest : {false, true}) {
       scene::Texture texture = ramp(false, wrap);
@@ -103,7 +103,7 @@ TEST(TextureLookup, coordinates_beyond_all_sense_give_a_colour) {
   EXPECT_TRUE(lookup(mips(scene::Texture{}), {0.5f, 0.5f}, Coding::kSrgb, 3.0f).isOnes());
 }
 
-TEST(TextureLookup, knows_whether_anything_is_transparent) {
+TEST(TextureLookup, reports_whether_anything_is_transparent) {
   scene::Texture texture = ramp(false, scene::WrapMode::kClamp);
   EXPECT_FALSE(has_transparency(texture));
   texture.pixels.at(3, 0)[3] = 254;

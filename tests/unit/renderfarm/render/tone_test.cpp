@@ -17,7 +17,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr scene::ToneCurve kCurves[] = {scene::ToneCurve::kShoulder, scene::ToneCurve::kLinear,
                                         scene::ToneCurve::kFilmic};
 
-TEST(Tone, every_curve_rises_from_black_to_white_and_never_beyond) {
+TEST(Tone, every_curve_rises_from_black_to_white_and_not_beyond) {
   for (const scene::ToneCurve curve : kCurves) {
     float before = 0.0f;
     for (float light = 1e-6f; light < 1e6f; light *= 1.01f) {
@@ -32,7 +32,7 @@ TEST(Tone, every_curve_rises_from_black_to_white_and_never_beyond) {
   }
 }
 
-TEST(Tone, what_is_no_light_is_black) {
+TEST(Tone, maps_negative_light_and_nan_to_black) {
   for (const scene::ToneCurve curve : kCurves) {
     for (const float light : {kNan, -kNan, -1.0f, -0.0f, -kInfinity}) {
       EXPECT_EQ(tone_mapped(light, curve), 0.0f);
@@ -41,7 +41,7 @@ TEST(Tone, what_is_no_light_is_black) {
   }
 }
 
-TEST(Tone, linear_keeps_and_clips_and_filmic_is_the_published_fit) {
+TEST(Tone, linear_clips_and_filmic_is_the_published_fit) {
   EXPECT_EQ(tone_mapped(0.7f, scene::ToneCurve::kLinear), 0.7f);
   EXPECT_EQ(tone_mapped(1.5f, scene::ToneCurve::kLinear), 1.0f);
   // x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14), computed by hand.
@@ -66,7 +66,7 @@ TEST(Tone, the_table_gives_the_code_of_the_formula) {
   }
 }
 
-TEST(Tone, a_developed_picture_has_every_value_in_its_place) {
+TEST(Tone, develops_every_value_of_a_picture) {
   RadianceImage light(3, 2);
   for (std::size_t i = 0; i < light.data().size(); ++i) light.data()[i] = 0.05f * static_cast<float>(i);
   light.data()[4] = kNan;

@@ -38,9 +38,9 @@ const Golden& golden() {
   return kGolden;
 }
 
-TEST(ZTest, passes_a_picture_with_the_right_mean) { EXPECT_TRUE(z_test(noise(64, 2), golden()).passed()); }
+TEST(ZTest, accepts_a_picture_with_the_right_mean) { EXPECT_TRUE(z_test(noise(64, 2), golden()).passed()); }
 
-TEST(ZTest, raises_a_false_alarm_about_as_often_as_alpha_says) {
+TEST(ZTest, raises_false_alarms_with_probability_alpha) {
   constexpr int kTrials = 200;
   int alarms = 0;
   for (unsigned seed = 0; seed < kTrials; ++seed)
@@ -64,14 +64,14 @@ TEST(ZTest, finds_a_bias_of_the_whole_picture_that_no_pixel_shows) {
   EXPECT_FALSE(test.passed());
 }
 
-TEST(ZTest, a_pixel_that_never_scatters_must_be_right_but_for_rounding) {
+TEST(ZTest, requires_a_pixel_without_variance_to_be_right_up_to_rounding) {
   EXPECT_LT(std::abs(z_test(noise(64, 5), golden()).z[0]), 1.0);
   Film film = noise(64, 5);
   for (std::size_t c = 0; c < 3; ++c) film.sum.data()[c] *= 1.001f;
   EXPECT_FALSE(z_test(film, golden()).passed());
 }
 
-TEST(ZTest, what_is_no_number_fails) {
+TEST(ZTest, rejects_nan) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     Film film = noise(64, 6);
     film.sum.data()[30] = bad;
@@ -82,7 +82,7 @@ TEST(ZTest, what_is_no_number_fails) {
   EXPECT_FALSE(z_test(empty, golden()).passed());
 }
 
-TEST(Golden, what_is_written_is_read) {
+TEST(Golden, survives_a_round_trip) {
   const auto again = parse_golden(golden_text(golden(), "make it so"));
   ASSERT_TRUE(again) << again.error().message();
   EXPECT_EQ(again->width, kWidth);
@@ -95,7 +95,7 @@ TEST(Golden, what_is_written_is_read) {
   }
 }
 
-TEST(Golden, that_is_cut_short_or_goes_on_is_refused) {
+TEST(Golden, is_refused_if_truncated_or_too_long) {
   const std::string text = golden_text(golden(), "make it so");
   EXPECT_FALSE(parse_golden(text.substr(0, text.size() / 2)));
   EXPECT_FALSE(parse_golden(text + "1"));

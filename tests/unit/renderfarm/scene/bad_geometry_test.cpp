@@ -38,7 +38,7 @@ TEST(BadGeometry, every_file_loads_or_gives_one_clear_error) {
   EXPECT_GT(loaded, 0);
 }
 
-TEST(BadGeometry, files_that_are_odd_but_valid_load_unless_they_hold_no_surface) {
+TEST(BadGeometry, odd_but_valid_files_load_unless_they_have_no_surface) {
   CYCLORAMA_SHARED_DATA(folder, "bad/assimp/odd_but_valid");
   // points.ply contains only points; issue623.ply announces a list in each vertex that its rows do not have.
   const std::set<std::string> without_surface = {"points.ply", "issue623.ply"};
@@ -49,7 +49,7 @@ TEST(BadGeometry, files_that_are_odd_but_valid_load_unless_they_hold_no_surface)
   }
 }
 
-TEST(BadGeometry, files_that_are_invalid_are_refused) {
+TEST(BadGeometry, invalid_files_are_refused) {
   CYCLORAMA_SHARED_DATA(folder, "bad/assimp/invalid");
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     EXPECT_FALSE(load_scene(entry.path(), kLimits, nullptr).has_value()) << entry.path();

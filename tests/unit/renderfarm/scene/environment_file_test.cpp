@@ -49,7 +49,7 @@ RadianceImage noise(int width, int height) {
   return image;
 }
 
-TEST_F(EnvironmentFileTest, halving_keeps_the_light) {
+TEST_F(EnvironmentFileTest, halving_keeps_the_total_light) {
   for (const auto& [width, height] : {std::pair{64, 32}, std::pair{1, 1}, std::pair{2, 1}}) {
     const EnvironmentMap whole{noise(width, height), 0.0f, 1.0f};
     const EnvironmentMap half{halved_environment(whole.pixels), 0.0f, 1.0f};
@@ -58,7 +58,7 @@ TEST_F(EnvironmentFileTest, halving_keeps_the_light) {
   }
 }
 
-TEST_F(EnvironmentFileTest, the_mean_counts_directions_and_not_texels) {
+TEST_F(EnvironmentFileTest, the_mean_weights_texels_by_solid_angle) {
   RadianceImage pole(40, 20);
   for (int x = 0; x < 40; ++x) pole.at(x, 0)[1] = 1.0f;  // The top 9 degrees.
   const double cap = 0.5 * (1.0 - std::cos(std::numbers::pi / 20));
@@ -66,7 +66,7 @@ TEST_F(EnvironmentFileTest, the_mean_counts_directions_and_not_texels) {
   EXPECT_EQ(mean_radiance({pole, 0.0f, 3.0f}).x(), 0.0f);
 }
 
-TEST_F(EnvironmentFileTest, too_wide_a_map_is_halved_and_that_is_noted) {
+TEST_F(EnvironmentFileTest, a_map_that_is_too_wide_is_halved_with_a_note) {
   std::vector<std::string> notes;
   const auto pixels = read_environment(written(RadianceImage(4098, 2049, 2.0f)), {}, &notes);
   ASSERT_TRUE(pixels.has_value()) << pixels.error().message();
@@ -76,7 +76,7 @@ TEST_F(EnvironmentFileTest, too_wide_a_map_is_halved_and_that_is_noted) {
   EXPECT_THAT(notes, ElementsAre(HasSubstr("4098x2049 pixels is taken as 2049x1025")));
 }
 
-TEST_F(EnvironmentFileTest, another_shape_another_size_and_no_file_are_refused_by_name) {
+TEST_F(EnvironmentFileTest, another_shape_or_size_and_a_missing_file_are_refused_by_name) {
   std::vector<std::string> notes;
   const auto square = read_environment(written(noise(8, 8)), {}, &notes);
   ASSERT_FALSE(square.has_value());
@@ -90,7 +90,7 @@ TEST_F(EnvironmentFileTest, another_shape_another_size_and_no_file_are_refused_b
   EXPECT_EQ(read_environment(folder_ / "none.hdr", limits, &notes).error().code(), ErrorCode::kNotFound);
 }
 
-TEST_F(EnvironmentFileTest, a_scene_lit_by_nothing_else_is_exposed_by_its_mean) {
+TEST_F(EnvironmentFileTest, a_scene_without_other_light_is_exposed_by_its_mean) {
   for (const float light : {1e-3f, 1.0f, 5000.0f}) {
     written(RadianceImage(16, 8, light));
     const auto scene = package("");

@@ -50,7 +50,7 @@ FoundSettings settings_of(const Model& model) {
   return found;
 }
 
-TEST(FindSettings, a_visitor_stands_in_a_room_and_looks_along_it) {
+TEST(FindSettings, the_eye_is_inside_a_room_and_looks_along_it) {
   const FoundSettings found = settings_of(model_of({box_mesh(box({100, -3, 200}, {106, 1, 220}), true)}));
   EXPECT_EQ(found.kind, SceneKind::kRoom);
   EXPECT_NEAR(found.eye.y(), -3.0 + 1.6, 0.05);
@@ -60,20 +60,20 @@ TEST(FindSettings, a_visitor_stands_in_a_room_and_looks_along_it) {
   }
 }
 
-TEST(FindSettings, a_room_is_a_room_whichever_way_its_thin_walls_face_or_when_they_are_thick) {
+TEST(FindSettings, a_room_is_recognised_with_thin_walls_of_either_side_and_with_thick_ones) {
   const Mesh inner = box_mesh(box({0, 0, 0}, {8, 3, 6}), true);
   const Mesh outer = box_mesh(box({-0.3, -0.3, -0.3}, {8.3, 3.3, 6.3}), false);
   EXPECT_EQ(settings_of(model_of({inner})).kind, SceneKind::kRoom);
   EXPECT_EQ(settings_of(model_of({inner, outer})).kind, SceneKind::kRoom);
 }
 
-TEST(FindSettings, nobody_stands_inside_of_a_statue) {
+TEST(FindSettings, the_eye_is_never_inside_a_statue) {
   const FoundSettings found = settings_of(model_of({box_mesh(box({0, 0, 0}, {4, 9, 4}), false)}));
   EXPECT_EQ(found.kind, SceneKind::kObject);
   EXPECT_GT(found.eye.z(), 4.0);
 }
 
-TEST(FindSettings, a_visitor_does_not_stand_on_or_in_the_furniture) {
+TEST(FindSettings, the_eye_is_neither_on_nor_in_the_furniture) {
   const Mesh room = box_mesh(box({0, 0, 0}, {6, 3, 6}), true);
   const Mesh block = box_mesh(box({0, 0, 0}, {3, 2.9, 6}), false);
   const FoundSettings found = settings_of(model_of({room, block}));
@@ -82,7 +82,7 @@ TEST(FindSettings, a_visitor_does_not_stand_on_or_in_the_furniture) {
   for (const Eigen::Vector2d& corner : found.walkable) EXPECT_GT(corner.x(), 2.95);
 }
 
-TEST(FindSettings, ground_under_the_sky_is_a_site) {
+TEST(FindSettings, open_ground_is_recognised_as_a_site) {
   Model model = model_of(
       {box_mesh(box({-20, -0.2, -20}, {20, 0, 20}), false), box_mesh(box({-15, 0, -15}, {-10, 4, -10}), false)});
   const FoundSettings found = settings_of(model);
@@ -90,7 +90,7 @@ TEST(FindSettings, ground_under_the_sky_is_a_site) {
   EXPECT_NEAR(found.eye.y(), 1.6, 0.05);
 }
 
-TEST(FindSettings, the_top_of_a_large_object_is_no_site) {
+TEST(FindSettings, the_top_of_a_large_object_is_not_a_site) {
   const FoundSettings found = settings_of(model_of({box_mesh(box({0, 0, 0}, {6, 6, 6}), false)}));
   EXPECT_EQ(found.kind, SceneKind::kObject);
   EXPECT_GT(found.eye.z(), 6.0);
@@ -98,7 +98,7 @@ TEST(FindSettings, the_top_of_a_large_object_is_no_site) {
   EXPECT_EQ(plain.kind, SceneKind::kSite) << "nothing rises from a plain";
 }
 
-TEST(FindSettings, an_object_of_any_size_is_seen_whole_and_one_can_walk_around_it) {
+TEST(FindSettings, an_object_of_any_size_is_seen_whole_with_room_to_walk_around_it) {
   for (const double size : {1e-4, 0.01, 0.45, 2.0}) {
     const FoundSettings found =
         settings_of(model_of({box_mesh(box({0, 0, 0}, {0.8 * size, size, 0.6 * size}), false)}));
@@ -114,7 +114,7 @@ TEST(FindSettings, an_object_of_any_size_is_seen_whole_and_one_can_walk_around_i
   }
 }
 
-TEST(FindSettings, the_walkable_area_goes_round_corners_and_keeps_from_walls) {
+TEST(FindSettings, the_walkable_area_goes_round_corners_and_keeps_a_distance_from_walls) {
   // An L-shaped room of 10 x 10 m, whose quarter beyond (5, 5) is a block.
   const Mesh room = box_mesh(box({0, 0, 0}, {10, 3, 10}), true);
   const Mesh block = box_mesh(box({5, 0, 5}, {10, 3, 10}), false);
@@ -127,7 +127,7 @@ TEST(FindSettings, the_walkable_area_goes_round_corners_and_keeps_from_walls) {
   EXPECT_LT(found.walkable.size(), 20u);
 }
 
-TEST(FindSettings, a_chosen_eye_is_kept_and_can_walk) {
+TEST(FindSettings, a_given_eye_is_kept_and_can_walk) {
   const Model model = model_of({box_mesh(box({0, 0, 0}, {6, 3, 6}), true)});
   for (const Eigen::Vector3d& eye :
        {Eigen::Vector3d(1, 1.2, 1), Eigen::Vector3d(0.05, 1.6, 3), Eigen::Vector3d(3, 2.9, 3),
@@ -140,7 +140,7 @@ TEST(FindSettings, a_chosen_eye_is_kept_and_can_walk) {
   EXPECT_NEAR(find_settings(model, bounds_of(model), Eigen::Vector3d(1, 1.2, 1)).eye_height_m, 1.2, 0.05);
 }
 
-TEST(FindSettings, geometry_without_thickness_or_size_still_gets_a_view) {
+TEST(FindSettings, degenerate_geometry_gets_a_view) {
   Mesh flat = box_mesh(box({0, 0, 0}, {1, 1, 0}), false);
   settings_of(model_of({flat}));
   Mesh point;
@@ -181,7 +181,7 @@ TEST(AddLight, gives_rooms_lamps_and_objects_a_sky) {
   EXPECT_LT(object.model.lights[0].direction.z(), 0.0) << "from before the object, where the visitor is";
 }
 
-TEST(FindExposure, brings_any_lamp_to_the_same_picture) {
+TEST(FindExposure, gives_the_same_picture_for_a_lamp_of_any_power) {
   Scene scene;
   scene.model = model_of({box_mesh(box({0, 0, 0}, {6, 3, 6}), true)});
   scene.bounds = bounds_of(scene.model);

@@ -76,7 +76,7 @@ TEST_F(GltfAccessorTest, normalises_integers_as_the_specification_does) {
   EXPECT_THAT(read_floats<4>(*read(file, 2), GltfSelection::all(1))[0], ElementsAre(65535, 0, 13107, 1));
 }
 
-TEST_F(GltfAccessorTest, puts_sparse_values_in_place) {
+TEST_F(GltfAccessorTest, applies_sparse_values) {
   GltfBuilder file = three_pairs();
   file.json["accessors"][0]["sparse"] = {
       {"count", 1},
@@ -89,7 +89,7 @@ TEST_F(GltfAccessorTest, puts_sparse_values_in_place) {
               ElementsAre(ElementsAre(0, 0), ElementsAre(70, 80), ElementsAre(0, 0)));
 }
 
-TEST_F(GltfAccessorTest, refuses_sparse_values_that_are_out_of_place) {
+TEST_F(GltfAccessorTest, refuses_sparse_values_outside_the_accessor) {
   GltfBuilder file = three_pairs();
   auto& sparse = file.json["accessors"][0]["sparse"];
   sparse = {{"count", 1},
@@ -143,7 +143,7 @@ TEST_F(GltfAccessorTest, nothing_outside_the_buffer_can_be_viewed) {
   }
 }
 
-TEST_F(GltfAccessorTest, a_buffer_that_is_shorter_than_it_says_is_refused) {
+TEST_F(GltfAccessorTest, refuses_a_buffer_that_is_shorter_than_declared) {
   GltfBuilder file = three_pairs();
   file.json["buffers"] = {{{"byteLength", 29}}};
   EXPECT_THAT(error(file), HasSubstr("/buffers/0/byteLength: there are 24 of 29 bytes"));
@@ -153,7 +153,7 @@ TEST_F(GltfAccessorTest, a_buffer_that_is_shorter_than_it_says_is_refused) {
   EXPECT_THAT(error(file), HasSubstr("in memory"));
 }
 
-TEST_F(GltfAccessorTest, missing_and_unknown_properties_name_their_place) {
+TEST_F(GltfAccessorTest, missing_and_unknown_properties_name_their_position) {
   for (const char* const key : {"componentType", "count", "type"}) {
     GltfBuilder file = three_pairs();
     file.json["accessors"][0].erase(key);
@@ -167,7 +167,7 @@ TEST_F(GltfAccessorTest, missing_and_unknown_properties_name_their_place) {
   EXPECT_THAT(error(file), HasSubstr("5124 is no component type"));
 }
 
-TEST_F(GltfAccessorTest, zeros_without_data_are_charged) {
+TEST_F(GltfAccessorTest, zeros_without_data_count_towards_the_memory_limit) {
   GltfBuilder file = three_pairs();
   file.json["accessors"][0].erase("bufferView");
   file.json["accessors"][0]["count"] = 4'000'000'000;

@@ -219,7 +219,7 @@ std::string read_everything(const std::filesystem::path& file) {
   return "";
 }
 
-TEST(GltfBad, agrees_with_the_official_validator_about_what_is_wrong_data) {
+TEST(GltfBad, agrees_with_the_official_validator_about_wrong_data) {
   CYCLORAMA_SHARED_DATA(folder, "bad/gltf_validator/base/data");
   int compared = 0;
   int refused = 0;

@@ -47,7 +47,7 @@ TEST(GltfContainer, files_that_are_not_gltf_are_named) {
   EXPECT_THAT(import_text("glTF"), HasSubstr("header"));
 }
 
-TEST(GltfContainer, json_errors_name_the_place) {
+TEST(GltfContainer, json_errors_name_the_position) {
   EXPECT_THAT(import_text("{\"asset\":{\"version\":\"2.0\"},\n \"nodes\": [1,}"), HasSubstr("line 2"));
   EXPECT_THAT(import_text("{\"asset\":{\"version\":\"2.0\"}, \"x\":1e999}"), HasSubstr("cannot be read"));
   EXPECT_THAT(import_text("{\"a\":\"\xff\"}"), HasSubstr("cannot be read"));
@@ -59,7 +59,7 @@ TEST(GltfContainer, deep_nesting_is_refused_before_parsing) {
   EXPECT_THAT(import_text(open + std::string(10'000'000, '[')), HasSubstr("nested"));
 }
 
-TEST(GltfContainer, a_flood_of_values_is_refused_before_it_is_built) {
+TEST(GltfContainer, too_many_values_are_refused_before_they_are_built) {
   ImportLimits limits;
   limits.memory_bytes = 1 << 20;
   std::string flood = "{\"asset\":{\"version\":\"2.0\"},\"extras\":[0";
@@ -89,7 +89,7 @@ TEST(GltfContainer, required_extensions_that_change_geometry_are_refused_and_oth
   EXPECT_THAT(model->notes, ::testing::Not(::testing::Contains(HasSubstr("draco"))));
 }
 
-TEST(GltfContainer, an_empty_scene_is_a_model_without_instances_and_with_a_material) {
+TEST(GltfContainer, an_empty_scene_is_a_model_without_instances) {
   const Result<Model> model = import_gltf_bytes(bytes_of("{\"asset\":{\"version\":\"2.0\"}}"), {}, {});
   ASSERT_TRUE(model.has_value());
   EXPECT_TRUE(model->instances.empty());

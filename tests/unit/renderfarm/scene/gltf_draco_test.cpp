@@ -16,7 +16,7 @@ nlohmann::json& extension_of(GltfBuilder& file) {
 
 class GltfDraco : public ::testing::TestWithParam<int> {};
 
-TEST_P(GltfDraco, gives_back_what_was_compressed) {
+TEST_P(GltfDraco, decodes_what_was_compressed) {
   const Result<Model> model = draco_file(compressed_square(GetParam())).import();
   ASSERT_TRUE(model.has_value()) << error_of(model);
   const Mesh& mesh = model->meshes.at(0);
@@ -47,7 +47,7 @@ TEST_P(GltfDraco, every_truncation_is_refused) {
   }
 }
 
-TEST_P(GltfDraco, flipped_bytes_load_or_give_an_error) {
+TEST_P(GltfDraco, damaged_data_loads_or_gives_an_error) {
   const std::vector<std::uint8_t> whole = compressed_square(GetParam());
   for (std::size_t i = 0; i < whole.size(); ++i) {
     std::vector<std::uint8_t> bent = whole;
@@ -79,7 +79,7 @@ TEST(GltfDracoPromise, attributes_must_be_what_their_accessors_say) {
   EXPECT_THAT(error_of(file.import()), HasSubstr("no attribute"));
 }
 
-TEST(GltfDracoPromise, working_memory_is_charged) {
+TEST(GltfDracoPromise, working_memory_counts_towards_the_limit) {
   ImportLimits limits;
   limits.memory_bytes = 40'000;
   EXPECT_THAT(error_of(draco_file(compressed_square(draco::MESH_EDGEBREAKER_ENCODING)).import(limits)),

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 
 GltfObject object(const json& value) { return *GltfObject::from(value, "/things/3"); }
 
-TEST(GltfJson, an_absent_key_is_nothing_and_no_error) {
+TEST(GltfJson, an_absent_key_is_empty_and_not_an_error) {
   const json empty = json::object();
   EXPECT_FALSE(object(empty).number("a")->has_value());
   EXPECT_FALSE(object(empty).integer("a")->has_value());
@@ -35,7 +35,7 @@ TEST(GltfJson, whole_numbers_may_be_written_as_floats) {
   EXPECT_FALSE(object(value).integer("f").has_value());
 }
 
-TEST(GltfJson, a_wrong_type_names_the_place_and_the_remedy) {
+TEST(GltfJson, a_wrong_type_names_the_position_and_the_remedy) {
   const json value = {{"a", "text"}, {"b", {1, 2}}};
   EXPECT_THAT(object(value).number("a").error().message(), HasSubstr("/things/3/a: a number is needed"));
   EXPECT_THAT(object(value).flag("a").error().message(), HasSubstr("export it again"));
@@ -48,7 +48,7 @@ TEST(GltfJson, a_wrong_type_names_the_place_and_the_remedy) {
   EXPECT_THAT(object(value).array("b")->text(1).error().message(), HasSubstr("/things/3/b/1"));
 }
 
-TEST(GltfJson, places_escape_what_json_pointers_escape) {
+TEST(GltfJson, positions_are_escaped_as_json_pointers) {
   const json value = {{"a/b~c", "text"}};
   EXPECT_THAT(object(value).number("a/b~c").error().message(), HasSubstr("/things/3/a~1b~0c"));
 }

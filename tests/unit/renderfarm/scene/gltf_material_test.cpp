@@ -178,7 +178,7 @@ TEST(GltfMaterial, factors_outside_their_range_are_clipped_and_noted) {
   EXPECT_THAT(error_of(file.import()), HasSubstr("/materials/0/pbrMetallicRoughness/baseColorFactor: 4 numbers"));
 }
 
-TEST(GltfMaterial, a_texture_brings_its_pixels_and_its_sampler) {
+TEST(GltfMaterial, a_texture_has_its_pixels_and_its_sampler) {
   Painted file;
   file.base_texture() = {{"index", 0}};
   file.json["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}}};
@@ -195,7 +195,7 @@ TEST(GltfMaterial, a_texture_brings_its_pixels_and_its_sampler) {
   EXPECT_THAT(model.meshes[0].texcoords[1], IsEmpty());
 }
 
-TEST(GltfMaterial, a_picture_that_several_textures_share_is_kept_once) {
+TEST(GltfMaterial, a_picture_shared_by_several_textures_is_stored_once) {
   Painted file;
   file.base_texture() = {{"index", 0}};
   file.material()["emissiveTexture"] = {{"index", 1}};
@@ -206,11 +206,11 @@ TEST(GltfMaterial, a_picture_that_several_textures_share_is_kept_once) {
   EXPECT_EQ(import_good(file).textures.size(), 2u);
 }
 
-TEST(GltfMaterial, texture_coordinates_that_nothing_samples_are_not_kept) {
+TEST(GltfMaterial, unused_texture_coordinates_are_dropped) {
   EXPECT_THAT(import_good(Painted()).meshes[0].texcoords[0], IsEmpty());
 }
 
-TEST(GltfMaterial, the_texture_transform_turns_counter_clockwise_after_scaling) {
+TEST(GltfMaterial, the_texture_transform_rotates_counter_clockwise_after_scaling) {
   Painted file;
   file.base_texture() = {
       {"index", 0},
@@ -252,7 +252,7 @@ TEST(GltfMaterial, the_second_set_of_coordinates_is_read_and_a_third_is_noted) {
   EXPECT_THAT(model.notes, Contains(HasSubstr("third set")));
 }
 
-TEST(GltfMaterial, a_broken_picture_leaves_the_surface_plain_and_is_named) {
+TEST(GltfMaterial, a_broken_picture_is_named_and_the_surface_stays_plain) {
   Painted file;
   file.base_texture() = {{"index", 0}};
   file.json["images"][0] = {{"bufferView", file.add_view<std::uint8_t>({1, 2, 3, 4})}, {"name", "stripes"}};
@@ -277,7 +277,7 @@ TEST(GltfMaterial, a_picture_over_the_limit_is_not_decoded) {
   EXPECT_THAT(model->notes, Contains(HasSubstr("'stripes' is not used")));
 }
 
-TEST(GltfMaterial, references_that_lead_nowhere_are_errors) {
+TEST(GltfMaterial, dangling_references_are_errors) {
   Painted file;
   file.base_texture() = {{"index", 1}};
   EXPECT_THAT(error_of(file.import()), HasSubstr("baseColorTexture/index: index 1 of 1 textures"));
@@ -300,7 +300,7 @@ TEST(GltfMaterial, tangents_are_kept_for_normal_maps_only) {
   EXPECT_THAT(model.meshes[0].tangents[2], ::testing::ElementsAre(1, 0, 0, -1));
 }
 
-TEST(GltfMaterial, specular_glossiness_becomes_metal_or_not) {
+TEST(GltfMaterial, specular_glossiness_becomes_metal_or_dielectric) {
   Painted file;
   auto& extension = file.material()["extensions"]["KHR_materials_pbrSpecularGlossiness"];
   extension = {{"diffuseFactor", {0.5, 0.25, 0.125, 0.75}}, {"specularFactor", {0, 0, 0}}, {"glossinessFactor", 0.25}};
@@ -321,7 +321,7 @@ TEST(GltfMaterial, specular_glossiness_becomes_metal_or_not) {
   EXPECT_THAT(model.notes, Contains(HasSubstr("approximated")));
 }
 
-TEST(GltfMaterial, what_is_not_supported_is_noted) {
+TEST(GltfMaterial, unsupported_features_are_noted) {
   Painted file;
   file.json["extensionsUsed"] = {"KHR_materials_unlit", "KHR_materials_sheen"};
   file.material()["extensions"]["KHR_materials_unlit"] = nlohmann::json::object();
@@ -332,7 +332,7 @@ TEST(GltfMaterial, what_is_not_supported_is_noted) {
   EXPECT_THAT(model.notes, Contains(HasSubstr("alphaMode")));
 }
 
-TEST(GltfMaterial, a_thousand_like_notes_are_one_sentence) {
+TEST(GltfMaterial, a_thousand_similar_notes_become_one_sentence) {
   GltfNotes notes;
   for (int i = 0; i < 1000; ++i) notes.add("grass is grey", "/meshes/" + std::to_string(i));
   EXPECT_THAT(notes.sentences(), ::testing::ElementsAre("grass is grey (1000 times, first at /meshes/0)"));

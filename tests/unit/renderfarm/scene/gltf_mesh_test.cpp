@@ -42,7 +42,7 @@ TEST(GltfMesh, reads_triangles_strips_and_fans_with_their_winding) {
   EXPECT_THAT(triangles_of(square(6, {0, 1, 2, 3})), ElementsAre(Triangle{1, 2, 0}, Triangle{2, 3, 0}));
 }
 
-TEST(GltfMesh, counts_vertices_up_where_there_are_no_indices) {
+TEST(GltfMesh, uses_vertices_in_order_without_indices) {
   EXPECT_THAT(triangles_of(square(6, {})), ElementsAre(Triangle{1, 2, 0}, Triangle{2, 3, 0}));
   EXPECT_THAT(triangles_of(square(5, {})), ElementsAre(Triangle{0, 1, 2}, Triangle{1, 3, 2}));
   EXPECT_THAT(triangles_of(one_triangle()), ElementsAre(Triangle{0, 1, 2}));
@@ -58,7 +58,7 @@ TEST(GltfMesh, a_count_without_data_is_refused_before_triangles_are_made) {
   }
 }
 
-TEST(GltfBudget, a_small_file_is_bounded_and_stored_bytes_release_more) {
+TEST(GltfBudget, a_small_file_has_a_limit_that_grows_with_its_stored_bytes) {
   constexpr std::size_t kGiB = std::size_t{1} << 30;
   GltfBudget budget(8 * kGiB);
   EXPECT_EQ(budget.left_bytes(), 4 * kGiB);
@@ -71,7 +71,7 @@ TEST(GltfBudget, a_small_file_is_bounded_and_stored_bytes_release_more) {
   EXPECT_EQ(GltfBudget(1000).left_bytes(), 1000u);
 }
 
-TEST(GltfMesh, strips_lose_the_triangles_that_only_connect) {
+TEST(GltfMesh, drops_degenerate_connecting_triangles_of_strips) {
   EXPECT_THAT(triangles_of(square(5, {0, 1, 2, 2, 3, 0})), ElementsAre(Triangle{0, 1, 2}, Triangle{2, 0, 3}));
 }
 
@@ -121,7 +121,7 @@ TEST(GltfMesh, leftover_vertices_are_noted) {
   EXPECT_THAT(model->notes, Contains(HasSubstr("make no triangle")));
 }
 
-TEST(GltfMesh, keeps_only_its_own_vertices_of_a_shared_list) {
+TEST(GltfMesh, keeps_only_the_vertices_that_it_uses_of_a_shared_list) {
   GltfBuilder file;
   std::vector<float> many(300);
   for (std::size_t i = 0; i < many.size(); ++i) many[i] = static_cast<float>(i);
@@ -137,7 +137,7 @@ TEST(GltfMesh, keeps_only_its_own_vertices_of_a_shared_list) {
   EXPECT_EQ(mesh.positions[0][2], 23.0f);
 }
 
-TEST(GltfMesh, corners_that_are_not_finite_lose_their_triangles) {
+TEST(GltfMesh, drops_triangles_with_corners_that_are_not_finite) {
   GltfBuilder file;
   file.add_primitive({{"POSITION", file.add_floats({0, 0, 0, 1, 0, 0, 0, 1, 0, kNaN, 0, 0}, "VEC3")}})["indices"] =
       file.add_indices({0, 1, 2, 1, 2, 3});
@@ -149,7 +149,7 @@ TEST(GltfMesh, corners_that_are_not_finite_lose_their_triangles) {
   EXPECT_THAT(model->notes, Contains(HasSubstr("1 triangles have corners that are not finite")));
 }
 
-TEST(GltfMesh, normals_become_unit_length_and_broken_ones_follow_the_surface) {
+TEST(GltfMesh, normals_are_normalised_and_invalid_ones_replaced_by_the_surfaces) {
   GltfBuilder file = one_triangle();
   file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] =
       file.add_floats({0, 0, 5, 0, 0, 0, kNaN, 0, 0}, "VEC3");
@@ -159,7 +159,7 @@ TEST(GltfMesh, normals_become_unit_length_and_broken_ones_follow_the_surface) {
   EXPECT_THAT(model->notes, Contains(HasSubstr("2 normals have no direction")));
 }
 
-TEST(GltfMesh, without_normals_it_stays_flat) { EXPECT_TRUE(one_triangle().import()->meshes[0].normals.empty()); }
+TEST(GltfMesh, without_normals_faces_are_flat) { EXPECT_TRUE(one_triangle().import()->meshes[0].normals.empty()); }
 
 TEST(GltfMesh, vertex_colours_of_every_type_become_srgb) {
   // Linear 0.5 is code 188.

@@ -56,7 +56,7 @@ TEST(GltfNode, invalid_transforms_are_refused) {
   EXPECT_THAT(error_of(with_nodes({{{"mesh", 0}, {"matrix", {1, 2}}}}, {0}).import()), HasSubstr("16 numbers"));
 }
 
-TEST(GltfNode, a_rotation_of_another_length_is_used_and_noted) {
+TEST(GltfNode, a_rotation_that_is_not_of_unit_length_is_used_and_noted) {
   const Result<Model> model = with_nodes({{{"mesh", 0}, {"rotation", {0, 0, 0, 3}}}}, {0}).import();
   ASSERT_TRUE(model.has_value());
   EXPECT_TRUE(model->instances[0].T_model_mesh.matrix().isIdentity());
@@ -80,7 +80,7 @@ TEST(GltfNode, transforms_that_overflow_are_refused) {
   EXPECT_THAT(error_of(file.import()), HasSubstr("/nodes/1: the transform is too large"));
 }
 
-TEST(GltfNode, loops_and_second_parents_are_refused_and_named) {
+TEST(GltfNode, cycles_and_second_parents_are_refused_and_named) {
   EXPECT_THAT(error_of(with_nodes(json::array({{{"children", {0}}}}), {0}).import()),
               HasSubstr("/nodes/0: the node is part of a loop"));
   EXPECT_THAT(error_of(with_nodes({json::object(), {{"children", {2}}}, {{"children", {1}}}}, {0}).import()),
@@ -138,7 +138,7 @@ TEST(GltfNode, gpu_instancing_shows_a_mesh_many_times) {
   EXPECT_THAT(error_of(file.import()), HasSubstr("is needed here"));
 }
 
-TEST(GltfNode, instances_are_charged) {
+TEST(GltfNode, instances_count_towards_the_memory_limit) {
   GltfBuilder file = one_triangle();
   file.add_floats({0, 0, 0}, "VEC3");
   file.json["accessors"][1].erase("bufferView");
@@ -182,7 +182,7 @@ TEST(GltfLight, a_spot_has_the_pose_of_its_node) {
   EXPECT_TRUE(light.direction.isApprox(Eigen::Vector3d(-1, 0, 0)));
 }
 
-TEST(GltfLight, defaults_are_the_specifications) {
+TEST(GltfLight, has_the_specifications_defaults) {
   const Result<Model> model = with_light({{"type", "point"}}, json::object()).import();
   ASSERT_TRUE(model.has_value());
   EXPECT_EQ(model->lights.at(0).kind, LightKind::kPoint);
@@ -190,7 +190,7 @@ TEST(GltfLight, defaults_are_the_specifications) {
   EXPECT_EQ(model->lights.at(0).range_m, 0.0);
 }
 
-TEST(GltfLight, what_cannot_be_a_light_is_refused_or_noted) {
+TEST(GltfLight, invalid_lights_are_refused_or_noted) {
   EXPECT_THAT(error_of(with_light({{"type", "spot"}}, json::object()).import()),
               HasSubstr("/extensions/KHR_lights_punctual/lights/0/spot: is missing"));
   const json inverted = {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.6}, {"outerConeAngle", 0.5}}}};

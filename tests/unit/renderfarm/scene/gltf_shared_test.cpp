@@ -71,7 +71,7 @@ void expect_sound(const Model& model) {
 
 class GltfShared : public ::testing::TestWithParam<Expected> {};
 
-TEST_P(GltfShared, has_the_triangles_that_its_makers_counted) {
+TEST_P(GltfShared, has_the_number_of_triangles_that_its_makers_state) {
   const Expected& expected = GetParam();
   CYCLORAMA_SHARED_DATA(file, expected.name);
   const Result<Model> model = import_gltf(file, ImportLimits{});
@@ -116,7 +116,7 @@ Material material_called(const Model& model, const std::string& name) {
   return Material{};
 }
 
-TEST(GltfSharedDetails, khronos_materials_are_read_whole) {
+TEST(GltfSharedDetails, khronos_materials_are_read_completely) {
   CYCLORAMA_SHARED_DATA(coated, "materials/ClearCoatTest.glb");
   CYCLORAMA_SHARED_DATA(rough_glass, "materials/TransmissionRoughnessTest.glb");
   CYCLORAMA_SHARED_DATA(tinted_glass, "materials/AttenuationTest.glb");
@@ -167,7 +167,7 @@ TEST(GltfSharedDetails, the_grotto_keeps_its_lamps_and_their_strength) {
   EXPECT_FLOAT_EQ(glow->emissive.x(), 60.0f);
 }
 
-TEST(GltfSharedDetails, a_limit_below_what_a_scene_needs_refuses_it) {
+TEST(GltfSharedDetails, a_scene_over_the_memory_limit_is_refused) {
   CYCLORAMA_SHARED_DATA(file, "scenes/grotto_thousand_buddhas.glb");
   ImportLimits limits;
   limits.memory_bytes = 8 << 20;
@@ -177,7 +177,7 @@ TEST(GltfSharedDetails, a_limit_below_what_a_scene_needs_refuses_it) {
   EXPECT_THAT(model.error().message(), HasSubstr("raise the memory limit"));
 }
 
-TEST(GltfSharedDetails, the_generators_positive_set_loads_and_its_two_traps_do_not) {
+TEST(GltfSharedDetails, the_generators_valid_files_load_except_two) {
   CYCLORAMA_SHARED_DATA(folder, "materials/asset_generator");
   std::size_t count = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
@@ -192,7 +192,7 @@ TEST(GltfSharedDetails, the_generators_positive_set_loads_and_its_two_traps_do_n
   EXPECT_EQ(count, 37u);
 }
 
-TEST(GltfSharedDetails, vertex_colours_of_the_generator_agree_whatever_their_type) {
+TEST(GltfSharedDetails, vertex_colours_of_any_type_agree) {
   CYCLORAMA_SHARED_DATA(folder, "materials/asset_generator/Mesh_PrimitiveVertexColor");
   std::vector<std::array<std::uint8_t, 4>> first;
   for (int i = 0; i < 6; ++i) {
@@ -208,7 +208,7 @@ TEST(GltfSharedDetails, vertex_colours_of_the_generator_agree_whatever_their_typ
   }
 }
 
-TEST(GltfSharedDetails, every_primitive_mode_of_the_generator_with_a_surface_covers_the_same_square) {
+TEST(GltfSharedDetails, every_primitive_mode_with_a_surface_covers_the_same_square) {
   CYCLORAMA_SHARED_DATA(folder, "materials/asset_generator/Mesh_PrimitiveMode");
   for (const char* const number : {"04", "05", "06", "11", "12", "13", "14", "15"}) {
     const Result<Model> model =

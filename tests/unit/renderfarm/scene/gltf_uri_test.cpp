@@ -25,7 +25,7 @@ TEST(GltfUri, refuses_data_that_is_not_base64) {
   EXPECT_FALSE(decode_data_uri("file.bin").has_value());
 }
 
-TEST(GltfUri, announces_at_least_as_many_bytes_as_it_decodes) {
+TEST(GltfUri, declares_at_least_as_many_bytes_as_it_decodes) {
   for (const char* const uri : {"data:;base64,", "data:;base64,SGVsbG8=", "data:;base64,SGVsbG8"}) {
     EXPECT_LE(decode_data_uri(uri)->size(), data_uri_bytes(uri));
   }

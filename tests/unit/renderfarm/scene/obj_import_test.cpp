@@ -73,7 +73,7 @@ TEST(ObjImport, equal_corners_become_one_vertex_and_others_do_not) {
   EXPECT_EQ(mesh.normals[0], (std::array<float, 3>{0, 0, 1}));
 }
 
-TEST(ObjImport, negative_indices_count_back_and_faces_may_come_first) {
+TEST(ObjImport, negative_indices_count_backwards_and_faces_may_come_first) {
   const auto model = import_text(kTriangle + "f -3 -2 -1\nv 5 5 5\nf -1 -2 -3\n");
   ASSERT_TRUE(model.has_value());
   EXPECT_EQ(model->meshes[0].positions[model->meshes[0].triangles[1][0]], (std::array<float, 3>{5, 5, 5}));
@@ -120,20 +120,20 @@ TEST(ObjImport, surveyed_coordinates_keep_their_millimetres) {
   EXPECT_NEAR(mesh.origin.x() + double{mesh.positions[1][0]}, 431234.5681, 1e-6);
 }
 
-TEST(ObjImport, indices_that_are_wrong_name_their_line) {
+TEST(ObjImport, wrong_indices_name_their_line) {
   for (const char* const face : {"f 1 2 4", "f 0 1 2", "f -4 1 2", "f 1/1 2 3", "f 1//1 2 3", "f 1 2 x", "f /1 2 3",
                                  "f 1 2 99999999999999999999", "f 1.5 2 3"}) {
     EXPECT_THAT(complaint(kTriangle + face + "\n"), HasSubstr("line 4")) << face;
   }
 }
 
-TEST(ObjImport, vertices_that_are_wrong_name_their_line) {
+TEST(ObjImport, wrong_vertices_name_their_line) {
   EXPECT_THAT(complaint("v 0 0\nf 1 1 1\n"), HasSubstr("line 1"));
   EXPECT_THAT(complaint("v 0 0 x\nf 1 1 1\n"), HasSubstr("line 1"));
   EXPECT_THAT(complaint("v 0 0 0\nvn 1 2\nf 1 1 1\n"), HasSubstr("line 2"));
 }
 
-TEST(ObjImport, what_cannot_be_shown_is_left_out_and_noted) {
+TEST(ObjImport, unsupported_elements_are_left_out_and_noted) {
   const auto model = import_text(kTriangle + "v nan 0 0\nf 1 2 3\nf 1 2 4\nf 1 2\nl 1 2\np 1\nv 3.1+e2 0 0\n");
   ASSERT_TRUE(model.has_value());
   EXPECT_EQ(model->meshes[0].triangles.size(), 1u);
@@ -149,7 +149,7 @@ TEST(ObjImport, a_file_without_faces_is_refused_with_a_remedy) {
   EXPECT_THAT(complaint("v nan 0 0\nf 1 1 1\n"), HasSubstr("finite corners"));
 }
 
-TEST(ObjImport, memory_limits_hold) {
+TEST(ObjImport, keeps_memory_limits) {
   EXPECT_THAT(complaint(kTriangle + "f 1 2 3\n", {.memory_bytes = 64}), HasSubstr("larger than a scene may be"));
 }
 
@@ -180,7 +180,7 @@ TEST_F(ObjFolder, materials_are_converted_as_closely_as_possible) {
   EXPECT_EQ(material("newmtl m\nKd 0.3\nKd x\nKd\nNs nan\n").base_colour[1], 0.3f);
 }
 
-TEST_F(ObjFolder, textures_are_found_despite_their_authors_paths) {
+TEST_F(ObjFolder, textures_are_found_despite_foreign_paths) {
   ASSERT_TRUE(write_png(folder_ / "t.png", RgbImage(2, 2, 99)).has_value());
   for (const char* const name : {"t.png", "-s 1 1 1 -o 0 0 t.png", "-clamp on t.png", "-bm 0.5 t.png",
                                  "C:\\Users\\me\\t.png", "/home/me/t.png", "../../t.png", "./t.png"}) {
@@ -193,7 +193,7 @@ TEST_F(ObjFolder, textures_are_found_despite_their_authors_paths) {
   }
 }
 
-TEST_F(ObjFolder, a_texture_or_material_file_that_is_absent_is_noted_and_the_model_is_shown) {
+TEST_F(ObjFolder, a_missing_texture_or_material_file_is_noted_and_the_model_shown) {
   const auto model = import_with_mtl("newmtl m\nmap_Kd gone.png\n");
   ASSERT_TRUE(model.has_value());
   EXPECT_THAT(model->notes, Contains(HasSubstr("gone.png")));

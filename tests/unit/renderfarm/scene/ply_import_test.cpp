@@ -115,7 +115,7 @@ TEST(PlyImport, faces_may_come_before_vertices) {
   EXPECT_EQ(model->meshes[0].triangles[0], (std::array<std::uint32_t, 3>{0, 1, 3}));
 }
 
-TEST(PlyImport, strips_turn_every_other_triangle_and_restart_at_minus_one) {
+TEST(PlyImport, reverses_every_other_triangle_of_a_strip_and_restarts_at_minus_one) {
   const std::string strips = "element tristrips 1\nproperty list int int vertex_indices\n";
   const auto model = import_text(ascii(kVertices + strips, kSquare + "9 0 1 3 2 -1 0 1 2 -1\n"));
   ASSERT_TRUE(model.has_value()) << model.error().message();
@@ -153,7 +153,7 @@ TEST(PlyImport, points_are_refused_with_a_remedy) {
   EXPECT_THAT(complaint(ascii(kVertices, kSquare)), HasSubstr("make a mesh of them"));
 }
 
-TEST(PlyImport, an_index_that_is_no_vertex_is_refused_with_its_row) {
+TEST(PlyImport, an_invalid_index_is_refused_with_its_row) {
   for (const char* const index : {"4", "-1", "1.5", "4294967296", "nan", "1e300"}) {
     EXPECT_THAT(complaint(ascii(kVertices + kFaces, kSquare + "3 0 1 " + index + "\n")),
                 testing::AllOf(HasSubstr("row 0 of 'face'"), HasSubstr("refers to vertex")))
@@ -187,7 +187,7 @@ TEST(PlyImport, every_truncation_of_a_binary_file_is_refused) {
   }
 }
 
-TEST(PlyImport, headers_that_are_wrong_name_their_line) {
+TEST(PlyImport, wrong_headers_name_their_line) {
   EXPECT_THAT(complaint("plx\n"), HasSubstr("not a PLY file"));
   EXPECT_THAT(complaint("ply\nformat ascii 1.0\n"), HasSubstr("no end"));
   EXPECT_THAT(complaint("ply\nend_header\n"), HasSubstr("no 'format'"));
@@ -203,16 +203,16 @@ TEST(PlyImport, headers_that_are_wrong_name_their_line) {
   EXPECT_THAT(complaint(ascii("wibble\n", "")), HasSubstr("'wibble'"));
 }
 
-TEST(PlyImport, memory_limits_hold) {
+TEST(PlyImport, keeps_memory_limits) {
   EXPECT_THAT(complaint(ascii(kVertices + kFaces, kSquare + "3 0 1 2\n"), {.memory_bytes = 50}), HasSubstr("limit"));
 }
 
-TEST(PlyImport, a_file_that_is_absent_or_a_folder_is_told_apart) {
+TEST(PlyImport, distinguishes_a_missing_file_from_a_folder) {
   EXPECT_EQ(import_ply("/nowhere.ply", {}).error().code(), ErrorCode::kNotFound);
   EXPECT_EQ(import_ply("/", {}).error().code(), ErrorCode::kBadData);
 }
 
-TEST(PlyImport, reads_a_million_triangles_of_a_scan_with_colours) {
+TEST(PlyImport, reads_a_million_scanned_triangles_with_colours) {
   CYCLORAMA_SHARED_DATA(file, "relics/buddha_head_1m.ply");
   const Result<Model> model = import_ply(file, ImportLimits{});
   ASSERT_TRUE(model.has_value()) << model.error().message();

@@ -34,7 +34,7 @@ class ScenePackageTest : public testing::Test {
 
 const std::string kMinimalPackage = "title = 'x'\n[[geometry]]\nfile = 'a.ply'\n";
 
-TEST_F(ScenePackageTest, the_least_package_is_a_title_and_a_file) {
+TEST_F(ScenePackageTest, the_smallest_package_has_a_title_and_a_file) {
   const auto package = parse(kMinimalPackage);
   ASSERT_TRUE(package.has_value()) << package.error().message();
   EXPECT_EQ(package->title, "x");
@@ -44,14 +44,14 @@ TEST_F(ScenePackageTest, the_least_package_is_a_title_and_a_file) {
   EXPECT_FALSE(package->start_eye || package->sky || package->exposure || package->eye_lamp || package->ambient);
 }
 
-TEST_F(ScenePackageTest, bounces_are_the_usual_ones_unless_given) {
+TEST_F(ScenePackageTest, bounces_have_a_default) {
   EXPECT_EQ(parse(kMinimalPackage)->bounces, kUsualBounces);
   EXPECT_EQ(parse("bounces = 0\n" + kMinimalPackage)->bounces, 0);
   EXPECT_EQ(parse("bounces = 64\n" + kMinimalPackage)->bounces, 64);
   EXPECT_THAT(complaint("bounces = 65\n" + kMinimalPackage), HasSubstr("bounces"));
 }
 
-TEST_F(ScenePackageTest, everything_is_read) {
+TEST_F(ScenePackageTest, every_key_is_read) {
   const auto package = parse(R"(
 title = "Grotto"
 credits = "me"
@@ -192,7 +192,7 @@ TEST_F(ScenePackageTest, instances_are_rotated_to_the_right_and_placed) {
   EXPECT_LT((package->geometry[0].T_scene_part[1] * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(6, 0, 0)).norm(), 1e-12);
 }
 
-TEST_F(ScenePackageTest, files_outside_of_the_folder_are_refused) {
+TEST_F(ScenePackageTest, files_outside_the_folder_are_refused) {
   std::filesystem::create_symlink("/etc/passwd", folder_ / "link.ply");
   for (const char* const file : {"../a.ply", "/etc/passwd", "in/../../x", "link.ply", ""}) {
     EXPECT_THAT(complaint("title = 'x'\n[[geometry]]\nfile = '" + std::string(file) + "'\n"),
@@ -245,7 +245,7 @@ TEST_F(ScenePackageTest, an_environment_is_a_file_of_the_package_with_strength_a
   EXPECT_EQ(plain->environment->rotation_rad, 0.0f);
 }
 
-TEST_F(ScenePackageTest, an_environment_from_elsewhere_of_no_file_or_beside_a_sky_is_refused) {
+TEST_F(ScenePackageTest, an_environment_outside_the_package_missing_or_beside_a_sky_is_refused) {
   EXPECT_THAT(complaint(kMinimalPackage + "[environment]\nfile = '/etc/passwd'\n"), HasSubstr("inside the package"));
   EXPECT_THAT(complaint(kMinimalPackage + "[environment]\nfile = 'none.hdr'\n"),
               HasSubstr("not a file of the package"));

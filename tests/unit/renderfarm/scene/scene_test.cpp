@@ -148,7 +148,7 @@ TEST(Assemble, lamps_of_a_file_in_millimetres_keep_their_appearance) {
   EXPECT_NEAR(whole.lights[0].range_m, 5.0, 1e-9);
 }
 
-TEST(Assemble, a_lamp_in_a_globe_shines_from_around_it) {
+TEST(Assemble, a_lamp_in_a_globe_shines_from_outside_the_globe) {
   Model model;
   model.materials.resize(1);
   model.materials[0].emissive.setOnes();
@@ -167,7 +167,7 @@ TEST(Assemble, a_lamp_in_a_globe_shines_from_around_it) {
   EXPECT_EQ(model.lights[1].radius_m, 0.0);
 }
 
-TEST(Scenes, cameras_of_a_file_are_its_tour_and_its_copyright_the_credits) {
+TEST(Scenes, cameras_of_a_file_become_its_stops_and_its_copyright_the_credits) {
   CYCLORAMA_SHARED_DATA(file, "scenes/grotto_thousand_buddhas.glb");
   const auto scene = load_scene(file, {}, nullptr);
   ASSERT_TRUE(scene.has_value()) << scene.error().message();
@@ -179,7 +179,7 @@ TEST(Scenes, cameras_of_a_file_are_its_tour_and_its_copyright_the_credits) {
   for (const SceneTourStop& stop : scene->info.stops) EXPECT_LT(std::cos(stop.heading_rad), -0.9);
 }
 
-TEST(Scenes, every_real_scene_and_relic_loads_with_a_visitor_in_it) {
+TEST(Scenes, every_real_scene_and_relic_loads_with_an_eye_inside_it) {
   for (const char* const folder_name : {"scenes", "relics"}) {
     CYCLORAMA_SHARED_DATA(folder, folder_name);
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {

@@ -20,7 +20,7 @@ using testing::HasSubstr;
 
 bool go_on(const char*, double) { return true; }
 
-class Cache : public testing::Test {
+class SceneCacheTest : public testing::Test {
  protected:
   SceneCache open(std::uint64_t limit_bytes = 0) { return *SceneCache::open({folder, limit_bytes}); }
   /// Checks the scene against `wanted`, and returns the number of bytes fetched.
@@ -45,7 +45,7 @@ class Cache : public testing::Test {
   const std::uint64_t all = 11 + 100;
 };
 
-TEST_F(Cache, fetches_each_file_once) {
+TEST_F(SceneCacheTest, fetches_each_file_once) {
   SceneCache cache = open();
   EXPECT_EQ(bring(cache, scene), all);
   EXPECT_EQ(bring(cache, scene), 0u);
@@ -57,7 +57,7 @@ TEST_F(Cache, fetches_each_file_once) {
   EXPECT_EQ(fs::hard_link_count(file(walls)), 5u);
 }
 
-TEST_F(Cache, gives_the_path_of_a_scene_that_is_one_file) {
+TEST_F(SceneCacheTest, returns_the_path_of_a_scene_that_is_one_file) {
   SceneCache cache = open();
   const SceneBytes single{{"model.glb", walls}};
   ScriptedSource source(single);
@@ -67,7 +67,7 @@ TEST_F(Cache, gives_the_path_of_a_scene_that_is_one_file) {
   EXPECT_EQ(bytes_in(held->path), walls);
 }
 
-TEST_F(Cache, continues_wherever_it_stopped) {
+TEST_F(SceneCacheTest, resumes_wherever_it_stopped) {
   for (std::size_t cut = 0; cut <= walls.size(); ++cut) {
     fs::remove_all(folder);
     SceneCache cache = open();
@@ -77,7 +77,7 @@ TEST_F(Cache, continues_wherever_it_stopped) {
   }
 }
 
-TEST_F(Cache, survives_a_line_that_breaks_anywhere) {
+TEST_F(SceneCacheTest, resumes_wherever_the_connection_breaks) {
   for (std::size_t cut = 0; cut < all; ++cut) {
     fs::remove_all(folder);
     SceneCache cache = open();
@@ -91,7 +91,7 @@ TEST_F(Cache, survives_a_line_that_breaks_anywhere) {
   }
 }
 
-TEST_F(Cache, survives_the_death_of_its_process_at_any_step) {
+TEST_F(SceneCacheTest, resumes_wherever_its_process_dies) {
   for (int step = 0;; ++step) {
     fs::remove_all(folder);
     const pid_t child = ::fork();
@@ -117,7 +117,7 @@ TEST_F(Cache, survives_the_death_of_its_process_at_any_step) {
   }
 }
 
-TEST_F(Cache, fetches_damaged_files_anew_wherever_the_damage_is) {
+TEST_F(SceneCacheTest, fetches_damaged_files_anew_wherever_the_damage_is) {
   SceneCache first = open();
   bring(first, scene);
   for (std::size_t at = 0; at < walls.size(); ++at) {
@@ -135,7 +135,7 @@ TEST_F(Cache, fetches_damaged_files_anew_wherever_the_damage_is) {
   }
 }
 
-TEST_F(Cache, notices_damage_that_left_the_size_alone_while_it_runs) {
+TEST_F(SceneCacheTest, detects_damage_of_unchanged_size_while_it_runs) {
   SceneCache cache = open();
   bring(cache, scene);
   fs::permissions(file(walls), fs::perms::owner_all);
@@ -146,7 +146,7 @@ TEST_F(Cache, notices_damage_that_left_the_size_alone_while_it_runs) {
   EXPECT_EQ(bring(cache, scene), 100u);
 }
 
-TEST_F(Cache, mends_a_scenes_folder) {
+TEST_F(SceneCacheTest, repairs_a_scenes_folder) {
   SceneCache cache = open();
   bring(cache, scene);
   const fs::path linked = folder / "scenes" / digest_of(files_of(scene));
@@ -163,7 +163,7 @@ TEST_F(Cache, mends_a_scenes_folder) {
   EXPECT_EQ(bring(again, scene), 0u);
 }
 
-TEST_F(Cache, refuses_a_source_with_wrong_bytes) {
+TEST_F(SceneCacheTest, refuses_a_source_with_wrong_bytes) {
   SceneCache cache = open();
   const auto refusal = [&](const std::string& lie) {
     ScriptedSource source(scene);
@@ -181,7 +181,7 @@ TEST_F(Cache, refuses_a_source_with_wrong_bytes) {
   bring(cache, scene);
 }
 
-TEST_F(Cache, drops_the_least_recently_requested_scenes) {
+TEST_F(SceneCacheTest, drops_the_least_recently_requested_scenes) {
   SceneCache cache = open(250);
   const auto of = [](unsigned seed) { return SceneBytes{{"scene.toml", noise_bytes(100, seed)}}; };
   const auto is_there = [&](unsigned seed) { return fs::exists(folder / "scenes" / digest_of(files_of(of(seed)))); };
@@ -206,7 +206,7 @@ TEST_F(Cache, drops_the_least_recently_requested_scenes) {
   EXPECT_FALSE(is_there(3));
 }
 
-TEST_F(Cache, drops_what_belongs_to_no_scene_first) {
+TEST_F(SceneCacheTest, drops_what_belongs_to_no_scene_first) {
   SceneCache cache = open(250);
   write_bytes(part("left over"), noise_bytes(120, 9));
   write_bytes(folder / "files/not ours", noise_bytes(1000, 9));
@@ -218,7 +218,7 @@ TEST_F(Cache, drops_what_belongs_to_no_scene_first) {
   EXPECT_TRUE(fs::exists(file(walls)));
 }
 
-TEST_F(Cache, reports_a_scene_over_the_limit) {
+TEST_F(SceneCacheTest, reports_a_scene_over_the_limit) {
   SceneCache cache = open(all - 1);
   ScriptedSource source(scene);
   const auto held = cache.bring(files_of(scene), source, go_on);
@@ -229,7 +229,7 @@ TEST_F(Cache, reports_a_scene_over_the_limit) {
   EXPECT_EQ(bring(enough, scene), all);
 }
 
-TEST_F(Cache, reports_a_full_disk) {
+TEST_F(SceneCacheTest, reports_a_full_disk) {
   SceneCache cache = open();
   const SceneBytes large{{"scene.toml", noise_bytes(100'000, 1)}};
   ScriptedSource source(large);
@@ -247,7 +247,7 @@ TEST_F(Cache, reports_a_full_disk) {
   EXPECT_EQ(bring(cache, large), 50'000u);  // Bytes fetched earlier are kept.
 }
 
-TEST_F(Cache, gives_up_at_any_step_on_request) {
+TEST_F(SceneCacheTest, gives_up_at_any_step_on_request) {
   for (int step = 0;; ++step) {
     fs::remove_all(folder);
     SceneCache cache = open();
@@ -260,7 +260,7 @@ TEST_F(Cache, gives_up_at_any_step_on_request) {
   }
 }
 
-TEST_F(Cache, is_shared_by_several_nodes_of_one_host) {
+TEST_F(SceneCacheTest, is_shared_by_several_nodes_of_one_host) {
   std::atomic<std::uint64_t> fetched = 0;
   const SceneBytes other{{"scene.toml", noise_bytes(5'000, 7)}, {"walls.ply", walls}};
   {
@@ -275,7 +275,7 @@ TEST_F(Cache, is_shared_by_several_nodes_of_one_host) {
   EXPECT_EQ(fetched, all + 5'000u);
 }
 
-TEST_F(Cache, reports_where_it_cannot_write) {
+TEST_F(SceneCacheTest, reports_where_it_cannot_write) {
   write_bytes(folder, "a file in the way");
   const auto opened = SceneCache::open({folder, 0});
   ASSERT_FALSE(opened);

@@ -19,7 +19,7 @@ std::string refusal_of(const SceneFiles& files) {
   return fine ? "" : fine.error().message();
 }
 
-TEST(Sha256, is_that_of_the_standard) {
+TEST(Sha256, agrees_with_the_standards_examples) {
   // The example of FIPS 180-4, and the empty text.
   EXPECT_EQ(sha256_of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(sha256_of(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
@@ -42,7 +42,7 @@ TEST(SceneFiles, have_a_digest_that_depends_on_every_field) {
   }
 }
 
-TEST(SceneFiles, cross_the_wire_in_any_order) {
+TEST(SceneFiles, survive_the_wire_in_any_order) {
   const SceneFiles files{{"a/b.ply", 3, kA}, {"scene.toml", 5, kB}, {"z.ply", 3, kA}};
   wire::SceneFiles message = to_wire(files);
   message.mutable_files()->SwapElements(0, 2);
@@ -72,7 +72,7 @@ TEST(SceneFiles, refuse_harmful_or_ambiguous_lists) {
   EXPECT_EQ(refusal_of(many), "");
 }
 
-TEST(SceneFiles, have_paths_that_stay_inside_and_mean_the_same_everywhere) {
+TEST(SceneFiles, have_paths_that_stay_inside_and_mean_the_same_on_every_system) {
   for (const char* good : {"a", "scene.toml", "a/b/c.png", "Grüße/ä.ply", "a b", "x..y", "a.", "-rf", "a\\b"}) {
     EXPECT_TRUE(check_scene_path(good)) << good;
   }

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-class Listing : public testing::Test {
+class SceneListingTest : public testing::Test {
  protected:
   Result<SceneListing> list(const fs::path& path, DigestMemory* memory = nullptr) {
     DigestMemory none{fs::path()};
@@ -36,7 +36,7 @@ class Listing : public testing::Test {
   }
 };
 
-TEST_F(Listing, names_all_files_of_a_folder_but_hidden_ones) {
+TEST_F(SceneListingTest, lists_all_files_of_a_folder_except_hidden_ones) {
   write_bytes(folder / ".git/config", "x");
   write_bytes(folder / "textures/.DS_Store", "x");
   const auto listed = list(folder);
@@ -49,7 +49,7 @@ TEST_F(Listing, names_all_files_of_a_folder_but_hidden_ones) {
   }
 }
 
-TEST_F(Listing, takes_a_file_that_is_a_scene_by_itself_and_no_other) {
+TEST_F(SceneListingTest, accepts_a_single_file_only_if_it_is_a_scene) {
   const auto listed = list(folder / "walls.ply");
   ASSERT_TRUE(listed);
   EXPECT_EQ(listed->files, (SceneFiles{{"walls.ply", 3'000'000, sha256_of(scene.at("walls.ply"))}}));
@@ -58,7 +58,7 @@ TEST_F(Listing, takes_a_file_that_is_a_scene_by_itself_and_no_other) {
   EXPECT_THAT(refusal(folder / "missing.ply"), HasSubstr("No such file"));
 }
 
-TEST_F(Listing, refuses_folders_that_are_no_scene) {
+TEST_F(SceneListingTest, refuses_folders_without_a_scene) {
   EXPECT_THAT(refusal(folder / "textures"), HasSubstr("no scene.toml"));
   EXPECT_THAT(refusal(temporary.path() / "missing"), HasSubstr("No such file"));
   fs::create_symlink("walls.ply", folder / "link.ply");
@@ -73,7 +73,7 @@ TEST_F(Listing, refuses_folders_that_are_no_scene) {
   EXPECT_EQ(refusal(folder), "");
 }
 
-TEST_F(Listing, reports_progress_and_gives_up_on_request) {
+TEST_F(SceneListingTest, reports_progress_and_gives_up_on_request) {
   DigestMemory memory{fs::path()};
   double last = 0.0;
   ASSERT_TRUE(list_scene(folder, memory, [&](double done) {
@@ -87,7 +87,7 @@ TEST_F(Listing, reports_progress_and_gives_up_on_request) {
   EXPECT_EQ(given_up.error().code(), ErrorCode::kUnavailable);
 }
 
-TEST_F(Listing, reads_again_only_what_was_changed) {
+TEST_F(SceneListingTest, reads_only_changed_files_again) {
   const HashedFile old{{.inode = 1, .bytes = 2, .modified_ns = 3, .changed_ns = 4}, std::string(64, 'a')};
   const fs::path file = temporary.path() / "digests";
   {
@@ -107,7 +107,7 @@ TEST_F(Listing, reads_again_only_what_was_changed) {
   }
 }
 
-TEST_F(Listing, does_not_remember_what_was_changed_a_moment_ago) {
+TEST_F(SceneListingTest, does_not_cache_files_that_were_just_changed) {
   DigestMemory memory{fs::path()};
   // Its change time is now, whatever its modification time is.
   fs::last_write_time(folder / "walls.ply", fs::file_time_type::clock::now() - std::chrono::hours(1));
@@ -117,7 +117,7 @@ TEST_F(Listing, does_not_remember_what_was_changed_a_moment_ago) {
   EXPECT_EQ(memory.find(folder / "walls.ply", hashed->stamp), std::nullopt);
 }
 
-TEST_F(Listing, forgets_what_it_cannot_read) {
+TEST_F(SceneListingTest, forgets_what_it_cannot_read) {
   const fs::path file = temporary.path() / "digests";
   const std::string sum(64, 'a');
   write_bytes(file, "rubbish\n" + sum + " 1 2 3\n" + sum + " 1 2 3 4 /srv/x\nshort 1 2 3 4 /srv/y\n\n");
@@ -126,7 +126,7 @@ TEST_F(Listing, forgets_what_it_cannot_read) {
   EXPECT_EQ(memory.find("/srv/y", {1, 2, 3, 4}), std::nullopt);
 }
 
-TEST_F(Listing, trusts_its_memory_while_a_file_keeps_its_stamp) {
+TEST_F(SceneListingTest, trusts_its_cache_while_a_files_stamp_is_unchanged) {
   const FileStamp stamp = open_stamped(folder / "walls.ply")->stamp;
   const fs::path file = temporary.path() / "digests";
   write_bytes(file, fmt::format("{} {} {} {} {} {}\n", std::string(64, 'c'), stamp.inode, stamp.bytes,

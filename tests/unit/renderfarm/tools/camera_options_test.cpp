@@ -26,7 +26,7 @@ std::string refusal(std::vector<std::string> arguments) {
   return projection ? std::string() : projection.error().message();
 }
 
-TEST(CameraOptions, without_any_it_is_a_whole_panorama_of_square_pixels_for_one_eye) {
+TEST(CameraOptions, default_to_a_full_panorama_of_square_pixels_for_one_eye) {
   const auto projection = parsed({});
   ASSERT_TRUE(projection.has_value());
   const auto panorama = std::get<Panorama>(projection->shape);
@@ -36,7 +36,7 @@ TEST(CameraOptions, without_any_it_is_a_whole_panorama_of_square_pixels_for_one_
   EXPECT_DOUBLE_EQ(std::get<Panorama>(parsed({"--azimuth-deg", "90"})->shape).azimuth_span_rad, 0.5 * kPi);
 }
 
-TEST(CameraOptions, each_camera_takes_its_field_and_tilt) {
+TEST(CameraOptions, give_each_camera_its_field_and_tilt) {
   const auto perspective = std::get<Perspective>(parsed({"--camera", "perspective", "--tilt-deg", "45"})->shape);
   EXPECT_NEAR(perspective.tan_right, 1.0, 1e-12);
   EXPECT_NEAR(perspective.tan_top, 0.5, 1e-12);
@@ -48,7 +48,7 @@ TEST(CameraOptions, each_camera_takes_its_field_and_tilt) {
                    0.5 * kPi);
 }
 
-TEST(CameraOptions, two_eyes_need_a_screen) {
+TEST(CameraOptions, require_a_screen_for_two_eyes) {
   EXPECT_THAT(refusal({"--stereo", "left"}), testing::HasSubstr("--screen-distance-m"));
   const auto both = parsed({"--stereo", "over-under", "--screen-radius-m", "4", "--eye-distance-m", "0.07"});
   ASSERT_TRUE(both.has_value());
@@ -58,7 +58,7 @@ TEST(CameraOptions, two_eyes_need_a_screen) {
   EXPECT_EQ(both->height_px(), 800);
 }
 
-TEST(CameraOptions, what_does_not_fit_is_refused_in_one_sentence) {
+TEST(CameraOptions, refuse_conflicting_options_in_one_sentence) {
   EXPECT_THAT(refusal({"--tilt-deg", "10"}), testing::HasSubstr("--tilt-deg"));
   EXPECT_THAT(refusal({"--camera", "perspective", "--field-deg", "180"}), testing::HasSubstr("--field-deg"));
   EXPECT_THAT(refusal({"--camera", "perspective", "--field-deg", "nan"}), testing::HasSubstr("--field-deg"));

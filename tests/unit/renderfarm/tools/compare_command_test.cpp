@@ -36,7 +36,7 @@ class CompareFiles : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(CompareFiles, two_of_light_have_errors_of_light_and_of_what_is_shown) {
+TEST_F(CompareFiles, compares_two_light_files_in_light_and_as_displayed) {
   const auto result = compare_files(light("a.pfm", 0.3f), light("b.pfm", 0.2f));
   ASSERT_TRUE(result.has_value()) << result.error().message();
   ASSERT_TRUE(result->light.has_value());
@@ -46,14 +46,14 @@ TEST_F(CompareFiles, two_of_light_have_errors_of_light_and_of_what_is_shown) {
   EXPECT_LT(result->shown.ssim, 1.0);
 }
 
-TEST_F(CompareFiles, code_values_have_no_error_of_light) {
+TEST_F(CompareFiles, has_no_error_of_light_for_code_values) {
   const auto result = compare_files(codes("a.png", 100), codes("b.png", 110));
   ASSERT_TRUE(result.has_value()) << result.error().message();
   EXPECT_FALSE(result->light.has_value());
   EXPECT_NEAR(result->shown.psnr_db, 28.1308036, 1e-6);
 }
 
-TEST_F(CompareFiles, light_is_shown_before_it_is_compared_with_code_values) {
+TEST_F(CompareFiles, tone_maps_light_before_comparing_it_with_code_values) {
   const auto result = compare_files(light("a.pfm", 1e30f), codes("b.png", 255));
   ASSERT_TRUE(result.has_value()) << result.error().message();
   EXPECT_FALSE(result->light.has_value());
@@ -61,14 +61,14 @@ TEST_F(CompareFiles, light_is_shown_before_it_is_compared_with_code_values) {
   EXPECT_EQ(result->shown.flip, 0.0);
 }
 
-TEST_F(CompareFiles, light_that_is_not_finite_is_reported_with_file_and_position) {
+TEST_F(CompareFiles, reports_light_that_is_not_finite_with_file_and_position) {
   const auto result = compare_files(codes("a.png", 0), light("bad.pfm", std::numeric_limits<float>::quiet_NaN()));
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().code(), ErrorCode::kBadData);
   EXPECT_THAT(result.error().message(), testing::AllOf(HasSubstr("bad.pfm"), HasSubstr("(0, 0) is nan")));
 }
 
-TEST_F(CompareFiles, other_sizes_no_file_and_no_picture_are_refused) {
+TEST_F(CompareFiles, refuses_different_sizes_missing_files_and_other_formats) {
   EXPECT_EQ(compare_files(light("a.pfm", 1.0f, 12, 16), codes("b.png", 0)).error().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(compare_files(folder_ / "none.png", codes("b.png", 0)).error().code(), ErrorCode::kNotFound);
   ASSERT_TRUE(write_file_atomically(folder_ / "text.png", std::string_view("PNG, really")).has_value());

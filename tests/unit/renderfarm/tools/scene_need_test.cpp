@@ -29,7 +29,7 @@ std::vector<std::string> found(const scene::Scene& scene) {
   return names;
 }
 
-TEST(NamedNeeds, are_indirect_light_alone_for_matte_triangles_in_the_dark) {
+TEST(NamedNeeds, are_only_indirect_light_for_matte_triangles_without_lamps) {
   scene::Scene scene = scene_of(square_mesh(1.0f));
   EXPECT_THAT(found(scene), ElementsAre("indirect light"));
   EXPECT_EQ(what(scene, "indirect light"), "4 bounces");
@@ -52,7 +52,7 @@ TEST(NamedNeeds, name_the_material_and_why) {
   EXPECT_EQ(what(scene, "volumes"), "1 material: 'lacquer' (clear)");
 }
 
-TEST(NamedNeeds, of_many_materials_name_three) {
+TEST(NamedNeeds, name_three_of_many_materials) {
   scene::Scene scene = scene_of(square_mesh(1.0f));
   for (int i = 1; i < 5; ++i) {
     scene.model.materials.push_back(scene.model.materials[0]);
@@ -62,7 +62,7 @@ TEST(NamedNeeds, of_many_materials_name_three) {
   EXPECT_THAT(what(scene, "alpha cut-outs"), HasSubstr("5 materials: '', '', '', ..."));
 }
 
-TEST(NamedNeeds, leave_out_what_no_triangle_has) {
+TEST(NamedNeeds, leave_out_materials_without_triangles) {
   scene::Scene scene = scene_of(square_mesh(1.0f));
   scene.model.materials.emplace_back();
   scene.model.materials[1].emissive.setOnes();
@@ -71,7 +71,7 @@ TEST(NamedNeeds, leave_out_what_no_triangle_has) {
   EXPECT_EQ(what(scene, "emitters"), "1 material: ''");
 }
 
-TEST(NamedNeeds, tell_lamps_apart) {
+TEST(NamedNeeds, distinguish_the_kinds_of_lamps) {
   scene::Scene scene = scene_of(square_mesh(1.0f));
   const auto add = [&](scene::LightKind kind, double radius) {
     scene::Light light = point_light({0, 1, 0}, 1.0f);
@@ -88,7 +88,7 @@ TEST(NamedNeeds, tell_lamps_apart) {
   EXPECT_EQ(what(scene, "suns"), "1");
 }
 
-TEST(NamedNeeds, instancing_is_a_mesh_with_several_placements) {
+TEST(NamedNeeds, require_instancing_for_a_mesh_with_several_placements) {
   scene::Scene scene = scene_of(square_mesh(1.0f));
   EXPECT_EQ(what(scene, "instancing"), "");
   scene.model.instances.push_back(scene.model.instances[0]);

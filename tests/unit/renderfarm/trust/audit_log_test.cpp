@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 constexpr Duration kTimeout = std::chrono::seconds(20);
 
-class Audit : public testing::Test {
+class AuditLogTest : public testing::Test {
  protected:
   void open(std::uint64_t max_bytes = AuditLog::kMaxBytes) {
     auto opened = AuditLog::open(path, max_bytes);
@@ -49,7 +49,7 @@ class Audit : public testing::Test {
   std::unique_ptr<AuditLog> log;
 };
 
-TEST_F(Audit, appends_to_an_existing_file_and_begins_a_new_one_after_a_move) {
+TEST_F(AuditLogTest, appends_to_an_existing_file_and_starts_a_new_one_after_a_rename) {
   open();
   EXPECT_TRUE(write("a"));
   log.reset();
@@ -61,7 +61,7 @@ TEST_F(Audit, appends_to_an_existing_file_and_begins_a_new_one_after_a_move) {
   EXPECT_THAT(reasons(path), ElementsAre("c"));
 }
 
-TEST_F(Audit, keeps_one_predecessor_and_never_more_than_its_limit) {
+TEST_F(AuditLogTest, keeps_one_previous_file_and_never_exceeds_its_limit) {
   open(300);  // About three lines.
   for (int i = 10; i < 30; ++i) {
     EXPECT_TRUE(write(std::to_string(i)));
@@ -76,7 +76,7 @@ TEST_F(Audit, keeps_one_predecessor_and_never_more_than_its_limit) {
   EXPECT_TRUE(log->wait_for_disk(kTimeout)) << "files that were left are kept too";
 }
 
-TEST_F(Audit, grows_and_reports_it_if_it_cannot_be_moved_away) {
+TEST_F(AuditLogTest, grows_with_a_report_if_it_cannot_be_renamed) {
   open(100);  // One line.
   EXPECT_TRUE(write("a"));
   std::filesystem::create_directory(previous);
@@ -86,7 +86,7 @@ TEST_F(Audit, grows_and_reports_it_if_it_cannot_be_moved_away) {
   EXPECT_THAT(reasons(path), ElementsAre("a", "b", "c"));
 }
 
-TEST_F(Audit, has_its_lines_on_disk_soon) {
+TEST_F(AuditLogTest, writes_its_lines_to_disk_soon) {
   open();
   for (const char* const reason : {"a", "b"}) {
     EXPECT_TRUE(write(reason));
@@ -97,7 +97,7 @@ TEST_F(Audit, has_its_lines_on_disk_soon) {
   EXPECT_THAT(reasons(path), ElementsAre("a", "b", "c"));
 }
 
-TEST_F(Audit, leaves_no_half_line_when_the_disk_fills_up) {
+TEST_F(AuditLogTest, leaves_no_partial_line_when_the_disk_is_full) {
   open();
   EXPECT_TRUE(write("a"));
   const auto size = std::filesystem::file_size(path);
@@ -117,7 +117,7 @@ TEST_F(Audit, leaves_no_half_line_when_the_disk_fills_up) {
   EXPECT_THAT(reasons(path), ElementsAre("a", "c"));
 }
 
-TEST(AuditDevice, that_is_full_refuses_each_line_and_is_never_moved) {
+TEST(AuditDevice, refuses_each_line_when_full_and_is_never_renamed) {
   const auto log = AuditLog::open("/dev/full", 1);
   ASSERT_TRUE(log);
   for (int i = 0; i < 3; ++i)

@@ -69,7 +69,7 @@ class GatekeeperTest : public testing::Test {
   std::unique_ptr<Gatekeeper> gate_;
 };
 
-TEST_F(GatekeeperTest, lets_each_port_have_its_own_role) {
+TEST_F(GatekeeperTest, requires_the_role_of_each_port) {
   open();
   const Identity hall = museum("hall-3");
   EXPECT_FALSE(gate_->refusal(hall, Role::kMuseum));
@@ -77,7 +77,7 @@ TEST_F(GatekeeperTest, lets_each_port_have_its_own_role) {
   EXPECT_THAT(audit(), AllOf(HasSubstr("museum refused"), HasSubstr(hall.serial)));
 }
 
-TEST_F(GatekeeperTest, gives_a_museum_what_its_grant_says) {
+TEST_F(GatekeeperTest, applies_a_museums_grant) {
   open();
   EXPECT_EQ(gate_->session_connected(1, museum("hall-3"))->scenes, std::vector<std::string>{"grotto"});
   EXPECT_TRUE(gate_->session_connected(2, museum("hall-3")));
@@ -159,7 +159,7 @@ TEST_F(GatekeeperTest, ends_a_flood_of_views) {
   for (int i = 0; i < 190; ++i) EXPECT_TRUE(gate_->view_received(1));
 }
 
-TEST_F(GatekeeperTest, holds_a_museum_to_its_bytes_per_second) {
+TEST_F(GatekeeperTest, limits_a_museums_bytes_per_second) {
   open();
   ASSERT_TRUE(gate_->session_connected(1, museum("hall-3")));
   ASSERT_TRUE(gate_->session_connected(2, museum("hall-4")));
@@ -176,7 +176,7 @@ TEST_F(GatekeeperTest, holds_a_museum_to_its_bytes_per_second) {
   }
 }
 
-TEST_F(GatekeeperTest, writes_one_line_per_coming_and_going) {
+TEST_F(GatekeeperTest, logs_one_line_per_connection_and_disconnection) {
   open();
   const Identity hall = museum("hall-3");
   ASSERT_TRUE(gate_->session_connected(1, hall));
@@ -198,7 +198,7 @@ TEST_F(GatekeeperTest, writes_one_line_per_coming_and_going) {
   EXPECT_EQ(log.find("session refused"), log.rfind("session refused")) << "once a minute";
 }
 
-TEST_F(GatekeeperTest, begins_a_new_log_when_the_old_was_moved_away) {
+TEST_F(GatekeeperTest, starts_a_new_log_when_the_old_one_was_renamed) {
   open();
   std::filesystem::rename(authority_.folder() / "audit.jsonl", authority_.folder() / "audit.jsonl.1");
   gate_->node_connected(1, *check(authority_.node("n1")));
@@ -218,7 +218,7 @@ TEST_F(GatekeeperTest, requires_valid_files_at_the_start) {
   EXPECT_THAT(refusal_of({.audit = "/nowhere/audit"}), HasSubstr("/nowhere/audit"));
 }
 
-TEST(FullDisk, is_reported_once_and_harms_no_session) {
+TEST(FullDisk, is_reported_once_and_affects_no_session) {
   FakeClock clock;
   std::vector<std::string> said;
   const auto gate =
@@ -236,7 +236,7 @@ TEST(FullDisk, is_reported_once_and_harms_no_session) {
   EXPECT_THAT(said, ElementsAre(AllOf(HasSubstr("/dev/full"), HasSubstr("sessions continue without it"))));
 }
 
-TEST(Nobody, may_do_everything_where_there_is_no_tls) {
+TEST(Gatekeeper, admits_everybody_without_tls) {
   FakeClock clock;
   const auto gate = *Gatekeeper::open({}, clock, [](const std::string&) {});
   for (std::uint64_t id = 1; id < 100; ++id) EXPECT_TRUE(gate->session_connected(id, {})->allows("grotto"));

@@ -43,7 +43,7 @@ scenes = ["*"]
   EXPECT_EQ(grants->find("hall-5"), nullptr);
 }
 
-TEST(Grants, of_an_empty_file_are_none) { EXPECT_EQ(Grants::parse("", "museums.toml")->size(), 0u); }
+TEST(Grants, are_empty_for_an_empty_file) { EXPECT_EQ(Grants::parse("", "museums.toml")->size(), 0u); }
 
 TEST(Grants, name_the_line_of_a_mistake) {
   EXPECT_EQ(refusal_of("scenes = [\"a\"]\n"), "");

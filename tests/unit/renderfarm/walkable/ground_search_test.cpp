@@ -44,7 +44,7 @@ double reach(const WalkableGround& ground, double x_sign, double z = 0.0) {
   return x;
 }
 
-TEST(GroundSearch, finds_an_empty_room_up_to_a_body_from_its_walls) {
+TEST(GroundSearch, fills_an_empty_room_up_to_a_bodys_distance_from_its_walls) {
   const WalkableGround ground = found(plain_room(4));
   EXPECT_NEAR(ground.area_m2, 7.4 * 7.4, 7.4 * 4 * kCell);
   EXPECT_NEAR(scene::area_of(ground.outline), ground.area_m2, 0.5);
@@ -55,7 +55,7 @@ TEST(GroundSearch, finds_an_empty_room_up_to_a_body_from_its_walls) {
   EXPECT_NEAR(ground.floor_m, 0.0, 1e-5);
 }
 
-TEST(GroundSearch, leaves_a_hole_around_a_pillar_and_around_a_pole_that_is_thinner_than_a_cell) {
+TEST(GroundSearch, leaves_a_hole_around_a_pillar_and_around_a_pole_thinner_than_a_cell) {
   scene::Scene scene = plain_room(4);
   add_box(scene, {1.5f, 0, -0.5f}, {2.5f, 3, 0.5f});
   add_box(scene, {-2.01f, 0, -0.01f}, {-1.99f, 3, 0.01f});
@@ -70,7 +70,7 @@ TEST(GroundSearch, leaves_a_hole_around_a_pillar_and_around_a_pole_that_is_thinn
   EXPECT_NEAR(reach(ground, -1), 2.0 - kRadius, kNear);
 }
 
-TEST(GroundSearch, steps_onto_a_low_step_and_not_onto_a_high_one) {
+TEST(GroundSearch, steps_onto_a_low_step_but_not_onto_a_high_one) {
   for (const float height : {0.18f, 0.32f}) {
     scene::Scene scene = plain_room(4);
     add_box(scene, {1, 0, -4}, {4, height, 4});
@@ -80,7 +80,7 @@ TEST(GroundSearch, steps_onto_a_low_step_and_not_onto_a_high_one) {
   }
 }
 
-TEST(GroundSearch, steps_over_a_door_sill_and_not_over_a_railing) {
+TEST(GroundSearch, steps_over_a_door_sill_but_not_over_a_railing) {
   for (const float height : {0.1f, 0.9f}) {
     scene::Scene scene = plain_room(4);
     add_box(scene, {1, 0, -4}, {1.02f, height, 4});
@@ -88,7 +88,7 @@ TEST(GroundSearch, steps_over_a_door_sill_and_not_over_a_railing) {
   }
 }
 
-TEST(GroundSearch, is_stopped_by_a_bar_at_the_height_of_the_chest_and_by_glass_that_is_one_triangle_thick) {
+TEST(GroundSearch, is_stopped_by_a_bar_at_chest_height_and_by_glass_one_triangle_thick) {
   scene::Scene bar = plain_room(4);
   add_box(bar, {1, 1.2f, -4}, {1.02f, 1.25f, 4});
   EXPECT_FALSE(holds(found(bar), 3, 0));
@@ -97,7 +97,7 @@ TEST(GroundSearch, is_stopped_by_a_bar_at_the_height_of_the_chest_and_by_glass_t
   EXPECT_FALSE(holds(found(pane), 3, 0));
 }
 
-TEST(GroundSearch, walks_through_what_only_blends) {
+TEST(GroundSearch, walks_through_blended_surfaces) {
   scene::Scene scene = plain_room(4);
   add_mesh(scene, quad_mesh({1, 0, -4}, {1, 3, -4}, {1, 3, 4}, {1, 0, 4}));
   scene::Material shaft = matte_material({1, 1, 1});
@@ -119,7 +119,7 @@ TEST(GroundSearch, needs_head_room) {
   }
 }
 
-TEST(GroundSearch, does_not_notice_a_crack_and_stops_before_a_ditch) {
+TEST(GroundSearch, crosses_a_crack_and_stops_before_a_ditch) {
   for (const float width : {0.08f, 0.6f}) {
     scene::Scene scene = scene_of(box_mesh({-4, -1, -4}, {1, 0, 4}));
     add_box(scene, {1 + width, -1, -4}, {5, 0, 4});
@@ -133,7 +133,7 @@ TEST(GroundSearch, does_not_notice_a_crack_and_stops_before_a_ditch) {
   }
 }
 
-TEST(GroundSearch, goes_up_a_ramp_until_the_eye_would_be_too_low_and_not_up_a_steep_one) {
+TEST(GroundSearch, goes_up_a_ramp_until_the_eye_would_be_too_low_but_not_up_a_steep_one) {
   const auto ramp = [](float rise) {
     scene::Scene scene = scene_of(quad_mesh({-4, 0, -4}, {1, 0, -4}, {1, 0, 4}, {-4, 0, 4}));
     add_mesh(scene, quad_mesh({1, 0, -4}, {9, 8 * rise, -4}, {9, 8 * rise, 4}, {1, 0, 4}));
@@ -146,7 +146,7 @@ TEST(GroundSearch, goes_up_a_ramp_until_the_eye_would_be_too_low_and_not_up_a_st
   EXPECT_LT(reach(ramp(1.5f), 1), 1.25) << "56 degrees";
 }
 
-TEST(GroundSearch, goes_round_a_spiral_as_far_as_it_suits_the_height_of_the_eye) {
+TEST(GroundSearch, goes_round_a_spiral_as_far_as_the_height_of_the_eye_permits) {
   // One turn of a ramp between the radii 1 and 3, rising 3 m from angle 0 (+x), around a newel.
   scene::Scene scene = scene_of(box_mesh({-0.9f, -1, -0.9f}, {0.9f, 5, 0.9f}));
   constexpr int kParts = 120;
@@ -171,7 +171,7 @@ TEST(GroundSearch, goes_round_a_spiral_as_far_as_it_suits_the_height_of_the_eye)
   EXPECT_FALSE(walks_at(0.75)) << "overhead";
 }
 
-TEST(GroundSearch, reaches_the_next_room_through_a_door_and_not_through_a_slit) {
+TEST(GroundSearch, reaches_the_next_room_through_a_door_but_not_through_a_slit) {
   for (const float width : {0.9f, 0.5f}) {
     scene::Scene scene = plain_room(4);
     add_box(scene, {1, 0, -4}, {1.2f, 3, -width / 2});
@@ -180,7 +180,7 @@ TEST(GroundSearch, reaches_the_next_room_through_a_door_and_not_through_a_slit) 
   }
 }
 
-TEST(GroundSearch, does_not_mind_which_way_triangles_face_nor_how_large_or_far_all_is) {
+TEST(GroundSearch, is_independent_of_winding_scale_and_distance_from_the_origin) {
   for (const double scale : {0.01, 1.0, 50.0}) {
     scene::Scene scene = scene_of(scene::Mesh{});
     scene.model.meshes.clear();
@@ -198,7 +198,7 @@ TEST(GroundSearch, does_not_mind_which_way_triangles_face_nor_how_large_or_far_a
   }
 }
 
-TEST(GroundSearch, says_what_is_wrong_with_a_start) {
+TEST(GroundSearch, reports_what_is_wrong_with_a_start) {
   scene::Scene in_the_air = plain_room(4);
   in_the_air.info.start_eye.y() = 50;
   EXPECT_THAT(search(in_the_air).error().message(), HasSubstr("no ground within"));
@@ -207,7 +207,7 @@ TEST(GroundSearch, says_what_is_wrong_with_a_start) {
   EXPECT_THAT(search(in_a_pillar).error().message(), HasSubstr("start"));
 }
 
-TEST(GroundSearch, keeps_a_smaller_distance_where_the_start_has_no_more) {
+TEST(GroundSearch, keeps_a_smaller_distance_if_the_start_is_nearer_to_a_wall) {
   scene::Scene scene = plain_room(4);
   add_box(scene, {-4, 0, 0.2f}, {4, 3, 0.3f});
   const WalkableGround ground = found(scene);

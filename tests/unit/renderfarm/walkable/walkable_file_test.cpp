@@ -52,7 +52,7 @@ TEST_F(WalkableFile, adds_the_area_to_a_package_that_has_none) {
   }
 }
 
-TEST_F(WalkableFile, takes_the_place_of_the_area_that_was_there_and_keeps_all_else_to_the_comment) {
+TEST_F(WalkableFile, replaces_an_existing_area_and_keeps_everything_else_even_comments) {
   const std::string before =
       "title = \"\"\"\n[visitor]\nwalkable_m = [[\n\"\"\"  # [start]\n"
       "[start]   # here\neye_m = [0, 1.6, 0]\n"
@@ -79,7 +79,7 @@ TEST_F(WalkableFile, takes_the_place_of_the_area_that_was_there_and_keeps_all_el
   EXPECT_EQ(read(*again)->walkable_holes.size(), 2u) << "twice is once";
 }
 
-TEST_F(WalkableFile, refuses_what_it_cannot_edit) {
+TEST_F(WalkableFile, refuses_files_that_it_cannot_edit) {
   for (const char* const table :
        {"visitor = { eye_height_m = 1.6 }\n", "visitor.eye_height_m = 1.6\n", "start = { heading_deg = 3 }\n"}) {
     const auto text =
@@ -89,7 +89,7 @@ TEST_F(WalkableFile, refuses_what_it_cannot_edit) {
   }
 }
 
-TEST_F(WalkableFile, is_read_with_its_mistakes_named) {
+TEST_F(WalkableFile, names_mistakes) {
   const std::string base = std::string("title = \"x\"\n") + kGeometry + "[start]\neye_m = [0, 1.6, 0]\n[visitor]\n";
   const std::string area = "walkable_m = [[-1, -1], [1, -1], [0, 2]]\n";
   EXPECT_TRUE(read(base + area));

@@ -11,14 +11,14 @@ namespace {
 
 constexpr const char* kToken = "aladdin-opens-sesame";
 
-TEST(Access, lets_in_by_bearer_or_by_the_operators_password) {
+TEST(Access, admits_by_bearer_or_by_the_operators_password) {
   const Access access(kToken);
   EXPECT_TRUE(access.admits("Bearer aladdin-opens-sesame", "farm:7404"));
   // echo -n operator:aladdin-opens-sesame | base64
   EXPECT_TRUE(access.admits("Basic b3BlcmF0b3I6YWxhZGRpbi1vcGVucy1zZXNhbWU=", "farm:7404"));
 }
 
-TEST(Access, lets_nobody_else_in) {
+TEST(Access, admits_nobody_else) {
   const Access access(kToken);
   for (const char* const wrong : {"", "Bearer", "Bearer ", "Bearer aladdin-opens-sesam", "Bearer aladdin-opens-sesame ",
                                   "aladdin-opens-sesame", "Basic YWRtaW46YWxhZGRpbi1vcGVucy1zZXNhbWU=",

@@ -50,7 +50,7 @@ TEST(FarmMetrics, counts_frames_by_museum_and_outcome) {
   EXPECT_EQ(samples.at("cyclorama_blocks_moved_total"), 2);
 }
 
-TEST(FarmMetrics, sorts_each_step_of_a_frame_into_buckets) {
+TEST(FarmMetrics, records_each_step_of_a_frame_in_a_histogram) {
   FarmMetrics metrics;
   metrics.add_stage("plan", 0.0004);
   metrics.add_stage("plan", 0.7);
@@ -61,7 +61,7 @@ TEST(FarmMetrics, sorts_each_step_of_a_frame_into_buckets) {
   EXPECT_DOUBLE_EQ(samples.at("cyclorama_frame_seconds_sum{stage=\"plan\"}"), 0.7004);
 }
 
-TEST(FarmMetrics, shows_of_several_sessions_of_a_museum_the_worst_and_numbers_nodes_of_one_name) {
+TEST(FarmMetrics, shows_the_worst_session_of_a_museum_and_numbers_nodes_of_the_same_name) {
   FarmMetrics metrics;
   metrics.show(small_farm());
   const auto samples = samples_of(metrics.text());
@@ -86,7 +86,7 @@ TEST(FarmMetrics, removed_sessions_and_nodes_leave_no_samples) {
   EXPECT_THAT(samples, Not(Contains(Key(HasSubstr("Hall 3")))));
 }
 
-TEST(FarmMetrics, a_museums_name_cannot_break_the_text) {
+TEST(FarmMetrics, escapes_a_museums_name) {
   FarmMetrics metrics;
   metrics.add({"a\"} 1\nb\\c", Outcome::kWhole, 1, 1, false, 0});
   metrics.add({"", Outcome::kWhole, 1, 1, false, 0});

@@ -55,7 +55,7 @@ int max_difference(const RgbImage& a, const RgbImage& b) {
   return max;
 }
 
-TEST(SessionPictures, the_newest_whole_frame_comes_together_from_its_tiles) {
+TEST(SessionPictures, assembles_the_newest_complete_frame_from_its_tiles) {
   Session session;
   EXPECT_TRUE(session.pictures.is_open(1));
   EXPECT_EQ(session.now(), nullptr);
@@ -72,7 +72,7 @@ TEST(SessionPictures, the_newest_whole_frame_comes_together_from_its_tiles) {
   EXPECT_EQ(session.now(session.now()->serial), nullptr) << "nothing newer";
 }
 
-TEST(SessionPictures, a_frame_that_was_given_up_is_never_shown) {
+TEST(SessionPictures, never_shows_an_abandoned_frame) {
   Session session;
   session.frame(*ramp_picture(0, 96, 48), false);
   EXPECT_EQ(session.now(), nullptr);

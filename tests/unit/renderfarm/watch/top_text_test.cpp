@@ -63,7 +63,7 @@ TEST(TopText, shows_sessions_nodes_and_steps_in_the_order_of_a_frame) {
   EXPECT_THAT(lines[14], StartsWith("mystery"));
 }
 
-TEST(TopText, no_line_is_wider_than_the_terminal_and_columns_stand_below_each_other) {
+TEST(TopText, fits_the_terminal_and_aligns_columns) {
   for (const int columns : {1, 20, 80, 200}) {
     for (const std::string& line : lines_of(top_text(status_of_a_farm(), columns))) {
       EXPECT_LE(characters(line), static_cast<std::size_t>(columns)) << line;
@@ -73,7 +73,7 @@ TEST(TopText, no_line_is_wider_than_the_terminal_and_columns_stand_below_each_ot
   EXPECT_EQ(characters(lines[4]), characters(lines[5])) << "accents are one character wide";
 }
 
-TEST(TopText, a_farm_without_anything_says_so) {
+TEST(TopText, reports_an_empty_farm) {
   wire::ProcessStatus status;
   status.set_state("no node is connected");
   const std::string text = top_text(status, 100);

@@ -82,7 +82,7 @@ struct Farm {
   }
 };
 
-TEST(WatchServer, serves_the_page_and_all_that_it_refers_to_and_nothing_from_elsewhere) {
+TEST(WatchServer, serves_the_page_with_everything_to_which_it_refers_and_nothing_from_elsewhere) {
   Farm farm;
   EXPECT_EQ(watch_page_files().size(), 5u);
   for (const PageFile& file : watch_page_files()) {
@@ -111,7 +111,7 @@ TEST(WatchServer, reports_state_sessions_and_metrics) {
   EXPECT_EQ(farm.client->Post("/status", "", "text/plain")->status, 404);
 }
 
-TEST(WatchServer, lets_only_the_token_in) {
+TEST(WatchServer, admits_only_the_token) {
   Farm farm(true);
   for (const char* const path :
        {"/", "/status", "/sessions", "/metrics", "/sessions/4.jpg", "/sessions/4.mjpeg", "/nothing"}) {
@@ -166,7 +166,7 @@ TEST(WatchServer, streams_a_sessions_pictures_one_after_the_other) {
   EXPECT_NE(pictures[0], pictures[1]);
 }
 
-TEST(WatchServer, ends_the_stream_with_the_session_and_takes_no_more_watchers_than_it_may) {
+TEST(WatchServer, ends_the_stream_with_the_session_and_limits_the_watchers) {
   Farm farm;
   std::vector<std::thread> watchers;
   std::atomic<int> began = 0;

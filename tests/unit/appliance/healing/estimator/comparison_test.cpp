@@ -29,7 +29,7 @@ Prediction waving(int width, int height) {
   return made;
 }
 
-TEST(AlignPatches, finds_a_shift_to_a_twentieth_of_a_pixel_whatever_gain_and_offset) {
+TEST(AlignPatches, finds_a_shift_to_a_twentieth_of_a_pixel_for_any_gain_and_offset) {
   const Prediction prediction = waving(200, 160);
   const Eigen::Vector2d shift(1.37, -0.81);
   LightPlane picture{1, Image<float, 1>(200, 160)};
@@ -50,7 +50,7 @@ TEST(AlignPatches, finds_a_shift_to_a_twentieth_of_a_pixel_whatever_gain_and_off
   EXPECT_GT(found, 50);
 }
 
-TEST(AlignPatches, tells_what_is_plain_what_is_shared_and_what_is_not_there) {
+TEST(AlignPatches, distinguishes_flat_shared_and_missing_patches) {
   Prediction prediction = waving(200, 160);
   for (int y = 0; y < 160; ++y) {
     for (int x = 0; x < 60; ++x) *prediction.light.light.at(x, y) = 0.4f;
@@ -72,7 +72,7 @@ TEST(AlignPatches, tells_what_is_plain_what_is_shared_and_what_is_not_there) {
   }
 }
 
-TEST(AlignCoarsely, will_not_be_misled_by_stripes) {
+TEST(AlignCoarsely, is_not_misled_by_stripes) {
   Prediction stripes = waving(400, 320);
   for (int y = 0; y < 320; ++y) {
     for (int x = 0; x < 400; ++x)
@@ -85,7 +85,7 @@ TEST(AlignCoarsely, will_not_be_misled_by_stripes) {
   EXPECT_GT(std::ranges::count(others, PatchFit::kFits, &PatchShift::fit), 10);
 }
 
-TEST(LightScale, is_the_line_between_dark_and_bright) {
+TEST(LightScale, is_linear_between_dark_and_bright) {
   const Prediction prediction = waving(320, 320);
   LightPlane picture = prediction.light;
   for (float& v : picture.light.data()) v = 0.25f * v + 0.1f;
@@ -94,7 +94,7 @@ TEST(LightScale, is_the_line_between_dark_and_bright) {
   EXPECT_NEAR(scale.offset, 0.1, 1e-4);
 }
 
-TEST(LightPlane, sampling_is_linear_inside_and_dark_beyond) {
+TEST(LightPlane, is_sampled_linearly_inside_and_dark_outside) {
   LightPlane plane{1, Image<float, 1>(8, 6)};
   for (int y = 0; y < 6; ++y) {
     for (int x = 0; x < 8; ++x) *plane.light.at(x, y) = static_cast<float>(1 + x + 10 * y);
@@ -106,7 +106,7 @@ TEST(LightPlane, sampling_is_linear_inside_and_dark_beyond) {
   EXPECT_FLOAT_EQ(plane.at(0.0f, 0.5f), 0.5f);
 }
 
-TEST(Areas, somebody_who_stands_is_in_the_way_until_places_fit_again_for_a_while) {
+TEST(Areas, distrust_an_occluded_area_until_it_has_fitted_again_for_a_while) {
   std::vector<PatchShift> patches(10);
   for (PatchShift& patch : patches) {
     patch.projector = 0;
@@ -138,9 +138,9 @@ ShownPicture shown_at(Duration at, std::uint8_t code, std::uint64_t number = 1) 
   return {0, TimePoint{} + at, std::make_shared<const RgbImage>(8, 4, code), number};
 }
 
-TEST(ShowTimeline, an_exposure_sees_pictures_as_long_as_they_were_lit) {
+TEST(ShowTimeline, weights_pictures_by_their_time_within_an_exposure) {
   ShowTimeline timeline(small_projector(), 2);
-  // Late, disordered and repeated.
+  // Reports arrive late, out of order and repeatedly.
   timeline.add(shown_at(300ms, 51, 2));
   timeline.add(shown_at(100ms, 255, 1));
   timeline.add(shown_at(100ms, 255, 1));
@@ -153,7 +153,7 @@ TEST(ShowTimeline, an_exposure_sees_pictures_as_long_as_they_were_lit) {
   EXPECT_FLOAT_EQ(*before->light.light.at(1, 1), 1.0f);
 }
 
-TEST(ShowTimeline, says_when_it_does_not_know) {
+TEST(ShowTimeline, reports_that_it_does_not_know_yet) {
   ShowTimeline timeline(small_projector(), 2);
   EXPECT_FALSE(timeline.between(TimePoint{}, TimePoint{} + 10ms));
   timeline.add(shown_at(100ms, 255, 1));
@@ -170,7 +170,7 @@ TEST(ShowTimeline, says_when_it_does_not_know) {
   EXPECT_TRUE(dark->light.light.empty());
 }
 
-TEST(ShowTimeline, forgets_what_is_old_and_keeps_what_is_still_shown) {
+TEST(ShowTimeline, forgets_old_pictures_but_not_the_one_that_is_shown) {
   ShowTimeline timeline(small_projector(), 2);
   for (int i = 0; i < 100; ++i) timeline.add(shown_at(i * 100ms, 10, static_cast<std::uint64_t>(i + 1)));
   timeline.known_until({0, TimePoint{} + 30s, 100});
@@ -178,7 +178,7 @@ TEST(ShowTimeline, forgets_what_is_old_and_keeps_what_is_still_shown) {
   EXPECT_TRUE(timeline.between(TimePoint{} + 20s, TimePoint{} + 20010ms));
 }
 
-TEST(ShowTimeline, does_not_guess_when_a_picture_came_of_which_it_was_not_told) {
+TEST(ShowTimeline, does_not_guess_when_an_unreported_picture_appeared) {
   ShowTimeline timeline(small_projector(), 2);
   timeline.add(shown_at(100ms, 255, 1));
   timeline.add(shown_at(200ms, 51, 2));
@@ -191,7 +191,7 @@ TEST(ShowTimeline, does_not_guess_when_a_picture_came_of_which_it_was_not_told) 
   EXPECT_TRUE(timeline.between(TimePoint{} + 310ms, TimePoint{} + 350ms));
 }
 
-TEST(ShowTimeline, tells_a_picture_that_stands_from_one_that_moves) {
+TEST(ShowTimeline, distinguishes_a_still_picture_from_a_moving_one) {
   ShowTimeline timeline(small_projector(), 1);
   const auto step_at = [](int x) {
     RgbImage picture(8, 4);
@@ -225,7 +225,7 @@ std::vector<PatchShift> patches_off_by(std::vector<double> off_px) {
   return patches;
 }
 
-TEST(ExposureTiming, a_wrong_clock_is_all_projectors_and_a_bump_is_one) {
+TEST(ExposureTiming, distinguishes_a_wrong_clock_from_a_bump) {
   const auto judged = [](std::vector<double> said, std::vector<double> earlier, std::vector<double> later) {
     const std::size_t count = said.size();
     return estimate_timing(patches_off_by(std::move(said)), patches_off_by(std::move(earlier)),

@@ -48,7 +48,7 @@ calibration::PoseStep turned(double degrees) {
   return step;
 }
 
-TEST(ContinuousCalibrator, leaves_a_quiet_show_alone_and_heals_a_bump) {
+TEST(ContinuousCalibrator, does_not_correct_a_quiet_show_and_corrects_a_bump) {
   BumpedShow show = small_show();
   std::string log;
   EXPECT_TRUE(run(&show, 9, &log).empty()) << log;
@@ -64,7 +64,7 @@ TEST(ContinuousCalibrator, leaves_a_quiet_show_alone_and_heals_a_bump) {
   EXPECT_LT(show.error_px(2), 0.5);
 }
 
-TEST(ContinuousCalibrator, finds_a_projector_again_that_patches_cannot_reach) {
+TEST(ContinuousCalibrator, finds_a_projector_that_is_beyond_the_reach_of_patches) {
   BumpedShow show = small_show();
   std::string log;
   run(&show, 7, &log);
@@ -73,7 +73,7 @@ TEST(ContinuousCalibrator, finds_a_projector_again_that_patches_cannot_reach) {
   EXPECT_LT(show.error_px(0), 1.0) << log;
 }
 
-TEST(ContinuousCalibrator, a_camera_that_is_bumped_changes_no_picture) {
+TEST(ContinuousCalibrator, does_not_change_the_picture_when_a_camera_is_bumped) {
   BumpedShow show = small_show();
   std::string log;
   run(&show, 7, &log);
@@ -82,7 +82,7 @@ TEST(ContinuousCalibrator, a_camera_that_is_bumped_changes_no_picture) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(show.error_px(i), 0.7) << log;
 }
 
-TEST(ContinuousCalibrator, holds_and_says_why) {
+TEST(ContinuousCalibrator, holds_a_projector_and_states_the_reason) {
   BumpedShow show = small_show();
   run(&show, 7);
   ShowContent dark = painted_content(256, 3);
@@ -102,7 +102,7 @@ TEST(ContinuousCalibrator, holds_and_says_why) {
   EXPECT_TRUE(report->corrections.empty());
 }
 
-TEST(ContinuousCalibrator, somebody_before_the_wall_is_not_a_bump) {
+TEST(ContinuousCalibrator, does_not_take_people_before_the_wall_for_a_bump) {
   BumpedShow show = small_show();
   std::string log;
   run(&show, 7, &log);
@@ -113,8 +113,8 @@ TEST(ContinuousCalibrator, somebody_before_the_wall_is_not_a_bump) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(show.error_px(i), 0.5) << log;
 }
 
-/// Half as fine as a museum's. The painted content is smooth: here a small bump is one of a few pixels, which an
-/// uncertain filter could have followed.
+/// A show at half a museum's resolution. Since the painted content is smooth, the small bump here is one of a few
+/// pixels, which a filter that is still uncertain could have followed as drift.
 BumpedShow finer_show() {
   BumpedShowOptions options = small_options();
   options.projector_width_px = 960;
@@ -124,7 +124,7 @@ BumpedShow finer_show() {
   return small_show(options);
 }
 
-TEST(ContinuousCalibrator, a_small_bump_is_one_also_while_it_is_not_sure_yet) {
+TEST(ContinuousCalibrator, detects_a_small_bump_while_it_is_still_uncertain) {
   BumpedShow show = finer_show();
   std::string log;
   run(&show, 10, &log);
@@ -139,7 +139,7 @@ TEST(ContinuousCalibrator, a_small_bump_is_one_also_while_it_is_not_sure_yet) {
   EXPECT_LT(show.error_px(1), 0.5 * bumped) << log;
 }
 
-TEST(ContinuousCalibrator, does_not_guess_whether_a_projector_moved_or_the_one_camera_that_sees_it) {
+TEST(ContinuousCalibrator, does_not_guess_whether_a_projector_or_its_only_camera_moved) {
   BumpedShowOptions options = small_options();
   options.camera_field_deg = 26.0;  // It sees neither the wall's edge nor the neighbours' light.
   BumpedShow show = small_show(options);
@@ -154,7 +154,7 @@ TEST(ContinuousCalibrator, does_not_guess_whether_a_projector_moved_or_the_one_c
   EXPECT_EQ(log.find("camera 'camera 2' moved"), std::string::npos) << log;
 }
 
-TEST(ContinuousCalibrator, what_was_refused_is_not_taken_for_drift_later) {
+TEST(ContinuousCalibrator, does_not_take_a_refused_bump_for_drift_later) {
   BumpedShowOptions options = small_options();
   // Each sees only its own projector's light, so that nobody can tell which of them moved.
   options.camera_field_deg = 26.0;
@@ -177,7 +177,7 @@ BumpedShow turning_show(std::string* log) {
   return show;
 }
 
-TEST(ContinuousCalibrator, heals_a_bump_while_the_picture_turns) {
+TEST(ContinuousCalibrator, corrects_a_bump_while_the_picture_turns) {
   std::string log;
   BumpedShow show = turning_show(&log);
   show.bump(1, turned(0.5));
@@ -185,7 +185,7 @@ TEST(ContinuousCalibrator, heals_a_bump_while_the_picture_turns) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(show.error_px(i), 0.7) << log;
 }
 
-TEST(ContinuousCalibrator, reports_that_come_late_correct_nothing) {
+TEST(ContinuousCalibrator, corrects_nothing_while_reports_are_late) {
   std::string log;
   BumpedShow show = turning_show(&log);
   ShowMoment waiting;
@@ -196,7 +196,7 @@ TEST(ContinuousCalibrator, reports_that_come_late_correct_nothing) {
   EXPECT_TRUE(run(&show, 10, &log).empty()) << log;
 }
 
-TEST(ContinuousCalibrator, reports_that_are_lost_correct_nothing) {
+TEST(ContinuousCalibrator, corrects_nothing_while_reports_are_lost) {
   std::string log;
   BumpedShow show = turning_show(&log);
   int count = 0;
@@ -205,7 +205,7 @@ TEST(ContinuousCalibrator, reports_that_are_lost_correct_nothing) {
   EXPECT_TRUE(run(&show, 12, &log).empty()) << log;
 }
 
-TEST(ContinuousCalibrator, finds_out_that_a_cameras_clock_is_wrong_and_corrects_nothing_by_it) {
+TEST(ContinuousCalibrator, detects_a_wrong_camera_clock_and_corrects_nothing_with_it) {
   for (const int behind_ms : {30, 1000}) {
     std::string log;
     BumpedShow show = turning_show(&log);
@@ -225,7 +225,7 @@ TEST(ContinuousCalibrator, finds_out_that_a_cameras_clock_is_wrong_and_corrects_
   }
 }
 
-TEST(ContinuousCalibrator, a_small_bump_while_it_was_away_is_one) {
+TEST(ContinuousCalibrator, detects_a_small_bump_that_occurred_while_it_was_stopped) {
   BumpedShow show = finer_show();
   std::string log;
   run(&show, 14, &log);
@@ -240,7 +240,7 @@ TEST(ContinuousCalibrator, a_small_bump_while_it_was_away_is_one) {
   EXPECT_LT(show.error_px(1), 0.5 * bumped) << log;
 }
 
-TEST(ContinuousCalibrator, a_restart_forgets_no_drift_that_is_still_too_small_to_be_corrected) {
+TEST(ContinuousCalibrator, keeps_uncorrected_drift_across_a_restart) {
   BumpedShow show = small_show();
   run(&show, 14);
   calibration::PoseStep creep = calibration::PoseStep::Zero();
@@ -274,7 +274,7 @@ TEST(ContinuousCalibrator, a_restart_forgets_no_drift_that_is_still_too_small_to
   }
 }
 
-TEST(ContinuousCalibrator, refuses_what_was_learned_of_another_room) {
+TEST(ContinuousCalibrator, refuses_the_saved_state_of_another_room) {
   BumpedShow show = small_show();
   EXPECT_FALSE(show.calibrator().learned()) << "it has only begun";
   run(&show, 7);
@@ -292,7 +292,7 @@ TEST(ContinuousCalibrator, refuses_what_was_learned_of_another_room) {
   EXPECT_FALSE(ContinuousCalibrator::resume(applied, bad));
 }
 
-TEST(ContinuousCalibrator, the_same_show_gives_the_same_corrections) {
+TEST(ContinuousCalibrator, is_deterministic) {
   const auto once = [] {
     BumpedShow show = small_show();
     std::string log;
@@ -310,7 +310,7 @@ TEST(ContinuousCalibrator, refuses_a_room_without_cameras) {
   EXPECT_EQ(none.error().code(), ErrorCode::kInvalidArgument);
 }
 
-TEST(ContinuousCalibrator, pictures_without_times_that_fit_change_nothing) {
+TEST(ContinuousCalibrator, ignores_pictures_without_matching_times) {
   BumpedShow show = small_show();
   run(&show, 3);
   const calibration::ShowCalibration before = show.calibrator().believed();

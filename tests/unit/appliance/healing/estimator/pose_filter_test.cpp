@@ -25,7 +25,7 @@ calibration::PoseStep random_step(std::mt19937* random, double scale) {
   return step;
 }
 
-TEST(PoseStep, stepping_and_the_step_between_are_inverses) {
+TEST(PoseStep, stepping_and_the_step_between_poses_are_inverses) {
   std::mt19937 random(3);
   for (int i = 0; i < 100; ++i) {
     const calibration::PoseStep position = random_step(&random, 1.0);
@@ -35,7 +35,7 @@ TEST(PoseStep, stepping_and_the_step_between_are_inverses) {
   }
 }
 
-TEST(PoseStep, half_of_the_way_and_its_rest_are_the_whole) {
+TEST(PoseStep, half_a_step_and_the_rest_make_the_whole_step) {
   std::mt19937 random(4);
   const auto from = calibration::stepped(RigidTransform<frame::Room, frame::Projector>(), random_step(&random, 1.0));
   calibration::PoseStep turn = random_step(&random, 0.3);
@@ -67,7 +67,7 @@ TEST(PoseFilter, agrees_with_the_information_filter) {
   }
 }
 
-TEST(PoseFilter, leaves_directions_alone_that_were_not_measured) {
+TEST(PoseFilter, does_not_change_directions_that_were_not_measured) {
   PoseFilter filter(1e-3, 1e-2, {});
   PoseFilter::Measured measured;
   measured.step << 5e-4, 7.0, 7.0, 7.0, 7.0, 7.0;
@@ -79,7 +79,7 @@ TEST(PoseFilter, leaves_directions_alone_that_were_not_measured) {
   EXPECT_NEAR(filter.covariance()(1, 1), 1e-6, 1e-15);
 }
 
-TEST(PoseFilter, stays_positive_and_consistent_however_unequal_noise_and_knowledge_are) {
+TEST(PoseFilter, stays_positive_and_consistent_for_very_unequal_noises) {
   for (const double ratio : {1e-12, 1e-6, 1.0, 1e6, 1e12}) {
     std::mt19937 random(7);
     std::normal_distribution<double> normal;
@@ -112,7 +112,7 @@ TEST(PoseFilter, stays_positive_and_consistent_however_unequal_noise_and_knowled
   }
 }
 
-TEST(PoseFilter, without_prior_gives_back_what_was_measured) {
+TEST(PoseFilter, removing_the_prior_gives_the_measurement) {
   std::mt19937 random(8);
   const calibration::PoseMatrix information = random_information(&random, 1e6);
   const calibration::PoseMatrix prior = random_information(&random, 1e5);
@@ -121,8 +121,8 @@ TEST(PoseFilter, without_prior_gives_back_what_was_measured) {
   EXPECT_LT((without_prior(posterior, information, prior).step - measured).norm(), 1e-10);
 }
 
-TEST(PoseFilter, its_limit_is_hardly_above_that_of_the_chi_squared_distribution) {
-  // For one in 1e9: chi squared of 1 and 6 degrees of freedom. In that tail the cube root is on the safe side.
+TEST(PoseFilter, its_innovation_limit_is_slightly_above_chi_squared) {
+  // The lower bounds are the chi-squared quantiles for a tail of 1e-9; the cube root approximates them from above.
   EXPECT_GT(innovation_limit(1), 37.3);
   EXPECT_LT(innovation_limit(1), 50.0);
   EXPECT_GT(innovation_limit(6), 54.4);
@@ -130,7 +130,7 @@ TEST(PoseFilter, its_limit_is_hardly_above_that_of_the_chi_squared_distribution)
   EXPECT_EQ(innovation_limit(0), 0.0);
 }
 
-TEST(InnovationWindow, is_surprised_by_several_that_are_each_no_wonder) {
+TEST(InnovationWindow, detects_several_innovations_that_are_each_insignificant) {
   InnovationWindow window;
   const PoseFilter::Innovation each{25.0, 6};
   EXPECT_LT(each.squared, innovation_limit(each.directions));
@@ -142,7 +142,7 @@ TEST(InnovationWindow, is_surprised_by_several_that_are_each_no_wonder) {
   EXPECT_TRUE(window.is_surprising());
   window.forget();
   EXPECT_FALSE(window.is_surprising());
-  // A single innovation is left to the filter, however large.
+  // A single innovation never counts, however large, since the filter itself handles it.
   window.add({1e6, 6});
   EXPECT_FALSE(window.is_surprising());
   InnovationWindow nothing;
@@ -150,7 +150,7 @@ TEST(InnovationWindow, is_surprised_by_several_that_are_each_no_wonder) {
   EXPECT_FALSE(nothing.is_surprising());
 }
 
-TEST(InnovationWindow, is_not_surprised_by_what_is_undisturbed) {
+TEST(InnovationWindow, accepts_undisturbed_innovations) {
   std::mt19937_64 random(11);
   std::chi_squared_distribution<double> six(6.0);
   InnovationWindow window;
@@ -160,7 +160,7 @@ TEST(InnovationWindow, is_not_surprised_by_what_is_undisturbed) {
   }
 }
 
-TEST(PoseFilter, a_step_is_as_many_deviations_as_its_covariance_says) {
+TEST(PoseFilter, measures_a_step_in_deviations_of_its_covariance) {
   PoseFilter filter(2e-3, 5e-2, {});
   calibration::PoseStep step = calibration::PoseStep::Zero();
   EXPECT_EQ(filter.squared_deviations(step), 0.0);
@@ -168,7 +168,8 @@ TEST(PoseFilter, a_step_is_as_many_deviations_as_its_covariance_says) {
   step[5] = 1.5e-1;
   EXPECT_NEAR(filter.squared_deviations(step), 4.0 + 9.0, 1e-9);
   EXPECT_LT(innovation_limit(6, 4.0), innovation_limit(6));
-  // In one direction, as much probability lies beyond on both sides together.
+  // A tail as large as a normal variable's beyond 4 deviations; for one direction it is shared by both signs, so the
+  // limit is above 4 squared.
   EXPECT_NEAR(innovation_limit(1, 4.0), 17.3, 2.0);
 }
 

@@ -83,7 +83,7 @@ calibration::PoseStep bump() {
   return step;
 }
 
-TEST(ShowCalibration, slopes_and_pixels_are_inverses) {
+TEST(ShowCalibration, slopes_and_pixels_are_inverse) {
   const calibration::ShowProjector projector = room().projectors[0];
   for (double u : {0.0, 300.0, 1919.0}) {
     for (double v : {0.0, 700.0, 1080.0}) {
@@ -95,7 +95,7 @@ TEST(ShowCalibration, slopes_and_pixels_are_inverses) {
   EXPECT_FALSE(calibration::slope_at({100, 100, 50.0, 50.0, 50.0, 50.0, -1.0}, {2000.0, 0.0}));
 }
 
-TEST(FindMovers, names_the_projector_that_moved_and_where_it_stands) {
+TEST(FindMovedBodies, finds_the_displaced_projector_and_its_pose) {
   const calibration::ShowCalibration believed = room();
   calibration::ShowCalibration real = believed;
   real.projectors[1].T_room_projector = calibration::stepped(believed.projectors[1].T_room_projector, bump());
@@ -110,7 +110,7 @@ TEST(FindMovers, names_the_projector_that_moved_and_where_it_stands) {
   EXPECT_EQ(movers->solution.bodies[1].rank, 6);
 }
 
-TEST(FindMovers, tells_a_camera_that_moved_from_projectors) {
+TEST(FindMovedBodies, distinguishes_a_displaced_camera_from_displaced_projectors) {
   const calibration::ShowCalibration believed = room();
   calibration::ShowCalibration real = believed;
   real.cameras[1].T_room_camera = calibration::stepped(believed.cameras[1].T_room_camera, bump());
@@ -121,7 +121,7 @@ TEST(FindMovers, tells_a_camera_that_moved_from_projectors) {
   EXPECT_EQ(movers->bodies, std::vector<BodyIndex>{4});
 }
 
-TEST(FindMovers, finds_two_at_once_and_nobody_where_nobody_moved) {
+TEST(FindMovedBodies, finds_two_displacements_at_once_and_none_where_nothing_moved) {
   const calibration::ShowCalibration believed = room();
   calibration::ShowCalibration real = believed;
   const auto priors = tight_priors(believed);
@@ -136,7 +136,7 @@ TEST(FindMovers, finds_two_at_once_and_nobody_where_nobody_moved) {
   EXPECT_EQ(movers->bodies, (std::vector<BodyIndex>{0, 2}));
 }
 
-TEST(SolvePoses, its_covariance_tells_what_is_seen_and_its_rank_what_is_not) {
+TEST(SolvePoses, covariance_and_rank_show_what_is_determined) {
   const calibration::ShowCalibration believed = room();
   std::vector<BodyPrior> priors = tight_priors(believed);
   priors[0].information = loose_information();
@@ -153,7 +153,7 @@ TEST(SolvePoses, its_covariance_tells_what_is_seen_and_its_rank_what_is_not) {
   EXPECT_FALSE(solve_poses(believed, {}, {}, priors));
 }
 
-TEST(Features, a_pose_is_found_from_sightings_of_which_a_third_are_wrong) {
+TEST(Features, determine_a_pose_although_a_third_of_them_are_wrong) {
   const calibration::ShowCalibration believed = room();
   calibration::ShowCalibration real = believed;
   calibration::PoseStep far = bump();

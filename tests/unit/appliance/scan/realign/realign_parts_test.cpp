@@ -20,7 +20,7 @@ double cylinder(const Eigen::Vector3d& d) { return std::hypot(d.x(), d.z()) / 4.
 /// A plane, 3 m ahead.
 double plane(const Eigen::Vector3d& d) { return -d.z() / 3.0; }
 
-TEST(SeenEnd, is_where_the_line_meets_the_wall) {
+TEST(SeenEnd, is_the_intersection_of_the_line_of_sight_with_the_wall) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   for (int i = 0; i < 500; ++i) {
@@ -37,7 +37,7 @@ TEST(SeenEnd, is_where_the_line_meets_the_wall) {
   }
 }
 
-TEST(SeenEnd, is_nothing_where_there_is_no_wall) {
+TEST(SeenEnd, is_empty_where_there_is_no_wall) {
   EXPECT_FALSE(wall_direction_from({0, 0, 0}, {0, 0, 1}, plane).has_value()) << "away from it";
   EXPECT_FALSE(wall_direction_from({0, 0, -3.5}, {0, 0, -1}, plane).has_value()) << "behind it";
   EXPECT_FALSE(wall_direction_from({0, 0, 0}, {0, 0, 0}, plane).has_value());
@@ -59,7 +59,7 @@ std::vector<ReferenceObservation> observations_from(const LocatedCamera& camera,
   return observations;
 }
 
-TEST(LocateCamera, finds_the_turn_and_says_when_the_centre_is_elsewhere) {
+TEST(LocateCamera, finds_the_rotation_and_reports_a_displaced_centre) {
   calibration::CalibratedTurntable turntable;
   turntable.pitch_rad = 0.05;
   turntable.roll_rad = -0.01;
@@ -80,7 +80,7 @@ TEST(LocateCamera, finds_the_turn_and_says_when_the_centre_is_elsewhere) {
   }
 }
 
-TEST(LocateCamera, is_not_misled_by_a_tenth_that_moved) {
+TEST(LocateCamera, is_not_misled_by_a_tenth_of_moved_points) {
   const LocatedCamera planned = planned_camera({}, 0.0);
   auto observations = observations_from(planned, 5e-5);
   for (std::size_t i = 0; i < observations.size(); i += 10)
@@ -90,7 +90,7 @@ TEST(LocateCamera, is_not_misled_by_a_tenth_that_moved) {
   EXPECT_LT((found->R_camera_eye - planned.R_camera_eye).norm(), 3e-5);
 }
 
-TEST(LocateCamera, refuses_too_few_witnesses) {
+TEST(LocateCamera, refuses_too_few_reference_points) {
   const LocatedCamera planned = planned_camera({}, 0.0);
   const auto observations = observations_from(planned, 5e-5);
   EXPECT_FALSE(locate_camera(planned, {observations.data(), 20}).has_value());
@@ -130,7 +130,7 @@ class FindDisplacement : public ::testing::Test {
   calibration::MeasuredMap map_;
 };
 
-TEST_F(FindDisplacement, tells_by_how_much_from_little_to_much) {
+TEST_F(FindDisplacement, finds_small_and_large_displacements) {
   for (const auto& [degrees, metres] : {std::pair(0.05, 0.001), {0.5, 0.02}, {5.0, 0.1}}) {
     calibration::FittedProjector now = before_;
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(degrees * kDegree, Eigen::Vector3d(0.3, 0.9, 0.2).normalized()));
@@ -146,7 +146,7 @@ TEST_F(FindDisplacement, tells_by_how_much_from_little_to_much) {
   }
 }
 
-TEST_F(FindDisplacement, parts_a_lens_that_was_turned_from_a_push) {
+TEST_F(FindDisplacement, distinguishes_a_turned_lens_from_a_displacement) {
   calibration::FittedProjector now = before_;
   now.lens.values[calibration::MeasuredLens::kFocal] *= 1.1;
   const auto found = find_displacement(before_, map_, seen_of(now, cylinder, 0.1), cylinder);
@@ -155,7 +155,7 @@ TEST_F(FindDisplacement, parts_a_lens_that_was_turned_from_a_push) {
   EXPECT_NEAR(found->zoom, 1.1, 0.02);
 }
 
-TEST_F(FindDisplacement, does_not_explain_another_wall) {
+TEST_F(FindDisplacement, refuses_measurements_of_another_wall) {
   const auto dented = [](const Eigen::Vector3d& d) { return cylinder(d) * (1.0 + 0.05 * std::sin(12.0 * d.x())); };
   const auto found = find_displacement(before_, map_, seen_of(before_, dented, 0.1), cylinder);
   ASSERT_TRUE(found.has_value());
@@ -175,14 +175,14 @@ photometry::SavedLight some_light() {
   return light;
 }
 
-TEST(LightFile, reads_what_it_wrote) {
+TEST(LightFile, survives_a_round_trip) {
   const std::string text = photometry::light_json(some_light());
   const auto back = photometry::parse_light(text, "light.json");
   ASSERT_TRUE(back.has_value()) << back.error().message();
   EXPECT_EQ(photometry::light_json(*back), text);
 }
 
-TEST(LightFile, names_the_place_of_what_is_wrong) {
+TEST(LightFile, names_the_position_of_a_mistake) {
   std::string text = photometry::light_json(some_light());
   text.replace(text.find("\"left\""), 6, "\"right\"");
   const auto twice = photometry::parse_light(text, "light.json");
@@ -191,7 +191,7 @@ TEST(LightFile, names_the_place_of_what_is_wrong) {
   EXPECT_FALSE(photometry::parse_light("{", "light.json").has_value());
 }
 
-TEST(MoveLight, is_the_light_over_the_wall_that_it_falls_on) {
+TEST(MoveLight, falls_off_with_the_squared_distance_to_the_wall) {
   // At twice the distance from a plane, a quarter of the light remains.
   const auto map_from = [](double z) {
     return *solve::fit_measured_map(1280, 800,
@@ -203,7 +203,7 @@ TEST(MoveLight, is_the_light_over_the_wall_that_it_falls_on) {
   EXPECT_NEAR(light.log_white.at({640, 400}) - before, std::log(0.25), 0.02);
 }
 
-TEST(Reblended, refuses_what_is_not_of_one_calibration) {
+TEST(Reblended, refuses_parts_of_different_calibrations) {
   EXPECT_FALSE(photometry::reblended({}, {}, {}).has_value());
   const std::vector<calibration::CalibratedColour> colours(2);
   EXPECT_FALSE(photometry::reblended(std::vector<photometry::PhotometricProjector>(2), some_light().lighting, colours)

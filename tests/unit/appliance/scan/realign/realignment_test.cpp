@@ -111,7 +111,7 @@ struct Push {
 };
 class DisplacedProjector : public Realignment, public ::testing::WithParamInterface<Push> {};
 
-TEST_P(DisplacedProjector, is_put_back_within_ten_seconds) {
+TEST_P(DisplacedProjector, is_realigned_within_ten_seconds) {
   const auto [degrees, millimetres] = GetParam();
   museum_.push(1, degrees * kDegree, {0.5, 0.8, 0.33}, 1e-3 * millimetres, {1.0, -0.5, 1.0});
   const Happened happened = realign("projector 2");
@@ -141,9 +141,10 @@ TEST_P(DisplacedProjector, is_put_back_within_ten_seconds) {
   EXPECT_FALSE(written->projectors[1].is_previous);
   EXPECT_EQ(calibration::kept_calibrations(folder_).size(), 2u);
   EXPECT_TRUE(fs::exists(happened.outcome->outcome.report));
-  // Colours follow: the masks still add up, and a second displacement finds all it needs.
+  // Colours are updated, too: the masks still add up, and the files for a second realignment are there.
   ASSERT_TRUE(happened.outcome->has_colours);
-  // For a picture that leaves the wall, the part that ends in a corner of some pixels is not counted.
+  // With 5 degrees the picture extends beyond the wall, and its overlap ends in a corner of few pixels, so the masks
+  // are not scored.
   if (degrees < 2.0) {
     EXPECT_LE(happened.seams.mask_sum_error, 0.02);
   }
@@ -153,7 +154,7 @@ TEST_P(DisplacedProjector, is_put_back_within_ten_seconds) {
 
 INSTANTIATE_TEST_SUITE_P(by, DisplacedProjector, ::testing::Values(Push{0.25, 1.0}, Push{0.7, 15.0}, Push{5.0, 100.0}));
 
-TEST_F(Realignment, of_a_projector_that_stands_where_it_stood_changes_nothing) {
+TEST_F(Realignment, changes_nothing_for_a_projector_that_has_not_moved) {
   const Happened happened = realign("projector 2");
   ASSERT_TRUE(happened.outcome.has_value()) << happened.outcome.error().message();
   EXPECT_FALSE(happened.outcome->has_moved);
@@ -161,7 +162,7 @@ TEST_F(Realignment, of_a_projector_that_stands_where_it_stood_changes_nothing) {
   EXPECT_THAT(happened.outcome->outcome.calibration.remarks, ::testing::Contains(HasSubstr("nothing was changed")));
 }
 
-TEST_F(Realignment, goes_on_when_the_camera_was_put_back_a_little_elsewhere) {
+TEST_F(Realignment, works_when_the_camera_was_put_back_inexactly) {
   museum_.put_turntable_elsewhere({0.015, -0.01, 0.02}, 0.2 * kDegree);
   museum_.push(0, 0.5 * kDegree, {0.0, 1.0, 0.0}, 0.01, {1.0, 0.0, 0.0});
   const Happened happened = realign("projector 1");
@@ -170,24 +171,24 @@ TEST_F(Realignment, goes_on_when_the_camera_was_put_back_a_little_elsewhere) {
   EXPECT_LE(happened.after.max_px, 1.0);
 }
 
-TEST_F(Realignment, refuses_a_lens_that_was_turned) {
+TEST_F(Realignment, refuses_a_turned_lens) {
   museum_.turn_lens(1, 1.25, 15.0);
   expect_refused(realign("projector 2"), ErrorCode::kBadData, "the lens of projector 'projector 2' was turned");
 }
 
-TEST_F(Realignment, refuses_when_another_one_has_moved_too) {
+TEST_F(Realignment, refuses_when_another_projector_has_moved_too) {
   museum_.push(0, 1.5 * kDegree, {1.0, 0.2, 0.5}, 0.0, {1.0, 0.0, 0.0});
   museum_.push(1, 0.7 * kDegree, {0.0, 1.0, 0.0}, 0.0, {1.0, 0.0, 0.0});
   museum_.push(2, 1.5 * kDegree, {-1.0, 0.2, 0.5}, 0.0, {1.0, 0.0, 0.0});
   expect_refused(realign("projector 2"), ErrorCode::kBadData, "; calibrate all projectors");
 }
 
-TEST_F(Realignment, says_that_a_projector_is_dark) {
+TEST_F(Realignment, reports_a_dark_projector) {
   museum_.truth().projectors[1].flux_lm = 0.0;
   expect_refused(realign("projector 2"), ErrorCode::kUnavailable, "no light of projector 'projector 2'");
 }
 
-TEST_F(Realignment, needs_a_projector_that_was_calibrated_and_a_calibration) {
+TEST_F(Realignment, requires_a_calibration_of_the_projector) {
   expect_refused(realign("projector 9"), ErrorCode::kNotFound, "no projector 'projector 9' was calibrated before");
   // A missing file leaves nothing half done.
   fs::remove(calibration::calibration_folder(folder_, kFirst) / "light.json");
@@ -195,7 +196,7 @@ TEST_F(Realignment, needs_a_projector_that_was_calibrated_and_a_calibration) {
   expect_refused(realign("projector 2"), ErrorCode::kBadData, "reading the previous light");
 }
 
-TEST_F(Realignment, cancelled_leaves_what_was) {
+TEST_F(Realignment, changes_nothing_when_cancelled) {
   museum_.push(1, 0.7 * kDegree, {0.0, 1.0, 0.0}, 0.0, {1.0, 0.0, 0.0});
   std::stop_source stop;
   stop.request_stop();

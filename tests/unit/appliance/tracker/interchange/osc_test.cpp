@@ -20,7 +20,7 @@ std::vector<std::byte> bytes_of(std::string_view text) {
   return bytes;
 }
 
-TEST(Osc, is_what_the_specification_shows) {
+TEST(Osc, agrees_with_the_specifications_examples) {
   // The specification's two examples, byte for byte.
   using namespace std::string_view_literals;
   EXPECT_EQ(encode_osc({"/oscillator/4/frequency", {440.0f}}),
@@ -30,7 +30,7 @@ TEST(Osc, is_what_the_specification_shows) {
       bytes_of("/foo\0\0\0\0,iisff\0\0\0\0\x03\xe8\xff\xff\xff\xffhello\0\0\0\x3f\x9d\xf3\xb6\x40\xb5\xb2\x2d"sv));
 }
 
-TEST(Osc, gives_back_every_type) {
+TEST(Osc, every_type_survives_a_round_trip) {
   const OscMessage message{"/x",
                            {std::int32_t{-7}, 0.5f, std::string(), std::string("four"), std::vector<std::byte>(5),
                             std::int64_t{1} << 60, -1e300, OscTime{42}, true, false, OscNothing{}}};
@@ -50,7 +50,7 @@ std::vector<std::byte> bundle(const std::vector<std::vector<std::byte>>& parts) 
   return all;
 }
 
-TEST(Osc, reads_bundles_in_bundles_and_not_without_end) {
+TEST(Osc, reads_nested_bundles_up_to_a_limit) {
   const OscMessage a{"/a", {1}};
   const OscMessage b{"/b", {}};
   const auto decoded = decode_osc(bundle({encode_osc(a), bundle({encode_osc(b)}), bundle({})}));
@@ -61,7 +61,7 @@ TEST(Osc, reads_bundles_in_bundles_and_not_without_end) {
   EXPECT_FALSE(decode_osc(deep));
 }
 
-TEST(Osc, refuses_what_is_none) {
+TEST(Osc, refuses_invalid_packets) {
   using namespace std::string_view_literals;
   for (const std::string_view text :
        {""sv, "/a"sv, "/abc"sv, "a\0\0\0,\0\0\0"sv, "/a\0\0"sv, "/a\0\0i\0\0\0"sv, "/a\0\0,i\0\0"sv, "/a\0x,\0\0\0"sv,
@@ -75,7 +75,7 @@ TEST(Osc, refuses_what_is_none) {
   }
 }
 
-TEST(OscPose, gives_back_poses_to_the_bit) {
+TEST(OscPose, survives_a_round_trip_bit_by_bit) {
   const PoseReport pose{7, 123456789012, 987654321098765, true, {0.1, -0.2, 1.3}, {0.9, 0.1, -0.2, 0.3}};
   const auto decoded = decode_osc(encode_osc(to_osc(pose)));
   ASSERT_TRUE(decoded);
@@ -84,7 +84,7 @@ TEST(OscPose, gives_back_poses_to_the_bit) {
   EXPECT_EQ(pose_from_osc(to_osc(lost)), lost);
 }
 
-TEST(OscPose, reads_numbers_of_any_type_and_passes_over_what_is_not_ours) {
+TEST(OscPose, reads_numbers_of_any_type_and_ignores_other_messages) {
   const auto pose = pose_from_osc({"/cyclorama/pose", {1.0f, 2, 3.0, 0.5f, 0, 1, 1, 0, 0, 0}});
   ASSERT_TRUE(pose);
   EXPECT_EQ(pose->position_m[0], 0.5);

@@ -13,7 +13,7 @@ namespace {
 
 const PoseReport kPose{2, 1, 1'700'000'000'123'456'000, true, {0.1, -0.2, 1.3}, {0.9, 0.1, -0.2, 0.3}};
 
-TEST(Vrpn, gives_back_a_pose_to_the_bit) {
+TEST(Vrpn, a_pose_survives_a_round_trip_bit_by_bit) {
   VrpnReader reader("Cyclorama0");
   const auto read = reader.read(encode_vrpn(kPose, "Cyclorama0"));
   ASSERT_TRUE(read) << read.error().message();
@@ -21,7 +21,7 @@ TEST(Vrpn, gives_back_a_pose_to_the_bit) {
   EXPECT_EQ(read->front(), kPose);
 }
 
-TEST(Vrpn, lays_a_message_out_as_the_protocol_has_it) {
+TEST(Vrpn, has_the_byte_layout_of_the_protocol) {
   const auto bytes = encode_vrpn(kPose, "T");
   PacketReader reader(bytes);
   EXPECT_EQ(reader.u32(), 24u + 6u) << "the header padded, the body not";
@@ -44,14 +44,14 @@ TEST(Vrpn, lays_a_message_out_as_the_protocol_has_it) {
   EXPECT_TRUE(reader.is_empty());
 }
 
-TEST(Vrpn, follows_only_the_device_that_it_was_told) {
+TEST(Vrpn, follows_only_the_configured_device) {
   VrpnReader reader("Other");
   EXPECT_TRUE(reader.read(encode_vrpn(kPose, "Cyclorama0"))->empty());
   VrpnReader any("");
   EXPECT_EQ(any.read(encode_vrpn(kPose, "Cyclorama0"))->size(), 1u);
 }
 
-TEST(Vrpn, remembers_names_that_came_in_an_earlier_datagram) {
+TEST(Vrpn, remembers_names_from_an_earlier_datagram) {
   const auto whole = encode_vrpn(kPose, "T");
   constexpr std::size_t kNames = 32 + 56;
   VrpnReader reader("T");
@@ -61,13 +61,13 @@ TEST(Vrpn, remembers_names_that_came_in_an_earlier_datagram) {
   EXPECT_EQ(reader.read(bytes.subspan(kNames))->size(), 1u);
 }
 
-TEST(Vrpn, says_nothing_of_a_sensor_that_is_out_of_sight) {
+TEST(Vrpn, reports_nothing_for_a_sensor_that_is_out_of_sight) {
   PoseReport lost = kPose;
   lost.found = false;
   EXPECT_TRUE(encode_vrpn(lost, "T").empty());
 }
 
-TEST(Vrpn, refuses_every_datagram_that_was_cut_off) {
+TEST(Vrpn, refuses_every_truncated_datagram) {
   const auto whole = encode_vrpn(kPose, "T");
   for (std::size_t size = 1; size < whole.size(); ++size) {
     if (size == 32 || size == 32 + 56) continue;  // The cut is between two messages.
@@ -76,7 +76,7 @@ TEST(Vrpn, refuses_every_datagram_that_was_cut_off) {
   }
 }
 
-TEST(PoseReport, is_turned_from_the_axes_of_a_room_to_those_of_the_camera) {
+TEST(PoseReport, is_converted_from_room_axes_to_camera_axes) {
   // To the visitor's right, half a metre up, one metre from the wall; turned to the right by 0.3.
   PoseReport report{1, 1, 1, true, {0.2, 0.5, 1.0}, {std::cos(0.15), 0.0, -std::sin(0.15), 0.0}};
   const auto pose = pose_of(report, TrackerAxes::kRoom);
@@ -89,7 +89,7 @@ TEST(PoseReport, is_turned_from_the_axes_of_a_room_to_those_of_the_camera) {
   EXPECT_TRUE(pose_of(report, TrackerAxes::kRoom)->rotation().isApprox(Eigen::Quaterniond::Identity()));
 }
 
-TEST(PoseReport, is_no_pose_with_numbers_that_are_none) {
+TEST(PoseReport, refuses_numbers_that_are_not_finite) {
   PoseReport report{1, 1, 1, true, {0, 0, 1}, {1, 0, 0, 0}};
   EXPECT_TRUE(pose_of(report, TrackerAxes::kCamera));
   report.rotation[0] = 0.5;

@@ -78,16 +78,16 @@ void expect_followed(const Told& told, double share, double slack) {
   EXPECT_LT(told.lean_jump_rad, 0.15);
 }
 
-class Stories : public testing::TestWithParam<std::size_t> {};
+class VisitorStories : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(Stories, are_followed_without_a_jump) {
+TEST_P(VisitorStories, are_followed_without_a_jump) {
   const VisitorStory story = visitor_stories()[GetParam()];
   SCOPED_TRACE(story.name);
   expect_followed(told(story), 0.9, story.name == "somebody behind" ? 1.6 : 1.0);
 }
-INSTANTIATE_TEST_SUITE_P(, Stories, testing::Range(std::size_t{0}, visitor_stories().size()));
+INSTANTIATE_TEST_SUITE_P(, VisitorStories, testing::Range(std::size_t{0}, visitor_stories().size()));
 
-TEST(BodyTracker, says_nothing_of_an_empty_room_whatever_the_light_does) {
+TEST(BodyTracker, reports_nothing_in_an_empty_room_with_changing_light) {
   const VisitorRoom room(small_lens(), 5);
   BodyTracker tracker;
   for (int i = 0; i < 300; ++i) {
@@ -100,7 +100,7 @@ TEST(BodyTracker, says_nothing_of_an_empty_room_whatever_the_light_does) {
   }
 }
 
-TEST(BodyTracker, lets_go_of_who_leaves) {
+TEST(BodyTracker, loses_a_visitor_who_leaves) {
   VisitorStory story;
   story.visitor.leaves_at_s = 7.0;
   const Told t = told(story, 4.0, 8.5, 11.0);
@@ -108,7 +108,7 @@ TEST(BodyTracker, lets_go_of_who_leaves) {
   EXPECT_GT(t.found, 20);
 }
 
-TEST(BodyTracker, does_not_take_in_who_walks_past) {
+TEST(BodyTracker, ignores_a_person_who_walks_past) {
   const VisitorRoom room(small_lens(), 3);
   BodyTracker tracker;
   for (int i = 0; i < 120; ++i) {
@@ -119,7 +119,7 @@ TEST(BodyTracker, does_not_take_in_who_walks_past) {
   }
 }
 
-TEST(BodyTracker, takes_no_ghost_for_a_visitor) {
+TEST(BodyTracker, does_not_report_a_ghost_where_a_person_has_left) {
   // The room is learned with a person at the mark, who then leaves: the picture there shows the room, but the model
   // contains the person.
   const VisitorRoom room(small_lens(), 3);
@@ -133,7 +133,7 @@ TEST(BodyTracker, takes_no_ghost_for_a_visitor) {
   }
 }
 
-TEST(BodyTracker, is_silent_in_the_dark_and_when_the_lens_is_covered) {
+TEST(BodyTracker, reports_nothing_in_the_dark_or_with_a_covered_lens) {
   const VisitorRoom room(small_lens(), 3, 3.0);
   BodyTracker tracker;
   RenderedLight dark;
@@ -148,7 +148,7 @@ TEST(BodyTracker, is_silent_in_the_dark_and_when_the_lens_is_covered) {
   EXPECT_FALSE(tracker.update(GreyImage(160, 120, 255), room.lens(), at_time(10)));
 }
 
-TEST(BodyTracker, survives_pictures_and_times_of_any_kind) {
+TEST(BodyTracker, survives_arbitrary_pictures_and_times) {
   BodyTracker tracker;
   const Pinhole lens = small_lens();
   std::uint32_t seed = 1;
@@ -172,7 +172,7 @@ TEST(BodyTracker, survives_pictures_and_times_of_any_kind) {
     static_cast<void>(tracker.update(GreyImage(160, 120, 90), lens, at));
 }
 
-TEST(BodyTracker, is_a_function_of_its_pictures) {
+TEST(BodyTracker, is_deterministic) {
   const VisitorRoom room(small_lens(), 3);
   BodyTracker first, second;
   const VisitorStory story;
@@ -189,7 +189,7 @@ TEST(BodyTracker, is_a_function_of_its_pictures) {
   }
 }
 
-TEST(BodyPose, leans_as_the_camera_sees_it) {
+TEST(BodyPose, has_the_lean_that_the_camera_sees) {
   // The visitor's right is the camera's left.
   const auto T = T_camera_body({0.1, 2.0, 0.2, 0.0, 0.0, 0.0});
   const Eigen::Vector3d up = T.rotation() * Eigen::Vector3d(0, -1, 0);

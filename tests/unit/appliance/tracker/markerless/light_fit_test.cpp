@@ -25,17 +25,17 @@ LightGain any_gain() {
   return gain;
 }
 
-TEST(LightFit, finds_the_surface_that_the_light_is) {
+TEST(LightFit, recovers_the_surface_of_the_light) {
   const LightGain fitted = fitted_light(samples_of(any_gain()));
   for (const LogLightSample& s : samples_of(any_gain())) EXPECT_NEAR(fitted.at(s.x, s.y), s.log_ratio, 0.01);
 }
 
-TEST(LightFit, is_not_swayed_by_somebody_in_a_third_of_the_picture) {
+TEST(LightFit, ignores_a_person_in_a_third_of_the_picture) {
   const LightGain fitted = fitted_light(samples_of(any_gain(), 0.35));
   for (double x = -1.0; x < 0.3; x += 0.1) EXPECT_NEAR(fitted.at(x, 0.2), any_gain().at(x, 0.2), 0.05);
 }
 
-TEST(LightFit, says_no_change_without_samples) {
+TEST(LightFit, reports_no_change_without_samples) {
   EXPECT_TRUE(fitted_light({}).coefficients.isZero());
   std::vector<LogLightSample> masked(100, LogLightSample{0.0, 0.0, 1.0, 0.0});
   EXPECT_TRUE(fitted_light(masked).coefficients.isZero());

@@ -14,7 +14,7 @@ Result<FeatureReport> measured(scene::Scene scene, int repetitions = 1,
   return measure_features(renderer.get(), view_from({0, 1, 0}, 32, 16, 0.5, -1.0), repetitions, cancelled);
 }
 
-TEST(Features, are_measured_one_by_one_and_all_together) {
+TEST(Features, are_measured_one_by_one_and_together) {
   for (const int repetitions : {1, 2}) {
     scene::Scene scene = scene_of(square_mesh(4.0f));
     scene.model.lights.push_back(point_light({0, 2, 0}, 1.0f));
@@ -35,7 +35,7 @@ TEST(Features, are_measured_one_by_one_and_all_together) {
   }
 }
 
-TEST(Features, of_a_scene_that_needs_everything_save_nothing) {
+TEST(Features, of_a_scene_that_needs_all_save_nothing) {
   scene::Scene scene = scene_of(square_mesh(4.0f));
   scene.model.textures.emplace_back();
   scene.model.textures[0].pixels = RgbaImage(1, 1, 255);
@@ -47,7 +47,7 @@ TEST(Features, of_a_scene_that_needs_everything_save_nothing) {
   EXPECT_FALSE(report->everything.has_value());
 }
 
-TEST(Features, stop_when_they_are_told_to) {
+TEST(Features, stop_when_cancelled) {
   const auto report = measured(scene_of(square_mesh(4.0f)), 1, [] { return true; });
   ASSERT_FALSE(report.has_value());
   EXPECT_EQ(report.error().code(), ErrorCode::kUnavailable);

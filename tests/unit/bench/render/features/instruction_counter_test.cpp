@@ -8,7 +8,7 @@
 namespace cyclorama::render {
 namespace {
 
-TEST(InstructionCounter, counts_on_or_says_that_this_machine_does_not_count) {
+TEST(InstructionCounter, counts_upwards_or_reports_that_it_is_unavailable) {
   const auto counter = InstructionCounter::open();
   if (!counter) {
     EXPECT_TRUE(counter.error().message().starts_with("counting instructions: "));

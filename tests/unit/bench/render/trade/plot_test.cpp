@@ -36,7 +36,7 @@ TEST(PlotSvg, a_long_axis_has_room_for_its_labels) {
   EXPECT_EQ(count(svg, "r='3'"), 2u);
 }
 
-TEST(PlotSvg, leaves_out_what_has_no_logarithm) {
+TEST(PlotSvg, leaves_out_values_without_a_logarithm) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const std::string svg = plot_svg("t", {plot_of({{1, 2}, {0, 1}, {1, -1}, {kNan, 1}, {1, kInfinite}})});
@@ -44,12 +44,12 @@ TEST(PlotSvg, leaves_out_what_has_no_logarithm) {
   EXPECT_EQ(count(svg, "nan") + count(svg, "inf"), 0u);
 }
 
-TEST(PlotSvg, nothing_to_draw_is_no_fault) {
+TEST(PlotSvg, accepts_an_empty_plot) {
   EXPECT_THAT(plot_svg("t", {plot_of({})}), HasSubstr("</svg>"));
   EXPECT_THAT(plot_svg("t", {}), HasSubstr("</svg>"));
 }
 
-TEST(PlotSvg, text_cannot_break_out) { EXPECT_THAT(plot_svg("a<b & c", {}), HasSubstr("a&lt;b &amp; c")); }
+TEST(PlotSvg, escapes_text) { EXPECT_THAT(plot_svg("a<b & c", {}), HasSubstr("a&lt;b &amp; c")); }
 
 }  // namespace
 }  // namespace cyclorama::render

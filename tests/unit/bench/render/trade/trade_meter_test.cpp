@@ -10,7 +10,7 @@
 namespace cyclorama::render {
 namespace {
 
-/// The inside of a sphere with a soft shadow: light that is noisy, and none that is endless.
+/// A closed sphere with a soft shadow inside: the light is noisy but has a finite variance.
 class TradeMeterTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -51,7 +51,7 @@ class TradeMeterTest : public testing::Test {
   static inline Film reference_;
 };
 
-TEST_F(TradeMeterTest, error_falls_and_rays_grow_with_samples) {
+TEST_F(TradeMeterTest, the_error_falls_and_rays_increase_with_the_samples) {
   const TradePoint few = measured(samples(1));
   const TradePoint many = measured(samples(32));
   EXPECT_LT(many.relmse, 0.1 * few.relmse);
@@ -62,7 +62,7 @@ TEST_F(TradeMeterTest, error_falls_and_rays_grow_with_samples) {
   EXPECT_GT(few.wall_s, 0.0);
 }
 
-TEST_F(TradeMeterTest, a_smaller_picture_is_fewer_rays_and_a_blur) {
+TEST_F(TradeMeterTest, a_smaller_picture_has_fewer_rays_and_is_blurred) {
   PictureQuality small = samples(32);
   small.scale = 0.5;
   const TradePoint half = measured(small);
@@ -72,7 +72,7 @@ TEST_F(TradeMeterTest, a_smaller_picture_is_fewer_rays_and_a_blur) {
   EXPECT_GT(half.shown.flip, full.shown.flip);
 }
 
-TEST_F(TradeMeterTest, the_denoiser_takes_noise_out_and_traces_no_more) {
+TEST_F(TradeMeterTest, the_denoiser_removes_noise_and_traces_no_more_rays) {
   PictureQuality denoised = samples(1);
   denoised.denoise = true;
   const TradePoint smooth = measured(denoised);
@@ -81,7 +81,7 @@ TEST_F(TradeMeterTest, the_denoiser_takes_noise_out_and_traces_no_more) {
   EXPECT_EQ(smooth.rays, noisy.rays);
 }
 
-TEST_F(TradeMeterTest, how_it_is_sent_changes_bytes_and_what_is_shown_but_no_ray) {
+TEST_F(TradeMeterTest, coding_changes_bytes_and_the_decoded_picture_but_no_ray) {
   TradeMeter meter(*renderer_, view(), reference_.mean());
   PictureQuality rough = samples(16);
   rough.jpeg_quality = 20;
@@ -94,14 +94,14 @@ TEST_F(TradeMeterTest, how_it_is_sent_changes_bytes_and_what_is_shown_but_no_ray
   EXPECT_LT(rough_point->shown.psnr_db, fine_point->shown.psnr_db);
 }
 
-TEST_F(TradeMeterTest, stops_when_it_is_told_to) {
+TEST_F(TradeMeterTest, stops_when_cancelled) {
   TradeMeter meter(*renderer_, view(), reference_.mean());
   EXPECT_EQ(meter.measure({"test", samples(1)}, [] { return true; }).error().code(), ErrorCode::kUnavailable);
   EXPECT_FALSE(converged_film(
       *renderer_, view(), [](double) {}, [] { return true; }));
 }
 
-TEST_F(TradeMeterTest, the_film_in_pieces_is_the_film_at_once) {
+TEST_F(TradeMeterTest, a_film_in_pieces_equals_the_film_at_once) {
   const auto pieces = converged_film(
       *renderer_, view(40), [](double) {}, nullptr);
   ASSERT_TRUE(pieces);
@@ -112,7 +112,7 @@ TEST_F(TradeMeterTest, the_film_in_pieces_is_the_film_at_once) {
   }
 }
 
-TEST_F(TradeMeterTest, the_reference_knows_about_its_own_noise) {
+TEST_F(TradeMeterTest, the_reference_estimates_its_own_noise) {
   const auto few = converged_film(
       *renderer_, view(4), [](double) {}, nullptr);
   ASSERT_TRUE(few);

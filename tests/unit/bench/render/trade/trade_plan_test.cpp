@@ -9,7 +9,7 @@
 namespace cyclorama::render {
 namespace {
 
-TEST(TradePlan, has_legal_settings_once_each) {
+TEST(TradePlan, has_valid_settings_without_duplicates) {
   for (const bool quick : {true, false}) {
     const std::vector<PlannedPoint> plan = trade_plan(quick);
     for (std::size_t i = 0; i < plan.size(); ++i) {
@@ -19,7 +19,7 @@ TEST(TradePlan, has_legal_settings_once_each) {
   }
 }
 
-TEST(TradePlan, turns_every_knob) {
+TEST(TradePlan, varies_every_setting) {
   for (const bool quick : {true, false}) {
     std::set<int> samples, bounces, lights, qualities;
     std::set<float> fireflies, adaptive;
@@ -43,7 +43,7 @@ TEST(TradePlan, turns_every_knob) {
   }
 }
 
-TEST(TradePlan, a_knob_alone_differs_from_the_base_by_that_knob) {
+TEST(TradePlan, a_setting_varied_alone_differs_from_the_base_only_in_that) {
   for (const PlannedPoint& point : trade_plan(false)) {
     PictureQuality quality = point.quality;
     const PictureQuality base = trade_base();

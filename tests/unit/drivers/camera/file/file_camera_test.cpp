@@ -69,7 +69,7 @@ TEST_F(FileCameraTest, replays_a_folder_in_the_order_of_names_and_loops) {
   EXPECT_EQ(clock_.now(), start + milliseconds(1000));
 }
 
-TEST_F(FileCameraTest, gives_a_late_caller_the_newest_and_shows_the_gap) {
+TEST_F(FileCameraTest, gives_a_late_caller_the_newest_photo_and_counts_the_gap) {
   for (int i = 0; i < 10; ++i) put_photo("p" + std::to_string(i) + ".png", static_cast<std::uint8_t>(10 * i));
   const auto camera = started(folder_, {10.0, true});
   ASSERT_TRUE(next(camera.get()).has_value());
@@ -80,7 +80,7 @@ TEST_F(FileCameraTest, gives_a_late_caller_the_newest_and_shows_the_gap) {
   EXPECT_EQ(*(*frame)->pixels.at(0, 0), 70);
 }
 
-TEST_F(FileCameraTest, ends_as_an_unplugged_camera_does_when_it_does_not_loop) {
+TEST_F(FileCameraTest, ends_like_an_unplugged_camera_unless_it_loops) {
   put_photo("only.png", 10);
   const auto camera = started(folder_ / "only.png", {10.0, false});
   ASSERT_TRUE(next(camera.get()).has_value());
@@ -92,7 +92,7 @@ TEST_F(FileCameraTest, ends_as_an_unplugged_camera_does_when_it_does_not_loop) {
   }
 }
 
-TEST_F(FileCameraTest, times_out_and_goes_on) {
+TEST_F(FileCameraTest, times_out_and_continues) {
   put_photo("only.png", 10);
   const auto camera = started(folder_, {1.0, true});
   ASSERT_TRUE(next(camera.get()).has_value());
@@ -102,7 +102,7 @@ TEST_F(FileCameraTest, times_out_and_goes_on) {
   EXPECT_TRUE(next(camera.get()).has_value());
 }
 
-TEST_F(FileCameraTest, needs_to_be_started) {
+TEST_F(FileCameraTest, must_be_started) {
   put_photo("only.png", 10);
   auto camera = FileCamera::open(folder_, {}, clock_);
   ASSERT_TRUE(camera.has_value());
@@ -124,7 +124,7 @@ TEST_F(FileCameraTest, fails_on_a_damaged_photo_and_names_it) {
   EXPECT_THAT(broken.error().message(), HasSubstr("b.png"));
 }
 
-TEST_F(FileCameraTest, says_what_is_wrong_with_a_file) {
+TEST_F(FileCameraTest, names_what_is_wrong_with_a_file) {
   put_file("empty.png", "");
   put_file("text.jpg", "hello");
   put_file("cut.mp4", std::string("\0\0\0\x18"
@@ -190,7 +190,7 @@ TEST_F(FileCameraTest, ends_a_video_that_does_not_loop) {
   EXPECT_THAT(ended.error().message(), HasSubstr("has ended"));
 }
 
-TEST_F(FileCameraTest, takes_a_video_that_is_cut_short_or_damaged_or_refuses_it) {
+TEST_F(FileCameraTest, reads_or_refuses_a_truncated_or_damaged_video) {
   CYCLORAMA_SHARED_DATA(video, kVideo);
   const auto whole = read_text_file(video, 1 << 20);
   ASSERT_TRUE(whole.has_value());
@@ -210,7 +210,7 @@ TEST_F(FileCameraTest, takes_a_video_that_is_cut_short_or_damaged_or_refuses_it)
   EXPECT_GT(refused, 0);
 }
 
-TEST_F(FileCameraTest, takes_every_damaged_photo_or_refuses_it_in_words) {
+TEST_F(FileCameraTest, reads_or_refuses_every_damaged_photo) {
   int frames = 0;
   int refusals = 0;
   for (const char* name : {"bad/go_fuzz_jpeg", "bad/go_fuzz_png", "bad/afl_jpeg"}) {

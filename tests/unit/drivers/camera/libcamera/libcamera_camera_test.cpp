@@ -20,7 +20,7 @@ std::size_t open_files() {
   return static_cast<std::size_t>(std::distance(begin, std::filesystem::directory_iterator{}));
 }
 
-TEST(LibcameraCamera, says_that_there_is_no_such_camera_and_leaks_nothing) {
+TEST(LibcameraCamera, reports_a_missing_camera_and_leaks_nothing) {
   const SteadyClock clock;
   std::size_t files = 0;
   for (int i = 0; i < 4; ++i) {
@@ -36,14 +36,14 @@ TEST(LibcameraCamera, says_that_there_is_no_such_camera_and_leaks_nothing) {
   }
 }
 
-TEST(LibcameraCamera, lists_what_there_is) {
+TEST(LibcameraCamera, lists_the_cameras) {
   for (const ListedCamera& camera : list_libcamera_cameras()) {
     EXPECT_TRUE(camera.spec.starts_with("libcamera:"));
     EXPECT_FALSE(camera.name.empty());
   }
 }
 
-TEST(CompletedRequests, hands_over_all_that_is_finished_oldest_first) {
+TEST(CompletedRequests, returns_all_that_is_finished_oldest_first) {
   CompletedRequests<int> completed;
   int first = 1;
   int second = 2;
@@ -54,7 +54,7 @@ TEST(CompletedRequests, hands_over_all_that_is_finished_oldest_first) {
   EXPECT_TRUE(completed.take_before(SteadyClock().now()).empty());
 }
 
-TEST(CompletedRequests, wakes_who_waits_for_a_picture_and_at_the_end) {
+TEST(CompletedRequests, wakes_a_waiting_thread_for_a_picture_and_at_the_end) {
   CompletedRequests<int> completed;
   int request = 1;
   {

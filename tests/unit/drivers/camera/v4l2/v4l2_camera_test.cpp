@@ -42,7 +42,7 @@ bool is_fake_picture(const GreyImage& picture, std::uint32_t sequence) {
   return true;
 }
 
-TEST(V4l2Camera, reads_every_layout_without_a_wrong_pixel) {
+TEST(V4l2Camera, reads_every_layout_exactly) {
   for (const std::uint32_t fourcc :
        {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_NV12, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY, V4L2_PIX_FMT_Y16}) {
     for (const std::uint32_t padding : {0U, 32U}) {
@@ -59,7 +59,7 @@ TEST(V4l2Camera, reads_every_layout_without_a_wrong_pixel) {
   }
 }
 
-TEST(V4l2Camera, decodes_jpegs_where_nothing_else_is_quick_enough) {
+TEST(V4l2Camera, decodes_jpeg_if_nothing_else_is_fast_enough) {
   V4l2CameraOptions options;
   options.preferred = {1280, 720, 30.0};
   Started started(usb_camera(), options);
@@ -71,7 +71,7 @@ TEST(V4l2Camera, decodes_jpegs_where_nothing_else_is_quick_enough) {
   }
 }
 
-TEST(V4l2Camera, takes_the_nearest_of_a_range) {
+TEST(V4l2Camera, takes_the_nearest_size_of_a_range) {
   V4l2CameraOptions options;
   options.preferred = {643, 485, 55.0};
   Started started(grey_camera(), options);
@@ -84,7 +84,7 @@ TEST(V4l2Camera, takes_the_nearest_of_a_range) {
   EXPECT_NEAR(to_milliseconds((*second)->captured_at - (*first)->captured_at), 1000.0 / 55.0, 0.01);
 }
 
-TEST(V4l2Camera, makes_exposure_short_and_steady) {
+TEST(V4l2Camera, sets_a_short_constant_exposure) {
   Started started(usb_camera());
   const auto& controls = started.video.device(0).controls;
   EXPECT_EQ(controls.at(V4L2_CID_EXPOSURE_AUTO).value, V4L2_EXPOSURE_MANUAL);
@@ -92,7 +92,7 @@ TEST(V4l2Camera, makes_exposure_short_and_steady) {
   EXPECT_EQ(controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 50);
 }
 
-TEST(V4l2Camera, reads_colours_when_it_is_asked_for_them_and_holds_their_balance) {
+TEST(V4l2Camera, reads_colours_on_request_and_fixes_the_white_balance) {
   FakeVideoDevice device = usb_camera();
   device.controls[V4L2_CID_AUTO_WHITE_BALANCE] = {0, 1, 1, 1};
   V4l2CameraOptions options;
@@ -117,7 +117,7 @@ TEST(V4l2Camera, reads_colours_when_it_is_asked_for_them_and_holds_their_balance
   }
 }
 
-TEST(V4l2Camera, leaves_exposure_to_the_device_when_told) {
+TEST(V4l2Camera, leaves_exposure_to_the_device_if_configured) {
   V4l2CameraOptions options;
   options.exposure = Duration::zero();
   Started started(usb_camera(), options);
@@ -125,7 +125,7 @@ TEST(V4l2Camera, leaves_exposure_to_the_device_when_told) {
   EXPECT_EQ(started.video.device(0).controls.at(V4L2_CID_EXPOSURE_ABSOLUTE).value, 250);
 }
 
-TEST(V4l2Camera, follows_the_light_with_its_gain_on_the_gain_s_steps) {
+TEST(V4l2Camera, adapts_to_the_light_by_the_steps_of_its_gain) {
   FakeVideoDevice device = usb_camera();
   Started started(device);
   long max = 0;
@@ -137,7 +137,7 @@ TEST(V4l2Camera, follows_the_light_with_its_gain_on_the_gain_s_steps) {
   EXPECT_EQ(max, 0);
 }
 
-TEST(V4l2Camera, says_when_a_picture_was_taken_by_the_kernel_s_stamp) {
+TEST(V4l2Camera, uses_the_kernels_time_stamp) {
   for (const bool is_start : {true, false}) {
     FakeVideoDevice device = usb_camera();
     device.exposure = milliseconds(5);
@@ -157,7 +157,7 @@ TEST(V4l2Camera, says_when_a_picture_was_taken_by_the_kernel_s_stamp) {
   EXPECT_EQ((*frame)->captured_at, started.clock.now());
 }
 
-TEST(V4l2Camera, fails_when_it_is_unplugged_and_comes_back_at_the_same_port) {
+TEST(V4l2Camera, fails_when_unplugged_and_works_again_at_the_same_port) {
   Started started(usb_camera());
   ASSERT_TRUE(started.next().has_value());
   const std::string id = started.camera->id();
@@ -183,7 +183,7 @@ TEST(V4l2Camera, fails_when_it_is_unplugged_and_comes_back_at_the_same_port) {
   EXPECT_TRUE((*again)->next_frame(started.clock.now() + seconds(1)).has_value());
 }
 
-TEST(V4l2Camera, says_that_another_program_holds_it_and_starts_when_that_one_is_gone) {
+TEST(V4l2Camera, reports_another_programs_use_and_starts_when_it_ends) {
   FakeClock clock;
   FakeVideo video({usb_camera()}, &clock);
   video.set_taken(0, true);
@@ -198,7 +198,7 @@ TEST(V4l2Camera, says_that_another_program_holds_it_and_starts_when_that_one_is_
   EXPECT_TRUE((*camera)->next_frame(clock.now() + seconds(1)).has_value());
 }
 
-TEST(V4l2Camera, holds_the_device_alone_and_frees_it_at_stop) {
+TEST(V4l2Camera, locks_the_device_and_releases_it_at_stop) {
   Started started(usb_camera());
   auto second = V4l2Camera::open("", {}, started.clock);
   ASSERT_TRUE(second.has_value());
@@ -207,7 +207,7 @@ TEST(V4l2Camera, holds_the_device_alone_and_frees_it_at_stop) {
   EXPECT_TRUE((*second)->start().has_value());
 }
 
-TEST(V4l2Camera, times_out_when_the_stream_stalls_and_goes_on_when_it_does) {
+TEST(V4l2Camera, times_out_when_the_stream_stalls_and_continues_with_it) {
   Started started(usb_camera());
   ASSERT_TRUE(started.next().has_value());
   started.video.set_stalled(0, true);
@@ -218,7 +218,7 @@ TEST(V4l2Camera, times_out_when_the_stream_stalls_and_goes_on_when_it_does) {
   EXPECT_TRUE(started.next().has_value());
 }
 
-TEST(V4l2Camera, leaves_out_damaged_pictures) {
+TEST(V4l2Camera, drops_damaged_pictures) {
   Started started(usb_camera());
   const auto first = started.next();
   ASSERT_TRUE(first.has_value());
@@ -232,7 +232,7 @@ TEST(V4l2Camera, leaves_out_damaged_pictures) {
   EXPECT_EQ((*whole)->sequence, (*after)->sequence + 3);
 }
 
-TEST(V4l2Camera, says_why_it_is_silent_when_all_pictures_are_damaged) {
+TEST(V4l2Camera, reports_that_all_pictures_are_damaged) {
   Started started(usb_camera());
   started.video.damage(0, 1000);
   const auto none = started.next();
@@ -241,7 +241,7 @@ TEST(V4l2Camera, says_why_it_is_silent_when_all_pictures_are_damaged) {
   EXPECT_THAT(none.error().message(), HasSubstr("damaged"));
 }
 
-TEST(V4l2Camera, fails_when_the_signal_changes_its_shape) {
+TEST(V4l2Camera, fails_when_the_signals_format_changes) {
   FakeVideoDevice grabber = grey_camera();
   grabber.is_grabber = true;
   Started started(grabber);
@@ -254,7 +254,7 @@ TEST(V4l2Camera, fails_when_the_signal_changes_its_shape) {
   EXPECT_EQ(started.video.held(), 1U) << "only the device's file";
 }
 
-TEST(V4l2Camera, waits_for_a_grabber_s_signal) {
+TEST(V4l2Camera, waits_for_a_grabbers_signal) {
   FakeClock clock;
   FakeVideoDevice grabber = grey_camera();
   grabber.is_grabber = true;
@@ -267,7 +267,7 @@ TEST(V4l2Camera, waits_for_a_grabber_s_signal) {
   EXPECT_THAT(dark.error().message(), HasSubstr("no usable signal"));
 }
 
-TEST(V4l2Camera, does_without_what_cheap_devices_lack) {
+TEST(V4l2Camera, works_without_features_that_cheap_devices_lack) {
   FakeVideoDevice plain;
   plain.formats = {{V4L2_PIX_FMT_YUYV, {}}};
   plain.exports_dma_bufs = false;
@@ -281,7 +281,7 @@ TEST(V4l2Camera, does_without_what_cheap_devices_lack) {
   EXPECT_THAT((*exporting)->start().error().message(), HasSubstr("leave out memory=dma_buf"));
 }
 
-TEST(V4l2Camera, tells_what_there_is_instead) {
+TEST(V4l2Camera, names_the_available_devices_in_an_error) {
   FakeClock clock;
   FakeVideoDevice metadata = usb_camera();
   metadata.path = "/dev/video1";
@@ -312,7 +312,7 @@ TEST(V4l2Camera, tells_what_there_is_instead) {
   EXPECT_EQ(video.held(), 0U);
 }
 
-TEST(V4l2Camera, lists_what_it_may_not_open_and_why) {
+TEST(V4l2Camera, lists_devices_that_it_may_not_open_and_why) {
   FakeClock clock;
   FakeVideo video({usb_camera()}, &clock);
   video.fail("open", EACCES);

@@ -50,7 +50,7 @@ class V4l2Faults : public testing::TestWithParam<int> {
   }
 };
 
-TEST_P(V4l2Faults, nothing_leaks_and_the_camera_comes_back_whichever_call_fails) {
+TEST_P(V4l2Faults, leak_nothing_and_the_camera_recovers_whichever_call_fails) {
   std::set<std::string> failed_calls;
   int survived = 0;
   int said = 0;
@@ -105,7 +105,7 @@ std::string name_of_kind(const testing::TestParamInfo<int>& kind) {
 }
 INSTANTIATE_TEST_SUITE_P(EveryDevice, V4l2Faults, testing::Values(0, 1, 2), name_of_kind);
 
-TEST(V4l2Unplugged, at_any_moment_of_a_visit_leaks_nothing) {
+TEST(V4l2Unplugged, leaks_nothing_at_any_moment) {
   for (int pictures = 0; pictures < 5; ++pictures) {
     FakeClock clock;
     FakeVideo video({usb_camera()}, &clock);

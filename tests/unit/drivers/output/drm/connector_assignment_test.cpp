@@ -28,19 +28,19 @@ TEST(HeadPlacement, reads_the_preferred_connector_of_a_head) {
   }
 }
 
-TEST(HeadPlacement, puts_the_named_where_they_belong_even_when_nothing_hangs_there) {
+TEST(HeadPlacement, assigns_named_connectors_even_when_nothing_is_connected) {
   const std::vector<AvailableConnector> seen{{{0, "DP-1"}, true}, {{0, "DP-2"}, false}, {{1, "DP-1"}, true}};
   EXPECT_EQ(assign_connectors(preferences({"DP-2", "1:DP-1", "DP-1"}), seen, {}),
             (Placed{ConnectorId{0, "DP-2"}, ConnectorId{1, "DP-1"}, ConnectorId{0, "DP-1"}}));
 }
 
-TEST(HeadPlacement, gives_the_others_what_is_connected_and_not_named) {
+TEST(HeadPlacement, assigns_unnamed_connected_connectors_to_the_other_heads) {
   const std::vector<AvailableConnector> seen{{{0, "DP-1"}, true}, {{0, "DP-2"}, false}, {{0, "DP-3"}, true}};
   EXPECT_EQ(assign_connectors(preferences({"", "", "DP-1"}), seen, {}),
             (Placed{ConnectorId{0, "DP-3"}, std::nullopt, ConnectorId{0, "DP-1"}}));
 }
 
-TEST(HeadPlacement, never_moves_a_head_that_has_a_place) {
+TEST(HeadPlacement, never_moves_a_head_that_has_a_connector) {
   std::vector<AvailableConnector> seen{{{0, "DP-1"}, false}, {{0, "DP-2"}, true}};
   const Placed first = assign_connectors(preferences({"", ""}), seen, {});
   EXPECT_EQ(first, (Placed{ConnectorId{0, "DP-2"}, std::nullopt}));
@@ -50,7 +50,7 @@ TEST(HeadPlacement, never_moves_a_head_that_has_a_place) {
   EXPECT_EQ(second, (Placed{ConnectorId{0, "DP-2"}, ConnectorId{0, "DP-1"}}));
 }
 
-TEST(HeadPlacement, gives_a_socket_to_one_head_only) {
+TEST(HeadPlacement, assigns_a_connector_to_one_head_only) {
   const std::vector<AvailableConnector> seen{{{0, "DP-1"}, true}};
   EXPECT_EQ(assign_connectors(preferences({"DP-1", "DP-1", ""}), seen, {}),
             (Placed{ConnectorId{0, "DP-1"}, std::nullopt, std::nullopt}));

@@ -84,7 +84,7 @@ TEST_F(DrmOutputTest, counts_refreshes_at_the_projectors_pace) {
   EXPECT_NEAR(to_seconds(presented_.at - first.at), 10.0 / 60.0, 1e-3);
 }
 
-TEST_F(DrmOutputTest, hands_nothing_to_the_card_when_nothing_is_new) {
+TEST_F(DrmOutputTest, commits_nothing_if_nothing_is_new) {
   use({three_projectors()});
   open(three_heads());
   ASSERT_TRUE(refresh(7));
@@ -94,7 +94,7 @@ TEST_F(DrmOutputTest, hands_nothing_to_the_card_when_nothing_is_new) {
   EXPECT_EQ(machine_->commits(0), before);
 }
 
-TEST_F(DrmOutputTest, keeps_a_seconds_pace_while_it_sleeps) {
+TEST_F(DrmOutputTest, keeps_a_pace_of_one_second_while_it_sleeps) {
   use({three_projectors()});
   std::atomic<bool> is_awake{false};
   DrmOptions options = three_heads();
@@ -106,7 +106,7 @@ TEST_F(DrmOutputTest, keeps_a_seconds_pace_while_it_sleeps) {
 }
 
 /// Uses a picture with distinct corners in every rotation; rows of the result count from the top.
-TEST_F(DrmOutputTest, turns_a_heads_picture) {
+TEST_F(DrmOutputTest, rotates_a_heads_picture) {
   const auto corners = [&](Rotation rotation) {
     output_.reset();
     FakeCard card = three_projectors();
@@ -145,7 +145,7 @@ TEST_F(DrmOutputTest, turns_a_heads_picture) {
   EXPECT_THAT(corners(Rotation::kThreeQuarters), ElementsAre(P(35, 63), P(35, 0), P(0, 0), P(0, 63)));
 }
 
-TEST_F(DrmOutputTest, shows_every_8_bit_value_unchanged_through_10_bits) {
+TEST_F(DrmOutputTest, shows_every_8_bit_value_unchanged_with_10_bits) {
   FakeCard card = three_projectors();
   for (FakeConnector& connector : card.connectors) {
     connector.edid = fake_edid("deep", 10);
@@ -161,7 +161,7 @@ TEST_F(DrmOutputTest, shows_every_8_bit_value_unchanged_through_10_bits) {
   }
 }
 
-TEST_F(DrmOutputTest, is_not_deeper_than_cable_projector_and_card) {
+TEST_F(DrmOutputTest, is_no_deeper_than_cable_projector_and_card_allow) {
   FakeCard card = three_projectors();
   card.connectors[0].edid = fake_edid("shallow", 8);
   card.connectors[0].max_bpc = 12;
@@ -198,7 +198,7 @@ TEST_F(DrmOutputTest, flips_the_heads_of_two_cards_and_draws_on_the_first) {
   EXPECT_EQ(machine_->held(), 0U);
 }
 
-TEST_F(DrmOutputTest, scales_to_what_another_projector_takes) {
+TEST_F(DrmOutputTest, scales_to_the_mode_of_another_projector) {
   FakeCard card = three_projectors();
   card.connectors[1].modes = {fake_mode(32, 18, 60.0, true)};
   card.connectors[2].modes.clear();
@@ -212,7 +212,7 @@ TEST_F(DrmOutputTest, scales_to_what_another_projector_takes) {
   EXPECT_THAT(seen(2), ElementsAre(3, 2, 0));
 }
 
-TEST_F(DrmOutputTest, takes_lesser_modes_where_the_card_cannot_feed_all) {
+TEST_F(DrmOutputTest, uses_smaller_modes_if_the_card_lacks_bandwidth) {
   FakeCard card = three_projectors();
   for (FakeConnector& connector : card.connectors) connector.modes.push_back(fake_mode(16, 9, 60.0));
   const std::uint64_t full = fake_mode(64, 36, 60.0).clock;
@@ -226,7 +226,7 @@ TEST_F(DrmOutputTest, takes_lesser_modes_where_the_card_cannot_feed_all) {
   EXPECT_THAT(seen(2), ElementsAre(3, 2, 0));
 }
 
-TEST_F(DrmOutputTest, gives_a_projector_that_comes_back_its_picture_without_being_drawn_again) {
+TEST_F(DrmOutputTest, shows_the_last_picture_on_a_projector_that_comes_back) {
   use({three_projectors()});
   open(three_heads());
   ASSERT_TRUE(refresh(40));
@@ -249,7 +249,7 @@ TEST_F(DrmOutputTest, gives_a_projector_that_comes_back_its_picture_without_bein
   EXPECT_THAT(seen(1), ElementsAre(41, 1, 0));
 }
 
-TEST_F(DrmOutputTest, does_nothing_to_the_screens_when_an_event_changes_nothing) {
+TEST_F(DrmOutputTest, does_not_touch_the_screens_when_an_event_changes_nothing) {
   use({three_projectors()});
   open(three_heads());
   ASSERT_TRUE(refresh(1));
@@ -259,7 +259,7 @@ TEST_F(DrmOutputTest, does_nothing_to_the_screens_when_an_event_changes_nothing)
   EXPECT_EQ(machine_->modesets(0), before);
 }
 
-TEST_F(DrmOutputTest, starts_without_projectors_and_lights_them_when_they_come) {
+TEST_F(DrmOutputTest, starts_without_projectors_and_uses_them_when_they_appear) {
   FakeCard card = three_projectors();
   for (FakeConnector& connector : card.connectors) connector.is_connected = false;
   use({card});
@@ -274,7 +274,7 @@ TEST_F(DrmOutputTest, starts_without_projectors_and_lights_them_when_they_come) 
   EXPECT_THAT(seen(0), ElementsAre(99, 0, 0));
 }
 
-TEST_F(DrmOutputTest, looks_by_itself_where_nobody_tells_of_changes) {
+TEST_F(DrmOutputTest, polls_if_there_are_no_hot_plug_events) {
   FakeCard card = three_projectors();
   card.connectors[0].is_connected = false;
   use({card});
@@ -285,7 +285,7 @@ TEST_F(DrmOutputTest, looks_by_itself_where_nobody_tells_of_changes) {
   EXPECT_THAT(seen(0), ElementsAre(50, 0, 0));
 }
 
-TEST_F(DrmOutputTest, waits_for_another_program_to_give_the_card_back) {
+TEST_F(DrmOutputTest, waits_until_another_program_releases_the_card) {
   use({three_projectors()});
   open(three_heads());
   ASSERT_TRUE(refresh(1));
@@ -296,7 +296,7 @@ TEST_F(DrmOutputTest, waits_for_another_program_to_give_the_card_back) {
   for (std::size_t head = 0; head < 3; ++head) EXPECT_THAT(seen(head), ElementsAre(77, static_cast<int>(head), 0));
 }
 
-TEST_F(DrmOutputTest, is_lost_with_the_graphics_processor_and_a_new_one_shows_again) {
+TEST_F(DrmOutputTest, is_lost_when_the_gpu_is_reset_and_a_new_one_shows_again) {
   use({three_projectors()});
   open(three_heads());
   ASSERT_TRUE(refresh(1));
@@ -311,7 +311,7 @@ TEST_F(DrmOutputTest, is_lost_with_the_graphics_processor_and_a_new_one_shows_ag
   EXPECT_THAT(seen(1), ElementsAre(2, 1, 0));
 }
 
-TEST_F(DrmOutputTest, keeps_pace_on_a_card_without_a_raster) {
+TEST_F(DrmOutputTest, keeps_pace_on_a_card_without_vertical_blanks) {
   FakeCard card = three_projectors();
   card.has_raster = false;
   use({card});
@@ -323,7 +323,7 @@ TEST_F(DrmOutputTest, keeps_pace_on_a_card_without_a_raster) {
   EXPECT_EQ(presented_.refresh, first.refresh + 60);
 }
 
-TEST_F(DrmOutputTest, refuses_connectors_and_cards_that_cannot_be) {
+TEST_F(DrmOutputTest, refuses_invalid_connectors_and_cards) {
   use({three_projectors()});
   const auto error_of = [&](auto change) {
     DrmOptions options = three_heads();
@@ -341,7 +341,7 @@ TEST_F(DrmOutputTest, refuses_connectors_and_cards_that_cannot_be) {
   EXPECT_THAT(busy.message(), HasSubstr("belongs to another display server"));
 }
 
-TEST_F(DrmOutputTest, holds_nothing_whichever_call_fails) {
+TEST_F(DrmOutputTest, leaks_nothing_whichever_call_fails) {
   use({three_projectors()});
   open(three_heads());
   output_.reset();

@@ -19,7 +19,7 @@ std::vector<std::uint8_t> with_checksum(std::vector<std::uint8_t> bytes) {
   return bytes;
 }
 
-TEST(Edid, tells_who_the_projector_is_and_how_deep_its_colours_are) {
+TEST(Edid, names_the_projector_and_its_colour_depth) {
   const auto edid = parse_edid(fake_edid("EB-L1755U", 10));
   ASSERT_TRUE(edid) << edid.error().message();
   EXPECT_EQ(edid->maker, "CYC");
@@ -29,7 +29,7 @@ TEST(Edid, tells_who_the_projector_is_and_how_deep_its_colours_are) {
   EXPECT_EQ(edid->text(), "CYC EB-L1755U");
 }
 
-TEST(Edid, reads_every_depth_and_an_absent_one) {
+TEST(Edid, reads_every_depth_and_a_missing_one) {
   for (const int bits : {0, 6, 8, 10, 12, 14, 16}) EXPECT_EQ(parse_edid(fake_edid("x", bits))->colour_bits, bits);
   std::vector<std::uint8_t> older = fake_edid("x", 10);
   older[19] = 3;  // Version 1.3 has no such field.
@@ -39,7 +39,7 @@ TEST(Edid, reads_every_depth_and_an_absent_one) {
   EXPECT_EQ(parse_edid(with_checksum(analogue))->colour_bits, 0);
 }
 
-TEST(Edid, makes_printable_text_of_whatever_a_projector_sends) {
+TEST(Edid, returns_printable_text_for_any_bytes) {
   std::vector<std::uint8_t> bytes = fake_edid("x", 8);
   bytes[8] = bytes[9] = 0xff;
   for (std::size_t i = 0; i < 13; ++i) bytes[54 + 5 + i] = 0x1b;
@@ -49,13 +49,13 @@ TEST(Edid, makes_printable_text_of_whatever_a_projector_sends) {
   EXPECT_EQ(edid->model, "?????????????");
 }
 
-TEST(Edid, names_the_product_where_there_is_no_model) {
+TEST(Edid, names_the_product_if_there_is_no_model) {
   std::vector<std::uint8_t> bytes = fake_edid("x", 8);
   bytes[54 + 3] = 0x10;
   EXPECT_EQ(parse_edid(with_checksum(bytes))->text(), "CYC 1234");
 }
 
-TEST(Edid, refuses_what_is_none) {
+TEST(Edid, refuses_invalid_data) {
   const auto message_of = [](const std::vector<std::uint8_t>& bytes) {
     const auto edid = parse_edid(bytes);
     EXPECT_FALSE(edid);

@@ -20,25 +20,25 @@ std::string best(std::vector<drmModeModeInfo> offered, ModePreference preferred)
   return texts(std::move(offered), preferred).front();
 }
 
-TEST(ModeChoice, takes_the_wished_size_at_the_nearest_rate) {
+TEST(ModeChoice, takes_the_requested_size_at_the_nearest_rate) {
   const std::vector<drmModeModeInfo> offered{fake_mode(3840, 2160, 60.0, true), fake_mode(1920, 1200, 50.0),
                                              fake_mode(1920, 1200, 60.0), fake_mode(1920, 1080, 60.0)};
   EXPECT_EQ(best(offered, {1920, 1200, 60.0}), "1920x1200@60.00");
   EXPECT_EQ(best(offered, {1920, 1200, 48.0}), "1920x1200@50.00");
 }
 
-TEST(ModeChoice, falls_back_to_what_the_projector_prefers_then_to_the_largest_then_to_what_all_take) {
+TEST(ModeChoice, falls_back_to_the_preferred_then_the_largest_then_a_common_mode) {
   const std::vector<drmModeModeInfo> offered{fake_mode(800, 600, 60.0), fake_mode(1600, 1200, 60.0),
                                              fake_mode(1280, 800, 60.0, true)};
   EXPECT_THAT(texts(offered, {1920, 1200, 60.0}),
               ElementsAre("1280x800@60.00", "1600x1200@60.00", "800x600@60.00", "1024x768@60.00"));
 }
 
-TEST(ModeChoice, takes_what_all_take_when_nothing_is_offered) {
+TEST(ModeChoice, takes_a_common_mode_when_none_is_listed) {
   EXPECT_THAT(texts({}, {1920, 1200, 60.0}), ElementsAre("1024x768@60.00"));
 }
 
-TEST(ModeChoice, leaves_out_what_cannot_show_whole_pictures) {
+TEST(ModeChoice, leaves_out_interlaced_stereo_and_invalid_modes) {
   drmModeModeInfo interlaced = fake_mode(1920, 1080, 60.0, true);
   interlaced.flags |= DRM_MODE_FLAG_INTERLACE;
   drmModeModeInfo stereo = fake_mode(1920, 1080, 60.0);
@@ -48,12 +48,12 @@ TEST(ModeChoice, leaves_out_what_cannot_show_whole_pictures) {
   EXPECT_THAT(texts({interlaced, stereo, impossible}, {1920, 1080, 60.0}), ElementsAre("1024x768@60.00"));
 }
 
-TEST(ModeChoice, takes_broadcasts_rate_for_sixty_and_prefers_the_projectors_own_timing) {
+TEST(ModeChoice, accepts_59_94_for_60_hz_and_prefers_the_projectors_own_timing) {
   drmModeModeInfo broadcast = fake_mode(1920, 1080, 59.94, true);
   EXPECT_EQ(best({fake_mode(1920, 1080, 60.0), broadcast}, {1920, 1080, 60.0}), "1920x1080@59.94");
 }
 
-TEST(ModeChoice, gives_few_and_each_once) {
+TEST(ModeChoice, returns_few_modes_without_duplicates) {
   std::vector<drmModeModeInfo> offered;
   for (int n = 0; n < 100; ++n) offered.push_back(fake_mode(640 + 8 * (n / 2), 480, 60.0));
   const auto modes = modes_to_try(offered, {1920, 1080, 60.0});

@@ -12,12 +12,12 @@ namespace {
 using Crtcs = std::vector<std::optional<std::size_t>>;
 using ::testing::ElementsAre;
 
-TEST(PipePlan, gives_way_so_that_everybody_gets_one) {
+TEST(PipePlan, reassigns_crtcs_so_that_every_connector_gets_one) {
   const std::vector<std::uint32_t> possible{0b11, 0b01};
   EXPECT_THAT(assign_crtcs(possible), ElementsAre(1, 0));
 }
 
-TEST(PipePlan, leaves_the_last_one_dark_where_there_are_too_few) {
+TEST(PipePlan, leaves_the_last_connectors_dark_if_there_are_too_few) {
   const std::vector<std::uint32_t> possible{0b11, 0b11, 0b11};
   const Crtcs assigned = assign_crtcs(possible);
   EXPECT_TRUE(assigned[0] && assigned[1] && *assigned[0] != *assigned[1]);
@@ -25,7 +25,7 @@ TEST(PipePlan, leaves_the_last_one_dark_where_there_are_too_few) {
   EXPECT_THAT(assign_crtcs(std::vector<std::uint32_t>{0, 1U << 31}), ElementsAre(std::nullopt, 31));
 }
 
-TEST(PipePlan, keeps_what_each_has_unless_another_would_go_dark) {
+TEST(PipePlan, keeps_assignments_unless_another_connector_would_go_dark) {
   const std::vector<std::uint32_t> possible{0b111, 0b111};
   EXPECT_THAT(assign_crtcs(possible, Crtcs{2, 1}), ElementsAre(2, 1));
   const std::vector<std::uint32_t> narrow{0b111, 0b100};
@@ -34,13 +34,13 @@ TEST(PipePlan, keeps_what_each_has_unless_another_would_go_dark) {
   EXPECT_TRUE(moved[0] && *moved[0] != 2);
 }
 
-TEST(PipePlan, believes_nothing_impossible_of_what_was) {
+TEST(PipePlan, ignores_impossible_previous_assignments) {
   const std::vector<std::uint32_t> possible{0b01, 0b01};
   EXPECT_THAT(assign_crtcs(possible, Crtcs{77, 1}), ElementsAre(0, std::nullopt));
 }
 
 /// Tests all possibilities of three connectors with three CRTCs.
-TEST(PipePlan, lights_as_many_as_can_be) {
+TEST(PipePlan, lights_as_many_as_possible) {
   for (std::uint32_t all = 0; all < 512; ++all) {
     const std::vector<std::uint32_t> possible{all & 7, all >> 3 & 7, all >> 6 & 7};
     std::size_t max = 0;

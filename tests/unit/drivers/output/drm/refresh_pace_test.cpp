@@ -10,7 +10,7 @@ using std::chrono::milliseconds;
 
 const TimePoint kStart(std::chrono::seconds(100));
 
-TEST(RefreshPace, counts_by_time_so_that_a_gap_shows_what_was_missed) {
+TEST(RefreshPace, counts_by_time_so_that_missed_refreshes_show) {
   RefreshPace pace(100.0, kStart);
   pace.shown(kStart + milliseconds(10), true);
   EXPECT_EQ(pace.number(), 1U);
@@ -21,7 +21,7 @@ TEST(RefreshPace, counts_by_time_so_that_a_gap_shows_what_was_missed) {
   EXPECT_GT(pace.shown_at(), kStart + milliseconds(41));
 }
 
-TEST(RefreshPace, begins_as_late_as_the_slowest_picture_allows) {
+TEST(RefreshPace, starts_drawing_as_late_as_the_slowest_picture_allows) {
   RefreshPace pace(50.0, kStart);
   pace.drawn(milliseconds(4));
   pace.drawn(milliseconds(1));
@@ -32,7 +32,7 @@ TEST(RefreshPace, begins_as_late_as_the_slowest_picture_allows) {
   EXPECT_EQ(pace.begin_at(), kStart + milliseconds(40) - milliseconds(1) - std::chrono::microseconds(2500));
 }
 
-TEST(RefreshPace, begins_earlier_after_a_miss_and_eases_off_again) {
+TEST(RefreshPace, starts_earlier_after_a_miss_and_returns_gradually) {
   RefreshPace pace(50.0, kStart);
   TimePoint at = kStart;
   pace.shown(at += milliseconds(20), true);
@@ -45,7 +45,7 @@ TEST(RefreshPace, begins_earlier_after_a_miss_and_eases_off_again) {
   EXPECT_EQ(pace.next_at() - pace.begin_at(), before);
 }
 
-TEST(RefreshPace, waits_for_the_refresh_itself_where_flips_do_not) {
+TEST(RefreshPace, waits_for_the_refresh_if_flips_do_not) {
   RefreshPace pace(50.0, kStart);
   pace.shown(kStart + milliseconds(20), false);
   EXPECT_EQ(pace.begin_at(), kStart + milliseconds(40));

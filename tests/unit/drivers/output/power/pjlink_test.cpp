@@ -26,7 +26,7 @@ TEST(Pjlink, switches_on_and_off) {
   EXPECT_THAT(fake.heard(), ElementsAre("%1POWR 1", "%1POWR 0"));
 }
 
-TEST(Pjlink, asks_how_it_is) {
+TEST(Pjlink, requests_the_state) {
   for (const auto& [digit, power] :
        {std::pair("0", ProjectorPower::kOff), std::pair("1", ProjectorPower::kOn),
         std::pair("2", ProjectorPower::kCooling), std::pair("3", ProjectorPower::kWarming)}) {
@@ -40,7 +40,7 @@ TEST(Pjlink, asks_how_it_is) {
 }
 
 // Example from section 5.2 of the specification: 498e4a67 and JBMIAProjectorLink.
-TEST(Pjlink, proves_that_it_knows_the_password) {
+TEST(Pjlink, authenticates_with_the_password) {
   const FakeProjector fake("PJLINK 1 498e4a67\r", [](const std::string& line) {
     return line.starts_with("5d8409bc1c3fa39749434aa3a5c38682%1POWR") ? "%1POWR=1\r" : "PJLINK ERRA\r";
   });
@@ -52,7 +52,7 @@ TEST(Pjlink, proves_that_it_knows_the_password) {
   EXPECT_THAT(query_power(at(fake), kTimeout).error().message(), HasSubstr("wants a password"));
 }
 
-TEST(Pjlink, tells_what_a_projector_refuses) {
+TEST(Pjlink, reports_what_a_projector_refuses) {
   const auto code = [](const char* line) { return pjlink::parse_power(line).error().code(); };
   EXPECT_EQ(code("%1POWR=ERR1"), ErrorCode::kBadData);
   EXPECT_EQ(code("%1POWR=ERR3"), ErrorCode::kUnavailable);
@@ -63,14 +63,14 @@ TEST(Pjlink, tells_what_a_projector_refuses) {
   EXPECT_EQ(pjlink::parse_answer("%1POWR=" + std::string(1000, 'x')).error().code(), ErrorCode::kBadData);
 }
 
-TEST(Pjlink, knows_who_does_not_speak_it) {
+TEST(Pjlink, detects_peers_of_another_protocol) {
   for (const char* wrong : {"", "PJLINK", "PJLINK 2", "PJLINK 1 ", "PJLINK 1 498e4a6", "PJLINK 1 498e4a6g", "SSH-2.0"})
     EXPECT_EQ(pjlink::authorise(wrong, "x").error().code(), ErrorCode::kBadData) << wrong;
   const FakeProjector endless(std::string(1000, 'x'), [](const std::string&) { return ""; });
   EXPECT_EQ(query_power(at(endless), kTimeout).error().code(), ErrorCode::kBadData);
 }
 
-TEST(Pjlink, gives_up_on_one_that_is_silent_or_gone) {
+TEST(Pjlink, times_out_on_a_silent_or_missing_projector) {
   const FakeProjector silent("", [](const std::string&) { return ""; });
   const auto asked = query_power(at(silent), milliseconds(30));
   ASSERT_FALSE(asked);

@@ -9,7 +9,7 @@ namespace {
 using enum ProjectorPower;
 constexpr std::optional<bool> kNothing;
 
-TEST(ProjectorDuty, switches_what_is_not_as_it_should_be_until_it_is) {
+TEST(ProjectorDuty, switches_a_projector_until_it_is_in_the_required_state) {
   ProjectorDuty duty;
   EXPECT_EQ(duty.next(true, kOff), true);
   EXPECT_EQ(duty.next(true, kOff), true);  // The command was lost.
@@ -20,14 +20,14 @@ TEST(ProjectorDuty, switches_what_is_not_as_it_should_be_until_it_is) {
   EXPECT_EQ(duty.next(false, kOff), kNothing);
 }
 
-TEST(ProjectorDuty, knows_after_a_restart_in_the_middle_what_to_do) {
+TEST(ProjectorDuty, works_after_a_restart_at_any_moment) {
   EXPECT_EQ(ProjectorDuty().next(true, kOff), true);
   EXPECT_EQ(ProjectorDuty().next(false, kOn), false);
   EXPECT_EQ(ProjectorDuty().next(true, kOn), kNothing);
   EXPECT_EQ(ProjectorDuty().next(false, kOff), kNothing);
 }
 
-TEST(ProjectorDuty, waits_for_one_that_goes_the_other_way) {
+TEST(ProjectorDuty, waits_for_one_that_is_changing_to_the_opposite_state) {
   ProjectorDuty duty;
   EXPECT_EQ(duty.next(true, kCooling), kNothing);
   EXPECT_EQ(duty.next(true, kOff), true);
@@ -35,7 +35,7 @@ TEST(ProjectorDuty, waits_for_one_that_goes_the_other_way) {
   EXPECT_EQ(duty.next(false, kOn), false);
 }
 
-TEST(ProjectorDuty, leaves_alone_who_was_switched_by_hand_until_the_hours_change) {
+TEST(ProjectorDuty, respects_manual_switching_until_the_hours_change) {
   ProjectorDuty duty;
   duty.next(true, kOn);
   for (int n = 0; n < 5; ++n) EXPECT_EQ(duty.next(true, kOff), kNothing);
@@ -46,7 +46,7 @@ TEST(ProjectorDuty, leaves_alone_who_was_switched_by_hand_until_the_hours_change
   EXPECT_EQ(duty.next(false, kOn), false);
 }
 
-TEST(ProjectorDuty, makes_one_right_that_was_without_power) {
+TEST(ProjectorDuty, switches_one_that_was_without_power) {
   ProjectorDuty duty;
   duty.next(true, kOn);
   EXPECT_EQ(duty.next(true, std::nullopt), kNothing);

@@ -21,7 +21,7 @@ struct Watched {
   }
 };
 
-TEST(ProjectorReport, is_silent_about_a_lamp_that_does_as_it_should) {
+TEST(ProjectorReport, reports_nothing_about_a_lamp_that_works) {
   Watched watched;
   EXPECT_EQ(watched.after(0s, false, kOff).level, Level::kOk);
   EXPECT_EQ(watched.after(20s, true, kOff).level, Level::kOk) << "the museum opened this moment";
@@ -33,7 +33,7 @@ TEST(ProjectorReport, is_silent_about_a_lamp_that_does_as_it_should) {
   EXPECT_EQ(watched.after(20s, false, kCooling).level, Level::kOk);
 }
 
-TEST(ProjectorReport, tells_of_a_lamp_that_is_off_while_the_museum_is_open) {
+TEST(ProjectorReport, reports_a_lamp_that_is_off_while_the_museum_is_open) {
   Watched watched;
   watched.after(0s, true, kOn);
   EXPECT_EQ(watched.after(20s, true, kOff).level, Level::kOk);
@@ -46,7 +46,7 @@ TEST(ProjectorReport, tells_of_a_lamp_that_is_off_while_the_museum_is_open) {
   EXPECT_EQ(watched.after(100s, false, kOn).level, Level::kWarning);
 }
 
-TEST(ProjectorReport, tells_of_one_that_never_gets_there) {
+TEST(ProjectorReport, reports_a_lamp_that_never_reaches_its_state) {
   Watched watched;
   watched.after(0s, true, kWarming);
   EXPECT_EQ(watched.after(10min, true, kWarming).level, Level::kWarning);
@@ -54,7 +54,7 @@ TEST(ProjectorReport, tells_of_one_that_never_gets_there) {
   EXPECT_EQ(watched.after(10min, false, kCooling).level, Level::kWarning);
 }
 
-TEST(ProjectorReport, tells_why_one_is_not_switched) {
+TEST(ProjectorReport, reports_why_a_lamp_is_not_switched) {
   for (const auto& [code, words] : {std::pair(ErrorCode::kUnavailable, "does not answer"),
                                     {ErrorCode::kInvalidArgument, "password"},
                                     {ErrorCode::kBadData, "no projector"},
@@ -66,7 +66,7 @@ TEST(ProjectorReport, tells_why_one_is_not_switched) {
   }
 }
 
-TEST(ProjectorReport, passes_on_what_the_projector_tells_of_itself) {
+TEST(ProjectorReport, passes_on_the_projectors_own_warnings) {
   const auto errors = pjlink::parse_errors("%1ERST=020010");
   ASSERT_TRUE(errors);
   const ProjectorReport report = ProjectorReporter().see({true, kOn, *errors}, TimePoint{});

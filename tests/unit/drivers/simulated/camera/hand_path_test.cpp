@@ -40,7 +40,7 @@ TEST(HandPath, holds_still_between_equal_keys_and_never_overshoots) {
   }
 }
 
-TEST(HandPath, is_smooth_also_across_the_loop) {
+TEST(HandPath, is_smooth_across_the_loop) {
   const HandPath path = HandPath::demo();
   const double step = 1e-3;
   double fastest = 0.0;
@@ -66,7 +66,7 @@ TEST(HandPath, repeats_after_its_loop_and_for_times_before_its_start) {
   }
 }
 
-TEST(HandPath, holds_its_ends_when_it_does_not_loop) {
+TEST(HandPath, keeps_its_ends_unless_it_loops) {
   const HandPath path = path_of({key(1, 0.0), key(2, 0.5)}, std::nullopt);
   EXPECT_EQ(x_at(path, -100), 0.0);
   EXPECT_EQ(x_at(path, 100), 0.5);
@@ -75,13 +75,13 @@ TEST(HandPath, holds_its_ends_when_it_does_not_loop) {
   EXPECT_EQ(x_at(lone, 9), 0.7);
 }
 
-TEST(HandPath, answers_a_time_that_is_not_finite) {
+TEST(HandPath, has_a_pose_for_a_time_that_is_not_finite) {
   for (const double t : {kNan, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
     EXPECT_TRUE(HandPath::demo().at(t).translation().allFinite());
   }
 }
 
-TEST(HandPath, turns_the_tag_s_face_to_the_holder_s_right) {
+TEST(HandPath, turns_the_tags_face_to_the_visitors_right) {
   // The visitor faces the camera, so their right is -x; the face looks along -z of the tag.
   const HandPath path = path_of({key(0, 0.0, 0.3)}, std::nullopt);
   const Eigen::Vector3d face = path.at(0).rotation() * -Eigen::Vector3d::UnitZ();
@@ -89,7 +89,7 @@ TEST(HandPath, turns_the_tag_s_face_to_the_holder_s_right) {
   EXPECT_LT(face.z(), -0.9);
 }
 
-TEST(HandPath, refuses_what_is_no_movement) {
+TEST(HandPath, refuses_invalid_movements) {
   EXPECT_FALSE(HandPath::make({}, std::nullopt).has_value());
   EXPECT_FALSE(HandPath::make({key(0, kNan)}, std::nullopt).has_value());
   EXPECT_FALSE(HandPath::make({key(kNan, 0)}, std::nullopt).has_value());

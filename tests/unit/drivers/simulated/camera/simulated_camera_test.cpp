@@ -28,14 +28,14 @@ Simulation plain() {
   return simulation;
 }
 
-TEST(SimulatedView, is_the_same_picture_for_the_same_number_and_another_for_the_next) {
+TEST(SimulatedView, is_the_same_for_the_same_number_and_differs_for_the_next) {
   const SimulatedView one{Simulation{}};
   const SimulatedView two{Simulation{}};
   EXPECT_EQ(one.picture(17), two.picture(17));
   EXPECT_NE(one.picture(17), one.picture(18));
 }
 
-TEST(SimulatedView, adds_noise_of_the_deviation_that_was_asked_for) {
+TEST(SimulatedView, adds_noise_of_the_requested_deviation) {
   Simulation simulation = plain();
   simulation.path = still_at({0.0, 0.0, -1.0});  // Behind the camera, so that only the backdrop is visible.
   simulation.noise_grey = 4.0;
@@ -85,7 +85,7 @@ TEST(SimulatedView, blurs_motion_over_the_exposure) {
   EXPECT_GT(greys_between(SimulatedView(simulation).picture(15)), sharp + 3);
 }
 
-TEST(SimulatedView, survives_any_pose_and_size) {
+TEST(SimulatedView, survives_arbitrary_poses_and_sizes) {
   for (const Eigen::Vector3d& position : std::initializer_list<Eigen::Vector3d>{
            {0, 0, 0}, {0, 0, 1e-9}, {0, 0, 0.01}, {50, 50, 0.001}, {0, 0, 100}, {0, 0, -5}, {-100, 100, 100}}) {
     for (const auto& [width, height] : {std::pair{1, 1}, std::pair{3, 700}, std::pair{320, 240}}) {
@@ -102,7 +102,7 @@ TEST(SimulatedView, survives_any_pose_and_size) {
   EXPECT_FALSE(SimulatedView(edge_on).picture(0).empty());
 }
 
-TEST(SimulatedCamera, gives_each_picture_when_its_exposure_ends) {
+TEST(SimulatedCamera, delivers_each_picture_when_its_exposure_ends) {
   FakeClock clock;
   Simulation simulation = plain();
   simulation.frames_per_second = 10.0;

@@ -15,7 +15,7 @@ std::string mistake_in(const std::string& text) {
   return simulation ? "" : simulation.error().message();
 }
 
-TEST(Simulation, is_the_demo_when_nothing_is_said) {
+TEST(Simulation, is_the_demo_by_default) {
   const auto simulation = Simulation::parse("", "hand.toml");
   ASSERT_TRUE(simulation.has_value()) << simulation.error().message();
   EXPECT_EQ(simulation->lens.width_px, 640);

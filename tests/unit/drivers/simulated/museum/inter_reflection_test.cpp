@@ -30,7 +30,7 @@ double flux(const InterReflection& walls, const InterReflection::Light& light, s
 }
 
 // The integrating sphere: light that enters is reflected until it is absorbed, E = E0 rho / (1 - rho), uniformly.
-TEST(InterReflection, in_a_whole_sphere_is_the_integrating_spheres) {
+TEST(InterReflection, agrees_with_the_integrating_sphere) {
   const TrueWall wall = sphere(2.0 * kPi);
   const WallCells cells(wall, 300);
   const InterReflection walls(wall, cells, {0.3, 0.6, 0.9});
@@ -47,7 +47,7 @@ TEST(InterReflection, in_a_whole_sphere_is_the_integrating_spheres) {
 }
 
 // The form factor of a spherical cap to itself is its share of the sphere's area.
-TEST(InterReflection, in_a_cap_is_the_caps_part_of_the_sphere) {
+TEST(InterReflection, of_a_cap_is_its_share_of_the_sphere) {
   const TrueWall wall = sphere(0.5 * kPi);
   const WallCells cells(wall, 200);
   const InterReflection walls(wall, cells, {0.8, 0.8, 0.8});
@@ -58,7 +58,7 @@ TEST(InterReflection, in_a_cap_is_the_caps_part_of_the_sphere) {
 
 // Two squares with a common edge at a right angle exchange 0.20004 of their light. Source: Howell, "A Catalog of
 // Radiation Heat Transfer Configuration Factors", C-14.
-TEST(InterReflection, across_a_corner_is_the_closed_form) {
+TEST(InterReflection, across_a_corner_has_the_closed_form) {
   const TrueWall wall =
       wall_of(PlanesWall{{WallRectangle::above({-2, 0}, {0, 0}, 0, 2), WallRectangle::above({0, 0}, {0, 2}, 0, 2)}});
   const WallCells cells(wall, 400);
@@ -71,7 +71,7 @@ TEST(InterReflection, across_a_corner_is_the_closed_form) {
   EXPECT_NEAR(exchanged / 4.0, 0.20004, 0.004);
 }
 
-TEST(InterReflection, keeps_energy_on_every_wall) {
+TEST(InterReflection, conserves_energy_on_every_wall) {
   for (const TrueWall& wall : {sphere(1.6), cylinder(), corner(), wall_of(CylinderWall{2.0, 6.2, 0.0, 3.0})}) {
     const WallCells cells(wall, 250);
     const std::array<double, 3> albedo{0.9, 0.5, 0.0};
@@ -98,7 +98,7 @@ TEST(InterReflection, keeps_energy_on_every_wall) {
   }
 }
 
-TEST(InterReflection, solves_what_bouncing_again_and_again_adds_up_to) {
+TEST(InterReflection, equals_the_sum_over_repeated_bounces) {
   const TrueWall wall = corner();
   const WallCells cells(wall, 120);
   const InterReflection walls(wall, cells, {0.7, 0.7, 0.7});
@@ -118,7 +118,7 @@ TEST(InterReflection, solves_what_bouncing_again_and_again_adds_up_to) {
   for (std::size_t i = 0; i < cells.count(); ++i) EXPECT_NEAR(indirect[i][0], arriving[i], 1e-4);
 }
 
-TEST(WallCells, shares_sum_to_one_and_give_back_a_plane) {
+TEST(WallCells, interpolation_weights_sum_to_one_and_reproduce_a_plane) {
   for (const TrueWall& wall : {cylinder(), corner()}) {
     const WallCells cells(wall, 80);
     std::vector<double> values(cells.count());

@@ -30,7 +30,7 @@ INSTANTIATE_TEST_SUITE_P(All, Presets, ::testing::ValuesIn(preset_names()), [](c
   return name;
 });
 
-TEST_P(Presets, twenty_seeds_are_twenty_rooms_that_can_be_made) {
+TEST_P(Presets, are_valid_rooms_for_twenty_seeds) {
   std::vector<std::string> texts;
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     const auto preset = small_preset(GetParam(), seed);
@@ -44,7 +44,7 @@ TEST_P(Presets, twenty_seeds_are_twenty_rooms_that_can_be_made) {
 }
 
 // Without overlap no calibration could align the projectors.
-TEST_P(Presets, projectors_light_most_of_the_wall_and_overlap) {
+TEST_P(Presets, light_most_of_the_wall_with_overlap) {
   for (std::uint32_t seed = 0; seed < 5; ++seed) {
     const Preset preset = *small_preset(GetParam(), seed);
     const TrueMuseum museum = *TrueMuseum::make(preset.installation, preset.truth);
@@ -75,7 +75,7 @@ TEST_P(Presets, projectors_light_most_of_the_wall_and_overlap) {
   }
 }
 
-TEST_P(Presets, the_truth_comes_back_from_its_file) {
+TEST_P(Presets, truth_survives_a_round_trip) {
   const Preset preset = *small_preset(GetParam(), 7);
   std::string folder = ::testing::TempDir() + "/preset.XXXXXX";
   ASSERT_NE(::mkdtemp(folder.data()), nullptr);
@@ -106,7 +106,7 @@ TEST_P(Presets, the_truth_comes_back_from_its_file) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(PresetWalls, the_not_quite_cylinder_has_the_radii_that_were_measured) {
+TEST(PresetWalls, the_uneven_cylinder_has_the_measured_radii) {
   for (std::uint32_t seed = 0; seed < 50; ++seed) {
     const Preset preset = *small_preset("not-quite-cylinder", seed);
     const TrueWall wall = *TrueWall::make(preset.truth.wall, preset.truth.T_room_wall, preset.truth.deviation);
@@ -122,7 +122,7 @@ TEST(PresetWalls, the_not_quite_cylinder_has_the_radii_that_were_measured) {
   }
 }
 
-TEST(PresetWalls, a_tilted_cylinder_leans_and_a_plain_one_does_not) {
+TEST(PresetWalls, only_the_tilted_cylinder_leans) {
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     const Preset leaning = *small_preset("tilted", seed);
     const Eigen::Vector3d axis = leaning.truth.T_room_wall.rotation() * Eigen::Vector3d::UnitY();
@@ -133,7 +133,7 @@ TEST(PresetWalls, a_tilted_cylinder_leans_and_a_plain_one_does_not) {
   }
 }
 
-TEST(PresetWalls, what_is_no_museum_is_refused_with_what_there_is) {
+TEST(PresetWalls, refuses_an_unknown_preset_and_lists_the_known_ones) {
   const auto none = make_preset("pyramid", 1);
   ASSERT_FALSE(none);
   EXPECT_NE(none.error().message().find("cylinder126"), std::string::npos);
@@ -142,7 +142,7 @@ TEST(PresetWalls, what_is_no_museum_is_refused_with_what_there_is) {
   EXPECT_FALSE(make_preset("plane", 1, options));
 }
 
-TEST(MuseumTruth, mistakes_in_its_file_are_named_with_their_line) {
+TEST(MuseumTruth, names_the_line_of_a_mistake) {
   std::string text = small_preset("plane", 1)->truth.text();
   text.insert(text.find("bits = ") + 7, "9");  // 98 or 912.
   const auto wrong = MuseumTruth::parse(text, "it");

@@ -77,7 +77,7 @@ GreyPhotograph photograph(const Room& room, const RgbImage& picture, double expo
 
 // --- Geometry ---
 
-TEST(SimulatedMuseum, a_pixel_lands_where_both_lenses_distortion_takes_it) {
+TEST(SimulatedMuseum, images_a_pixel_through_both_distorted_lenses) {
   Room room;
   const TrueLens projector(room.installation.projectors[0].lens, {-0.12, 0.03, 0.0}, {0.002, -0.001});
   const TrueLens camera(Pinhole::from_field_of_view(400, 300, 50.0 * kPi / 180.0), {-0.2, 0.05, 0.0}, {-0.001, 0.002});
@@ -110,7 +110,7 @@ TEST(SimulatedMuseum, lens_shift_moves_the_picture_and_keeps_it_rectangular) {
   EXPECT_NEAR(0.5 * (corner(0, 0).y() + corner(0, 180).y()) - 1.6, 0.4 * height, 1e-9);
 }
 
-TEST(SimulatedMuseum, scoring_finds_the_way_back_from_every_place) {
+TEST(SimulatedMuseum, scoring_inverts_the_projection_everywhere) {
   Room room;
   room.truth.projectors[0].lens = TrueLens(room.installation.projectors[0].lens, {-0.1, 0.02, 0.0}, {0.001, 0.001});
   const TrueMuseum museum = room.light();
@@ -125,7 +125,7 @@ TEST(SimulatedMuseum, scoring_finds_the_way_back_from_every_place) {
   }
 }
 
-TEST(SimulatedMuseum, the_turntable_turns_about_an_axis_that_misses_the_camera_and_leans) {
+TEST(SimulatedMuseum, turns_the_camera_about_a_leaning_axis_beside_it) {
   Room room;
   const Eigen::Quaterniond leaning(Eigen::AngleAxisd(0.03, Eigen::Vector3d(0.6, 0.0, 0.8)));
   room.truth.turntable.T_room_turntable = {leaning, {0.02, 1.5, -0.01}};
@@ -147,7 +147,7 @@ TEST(SimulatedMuseum, the_turntable_turns_about_an_axis_that_misses_the_camera_a
   EXPECT_GT((museum.camera_pose(0.3).rotation() * Eigen::Vector3d::UnitZ()).x(), 0.2);
 }
 
-TEST(SimulatedMuseum, the_turntable_errs_as_its_gear_does) {
+TEST(SimulatedMuseum, the_turntable_has_the_errors_of_its_gear) {
   Room room;
   room.truth.turntable.scale_error = 0.001;
   room.truth.turntable.wobble_rad = 0.002;
@@ -181,7 +181,7 @@ TEST(SimulatedMuseum, the_turntable_errs_as_its_gear_does) {
 
 // On a wall that faces it, a projector whose pixels all have the same flux falls off by its vignetting alone: the loss
 // of a tilted ray by distance and slope equals the gain by its pixels' density in angle.
-TEST(SimulatedMuseum, vignetting_is_the_power_of_the_cosine) {
+TEST(SimulatedMuseum, vignetting_is_a_power_of_the_cosine) {
   for (const double exponent : {0.0, 4.0}) {
     Room room;
     room.truth.projectors[0].vignetting_exponent = exponent;
@@ -195,7 +195,7 @@ TEST(SimulatedMuseum, vignetting_is_the_power_of_the_cosine) {
   }
 }
 
-TEST(SimulatedMuseum, the_cameras_own_vignetting_is_the_power_of_the_cosine) {
+TEST(SimulatedMuseum, the_cameras_own_vignetting_is_a_power_of_the_cosine) {
   Room room;
   room.truth.ambient_lux = {100.0, 100.0, 100.0};
   room.truth.camera.vignetting_exponent = 4.0;
@@ -209,7 +209,7 @@ TEST(SimulatedMuseum, the_cameras_own_vignetting_is_the_power_of_the_cosine) {
   }
 }
 
-TEST(SimulatedMuseum, all_lumens_arrive_whatever_the_distortion) {
+TEST(SimulatedMuseum, all_lumens_reach_the_wall_for_any_distortion) {
   for (const double k1 : {0.0, -0.15, 0.2}) {
     Room room;
     room.truth.projectors[0].lens = TrueLens(room.installation.projectors[0].lens, {k1, 0.0, 0.0});
@@ -230,7 +230,7 @@ TEST(SimulatedMuseum, all_lumens_arrive_whatever_the_distortion) {
   }
 }
 
-TEST(SimulatedMuseum, cells_get_the_light_that_the_wall_gets) {
+TEST(SimulatedMuseum, wall_cells_receive_the_walls_light) {
   Room room;
   room.truth.cells = 300;
   const TrueMuseum museum = room.light();
@@ -274,7 +274,7 @@ TEST(SimulatedMuseum, a_photograph_shows_the_true_radiance) {
   }
 }
 
-TEST(SimulatedMuseum, light_of_two_pictures_adds_up_and_black_leaks) {
+TEST(SimulatedMuseum, light_of_two_pictures_adds_up_with_their_black_levels) {
   Room room;
   room.truth.projectors[0].black = {0.001, 0.002, 0.003};
   room.truth.projectors[0].response[1] = {2.2, 0.0, 1.0, 0.0};
@@ -311,7 +311,7 @@ double spread(const Room& room, int column) {
   return second / sum - first / sum * (first / sum);
 }
 
-TEST(SimulatedMuseum, blurs_add_in_variance) {
+TEST(SimulatedMuseum, variances_of_blurs_add_up) {
   Room room;
   room.truth.camera.lens = TrueLens(Pinhole::from_field_of_view(800, 300, 45.0 * kPi / 180.0));
   room.truth.projectors[0].blur_px = 0.5;
@@ -348,7 +348,7 @@ TEST(SimulatedMuseum, a_rolling_shutter_sees_a_change_row_by_row) {
   }
 }
 
-TEST(SimulatedMuseum, a_global_shutter_that_is_early_sees_the_picture_before) {
+TEST(SimulatedMuseum, a_global_shutter_that_is_early_sees_the_previous_picture) {
   Room room;
   room.truth.projectors[0].latency_s = 0.05;
   SimulatedMuseum museum = room.museum();
@@ -363,7 +363,7 @@ TEST(SimulatedMuseum, a_global_shutter_that_is_early_sees_the_picture_before) {
 
 // --- Errors and determinism ---
 
-TEST(SimulatedMuseum, the_same_calls_give_the_same_photographs_on_any_threads) {
+TEST(SimulatedMuseum, is_deterministic_for_any_number_of_threads) {
   Room room;
   room.truth.camera.has_shot_noise = true;
   room.truth.cells = 60;
@@ -380,7 +380,7 @@ TEST(SimulatedMuseum, the_same_calls_give_the_same_photographs_on_any_threads) {
   EXPECT_EQ(seen[0], seen[2]);
 }
 
-TEST(SimulatedMuseum, refuses_what_cannot_be) {
+TEST(SimulatedMuseum, refuses_impossible_requests) {
   Room room;
   SimulatedMuseum museum = room.museum();
   EXPECT_FALSE(museum.show(1, white()));
@@ -395,7 +395,7 @@ TEST(SimulatedMuseum, refuses_what_cannot_be) {
   EXPECT_FALSE(SimulatedMuseum::make(behind.installation, behind.truth));
 }
 
-TEST(SimulatedMuseum, eight_bits_of_any_camera_run_from_0_to_255) {
+TEST(SimulatedMuseum, eight_bit_pictures_of_any_camera_range_from_0_to_255) {
   GreyPhotograph photograph(3, 1);
   *photograph.at(1, 0) = 2048;
   *photograph.at(2, 0) = 4095;

@@ -41,7 +41,7 @@ double mean(const GreyImage& picture) {
   return sum / static_cast<double>(picture.data().size());
 }
 
-TEST(SimulatedShow, sees_what_the_turntables_camera_sees_from_the_same_place) {
+TEST(SimulatedShow, agrees_with_the_turntables_camera_in_the_same_pose) {
   const Preset preset = small_preset();
   auto museum = SimulatedMuseum::make(preset.installation, preset.truth);
   ASSERT_TRUE(museum);
@@ -62,7 +62,7 @@ TEST(SimulatedShow, sees_what_the_turntables_camera_sees_from_the_same_place) {
   EXPECT_GT(mean(fixed), 10.0);
 }
 
-TEST(SimulatedShow, a_visitor_hides_and_shades_and_goes_again) {
+TEST(SimulatedShow, a_visitor_hides_and_shades_the_wall_until_removed) {
   const Preset preset = small_preset();
   auto museum = SimulatedMuseum::make(preset.installation, preset.truth);
   SimulatedShow show = show_of(preset, museum->truth().camera_pose(0.0));
@@ -74,7 +74,7 @@ TEST(SimulatedShow, a_visitor_hides_and_shades_and_goes_again) {
   EXPECT_NEAR(mean(*show.photograph(0, 0.02)), free, 0.01 * free);
 }
 
-TEST(SimulatedShow, a_projector_that_is_moved_lights_elsewhere_once_it_shows_again) {
+TEST(SimulatedShow, a_displaced_projector_lights_another_part_once_it_shows_again) {
   const Preset preset = small_preset();
   auto museum = SimulatedMuseum::make(preset.installation, preset.truth);
   SimulatedShow show = show_of(preset, museum->truth().camera_pose(0.0));

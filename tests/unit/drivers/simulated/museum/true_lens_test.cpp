@@ -10,14 +10,14 @@ namespace {
 
 const Pinhole kPinhole{1920, 1080, 1500.0, 980.0, 300.0};
 
-TEST(TrueLens, without_distortion_is_the_pinhole) {
+TEST(TrueLens, without_distortion_it_is_a_pinhole) {
   const TrueLens lens(kPinhole);
   const Eigen::Vector3d point(0.3, -0.1, 2.0);
   EXPECT_LT((*lens.pixel_of(point) - *kPinhole.pixel_of(point)).norm(), 1e-12);
   EXPECT_FALSE(lens.pixel_of({0.1, 0.1, -1.0}));
 }
 
-TEST(TrueLens, moves_a_known_point_as_opencv_does) {
+TEST(TrueLens, agrees_with_opencv_for_a_known_point) {
   // cv2.projectPoints of (0.4, 0.3, 1), f = 1500, c = (979.5, 299.5), k1 k2 p1 p2 k3 = -0.1 0.02 0.001 -0.002 0.005,
   // whose first pixel's centre is (0, 0). Computed by hand: r^2 = 0.25, radial 0.976328125,
   // x = 0.4 * 0.976328125 + 2 * 0.001 * 0.12 - 0.002 * (0.25 + 0.32) = 0.38963125,
@@ -28,7 +28,7 @@ TEST(TrueLens, moves_a_known_point_as_opencv_does) {
   EXPECT_NEAR(pixel.y(), 300.0 + 1500.0 * 0.2928484375, 1e-9);
 }
 
-TEST(TrueLens, its_derivative_is_that_of_differences) {
+TEST(TrueLens, has_the_derivative_of_differences) {
   const TrueLens lens(kPinhole, {-0.1, 0.02, 0.005}, {0.001, -0.002});
   constexpr double kStep = 1e-6;
   for (const Eigen::Vector2d& at :
@@ -43,7 +43,7 @@ TEST(TrueLens, its_derivative_is_that_of_differences) {
 }
 
 // Guards against a fixed number of iterations: each pixel is inverted to within 1e-9, or has no ray.
-TEST(TrueLens, each_pixel_comes_back_or_has_no_ray) {
+TEST(TrueLens, every_pixel_is_inverted_or_has_no_ray) {
   for (const double k1 : {-0.5, -0.3, -0.1, 0.0, 0.2, 0.8}) {
     for (const double k2 : {-0.1, 0.0, 0.15}) {
       const TrueLens lens(kPinhole, {k1, k2, 0.0}, {0.0005, -0.0008});
@@ -69,7 +69,7 @@ TEST(TrueLens, each_pixel_comes_back_or_has_no_ray) {
   }
 }
 
-TEST(TrueLens, sees_nothing_beyond_where_it_turns_back) {
+TEST(TrueLens, images_nothing_beyond_its_turning_point) {
   const TrueLens lens(kPinhole, {-0.4, 0.0, 0.0});
   const double turning = std::sqrt(1.0 / 1.2);  // 1 + 3 k1 r^2 = 0
   EXPECT_NEAR(lens.max_tangent(), turning, 1e-9);

@@ -58,7 +58,7 @@ TEST(TrueSensor, noise_has_the_mean_and_variance_of_shot_and_read_noise) {
   }
 }
 
-TEST(TrueSensor, a_camera_without_noise_gives_the_response_rounded) {
+TEST(TrueSensor, without_noise_it_rounds_the_response) {
   for (const int bits : {8, 10, 12, 16}) {
     TrueCamera camera = linear_camera();
     camera.bits = bits;
@@ -79,7 +79,7 @@ TEST(TrueSensor, a_camera_without_noise_gives_the_response_rounded) {
   }
 }
 
-TEST(TrueSensor, the_same_stream_has_the_same_noise_and_another_has_another) {
+TEST(TrueSensor, equal_streams_have_equal_noise_and_others_differ) {
   TrueCamera camera = linear_camera();
   camera.read_noise_e = 50.0;
   const TrueSensor sensor(camera);
@@ -94,7 +94,7 @@ TEST(TrueSensor, the_same_stream_has_the_same_noise_and_another_has_another) {
 }
 
 // Correlated noise of neighbours would act as blur.
-TEST(TrueSensor, neighbours_noise_is_independent) {
+TEST(TrueSensor, noise_is_independent_between_neighbours) {
   TrueCamera camera = linear_camera();
   camera.read_noise_e = 200.0;
   const TrueSensor sensor(camera);

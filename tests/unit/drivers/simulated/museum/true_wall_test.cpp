@@ -26,7 +26,7 @@ std::vector<TrueWall> walls_with(const WallDeviation& deviation) {
           *TrueWall::make(kDome, kStays, deviation)};
 }
 
-TEST(TrueWall, without_relief_is_the_wall_of_the_installation) {
+TEST(TrueWall, without_deviation_agrees_with_the_installations_wall) {
   for (const Wall& shape : {Wall(kCylinder), Wall(kDome)}) {
     const TrueWall wall = *TrueWall::make(shape, kStays, {});
     for (double across = -1.0; across <= 1.0; across += 0.13) {
@@ -42,7 +42,7 @@ TEST(TrueWall, without_relief_is_the_wall_of_the_installation) {
 }
 
 // A ray must meet the surface at the position given by the surface's own coordinates.
-TEST(TrueWall, a_ray_to_a_place_of_the_wall_meets_it_there) {
+TEST(TrueWall, a_ray_to_a_point_of_the_wall_hits_it) {
   const Eigen::Vector3d eye(0.3, 1.5, 0.2);
   for (const WallDeviation& deviation : {WallDeviation(), some_deviation()}) {
     for (const TrueWall& wall : walls_with(deviation)) {
@@ -61,7 +61,7 @@ TEST(TrueWall, a_ray_to_a_place_of_the_wall_meets_it_there) {
   }
 }
 
-TEST(TrueWall, its_normal_is_that_of_three_near_places) {
+TEST(TrueWall, its_normal_agrees_with_three_nearby_points) {
   for (const TrueWall& wall : walls_with(some_deviation())) {
     constexpr double kStep = 1e-5;
     const Eigen::Vector3d eye(0.0, 1.6, 0.0);
@@ -74,7 +74,7 @@ TEST(TrueWall, its_normal_is_that_of_three_near_places) {
   }
 }
 
-TEST(TrueWall, a_grazing_ray_over_bumps_meets_the_first_one) {
+TEST(TrueWall, a_grazing_ray_hits_the_first_of_several_bumps) {
   WallDeviation deviation;
   deviation.bumps = {{0.2, -1.0, 0.0, 0.15}};
   const PlanesWall plane{{WallRectangle::facing({Eigen::Vector3d(0.0, 1.6, -4.0)}, 0.0, 0.0, 6.0, 2.4)}};
@@ -86,7 +86,7 @@ TEST(TrueWall, a_grazing_ray_over_bumps_meets_the_first_one) {
   EXPECT_NEAR(met->point.xyz.z(), -4.0 + deviation.at(met->point.xyz.x(), 0.0).m, 1e-6);
 }
 
-TEST(TrueWall, moves_as_a_whole) {
+TEST(TrueWall, moves_rigidly) {
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.05, Eigen::Vector3d(1.0, 0.2, 0.3).normalized()));
   const RigidTransform<frame::Room, frame::Room> moved(turned, {0.1, -0.05, 0.02});
   const TrueWall there = *TrueWall::make(kCylinder, moved, some_deviation());
@@ -99,13 +99,13 @@ TEST(TrueWall, moves_as_a_whole) {
   EXPECT_LT(((moved * a->point).xyz - b->point.xyz).norm(), 1e-9);
 }
 
-TEST(TrueWall, its_area_is_that_of_the_shape) {
+TEST(TrueWall, has_the_area_of_its_shape) {
   const double whole = TrueWall::make(kDome, kStays, {})->area_m2({0, 0, 0}, {0, 1, 1});
   EXPECT_NEAR(whole, 2.0 * std::numbers::pi * 16.0 * (1.0 - std::cos(0.8)), 1e-9);
   EXPECT_NEAR(TrueWall::make(kCylinder, kStays, {})->area_m2({0, 0, 0}, {0, 1, 1}), 4.3 * 2.2 * 2.2, 1e-9);
 }
 
-TEST(TrueWall, refuses_what_it_cannot_be) {
+TEST(TrueWall, refuses_an_impossible_shape) {
   const PlanesWall corner{{WallRectangle::above({-3, 0}, {0, -3}, 0, 2), WallRectangle::above({0, -3}, {3, 0}, 0, 2)}};
   EXPECT_TRUE(TrueWall::make(corner, kStays, {}));
   EXPECT_FALSE(TrueWall::make(corner, kStays, some_deviation()));

@@ -61,7 +61,7 @@ TEST_F(RoomPictureTest, a_projector_lights_only_its_own_part) {
   EXPECT_EQ(room_.radiance_at(far_left, std::vector{off_, grey_})[1], 0.0f);
 }
 
-TEST_F(RoomPictureTest, a_lit_pixel_lands_where_its_ray_meets_the_wall) {
+TEST_F(RoomPictureTest, a_lit_pixel_appears_where_its_ray_meets_the_wall) {
   RgbImage dot(320, 240, 0);
   for (int c = 0; c < 3; ++c) dot.at(200, 100)[c] = 255;
   const InstalledProjector& left = installation_.projectors[0];
@@ -72,7 +72,7 @@ TEST_F(RoomPictureTest, a_lit_pixel_lands_where_its_ray_meets_the_wall) {
   EXPECT_NEAR(room_.radiance_at(*met, std::vector{dot, off_})[2], 0.9f, 1e-3f);
 }
 
-TEST_F(RoomPictureTest, a_dark_room_is_dark_and_a_lit_one_glows_on_the_floor) {
+TEST_F(RoomPictureTest, a_dark_room_is_black_and_a_lit_wall_lights_the_floor) {
   const RgbImage dark = room_.photograph(std::vector{off_, off_});
   const RgbImage lit = room_.photograph(std::vector{RgbImage(320, 240, 255), RgbImage(320, 240, 255)});
   EXPECT_LT(*std::max_element(dark.data().begin(), dark.data().end()), 40);

@@ -6,7 +6,7 @@
 namespace cyclorama::simulated {
 namespace {
 
-TEST(StereoGlasses, let_through_each_eyes_part_over_the_whole_field) {
+TEST(StereoGlasses, pass_each_eyes_part_over_the_whole_field) {
   RgbImage head(6, 4);
   for (int y = 0; y < 4; ++y) {
     for (int x = 0; x < 6; ++x) head.at(x, y)[0] = static_cast<std::uint8_t>(10 * y + x);

@@ -26,12 +26,12 @@ Pose standing_at(double right_m, double distance_m, double head_to_the_right_m) 
   return {Eigen::Quaterniond(rotation), {-right_m, 0.0, distance_m}};
 }
 
-TEST(BodySteering, rests_at_the_mark_and_through_fidgeting) {
+TEST(BodySteering, rests_at_the_mark_and_ignores_fidgeting) {
   EXPECT_TRUE(body_command(standing_at(0, 2.0, 0), {}).is_rest());
   EXPECT_TRUE(body_command(standing_at(0.1, 2.1, 0.05), {}).is_rest());
 }
 
-TEST(BodySteering, turns_to_where_one_leans_slides_to_where_one_steps_walks_to_where_one_goes) {
+TEST(BodySteering, turns_by_leaning_slides_by_stepping_aside_and_walks_by_stepping_forward) {
   EXPECT_GT(body_command(standing_at(0, 2.0, 0.2), {}).turn, 0.3);
   EXPECT_LT(body_command(standing_at(0, 2.0, -0.2), {}).turn, -0.3);
   EXPECT_GT(body_command(standing_at(0.35, 2.0, 0), {}).right, 0.3);
@@ -41,7 +41,7 @@ TEST(BodySteering, turns_to_where_one_leans_slides_to_where_one_steps_walks_to_w
   EXPECT_EQ(body_command(standing_at(0, 1.6, 0), {}).turn, 0.0);
 }
 
-TEST(BodySteering, stays_within_bounds_wherever_the_body_is) {
+TEST(BodySteering, stays_within_bounds_for_any_pose_of_the_body) {
   for (const double far : {-1e9, -3.0, 3.0, 1e9, std::numeric_limits<double>::quiet_NaN()}) {
     const SteeringCommand command = body_command(Pose(Eigen::Quaterniond::Identity(), {far, far, far}), {});
     EXPECT_LE(std::hypot(command.forward, command.right), 1.0 + 1e-12);
@@ -57,7 +57,7 @@ PoseSeen seen_by(std::uint64_t tracker, std::uint64_t sequence, bool body, const
   return seen;
 }
 
-TEST(BodySteering, gives_way_to_a_wand_and_does_not_take_from_one) {
+TEST(BodySteering, gives_control_to_a_wand_and_never_takes_it_from_one) {
   const NavigationSettings settings;
   TimePoint now(100s);
   VisitWalk walk = after({}, SceneOpened{"plain", {}}, now, settings);

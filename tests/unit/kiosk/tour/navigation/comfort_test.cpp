@@ -74,7 +74,7 @@ Shown visit(std::uint64_t seed, double scale, Duration step, int steps, bool odd
   return shown;
 }
 
-TEST(Comfort, is_kept_for_whatever_a_hand_does) {
+TEST(Comfort, holds_for_arbitrary_hand_movements) {
   for (const double scale : {1.0, 0.02, 25.0}) {
     for (const bool odd_stamps : {false, true}) {
       SCOPED_TRACE(scale);
@@ -92,7 +92,7 @@ TEST(Comfort, is_kept_for_whatever_a_hand_does) {
   }
 }
 
-TEST(Comfort, is_not_reached_by_a_hand_that_holds_still) {
+TEST(Comfort, its_limits_are_not_reached_by_a_hand_at_rest) {
   NavigationSettings settings;
   settings.guide_after = Duration::zero();
   VisitWalk walk;
@@ -114,7 +114,7 @@ TEST(Comfort, is_not_reached_by_a_hand_that_holds_still) {
   EXPECT_EQ(walk.navigation.walker.heading_rad, before.heading_rad);
 }
 
-TEST(Comfort, slows_down_towards_a_wall_instead_of_running_into_it) {
+TEST(Comfort, slows_down_before_a_wall) {
   const auto area = area_of({{-5, -5}, {5, -5}, {5, 5}, {-5, 5}});
   Walker walker;
   ViewMeter meter(1.0);
@@ -129,7 +129,7 @@ TEST(Comfort, slows_down_towards_a_wall_instead_of_running_into_it) {
   EXPECT_LE(meter.peaks().jerk_m_per_s3, 1.5 * kComfort.jerk_m_per_s3);
 }
 
-TEST(Comfort, slides_along_a_wall_at_the_speed_that_is_left) {
+TEST(Comfort, slides_along_a_wall_at_the_remaining_speed) {
   const auto area = area_of({{-50, -5}, {50, -5}, {50, 5}, {-50, 5}});
   Walker walker;
   walker.heading_rad = std::numbers::pi / 4;  // To the right and ahead, towards the wall.
@@ -141,7 +141,7 @@ TEST(Comfort, slides_along_a_wall_at_the_speed_that_is_left) {
   EXPECT_NEAR(velocity.y(), 0.0, 0.01);
 }
 
-TEST(Comfort, does_not_bump_into_a_wall_when_it_glides_to_rest_beside_it_while_turning) {
+TEST(Comfort, does_not_jerk_when_coming_to_rest_beside_a_wall_while_turning) {
   const auto area = area_of({{-50, -5}, {50, -5}, {50, 5}, {-50, 5}});
   Walker walker;
   walker.position_m = {-20, -4.5};
@@ -161,7 +161,7 @@ TEST(Comfort, does_not_bump_into_a_wall_when_it_glides_to_rest_beside_it_while_t
   EXPECT_LE(meter.peaks().acceleration_m_per_s2, kComfort.acceleration_m_per_s2 + 1e-6);
 }
 
-TEST(ApproachSpeed, can_be_stopped_and_has_no_corner) {
+TEST(ApproachSpeed, allows_stopping_in_time_and_is_smooth) {
   double before = 0.0;
   for (double distance = 0.0; distance < 2.0; distance += 1e-3) {
     const double speed = approach_speed(distance, 1.0);

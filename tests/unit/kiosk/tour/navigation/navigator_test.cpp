@@ -55,7 +55,7 @@ struct Walk {
     ASSERT_LE(std::abs(after.heading_rad - before.heading_rad), limits.turn_rad_per_s * seconds + 1e-9);
     ASSERT_LE(std::abs(after.turn_rate_rad_per_s - before.turn_rate_rad_per_s),
               limits.turn_acceleration_rad_per_s2 * seconds + 1e-6);
-    // Only a wall may stop faster than the limit, or lead along itself; nothing may accelerate faster.
+    // Walls may slow the walker down faster than the limit, or deflect it; nothing may accelerate it faster.
     ASSERT_LE(after.velocity_m_per_s.norm() - before.velocity_m_per_s.norm(),
               std::numbers::sqrt2 * limits.acceleration_m_per_s2 * seconds + 1e-6);
     if (site.area) {
@@ -85,7 +85,7 @@ struct Walk {
   }
 };
 
-TEST(Navigator, walks_where_the_visitor_looks) {
+TEST(Navigator, walks_in_the_direction_of_view) {
   Walk walk;
   walk.site.start.heading_rad = walk.state.walker.heading_rad = std::numbers::pi / 2;  // To the right: along +x.
   walk.hold(tag_at(0, 0.5, 0), 2s);
@@ -94,7 +94,7 @@ TEST(Navigator, walks_where_the_visitor_looks) {
   EXPECT_NEAR(walk.state.walker.position_m.y(), 0.0, 1e-9);
 }
 
-TEST(Navigator, turns_right_with_a_pattern_that_points_right) {
+TEST(Navigator, turns_right_with_a_tag_that_points_right) {
   Walk walk;
   walk.hold(tag_at(0, 1, 0.6), 1s);
   EXPECT_GT(walk.state.walker.heading_rad, 0.3);
@@ -102,7 +102,7 @@ TEST(Navigator, turns_right_with_a_pattern_that_points_right) {
   EXPECT_LT(walk.state.walker.turn_rate_rad_per_s, -0.5);
 }
 
-TEST(Navigator, glides_to_rest_within_a_second_of_losing_the_tag) {
+TEST(Navigator, comes_to_rest_within_a_second_after_the_tag_is_lost) {
   Walk walk;
   walk.hold(tag_at(-0.5, 0.3, 0.8), 1500ms);
   EXPECT_GT(walk.state.walker.velocity_m_per_s.norm(), 0.8);
@@ -113,7 +113,7 @@ TEST(Navigator, glides_to_rest_within_a_second_of_losing_the_tag) {
   EXPECT_EQ(walk.state.steering_source, SteeringSource::kNobody);
 }
 
-TEST(Navigator, does_not_feel_a_missed_picture) {
+TEST(Navigator, is_not_affected_by_one_missed_picture) {
   Walk walk;
   walk.hold(tag_at(0, 0.3, 0), 1s);
   const double speed = walk.state.walker.velocity_m_per_s.norm();
@@ -129,7 +129,7 @@ TEST(Navigator, does_not_jump_when_the_tag_is_found_again) {
   }
 }
 
-TEST(Navigator, lets_keys_win_while_they_are_pressed_and_forgets_them_after_300_ms) {
+TEST(Navigator, prefers_keys_while_they_are_pressed_and_forgets_them_after_300_ms) {
   Walk walk;
   walk.hold(tag_at(0, 0.4, 0), 500ms);
   for (int i = 0; i < 10; ++i) {
@@ -153,7 +153,7 @@ TEST(Navigator, stops_when_the_connection_of_the_keys_is_lost) {
   EXPECT_TRUE(walk.state.walker.is_at_rest());
 }
 
-TEST(Navigator, releases_keys_at_once_when_asked_for_rest) {
+TEST(Navigator, releases_keys_at_once_on_request) {
   Walk walk;
   walk.state = with_keys(std::move(walk.state), {1, 0, 0}, walk.now);
   walk.run(50ms);
@@ -177,7 +177,7 @@ TEST(Navigator, starts_the_guide_when_nobody_steers_and_hands_over_smoothly) {
   EXPECT_EQ(walk.state.steering_source, SteeringSource::kNobody);
 }
 
-TEST(Navigator, visits_every_stop_and_looks_where_it_looks) {
+TEST(Navigator, leads_to_every_stop_and_turns_to_its_heading) {
   Walk walk;
   walk.settings.guide_after = 1s;
   walk.site.stops = {{"a", {3, 3}, 0.5}, {"b", {-3, 2}, -2.0}, {"c", {0, -4}, 3.0}};
@@ -206,7 +206,7 @@ TEST(Navigator, leads_round_corners) {
   EXPECT_LT((walk.state.walker.position_m - Vector2d(2, 9)).norm(), 0.2);
 }
 
-TEST(Navigator, looks_around_where_there_are_no_stops) {
+TEST(Navigator, looks_around_in_a_scene_without_stops) {
   Walk walk;
   walk.settings.guide_after = 1s;
   walk.run(10s);
@@ -214,7 +214,7 @@ TEST(Navigator, looks_around_where_there_are_no_stops) {
   EXPECT_EQ(walk.state.walker.position_m, Vector2d(0, 0));
 }
 
-TEST(Navigator, has_no_guide_when_told_so_and_none_while_a_visitor_holds_still) {
+TEST(Navigator, has_no_guide_if_disabled_or_while_a_visitor_holds_still) {
   Walk off;
   off.settings.guide_after = 0s;
   off.run(300s, 90ms);
@@ -227,7 +227,7 @@ TEST(Navigator, has_no_guide_when_told_so_and_none_while_a_visitor_holds_still) 
   EXPECT_EQ(held.state.steering_source, SteeringSource::kGuide) << "forgotten on its stand";
 }
 
-TEST(Navigator, ignores_measurements_that_are_none) {
+TEST(Navigator, ignores_invalid_measurements) {
   Walk walk;
   walk.hold(tag_at(0, 0.5, 0), 200ms);
   walk.step(10ms);
@@ -243,7 +243,7 @@ TEST(Navigator, ignores_measurements_that_are_none) {
   EXPECT_EQ(walk.state.keys_command.forward, 0.0);
 }
 
-TEST(Navigator, stands_still_when_time_runs_backwards_and_does_not_leap_after_a_stall) {
+TEST(Navigator, stands_still_when_time_runs_backwards_and_does_not_jump_after_a_stall) {
   Walk walk;
   walk.hold(tag_at(0, 0.3, 0.8), 1s);
   const Walker before = walk.state.walker;
@@ -257,7 +257,7 @@ TEST(Navigator, stands_still_when_time_runs_backwards_and_does_not_leap_after_a_
   EXPECT_LT((walk.state.walker.position_m - before.position_m).norm(), 0.11);
 }
 
-TEST(Navigator, turns_but_does_not_walk_without_an_area) {
+TEST(Navigator, only_turns_without_a_walkable_area) {
   Walk walk;
   walk.site.area = nullptr;
   walk.hold(tag_at(-1, 0.3, 1.0), 1s);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr RampLimits kLimits{2.2, 18.0};
 
-TEST(Ramp, comes_to_the_wanted_speed_exactly_and_in_the_time_that_its_limits_need) {
+TEST(Ramp, reaches_the_wanted_speed_exactly_in_the_minimum_time) {
   for (const double step : {1e-4, 1e-3, 1.0 / 60.0}) {
     Ramp ramp;
     double seconds = 0.0;
@@ -24,7 +24,7 @@ TEST(Ramp, comes_to_the_wanted_speed_exactly_and_in_the_time_that_its_limits_nee
   }
 }
 
-TEST(Ramp, comes_to_rest_from_any_state_within_the_longest_stop) {
+TEST(Ramp, comes_to_rest_from_any_state_within_the_maximum_stopping_time) {
   for (const double acceleration : {-2.2, -1.0, 0.0, 1.0, 2.2}) {
     for (const double speed : {-1.0, -0.5, 0.0, 0.1, 0.7}) {
       Ramp ramp{speed, acceleration};
@@ -37,7 +37,7 @@ TEST(Ramp, comes_to_rest_from_any_state_within_the_longest_stop) {
   }
 }
 
-TEST(Ramp, keeps_its_limits_and_never_overshoots_whatever_the_steps_are) {
+TEST(Ramp, keeps_its_limits_and_never_overshoots_for_any_steps) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform;
   Ramp ramp;
@@ -60,7 +60,7 @@ TEST(Ramp, keeps_its_limits_and_never_overshoots_whatever_the_steps_are) {
   }
 }
 
-TEST(Ramp, stays_where_it_is_without_time) {
+TEST(Ramp, does_not_change_without_time) {
   const Ramp ramp{0.5, 1.0};
   EXPECT_EQ(ramped(ramp, 1.0, 0.0, kLimits), ramp);
   EXPECT_EQ(ramped(ramp, 1.0, std::nan(""), kLimits), ramp);

@@ -32,44 +32,44 @@ TagPose held_at(double right_m, double nearer_to_visitor_m, double yaw_right_rad
 
 constexpr TagSteeringSettings kSettings{};
 
-TEST(TagSteering, rests_when_the_pattern_is_held_straight_at_the_neutral_place) {
+TEST(TagSteering, rests_when_the_tag_is_held_straight_at_the_neutral_position) {
   const TagPose straight = held_at(0, kSettings.neutral_distance_m, 0);
   EXPECT_TRUE(straight.rotation().isApprox(Eigen::Quaterniond::Identity())) << "tag axes equal camera axes";
   EXPECT_TRUE(tag_command(straight, kSettings).is_rest());
 }
 
-TEST(TagSteering, turns_the_view_to_the_side_that_the_pattern_is_turned_to) {
+TEST(TagSteering, turns_the_view_to_the_side_to_which_the_tag_is_turned) {
   EXPECT_NEAR(pointing_yaw(held_at(0, 1, 0.5)), 0.5, 1e-12);
   EXPECT_NEAR(pointing_yaw(held_at(0.3, 2, -0.7)), -0.7, 1e-12);
   EXPECT_GT(tag_command(held_at(0, 1, 0.4), kSettings).turn, 0.0);
   EXPECT_LT(tag_command(held_at(0, 1, -0.4), kSettings).turn, 0.0);
 }
 
-TEST(TagSteering, walks_to_the_side_that_the_pattern_is_held_at_though_the_camera_sees_it_on_the_other) {
+TEST(TagSteering, walks_to_the_visitors_side_on_which_the_tag_is_held) {
   const TagPose at_right_hand = held_at(0.2, kSettings.neutral_distance_m, 0);
   EXPECT_LT(at_right_hand.translation().x(), 0.0) << "left of the camera's middle";
   EXPECT_GT(tag_command(at_right_hand, kSettings).right, 0.0);
   EXPECT_LT(tag_command(held_at(-0.2, kSettings.neutral_distance_m, 0), kSettings).right, 0.0);
 }
 
-TEST(TagSteering, walks_forward_when_the_pattern_is_nearer_to_the_wall_and_back_when_it_is_farther) {
+TEST(TagSteering, walks_forward_when_the_tag_is_nearer_to_the_wall_and_back_when_it_is_farther) {
   EXPECT_GT(tag_command(held_at(0, kSettings.neutral_distance_m - 0.3, 0), kSettings).forward, 0.0);
   EXPECT_LT(tag_command(held_at(0, kSettings.neutral_distance_m + 0.3, 0), kSettings).forward, 0.0);
 }
 
-TEST(TagSteering, does_not_mind_a_pattern_that_is_tilted_or_turned_in_its_own_plane) {
+TEST(TagSteering, ignores_tilt_and_rotation_in_the_tags_own_plane) {
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()));
   const Eigen::Quaterniond roll(Eigen::AngleAxisd(1.3, Eigen::Vector3d::UnitZ()));
   EXPECT_NEAR(pointing_yaw({tilt * roll, {0, 0, 1}}), 0.0, 1e-12);
   EXPECT_NEAR(pointing_yaw({held_at(0, 1, 0.3).rotation() * roll, {0, 0, 1}}), 0.3, 1e-12);
 }
 
-TEST(TagSteering, does_not_turn_with_a_pattern_that_lies_flat) {
+TEST(TagSteering, does_not_turn_with_a_tag_that_lies_flat) {
   const Eigen::Quaterniond flat(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
   EXPECT_EQ(pointing_yaw({flat, {0, 0, 1}}), 0.0);
 }
 
-TEST(GainCurve, is_dead_then_gentle_then_full_and_odd) {
+TEST(GainCurve, is_zero_then_gentle_then_full_and_odd) {
   const GainCurve curve{0.1, 0.5};
   EXPECT_EQ(curve.at(0.1), 0.0);
   EXPECT_EQ(curve.at(0.5), 1.0);

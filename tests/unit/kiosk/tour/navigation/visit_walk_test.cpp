@@ -55,7 +55,7 @@ struct Visit {
   [[nodiscard]] SteeringSource steering_source() const { return walk.navigation.steering_source; }
 };
 
-TEST(WandSelector, leaves_control_with_the_first_until_it_has_lost_the_tag_for_a_second) {
+TEST(WandSelector, keeps_the_first_tracker_until_it_has_lost_the_tag_for_a_second) {
   WandSelector choice;
   const TimePoint now(10s);
   EXPECT_TRUE(choice.sees_tag(1, now));
@@ -70,7 +70,7 @@ TEST(WandSelector, leaves_control_with_the_first_until_it_has_lost_the_tag_for_a
   EXPECT_TRUE(choice.sees_tag(1, now + 2300ms));
 }
 
-TEST(PoseOrder, passes_over_what_repeats_and_what_is_late) {
+TEST(PoseOrder, skips_repeated_and_late_poses) {
   PoseOrder order;
   EXPECT_TRUE(order.is_news(1, 1000, TimePoint(1s)));
   EXPECT_FALSE(order.is_news(1, 1000, TimePoint(2s))) << "the same, however late";
@@ -78,7 +78,7 @@ TEST(PoseOrder, passes_over_what_repeats_and_what_is_late) {
   EXPECT_TRUE(order.is_news(2, 1000, TimePoint(1s + 20ms))) << "two pictures of one instant";
 }
 
-TEST(PoseOrder, follows_a_clock_that_has_jumped) {
+TEST(PoseOrder, accepts_a_clock_that_has_jumped) {
   PoseOrder order;
   EXPECT_TRUE(order.is_news(1, 1'000'000, TimePoint(1s)));
   EXPECT_TRUE(order.is_news(2, 9'000'000'000, TimePoint(1s + 33ms))) << "ahead";
@@ -87,7 +87,7 @@ TEST(PoseOrder, follows_a_clock_that_has_jumped) {
   EXPECT_TRUE(order.is_news(10, 10'000'000, TimePoint(1s + 300ms)));
 }
 
-TEST(VisitWalk, follows_the_first_of_two_wands_and_the_second_when_that_is_gone) {
+TEST(VisitWalk, follows_the_first_of_two_wands_and_the_second_when_the_first_is_gone) {
   Visit visit;
   for (int i = 0; i < 40; ++i) {
     visit.see(1, -0.4);
@@ -101,7 +101,7 @@ TEST(VisitWalk, follows_the_first_of_two_wands_and_the_second_when_that_is_gone)
   EXPECT_LT(visit.sideways(), -0.6);
 }
 
-TEST(VisitWalk, lets_the_second_tracker_take_over_at_once_when_the_first_leaves) {
+TEST(VisitWalk, changes_to_the_second_tracker_at_once_when_the_first_leaves) {
   Visit visit;
   visit.hold(1, -0.4, 1s);
   visit.give(TrackerLeft{1});
@@ -109,7 +109,7 @@ TEST(VisitWalk, lets_the_second_tracker_take_over_at_once_when_the_first_leaves)
   EXPECT_LT(visit.sideways(), -0.6);
 }
 
-TEST(VisitWalk, goes_on_after_a_tracker_whose_clock_jumped_ahead_and_back) {
+TEST(VisitWalk, continues_after_a_trackers_clock_jumped_ahead_and_back) {
   Visit visit;
   visit.hold(1, -0.4, 1s);
   visit.see(1, -0.4, to_nanoseconds(visit.now) + 3'600'000'000'000);
@@ -118,7 +118,7 @@ TEST(VisitWalk, goes_on_after_a_tracker_whose_clock_jumped_ahead_and_back) {
   EXPECT_GT(visit.sideways(), 0.6) << "not deaf for the hour that the stamp was ahead";
 }
 
-TEST(VisitWalk, keeps_its_place_when_the_same_scene_comes_back_and_starts_anew_in_another) {
+TEST(VisitWalk, keeps_its_position_in_the_same_scene_and_starts_anew_in_another) {
   Visit visit;
   visit.hold(1, -0.4, 3s);
   visit.wait(2s);
@@ -132,7 +132,7 @@ TEST(VisitWalk, keeps_its_place_when_the_same_scene_comes_back_and_starts_anew_i
   EXPECT_EQ(visit.walk.navigation.walker.position_m, Vector2d(3, 4));
 }
 
-TEST(VisitWalk, does_nothing_before_a_scene_is_there) {
+TEST(VisitWalk, does_nothing_before_there_is_a_scene) {
   VisitWalk walk;
   const NavigationSettings settings;
   walk = after(std::move(walk), Tick{}, TimePoint(1s), settings);
@@ -142,7 +142,7 @@ TEST(VisitWalk, does_nothing_before_a_scene_is_there) {
   EXPECT_FALSE(walk.navigation.tag_seen_at);
 }
 
-TEST(Turn, ends_after_its_time_and_the_next_one_begins_after_the_pause) {
+TEST(Turn, ends_after_its_time_and_the_next_one_begins_after_a_pause) {
   Visit visit;
   visit.settings.max_turn = 20s;
   visit.settings.turn_pause = 5s;
@@ -156,7 +156,7 @@ TEST(Turn, ends_after_its_time_and_the_next_one_begins_after_the_pause) {
   EXPECT_GT(*turn_left(visit.walk.navigation, visit.settings, visit.now), 15s);
 }
 
-TEST(Turn, is_over_when_the_wand_was_put_down) {
+TEST(Turn, ends_when_the_wand_is_put_down) {
   Visit visit;
   visit.settings.max_turn = 10s;
   visit.settings.turn_pause = 60s;
@@ -167,7 +167,7 @@ TEST(Turn, is_over_when_the_wand_was_put_down) {
   EXPECT_EQ(visit.steering_source(), SteeringSource::kTag) << "handed over: no need to wait for the pause";
 }
 
-TEST(Turn, is_the_next_visitors_after_ten_seconds_without_a_wand) {
+TEST(Turn, passes_to_the_next_visitor_after_ten_seconds_without_a_wand) {
   Visit visit;
   visit.settings.max_turn = 60s;
   visit.hold(1, -0.4, 30s);
@@ -177,7 +177,7 @@ TEST(Turn, is_the_next_visitors_after_ten_seconds_without_a_wand) {
   EXPECT_GT(*turn_left(visit.walk.navigation, visit.settings, visit.now), 58s);
 }
 
-TEST(Turn, does_not_limit_keys_nor_anybody_by_default) {
+TEST(Turn, does_not_limit_keys_and_by_default_nobody) {
   Visit visit;
   visit.hold(1, -0.1, 3600s);
   EXPECT_EQ(visit.steering_source(), SteeringSource::kTag);

@@ -50,7 +50,7 @@ std::string recorded_visit(std::uint64_t seed) {
   return text;
 }
 
-TEST(WalkRecord, replays_to_the_bit) {
+TEST(WalkRecord, replays_bit_by_bit) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const auto record = parse_walk_record(recorded_visit(seed), "visit.walk");
     ASSERT_TRUE(record) << record.error().message();
@@ -63,7 +63,7 @@ TEST(WalkRecord, replays_to_the_bit) {
   }
 }
 
-TEST(WalkRecord, tells_where_a_walk_is_another_one) {
+TEST(WalkRecord, reports_where_a_replayed_walk_differs) {
   std::string text = recorded_visit(1);
   // Another speed limit: the first step that reaches it differs.
   const std::size_t at = text.find("limits 1 ");
@@ -76,7 +76,7 @@ TEST(WalkRecord, tells_where_a_walk_is_another_one) {
   EXPECT_THAT(*replay.difference, HasSubstr("line "));
 }
 
-TEST(WalkRecord, notices_one_bit) {
+TEST(WalkRecord, detects_one_changed_bit) {
   const auto record = parse_walk_record(recorded_visit(1), "visit.walk");
   ASSERT_TRUE(record);
   WalkRecord changed = *record;
@@ -88,7 +88,7 @@ TEST(WalkRecord, notices_one_bit) {
   EXPECT_TRUE(replayed(changed).difference);
 }
 
-TEST(WalkRecord, passes_over_a_last_line_that_was_cut_off) {
+TEST(WalkRecord, ignores_a_truncated_last_line) {
   std::string text = recorded_visit(1);
   text.resize(text.size() - 7);
   const auto record = parse_walk_record(text, "visit.walk");
@@ -96,7 +96,7 @@ TEST(WalkRecord, passes_over_a_last_line_that_was_cut_off) {
   EXPECT_FALSE(replayed(*record).difference);
 }
 
-TEST(WalkRecord, names_line_and_mistake) {
+TEST(WalkRecord, names_the_line_and_the_mistake) {
   const std::string head = record_head({});
   struct Wrong {
     std::string text;

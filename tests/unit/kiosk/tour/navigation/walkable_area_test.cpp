@@ -48,19 +48,19 @@ bool winds_around(const Corners& corners, const Vector2d& p) {
   return std::abs(turned) > std::numbers::pi;
 }
 
-TEST(WalkableArea, lets_a_step_in_the_open_be_exactly_that_step) {
+TEST(WalkableArea, does_not_change_a_step_in_the_open) {
   const WalkableArea area = area_of(kSquare);
   EXPECT_LT((area.walk({1, 1}, {0.3, -0.2}) - Vector2d(1.3, 0.8)).norm(), 1e-12);
 }
 
-TEST(WalkableArea, turns_a_step_into_a_wall_along_the_wall) {
+TEST(WalkableArea, deflects_a_step_into_a_wall_along_the_wall) {
   const WalkableArea area = area_of(kSquare);
   const Vector2d end = area.walk({4.9, 0}, {0.5, 0.5});
   EXPECT_NEAR(end.x(), 5.0 - area.margin_m(), 1e-3);
   EXPECT_GT(end.y(), 0.4);
 }
 
-TEST(WalkableArea, keeps_walking_along_a_wall_it_is_pressed_against) {
+TEST(WalkableArea, moves_along_a_wall_against_which_it_is_pressed) {
   const WalkableArea area = area_of(kSquare);
   Vector2d position(0, 0);
   for (int i = 0; i < 2000; ++i) position = area.walk(position, {0.004, 0.001});
@@ -68,7 +68,7 @@ TEST(WalkableArea, keeps_walking_along_a_wall_it_is_pressed_against) {
   EXPECT_NEAR(position.y(), 2.0, 0.05);
 }
 
-TEST(WalkableArea, stops_in_a_corner_and_leaves_it_again) {
+TEST(WalkableArea, stops_in_a_corner_and_can_leave_it) {
   const WalkableArea area = area_of(kSquare);
   Vector2d position(4, 4);
   for (int i = 0; i < 300; ++i) position = area.walk(position, {0.02, 0.02});
@@ -77,7 +77,7 @@ TEST(WalkableArea, stops_in_a_corner_and_leaves_it_again) {
   EXPECT_LT((position - Vector2d(4, 3)).norm(), 0.1);
 }
 
-TEST(WalkableArea, goes_round_a_corner_that_juts_in) {
+TEST(WalkableArea, goes_round_a_convex_corner) {
   const WalkableArea area = area_of(kAngle);
   Vector2d position(2.5, 6);
   // Pressed against the inner wall, towards the other arm.
@@ -86,14 +86,14 @@ TEST(WalkableArea, goes_round_a_corner_that_juts_in) {
   EXPECT_LT(position.y(), 3.0);
 }
 
-TEST(WalkableArea, passes_a_narrow_passage) {
+TEST(WalkableArea, passes_through_a_narrow_passage) {
   const WalkableArea area = area_of(kDumbbell);
   Vector2d position(1, 2);
   for (int i = 0; i < 1000; ++i) position = area.walk(position, {0.01, 0.0});
   EXPECT_GT(position.x(), 10.0);
 }
 
-TEST(WalkableArea, never_passes_a_thin_wall_however_long_the_step) {
+TEST(WalkableArea, never_crosses_a_thin_wall_however_long_the_step) {
   // A room divided by a wall with a gap at the far end.
   const WalkableArea area =
       area_of({{0, 0}, {4.999, 0}, {4.999, 9}, {5.001, 9}, {5.001, 0}, {10, 0}, {10, 10}, {0, 10}});
@@ -102,7 +102,7 @@ TEST(WalkableArea, never_passes_a_thin_wall_however_long_the_step) {
   EXPECT_LT(position.x(), 5.0);
 }
 
-TEST(WalkableArea, never_lets_a_walk_of_100000_random_steps_out) {
+TEST(WalkableArea, contains_a_walk_of_100000_random_steps) {
   for (const Corners& corners : {kSquare, kAngle, kDumbbell, reversed(kDumbbell), star(5), reversed(star(9))}) {
     const WalkableArea area = area_of(corners);
     std::mt19937 random(7);
@@ -125,7 +125,7 @@ TEST(WalkableArea, never_lets_a_walk_of_100000_random_steps_out) {
   }
 }
 
-TEST(WalkableArea, goes_around_a_pillar_and_never_through) {
+TEST(WalkableArea, goes_round_a_pillar_and_never_through) {
   const Corners pillar{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   for (const Corners& hole : {pillar, reversed(pillar)}) {
     const auto area = WalkableArea::make(kSquare, {hole});
@@ -145,7 +145,7 @@ TEST(WalkableArea, goes_around_a_pillar_and_never_through) {
   }
 }
 
-TEST(WalkableArea, refuses_holes_that_are_none_and_holes_that_leave_nothing) {
+TEST(WalkableArea, refuses_invalid_holes_and_holes_that_leave_nothing) {
   EXPECT_FALSE(WalkableArea::make(kSquare, {{{0, 0}, {1, 0}}}));
   EXPECT_FALSE(WalkableArea::make(kSquare, {{{-9, -9}, {9, -9}, {9, 9}, {-9, 9}}}));
   EXPECT_FALSE(WalkableArea::make(kSquare, std::vector<Corners>(400, {{0, 0}, {1, 0}, {1, 1}})));
@@ -155,7 +155,7 @@ TEST(WalkableArea, refuses_holes_that_are_none_and_holes_that_leave_nothing) {
   EXPECT_FALSE(beside->allows({28, 22}));
 }
 
-TEST(WalkableArea, puts_any_start_inside_near_where_it_was) {
+TEST(WalkableArea, moves_any_start_to_a_point_inside_nearby) {
   for (const Corners& corners : {kSquare, kAngle, kDumbbell, star(5)}) {
     const WalkableArea area = area_of(corners);
     std::mt19937 random(3);
@@ -175,7 +175,7 @@ TEST(WalkableArea, puts_any_start_inside_near_where_it_was) {
   EXPECT_LT((square.nearest_allowed({5, 5}) - Vector2d(5, 5)).norm(), 0.05);
 }
 
-TEST(WalkableArea, gives_some_place_for_a_start_that_is_no_place) {
+TEST(WalkableArea, returns_a_point_inside_for_a_start_that_is_not_finite) {
   const WalkableArea area = area_of(kAngle);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
@@ -187,7 +187,7 @@ TEST(WalkableArea, gives_some_place_for_a_start_that_is_no_place) {
   EXPECT_FALSE(area.allows({nan, nan}));
 }
 
-TEST(WalkableArea, works_for_a_relic_of_a_millimetre_and_for_a_valley_far_from_the_origin) {
+TEST(WalkableArea, works_at_the_size_of_a_millimetre_and_far_from_the_origin) {
   for (const double scale : {1e-4, 1.0, 1e4}) {
     for (const Vector2d& offset : {Vector2d(0, 0), Vector2d(1e5, -1e5)}) {
       Corners corners = kAngle;
@@ -203,7 +203,7 @@ TEST(WalkableArea, works_for_a_relic_of_a_millimetre_and_for_a_valley_far_from_t
   }
 }
 
-TEST(WalkableArea, refuses_what_nobody_can_stand_in) {
+TEST(WalkableArea, refuses_areas_in_which_nobody_can_stand) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Corners> wrong{{},
                                    {{0, 0}, {1, 1}},
@@ -220,7 +220,7 @@ TEST(WalkableArea, refuses_what_nobody_can_stand_in) {
   }
 }
 
-TEST(WalkableArea, sees_along_a_straight_line_only) {
+TEST(WalkableArea, has_lines_of_sight_that_are_straight) {
   const WalkableArea area = area_of(kAngle);
   EXPECT_TRUE(area.sees({1, 1}, {9, 1}));
   EXPECT_FALSE(area.sees({9, 2}, {2, 9}));

@@ -33,7 +33,7 @@ Outbox introduced(std::size_t max_bytes = 1000) {
   return outbox;
 }
 
-TEST(Outbox, says_nothing_before_the_first_heading_which_carries_what_is_shown) {
+TEST(Outbox, sends_nothing_before_the_first_heading_which_states_what_is_shown) {
   wire::Panorama shown;
   shown.set_width_px(77);
   Outbox outbox(shown);
@@ -58,7 +58,7 @@ TEST(Outbox, lets_a_heading_overtake_tiles) {
   EXPECT_TRUE(outbox.take()->has_tile());
 }
 
-TEST(Outbox, says_when_a_heading_is_to_be_seen) {
+TEST(Outbox, sends_the_presentation_time_of_a_heading) {
   Outbox outbox = introduced();
   wire::ShowAt at;
   at.set_refresh(77);
@@ -68,7 +68,7 @@ TEST(Outbox, says_when_a_heading_is_to_be_seen) {
   EXPECT_FALSE(outbox.take()->has_show_at());
 }
 
-TEST(Outbox, holds_the_newest_answer_until_it_can_be_sent) {
+TEST(Outbox, keeps_the_newest_answer_until_it_can_be_sent) {
   Outbox outbox = introduced();
   EXPECT_FALSE(outbox.take_answer());
   wire::ClockAnswer answer;
@@ -82,7 +82,7 @@ TEST(Outbox, holds_the_newest_answer_until_it_can_be_sent) {
   EXPECT_FALSE(outbox.take_answer());
 }
 
-TEST(Outbox, gives_up_a_frame_that_waits_for_the_next_one) {
+TEST(Outbox, drops_a_waiting_frame_for_the_next_one) {
   Outbox outbox = introduced();
   for (const auto& message : {begin(1), tile(1), end(1)}) EXPECT_FALSE(outbox.put(message));
   EXPECT_EQ(outbox.put(begin(2)), 1u);
@@ -102,7 +102,7 @@ TEST(Outbox, finishes_the_frame_that_is_being_sent) {
   EXPECT_EQ(outbox.take()->begin().number(), 3u);
 }
 
-TEST(Outbox, starts_a_display_that_joins_late_with_the_next_frame) {
+TEST(Outbox, starts_a_late_display_with_the_next_frame) {
   Outbox outbox = introduced();
   outbox.put(tile(1));
   outbox.put(end(1));
@@ -111,7 +111,7 @@ TEST(Outbox, starts_a_display_that_joins_late_with_the_next_frame) {
   EXPECT_EQ(outbox.take()->begin().number(), 2u);
 }
 
-TEST(Outbox, ends_a_frame_that_is_too_large_for_it_as_incomplete) {
+TEST(Outbox, ends_a_frame_over_the_limit_as_incomplete) {
   Outbox outbox = introduced(250);
   outbox.put(begin(1));
   EXPECT_TRUE(outbox.take()->has_begin());
@@ -127,7 +127,7 @@ TEST(Outbox, ends_a_frame_that_is_too_large_for_it_as_incomplete) {
   EXPECT_EQ(outbox.take(), nullptr);
 }
 
-TEST(Outbox, names_the_frame_also_when_all_its_tiles_were_sent_before_the_one_that_is_too_large) {
+TEST(Outbox, names_a_frame_over_the_limit_even_after_all_its_tiles_were_sent) {
   Outbox outbox = introduced(250);
   outbox.put(begin(7));
   EXPECT_TRUE(outbox.take()->has_begin());
@@ -135,7 +135,7 @@ TEST(Outbox, names_the_frame_also_when_all_its_tiles_were_sent_before_the_one_th
   EXPECT_EQ(outbox.take()->end().view_number(), 7u);
 }
 
-TEST(Outbox, forgets_a_frame_that_is_too_large_before_it_was_begun) {
+TEST(Outbox, drops_a_frame_over_the_limit_that_was_not_begun) {
   Outbox outbox = introduced(250);
   outbox.put(begin(1));
   outbox.put(tile(1));
@@ -144,7 +144,7 @@ TEST(Outbox, forgets_a_frame_that_is_too_large_before_it_was_begun) {
   EXPECT_EQ(outbox.take(), nullptr);
 }
 
-TEST(Outbox, keeps_its_promises_for_any_order_of_putting_and_taking) {
+TEST(Outbox, keeps_its_guarantees_for_any_order_of_calls) {
   std::mt19937 random(5);
   Outbox outbox = introduced(600);
   std::uint64_t number = 0;

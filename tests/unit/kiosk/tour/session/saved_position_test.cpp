@@ -9,7 +9,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(SavedPosition, comes_back_as_it_was) {
+TEST(SavedPosition, survives_a_round_trip) {
   for (const SavedPosition& position :
        {SavedPosition{"grotto", {1.25, -3.5}, 0.7}, SavedPosition{"", {0.1, 1e-7}, -0.3},
         SavedPosition{"a \"b\" \\ c\n\t\x7f", {-123456.789, 2.0}, 100.0},
@@ -20,7 +20,7 @@ TEST(SavedPosition, comes_back_as_it_was) {
   }
 }
 
-TEST(SavedPosition, refuses_what_is_no_place) {
+TEST(SavedPosition, refuses_an_invalid_position) {
   for (const char* const text : {"", "scene = \"x\"\n", "scene = \"x\"\nx_m = nan\nz_m = 0\nheading_rad = 0\n",
                                  "scene = \"x\"\nx_m = 1e9\nz_m = 0\nheading_rad = 0\n",
                                  "scene = \"x\"\nx_m = 1\nz_m = 0\nheading_rad = 0\nmore = 1\n", "\x01\x02"}) {

@@ -34,7 +34,7 @@ Duration ahead(const wire::ShowAt& at, TimePoint now) {
   return TimePoint(std::chrono::nanoseconds(at.refresh() * at.period_ns())) - now;
 }
 
-class Scheduling : public ::testing::Test {
+class ShowScheduleTest : public ::testing::Test {
  protected:
   void SetUp() override {
     schedule_.joined(1, hello(100.0));
@@ -43,7 +43,7 @@ class Scheduling : public ::testing::Test {
   ShowSchedule schedule_;
 };
 
-TEST_F(Scheduling, tells_a_display_alone_nothing_so_that_it_shows_everything_at_once) {
+TEST_F(ShowScheduleTest, sends_no_presentation_time_to_a_single_display) {
   schedule_.left(1);
   EXPECT_FALSE(schedule_.frame_at(kNow));
   EXPECT_FALSE(schedule_.heading_at(kNow));
@@ -56,7 +56,7 @@ TEST_F(Scheduling, tells_a_display_alone_nothing_so_that_it_shows_everything_at_
   EXPECT_FALSE(schedule_.frame_at(kNow)) << "nobody is here";
 }
 
-TEST_F(Scheduling, tells_the_next_refresh_that_the_slowest_display_can_make) {
+TEST_F(ShowScheduleTest, chooses_the_next_refresh_that_the_slowest_display_can_meet) {
   schedule_.measured(needing(0.023, 0.004), kNow);
   schedule_.measured(needing(0.011, 0.001), kNow);
   const auto frame = schedule_.frame_at(kNow + 1ms);
@@ -68,14 +68,14 @@ TEST_F(Scheduling, tells_the_next_refresh_that_the_slowest_display_can_make) {
   EXPECT_EQ(ahead(*schedule_.heading_at(kNow + 5ms), kNow), 20ms);
 }
 
-TEST_F(Scheduling, remembers_the_longest_need_for_a_minute) {
+TEST_F(ShowScheduleTest, remembers_the_longest_need_for_a_minute) {
   schedule_.measured(needing(0.080), kNow);
   for (int s = 0; s < 59; ++s) schedule_.measured(needing(0.010), kNow + s * 1s);
   EXPECT_EQ(schedule_.frame_lead(kNow + 59s), 82ms);
   EXPECT_EQ(schedule_.frame_lead(kNow + 60s), 12ms);
 }
 
-TEST_F(Scheduling, waits_for_no_display_that_is_too_slow_and_for_no_nonsense) {
+TEST_F(ShowScheduleTest, waits_neither_for_a_display_that_is_too_slow_nor_for_an_invalid_need) {
   schedule_.measured(needing(0.010, 0.010), kNow);
   for (const double need : {0.251, 1e300, -5.0, std::numeric_limits<double>::infinity(), std::nan("")}) {
     schedule_.measured(needing(need, need), kNow);
@@ -86,7 +86,7 @@ TEST_F(Scheduling, waits_for_no_display_that_is_too_slow_and_for_no_nonsense) {
   EXPECT_EQ(schedule_.frame_lead(kNow), 251ms);
 }
 
-TEST_F(Scheduling, gives_frames_refreshes_of_their_own_while_they_come_no_faster) {
+TEST_F(ShowScheduleTest, gives_each_frame_its_own_refresh_unless_frames_come_faster) {
   schedule_.measured(needing(0.010), kNow);
   const std::int64_t first = schedule_.frame_at(kNow)->refresh();
   EXPECT_EQ(schedule_.frame_at(kNow + 1ms)->refresh(), first + 1) << "in the same period";
@@ -97,7 +97,7 @@ TEST_F(Scheduling, gives_frames_refreshes_of_their_own_while_they_come_no_faster
   EXPECT_LE(last, schedule_.heading_at(kNow + 1012ms)->refresh() + 1);
 }
 
-TEST_F(Scheduling, never_goes_back_when_displays_become_quicker) {
+TEST_F(ShowScheduleTest, never_goes_back_when_displays_become_faster) {
   schedule_.measured(needing(0.100, 0.100), kNow);
   const std::int64_t frame = schedule_.frame_at(kNow + 59s)->refresh();
   const std::int64_t heading = schedule_.heading_at(kNow + 59s)->refresh();
@@ -106,7 +106,7 @@ TEST_F(Scheduling, never_goes_back_when_displays_become_quicker) {
   EXPECT_GE(schedule_.heading_at(kNow + 60s)->refresh(), heading);
 }
 
-TEST_F(Scheduling, counts_refreshes_at_the_rate_of_the_slowest_display) {
+TEST_F(ShowScheduleTest, counts_refreshes_at_the_rate_of_the_slowest_display) {
   schedule_.joined(3, hello(50.0));
   EXPECT_EQ(schedule_.frame_at(kNow)->period_ns(), 20'000'000);
   schedule_.joined(4, hello(-1.0));
@@ -117,7 +117,7 @@ TEST_F(Scheduling, counts_refreshes_at_the_rate_of_the_slowest_display) {
   EXPECT_EQ(schedule_.frame_at(kNow)->period_ns(), 10'000'000);
 }
 
-TEST(DisplayRoster, knows_the_display_that_is_least_in_step) {
+TEST(DisplayRoster, names_the_least_synchronised_display) {
   DisplayRoster roster;
   roster.joined(1, hello(60.0, "left\n"));
   roster.joined(2, hello(60.0, "right"));

@@ -23,7 +23,7 @@ TEST(TourSettings, are_the_defaults_for_an_empty_file) {
   EXPECT_EQ(settings->navigation.guide_after, defaults.navigation.guide_after);
 }
 
-TEST(TourSettings, leave_what_is_the_displays) {
+TEST(TourSettings, ignore_the_displays_settings) {
   EXPECT_TRUE(parse_tour_settings("[display]\nx = 1\n[hours]\ny = 2\n", "site.toml"));
 }
 
@@ -88,7 +88,7 @@ guide_after_s = 0
   EXPECT_EQ(settings->navigation.turn_pause, std::chrono::seconds(3));
 }
 
-TEST(TourSettings, hold_a_frame_budget_unless_the_quality_is_fixed) {
+TEST(TourSettings, use_a_frame_budget_unless_the_quality_is_fixed) {
   EXPECT_EQ(default_tour_settings().picture.frame_budget_ms, 50.0);
   EXPECT_EQ(parse_tour_settings("[picture]\nguard_deg = 1", "site.toml")->picture.frame_budget_ms, 50.0);
   EXPECT_EQ(parse_tour_settings("[picture]\nframe_budget_ms = 0", "site.toml")->picture.frame_budget_ms, 0.0);
@@ -140,7 +140,7 @@ TEST(TourSettings, name_the_museums_certificate_or_none) {
   EXPECT_FALSE(parse_tour_settings("[farm]\nauthority = \"/a\"\nkey = \"k\"", "site.toml"));
 }
 
-TEST(TourSettings, say_which_file_is_missing) {
+TEST(TourSettings, name_a_missing_file) {
   const auto settings = read_tour_settings("/nowhere/site.toml");
   ASSERT_FALSE(settings);
   EXPECT_EQ(settings.error().code(), ErrorCode::kNotFound);

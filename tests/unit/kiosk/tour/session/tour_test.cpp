@@ -98,7 +98,7 @@ TourSettings settings_for(const FakeFarm& farm) {
   return settings;
 }
 
-TEST(Tour, shows_frames_on_a_display_with_the_guard_band_around_what_it_wants) {
+TEST(Tour, shows_frames_on_a_display_with_a_guard_band) {
   FakeFarm farm;
   TourProcess tour(settings_for(farm));
   FakeDisplay display(tour.address());
@@ -146,7 +146,7 @@ TEST(Tour, walks_with_keys_and_stops_when_they_are_released) {
   EXPECT_TRUE(farm.views().back().shutter_ns() == 0);
 }
 
-TEST(Tour, records_a_walk_that_replays_to_the_bit) {
+TEST(Tour, records_a_walk_that_replays_bit_by_bit) {
   FakeFarm farm;
   TourSettings settings = settings_for(farm);
   settings.record = true;
@@ -169,7 +169,7 @@ TEST(Tour, records_a_walk_that_replays_to_the_bit) {
   EXPECT_GT(replay.peaks.turn_rad_per_s, 0.3);
 }
 
-TEST(Tour, goes_on_after_a_restart_where_the_visitor_was) {
+TEST(Tour, resumes_at_the_visitors_position_after_a_restart) {
   FakeFarm farm;
   SavedPosition left;
   {
@@ -215,7 +215,7 @@ TEST(Tour, refuses_keys_out_of_range) {
   }
 }
 
-TEST(Tour, has_at_most_two_frames_in_flight_and_then_asks_for_the_newest_view) {
+TEST(Tour, has_at_most_two_frames_in_flight_and_then_requests_the_newest_view) {
   FakeFarm farm;
   farm.set_gate(false);
   TourProcess tour(settings_for(farm));
@@ -233,7 +233,7 @@ TEST(Tour, has_at_most_two_frames_in_flight_and_then_asks_for_the_newest_view) {
   EXPECT_GT(farm.views()[2].heading_rad(), 0.5) << "newest wins";
 }
 
-TEST(Tour, asks_once_a_second_at_rest) {
+TEST(Tour, requests_one_frame_a_second_at_rest) {
   FakeFarm farm;
   TourProcess tour(settings_for(farm));
   FakeDisplay display(tour.address());
@@ -246,7 +246,7 @@ TEST(Tour, asks_once_a_second_at_rest) {
   EXPECT_TRUE(farm.views().back().shutter_ns() == 0);
 }
 
-TEST(Tour, leaves_a_farm_with_a_budget_alone_at_rest_until_somebody_has_not_seen_the_picture) {
+TEST(Tour, requests_nothing_at_rest_from_a_farm_with_a_budget_until_a_display_needs_the_picture) {
   auto farm = std::make_unique<FakeFarm>();
   const int port = farm->port();
   TourSettings settings = settings_for(*farm);
@@ -267,7 +267,7 @@ TEST(Tour, leaves_a_farm_with_a_budget_alone_at_rest_until_somebody_has_not_seen
   EXPECT_TRUE(farm->wait_for_views(1));
 }
 
-TEST(Tour, lives_through_a_farm_that_goes_away_and_comes_back) {
+TEST(Tour, survives_a_farm_that_goes_away_and_comes_back) {
   auto farm = std::make_unique<FakeFarm>();
   const int port = farm->port();
   TourProcess tour(settings_for(*farm));
@@ -290,7 +290,7 @@ TEST(Tour, lives_through_a_farm_that_goes_away_and_comes_back) {
   EXPECT_TRUE(tour.eventually([&] { return tour.status().healthy(); })) << tour.status().state();
 }
 
-TEST(Tour, ends_a_frame_that_the_farm_broke_off_and_goes_on) {
+TEST(Tour, ends_a_frame_that_the_farm_broke_off_and_continues) {
   FakeFarm farm;
   farm.break_next_frame_after(1);
   TourProcess tour(settings_for(farm));
@@ -302,7 +302,7 @@ TEST(Tour, ends_a_frame_that_the_farm_broke_off_and_goes_on) {
   EXPECT_FALSE(display.frames().front().complete);
 }
 
-TEST(Tour, feeds_displays_that_come_and_go) {
+TEST(Tour, serves_displays_that_come_and_go) {
   FakeFarm farm;
   TourProcess tour(settings_for(farm));
   EXPECT_TRUE(tour.eventually([&] { return tour.status().state().find("No display") != std::string::npos; }));
@@ -324,7 +324,7 @@ TEST(Tour, feeds_displays_that_come_and_go) {
   EXPECT_THAT(second.wrongs(), IsEmpty());
 }
 
-TEST(Tour, tells_a_display_alone_nothing_of_when_and_several_the_same) {
+TEST(Tour, sends_no_presentation_time_to_a_single_display_and_the_same_to_several) {
   FakeFarm farm;
   TourProcess tour(settings_for(farm));
   auto first = std::make_unique<FakeDisplay>(tour.address());
@@ -368,7 +368,7 @@ TEST(Tour, tells_a_display_alone_nothing_of_when_and_several_the_same) {
   EXPECT_GT(compared, 3);
 }
 
-TEST(Tour, answers_what_time_it_is) {
+TEST(Tour, answers_requests_for_the_time) {
   FakeFarm farm;
   TourProcess tour(settings_for(farm));
   FakeDisplay display(tour.address());
@@ -421,7 +421,7 @@ TEST(Tour, never_lets_a_slow_display_hold_up_the_others) {
   EXPECT_THAT(quick.wrongs(), IsEmpty());
 }
 
-TEST(Tour, refuses_a_display_that_does_not_introduce_itself_or_wants_nonsense) {
+TEST(Tour, refuses_a_display_without_a_hello_or_with_an_invalid_one) {
   FakeFarm farm;
   TourProcess tour(settings_for(farm));
   FakeDisplay nonsense(tour.address(), Panorama{100, 100, -1.0, 0.5, -0.5});
@@ -440,7 +440,7 @@ TEST(Tour, refuses_a_display_that_does_not_introduce_itself_or_wants_nonsense) {
   EXPECT_EQ(stream->Finish().error_code(), grpc::StatusCode::INVALID_ARGUMENT);
 }
 
-TEST(Tour, takes_poses_that_make_no_sense_without_a_jump) {
+TEST(Tour, ignores_invalid_poses_without_a_jump) {
   FakeFarm farm;
   TourProcess tour(settings_for(farm));
   FakeDisplay display(tour.address());
@@ -462,7 +462,7 @@ TEST(Tour, takes_poses_that_make_no_sense_without_a_jump) {
   EXPECT_EQ(tour.gauge("turn_deg_per_s"), 0.0);
 }
 
-TEST(Tour, tells_displays_that_it_stops) {
+TEST(Tour, informs_displays_that_it_stops) {
   FakeFarm farm;
   TourProcess tour(settings_for(farm));
   FakeDisplay display(tour.address());
@@ -472,7 +472,7 @@ TEST(Tour, tells_displays_that_it_stops) {
   EXPECT_EQ(display.status().error_code(), grpc::StatusCode::UNAVAILABLE);
 }
 
-TEST(Tour, starts_without_a_farm_and_says_so) {
+TEST(Tour, starts_without_a_farm_and_reports_it) {
   TourSettings settings = default_tour_settings();
   settings.coordinators = {"[::1]:1"};
   TourProcess tour(settings);
@@ -483,7 +483,7 @@ TEST(Tour, starts_without_a_farm_and_says_so) {
   EXPECT_FALSE(tour.status().healthy());
 }
 
-TEST(Tour, refuses_an_address_that_is_none) {
+TEST(Tour, refuses_an_invalid_address) {
   TourSettings settings = default_tour_settings();
   settings.coordinators = {"::1:7401"};
   InspectionService inspection("tour");

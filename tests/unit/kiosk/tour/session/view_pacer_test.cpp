@@ -16,7 +16,7 @@ wire::View view(std::uint64_t number, double heading, std::int64_t shutter_ns = 
   return view;
 }
 
-TEST(ViewPacer, asks_for_what_is_new_and_once_a_second_for_what_is_not) {
+TEST(ViewPacer, requests_new_views_at_once_and_old_ones_once_a_second) {
   ViewPacer pacer(false);
   const TimePoint now(10s);
   EXPECT_TRUE(pacer.wants(view(1, 0.0), now));
@@ -27,7 +27,7 @@ TEST(ViewPacer, asks_for_what_is_new_and_once_a_second_for_what_is_not) {
   EXPECT_TRUE(pacer.wants(view(2, 1e-6), now + 1ms));
 }
 
-TEST(ViewPacer, leaves_a_farm_that_refines_alone_until_somebody_has_not_seen_the_picture) {
+TEST(ViewPacer, requests_nothing_from_a_refining_farm_until_a_display_needs_the_picture) {
   ViewPacer pacer(true);
   const TimePoint now(10s);
   EXPECT_TRUE(pacer.wants(view(1, 0.0), now));
@@ -41,7 +41,7 @@ TEST(ViewPacer, leaves_a_farm_that_refines_alone_until_somebody_has_not_seen_the
   EXPECT_FALSE(pacer.wants(view(3, 0.0), now + 2h));
 }
 
-TEST(ViewPacer, keeps_two_frames_in_flight_at_most) {
+TEST(ViewPacer, keeps_at_most_two_frames_in_flight) {
   ViewPacer pacer(false);
   const TimePoint now(10s);
   pacer.asked(view(1, 0.1), now);
@@ -51,7 +51,7 @@ TEST(ViewPacer, keeps_two_frames_in_flight_at_most) {
   EXPECT_TRUE(pacer.wants(view(3, 0.3), now));
 }
 
-TEST(ViewPacer, counts_views_that_the_farm_passed_over) {
+TEST(ViewPacer, counts_views_that_the_farm_skipped) {
   ViewPacer pacer(false);
   pacer.asked(view(1, 0.1), TimePoint(1s));
   pacer.asked(view(2, 0.2), TimePoint(1s));

@@ -44,7 +44,7 @@ struct Log {
   }
 };
 
-TEST(VisitLog, measures_from_shutter_to_photon_where_both_clocks_are_one) {
+TEST(VisitLog, measures_from_shutter_to_photon_if_both_have_one_clock) {
   Log log;
   log.show(1, 1'000'000'000, 1'080'000'000);
   EXPECT_NEAR(log.stage("shutter_to_photon").p50_ms(), 80.0, 1e-9);
@@ -67,7 +67,7 @@ TEST(VisitLog, counts_a_frame_once_however_many_displays_show_it) {
   EXPECT_EQ(log.gauge("frames"), 1.0);
 }
 
-TEST(VisitLog, tells_the_rate_of_the_last_seconds) {
+TEST(VisitLog, reports_the_rate_of_the_last_seconds) {
   Log log;
   for (std::uint64_t i = 1; i <= 100; ++i) {
     log.show(i, 0, 1);
@@ -78,7 +78,7 @@ TEST(VisitLog, tells_the_rate_of_the_last_seconds) {
   EXPECT_EQ(log.log.frames_per_second(log.now + 6s), 0.0);
 }
 
-TEST(VisitLog, tells_bytes_balance_and_why_frames_were_dropped) {
+TEST(VisitLog, reports_bytes_balance_and_why_frames_were_dropped) {
   Log log;
   wire::Tile tile;
   tile.set_jpeg(std::string(600, 'j'));
@@ -99,7 +99,7 @@ TEST(VisitLog, tells_bytes_balance_and_why_frames_were_dropped) {
   EXPECT_EQ(log.gauge("dropped: a node was lost"), 1.0);
 }
 
-TEST(VisitLog, tells_a_refined_picture_from_a_new_one) {
+TEST(VisitLog, distinguishes_a_refined_picture_from_a_new_one) {
   Log log;
   wire::View view;
   view.set_number(1);
@@ -132,7 +132,7 @@ TEST(VisitLog, tells_a_refined_picture_from_a_new_one) {
   EXPECT_EQ(log.log.refinement(), std::nullopt);
 }
 
-TEST(VisitLog, counts_a_dropped_frame_once_whoever_tells_of_it) {
+TEST(VisitLog, counts_a_dropped_frame_once_whoever_reports_it) {
   Log log;
   wire::View view;
   wire::FrameDropped dropped;
@@ -157,7 +157,7 @@ TEST(VisitLog, counts_a_dropped_frame_once_whoever_tells_of_it) {
   EXPECT_EQ(log.gauge("dropped: a damaged tile"), 1.0);
 }
 
-TEST(VisitLog, does_not_grow_with_names_that_peers_invent) {
+TEST(VisitLog, is_bounded_whatever_names_peers_send) {
   Log log;
   wire::FramePresented presented;
   for (int i = 0; i < 1000; ++i) {
@@ -180,7 +180,7 @@ class SilentDisplay final : public DisplayLink {
   void close(const Error&) override {}
 };
 
-TEST(DisplayHub, asks_for_one_picture_for_all_and_refuses_a_display_that_none_serves) {
+TEST(DisplayHub, requests_one_picture_for_all_and_refuses_a_display_that_it_cannot_serve) {
   DisplayHub hub;
   const auto left = std::make_shared<SilentDisplay>();
   const auto right = std::make_shared<SilentDisplay>();
@@ -199,7 +199,7 @@ TEST(DisplayHub, asks_for_one_picture_for_all_and_refuses_a_display_that_none_se
   EXPECT_TRUE(hub.join(dome, "dome", Projection{Fisheye{512, 512}, {}}));
 }
 
-TEST(DisplayHub, asks_for_both_eyes_only_if_all_displays_show_the_same_two) {
+TEST(DisplayHub, requests_both_eyes_only_if_all_displays_show_the_same_two) {
   DisplayHub hub;
   const auto first = std::make_shared<SilentDisplay>();
   const auto second = std::make_shared<SilentDisplay>();
@@ -219,7 +219,7 @@ TEST(DisplayHub, asks_for_both_eyes_only_if_all_displays_show_the_same_two) {
   EXPECT_EQ(*hub.wanted(), two);
 }
 
-TEST(Site, puts_start_and_stops_inside_and_says_when_nobody_can_walk) {
+TEST(Site, moves_start_and_stops_inside_and_reports_that_nobody_can_walk) {
   wire::SceneDescription scene;
   scene.set_walking_scale(1.0);
   for (const auto& [x, z] : {std::pair{0.0, 0.0}, {4.0, 0.0}, {4.0, 4.0}, {0.0, 4.0}}) {

@@ -41,7 +41,7 @@ void expect_right_pdf(const EnvironmentLight& light, const char* name, const Vec
   EXPECT_NEAR(check.integral, 1.0, 0.02) << name;
 }
 
-TEST(EnvironmentLight, aims_are_distributed_as_its_density_says) {
+TEST(EnvironmentLight, samples_follow_the_pdf) {
   const scene::Sky sky{Eigen::Vector3f(0.4f, 0.5f, 0.8f), Eigen::Vector3f::Constant(0.2f),
                        Eigen::Vector3f::Constant(0.05f)};
   expect_right_pdf(EnvironmentLight(sky, nullptr), "sky");
@@ -51,7 +51,7 @@ TEST(EnvironmentLight, aims_are_distributed_as_its_density_says) {
   expect_right_pdf(EnvironmentLight({}, map_of(1, 1, 1.0f)), "one texel");
 }
 
-TEST(EnvironmentLight, every_constant_map_lights_a_surface_with_pi) {
+TEST(EnvironmentLight, a_constant_map_has_irradiance_pi) {
   for (const int height : {1, 2, 16, 33}) {
     const EnvironmentLight light({}, map_of(2 * height, height, 1.0f));
     for (const Vec3& n : {Vec3(0, 1, 0), Vec3(0, 0, -1), Vec3(0.6f, -0.8f, 0)}) {
@@ -65,7 +65,7 @@ TEST(EnvironmentLight, every_constant_map_lights_a_surface_with_pi) {
   }
 }
 
-TEST(EnvironmentLight, looks_where_its_texels_are) {
+TEST(EnvironmentLight, has_its_texels_in_the_right_directions) {
   auto map = map_of(8, 4, 0.0f);
   const auto paint = [&](int x, int y, float value) { map->pixels.at(x, y)[0] = value; };
   for (int y = 1; y < 3; ++y) {
@@ -83,7 +83,7 @@ TEST(EnvironmentLight, looks_where_its_texels_are) {
   EXPECT_NEAR(light.radiance(Vec3::UnitX()).x(), 2.0f, 1e-5f);
 }
 
-TEST(EnvironmentLight, a_sun_of_one_texel_is_found_without_noise) {
+TEST(EnvironmentLight, samples_a_sun_of_one_texel_without_noise) {
   auto map = map_of(64, 32, 0.01f);
   for (int i = 0; i < 3; ++i) map->pixels.at(20, 8)[i] = 1e6f;
   const EnvironmentLight light({}, map);
@@ -96,13 +96,13 @@ TEST(EnvironmentLight, a_sun_of_one_texel_is_found_without_noise) {
   }
 }
 
-TEST(EnvironmentLight, black_does_not_shine) {
+TEST(EnvironmentLight, is_off_if_it_is_black) {
   EXPECT_FALSE(EnvironmentLight({}, nullptr).shines());
   EXPECT_FALSE(EnvironmentLight({}, map_of(4, 2, 0.0f)).shines());
   EXPECT_EQ(EnvironmentLight({}, map_of(4, 2, 0.0f)).pdf(Vec3::Zero(), Vec3::UnitY()), 0.0f);
 }
 
-TEST(EnvironmentLight, poles_give_numbers) {
+TEST(EnvironmentLight, is_finite_at_the_poles) {
   const EnvironmentLight light({}, noisy_map(16, 8));
   for (const Vec3& direction : {Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(1e-20f, 1, 0), Vec3(-1, 0, 0), Vec3(0, 0, 1)}) {
     EXPECT_TRUE(std::isfinite(light.pdf(Vec3::Zero(), direction)));

@@ -73,7 +73,7 @@ bool meets(const FlatLight& light, const Vec3& p, const Vec3& direction, double*
   return *ret_distance > 0.0 && (light.is_disk ? x * x + y * y <= 1.0 : std::abs(x) <= 1.0 && std::abs(y) <= 1.0);
 }
 
-TEST(FlatLight, aims_are_distributed_as_its_density_says) {
+TEST(FlatLight, samples_follow_the_pdf) {
   const double level = sidak(0.01, static_cast<int>(cases().size()));
   for (const Case& at : cases()) {
     if (at.is_small) continue;
@@ -94,7 +94,7 @@ TEST(FlatLight, aims_are_distributed_as_its_density_says) {
   }
 }
 
-TEST(FlatLight, the_density_of_an_aim_is_that_of_a_ray_which_goes_the_same_way) {
+TEST(FlatLight, a_sample_has_the_pdf_of_a_ray_in_its_direction) {
   for (const Case& at : cases()) {
     const FlatLight light = flat(at.light);
     int aims = 0;
@@ -113,7 +113,7 @@ TEST(FlatLight, the_density_of_an_aim_is_that_of_a_ray_which_goes_the_same_way) 
   }
 }
 
-TEST(FlatLight, a_rectangle_gives_what_lamberts_formula_says) {
+TEST(FlatLight, a_rectangle_follows_lamberts_formula) {
   for (const Case& at : cases()) {
     if (at.light.kind != scene::LightKind::kRectangle) continue;
     const FlatLight light = flat(at.light);
@@ -145,7 +145,7 @@ TEST(FlatLight, a_disk_overhead_gives_pi_times_the_squared_sine_of_its_half_angl
   }
 }
 
-TEST(FlatLight, shines_on_one_side_and_gives_numbers_on_itself) {
+TEST(FlatLight, shines_on_one_side_and_is_finite_on_itself) {
   LightSample aim;
   for (const scene::Light& light : {rectangle({0, 0, 0}, {0, -1, 0}, 1, 1), disk({0, 0, 0}, {0, -1, 0}, 1)}) {
     const FlatLight made = flat(light);
@@ -163,7 +163,7 @@ TEST(FlatLight, shines_on_one_side_and_gives_numbers_on_itself) {
   }
 }
 
-TEST(FlatLight, without_an_area_or_numbers_it_is_not_lit) {
+TEST(FlatLight, is_off_without_an_area_or_with_invalid_numbers) {
   EXPECT_FALSE(is_lit(flat(rectangle({0, 0, 0}, {0, -1, 0}, 0, 1))));
   EXPECT_FALSE(is_lit(flat(rectangle({0, 0, 0}, {0, -1, 0}, 1e-30, 1e-30))));
   EXPECT_FALSE(is_lit(flat(disk({0, 0, 0}, {0, -1, 0}, 0))));
@@ -173,7 +173,7 @@ TEST(FlatLight, without_an_area_or_numbers_it_is_not_lit) {
   EXPECT_FALSE(is_lit(flat(dark)));
 }
 
-TEST(FlatLight, what_no_ray_meets_has_no_density_to_weigh) {
+TEST(FlatLight, samples_of_an_invisible_light_have_no_pdf) {
   scene::Light light = rectangle({0, 2, 0}, {0, -1, 0}, 1, 1);
   light.visible = false;
   LightSample aim;

@@ -28,7 +28,7 @@ double irradiance(const Lamp& lamp, const Vec3& p, const Vec3& n) {
       n);
 }
 
-TEST(Lamp, a_sphere_gives_what_a_point_gives_while_all_of_it_is_above_the_horizon) {
+TEST(Lamp, a_sphere_above_the_horizon_gives_the_light_of_a_point) {
   for (const double radius : {0.0, 1e-20, 1e-7, 1e-4, 0.01, 0.5, 0.99}) {
     const double expected = 7.0 * 2.0 / std::pow(5.0, 1.5);
     EXPECT_NEAR(irradiance(lamp_of(sphere({1, 2, 0}, radius, 7.0f)), Vec3::Zero(), Vec3::UnitY()), expected,
@@ -37,7 +37,7 @@ TEST(Lamp, a_sphere_gives_what_a_point_gives_while_all_of_it_is_above_the_horizo
   }
 }
 
-TEST(Lamp, aims_are_distributed_as_its_density_says) {
+TEST(Lamp, samples_follow_the_pdf) {
   for (const scene::Light& light : {sphere({1, 2, 0.5}, 0.5), sphere({0, 0, 2}, 1.9), sphere({0.1, 0.2, 0}, 3.0)}) {
     const Lamp lamp = lamp_of(light);
     const float cos_rim = std::sqrt(std::max(0.0f, 1.0f - std::pow(lamp.radius / lamp.position.norm(), 2.0f)));
@@ -55,7 +55,7 @@ TEST(Lamp, aims_are_distributed_as_its_density_says) {
   }
 }
 
-TEST(Lamp, aims_end_before_its_surface) {
+TEST(Lamp, shadow_rays_end_before_its_surface) {
   const Lamp lamp = lamp_of(sphere({3, 0, 0}, 0.5));
   for (int i = 0; i < 256; ++i) {
     const LightSample aim = sample_lamp(lamp, Vec3::Zero(), SampleSequence(2, 0, 0, i, 256).pair(0));
@@ -66,13 +66,13 @@ TEST(Lamp, aims_end_before_its_surface) {
   }
 }
 
-TEST(Lamp, inside_the_sphere_light_comes_from_everywhere) {
+TEST(Lamp, light_comes_from_all_directions_inside_the_sphere) {
   const double radiance = 3.0 / (std::numbers::pi * 4.0);
   EXPECT_NEAR(irradiance(lamp_of(sphere({0, 0.2, 0}, 2.0, 3.0f)), Vec3::Zero(), Vec3::UnitX()),
               std::numbers::pi * radiance, 0.01);
 }
 
-TEST(Lamp, a_directional_one_gives_its_lux_whatever_its_size) {
+TEST(Lamp, a_directional_lamp_gives_its_lux_at_any_angular_size) {
   for (const double tangent : {0.0, 0.00465, 0.2}) {
     scene::Light light;
     light.kind = scene::LightKind::kDirectional;
@@ -84,7 +84,7 @@ TEST(Lamp, a_directional_one_gives_its_lux_whatever_its_size) {
   }
 }
 
-TEST(Lamp, a_spot_shines_inside_its_cone_only_and_fades_between) {
+TEST(Lamp, a_spot_shines_only_inside_its_cone_and_fades_towards_its_edge) {
   scene::Light light = point_light({0, 1, 0}, 1.0f);
   light.kind = scene::LightKind::kSpot;
   light.inner_cone_rad = 0.3;
@@ -109,7 +109,7 @@ TEST(Lamp, light_ends_at_the_range) {
   EXPECT_GT(irradiance(lamp_of(light), Vec3::Zero(), Vec3::UnitY()), 0.0);
 }
 
-TEST(Lamp, a_place_on_it_gives_numbers) {
+TEST(Lamp, is_finite_for_points_on_its_surface) {
   for (const double radius : {0.0, 1e-30, 1e-3, 0.5}) {
     const Lamp lamp = lamp_of(sphere({0, 0, 0}, radius));
     for (const Vec3& p : {Vec3(0, 0, 0), Vec3(static_cast<float>(radius), 0, 0), Vec3(1e-20f, 0, 0)}) {

@@ -69,7 +69,7 @@ scene::Mesh triangle_mesh(const std::array<Eigen::Vector3f, 3>& corners) {
   return mesh;
 }
 
-TEST(LightSet, nothing_shines_in_the_dark) {
+TEST(LightSet, is_empty_in_a_dark_scene) {
   LightSample aim;
   EXPECT_TRUE(LightSet().empty());
   EXPECT_FALSE(LightSet().sample(Vec3::Zero(), Vec3::UnitY(), 0.5f, {0.5f, 0.5f}, &aim));
@@ -77,7 +77,7 @@ TEST(LightSet, nothing_shines_in_the_dark) {
   EXPECT_EQ(LightSet().environment_pdf(Vec3::Zero(), Vec3::UnitY(), Vec3::UnitY()), 0.0f);
 }
 
-TEST(LightSet, choosing_one_of_many_is_unbiased) {
+TEST(LightSet, is_unbiased_with_many_lights) {
   for (const int count : {1, 4, 20, 65, 500}) {
     std::vector<scene::Light> lamps;
     double expected = 0.0;
@@ -92,7 +92,7 @@ TEST(LightSet, choosing_one_of_many_is_unbiased) {
   }
 }
 
-TEST(LightSet, lamps_suns_and_sky_add_up) {
+TEST(LightSet, sums_lamps_suns_and_sky) {
   scene::Light sun;
   sun.kind = scene::LightKind::kDirectional;
   sun.intensity.setConstant(3.0f);
@@ -103,7 +103,7 @@ TEST(LightSet, lamps_suns_and_sky_add_up) {
   EXPECT_NEAR(irradiance(lights, Vec3::Zero(), Vec3::UnitY()), expected, 0.01 * expected);
 }
 
-TEST(LightSet, a_glowing_triangle_gives_what_lamberts_formula_says_near_and_far) {
+TEST(LightSet, a_glowing_triangle_follows_lamberts_formula_near_and_far) {
   const std::array<Eigen::Vector3f, 3> corners = {Eigen::Vector3f(-1, 0, -1), {1, 0.2f, -1}, {0, 0.1f, 1.5f}};
   for (const float height : {0.05f, 0.5f, 3.0f, 200.0f}) {
     const Glowing glowing(triangle_mesh(corners), 1.0f,
@@ -118,7 +118,7 @@ TEST(LightSet, a_glowing_triangle_gives_what_lamberts_formula_says_near_and_far)
   }
 }
 
-TEST(LightSet, aims_at_a_near_triangle_are_uniform_in_solid_angle) {
+TEST(LightSet, samples_of_a_near_triangle_are_uniform_in_solid_angle) {
   const Glowing glowing(triangle_mesh({Eigen::Vector3f(-1, 0, -1), {1, 0, -1}, {0, 0, 1.5f}}), 1.0f,
                         Eigen::Affine3d(Eigen::Translation3d(0, 0.5, 0)));
   const LightSet lights = glowing.lights();
@@ -185,7 +185,7 @@ std::vector<scene::Light> visible_lamps() {
   return lamps;
 }
 
-TEST(LightSet, rays_meet_visible_lamps_where_aims_go_with_the_same_density_and_radiance) {
+TEST(LightSet, rays_that_hit_visible_lamps_have_the_pdf_and_radiance_of_light_samples) {
   std::vector<scene::Light> few = visible_lamps();
   std::vector<scene::Light> many = few;
   for (int i = 0; i < 80; ++i) many.push_back(point_light({0.1 * i - 3.0, 8.0, 0.0}, 1.0f));
@@ -212,7 +212,7 @@ TEST(LightSet, rays_meet_visible_lamps_where_aims_go_with_the_same_density_and_r
   }
 }
 
-TEST(LightSet, rays_and_aims_agree_about_the_light_that_arrives) {
+TEST(LightSet, rays_and_light_samples_agree_about_the_light_that_arrives) {
   const LightSet lights = set_of(visible_lamps());
   const Traced traced(lights);
   double by_rays = 0.0;
@@ -241,7 +241,7 @@ TEST(LightSet, rays_and_aims_agree_about_the_light_that_arrives) {
   EXPECT_NEAR(weighed / by_rays, 1.0, 0.02);
 }
 
-TEST(LightSet, light_scales_exactly) {
+TEST(LightSet, scales_exactly_with_the_lights_power) {
   std::vector<scene::Light> lamps = visible_lamps();
   const LightSet lights = set_of(lamps);
   for (const float factor : {0x1p-20f, 0x1p20f}) {
@@ -262,7 +262,7 @@ TEST(LightSet, light_scales_exactly) {
   }
 }
 
-TEST(LightSet, bright_beside_dim_and_places_on_lights_give_numbers) {
+TEST(LightSet, is_finite_for_very_unequal_lights_and_points_on_lights) {
   std::vector<scene::Light> lamps = visible_lamps();
   lamps[0].intensity.setConstant(1e10f);
   lamps[2].intensity.setConstant(1e-3f);

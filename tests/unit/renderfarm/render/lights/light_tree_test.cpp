@@ -64,7 +64,7 @@ double sum_of_probabilities(const LightTree& tree, std::size_t count, const Vec3
   return sum;
 }
 
-TEST(LightTree, probabilities_and_what_is_lost_sum_to_one_and_each_light_that_shines_has_one) {
+TEST(LightTree, probabilities_and_their_loss_add_up_to_one_and_each_relevant_light_has_one) {
   Random random(3);
   double total_lost = 0.0;
   int places = 0;
@@ -97,7 +97,7 @@ TEST(LightTree, probabilities_and_what_is_lost_sum_to_one_and_each_light_that_sh
   EXPECT_LT(total_lost / places, 0.35);
 }
 
-TEST(LightTree, chooses_with_the_probability_that_it_says) {
+TEST(LightTree, chooses_with_its_stated_probability) {
   Random random(4);
   const std::vector<LightBounds> lights = mixed_lights(100, &random);
   const LightTree tree(lights);
@@ -120,7 +120,7 @@ TEST(LightTree, chooses_with_the_probability_that_it_says) {
   }
 }
 
-TEST(LightTree, chooses_in_proportion_to_power_when_all_are_equally_far) {
+TEST(LightTree, chooses_in_proportion_to_power_at_equal_distances) {
   std::vector<LightBounds> lights;
   for (int i = 0; i < 64; ++i) {
     const double angle = 0.1 * i;
@@ -134,7 +134,7 @@ TEST(LightTree, chooses_in_proportion_to_power_when_all_are_equally_far) {
   }
 }
 
-TEST(LightTree, neither_a_light_behind_the_surface_nor_one_that_faces_away_is_chosen) {
+TEST(LightTree, never_chooses_lights_behind_the_surface_or_facing_away) {
   std::vector<LightBounds> lights = {point({0, -1, 0}, 1e6f), surface({0, 2, 0}, Vec3::UnitY(), 1e6f),
                                      point({0, 3, 0}, 1.0f)};
   const LightTree tree(lights);
@@ -143,7 +143,7 @@ TEST(LightTree, neither_a_light_behind_the_surface_nor_one_that_faces_away_is_ch
   EXPECT_GT(tree.probability(Vec3::Zero(), Vec3::Zero(), 0), 0.0f) << "both sides are lit";
 }
 
-TEST(LightTree, lights_beyond_their_range_are_not_chosen) {
+TEST(LightTree, never_chooses_lights_beyond_their_range) {
   std::vector<LightBounds> lights = {point({10, 0, 0}, 1e6f), point({0, 3, 0}, 1.0f)};
   lights[0].inverse_range = 1.0f / 9.0f;
   const LightTree tree(lights);
@@ -151,7 +151,7 @@ TEST(LightTree, lights_beyond_their_range_are_not_chosen) {
   EXPECT_EQ(tree.probability(Vec3::Zero(), Vec3::Zero(), 1), 1.0f);
 }
 
-TEST(LightTree, extremes_give_numbers) {
+TEST(LightTree, is_finite_for_extreme_lights) {
   std::vector<LightBounds> lights = {point({0, 0, 0}, 1e10f), point({0, 0, 0}, 1e-3f), point({1e8f, 0, 0}, 1.0f),
                                      point({1e-8f, 0, 0}, 1e-20f), point({1, 1, 1}, 0.0f)};
   for (int i = 0; i < 100; ++i) lights.push_back(point({std::pow(2.0f, static_cast<float>(i) - 50.0f), 0, 0}, 1.0f));
@@ -186,7 +186,7 @@ double relative_variance(const std::vector<LightBounds>& lights, const Vec3& p, 
   return second / (first * first) - 1.0;
 }
 
-TEST(LightTree, among_ten_thousand_it_chooses_better_than_power_and_chance) {
+TEST(LightTree, chooses_better_than_by_power_or_uniformly_among_ten_thousand) {
   Random random(5);
   const std::vector<LightBounds> lights = mixed_lights(10'000, &random);
   const LightTree tree(lights);
@@ -214,7 +214,7 @@ TEST(LightTree, among_ten_thousand_it_chooses_better_than_power_and_chance) {
   EXPECT_LT(median(by_tree), 0.05 * median(by_chance));
 }
 
-TEST(LightTree, a_list_of_few_chooses_as_well_as_it_says) {
+TEST(LightTree, a_short_list_chooses_with_its_stated_probability) {
   Random random(6);
   const std::vector<LightBounds> lights = mixed_lights(30, &random);
   LightList list;
@@ -239,7 +239,7 @@ TEST(LightTree, a_list_of_few_chooses_as_well_as_it_says) {
   }
 }
 
-TEST(DirectionCone, holds_what_it_was_made_of) {
+TEST(DirectionCone, contains_the_directions_that_it_was_made_of) {
   Random random(8);
   for (int i = 0; i < 2000; ++i) {
     DirectionCone cone;

@@ -203,6 +203,10 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
         trouble_with(node));
     return Done{};
   }
+  if (!loaded.note().empty()) {
+    delegate_.notice(fmt::format("{}, scene '{}': {}", to_text(node), loaded.scene(), printable(loaded.note())),
+                     about(node));
+  }
   asked->second.state = Node::SceneState::kLoaded;
   asked->second.speed = relative_speed(loaded);
   delegate_.notice(fmt::format("{} has scene '{}': {:.1f} M triangles, {:.2f} GiB, loaded in {:.1f} s", to_text(node),

@@ -41,6 +41,7 @@ void apply(const render::PictureQuality& quality, wire::View* view) {
   view->set_firefly_limit(quality.render.firefly_limit);
   view->set_adaptive_error(quality.render.adaptive_error);
   view->set_adaptive_minimum(static_cast<std::uint32_t>(quality.render.adaptive_minimum));
+  view->set_stored_light(quality.render.stored_light);
   view->set_denoise(quality.denoise);
   view->set_jpeg_quality(static_cast<std::uint32_t>(quality.jpeg_quality));
   view->set_subsample_chroma(quality.subsample_chroma);

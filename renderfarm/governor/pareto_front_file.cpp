@@ -26,6 +26,7 @@ ParetoPoint read_point(ConfigTable table) {
   render.firefly_limit = static_cast<float>(table.number("firefly_limit", {0, render::kMaxRadianceLimit}, 0.0));
   render.adaptive_error = static_cast<float>(table.number("adaptive_error", {0, render::kMaxRadianceLimit}, 0.0));
   render.adaptive_minimum = table.integer("adaptive_minimum", {2, render::kMaxSamples}, render.adaptive_minimum);
+  render.stored_light = table.flag("stored_light", render.stored_light);
   quality.scale = table.number("scale", {render::kMinScale, 1}, quality.scale);
   quality.denoise = table.flag("denoise", quality.denoise);
   quality.jpeg_quality = table.integer("jpeg_quality", {1, 100}, quality.jpeg_quality);
@@ -68,10 +69,10 @@ std::string pareto_front_text(const ParetoFront& front, std::string_view comment
     const render::RenderQuality& render = quality.render;
     fmt::format_to(std::back_inserter(text),
                    "\n[[point]]\ncpu_us_per_px = {}\nerror = {}\nsamples = {}\nbounces = {}\nlight_samples = {}\n"
-                   "firefly_limit = {}\nadaptive_error = {}\nadaptive_minimum = {}\nscale = {}\ndenoise = {}\n"
+                   "firefly_limit = {}\nadaptive_error = {}\nadaptive_minimum = {}\nstored_light = {}\nscale = {}\ndenoise = {}\n"
                    "jpeg_quality = {}\nsubsample_chroma = {}\n",
                    front[i].cost, front[i].error, render.samples, render.bounces, render.light_samples,
-                   render.firefly_limit, render.adaptive_error, render.adaptive_minimum, quality.scale, quality.denoise,
+                   render.firefly_limit, render.adaptive_error, render.adaptive_minimum, render.stored_light, quality.scale, quality.denoise,
                    quality.jpeg_quality, quality.subsample_chroma);
   }
   return text;

@@ -35,7 +35,7 @@ double samples_as_good_as(const ParetoFront& front, const ParetoPoint& moving) {
   double error_of_one = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < front.size(); ++i) {
     const render::PictureQuality& quality = front[i].quality;
-    if (quality.scale < 1.0 || quality.denoise) continue;
+    if (quality.scale < 1.0 || quality.denoise || quality.render.stored_light) continue;
     error_of_one = std::min(error_of_one, front[i].error * quality.render.samples);
   }
   const double as_good = error_of_one / moving.error;
@@ -63,6 +63,7 @@ Refinement::Refinement(const ParetoFront& front, const ParetoPoint& moving, int 
   quality_.jpeg_quality = std::max(quality_.jpeg_quality, kReferenceJpegQuality);
   quality_.subsample_chroma = false;
   quality_.render.firefly_limit = 0.0f;
+  quality_.render.stored_light = false;
   quality_.render.adaptive_error = 0.0f;
   quality_.render.sequence = reference_samples;
   first_picture_ = cut_at_least(samples_as_good_as(front, moving), reference_samples);

@@ -37,6 +37,11 @@ class BlockRenderer {
   [[nodiscard]] virtual RgbImage developed(const render::Film& film) const = 0;
   /// Returns everything but the name, which the coordinator assigns.
   [[nodiscard]] virtual wire::SceneDescription description() const = 0;
+  /// Returns the text of a Pareto front (renderfarm/governor/pareto_front_file.h) for a scene that brings none; empty if
+  /// the standard one fits.
+  [[nodiscard]] virtual std::string pareto_front() const = 0;
+  /// Returns one sentence about what the scene brings that could not be used; empty if everything could.
+  [[nodiscard]] virtual std::string note() const = 0;
   [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;
   /// Returns the thread time per megapixel of a small fixed picture from the scene's start: the host's speed.
   [[nodiscard]] virtual double probe_cpu_seconds() = 0;

@@ -17,6 +17,7 @@ render::RenderQuality quality_of(const wire::View& view) {
   quality.firefly_limit = view.firefly_limit();
   quality.adaptive_error = view.adaptive_error();
   if (view.adaptive_minimum() > 0) quality.adaptive_minimum = static_cast<int>(view.adaptive_minimum());
+  quality.stored_light = view.stored_light();
   return quality;
 }
 

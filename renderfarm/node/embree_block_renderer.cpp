@@ -2,10 +2,14 @@
 #include "renderfarm/node/embree_block_renderer.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 
 #include "common/wire/convert.h"
 #include "renderfarm/denoise/denoising_renderer.h"
+#include "renderfarm/governor/pareto_front_file.h"
+#include "renderfarm/governor/stored_light_front.h"
+#include "renderfarm/light/light_file.h"
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
 
@@ -17,8 +21,8 @@ constexpr double kReadingShare = 0.6;
 
 class EmbreeBlockRenderer final : public BlockRenderer {
  public:
-  EmbreeBlockRenderer(std::unique_ptr<render::Renderer> renderer, int threads)
-      : renderer_(std::move(renderer)), denoising_(*renderer_, threads) {}
+  EmbreeBlockRenderer(std::unique_ptr<render::Renderer> renderer, int threads, std::string note)
+      : renderer_(std::move(renderer)), denoising_(*renderer_, threads), note_(std::move(note)) {}
 
   render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                             const std::function<bool()>& cancelled) override {
@@ -76,8 +80,16 @@ class EmbreeBlockRenderer final : public BlockRenderer {
     return out;
   }
 
+  [[nodiscard]] std::string pareto_front() const override {
+    if (renderer_->light() == nullptr) return {};
+    return governor::pareto_front_text(governor::stored_light_front(renderer_->scene().bounces), "");
+  }
+
+  [[nodiscard]] std::string note() const override { return note_; }
+
   [[nodiscard]] std::uint64_t memory_bytes() const override {
-    return renderer_->scene().memory_bytes() + renderer_->shading_bytes() + renderer_->bvh_bytes();
+    const std::size_t light = renderer_->light() == nullptr ? 0 : renderer_->light()->bytes();
+    return light + renderer_->scene().memory_bytes() + renderer_->shading_bytes() + renderer_->bvh_bytes();
   }
 
   [[nodiscard]] double probe_cpu_seconds() override {
@@ -98,7 +110,19 @@ class EmbreeBlockRenderer final : public BlockRenderer {
  private:
   const std::unique_ptr<render::Renderer> renderer_;
   denoise::DenoisingRenderer denoising_;
+  const std::string note_;
 };
+
+/// Gives the renderer the light that is stored in the scene's folder, if there is any. Errors: as light_file.h. The
+/// renderer traces paths then.
+Status load_stored_light(const std::filesystem::path& scene, render::Renderer* renderer) {
+  const std::filesystem::path file = scene / light::kLightFileName;
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) return Done{};
+  Result<light::LightStore> store = light::read_light_file(file);
+  if (!store) return store.error();
+  return renderer->set_light(std::make_shared<light::LightStore>(*std::move(store)), file.string());
+}
 
 }  // namespace
 
@@ -110,7 +134,10 @@ SceneLoader embree_scene_loader(int threads) {
     TRY_ASSIGN(auto renderer, render::Renderer::build(std::move(scene), threads, [&](double done) {
                  progress(kReadingShare + (1.0 - kReadingShare) * done);
                }));
-    return std::unique_ptr<BlockRenderer>(std::make_unique<EmbreeBlockRenderer>(std::move(renderer), threads));
+    const Status light = load_stored_light(path, renderer.get());
+    std::string note = light ? std::string() : light.error().message();
+    return std::unique_ptr<BlockRenderer>(
+        std::make_unique<EmbreeBlockRenderer>(std::move(renderer), threads, std::move(note)));
   };
 }
 

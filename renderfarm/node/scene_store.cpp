@@ -144,7 +144,9 @@ Result<SceneStore::Loaded> SceneStore::loaded_from(const std::string& name, cons
   TRY_ASSIGN(std::string front, front_of(path));
   TRY_ASSIGN(std::shared_ptr<BlockRenderer> renderer, load_guarded(path, progress));
   wire::SceneLoaded answer;
+  if (front.empty()) front = renderer->pareto_front();
   answer.set_front(std::move(front));
+  answer.set_note(printable(renderer->note(), kMaxErrorBytes));
   *answer.mutable_description() = renderer->description();
   answer.mutable_description()->set_name(name);
   if (const Status fine = validate(answer.description()); !fine) {

@@ -127,6 +127,8 @@ class FakeBlockRenderer final : public node::BlockRenderer {
     return picture;
   }
   [[nodiscard]] wire::SceneDescription description() const override { return fake_scene(""); }
+  [[nodiscard]] std::string pareto_front() const override { return {}; }
+  [[nodiscard]] std::string note() const override { return {}; }
   [[nodiscard]] std::uint64_t memory_bytes() const override { return memory_bytes_; }
   [[nodiscard]] double probe_cpu_seconds() override { return 0.25; }
 

@@ -107,6 +107,7 @@ const std::set<std::string> kReviewed = {
     "View.samples: uint32",
     "View.sequence: uint32",
     "View.shutter_ns: int64",
+    "View.stored_light: bool",
     "View.subsample_chroma: bool",
     "SessionReply.begin: View",
     "SessionReply.end: FrameEnd",

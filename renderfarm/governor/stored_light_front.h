@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderfarm/governor/front.h"
+
+namespace cyclorama::governor {
+
+/// Returns the Pareto front for a scene with light that was computed ahead (renderfarm/light). Its cheap pictures read
+/// that light, so they are free of noise at any size; the dearest one traces paths and leads to the picture at rest.
+/// `bounces` are the scene's, for what is traced all the same.
+[[nodiscard]] ParetoFront stored_light_front(int bounces);
+
+}  // namespace cyclorama::governor

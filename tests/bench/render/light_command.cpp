@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/bench/render/light_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <vector>
+
+#include "common/process/progress.h"
+#include "renderfarm/denoise/denoising_renderer.h"
+#include "renderfarm/light_baking/bake_light.h"
+#include "renderfarm/light_baking/visible_triangles.h"
+#include "renderfarm/quality/flip.h"
+#include "renderfarm/render/tone.h"
+
+namespace cyclorama {
+namespace {
+
+constexpr std::uint64_t kHeldOutSeed = 4711;  ///< Of the eyes; the baker's own eyes have another.
+constexpr int kBlockPx = 8;
+
+struct LightOptions {
+  tools::SceneOptions scene;
+  light_baking::BakeSettings bake;
+  int eyes = 8;
+  int width = 480;
+  int height = 180;
+  int reference_samples = 256;
+  std::string json;
+};
+
+enum class Method { kStored, kDenoised, kPaths };
+
+/// One kind of picture, measured over all eyes.
+struct Line {
+  Method method = Method::kPaths;
+  int samples = 1;
+  double cpu_s_per_mpx = 0.0;
+  double relmse = 0.0;
+  double flip = 0.0;
+  std::vector<double> block_relmse{};  ///< One per eye.
+  double bias = 0.0;                   ///< Of the picture's mean, relative.
+
+  [[nodiscard]] std::string name() const {
+    const char* const names[] = {"stored light", "denoised", "paths"};
+    return fmt::format("{}, {} samples", names[static_cast<int>(method)], samples);
+  }
+};
+
+/// Two halves whose noise is independent: the product of their errors has no share of it.
+struct Reference {
+  RadianceImage a;
+  RadianceImage b;
+  RadianceImage mean;
+};
+
+RadianceImage blocks_of(const RadianceImage& image) {
+  RadianceImage blocks(image.width() / kBlockPx, image.height() / kBlockPx);
+  for (int y = 0; y < blocks.height(); ++y) {
+    for (int x = 0; x < blocks.width(); ++x) {
+      for (int c = 0; c < 3; ++c) {
+        float sum = 0.0f;
+        for (int j = 0; j < kBlockPx; ++j) {
+          for (int i = 0; i < kBlockPx; ++i) sum += image.at(x * kBlockPx + i, y * kBlockPx + j)[c];
+        }
+        blocks.at(x, y)[c] = sum / (kBlockPx * kBlockPx);
+      }
+    }
+  }
+  return blocks;
+}
+
+/// relMSE without the reference's noise: mean of (p - a)(p - b) / (r² + 0.01).
+double unbiased_relmse(const RadianceImage& picture, const RadianceImage& a, const RadianceImage& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < picture.data().size(); ++i) {
+    const auto p = static_cast<double>(picture.data()[i]);
+    const auto pa = static_cast<double>(a.data()[i]);
+    const auto pb = static_cast<double>(b.data()[i]);
+    const double r = 0.5 * (pa + pb);
+    sum += (p - pa) * (p - pb) / (r * r + 0.01);
+  }
+  return sum / static_cast<double>(picture.data().size());
+}
+
+double mean_of(const RadianceImage& image) {
+  double sum = 0.0;
+  for (const float value : image.data()) sum += static_cast<double>(value);
+  return sum / static_cast<double>(image.data().size());
+}
+
+class Measurement {
+ public:
+  Measurement(const LightOptions& options, const StopSignal& stop, render::Renderer& renderer)
+      : options_(options), stop_(stop), renderer_(renderer), denoising_(renderer, options.scene.threads) {}
+
+  Status run(std::vector<Line>* lines) {
+    const scene::SceneInfo& info = renderer_.scene().info;
+    std::vector<Eigen::Vector3d> eyes = light_baking::walkable_eyes(info, options_.eyes + 1, kHeldOutSeed);
+    if (eyes.size() > 1) eyes.erase(eyes.begin());  // The start is one of the baker's own.
+    Progress progress("comparing");
+    for (std::size_t i = 0; i < eyes.size(); ++i) {
+      view_ = render::PanoramaView();
+      view_.eye = eyes[i];
+      view_.heading_rad = info.start_heading_rad + 2.399963 * static_cast<double>(i);
+      const double span = 150.0 * std::numbers::pi / 180.0;
+      const double tan_half = 0.5 * span * options_.height / options_.width;
+      view_.panorama = {options_.width, options_.height, span, tan_half, -tan_half};
+      TRY_ASSIGN(const Reference reference, make_reference());
+      for (Line& line : *lines) {
+        TRY(measure(reference, 1.0 / static_cast<double>(eyes.size()), &line));
+      }
+      progress.update(static_cast<double>(i + 1) / static_cast<double>(eyes.size()));
+    }
+    return Done{};
+  }
+
+ private:
+  [[nodiscard]] PixelRect whole() const { return {0, 0, options_.width, options_.height}; }
+
+  Result<Reference> make_reference() {
+    Reference reference;
+    for (RadianceImage* const half : {&reference.a, &reference.b}) {
+      view_.seed = half == &reference.a ? 1'000'001 : 1'000'002;
+      view_.quality = {};
+      view_.quality.samples = options_.reference_samples;
+      view_.quality.bounces = renderer_.scene().bounces;
+      renderer_.render_radiance(view_, whole(), half, [this] { return stop_.requested(); });
+      if (stop_.requested()) return tools::stopped();
+    }
+    reference.mean = reference.a;
+    for (std::size_t i = 0; i < reference.mean.data().size(); ++i) {
+      reference.mean.data()[i] = 0.5f * (reference.a.data()[i] + reference.b.data()[i]);
+    }
+    return reference;
+  }
+
+  Status measure(const Reference& reference, double share, Line* line) {
+    view_.seed = 1;
+    view_.quality = {};
+    view_.quality.samples = line->samples;
+    view_.quality.bounces = renderer_.scene().bounces;
+    view_.quality.stored_light = line->method == Method::kStored;
+    RadianceImage picture;
+    const auto cancelled = [this] { return stop_.requested(); };
+    const render::RenderCost cost = line->method == Method::kDenoised
+                                        ? denoising_.render_radiance(view_, whole(), &picture, cancelled)
+                                        : renderer_.render_radiance(view_, whole(), &picture, cancelled);
+    if (stop_.requested()) return tools::stopped();
+    line->cpu_s_per_mpx += share * cost.cpu_seconds / (1e-6 * static_cast<double>(whole().area()));
+    line->relmse += share * unbiased_relmse(picture, reference.a, reference.b);
+    line->block_relmse.push_back(unbiased_relmse(blocks_of(picture), blocks_of(reference.a), blocks_of(reference.b)));
+    line->bias += share * (mean_of(picture) / mean_of(reference.mean) - 1.0);
+    const scene::ToneCurve tone = renderer_.scene().tone;
+    TRY_ASSIGN(const quality::Flip flip,
+               quality::flip(render::developed(picture, tone), render::developed(reference.mean, tone)));
+    line->flip += share * flip.mean;
+    return Done{};
+  }
+
+  const LightOptions& options_;
+  const StopSignal& stop_;
+  render::Renderer& renderer_;
+  denoise::DenoisingRenderer denoising_;
+  render::PanoramaView view_;
+};
+
+/// Returns what a method costs at an error, from its measured lines: a power law through the two that are nearest.
+double cost_at(const std::vector<Line>& lines, Method method, double relmse) {
+  std::vector<const Line*> own;
+  for (const Line& line : lines) {
+    if (line.method == method) own.push_back(&line);
+  }
+  std::ranges::sort(own, {}, [](const Line* line) { return line->relmse; });
+  const Line* a = own[0];
+  const Line* b = own[1];
+  for (std::size_t i = 1; i + 1 < own.size() && own[i]->relmse < relmse; ++i) a = own[i], b = own[i + 1];
+  const double slope = std::log(b->cpu_s_per_mpx / a->cpu_s_per_mpx) / std::log(b->relmse / a->relmse);
+  return a->cpu_s_per_mpx * std::pow(relmse / a->relmse, slope);
+}
+
+Status measure_light(const LightOptions& options, const StopSignal& stop) {
+  TRY_ASSIGN(tools::LoadedScene loaded, tools::load_with_progress(options.scene));
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             tools::build_with_progress(std::move(loaded.scene), options.scene));
+  Progress progress("computing light");
+  TRY_ASSIGN(const light_baking::BakedLight baked,
+             light_baking::bake_light(
+                 *renderer, options.bake, options.scene.threads, [&](double fraction) { progress.update(fraction); },
+                 [&] { return stop.requested(); }));
+  std::vector<Line> lines = {{Method::kStored, 1},   {Method::kStored, 4},    {Method::kStored, 16},
+                             {Method::kDenoised, 4}, {Method::kDenoised, 16}, {Method::kPaths, 4},
+                             {Method::kPaths, 16}};
+  TRY(Measurement(options, stop, *renderer).run(&lines));
+  const double triangles = static_cast<double>(renderer->scene().triangles_seen());
+  const double bytes_per_triangle = static_cast<double>(baked.store->bytes()) / triangles;
+  const double seen_millions = 1e-6 * static_cast<double>(baked.seen_triangles);
+  fmt::print("light: {:.1f} cpu-seconds, {:.1f} per million seen triangles; {:.1f} bytes per triangle\n",
+             baked.cpu_seconds, baked.cpu_seconds / seen_millions, bytes_per_triangle);
+  fmt::print("{:<26}{:>12}{:>11}{:>9}{:>12}{:>12}{:>9}\n", "picture", "cpu-s/Mpx", "relMSE", "FLIP", "8x8 relMSE",
+             "worst eye", "bias");
+  for (const Line& line : lines) {
+    double mean = 0.0;
+    for (const double block : line.block_relmse) mean += block / static_cast<double>(line.block_relmse.size());
+    fmt::print("{:<26}{:>12.3f}{:>11.5f}{:>9.4f}{:>12.2e}{:>12.2e}{:>8.2f}%\n", line.name(), line.cpu_s_per_mpx,
+               line.relmse, line.flip, mean, *std::ranges::max_element(line.block_relmse), 100.0 * line.bias);
+  }
+  const Line& best = lines[1];
+  const double ratio_denoised = cost_at(lines, Method::kDenoised, best.relmse) / best.cpu_s_per_mpx;
+  const double ratio_paths = cost_at(lines, Method::kPaths, best.relmse) / best.cpu_s_per_mpx;
+  fmt::print("at the error of '{}': denoised pictures cost {:.1f} times as much, paths {:.0f} times\n", best.name(),
+             ratio_denoised, ratio_paths);
+  if (options.json.empty()) return Done{};
+  return tools::write_json(options.json, {{"ratio_denoised", ratio_denoised},
+                                          {"ratio_paths", ratio_paths},
+                                          {"relmse", best.relmse},
+                                          {"flip", best.flip},
+                                          {"block_relmse_worst_eye", *std::ranges::max_element(best.block_relmse)},
+                                          {"bias", best.bias},
+                                          {"cpu_s_per_mpx", best.cpu_s_per_mpx},
+                                          {"cpu_s_per_mpx_one_sample", lines[0].cpu_s_per_mpx},
+                                          {"relmse_one_sample", lines[0].relmse},
+                                          {"bytes_per_triangle", bytes_per_triangle},
+                                          {"bake_cpu_s", baked.cpu_seconds},
+                                          {"bake_cpu_s_per_million_seen", baked.cpu_seconds / seen_millions}});
+}
+
+}  // namespace
+
+tools::RenderCommand add_light_command(CLI::App* program) {
+  CLI::App* const parser =
+      program->add_subcommand("light", "Compare pictures that read stored light with path tracing at equal error");
+  const auto options = std::make_shared<LightOptions>();
+  tools::add_scene_options(parser, &options->scene);
+  parser->add_option("--eyes", options->eyes, "Held-out eyes, at random places of the walkable area")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  parser->add_option("--width", options->width, "Pictures' width in pixels")->capture_default_str();
+  parser->add_option("--height", options->height, "Pictures' height in pixels")->capture_default_str();
+  parser->add_option("--reference-samples", options->reference_samples, "Samples of each half of the reference")
+      ->capture_default_str();
+  parser->add_option("--probe-error", options->bake.probe_error, "As cyclorama-render light")->capture_default_str();
+  parser->add_option("--max-parts", options->bake.max_parts, "As cyclorama-render light; a power of two")
+      ->capture_default_str();
+  parser->add_option("--rays", options->bake.final_rays, "As cyclorama-render light; a power of two")
+      ->capture_default_str();
+  parser->add_option("--json", options->json, "Also write the figures as JSON");
+  return {parser, [options](const StopSignal& stop) { return measure_light(*options, stop); }};
+}
+
+}  // namespace cyclorama

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/light_baking/bake_light.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/image/image.h"
+#include "renderfarm/light/light_file.h"
+#include "renderfarm/light_baking/visible_triangles.h"
+#include "tests/data_sets/simple_scenes.h"
+
+namespace cyclorama::light_baking {
+namespace {
+
+BakeSettings quick() {
+  BakeSettings settings;
+  settings.eyes = 4;
+  settings.rays_per_eye = 1 << 13;
+  settings.pixels_per_degree = 2.0;
+  return settings;
+}
+
+std::unique_ptr<render::Renderer> built(scene::Scene scene) {
+  auto renderer = render::Renderer::build(std::move(scene), 2, nullptr);
+  EXPECT_TRUE(renderer.has_value()) << renderer.error().message();
+  return *std::move(renderer);
+}
+
+BakedLight baked(render::Renderer& renderer, const BakeSettings& settings = quick(), int threads = 2) {
+  auto result = bake_light(renderer, settings, threads, nullptr, nullptr);
+  EXPECT_TRUE(result.has_value()) << result.error().message();
+  return *std::move(result);
+}
+
+/// A box about the eye, each side of 4 m, from the inside.
+scene::Scene box_scene(float albedo, int parts) {
+  scene::Scene scene;
+  scene.model.materials.push_back(matte_material(Eigen::Vector3f::Constant(albedo)));
+  const Eigen::Vector3d axes[3] = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-2.0, 2.0}) {
+      scene::Mesh mesh;
+      const Eigen::Vector3d u = axes[(axis + 1) % 3];
+      const Eigen::Vector3d v = axes[(axis + 2) % 3];
+      for (int j = 0; j <= parts; ++j) {
+        for (int i = 0; i <= parts; ++i) {
+          const Eigen::Vector3d p = side * axes[axis] + (4.0 * i / parts - 2.0) * u + (4.0 * j / parts - 2.0) * v;
+          mesh.positions.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
+          const Eigen::Vector3d n = axes[axis] * (side > 0.0 ? -1.0 : 1.0);
+          mesh.normals.push_back({static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())});
+        }
+      }
+      const auto row = static_cast<std::uint32_t>(parts + 1);
+      for (std::uint32_t j = 0; j + 1 < row; ++j) {
+        for (std::uint32_t i = 0; i + 1 < row; ++i) {
+          const std::uint32_t a = j * row + i;
+          if (side > 0.0) {
+            mesh.triangles.push_back({a, a + row, a + 1});
+            mesh.triangles.push_back({a + 1, a + row, a + row + 1});
+          } else {
+            mesh.triangles.push_back({a, a + 1, a + row});
+            mesh.triangles.push_back({a + 1, a + row + 1, a + row});
+          }
+        }
+      }
+      add_mesh(scene, std::move(mesh));
+    }
+  }
+  scene.info.start_eye = {0.3, 0.2, -0.1};
+  return scene;
+}
+
+struct Difference {
+  double relative_bias = 0.0;
+  double worst_codes = 0.0;  ///< Largest difference of an 8x8 block's mean, in display codes.
+};
+
+/// Compares pictures with stored light to converged ones.
+Difference difference(const render::Renderer& renderer, render::PanoramaView view, int reference_samples) {
+  view.quality.samples = 16;
+  view.quality.bounces = renderer.scene().bounces;
+  view.quality.stored_light = true;
+  RgbImage shown;
+  renderer.render(view, whole(view), &shown, nullptr);
+  const RadianceImage stored = radiance_of(renderer, view);
+  view.quality.stored_light = false;
+  view.quality.samples = reference_samples;
+  view.seed = 77;
+  RgbImage reference_shown;
+  renderer.render(view, whole(view), &reference_shown, nullptr);
+  const RadianceImage reference = radiance_of(renderer, view);
+  Difference result;
+  result.relative_bias = mean_of(stored) / mean_of(reference) - 1.0;
+  for (int by = 0; by + 8 <= shown.height(); by += 8) {
+    for (int bx = 0; bx + 8 <= shown.width(); bx += 8) {
+      double sum = 0.0;
+      for (int y = by; y < by + 8; ++y) {
+        for (int x = bx; x < bx + 8; ++x) sum += shown.at(x, y)[1] - reference_shown.at(x, y)[1];
+      }
+      result.worst_codes = std::max(result.worst_codes, std::abs(sum) / 64.0);
+    }
+  }
+  return result;
+}
+
+TEST(BakeLight, fills_a_white_furnace_evenly) {
+  // Walls of albedo 1/2 in a closed box with the ambient radiance 1: each bounce adds half of the one before.
+  scene::Scene scene = box_scene(0.5f, 4);
+  scene.ambient = Eigen::Vector3f::Ones();
+  scene.bounces = 3;
+  const auto renderer = built(std::move(scene));
+  baked(*renderer);
+  render::PanoramaView view = view_from({0.3, 0.2, -0.1}, 64, 32, 1.0, -1.0);
+  view.quality.bounces = 3;
+  view.quality.stored_light = true;
+  const RadianceImage image = radiance_of(*renderer, view);
+  const float expected = 0.5f + 0.25f + 0.125f + 0.0625f;
+  for (const float value : image.data()) EXPECT_NEAR(value, expected, 0.004f * expected);
+}
+
+TEST(BakeLight, equals_path_tracing_in_a_box_with_a_lamp) {
+  scene::Scene scene = box_scene(0.6f, 8);
+  scene.model.lights = {point_light({0.5, 1.2, 0.4}, 20.0f)};
+  scene.model.lights[0].radius_m = 0.2;
+  scene.exposure = 0.5;
+  const auto renderer = built(std::move(scene));
+  baked(*renderer);
+  const Difference found = difference(*renderer, view_from({0.3, 0.2, -0.1}, 96, 48, 1.0, -1.0), 1024);
+  EXPECT_LT(std::abs(found.relative_bias), 0.01);
+  EXPECT_LT(found.worst_codes, 4.0);
+}
+
+TEST(BakeLight, does_not_leak_through_a_thin_wall_that_stands_on_one_floor) {
+  // The floor and the ceiling are two triangles each; a wall of no thickness divides a bright half from a dark one.
+  scene::Scene scene = box_scene(0.5f, 1);
+  scene::Mesh wall = square_mesh(4.0f);
+  add_mesh(scene, std::move(wall),
+           Eigen::Affine3d(Eigen::Translation3d(0.37, 0, 0) *
+                           Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitZ())));
+  scene.model.lights = {point_light({1.2, 0.5, 0.3}, 20.0f)};
+  scene.model.lights[0].radius_m = 0.1;
+  scene.exposure = 0.5;
+  scene.info.start_eye = {-1.0, 0.2, 0.1};
+  const auto renderer = built(std::move(scene));
+  baked(*renderer);
+  // From the dark half, where nothing may shine.
+  const Difference dark = difference(*renderer, view_from({-1.0, 0.2, 0.1}, 96, 48, 1.0, -1.0), 64);
+  EXPECT_LT(dark.worst_codes, 1.0);
+}
+
+TEST(BakeLight, shows_shadows_on_triangles_that_are_larger_than_them) {
+  scene::Scene scene = box_scene(0.5f, 1);
+  scene::Mesh ball = sphere_mesh(0.3f, 16);
+  ball.origin = {0.8, -1.2, 0.2};
+  add_mesh(scene, std::move(ball));
+  scene.model.lights = {point_light({0.9, 1.5, 0.4}, 20.0f)};
+  scene.model.lights[0].radius_m = 0.1;
+  scene.exposure = 0.5;
+  scene.info.start_eye = {-0.5, 0.2, 0.1};
+  const auto renderer = built(std::move(scene));
+  BakeSettings settings = quick();
+  settings.pixels_per_degree = 4.0;
+  const BakedLight light = baked(*renderer, settings);
+  EXPECT_GT(light.grids, 0u);
+  const Difference found = difference(*renderer, view_from({-0.5, 0.2, 0.1}, 96, 48, 1.0, -1.0), 1024);
+  EXPECT_LT(std::abs(found.relative_bias), 0.015);
+  EXPECT_LT(found.worst_codes, 4.0);
+}
+
+TEST(BakeLight, does_not_depend_on_threads) {
+  const auto bytes = [](int threads) {
+    scene::Scene scene = box_scene(0.6f, 3);
+    scene.model.lights = {point_light({0.5, 1.2, 0.4}, 20.0f)};
+    const auto renderer = built(std::move(scene));
+    return light::light_file_bytes(*baked(*renderer, quick(), threads).store);
+  };
+  EXPECT_EQ(bytes(1), bytes(3));
+}
+
+TEST(BakeLight, is_finite_at_extreme_scales_and_for_degenerate_triangles) {
+  for (const double scale : {1e-3, 1.0, 1e4}) {
+    scene::Scene scene = box_scene(0.6f, 2);
+    for (scene::Mesh& mesh : scene.model.meshes) {
+      for (auto& p : mesh.positions) {
+        for (float& coordinate : p) coordinate *= static_cast<float>(scale);
+      }
+      mesh.triangles.push_back({0, 0, 1});
+      mesh.normals[0] = {0, 0, 0};
+    }
+    scene.bounds = Eigen::AlignedBox3d(Eigen::Vector3d::Constant(-2.0 * scale), Eigen::Vector3d::Constant(2.0 * scale));
+    scene.info.start_eye *= scale;
+    scene.model.lights = {
+        point_light({0.5 * scale, 1.2 * scale, 0.4 * scale}, static_cast<float>(20.0 * scale * scale))};
+    const auto renderer = built(std::move(scene));
+    baked(*renderer);
+    render::PanoramaView view = view_from(renderer->scene().info.start_eye, 48, 24, 1.0, -1.0);
+    view.quality.bounces = 4;
+    view.quality.stored_light = true;
+    const double stored = mean_of(radiance_of(*renderer, view));
+    view.quality.stored_light = false;
+    view.quality.samples = 64;
+    const double traced = mean_of(radiance_of(*renderer, view));
+    EXPECT_NEAR(stored / traced, 1.0, 0.05) << scale;
+  }
+}
+
+TEST(BakeLight, refuses_a_lamp_that_the_visitor_carries) {
+  scene::Scene scene = box_scene(0.5f, 1);
+  scene.eye_lamp = Eigen::Vector3f::Ones();
+  const auto renderer = built(std::move(scene));
+  const auto result = bake_light(*renderer, quick(), 1, nullptr, nullptr);
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().message(), testing::HasSubstr("visitor carries"));
+}
+
+TEST(BakeLight, leaves_nothing_behind_when_it_is_cancelled) {
+  const auto renderer = built(box_scene(0.5f, 2));
+  int calls = 0;
+  const auto result = bake_light(*renderer, quick(), 1, nullptr, [&] { return ++calls > 3; });
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code(), ErrorCode::kUnavailable);
+  EXPECT_EQ(renderer->light(), nullptr);
+}
+
+TEST(VisibleTriangles, are_those_on_the_eyes_side_alone) {
+  const auto renderer = built(box_scene(0.5f, 2));
+  const VisibleTriangles visible = find_visible_triangles(*renderer, quick(), nullptr);
+  EXPECT_EQ(visible.seen, 6u * 8u);
+  for (const auto& sides : visible.distance) {
+    EXPECT_TRUE(sides[1].empty());
+    for (const float distance : sides[0]) EXPECT_LT(distance, 4.0f);
+  }
+}
+
+TEST(WalkableEyes, stay_in_the_walkable_area) {
+  scene::SceneInfo info;
+  info.start_eye = {0.5, 1.6, 0.5};
+  info.walkable = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
+  info.walkable_holes = {{{1, 1}, {3, 1}, {3, 3}, {1, 3}}};
+  const std::vector<Eigen::Vector3d> eyes = walkable_eyes(info, 100, 1);
+  ASSERT_EQ(eyes.size(), 100u);
+  for (const Eigen::Vector3d& eye : eyes) {
+    const bool in_hole = eye.x() > 1 && eye.x() < 3 && eye.z() > 1 && eye.z() < 3;
+    EXPECT_FALSE(in_hole);
+    EXPECT_NEAR(eye.y(), 1.6, 0.25);
+  }
+}
+
+}  // namespace
+}  // namespace cyclorama::light_baking

@@ -25,8 +25,9 @@ inline constexpr const char* kLightFileName = "light.store";
 
 [[nodiscard]] std::vector<std::byte> light_file_bytes(const LightStore& store);
 
-/// Parses a file's bytes; `name` identifies the file in errors. Whatever the bytes are, the store that is returned can
-/// be read at every triangle for which it has samples; whether it fits a scene is the question of check_fits().
+/// Parses a file's bytes; `name` identifies the file in errors. The store can be read at
+/// every triangle for which it has samples, even if the bytes were made to deceive. check_fits() tells whether it fits
+/// a scene.
 /// Errors: kBadData, with the remedy.
 Result<LightStore> parse_light_file(std::span<const std::byte> bytes, std::string_view name);
 

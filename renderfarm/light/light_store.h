@@ -33,7 +33,7 @@ namespace cyclorama::light {
 /// A sample that has no value: whoever reads it traces paths instead. No encoded sample has these bits.
 inline constexpr std::uint32_t kNoSample = 0xffffffffu;
 
-/// Where a triangle's samples are.
+/// A code that says which samples a triangle has.
 struct TriangleGrid {
   static constexpr std::uint32_t kBase = 0;      ///< Base samples.
   static constexpr std::uint32_t kTraced = ~0u;  ///< The triangle has no samples: paths are traced.
@@ -57,7 +57,7 @@ static_assert(TriangleGrid::samples(2) == 6 && TriangleGrid::index(2, 0, 2) == 5
 struct SideLight {
   std::vector<std::uint32_t> base;     ///< RGB9E5 in the store's unit, or kNoSample.
   std::vector<std::uint32_t> grids;    ///< A TriangleGrid code per triangle; empty if all have base samples.
-  std::vector<std::uint32_t> samples;  ///< Of the grids; coded like `base`.
+  std::vector<std::uint32_t> samples;  ///< Samples of all grids, coded like `base`.
 };
 
 /// Light on both sides of one placement of a mesh.
@@ -76,9 +76,9 @@ struct SceneKey {
 /// The light of a whole scene. A value, immutable once it is in use; reading is thread-safe.
 struct LightStore {
   SceneKey scene;
-  std::string settings;                ///< How it was made, for people and for comparison; one line.
+  std::string settings;                ///< The settings it was made with, as one line for people.
   float unit = 1.0f;                   ///< Radiance of a sample of 1.
-  std::vector<SurfaceLight> surfaces;  ///< By placement, in the order of the scene's instances that have triangles.
+  std::vector<SurfaceLight> surfaces;  ///< One per placement, in the order of the scene's instances that have triangles.
 
   /// Returns the light at a point of triangle `primitive`, or nothing if paths must be traced there. `side` is 0 for
   /// the front and 1 for the back; `weights` are barycentric; `vertices` are the triangle's.

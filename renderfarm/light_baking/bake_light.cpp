@@ -30,7 +30,7 @@ constexpr float kHeadroom = 16.0f;
 constexpr int kRings = 2;
 
 BakeSettings with_dim_light(BakeSettings settings, const scene::Scene& scene) {
-  constexpr float kDim = 0.1f;  // Of white: a tenth, where relative errors begin to hide.
+  constexpr float kDim = 0.1f;  // A tenth of white; below it, relative errors begin to hide.
   settings.dim_light = kDim / static_cast<float>(scene.exposure);
   return settings;
 }

@@ -5,7 +5,7 @@
 
 namespace cyclorama::light_baking {
 
-/// What light costs and how exact it is. The curves are in docs/design/stored-light.md.
+/// Settings that trade the cost of light for its accuracy. Their curves are in docs/design/stored-light.md.
 struct BakeSettings {
   int eyes = 64;  ///< Places in the walkable area from which surfaces are looked at.
   int rays_per_eye = 1 << 18;

@@ -32,7 +32,7 @@ struct Estimate {
   Vec3 sum = Vec3::Zero();
   Vec3 round = Vec3::Zero();
   double rounds = 0.0;   ///< Sum of the rounds' luminances.
-  double squares = 0.0;  ///< Of the rounds' luminances.
+  double squares = 0.0;  ///< Sum of their squares.
   double sample_squares = 0.0;
   int count = 0;  ///< Rounds.
 

@@ -21,7 +21,7 @@ struct LitSide {
   const render::Placement* placement = nullptr;
   bool back = false;
   bool per_triangle = false;
-  std::span<const LightPoint> points;  ///< Of the base samples, on this side.
+  std::span<const LightPoint> points;  ///< Points of the base samples, on this side.
   std::span<const PointLight> light;
 };
 

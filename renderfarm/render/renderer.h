@@ -99,7 +99,7 @@ class Renderer {
   /// For light_baking, which traces rays of its own: everything that the kernels read.
   [[nodiscard]] const TraceScene& traced() const;
   [[nodiscard]] const SceneNeeds& needs() const;
-  [[nodiscard]] const Eigen::Vector3d& origin() const;  ///< Of the render frame, in the Scene frame.
+  [[nodiscard]] const Eigen::Vector3d& origin() const;  ///< The render frame's origin, in the Scene frame.
 
   [[nodiscard]] const scene::Scene& scene() const;
   [[nodiscard]] const LightSet& lights() const;  ///< Render frame.

@@ -20,7 +20,7 @@ struct ContinuousCalibrator::State {
   calibration::ShowCalibration believed;
   calibration::ShowCalibration applied;
   calibration::ShowCalibration reference;  ///< Believed poses at the time when the scan's residuals had been learned.
-  std::vector<PoseFilter> filters;         ///< Of the projectors, then of the cameras.
+  std::vector<PoseFilter> filters;         ///< Values of the projectors, then of the cameras.
   std::vector<PixelMotion> motion;         ///< Per projector.
   std::vector<ProjectorHealth> health;
   std::vector<TimePoint> measured_at;

@@ -19,7 +19,7 @@
 namespace cyclorama {
 namespace {
 
-constexpr std::uint64_t kHeldOutSeed = 4711;  ///< Of the eyes; the baker's own eyes have another.
+constexpr std::uint64_t kHeldOutSeed = 4711;  ///< Seed of the eyes; the baker's own have another.
 constexpr int kBlockPx = 8;
 
 struct LightOptions {
@@ -42,7 +42,7 @@ struct Line {
   double relmse = 0.0;
   double flip = 0.0;
   std::vector<double> block_relmse{};  ///< One per eye.
-  double bias = 0.0;                   ///< Of the picture's mean, relative.
+  double bias = 0.0;                   ///< Relative error of the picture's mean.
 
   [[nodiscard]] std::string name() const {
     const char* const names[] = {"stored light", "denoised", "paths"};

@@ -85,11 +85,11 @@ bool grids_fit(const SideLight& light) {
 }
 
 struct SideSizes {
-  std::array<std::uint32_t, 3> count{};
+  std::array<std::uint32_t, 4> count{};
 };
 
 bool read_surfaces(Reader& reader, std::uint32_t placements, LightStore* ret) {
-  constexpr std::size_t kHeaderBytes = 7 * sizeof(std::uint32_t);
+  constexpr std::size_t kHeaderBytes = 9 * sizeof(std::uint32_t);
   if (reader.left() / kHeaderBytes < placements) return false;  // Before memory is taken.
   ret->surfaces.resize(placements);
   std::vector<std::array<SideSizes, 2>> sizes(placements);
@@ -101,9 +101,9 @@ bool read_surfaces(Reader& reader, std::uint32_t placements, LightStore* ret) {
   for (std::size_t i = 0; i < placements; ++i) {
     for (std::size_t side = 0; side < 2; ++side) {
       SideLight& light = ret->surfaces[i].sides[side];
-      const std::array<std::uint32_t, 3>& count = sizes[i][side].count;
-      if (!reader.read_array(count[0], &light.base) || !reader.read_array(count[1], &light.grids) ||
-          !reader.read_array(count[2], &light.samples)) {
+      const std::array<std::uint32_t, 4>& count = sizes[i][side].count;
+      if (!reader.read_array(count[0], &light.base) || !reader.read_array(count[1], &light.directions) ||
+          !reader.read_array(count[2], &light.grids) || !reader.read_array(count[3], &light.samples)) {
         return false;
       }
     }
@@ -128,6 +128,7 @@ std::vector<std::byte> light_file_bytes(const LightStore& store) {
     writer.add_value(std::uint32_t{surface.base_per_triangle ? 1u : 0u});
     for (const SideLight& side : surface.sides) {
       writer.add_size(side.base.size());
+      writer.add_size(side.directions.size());
       writer.add_size(side.grids.size());
       writer.add_size(side.samples.size());
     }
@@ -135,6 +136,7 @@ std::vector<std::byte> light_file_bytes(const LightStore& store) {
   for (const SurfaceLight& surface : store.surfaces) {
     for (const SideLight& side : surface.sides) {
       writer.add_array(side.base);
+      writer.add_array(side.directions);
       writer.add_array(side.grids);
       writer.add_array(side.samples);
     }
@@ -200,6 +202,7 @@ Status check_fits(const LightStore& store, const SceneKey& scene, const std::vec
     const std::size_t base = surface.base_per_triangle ? placements[i].triangles : placements[i].vertices;
     for (const SideLight& side : surface.sides) {
       if ((!side.base.empty() && side.base.size() != base) ||
+          (!side.directions.empty() && side.directions.size() != side.base.size()) ||
           (!side.grids.empty() && (side.base.empty() || side.grids.size() != placements[i].triangles))) {
         return damaged(name, fmt::format("mesh {} has another number of samples than vertices", i));
       }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/light/light_store.h"
 
+#include "renderfarm/light/mean_direction.h"
+
 namespace cyclorama::light {
 
 std::optional<Eigen::Vector3f> LightStore::in_grid(const SideLight& light, std::uint32_t grid,
@@ -27,6 +29,20 @@ std::optional<Eigen::Vector3f> LightStore::in_grid(const SideLight& light, std::
                   {part_u + part_v - 1.0f, 1.0f - part_u, 1.0f - part_v});
 }
 
+Eigen::Vector3f LightStore::direction_at(std::size_t placement, int side, std::uint32_t primitive,
+                                         const std::array<std::uint32_t, 3>& vertices,
+                                         const Eigen::Vector3f& weights) const {
+  const SurfaceLight& surface = surfaces[placement];
+  const SideLight& light = surface.sides[static_cast<std::size_t>(side)];
+  if (light.directions.empty()) return Eigen::Vector3f::Zero();
+  if (surface.base_per_triangle) return from_direction_code(light.directions[primitive]);
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (std::size_t i = 0; i < 3; ++i) {
+    sum += weights[static_cast<Eigen::Index>(i)] * from_direction_code(light.directions[vertices[i]]);
+  }
+  return sum;
+}
+
 std::size_t LightStore::sample_count() const {
   std::size_t count = 0;
   for (const SurfaceLight& surface : surfaces) {
@@ -38,7 +54,7 @@ std::size_t LightStore::sample_count() const {
 std::size_t LightStore::bytes() const {
   std::size_t count = sample_count();
   for (const SurfaceLight& surface : surfaces) {
-    for (const SideLight& side : surface.sides) count += side.grids.size();
+    for (const SideLight& side : surface.sides) count += side.grids.size() + side.directions.size();
   }
   return count * sizeof(std::uint32_t) + surfaces.size() * sizeof(SurfaceLight);
 }

@@ -55,8 +55,11 @@ static_assert(TriangleGrid::samples(2) == 6 && TriangleGrid::index(2, 0, 2) == 5
 
 /// Light on one side of a placed mesh. Empty if no visitor sees that side.
 struct SideLight {
-  std::vector<std::uint32_t> base;     ///< RGB9E5 in the store's unit, or kNoSample.
-  std::vector<std::uint32_t> grids;    ///< A TriangleGrid code per triangle; empty if all have base samples.
+  std::vector<std::uint32_t> base;   ///< RGB9E5 in the store's unit, or kNoSample.
+  std::vector<std::uint32_t> grids;  ///< A TriangleGrid code per triangle; empty if all have base samples.
+  /// Mean directions of the light at the base samples, in the render frame (mean_direction.h). Empty unless the material
+  /// has a normal map.
+  std::vector<std::uint32_t> directions;
   std::vector<std::uint32_t> samples;  ///< Samples of all grids, coded like `base`.
 };
 
@@ -76,9 +79,10 @@ struct SceneKey {
 /// The light of a whole scene. A value, immutable once it is in use; reading is thread-safe.
 struct LightStore {
   SceneKey scene;
-  std::string settings;                ///< The settings it was made with, as one line for people.
-  float unit = 1.0f;                   ///< Radiance of a sample of 1.
-  std::vector<SurfaceLight> surfaces;  ///< One per placement, in the order of the scene's instances that have triangles.
+  std::string settings;  ///< The settings it was made with, as one line for people.
+  float unit = 1.0f;     ///< Radiance of a sample of 1.
+  std::vector<SurfaceLight>
+      surfaces;  ///< One per placement, in the order of the scene's instances that have triangles.
 
   /// Returns the light at a point of triangle `primitive`, or nothing if paths must be traced there. `side` is 0 for
   /// the front and 1 for the back; `weights` are barycentric; `vertices` are the triangle's.
@@ -94,6 +98,11 @@ struct LightStore {
     return mixed<3>({light.base[vertices[0]], light.base[vertices[1]], light.base[vertices[2]]},
                     {weights[0], weights[1], weights[2]});
   }
+
+  /// Returns the mean direction of the light at the same point; zero if it is not known.
+  [[nodiscard]] Eigen::Vector3f direction_at(std::size_t placement, int side, std::uint32_t primitive,
+                                             const std::array<std::uint32_t, 3>& vertices,
+                                             const Eigen::Vector3f& weights) const;
 
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] std::size_t sample_count() const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Colours in 32 bits: three mantissas of 9 bits with a common exponent of 5 bits. Source: OpenGL's RGB9_E5,
-/// EXT_texture_shared_exponent. The error of a channel is at most 1/1024 of the largest channel.
+/// EXT_texture_shared_exponent. The error of a channel is at most 1/512 of the largest channel.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,17 +15,19 @@ namespace cyclorama::light {
 inline constexpr float kMaxRgb9e5 = 65408.0f;
 inline constexpr float kMinRgb9e5 = 0x1p-24f;
 
-/// Rounds to the nearest code. Values are clamped to [0, kMaxRgb9e5]; NaN becomes 0.
-[[nodiscard]] inline std::uint32_t to_rgb9e5(const Eigen::Vector3f& colour) {
+/// Rounds to a code: to the nearest with 1/2 as `rounding`. With even random numbers in [0, 1), the mean of many codes
+/// of one value is that value. Values are clamped to [0, kMaxRgb9e5]; NaN becomes 0.
+[[nodiscard]] inline std::uint32_t to_rgb9e5(const Eigen::Vector3f& colour, float rounding = 0.5f) {
   Eigen::Vector3f c;
   for (int i = 0; i < 3; ++i) c[i] = colour[i] > 0.0f ? std::min(colour[i], kMaxRgb9e5) : 0.0f;
   const float largest = c.maxCoeff();
   int exponent = std::max(-15, largest > 0.0f ? std::ilogb(largest) + 1 : -15) + 15;
-  if (std::lround(std::ldexp(largest, 24 - exponent)) == 512) ++exponent;
+  const auto mantissa = [&](float value) {
+    return static_cast<std::uint32_t>(std::floor(std::ldexp(value, 24 - exponent) + rounding));
+  };
+  if (mantissa(largest) > 511u && exponent < 31) ++exponent;
   std::uint32_t code = static_cast<std::uint32_t>(exponent) << 27;
-  for (int i = 0; i < 3; ++i) {
-    code |= static_cast<std::uint32_t>(std::lround(std::ldexp(c[i], 24 - exponent))) << (9 * i);
-  }
+  for (int i = 0; i < 3; ++i) code |= std::min(mantissa(c[i]), 511u) << (9 * i);
   return code;
 }
 

@@ -6,9 +6,11 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 
 #include "common/base/cpu_time.h"
+#include "renderfarm/light/mean_direction.h"
 #include "renderfarm/light/scene_key.h"
 #include "renderfarm/light_baking/triangle_grids.h"
 #include "renderfarm/light_baking/visible_triangles.h"
@@ -28,6 +30,8 @@ constexpr std::size_t kTrianglesPerChunk = 128;
 constexpr float kHeadroom = 16.0f;
 /// Steps from a seen triangle to its neighbours for which light is computed finely, too: eyes see more than was tried.
 constexpr int kRings = 2;
+/// Visible parts of an edge from which a triangle is large.
+constexpr double kLargeParts = 32.0;
 
 BakeSettings with_dim_light(BakeSettings settings, const scene::Scene& scene) {
   constexpr float kDim = 0.1f;  // A tenth of white; below it, relative errors begin to hide.
@@ -44,6 +48,9 @@ struct Side {
   std::vector<PointLight> light;
   std::vector<std::uint8_t> seen;
   std::vector<SeenTriangle> triangles;
+  std::vector<std::uint8_t> blocked;  ///< 1 for triangles between whose corners light must not be interpolated.
+  /// Triangles so large that their corners say little of the light between them: bounces trace paths there.
+  std::vector<std::uint32_t> large;
   std::vector<MadeGrid> grids;
 };
 
@@ -67,6 +74,7 @@ class Baker {
     const VisibleTriangles visible = find_visible_triangles(renderer_, settings_, cancelled_);
     baked.seen_triangles = visible.seen;
     place_samples(visible);
+    find_all_blocked();
     TRY(report(0.05));
     light_from_lamps(false);
     TRY(report(0.1));
@@ -81,9 +89,9 @@ class Baker {
     TRY(report(0.3));
     gather(settings_.coarse_rays, bounces_ == 0, false);
     gather(settings_.final_rays, bounces_ == 0, true);
-    TRY(publish());
     TRY(report(0.7));
-    make_all_grids();
+    has_grids_ = true;
+    make_all_grids();  // They read the same bounce as the base samples, so nothing is published in between.
     for (const Side& side : sides_) {
       baked.grids += side.grids.size();
       for (const MadeGrid& grid : side.grids) {
@@ -151,6 +159,31 @@ class Baker {
     }
   }
 
+  [[nodiscard]] LitSide lit(const Side& side) const {
+    return {&scene_.placements[side.placement], side.back, side.per_triangle, side.points, side.light, bounces_ == 0};
+  }
+
+  void find_all_blocked() {
+    for (Side& side : sides_) {
+      side.blocked.resize(scene_.placements[side.placement].mesh->triangle_count);
+      const std::size_t chunks = (side.blocked.size() + kChunk - 1) / kChunk;
+      for (const SeenTriangle& seen : side.triangles) {
+        if (visible_parts(scene_.placements[side.placement], seen, settings_) > kLargeParts) {
+          side.large.push_back(seen.triangle);
+        }
+      }
+      tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+        if (cancelled_ && cancelled_()) return;
+        const double before = thread_cpu_seconds();
+        const std::size_t first = chunk * kChunk;
+        const std::size_t count = std::min(kChunk, side.blocked.size() - first);
+        find_blocked(lit(side), static_cast<std::uint32_t>(first), *tracers_.local(),
+                     std::span(side.blocked).subspan(first, count));
+        cpu_seconds_ += thread_cpu_seconds() - before;
+      });
+    }
+  }
+
   /// Calls work(side, points, first index) for chunks of all base samples that are seen, or of all.
   template <typename Work>
   void for_points(bool only_seen, Work work) {
@@ -190,7 +223,7 @@ class Baker {
   void gather(int rays, bool only_lamps, bool only_seen) {
     for_points(only_seen, [&](Side& side, std::span<const std::uint32_t> part, std::span<const LightPoint> points,
                               LightTracer& tracer) {
-      std::vector<Vec3> light(points.size());
+      std::vector<GatheredLight> light(points.size());
       tracer.from_surfaces(points, rays, only_lamps, light);
       for (std::size_t i = 0; i < part.size(); ++i) side.light[part[i]].surfaces = light[i];
     });
@@ -198,7 +231,6 @@ class Baker {
 
   void make_all_grids() {
     for (Side& side : sides_) {
-      const LitSide lit{&scene_.placements[side.placement], side.back, side.per_triangle, side.points, side.light};
       const std::size_t chunks = (side.triangles.size() + kTrianglesPerChunk - 1) / kTrianglesPerChunk;
       std::vector<std::vector<MadeGrid>> made(chunks);
       tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
@@ -207,7 +239,8 @@ class Baker {
         const render::FlushDenormals flush;
         const std::size_t first = chunk * kTrianglesPerChunk;
         const std::size_t count = std::min(kTrianglesPerChunk, side.triangles.size() - first);
-        made[chunk] = make_grids(lit, std::span(side.triangles).subspan(first, count), settings_, *tracers_.local());
+        made[chunk] =
+            make_grids(lit(side), std::span(side.triangles).subspan(first, count), settings_, *tracers_.local());
         cpu_seconds_ += thread_cpu_seconds() - before;
       });
       for (std::vector<MadeGrid>& part : made) {
@@ -216,8 +249,9 @@ class Baker {
     }
   }
 
-  [[nodiscard]] std::uint32_t encoded(const Vec3& light) const {
-    return light::to_rgb9e5((light + scene_.ambient) / unit_);
+  /// `seed` decides the rounding, so that errors of neighbouring samples cancel.
+  [[nodiscard]] std::uint32_t encoded(const Vec3& light, std::uint32_t seed) const {
+    return light::to_rgb9e5((light + scene_.ambient) / unit_, render::to_unit_float(render::mix_bits(seed)));
   }
 
   /// Chooses the unit from the direct light, once.
@@ -225,7 +259,7 @@ class Baker {
     float brightest = scene_.ambient.maxCoeff();
     for (const Side& side : sides_) {
       for (const PointLight& light : side.light) {
-        brightest = std::max(brightest, (light.lamps.light + light.surfaces).maxCoeff());
+        brightest = std::max(brightest, (light.lamps.light + light.surfaces.light).maxCoeff());
       }
     }
     if (brightest > 0.0f && std::isfinite(brightest)) unit_ = kHeadroom * brightest / light::kMaxRgb9e5;
@@ -250,16 +284,35 @@ class Baker {
       out.base.reserve(side.points.size());
       for (std::size_t i = 0; i < side.points.size(); ++i) {
         const PointLight& light = side.light[i];
-        out.base.push_back(side.points[i].exists() ? encoded(light.lamps.light + light.surfaces) : light::kNoSample);
+        out.base.push_back(side.points[i].exists()
+                               ? encoded(light.lamps.light + light.surfaces.light, side.points[i].seed)
+                               : light::kNoSample);
       }
-      if (!side.grids.empty()) add_grids(side, &bytes_left, &out);
+      if (scene_.placements[side.placement].mesh->material->normal != nullptr) add_directions(side, &out);
+      add_grids(side, &bytes_left, &out);
     }
     published_ = std::move(store);
     return renderer_.set_light(published_, "the light just computed");
   }
 
+  void add_directions(const Side& side, light::SideLight* out) const {
+    out->directions.reserve(side.light.size());
+    for (const PointLight& light : side.light) {
+      // Ambient light comes from everywhere: its directions cancel.
+      const float all = render::luminance(light.lamps.light + light.surfaces.light + scene_.ambient);
+      const Vec3 sum = light.lamps.direction + light.surfaces.direction;
+      out->directions.push_back(all > 0.0f ? light::to_direction_code(sum / all) : 0);
+    }
+  }
+
   void add_grids(const Side& side, std::uint64_t* bytes_left, light::SideLight* out) const {
-    out->grids.assign(scene_.placements[side.placement].mesh->triangle_count, light::TriangleGrid::kBase);
+    const std::span<const std::uint32_t> large = has_grids_ ? std::span<const std::uint32_t>() : side.large;
+    if (side.grids.empty() && large.empty() && std::ranges::count(side.blocked, 1) == 0) return;
+    out->grids.reserve(side.blocked.size());
+    for (const std::uint8_t blocked : side.blocked) {
+      out->grids.push_back(blocked != 0 ? light::TriangleGrid::kTraced : light::TriangleGrid::kBase);
+    }
+    for (const std::uint32_t triangle : large) out->grids[triangle] = light::TriangleGrid::kTraced;
     for (const MadeGrid& grid : side.grids) {
       const std::uint64_t bytes = grid.light.size() * sizeof(std::uint32_t);
       if (bytes > *bytes_left || out->samples.size() + grid.light.size() > light::TriangleGrid::kMaxOffset) {
@@ -270,7 +323,9 @@ class Baker {
       out->grids[grid.triangle] =
           light::TriangleGrid::code(grid.parts, static_cast<std::uint32_t>(out->samples.size()));
       for (std::size_t i = 0; i < grid.light.size(); ++i) {
-        out->samples.push_back(grid.separate[i] != 0 ? light::kNoSample : encoded(grid.light[i]));
+        out->samples.push_back(grid.separate[i] != 0 ? light::kNoSample
+                                                     : encoded(grid.light[i], grid.triangle * 0x9e3779b9u +
+                                                                                  static_cast<std::uint32_t>(i)));
       }
     }
   }
@@ -285,6 +340,7 @@ class Baker {
   light::SceneKey key_;
   std::vector<Side> sides_;
   float unit_ = 1.0f;
+  bool has_grids_ = false;
   std::shared_ptr<const light::LightStore> published_;
   std::atomic<double> cpu_seconds_ = 0.0;
 };

@@ -13,6 +13,9 @@ using render::Vec3;
 /// Distance of points from their surface as a share of its triangles' edges, so that neighbouring triangles, which are
 /// not quite flat together, do not hide what lies before them.
 constexpr float kOffEdge = 1e-3f;
+/// Vertices are drawn this far towards the middle of their triangles, because another surface may touch them there: in
+/// the corner of a room, a point exactly at the edge lies in the next wall.
+constexpr float kDrawnIn = 0.04f;
 /// The least distance as a share of the coordinates: several of their roundings.
 constexpr float kOffPlace = 0x1p-20f;
 
@@ -53,6 +56,8 @@ LightPoint make_point(const Vec3& on_surface, const Vec3& normal, const Vec3& fa
 /// Sums over the triangles around each vertex.
 struct VertexSums {
   Vec3 face = Vec3::Zero();
+  Vec3 middles = Vec3::Zero();  ///< Sum of the triangles' middles, weighted like `weight`.
+  float weight = 0.0f;          ///< Twice the area.
   float shortest_edge = std::numeric_limits<float>::infinity();
 };
 
@@ -85,6 +90,8 @@ std::vector<LightPoint> base_points(const render::Placement& placement, std::uin
     const float edge = shortest_edge(corners);
     for (const std::uint32_t vertex : mesh.triangles[t]) {
       sums[vertex].face += face;
+      sums[vertex].middles += face.norm() * (corners[0] + corners[1] + corners[2]) / 3.0f;
+      sums[vertex].weight += face.norm();
       if (edge > 0.0f) sums[vertex].shortest_edge = std::min(sums[vertex].shortest_edge, edge);
     }
   }
@@ -93,8 +100,10 @@ std::vector<LightPoint> base_points(const render::Placement& placement, std::uin
     const Vec3 facing = render::normalized_or(sums[i].face, Vec3::Zero());
     const Vec3 normal = render_normal(placement, render::to_vec3(mesh.normals[i]));
     if (facing.isZero(0.0f) || normal.isZero(0.0f) || !std::isfinite(sums[i].shortest_edge)) return;
-    points[i] = make_point(render_point(placement, render::to_vec3(mesh.positions[i])), normal, facing,
-                           sums[i].shortest_edge, render::mix_bits(seed + static_cast<std::uint32_t>(i)));
+    const Vec3 vertex = render_point(placement, render::to_vec3(mesh.positions[i]));
+    const Vec3 drawn_in = vertex + kDrawnIn * (sums[i].middles / sums[i].weight - vertex);
+    points[i] = make_point(drawn_in, normal, facing, sums[i].shortest_edge,
+                           render::mix_bits(seed + static_cast<std::uint32_t>(i)));
   });
   return points;
 }

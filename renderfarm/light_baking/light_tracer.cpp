@@ -30,14 +30,16 @@ constexpr double kMinShare = 0.15;
 /// better than that of the samples, which overestimates it.
 struct Estimate {
   Vec3 sum = Vec3::Zero();
+  Vec3 direction = Vec3::Zero();
   Vec3 round = Vec3::Zero();
   double rounds = 0.0;   ///< Sum of the rounds' luminances.
   double squares = 0.0;  ///< Sum of their squares.
   double sample_squares = 0.0;
   int count = 0;  ///< Rounds.
 
-  void add(const Vec3& light) {
+  void add(const Vec3& light, const Vec3& from) {
     round += light;
+    direction += render::luminance(light) * from;
     const auto value = static_cast<double>(render::luminance(light));
     sample_squares += value * value;
   }
@@ -60,7 +62,8 @@ struct Estimate {
   }
   [[nodiscard]] LampLight result() const {
     if (count == 0) return {};
-    return {sum / static_cast<float>(count * kRound), count < 2 ? 0.0f : static_cast<float>(error())};
+    const auto samples = static_cast<float>(count * kRound);
+    return {sum / samples, direction / samples, count < 2 ? 0.0f : static_cast<float>(error())};
   }
 };
 
@@ -70,6 +73,7 @@ LightTracer::LightTracer(const render::TraceScene& scene, render::ShadeStage sha
     : scene_(scene),
       shade_(shade),
       batch_(std::make_unique<render::PathBatch>()),
+      directions_(render::kMaxRays, Vec3::Zero()),
       film_(std::make_unique<render::CellFilm>()) {
   view_.quality.bounces = bounces;
   view_.quality.stored_light = true;
@@ -84,6 +88,7 @@ void LightTracer::add_light_ray(const LightPoint& point, std::uint32_t number, s
   if (!scene_.lights.sample(point.position, point.normal, choice, {place.u, place.v}, &aim)) return;
   const float cosine = point.normal.dot(aim.direction);
   if (!(cosine > 0.0f && point.facing.dot(aim.direction) > 0.0f)) return;
+  directions_[path] = aim.direction;
   const float density = cosine / render::kPi;
   float share = 1.0f;
   if (aim.pdf > 0.0f) share = render::share_of(aim.pdf, density);
@@ -111,7 +116,7 @@ void LightTracer::from_lamps(std::span<const LightPoint> points, const TracerSet
       }
       render::trace_shadows(scene_, *batch_);
       for (std::size_t path = 0; path < (end - first) * kRound; ++path) {
-        estimates[active[first + path / kRound]].add(light_of(batch_->path[path]));
+        estimates[active[first + path / kRound]].add(light_of(batch_->path[path]), directions_[path]);
       }
     }
     std::erase_if(active, [&](std::size_t i) {
@@ -122,7 +127,8 @@ void LightTracer::from_lamps(std::span<const LightPoint> points, const TracerSet
   for (std::size_t i = 0; i < points.size(); ++i) ret[i] = estimates[i].result();
 }
 
-void LightTracer::from_surfaces(std::span<const LightPoint> points, int rays, bool only_lamps, std::span<Vec3> ret) {
+void LightTracer::from_surfaces(std::span<const LightPoint> points, int rays, bool only_lamps,
+                                std::span<GatheredLight> ret) {
   CHECK(rays >= 1 && rays <= render::kMaxRays && (rays & (rays - 1)) == 0);
   const std::size_t together = static_cast<std::size_t>(render::kMaxRays / rays);
   const auto per_point = static_cast<std::size_t>(rays);
@@ -145,6 +151,7 @@ void LightTracer::from_surfaces(std::span<const LightPoint> points, int rays, bo
       render::RayStage& stage = batch_->current();
       render::PathRay& ray = stage.state[static_cast<std::size_t>(stage.rays.count())];
       ray = render::PathRay{};
+      directions_[i] = direction;
       ray.pdf = std::max(0.0f, point.normal.dot(direction)) / render::kPi;
       ray.from_normal = point.normal;
       ray.cone_spread = spread;
@@ -157,9 +164,13 @@ void LightTracer::from_surfaces(std::span<const LightPoint> points, int rays, bo
     }
     render::trace_paths(scene_, shade_, view_, render::Coherence::kIncoherent, *batch_, *film_);
     for (std::size_t p = 0; p < count; ++p) {
-      Vec3 sum = Vec3::Zero();
-      for (std::size_t i = 0; i < per_point; ++i) sum += light_of(batch_->path[p * per_point + i]);
-      ret[first + p] = sum / static_cast<float>(rays);
+      GatheredLight sum;
+      for (std::size_t i = p * per_point; i < (p + 1) * per_point; ++i) {
+        const Vec3 light = light_of(batch_->path[i]);
+        sum.light += light;
+        sum.direction += render::luminance(light) * directions_[i];
+      }
+      ret[first + p] = {sum.light / static_cast<float>(rays), sum.direction / static_cast<float>(rays)};
     }
   }
 }

@@ -17,7 +17,13 @@ namespace cyclorama::light_baking {
 /// power heuristic, so `lamps` alone is not all direct light.
 struct LampLight {
   render::Vec3 light = render::Vec3::Zero();
-  float error = 0.0f;  ///< Standard error of its luminance.
+  render::Vec3 direction = render::Vec3::Zero();  ///< Sum of directions, each times the luminance from there.
+  float error = 0.0f;                             ///< Standard error of its luminance.
+};
+
+struct GatheredLight {
+  render::Vec3 light = render::Vec3::Zero();
+  render::Vec3 direction = render::Vec3::Zero();  ///< As LampLight's.
 };
 
 struct TracerSettings {
@@ -38,7 +44,7 @@ class LightTracer {
   /// Estimates all other light, from `rays` scattered rays per point, which read the light that the scene has at present
   /// where they arrive. With `only_lamps` they find lamps alone. Precondition: `rays` is a power of two up to
   /// render::kMaxRays.
-  void from_surfaces(std::span<const LightPoint> points, int rays, bool only_lamps, std::span<render::Vec3> ret);
+  void from_surfaces(std::span<const LightPoint> points, int rays, bool only_lamps, std::span<GatheredLight> ret);
 
   /// Sets 1 for each pair of points between which nothing lies, otherwise 0.
   void find_visible(std::span<const std::array<render::Vec3, 2>> pairs, std::span<std::uint8_t> ret);
@@ -50,6 +56,7 @@ class LightTracer {
   const render::ShadeStage shade_;
   render::TraceView view_;
   std::unique_ptr<render::PathBatch> batch_;
+  std::vector<render::Vec3> directions_;    ///< In which each path of the batch starts.
   std::unique_ptr<render::CellFilm> film_;  ///< The kernels want one; nothing is kept of it.
 };
 

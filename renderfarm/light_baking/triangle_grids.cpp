@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "renderfarm/light/light_store.h"
@@ -57,6 +58,18 @@ Vec3 probe_weights(std::uint32_t seed, int i) {
   return at.u + at.v > 1.0f ? weights_of(1.0f - at.u, 1.0f - at.v) : weights_of(at.u, at.v);
 }
 
+}  // namespace
+
+double visible_parts(const render::Placement& placement, const SeenTriangle& seen, const BakeSettings& settings) {
+  const std::array<Vec3, 3> c = corners_of(placement, seen.triangle);
+  const float edge = std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
+  const double pixel_rad = std::numbers::pi / 180.0 / settings.pixels_per_degree;
+  return static_cast<double>(edge) /
+         (kNearer * static_cast<double>(seen.distance) * settings.pixels_per_sample * pixel_rad);
+}
+
+namespace {
+
 class GridMaker {
  public:
   GridMaker(const LitSide& side, const BakeSettings& settings, LightTracer& tracer)
@@ -73,6 +86,25 @@ class GridMaker {
     return grids;
   }
 
+  /// Returns 1 for each triangle of which a corner does not see the middle.
+  [[nodiscard]] std::vector<std::uint8_t> blocked_corners(std::span<const std::uint32_t> triangles) {
+    std::vector<std::array<Vec3, 2>> pairs;
+    for (const std::uint32_t triangle : triangles) {
+      const LightPoint middle = point(triangle, kMiddle, 0);
+      for (int i = 0; i < 3; ++i) {
+        const Vec3 weights = Vec3::Constant(kInwards / 3.0f) + Vec3::Unit(i) * (1.0f - kInwards);
+        pairs.push_back({middle.position, point(triangle, weights, 0).position});
+      }
+    }
+    std::vector<std::uint8_t> visible(pairs.size());
+    tracer_.find_visible(pairs, visible);
+    std::vector<std::uint8_t> blocked(triangles.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (visible[i] == 0) blocked[i / 3] = 1;
+    }
+    return blocked;
+  }
+
  private:
   [[nodiscard]] LightPoint point(std::uint32_t triangle, const Vec3& weights, std::uint32_t number) const {
     const std::uint32_t seed = render::mix_bits(triangle * 0x9e3779b9u + number);
@@ -87,11 +119,7 @@ class GridMaker {
   }
 
   void consider(const SeenTriangle& seen) {
-    const std::array<Vec3, 3> c = corners_of(*side_.placement, seen.triangle);
-    const float edge = std::max({(c[1] - c[0]).norm(), (c[2] - c[1]).norm(), (c[0] - c[2]).norm()});
-    const double pixel_rad = std::numbers::pi / 180.0 / settings_.pixels_per_degree;
-    const double spacing = kNearer * static_cast<double>(seen.distance) * settings_.pixels_per_sample * pixel_rad;
-    const double parts = static_cast<double>(edge) / spacing;
+    const double parts = visible_parts(*side_.placement, seen, settings_);
     if (!(parts > 1.0) || settings_.max_parts <= 1) return;
     Candidate candidate;
     candidate.triangle = seen.triangle;
@@ -103,28 +131,23 @@ class GridMaker {
   }
 
   void find_blocked_corners() {
-    std::vector<std::array<Vec3, 2>> pairs;
-    for (const Candidate& candidate : candidates_) {
-      const LightPoint middle = point(candidate.triangle, kMiddle, 0);
-      for (int i = 0; i < 3; ++i) {
-        const Vec3 weights = Vec3::Constant(kInwards / 3.0f) + Vec3::Unit(i) * (1.0f - kInwards);
-        pairs.push_back({middle.position, point(candidate.triangle, weights, 0).position});
-      }
+    std::vector<std::uint32_t> triangles;
+    for (const Candidate& candidate : candidates_) triangles.push_back(candidate.triangle);
+    const std::vector<std::uint8_t> blocked = blocked_corners(triangles);
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      candidates_[i].has_blocked_corner = blocked[i] != 0;
+      candidates_[i].needs_grid |= candidates_[i].has_blocked_corner;
     }
-    std::vector<std::uint8_t> visible(pairs.size());
-    tracer_.find_visible(pairs, visible);
-    for (std::size_t i = 0; i < pairs.size(); ++i) candidates_[i / 3].has_blocked_corner |= visible[i] == 0;
-    for (Candidate& candidate : candidates_) candidate.needs_grid |= candidate.has_blocked_corner;
   }
 
   /// Returns light at points: that of lamps and, if rays are given, that of other surfaces.
   [[nodiscard]] std::vector<ProbeLight> light_at(std::span<const LightPoint> points, int surface_rays) {
     std::vector<LampLight> lamps(points.size());
     tracer_.from_lamps(points, {settings_.max_grid_light_rays, static_cast<float>(settings_.grid_light_error)}, lamps);
-    std::vector<Vec3> surfaces(points.size(), Vec3::Zero());
-    if (surface_rays > 0) tracer_.from_surfaces(points, surface_rays, false, surfaces);
+    std::vector<GatheredLight> surfaces(points.size());
+    if (surface_rays > 0) tracer_.from_surfaces(points, surface_rays, side_.only_lamps, surfaces);
     std::vector<ProbeLight> light(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) light[i] = {lamps[i].light + surfaces[i], lamps[i].error};
+    for (std::size_t i = 0; i < points.size(); ++i) light[i] = {lamps[i].light + surfaces[i].light, lamps[i].error};
     return light;
   }
 
@@ -135,7 +158,7 @@ class GridMaker {
       const PointLight& light = side_.light[base[i]];
       const float weight = weights[static_cast<Eigen::Index>(i)];
       sum.light += weight * light.lamps.light;
-      if (with_surfaces) sum.light += weight * light.surfaces;
+      if (with_surfaces) sum.light += weight * light.surfaces.light;
       sum.error += weight * light.lamps.error;
     }
     return sum;
@@ -200,8 +223,8 @@ class GridMaker {
     grid.parts = level.parts;
     grid.light.reserve(level.light.size());
     for (const ProbeLight& sample : level.light) grid.light.push_back(sample.light);
-    add_surfaces(candidate, &grid);
     find_separate(&grid);
+    add_surfaces(candidate, &grid);
     return grid;
   }
 
@@ -300,12 +323,17 @@ class GridMaker {
     int parts = 1;
     std::vector<Vec3> light;
     if (from_base) {
-      for (const std::size_t i : base) light.push_back(side_.light[i].surfaces);
+      for (const std::size_t i : base) light.push_back(side_.light[i].surfaces.light);
     } else {
       parts = std::min(grid->parts, candidate.max_parts >= kHugeParts ? kHugeSurfaceParts : kSurfaceParts);
+      // A coarse grid would carry light through what stands on the triangle.
+      if (std::ranges::count(grid->separate, 1) > 0) parts = grid->parts;
       const std::vector<LightPoint> points = grid_points(candidate, parts, 10'000);
-      light.resize(points.size());
-      tracer_.from_surfaces(points, std::max(1, settings_.final_rays / 4), false, light);
+      std::vector<GatheredLight> gathered(points.size());
+      // Few samples cover a large part of the picture, so their noise would show; many lie close together.
+      const int rays = parts < grid->parts ? settings_.final_rays : std::max(1, settings_.final_rays / 4);
+      tracer_.from_surfaces(points, rays, side_.only_lamps, gathered);
+      for (const GatheredLight& sample : gathered) light.push_back(sample.light);
     }
     std::size_t index = 0;
     const float scale = static_cast<float>(parts) / static_cast<float>(grid->parts);
@@ -346,6 +374,13 @@ class GridMaker {
 };
 
 }  // namespace
+
+void find_blocked(const LitSide& side, std::uint32_t first, LightTracer& tracer, std::span<std::uint8_t> ret) {
+  std::vector<std::uint32_t> triangles(ret.size());
+  std::iota(triangles.begin(), triangles.end(), first);
+  const BakeSettings none;
+  std::ranges::copy(GridMaker(side, none, tracer).blocked_corners(triangles), ret.begin());
+}
 
 std::vector<MadeGrid> make_grids(const LitSide& side, std::span<const SeenTriangle> triangles,
                                  const BakeSettings& settings, LightTracer& tracer) {

@@ -11,6 +11,7 @@
 
 #include "renderfarm/light_baking/bake_settings.h"
 #include "renderfarm/render/renderer.h"
+#include "renderfarm/scene/scene.h"
 
 namespace cyclorama::light_baking {
 

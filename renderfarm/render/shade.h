@@ -11,6 +11,7 @@
 #include <limits>
 #include <optional>
 
+#include "renderfarm/light/mean_direction.h"
 #include "renderfarm/render/kernel.h"
 #include "renderfarm/render/sample_batch.h"
 #include "renderfarm/render/sampler.h"
@@ -182,14 +183,16 @@ class Shade {
     const Scatter scattering(shading.bsdf, shading.normal, wo);
     if (view_.features && ray.surfaces == 0) keep_features(i, ray, shading, scattering.albedo());
     shine_eye_lamp(i, ray, point, scattering, wo);
-    if (read_stored_light(ray, hit, triangle, point, shading, scattering)) return;
+    if (const std::optional<Vec3> stored = stored_light(hit, triangle, point, shading.normal)) {
+      return shine_stored_light(i, ray, point, shading, wo, footprint.width, *stored);
+    }
     shine_ambient(ray, scattering);
     // Light from behind counts if the surface transmits it.
     const Vec3 side = shading.one_sided ? shading.normal : Vec3(Vec3::Zero());
     const bool last = ray.scatterings >= view_.quality.bounces;
     const bool continues = (!last || shading.sharp) && ray.surfaces < view_.quality.bounces + kMaxPassages;
     if constexpr (kAims) aim_at_lights(i, ray, point, shading.normal, side, scattering, continues);
-    if (continues) should_continue(i, ray, point, shading, side, scattering, footprint.width, last);
+    if (continues) continue_path(i, ray, point, shading, side, scattering, footprint.width, last);
   }
 
   void keep_features(int i, const PathRay& ray, const Shading& shading, const Vec3& albedo) {
@@ -205,17 +208,48 @@ class Shade {
     (ray.scatterings == 0 ? path.direct : path.indirect) += light;
   }
 
-  /// Adds the light that was computed ahead for this point and returns true if that is all light that it reflects.
-  bool read_stored_light(const PathRay& ray, const RTCHit& hit, const TriangleHit& triangle, const SurfacePoint& point,
-                         const Shading& shading, const Scatter& scattering) {
-    if (scene_.light == nullptr || !view_.quality.stored_light || !reads_stored_light(*triangle.mesh, shading)) {
-      return false;
+  /// Returns the light that was computed ahead for this point; null if paths must be traced.
+  [[nodiscard]] std::optional<Vec3> stored_light(const RTCHit& hit, const TriangleHit& triangle,
+                                                 const SurfacePoint& point, const Vec3& normal) const {
+    if (scene_.light == nullptr || !view_.quality.stored_light) return std::nullopt;
+    const SurfaceMesh& mesh = *triangle.mesh;
+    if (!reads_stored_light(*mesh.material)) return std::nullopt;
+    const int side = point.front ? 0 : 1;
+    const std::array<std::uint32_t, 3>& vertices = mesh.triangles[hit.primID];
+    std::optional<Vec3> stored = scene_.light->at(top_of(hit), side, hit.primID, vertices, triangle.weights);
+    if constexpr (kNeeds.normal_maps) {
+      if (stored && mesh.material->normal != nullptr) {
+        const Vec3 mean = scene_.light->direction_at(top_of(hit), side, hit.primID, vertices, triangle.weights);
+        *stored *= light::bent_share(mean, point.normal, normal);
+      }
     }
-    const std::optional<Vec3> stored = scene_.light->at(top_of(hit), point.front ? 0 : 1, hit.primID,
-                                                        triangle.mesh->triangles[hit.primID], triangle.weights);
-    if (!stored) return false;
-    reflected(ray, ray.throughput.cwiseProduct(scattering.albedo()).cwiseProduct(*stored));
-    return true;
+    return stored;
+  }
+
+  /// Adds the light that wide lobes reflect. The path ends there, unless there is a narrower lobe, which is traced.
+  void shine_stored_light(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& wo,
+                          float cone_width, const Vec3& stored) {
+    const Vec3 light = ray.throughput.cwiseProduct(stored);
+    if constexpr (kNeeds.surface != SurfaceLevel::kMatte) {
+      if (shading.bsdf.f90 > 0.0f || shading.bsdf.metallic > 0.0f) {
+        const Scattering<SurfaceLevel::kGlossy> glossy(shading.bsdf, shading.normal, wo);
+        if (shading.bsdf.alpha >= kWideAlpha) return reflected(ray, light.cwiseProduct(glossy.albedo()));
+        reflected(ray, light.cwiseProduct(glossy.wide_albedo()));
+        return trace_lobe(i, ray, point, shading, GlossyLobe(glossy), cone_width);
+      }
+    }
+    reflected(ray, light.cwiseProduct(shading.bsdf.base_colour));
+  }
+
+  /// Aims at lights and continues the path by one lobe.
+  template <typename Lobe>
+  void trace_lobe(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Lobe& lobe,
+                  float cone_width) {
+    const Vec3& side = shading.normal;
+    const bool last = ray.scatterings >= view_.quality.bounces;
+    const bool continues = ray.surfaces < view_.quality.bounces + kMaxPassages;
+    if constexpr (kAims) aim_at_lights(i, ray, point, shading.normal, side, lobe, continues);
+    if (continues) continue_path(i, ray, point, shading, side, lobe, cone_width, last);
   }
 
   void shine_ambient(const PathRay& ray, const Scatter& scattering) {
@@ -238,8 +272,9 @@ class Shade {
       shadow(alpha_random_number_of(i, ray), ray, point, direction, std::sqrt(distance2), light);
   }
 
+  template <typename Lobes>
   void aim_at_lights(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& normal, const Vec3& side,
-                     const Scatter& scattering, bool continues) {
+                     const Lobes& scattering, bool continues) {
     const auto slot = static_cast<std::size_t>(i);
     if (ray.surfaces > 0 || view_.quality.light_samples == 1) {
       return aim_at_light({batch_.random_numbers.light[slot],
@@ -271,12 +306,13 @@ class Shade {
     std::uint32_t veil = 0;
   };
 
+  template <typename Lobes>
   void aim_at_light(const AimRandomNumbers& random_numbers, const PathRay& ray, const SurfacePoint& point,
-                    const Vec3& normal, const Vec3& side, const Scatter& scattering, bool continues) {
+                    const Vec3& normal, const Vec3& side, const Lobes& scattering, bool continues) {
     LightSample aim;
     const Vec3 start = start_off_surface(point, point.facing);
     if (!scene_.lights.sample(start, side, random_numbers.choice, random_numbers.place, &aim)) return;
-    // The same test as in should_continue(): light must not leak through the triangle where its normal and the shading
+    // The same test as in continue_path(): light must not leak through the triangle where its normal and the shading
     // normal disagree.
     if ((point.facing.dot(aim.direction) > 0.0f) != (normal.dot(aim.direction) > 0.0f)) return;
     Vec3 light = scattering.evaluate(aim.direction).cwiseProduct(aim.radiance_over_pdf);
@@ -295,8 +331,9 @@ class Shade {
     batch_.shadow_rays.add(start_off_surface(point, side), direction, distance, veil);
   }
 
-  void should_continue(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& side,
-                       const Scatter& scattering, float cone_width, bool last) {
+  template <typename Lobes>
+  void continue_path(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& side,
+                     const Lobes& scattering, float cone_width, bool last) {
     const auto slot = static_cast<std::size_t>(i);
     const ScatterSample sample =
         scattering.sample({batch_.random_numbers.scatter_u[slot], batch_.random_numbers.scatter_v[slot]},

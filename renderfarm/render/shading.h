@@ -21,15 +21,13 @@ struct Shading {
   bool one_sided = true;
 };
 
-/// Returns true if light that was computed ahead may stand for all light that the surface reflects: it has no direction,
-/// so only wide lobes may read it, seen along the normal for which it was computed.
-[[nodiscard]] inline bool reads_stored_light(const SurfaceMesh& mesh, const Shading& shading) {
-  /// Narrower lobes show directions of the light.
-  constexpr float kWideAlpha = 0.5f;
-  const SurfaceMaterial& material = *mesh.material;
-  if (material.normal != nullptr) return false;
-  if (material.level == SurfaceLevel::kMatte) return true;
-  return material.level == SurfaceLevel::kGlossy && shading.bsdf.alpha >= kWideAlpha;
+/// Lobes of this GGX width or more count as wide: they blur the light so much that its directions hardly show.
+inline constexpr float kWideAlpha = 0.5f;
+
+/// Returns true if the surface's wide lobes may read light that was computed ahead. Coats and glass, which lie above
+/// other lobes, are traced.
+[[nodiscard]] inline bool reads_stored_light(const SurfaceMaterial& material) {
+  return material.level != SurfaceLevel::kLayered;
 }
 
 /// Looks up textures at one point.

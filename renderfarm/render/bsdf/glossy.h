@@ -51,8 +51,11 @@ class Scattering<SurfaceLevel::kGlossy> {
   }
 
   [[nodiscard]] Vec3 albedo() const { return base_.gloss_albedo() + base_.more_albedo() + base_.diffuse_albedo(); }
+  /// Returns the albedo without the glossy lobe.
+  [[nodiscard]] Vec3 wide_albedo() const { return base_.more_albedo() + base_.diffuse_albedo(); }
 
  private:
+  friend class GlossyLobe;
   [[nodiscard]] Vec3 evaluate_local(const Vec3& wi) const {
     if (!(wi.z() > 0.0f)) return Vec3::Zero();
     const Vec3 wide = base_.wide(wi.z()) * (wi.z() / kPi);
@@ -78,6 +81,40 @@ class Scattering<SurfaceLevel::kGlossy> {
   OpaqueBase base_;
   float gloss_chance_ = 0.0f;
   float more_chance_ = 0.0f;
+};
+
+/// The glossy lobe alone, with the functions of Scattering; the rest is wide_albedo(). Borrows `whole`.
+class GlossyLobe {
+ public:
+  explicit GlossyLobe(const Scattering<SurfaceLevel::kGlossy>& whole) : s_(whole) {}
+
+  [[nodiscard]] Vec3 evaluate(const Vec3& wi) const {
+    const Vec3 local = s_.frame_.to_local(wi);
+    if (s_.mirror_ || !(local.z() > 0.0f)) return Vec3::Zero();
+    const Vec3 h = normalized_or(s_.wo_ + local, Vec3::UnitZ());
+    return s_.base_.facet(local.dot(h)) * (s_.facets_.pdf(h) * s_.facets_.visibility(local.z()) * local.z());
+  }
+  [[nodiscard]] float pdf(const Vec3& wi) const {
+    const Vec3 local = s_.frame_.to_local(wi);
+    if (s_.mirror_ || !(local.z() > 0.0f)) return 0.0f;
+    return s_.facets_.reflected_pdf(s_.facets_.pdf(normalized_or(s_.wo_ + local, Vec3::UnitZ())), true);
+  }
+  [[nodiscard]] ScatterSample sample(const Vec2& u, float /*choice*/) const {
+    ScatterSample sample;
+    if (s_.mirror_) {
+      sample.wi = s_.frame_.from_local({-s_.wo_.x(), -s_.wo_.y(), s_.wo_.z()});
+      sample.weight = s_.base_.facet(s_.wo_.z());
+      return sample;
+    }
+    const Vec3 h = s_.facets_.sample(u, true);
+    sample.wi = s_.frame_.from_local(normalized_or(2.0f * s_.wo_.dot(h) * h - s_.wo_, Vec3::UnitZ()));
+    sample.pdf = pdf(sample.wi);
+    if (sample.pdf > 0.0f) sample.weight = evaluate(sample.wi) / sample.pdf;
+    return sample;
+  }
+
+ private:
+  const Scattering<SurfaceLevel::kGlossy>& s_;
 };
 
 }  // namespace cyclorama::render

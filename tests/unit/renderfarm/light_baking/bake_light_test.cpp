@@ -115,19 +115,47 @@ TEST(BakeLight, fills_a_white_furnace_evenly) {
   view.quality.stored_light = true;
   const RadianceImage image = radiance_of(*renderer, view);
   const float expected = 0.5f + 0.25f + 0.125f + 0.0625f;
-  for (const float value : image.data()) EXPECT_NEAR(value, expected, 0.004f * expected);
+  EXPECT_NEAR(mean_of(image), expected, 0.004f * expected);
+  for (const float value : image.data()) ASSERT_NEAR(value, expected, 0.01f * expected);
 }
 
 TEST(BakeLight, equals_path_tracing_in_a_box_with_a_lamp) {
-  scene::Scene scene = box_scene(0.6f, 8);
+  scene::Scene scene = box_scene(0.6f, 16);
   scene.model.lights = {point_light({0.5, 1.2, 0.4}, 20.0f)};
   scene.model.lights[0].radius_m = 0.2;
   scene.exposure = 0.5;
   const auto renderer = built(std::move(scene));
   baked(*renderer);
-  const Difference found = difference(*renderer, view_from({0.3, 0.2, -0.1}, 96, 48, 1.0, -1.0), 1024);
+  const Difference found = difference(*renderer, view_from({0.3, 0.2, -0.1}, 96, 48, 1.0, -1.0), 256);
   EXPECT_LT(std::abs(found.relative_bias), 0.01);
   EXPECT_LT(found.worst_codes, 4.0);
+}
+
+TEST(BakeLight, equals_path_tracing_with_gloss_metal_and_glass) {
+  for (const float roughness : {0.0f, 0.4f, 0.9f}) {
+    scene::Scene scene = box_scene(0.6f, 16);
+    for (int kind = 0; kind < 3; ++kind) {
+      scene::Material material = matte_material({0.8f, 0.6f, 0.4f});
+      material.roughness = roughness;
+      if (kind == 1) material.metallic = 1.0f;
+      if (kind == 2) material.transmission = 1.0f;
+      scene.model.materials.push_back(material);
+      scene::Mesh ball = sphere_mesh(0.5f, 16, kind + 1);
+      ball.origin = {1.2 * kind - 1.0, -0.8, -1.2};
+      add_mesh(scene, std::move(ball));
+    }
+    scene.model.lights = {point_light({0.5, 1.2, 0.4}, 20.0f)};
+    scene.model.lights[0].radius_m = 0.3;
+    scene.exposure = 0.5;
+    const auto renderer = built(std::move(scene));
+    baked(*renderer);
+    render::PanoramaView view = view_from({0.3, 0.2, 0.4}, 96, 48, 1.0, -1.0);
+    view.quality.samples = 64;
+    view.quality.bounces = 4;
+    const double traced = mean_of(radiance_of(*renderer, view));
+    view.quality.stored_light = true;
+    EXPECT_NEAR(mean_of(radiance_of(*renderer, view)) / traced, 1.0, 0.015) << roughness;
+  }
 }
 
 TEST(BakeLight, does_not_leak_through_a_thin_wall_that_stands_on_one_floor) {
@@ -160,10 +188,11 @@ TEST(BakeLight, shows_shadows_on_triangles_that_are_larger_than_them) {
   const auto renderer = built(std::move(scene));
   BakeSettings settings = quick();
   settings.pixels_per_degree = 4.0;
+  settings.max_parts = 128;
   const BakedLight light = baked(*renderer, settings);
   EXPECT_GT(light.grids, 0u);
-  const Difference found = difference(*renderer, view_from({-0.5, 0.2, 0.1}, 96, 48, 1.0, -1.0), 1024);
-  EXPECT_LT(std::abs(found.relative_bias), 0.015);
+  const Difference found = difference(*renderer, view_from({-0.5, 0.2, 0.1}, 96, 48, 1.0, -1.0), 256);
+  EXPECT_LT(std::abs(found.relative_bias), 0.03);
   EXPECT_LT(found.worst_codes, 4.0);
 }
 
@@ -179,7 +208,7 @@ TEST(BakeLight, does_not_depend_on_threads) {
 
 TEST(BakeLight, is_finite_at_extreme_scales_and_for_degenerate_triangles) {
   for (const double scale : {1e-3, 1.0, 1e4}) {
-    scene::Scene scene = box_scene(0.6f, 2);
+    scene::Scene scene = box_scene(0.6f, 16);
     for (scene::Mesh& mesh : scene.model.meshes) {
       for (auto& p : mesh.positions) {
         for (float& coordinate : p) coordinate *= static_cast<float>(scale);

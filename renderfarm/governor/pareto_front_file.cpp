@@ -67,13 +67,14 @@ std::string pareto_front_text(const ParetoFront& front, std::string_view comment
   for (std::size_t i = 0; i < front.size(); ++i) {
     const render::PictureQuality& quality = front[i].quality;
     const render::RenderQuality& render = quality.render;
-    fmt::format_to(std::back_inserter(text),
-                   "\n[[point]]\ncpu_us_per_px = {}\nerror = {}\nsamples = {}\nbounces = {}\nlight_samples = {}\n"
-                   "firefly_limit = {}\nadaptive_error = {}\nadaptive_minimum = {}\nstored_light = {}\nscale = {}\ndenoise = {}\n"
-                   "jpeg_quality = {}\nsubsample_chroma = {}\n",
-                   front[i].cost, front[i].error, render.samples, render.bounces, render.light_samples,
-                   render.firefly_limit, render.adaptive_error, render.adaptive_minimum, render.stored_light, quality.scale, quality.denoise,
-                   quality.jpeg_quality, quality.subsample_chroma);
+    fmt::format_to(
+        std::back_inserter(text),
+        "\n[[point]]\ncpu_us_per_px = {}\nerror = {}\nsamples = {}\nbounces = {}\nlight_samples = {}\n"
+        "firefly_limit = {}\nadaptive_error = {}\nadaptive_minimum = {}\nstored_light = {}\nscale = {}\ndenoise = {}\n"
+        "jpeg_quality = {}\nsubsample_chroma = {}\n",
+        front[i].cost, front[i].error, render.samples, render.bounces, render.light_samples, render.firefly_limit,
+        render.adaptive_error, render.adaptive_minimum, render.stored_light, quality.scale, quality.denoise,
+        quality.jpeg_quality, quality.subsample_chroma);
   }
   return text;
 }

@@ -106,7 +106,7 @@ class Baker {
   }
 
  private:
-  Status report(double fraction) const {
+  [[nodiscard]] Status report(double fraction) const {
     if (cancelled_ && cancelled_()) return Error(ErrorCode::kUnavailable, "computing light was cancelled");
     if (progress_) progress_(fraction);
     return Done{};

@@ -331,7 +331,7 @@ class GridMaker {
       const std::vector<LightPoint> points = grid_points(candidate, parts, 10'000);
       std::vector<GatheredLight> gathered(points.size());
       // Few samples cover a large part of the picture, so their noise would show; many lie close together.
-      const int rays = parts < grid->parts ? settings_.final_rays : std::max(1, settings_.final_rays / 4);
+      const int rays = parts <= kHugeSurfaceParts ? settings_.final_rays : std::max(1, settings_.final_rays / 4);
       tracer_.from_surfaces(points, rays, side_.only_lamps, gathered);
       for (const GatheredLight& sample : gathered) light.push_back(sample.light);
     }

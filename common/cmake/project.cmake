@@ -6,7 +6,7 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE RelWithDebInfo CACHE STRING "" FORCE)
 endif()
 
-option(CYCLORAMA_FAST_BUILD "Precompiled headers, and several sources of a library at a time" OFF)
+option(CYCLORAMA_FAST_BUILD "Precompiled headers, and several sources of a library at a time" ON)
 
 # ccache makes a second build fast, even from a checkout in another folder.
 find_program(CYCLORAMA_CCACHE ccache)
@@ -24,7 +24,15 @@ add_library(cyclorama_options INTERFACE)
 target_compile_features(cyclorama_options INTERFACE cxx_std_20)
 target_include_directories(cyclorama_options INTERFACE "${PROJECT_SOURCE_DIR}")
 target_compile_definitions(cyclorama_options INTERFACE CYCLORAMA_VERSION="${PROJECT_VERSION}")
+if(CYCLORAMA_FAST_BUILD)
+  # Precompiled headers are shared between targets with the same macros. Abseil's package defines this one, and so every
+  # target that links gRPC.
+  target_compile_definitions(cyclorama_options INTERFACE NOMINMAX)
+  # gcc takes a source that another one includes for a header, and warns of its anonymous namespaces.
+  target_compile_options(cyclorama_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+endif()
 target_compile_options(cyclorama_options INTERFACE
+  -pthread  # For every source alike: it defines a macro, and precompiled headers want the same macros.
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast
   -Wnon-virtual-dtor -Woverloaded-virtual -Wformat=2 -Wundef
   # gcc only; -Wnull-dereference is left out: under -O2 gcc 12 sees it in std::variant and in gtest.

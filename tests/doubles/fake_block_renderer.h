@@ -128,6 +128,7 @@ class FakeBlockRenderer final : public node::BlockRenderer {
   }
   [[nodiscard]] wire::SceneDescription description() const override { return fake_scene(""); }
   [[nodiscard]] std::uint64_t memory_bytes() const override { return memory_bytes_; }
+  [[nodiscard]] int bounces() const override { return 4; }
   [[nodiscard]] double probe_cpu_seconds() override { return 0.25; }
 
   /// Reported cost of one sample of each pixel of a cell: similar to a ray tracer's, so that more nodes are worth their

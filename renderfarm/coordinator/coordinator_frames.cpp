@@ -43,6 +43,12 @@ int stacked(const wire::View& view) { return view.panorama().has_eyes() ? 2 : 1;
 /// The cost of a pixel grows with its samples; the extra cost of a bounce depends on the scene.
 double effort_of(const wire::View& view) { return view.samples(); }
 
+/// Returns the thread time of the busiest node over its threads; 0 for a frame that its nodes did not finish.
+double rays_ms(const FrameReport& report) {
+  if (!report.complete || report.reassigned || report.loads.empty()) return 0.0;
+  return 1e3 * *std::ranges::max_element(report.loads);
+}
+
 }  // namespace
 
 FrameInFlight* CoordinatorState::find_frame(const BlockLocation& place) {
@@ -263,8 +269,8 @@ void CoordinatorState::end(SessionId id, Session& session, const FrameInFlight& 
   end->set_samples(static_cast<std::uint32_t>(report.samples));
   if (session.governed) end->set_reference_samples(static_cast<std::uint32_t>(session.governed->reference_samples));
   session.unwritten_ends.push_back({frame.view.number(), frame.planned_at, frame.last_tile_at,
-                                    report.reassigned || (!report.complete && !report.late), frame.point,
-                                    1e-6 * static_cast<double>(frame.asked_px),
+                                    report.reassigned || (!report.complete && !report.late), frame.work,
+                                    rays_ms(report), 1e-6 * static_cast<double>(frame.asked_px),
                                     frame.refines ? frame.refines->end - frame.refines->first : 0});
   send(id, session, std::move(reply));
 }

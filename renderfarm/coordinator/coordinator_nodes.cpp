@@ -228,6 +228,11 @@ double CoordinatorState::relative_speed(const wire::SceneLoaded& loaded) {
 
 Status CoordinatorState::keep_pareto_front(const wire::SceneLoaded& loaded) {
   pareto_fronts_.erase(loaded.scene());
+  bounces_.erase(loaded.scene());
+  if (loaded.has_bounces()) {
+    TRY(render::check_knob("bounces", loaded.bounces(), 0, render::kMaxBounces));
+    bounces_.emplace(loaded.scene(), static_cast<int>(loaded.bounces()));
+  }
   if (loaded.front().empty()) return Done{};
   TRY_ASSIGN(const governor::ParetoFront front, governor::parse_pareto_front(loaded.front(), "front.toml"));
   pareto_fronts_.emplace(loaded.scene(), front);

@@ -30,6 +30,14 @@ double megapixels(const wire::View& view) {
   return 1e-6 * static_cast<double>(view.panorama().width_px()) * static_cast<double>(view.panorama().height_px());
 }
 
+/// Sets the bounces of a session's pictures.
+render::PictureQuality with_bounces(const GovernorState& governed, render::PictureQuality quality) {
+  if (!governed.bounces) return quality;
+  const auto stated = static_cast<int>(governed.asked->bounces());
+  quality.render.bounces = stated > 0 ? stated : *governed.bounces;
+  return quality;
+}
+
 }  // namespace
 
 void apply(const render::PictureQuality& quality, wire::View* view) {
@@ -53,8 +61,10 @@ void apply(const render::PictureQuality& quality, wire::View* view) {
 
 void CoordinatorState::govern(GovernorState& governed, FrameInFlight* frame) {
   governed.asked = frame->view;
-  frame->point = governed.point = governed.governor.choose(megapixels(frame->view));
-  apply(governed.governor.front()[frame->point].quality, &frame->view);
+  const governor::ParetoPoint& point = governed.governor.choose(megapixels(frame->view));
+  apply(with_bounces(governed, point.quality), &frame->view);
+  // The rendered size is a multiple of whole cells, which matters for small pictures.
+  frame->work = point.cost * megapixels(frame->view) / (point.quality.scale * point.quality.scale);
 }
 
 void CoordinatorState::learn(GovernorState& governed, const WrittenFrame& frame) {
@@ -66,7 +76,7 @@ void CoordinatorState::learn(GovernorState& governed, const WrittenFrame& frame)
   if (frame.samples_added > 0) {
     governed.ms_per_sample = ms / (frame.samples_added * frame.megapixels);
   } else {
-    governed.governor.measured(frame.point, frame.megapixels, ms);
+    governed.governor.measured({frame.work, ms, frame.rays_ms});
   }
 }
 
@@ -90,8 +100,7 @@ void CoordinatorState::refine(SessionId id, Session& session) {
   if (!governed.asked || clock_.now() < governed.retry_at || nodes_with(session.scene) == 0) return;
   if (!governed.refinement) {
     if (clock_.now() - governed.still_since < kStill) return;
-    const governor::ParetoFront& front = governed.governor.front();
-    governed.refinement.emplace(front, front[governed.point], governed.reference_samples);
+    governed.refinement.emplace(governed.governor.front(), governed.governor.current(), governed.reference_samples);
   }
   const governor::Refinement& refinement = *governed.refinement;
   const auto range = refinement.next(governed.ms_per_sample * megapixels(*governed.asked));
@@ -102,7 +111,7 @@ void CoordinatorState::refine(SessionId id, Session& session) {
   frame.view = *governed.asked;
   frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
   frame.view.set_shutter_ns(0);
-  render::PictureQuality quality = refinement.quality();
+  render::PictureQuality quality = with_bounces(governed, refinement.quality());
   quality.render.first_sample = range->first;
   quality.render.samples = range->end - range->first;
   apply(quality, &frame.view);
@@ -138,7 +147,7 @@ std::string CoordinatorState::quality_summary(const Session& session) {
   if (!session.governed || !session.governed->asked) return "";
   const GovernorState& governed = *session.governed;
   if (!governed.refinement) {
-    const render::PictureQuality& quality = governed.governor.front()[governed.point].quality;
+    const render::PictureQuality& quality = governed.governor.current().quality;
     return fmt::format("moving, {} sample{} at {:.0f} % of the size", quality.render.samples,
                        quality.render.samples == 1 ? "" : "s", 100.0 * quality.scale);
   }

@@ -209,6 +209,7 @@ class CoordinatorState {
   std::map<SessionId, Session> sessions_;
   std::map<std::string, wire::SceneDescription> descriptions_;  ///< Scenes that a node has loaded at any time.
   std::map<std::string, governor::ParetoFront> pareto_fronts_;  ///< Measured scenes only, by scene.
+  std::map<std::string, int> bounces_;                          ///< Bounces that nodes stated, by scene.
   std::map<std::string, double> probes_;                        ///< Probe time of the first node to report, by scene.
   std::map<std::string, double> usual_utilisation_;             ///< Median of the nodes at the last tick, by scene.
   FairShare share_;

@@ -24,12 +24,15 @@ struct AssignedBlock {
 };
 
 struct GovernorState {
-  GovernorState(governor::Governor by, int samples) : governor(std::move(by)), reference_samples(samples) {}
+  GovernorState(governor::Governor by, int samples, std::optional<int> all_bounces)
+      : governor(std::move(by)), reference_samples(samples), bounces(all_bounces) {}
 
   governor::Governor governor;
   int reference_samples = 0;
+  /// Bounces of all pictures, so that brightness does not depend on quality, unless the view states more than 0. Null:
+  /// those of the scene's measured Pareto front.
+  std::optional<int> bounces{};
   std::optional<wire::View> asked{};  ///< The last planned view, as requested by the museum.
-  std::size_t point = 0;              ///< Index in the Pareto front at which it was planned.
   TimePoint written_at{};             ///< Time when the museum last took a complete frame.
   TimePoint still_since{};            ///< The later of written_at and the last request.
   /// From the first refined picture on, until another view comes.

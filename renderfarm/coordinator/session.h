@@ -49,7 +49,7 @@ struct FrameInFlight {
   int moved = 0;      ///< Blocks that an idle node took over.
   double fair_start = 0.0;
   std::int64_t asked_px = 0;                       ///< Pixels of the requested panorama, before any scaling.
-  std::size_t point = 0;                           ///< Index in the session's Pareto front, if it is governed.
+  double work = 0.0;                               ///< MeasuredFrame::work, if the session is governed; else 0.
   std::optional<governor::SampleRange> refines{};  ///< Samples that it adds to a picture at rest.
 
   [[nodiscard]] bool is_over() const { return failure || assembly.is_complete(); }
@@ -61,7 +61,8 @@ struct WrittenFrame {
   TimePoint planned_at{};
   TimePoint last_tile_at{};
   bool reassigned = false;
-  std::size_t point = 0;
+  double work = 0.0;        ///< FrameInFlight::work.
+  double rays_ms = 0.0;     ///< MeasuredFrame::rays_ms; 0 if parts of the frame were not rendered as planned.
   double megapixels = 0.0;  ///< Requested size, before any scaling.
   int samples_added = 0;    ///< Samples per pixel that a refinement added; else 0.
 };

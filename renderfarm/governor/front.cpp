@@ -27,30 +27,67 @@ Result<ParetoFront> ParetoFront::make(std::vector<ParetoPoint> points) {
   return ParetoFront(std::move(kept));
 }
 
-ParetoFront ParetoFront::standard() {
+namespace {
+
+/// Samples between two points are rounded up if that leaves at least this scale, and down otherwise.
+constexpr double kSharp = 0.7;
+constexpr double kTiny = 1e-9;
+
+double area_of(const ParetoPoint& point) { return point.quality.scale * point.quality.scale; }
+
+}  // namespace
+
+ParetoPoint ParetoFront::at(double cost) const {
+  const auto next = std::ranges::find_if(points_, [&](const ParetoPoint& point) { return point.cost > cost; });
+  if (next == points_.begin()) return points_.front();
+  if (next == points_.end()) return points_.back();
+  const ParetoPoint& below = *std::prev(next);
+  const ParetoPoint& above = *next;
+  const double part = (cost - below.cost) / (above.cost - below.cost);
+  const auto between = [&](double from, double to) { return std::lerp(from, to, part); };
+  const auto samples_of = [](const ParetoPoint& point) { return static_cast<double>(point.quality.render.samples); };
+  // Cost of a sample of a rendered pixel, and what that affords.
+  const double unit =
+      between(below.cost / (area_of(below) * samples_of(below)), above.cost / (area_of(above) * samples_of(above)));
+  const auto [fewest, most] = std::minmax({samples_of(below), samples_of(above)});
+  const double wanted_samples = std::clamp(cost / (unit * between(area_of(below), area_of(above))), fewest, most);
+  const double wanted_area = cost / (unit * wanted_samples);
+  ParetoPoint point = above.error * above.cost <= below.error * cost ? above : below;
+  double samples = std::ceil(wanted_samples - kTiny);
+  if (wanted_area * wanted_samples < kSharp * kSharp * samples) samples = std::floor(wanted_samples + kTiny);
+  const double area = std::min(1.0, wanted_area * wanted_samples / samples);
+  point.quality.render.samples = static_cast<int>(samples);
+  point.quality.scale = std::clamp(std::sqrt(area), render::kMinScale, 1.0);
+  point.cost = std::min(cost, unit * samples * area_of(point));
+  point.error = between(below.error, above.error);
+  return point;
+}
+
+ParetoFront ParetoFront::standard(int bounces) {
   // Measured with cyclorama-bench-render trade GROTTO --size 320x120 --reference-samples 512, for the generated grotto of
-  // 1 M triangles; the quicker of two runs. Points are kept if both their relMSE and their FLIP are smaller than those of
-  // all cheaper points. Denoising is beneficial up to 16 samples.
+  // 1 M triangles with 4 bounces; the quicker of two runs. Points are kept if both their relMSE and their FLIP are
+  // smaller than those of all cheaper points, but not more samples of fewer pixels than in a row (2 at 0.35, 4 at 0.71):
+  // sharpness comes first. One sample at full size has a larger relMSE than at 0.71 and costs more than two there.
+  // Denoising is beneficial up to 16 samples; the last row is twice that of 64 samples. With other numbers of bounces,
+  // mainly the unit of the costs differs.
   struct Row {
     double scale;
     int samples;
-    int bounces;
     bool denoise;
     double cpu_us_per_px;
     double relmse;
   };
   constexpr Row kRows[] = {
-      {0.35, 1, 0, true, 0.08, 0.0682}, {0.35, 1, 1, true, 0.33, 0.0602},   {0.5, 1, 1, true, 0.57, 0.0374},
-      {0.5, 2, 1, true, 1.03, 0.0263},  {0.5, 4, 1, true, 2.02, 0.0199},    {0.71, 2, 4, true, 3.35, 0.0166},
-      {1.0, 2, 4, true, 6.95, 0.0111},  {1.0, 4, 4, true, 14.5, 0.0049},    {1.0, 8, 4, true, 26.9, 0.0025},
-      {1.0, 16, 4, true, 46.7, 0.0013}, {1.0, 128, 4, false, 371.0, 0.0006}};
+      {0.35, 1, true, 0.254, 0.0869}, {0.5, 1, true, 0.591, 0.0485},  {0.71, 1, true, 0.965, 0.0316},
+      {0.71, 2, true, 1.722, 0.0197}, {1.0, 2, true, 3.594, 0.0134},  {1.0, 4, true, 6.507, 0.0059},
+      {1.0, 8, true, 15.08, 0.0032},  {1.0, 16, true, 24.44, 0.0017}, {1.0, 128, false, 232.0, 0.0014}};
   std::vector<ParetoPoint> points;
   for (const Row& row : kRows) {
     ParetoPoint point;
     point.quality.scale = row.scale;
     point.quality.denoise = row.denoise;
     point.quality.render.samples = row.samples;
-    point.quality.render.bounces = row.bounces;
+    point.quality.render.bounces = bounces;
     point.cost = row.cpu_us_per_px;
     point.error = row.relmse;
     points.push_back(point);

@@ -2,70 +2,91 @@
 #include "renderfarm/governor/governor.h"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "common/base/check.h"
 
 namespace cyclorama::governor {
 namespace {
 
-constexpr double kFillAfterStepDown = 0.9;
-constexpr double kFillAfterStepUp = 0.8;
-constexpr int kInitialStepUpFrames = 10;
+/// 95 % of a normal distribution lie below its mean plus 1.645 standard deviations. More is for the view, which changes.
+constexpr double kSdsOfP95 = 1.85;
+/// Distances from the limit to the aim, and from there to where a step up begins: a part, and a part of the noise.
+constexpr double kAimBelow = 0.02;
+constexpr double kAimBelowPerNoise = 0.3;
+constexpr double kRoomBelow = 0.03;
+constexpr double kRoomBelowPerNoise = 0.5;
+/// No step up before a frame of about the current work was measured, as frames in flight are of earlier pictures; or so
+/// many frames went by, as small pictures are of whole cells and may have less work.
+constexpr double kSeen = 0.8;
+constexpr int kSurelySeen = 8;
+/// Far below the aim, the wait is half as long.
+constexpr double kFar = 0.9;
+constexpr double kStepUpMs = 300.0;
+constexpr int kMinStepUpFrames = 3;
+constexpr int kMaxInitialStepUpFrames = 10;
 constexpr int kMaxStepUpFrames = 160;
-constexpr double kForgetting = 0.125;
-constexpr double kJump = 1.5;
+/// Length of a trial, in waits.
+constexpr int kTrials = 2;
+/// A step up was wrong if the picture takes this much longer than predicted.
+constexpr double kWrong = 1.15;
 
 }  // namespace
 
 Governor::Governor(ParetoFront front, double budget_ms)
-    : front_(std::move(front)), budget_ms_(budget_ms), step_up_frames_(kInitialStepUpFrames) {
+    : front_(std::move(front)),
+      budget_ms_(budget_ms),
+      initial_step_up_frames_(
+          std::clamp(static_cast<int>(kStepUpMs / budget_ms), kMinStepUpFrames, kMaxInitialStepUpFrames)),
+      current_(front_[0]),
+      step_up_frames_(initial_step_up_frames_) {
   CHECK(budget_ms > 0.0);
 }
 
-std::optional<double> Governor::predicted_ms(std::size_t point, double megapixels) const {
-  if (!rate_) return std::nullopt;
-  return *rate_ * front_[point].cost * megapixels;
+std::optional<double> Governor::predicted_ms(double cost, double megapixels) const {
+  if (!model_.is_known()) return std::nullopt;
+  return model_.ms_of(cost * megapixels);
 }
 
-std::size_t Governor::best_within(double milliseconds, double megapixels) const {
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < front_.size() && *predicted_ms(i, megapixels) <= milliseconds; ++i) best = i;
-  return best;
+void Governor::step_to(double cost) {
+  current_ = front_.at(cost);
+  frames_up_possible_ = 0;
+  since_step_ = 0;
 }
 
-std::size_t Governor::choose(double megapixels) {
-  if (!rate_) return point_;
-  if (since_step_up_ && ++*since_step_up_ > step_up_frames_) {
-    since_step_up_.reset();
-    step_up_frames_ = kInitialStepUpFrames;
+const ParetoPoint& Governor::choose(double megapixels) {
+  if (!model_.is_known() || !(megapixels > 0.0)) return current_;
+  ++since_step_;
+  if (trial_ && ++trial_->frames > kTrials * initial_step_up_frames_) {
+    trial_.reset();
+    step_up_frames_ = initial_step_up_frames_;
   }
-  if (*predicted_ms(point_, megapixels) > budget_ms_) {
-    if (since_step_up_) step_up_frames_ = std::min(2 * step_up_frames_, kMaxStepUpFrames);
-    since_step_up_.reset();
-    frames_up_possible_ = 0;
-    return point_ = std::min(point_, best_within(kFillAfterStepDown * budget_ms_, megapixels));
+  const double limit = budget_ms_ / (1.0 + kSdsOfP95 * model_.noise());
+  const double aim = (1.0 - kAimBelow - kAimBelowPerNoise * model_.noise()) * limit;
+  const double room = (1.0 - kRoomBelow - kRoomBelowPerNoise * model_.noise()) * aim;
+  const double expected = model_.ms_of(current_.cost * megapixels);
+  if (expected > limit) {
+    if (trial_ && expected > kWrong * trial_->promised_ms) {
+      step_up_frames_ = std::min(2 * step_up_frames_, kMaxStepUpFrames);
+    }
+    trial_.reset();
+    is_starting_ = false;
+    step_to(std::min(current_.cost, model_.work_within(aim) / megapixels));
+    return current_;
   }
-  const std::size_t up = best_within(kFillAfterStepUp * budget_ms_, megapixels);
-  frames_up_possible_ = up > point_ ? frames_up_possible_ + 1 : 0;
-  if (frames_up_possible_ > step_up_frames_) {
-    frames_up_possible_ = 0;
-    since_step_up_ = 0;
-    point_ = up;
+  if (expected >= room || current_.cost >= front_.best().cost) {
+    is_starting_ = false;
+    frames_up_possible_ = std::max(0, frames_up_possible_ - 1);
+    return current_;
   }
-  return point_;
-}
-
-void Governor::measured(std::size_t point, double megapixels, double milliseconds) {
-  const double rate = milliseconds / (front_[point].cost * megapixels);
-  if (!(rate > 0.0 && std::isfinite(rate))) return;
-  if (!rate_) {
-    rate_ = last_rate_ = rate;
-    return;
-  }
-  const double both = std::min(rate, last_rate_);
-  last_rate_ = rate;
-  rate_ = both > kJump * *rate_ ? both : *rate_ + kForgetting * (std::min(rate, kJump * *rate_) - *rate_);
+  frames_up_possible_ += expected < kFar * room ? 2 : 1;
+  if (frames_up_possible_ <= step_up_frames_ && !is_starting_) return current_;
+  if (since_step_ < kSurelySeen && model_.last_work() < kSeen * current_.cost * megapixels) return current_;
+  const double cost = model_.work_surely_within(aim) / megapixels;
+  if (front_.at(cost).cost <= current_.cost) return current_;
+  step_to(cost);
+  if (!is_starting_) trial_ = {model_.ms_of(current_.cost * megapixels), 0};
+  return current_;
 }
 
 }  // namespace cyclorama::governor

@@ -4,51 +4,64 @@
 
 #include <optional>
 
+#include "renderfarm/governor/frame_time_model.h"
 #include "renderfarm/governor/front.h"
 
 namespace cyclorama::governor {
 
-/// Estimates what the front's points cost on this farm, in this scene, at present, in milliseconds per unit of cost and
-/// megapixel, and chooses the best point that is predicted to fit. Used by the coordinator, one per session.
+/// Learns what frames cost on this farm, in this scene, at present (FrameTimeModel), and chooses the best picture along
+/// the Pareto front, between its points too, that is predicted to fit. Used by the coordinator, one per session.
 ///
 /// Quality that oscillates is worse than quality that is always slightly lower, and a late frame is worse than both:
 ///
-///   down  at once, when the current point is predicted to exceed the budget: to the best point that fits 90 % of it;
-///   up    when a better point is predicted to fit 80 % for 10 frames in a row. If that proves wrong within as many
-///         frames again, the next attempt takes twice as long, up to 160 frames.
+///   limit  the mean time at which 95 % of the frames keep the budget, by the noise of the frames so far;
+///   aim    2 % and 0.3 times the noise below the limit;
+///   down   at once, when the current picture is predicted to exceed the limit: to the aim;
+///   up     when the current picture is predicted to stay more than 3 % and half of the noise below the aim for 0.3 s (3
+///          to 10 frames): to the largest work that surely keeps the aim (FrameTimeModel::work_surely_within), so that an
+///          unknown fixed time is approached from below. There is no wait until the aim is reached for the first time.
+///          If a picture after a step up takes 15 % longer than predicted and has to be given up within 0.6 s, the next
+///          attempt waits for twice as long, up to 160 frames.
 ///
-/// The rate follows the measurements by an eighth of the difference. Two in a row that exceed it by half are adopted at
-/// once, a single one is not: an outlier has little effect, and a jump is followed after two frames. The first frames
-/// use the cheapest point, which is also the fallback when nothing fits.
+/// The first frames use the cheapest point, which is also the fallback when nothing fits.
 ///
-/// Invariant: at constant costs, a larger budget never selects a point of larger error. Pure; thread-bound.
+/// Invariant: at constant costs, a larger budget never selects a picture of larger error. Pure; thread-bound.
 class Governor {
  public:
   /// Precondition: the budget is above 0.
   Governor(ParetoFront front, double budget_ms);
 
-  /// Returns the point for the next frame of `megapixels` (as displayed, whatever the point's scale). Called once per
-  /// frame.
-  std::size_t choose(double megapixels);
-  /// Records how long a frame occupied the farm. Invalid times (NaN, infinite, not above 0) are ignored.
-  void measured(std::size_t point, double megapixels, double milliseconds);
+  /// Returns the picture for the next frame of `megapixels` (as displayed, whatever the picture's scale). Called once
+  /// per frame. The reference is valid until the next call.
+  const ParetoPoint& choose(double megapixels);
+  /// Learns from a frame. Invalid frames are ignored (FrameTimeModel::add).
+  void measured(const MeasuredFrame& frame) { model_.add(frame); }
 
   [[nodiscard]] const ParetoFront& front() const { return front_; }
   [[nodiscard]] double budget_ms() const { return budget_ms_; }
-  /// Null before the first measurement.
-  [[nodiscard]] std::optional<double> predicted_ms(std::size_t point, double megapixels) const;
+  /// Returns the picture that choose() returned last; before, the cheapest.
+  [[nodiscard]] const ParetoPoint& current() const { return current_; }
+  /// Returns the time of a picture of that ParetoPoint::cost; null before the first measurement.
+  [[nodiscard]] std::optional<double> predicted_ms(double cost, double megapixels) const;
+  [[nodiscard]] const FrameTimeModel& model() const { return model_; }
 
  private:
-  [[nodiscard]] std::size_t best_within(double milliseconds, double megapixels) const;
+  void step_to(double cost);
 
   const ParetoFront front_;
   const double budget_ms_;
-  std::size_t point_ = 0;
-  std::optional<double> rate_;        ///< Milliseconds per cost and megapixel.
-  double last_rate_ = 0.0;            ///< The rate of the last frame alone.
-  int frames_up_possible_ = 0;        ///< Consecutive frames with room for a step up.
-  int step_up_frames_;                ///< Frames before a step up.
-  std::optional<int> since_step_up_;  ///< Frames since the last step up, during its trial.
+  const int initial_step_up_frames_;
+  FrameTimeModel model_;
+  ParetoPoint current_;
+  bool is_starting_ = true;     ///< The aim has not been reached yet.
+  int frames_up_possible_ = 0;  ///< Consecutive frames with room for a step up.
+  int since_step_ = 0;          ///< Frames since the last step up or down.
+  int step_up_frames_;          ///< Frames before a step up.
+  struct Trial {
+    double promised_ms = 0.0;
+    int frames = 0;
+  };
+  std::optional<Trial> trial_;  ///< The last step up, until it has proved itself.
 };
 
 }  // namespace cyclorama::governor

@@ -43,6 +43,8 @@ class BlockRenderer {
   /// Returns one sentence about what the scene brings that could not be used; empty if everything could.
   [[nodiscard]] virtual std::string note() const = 0;
   [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;
+  /// Returns the bounces of light in the scene's reference picture.
+  [[nodiscard]] virtual int bounces() const = 0;
   /// Returns the thread time per megapixel of a small fixed picture from the scene's start: the host's speed.
   [[nodiscard]] virtual double probe_cpu_seconds() = 0;
 

@@ -92,6 +92,8 @@ class EmbreeBlockRenderer final : public BlockRenderer {
     return light + renderer_->scene().memory_bytes() + renderer_->shading_bytes() + renderer_->bvh_bytes();
   }
 
+  [[nodiscard]] int bounces() const override { return renderer_->scene().bounces; }
+
   [[nodiscard]] double probe_cpu_seconds() override {
     render::PanoramaView view;
     view.eye = renderer_->scene().info.start_eye;

@@ -154,6 +154,7 @@ Result<SceneStore::Loaded> SceneStore::loaded_from(const std::string& name, cons
   }
   answer.set_load_seconds(to_seconds(SteadyClock().now() - begun));
   answer.set_memory_bytes(renderer->memory_bytes());
+  answer.set_bounces(static_cast<std::uint32_t>(renderer->bounces()));
   answer.set_probe_cpu_seconds(renderer->probe_cpu_seconds());
   return Loaded{std::move(renderer), std::move(answer)};
 }

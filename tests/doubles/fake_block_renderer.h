@@ -130,6 +130,7 @@ class FakeBlockRenderer final : public node::BlockRenderer {
   [[nodiscard]] std::string pareto_front() const override { return {}; }
   [[nodiscard]] std::string note() const override { return {}; }
   [[nodiscard]] std::uint64_t memory_bytes() const override { return memory_bytes_; }
+  [[nodiscard]] int bounces() const override { return 4; }
   [[nodiscard]] double probe_cpu_seconds() override { return 0.25; }
 
   /// Reported cost of one sample of each pixel of a cell: similar to a ray tracer's, so that more nodes are worth their

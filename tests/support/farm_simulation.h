@@ -5,6 +5,7 @@
 
 #include <deque>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -57,6 +58,7 @@ class FarmSimulation {
     state.node_reported(id, report);
     report.mutable_scene_loaded()->set_scene("grotto");
     *report.mutable_scene_loaded()->mutable_description() = fake_scene("grotto");
+    if (scene_bounces) report.mutable_scene_loaded()->set_bounces(*scene_bounces);
     state.node_reported(id, report);
     delegate.commands[id].clear();
     return id;
@@ -152,6 +154,7 @@ class FarmSimulation {
   std::map<std::uint64_t, std::pair<coordinator::NodeId, wire::RenderBlock>>
       orders;  ///< Blocks that nodes have begun, by number.
   std::size_t tile_bytes = 10;
+  std::optional<std::uint32_t> scene_bounces{};  ///< Stated by nodes that load the scene.
   std::map<coordinator::NodeId, double> slowed;  ///< Slowdown factor of each node by other work on its host.
 
  private:

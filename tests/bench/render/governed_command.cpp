@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <thread>
+#include <vector>
 
 #include "common/base/clock.h"
 #include "common/base/percentiles.h"
@@ -41,10 +42,20 @@ struct GovernedOptions {
 struct BudgetResult {
   double budget_ms = 0.0;
   Percentiles frame_ms;
-  std::map<std::size_t, int> frames_at;          ///< Number of frames for each point of the Pareto front.
+  /// Qualities, and the number of frames with each; rarely more than a few.
+  std::vector<std::pair<render::PictureQuality, int>> frames_at;
   double relmse = 0.0, flip = 0.0, bytes = 0.0;  ///< Means over those frames.
 
-  [[nodiscard]] std::size_t point() const {
+  void count(const render::PictureQuality& quality) {
+    const auto known = std::ranges::find(frames_at, quality, [](const auto& entry) { return entry.first; });
+    if (known == frames_at.end()) {
+      frames_at.emplace_back(quality, 1);
+    } else {
+      ++known->second;
+    }
+  }
+  /// Returns the most frequent one.
+  [[nodiscard]] const render::PictureQuality& quality() const {
     return std::ranges::max_element(frames_at, {}, [](const auto& entry) { return entry.second; })->first;
   }
 };
@@ -72,7 +83,12 @@ class GovernedLoop {
  public:
   GovernedLoop(const render::Renderer& renderer, const GovernedOptions& options, render::PanoramaView view,
                const StopSignal& stop)
-      : renderer_(renderer), denoising_(renderer, options.scene.threads), view_(std::move(view)), stop_(stop) {}
+      : renderer_(renderer),
+        threads_(options.scene.threads > 0 ? options.scene.threads
+                                           : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()))),
+        denoising_(renderer, options.scene.threads),
+        view_(std::move(view)),
+        stop_(stop) {}
 
   Result<BudgetResult> hold(double budget_ms, const governor::ParetoFront& front, int frames) {
     BudgetResult result;
@@ -80,30 +96,31 @@ class GovernedLoop {
     governor::Governor governor(front, budget_ms);
     const double megapixels = 1e-6 * static_cast<double>(whole(view_.panorama).area());
     for (int i = 0; i < frames; ++i) {
-      const std::size_t point = governor.choose(megapixels);
+      const governor::ParetoPoint point = governor.choose(megapixels);
       const TimePoint start = SteadyClock().now();
-      TRY(make_frame(front[point].quality, static_cast<std::uint64_t>(i)));
+      double rays_ms = 0.0;
+      TRY(make_frame(point.quality, static_cast<std::uint64_t>(i), &rays_ms));
       const double ms = 1e3 * to_seconds(SteadyClock().now() - start);
-      governor.measured(point, megapixels, ms);
+      governor.measured({point.cost * megapixels, ms, rays_ms});
       if (2 * i < frames) continue;
       result.frame_ms.add(ms);
-      ++result.frames_at[point];
+      result.count(point.quality);
     }
     return result;
   }
 
  private:
-  Status make_frame(const render::PictureQuality& quality, std::uint64_t seed) {
+  /// `rays_ms` is set to the thread time over the threads.
+  Status make_frame(const render::PictureQuality& quality, std::uint64_t seed, double* rays_ms) {
     render::PanoramaView view = view_;
     view.panorama = scaled(view.panorama, quality.scale);
     view.quality = quality.render;
     view.seed = seed;
     const auto cancelled = [this] { return stop_.requested(); };
-    if (quality.denoise) {
-      denoising_.render(view, whole(view.panorama), &picture_, cancelled);
-    } else {
-      renderer_.render(view, whole(view.panorama), &picture_, cancelled);
-    }
+    const PixelRect rect = whole(view.panorama);
+    const render::RenderCost cost = quality.denoise ? denoising_.render(view, rect, &picture_, cancelled)
+                                                    : renderer_.render(view, rect, &picture_, cancelled);
+    *rays_ms = 1e3 * cost.cpu_seconds / threads_;
     if (stop_.requested()) return tools::stopped();
     TRY_ASSIGN([[maybe_unused]] const auto jpeg,
                encoder_.encode(picture_, {quality.jpeg_quality, quality.subsample_chroma}));
@@ -111,6 +128,7 @@ class GovernedLoop {
   }
 
   const render::Renderer& renderer_;
+  const int threads_;
   denoise::DenoisingRenderer denoising_;
   const render::PanoramaView view_;
   const StopSignal& stop_;
@@ -118,28 +136,31 @@ class GovernedLoop {
   RgbImage picture_;
 };
 
-Result<governor::ParetoFront> front_of(const GovernedOptions& options) {
-  if (!options.front.empty()) return governor::read_pareto_front(options.front);
-  const std::filesystem::path own = std::filesystem::path(options.scene.scene) / "front.toml";
-  if (std::filesystem::exists(own)) return governor::read_pareto_front(own);
-  return governor::ParetoFront::standard();
+/// Returns null for a scene that was not measured.
+Result<std::optional<governor::ParetoFront>> front_of(const GovernedOptions& options) {
+  std::filesystem::path file = options.front;
+  if (file.empty()) file = std::filesystem::path(options.scene.scene) / "front.toml";
+  if (!options.front.empty() || std::filesystem::exists(file)) {
+    TRY_ASSIGN(governor::ParetoFront front, governor::read_pareto_front(file));
+    return std::optional(std::move(front));
+  }
+  return std::optional<governor::ParetoFront>();
 }
 
-/// Errors of the points of a Pareto front. They do not depend on the budget, so each is measured once.
-class PointErrors {
+/// Errors of qualities. They do not depend on the budget, so each is measured once.
+class PictureErrors {
  public:
-  PointErrors(TradeMeter* meter, const governor::ParetoFront& front, const StopSignal& stop)
-      : meter_(*meter), front_(front), stop_(stop) {}
+  PictureErrors(TradeMeter* meter, const StopSignal& stop) : meter_(*meter), stop_(stop) {}
 
   Status add_to(BudgetResult* result) {
     int frames = 0;
-    for (const auto& [point, count] : result->frames_at) {
-      if (!known_.contains(point)) {
-        TRY_ASSIGN(TradePoint measured,
-                   meter_.measure({"governed", front_[point].quality}, [this] { return stop_.requested(); }));
-        known_.emplace(point, std::move(measured));
+    for (const auto& [quality, count] : result->frames_at) {
+      auto known = std::ranges::find(known_, quality, [](const TradePoint& point) { return point.planned.quality; });
+      if (known == known_.end()) {
+        TRY_ASSIGN(TradePoint measured, meter_.measure({"governed", quality}, [this] { return stop_.requested(); }));
+        known = known_.insert(known_.end(), std::move(measured));
       }
-      const TradePoint& error = known_.at(point);
+      const TradePoint& error = *known;
       result->relmse += count * error.relmse;
       result->flip += count * error.shown.flip;
       result->bytes += count * static_cast<double>(error.bytes);
@@ -153,9 +174,8 @@ class PointErrors {
 
  private:
   TradeMeter& meter_;
-  const governor::ParetoFront& front_;
   const StopSignal& stop_;
-  std::map<std::size_t, TradePoint> known_;
+  std::vector<TradePoint> known_;
 };
 
 /// Doubles the samples at each step, as a picture at rest is refined.
@@ -180,8 +200,8 @@ Result<Still> rest(const render::Renderer& renderer, render::PanoramaView view, 
   return still;
 }
 
-nlohmann::json json_of(const BudgetResult& result, const governor::ParetoFront& front) {
-  const render::PictureQuality& quality = front[result.point()].quality;
+nlohmann::json json_of(const BudgetResult& result) {
+  const render::PictureQuality& quality = result.quality();
   return {
       {"budget_ms", result.budget_ms},      {"relmse", result.relmse},           {"flip", result.flip},
       {"bytes", std::lround(result.bytes)}, {"ms_p50", result.frame_ms.at(0.5)}, {"ms_p95", result.frame_ms.at(0.95)},
@@ -189,16 +209,17 @@ nlohmann::json json_of(const BudgetResult& result, const governor::ParetoFront& 
       {"denoise", quality.denoise}};
 }
 
-void print(const BudgetResult& result, const governor::ParetoFront& front) {
-  const render::PictureQuality& quality = front[result.point()].quality;
-  fmt::print("{:9.0f} {:7} {:7} {:5} {:>8} {:8.1f} {:8.1f} {:8.4f} {:7.4f} {:8.0f}\n", result.budget_ms,
+void print(const BudgetResult& result) {
+  const render::PictureQuality& quality = result.quality();
+  fmt::print("{:9.0f} {:7} {:7} {:5.2f} {:>8} {:8.1f} {:8.1f} {:8.4f} {:7.4f} {:8.0f}\n", result.budget_ms,
              quality.render.samples, quality.render.bounces, quality.scale, quality.denoise ? "yes" : "no",
              result.frame_ms.at(0.5), result.frame_ms.at(0.95), result.relmse, result.flip, result.bytes);
 }
 
 Status governed(const GovernedOptions& options, const StopSignal& stop) {
-  TRY_ASSIGN(const governor::ParetoFront front, front_of(options));
+  TRY_ASSIGN(const std::optional<governor::ParetoFront> measured, front_of(options));
   TRY_ASSIGN(tools::LoadedScene loaded, tools::load_with_progress(options.scene));
+  const governor::ParetoFront front = measured.value_or(governor::ParetoFront::standard(loaded.scene.bounces));
   TRY_ASSIGN(render::PanoramaView view, tools::panorama_view_of(options.view, loaded.scene.info));
   if (stop.requested()) return tools::stopped();
   TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
@@ -215,15 +236,15 @@ Status governed(const GovernedOptions& options, const StopSignal& stop) {
                                                [&] { return stop.requested(); }));
   progress.reset();
   TradeMeter meter(*renderer, view, reference.mean());
-  PointErrors errors(&meter, front, stop);
+  PictureErrors errors(&meter, stop);
   GovernedLoop loop(*renderer, options, view, stop);
   nlohmann::json points = nlohmann::json::array();
   fmt::print("budget ms samples bounces scale denoised   ms p50   ms p95   relMSE    FLIP    bytes\n");
   for (const double budget_ms : options.budgets_ms) {
     TRY_ASSIGN(BudgetResult result, loop.hold(budget_ms, front, options.frames));
     TRY(errors.add_to(&result));
-    print(result, front);
-    points.push_back(json_of(result, front));
+    print(result);
+    points.push_back(json_of(result));
   }
   reference_view.seed = view.seed;
   TRY_ASSIGN(const Still still,

@@ -14,7 +14,7 @@
 namespace cyclorama::camera_calibration {
 namespace {
 
-constexpr std::size_t kTagsAround = 4;     // Number of tags that predict a corner: distortion is small among so few.
+constexpr std::size_t kTagsAround = 4;     // Nearest tags that predict a corner: distortion is small so close.
 constexpr double kNearTags_squares = 2.3;  // Maximum distance from a corner to the centre of such a tag.
 
 struct SeenTag {

@@ -53,7 +53,7 @@ struct HeadUpload {
   PerPixel map;
   std::vector<float> response;  ///< kResponseSteps codes each of red, green and blue; empty: sRGB.
 
-  /// Enough that the nearest step is within a 30th of a code value on an sRGB curve; ./bench.sh display-trade measures
+  /// Enough that the nearest step is within a 20th of a code value on an sRGB curve; ./bench.sh display-trade measures
   /// the alternatives.
   static constexpr int kResponseSteps = 4096;
   static constexpr std::size_t kCornerFloats = 4;

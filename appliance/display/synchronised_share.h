@@ -12,8 +12,8 @@ namespace cyclorama::display {
 /// The share of the last minute's refreshes that showed the frame that was due at them. Thread-bound.
 class SynchronisedShare {
  public:
-  /// Adds `refreshes` that passed; during `late` of them the frame that is visible now was overdue. Both are at least
-  /// 0.
+  /// Records `refreshes` more refreshes; for `late` of them, the frame now on screen was already due but not yet shown.
+  /// Both are at least 0.
   void add(TimePoint now, std::int64_t refreshes, std::int64_t late);
   /// Empty if there were no refreshes.
   [[nodiscard]] std::optional<double> share(TimePoint now) const;

@@ -39,8 +39,8 @@ struct HeadColour {
   std::optional<std::array<ResponseCurve, 3>> response;  ///< Red, green, blue; absent: sRGB.
 };
 
-/// Reference implementation in double: the light that the projector must emit for masked linear light, not yet clipped,
-/// and its code values in [0, 1], not rounded.
+/// Reference implementation in double. Returns the light that the projector must emit for masked linear light, which may
+/// be outside [0, 1]; the other function returns the code values for it, in [0, 1] and not rounded.
 [[nodiscard]] Eigen::Vector3d shone_light(const HeadColour& colour, const Eigen::Vector3d& masked_light,
                                           double black_lift);
 [[nodiscard]] Eigen::Vector3d codes_of(const HeadColour& colour, const Eigen::Vector3d& shone_light);

@@ -36,7 +36,7 @@ Result<LightStore> read_light_file(const std::filesystem::path& path);
 /// Writes the file completely or not at all.
 Status write_light_file(const std::filesystem::path& path, const LightStore& store);
 
-/// Numbers of a placed mesh, to which the arrays of its light must fit.
+/// Vertex and triangle counts of a placed mesh; the arrays of its light must have these lengths.
 struct PlacementSize {
   std::size_t vertices = 0;
   std::size_t triangles = 0;

@@ -18,7 +18,8 @@ namespace {
 
 using render::Vec3;
 
-/// Heights of eyes above and below the scene's own: children, tall people, and heads that are bent.
+/// Eyes are sampled up to this far, in metres, above and below the scene's start eye, for children, tall people and bent
+/// heads.
 constexpr double kHeightBand = 0.25;
 /// Attempts to find a walkable place; an area so narrow has only the start.
 constexpr int kMaxAttempts = 10'000;

@@ -58,7 +58,7 @@ class FakeDisplay {
     context_.TryCancel();
     if (reader_.joinable()) reader_.join();
   }
-  /// Requests the time, with these statistics of its own.
+  /// Sends a clock question; `question` also carries the display's synchronisation statistics.
   void ask(const wire::ClockQuestion& question) {
     wire::DisplayReport report;
     *report.mutable_clock() = question;

@@ -117,7 +117,7 @@ bool sample(const LightPlane& plane, const Eigen::Vector2d& middle, int radius, 
   return true;
 }
 
-/// Searches the template, starting from its predicted position. Returns false if it left the picture.
+/// Searches the picture for the template, from its predicted position. Returns false if the search leaves the picture.
 bool look_for(const Template& wanted, const LightPlane& picture, int radius, const PatchOptions& options,
               std::vector<float>* values, PatchShift* patch) {
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();

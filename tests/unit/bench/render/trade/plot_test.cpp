@@ -22,7 +22,7 @@ Plot plot_of(std::vector<std::array<double, 2>> points) {
 }
 
 TEST(PlotSvg, places_points_by_their_logarithms) {
-  // Round numbers around: axes from .5 to 200; 10 is in the middle of both.
+  // The axes extend to round numbers beyond the data, 0.5 to 200, so 10 is in the middle of both.
   const std::string svg = plot_svg("t", {plot_of({{1, 1}, {10, 10}, {100, 100}})});
   EXPECT_THAT(svg, HasSubstr("<circle cx='260.0' cy='234.0' r='3' fill='#123456'/>"));
   EXPECT_THAT(svg, HasSubstr(">0.5</text>"));

@@ -275,7 +275,7 @@ TEST_F(HealingLoopTest, works_without_a_projector_whose_map_gives_no_pose_and_na
   ASSERT_TRUE(calibration::save_calibration(stage_.folder, calibration));
   begin();
   EXPECT_TRUE(
-      comes_to_say("keeps 2 of 3 projectors in place; 'projector 3' is left as it is: where it stands cannot be "
+      comes_to_say("keeps 2 of 3 projectors in place; 'projector 3' is left as it is: its pose cannot be "
                    "told from its map"))
       << says();
   EXPECT_THAT(says(), HasSubstr("cyclorama calibrate --quick projector 3"));

@@ -239,7 +239,7 @@ TEST(LoginChecks, report_only_why_nobody_can_log_in) {
   ASSERT_EQ(told.size(), 2u);
   EXPECT_THAT(told[0].sentence, HasSubstr("no settings in use. site.toml:3: farm.coordinator"));
   EXPECT_FALSE(told[0].sentence.ends_with('\n'));
-  EXPECT_THAT(told[1].sentence, HasSubstr("forgets when it is switched off: the disk cannot be read"));
+  EXPECT_THAT(told[1].sentence, HasSubstr("forgets its settings when it is switched off: the disk cannot be read"));
   EXPECT_FALSE(told[1].remedy.empty());
 
   findings = well();

@@ -338,7 +338,7 @@ TEST_F(ServedFiles, are_sent_to_a_limited_number_of_nodes_at_once) {
   const auto found = node.find(
       order(digest),
       [&](const std::string& sentence) {
-        if (sentence.find("on their way already; ask again; trying again") != std::string::npos && ++asked == 2) {
+        if (sentence.find("are being sent already; try again; trying again") != std::string::npos && ++asked == 2) {
           context.TryCancel();
         }
       },

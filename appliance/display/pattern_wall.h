@@ -24,7 +24,7 @@ struct PatternWall {
   std::vector<Head> heads;  ///< The output's heads, in order.
 };
 
-/// How far the heads have got in showing the newest wall that the presenter took.
+/// Number of heads that show the newest wall that the presenter took.
 struct PatternsShown {
   std::uint64_t order = 0;
   std::uint64_t lacking = 0;  ///< Bit i: head i is awaited and does not show it yet (the first 64).

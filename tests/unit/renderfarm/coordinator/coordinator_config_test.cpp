@@ -75,7 +75,8 @@ TEST(CoordinatorConfig, requires_tls_for_connections_from_other_machines) {
   EXPECT_THAT(read("museums = \"localhost:1\"\nnodes = \"10.0.0.1:2\"\n" + scenes).error().message(),
               HasSubstr("'10.0.0.1:2' can be reached"));
   EXPECT_TRUE(read(open + "insecure = true\n" + scenes));
-  EXPECT_THAT(read(std::string("inspect = \"[::]:7406\"\n") + kGood).error().message(), HasSubstr("inspection address"));
+  EXPECT_THAT(read(std::string("inspect = \"[::]:7406\"\n") + kGood).error().message(),
+              HasSubstr("inspection address"));
   EXPECT_THAT(read(open + scenes + "[tls]\nauthority = \"a\"\ncertificate = \"c\"\n").error().message(),
               HasSubstr("key"));
   const auto safe = read(open + "museums_file = \"museums.toml\"\naudit = \"/var/log/audit\"\n" + scenes +

@@ -24,7 +24,7 @@ struct PatternWall {
   std::vector<Head> heads;  ///< The output's heads, in order.
 };
 
-/// Number of heads that show the newest wall that the presenter took.
+/// The newest wall that the presenter took, and the heads that do not show it yet.
 struct PatternsShown {
   std::uint64_t order = 0;
   std::uint64_t lacking = 0;  ///< Bit i: head i is awaited and does not show it yet (the first 64).

@@ -167,10 +167,11 @@ class Baker {
     for (Side& side : sides_) {
       side.blocked.resize(scene_.placements[side.placement].mesh->triangle_count);
       const std::size_t chunks = (side.blocked.size() + kChunk - 1) / kChunk;
+      std::vector<std::uint8_t> is_wide(side.blocked.size(), 0);
       for (const SeenTriangle& seen : side.triangles) {
-        if (visible_parts(scene_.placements[side.placement], seen, settings_) > kLargeParts) {
-          side.large.push_back(seen.triangle);
-        }
+        const double parts = visible_parts(scene_.placements[side.placement], seen, settings_);
+        if (parts > kLargeParts) side.large.push_back(seen.triangle);
+        if (parts >= kMinBlockedParts) is_wide[seen.triangle] = 1;
       }
       tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
         if (cancelled_ && cancelled_()) return;
@@ -179,6 +180,9 @@ class Baker {
         const std::size_t count = std::min(kChunk, side.blocked.size() - first);
         find_blocked(lit(side), static_cast<std::uint32_t>(first), *tracers_.local(),
                      std::span(side.blocked).subspan(first, count));
+        for (std::size_t i = first; i < first + count; ++i) {
+          if (is_wide[i] == 0) side.blocked[i] = 0;
+        }
         cpu_seconds_ += thread_cpu_seconds() - before;
       });
     }

@@ -13,9 +13,11 @@ using render::Vec3;
 /// Distance of points from their surface as a share of its triangles' edges, so that neighbouring triangles, which are
 /// not quite flat together, do not hide what lies before them.
 constexpr float kOffEdge = 1e-3f;
-/// Vertices are drawn this far towards the middle of their triangles, because another surface may touch them there: in
+/// Vertices at the edge of a surface are drawn this far towards the middle of their triangles, because another surface may touch them there: in
 /// the corner of a room, a point exactly at the edge lies in the next wall.
 constexpr float kDrawnIn = 0.04f;
+/// A vertex whose corners sum up to less lies at an edge; inside a surface they sum up to about 2 pi.
+constexpr float kEdgeAngle = 4.4f;
 /// The least distance as a share of the coordinates: several of their roundings.
 constexpr float kOffPlace = 0x1p-20f;
 
@@ -58,6 +60,7 @@ struct VertexSums {
   Vec3 face = Vec3::Zero();
   Vec3 middles = Vec3::Zero();  ///< Sum of the triangles' middles, weighted like `weight`.
   float weight = 0.0f;          ///< Twice the area.
+  float angle = 0.0f;           ///< Sum of the corners at the vertex; about pi at a straight edge of the surface.
   float shortest_edge = std::numeric_limits<float>::infinity();
 };
 
@@ -88,11 +91,15 @@ std::vector<LightPoint> base_points(const render::Placement& placement, std::uin
     const std::array<Vec3, 3> corners = corners_of(placement, t);
     const Vec3 face = face_of(placement, t, corners);
     const float edge = shortest_edge(corners);
-    for (const std::uint32_t vertex : mesh.triangles[t]) {
-      sums[vertex].face += face;
-      sums[vertex].middles += face.norm() * (corners[0] + corners[1] + corners[2]) / 3.0f;
-      sums[vertex].weight += face.norm();
-      if (edge > 0.0f) sums[vertex].shortest_edge = std::min(sums[vertex].shortest_edge, edge);
+    for (std::size_t i = 0; i < 3; ++i) {
+      VertexSums& sum = sums[mesh.triangles[t][i]];
+      sum.face += face;
+      sum.middles += face.norm() * (corners[0] + corners[1] + corners[2]) / 3.0f;
+      sum.weight += face.norm();
+      const Vec3 ahead = corners[(i + 1) % 3] - corners[i];
+      const Vec3 behind = corners[(i + 2) % 3] - corners[i];
+      sum.angle += std::atan2(ahead.cross(behind).norm(), ahead.dot(behind));
+      if (edge > 0.0f) sum.shortest_edge = std::min(sum.shortest_edge, edge);
     }
   }
   points.resize(mesh.vertex_count);
@@ -101,9 +108,13 @@ std::vector<LightPoint> base_points(const render::Placement& placement, std::uin
     const Vec3 normal = render_normal(placement, render::to_vec3(mesh.normals[i]));
     if (facing.isZero(0.0f) || normal.isZero(0.0f) || !std::isfinite(sums[i].shortest_edge)) return;
     const Vec3 vertex = render_point(placement, render::to_vec3(mesh.positions[i]));
-    const Vec3 drawn_in = vertex + kDrawnIn * (sums[i].middles / sums[i].weight - vertex);
-    points[i] = make_point(drawn_in, normal, facing, sums[i].shortest_edge,
-                           render::mix_bits(seed + static_cast<std::uint32_t>(i)));
+    Vec3 at = vertex;
+    if (sums[i].angle < kEdgeAngle) {
+      const Vec3 inwards = sums[i].middles / sums[i].weight - vertex;
+      at += kDrawnIn * (inwards - facing * facing.dot(inwards));
+    }
+    points[i] =
+        make_point(at, normal, facing, sums[i].shortest_edge, render::mix_bits(seed + static_cast<std::uint32_t>(i)));
   });
   return points;
 }

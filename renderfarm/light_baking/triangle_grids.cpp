@@ -135,7 +135,7 @@ class GridMaker {
     for (const Candidate& candidate : candidates_) triangles.push_back(candidate.triangle);
     const std::vector<std::uint8_t> blocked = blocked_corners(triangles);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      candidates_[i].has_blocked_corner = blocked[i] != 0;
+      candidates_[i].has_blocked_corner = blocked[i] != 0 && candidates_[i].max_parts >= kMinBlockedParts;
       candidates_[i].needs_grid |= candidates_[i].has_blocked_corner;
     }
   }

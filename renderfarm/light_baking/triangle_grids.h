@@ -32,6 +32,10 @@ struct SeenTriangle {
   float distance = 0.0f;  ///< Metres to the nearest eye.
 };
 
+/// Triangles with fewer visible parts are so small that a wrong corner spoils a few pixels only; tracing them instead
+/// would cost more than it mends, because intersecting surfaces are everywhere.
+inline constexpr double kMinBlockedParts = 32.0;
+
 /// Returns the number of samples along the triangle's longest edge that its nearest visitor could tell apart.
 [[nodiscard]] double visible_parts(const render::Placement& placement, const SeenTriangle& seen,
                                    const BakeSettings& settings);

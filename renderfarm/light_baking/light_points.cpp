@@ -31,7 +31,7 @@ Vec3 render_normal(const render::Placement& placement, const Vec3& local) {
 
 /// Returns the normal of a triangle's front, by its winding, with twice the area as its length; render frame.
 Vec3 face_of(const render::Placement& placement, std::size_t triangle, const std::array<Vec3, 3>& corners) {
-  const Vec3 face = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+  Vec3 face = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
   if (placement.baked) return face;
   // A mirrored instance keeps its outside outside.
   const render::SurfaceMesh& mesh = *placement.mesh;

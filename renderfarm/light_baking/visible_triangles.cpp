@@ -43,7 +43,8 @@ void lower(std::atomic<std::uint32_t>& bits, std::uint32_t value) {
 Vec3 direction_of(int i, int count, const Eigen::Vector2d& shift) {
   const int columns = static_cast<int>(std::sqrt(2.0 * count));
   const int rows = std::max(1, count / columns);
-  const double v = (i / columns + shift.y()) / rows;
+  const int row = i / columns;
+  const double v = (row + shift.y()) / rows;
   const double u = (i % columns + shift.x()) / columns;
   const double height = 1.0 - 2.0 * std::min(v, 1.0);
   const double across = std::sqrt(std::max(0.0, 1.0 - height * height));

@@ -22,6 +22,7 @@ void print(const cyclorama::GovernorOutcome& outcome) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(bugprone-exception-escape): it may end the benchmark.
 int main(int argc, char** argv) {
   using namespace cyclorama;  // NOLINT(google-build-using-namespace)
   CLI::App program("Simulates governed sessions: how soon they settle, and how much of the budget they use.");

@@ -51,6 +51,7 @@ TEST(ParetoFront, has_a_standard_one_that_never_changes_the_bounces) {
   EXPECT_EQ(ParetoFront::standard()[0].quality.render.bounces, kStandardBounces);
   for (const int bounces : {0, 4, 64}) {
     const ParetoFront front = ParetoFront::standard(bounces);
+    // NOLINTNEXTLINE(clang-analyzer-security.FloatLoopCounter): any few costs will do.
     for (double cost = 0.1; cost < 1000.0; cost *= 1.03) {
       ASSERT_EQ(front.at(cost).quality.render.bounces, bounces) << cost;
     }
@@ -62,6 +63,7 @@ TEST(ParetoFront, spends_nearly_any_cost_between_its_ends) {
   EXPECT_EQ(front.at(0.0).quality, front[0].quality);
   EXPECT_EQ(front.at(1e9).quality, front.best().quality);
   ParetoPoint last = front[0];
+  // NOLINTNEXTLINE(clang-analyzer-security.FloatLoopCounter): any few costs will do.
   for (double cost = front[0].cost; cost < front.best().cost; cost *= 1.01) {
     const ParetoPoint point = front.at(cost);
     ASSERT_TRUE(validate(point.quality)) << cost;
@@ -79,6 +81,7 @@ TEST(ParetoFront, spends_nearly_any_cost_between_its_ends) {
 TEST(ParetoFront, gives_pixels_first_and_keeps_most_of_them) {
   const ParetoFront front = ParetoFront::standard();
   bool is_large = false;
+  // NOLINTNEXTLINE(clang-analyzer-security.FloatLoopCounter): any few costs will do.
   for (double cost = front[0].cost; cost < front.best().cost; cost *= 1.01) {
     const render::PictureQuality quality = front.at(cost).quality;
     if (quality.render.samples > 1) {

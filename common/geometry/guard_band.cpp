@@ -17,7 +17,8 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr int kMaxSidePx = 16384;
 constexpr double kMaxTangent = 5.671;  // Tangent of 80 degrees; beyond, a flat picture consists mostly of its border.
-constexpr double kSameEdge = 1e-9;     // In tangents; a tolerance, so that an unturned picture lies inside itself.
+constexpr double kMaxElevation_rad = 80.0 * std::numbers::pi / 180.0;
+constexpr double kSameEdge = 1e-9;  // In tangents; a tolerance, so that an unturned picture lies inside itself.
 
 int whole_px(double px) { return static_cast<int>(std::clamp(std::ceil(px - 1e-6), 1.0, double{kMaxSidePx})); }
 int cut_px(double px) { return std::min((whole_px(px) + kCutPx - 1) / kCutPx * kCutPx, kMaxSidePx); }
@@ -60,10 +61,54 @@ double max_turn(double max, const auto& is_possible) {
   return possible;
 }
 
-PictureShape grown(const Panorama& p, double guard) { return p.with_guard_band(guard); }
-PictureShape grown(const Perspective& p, double guard) {
-  const auto extent = swept(p, max_turn(guard, [&](double turn) { return swept(p, turn).has_value(); }));
+/// Returns the tangent of an elevation that is `angle_rad` higher, up to the limit; one beyond the limit stays.
+double raised(double tangent, double angle_rad) {
+  const double elevation = std::atan(tangent);
+  if (std::abs(elevation) >= kMaxElevation_rad) return tangent;
+  return std::tan(std::clamp(elevation + angle_rad, -kMaxElevation_rad, kMaxElevation_rad));
+}
+
+/// Returns the smallest c >= p such that all directions within `parallax` of (p, q, 1) lie on the near side of the plane
+/// x = c z: the sine of the angle between a direction and that plane is (c - p) / sqrt((1 + c²) (1 + p² + q²)).
+double cleared(double p, double q, double parallax) {
+  const double s = std::sin(parallax);
+  const double k = s * s * (1.0 + p * p + q * q);
+  if (!(k < 1.0)) return kMaxTangent;
+  return (p + std::sqrt(std::max(0.0, k * (1.0 + p * p - k)))) / (1.0 - k);
+}
+
+/// Returns the extent with `parallax` around it. An edge that lies beyond the limit stays.
+Extent cleared(const Extent& e, double parallax) {
+  const double across = std::max(std::abs(e.left), std::abs(e.right));
+  const double up = std::max(std::abs(e.top), std::abs(e.bottom));
+  const auto edge = [parallax](double p, double q) {
+    return std::max(p, std::min(cleared(p, q, parallax), kMaxTangent));
+  };
+  return {-edge(-e.left, up), edge(e.right, up), edge(e.top, across), -edge(-e.bottom, across)};
+}
+
+PictureShape grown(const Panorama& p, double guard, double parallax) {
+  // A cone around a direction covers more azimuth the higher it points.
+  const double highest = std::atan(std::max(std::abs(p.tan_elevation_top), std::abs(p.tan_elevation_bottom)));
+  const double aside = std::asin(std::min(1.0, std::sin(parallax) / std::cos(highest)));
+  Panorama grown = p.with_guard_band(guard + aside);
+  if (!(parallax > 0.0)) return grown;
+  const double rows_per_tan = p.height_px / (p.tan_elevation_top - p.tan_elevation_bottom);
+  const double above = raised(p.tan_elevation_top, parallax) - p.tan_elevation_top;
+  const double below = p.tan_elevation_bottom - raised(p.tan_elevation_bottom, -parallax);
+  // Whole rows on either side, so that the rows of the wall stay where they are.
+  const int room = kMaxSidePx - p.height_px;
+  const int above_px = std::clamp(static_cast<int>(std::ceil(above * rows_per_tan - 1e-6)), 0, room / 2);
+  const int below_px = std::clamp(static_cast<int>(std::ceil(below * rows_per_tan - 1e-6)), 0, room / 2);
+  grown.height_px += above_px + below_px;
+  grown.tan_elevation_top += above_px / rows_per_tan;
+  grown.tan_elevation_bottom -= below_px / rows_per_tan;
+  return grown;
+}
+PictureShape grown(const Perspective& p, double guard, double parallax) {
+  auto extent = swept(p, max_turn(guard, [&](double turn) { return swept(p, turn).has_value(); }));
   if (!extent) return p;
+  if (parallax > 0.0) extent = cleared(*extent, parallax);
   const double across_px = p.width_px / (p.tan_right - p.tan_left);
   const double up_px = p.height_px / (p.tan_top - p.tan_bottom);
   Perspective wider = p;
@@ -78,15 +123,15 @@ PictureShape grown(const Perspective& p, double guard) {
   wider.tan_bottom = std::min(extent->bottom, extent->top - wider.height_px / up_px);
   return wider;
 }
-PictureShape grown(const Fisheye& p, double guard) {
+PictureShape grown(const Fisheye& p, double guard, double parallax) {
   // Angle by which a turn moves the axis.
   const double moves = 2.0 * std::asin(std::abs(std::cos(p.tilt_rad)) * std::sin(0.5 * std::min(guard, 0.5 * kTurn)));
-  const double field = std::min(p.field_rad + 2.0 * moves, kTurn);
+  const double field = std::min(p.field_rad + 2.0 * (moves + parallax), kTurn);
   const double larger = field / p.field_rad;
   if (!(larger > 1.0)) return p;
   return Fisheye{cut_px(larger * p.width_px), cut_px(larger * p.height_px), field, p.tilt_rad};
 }
-PictureShape grown(const Equirectangular& p, double) { return p; }
+PictureShape grown(const Equirectangular& p, double, double) { return p; }
 
 double reach(const Panorama& picture, const Panorama& shown) {
   if (is_whole_turn(picture)) return kEndless;
@@ -153,13 +198,18 @@ std::optional<PictureShape> joined(const A&, const B&) {
 
 }  // namespace
 
-PictureShape with_guard_band(const PictureShape& shape, double guard_rad) {
-  return std::visit([&](const auto& s) { return grown(s, std::max(guard_rad, 0.0)); }, shape);
+PictureShape with_guard_band(const PictureShape& shape, double guard_rad, double parallax_rad) {
+  const double parallax = std::clamp(parallax_rad, 0.0, 0.25 * kTurn);
+  return std::visit([&](const auto& s) { return grown(s, std::max(guard_rad, 0.0), parallax); }, shape);
 }
 
-Projection with_guard_band(const Projection& picture, double guard_rad) {
-  const PictureShape grown = with_guard_band(picture.shape, guard_rad);
+Projection with_guard_band(const Projection& picture, double guard_rad, double parallax_rad) {
+  const PictureShape grown = with_guard_band(picture.shape, guard_rad, parallax_rad);
   return {picture.stacked() == 2 ? cut_for_two_eyes(grown) : grown, picture.viewing};
+}
+
+double parallax(double moved_m, double distance_m) {
+  return moved_m < distance_m ? std::asin(std::max(moved_m, 0.0) / distance_m) : 0.25 * kTurn;
 }
 
 PictureShape cut_for_two_eyes(const PictureShape& shape) {

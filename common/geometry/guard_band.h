@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Pictures that are larger than what is shown, so that they can be turned, and pictures that serve several walls.
-/// Reentrant. No wall requests an equirectangular picture: it does not grow, cannot be turned, and covers only itself.
+/// Pictures that are larger than what is shown, so that they can be turned and moved, and pictures that serve several
+/// walls. Reentrant. No wall requests an equirectangular picture: it does not grow, cannot be turned, and covers only itself.
 #pragma once
 
 #include <optional>
@@ -13,10 +13,18 @@ namespace cyclorama {
 /// and a width that is a multiple of 16; the farm renders this. A panorama grows as in Panorama::with_guard_band(); a
 /// perspective as its corners require, or less where they would be beyond 80 degrees; a fisheye by the movement of its
 /// circle, which is small near the zenith. At most 16384 pixels.
-[[nodiscard]] PictureShape with_guard_band(const PictureShape& shape, double guard_rad);
+///
+/// After the turn every direction may be off by another `parallax_rad`, to any side: that is what a picture needs that
+/// is moved to an eye beside its own. All edges grow by it, a panorama's and a perspective's up to 80 degrees from the
+/// horizon or the axis.
+[[nodiscard]] PictureShape with_guard_band(const PictureShape& shape, double guard_rad, double parallax_rad = 0.0);
 
 /// The same for a picture for one eye or two; with two, each eye's part ends at a multiple of kCutPx pixels.
-[[nodiscard]] Projection with_guard_band(const Projection& picture, double guard_rad);
+[[nodiscard]] Projection with_guard_band(const Projection& picture, double guard_rad, double parallax_rad = 0.0);
+
+/// Returns the largest angle by which a surface at `distance_m` or farther changes its direction when the eye moves by
+/// `moved_m`; a right angle if the eye may reach it.
+[[nodiscard]] double parallax(double moved_m, double distance_m);
 
 /// Returns the same field with its height rounded up to a multiple of kCutPx, and limited so that two fit one above the
 /// other; then no JPEG block and no cell belongs to both eyes.

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include "common/geometry/picture_place.h"
@@ -110,6 +111,68 @@ TEST(GuardBand, stops_at_eighty_degrees_in_a_flat_picture) {
   const PictureShape wider = Perspective{1000, 200, -tan_89, tan_89, 0.2, -0.2, 0.0};
   EXPECT_EQ(with_guard_band(wider, kGuard), wider);
   EXPECT_EQ(turn_reach(wider, wider), 0.0);
+}
+
+TEST(GuardBand, contains_what_an_eye_beside_the_pictures_own_sees) {
+  constexpr double kMoved = 0.13;
+  constexpr double kNearest = 1.6;
+  const double angle = parallax(kMoved, kNearest);
+  std::mt19937 random(5);
+  std::normal_distribution<double> any;
+  std::uniform_real_distribution<double> one(0.0, 1.0);
+  for (const PictureShape& shown : shapes()) {
+    const PictureShape wide = with_guard_band(shown, kGuard, angle);
+    ASSERT_TRUE(validate(wide)) << validate(wide).error().message();
+    EXPECT_GE(turn_reach(wide, shown), kGuard - 1e-6) << shown.index();
+    EXPECT_GT(height_px(wide), height_px(shown));
+    EXPECT_NEAR(pixel_scale(wide).v_per_up, pixel_scale(shown).v_per_up, 0.02 * -pixel_scale(shown).v_per_up);
+    for (const double turn : {-kGuard, 0.0, kGuard}) {
+      for (const PicturePlace& place : places(shown)) {
+        const auto at = turned(shown, place, turn);
+        ASSERT_TRUE(at);
+        // The surface that is seen here from an eye elsewhere, as the picture's own eye sees it.
+        const Eigen::Vector3d moved =
+            kMoved * std::cbrt(one(random)) * Eigen::Vector3d(any(random), any(random), any(random)).normalized();
+        const double distance = kNearest * (one(random) < 0.5 ? 1.0 : 1.0 + 5.0 * one(random));
+        const Eigen::Vector3d surface = moved + (distance + moved.norm()) * direction_of(shown, *at).normalized();
+        const auto seen = place_of(shown, surface);
+        ASSERT_TRUE(seen);
+        ASSERT_TRUE(contains(wide, *seen, 0.01))
+            << shown.index() << " " << turn << " " << seen->across << " " << seen->up;
+      }
+    }
+  }
+}
+
+TEST(GuardBand, for_walking_is_no_larger_than_its_angle) {
+  const double angle = 4.0 * kDegree;
+  const auto round = std::get<Panorama>(with_guard_band(Panorama{1000, 300, 2.0, 0.4, -0.3}, kGuard, angle));
+  EXPECT_NEAR(std::atan(round.tan_elevation_top), std::atan(0.4) + angle, 0.003);
+  EXPECT_NEAR(std::atan(round.tan_elevation_bottom), std::atan(-0.3) - angle, 0.003);
+  EXPECT_LT(round.azimuth_span_rad, 2.0 + 2.0 * (kGuard + 1.1 * angle) + 0.04);
+  const auto flat =
+      std::get<Perspective>(with_guard_band(Perspective{1200, 600, -0.6, 0.6, 0.3, -0.3, 0.0}, 0.0, angle));
+  EXPECT_LT(std::atan(flat.tan_right), std::atan(0.6) + 1.1 * angle + 0.02);
+  EXPECT_LT(std::atan(flat.tan_top), std::atan(0.3) + 1.3 * angle);
+  const auto dome = std::get<Fisheye>(with_guard_band(Fisheye{1024, 1024, kPi, 0.5 * kPi}, kGuard, angle));
+  EXPECT_NEAR(dome.field_rad, kPi + 2.0 * angle, 1e-9);
+}
+
+TEST(GuardBand, for_walking_ends_where_no_picture_can_be_larger) {
+  EXPECT_EQ(parallax(0.0, 1.6), 0.0);
+  EXPECT_EQ(parallax(2.0, 1.6), 0.5 * kPi);
+  for (const double angle : {0.3, 1.0, 0.5 * kPi, 9.0}) {
+    for (const PictureShape& shown : shapes()) {
+      const PictureShape wide = with_guard_band(shown, kGuard, angle);
+      ASSERT_TRUE(validate(wide)) << validate(wide).error().message();
+      for (const PicturePlace& place : places(shown)) ASSERT_TRUE(contains(wide, place, 0.01));
+    }
+  }
+  const PictureShape tallest = Panorama{16, 16384, 0.1, 0.4, -0.3};
+  EXPECT_EQ(height_px(with_guard_band(tallest, 0.0, 0.2)), 16384);
+  const double tan_85 = std::tan(85.0 * kDegree);
+  const auto high = std::get<Panorama>(with_guard_band(Panorama{1000, 300, 2.0, tan_85, -0.3}, 0.0, 0.1));
+  EXPECT_EQ(high.tan_elevation_top, tan_85);
 }
 
 TEST(GuardBand, refuses_to_replace_a_picture_of_another_kind) {

@@ -55,6 +55,8 @@ class WalkableArea {
   [[nodiscard]] std::vector<std::vector<Eigen::Vector2d>> polygons() const;
   /// Distance of the eye from the edges: 1 cm in a room of 20 m or more, 1/2000 of the size of smaller ones.
   [[nodiscard]] double margin_m() const { return margin_m_; }
+  /// Diagonal of the bounding box of all corners.
+  [[nodiscard]] double size_m() const { return size_m_; }
 
  private:
   struct Edge {
@@ -80,7 +82,7 @@ class WalkableArea {
   std::vector<Edge> edges_;
   std::vector<std::size_t> polygon_ends_;  ///< Ends of the polygons in edges_: the outline's first, then each hole's.
   double margin_m_ = 0.0;
-  double size_m_ = 0.0;  ///< Diagonal of the bounding box.
+  double size_m_ = 0.0;
   Eigen::Vector2d any_position_ = Eigen::Vector2d::Zero();
 };
 

@@ -17,6 +17,11 @@ std::int64_t second_of(TimePoint t) {
 
 }  // namespace
 
+Duration refresh_period_of(const wire::DisplayHello& hello) {
+  const double hz = hello.refresh_hz() >= kMinHz && hello.refresh_hz() <= kMaxHz ? hello.refresh_hz() : kMaxHz;
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1.0 / hz));
+}
+
 void RecentMaximum::add(Duration value, TimePoint now) {
   const std::int64_t number = second_of(now);
   Second& second = seconds_[static_cast<std::size_t>(number % kSeconds)];
@@ -35,21 +40,19 @@ Duration RecentMaximum::at(TimePoint now) const {
 
 void ShowSchedule::joined(std::uint64_t display, const wire::DisplayHello& hello) {
   const std::lock_guard lock(mutex_);
-  const double hz = hello.refresh_hz();
-  rates_hz_[display] = hz >= kMinHz && hz <= kMaxHz ? hz : kMaxHz;
+  periods_[display] = refresh_period_of(hello);
   choose_period();
 }
 
 void ShowSchedule::left(std::uint64_t display) {
   const std::lock_guard lock(mutex_);
-  rates_hz_.erase(display);
+  periods_.erase(display);
   choose_period();
 }
 
 void ShowSchedule::choose_period() {
-  double slowest_hz = kMaxHz;
-  for (const auto& [display, hz] : rates_hz_) slowest_hz = std::min(slowest_hz, hz);
-  const auto period = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(1.0 / slowest_hz));
+  Duration period = std::chrono::milliseconds(1);
+  for (const auto& [display, its_period] : periods_) period = std::max(period, its_period);
   if (period == period_) return;
   period_ = period;
   last_frame_ = last_heading_ = 0;  // The numbers of the old period no longer apply.

@@ -31,6 +31,9 @@ class RecentMaximum {
   std::array<Second, kSeconds> seconds_{};
 };
 
+/// Returns the time between two refreshes of a display; of one that states no possible rate, a millisecond.
+[[nodiscard]] Duration refresh_period_of(const wire::DisplayHello& hello);
+
 /// Chooses the synchronised refresh (wire::ShowAt) at which several displays first show a frame or a heading: the next
 /// one that the slowest of them can make, judged by what all of them needed in the last minute.
 ///
@@ -59,13 +62,13 @@ class ShowSchedule {
   [[nodiscard]] Duration heading_lead(TimePoint now) const;
 
  private:
-  [[nodiscard]] bool is_shared() const { return rates_hz_.size() > 1; }
+  [[nodiscard]] bool is_shared() const { return periods_.size() > 1; }
   [[nodiscard]] std::int64_t first_refresh(TimePoint now, Duration lead) const;
   [[nodiscard]] wire::ShowAt show_at(std::int64_t refresh, TimePoint now) const;
   void choose_period();
 
   mutable std::mutex mutex_;  ///< Guards the following.
-  std::map<std::uint64_t, double> rates_hz_;
+  std::map<std::uint64_t, Duration> periods_;
   Duration period_{std::chrono::nanoseconds(16'666'667)};
   RecentMaximum frame_need_{std::chrono::milliseconds(80)};
   RecentMaximum heading_need_{std::chrono::milliseconds(40)};

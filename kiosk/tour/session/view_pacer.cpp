@@ -3,10 +3,25 @@
 
 #include <google/protobuf/util/message_differencer.h>
 
+#include <algorithm>
+
 namespace cyclorama::tour {
 
+Duration ViewPacer::interval() const {
+  return std::chrono::duration_cast<Duration>(periods_ * std::chrono::duration<double>(period_));
+}
+
+std::optional<TimePoint> ViewPacer::due_at() const {
+  if (!frames_.has_room() || !asked_at_) return std::nullopt;
+  return *asked_at_ + interval();
+}
+
+bool ViewPacer::is_due(TimePoint now) const {
+  return frames_.has_room() && (!newest_ || !asked_at_ || now >= *asked_at_ + interval());
+}
+
 bool ViewPacer::wants(const wire::View& view, TimePoint now) const {
-  if (!frames_.has_room()) return false;
+  if (!is_due(now)) return false;
   if (!newest_ || (!farm_refines_ && now - *asked_at_ >= kAtRest)) return true;
   wire::View same = *newest_;
   same.set_number(view.number());
@@ -23,6 +38,13 @@ void ViewPacer::asked(const wire::View& view, TimePoint now) {
 std::size_t ViewPacer::began(std::uint64_t number) { return frames_.skip_before(number); }
 
 void ViewPacer::ended(std::uint64_t number) { frames_.finish(number); }
+
+void ViewPacer::shown() { periods_ = std::max(1.0, periods_ * (1.0 - kFaster)); }
+
+void ViewPacer::not_shown() {
+  periods_ = std::min(kMaxPeriods, periods_ * (1.0 + slower_));
+  slower_ = std::max(kSlower, kSettling * slower_);
+}
 
 void ViewPacer::lost() {
   frames_.lose();

@@ -12,16 +12,33 @@
 
 namespace cyclorama::tour {
 
-/// At most two frames are in flight: one is rendered while the other crosses the network. A view that shows something
-/// new is requested once there is room. At rest, nothing is requested from a farm that refines, since every view would
-/// restart the refinement; any other farm gets one view a second, which keeps the picture fresh for displays that join.
+/// A view is requested when its frame can be shown:
+///
+/// 1. At most two frames are in flight: one is rendered while the other crosses the network.
+/// 2. Views are at least an interval apart: the displays' refresh period, and longer while frames reach the displays
+///    that a newer one replaces before it was seen. Two frames that end within one refresh are one too many, whatever
+///    the farm can do. The interval is a staircase: longer by kSlower for each frame that was not shown, shorter by
+///    kFaster for each that was, so that it settles where one frame in a hundred is not shown.
+///    (Kaernbach, "Simple adaptive testing with the weighted up-down method", Perception & Psychophysics 49(3), 1991.)
+/// 3. At rest, nothing is requested from a farm that refines, since every view would restart the refinement; any other
+///    farm gets one view a second, which keeps the picture fresh for displays that join.
+///
 /// Pure; thread-bound.
 class ViewPacer {
  public:
   static constexpr Duration kAtRest = std::chrono::seconds(1);
+  static constexpr double kSlower = 0.04;
+  static constexpr double kFaster = kSlower / 99.0;
 
   explicit ViewPacer(bool farm_refines) : farm_refines_(farm_refines) {}
 
+  /// Sets the displays' refresh period; zero: none, so only the farm limits the rate.
+  void set_refresh_period(Duration period) { period_ = period; }
+  /// Returns true when a view that shows something new may be requested now.
+  [[nodiscard]] bool is_due(TimePoint now) const;
+  /// Returns when the interval after the last request ends; nothing while the frames in flight forbid another, or
+  /// before the first.
+  [[nodiscard]] std::optional<TimePoint> due_at() const;
   /// Returns true when `view`, regardless of its number, should be requested now.
   [[nodiscard]] bool wants(const wire::View& view, TimePoint now) const;
   /// Records that `view` was requested; its number must exceed all earlier ones.
@@ -30,6 +47,9 @@ class ViewPacer {
   std::size_t began(std::uint64_t number);
   /// Records that the farm ended this frame, complete or not.
   void ended(std::uint64_t number);
+  /// Record that a whole frame was shown, or reached the displays and was not.
+  void shown();
+  void not_shown();
   /// Requests the current picture once more, also at rest, for a display that joined or a farm that came back.
   void request_again() { newest_.reset(); }
   /// Records that the farm is away. FarmClient repeats the newest request when it is back.
@@ -37,12 +57,24 @@ class ViewPacer {
 
   [[nodiscard]] std::size_t in_flight() const { return frames_.in_flight(); }
   [[nodiscard]] std::optional<TimePoint> asked_at() const { return asked_at_; }
+  /// Minimum time between two views.
+  [[nodiscard]] Duration interval() const;
 
  private:
   const bool farm_refines_;
   FrameWindow<std::monostate> frames_;  ///< Numbers alone: FarmClient keeps the views.
   std::optional<wire::View> newest_;
   std::optional<TimePoint> asked_at_;
+  Duration period_ = Duration::zero();
+  double periods_ = kFirstPeriods;  ///< Interval in refresh periods.
+  double slower_ = kFirstSlower;
+
+  /// Farms and displays are never quite even; without room, the first seconds would lose frames.
+  static constexpr double kFirstPeriods = 1.1;
+  static constexpr double kMaxPeriods = 20.0;
+  /// The first steps are larger, so that the interval is found within a few frames, and shrink to kSlower.
+  static constexpr double kFirstSlower = 0.2;
+  static constexpr double kSettling = 0.8;
 };
 
 }  // namespace cyclorama::tour

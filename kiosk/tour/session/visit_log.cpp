@@ -9,11 +9,11 @@
 
 #include "common/base/check.h"
 #include "common/base/text.h"
+#include "common/wire/payload.h"
 
 namespace cyclorama::tour {
 namespace {
 
-constexpr std::size_t kMaxSent = 256;
 constexpr std::size_t kMaxStages = 48;
 constexpr std::size_t kMaxReasons = 24;
 constexpr std::size_t kMaxNameLength = 100;
@@ -66,7 +66,7 @@ void VisitLog::add_view(const wire::View& view, TimePoint now, std::optional<Tim
 
 void VisitLog::add_tile(const wire::Tile& tile) {
   const std::lock_guard lock(mutex_);
-  frame_bytes_ += static_cast<double>(tile.jpeg().size());
+  frame_bytes_ += static_cast<double>(payload_bytes(tile));
 }
 
 void VisitLog::add_end(const wire::FrameEnd& end, TimePoint now) {
@@ -106,6 +106,7 @@ void VisitLog::add_presented(const wire::FramePresented& presented, TimePoint no
   const auto sent = sent_.find(presented.view_number());
   if (sent == sent_.end() || sent->second.presented) return;
   sent->second.presented = true;
+  newest_presented_ = std::max(newest_presented_, presented.view_number());
   presented_at_.push_back(now);
   inspection_.count("frames");
   if (sent->second.shutter_ns <= 0 || presented.presented_ns() <= sent->second.shutter_ns) return;
@@ -143,6 +144,14 @@ double VisitLog::rate(TimePoint now) {
   return static_cast<double>(presented_at_.size() - 1) / std::max(to_seconds(span), 1e-3);
 }
 
+/// The frames after the newest that was shown may still come.
+double VisitLog::wasted_share() const {
+  const auto end = sent_.upper_bound(newest_presented_);
+  const auto all = std::distance(sent_.begin(), end);
+  const auto wasted = std::count_if(sent_.begin(), end, [](const auto& sent) { return !sent.second.presented; });
+  return all == 0 ? 0.0 : static_cast<double>(wasted) / static_cast<double>(all);
+}
+
 double VisitLog::frames_per_second(TimePoint now) {
   const std::lock_guard lock(mutex_);
   return rate(now);
@@ -151,6 +160,7 @@ double VisitLog::frames_per_second(TimePoint now) {
 void VisitLog::refresh(TimePoint now) {
   const std::lock_guard lock(mutex_);
   inspection_.set_gauge("frames_per_second", rate(now));
+  inspection_.set_gauge("wasted_frames_share", wasted_share());
 }
 
 std::optional<std::string> VisitLog::refinement() const {

@@ -23,12 +23,15 @@ namespace cyclorama::tour {
 /// stages   capture, detect, pose (tracker) · steer · farm_round_trip · plan, render, encode, farm (FrameEnd) ·
 ///          decode, wait, draw (display) · shutter_to_photon
 /// gauges   frames, frames_per_second, refined_frames, samples_per_pixel, bytes_per_frame, balance_efficiency,
+///          wasted_frames_share (of the last kMaxSent views: requested, and passed over by every display),
 ///          "dropped: REASON"
 ///
 /// Names and reasons come from the wire: unprintable ones are escaped, and beyond a fixed number they share one entry,
 /// so that no peer fills memory. Thread-safe.
 class VisitLog {
  public:
+  static constexpr std::size_t kMaxSent = 1024;
+
   explicit VisitLog(InspectionService* inspection);
 
   void add_pose(const wire::TrackedPose& pose);
@@ -61,12 +64,14 @@ class VisitLog {
   };
   void add_stages(const google::protobuf::RepeatedPtrField<wire::StageTime>& stages);
   [[nodiscard]] double rate(TimePoint now);
+  [[nodiscard]] double wasted_share() const;
   void drop(const std::string& reason, std::uint64_t frames);
   void drop_view(std::uint64_t number, const std::string& reason);
 
   InspectionService& inspection_;
   mutable std::mutex mutex_;  ///< Guards the following.
   std::map<std::uint64_t, Sent> sent_;
+  std::uint64_t newest_presented_ = 0;
   std::set<std::string> stage_names_;
   std::set<std::string> drop_reasons_;
   std::deque<TimePoint> presented_at_;

@@ -51,6 +51,43 @@ TEST(ViewPacer, keeps_at_most_two_frames_in_flight) {
   EXPECT_TRUE(pacer.wants(view(3, 0.3), now));
 }
 
+TEST(ViewPacer, keeps_views_a_refresh_apart_so_that_each_frame_can_be_shown) {
+  ViewPacer pacer(true);
+  const TimePoint now(10s);
+  EXPECT_TRUE(pacer.is_due(now));
+  EXPECT_FALSE(pacer.due_at());
+  pacer.set_refresh_period(50ms);
+  EXPECT_GE(pacer.interval(), 50ms);
+  EXPECT_LT(pacer.interval(), 60ms);
+  pacer.asked(view(1, 0.1), now);
+  EXPECT_EQ(pacer.due_at(), now + pacer.interval());
+  EXPECT_FALSE(pacer.wants(view(2, 0.2), *pacer.due_at() - 1ns));
+  EXPECT_TRUE(pacer.wants(view(2, 0.2), *pacer.due_at()));
+  pacer.asked(view(2, 0.2), now + 100ms);
+  EXPECT_FALSE(pacer.due_at()) << "two are in flight";
+  pacer.ended(1);
+  pacer.request_again();
+  EXPECT_TRUE(pacer.is_due(now + 101ms)) << "a display that joined need not wait";
+}
+
+TEST(ViewPacer, waits_longer_after_frames_that_were_not_shown_within_bounds) {
+  ViewPacer pacer(true);
+  pacer.set_refresh_period(50ms);
+  for (int i = 0; i < 10000; ++i) pacer.shown();
+  EXPECT_EQ(pacer.interval(), 50ms) << "no display shows more";
+  Duration before = pacer.interval();
+  for (int i = 0; i < 10; ++i) {
+    pacer.not_shown();
+    EXPECT_GT(pacer.interval(), before);
+    before = pacer.interval();
+  }
+  for (int i = 0; i < 99; ++i) pacer.shown();
+  pacer.not_shown();
+  EXPECT_NEAR(to_milliseconds(pacer.interval()), to_milliseconds(before), 0.1) << "one in a hundred";
+  for (int i = 0; i < 1000; ++i) pacer.not_shown();
+  EXPECT_LE(pacer.interval(), 1s);
+}
+
 TEST(ViewPacer, counts_views_that_the_farm_skipped) {
   ViewPacer pacer(false);
   pacer.asked(view(1, 0.1), TimePoint(1s));

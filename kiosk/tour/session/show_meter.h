@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+/// How long frames take from their request to a display's light, and how often one is shown.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+
+#include "common/base/clock.h"
+#include "common/base/percentiles.h"
+
+namespace cyclorama::tour {
+
+/// Medians of the last frames of each display, so that one late frame, or the pause of a visitor who rests, counts for
+/// nothing. Pure: every time is passed in, on the tour's clock. Thread-bound.
+///
+///   asked ──────── farm ────────▶ ended ── network, decode ──▶ drawing ──────▶ presented
+///    │                              │                          takes the newest   │
+///    │                              │                          heading            │
+///    └──────────────────────────────┼────────────── latency ──────────────────────┤
+///                                   └──────── the display's own part ─────────────┘
+class ShowMeter {
+ public:
+  /// Bound of a measured latency; a longer one counts as this.
+  static constexpr Duration kMaxLatency = std::chrono::seconds(2);
+  /// A longer gap between two frames is a rest, and no interval.
+  static constexpr Duration kMaxInterval = std::chrono::seconds(1);
+  /// Frames that a display must have shown before anything is concluded from it.
+  static constexpr std::uint64_t kMinFrames = 3;
+
+  void joined(std::uint64_t display, Duration refresh_period);
+  void left(std::uint64_t display);
+
+  /// Records that the view was requested; numbers grow.
+  void asked(std::uint64_t number, TimePoint now);
+  /// Records that the farm delivered the view's first frame, complete.
+  void ended(std::uint64_t number, TimePoint now);
+  /// Forgets the frames that are on their way, when the farm is away.
+  void lost() { frames_.clear(); }
+  /// Records a display's report. `drawing` is the time from the start of drawing, when the display takes the newest
+  /// heading, to the light. Returns true for the first report of a requested view's frame by any display.
+  bool presented(std::uint64_t display, std::uint64_t number, Duration drawing, TimePoint now);
+  /// Records that a display did not show the frame. Returns true if it was complete, and no display has shown it.
+  bool not_shown(std::uint64_t display, std::uint64_t number);
+
+  /// The slowest display's time from the request to the light; nothing before enough frames were shown.
+  [[nodiscard]] std::optional<Duration> latency() const;
+  /// The slowest display's time between two frames; nothing likewise.
+  [[nodiscard]] std::optional<Duration> interval() const;
+  /// Returns the age that the newest pose will have gained, when a frame requested now is drawn with it, by the middle
+  /// of the frame's time on the wall: the latency, less what the pose itself takes to the light, plus half an interval.
+  /// A pose takes the drawing, or `heading_lead` where displays are synchronised. Zero before enough frames were shown.
+  [[nodiscard]] Duration ahead(Duration heading_lead) const;
+
+  /// The slowest display's refresh period; zero without displays.
+  [[nodiscard]] Duration refresh_period() const;
+  /// Returns true while every display that shows frames owes a report for longer than usual: another frame would only
+  /// wait there. A display that owes one for kMaxInterval is no longer waited for.
+  [[nodiscard]] bool are_displays_late(TimePoint now) const;
+
+ private:
+  struct Frame {
+    TimePoint asked_at{};
+    std::optional<TimePoint> ended_at;
+    bool is_presented = false;
+  };
+  struct Screen {
+    Duration period{};
+    Percentiles latency_s{kWindow};
+    Percentiles drawing_s{kWindow};
+    Percentiles interval_s{kWindow};
+    Percentiles own_s{kWindow};  ///< From the frame's end to the report.
+    std::optional<TimePoint> presented_at;
+    std::uint64_t reported = 0;  ///< Largest number that was presented or not shown.
+  };
+  static constexpr std::size_t kWindow = 15;
+  static constexpr std::size_t kMaxFrames = 64;
+  [[nodiscard]] bool is_late(const Screen& screen, TimePoint now) const;
+
+  std::map<std::uint64_t, Frame> frames_;
+  std::map<std::uint64_t, Screen> screens_;
+};
+
+}  // namespace cyclorama::tour

@@ -30,7 +30,7 @@ Status DisplayHub::join(const std::shared_ptr<DisplayLink>& link, std::string na
   }
   members_.push_back({link, std::move(name), wanted});
   // The other displays show it already, or will within a few refreshes.
-  link->send_heading(heading_rad_, shutter_ns_, nullptr);
+  link->send_heading(heading_, nullptr);
   return Done{};
 }
 
@@ -44,11 +44,10 @@ void DisplayHub::leave(const DisplayLink* link) {
   members_.erase(first, members_.end());
 }
 
-void DisplayHub::send_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at) {
+void DisplayHub::send_heading(const wire::Heading& heading, const wire::ShowAt* show_at) {
   const std::lock_guard lock(mutex_);
-  heading_rad_ = heading_rad;
-  shutter_ns_ = shutter_ns;
-  for (const Member& member : members_) member.link->send_heading(heading_rad, shutter_ns, show_at);
+  heading_ = heading;
+  for (const Member& member : members_) member.link->send_heading(heading, show_at);
 }
 
 std::size_t DisplayHub::send(const SharedShowMessage& message) {

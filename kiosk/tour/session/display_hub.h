@@ -19,7 +19,7 @@ class DisplayLink {
  public:
   virtual ~DisplayLink() = default;
   /// `show_at` is null to show the heading at once.
-  virtual void send_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at) = 0;
+  virtual void send_heading(const wire::Heading& heading, const wire::ShowAt* show_at) = 0;
   /// Returns the number of the frame that this display loses because it is too slow.
   virtual std::optional<std::uint64_t> send(const SharedShowMessage& message) = 0;
   virtual void close(const Error& reason) = 0;
@@ -42,7 +42,7 @@ class DisplayHub {
   /// Idempotent.
   void leave(const DisplayLink* link);
 
-  void send_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at);
+  void send_heading(const wire::Heading& heading, const wire::ShowAt* show_at);
   /// Returns how many displays lost a whole frame because they are slow.
   std::size_t send(const SharedShowMessage& message);
   /// Returns the projection that covers all displays; nothing without displays.
@@ -59,8 +59,7 @@ class DisplayHub {
   };
   mutable std::mutex mutex_;  ///< Guards the following.
   std::vector<Member> members_;
-  double heading_rad_ = 0.0;
-  std::int64_t shutter_ns_ = 0;
+  wire::Heading heading_;  ///< Newest; without an eye before the first scene.
   std::optional<Error> closed_;
 };
 

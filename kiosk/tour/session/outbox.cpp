@@ -4,19 +4,22 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/wire/payload.h"
+
 namespace cyclorama::tour {
 namespace {
 
-std::size_t bytes_of(const wire::ShowMessage& message) { return message.has_tile() ? message.tile().jpeg().size() : 0; }
+std::size_t bytes_of(const wire::ShowMessage& message) {
+  return message.has_tile() ? payload_bytes(message.tile()) : 0;
+}
 
 }  // namespace
 
 Outbox::Outbox(wire::Panorama shown, std::size_t max_bytes) : max_bytes_(max_bytes), shown_(std::move(shown)) {}
 
-void Outbox::put_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at) {
+void Outbox::put_heading(const wire::Heading& heading, const wire::ShowAt* show_at) {
   heading_.emplace();
-  heading_->mutable_heading()->set_heading_rad(heading_rad);
-  heading_->mutable_heading()->set_shutter_ns(shutter_ns);
+  *heading_->mutable_heading() = heading;
   if (show_at != nullptr) *heading_->mutable_show_at() = *show_at;
 }
 

@@ -30,7 +30,7 @@ class Outbox {
   explicit Outbox(wire::Panorama shown, std::size_t max_bytes = std::size_t{96} << 20);
 
   /// `show_at` is null to show the heading at once.
-  void put_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at = nullptr);
+  void put_heading(const wire::Heading& heading, const wire::ShowAt* show_at = nullptr);
   /// Queues an answer ahead of everything else; it replaces one that still waits.
   void put_answer(const wire::ClockAnswer& answer) { answer_ = answer; }
   /// Queues a begin, tile or end. Returns the number of the frame that this display loses by it, if it loses one.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -10,14 +11,23 @@
 #include "common/geometry/guard_band.h"
 #include "common/geometry/panorama.h"
 #include "common/wire/convert.h"
+#include "kiosk/tour/navigation/prediction.h"
 #include "kiosk/tour/navigation/walk_record.h"
 #include "kiosk/tour/session/site.h"
 
 namespace cyclorama::tour {
 namespace {
 
-constexpr Duration kTick = std::chrono::microseconds(16667);
 constexpr Duration kRestingTick = std::chrono::milliseconds(100);
+
+/// Returns the duration of a stage that a display reports; zero if it does not, or an impossible one.
+Duration stage_of(const wire::FramePresented& presented, std::string_view name) {
+  const auto stage = std::ranges::find(presented.stages(), name, &wire::StageTime::name);
+  if (stage == presented.stages().end()) return Duration::zero();
+  const double limit_s = to_seconds(ShowMeter::kMaxLatency);
+  const double seconds = std::isfinite(stage->seconds()) ? std::clamp(stage->seconds(), 0.0, limit_s) : 0.0;
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+}
 
 }  // namespace
 
@@ -74,10 +84,19 @@ void Tour::walk() {
     request_frame(now);
     if (now - shown_at_ >= kRestingTick) show_state(now);
     ++rounds_;
-    const bool resting = !visit_ || (walk_.navigation.walker.is_at_rest() &&
-                                     walk_.navigation.steering_source == SteeringSource::kNobody);
-    woken_.wait_until(lock, now + (resting ? kRestingTick : kTick), [this] { return wake_ || stopping_; });
+    woken_.wait_until(lock, next_round(now), [this] { return wake_ || stopping_; });
   }
+}
+
+TimePoint Tour::next_round(TimePoint now) {
+  const bool resting =
+      !visit_ || (walk_.navigation.walker.is_at_rest() && walk_.navigation.steering_source == SteeringSource::kNobody);
+  // The ticks of a walk are even, whatever wakes the thread between them: displays show a pose of each.
+  if (now >= next_tick_) next_tick_ += kWalkStep;
+  if (resting || next_tick_ <= now || next_tick_ > now + kWalkStep) next_tick_ = now + kWalkStep;
+  const TimePoint tick = resting ? now + kRestingTick : next_tick_;
+  const std::optional<TimePoint> view_due = pacer_.due_at();
+  return view_due && *view_due > now ? std::min(tick, *view_due) : tick;
 }
 
 void Tour::change(const WalkEvent& event, TimePoint at) {
@@ -97,42 +116,54 @@ std::string Tour::take_recording() {
   return std::exchange(record_, {});
 }
 
-void Tour::send_heading(TimePoint now) {
-  if (!visit_) return;
-  const double heading = walk_.navigation.walker.heading_rad;
-  const std::int64_t shutter_ns = walk_.navigation.steering_source == SteeringSource::kTag ? visit_->shutter_ns : 0;
-  if (heading_sent_ == heading) return;
-  heading_sent_ = heading;
-  const std::optional<wire::ShowAt> show_at = schedule_.heading_at(now);
-  hub_.send_heading(heading, shutter_ns, show_at ? &*show_at : nullptr);
+Eigen::Vector3d Tour::eye_of(const Walker& walker) const {
+  return {walker.position_m.x(), visit_->scene.start_eye_m().y(), walker.position_m.y()};
 }
 
-std::optional<wire::View> Tour::next_view() const {
+void Tour::send_heading(TimePoint now) {
+  if (!visit_) return;
+  const Walker& walker = walk_.navigation.walker;
+  const std::pair pose(eye_of(walker), walker.heading_rad);
+  if (pose_sent_ == pose) return;
+  pose_sent_ = pose;
+  wire::Heading heading;
+  heading.set_heading_rad(pose.second);
+  heading.set_shutter_ns(walk_.navigation.steering_source == SteeringSource::kTag ? visit_->shutter_ns : 0);
+  to_wire(pose.first, heading.mutable_eye_m());
+  const std::optional<wire::ShowAt> show_at = schedule_.heading_at(now);
+  hub_.send_heading(heading, show_at ? &*show_at : nullptr);
+}
+
+std::optional<wire::View> Tour::next_view(const Walker& walker) const {
   const std::optional<Projection> wanted = hub_.wanted();
   if (!visit_ || farm_away_ || !wanted) return std::nullopt;
-  const Navigation& navigation = walk_.navigation;
   wire::View view;
   view.set_number(newest_number_ + 1);
-  to_wire(Eigen::Vector3d(navigation.walker.position_m.x(), visit_->scene.start_eye_m().y(),
-                          navigation.walker.position_m.y()),
-          view.mutable_eye_m());
-  view.set_heading_rad(navigation.walker.heading_rad);
-  to_wire(with_guard_band(*wanted, settings_.picture.guard_rad), view.mutable_panorama());
+  to_wire(eye_of(walker), view.mutable_eye_m());
+  view.set_heading_rad(walker.heading_rad);
+  const double guard = settings_.picture.guard_rad;
+  const double walk_guard = visit_->can_walk && guard > 0.0 ? walk_guard_rad(settings_.navigation.limits) : 0.0;
+  to_wire(with_guard_band(*wanted, guard, walk_guard), view.mutable_panorama());
+  view.set_depth(visit_->can_walk);
   view.set_samples(static_cast<std::uint32_t>(settings_.picture.samples));
   view.set_jpeg_quality(static_cast<std::uint32_t>(settings_.picture.jpeg_quality));
   view.set_subsample_chroma(settings_.picture.subsample_chroma);
-  view.set_shutter_ns(navigation.steering_source == SteeringSource::kTag ? visit_->shutter_ns : 0);
+  view.set_shutter_ns(walk_.navigation.steering_source == SteeringSource::kTag ? visit_->shutter_ns : 0);
   return view;
 }
 
 void Tour::request_frame(TimePoint now) {
-  const std::optional<wire::View> view = next_view();
+  if (!visit_ || !pacer_.is_due(now) || meter_.are_displays_late(now)) return;
+  const Walker shown = predicted(walk_, now + meter_.ahead(schedule_.heading_lead(now)), settings_.navigation);
+  predicted_m_ = (shown.position_m - walk_.navigation.walker.position_m).norm();
+  const std::optional<wire::View> view = next_view(shown);
   if (!view || !pacer_.wants(*view, now)) return;
   const Status valid = validate(*view);
   view_refused_ = valid ? "" : valid.error().message();
   if (!valid) return;
   newest_number_ = view->number();
   pacer_.asked(*view, now);
+  meter_.asked(view->number(), now);
   auto received_at = std::exchange(visit_->pose_received_at, std::nullopt);
   log_.add_view(*view, now, view->shutter_ns() != 0 ? received_at : std::nullopt);
   farm_->request(*view);
@@ -176,12 +207,22 @@ void Tour::on_keys(const SteeringCommand& command) {
 void Tour::on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) {
   schedule_.joined(display, hello);
   roster_.joined(display, hello);
+  {
+    const std::lock_guard lock(mutex_);
+    meter_.joined(display, refresh_period_of(hello));
+    pacer_.set_refresh_period(meter_.refresh_period());
+  }
   request_frame_again();
 }
 
 void Tour::on_display_left(std::uint64_t display) {
   schedule_.left(display);
   roster_.left(display);
+  {
+    const std::lock_guard lock(mutex_);
+    meter_.left(display);
+    pacer_.set_refresh_period(meter_.refresh_period());
+  }
   request_frame_again();
 }
 
@@ -198,9 +239,18 @@ void Tour::request_frame_again() {
   wake();
 }
 
-void Tour::on_presented(const wire::FramePresented& presented) { log_.add_presented(presented, SteadyClock().now()); }
+void Tour::on_presented(std::uint64_t display, const wire::FramePresented& presented) {
+  const TimePoint now = SteadyClock().now();
+  log_.add_presented(presented, now);
+  const std::lock_guard lock(mutex_);
+  if (meter_.presented(display, presented.view_number(), stage_of(presented, "draw"), now)) pacer_.shown();
+}
 
-void Tour::on_dropped(const wire::FrameDropped& dropped) { log_.add_not_shown(dropped); }
+void Tour::on_dropped(std::uint64_t display, const wire::FrameDropped& dropped) {
+  log_.add_not_shown(dropped);
+  const std::lock_guard lock(mutex_);
+  if (meter_.not_shown(display, dropped.view_number())) pacer_.not_shown();
+}
 
 void Tour::on_opened(const wire::SceneDescription& scene) {
   {
@@ -214,6 +264,7 @@ void Tour::on_opened(const wire::SceneDescription& scene) {
       start.heading_rad = settings_.resume->heading_rad;
     }
     change(opened, SteadyClock().now());
+    visit.can_walk = can_walk(walk_.site, settings_.navigation.limits);
     visit_ = std::move(visit);
     farm_away_.reset();
     pacer_.request_again();
@@ -230,11 +281,16 @@ void Tour::on_lost(const Error& reason) {
   const std::lock_guard lock(mutex_);
   farm_away_ = reason.message();
   pacer_.lost();
+  meter_.lost();
 }
 
 void Tour::broadcast(wire::ShowMessage message) {
   const std::size_t lost = hub_.send(std::make_shared<const wire::ShowMessage>(std::move(message)));
   log_.add_dropped("a display was too slow to take it", lost);
+  // One that is slow loses frames and delays no other; frames that all of them lose are too many.
+  if (lost == 0 || lost < hub_.count()) return;
+  const std::lock_guard lock(mutex_);
+  pacer_.not_shown();
 }
 
 void Tour::on_begin(const wire::View& view) {
@@ -262,6 +318,7 @@ void Tour::on_end(const wire::FrameEnd& end) {
   {
     const std::lock_guard lock(mutex_);
     pacer_.ended(end.view_number());
+    if (end.complete()) meter_.ended(end.view_number(), now);
   }
   wake();
   wire::ShowMessage message;

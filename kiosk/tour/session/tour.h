@@ -10,12 +10,14 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "common/base/clock.h"
 #include "common/wire/inspection_service.h"
 #include "kiosk/tour/navigation/visit_walk.h"
 #include "kiosk/tour/session/display_hub.h"
 #include "kiosk/tour/session/display_roster.h"
+#include "kiosk/tour/session/show_meter.h"
 #include "kiosk/tour/session/show_schedule.h"
 #include "kiosk/tour/session/tour_events.h"
 #include "kiosk/tour/session/tour_settings.h"
@@ -30,6 +32,10 @@ namespace cyclorama::tour {
 ///   trackers ──poses──► ┌─────────────┐ ──views──► FarmClient ──tiles──► DisplayHub ──► displays
 ///   pages ─────keys───► │ thread walk │ ──headings───────────────────────────┘
 ///                       └─────────────┘
+///
+/// A view is of where the visitor will be when it is shown (prediction.h); headings, the saved position and the record
+/// are of where the visitor is. A prediction that was wrong is followed by the right view, so that the last view of a
+/// visitor who stands still is of that very place.
 ///
 /// Threads: `walk` (every 1/60 s while something moves, and at once for each pose and whenever the farm can take
 /// another view), the FarmClient's (forwards tiles), gRPC's (the calls of TourEvents). Thread-safe.
@@ -62,14 +68,15 @@ class Tour final : public TourEvents, private client::FarmListener {
   void on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) override;
   void on_display_left(std::uint64_t display) override;
   void on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) override;
-  void on_presented(const wire::FramePresented& presented) override;
-  void on_dropped(const wire::FrameDropped& dropped) override;
+  void on_presented(std::uint64_t display, const wire::FramePresented& presented) override;
+  void on_dropped(std::uint64_t display, const wire::FrameDropped& dropped) override;
 
  private:
   /// The scene, and the newest pose of the steering source.
   struct Visit {
     wire::SceneDescription scene;
     std::string warning;
+    bool can_walk = false;
     std::int64_t shutter_ns = 0;
     std::optional<TimePoint> pose_received_at;  ///< Reset when a view follows the pose.
   };
@@ -87,7 +94,11 @@ class Tour final : public TourEvents, private client::FarmListener {
   void change(const WalkEvent& event, TimePoint at);
   void send_heading(TimePoint now);
   void request_frame(TimePoint now);
-  [[nodiscard]] std::optional<wire::View> next_view() const;
+  /// Returns when thread `walk` has something to do, if nothing wakes it. Requires the lock.
+  [[nodiscard]] TimePoint next_round(TimePoint now);
+  /// Returns the eye of a visitor who stands there. Requires a visit.
+  [[nodiscard]] Eigen::Vector3d eye_of(const Walker& walker) const;
+  [[nodiscard]] std::optional<wire::View> next_view(const Walker& walker) const;
   void show_state(TimePoint now);
   [[nodiscard]] std::string state_sentence(TimePoint now, bool* ret_healthy);
   void request_frame_again();
@@ -112,8 +123,11 @@ class Tour final : public TourEvents, private client::FarmListener {
   VisitWalk walk_;
   std::string record_;  ///< Not yet taken.
   ViewPacer pacer_;
+  ShowMeter meter_;
   std::uint64_t newest_number_ = 0;
-  std::optional<double> heading_sent_;
+  double predicted_m_ = 0.0;                                     ///< From the visitor to the eye of the newest view.
+  std::optional<std::pair<Eigen::Vector3d, double>> pose_sent_;  ///< Eye and heading.
+  TimePoint next_tick_{};
   TimePoint shown_at_{};
   std::string view_refused_;
 

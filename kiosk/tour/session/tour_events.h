@@ -23,8 +23,8 @@ class TourEvents {
   virtual void on_display_left(std::uint64_t display) = 0;
   /// Handles the rest of a clock question; the time itself has been answered.
   virtual void on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) = 0;
-  virtual void on_presented(const wire::FramePresented& presented) = 0;
-  virtual void on_dropped(const wire::FrameDropped& dropped) = 0;
+  virtual void on_presented(std::uint64_t display, const wire::FramePresented& presented) = 0;
+  virtual void on_dropped(std::uint64_t display, const wire::FrameDropped& dropped) = 0;
 
  protected:
   TourEvents() = default;

@@ -40,10 +40,10 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
   ShowCall(std::uint64_t number, DisplayHub* displays, TourEvents* events)
       : number_(number), displays_(*displays), events_(*events) {}
 
-  void send_heading(double heading_rad, std::int64_t shutter_ns, const wire::ShowAt* show_at) override {
+  void send_heading(const wire::Heading& heading, const wire::ShowAt* show_at) override {
     const std::lock_guard lock(mutex_);
     if (!outbox_) return;
-    outbox_->put_heading(heading_rad, shutter_ns, show_at);
+    outbox_->put_heading(heading, show_at);
     write_next();
   }
   std::optional<std::uint64_t> send(const SharedShowMessage& message) override {
@@ -82,10 +82,10 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
       case wire::DisplayReport::kHello:
         return handle_hello(report_.hello());
       case wire::DisplayReport::kPresented:
-        events_.on_presented(report_.presented());
+        events_.on_presented(number_, report_.presented());
         break;
       case wire::DisplayReport::kDropped:
-        events_.on_dropped(report_.dropped());
+        events_.on_dropped(number_, report_.dropped());
         break;
       case wire::DisplayReport::kClock:
         answer(report_.clock(), now);

@@ -9,12 +9,17 @@
 #include <numbers>
 
 #include "common/config/config.h"
+#include "common/geometry/guard_band.h"
 
 namespace cyclorama::tour {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTurnFollowedS = 0.2;
+// Ten frames a second, shown from 0.2 s after their request to 0.3 s: in slower shows the edge is seen, at full speed.
+constexpr double kFrameIntervalS = 0.1;
+constexpr double kFrameReplacedS = 0.3;
+constexpr double kNearM = 1.6;  // In the visitor's metres; the floor is no nearer, and few things are.
 
 const double kMaxGlideS = to_seconds(kMaxGlide);
 
@@ -115,6 +120,15 @@ Result<TourSettings> read_from(Config config, const std::filesystem::path& folde
 }  // namespace
 
 double default_guard_rad(const WalkLimits& limits) { return kTurnFollowedS * limits.turn_rad_per_s; }
+
+double walk_guard_rad(const WalkLimits& limits) {
+  const double speed = std::max(limits.forward_m_per_s, limits.sideways_m_per_s);
+  // A new command right after the request accelerates the walk, once the jerk limit allows it.
+  const double acceleration = limits.acceleration_m_per_s2;
+  const double accelerated_s = std::max(0.0, kFrameReplacedS - 0.5 * acceleration / limits.jerk_m_per_s3);
+  const double missed_m = std::min(0.5 * acceleration * accelerated_s * accelerated_s, 2.0 * speed * accelerated_s);
+  return parallax(std::max(0.5 * kFrameIntervalS * speed, missed_m), kNearM);
+}
 
 TourSettings default_tour_settings() {
   TourSettings settings;

@@ -48,7 +48,9 @@ struct PictureSettings {
   int samples = 1;
   int jpeg_quality = 85;
   bool subsample_chroma = true;
-  double guard_rad = 0.0;  ///< Rendered beyond each side of the wall, for turns that no frame has followed yet.
+  /// Rendered beyond each side of the wall, for turns that no frame has followed yet. 0: no guard band at all, else the
+  /// one for walking is added where a visitor can walk.
+  double guard_rad = 0.0;
 };
 
 struct TourSettings {
@@ -66,6 +68,12 @@ struct TourSettings {
 /// Returns the guard band that a turn at full speed uses up within 0.2 s: the latency of one frame and the wait for the
 /// next at 10 frames a second; 8 degrees at the default turn rate.
 [[nodiscard]] double default_guard_rad(const WalkLimits& limits);
+
+/// Returns the guard band for walking, on all sides and beside the one for turns: the angle by which surfaces in front
+/// of the visitor change their direction while a frame is shown. A view is asked for the middle of that time
+/// (prediction.h), so the eye is at most half an interval away at full speed, or where a new command has led it that
+/// came after the request; not both, since a walk at full speed gains none. 2.3 degrees at the default limits.
+[[nodiscard]] double walk_guard_rad(const WalkLimits& limits);
 
 /// Returns the settings without a file.
 [[nodiscard]] TourSettings default_tour_settings();

@@ -59,6 +59,9 @@ void Tour::show_state(TimePoint now) {
     inspection_.set_gauge("synchronised_percent", 100.0 * *synchronised_share);
   inspection_.set_table(roster_.table());
   inspection_.set_gauge("trackers", static_cast<double>(trackers_.size()));
+  inspection_.set_gauge("latency_ms", to_milliseconds(meter_.latency().value_or(Duration::zero())));
+  inspection_.set_gauge("interval_ms", to_milliseconds(meter_.interval().value_or(Duration::zero())));
+  inspection_.set_gauge("predicted_m", predicted_m_);
   inspection_.set_gauge("frames_in_flight", static_cast<double>(pacer_.in_flight()));
   if (!visit_) return;
   const Walker& walker = walk_.navigation.walker;

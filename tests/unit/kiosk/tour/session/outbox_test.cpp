@@ -26,9 +26,16 @@ SharedShowMessage end(std::uint64_t number) {
   message->mutable_end()->set_complete(true);
   return message;
 }
+wire::Heading heading(double heading_rad, std::int64_t shutter_ns) {
+  wire::Heading heading;
+  heading.set_heading_rad(heading_rad);
+  heading.set_shutter_ns(shutter_ns);
+  heading.mutable_eye_m()->set_z(2.0 * heading_rad);
+  return heading;
+}
 Outbox introduced(std::size_t max_bytes = 1000) {
   Outbox outbox(wire::Panorama(), max_bytes);
-  outbox.put_heading(0.0, 0);
+  outbox.put_heading(heading(0.0, 0));
   EXPECT_TRUE(outbox.take()->has_heading());
   return outbox;
 }
@@ -39,12 +46,13 @@ TEST(Outbox, sends_nothing_before_the_first_heading_which_states_what_is_shown) 
   Outbox outbox(shown);
   outbox.put(begin(1));
   EXPECT_EQ(outbox.take(), nullptr);
-  outbox.put_heading(0.5, 9);
-  outbox.put_heading(0.6, 10);
+  outbox.put_heading(heading(0.5, 9));
+  outbox.put_heading(heading(0.6, 10));
   const auto first = outbox.take();
   EXPECT_EQ(first->heading().heading_rad(), 0.6) << "the newest wins";
+  EXPECT_EQ(first->heading().eye_m().z(), 1.2);
   EXPECT_EQ(first->heading().shown().width_px(), 77u);
-  outbox.put_heading(0.7, 11);
+  outbox.put_heading(heading(0.7, 11));
   EXPECT_FALSE(outbox.take()->heading().has_shown());
 }
 
@@ -52,7 +60,7 @@ TEST(Outbox, lets_a_heading_overtake_tiles) {
   Outbox outbox = introduced();
   outbox.put(begin(1));
   outbox.put(tile(1));
-  outbox.put_heading(0.1, 0);
+  outbox.put_heading(heading(0.1, 0));
   EXPECT_TRUE(outbox.take()->has_heading());
   EXPECT_TRUE(outbox.take()->has_begin());
   EXPECT_TRUE(outbox.take()->has_tile());
@@ -62,9 +70,9 @@ TEST(Outbox, sends_the_presentation_time_of_a_heading) {
   Outbox outbox = introduced();
   wire::ShowAt at;
   at.set_refresh(77);
-  outbox.put_heading(0.1, 0, &at);
+  outbox.put_heading(heading(0.1, 0), &at);
   EXPECT_EQ(outbox.take()->show_at().refresh(), 77);
-  outbox.put_heading(0.2, 0);
+  outbox.put_heading(heading(0.2, 0));
   EXPECT_FALSE(outbox.take()->has_show_at());
 }
 
@@ -161,7 +169,7 @@ TEST(Outbox, keeps_its_guarantees_for_any_order_of_calls) {
         outbox.put(tile(number, random() % 300));
       }
     } else if (dice == 4) {
-      outbox.put_heading(1.0, 0);
+      outbox.put_heading(heading(1.0, 0));
     } else if (const auto message = outbox.take()) {
       if (message->has_begin()) {
         ASSERT_EQ(open, 0u);

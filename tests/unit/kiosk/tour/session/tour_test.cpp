@@ -6,9 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 
+#include "common/geometry/guard_band.h"
 #include "kiosk/tour/navigation/walk_record.h"
 #include "kiosk/tour/session/tour_service.h"
 #include "tests/doubles/fake_display.h"
@@ -107,7 +110,9 @@ TEST(Tour, shows_frames_on_a_display_with_a_guard_band) {
   EXPECT_THAT(display.wrongs(), IsEmpty());
   const auto picture = from_wire(display.frames().front().view.panorama());
   ASSERT_TRUE(picture);
-  EXPECT_EQ(*picture, (Projection{fake_wall().with_guard_band(default_guard_rad({})), {}}));
+  EXPECT_EQ(*picture, with_guard_band(Projection{fake_wall(), {}}, default_guard_rad({}), walk_guard_rad({})));
+  EXPECT_GT(picture->height_px(), fake_wall().height_px) << "rows for walking";
+  EXPECT_TRUE(display.frames().front().view.depth());
   const auto shown = from_wire(display.headings().front().shown());
   ASSERT_TRUE(shown);
   EXPECT_EQ(*shown, (Projection{fake_wall(), {}}));
@@ -144,6 +149,83 @@ TEST(Tour, walks_with_keys_and_stops_when_they_are_released) {
   EXPECT_TRUE(tour.eventually([&] { return tour.gauge("eye_z_m") < -0.05; }));
   EXPECT_TRUE(tour.eventually([&] { return tour.gauge("forward_m_per_s") == 0.0; }));
   EXPECT_TRUE(farm.views().back().shutter_ns() == 0);
+}
+
+TEST(Tour, requests_neither_depth_nor_rows_where_nobody_can_walk) {
+  wire::SceneDescription scene = fake_scene("a point");
+  for (wire::GroundPoint& corner : *scene.mutable_walkable()) {
+    corner.set_x_m(1e-3 * corner.x_m());
+    corner.set_z_m(1e-3 * corner.z_m());
+  }
+  FakeFarm farm(scene);
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(1));
+  EXPECT_FALSE(farm.views().back().depth());
+  EXPECT_EQ(farm.views().back().panorama().height_px(), static_cast<std::uint32_t>(fake_wall().height_px));
+}
+
+/// Eye (x, z) and heading.
+using Pose = std::array<double, 3>;
+Pose pose_of(const wire::View& view) { return {view.eye_m().x(), view.eye_m().z(), view.heading_rad()}; }
+Pose pose_of(const wire::Heading& heading) { return {heading.eye_m().x(), heading.eye_m().z(), heading.heading_rad()}; }
+
+TEST(Tour, requests_views_of_where_the_visitor_will_be_and_tells_displays_where_the_visitor_is) {
+  FakeFarm farm;
+  farm.set_frame_time(60ms, 70ms);
+  TourSettings settings = settings_for(farm);
+  settings.record = true;
+  TourProcess tour(settings);
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(1));
+  // Straight ahead, so that the heading alone would tell displays nothing.
+  EXPECT_TRUE(tour.eventually([&] {
+    EXPECT_TRUE(tour.steer(1, 0, 0).ok());
+    return tour.gauge("predicted_m") > 0.05;
+  }));
+  EXPECT_GT(tour.gauge("latency_ms"), 50.0);
+  EXPECT_GT(tour.gauge("interval_ms"), 10.0);
+  EXPECT_TRUE(tour.eventually([&] { return tour.gauge("forward_m_per_s") == 0.0; }));
+  const SavedPosition rest = *tour.position();
+  const Pose rest_pose{rest.position_m.x(), rest.position_m.y(), rest.heading_rad};
+  EXPECT_TRUE(tour.eventually([&] { return pose_of(farm.views().back()) == rest_pose; }))
+      << "the last view is of the very place";
+  EXPECT_TRUE(display.wait_until([&](const auto& d) { return pose_of(d.headings().back()) == rest_pose; }));
+  EXPECT_TRUE(tour.eventually([&] { return tour.gauge("predicted_m") == 0.0; }));
+  tour.stop();
+  display.leave();
+
+  const auto record = parse_walk_record(tour.recording(), "visit.walk");
+  ASSERT_TRUE(record) << record.error().message();
+  std::set<Pose> walked;
+  for (const WalkEntry& entry : record->entries) {
+    if (entry.view) walked.insert({entry.view->position_m.x(), entry.view->position_m.y(), entry.view->heading_rad});
+  }
+  std::size_t of_the_present = 0;
+  for (const wire::Heading& heading : display.headings()) {
+    if (!heading.has_eye_m()) continue;  // Before the scene was open.
+    EXPECT_TRUE(walked.contains(pose_of(heading)));
+    EXPECT_EQ(heading.eye_m().y(), 1.6);
+    ++of_the_present;
+  }
+  EXPECT_GT(of_the_present, 10u);
+  std::size_t of_the_future = 0;
+  for (const wire::View& view : farm.views()) of_the_future += walked.contains(pose_of(view)) ? 0U : 1U;
+  EXPECT_GT(of_the_future, 0u);
+}
+
+TEST(Tour, sends_no_heading_while_the_visitor_stands_still) {
+  FakeFarm farm;
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(display.wait_for_frames(1));
+  ASSERT_TRUE(display.wait_until([](const auto& d) { return d.headings().back().has_eye_m(); }));
+  std::size_t before = 0;
+  display.wait_until([&](const auto& d) {
+    before = d.headings().size();
+    return true;
+  });
+  EXPECT_FALSE(display.wait_until([&](const auto& d) { return d.headings().size() > before; }, 500ms));
 }
 
 TEST(Tour, records_a_walk_that_replays_bit_by_bit) {

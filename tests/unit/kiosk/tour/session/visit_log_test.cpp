@@ -173,9 +173,34 @@ TEST(VisitLog, is_bounded_whatever_names_peers_send) {
   EXPECT_GT(log.gauge("dropped: other"), 900.0);
 }
 
+TEST(VisitLog, reports_the_share_of_views_that_nobody_has_seen) {
+  Log log;
+  log.log.refresh(log.now);
+  EXPECT_EQ(log.gauge("wasted_frames_share"), 0.0);
+  wire::View view;
+  for (std::uint64_t number = 1; number <= 20; ++number) {
+    if (number % 4 != 0) {
+      log.show(number, 0, 5);
+      continue;
+    }
+    view.set_number(number);
+    log.log.add_view(view, log.now, std::nullopt);
+  }
+  log.log.refresh(log.now);
+  EXPECT_NEAR(log.gauge("wasted_frames_share"), 4.0 / 19.0, 1e-12) << "the last one may still come";
+  wire::FramePresented late;
+  late.set_view_number(4);
+  log.log.add_presented(late, log.now);
+  log.log.refresh(log.now);
+  EXPECT_NEAR(log.gauge("wasted_frames_share"), 3.0 / 19.0, 1e-12) << "a slower display";
+  for (std::uint64_t number = 21; number <= 20 + VisitLog::kMaxSent; ++number) log.show(number, 0, 5);
+  log.log.refresh(log.now);
+  EXPECT_EQ(log.gauge("wasted_frames_share"), 0.0) << "of the last views";
+}
+
 class SilentDisplay final : public DisplayLink {
  public:
-  void send_heading(double, std::int64_t, const wire::ShowAt*) override {}
+  void send_heading(const wire::Heading&, const wire::ShowAt*) override {}
   std::optional<std::uint64_t> send(const SharedShowMessage&) override { return std::nullopt; }
   void close(const Error&) override {}
 };

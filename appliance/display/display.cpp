@@ -20,6 +20,9 @@ namespace {
 constexpr auto kReconnectAfter = std::chrono::milliseconds(250);
 constexpr auto kForAFrame = std::chrono::seconds(2);  // Timeout for a frame from the tour after a new calibration.
 constexpr std::size_t kMaxDropsWaiting = 256;
+// Cells of 4 pixels between the vertices of a mesh: a software renderer's time goes with their number.
+constexpr int kMeshCells = 1;
+constexpr int kSoftwareMeshCells = 2;
 constexpr char kPassedOver[] = "a newer frame was ready before it could be shown";
 
 std::vector<HeadFootprint> footprints(const std::vector<HeadPlan>& heads) {
@@ -100,10 +103,9 @@ Status Display::prepare() {
   plan.heads = std::move(heads);
   plan.times = options_.attract_times;
   TRY_ASSIGN(present_, PresentThread::start(std::move(plan), &mailbox_, &clock_, options_.on_start_step));
-  note_output();
-
   pool_ = std::make_unique<DecodePool>(options_.decode_threads);
   assembler_ = std::make_unique<FrameAssembler>(pool_.get(), static_cast<FrameSink*>(this), &clock_, std::move(shown));
+  note_output();
   hello_.set_name(options_.installation.name);
   hello_.set_heads(static_cast<std::uint32_t>(options_.installation.projectors.size()));
   hello_.set_refresh_hz(options_.refresh_hz);
@@ -217,8 +219,12 @@ void Display::on_message(wire::ShowMessage message) {
   if (!std::isfinite(heading.heading_rad())) return;
   const ShowAt at = show_at_of(message);
   tour_clock_.heading_ready(at, now);
+  HeadingNow pose{heading.heading_rad(), heading.shutter_ns(), at};
+  if (heading.has_eye_m() && from_wire(heading.eye_m()).allFinite()) {
+    pose.eye_m = {heading.eye_m().x(), heading.eye_m().y(), heading.eye_m().z()};
+  }
   // Heading::shown is not needed: the warps define the wall's extent, and a frame its own shape.
-  mailbox_.headings.put({heading.heading_rad(), heading.shutter_ns(), at});
+  mailbox_.headings.put(pose);
 }
 
 void Display::frame_ready(DisplayFrame frame) {
@@ -234,6 +240,9 @@ void Display::frame_ready(DisplayFrame frame) {
     newest_ready_ = std::max(newest_ready_, frame.order);
     mailbox_.is_failing = false;
     history_->frame_ready(frame);
+    if (!frame.depth_trouble.empty() && depth_troubles_.size() < kMaxDropsWaiting) {
+      depth_troubles_.push_back(frame.depth_trouble);
+    }
     unseen = mailbox_.frames.put(std::make_unique<DisplayFrame>(std::move(frame)));
     if (unseen != nullptr) add_drop(unseen->number, kPassedOver);
   }
@@ -292,6 +301,7 @@ void Display::note_output() {
   inspection_.set_gauge("output_losses", state->losses);
   inspection_.set_fact("output", state->kind);
   inspection_.set_fact("gl_renderer", state->renderer);
+  assembler_->set_mesh_cells(is_software_renderer(state->renderer) ? kSoftwareMeshCells : kMeshCells);
 }
 
 void Display::keep_connected() {
@@ -347,10 +357,13 @@ void Display::report_refreshes() {
 
 void Display::report_drops() {
   std::vector<Drop> drops;
+  std::vector<std::string> depth_troubles;
   {
     const std::lock_guard lock(mutex_);
     drops.swap(drops_);
+    depth_troubles.swap(depth_troubles_);
   }
+  for (const std::string& trouble : depth_troubles) reporter_.frame_without_depth(trouble);
   for (Drop& drop : drops) {
     reporter_.frame_dropped(drop.reason);
     if (stream_ == nullptr) continue;

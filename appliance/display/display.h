@@ -116,8 +116,9 @@ class Display : private FrameSink {
     std::uint64_t number;
     std::string reason;
   };
-  std::mutex mutex_;  // Guards the two below; never taken by the present thread.
+  std::mutex mutex_;  // Guards the three below; never taken by the present thread.
   std::vector<Drop> drops_;
+  std::vector<std::string> depth_troubles_;
   std::uint64_t newest_ready_ = 0;  // DisplayFrame::order of the newest frame that was handed over.
 
   std::vector<HeadFootprint> footprints_;  // Footprints of the heads that are drawn with, or are about to be.

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "appliance/display/reprojection_mesh.h"
 #include "common/base/clock.h"
 #include "common/geometry/projection.h"
 #include "common/image/pixel_rect.h"
@@ -28,11 +32,15 @@ struct DisplayFrame {
   std::uint64_t order = 0;   ///< Counts frames begun by this display; a greater one is newer, whatever `number` is.
   std::uint64_t number = 0;  ///< Number of the view; 0 is a picture of the display's own.
   double heading_rad = 0.0;
+  Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();  ///< Scene frame.
   std::int64_t shutter_ns = 0;  ///< Same as in wire::View; 0 when keys steered.
   PictureShape shape;           ///< Shape of one eye's picture, with its guard band.
   int stacked = 1;              ///< Number of such pictures in `picture`; 2: the left eye's above the right eye's.
   std::shared_ptr<const PlanarPicture> picture;
   std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Valid parts of the picture; null: all of it.
+  /// The picture's distances; null: it cannot be shown from another eye than its own.
+  std::shared_ptr<const ReprojectionMesh> mesh;
+  std::string depth_trouble;  ///< Why a frame that should have depth has none; empty: it has, or should not.
   double turn_limit_rad = 0.0;  ///< Maximum turn either way at which the heads show valid parts only.
   std::size_t bytes = 0;        ///< JPEG bytes of all tiles.
   std::uint32_t tiles = 0;      ///< Number of tiles that came.
@@ -43,12 +51,14 @@ struct DisplayFrame {
   bool was_shown = false;
 };
 
-/// A heading of the visitor.
+/// A pose of the visitor.
 struct HeadingNow {
   double heading_rad = 0.0;
   std::int64_t shutter_ns = 0;
   ShowAt show_at{};
   std::uint64_t order = 0;  ///< A greater one is newer.
+  /// Scene frame: x, y, z; nothing: that of the frame. An array, because headings are passed on as plain bytes.
+  std::optional<std::array<double, 3>> eye_m{};
 };
 
 }  // namespace cyclorama::display

@@ -50,20 +50,54 @@ class FrameAssembler::PictureStore : public std::enable_shared_from_this<Picture
   std::vector<std::unique_ptr<PlanarPicture>> free_;
 };
 
+/// The newest depth that came, for frames of the same view that come without. Thread-safe.
+class FrameAssembler::DepthStore {
+ public:
+  void put(std::uint64_t view, std::shared_ptr<const InverseDepthImage> depth) {
+    const std::lock_guard lock(mutex_);
+    if (view < view_) return;  // Decode threads may finish frames in any order.
+    view_ = view;
+    depth_ = std::move(depth);
+  }
+  /// Returns null if the newest depth is of another view.
+  [[nodiscard]] std::shared_ptr<const InverseDepthImage> of(std::uint64_t view) const {
+    const std::lock_guard lock(mutex_);
+    return view == view_ ? depth_ : nullptr;
+  }
+  /// Views of another session count anew.
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    view_ = 0;
+    depth_.reset();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::uint64_t view_ = 0;
+  std::shared_ptr<const InverseDepthImage> depth_;
+};
+
 /// One frame in assembly, shared by the assembler and its decode jobs. Its last holder delivers or drops it.
 class FrameAssembler::Assembly {
  public:
-  Assembly(DisplayFrame frame, std::shared_ptr<const ShownParts> shown, std::shared_ptr<PictureStore> pictures,
-           FrameSink* sink, const Clock* clock, std::shared_ptr<std::atomic<int>> in_flight)
+  Assembly(DisplayFrame frame, bool has_depth, const KnownParts& known, std::shared_ptr<PictureStore> pictures,
+           std::shared_ptr<DepthStore> depths, FrameSink* sink, const Clock* clock,
+           std::shared_ptr<std::atomic<int>> in_flight)
       : frame_(std::move(frame)),
-        shown_(std::move(shown)),
+        shown_(known.parts),
+        grid_(known.grid),
         pictures_(std::move(pictures)),
+        depths_(std::move(depths)),
         sink_(*sink),
         clock_(*clock),
         in_flight_(std::move(in_flight)),
         covered_(width(), height()) {
     frame_.turn_limit_rad = shown_->turn_limit_rad;
     frame_.parts = {shown_, &shown_->parts};
+    if (has_depth) {
+      const PixelRect cells = depth_cells({0, 0, width(), height()});
+      depth_ = std::make_shared<InverseDepthImage>(cells.width, cells.height);
+    }
     ++*in_flight_;
   }
   Assembly(const Assembly&) = delete;
@@ -80,6 +114,7 @@ class FrameAssembler::Assembly {
     }
     if (picture_ == nullptr) make_room(true);  // No head shows any of its tiles.
     frame_.picture = std::move(picture_);
+    add_mesh();
     frame_.decoded_at = clock_.now();
     sink_.frame_ready(std::move(frame_));
   }
@@ -135,6 +170,7 @@ class FrameAssembler::Assembly {
     if (has_failed_) return;
     const auto jpeg = std::as_bytes(std::span(tile.jpeg()));
     const Status decoded = decoder->decode_into(jpeg, picture_.get(), place_of(tile));
+    if (decoded && depth_ != nullptr) decode_depth(tile);
     ++decoded_;
     if (!decoded) fail(tile, decoded.error());
   }
@@ -161,13 +197,34 @@ class FrameAssembler::Assembly {
     return {static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px()), static_cast<int>(tile.width_px()),
             static_cast<int>(tile.height_px())};
   }
+  void decode_depth(const wire::Tile& tile) {
+    const auto bytes = std::as_bytes(std::span(tile.depth()));
+    const Status decoded =
+        bytes.empty() ? Status(Error(ErrorCode::kBadData, "the depth is missing"))
+                      : decode_inverse_depth(bytes, depth_cells(place_of(tile)), depth_.get());
+    if (decoded) return;
+    const std::lock_guard lock(mutex_);
+    if (!frame_.depth_trouble.empty()) return;
+    frame_.depth_trouble =
+        fmt::format("the tile at ({}, {}): {}", tile.x_px(), tile.y_px(), decoded.error().message());
+  }
+  void add_mesh() {
+    if (!frame_.depth_trouble.empty()) return;
+    if (depth_ != nullptr) depths_->put(frame_.number, depth_);
+    if (const auto depth = depths_->of(frame_.number)) {
+      frame_.mesh = std::make_shared<const ReprojectionMesh>(grid_, *depth);
+    }
+  }
   [[nodiscard]] int width() const { return width_px(frame_.shape); }
   [[nodiscard]] int height() const { return frame_.stacked * height_px(frame_.shape); }
   void make_room(bool has_half_chroma) { picture_ = pictures_->take(width(), height(), has_half_chroma); }
 
   DisplayFrame frame_;
   std::shared_ptr<const ShownParts> shown_;
+  std::shared_ptr<const ReprojectionGrid> grid_;
   std::shared_ptr<PictureStore> pictures_;
+  std::shared_ptr<DepthStore> depths_;
+  std::shared_ptr<InverseDepthImage> depth_;  // Null if the frame comes without.
   std::shared_ptr<PlanarPicture> picture_;  // Made before the first job that decodes into it is submitted.
   FrameSink& sink_;
   const Clock& clock_;
@@ -186,6 +243,7 @@ FrameAssembler::FrameAssembler(DecodePool* pool, FrameSink* sink, const Clock* c
       clock_(*clock),
       shown_(std::move(shown)),
       pictures_(std::make_shared<PictureStore>()),
+      depths_(std::make_shared<DepthStore>()),
       in_flight_(std::make_shared<std::atomic<int>>(0)) {}
 
 FrameAssembler::~FrameAssembler() { stream_lost(); }
@@ -209,6 +267,7 @@ void FrameAssembler::stream_lost() {
   if (current_ != nullptr) current_->fail("the connection to the tour was lost");
   current_.reset();
   refused_number_ = 0;
+  depths_->clear();
 }
 
 std::uint64_t FrameAssembler::set_heads(std::vector<HeadFootprint> heads) {
@@ -237,22 +296,25 @@ void FrameAssembler::begin(const wire::View& view) {
   frame.order = ++order_;
   frame.number = view.number();
   frame.heading_rad = view.heading_rad();
+  frame.eye_m = from_wire(view.eye_m());
   frame.shutter_ns = view.shutter_ns();
   frame.shape = picture.shape;
   frame.stacked = picture.stacked();
   frame.begun_at = clock_.now();
-  current_ = std::make_shared<Assembly>(std::move(frame), parts_of(picture), pictures_, &sink_, &clock_, in_flight_);
+  current_ = std::make_shared<Assembly>(std::move(frame), view.depth(), parts_of(picture), pictures_, depths_, &sink_,
+                                        &clock_, in_flight_);
 }
 
-std::shared_ptr<const ShownParts> FrameAssembler::parts_of(const Projection& picture) {
+const FrameAssembler::KnownParts& FrameAssembler::parts_of(const Projection& picture) {
   for (const KnownParts& known : known_parts_) {
-    if (known.shape == picture.shape && known.stacked == picture.stacked()) return known.parts;
+    if (known.picture == picture && known.mesh_cells == mesh_cells_) return known;
   }
   if (known_parts_.size() >= kMaxKnownParts) known_parts_.erase(known_parts_.begin());
   ShownParts parts = shown_parts(shown_.heads, picture.shape, shown_.wall);
   if (picture.stacked() == 2) parts = shown_by_both_eyes(parts, height_px(picture.shape));
-  known_parts_.push_back({picture.shape, picture.stacked(), std::make_shared<const ShownParts>(std::move(parts))});
-  return known_parts_.back().parts;
+  known_parts_.push_back({picture, mesh_cells_, std::make_shared<const ShownParts>(std::move(parts)),
+                          std::make_shared<const ReprojectionGrid>(picture, mesh_cells_ * kDepthCellPx)});
+  return known_parts_.back();
 }
 
 void FrameAssembler::tile(wire::Tile tile) {

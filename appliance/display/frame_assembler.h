@@ -4,6 +4,9 @@
 ///   begin ──► tiles ──► end(complete) ──► those that a head shows decoded ──► frame_ready
 ///     any missing, duplicate, foreign, misplaced or damaged tile, an end that is not complete, a begin or a lost
 ///     stream before the end  ──────────────────────────► frame_dropped, once, with the first reason
+///
+/// Depth that is missing or damaged costs a frame its mesh only. A frame of the same view as the last one with depth
+/// (the farm refines a picture at rest) is seen from the same eye and shares that depth.
 #pragma once
 
 #include <atomic>
@@ -58,29 +61,37 @@ class FrameAssembler {
   /// Sets what the heads show from the next frame on. Returns the newest DisplayFrame::order so far: frames with a
   /// greater one are assembled for these heads.
   std::uint64_t set_heads(std::vector<HeadFootprint> heads);
+  /// Sets the number of cells of depth (kDepthCellPx) between two vertices of a mesh, from the next frame on.
+  /// Precondition: at least 1.
+  void set_mesh_cells(int cells) { mesh_cells_ = cells; }
 
  private:
   class Assembly;
   class PictureStore;
+  class DepthStore;
+  /// What all frames of one size share.
+  struct KnownParts {
+    Projection picture;
+    int mesh_cells = 1;
+    std::shared_ptr<const ShownParts> parts;
+    std::shared_ptr<const ReprojectionGrid> grid;
+  };
 
   void begin(const wire::View& view);
   void tile(wire::Tile tile);
   void end(const wire::FrameEnd& end, const ShowAt& show_at);
-  std::shared_ptr<const ShownParts> parts_of(const Projection& picture);
+  const KnownParts& parts_of(const Projection& picture);
 
   DecodePool& pool_;
   FrameSink& sink_;
   const Clock& clock_;
   ShownByHeads shown_;
-  struct KnownParts {
-    PictureShape shape;
-    int stacked = 1;
-    std::shared_ptr<const ShownParts> parts;
-  };
   // Parts for the newest few shapes: a farm that keeps its pace alternates between some sizes.
   std::vector<KnownParts> known_parts_;
   JpegDecoder headers_;
   std::shared_ptr<PictureStore> pictures_;
+  std::shared_ptr<DepthStore> depths_;
+  int mesh_cells_ = 1;
   std::shared_ptr<std::atomic<int>> in_flight_;
   std::shared_ptr<Assembly> current_;  // Between begin and end; null when there is none or it was refused.
   std::uint64_t refused_number_ = 0;   // The frame whose remaining messages are ignored.

@@ -52,14 +52,10 @@ Eigen::Matrix3d turning(const PictureShape& shape, double turn_rad, const Eigen:
 }  // namespace
 
 Texels texels_for(const output::Gl& gl, const std::vector<HeadPlan>& plans) {
-  const std::string renderer = gl.renderer();
-  const bool is_software =
-      std::ranges::any_of(std::array{"llvmpipe", "softpipe", "SwiftShader"},
-                          [&](const char* name) { return renderer.find(name) != std::string::npos; });
   const bool is_plain = std::ranges::none_of(plans, [](const HeadPlan& plan) {
     return plan.depth_bits > 8 || plan.colour.matrix || plan.colour.black_lift || plan.colour.response;
   });
-  if (!is_software || !is_plain) return Texels::kHalves;
+  if (!is_software_renderer(gl.renderer()) || !is_plain) return Texels::kHalves;
   HeadFeatures features;
   features.texels = Texels::kPacked;
   return HeadProgram::make(gl, features) ? Texels::kPacked : Texels::kHalves;  // Not available with OpenGL ES 3.0.

@@ -5,12 +5,11 @@
 #include <span>
 #include <string>
 
+#include "appliance/display/light_shader.h"
+
 namespace cyclorama::display {
 namespace {
 
-constexpr GLint kLumaUnit = 0;
-constexpr GLint kBlueUnit = 1;
-constexpr GLint kRedUnit = 2;
 
 // Computes the corners of a rectangle from their numbers.
 constexpr const char* kVertexShader = R"(#version 300 es
@@ -20,37 +19,14 @@ void main() {
   gl_Position = vec4((gl_VertexID & 1) == 0 ? place.x : place.z, (gl_VertexID & 2) == 0 ? place.y : place.w, 0.0, 1.0);
 }
 )";
-// The polynomial approximates ((c + 0.055) / 1.055)^2.4 within 0.013 code values of 8 bits, by Remez exchange; it takes
-// a third of pow()'s time on a software rasteriser.
 constexpr const char* kFragmentShader = R"(
-precision highp float;
-precision highp int;
-uniform highp sampler2D luma_plane;
-uniform highp sampler2D blue_plane;
-uniform highp sampler2D red_plane;
 uniform vec4 luma;        // Texture coordinate = gl_FragCoord.xy * xy + zw.
 uniform vec4 chroma;      // Likewise; chroma of half the size lies between its pixels' centres.
 uniform vec4 chroma_end;  // The first and the last centre; texels beyond them belong to another picture.
-#ifdef PACKED
-out uint texel;
-#else
-out vec4 light;
-#endif
 void main() {
   float y = texture(luma_plane, gl_FragCoord.xy * luma.xy + luma.zw).r;
   vec2 at = clamp(gl_FragCoord.xy * chroma.xy + chroma.zw, chroma_end.xy, chroma_end.zw);
-  float blue = texture(blue_plane, at).r - 128.0 / 255.0;
-  float red = texture(red_plane, at).r - 128.0 / 255.0;
-  vec3 c = clamp(vec3(y + 1.402 * red, y - 0.344136286 * blue - 0.714136286 * red, y + 1.772 * blue), 0.0, 1.0);
-  vec3 p = ((((0.0872824213 * c - 0.307377663) * c + 0.66716066) * c + 0.519381961) * c + 0.0327460791) * c
-           + 0.000916890727;
-  p = mix(p, c / 12.92, lessThanEqual(c, vec3(0.04045)));
-#ifdef PACKED  // Format of texels.h, red in the low bits.
-  uvec3 root = uvec3(sqrt(p) * vec3(2047.0, 2047.0, 1023.0) + 0.5);
-  texel = root.r | root.g << 11 | root.b << 22;
-#else
-  light = vec4(p, 1.0);
-#endif
+  texel = written(light_of(y, texture(blue_plane, at).r, texture(red_plane, at).r));
 }
 )";
 
@@ -63,9 +39,20 @@ void filter(const output::Gl& gl, GLint filter, GLint wrap) {
 
 }  // namespace
 
+std::string light_shader_header(Texels texels) {
+  return std::string("#version 300 es\n") + (texels == Texels::kPacked ? "#define PACKED\n" : "") + kLightShader;
+}
+
+void select_planes(const output::Gl& gl, const output::GlProgram& program) {
+  gl.UseProgram(program.id());
+  gl.Uniform1i(program.uniform("luma_plane"), PanoramaTexture::kLumaUnit);
+  gl.Uniform1i(program.uniform("blue_plane"), PanoramaTexture::kBlueUnit);
+  gl.Uniform1i(program.uniform("red_plane"), PanoramaTexture::kRedUnit);
+}
+
 Result<PictureProgram> PictureProgram::make(const output::Gl& gl, Texels texels) {
   const std::string fragment_shader =
-      std::string("#version 300 es\n") + (texels == Texels::kPacked ? "#define PACKED\n" : "") + kFragmentShader;
+      light_shader_header(texels) + kFragmentShader;
   TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, kVertexShader, fragment_shader.c_str()));
   PictureProgram program(std::move(linked), texels);
   program.nothing_ = output::GlVertexArray(gl);
@@ -74,10 +61,7 @@ Result<PictureProgram> PictureProgram::make(const output::Gl& gl, Texels texels)
   program.luma_ = of.uniform("luma");
   program.chroma_ = of.uniform("chroma");
   program.chroma_end_ = of.uniform("chroma_end");
-  gl.UseProgram(of.id());
-  gl.Uniform1i(of.uniform("luma_plane"), kLumaUnit);
-  gl.Uniform1i(of.uniform("blue_plane"), kBlueUnit);
-  gl.Uniform1i(of.uniform("red_plane"), kRedUnit);
+  select_planes(gl, of);
   TRY(gl.check("preparing the picture shader"));
   return program;
 }
@@ -89,7 +73,8 @@ PanoramaTexture::PanoramaTexture(const output::Gl& gl, const PictureProgram& pro
       blue_{output::GlTexture(gl)},
       red_{output::GlTexture(gl)},
       light_(gl),
-      target_(gl) {
+      target_(gl),
+      depth_(gl) {
   gl_->BindTexture(GL_TEXTURE_2D, luma_.texture.id());
   filter(*gl_, GL_NEAREST, GL_CLAMP_TO_EDGE);
   for (const Plane* plane : {&blue_, &red_}) {
@@ -114,9 +99,12 @@ Status PanoramaTexture::grow(int width, int height) {
   }
   gl_->BindFramebuffer(GL_FRAMEBUFFER, target_.id());
   gl_->FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, light_.id(), 0);
+  // A smaller depth buffer would cut off what is drawn.
+  gl_->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, 0);
   if (gl_->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
     return Error(ErrorCode::kSystem, "the graphics driver cannot draw the light of a panorama");
   }
+  depth_width_ = depth_height_ = 0;
   return gl_->check("making room for a panorama");
 }
 
@@ -168,6 +156,14 @@ Status PanoramaTexture::upload(const DisplayFrame& frame) {
     upload(picture.blue(), chroma_part(part), &blue_);
     upload(picture.red(), chroma_part(part), &red_);
   }
+  shape_ = frame.shape;
+  stacked_ = frame.stacked;
+  chroma_step_ = step;
+  show_unmoved(frame);
+  return gl_->check("uploading a frame");
+}
+
+void PanoramaTexture::bind_planes() const {
   const auto bind = [&](GLint unit, const Plane& plane) {
     gl_->ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
     gl_->BindTexture(GL_TEXTURE_2D, plane.texture.id());
@@ -175,6 +171,30 @@ Status PanoramaTexture::upload(const DisplayFrame& frame) {
   bind(kRedUnit, red_);
   bind(kBlueUnit, blue_);
   bind(kLumaUnit, luma_);
+}
+
+Status PanoramaTexture::bind_with_depth() {
+  gl_->BindFramebuffer(GL_FRAMEBUFFER, target_.id());
+  if (depth_width_ != width_ || depth_height_ != height_) {
+    gl_->BindRenderbuffer(GL_RENDERBUFFER, depth_.id());
+    gl_->RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT16, width_, height_);
+    gl_->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.id());
+    if (gl_->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+      return Error(ErrorCode::kSystem, "the graphics driver cannot draw a panorama with depth");
+    }
+    depth_width_ = width_;
+    depth_height_ = height_;
+  }
+  gl_->Viewport(0, 0, width_, height_);
+  return Done{};
+}
+
+void PanoramaTexture::show_unmoved(const DisplayFrame& frame) const {
+  const PlanarPicture& picture = *frame.picture;
+  const int height_of_one = height_px(frame.shape);
+  const PixelRect whole{0, 0, picture.width(), picture.height()};
+  const std::span<const PixelRect> parts = frame.parts ? std::span(*frame.parts) : std::span(&whole, 1);
+  bind_planes();
   gl_->BindFramebuffer(GL_FRAMEBUFFER, target_.id());
   gl_->Viewport(0, 0, width_, height_);
   gl_->UseProgram(program_->program_.id());
@@ -193,16 +213,13 @@ Status PanoramaTexture::upload(const DisplayFrame& frame) {
       const int bottom = std::min(of_any.y + of_any.height, (eye + 1) * height_of_one);
       if (top >= bottom) continue;
       const PixelRect part{of_any.x, top, of_any.width, bottom - top};
-      draw(part, 0, step);
-      if (part.x == 0) draw({0, part.y, 1, part.height}, past_the_side, step);
+      draw(part, 0, chroma_step_);
+      if (part.x == 0) draw({0, part.y, 1, part.height}, past_the_side, chroma_step_);
       if (part.x + part.width == picture.width()) {
-        draw({picture.width() - 1, part.y, 1, part.height}, -past_the_side, step);
+        draw({picture.width() - 1, part.y, 1, part.height}, -past_the_side, chroma_step_);
       }
     }
   }
-  shape_ = frame.shape;
-  stacked_ = frame.stacked;
-  return gl_->check("uploading a frame");
 }
 
 }  // namespace cyclorama::display

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include "appliance/display/frame.h"
 #include "appliance/display/texels.h"
 #include "drivers/output/gl_objects.h"
@@ -26,6 +28,11 @@ class PictureProgram {
   GLint chroma_end_ = -1;
 };
 
+/// Beginning of a fragment shader that writes light: the version, and light_shader.h.
+[[nodiscard]] std::string light_shader_header(Texels texels);
+/// Tells a program that begins so in which texture units PanoramaTexture::bind_planes() puts the planes.
+void select_planes(const output::Gl& gl, const output::GlProgram& program);
+
 /// Pass 1, once per frame: the newest frame's picture as a texture of light. It has an additional column on each side
 /// of the picture: for a whole turn the opposite side's; else the edge column again, so that clamping there repeats it.
 ///
@@ -39,6 +46,8 @@ class PanoramaTexture {
   /// pictures of frame.shape's size, one above another; if there are two, each has an even height. Errors: kSystem if
   /// the graphics card refuses the picture (too large); the old picture may be lost.
   Status upload(const DisplayFrame& frame);
+  /// Converts the newest frame again, after another pass drew over its light. Precondition: upload(frame) was the last.
+  void show_unmoved(const DisplayFrame& frame) const;
 
   [[nodiscard]] GLuint id() const { return light_.id(); }
   [[nodiscard]] Texels texels() const { return program_->texels_; }
@@ -51,12 +60,24 @@ class PanoramaTexture {
   [[nodiscard]] int texture_height() const { return height_; }
   static constexpr int kFirstColumn = 1;
 
- private:
+  // For another pass 1 (reprojection_painter.h):
+
+  static constexpr GLint kLumaUnit = 0;
+  static constexpr GLint kBlueUnit = 1;
+  static constexpr GLint kRedUnit = 2;
   struct Plane {
     output::GlTexture texture;
-    int width = 0;
+    int width = 0;  ///< Of the texture; the picture is in its upper left corner.
     int height = 0;
   };
+  void bind_planes() const;
+  /// Binds the framebuffer of the light with a depth buffer. Errors: kSystem if the driver cannot draw so.
+  Status bind_with_depth();
+  [[nodiscard]] const Plane& luma() const { return luma_; }
+  [[nodiscard]] const Plane& chroma() const { return blue_; }
+  [[nodiscard]] int chroma_step() const { return chroma_step_; }  ///< Pixels per pixel of chroma: 1 or 2.
+
+ private:
   Status grow(int width, int height);
   void upload(const GreyImage& pixels, const PixelRect& part, Plane* ret_plane);
   void draw(const PixelRect& part, int moved_px, int chroma_step) const;
@@ -68,6 +89,10 @@ class PanoramaTexture {
   Plane red_;
   output::GlTexture light_;
   output::GlFramebuffer target_;
+  output::GlRenderbuffer depth_;  // Has no storage until bind_with_depth().
+  int depth_width_ = 0;
+  int depth_height_ = 0;
+  int chroma_step_ = 1;
   int width_ = 0;
   int height_ = 0;
   PictureShape shape_;

@@ -12,15 +12,16 @@ constexpr double kSameHeading_rad = 1e-3;
 constexpr GLsizei kWarmUpSide_px = 4;
 }  // namespace
 
-Presenter::Presenter(output::Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
-                     const Clock* clock)
+Presenter::Presenter(output::Output* output, PictureProgram program, ReprojectionPainter reprojection,
+                     const AttractTimes& times, PresentMailbox* mailbox, const Clock* clock)
     : output_(*output),
       mailbox_(*mailbox),
       clock_(*clock),
       picture_program_(std::move(program)),
       attract_(output->gl(), picture_program_),
       panorama_(output->gl(), picture_program_),
-      fade_(times) {}
+      fade_(times),
+      reprojection_(std::move(reprojection)) {}
 
 Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadPlans plans, bool may_change,
                                                    const DisplayFrame& attract, const AttractTimes& times,
@@ -31,8 +32,10 @@ Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadP
   // Later plans may need more precise texels than these.
   const Texels texels = may_change ? Texels::kHalves : texels_for(gl, *plans);
   TRY_ASSIGN(PictureProgram program, PictureProgram::make(gl, texels));
+  TRY_ASSIGN(ReprojectionPainter reprojection, ReprojectionPainter::make(gl, texels));
   mailbox->stepped_at = clock->now();
-  std::unique_ptr<Presenter> presenter(new Presenter(output, std::move(program), times, mailbox, clock));
+  std::unique_ptr<Presenter> presenter(
+      new Presenter(output, std::move(program), std::move(reprojection), times, mailbox, clock));
   TRY_ASSIGN(presenter->heads_, HeadTransition::make(gl, texels, std::move(plans), &mailbox->plans));
   for (const HeadPainter& painter : presenter->heads_->painters())
     presenter->takes_turns_ = presenter->takes_turns_ || painter.takes_turns();
@@ -87,6 +90,7 @@ Status Presenter::refresh() {
   shared_.begin(event.drawing_at);
   TRY(show_due_frame(&event));
   turn_to_due_heading(&event);
+  TRY(move_to_due_eye(&event));
   const bool is_wrong = shift_.is_past_guard || std::abs(shift_.angle_rad) > kSameHeading_rad || mailbox_.is_failing;
   fade_.step(event.drawing_at, event.is_first_of_frame, is_wrong);
   if (fade_.share() != drawn_share_) is_drawn_ = false;
@@ -174,6 +178,7 @@ Status Presenter::show_due_frame(RefreshEvent* ret_event) {
   TRY(panorama_.upload(**next));
   std::unique_ptr<DisplayFrame> old = std::exchange(frame_, std::move(*next));
   if (old != nullptr) mailbox_.retired.put(std::move(old));
+  moved_.setZero();
   frame_->was_shown = true;
   is_drawn_ = false;
   ret_event->is_first_of_frame = true;
@@ -205,6 +210,25 @@ void Presenter::turn_to_due_heading(RefreshEvent* ret_event) {
   if (shift.angle_rad != shift_.angle_rad) is_drawn_ = false;
   shift_ = shift;
   ret_event->turn_rad = shift.angle_rad;
+}
+
+/// The frame's light is drawn anew for each place of the visitor; at the frame's own eye, exactly as it came.
+Status Presenter::move_to_due_eye(RefreshEvent* ret_event) {
+  if (frame_ == nullptr) return Done{};
+  ret_event->eye_m = frame_->eye_m;
+  if (!heading_.eye_m) return Done{};
+  const Eigen::Vector3d eye_now(heading_.eye_m->data());
+  EyeMove move = eye_move(frame_->eye_m, frame_->heading_rad, eye_now);
+  if (frame_->mesh == nullptr) move = {Eigen::Vector3d::Zero(), move.eye_m.norm() + move.missed_m};
+  if (!move.eye_m.isZero(0.0)) ret_event->eye_m = eye_now;
+  ret_event->moved_m = move.eye_m.norm();
+  ret_event->missed_m = move.missed_m;
+  if (move.eye_m == moved_) return Done{};
+  moved_ = move.eye_m;
+  is_drawn_ = false;
+  if (!moved_.isZero(0.0)) return reprojection_.draw(*frame_->mesh, moved_, &panorama_);
+  panorama_.show_unmoved(*frame_);
+  return output_.gl().check("showing a frame from its own eye");
 }
 
 Status Presenter::draw_heads() {

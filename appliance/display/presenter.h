@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "appliance/display/attract_fade.h"
+#include "appliance/display/eye_move.h"
 #include "appliance/display/head_transition.h"
 #include "appliance/display/pattern_show.h"
 #include "appliance/display/present_mailbox.h"
+#include "appliance/display/reprojection_painter.h"
 #include "appliance/display/synchronised_refresh.h"
 #include "appliance/display/yaw_shift.h"
 #include "drivers/output/output.h"
@@ -57,13 +59,14 @@ class Presenter {
   Status refresh();
 
  private:
-  Presenter(output::Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
-            const Clock* clock);
+  Presenter(output::Output* output, PictureProgram program, ReprojectionPainter reprojection,
+            const AttractTimes& times, PresentMailbox* mailbox, const Clock* clock);
   Status warm_up(bool may_change);
   void step();
   void take_in();
   Status show_due_frame(RefreshEvent* ret_event);
   void turn_to_due_heading(RefreshEvent* ret_event);
+  Status move_to_due_eye(RefreshEvent* ret_event);
   Status draw_heads();
   Status draw_patterns();
   void show_watcher(std::size_t head);
@@ -91,6 +94,8 @@ class Presenter {
   RecentHeadings headings_;
   SynchronisedRefresh shared_;
   YawShift shift_;
+  ReprojectionPainter reprojection_;
+  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();  // By which panorama_ is drawn moved.
   double drawn_share_ = -1.0;
   bool is_drawn_ = false;     // The heads show the present picture.
   bool takes_turns_ = false;  // A head alternates the eyes' pictures at each refresh.

@@ -12,7 +12,8 @@ RefreshReporter::RefreshReporter(InspectionService* inspection, const std::vecto
     : inspection_(*inspection) {
   for (const char* const gauge : {"refreshes_per_second", "frames_per_second", "frames_presented", "frames_dropped",
                                   "missed_refreshes", "bytes_per_frame", "tiles_per_frame", "tiles_decoded_per_frame",
-                                  "refreshes_past_guard_band", "attract_share", "frames_late", "headings_late"}) {
+                                  "refreshes_past_guard_band", "attract_share", "frames_late", "headings_late",
+                                  "poses_per_second", "eye_moved_m", "eye_missed_m", "frames_without_depth"}) {
     inspection_.set_gauge(gauge, 0.0);
   }
   for (const std::string& name : heads) {
@@ -36,6 +37,11 @@ std::optional<wire::FramePresented> RefreshReporter::take(const RefreshEvent& ev
   last_refresh_ = event.presented.refresh;
   ++refreshes_;
   inspection_.set_gauge("attract_share", event.attract_share);
+  inspection_.set_gauge("eye_moved_m", event.moved_m);
+  inspection_.set_gauge("eye_missed_m", event.missed_m);
+  if (event.heading_rad != last_heading_rad_ || event.eye_m != last_eye_m_) ++poses_;
+  last_heading_rad_ = event.heading_rad;
+  last_eye_m_ = event.eye_m;
   if (event.is_past_guard) inspection_.count("refreshes_past_guard_band");
   if (event.heading_shutter_ns != 0) {
     inspection_.add_stage_time("heading_to_photon", shown_at - from_nanoseconds(event.heading_shutter_ns));
@@ -106,6 +112,11 @@ void RefreshReporter::frame_dropped(const std::string& reason) {
   inspection_.set_fact("last_drop", reason);
 }
 
+void RefreshReporter::frame_without_depth(const std::string& trouble) {
+  inspection_.count("frames_without_depth");
+  inspection_.set_fact("last_depth_trouble", trouble);
+}
+
 void RefreshReporter::tick(TimePoint now) {
   if (counted_since_ == TimePoint{}) counted_since_ = now;
   const Duration counted = now - counted_since_;
@@ -114,8 +125,10 @@ void RefreshReporter::tick(TimePoint now) {
   inspection_.set_gauge("refreshes_per_second", refreshes_ / to_seconds(counted));
   inspection_.set_gauge("frames_per_second", frames_per_second_);
   if (const auto share = synchronised_share(now)) inspection_.set_gauge("synchronised_percent", 100.0 * *share);
+  inspection_.set_gauge("poses_per_second", poses_ / to_seconds(counted));
   refreshes_ = 0;
   frames_ = 0;
+  poses_ = 0;
   counted_since_ = now;
 }
 

@@ -26,6 +26,8 @@ class RefreshReporter {
   /// Records that no head shows anything until more refreshes come.
   void output_lost();
   void frame_dropped(const std::string& reason);
+  /// Records a frame whose depth was missing or damaged, and which is shown without.
+  void frame_without_depth(const std::string& trouble);
   /// Updates the rates about once a second; call it often.
   void tick(TimePoint now);
 
@@ -51,6 +53,9 @@ class RefreshReporter {
   std::optional<std::uint64_t> last_refresh_;
   TimePoint counted_since_{};
   int refreshes_ = 0;
+  int poses_ = 0;  // Refreshes that showed another pose than the one before.
+  double last_heading_rad_ = 0.0;
+  Eigen::Vector3d last_eye_m_ = Eigen::Vector3d::Zero();
   int frames_ = 0;
   double frames_per_second_ = 0.0;
   SynchronisedShare step_;

@@ -44,7 +44,8 @@ void ShownHistory::refreshed(const RefreshEvent& event, bool is_show) {
   ShownSince now;
   now.at = event.presented.at;
   now.plans = plans_;
-  if (is_show && coming_.empty()) {
+  // A moved picture is drawn by the graphics card alone (HeadSampler), so nothing is told of it.
+  if (is_show && coming_.empty() && event.moved_m == 0.0) {
     if (event.attract_share >= 1.0) now.frame = attract_;
     if (event.attract_share <= 0.0) now.frame = shown_;
     if (now.frame == shown_) now.turn_rad = event.turn_rad;

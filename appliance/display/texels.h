@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 namespace cyclorama::display {
 
 /// The format in which pass 1 passes light to pass 2.
@@ -12,5 +16,11 @@ enum class Texels {
   /// time.
   kPacked,
 };
+
+/// Returns true if the processor draws, by what GL reports as its renderer.
+[[nodiscard]] inline bool is_software_renderer(std::string_view renderer) {
+  constexpr std::array<std::string_view, 3> kNames{"llvmpipe", "softpipe", "SwiftShader"};
+  return std::ranges::any_of(kNames, [&](std::string_view name) { return renderer.find(name) != renderer.npos; });
+}
 
 }  // namespace cyclorama::display

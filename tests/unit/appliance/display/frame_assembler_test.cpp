@@ -111,6 +111,84 @@ TEST_F(FrameAssemblerTest, returns_a_complete_frame_as_it_was_sent) {
   EXPECT_GE(frame.decoded_at, frame.begun_at);
 }
 
+/// The frame of good(), with depth in every tile.
+Messages with_depth(Messages messages, float distance_m) {
+  for (wire::ShowMessage& message : messages) {
+    if (message.has_begin()) message.mutable_begin()->set_depth(true);
+    if (!message.has_tile()) continue;
+    wire::Tile* const tile = message.mutable_tile();
+    const PixelRect cells =
+        depth_cells({0, 0, static_cast<int>(tile->width_px()), static_cast<int>(tile->height_px())});
+    tile->set_depth(encode_inverse_depth(InverseDepthImage(cells.width, cells.height, inverse_depth_of(distance_m))));
+  }
+  return messages;
+}
+
+float inverse_metres_of(const DisplayFrame& frame) {
+  ReprojectedPicture moved;
+  frame.mesh->move(Eigen::Vector3d::Zero(), &moved);
+  return moved.vertices[moved.vertices.size() / 2].inverse_m;
+}
+
+TEST_F(FrameAssemblerTest, makes_a_mesh_of_the_tiles_depth) {
+  Messages messages = with_depth(good(7), 2.0f);
+  messages[0].mutable_begin()->mutable_eye_m()->set_y(1.5);
+  send(messages);
+  send(good(8));
+  ASSERT_TRUE(sink_.wait_for(2));
+  ASSERT_EQ(sink_.frames.size(), 2U);
+  ASSERT_NE(sink_.frames[0].mesh, nullptr);
+  EXPECT_EQ(sink_.frames[0].eye_m, Eigen::Vector3d(0, 1.5, 0));
+  EXPECT_NEAR(inverse_metres_of(sink_.frames[0]), 0.5f, 0.002f);
+  EXPECT_EQ(sink_.frames[1].mesh, nullptr);  // Its view did not ask for depth.
+  EXPECT_EQ(sink_.frames[1].depth_trouble, "");
+}
+
+TEST_F(FrameAssemblerTest, shows_a_frame_without_its_depth_if_that_is_missing_or_damaged) {
+  Messages missing = with_depth(good(7), 2.0f);
+  missing[3].mutable_tile()->clear_depth();
+  Messages damaged = with_depth(good(8), 2.0f);
+  damaged[2].mutable_tile()->mutable_depth()->back() ^= 0x55;
+  damaged[2].mutable_tile()->mutable_depth()->resize(damaged[2].tile().depth().size() / 2);
+  Messages foreign = with_depth(good(9), 2.0f);
+  foreign[1].mutable_tile()->set_depth(encode_inverse_depth(InverseDepthImage(3, 1)));
+  for (const Messages& messages : {missing, damaged, foreign}) send(messages);
+  ASSERT_TRUE(sink_.wait_for(3));
+  ASSERT_EQ(sink_.frames.size(), 3U);
+  std::ranges::sort(sink_.frames, {}, &DisplayFrame::number);
+  for (const DisplayFrame& frame : sink_.frames) {
+    EXPECT_EQ(frame.mesh, nullptr);
+    EXPECT_LE(max_difference(*frame.picture, gradient()), 12);
+  }
+  EXPECT_THAT(sink_.frames[0].depth_trouble, HasSubstr("the depth is missing"));
+  EXPECT_THAT(sink_.frames[1].depth_trouble, HasSubstr("the depth is damaged"));
+  EXPECT_THAT(sink_.frames[2].depth_trouble, HasSubstr("another size"));
+}
+
+TEST_F(FrameAssemblerTest, shares_depth_with_a_finer_picture_of_the_same_view_only) {
+  send(with_depth(good(7), 2.0f));
+  ASSERT_TRUE(sink_.wait_for(1));
+  const Panorama finer{300, 180, 2.0, 0.5, -0.5};
+  send(frame_messages(7, gradient(300, 180), finer, 0.25));
+  ASSERT_TRUE(sink_.wait_for(2));
+  send(good(8));
+  ASSERT_TRUE(sink_.wait_for(3));
+  ASSERT_EQ(sink_.frames.size(), 3U);
+  ASSERT_NE(sink_.frames[1].mesh, nullptr);
+  EXPECT_EQ(sink_.frames[1].mesh->grid().picture.width_px(), 300);
+  EXPECT_NEAR(inverse_metres_of(sink_.frames[1]), 0.5f, 0.002f);
+  EXPECT_EQ(sink_.frames[2].mesh, nullptr);
+}
+
+TEST_F(FrameAssemblerTest, forgets_depth_with_the_connection) {
+  send(with_depth(good(7), 2.0f));
+  ASSERT_TRUE(sink_.wait_for(1));
+  assembler_.stream_lost();
+  send(good(7));  // Another session counts from the start again.
+  ASSERT_TRUE(sink_.wait_for(2));
+  EXPECT_EQ(sink_.frames[1].mesh, nullptr);
+}
+
 TEST_F(FrameAssemblerTest, accepts_tiles_in_any_order_and_of_any_size) {
   Messages messages = good(7);
   std::reverse(messages.begin() + 1, messages.end() - 1);

@@ -40,6 +40,16 @@ namespace {
 constexpr int kWidth = 64;
 constexpr int kHeight = 48;
 
+/// Gives a frame the distances of a room with a pillar.
+void add_mesh(DisplayFrame* frame) {
+  const Projection picture{frame->shape, {}};
+  const PixelRect cells = depth_cells({0, 0, picture.width_px(), picture.height_px()});
+  InverseDepthImage depth(cells.width, cells.height, inverse_depth_of(3.0f));
+  for (int y = 0; y < cells.height; ++y) *depth.at(cells.width / 2, y) = inverse_depth_of(0.7f);
+  frame->mesh = std::make_shared<const ReprojectionMesh>(
+      std::make_shared<const ReprojectionGrid>(picture, kDepthCellPx), depth);
+}
+
 class PresenterTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -89,6 +99,7 @@ TEST_F(PresenterTest, does_not_allocate_during_a_thousand_refreshes) {
     const int scale = 1 + static_cast<int>(n % 3);
     auto frame = frame_of(n + 1, heads.noise(40 * scale + 1, 16 * scale, n % 2 == 0), heads.between(-0.1, 0.1));
     if (n % 5 == 0) frame->parts = std::make_shared<const std::vector<PixelRect>>(1, PixelRect{16, 0, 16, 16});
+    if (n % 3 != 0) add_mesh(frame.get());
     frames.push_back(std::move(frame));
   }
   // Half of them are due at once, the others two to five refreshes later, synchronised with other displays.
@@ -106,7 +117,9 @@ TEST_F(PresenterTest, does_not_allocate_during_a_thousand_refreshes) {
         frames.pop_back();
       }
       mailbox_.clock.put({true, 0, {}});
-      mailbox_.headings.put({heads.between(-0.5, 0.5), n, soon(n)});
+      HeadingNow pose{heads.between(-0.5, 0.5), n, soon(n)};
+      pose.eye_m = {heads.between(-0.2, 0.2), 0.0, heads.between(-0.2, 0.2)};
+      mailbox_.headings.put(pose);
       if (n % 50 == 0) mailbox_.panorama.want([] { return std::make_unique<DisplayFrame>(); });
       if (n % 50 == 25) mailbox_.heads[1].want([] { return std::make_unique<RgbImage>(kWidth, kHeight); });
       refresh();
@@ -186,6 +199,49 @@ TEST_F(PresenterTest, repeats_the_last_frame_at_the_newest_heading) {
   EXPECT_NEAR(edge(), 32 + 6, 1);
   mailbox_.headings.put({-1.0, 0});  // Farther than the picture extends.
   EXPECT_NEAR(edge(), 32 + 13, 1);
+}
+
+TEST_F(PresenterTest, moves_the_last_frame_to_the_visitors_eye) {
+  PlanarPicture halves(140, 20, false);
+  for (int y = 0; y < 20; ++y) std::fill_n(halves.luma().at(70, y), 70, std::uint8_t{255});
+  auto frame = frame_of(1, halves, 0.0);
+  const Projection picture{frame->shape, {}};
+  frame->mesh = std::make_shared<const ReprojectionMesh>(
+      std::make_shared<const ReprojectionGrid>(picture, kDepthCellPx), InverseDepthImage(35, 5, inverse_depth_of(2.0f)));
+  frame->eye_m = {5.0, 1.5, 7.0};
+  mailbox_.frames.put(std::move(frame));
+  const auto go_to = [&](double x, double z) {
+    HeadingNow pose;
+    pose.eye_m = {x, 1.5, z};
+    mailbox_.headings.put(pose);
+  };
+  go_to(5.0, 7.0);
+  refresh_for(std::chrono::milliseconds(300));
+  const RgbImage at_rest = shown();
+  const auto edge = [](const RgbImage& seen) {  // Position where white begins.
+    int x = 0;
+    while (x < kWidth && seen.at(x, 20)[1] < 128) ++x;
+    return x;
+  };
+  EXPECT_NEAR(edge(at_rest), 32, 1);
+  go_to(5.2, 7.0);  // To the right: what is 2 m ahead moves to the left by a tenth of a radian.
+  EXPECT_NEAR(edge(shown()), 32 - 6, 1);
+  EXPECT_NEAR(refresh().moved_m, 0.2, 1e-9);
+  go_to(9.0, 7.0);  // Another stop of the tour: nothing is moved.
+  EXPECT_EQ(shown(), at_rest);
+  EXPECT_NEAR(refresh().missed_m, 4.0, 1e-9);
+  go_to(5.0, 7.0);
+  EXPECT_EQ(shown(), at_rest);
+}
+
+TEST_F(PresenterTest, holds_a_frame_without_depth_at_its_own_eye) {
+  mailbox_.frames.put(frame_of(1, plain(40, 20, 100)));
+  HeadingNow pose;
+  pose.eye_m = {0.3, 0.0, 0.0};
+  mailbox_.headings.put(pose);
+  const RefreshEvent event = refresh();
+  EXPECT_EQ(event.moved_m, 0.0);
+  EXPECT_NEAR(event.missed_m, 0.3, 1e-9);
 }
 
 TEST_F(PresenterTest, keeps_its_picture_while_retired_frames_are_not_freed) {

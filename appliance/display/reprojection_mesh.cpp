@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/reprojection_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/base/check.h"
+#include "common/geometry/picture_place.h"
+
+namespace cyclorama::display {
+namespace {
+
+/// How far the grid reaches beyond the picture's edge.
+constexpr float kBeyond_px = 96.0f;
+/// Inverse depth jumps across a quad if its corners differ by more than this share of the largest.
+constexpr float kJump = 0.08f;
+constexpr float kMaxStretch = 2.0f;
+/// Vertices for each quad across which the depth jumps, at least, in nearly all pictures.
+constexpr std::size_t kPerJump = 8;
+/// A vertex is no nearer than this many moves of the eye, so that no surface passes through it.
+constexpr float kMinMoves = 1.25f;
+
+/// Vertices along one side: beyond the edge, on it, in the squares' centres, on the other edge, beyond that.
+std::vector<float> places_along(int size_px, int cell_px, bool wraps) {
+  const auto size = static_cast<float>(size_px);
+  std::vector<float> places;
+  if (!wraps) places = {-kBeyond_px, 0.0f};
+  for (int px = 0; px < size_px; px += cell_px) {
+    places.push_back(0.5f * static_cast<float>(px + std::min(px + cell_px, size_px)));
+  }
+  if (wraps) {
+    places.push_back(size + places.front());
+  } else {
+    places.insert(places.end(), {size, size + kBeyond_px});
+  }
+  return places;
+}
+
+struct Place {
+  float across = 0.0f;
+  float up = 0.0f;
+};
+
+/// Twice the arc tangent of n, for |n| <= 0.6: an error of at most 2e-5.
+float twice_atan(float n) {
+  const float s = n * n;
+  const float series =
+      1.0f + s * (-1.0f / 3.0f + s * (0.2f + s * (-1.0f / 7.0f + s * (1.0f / 9.0f + s * (-1.0f / 11.0f + s / 13.0f)))));
+  return 2.0f * n * series;
+}
+
+/// The three functions return the place of the ray (x, y, z) + (mx, my, mz), less that of (x, y, z). Plain arithmetic,
+/// so that the compiler makes vector code of the panorama's and the flat picture's.
+struct MovePanorama {
+  static Place place(float x, float y, float z, float mx, float my, float mz) {
+    const float flat = std::sqrt(x * x + z * z);
+    const float per_flat = 1.0f / std::max(flat, 1e-6f);
+    const float sin_a = x * per_flat;
+    const float cos_a = -z * per_flat;
+    const float sideways = mx * cos_a + mz * sin_a;
+    const float ahead = flat + mx * sin_a - mz * cos_a;
+    const float length = std::max(std::sqrt(sideways * sideways + ahead * ahead), 1e-6f);
+    // tan(a / 2) = sin a / (1 + cos a).
+    const float turned = twice_atan(std::clamp(sideways / std::max(length + ahead, 1e-6f), -0.6f, 0.6f));
+    return {turned, (y + my) / length - y * per_flat};
+  }
+};
+struct MovePerspective {
+  static Place place(float x, float y, float z, float mx, float my, float mz) {
+    const float before = 1.0f / std::max(-z, 1e-6f);
+    const float after = 1.0f / std::max(-(z + mz), 1e-3f);
+    return {(x + mx) * after - x * before, (y + my) * after - y * before};
+  }
+};
+struct MoveFisheye {
+  static float stretch(float x, float y, float z) {
+    const float sideways = std::sqrt(x * x + y * y);
+    return sideways < 1e-6f ? 1.0f : std::atan2(sideways, -z) / sideways;
+  }
+  static Place place(float x, float y, float z, float mx, float my, float mz) {
+    const float before = stretch(x, y, z);
+    const float nx = x + mx, ny = y + my, nz = z + mz;
+    const float length = std::sqrt(nx * nx + ny * ny + nz * nz);
+    // Of a unit vector near the axis the stretch is 1; of a longer one it is 1 / length.
+    const float sideways = std::sqrt(nx * nx + ny * ny);
+    const float after = sideways < 1e-6f * length ? 1.0f / length : std::atan2(sideways, -nz) / sideways;
+    return {nx * after - x * before, ny * after - y * before};
+  }
+};
+
+template <typename Move>
+void move_all(const ReprojectionGrid& grid, const std::vector<float>& inverse_m, const Eigen::Vector3f& eye,
+              ReprojectedVertex* out) {
+  const PixelScale scale = pixel_scale(grid.picture.shape);
+  const auto px_across = static_cast<float>(scale.u_per_across);
+  const auto px_up = static_cast<float>(scale.v_per_up);
+  const float length = eye.norm();
+  const float largest = 1.0f / std::max(kMinMoves * length, 1e-6f);
+  const float x = -eye.x(), y = -eye.y(), z = -eye.z();
+  for (std::size_t i = 0; i < inverse_m.size(); ++i) {
+    const float near = std::min(inverse_m[i], largest);
+    const Place moved = Move::place(grid.right[i], grid.up[i], grid.back[i], x * near, y * near, z * near);
+    out[i].across_px = grid.across_px[i] + moved.across * px_across;
+    out[i].down_px = grid.down_px[i] + moved.up * px_up;
+  }
+}
+
+}  // namespace
+
+ReprojectionGrid::ReprojectionGrid(const Projection& of, int cell) : picture(of), cell_px(cell) {
+  CHECK(cell > 0);
+  const auto* const panorama = std::get_if<Panorama>(&picture.shape);
+  is_whole_turn = panorama != nullptr && cyclorama::is_whole_turn(*panorama);
+  const int width = cyclorama::width_px(picture.shape);
+  const int height = cyclorama::height_px(picture.shape);
+  const std::vector<float> across = places_along(width, cell, is_whole_turn);
+  const std::vector<float> down = places_along(height, cell, false);
+  columns = static_cast<int>(across.size());
+  rows = static_cast<int>(down.size());
+  const Eigen::Matrix3d to_picture = R_eye_picture(picture.shape).transpose();
+  for (int eye = 0; eye < picture.stacked(); ++eye) {
+    const double top = eye * height;
+    for (const float v : down) {
+      for (const float u : across) {
+        // Beyond the edge the ray is the edge's; a whole turn begins anew.
+        const double column = is_whole_turn && u > static_cast<float>(width) ? u - static_cast<float>(width) : u;
+        const PanoramaPixel inside{std::clamp<double>(column, 0.0, width),
+                                   top + std::clamp<double>(v, 0.0, height - 1e-6)};
+        const auto ray = picture.ray_at(inside);
+        const Eigen::Vector3d direction =
+            ray ? Eigen::Vector3d(to_picture * ray->direction) : -Eigen::Vector3d::UnitZ();
+        right.push_back(static_cast<float>(direction.x()));
+        up.push_back(static_cast<float>(direction.y()));
+        back.push_back(static_cast<float>(direction.z()));
+        across_px.push_back(u);
+        down_px.push_back(static_cast<float>(top) + v);
+      }
+    }
+  }
+}
+
+ReprojectionMesh::ReprojectionMesh(std::shared_ptr<const ReprojectionGrid> grid, const InverseDepthImage& depth)
+    : grid_(std::move(grid)) {
+  CHECK(!depth.empty());
+  const int width = cyclorama::width_px(grid_->picture.shape);
+  const int height = grid_->picture.height_px();
+  // The cells of depth within half a square around a vertex.
+  const auto cells_around = [&](float place_px, int size_px, int cells) {
+    const double per_px = static_cast<double>(cells) / size_px;
+    const double half = 0.5 * grid_->cell_px;
+    const int first = static_cast<int>(std::floor((place_px - half) * per_px + 0.01));
+    const int last = static_cast<int>(std::ceil((place_px + half) * per_px - 0.01)) - 1;
+    return std::pair(std::clamp(first, 0, cells - 1), std::clamp(std::max(first, last), 0, cells - 1));
+  };
+  inverse_m_.reserve(grid_->across_px.size());
+  for (std::size_t i = 0; i < grid_->across_px.size(); ++i) {
+    const float wrapped = grid_->is_whole_turn && grid_->across_px[i] > static_cast<float>(width)
+                              ? grid_->across_px[i] - static_cast<float>(width)
+                              : grid_->across_px[i];
+    const auto [left, right] = cells_around(wrapped, width, depth.width());
+    const auto [top, bottom] = cells_around(grid_->down_px[i], height, depth.height());
+    std::uint16_t nearest = 0;
+    for (int y = top; y <= bottom; ++y) {
+      for (int x = left; x <= right; ++x) nearest = std::max(nearest, *depth.at(x, y));
+    }
+    inverse_m_.push_back(inverse_metres(nearest));
+  }
+  find_jumps();
+}
+
+void ReprojectionMesh::find_jumps() {
+  const auto columns = static_cast<std::size_t>(grid_->columns);
+  const auto rows = static_cast<std::size_t>(grid_->rows);
+  for (std::size_t eye = 0; eye < static_cast<std::size_t>(grid_->picture.stacked()); ++eye) {
+    for (std::size_t row = 0; row + 1 < rows; ++row) {
+      for (std::size_t column = 0; column + 1 < columns; ++column) {
+        const std::size_t corner = (eye * rows + row) * columns + column;
+        const auto [far, near] = std::minmax({inverse_m_[corner], inverse_m_[corner + 1], inverse_m_[corner + columns],
+                                              inverse_m_[corner + columns + 1]});
+        const auto first = static_cast<std::uint32_t>(corner);
+        const auto below = static_cast<std::uint32_t>(corner + columns);
+        if (near - far > kJump * near) {
+          jumps_[eye].push_back(first);
+        } else {
+          smooth_[eye].insert(smooth_[eye].end(), {first, first + 1, below, below, first + 1, below + 1});
+        }
+      }
+    }
+  }
+}
+
+void ReprojectionMesh::move(const Eigen::Vector3d& eye_m, ReprojectedPicture* ret_moved) const {
+  const Eigen::Matrix3d to_picture = R_eye_picture(grid_->picture.shape).transpose();
+  move_vertices((to_picture * eye_m).cast<float>(), ret_moved);
+  ret_moved->torn = 0;
+  for (std::size_t eye = 0; eye < jumps_.size(); ++eye) add_jumping(eye, ret_moved);
+}
+
+void ReprojectionMesh::move_vertices(const Eigen::Vector3f& eye, ReprojectedPicture* ret_moved) const {
+  std::vector<ReprojectedVertex>& vertices = ret_moved->vertices;
+  // Room for as many torn quads as any frame has, so that later ones allocate nothing.
+  const std::size_t room = std::max(jumps(), inverse_m_.size() / kPerJump);
+  vertices.reserve(inverse_m_.size() + 8 * room);
+  for (std::vector<std::uint32_t>& indices : ret_moved->jumping) indices.reserve(12 * room);
+  vertices.resize(inverse_m_.size());
+  const auto width = static_cast<float>(cyclorama::width_px(grid_->picture.shape));
+  const int height = cyclorama::height_px(grid_->picture.shape);
+  const std::size_t per_eye = static_cast<std::size_t>(grid_->columns) * static_cast<std::size_t>(grid_->rows);
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const auto top = static_cast<float>(i < per_eye ? 0 : height);
+    vertices[i].inverse_m = inverse_m_[i];
+    vertices[i].source_across_px =
+        grid_->is_whole_turn ? grid_->across_px[i] : std::clamp(grid_->across_px[i], 0.0f, width);
+    vertices[i].source_down_px = std::clamp(grid_->down_px[i], top, top + static_cast<float>(height));
+  }
+  if (std::holds_alternative<Perspective>(grid_->picture.shape)) {
+    move_all<MovePerspective>(*grid_, inverse_m_, eye, vertices.data());
+  } else if (std::holds_alternative<Fisheye>(grid_->picture.shape)) {
+    move_all<MoveFisheye>(*grid_, inverse_m_, eye, vertices.data());
+  } else {
+    move_all<MovePanorama>(*grid_, inverse_m_, eye, vertices.data());
+  }
+}
+
+void ReprojectionMesh::add_jumping(std::size_t eye, ReprojectedPicture* moved) const {
+  std::vector<ReprojectedVertex>& vertices = moved->vertices;
+  std::vector<std::uint32_t>& indices = moved->jumping[eye];
+  indices.clear();
+  const auto columns = static_cast<std::uint32_t>(grid_->columns);
+  for (const std::uint32_t first : jumps_[eye]) {
+    const std::array<std::uint32_t, 4> grid{first, first + 1, first + columns, first + columns + 1};
+    const auto stretch = [&](std::size_t a, std::size_t b, bool across) {
+      const ReprojectedVertex& from = vertices[grid[a]];
+      const ReprojectedVertex& to = vertices[grid[b]];
+      const float source =
+          across ? to.source_across_px - from.source_across_px : to.source_down_px - from.source_down_px;
+      const float target = std::abs(across ? to.across_px - from.across_px : to.down_px - from.down_px);
+      return source > 0.0f ? target / source : 0.0f;
+    };
+    const float largest =
+        std::max({stretch(0, 1, true), stretch(2, 3, true), stretch(0, 2, false), stretch(1, 3, false)});
+    if (largest > kMaxStretch) {
+      tear(grid, &vertices, &indices);
+      ++moved->torn;
+    } else {
+      indices.insert(indices.end(), {grid[0], grid[1], grid[2], grid[2], grid[1], grid[3]});
+    }
+  }
+}
+
+/// Two quads take the place of a torn one. The near one ends where the near cells do, halfway, and moves with them; the
+/// far one stretches from the far corners to the near ones, with the far cells' colours alone.
+void ReprojectionMesh::tear(const std::array<std::uint32_t, 4>& grid, std::vector<ReprojectedVertex>* vertices,
+                            std::vector<std::uint32_t>* indices) const {
+  const auto [far, near] = std::minmax_element(
+      grid.begin(), grid.end(), [&](std::uint32_t a, std::uint32_t b) { return inverse_m_[a] < inverse_m_[b]; });
+  const float middle = 0.5f * (inverse_m_[*far] + inverse_m_[*near]);
+  const auto is_near = [&](std::uint32_t corner) { return inverse_m_[corner] > middle; };
+  std::array<ReprojectedVertex, 8> corners;  // The far quad's, then the near one's.
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const ReprojectedVertex& own = (*vertices)[grid[i]];
+    // The neighbour of the other kind: across, else down, else the extreme.
+    std::uint32_t across_the_edge = is_near(grid[i]) ? *far : *near;
+    for (const std::size_t other : {i ^ 2U, i ^ 1U}) {
+      if (is_near(grid[other]) != is_near(grid[i])) across_the_edge = grid[other];
+    }
+    const ReprojectedVertex& other = (*vertices)[across_the_edge];
+    ReprojectedVertex& of_far = corners[i] = own;
+    ReprojectedVertex& of_near = corners[4 + i] = own;
+    const float half_across = 0.5f * (other.source_across_px - own.source_across_px);
+    const float half_down = 0.5f * (other.source_down_px - own.source_down_px);
+    if (is_near(grid[i])) {
+      // Half a pixel less, since colours are filtered.
+      const auto inward = [](float half) { return half + std::copysign(std::min(0.5f, std::abs(half)), half); };
+      of_far.inverse_m = other.inverse_m;
+      of_far.source_across_px += inward(half_across);
+      of_far.source_down_px += inward(half_down);
+    } else {
+      of_near.inverse_m = other.inverse_m;
+      of_near.across_px = other.across_px - half_across;
+      of_near.down_px = other.down_px - half_down;
+      of_near.source_across_px += half_across;
+      of_near.source_down_px += half_down;
+    }
+  }
+  for (std::size_t first = 0; first < corners.size(); first += 4) {
+    const auto base = static_cast<std::uint32_t>(vertices->size());
+    vertices->insert(vertices->end(), corners.begin() + static_cast<std::ptrdiff_t>(first),
+                     corners.begin() + static_cast<std::ptrdiff_t>(first + 4));
+    indices->insert(indices->end(), {base, base + 1, base + 2, base + 2, base + 1, base + 3});
+  }
+}
+
+}  // namespace cyclorama::display

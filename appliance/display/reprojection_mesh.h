@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A picture, seen from an eye beside its own: a grid over the picture, whose vertices lie at the distances that the
+/// frame's inverse depth tells, and move when the eye does.
+///
+///     source picture              target picture, the eye 0.1 m to the right
+///     ┌──┬──┬──┬──┐               ┌──┬───┬─┬──┐
+///     │  │  │▓▓│  │      ──►      │  │▒▒▒│▓│  │      ▓ near: moves far      ▒ torn quad: hidden before
+///     └──┴──┴──┴──┘               └──┴───┴─┴──┘
+///
+/// A quad is torn if inverse depth jumps across it *and* it would be stretched beyond twice its size; either alone is
+/// a surface seen at a slant. What opens takes the colours of the far side, since the near surface hid more of what
+/// lies behind it. Source: Mark, McMillan and Bishop, "Post-Rendering 3D Warping", I3D 1997.
+///
+/// Values; reentrant; no GL.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/geometry/projection.h"
+#include "common/image/inverse_depth.h"
+
+namespace cyclorama::display {
+
+/// The rays of a grid's vertices. It depends only on the picture's projection, so frames of one size share it.
+///
+/// Vertices lie in the centres of squares of `cell_px` pixels, on the picture's edge, and beyond it, so that the edge's
+/// colours fill what enters from outside. A panorama of a whole turn has no edge at its sides.
+struct ReprojectionGrid {
+  /// Precondition: picture.validate(); cell_px > 0. Takes milliseconds for large grids.
+  ReprojectionGrid(const Projection& picture, int cell_px);
+
+  Projection picture;
+  int cell_px = 1;
+  bool is_whole_turn = false;
+  int columns = 0;  ///< Vertices in a row.
+  int rows = 0;     ///< Rows of vertices in one eye's picture.
+  // For each vertex, eye by eye, row by row:
+  std::vector<float> right, up, back;     ///< Unit ray in the picture's axes (R_eye_picture()).
+  std::vector<float> across_px, down_px;  ///< Place in the whole picture.
+};
+
+/// Corner of a triangle.
+struct ReprojectedVertex {
+  float across_px = 0.0f;  ///< Place in the target.
+  float down_px = 0.0f;
+  float inverse_m = 0.0f;  ///< Inverse distance from the source's eye; the largest is visible.
+  float source_across_px = 0.0f;
+  float source_down_px = 0.0f;
+};
+
+/// What ReprojectionMesh::move() computes; keep it, so that its memory is reused.
+struct ReprojectedPicture {
+  std::vector<ReprojectedVertex>
+      vertices;  ///< The grid's, then eight for each torn quad: its far side's, its near side's.
+  /// For each eye, triangles of quads across which the depth jumps.
+  std::array<std::vector<std::uint32_t>, 2> jumping;
+  std::size_t torn = 0;  ///< Torn quads.
+};
+
+class ReprojectionMesh {
+ public:
+  /// `depth` has the whole picture's proportions, at any resolution: a frame may be shown with the depth of a smaller
+  /// one from the same eye. A vertex takes the nearest depth in its square. Precondition: depth is not empty.
+  ReprojectionMesh(std::shared_ptr<const ReprojectionGrid> grid, const InverseDepthImage& depth);
+
+  /// Moves the eye by `eye_m` in the Eye frame of the picture: x right, y up, z back. Finite for every finite move: a
+  /// surface that the eye would pass through stays in front of it.
+  void move(const Eigen::Vector3d& eye_m, ReprojectedPicture* ret_moved) const;
+
+  [[nodiscard]] const ReprojectionGrid& grid() const { return *grid_; }
+  /// Triangles of quads without a jump, for one eye; indices of the grid's vertices. They are the same for every move.
+  [[nodiscard]] std::span<const std::uint32_t> smooth(std::size_t eye) const { return smooth_[eye]; }
+  /// Number of quads across which the depth jumps.
+  [[nodiscard]] std::size_t jumps() const { return jumps_[0].size() + jumps_[1].size(); }
+
+ private:
+  void find_jumps();
+  void move_vertices(const Eigen::Vector3f& eye, ReprojectedPicture* ret_moved) const;
+  void tear(const std::array<std::uint32_t, 4>& grid, std::vector<ReprojectedVertex>* vertices,
+            std::vector<std::uint32_t>* indices) const;
+  void add_jumping(std::size_t eye, ReprojectedPicture* moved) const;
+
+  std::shared_ptr<const ReprojectionGrid> grid_;
+  std::vector<float> inverse_m_;  // For each vertex.
+  std::array<std::vector<std::uint32_t>, 2> smooth_;
+  std::array<std::vector<std::uint32_t>, 2> jumps_;  // The upper left vertex of each quad.
+};
+
+}  // namespace cyclorama::display

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/reprojection_painter.h"
+
+#include <cstddef>
+#include <string>
+#include <utility>
+
+namespace cyclorama::display {
+namespace {
+
+constexpr GLuint kTarget = 0;
+constexpr GLuint kSource = 1;
+
+constexpr const char* kVertexShader = R"(#version 300 es
+precision highp float;
+layout(location = 0) in vec3 target;  // Across and down in pixels of the picture, inverse distance.
+layout(location = 1) in vec2 source;  // Across and down in pixels of the picture.
+uniform vec4 to_clip;  // Clip space = pixels * xy + zw.
+uniform float moved_across;
+out vec2 at;
+void main() {
+  // The nearest surface is at -1, the one at infinity just inside 1.
+  gl_Position = vec4((target.xy + vec2(moved_across, 0.0)) * to_clip.xy + to_clip.zw, 0.999 - 0.1998 * target.z, 1.0);
+  at = source;
+}
+)";
+// Filters luma, too, since a moved pixel lies between the source's.
+constexpr const char* kFragmentShader = R"(
+uniform vec2 luma_size;    // 1 / the texture's size.
+uniform vec3 chroma_size;  // Likewise; z: pixels of chroma per pixel.
+uniform vec4 picture;      // Width, first row, last row of the eye's picture; width of a whole turn, else 0.
+in vec2 at;
+vec2 inside(vec2 p, float half_px) {
+  return clamp(p, vec2(half_px, picture.y + half_px), vec2(picture.x - half_px, picture.z - half_px));
+}
+void main() {
+  vec2 p = at;
+  if (picture.w > 0.0) p.x -= picture.w * floor(p.x / picture.w);
+  float y = texture(luma_plane, inside(p, 0.5) * luma_size).r;
+  vec2 c = inside(p, 0.5 / chroma_size.z) * (chroma_size.z * chroma_size.xy);
+  texel = written(light_of(y, texture(blue_plane, c).r, texture(red_plane, c).r));
+}
+)";
+
+void set_filter(const output::Gl& gl, const output::GlTexture& texture, GLint filter) {
+  gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(PanoramaTexture::kLumaUnit));
+  gl.BindTexture(GL_TEXTURE_2D, texture.id());
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+}
+
+GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(values.size() * sizeof(values[0])); }
+
+}  // namespace
+
+Result<ReprojectionPainter> ReprojectionPainter::make(const output::Gl& gl, Texels texels) {
+  const std::string fragment_shader = light_shader_header(texels) + kFragmentShader;
+  TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, kVertexShader, fragment_shader.c_str()));
+  ReprojectionPainter painter(gl, std::move(linked));
+  TRY(gl.check("preparing the reprojection"));
+  return painter;
+}
+
+ReprojectionPainter::ReprojectionPainter(const output::Gl& gl, output::GlProgram program)
+    : gl_(&gl), program_(std::move(program)), array_(gl), vertices_(gl), indices_(gl) {
+  to_clip_ = program_.uniform("to_clip");
+  luma_size_ = program_.uniform("luma_size");
+  chroma_size_ = program_.uniform("chroma_size");
+  picture_ = program_.uniform("picture");
+  moved_across_ = program_.uniform("moved_across");
+  select_planes(gl, program_);
+  gl.BindVertexArray(array_.id());
+  gl.BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
+  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
+  const auto attribute = [&](GLuint index, GLint floats, std::size_t offset) {
+    gl.EnableVertexAttribArray(index);
+    // GL's convention: an offset into the bound buffer, passed as a pointer.
+    gl.VertexAttribPointer(index, floats, GL_FLOAT, GL_FALSE, sizeof(ReprojectedVertex),
+                           reinterpret_cast<const void*>(offset));
+  };
+  attribute(kTarget, 3, offsetof(ReprojectedVertex, across_px));
+  attribute(kSource, 2, offsetof(ReprojectedVertex, source_across_px));
+}
+
+void ReprojectionPainter::draw_triangles(std::span<const std::uint32_t> indices) {
+  if (indices.empty()) return;
+  gl_->BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(),
+                  GL_STREAM_DRAW);
+  gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, nullptr);
+}
+
+Status ReprojectionPainter::draw(const ReprojectionMesh& mesh, const Eigen::Vector3d& eye_m,
+                                 PanoramaTexture* panorama) {
+  mesh.move(eye_m, &moved_);
+  TRY(panorama->bind_with_depth());
+  panorama->bind_planes();
+  set_filter(*gl_, panorama->luma().texture, GL_LINEAR);
+  gl_->UseProgram(program_.id());
+  gl_->BindVertexArray(array_.id());
+  gl_->BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
+  gl_->BufferData(GL_ARRAY_BUFFER, byte_count(moved_.vertices), moved_.vertices.data(), GL_STREAM_DRAW);
+  const auto per = [](int px) { return 1.0f / static_cast<float>(px); };
+  const float across = 2.0f * per(panorama->texture_width());
+  gl_->Uniform4f(to_clip_, across, 2.0f * per(panorama->texture_height()),
+                 across * static_cast<float>(PanoramaTexture::kFirstColumn) - 1.0f, -1.0f);
+  gl_->Uniform2f(luma_size_, per(panorama->luma().width), per(panorama->luma().height));
+  gl_->Uniform3f(chroma_size_, per(panorama->chroma().width), per(panorama->chroma().height),
+                 per(panorama->chroma_step()));
+  const int width = width_px(panorama->shape());
+  const int height = height_px(panorama->shape());
+  const bool wraps = mesh.grid().is_whole_turn;
+  gl_->Enable(GL_DEPTH_TEST);
+  gl_->Clear(GL_DEPTH_BUFFER_BIT);
+  gl_->Enable(GL_SCISSOR_TEST);
+  for (int eye = 0; eye < panorama->stacked(); ++eye) {
+    gl_->Scissor(0, eye * height, panorama->texture_width(), height);
+    gl_->Uniform4f(picture_, static_cast<float>(width), static_cast<float>(eye * height),
+                   static_cast<float>((eye + 1) * height), wraps ? static_cast<float>(width) : 0.0f);
+    // What leaves a whole turn on one side enters on the other.
+    for (int turn = wraps ? -1 : 0; turn <= (wraps ? 1 : 0); ++turn) {
+      gl_->Uniform1f(moved_across_, static_cast<float>(turn * width));
+      draw_triangles(mesh.smooth(static_cast<std::size_t>(eye)));
+      draw_triangles(moved_.jumping[static_cast<std::size_t>(eye)]);
+    }
+  }
+  gl_->Disable(GL_SCISSOR_TEST);
+  gl_->Disable(GL_DEPTH_TEST);
+  set_filter(*gl_, panorama->luma().texture, GL_NEAREST);
+  return gl_->check("moving a frame's eye");
+}
+
+}  // namespace cyclorama::display

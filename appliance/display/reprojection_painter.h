@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "appliance/display/panorama_texture.h"
+#include "appliance/display/reprojection_mesh.h"
+
+namespace cyclorama::display {
+
+/// Pass 1 for a visitor who walks: draws a frame's light as a depth-tested mesh (reprojection_mesh.h) instead of pixel
+/// by pixel. Pass 2 does not know the difference. Thread-bound to the GL context; borrows the Gl table. Keeps its
+/// memory from one refresh to the next.
+class ReprojectionPainter {
+ public:
+  /// Errors: kSystem if the driver's compiler refuses the shader, with its message.
+  static Result<ReprojectionPainter> make(const output::Gl& gl, Texels texels);
+
+  /// Replaces the light of `panorama`, whose frame `mesh` belongs to, by what an eye sees that has moved by `eye_m`
+  /// (ReprojectionMesh::move()). PanoramaTexture::show_unmoved() takes it back. Errors: kSystem if the graphics card
+  /// refuses the buffers.
+  Status draw(const ReprojectionMesh& mesh, const Eigen::Vector3d& eye_m, PanoramaTexture* panorama);
+  /// Number of torn quads in the last picture.
+  [[nodiscard]] std::size_t torn() const { return moved_.torn; }
+
+ private:
+  explicit ReprojectionPainter(const output::Gl& gl, output::GlProgram program);
+  void draw_triangles(std::span<const std::uint32_t> indices);
+
+  const output::Gl* gl_;
+  output::GlProgram program_;
+  output::GlVertexArray array_;
+  output::GlBuffer vertices_;
+  output::GlBuffer indices_;
+  GLint to_clip_ = -1;
+  GLint luma_size_ = -1;
+  GLint chroma_size_ = -1;
+  GLint picture_ = -1;
+  GLint moved_across_ = -1;
+  ReprojectedPicture moved_;
+};
+
+}  // namespace cyclorama::display

@@ -2,6 +2,7 @@
 #include "kiosk/tour/session/show_meter.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace cyclorama::tour {
@@ -52,12 +53,14 @@ bool ShowMeter::presented(std::uint64_t display, std::uint64_t number, Duration 
   return !std::exchange(frame->second.is_presented, true);
 }
 
-bool ShowMeter::not_shown(std::uint64_t display, std::uint64_t number) {
+std::optional<Duration> ShowMeter::not_shown(std::uint64_t display, std::uint64_t number) {
   const auto screen = screens_.find(display);
   const auto frame = frames_.find(number);
-  if (screen == screens_.end() || frame == frames_.end()) return false;
+  if (screen == screens_.end() || frame == frames_.end()) return std::nullopt;
   screen->second.reported = std::max(screen->second.reported, number);
-  return frame->second.ended_at && !frame->second.is_presented;
+  if (!frame->second.ended_at || frame->second.is_presented) return std::nullopt;
+  const auto next = std::next(frame);
+  return next == frames_.end() ? Duration::zero() : next->second.asked_at - frame->second.asked_at;
 }
 
 std::optional<Duration> ShowMeter::latency() const {

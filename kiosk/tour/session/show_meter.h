@@ -40,8 +40,9 @@ class ShowMeter {
   /// Records a display's report. `drawing` is the time from the start of drawing, when the display takes the newest
   /// heading, to the light. Returns true for the first report of a requested view's frame by any display.
   bool presented(std::uint64_t display, std::uint64_t number, Duration drawing, TimePoint now);
-  /// Records that a display did not show the frame. Returns true if it was complete, and no display has shown it.
-  bool not_shown(std::uint64_t display, std::uint64_t number);
+  /// Records that a display did not show the frame. If the frame was complete and no display has shown it, returns the
+  /// time from its request to the next one, which was too short; zero if there is none.
+  std::optional<Duration> not_shown(std::uint64_t display, std::uint64_t number);
 
   /// The slowest display's time from the request to the light; nothing before enough frames were shown.
   [[nodiscard]] std::optional<Duration> latency() const;

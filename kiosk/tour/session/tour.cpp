@@ -249,7 +249,7 @@ void Tour::on_presented(std::uint64_t display, const wire::FramePresented& prese
 void Tour::on_dropped(std::uint64_t display, const wire::FrameDropped& dropped) {
   log_.add_not_shown(dropped);
   const std::lock_guard lock(mutex_);
-  if (meter_.not_shown(display, dropped.view_number())) pacer_.not_shown();
+  if (const auto next_after = meter_.not_shown(display, dropped.view_number())) pacer_.not_shown(*next_after);
 }
 
 void Tour::on_opened(const wire::SceneDescription& scene) {
@@ -290,7 +290,7 @@ void Tour::broadcast(wire::ShowMessage message) {
   // One that is slow loses frames and delays no other; frames that all of them lose are too many.
   if (lost == 0 || lost < hub_.count()) return;
   const std::lock_guard lock(mutex_);
-  pacer_.not_shown();
+  pacer_.not_shown(Duration::zero());
 }
 
 void Tour::on_begin(const wire::View& view) {

@@ -7,6 +7,13 @@
 
 namespace cyclorama::tour {
 
+void ViewPacer::set_refresh_period(Duration period) {
+  if (period == period_) return;
+  period_ = period;
+  periods_ = kFirstPeriods;
+  slower_ = kFirstSlower;
+}
+
 Duration ViewPacer::interval() const {
   return std::chrono::duration_cast<Duration>(periods_ * std::chrono::duration<double>(period_));
 }
@@ -41,8 +48,11 @@ void ViewPacer::ended(std::uint64_t number) { frames_.finish(number); }
 
 void ViewPacer::shown() { periods_ = std::max(1.0, periods_ * (1.0 - kFaster)); }
 
-void ViewPacer::not_shown() {
-  periods_ = std::min(kMaxPeriods, periods_ * (1.0 + slower_));
+void ViewPacer::not_shown(Duration next_after) {
+  if (period_ == Duration::zero()) return;
+  const double too_short = to_seconds(next_after) / to_seconds(period_);
+  const double max = std::max(1.0, to_seconds(kMaxInterval) / to_seconds(period_));
+  periods_ = std::min(max, periods_ * std::clamp(too_short / periods_, 1.0 + slower_, 1.0 + kMaxStep));
   slower_ = std::max(kSlower, kSettling * slower_);
 }
 

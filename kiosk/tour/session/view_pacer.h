@@ -27,13 +27,16 @@ namespace cyclorama::tour {
 class ViewPacer {
  public:
   static constexpr Duration kAtRest = std::chrono::seconds(1);
+  /// Upper bound of the interval: rather some wasted frames than fewer than two a second.
+  static constexpr Duration kMaxInterval = std::chrono::milliseconds(500);
   static constexpr double kSlower = 0.04;
   static constexpr double kFaster = kSlower / 99.0;
 
   explicit ViewPacer(bool farm_refines) : farm_refines_(farm_refines) {}
 
-  /// Sets the displays' refresh period; zero: none, so only the farm limits the rate.
-  void set_refresh_period(Duration period) { period_ = period; }
+  /// Sets the displays' refresh period; zero: none, so only the farm limits the rate. With another period the interval
+  /// is found anew.
+  void set_refresh_period(Duration period);
   /// Returns true when a view that shows something new may be requested now.
   [[nodiscard]] bool is_due(TimePoint now) const;
   /// Returns when the interval after the last request ends; nothing while the frames in flight forbid another, or
@@ -47,9 +50,10 @@ class ViewPacer {
   std::size_t began(std::uint64_t number);
   /// Records that the farm ended this frame, complete or not.
   void ended(std::uint64_t number);
-  /// Record that a whole frame was shown, or reached the displays and was not.
+  /// Record that a whole frame was shown, or reached the displays and was not; `next_after` is the time from its request
+  /// to the next one, which was too short where it exceeds the interval.
   void shown();
-  void not_shown();
+  void not_shown(Duration next_after);
   /// Requests the current picture once more, also at rest, for a display that joined or a farm that came back.
   void request_again() { newest_.reset(); }
   /// Records that the farm is away. FarmClient repeats the newest request when it is back.
@@ -71,9 +75,10 @@ class ViewPacer {
 
   /// Farms and displays are never quite even; without room, the first seconds would lose frames.
   static constexpr double kFirstPeriods = 1.1;
-  static constexpr double kMaxPeriods = 20.0;
-  /// The first steps are larger, so that the interval is found within a few frames, and shrink to kSlower.
+  /// The first steps are larger, so that the interval is found within a few frames, and shrink to kSlower. A step to a
+  /// time that was too short is no larger than kMaxStep.
   static constexpr double kFirstSlower = 0.2;
+  static constexpr double kMaxStep = 0.5;
   static constexpr double kSettling = 0.8;
 };
 

@@ -110,7 +110,8 @@ class Simulation {
       const Event told = reports_.front();
       reports_.pop_front();
       if (told.is_shown && meter_.presented(1, told.number, 5ms, now_)) pacer_.shown();
-      if (!told.is_shown && meter_.not_shown(1, told.number)) pacer_.not_shown();
+      if (told.is_shown) continue;
+      if (const auto next_after = meter_.not_shown(1, told.number)) pacer_.not_shown(*next_after);
     }
   }
 

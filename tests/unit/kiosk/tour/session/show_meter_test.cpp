@@ -106,11 +106,12 @@ TEST(ShowMeter, counts_a_frame_as_not_shown_if_it_was_complete_and_nobody_showed
   Meter m;
   m.meter.joined(kWall, kRefresh);
   m.meter.joined(kSide, kRefresh);
-  for (std::uint64_t number = 1; number <= 3; ++number) m.meter.asked(number, m.now);
+  for (std::uint64_t number = 1; number <= 3; ++number) m.meter.asked(number, m.now + number * 70ms);
   m.meter.ended(2, m.now);
   m.meter.ended(3, m.now);
   EXPECT_FALSE(m.meter.not_shown(kWall, 1)) << "the farm gave it up";
-  EXPECT_TRUE(m.meter.not_shown(kWall, 2));
+  EXPECT_EQ(m.meter.not_shown(kWall, 2), 70ms) << "this soon the next one was requested";
+  EXPECT_EQ(m.meter.not_shown(kWall, 3), 0ms) << "none was";
   EXPECT_TRUE(m.meter.presented(kSide, 3, 0s, m.now));
   EXPECT_FALSE(m.meter.presented(kWall, 3, 0s, m.now)) << "counted already";
   EXPECT_FALSE(m.meter.not_shown(kWall, 3)) << "the other display showed it";

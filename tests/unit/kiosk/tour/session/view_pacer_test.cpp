@@ -77,15 +77,25 @@ TEST(ViewPacer, waits_longer_after_frames_that_were_not_shown_within_bounds) {
   EXPECT_EQ(pacer.interval(), 50ms) << "no display shows more";
   Duration before = pacer.interval();
   for (int i = 0; i < 10; ++i) {
-    pacer.not_shown();
+    pacer.not_shown(0s);
     EXPECT_GT(pacer.interval(), before);
     before = pacer.interval();
   }
   for (int i = 0; i < 99; ++i) pacer.shown();
-  pacer.not_shown();
+  pacer.not_shown(0s);
   EXPECT_NEAR(to_milliseconds(pacer.interval()), to_milliseconds(before), 0.1) << "one in a hundred";
-  for (int i = 0; i < 1000; ++i) pacer.not_shown();
-  EXPECT_LE(pacer.interval(), 1s);
+  pacer.not_shown(pacer.interval() + 7ms);
+  EXPECT_NEAR(to_milliseconds(pacer.interval()), to_milliseconds(before) * 1.04, 7.0) << "so long was too short";
+  before = pacer.interval();
+  pacer.not_shown(1h);
+  EXPECT_NEAR(to_milliseconds(pacer.interval()), 1.5 * to_milliseconds(before), 1e-3)
+      << "a farm's pause is no interval";
+  for (int i = 0; i < 1000; ++i) pacer.not_shown(0s);
+  EXPECT_EQ(pacer.interval(), ViewPacer::kMaxInterval);
+  pacer.set_refresh_period(50ms);
+  EXPECT_EQ(pacer.interval(), ViewPacer::kMaxInterval);
+  pacer.set_refresh_period(20ms);
+  EXPECT_LT(pacer.interval(), 25ms) << "another display";
 }
 
 TEST(ViewPacer, counts_views_that_the_farm_skipped) {

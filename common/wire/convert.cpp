@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/base/picture_cut.h"
+#include "common/image/inverse_depth.h"
 
 namespace cyclorama {
 namespace {
@@ -169,6 +170,15 @@ Status validate(const wire::Tile& tile, int width_px, int height_px) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("tile {}x{} at ({}, {}) does not fit a picture of {}x{}", tile.width_px(),
                              tile.height_px(), tile.x_px(), tile.y_px(), width_px, height_px));
+  }
+  // Encoded depth is never longer than its values, but for zstd's headers.
+  constexpr std::size_t kHeaderBytes = 1024;
+  const PixelRect cells = depth_cells({0, 0, static_cast<int>(tile.width_px()), static_cast<int>(tile.height_px())});
+  const std::size_t max_bytes = sizeof(std::uint16_t) * static_cast<std::size_t>(cells.area()) + kHeaderBytes;
+  if (tile.depth().size() > max_bytes) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("tile {}x{} has {} bytes of depth; it may have {}", tile.width_px(), tile.height_px(),
+                             tile.depth().size(), max_bytes));
   }
   return Done{};
 }

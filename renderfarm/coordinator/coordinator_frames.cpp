@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "common/wire/convert.h"
+#include "common/wire/payload.h"
 #include "renderfarm/coordinator/coordinator_state.h"
 
 namespace cyclorama::coordinator {
@@ -146,7 +147,7 @@ void CoordinatorState::cancel_blocks(const FrameInFlight& frame) {
 void CoordinatorState::fail(FrameInFlight& frame, const std::string& reason, Session& session) {
   if (frame.failure) return;
   frame.failure = reason;
-  for (const wire::Tile& tile : frame.held) session.bytes_waiting -= tile.jpeg().size();
+  for (const wire::Tile& tile : frame.held) session.bytes_waiting -= payload_bytes(tile);
   frame.held.clear();
   cancel_blocks(frame);
 }

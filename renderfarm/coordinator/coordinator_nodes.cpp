@@ -8,6 +8,7 @@
 
 #include "common/base/text.h"
 #include "common/wire/convert.h"
+#include "common/wire/payload.h"
 #include "renderfarm/coordinator/coordinator_state.h"
 #include "renderfarm/governor/pareto_front_file.h"
 
@@ -27,12 +28,18 @@ bool is_same_scene(const wire::SceneDescription& a, const wire::SceneDescription
          a.triangles_stored() == b.triangles_stored();
 }
 
-/// Returns nothing for a tile that no picture can have.
-std::optional<PixelRect> rect_of(const wire::Tile& tile) {
-  constexpr std::uint32_t kFar = 1 << 20;
-  if (std::max({tile.x_px(), tile.y_px(), tile.width_px(), tile.height_px()}) > kFar) return std::nullopt;
-  return PixelRect{static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px()), static_cast<int>(tile.width_px()),
-                   static_cast<int>(tile.height_px())};
+/// Checks all of a tile but whether it belongs to its block.
+Status check_tile(const wire::Tile& tile, const wire::View& view) {
+  if (tile.view_number() != view.number()) return broken("it is of another view");
+  if (tile.jpeg().empty()) return broken("it is empty");
+  if (!tile.depth().empty() && !view.depth()) return broken("it has depth, which its view does not request");
+  return validate(tile, static_cast<int>(view.panorama().width_px()), static_cast<int>(view.panorama().height_px()));
+}
+
+/// Precondition: check_tile().
+PixelRect rect_of(const wire::Tile& tile) {
+  return {static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px()), static_cast<int>(tile.width_px()),
+          static_cast<int>(tile.height_px())};
 }
 
 }  // namespace
@@ -246,18 +253,19 @@ Status CoordinatorState::tile_received(NodeId, Node& node, wire::BlockTile& mess
   FrameInFlight* const frame = find_frame(place->second);
   if (frame == nullptr || frame->failure) return Done{};  // The tile is no longer wanted.
   wire::Tile& tile = *message.mutable_tile();
-  const auto rect = rect_of(tile);
-  const bool belongs = rect && !tile.jpeg().empty() && tile.view_number() == frame->view.number();
-  const auto verdict = belongs ? frame->assembly.accept(message.block(), *rect) : FrameAssembly::Verdict::kForeign;
+  if (const Status usable = check_tile(tile, frame->view); !usable) {
+    return broken(fmt::format("it sent a tile of block {}: {}", message.block(), usable.error().message()));
+  }
+  const auto verdict = frame->assembly.accept(message.block(), rect_of(tile));
   if (verdict == FrameAssembly::Verdict::kForeign) {
     return broken(fmt::format("it sent a tile that is not in block {}", message.block()));
   }
   if (verdict == FrameAssembly::Verdict::kDuplicate) return Done{};
   const SessionId id = place->second.session;
   Session& session = sessions_.at(id);
-  frame->bytes += tile.jpeg().size();
+  frame->bytes += payload_bytes(tile);
   frame->last_tile_at = clock_.now();
-  session.bytes_waiting += tile.jpeg().size();
+  session.bytes_waiting += payload_bytes(tile);
   if (frame->begun) {
     relay(id, session, std::move(tile));
   } else {

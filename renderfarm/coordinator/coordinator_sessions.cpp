@@ -6,6 +6,7 @@
 
 #include "common/base/text.h"
 #include "common/wire/convert.h"
+#include "common/wire/payload.h"
 #include "renderfarm/coordinator/coordinator_state.h"
 
 namespace cyclorama::coordinator {
@@ -177,7 +178,7 @@ void CoordinatorState::written(SessionId id, const wire::SessionReply& reply) {
   CHECK(session.messages_waiting > 0);
   --session.messages_waiting;
   session.taken_at = clock_.now();
-  if (reply.has_tile()) session.bytes_waiting -= reply.tile().jpeg().size();
+  if (reply.has_tile()) session.bytes_waiting -= payload_bytes(reply.tile());
   if (!reply.has_end()) return;
   const WrittenFrame frame = session.unwritten_ends.front();
   session.unwritten_ends.pop_front();

@@ -16,6 +16,7 @@
 #include "common/process/log.h"
 #include "common/process/program.h"
 #include "common/wire/convert.h"
+#include "common/wire/payload.h"
 #include "renderfarm/client/farm_client.h"
 
 namespace cyclorama::tools {
@@ -63,7 +64,7 @@ class Visitor final : public client::FarmListener {
     request_view();
   }
   void on_tile(wire::Tile tile) override {
-    bytes_ += tile.jpeg().size();
+    bytes_ += payload_bytes(tile);
     const int x = static_cast<int>(tile.x_px());
     const int y = static_cast<int>(tile.y_px());
     const Status decoded = decoder_.decode_into(std::as_bytes(std::span(tile.jpeg())), picture_.at(x, y),

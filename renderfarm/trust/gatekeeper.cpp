@@ -8,6 +8,7 @@
 
 #include "common/base/file.h"
 #include "common/base/text.h"
+#include "common/wire/payload.h"
 
 namespace cyclorama::trust {
 namespace {
@@ -161,7 +162,7 @@ TimePoint Gatekeeper::reply_written(std::uint64_t id, const wire::SessionReply& 
   if (found == sessions_.end()) return now;
   Session& session = found->second;
   if (reply.has_end() && reply.end().complete()) ++session.summary.frames;
-  const std::size_t bytes = reply.has_tile() ? reply.tile().jpeg().size() : 0;
+  const std::size_t bytes = reply.has_tile() ? payload_bytes(reply.tile()) : 0;
   session.summary.bytes += bytes;
   const double limit = session.grant.bytes_per_second;
   if (limit <= 0.0) return now;

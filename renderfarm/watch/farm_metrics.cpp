@@ -112,7 +112,7 @@ struct FarmMetrics::Series {
   Family<Counter>& late = counter(registry, "cyclorama_frames_late_total", "Frames given up at their deadline");
   Family<Counter>& given_up =
       counter(registry, "cyclorama_frames_given_up_total", "Frames given up for other reasons than the deadline");
-  Family<Counter>& bytes = counter(registry, "cyclorama_frame_bytes_total", "JPEG bytes of all frames");
+  Family<Counter>& bytes = counter(registry, "cyclorama_frame_bytes_total", "Bytes of all frames: JPEG and depth");
   Family<Counter>& sessions = counter(registry, "cyclorama_sessions_opened_total", "Sessions that were opened");
   Family<Counter>& refusals =
       counter(registry, "cyclorama_sessions_refused_total", "Sessions refused or ended by the farm, and why");
@@ -175,7 +175,7 @@ struct FarmMetrics::Series {
           [](const auto& v) { return 1e-3 * v.budget_ms; });
     worst("cyclorama_session_frame_seconds", "Duration of the last frame, from the view's arrival to the frame's end",
           false, [](const auto& v) { return 1e-3 * v.frame_ms; });
-    worst("cyclorama_session_frame_bytes", "JPEG bytes of the last frame", false,
+    worst("cyclorama_session_frame_bytes", "Bytes of the last frame: JPEG and depth", false,
           [](const auto& v) { return v.bytes_per_frame; });
     worst("cyclorama_session_balance_efficiency_ratio", "Mean load over largest load of the nodes in the last frame",
           true, [](const auto& v) { return v.balance_efficiency; });

@@ -18,6 +18,7 @@
 #include "common/wire/channel.h"
 #include "common/wire/convert.h"
 #include "common/wire/museum.grpc.pb.h"
+#include "common/wire/payload.h"
 
 namespace cyclorama {
 
@@ -153,7 +154,7 @@ class FakeDisplay {
         return;
       }
       ++frames_.back().tiles;
-      frames_.back().bytes += message.tile().jpeg().size();
+      frames_.back().bytes += payload_bytes(message.tile());
     } else if (message.has_end()) {
       if (!open || frames_.back().view.number() != message.end().view_number()) {
         wrongs_.push_back("an end of another frame");

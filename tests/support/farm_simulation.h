@@ -135,6 +135,7 @@ class FarmSimulation {
     tile.set_width_px(static_cast<std::uint32_t>(tiles.front().width));
     tile.set_height_px(static_cast<std::uint32_t>(tiles.front().height));
     tile.set_jpeg(std::string(tile_bytes, 'j'));
+    if (order.view().depth() || sends_depth_unasked) tile.set_depth(std::string(depth_bytes, 'd'));
     tiles.pop_front();
     state.node_reported(id, report);
     return true;
@@ -154,6 +155,8 @@ class FarmSimulation {
   std::map<std::uint64_t, std::pair<coordinator::NodeId, wire::RenderBlock>>
       orders;  ///< Blocks that nodes have begun, by number.
   std::size_t tile_bytes = 10;
+  std::size_t depth_bytes = 5;  ///< Size of a tile's depth, if the view requests it.
+  bool sends_depth_unasked = false;
   std::optional<std::uint32_t> scene_bounces{};  ///< Stated by nodes that load the scene.
   std::map<coordinator::NodeId, double> slowed;  ///< Slowdown factor of each node by other work on its host.
 

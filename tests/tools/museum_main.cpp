@@ -23,6 +23,7 @@
 #include "common/image/jpeg.h"
 #include "common/process/program.h"
 #include "common/wire/convert.h"
+#include "common/wire/payload.h"
 #include "renderfarm/client/farm_client.h"
 
 namespace cyclorama {
@@ -171,7 +172,7 @@ class Witness final : public client::FarmListener {
       std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(arguments_.tile_delay_ms));
     }
     cover_.add(tile);
-    bytes_ += tile.jpeg().size();
+    bytes_ += payload_bytes(tile);
     if (arguments_.blind) return;
     const Status decoded = view_.subsample_chroma() ? draw_grey(tile) : draw(tile);
     if (!decoded) say({{"event", "violation"}, {"reason", decoded.error().message()}});

@@ -156,6 +156,21 @@ TEST(Convert, names_each_invalid_field_of_a_view) {
   EXPECT_THAT(refused([](auto& v) { v.mutable_panorama()->set_tan_elevation_top(-0.5); }), HasSubstr("top"));
 }
 
+TEST(Convert, limits_a_tiles_depth_to_its_values_and_a_header) {
+  wire::Tile tile;
+  tile.set_width_px(17);
+  tile.set_height_px(12);
+  for (const std::size_t bytes : {0u, 1u, 2u * 5 * 3 + 1024}) {
+    tile.set_depth(std::string(bytes, 'd'));
+    EXPECT_TRUE(validate(tile, 64, 64)) << bytes;
+  }
+  tile.set_depth(std::string(2 * 5 * 3 + 1025, 'd'));
+  const Status refused = validate(tile, 64, 64);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(refused.error().message(), HasSubstr("1055 bytes of depth"));
+}
+
 TEST(Convert, requires_tiles_inside_the_picture_on_the_grid) {
   const auto fits = [&](std::uint32_t x, std::uint32_t y, std::uint32_t w, std::uint32_t h) {
     wire::Tile tile;

@@ -115,6 +115,23 @@ TEST_F(GovernedSession, refuses_a_node_whose_scene_has_too_many_bounces) {
   EXPECT_TRUE(s.delegate.ended_nodes.contains(node));
 }
 
+TEST_F(GovernedSession, has_depth_in_moving_pictures_on_request_and_in_none_at_rest) {
+  open(20.0, 64);
+  for (const bool deep : {true, false}) {
+    s.begun.clear();
+    wire::View view = view_of(++number);
+    view.set_depth(deep);
+    s.request_view(session, view);
+    s.settle(nodes);
+    stand_still(1s);
+    ASSERT_GT(s.begun.size(), 1u);
+    for (const wire::View& begun : s.begun) {
+      EXPECT_EQ(begun.depth(), deep && &begun == &s.begun.front()) << begun.first_sample();
+    }
+  }
+  EXPECT_TRUE(s.delegate.ended_nodes.empty());
+}
+
 TEST_F(GovernedSession, leaves_a_session_without_a_budget_at_its_views_quality) {
   open(0.0, 0);
   move();

@@ -76,6 +76,65 @@ TEST(CoordinatorState, abandons_a_frame_over_the_limit_with_a_reason) {
   EXPECT_EQ(s.complete, 1);
 }
 
+wire::View deep_view(std::uint64_t number) {
+  wire::View view = view_of(number, 256, 256);
+  view.set_depth(true);
+  return view;
+}
+
+TEST(CoordinatorState, forwards_the_bytes_of_depth_unchanged) {
+  FarmSimulation s;
+  const NodeId node = s.add_node();
+  const SessionId session = s.add_session();
+  drain_opened(s, session);
+  s.request_view(session, deep_view(1));
+  while (s.work(node)) {
+  }
+  int tiles = 0;
+  for (const wire::SessionReply& reply : s.delegate.replies[session]) {
+    if (!reply.has_tile()) continue;
+    ++tiles;
+    EXPECT_EQ(reply.tile().depth(), "ddddd");
+  }
+  EXPECT_GT(tiles, 0);
+}
+
+TEST(CoordinatorState, counts_depth_among_the_bytes_that_wait) {
+  for (const std::size_t depth_bytes : {100u, 1900u}) {
+    CoordinatorLimits limits;
+    limits.session_bytes = 1000;
+    FarmSimulation s(limits);
+    s.tile_bytes = 300;
+    s.depth_bytes = depth_bytes;
+    const NodeId node = s.add_node();
+    const SessionId session = s.add_session();
+    drain_opened(s, session);
+    for (std::uint64_t number = 1; number <= 3; ++number) {  // What was taken does not wait any more.
+      s.request_view(session, deep_view(number));
+      while (s.work(node)) {
+      }
+      s.settle({node});
+    }
+    EXPECT_EQ(s.given_up, depth_bytes > 1000 ? 3 : 0);
+    EXPECT_EQ(s.complete, depth_bytes > 1000 ? 0 : 3);
+  }
+}
+
+TEST(CoordinatorState, disconnects_a_node_that_sends_depth_unasked_or_too_much_of_it) {
+  for (const bool unasked : {true, false}) {
+    FarmSimulation s;
+    s.sends_depth_unasked = unasked;
+    s.depth_bytes = unasked ? 1 : 2 * 64 * 64 + 1025;
+    const NodeId node = s.add_node();
+    const SessionId session = s.add_session();
+    drain_opened(s, session);
+    s.request_view(session, unasked ? view_of(1, 256, 256) : deep_view(1));
+    s.work(node);
+    ASSERT_EQ(s.delegate.ended_nodes.count(node), 1u);
+    EXPECT_THAT(s.delegate.ended_nodes.at(node).message(), HasSubstr("depth"));
+  }
+}
+
 TEST(CoordinatorState, ends_a_session_that_takes_no_messages_for_long) {
   FarmSimulation s;
   const NodeId node = s.add_node();

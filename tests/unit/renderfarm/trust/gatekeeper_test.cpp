@@ -164,7 +164,8 @@ TEST_F(GatekeeperTest, limits_a_museums_bytes_per_second) {
   ASSERT_TRUE(gate_->session_connected(1, museum("hall-3")));
   ASSERT_TRUE(gate_->session_connected(2, museum("hall-4")));
   wire::SessionReply tile;
-  tile.mutable_tile()->set_jpeg(std::string(1'000'000, 'x'));
+  tile.mutable_tile()->set_jpeg(std::string(900'000, 'x'));
+  tile.mutable_tile()->set_depth(std::string(100'000, 'x'));
   wire::SessionReply end;
   end.mutable_end()->set_complete(true);
   for (int frame = 0; frame < 4; ++frame) {

@@ -72,6 +72,19 @@ TEST(SessionPictures, assembles_the_newest_complete_frame_from_its_tiles) {
   EXPECT_EQ(session.now(session.now()->serial), nullptr) << "nothing newer";
 }
 
+TEST(SessionPictures, keeps_no_depth) {
+  Session session;
+  session.begin(64, 64);
+  for (wire::Tile& part : tiles_of(0, RgbImage(64, 64))) {
+    part.set_depth("depth");
+    session.tile(std::move(part));
+  }
+  session.end(true);
+  ASSERT_NE(session.now(), nullptr);
+  ASSERT_FALSE(session.now()->tiles.empty());
+  for (const wire::Tile& tile : session.now()->tiles) EXPECT_TRUE(tile.depth().empty());
+}
+
 TEST(SessionPictures, never_shows_an_abandoned_frame) {
   Session session;
   session.frame(*ramp_picture(0, 96, 48), false);

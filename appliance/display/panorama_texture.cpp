@@ -39,8 +39,9 @@ void filter(const output::Gl& gl, GLint filter, GLint wrap) {
 
 }  // namespace
 
-std::string light_shader_header(Texels texels) {
-  return std::string("#version 300 es\n") + (texels == Texels::kPacked ? "#define PACKED\n" : "") + kLightShader;
+std::string light_shader_header(Texels texels, const char* extensions) {
+  return std::string("#version 300 es\n") + extensions + (texels == Texels::kPacked ? "#define PACKED\n" : "") +
+         kLightShader;
 }
 
 void select_planes(const output::Gl& gl, const output::GlProgram& program) {

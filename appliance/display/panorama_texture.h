@@ -28,8 +28,8 @@ class PictureProgram {
   GLint chroma_end_ = -1;
 };
 
-/// Beginning of a fragment shader that writes light: the version, and light_shader.h.
-[[nodiscard]] std::string light_shader_header(Texels texels);
+/// Beginning of a fragment shader that writes light: the version, `extensions`, and light_shader.h.
+[[nodiscard]] std::string light_shader_header(Texels texels, const char* extensions = "");
 /// Tells a program that begins so in which texture units PanoramaTexture::bind_planes() puts the planes.
 void select_planes(const output::Gl& gl, const output::GlProgram& program);
 

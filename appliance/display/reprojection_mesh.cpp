@@ -25,15 +25,13 @@ constexpr float kMinMoves = 1.25f;
 std::vector<float> places_along(int size_px, int cell_px, bool wraps) {
   const auto size = static_cast<float>(size_px);
   std::vector<float> places;
-  if (!wraps) places = {-kBeyond_px, 0.0f};
+  if (!wraps) places.push_back(-kBeyond_px);
+  places.push_back(0.0f);
   for (int px = 0; px < size_px; px += cell_px) {
     places.push_back(0.5f * static_cast<float>(px + std::min(px + cell_px, size_px)));
   }
-  if (wraps) {
-    places.push_back(size + places.front());
-  } else {
-    places.insert(places.end(), {size, size + kBeyond_px});
-  }
+  places.push_back(size);
+  if (!wraps) places.push_back(size + kBeyond_px);
   return places;
 }
 
@@ -123,10 +121,8 @@ ReprojectionGrid::ReprojectionGrid(const Projection& of, int cell) : picture(of)
     const double top = eye * height;
     for (const float v : down) {
       for (const float u : across) {
-        // Beyond the edge the ray is the edge's; a whole turn begins anew.
-        const double column = is_whole_turn && u > static_cast<float>(width) ? u - static_cast<float>(width) : u;
-        const PanoramaPixel inside{std::clamp<double>(column, 0.0, width),
-                                   top + std::clamp<double>(v, 0.0, height - 1e-6)};
+        // Beyond the edge the ray is the edge's.
+        const PanoramaPixel inside{std::clamp<double>(u, 0.0, width), top + std::clamp<double>(v, 0.0, height - 1e-6)};
         const auto ray = picture.ray_at(inside);
         const Eigen::Vector3d direction =
             ray ? Eigen::Vector3d(to_picture * ray->direction) : -Eigen::Vector3d::UnitZ();
@@ -155,10 +151,7 @@ ReprojectionMesh::ReprojectionMesh(std::shared_ptr<const ReprojectionGrid> grid,
   };
   inverse_m_.reserve(grid_->across_px.size());
   for (std::size_t i = 0; i < grid_->across_px.size(); ++i) {
-    const float wrapped = grid_->is_whole_turn && grid_->across_px[i] > static_cast<float>(width)
-                              ? grid_->across_px[i] - static_cast<float>(width)
-                              : grid_->across_px[i];
-    const auto [left, right] = cells_around(wrapped, width, depth.width());
+    const auto [left, right] = cells_around(grid_->across_px[i], width, depth.width());
     const auto [top, bottom] = cells_around(grid_->down_px[i], height, depth.height());
     std::uint16_t nearest = 0;
     for (int y = top; y <= bottom; ++y) {
@@ -166,7 +159,17 @@ ReprojectionMesh::ReprojectionMesh(std::shared_ptr<const ReprojectionGrid> grid,
     }
     inverse_m_.push_back(inverse_metres(nearest));
   }
+  if (grid_->is_whole_turn) close_seam();
   find_jumps();
+}
+
+/// The first and the last column are the same place, so they take the nearer depth of both.
+void ReprojectionMesh::close_seam() {
+  const auto columns = static_cast<std::size_t>(grid_->columns);
+  for (std::size_t first = 0; first < inverse_m_.size(); first += columns) {
+    float& last = inverse_m_[first + columns - 1];
+    last = inverse_m_[first] = std::max(inverse_m_[first], last);
+  }
 }
 
 void ReprojectionMesh::find_jumps() {
@@ -204,15 +207,18 @@ void ReprojectionMesh::move_vertices(const Eigen::Vector3f& eye, ReprojectedPict
   vertices.reserve(inverse_m_.size() + 8 * room);
   for (std::vector<std::uint32_t>& indices : ret_moved->jumping) indices.reserve(12 * room);
   vertices.resize(inverse_m_.size());
+  // A pixel inside the picture, for the filters.
+  const auto inside = [](float px, float first, float last) {
+    return std::clamp(px, std::min(first + 1.0f, last), std::max(last - 1.0f, first));
+  };
   const auto width = static_cast<float>(cyclorama::width_px(grid_->picture.shape));
   const int height = cyclorama::height_px(grid_->picture.shape);
   const std::size_t per_eye = static_cast<std::size_t>(grid_->columns) * static_cast<std::size_t>(grid_->rows);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const auto top = static_cast<float>(i < per_eye ? 0 : height);
     vertices[i].inverse_m = inverse_m_[i];
-    vertices[i].source_across_px =
-        grid_->is_whole_turn ? grid_->across_px[i] : std::clamp(grid_->across_px[i], 0.0f, width);
-    vertices[i].source_down_px = std::clamp(grid_->down_px[i], top, top + static_cast<float>(height));
+    vertices[i].source_across_px = inside(grid_->across_px[i], 0.0f, width);
+    vertices[i].source_down_px = inside(grid_->down_px[i], top, top + static_cast<float>(height));
   }
   if (std::holds_alternative<Perspective>(grid_->picture.shape)) {
     move_all<MovePerspective>(*grid_, inverse_m_, eye, vertices.data());
@@ -231,12 +237,11 @@ void ReprojectionMesh::add_jumping(std::size_t eye, ReprojectedPicture* moved) c
   for (const std::uint32_t first : jumps_[eye]) {
     const std::array<std::uint32_t, 4> grid{first, first + 1, first + columns, first + columns + 1};
     const auto stretch = [&](std::size_t a, std::size_t b, bool across) {
+      const std::vector<float>& places = across ? grid_->across_px : grid_->down_px;
+      const float source = places[grid[b]] - places[grid[a]];
       const ReprojectedVertex& from = vertices[grid[a]];
       const ReprojectedVertex& to = vertices[grid[b]];
-      const float source =
-          across ? to.source_across_px - from.source_across_px : to.source_down_px - from.source_down_px;
-      const float target = std::abs(across ? to.across_px - from.across_px : to.down_px - from.down_px);
-      return source > 0.0f ? target / source : 0.0f;
+      return std::abs(across ? to.across_px - from.across_px : to.down_px - from.down_px) / source;
     };
     const float largest =
         std::max({stretch(0, 1, true), stretch(2, 3, true), stretch(0, 2, false), stretch(1, 3, false)});

@@ -79,6 +79,7 @@ class ReprojectionMesh {
   [[nodiscard]] std::size_t jumps() const { return jumps_[0].size() + jumps_[1].size(); }
 
  private:
+  void close_seam();
   void find_jumps();
   void move_vertices(const Eigen::Vector3f& eye, ReprojectedPicture* ret_moved) const;
   void tear(const std::array<std::uint32_t, 4>& grid, std::vector<ReprojectedVertex>* vertices,

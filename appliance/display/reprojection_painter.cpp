@@ -11,34 +11,35 @@ namespace {
 constexpr GLuint kTarget = 0;
 constexpr GLuint kSource = 1;
 
-constexpr const char* kVertexShader = R"(#version 300 es
+// Positions and coordinates need no perspective division: w is 1 everywhere.
+constexpr const char* kEven = R"(
+#extension GL_NV_shader_noperspective_interpolation : enable
+#ifdef GL_NV_shader_noperspective_interpolation
+#define EVEN noperspective
+#else
+#define EVEN
+#endif
+)";
+constexpr const char* kVertexShader = R"(
 precision highp float;
 layout(location = 0) in vec3 target;  // Across and down in pixels of the picture, inverse distance.
 layout(location = 1) in vec2 source;  // Across and down in pixels of the picture.
-uniform vec4 to_clip;  // Clip space = pixels * xy + zw.
+uniform vec4 to_clip;    // Clip space = pixels * xy + zw.
+uniform vec4 per_px;     // Texture coordinates per pixel, of luma and of chroma.
 uniform float moved_across;
-out vec2 at;
+EVEN out vec4 at;
 void main() {
   // The nearest surface is at -1, the one at infinity just inside 1.
   gl_Position = vec4((target.xy + vec2(moved_across, 0.0)) * to_clip.xy + to_clip.zw, 0.999 - 0.1998 * target.z, 1.0);
-  at = source;
+  at = source.xyxy * per_px;
 }
 )";
-// Filters luma, too, since a moved pixel lies between the source's.
+// Filters luma, too, since a moved pixel lies between the source's. The mesh stays a pixel inside its picture, so that
+// no filter reaches beyond.
 constexpr const char* kFragmentShader = R"(
-uniform vec2 luma_size;    // 1 / the texture's size.
-uniform vec3 chroma_size;  // Likewise; z: pixels of chroma per pixel.
-uniform vec4 picture;      // Width, first row, last row of the eye's picture; width of a whole turn, else 0.
-in vec2 at;
-vec2 inside(vec2 p, float half_px) {
-  return clamp(p, vec2(half_px, picture.y + half_px), vec2(picture.x - half_px, picture.z - half_px));
-}
+EVEN in vec4 at;
 void main() {
-  vec2 p = at;
-  if (picture.w > 0.0) p.x -= picture.w * floor(p.x / picture.w);
-  float y = texture(luma_plane, inside(p, 0.5) * luma_size).r;
-  vec2 c = inside(p, 0.5 / chroma_size.z) * (chroma_size.z * chroma_size.xy);
-  texel = written(light_of(y, texture(blue_plane, c).r, texture(red_plane, c).r));
+  texel = written(light_of(texture(luma_plane, at.xy).r, texture(blue_plane, at.zw).r, texture(red_plane, at.zw).r));
 }
 )";
 
@@ -54,8 +55,10 @@ GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(value
 }  // namespace
 
 Result<ReprojectionPainter> ReprojectionPainter::make(const output::Gl& gl, Texels texels) {
-  const std::string fragment_shader = light_shader_header(texels) + kFragmentShader;
-  TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, kVertexShader, fragment_shader.c_str()));
+  const std::string header = light_shader_header(texels, kEven);
+  const std::string vertex_shader = std::string("#version 300 es\n") + kEven + kVertexShader;
+  TRY_ASSIGN(output::GlProgram linked,
+             output::GlProgram::link(gl, vertex_shader.c_str(), (header + kFragmentShader).c_str()));
   ReprojectionPainter painter(gl, std::move(linked));
   TRY(gl.check("preparing the reprojection"));
   return painter;
@@ -64,9 +67,7 @@ Result<ReprojectionPainter> ReprojectionPainter::make(const output::Gl& gl, Texe
 ReprojectionPainter::ReprojectionPainter(const output::Gl& gl, output::GlProgram program)
     : gl_(&gl), program_(std::move(program)), array_(gl), vertices_(gl), indices_(gl) {
   to_clip_ = program_.uniform("to_clip");
-  luma_size_ = program_.uniform("luma_size");
-  chroma_size_ = program_.uniform("chroma_size");
-  picture_ = program_.uniform("picture");
+  per_px_ = program_.uniform("per_px");
   moved_across_ = program_.uniform("moved_across");
   select_planes(gl, program_);
   gl.BindVertexArray(array_.id());
@@ -103,9 +104,9 @@ Status ReprojectionPainter::draw(const ReprojectionMesh& mesh, const Eigen::Vect
   const float across = 2.0f * per(panorama->texture_width());
   gl_->Uniform4f(to_clip_, across, 2.0f * per(panorama->texture_height()),
                  across * static_cast<float>(PanoramaTexture::kFirstColumn) - 1.0f, -1.0f);
-  gl_->Uniform2f(luma_size_, per(panorama->luma().width), per(panorama->luma().height));
-  gl_->Uniform3f(chroma_size_, per(panorama->chroma().width), per(panorama->chroma().height),
-                 per(panorama->chroma_step()));
+  const int step = panorama->chroma_step();
+  gl_->Uniform4f(per_px_, per(panorama->luma().width), per(panorama->luma().height),
+                 per(step * panorama->chroma().width), per(step * panorama->chroma().height));
   const int width = width_px(panorama->shape());
   const int height = height_px(panorama->shape());
   const bool wraps = mesh.grid().is_whole_turn;
@@ -114,8 +115,6 @@ Status ReprojectionPainter::draw(const ReprojectionMesh& mesh, const Eigen::Vect
   gl_->Enable(GL_SCISSOR_TEST);
   for (int eye = 0; eye < panorama->stacked(); ++eye) {
     gl_->Scissor(0, eye * height, panorama->texture_width(), height);
-    gl_->Uniform4f(picture_, static_cast<float>(width), static_cast<float>(eye * height),
-                   static_cast<float>((eye + 1) * height), wraps ? static_cast<float>(width) : 0.0f);
     // What leaves a whole turn on one side enters on the other.
     for (int turn = wraps ? -1 : 0; turn <= (wraps ? 1 : 0); ++turn) {
       gl_->Uniform1f(moved_across_, static_cast<float>(turn * width));

@@ -31,9 +31,7 @@ class ReprojectionPainter {
   output::GlBuffer vertices_;
   output::GlBuffer indices_;
   GLint to_clip_ = -1;
-  GLint luma_size_ = -1;
-  GLint chroma_size_ = -1;
-  GLint picture_ = -1;
+  GLint per_px_ = -1;
   GLint moved_across_ = -1;
   ReprojectedPicture moved_;
 };

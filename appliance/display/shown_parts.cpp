@@ -127,15 +127,39 @@ class CellMap {
   std::vector<bool> wanted_;
 };
 
+// Rows of pixels by which a picture extends beyond the wall's, above or below: what is shown comes from so far away when
+// the picture is moved to another eye.
+double rows_beyond(const Panorama& picture, const Panorama& wall) {
+  const double rows_per_tan = picture.height_px / (picture.tan_elevation_top - picture.tan_elevation_bottom);
+  return rows_per_tan * std::max(picture.tan_elevation_top - wall.tan_elevation_top,
+                                 wall.tan_elevation_bottom - picture.tan_elevation_bottom);
+}
+double rows_beyond(const Perspective& picture, const Perspective& wall) {
+  const double rows_per_tan = picture.height_px / (picture.tan_top - picture.tan_bottom);
+  return rows_per_tan * std::max(picture.tan_top - wall.tan_top, wall.tan_bottom - picture.tan_bottom);
+}
+double rows_beyond(const Fisheye& picture, const Fisheye& wall) {
+  return 0.5 * (picture.field_rad - wall.field_rad) / picture.radians_per_px();
+}
+template <typename A, typename B>
+double rows_beyond(const A&, const B&) {
+  return 0.0;
+}
+double margin_px(const PictureShape& picture, const PictureShape& wall) {
+  const double rows = std::visit([](const auto& a, const auto& b) { return rows_beyond(a, b); }, picture, wall);
+  return kAround_px + std::max(0.0, rows);
+}
+
 /// In a panorama, a turn is a shift.
-void want_shifted(const HeadFootprint& head, const Panorama& picture, double turn_limit_rad, CellMap* ret_cells) {
+void want_shifted(const HeadFootprint& head, const Panorama& picture, double turn_limit_rad, double margin,
+                  CellMap* ret_cells) {
   for (int row = 0; row < ret_cells->rows(); ++row) {
     // The picture's edge is shown for positions beyond it.
     constexpr double kEndless = std::numeric_limits<double>::infinity();
     const bool is_first = row == 0;
     const bool is_last = row + 1 == ret_cells->rows();
-    const double top = is_first ? kEndless : picture.tan_elevation_at(row * kCellPx - kAround_px);
-    const double bottom = is_last ? -kEndless : picture.tan_elevation_at((row + 1) * kCellPx + kAround_px);
+    const double top = is_first ? kEndless : picture.tan_elevation_at(row * kCellPx - margin);
+    const double bottom = is_last ? -kEndless : picture.tan_elevation_at((row + 1) * kCellPx + margin);
     const auto span = head.across_between(bottom, top);
     if (!span) continue;
     const auto column = [&](double azimuth) { return (azimuth / picture.azimuth_span_rad + 0.5) * picture.width_px; };
@@ -146,7 +170,8 @@ void want_shifted(const HeadFootprint& head, const Panorama& picture, double tur
 
 /// In the other projections every position moves along its own curve: those between the corners of a small piece, and
 /// between one turn and the next, lie within a box around them that is enlarged by an eighth.
-void want_turned(const HeadFootprint& head, const PictureShape& picture, double turn_limit_rad, CellMap* ret_cells) {
+void want_turned(const HeadFootprint& head, const PictureShape& picture, double turn_limit_rad, double margin,
+                 CellMap* ret_cells) {
   const auto all = head.up();
   if (!all) return;
   const PixelScale scale = pixel_scale(picture);
@@ -172,8 +197,8 @@ void want_turned(const HeadFootprint& head, const PictureShape& picture, double 
       for (std::size_t piece = 0; piece < kPieces; ++piece) {
         Box box = now[piece];
         if (turn > 0) box.add(before[piece]);
-        ret_cells->want(box.grown(kAround_px + (box.right_px - box.left_px) / 8.0,
-                                  kAround_px + (box.bottom_px - box.top_px) / 8.0));
+        ret_cells->want(box.grown(margin + (box.right_px - box.left_px) / 8.0,
+                                  margin + (box.bottom_px - box.top_px) / 8.0));
       }
       before = now;
     }
@@ -249,13 +274,14 @@ ShownParts shown_by_both_eyes(const ShownParts& of_one, int height_px) {
 }
 
 ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture, const PictureShape& wall) {
+  const double margin = margin_px(picture, wall);
   const auto parts_within = [&](double turn_limit_rad) {
     CellMap wanted(picture);
     for (const HeadFootprint& head : heads) {
       if (const auto* const panorama = std::get_if<Panorama>(&picture)) {
-        want_shifted(head, *panorama, turn_limit_rad, &wanted);
+        want_shifted(head, *panorama, turn_limit_rad, margin, &wanted);
       } else {
-        want_turned(head, picture, turn_limit_rad, &wanted);
+        want_turned(head, picture, turn_limit_rad, margin, &wanted);
       }
     }
     return ShownParts{turn_limit_rad, wanted.parts()};

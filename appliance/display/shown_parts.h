@@ -48,7 +48,9 @@ struct ShownParts {
 /// Returns the parts of a picture that some head shows, with a margin for filters, while the visitor turns either way.
 /// The turn is limited to where a wall that shows the part `wall` would reach the picture's edge (turn_reach() in
 /// common/geometry/guard_band.h). For a picture without edges the limit is half a radian, for which a visitor takes
-/// longer than a farm needs for a frame; there is no limit if hardly more becomes visible.
+/// longer than a farm needs for a frame; there is no limit if hardly more becomes visible. A picture with rows beyond
+/// the wall's is for a visitor who walks: so many rows around what the heads show are parts as well, since the picture
+/// may be moved by as much.
 [[nodiscard]] ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture,
                                      const PictureShape& wall);
 

@@ -38,8 +38,9 @@ double worst_place_px(const Projection& picture, float distance_m, const Eigen::
   const double distance = 1.0 / inverse_metres(inverse_depth_of(distance_m));
   const PixelScale scale = pixel_scale(picture.shape);
   double worst = 0.0;
-  for (const ReprojectedVertex& vertex : moved.vertices) {
-    const PanoramaPixel source{vertex.source_across_px, vertex.source_down_px};
+  for (std::size_t i = 0; i < mesh.grid().across_px.size(); ++i) {
+    const ReprojectedVertex& vertex = moved.vertices[i];
+    const PanoramaPixel source{mesh.grid().across_px[i], mesh.grid().down_px[i]};
     if (!(source.u > 0.0 && source.u < picture.width_px() && source.v > 0.0 && source.v < picture.height_px()))
       continue;
     const auto direction = direction_at(picture.shape, source);

@@ -120,6 +120,31 @@ TEST(ShownParts, contain_all_that_walls_of_every_shape_read) {
   }
 }
 
+TEST(ShownParts, contain_what_a_visitor_who_walks_will_see) {
+  const Installation room = demo_room();
+  const PictureShape wall = room.projection(1024, 0).shape;
+  const PictureShape picture = with_guard_band(wall, 0.1, 0.08);
+  const auto& panorama = std::get<Panorama>(picture);
+  const double beyond_px = pixel_scale(picture).pixel_at({0.0, std::get<Panorama>(wall).tan_elevation_top}).v;
+  ASSERT_GT(beyond_px, 20.0);
+  const Heads heads = heads_of(room, wall);
+  const ShownParts shown = shown_parts(heads.footprints, picture, wall);
+  for (std::size_t i = 0; i < heads.warps.size(); ++i) {
+    for (int y = 0; y < heads.masks[i].height(); y += 7) {
+      for (int x = 0; x < heads.masks[i].width(); x += 7) {
+        const auto direction = direction_at(heads.warps[i], x, y);
+        if (!(*heads.masks[i].at(x, y) > 0.0f) || !direction) continue;
+        const auto [u, v] = pixel_scale(picture).pixel_at({direction->azimuth_rad, direction->tan_elevation});
+        for (const double rows : {-beyond_px + 2.0, beyond_px - 2.0}) {
+          ASSERT_TRUE(has(shown, std::clamp(u, 0.0, panorama.width_px - 0.5),
+                          std::clamp(v + rows, 0.0, panorama.height_px - 0.5)))
+              << i << ' ' << x << ' ' << y;
+        }
+      }
+    }
+  }
+}
+
 TEST(ShownParts, allow_unlimited_turning_of_a_fully_lit_dome) {
   const Fisheye dome{512, 512, 3.0, 0.5 * std::numbers::pi};
   warp::PixelMap all(200, 200);

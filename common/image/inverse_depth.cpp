@@ -38,12 +38,16 @@ int unfolded(unsigned code) {
 std::uint16_t inverse_depth_of(float distance_m) {
   const float value = static_cast<float>(kMaxInverseDepth * kNearestDepth_m) / distance_m;
   if (!(value > 0.0f)) return 0;
-  return static_cast<std::uint16_t>(std::min(value, static_cast<float>(kMaxInverseDepth)) + 0.5f);
+  return static_cast<std::uint16_t>(std::lround(std::min(value, static_cast<float>(kMaxInverseDepth))));
 }
 
 PixelRect depth_cells(const PixelRect& pixels) {
-  const auto up = [](int px) { return (px + kDepthCellPx - 1) / kDepthCellPx; };
-  return {pixels.x / kDepthCellPx, pixels.y / kDepthCellPx, up(pixels.width), up(pixels.height)};
+  if (pixels.empty()) return {};
+  const int left = pixels.x / kDepthCellPx;
+  const int top = pixels.y / kDepthCellPx;
+  const int right = (pixels.x + pixels.width - 1) / kDepthCellPx + 1;
+  const int bottom = (pixels.y + pixels.height - 1) / kDepthCellPx + 1;
+  return {left, top, right - left, bottom - top};
 }
 
 std::string encode_inverse_depth(const InverseDepthImage& depth) {

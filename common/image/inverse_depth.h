@@ -32,7 +32,7 @@ using InverseDepthImage = Image<std::uint16_t, 1>;
   return static_cast<float>(inverse_depth) * static_cast<float>(1.0 / (kMaxInverseDepth * kNearestDepth_m));
 }
 
-/// Returns the cells that a rectangle of pixels touches. Precondition: x and y are multiples of kDepthCellPx.
+/// Returns the cells that a rectangle of pixels touches; none for an empty one. Precondition: x and y are not negative.
 [[nodiscard]] PixelRect depth_cells(const PixelRect& pixels);
 
 /// Compresses losslessly: each value is predicted from its neighbours to the left and above (the median edge detector of

@@ -66,6 +66,22 @@ render::RenderCost has_cell_times(render::RenderCost cost, const PixelRect& wide
   return cost;
 }
 
+/// Returns the depth of the cells that `rect` touches from a film of `wide`; empty if the film has none.
+InverseDepthImage depth_of(const render::Film& film, const PixelRect& wide, const PixelRect& rect) {
+  if (film.depth.empty()) return {};
+  const PixelRect from = depth_cells(wide);
+  const PixelRect cells = depth_cells(rect);
+  return cropped(film.depth, {cells.x - from.x, cells.y - from.y, cells.width, cells.height});
+}
+
+/// Puts one image below another of the same width.
+template <typename Pixels>
+void append_below(const Pixels& lower, Pixels* upper) {
+  const Pixels above = std::exchange(*upper, Pixels(lower.width(), upper->height() + lower.height()));
+  const auto end = std::ranges::copy(above.data(), upper->data().begin()).out;
+  std::ranges::copy(lower.data(), end);
+}
+
 }  // namespace
 
 Status check_denoisable(const render::PanoramaView& view) {
@@ -82,16 +98,17 @@ DenoisingRenderer::DenoisingRenderer(const render::Renderer& renderer, int threa
       denoisers_(static_cast<std::size_t>(threads > 0 ? threads : tbb::this_task_arena::max_concurrency())) {}
 
 render::RenderCost DenoisingRenderer::render(const render::PanoramaView& view, const PixelRect& rect,
-                                             RgbImage* ret_pixels, const std::function<bool()>& cancelled) {
+                                             RgbImage* ret_pixels, const std::function<bool()>& cancelled,
+                                             InverseDepthImage* ret_depth) {
   RadianceImage light;
-  const render::RenderCost cost = render_radiance(view, rect, &light, cancelled);
+  const render::RenderCost cost = render_radiance(view, rect, &light, cancelled, ret_depth);
   *ret_pixels = render::developed(light, renderer_.scene().tone);
   return cost;
 }
 
 render::RenderCost DenoisingRenderer::render_radiance(const render::PanoramaView& view, const PixelRect& rect,
-                                                      RadianceImage* ret_pixels,
-                                                      const std::function<bool()>& cancelled) {
+                                                      RadianceImage* ret_pixels, const std::function<bool()>& cancelled,
+                                                      InverseDepthImage* ret_depth) {
   CHECK(check_denoisable(view).has_value());
   const Projection picture = view.picture();
   const int height = height_px(picture.shape);
@@ -99,22 +116,25 @@ render::RenderCost DenoisingRenderer::render_radiance(const render::PanoramaView
   const PixelRect second{0, height, picture.width_px(), height};
   const PixelRect upper = rows_within(rect, first);
   const PixelRect lower = rows_within(rect, second);
-  if (picture.stacked() == 1 || lower.empty()) return render_within(view, first, rect, ret_pixels, cancelled);
-  if (upper.empty()) return render_within(view, second, rect, ret_pixels, cancelled);
+  if (picture.stacked() == 1 || lower.empty())
+    return render_within(view, first, rect, ret_pixels, cancelled, ret_depth);
+  if (upper.empty()) return render_within(view, second, rect, ret_pixels, cancelled, ret_depth);
   RadianceImage part;
-  render::RenderCost cost = render_within(view, first, upper, ret_pixels, cancelled);
-  add(render_within(view, second, lower, &part, cancelled), &cost);
-  const RadianceImage above = std::exchange(*ret_pixels, RadianceImage(rect.width, rect.height));
-  std::ranges::copy(above.data(), ret_pixels->data().begin());
-  std::ranges::copy(part.data(), ret_pixels->data().begin() + static_cast<std::ptrdiff_t>(above.data().size()));
+  InverseDepthImage part_depth;
+  render::RenderCost cost = render_within(view, first, upper, ret_pixels, cancelled, ret_depth);
+  add(render_within(view, second, lower, &part, cancelled, &part_depth), &cost);
+  append_below(part, ret_pixels);
+  if (ret_depth != nullptr) append_below(part_depth, ret_depth);
   return cost;
 }
 
 render::RenderCost DenoisingRenderer::render_within(const render::PanoramaView& view, const PixelRect& bounds,
                                                     const PixelRect& rect, RadianceImage* ret_pixels,
-                                                    const std::function<bool()>& cancelled) {
+                                                    const std::function<bool()>& cancelled,
+                                                    InverseDepthImage* ret_depth) {
   const PixelRect wide = rect.empty() ? rect : grown(rect, Denoiser::halo_px(), bounds);
   render::RenderCost cost = renderer_.render_film(view, wide, true, &film_, cancelled);
+  if (ret_depth != nullptr) *ret_depth = depth_of(film_, wide, rect);
   if (rect.empty() || (cancelled && cancelled())) {
     *ret_pixels = RadianceImage(rect.width, rect.height);
     return has_cell_times(std::move(cost), wide, rect);

@@ -25,16 +25,17 @@ class DenoisingRenderer {
   DenoisingRenderer(const render::Renderer& renderer, int threads);
 
   /// Like the Renderer functions of the same name; the cost includes the margin and the filter. Precondition:
-  /// check_view() and check_denoisable().
+  /// check_view() and check_denoisable(). The filter leaves depth alone.
   render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                            const std::function<bool()>& cancelled);
+                            const std::function<bool()>& cancelled, InverseDepthImage* ret_depth = nullptr);
   render::RenderCost render_radiance(const render::PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,
-                                     const std::function<bool()>& cancelled);
+                                     const std::function<bool()>& cancelled, InverseDepthImage* ret_depth = nullptr);
 
  private:
   /// Precondition: `rect` lies inside `bounds`, to which the margin is clipped.
   render::RenderCost render_within(const render::PanoramaView& view, const PixelRect& bounds, const PixelRect& rect,
-                                   RadianceImage* ret_pixels, const std::function<bool()>& cancelled);
+                                   RadianceImage* ret_pixels, const std::function<bool()>& cancelled,
+                                   InverseDepthImage* ret_depth);
 
   const render::Renderer& renderer_;
   std::vector<Denoiser> denoisers_;  ///< One per thread.

@@ -40,6 +40,7 @@ Film::Film(int width, int height, bool with_features)
 void Film::add(const Film& other) {
   CHECK(other.width() == width() && other.height() == height());
   CHECK(other.features.albedo.empty() == features.albedo.empty());
+  CHECK(other.depth.width() == depth.width() && other.depth.height() == depth.height());
   if (!features.albedo.empty()) {
     blend_into(features.albedo, other.features.albedo, samples, other.samples);
     blend_into(features.normal, other.features.normal, samples, other.samples);
@@ -48,6 +49,9 @@ void Film::add(const Film& other) {
   add_to(sum, other.sum);
   add_to(square, other.square);
   add_to(samples, other.samples);
+  for (std::size_t i = 0; i < depth.data().size(); ++i) {
+    depth.data()[i] = std::max(depth.data()[i], other.depth.data()[i]);
+  }
 }
 
 RadianceImage Film::mean() const {

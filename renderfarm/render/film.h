@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/image/image.h"
+#include "common/image/inverse_depth.h"
 
 namespace cyclorama::render {
 
@@ -18,19 +19,23 @@ struct FilmFeatures {
   ScalarImage distance;  ///< Metres along the ray; 0 where the eye sees no surface.
 };
 
-/// A value. All images have the same size; linear light, exposed (radiance times the scene's exposure).
+/// A value. All images but `depth` have the same size; linear light, exposed (radiance times the scene's exposure).
 struct Film {
   RadianceImage sum;   ///< Sum of the samples' radiance.
   ScalarImage square;  ///< Sum of the samples' squared luminance.
   Image<std::int32_t, 1> samples;
   FilmFeatures features;  ///< Empty unless requested.
+  /// Has the cells that the film's part of the picture touches, each from all its samples, also those outside the part.
+  /// Empty unless the view requests depth.
+  InverseDepthImage depth;
 
   Film() = default;
   Film(int width, int height, bool with_features);
   [[nodiscard]] int width() const { return sum.width(); }
   [[nodiscard]] int height() const { return sum.height(); }
 
-  /// Precondition: the same size, disjoint sample numbers, and features in both films or in neither.
+  /// Precondition: the same part of the picture, disjoint sample numbers, and features, and depth, in both films or in
+  /// neither.
   void add(const Film& other);
   /// Mean radiance; black where there are no samples.
   [[nodiscard]] RadianceImage mean() const;

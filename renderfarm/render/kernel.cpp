@@ -83,6 +83,18 @@ void generate_camera_rays(const TraceView& view, const TraceCell& cell, PathBatc
   }
 }
 
+/// Notes the distances of the surfaces that the camera rays met: the first ones, whether mirrors, glass or opaque.
+void note_depth(PathBatch& batch, CellFilm& film) {
+  const RayStage& stage = batch.current();
+  for (int i = 0; i < stage.rays.count(); ++i) {
+    const auto pixel = static_cast<std::size_t>(batch.path[stage.state[static_cast<std::size_t>(i)].path].pixel);
+    const std::size_t row = pixel / (kCellPx * kDepthCellPx);
+    const std::size_t column = pixel % kCellPx / kDepthCellPx;
+    float& nearest_m = film.nearest_m[row * kDepthsPerSide + column];
+    nearest_m = std::min(nearest_m, stage.rays.distance(i));  // Infinite where there is no hit.
+  }
+}
+
 /// Adds the paths' light to their pixels in the order of the paths, so the sums do not depend on how a picture is cut.
 void collect(const TraceView& view, const PathBatch& batch, CellFilm& film) {
   const float limit = view.quality.firefly_limit / view.exposure;
@@ -129,6 +141,7 @@ void trace_paths(const TraceScene& scene, ShadeStage shade, const TraceView& vie
     RayQueue<RTCRayHit16>& rays = batch.current().rays;
     trace_nearest(scene.top, coherence, rays);
     batch.rays_traced += static_cast<std::uint64_t>(rays.count());
+    if (view.depth && coherence == Coherence::kCoherent) note_depth(batch, film);  // Only camera rays are coherent.
     draw_random_numbers(batch);
     shade(scene, view, batch, film);
     rays.clear();
@@ -144,6 +157,7 @@ void CellFilm::clear() {
   normal.fill(Vec3::Zero());
   distance.fill(0.0f);
   active.fill(true);
+  nearest_m.fill(kFar);
   light = 0.0;
   removed_light = 0.0;
   broken_samples = 0;

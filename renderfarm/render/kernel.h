@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "common/image/inverse_depth.h"
 #include "renderfarm/render/camera.h"
 #include "renderfarm/render/path_batch.h"
 #include "renderfarm/render/quality.h"
@@ -18,6 +19,9 @@ namespace cyclorama::render {
 /// Cells are squares of this many pixels, aligned to the picture, so the content of a cell never depends on the tiling.
 inline constexpr int kCellPx = 16;
 inline constexpr int kCellPixels = kCellPx * kCellPx;
+inline constexpr int kDepthsPerSide = kCellPx / kDepthCellPx;  ///< Cells of depth along each side of a cell.
+inline constexpr int kCellDepths = kDepthsPerSide * kDepthsPerSide;
+static_assert(kCellPx % kDepthCellPx == 0, "no cell of depth may lie in two cells");
 
 /// A PanoramaView, converted to the render frame.
 struct TraceView {
@@ -28,6 +32,7 @@ struct TraceView {
   float exposure = 1.0f;
   scene::ToneCurve tone = scene::ToneCurve::kShoulder;
   bool features = false;
+  bool depth = false;
 };
 
 /// Unit of work: some samples of the pixels of one cell.
@@ -49,9 +54,12 @@ struct CellFilm {
   std::array<Vec3, kCellPixels> normal;
   std::array<float, kCellPixels> distance;
   std::array<bool, kCellPixels> active;  ///< Pixels that need more samples.
-  double light = 0.0;                    ///< Luminance of all samples.
-  double removed_light = 0.0;            ///< Luminance that the firefly limit removed.
-  std::uint64_t broken_samples = 0;      ///< Samples that were NaN and count as black.
+  /// Distance along its ray of the nearest surface that the eye sees in each cell of depth, in metres, in rows of
+  /// kDepthsPerSide. Infinite where it sees none, and unless the view requests depth.
+  std::array<float, kCellDepths> nearest_m;
+  double light = 0.0;                ///< Luminance of all samples.
+  double removed_light = 0.0;        ///< Luminance that the firefly limit removed.
+  std::uint64_t broken_samples = 0;  ///< Samples that were NaN and count as black.
 
   void clear();
 };

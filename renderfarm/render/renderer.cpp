@@ -35,7 +35,9 @@ struct CellPart {
 struct Output {
   std::function<void(const TraceCell& cell, const CellPart& part, const CellFilm& film)> write;
   /// Returns true if the film has this cell already; null if it has none.
-  std::function<bool(const CellPart& part)> has;
+  std::function<bool(const CellPart& part)> has = nullptr;
+  bool features = false;
+  bool depth = false;
 };
 
 /// Rounds like render_film() and Film::mean(), so that a developed film has exactly the codes of render().
@@ -45,6 +47,25 @@ Vec3 exposed_mean(const CellFilm& film, std::size_t pixel, float exposure) {
 
 std::size_t pixel_of(const TraceCell& cell, int x, int y) {
   return static_cast<std::size_t>((y - cell.y) * kCellPx + x - cell.x);
+}
+
+/// Returns an image for the cells of depth that the rect touches.
+InverseDepthImage depth_image(const PixelRect& rect) {
+  const PixelRect cells = depth_cells(rect);
+  return {cells.width, cells.height};
+}
+
+/// Writes the cells of depth that a part touches to those of `rect`.
+void write_depth(const TraceCell& cell, const CellPart& part, const CellFilm& film, const PixelRect& rect,
+                 InverseDepthImage* depth) {
+  const PixelRect to = depth_cells(rect);
+  const PixelRect cells = depth_cells({part.left, part.top, part.right - part.left, part.bottom - part.top});
+  for (int y = cells.y; y < cells.y + cells.height; ++y) {
+    for (int x = cells.x; x < cells.x + cells.width; ++x) {
+      const int from = (y - cell.y / kDepthCellPx) * kDepthsPerSide + x - cell.x / kDepthCellPx;
+      *depth->at(x - to.x, y - to.y) = inverse_depth_of(film.nearest_m[static_cast<std::size_t>(from)]);
+    }
+  }
 }
 
 /// Working memory of one thread: too large for its stack, and too slow to allocate for every cell.
@@ -67,7 +88,7 @@ struct Renderer::State {
   mutable tbb::task_arena arena;
   mutable tbb::enumerable_thread_specific<std::unique_ptr<Workspace>> workspaces;
 
-  RenderCost run(const PanoramaView& view, const PixelRect& rect, bool features, const std::function<bool()>& cancelled,
+  RenderCost run(const PanoramaView& view, const PixelRect& rect, const std::function<bool()>& cancelled,
                  const Output& output) const;
 };
 
@@ -112,8 +133,8 @@ Result<std::unique_ptr<Renderer>> Renderer::build(scene::Scene scene, int thread
 
 void Renderer::compile_for(const SceneNeeds& more) { state_->shade = shade_stage_for(state_->needs | more); }
 
-RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect, bool features,
-                                const std::function<bool()>& cancelled, const Output& output) const {
+RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect, const std::function<bool()>& cancelled,
+                                const Output& output) const {
   CHECK(check_view(view, rect).has_value());
   const SteadyClock clock;
   const TimePoint start = clock.now();
@@ -124,7 +145,8 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
   traced_view.quality = view.quality;
   traced_view.exposure = static_cast<float>(scene.exposure);
   traced_view.tone = scene.tone;
-  traced_view.features = features;
+  traced_view.features = output.features;
+  traced_view.depth = output.depth;
 
   const int picture_width = view.picture().width_px();
   const int picture_height = view.picture().height_px();
@@ -173,8 +195,10 @@ RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect,
 }
 
 RenderCost Renderer::render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                            const std::function<bool()>& cancelled) const {
+                            const std::function<bool()>& cancelled, InverseDepthImage* ret_depth) const {
   *ret_pixels = RgbImage(rect.width, rect.height);
+  const bool with_depth = view.depth && ret_depth != nullptr;
+  if (ret_depth != nullptr) *ret_depth = view.depth ? depth_image(rect) : InverseDepthImage();
   const auto exposure = static_cast<float>(state_->scene.exposure);
   const ToneTable& tone = tone_table(state_->scene.tone);
   const auto write = [&](const TraceCell& cell, const CellPart& part, const CellFilm& film) {
@@ -185,13 +209,15 @@ RenderCost Renderer::render(const PanoramaView& view, const PixelRect& rect, Rgb
         for (int c = 0; c < 3; ++c) out[c] = tone.code(mean[c]);
       }
     }
+    if (with_depth) write_depth(cell, part, film, rect, ret_depth);
   };
-  return state_->run(view, rect, false, cancelled, {write, nullptr});
+  return state_->run(view, rect, cancelled, {.write = write, .depth = with_depth});
 }
 
 RenderCost Renderer::render_film(const PanoramaView& view, const PixelRect& rect, bool with_features, Film* ret_film,
                                  const std::function<bool()>& cancelled) const {
   *ret_film = Film(rect.width, rect.height, with_features);
+  if (view.depth) ret_film->depth = depth_image(rect);
   return finish_film(view, rect, ret_film, cancelled);
 }
 
@@ -199,6 +225,7 @@ RenderCost Renderer::finish_film(const PanoramaView& view, const PixelRect& rect
                                  const std::function<bool()>& cancelled) const {
   CHECK(to->width() == rect.width && to->height() == rect.height);
   const bool with_features = !to->features.albedo.empty();
+  const bool with_depth = !to->depth.empty();
   const auto exposure = static_cast<float>(state_->scene.exposure);
   const auto has = [&](const CellPart& part) { return *to->samples.at(part.left - rect.x, part.top - rect.y) > 0; };
   const auto write = [&](const TraceCell& cell, const CellPart& part, const CellFilm& film) {
@@ -217,8 +244,9 @@ RenderCost Renderer::finish_film(const PanoramaView& view, const PixelRect& rect
         *to->features.distance.at(column, row) = film.distance[pixel] * share;
       }
     }
+    if (with_depth) write_depth(cell, part, film, rect, &to->depth);
   };
-  return state_->run(view, rect, with_features, cancelled, {write, has});
+  return state_->run(view, rect, cancelled, {write, has, with_features, with_depth});
 }
 
 RenderCost Renderer::render_radiance(const PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,

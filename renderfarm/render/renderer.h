@@ -13,6 +13,7 @@
 #include "common/base/result.h"
 #include "common/geometry/projection.h"
 #include "common/image/image.h"
+#include "common/image/inverse_depth.h"
 #include "common/image/pixel_rect.h"
 #include "renderfarm/render/film.h"
 #include "renderfarm/render/quality.h"
@@ -40,6 +41,7 @@ struct PanoramaView {
   /// Decides every random number together with the pixel and the sample's number, so tiling has no effect.
   std::uint64_t seed = 0;
   std::optional<Projection> projection = std::nullopt;  ///< The picture's shape; null means `panorama` seen by one eye.
+  bool depth = false;  ///< Also notes the inverse depth of each cell of 4x4 pixels. The picture is the same either way.
 
   [[nodiscard]] Projection picture() const { return projection ? *projection : Projection{panorama, {}}; }
 };
@@ -78,14 +80,16 @@ class Renderer {
 
   /// Renders `rect` of the view into `ret_pixels`, resized to the rect, tone mapped, sRGB. Stops early and leaves the
   /// remaining pixels black once `cancelled` (may be null) returns true; it is called once per 16x16 cell, from any
-  /// thread. A rect of one such cell is rendered by the calling thread. Precondition: check_view().
+  /// thread. A rect of one such cell is rendered by the calling thread. `ret_depth` (may be null) becomes the depth of
+  /// the cells that the rect touches, like Film::depth. Precondition: check_view().
   RenderCost render(const PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                    const std::function<bool()>& cancelled) const;
+                    const std::function<bool()>& cancelled, InverseDepthImage* ret_depth = nullptr) const;
   /// Renders the samples, exposed but not tone mapped, into `ret_film`, which is recreated in the rect's size.
   RenderCost render_film(const PanoramaView& view, const PixelRect& rect, bool with_features, Film* ret_film,
                          const std::function<bool()>& cancelled) const;
   /// Completes a film of the rect's size whose rendering was cancelled. Cells that have samples already are kept, so
   /// nothing is rendered twice and the result equals that of render_film() to the last bit. A new Film has no samples.
+  /// Features and depth are those that the film has room for, whatever the view requests.
   RenderCost finish_film(const PanoramaView& view, const PixelRect& rect, Film* film,
                          const std::function<bool()>& cancelled) const;
   /// Renders the mean of the samples: linear radiance times exposure.

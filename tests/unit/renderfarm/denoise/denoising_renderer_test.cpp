@@ -87,6 +87,24 @@ TEST_F(DenoisingRendererTest, denoises_any_part_as_in_the_whole_film_bit_by_bit)
   }
 }
 
+TEST_F(DenoisingRendererTest, brings_the_depth_of_the_plain_picture_for_any_part) {
+  render::PanoramaView deep = view();
+  DenoisingRenderer denoising(*renderer_, 2);
+  RgbImage picture;
+  InverseDepthImage plain, depth;
+  denoising.render(deep, whole(deep), &picture, nullptr, &depth);
+  EXPECT_TRUE(depth.empty());
+  EXPECT_EQ(picture, picture_of(whole(deep), 2));
+  deep.depth = true;
+  renderer_->render(deep, whole(deep), &picture, nullptr, &plain);
+  for (const PixelRect& rect : {PixelRect{0, 0, 200, 150}, PixelRect{16, 0, 64, 150}, PixelRect{61, 37, 1, 1},
+                                PixelRect{190, 130, 10, 20}, PixelRect{48, 48, 16, 16}}) {
+    denoising.render(deep, rect, &picture, nullptr, &depth);
+    EXPECT_EQ(depth, cropped(plain, depth_cells(rect))) << rect.x << ", " << rect.y;
+    EXPECT_EQ(picture, picture_of(rect, 2));
+  }
+}
+
 TEST_F(DenoisingRendererTest, handles_another_size_and_an_empty_one_with_the_same_memory) {
   DenoisingRenderer denoising(*renderer_, 2);
   RgbImage first, small, empty, again;
@@ -177,6 +195,15 @@ TEST_F(DenoisingRendererTest, never_mixes_the_eyes_pictures) {
   }
   const RadianceImage right = cropped(all, {0, kHeight, 200, kHeight});
   EXPECT_NE(right, left);
+  render::PanoramaView deep = both;
+  deep.depth = true;
+  RgbImage picture;
+  InverseDepthImage plain, depth;
+  renderer_->render(deep, whole, &picture, nullptr, &plain);
+  for (const PixelRect& rect : {whole, PixelRect{32, 80, 64, 32}, PixelRect{160, 96, 40, 16}}) {
+    denoising.render(deep, rect, &picture, nullptr, &depth);
+    EXPECT_EQ(depth, cropped(plain, depth_cells(rect))) << rect.y;
+  }
 }
 
 TEST_F(DenoisingRendererTest, removes_noise_from_both_eyes_pictures) {

@@ -9,6 +9,7 @@
 
 #include "common/base/result.h"
 #include "common/image/image.h"
+#include "common/image/inverse_depth.h"
 #include "common/image/pixel_rect.h"
 #include "common/wire/farm.pb.h"
 #include "renderfarm/governor/refinement.h"
@@ -21,14 +22,16 @@ namespace cyclorama::node {
 class BlockRenderer {
  public:
   virtual ~BlockRenderer() = default;
-  /// Renders like Renderer::render(): `ret_pixels` is resized to `rect`; `cancelled` is called often, from any thread.
+  /// Renders like Renderer::render(): `ret_pixels` is resized to `rect`, `ret_depth` to its cells, or to nothing unless
+  /// the view requests depth; `cancelled` is called often, from any thread.
   virtual render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                                    const std::function<bool()>& cancelled) = 0;
+                                    InverseDepthImage* ret_depth, const std::function<bool()>& cancelled) = 0;
   /// Renders and denoises. Denoising needs a margin around `rect`, so one call per block is cheaper than one per tile.
   virtual render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect,
-                                             RgbImage* ret_pixels, const std::function<bool()>& cancelled) = 0;
+                                             RgbImage* ret_pixels, InverseDepthImage* ret_depth,
+                                             const std::function<bool()>& cancelled) = 0;
   /// Renders only the given samples of the view, whatever number of samples it requests, into `film`, which has the
-  /// rect's size and no features. Cells that have samples stay as they are, so a cancelled film can be continued. Sums
+  /// rect's size, no features and no depth. Cells that have samples stay as they are, so a cancelled film can be continued. Sums
   /// of films of the ranges of cut_samples(), added in that order, are bit-identical on any node.
   virtual render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
                                          const governor::SampleRange& samples, render::Film* film,

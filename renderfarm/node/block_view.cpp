@@ -38,6 +38,7 @@ Result<render::PanoramaView> view_of(const wire::RenderBlock& block) {
   view.heading_rad = block.view().heading_rad();
   view.quality = quality_of(block.view());
   view.seed = block.view().number();
+  view.depth = block.view().depth();
   const auto* const panorama = std::get_if<Panorama>(&picture.shape);
   if (panorama != nullptr && picture.stacked() == 1) {
     view.panorama = *panorama;

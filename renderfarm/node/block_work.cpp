@@ -14,6 +14,14 @@
 #include "renderfarm/node/block_view.h"
 
 namespace cyclorama::node {
+namespace {
+
+/// Returns `part` as measured from the corner of `whole`.
+PixelRect relative(const PixelRect& part, const PixelRect& whole) {
+  return {part.x - whole.x, part.y - whole.y, part.width, part.height};
+}
+
+}  // namespace
 
 Result<BlockWork> BlockWork::begin(std::shared_ptr<const BlockOrder> order) {
   TRY_ASSIGN(const render::PanoramaView view, view_of(order->block));
@@ -33,21 +41,24 @@ std::optional<RenderedTile> BlockWork::next_tile(FilmStore& films, const Interru
   const PixelRect& rect = tiles_[next_];
   BlockRenderer& renderer = *order_->renderer;
   RgbImage pixels;
+  InverseDepthImage depth;  // A picture at rest has none: nobody shows it from elsewhere.
   if (block().keep()) {
     pixels = refined(rect, films, interrupts);
   } else if (block().view().denoise()) {
     const PixelRect whole = rect_of(block());
     if (denoised_.empty()) {
-      add_cost(renderer.render_denoised(view_, whole, &denoised_, interrupts.cancelled), whole);
+      add_cost(renderer.render_denoised(view_, whole, &denoised_, &denoised_depth_, interrupts.cancelled), whole);
     }
-    pixels = cropped(denoised_, {rect.x - whole.x, rect.y - whole.y, rect.width, rect.height});
+    pixels = cropped(denoised_, relative(rect, whole));
+    if (view_.depth) depth = cropped(denoised_depth_, relative(depth_cells(rect), depth_cells(whole)));
   } else {
-    add_cost(renderer.render(view_, rect, &pixels, interrupts.cancelled), rect);
+    add_cost(renderer.render(view_, rect, &pixels, &depth, interrupts.cancelled), rect);
   }
   if (pixels.empty() || interrupts.cancelled()) return std::nullopt;
   ++next_;
   add_watermark(block().watermark(), rect, &pixels);
-  return RenderedTile{block().block(), block().view().number(), rect, std::move(pixels), jpeg_options_of(block())};
+  return RenderedTile{block().block(),   block().view().number(), rect,
+                      std::move(pixels), std::move(depth),        jpeg_options_of(block())};
 }
 
 RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Interrupts& interrupts) {

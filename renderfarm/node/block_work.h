@@ -57,6 +57,7 @@ class BlockWork {
   render::RenderCost cost_;
   std::optional<Refining> refining_;
   RgbImage denoised_;  ///< Pixels of the whole block, once rendered.
+  InverseDepthImage denoised_depth_;
 };
 
 }  // namespace cyclorama::node

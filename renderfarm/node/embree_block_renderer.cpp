@@ -25,13 +25,13 @@ class EmbreeBlockRenderer final : public BlockRenderer {
       : renderer_(std::move(renderer)), denoising_(*renderer_, threads), note_(std::move(note)) {}
 
   render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                            const std::function<bool()>& cancelled) override {
-    return renderer_->render(view, rect, ret_pixels, cancelled);
+                            InverseDepthImage* ret_depth, const std::function<bool()>& cancelled) override {
+    return renderer_->render(view, rect, ret_pixels, cancelled, ret_depth);
   }
 
   render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                                     const std::function<bool()>& cancelled) override {
-    return denoising_.render(view, rect, ret_pixels, cancelled);
+                                     InverseDepthImage* ret_depth, const std::function<bool()>& cancelled) override {
+    return denoising_.render(view, rect, ret_pixels, cancelled, ret_depth);
   }
 
   render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,

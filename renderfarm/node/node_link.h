@@ -13,6 +13,7 @@
 
 #include "common/base/clock.h"
 #include "common/image/image.h"
+#include "common/image/inverse_depth.h"
 #include "common/image/jpeg.h"
 #include "common/image/pixel_rect.h"
 #include "common/wire/nodes.pb.h"
@@ -25,12 +26,13 @@ class Channel;
 
 namespace cyclorama::node {
 
-/// Pixels to be encoded.
+/// Pixels to be encoded, and the depth of their cells of 4x4; empty unless the view requests it.
 struct RenderedTile {
   std::uint64_t block = 0;
   std::uint64_t view_number = 0;
   PixelRect rect;
   RgbImage pixels;
+  InverseDepthImage depth;
   JpegOptions options;
 };
 /// The end of a block, sent after its last tile.

@@ -30,6 +30,7 @@ wire::NodeReport TileSender::encoded(const RenderedTile& tile) {
     encoding.error =
         jpeg.error().message();  // The coordinator refuses an empty tile; the block's end reports the reason.
   }
+  if (!tile.depth.empty()) message->mutable_tile()->set_depth(encode_inverse_depth(tile.depth));
   encoding.cpu_seconds += thread_cpu_seconds() - begun;
   return report;
 }

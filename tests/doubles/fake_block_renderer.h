@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/image/cells.h"
+#include "common/image/inverse_depth.h"
 #include "renderfarm/node/block_renderer.h"
 #include "tests/doubles/fake_scene.h"
 
@@ -67,6 +68,17 @@ class FakeRendering {
   int rects_left_ = -1;
 };
 
+/// Returns the depth that every fake renderer gives these cells of a picture: no two neighbours are alike.
+inline InverseDepthImage fake_depth(const PixelRect& cells) {
+  InverseDepthImage depth(cells.width, cells.height);
+  for (int y = 0; y < cells.height; ++y) {
+    for (int x = 0; x < cells.width; ++x) {
+      *depth.at(x, y) = static_cast<std::uint16_t>((5 * (cells.x + x) + 997 * (cells.y + y)) % (kMaxInverseDepth + 1));
+    }
+  }
+  return depth;
+}
+
 /// Renders a pattern that depends on the pixel and on every field of the view, and on nothing else.
 class FakeBlockRenderer final : public node::BlockRenderer {
  public:
@@ -74,8 +86,9 @@ class FakeBlockRenderer final : public node::BlockRenderer {
       : shared_(std::move(shared)), memory_bytes_(memory_bytes) {}
 
   render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                            const std::function<bool()>& cancelled) override {
+                            InverseDepthImage* ret_depth, const std::function<bool()>& cancelled) override {
     *ret_pixels = RgbImage(rect.width, rect.height);
+    *ret_depth = view.depth ? fake_depth(depth_cells(rect)) : InverseDepthImage();
     if (!shared_->pass_gate(cancelled)) return {};
     for (int y = 0; y < rect.height; ++y) {
       for (int x = 0; x < rect.width; ++x) colour(view, rect.x + x, rect.y + y, ret_pixels->at(x, y));
@@ -85,8 +98,8 @@ class FakeBlockRenderer final : public node::BlockRenderer {
   }
   /// Renders the negative of the pattern.
   render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                                     const std::function<bool()>& cancelled) override {
-    const render::RenderCost cost = render(view, rect, ret_pixels, cancelled);
+                                     InverseDepthImage* ret_depth, const std::function<bool()>& cancelled) override {
+    const render::RenderCost cost = render(view, rect, ret_pixels, ret_depth, cancelled);
     for (std::uint8_t& value : ret_pixels->data()) value = static_cast<std::uint8_t>(255 - value);
     return cost;
   }

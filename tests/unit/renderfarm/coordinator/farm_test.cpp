@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/image/inverse_depth.h"
 #include "common/image/jpeg.h"
 #include "common/wire/channel.h"
 #include "common/wire/farm.grpc.pb.h"
@@ -57,6 +58,19 @@ RgbImage composed(const RecordingFarmListener::Frame& frame) {
   }
   EXPECT_TRUE(std::ranges::all_of(hits.data(), [](auto n) { return n == 1; })) << "frame " << frame.view.number();
   return picture;
+}
+
+/// Returns the depth of a frame as a display would use it; nothing unless every tile brings it.
+std::optional<InverseDepthImage> composed_depth(const RecordingFarmListener::Frame& frame) {
+  const auto& p = frame.view.panorama();
+  const PixelRect all = depth_cells({0, 0, static_cast<int>(p.width_px()), static_cast<int>(p.height_px())});
+  InverseDepthImage depth(all.width, all.height);
+  for (const wire::Tile& tile : frame.tiles) {
+    const PixelRect rect{static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px()),
+                         static_cast<int>(tile.width_px()), static_cast<int>(tile.height_px())};
+    if (!decode_inverse_depth(std::as_bytes(std::span(tile.depth())), depth_cells(rect), &depth)) return std::nullopt;
+  }
+  return depth;
 }
 
 struct TestNode {
@@ -179,6 +193,48 @@ TEST_F(FarmTest, denoises_blocks_if_a_view_requests_it) {
     different += std::abs(255 - plain.data()[i] - negative.data()[i]) > 40 ? 1u : 0u;  // Beyond JPEG's error.
   }
   EXPECT_LT(different, plain.data().size() / 50);
+}
+
+TEST_F(FarmTest, brings_whole_depth_if_a_view_requests_it) {
+  start_coordinator();
+  std::vector<TestNode> nodes;
+  for (int i = 0; i < 3; ++i) nodes.push_back(add_node());
+  ASSERT_TRUE(wait_for_nodes(3));
+  const auto client = add_client(listener);
+  for (std::uint64_t number = 1; number <= 4; ++number) {
+    wire::View view = view_of(number);
+    view.set_depth(number % 2 == 0);
+    view.set_denoise(number == 4);
+    client->request(view);
+    ASSERT_TRUE(wait_for_frames(number));
+  }
+  const auto seen = listener.seen();
+  for (const auto& frame : seen.frames) {
+    EXPECT_EQ(frame.view.depth(), frame.view.number() % 2 == 0);
+    if (frame.view.depth()) {
+      EXPECT_EQ(composed_depth(frame), fake_depth({0, 0, 300, 125}));
+    } else {
+      for (const wire::Tile& tile : frame.tiles) EXPECT_TRUE(tile.depth().empty());
+    }
+  }
+}
+
+TEST_F(FarmTest, brings_no_depth_at_rest) {
+  start_coordinator();
+  TestNode node = add_node();
+  ASSERT_TRUE(wait_for_nodes(1));
+  const auto client = add_client(listener, "", 1000.0);
+  wire::View view = view_of(1);
+  view.set_depth(true);
+  client->request(view);
+  ASSERT_TRUE(wait_for_rest());
+  const auto seen = listener.seen();
+  ASSERT_GT(seen.frames.size(), 1u);
+  EXPECT_TRUE(composed_depth(seen.frames.front()));
+  for (std::size_t i = 1; i < seen.frames.size(); ++i) {
+    EXPECT_FALSE(seen.frames[i].view.depth());
+    for (const wire::Tile& tile : seen.frames[i].tiles) EXPECT_TRUE(tile.depth().empty());
+  }
 }
 
 TEST_F(FarmTest, completes_frames_when_a_node_dies_during_one) {

@@ -17,10 +17,12 @@
 #include <fstream>
 #include <set>
 
+#include "common/image/inverse_depth.h"
 #include "common/image/jpeg.h"
 #include "common/wire/channel.h"
 #include "common/wire/farm.grpc.pb.h"
 #include "common/wire/nodes.grpc.pb.h"
+#include "common/wire/payload.h"
 #include "renderfarm/coordinator/coordinator.h"
 #include "renderfarm/node/embree_block_renderer.h"
 #include "renderfarm/node/farm_node.h"
@@ -80,6 +82,9 @@ const std::set<std::string> kReviewed = {
     "SceneSummary.title: string",
     "StageTime.name: string",
     "StageTime.seconds: double",
+    // Distances to 12 bits, one for 16 pixels and only those that the eye sees: what a museum can compute from two of
+    // its pictures by triangulation, and no more of the geometry than that.
+    "Tile.depth: bytes",
     "Tile.height_px: uint32",
     "Tile.jpeg: bytes",
     "Tile.view_number: uint64",
@@ -96,6 +101,7 @@ const std::set<std::string> kReviewed = {
     "View.adaptive_minimum: uint32",
     "View.bounces: uint32",
     "View.denoise: bool",
+    "View.depth: bool",
     "View.eye_m: Vector3",
     "View.firefly_limit: float",
     "View.first_sample: uint32",
@@ -340,7 +346,9 @@ wire::View view_of(std::uint64_t number, double heading) {
 }
 
 TEST_F(MuseumsPortTest, reveals_pictures_but_no_geometry) {
-  ASSERT_TRUE(patient_session({}, {view_of(1, 0.0), view_of(2, 1.5), view_of(3, -2.5)}, 3).ok());
+  wire::View deep = view_of(3, -2.5);
+  deep.set_depth(true);
+  ASSERT_TRUE(patient_session({}, {view_of(1, 0.0), view_of(2, 1.5), deep}, 3).ok());
   wire::OpenSession governed;  // Comes to rest, so that refined pictures are sent as well.
   governed.set_scene("odd");
   governed.set_frame_budget_ms(200);
@@ -359,15 +367,24 @@ TEST_F(MuseumsPortTest, reveals_pictures_but_no_geometry) {
   std::size_t tiles = 0;
   std::size_t other_bytes = 0;
   std::set<int> colours;
+  std::set<int> depths;
   for (const wire::SessionReply& reply : said) {
-    other_bytes += reply.ByteSizeLong() - (reply.has_tile() ? reply.tile().jpeg().size() : 0);
+    other_bytes += reply.ByteSizeLong() - (reply.has_tile() ? payload_bytes(reply.tile()) : 0);
     frames += reply.has_end() ? 1u : 0u;
     if (!reply.has_tile()) continue;
     ++tiles;
     expect_plain(reply.tile().jpeg());
     const auto pixels = JpegDecoder().decode(std::as_bytes(std::span(reply.tile().jpeg())), 1 << 20);
     if (pixels) colours.insert(pixels->data().begin(), pixels->data().end());
+    if (reply.tile().depth().empty()) continue;
+    InverseDepthImage depth(static_cast<int>(reply.tile().width_px()) / kDepthCellPx,
+                            static_cast<int>(reply.tile().height_px()) / kDepthCellPx);
+    EXPECT_TRUE(decode_inverse_depth(std::as_bytes(std::span(reply.tile().depth())),
+                                     {0, 0, depth.width(), depth.height()}, &depth))
+        << "nothing but depth";
+    depths.insert(depth.data().begin(), depth.data().end());
   }
+  EXPECT_GT(depths.size(), 2u) << "the depth must be the scene's";
   EXPECT_EQ(frames, 5u);
   EXPECT_GT(colours.size(), 10u) << "the pictures must show the scene, or the search proves nothing";
   // The scene description and the frames' metadata are too small to hold a scene.

@@ -11,7 +11,7 @@ namespace {
 
 enum class Kind { kMoving, kDenoised, kAtRest };
 
-std::vector<RenderedTile> tiles(Kind kind, std::uint64_t watermark) {
+std::vector<RenderedTile> tiles(Kind kind, std::uint64_t watermark, bool depth = false) {
   auto order = std::make_shared<BlockOrder>();
   order->renderer = std::make_shared<FakeBlockRenderer>(std::make_shared<FakeRendering>());
   wire::RenderBlock& block = order->block;
@@ -27,6 +27,7 @@ std::vector<RenderedTile> tiles(Kind kind, std::uint64_t watermark) {
   view.set_samples(2);
   view.set_jpeg_quality(85);
   view.set_denoise(kind == Kind::kDenoised);
+  view.set_depth(depth);
   view.mutable_panorama()->set_width_px(1024);
   view.mutable_panorama()->set_height_px(512);
   view.mutable_panorama()->set_azimuth_span_rad(2.0);
@@ -56,6 +57,25 @@ TEST_P(BlockWorkMarks, every_tile_by_its_position_in_the_picture_if_there_is_a_k
   }
 }
 
+class BlockWorkDepth : public testing::TestWithParam<Kind> {};
+
+TEST_P(BlockWorkDepth, comes_with_every_tile_of_a_moving_picture_whose_view_requests_it) {
+  const std::vector<RenderedTile> without = tiles(GetParam(), 0);
+  const std::vector<RenderedTile> with = tiles(GetParam(), 0, true);
+  ASSERT_GT(with.size(), 1u);
+  ASSERT_EQ(with.size(), without.size());
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    EXPECT_TRUE(without[i].depth.empty());
+    EXPECT_EQ(with[i].pixels, without[i].pixels);
+    if (GetParam() == Kind::kAtRest) {
+      EXPECT_TRUE(with[i].depth.empty());
+    } else {
+      EXPECT_EQ(with[i].depth, fake_depth(depth_cells(with[i].rect)));
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfAllKinds, BlockWorkDepth, testing::Values(Kind::kMoving, Kind::kDenoised, Kind::kAtRest));
 INSTANTIATE_TEST_SUITE_P(OfAllKinds, BlockWorkMarks, testing::Values(Kind::kMoving, Kind::kDenoised, Kind::kAtRest));
 
 }  // namespace

@@ -89,7 +89,9 @@ TEST(EmbreeBlockRenderer, develops_a_film_to_the_codes_of_render_with_the_scenes
     render::PanoramaView view = view_of_sheet();
     view.quality.samples = 7;  // The division by 7 rounds.
     RgbImage picture;
-    (*loaded)->render(view, kRect, &picture, nullptr);
+    InverseDepthImage depth;
+    (*loaded)->render(view, kRect, &picture, &depth, nullptr);
+    EXPECT_TRUE(depth.empty());
     render::Film film(kRect.width, kRect.height, false);
     (*loaded)->render_film(view, kRect, {0, 7}, &film, nullptr);
     EXPECT_EQ((*loaded)->developed(film), picture) << curve;

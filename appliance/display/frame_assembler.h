@@ -69,7 +69,7 @@ class FrameAssembler {
   class Assembly;
   class PictureStore;
   class DepthStore;
-  /// What all frames of one size share.
+  /// Data that all frames of one size share.
   struct KnownParts {
     Projection picture;
     int mesh_cells = 1;

@@ -67,7 +67,7 @@ class PanoramaTexture {
   static constexpr GLint kRedUnit = 2;
   struct Plane {
     output::GlTexture texture;
-    int width = 0;  ///< Of the texture; the picture is in its upper left corner.
+    int width = 0;  ///< The texture's width; the picture is in its upper left corner.
     int height = 0;
   };
   void bind_planes() const;

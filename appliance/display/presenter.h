@@ -95,7 +95,7 @@ class Presenter {
   SynchronisedRefresh shared_;
   YawShift shift_;
   ReprojectionPainter reprojection_;
-  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();  // By which panorama_ is drawn moved.
+  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();  // Move with which panorama_ is drawn.
   double drawn_share_ = -1.0;
   bool is_drawn_ = false;     // The heads show the present picture.
   bool takes_turns_ = false;  // A head alternates the eyes' pictures at each refresh.

@@ -11,7 +11,7 @@
 namespace cyclorama::display {
 namespace {
 
-/// How far the grid reaches beyond the picture's edge.
+/// The grid reaches so far beyond the picture's edge.
 constexpr float kBeyond_px = 96.0f;
 /// Inverse depth jumps across a quad if its corners differ by more than this share of the largest.
 constexpr float kJump = 0.08f;

@@ -53,7 +53,7 @@ struct ReprojectedVertex {
   float source_down_px = 0.0f;
 };
 
-/// What ReprojectionMesh::move() computes; keep it, so that its memory is reused.
+/// The result of ReprojectionMesh::move(); keep it, so that its memory is reused.
 struct ReprojectedPicture {
   std::vector<ReprojectedVertex>
       vertices;  ///< The grid's, then eight for each torn quad: its far side's, its near side's.

@@ -115,7 +115,7 @@ Status ReprojectionPainter::draw(const ReprojectionMesh& mesh, const Eigen::Vect
   gl_->Enable(GL_SCISSOR_TEST);
   for (int eye = 0; eye < panorama->stacked(); ++eye) {
     gl_->Scissor(0, eye * height, panorama->texture_width(), height);
-    // What leaves a whole turn on one side enters on the other.
+    // Everything that leaves a whole turn on one side enters on the other.
     for (int turn = wraps ? -1 : 0; turn <= (wraps ? 1 : 0); ++turn) {
       gl_->Uniform1f(moved_across_, static_cast<float>(turn * width));
       draw_triangles(mesh.smooth(static_cast<std::size_t>(eye)));

@@ -36,7 +36,7 @@ int unfolded(unsigned code) {
 }  // namespace
 
 std::uint16_t inverse_depth_of(float distance_m) {
-  const float value = static_cast<float>(kMaxInverseDepth * kNearestDepth_m) / distance_m;
+  const float value = static_cast<float>(kMaxInverseDepth * kMinDepth_m) / distance_m;
   if (!(value > 0.0f)) return 0;
   return static_cast<std::uint16_t>(std::lround(std::min(value, static_cast<float>(kMaxInverseDepth))));
 }

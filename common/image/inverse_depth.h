@@ -20,7 +20,7 @@ namespace cyclorama {
 
 inline constexpr int kDepthCellPx = 4;
 inline constexpr int kMaxInverseDepth = 4095;
-inline constexpr double kNearestDepth_m = 0.1;
+inline constexpr double kMinDepth_m = 0.1;
 
 /// Rows of cells from the top; values up to kMaxInverseDepth.
 using InverseDepthImage = Image<std::uint16_t, 1>;
@@ -29,7 +29,7 @@ using InverseDepthImage = Image<std::uint16_t, 1>;
 [[nodiscard]] std::uint16_t inverse_depth_of(float distance_m);
 /// Returns 1 / distance, per metre.
 [[nodiscard]] inline float inverse_metres(std::uint16_t inverse_depth) {
-  return static_cast<float>(inverse_depth) * static_cast<float>(1.0 / (kMaxInverseDepth * kNearestDepth_m));
+  return static_cast<float>(inverse_depth) * static_cast<float>(1.0 / (kMaxInverseDepth * kMinDepth_m));
 }
 
 /// Returns the cells that a rectangle of pixels touches; none for an empty one. Precondition: x and y are not negative.

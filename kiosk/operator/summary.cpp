@@ -137,6 +137,10 @@ std::string summary_json(const Recording& recording, const RecordedSpan& span,
   const wire::ProcessStatus* const known = recording.status_of("tour");
   const wire::ProcessStatus tour = known == nullptr ? wire::ProcessStatus() : *known;
   const auto gauge = [&](std::string_view name) { return gauge_of(tour, name).value_or(0.0); };
+  const wire::ProcessStatus* const display = recording.status_of("display");
+  const auto shown_gauge = [&](std::string_view name) {
+    return display == nullptr ? 0.0 : gauge_of(*display, name).value_or(0.0);
+  };
   Json json{{"scene", fact_of(tour, "scene")},
             {"title", fact_of(tour, "title")},
             {"triangles", parse_integer(fact_of(tour, "triangles")).value_or(0)},
@@ -144,6 +148,11 @@ std::string summary_json(const Recording& recording, const RecordedSpan& span,
             {"seconds", span.seconds},
             {"frames", static_cast<std::int64_t>(span.frames)},
             {"fps", span.seconds > 0.0 ? span.frames / span.seconds : 0.0},
+            {"shown_hz", shown_gauge("poses_per_second")},
+            {"eye_missed_m", shown_gauge("eye_missed_m")},
+            {"scale", gauge("picture_scale")},
+            {"samples", gauge("samples_per_pixel")},
+            {"wasted", gauge("wasted_frames_share")},
             {"bytes_per_frame", gauge("bytes_per_frame")},
             {"balance_efficiency", gauge("balance_efficiency")},
             {"first_picture_s", nullptr},

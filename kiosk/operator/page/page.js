@@ -308,6 +308,8 @@ function showVisit(status) {
   document.title = tour.facts.title ? `${tour.facts.title} · Cyclorama` : "Cyclorama";
   byId("credits").textContent = tour.facts.credits || "";
   figure("fps", fixed(gauges.frames_per_second, 1));
+  const display = status.processes.find((process) => process.name === "display" && !process.away);
+  figure("poses", fixed(display?.gauges.poses_per_second, 0));
   figure("latency", tour.away || !photon ? "–" : milliseconds(photon.p50_ms), "ms");
   figure("bytes", bytes(gauges.bytes_per_frame));
   figure(

@@ -300,6 +300,7 @@ void Tour::on_begin(const wire::View& view) {
     passed_over = pacer_.began(view.number());
   }
   log_.add_dropped("the farm went on to a newer view", passed_over);
+  log_.add_begin(view);
   wire::ShowMessage message;
   *message.mutable_begin() = view;
   broadcast(std::move(message));

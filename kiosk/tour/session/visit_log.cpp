@@ -60,8 +60,16 @@ void VisitLog::add_view(const wire::View& view, TimePoint now, std::optional<Tim
   const std::lock_guard lock(mutex_);
   if (pose_received_at) inspection_.add_stage_time("steer", now - *pose_received_at);
   refinement_.reset();
-  sent_[view.number()] = {view.shutter_ns(), now, false, false, false};
+  sent_[view.number()] = {view.shutter_ns(), now, view.panorama().width_px(), false, false, false};
   if (sent_.size() > kMaxSent) sent_.erase(sent_.begin());
+}
+
+void VisitLog::add_begin(const wire::View& view) {
+  const std::lock_guard lock(mutex_);
+  const auto sent = sent_.find(view.number());
+  if (sent == sent_.end() || sent->second.ended || sent->second.width_px == 0) return;
+  inspection_.set_gauge("picture_scale",
+                        static_cast<double>(view.panorama().width_px()) / static_cast<double>(sent->second.width_px));
 }
 
 void VisitLog::add_tile(const wire::Tile& tile) {

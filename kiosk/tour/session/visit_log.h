@@ -23,7 +23,7 @@ namespace cyclorama::tour {
 /// stages   capture, detect, pose (tracker) · steer · farm_round_trip · plan, render, encode, farm (FrameEnd) ·
 ///          decode, wait, draw (display) · shutter_to_photon
 /// gauges   frames, frames_per_second, refined_frames, samples_per_pixel, bytes_per_frame, balance_efficiency,
-///          wasted_frames_share (of the last kMaxSent views: requested, and passed over by every display),
+///          picture_scale (width of a moving frame over the requested one), wasted_frames_share (of the last kMaxSent views: requested, and passed over by every display),
 ///          "dropped: REASON"
 ///
 /// Names and reasons come from the wire: unprintable ones are escaped, and beyond a fixed number they share one entry,
@@ -37,6 +37,8 @@ class VisitLog {
   void add_pose(const wire::TrackedPose& pose);
   /// `pose_received_at` is the arrival of the pose that the view follows, for the first view that follows it.
   void add_view(const wire::View& view, TimePoint now, std::optional<TimePoint> pose_received_at);
+  /// Records the picture that the farm begins to send: its size may be smaller than requested.
+  void add_begin(const wire::View& view);
   void add_tile(const wire::Tile& tile);
   void add_end(const wire::FrameEnd& end, TimePoint now);
   /// Counts a frame once, however many displays show it.
@@ -58,6 +60,7 @@ class VisitLog {
   struct Sent {
     std::int64_t shutter_ns = 0;
     TimePoint asked_at{};
+    std::uint32_t width_px = 0;
     bool ended = false;  ///< True after the first end; later frames refine the view.
     bool presented = false;
     bool dropped = false;

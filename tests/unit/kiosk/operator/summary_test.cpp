@@ -44,6 +44,11 @@ struct Museum {
     tour->inspection.set_gauge("dropped: a node was lost", 2);
     tour->inspection.add_stage_time("draw", 3ms);
     tour->inspection.add_stage_time("steer", 3ms);
+    tour->inspection.set_gauge("picture_scale", 0.75);
+    tour->inspection.set_gauge("samples_per_pixel", 4);
+    tour->inspection.set_gauge("wasted_frames_share", 0.01);
+    display->inspection.set_gauge("poses_per_second", 59.0);
+    display->inspection.set_gauge("eye_missed_m", 0.25);
     display->inspection.set_picture("panorama", ramp_picture(0));
     display->inspection.set_picture("projector/left", ramp_picture(5));
     tracker->inspection.set_picture("camera", ramp_picture(7));
@@ -78,6 +83,11 @@ TEST(Summary, has_the_demos_figures_in_the_order_of_a_frame) {
   EXPECT_EQ(json["nodes"], 2);
   EXPECT_EQ(json["frames"], 100);
   EXPECT_EQ(json["fps"], 10.0);
+  EXPECT_EQ(json["shown_hz"], 59.0);
+  EXPECT_EQ(json["eye_missed_m"], 0.25);
+  EXPECT_EQ(json["scale"], 0.75);
+  EXPECT_EQ(json["samples"], 4);
+  EXPECT_EQ(json["wasted"], 0.01);
   EXPECT_EQ(json["first_picture_s"], 12.5);
   EXPECT_EQ(json["drops"]["a node was lost"], 2);
   EXPECT_EQ(json["stages"].begin().key(), "steer");

@@ -99,6 +99,24 @@ TEST(VisitLog, reports_bytes_balance_and_why_frames_were_dropped) {
   EXPECT_EQ(log.gauge("dropped: a node was lost"), 1.0);
 }
 
+TEST(VisitLog, reports_the_size_of_moving_frames_only) {
+  Log log;
+  wire::View view;
+  view.set_number(1);
+  view.mutable_panorama()->set_width_px(1000);
+  log.log.add_view(view, log.now, std::nullopt);
+  view.mutable_panorama()->set_width_px(700);
+  log.log.add_begin(view);
+  EXPECT_NEAR(log.gauge("picture_scale"), 0.7, 1e-9);
+  wire::FrameEnd end;
+  end.set_view_number(1);
+  end.set_complete(true);
+  log.log.add_end(end, log.now);
+  view.mutable_panorama()->set_width_px(1000);  // The farm refines it at its full size.
+  log.log.add_begin(view);
+  EXPECT_NEAR(log.gauge("picture_scale"), 0.7, 1e-9);
+}
+
 TEST(VisitLog, distinguishes_a_refined_picture_from_a_new_one) {
   Log log;
   wire::View view;

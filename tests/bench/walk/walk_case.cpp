@@ -9,6 +9,7 @@
 
 #include "appliance/display/eye_move.h"
 #include "common/geometry/guard_band.h"
+#include "common/geometry/picture_place.h"
 #include "common/image/cropped.h"
 #include "common/image/jpeg.h"
 #include "common/image/png.h"
@@ -81,7 +82,9 @@ WalkCase::WalkCase(node::BlockRenderer* renderer, WalkedPath path, const WalkPic
     : renderer_(*renderer), path_(std::move(path)), settings_(pictures) {
   const double tan_half = 0.5 * settings_.span_rad * settings_.height / settings_.width;
   wall_ = Panorama{settings_.width, settings_.height, settings_.span_rad, tan_half, -tan_half};
-  picture_ = with_guard_band(wall_, settings_.guard_rad, parallax(kResidual_m, kNear_m));
+  whole_ = with_guard_band(wall_, settings_.guard_rad, parallax(kResidual_m, kNear_m));
+  const auto scaled = [&](int px) { return std::max(16, static_cast<int>(std::lround(settings_.scale * px))); };
+  picture_ = with_pixels(whole_, scaled(width_px(whole_)), scaled(height_px(whole_)));
   grid_ =
       std::make_shared<const display::ReprojectionGrid>(Projection{picture_, {}}, settings_.mesh_cells * kDepthCellPx);
   truth_.resize(static_cast<std::size_t>(path_.refreshes()));
@@ -95,30 +98,36 @@ Result<std::unique_ptr<WalkCase>> WalkCase::make(node::BlockRenderer* renderer, 
   return walk;
 }
 
-Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with_mesh, WalkFigures* bytes) {
+display::DisplayFrame WalkCase::rendered(const WalkPose& pose, const PictureShape& shape, bool with_mesh,
+                                         RgbImage* ret_pixels, InverseDepthImage* ret_depth) {
   render::PanoramaView view;
   view.eye = pose.eye_m;
   view.heading_rad = pose.heading_rad;
-  view.panorama = std::get<Panorama>(picture_);
+  view.panorama = std::get<Panorama>(shape);
   view.quality.samples = settings_.samples;
   view.quality.bounces = renderer_.bounces();
   view.quality.stored_light = true;
   view.depth = with_mesh;
   view.seed = ++seed_;
-  const PixelRect whole{0, 0, width_px(picture_), height_px(picture_)};
-  RgbImage pixels;
-  InverseDepthImage depth;
-  renderer_.render(view, whole, &pixels, &depth, nullptr);
+  renderer_.render(view, {0, 0, width_px(shape), height_px(shape)}, ret_pixels, ret_depth, nullptr);
   display::DisplayFrame frame;
   frame.eye_m = pose.eye_m;
   frame.heading_rad = pose.heading_rad;
-  frame.shape = picture_;
-  JpegEncoder encoder;
-  auto planes = std::make_shared<PlanarPicture>(encoder.to_planar(pixels));
-  if (settings_.jpeg_quality > 0 && bytes != nullptr) {
-    *planes = PlanarPicture(whole.width, whole.height, true);
+  frame.shape = shape;
+  frame.picture = std::make_shared<const PlanarPicture>(JpegEncoder().to_planar(*ret_pixels));
+  return frame;
+}
+
+Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with_mesh, WalkFigures* bytes) {
+  RgbImage pixels;
+  InverseDepthImage depth;
+  display::DisplayFrame frame = rendered(pose, picture_, with_mesh, &pixels, &depth);
+  if (settings_.jpeg_quality > 0) {
+    const PixelRect whole{0, 0, pixels.width(), pixels.height()};
+    auto planes = std::make_shared<PlanarPicture>(whole.width, whole.height, true);
     std::size_t jpeg_bytes = 0;
     std::size_t depth_bytes = 0;
+    JpegEncoder encoder;
     JpegDecoder decoder;
     for (const PixelRect& tile : balance::tiles_of(whole)) {
       TRY_ASSIGN(const auto jpeg, encoder.encode(cropped(pixels, tile), {settings_.jpeg_quality, true}));
@@ -127,8 +136,8 @@ Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with
       if (with_mesh) depth_bytes += encode_inverse_depth(cropped(depth, depth_cells(tile))).size();
     }
     bytes->depth_share += static_cast<double>(depth_bytes) / static_cast<double>(jpeg_bytes);
+    frame.picture = std::move(planes);
   }
-  frame.picture = std::move(planes);
   if (with_mesh) frame.mesh = std::make_shared<const display::ReprojectionMesh>(grid_, depth);
   return frame;
 }
@@ -137,8 +146,9 @@ Result<const RgbImage*> WalkCase::truth_at(int refresh) {
   RgbImage& truth = truth_[static_cast<std::size_t>(refresh)];
   if (truth.empty()) {
     const WalkPose pose = path_.at(refresh);
-    TRY_ASSIGN(const display::DisplayFrame frame, frame_at(pose, false, nullptr));
-    TRY(shown_->take(frame));
+    RgbImage pixels;
+    InverseDepthImage none;
+    TRY(shown_->take(rendered(pose, whole_, false, &pixels, &none)));
     TRY_ASSIGN(truth, shown_->shown(pose.eye_m, pose.heading_rad, false));
   }
   return &truth;

@@ -33,6 +33,7 @@ struct WalkPictures {
   int height = 384;
   double span_rad = 2.6179938779914944;   ///< 150 degrees.
   double guard_rad = 0.1396263401595464;  ///< 8 degrees: the tour's default.
+  double scale = 1.0;  ///< Size of the farm's frames over the wall's, each way; the truth has the wall's.
   int samples = 4;
   int jpeg_quality = 0;  ///< 0: frames reach the display without JPEG.
   int mesh_cells = 1;
@@ -66,14 +67,18 @@ class WalkCase {
 
  private:
   WalkCase(node::BlockRenderer* renderer, WalkedPath path, const WalkPictures& pictures);
+  /// A frame as the farm sends it; the bytes of its parts are added to `bytes`.
   Result<display::DisplayFrame> frame_at(const WalkPose& pose, bool with_mesh, WalkFigures* bytes);
+  [[nodiscard]] display::DisplayFrame rendered(const WalkPose& pose, const PictureShape& shape, bool with_mesh,
+                                               RgbImage* ret_pixels, InverseDepthImage* ret_depth);
   Result<const RgbImage*> truth_at(int refresh);
 
   node::BlockRenderer& renderer_;
   WalkedPath path_;
   WalkPictures settings_;
   PictureShape wall_;
-  PictureShape picture_;  ///< With the guard band.
+  PictureShape whole_;    ///< The wall's, with the guard band.
+  PictureShape picture_;  ///< The farm's: smaller by `scale`.
   std::shared_ptr<const display::ReprojectionGrid> grid_;
   std::unique_ptr<ShownWall> shown_;
   std::vector<RgbImage> truth_;

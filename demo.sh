@@ -11,7 +11,7 @@
 #   --nodes N         number of render nodes (2)
 #   --installation F  the room: wall, sweet spot and projectors (demo/installation.toml; demo/ has rooms of every kind)
 #   --size WxH        the picture on the wall, in pixels (768x288; in another room 768 wide with square pixels)
-#   --budget-ms N     time per frame: the farm chooses the quality that fits, and refines pictures at rest (50)
+#   --budget-ms N     time per frame: the farm chooses the quality that fits, and refines pictures at rest (150)
 #   --samples N       fixed number of rays per pixel instead of a budget
 #   --camera SPEC     the tag camera: simulated (default), file:PHOTO, file:VIDEO
 #   --port N          the page's port (8080)
@@ -52,7 +52,7 @@ whole --triangles "$triangles" 10000 60000000
 whole --seed "$seed" 0 999999999
 whole --nodes "$nodes" 1 64
 [ -z "$budget_ms" ] || [ -z "$samples" ] || { echo "demo.sh: --samples and --budget-ms exclude each other" >&2; exit 2; }
-picture=(--budget-ms "${budget_ms:-50}")
+picture=(--budget-ms "${budget_ms:-150}")
 [ -z "$samples" ] || picture=(--samples "$samples")
 whole "${picture[@]}" 1 4096
 whole --port "$page_port" 1 65535

@@ -16,7 +16,7 @@
 ///   guide_after_s = 45                   # 0: never.
 ///   max_turn_minutes = 0                 # Limit of one visitor's turn where others queue; 0: none.
 ///   [picture]
-///   frame_budget_ms = 50                 # The farm chooses a quality that fits, and refines at rest
+///   frame_budget_ms = 150                # The farm chooses a quality that fits, and refines at rest
 ///   reference_samples = 1024             # up to this many samples per pixel.
 ///   guard_deg = 8
 ///
@@ -43,7 +43,9 @@
 namespace cyclorama::tour {
 
 struct PictureSettings {
-  double frame_budget_ms = 50.0;  ///< 0: the next three fields set the quality.
+  /// 0: the next three fields set the quality. Walking is seen at each refresh whatever the rate, so that fewer, better
+  /// pictures look better: docs/design/walking.md has the trade.
+  double frame_budget_ms = 150.0;
   int reference_samples = 1024;
   int samples = 1;
   int jpeg_quality = 85;

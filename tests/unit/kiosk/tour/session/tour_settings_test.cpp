@@ -89,8 +89,8 @@ guide_after_s = 0
 }
 
 TEST(TourSettings, use_a_frame_budget_unless_the_quality_is_fixed) {
-  EXPECT_EQ(default_tour_settings().picture.frame_budget_ms, 50.0);
-  EXPECT_EQ(parse_tour_settings("[picture]\nguard_deg = 1", "site.toml")->picture.frame_budget_ms, 50.0);
+  EXPECT_EQ(default_tour_settings().picture.frame_budget_ms, 150.0);
+  EXPECT_EQ(parse_tour_settings("[picture]\nguard_deg = 1", "site.toml")->picture.frame_budget_ms, 150.0);
   EXPECT_EQ(parse_tour_settings("[picture]\nframe_budget_ms = 0", "site.toml")->picture.frame_budget_ms, 0.0);
   EXPECT_EQ(parse_tour_settings("[picture]\njpeg_quality = 60", "site.toml")->picture.frame_budget_ms, 0.0);
   const auto settings = parse_tour_settings("[picture]\nframe_budget_ms = 33\nreference_samples = 256", "site.toml");

@@ -27,7 +27,7 @@ struct SeenSide {
   std::span<const SeenTriangle> triangles;
 };
 
-/// What grids may take.
+/// Limits what grids take.
 struct GridBudget {
   std::uint64_t samples = 0;
   std::function<bool()> is_over{};                ///< Returns true when no more time may be spent; may be null.

@@ -24,7 +24,9 @@ constexpr int kManyParts = 16;
 constexpr float kSigmas = 2.5f;
 /// Points near a triangle's corners for visibility tests lie this far towards its middle.
 constexpr float kInwards = 0.02f;
-constexpr int kMaxProbes = 16;
+/// Probes of a triangle, and those of one of kHugeParts or more, on which a small shadow must be found.
+constexpr int kMaxProbes = 6;
+constexpr int kHugeProbes = 16;
 /// A grid begins with this share of the parts that visitors could see, up to kMaxStart.
 constexpr int kStartShare = 4;
 constexpr int kMaxStart = 8;
@@ -191,7 +193,7 @@ class GridMaker {
 
   [[nodiscard]] static bool is_large(const GridInWork& candidate) { return candidate.max_parts >= kManyParts; }
   [[nodiscard]] static int probes_of(const GridInWork& candidate) {
-    return std::clamp(candidate.max_parts / 2, 2, kMaxProbes);
+    return candidate.max_parts >= kHugeParts ? kHugeProbes : std::clamp(candidate.max_parts / 4, 2, kMaxProbes);
   }
 
   /// Compares light at points inside the triangles with that of their vertices.

@@ -201,7 +201,7 @@ Result<light_baking::BakedLight> bake(const LightOptions& options, const light_b
       [&] { return stop.requested(); });
 }
 
-/// What light cost.
+/// The cost of light.
 struct BakeFigures {
   double bytes_per_triangle = 0.0;
   double cpu_s = 0.0;

@@ -174,6 +174,7 @@ Status CoordinatorState::scene_dropped(Node& node, const wire::SceneDropped& dro
   }
   if (known->second.state == Node::SceneState::kLoaded) {
     known->second.state = Node::SceneState::kDropped;
+    follow_light(dropped.scene());
     delegate_.notice(fmt::format("{} dropped scene '{}': its memory is short", to_text(node), dropped.scene()),
                      about(node));
   }
@@ -182,7 +183,9 @@ Status CoordinatorState::scene_dropped(Node& node, const wire::SceneDropped& dro
 
 Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
   const auto asked = node.scenes.find(loaded.scene());
-  if (asked == node.scenes.end() || asked->second.state != Node::SceneState::kLoading) {
+  // A loaded scene may be described anew, when its light has been computed.
+  const bool is_known = asked != node.scenes.end() && asked->second.state == Node::SceneState::kLoaded;
+  if (asked == node.scenes.end() || (!is_known && asked->second.state != Node::SceneState::kLoading)) {
     return broken(fmt::format("it loaded scene '{}', which nobody requested", printable(loaded.scene())));
   }
   if (!loaded.error().empty()) {
@@ -214,12 +217,26 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
     delegate_.notice(fmt::format("{}, scene '{}': {}", to_text(node), loaded.scene(), printable(loaded.note())),
                      about(node));
   }
+  TRY(keep_own_front(loaded, &asked->second));
+  if (is_known) {
+    follow_light(loaded.scene());
+    return Done{};
+  }
   asked->second.state = Node::SceneState::kLoaded;
   asked->second.speed = relative_speed(loaded);
   delegate_.notice(fmt::format("{} has scene '{}': {:.1f} M triangles, {:.2f} GiB, loaded in {:.1f} s", to_text(node),
                                loaded.scene(), 1e-6 * static_cast<double>(loaded.description().triangles_seen()),
                                static_cast<double>(loaded.memory_bytes()) / (1 << 30), loaded.load_seconds()),
                    about(node));
+  follow_light(loaded.scene());
+  return Done{};
+}
+
+Status CoordinatorState::keep_own_front(const wire::SceneLoaded& loaded, Node::LoadedScene* scene) {
+  scene->front.reset();
+  if (loaded.front().empty()) return Done{};
+  TRY_ASSIGN(governor::ParetoFront front, governor::parse_pareto_front(loaded.front(), "front.toml"));
+  scene->front.emplace(std::move(front));
   return Done{};
 }
 
@@ -308,6 +325,7 @@ void CoordinatorState::node_disconnected(NodeId id) {
   nodes_.erase(found);  // Erased first, so that its blocks are not reassigned to it.
   if (node.threads > 0.0)
     delegate_.notice(fmt::format("{} is gone; {} left", to_text(node), nodes_.size()), trouble_with(node));
+  for (const auto& [name, scene] : node.scenes) follow_light(name);
   lose_blocks(node.blocks, id);
 }
 

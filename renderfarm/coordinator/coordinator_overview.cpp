@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The reports of CoordinatorState for monitoring.
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "common/base/text.h"
 #include "renderfarm/coordinator/coordinator_state.h"
 
 namespace cyclorama::coordinator {
@@ -15,6 +19,22 @@ std::string state_of(const Node& node) {
   if (node.late) return "late";
   if (any(Node::SceneState::kLoaded)) return "ready";
   return any(Node::SceneState::kLoading) ? "loading" : "no scene";
+}
+
+/// Returns what a node states of the light that it computes; at most a few entries, because the node may state anything.
+std::vector<std::string> light_of(const wire::NodeStatus& status) {
+  constexpr int kMaxEntries = 8;
+  constexpr double kMaxMinutes = 100'000.0;
+  std::vector<std::string> entries;
+  for (const wire::LightProgress& light : status.light()) {
+    if (entries.size() == kMaxEntries) break;
+    const double share = light.done_share() >= 0.0 ? std::min(light.done_share(), 1.0) : 0.0;
+    std::string entry = fmt::format("{}: {:.0f} %", printable(light.scene()), 100.0 * share);
+    const double minutes = std::ceil(light.seconds_left() / 60.0);
+    if (minutes > 0.0 && minutes < kMaxMinutes) entry += fmt::format(", {:.0f} min left", minutes);
+    entries.push_back(std::move(entry));
+  }
+  return entries;
 }
 
 }  // namespace
@@ -54,6 +74,7 @@ watch::FarmOverview CoordinatorState::overview() const {
     watched.blocks_waiting = node.status.blocks_waiting();
     watched.memory_bytes = node.status.memory_bytes();
     watched.uptime_s = node.status.uptime_s();
+    watched.light = light_of(node.status);
     for (const auto& [name, scene] : node.scenes) {
       if (scene.state != Node::SceneState::kLoaded) continue;
       if (watched.scenes.empty()) watched.speed = scene.speed;

@@ -73,14 +73,19 @@ Result<std::unique_ptr<GovernorState>> CoordinatorState::governed_by(const wire:
                                                           open.reference_samples(), kMaxReferenceSamples));
   }
   const std::uint32_t samples = open.reference_samples() == 0 ? kUsualReference : open.reference_samples();
+  return governed_by(budget_ms, static_cast<int>(samples), scene);
+}
+
+std::unique_ptr<GovernorState> CoordinatorState::governed_by(double budget_ms, int reference_samples,
+                                                             const std::string& scene) const {
   if (const auto measured = pareto_fronts_.find(scene); measured != pareto_fronts_.end()) {
-    return std::make_unique<GovernorState>(governor::Governor(measured->second, budget_ms), static_cast<int>(samples),
+    return std::make_unique<GovernorState>(governor::Governor(measured->second, budget_ms), reference_samples,
                                            std::nullopt);
   }
   const auto known = bounces_.find(scene);
   const int bounces = known == bounces_.end() ? governor::kStandardBounces : known->second;
   return std::make_unique<GovernorState>(governor::Governor(governor::ParetoFront::standard(bounces), budget_ms),
-                                         static_cast<int>(samples), bounces);
+                                         reference_samples, bounces);
 }
 
 Status CoordinatorState::open(SessionId id, Session& session, const wire::OpenSession& open) {

@@ -39,10 +39,11 @@ const wire::SceneDescription* CoordinatorState::description(const std::string& s
 std::vector<NodeId> CoordinatorState::nodes_for(const std::string& scene, NodeId not_to) const {
   std::vector<NodeId> all;
   std::vector<NodeId> prompt;
+  const bool light = needs_light(scene);
   for (const auto& [id, node] : nodes_) {
     if (!node.has(scene) || id == not_to) continue;
     all.push_back(id);
-    if (!node.late && !node.status.draining()) prompt.push_back(id);
+    if (!node.late && !node.status.draining() && (!light || is_lit(node, scene))) prompt.push_back(id);
   }
   return prompt.empty() ? all : prompt;
 }

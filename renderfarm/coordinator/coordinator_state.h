@@ -116,6 +116,7 @@ class CoordinatorState {
   Status hello(NodeId id, Node& node, const wire::Hello& hello);
   Status scene_loaded(Node& node, const wire::SceneLoaded& loaded);
   Status keep_pareto_front(const wire::SceneLoaded& loaded);
+  static Status keep_own_front(const wire::SceneLoaded& loaded, Node::LoadedScene* scene);
   Status tile_received(NodeId id, Node& node, wire::BlockTile& tile);
   Status block_ended(NodeId id, Node& node, const wire::BlockEnd& end);
   void tick_nodes();
@@ -135,6 +136,14 @@ class CoordinatorState {
   /// Returns the same per wall-clock time: forecasts are thread time, and nodes may share their hosts.
   [[nodiscard]] double wall_speed_of(const Node& node, const std::string& scene) const;
 
+  // Light computed ahead: coordinator_light.cpp
+  /// Returns true if the node has the scene with its light.
+  [[nodiscard]] static bool is_lit(const Node& node, const std::string& scene);
+  /// Returns true if the scene's moving pictures use light.
+  [[nodiscard]] bool needs_light(const std::string& scene) const;
+  /// Switches the scene's Pareto front, also that of open sessions, when the first node has its light, or none has it.
+  void follow_light(const std::string& scene);
+
   // Governed sessions: coordinator_refinement.cpp
   /// Chooses the view's quality.
   static void govern(GovernorState& governed, FrameInFlight* frame);
@@ -152,6 +161,8 @@ class CoordinatorState {
   /// Returns null if the session has no budget.
   [[nodiscard]] Result<std::unique_ptr<GovernorState>> governed_by(const wire::OpenSession& open,
                                                                    const std::string& scene) const;
+  [[nodiscard]] std::unique_ptr<GovernorState> governed_by(double budget_ms, int reference_samples,
+                                                           const std::string& scene) const;
   Status request_view(Session& session, const wire::View& view, TimePoint received_at);
   [[nodiscard]] Error unavailable_reason(const std::string& scene) const;
   void forget_session(SessionId id);
@@ -196,8 +207,8 @@ class CoordinatorState {
   void end(SessionId id, Session& session, const FrameInFlight& frame, const FrameReport& report);
   void send(SessionId id, Session& session, wire::SessionReply reply);
   FrameInFlight* find_frame(const BlockLocation& place);
-  /// Returns the nodes that have the scene and are neither late nor draining; if there are none, all nodes that have
-  /// the scene. `not_to` is left out.
+  /// Returns the nodes that have the scene, with its light if it is used, and are neither late nor draining; if there are
+  /// none, all nodes that have the scene. `not_to` is left out.
   [[nodiscard]] std::vector<NodeId> nodes_for(const std::string& scene, NodeId not_to = {}) const;
 
   std::vector<FarmScene> scenes_;

@@ -112,6 +112,7 @@ struct Node {
     std::string error{};
     double speed = 1.0;    ///< Speed of one of the node's threads in this scene, relative to the first node's.
     TimePoint asked_at{};  ///< Time of the order to load the scene.
+    std::optional<governor::ParetoFront> front{};  ///< The node stated it; null: the standard one.
   };
   std::string name{};
   double threads = 0.0;  ///< 0 until hello.

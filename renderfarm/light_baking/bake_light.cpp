@@ -2,7 +2,6 @@
 #include "renderfarm/light_baking/bake_light.h"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -12,7 +11,7 @@
 #include "common/base/cpu_time.h"
 #include "renderfarm/light/mean_direction.h"
 #include "renderfarm/light/scene_key.h"
-#include "renderfarm/light_baking/triangle_grids.h"
+#include "renderfarm/light_baking/adaptive_grids.h"
 #include "renderfarm/light_baking/visible_triangles.h"
 #include "renderfarm/render/flush_denormals.h"
 #include "renderfarm/render/sampler.h"
@@ -25,7 +24,6 @@ using render::Vec3;
 
 /// Points that one task takes at a time.
 constexpr std::size_t kChunk = 256;
-constexpr std::size_t kTrianglesPerChunk = 128;
 /// Headroom of the unit above the brightest direct light, for bounces.
 constexpr float kHeadroom = 16.0f;
 /// Steps from a seen triangle to its neighbours for which light is computed finely, too: eyes see more than was tried.
@@ -51,7 +49,7 @@ struct Side {
   std::vector<std::uint8_t> blocked;  ///< 1 for triangles between whose corners light must not be interpolated.
   /// Triangles so large that their corners say little of the light between them: bounces trace paths there.
   std::vector<std::uint32_t> large;
-  std::vector<MadeGrid> grids;
+  SideGrids fine;
 };
 
 class Baker {
@@ -93,8 +91,8 @@ class Baker {
     has_grids_ = true;
     make_all_grids();  // They read the same bounce as the base samples, so nothing is published in between.
     for (const Side& side : sides_) {
-      baked.grids += side.grids.size();
-      for (const MadeGrid& grid : side.grids) {
+      baked.grids += side.fine.grids.size();
+      for (const MadeGrid& grid : side.fine.grids) {
         for (const std::uint8_t separate : grid.separate) baked.separate_samples += separate;
       }
     }
@@ -233,24 +231,37 @@ class Baker {
     });
   }
 
-  void make_all_grids() {
-    for (Side& side : sides_) {
-      const std::size_t chunks = (side.triangles.size() + kTrianglesPerChunk - 1) / kTrianglesPerChunk;
-      std::vector<std::vector<MadeGrid>> made(chunks);
-      tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-        if (cancelled_ && cancelled_()) return;
-        const double before = thread_cpu_seconds();
-        const render::FlushDenormals flush;
-        const std::size_t first = chunk * kTrianglesPerChunk;
-        const std::size_t count = std::min(kTrianglesPerChunk, side.triangles.size() - first);
-        made[chunk] =
-            make_grids(lit(side), std::span(side.triangles).subspan(first, count), settings_, *tracers_.local());
-        cpu_seconds_ += thread_cpu_seconds() - before;
-      });
-      for (std::vector<MadeGrid>& part : made) {
-        std::move(part.begin(), part.end(), std::back_inserter(side.grids));
-      }
+  /// Returns the samples that grids may take within the budget of bytes.
+  [[nodiscard]] std::uint64_t grid_samples() const {
+    double triangles = 0.0;
+    std::uint64_t taken = 0;
+    for (const render::Placement& placement : scene_.placements) {
+      triangles += static_cast<double>(placement.mesh->triangle_count);
     }
+    for (const Side& side : sides_) {
+      const bool has_directions = scene_.placements[side.placement].mesh->material->normal != nullptr;
+      taken += side.points.size() * (has_directions ? 2 : 1) + side.blocked.size();
+    }
+    const auto bytes =
+        std::max(settings_.min_bytes, static_cast<std::uint64_t>(settings_.bytes_per_triangle * triangles));
+    const std::uint64_t samples = bytes / sizeof(std::uint32_t);
+    return std::min<std::uint64_t>(samples - std::min(samples, taken), light::TriangleGrid::kMaxOffset);
+  }
+
+  void make_all_grids() {
+    std::vector<SeenSide> seen;
+    seen.reserve(sides_.size());
+    for (const Side& side : sides_) seen.push_back({lit(side), side.triangles});
+    GridBudget budget;
+    budget.samples = grid_samples();
+    budget.is_over = [this] {
+      return (cancelled_ && cancelled_()) ||
+             (settings_.max_cpu_seconds > 0.0 && cpu_seconds_.load() > settings_.max_cpu_seconds);
+    };
+    budget.add_cpu_seconds = [this](double seconds) { cpu_seconds_ += seconds; };
+    if (progress_) budget.report_progress = [this](double fraction) { progress_(0.7 + 0.3 * fraction); };
+    std::vector<SideGrids> made = make_grids(seen, settings_, budget, tracers_);
+    for (std::size_t i = 0; i < made.size(); ++i) sides_[i].fine = std::move(made[i]);
   }
 
   /// `seed` decides the rounding, so that errors of neighbouring samples cancel.
@@ -275,12 +286,12 @@ class Baker {
     auto store = std::make_shared<light::LightStore>();
     store->scene = key_;
     store->unit = unit_;
-    store->settings =
-        fmt::format("{} eyes, {} pixels per degree, {} pixels per sample, {} + {} rays, probe error {}, seed {}",
-                    settings_.eyes, settings_.pixels_per_degree, settings_.pixels_per_sample, settings_.max_light_rays,
-                    settings_.final_rays, settings_.probe_error, settings_.seed);
+    store->settings = fmt::format(
+        "{} eyes, {} pixels per degree, {} pixels per sample, {} + {} rays, probe error {}, {} bytes per triangle, "
+        "seed {}",
+        settings_.eyes, settings_.pixels_per_degree, settings_.pixels_per_sample, settings_.max_light_rays,
+        settings_.final_rays, settings_.probe_error, settings_.bytes_per_triangle, settings_.seed);
     store->surfaces.resize(scene_.placements.size());
-    std::uint64_t bytes_left = settings_.max_bytes;
     for (const Side& side : sides_) {
       light::SurfaceLight& surface = store->surfaces[side.placement];
       surface.base_per_triangle = side.per_triangle;
@@ -293,7 +304,7 @@ class Baker {
                                : light::kNoSample);
       }
       if (scene_.placements[side.placement].mesh->material->normal != nullptr) add_directions(side, &out);
-      add_grids(side, &bytes_left, &out);
+      add_grids(side, &out);
     }
     published_ = std::move(store);
     return renderer_.set_light(published_, "the light just computed");
@@ -309,21 +320,15 @@ class Baker {
     }
   }
 
-  void add_grids(const Side& side, std::uint64_t* bytes_left, light::SideLight* out) const {
-    const std::span<const std::uint32_t> large = has_grids_ ? std::span<const std::uint32_t>() : side.large;
-    if (side.grids.empty() && large.empty() && std::ranges::count(side.blocked, 1) == 0) return;
+  void add_grids(const Side& side, light::SideLight* out) const {
+    const std::vector<std::uint32_t>& large = has_grids_ ? side.fine.unresolved : side.large;
+    if (side.fine.grids.empty() && large.empty() && std::ranges::count(side.blocked, 1) == 0) return;
     out->grids.reserve(side.blocked.size());
     for (const std::uint8_t blocked : side.blocked) {
       out->grids.push_back(blocked != 0 ? light::TriangleGrid::kTraced : light::TriangleGrid::kBase);
     }
     for (const std::uint32_t triangle : large) out->grids[triangle] = light::TriangleGrid::kTraced;
-    for (const MadeGrid& grid : side.grids) {
-      const std::uint64_t bytes = grid.light.size() * sizeof(std::uint32_t);
-      if (bytes > *bytes_left || out->samples.size() + grid.light.size() > light::TriangleGrid::kMaxOffset) {
-        out->grids[grid.triangle] = light::TriangleGrid::kTraced;
-        continue;
-      }
-      *bytes_left -= bytes;
+    for (const MadeGrid& grid : side.fine.grids) {
       out->grids[grid.triangle] =
           light::TriangleGrid::code(grid.parts, static_cast<std::uint32_t>(out->samples.size()));
       for (std::size_t i = 0; i < grid.light.size(); ++i) {
@@ -340,7 +345,7 @@ class Baker {
   const std::function<void(double)>& progress_;
   const std::function<bool()>& cancelled_;
   const int bounces_;
-  tbb::enumerable_thread_specific<std::unique_ptr<LightTracer>> tracers_;
+  LightTracers tracers_;
   light::SceneKey key_;
   std::vector<Side> sides_;
   float unit_ = 1.0f;

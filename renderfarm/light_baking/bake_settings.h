@@ -18,11 +18,15 @@ struct BakeSettings {
   double grid_light_error = 0.02;
   int coarse_rays = 16;  ///< Rays of a sample for each bounce before the last.
   int final_rays = 128;  ///< Rays of a sample for the last bounce, which the visitor sees.
-  /// Relative error between the vertices above which a triangle gets a grid: of the light there and `dim_light`.
-  double probe_error = 0.04;
+  /// Error between the vertices above which a triangle may get a grid, relative to the light there and `dim_light`.
+  double probe_error = 0.02;
   float dim_light = 0.0f;  ///< Radiance that is dark on the wall; bake_light() sets it from the scene's exposure.
   int max_parts = 32;      ///< Upper bound of a grid's parts along an edge; a power of two up to 256.
-  std::uint64_t max_bytes = std::uint64_t{1} << 30;  ///< Grids that would exceed this are left out and traced.
+  /// Budget for all samples, per triangle of the scene, but at least `min_bytes`. Grids are made where they mend most.
+  double bytes_per_triangle = 12.0;
+  std::uint64_t min_bytes = std::uint64_t{4} << 20;
+  /// Processor seconds after which no more grids are made; 0: no limit. With a limit, the result depends on the host.
+  double max_cpu_seconds = 0.0;
   std::uint64_t seed = 1;
 };
 

@@ -13,8 +13,8 @@ using render::Vec3;
 /// Distance of points from their surface as a share of its triangles' edges, so that neighbouring triangles, which are
 /// not quite flat together, do not hide what lies before them.
 constexpr float kOffEdge = 1e-3f;
-/// Vertices at the edge of a surface are drawn this far towards the middle of their triangles, because another surface may touch them there: in
-/// the corner of a room, a point exactly at the edge lies in the next wall.
+/// Vertices at the edge of a surface are drawn this far into their largest triangle, because another surface may touch
+/// them there: in the corner of a room, a point exactly at the edge lies in the next wall.
 constexpr float kDrawnIn = 0.04f;
 /// A vertex whose corners sum up to less lies at an edge; inside a surface they sum up to about 2 pi.
 constexpr float kEdgeAngle = 4.4f;
@@ -58,9 +58,11 @@ LightPoint make_point(const Vec3& on_surface, const Vec3& normal, const Vec3& fa
 /// Sums over the triangles around each vertex.
 struct VertexSums {
   Vec3 face = Vec3::Zero();
-  Vec3 middles = Vec3::Zero();  ///< Sum of the triangles' middles, weighted like `weight`.
-  float weight = 0.0f;          ///< Twice the area.
-  float angle = 0.0f;           ///< Sum of the corners at the vertex; about pi at a straight edge of the surface.
+  /// Normal, with twice the area as its length, and middle of the largest triangle: between several that are not flat
+  /// together, a point would lie below one of them.
+  Vec3 largest_face = Vec3::Zero();
+  Vec3 largest_middle = Vec3::Zero();
+  float angle = 0.0f;  ///< Sum of the corners at the vertex; about pi at a straight edge of the surface.
   float shortest_edge = std::numeric_limits<float>::infinity();
 };
 
@@ -94,8 +96,10 @@ std::vector<LightPoint> base_points(const render::Placement& placement, std::uin
     for (std::size_t i = 0; i < 3; ++i) {
       VertexSums& sum = sums[mesh.triangles[t][i]];
       sum.face += face;
-      sum.middles += face.norm() * (corners[0] + corners[1] + corners[2]) / 3.0f;
-      sum.weight += face.norm();
+      if (face.squaredNorm() > sum.largest_face.squaredNorm()) {
+        sum.largest_face = face;
+        sum.largest_middle = (corners[0] + corners[1] + corners[2]) / 3.0f;
+      }
       const Vec3 ahead = corners[(i + 1) % 3] - corners[i];
       const Vec3 behind = corners[(i + 2) % 3] - corners[i];
       sum.angle += std::atan2(ahead.cross(behind).norm(), ahead.dot(behind));
@@ -104,15 +108,13 @@ std::vector<LightPoint> base_points(const render::Placement& placement, std::uin
   }
   points.resize(mesh.vertex_count);
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-    const Vec3 facing = render::normalized_or(sums[i].face, Vec3::Zero());
+    const bool is_at_edge = sums[i].angle < kEdgeAngle;
+    const Vec3 facing = render::normalized_or(is_at_edge ? sums[i].largest_face : sums[i].face, Vec3::Zero());
     const Vec3 normal = render_normal(placement, render::to_vec3(mesh.normals[i]));
     if (facing.isZero(0.0f) || normal.isZero(0.0f) || !std::isfinite(sums[i].shortest_edge)) return;
     const Vec3 vertex = render_point(placement, render::to_vec3(mesh.positions[i]));
     Vec3 at = vertex;
-    if (sums[i].angle < kEdgeAngle) {
-      const Vec3 inwards = sums[i].middles / sums[i].weight - vertex;
-      at += kDrawnIn * (inwards - facing * facing.dot(inwards));
-    }
+    if (is_at_edge) at += kDrawnIn * (sums[i].largest_middle - vertex);
     points[i] =
         make_point(at, normal, facing, sums[i].shortest_edge, render::mix_bits(seed + static_cast<std::uint32_t>(i)));
   });

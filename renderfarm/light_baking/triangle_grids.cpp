@@ -24,7 +24,9 @@ constexpr int kManyParts = 16;
 constexpr float kSigmas = 2.5f;
 /// Points near a triangle's corners for visibility tests lie this far towards its middle.
 constexpr float kInwards = 0.02f;
-constexpr int kMaxProbes = 16;
+/// Probes of a triangle, and those of one of kHugeParts or more, on which a small shadow must be found.
+constexpr int kMaxProbes = 6;
+constexpr int kHugeProbes = 16;
 /// A grid begins with this share of the parts that visitors could see, up to kMaxStart.
 constexpr int kStartShare = 4;
 constexpr int kMaxStart = 8;
@@ -32,22 +34,11 @@ constexpr int kMaxStart = 8;
 constexpr int kSurfaceParts = 4;
 constexpr int kHugeSurfaceParts = 16;
 constexpr int kHugeParts = 64;
+/// Visible parts from which a triangle is wide: some 20 degrees of the picture.
+constexpr double kWideParts = 128.0;
 /// Steps from a sample to neighbours, such that each pair is met once.
 constexpr std::array<std::pair<int, int>, 3> kNeighbours = {{{1, 0}, {0, 1}, {-1, 1}}};
 const Vec3 kMiddle = Vec3::Constant(1.0f / 3.0f);
-
-struct Candidate {
-  std::uint32_t triangle = 0;
-  int max_parts = 1;
-  int probes = 0;
-  bool needs_grid = false;
-  bool has_blocked_corner = false;
-};
-
-struct ProbeLight {
-  Vec3 light = Vec3::Zero();
-  float error = 0.0f;
-};
 
 Vec3 weights_of(float u, float v) { return {1.0f - u - v, u, v}; }
 
@@ -68,6 +59,15 @@ double visible_parts(const render::Placement& placement, const SeenTriangle& see
          (kNearer * static_cast<double>(seen.distance) * settings.pixels_per_sample * pixel_rad);
 }
 
+int GridInWork::next_parts() const {
+  if (parts > 0) return 2 * parts;
+  return std::min(max_parts, std::clamp(max_parts / kStartShare, 2, kMaxStart));
+}
+
+int GridInWork::step_samples() const {
+  return TriangleGrid::samples(next_parts()) - (parts > 0 ? TriangleGrid::samples(parts) : 0);
+}
+
 namespace {
 
 class GridMaker {
@@ -75,15 +75,32 @@ class GridMaker {
   GridMaker(const LitSide& side, const BakeSettings& settings, LightTracer& tracer)
       : side_(side), settings_(settings), tracer_(tracer) {}
 
-  [[nodiscard]] std::vector<MadeGrid> run(std::span<const SeenTriangle> triangles) {
+  [[nodiscard]] std::vector<GridInWork> probed(std::span<const SeenTriangle> triangles) {
     for (const SeenTriangle& seen : triangles) consider(seen);
     find_blocked_corners();
     probe();
-    std::vector<MadeGrid> grids;
-    for (const Candidate& candidate : candidates_) {
-      if (candidate.needs_grid) grids.push_back(refined(candidate));
-    }
-    return grids;
+    std::erase_if(candidates_, [](const GridInWork& grid) { return !(grid.squared_error > 0.0f); });
+    return std::move(candidates_);
+  }
+
+  void advance(GridInWork* grid) {
+    if (grid->parts > 0) return halve(grid);
+    grid->parts = grid->next_parts();
+    grid->light = sampled(*grid, grid->parts);
+    grid->rough.assign(grid->light.size(), 1);
+    // Errors lie along shadows' edges, so the area with errors shrinks with the spacing.
+    grid->squared_error /= static_cast<float>(grid->parts);
+  }
+
+  [[nodiscard]] MadeGrid finished(const GridInWork& work) {
+    MadeGrid grid;
+    grid.triangle = work.triangle;
+    grid.parts = work.parts;
+    grid.light.reserve(work.light.size());
+    for (const ProbeLight& sample : work.light) grid.light.push_back(sample.light);
+    find_separate(&grid);
+    add_surfaces(work, &grid);
+    return grid;
   }
 
   /// Returns 1 for each triangle of which a corner does not see the middle.
@@ -121,22 +138,23 @@ class GridMaker {
   void consider(const SeenTriangle& seen) {
     const double parts = visible_parts(*side_.placement, seen, settings_);
     if (!(parts > 1.0) || settings_.max_parts <= 1) return;
-    Candidate candidate;
+    GridInWork candidate;
     candidate.triangle = seen.triangle;
     const double most = std::min(parts, static_cast<double>(settings_.max_parts));
     candidate.max_parts = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(most))));
-    candidate.probes = std::clamp(candidate.max_parts / 2, 2, kMaxProbes);
-    for (const std::size_t base : base_of(seen.triangle)) candidate.needs_grid |= !side_.points[base].exists();
-    candidates_.push_back(candidate);
+    candidate.is_wide = parts >= kWideParts;
+    for (const std::size_t base : base_of(seen.triangle)) candidate.is_needed |= !side_.points[base].exists();
+    candidates_.push_back(std::move(candidate));
   }
 
   void find_blocked_corners() {
     std::vector<std::uint32_t> triangles;
-    for (const Candidate& candidate : candidates_) triangles.push_back(candidate.triangle);
+    for (const GridInWork& candidate : candidates_) triangles.push_back(candidate.triangle);
     const std::vector<std::uint8_t> blocked = blocked_corners(triangles);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       candidates_[i].has_blocked_corner = blocked[i] != 0 && candidates_[i].max_parts >= kMinBlockedParts;
-      candidates_[i].needs_grid |= candidates_[i].has_blocked_corner;
+      candidates_[i].is_needed |= candidates_[i].has_blocked_corner;
+      if (candidates_[i].is_needed) candidates_[i].squared_error = 1.0f;
     }
   }
 
@@ -164,13 +182,19 @@ class GridMaker {
     return sum;
   }
 
-  [[nodiscard]] bool differ(const ProbeLight& a, const ProbeLight& b, float light) const {
-    const float error = std::hypot(a.error, b.error);
-    return std::abs(render::luminance(a.light) - render::luminance(b.light)) >
-           static_cast<float>(settings_.probe_error) * (light + settings_.dim_light) + kSigmas * error;
+  /// Returns the difference of two samples, without what may be noise, relative to the light there and `dim_light`.
+  [[nodiscard]] float difference(const ProbeLight& a, const ProbeLight& b, float light) const {
+    const float noise = kSigmas * std::hypot(a.error, b.error);
+    const float found = std::abs(render::luminance(a.light) - render::luminance(b.light));
+    const float scale = light + settings_.dim_light;
+    return found > noise && scale > 0.0f ? (found - noise) / scale : 0.0f;
   }
+  [[nodiscard]] bool is_error(float difference) const { return difference > static_cast<float>(settings_.probe_error); }
 
-  [[nodiscard]] static bool is_large(const Candidate& candidate) { return candidate.max_parts >= kManyParts; }
+  [[nodiscard]] static bool is_large(const GridInWork& candidate) { return candidate.max_parts >= kManyParts; }
+  [[nodiscard]] static int probes_of(const GridInWork& candidate) {
+    return candidate.max_parts >= kHugeParts ? kHugeProbes : std::clamp(candidate.max_parts / 4, 2, kMaxProbes);
+  }
 
   /// Compares light at points inside the triangles with that of their vertices.
   void probe() {
@@ -178,9 +202,9 @@ class GridMaker {
       std::vector<LightPoint> points;
       std::vector<std::pair<std::size_t, Vec3>> places;
       for (std::size_t c = 0; c < candidates_.size(); ++c) {
-        const Candidate& candidate = candidates_[c];
-        if (candidate.needs_grid || is_large(candidate) != large) continue;
-        for (int i = 0; i < candidate.probes; ++i) {
+        const GridInWork& candidate = candidates_[c];
+        if (candidate.is_needed || is_large(candidate) != large) continue;
+        for (int i = 0; i < probes_of(candidate); ++i) {
           const Vec3 weights = probe_weights(candidate.triangle, i);
           points.push_back(point(candidate.triangle, weights, 1u + static_cast<std::uint32_t>(i)));
           places.emplace_back(c, weights);
@@ -188,85 +212,62 @@ class GridMaker {
       }
       const std::vector<ProbeLight> light = light_at(points, large ? std::max(1, settings_.final_rays / 4) : 0);
       for (std::size_t i = 0; i < points.size(); ++i) {
-        Candidate& candidate = candidates_[places[i].first];
+        GridInWork& candidate = candidates_[places[i].first];
         const Vec3& weights = places[i].second;
         const ProbeLight base = base_light(candidate.triangle, weights, large);
         const float all = render::luminance(base_light(candidate.triangle, weights, true).light);
-        candidate.needs_grid |= differ(light[i], base, all);
+        const float found = difference(light[i], base, all);
+        if (is_error(found)) candidate.squared_error += found * found / static_cast<float>(probes_of(candidate));
       }
     }
   }
 
-  /// Samples of a grid while it is refined. `rough` marks samples beside which light varies more than linearly.
-  struct Level {
-    int parts = 1;
-    std::vector<ProbeLight> light;
-    std::vector<std::uint8_t> rough;
-  };
-
-  /// Halves the spacing until light is linear between the samples, or until they are as dense as a visitor can see.
-  /// Where it is linear already, samples are interpolated, so the cost grows with the length of shadows' edges.
-  [[nodiscard]] MadeGrid refined(const Candidate& candidate) {
-    const int start = std::min(candidate.max_parts, std::clamp(candidate.max_parts / kStartShare, 2, kMaxStart));
-    Level level;
-    level.parts = start;
-    level.light = sampled(candidate, start);
-    level.rough.assign(level.light.size(), 1);
-    while (level.parts < candidate.max_parts) {
-      Level finer = halved(candidate, level);
-      const bool is_smooth = std::ranges::count(finer.rough, 1) == 0;
-      if (is_smooth) break;
-      level = std::move(finer);
-    }
-    MadeGrid grid;
-    grid.triangle = candidate.triangle;
-    grid.parts = level.parts;
-    grid.light.reserve(level.light.size());
-    for (const ProbeLight& sample : level.light) grid.light.push_back(sample.light);
-    find_separate(&grid);
-    add_surfaces(candidate, &grid);
-    return grid;
-  }
-
-  /// Returns the samples of twice as many parts, computed beside rough ones and interpolated elsewhere.
-  [[nodiscard]] Level halved(const Candidate& candidate, const Level& level) {
-    Level finer;
-    finer.parts = 2 * level.parts;
-    const auto count = static_cast<std::size_t>(TriangleGrid::samples(finer.parts));
-    finer.light.resize(count);
-    finer.rough.assign(count, 0);
+  /// Halves the spacing of the samples. New ones are computed beside rough ones and interpolated elsewhere, so the cost
+  /// grows with the length of shadows' edges.
+  void halve(GridInWork* grid) {
+    const int parts = 2 * grid->parts;
+    const auto count = static_cast<std::size_t>(TriangleGrid::samples(parts));
+    std::vector<ProbeLight> finer(count);
+    std::vector<std::uint8_t> rough(count, 0);
     struct Midpoint {
       std::size_t at, a, b;  ///< Indices in the finer grid.
     };
     std::vector<Midpoint> active;
     std::vector<LightPoint> points;
-    for_each_sample(level.parts, [&](int i, int j) {
-      const auto old = static_cast<std::size_t>(TriangleGrid::index(level.parts, i, j));
-      const auto here = static_cast<std::size_t>(TriangleGrid::index(finer.parts, 2 * i, 2 * j));
-      finer.light[here] = level.light[old];
+    for_each_sample(grid->parts, [&](int i, int j) {
+      const auto old = static_cast<std::size_t>(TriangleGrid::index(grid->parts, i, j));
+      const auto here = static_cast<std::size_t>(TriangleGrid::index(parts, 2 * i, 2 * j));
+      finer[here] = grid->light[old];
       for (const auto& [di, dj] : kNeighbours) {
-        if (i + di < 0 || i + di + j + dj > level.parts) continue;
-        const auto other = static_cast<std::size_t>(TriangleGrid::index(level.parts, i + di, j + dj));
-        const auto b = static_cast<std::size_t>(TriangleGrid::index(finer.parts, 2 * (i + di), 2 * (j + dj)));
-        const auto at = static_cast<std::size_t>(TriangleGrid::index(finer.parts, 2 * i + di, 2 * j + dj));
-        finer.light[at] = mean(level.light[old], level.light[other]);
-        if (level.rough[old] == 0 && level.rough[other] == 0) continue;
+        if (i + di < 0 || i + di + j + dj > grid->parts) continue;
+        const auto other = static_cast<std::size_t>(TriangleGrid::index(grid->parts, i + di, j + dj));
+        const auto b = static_cast<std::size_t>(TriangleGrid::index(parts, 2 * (i + di), 2 * (j + dj)));
+        const auto at = static_cast<std::size_t>(TriangleGrid::index(parts, 2 * i + di, 2 * j + dj));
+        finer[at] = mean(grid->light[old], grid->light[other]);
+        if (grid->rough[old] == 0 && grid->rough[other] == 0) continue;
         active.push_back({at, here, b});
-        points.push_back(point(candidate.triangle, grid_weights(finer.parts, 2 * i + di, 2 * j + dj),
-                               1000u + static_cast<std::uint32_t>(at)));
+        points.push_back(
+            point(grid->triangle, grid_weights(parts, 2 * i + di, 2 * j + dj), 1000u + static_cast<std::uint32_t>(at)));
       }
     });
     const std::vector<ProbeLight> light = light_at(points, 0);
+    const float middle = render::luminance(base_light(grid->triangle, kMiddle, true).light);
+    double sum = 0.0;
     for (std::size_t k = 0; k < active.size(); ++k) {
-      const Midpoint& midpoint = active[k];
-      ProbeLight& expected = finer.light[midpoint.at];
-      const float all = std::max(render::luminance(expected.light),
-                                 render::luminance(base_light(candidate.triangle, kMiddle, true).light));
-      if (differ(light[k], expected, all))
-        finer.rough[midpoint.at] = finer.rough[midpoint.a] = finer.rough[midpoint.b] = 1;
+      ProbeLight& expected = finer[active[k].at];
+      const float found = difference(light[k], expected, std::max(render::luminance(expected.light), middle));
+      if (is_error(found)) {
+        rough[active[k].at] = rough[active[k].a] = rough[active[k].b] = 1;
+        sum += static_cast<double>(found) * static_cast<double>(found);
+      }
       expected = light[k];
     }
-    return finer;
+    const auto midpoints = static_cast<double>(count - grid->light.size());
+    grid->squared_error = static_cast<float>(0.5 * sum / midpoints);
+    if (sum == 0.0) return;  // The finer grid would be the same.
+    grid->parts = parts;
+    grid->light = std::move(finer);
+    grid->rough = std::move(rough);
   }
 
   [[nodiscard]] static ProbeLight mean(const ProbeLight& a, const ProbeLight& b) {
@@ -288,7 +289,8 @@ class GridMaker {
     }
   }
 
-  [[nodiscard]] std::vector<LightPoint> grid_points(const Candidate& candidate, int parts, std::uint32_t number) const {
+  [[nodiscard]] std::vector<LightPoint> grid_points(const GridInWork& candidate, int parts,
+                                                    std::uint32_t number) const {
     std::vector<LightPoint> points;
     for_each_sample(parts, [&](int i, int j) {
       const auto index = static_cast<std::uint32_t>(points.size());
@@ -297,7 +299,7 @@ class GridMaker {
     return points;
   }
 
-  [[nodiscard]] std::vector<ProbeLight> sampled(const Candidate& candidate, int parts) {
+  [[nodiscard]] std::vector<ProbeLight> sampled(const GridInWork& candidate, int parts) {
     return light_at(grid_points(candidate, parts, 100), 0);
   }
 
@@ -316,7 +318,7 @@ class GridMaker {
 
   /// Adds light that comes from other surfaces. It is smooth: small triangles have it from their vertices, unless those
   /// are hidden; others from a coarse grid of its own.
-  void add_surfaces(const Candidate& candidate, MadeGrid* grid) {
+  void add_surfaces(const GridInWork& candidate, MadeGrid* grid) {
     const std::array<std::size_t, 3> base = base_of(candidate.triangle);
     bool from_base = !is_large(candidate) && !candidate.has_blocked_corner && !side_.per_triangle;
     for (const std::size_t i : base) from_base &= side_.points[i].exists();
@@ -370,7 +372,7 @@ class GridMaker {
   const LitSide& side_;
   const BakeSettings& settings_;
   LightTracer& tracer_;
-  std::vector<Candidate> candidates_;
+  std::vector<GridInWork> candidates_;
 };
 
 }  // namespace
@@ -382,9 +384,17 @@ void find_blocked(const LitSide& side, std::uint32_t first, LightTracer& tracer,
   std::ranges::copy(GridMaker(side, none, tracer).blocked_corners(triangles), ret.begin());
 }
 
-std::vector<MadeGrid> make_grids(const LitSide& side, std::span<const SeenTriangle> triangles,
-                                 const BakeSettings& settings, LightTracer& tracer) {
-  return GridMaker(side, settings, tracer).run(triangles);
+std::vector<GridInWork> probe_triangles(const LitSide& side, std::span<const SeenTriangle> triangles,
+                                        const BakeSettings& settings, LightTracer& tracer) {
+  return GridMaker(side, settings, tracer).probed(triangles);
+}
+
+void advance_grid(const LitSide& side, const BakeSettings& settings, LightTracer& tracer, GridInWork* grid) {
+  GridMaker(side, settings, tracer).advance(grid);
+}
+
+MadeGrid finished_grid(const LitSide& side, const GridInWork& grid, const BakeSettings& settings, LightTracer& tracer) {
+  return GridMaker(side, settings, tracer).finished(grid);
 }
 
 }  // namespace cyclorama::light_baking

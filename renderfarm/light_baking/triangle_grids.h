@@ -40,6 +40,33 @@ inline constexpr double kMinBlockedParts = 32.0;
 [[nodiscard]] double visible_parts(const render::Placement& placement, const SeenTriangle& seen,
                                    const BakeSettings& settings);
 
+/// The light at a point of a grid while it is made: that of lamps alone.
+struct ProbeLight {
+  render::Vec3 light = render::Vec3::Zero();
+  float error = 0.0f;  ///< Standard error of its luminance.
+};
+
+/// A triangle that may get a grid, with the samples that it has so far.
+struct GridInWork {
+  std::uint32_t triangle = 0;
+  int max_parts = 1;     ///< Finest parts that a visitor could tell apart, within the settings; a power of two.
+  bool is_wide = false;  ///< Covers so much of a picture that vertices alone would show.
+  int parts = 0;         ///< 0: only the vertices' samples.
+  /// Mean squared error of what is interpolated between its samples, relative to the light there and `dim_light`. Noise
+  /// of the measurement is left out.
+  float squared_error = 0.0f;
+  bool is_needed = false;  ///< The vertices' samples cannot be used, so without a grid paths are traced.
+  bool has_blocked_corner = false;
+  std::vector<ProbeLight> light{};
+  std::vector<std::uint8_t> rough{};  ///< 1 beside samples between which light varies more than linearly.
+
+  /// Returns true if a step could improve it.
+  [[nodiscard]] bool wants_step() const { return squared_error > 0.0f && parts < max_parts; }
+  [[nodiscard]] int next_parts() const;
+  /// Returns the samples that the next step adds.
+  [[nodiscard]] int step_samples() const;
+};
+
 /// The samples of a triangle: of a grid, without those that something separates from a neighbour.
 struct MadeGrid {
   std::uint32_t triangle = 0;
@@ -52,8 +79,16 @@ struct MadeGrid {
 /// between such corners light must not be interpolated. `ret` is for triangles from `first` on.
 void find_blocked(const LitSide& side, std::uint32_t first, LightTracer& tracer, std::span<std::uint8_t> ret);
 
-/// Returns grids for those of `triangles` that need one. Thread-bound by `tracer`.
-[[nodiscard]] std::vector<MadeGrid> make_grids(const LitSide& side, std::span<const SeenTriangle> triangles,
-                                               const BakeSettings& settings, LightTracer& tracer);
+// The following are thread-bound by `tracer`:
+
+/// Compares light at points inside the triangles with that of their vertices, and returns those that need a grid.
+[[nodiscard]] std::vector<GridInWork> probe_triangles(const LitSide& side, std::span<const SeenTriangle> triangles,
+                                                      const BakeSettings& settings, LightTracer& tracer);
+/// Makes the first grid of a triangle, or halves the spacing of its samples. If that improves nothing, the grid stays as
+/// it is and wants no more steps. Precondition: wants_step().
+void advance_grid(const LitSide& side, const BakeSettings& settings, LightTracer& tracer, GridInWork* grid);
+/// Adds the light from other surfaces to a grid that has samples.
+[[nodiscard]] MadeGrid finished_grid(const LitSide& side, const GridInWork& grid, const BakeSettings& settings,
+                                     LightTracer& tracer);
 
 }  // namespace cyclorama::light_baking

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -45,6 +46,13 @@ class BlockRenderer {
   [[nodiscard]] virtual std::string pareto_front() const = 0;
   /// Returns one sentence about what the scene brings that could not be used; empty if everything could.
   [[nodiscard]] virtual std::string note() const = 0;
+  /// Returns true if the scene has no light that was computed ahead, and could have it.
+  [[nodiscard]] virtual bool wants_light() const { return false; }
+  /// Reads light that was computed for the scene (renderfarm/light/light_file.h) and checks it, which may take seconds;
+  /// thread-safe. The result, called once by the thread that renders, puts it into use at once. Errors: as light_file.h.
+  [[nodiscard]] virtual Result<std::function<void()>> light_from(const std::filesystem::path& file) const {
+    return Error(ErrorCode::kInvalidArgument, file.string() + ": this renderer uses no stored light");
+  }
   [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;
   /// Returns the bounces of light in the scene's reference picture.
   [[nodiscard]] virtual int bounces() const = 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "common/wire/convert.h"
 #include "renderfarm/denoise/denoising_renderer.h"
@@ -86,6 +87,17 @@ class EmbreeBlockRenderer final : public BlockRenderer {
   }
 
   [[nodiscard]] std::string note() const override { return note_; }
+
+  [[nodiscard]] bool wants_light() const override {
+    return renderer_->light() == nullptr && renderer_->scene().eye_lamp.isZero(0.0f);
+  }
+
+  [[nodiscard]] Result<std::function<void()>> light_from(const std::filesystem::path& file) const override {
+    TRY_ASSIGN(light::LightStore read, light::read_light_file(file));
+    const auto store = std::make_shared<light::LightStore>(std::move(read));
+    TRY(renderer_->check_light(*store, file.string()));
+    return std::function<void()>([this, store] { renderer_->use_light(store); });
+  }
 
   [[nodiscard]] std::uint64_t memory_bytes() const override {
     const std::size_t light = renderer_->light() == nullptr ? 0 : renderer_->light()->bytes();

@@ -18,7 +18,8 @@ constexpr int kRaysGiveWay = 5;
 
 }  // namespace
 
-Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options, SceneLoader loader) {
+Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options, SceneLoader loader,
+                                                  LightStarter light) {
   if (options.coordinators.empty()) return Error(ErrorCode::kInvalidArgument, "a node needs a coordinator");
   std::vector<CoordinatorConnection::Channels> channels;
   for (const std::string& coordinator : options.coordinators) {
@@ -31,7 +32,7 @@ Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options
   hello.mutable_hello()->set_name(options.name);
   hello.mutable_hello()->set_threads(static_cast<std::uint32_t>(options.threads));
   hello.mutable_hello()->set_memory_limit_bytes(options.memory_limit_bytes);
-  auto node = std::unique_ptr<FarmNode>(new FarmNode(options, std::move(loader)));
+  auto node = std::unique_ptr<FarmNode>(new FarmNode(options, std::move(loader), std::move(light)));
   for (std::size_t i = 0; i < channels.size(); ++i) {
     node->coordinators_.push_back(
         std::make_unique<CoordinatorConnection>(options.coordinators[i], channels[i], hello, node->controller_));
@@ -39,8 +40,8 @@ Result<std::unique_ptr<FarmNode>> FarmNode::start(const FarmNodeOptions& options
   return node;
 }
 
-FarmNode::FarmNode(const FarmNodeOptions& options, SceneLoader loader)
-    : controller_(std::move(loader), options.memory_limit_bytes, options.cache),
+FarmNode::FarmNode(const FarmNodeOptions& options, SceneLoader loader, LightStarter light)
+    : controller_(std::move(loader), options.memory_limit_bytes, options.cache, std::move(light)),
       render_thread_([this] {
         give_way(kRaysGiveWay);
         while (controller_.renders().wait()) controller_.renders().work();
@@ -48,6 +49,9 @@ FarmNode::FarmNode(const FarmNodeOptions& options, SceneLoader loader)
       load_thread_([this] {
         give_way(kRaysGiveWay);
         while (controller_.loads().wait()) controller_.loads().work();
+      }),
+      light_thread_([this] {
+        while (controller_.lights().wait()) controller_.lights().work();
       }) {}
 
 FarmNode::~FarmNode() { stop(); }
@@ -68,8 +72,10 @@ void FarmNode::stop() {
   for (const auto& coordinator : coordinators_) coordinator->stop();
   controller_.renders().stop();
   controller_.loads().stop();
+  controller_.lights().stop();
   if (render_thread_.joinable()) render_thread_.join();
   if (load_thread_.joinable()) load_thread_.join();
+  if (light_thread_.joinable()) light_thread_.join();
 }
 
 std::string FarmNode::state() const {

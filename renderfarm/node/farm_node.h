@@ -26,10 +26,11 @@ struct FarmNodeOptions {
   std::uint64_t memory_limit_bytes = 0;     ///< Limit for scenes and films together; 0: scenes are not limited.
   /// Cache for distributed scenes; without a folder the node accepts none.
   scene_distribution::SceneCacheOptions cache{};
+  bool computes_light = true;     ///< It computes the light of scenes ahead while it has nothing to render.
   std::optional<TlsFiles> tls{};  ///< Empty: not encrypted, for coordinators on this machine.
 };
 
-/// Serves its coordinators until stopped; never listens. Threads: `render`, `load`, and for each coordinator `link` and
+/// Serves its coordinators until stopped; never listens. Threads: `render`, `load`, `light`, and for each coordinator `link` and
 /// `send` (coordinator_connection.h); the renderer has threads of its own. A block whose stream ended is given up at
 /// once, because the coordinator has reassigned it. Scenes stay loaded throughout, and the coordinators share them.
 /// Thread-safe.
@@ -37,7 +38,9 @@ class FarmNode {
  public:
   /// Starts to connect. Errors: kInvalidArgument if an address is malformed or there are none; with `tls`, also as
   /// check(TlsFiles).
-  static Result<std::unique_ptr<FarmNode>> start(const FarmNodeOptions& options, SceneLoader loader);
+  /// Without `light` it computes no light ahead.
+  static Result<std::unique_ptr<FarmNode>> start(const FarmNodeOptions& options, SceneLoader loader,
+                                                 LightStarter light = nullptr);
   ~FarmNode();
   FarmNode(const FarmNode&) = delete;
   FarmNode& operator=(const FarmNode&) = delete;
@@ -56,11 +59,12 @@ class FarmNode {
   [[nodiscard]] bool has_moved_since(TimePoint since) const { return controller_.renders().has_moved_since(since); }
 
  private:
-  FarmNode(const FarmNodeOptions& options, SceneLoader loader);
+  FarmNode(const FarmNodeOptions& options, SceneLoader loader, LightStarter light);
 
   NodeController controller_;
   std::thread render_thread_;
   std::thread load_thread_;
+  std::thread light_thread_;
   std::vector<std::unique_ptr<CoordinatorConnection>> coordinators_;  ///< Not changed after start().
 };
 

@@ -41,6 +41,7 @@ Result<FarmNodeOptions> options_of(Config config, const std::filesystem::path& f
   }
   options.cache.folder = root.text("cache", "");
   options.cache.limit_bytes = bytes_of_gib(root.number("cache_gib", {0.0, kMaxCacheGib}, 0.0));
+  options.computes_light = root.flag("compute_light", true);
   if (root.has("tls")) options.tls = read_tls(root.table("tls"), folder);
   TRY(config.finish());
   return options;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/node/node_controller.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -18,12 +20,23 @@ std::uint64_t film_bytes(std::uint64_t memory_limit_bytes) {
 }  // namespace
 
 NodeController::NodeController(SceneLoader loader, std::uint64_t memory_limit_bytes,
-                               scene_distribution::SceneCacheOptions cache)
-    : begun_(SteadyClock().now()),
-      scenes_(std::move(loader), memory_limit_bytes == 0 ? 0 : memory_limit_bytes - film_bytes(memory_limit_bytes)),
+                               scene_distribution::SceneCacheOptions cache, LightStarter light)
+    : begun_(clock_.now()),
+      scenes_(std::move(loader), memory_limit_bytes == 0 ? 0 : memory_limit_bytes - film_bytes(memory_limit_bytes),
+              LightFiles(cache.folder)),
       renders_(scenes_, film_bytes(memory_limit_bytes)),
-      loads_(scenes_, std::move(cache),
-             [this](LinkId link, wire::NodeReport report) { send_report(link, std::move(report)); }) {}
+      lights_(std::move(light), LightFiles(cache.folder),
+              {[this] { return renders_.waiting() > 0; },
+               [this](const std::string& path, const std::filesystem::path& file, const Status& status) {
+                 light_computed(path, file, status);
+               }},
+              clock_),
+      loads_(
+          scenes_, std::move(cache),
+          [this](LinkId link, wire::NodeReport report) { send_report(link, std::move(report)); },
+          [this](const std::string& path, const std::string& name) {
+            if (scenes_.wants_light(path)) lights_.want(path, name);
+          }) {}
 
 std::shared_ptr<NodeLink> NodeController::open(std::shared_ptr<grpc::Channel> files) {
   std::shared_ptr<NodeLink> link;
@@ -38,7 +51,10 @@ std::shared_ptr<NodeLink> NodeController::open(std::shared_ptr<grpc::Channel> fi
 
 Status NodeController::take(const std::shared_ptr<NodeLink>& link, const wire::NodeCommand& command) {
   if (command.has_load_scene()) return loads_.take(link, command.load_scene());
-  if (command.has_render()) return renders_.take(link->id(), command.render());
+  if (command.has_render()) {
+    lights_.give_way();
+    return renders_.take(link->id(), command.render());
+  }
   if (command.has_cancel()) renders_.cancel(link->id(), command.cancel().block());
   if (command.has_forget_session()) renders_.forget_session({link->id(), command.forget_session().session()});
   return Done{};
@@ -61,6 +77,7 @@ wire::NodeReport NodeController::status() const {
   status->set_blocks_waiting(static_cast<std::uint32_t>(renders_.waiting()));
   status->set_uptime_s(to_seconds(SteadyClock().now() - begun_));
   status->set_draining(draining_);
+  lights_.report(status);
   return report;
 }
 
@@ -74,6 +91,27 @@ void NodeController::drain() {
 void NodeController::send_report(LinkId link, wire::NodeReport report) {
   const std::lock_guard lock(mutex_);
   if (const auto found = links_.find(link); found != links_.end()) found->second->push(std::move(report));
+}
+
+void NodeController::light_computed(const std::string& path, const std::filesystem::path& file, const Status& status) {
+  const std::shared_ptr<BlockRenderer> renderer = scenes_.at_path(path);
+  if (renderer == nullptr) return;  // It was unloaded meanwhile; the next load reads the file.
+  Result<std::function<void()>> use = status ? renderer->light_from(file) : status.error();
+  std::string note;
+  if (!use) note = fmt::format("its light could not be computed ahead, so paths are traced: {}", use.error().message());
+  const std::function<void()> use_light = use ? *std::move(use) : std::function<void()>([] {});
+  renders_.run_between_blocks(renderer, [this, path, note, use_light] {
+    use_light();
+    describe_again(path, note);
+  });
+}
+
+void NodeController::describe_again(const std::string& path, const std::string& note) {
+  for (auto& [link, answer] : scenes_.describe_again(path, note)) {
+    wire::NodeReport report;
+    *report.mutable_scene_loaded() = std::move(answer);
+    send_report(link, std::move(report));
+  }
 }
 
 }  // namespace cyclorama::node

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "common/base/clock.h"
+#include "renderfarm/node/light_worker.h"
 #include "renderfarm/node/render_worker.h"
 #include "renderfarm/node/scene_load_worker.h"
 #include "renderfarm/node/scene_store.h"
@@ -16,16 +17,17 @@ namespace cyclorama::node {
 /// A node without its threads and its network: executes the commands of coordinators and collects the replies. Every
 /// message of a coordinator passes take(), which validates it.
 ///
-///   stream ──open()──► take() ──LoadScene──► loads ─┐
-///                        └────RenderBlock──► renders ┴──► NodeLink ──► stream
+///   stream ──open()──► take() ──LoadScene──► loads ─┬──────────────► NodeLink ──► stream
+///                        │                          └──► lights ──► (light, between two blocks)
+///                        └────RenderBlock──► renders ──► NodeLink ──► stream
 ///
 /// Thread-safe, apart from the workers' work() and wait().
 class NodeController {
  public:
   /// `memory_limit_bytes` limits scenes and films together; a quarter of it, at most 1 GiB, is for films. 0: scenes are
-  /// not limited. `cache` as in SceneFetcher.
-  NodeController(SceneLoader loader, std::uint64_t memory_limit_bytes,
-                 scene_distribution::SceneCacheOptions cache = {});
+  /// not limited. `cache` as in SceneFetcher. Without `light`, the node computes no light.
+  NodeController(SceneLoader loader, std::uint64_t memory_limit_bytes, scene_distribution::SceneCacheOptions cache = {},
+                 LightStarter light = nullptr);
 
   /// Begins a stream to a coordinator; it lasts until close(). `files` as in NodeLink.
   std::shared_ptr<NodeLink> open(std::shared_ptr<grpc::Channel> files = nullptr);
@@ -40,15 +42,20 @@ class NodeController {
 
   [[nodiscard]] SceneLoadWorker& loads() { return loads_; }
   [[nodiscard]] RenderWorker& renders() { return renders_; }
+  [[nodiscard]] LightWorker& lights() { return lights_; }
   [[nodiscard]] const SceneLoadWorker& loads() const { return loads_; }
   [[nodiscard]] const RenderWorker& renders() const { return renders_; }
 
  private:
   void send_report(LinkId link, wire::NodeReport report);
+  void light_computed(const std::string& path, const std::filesystem::path& file, const Status& status);
+  void describe_again(const std::string& path, const std::string& note);
 
+  const SteadyClock clock_;
   const TimePoint begun_;
   SceneStore scenes_;
   RenderWorker renders_;
+  LightWorker lights_;
   SceneLoadWorker loads_;
   std::atomic<bool> draining_ = false;
 

@@ -7,6 +7,7 @@
 #include "common/process/program.h"
 #include "renderfarm/node/embree_block_renderer.h"
 #include "renderfarm/node/farm_node.h"
+#include "renderfarm/node/light_program.h"
 #include "renderfarm/node/node_config.h"
 
 namespace cyclorama::node {
@@ -17,6 +18,8 @@ struct Arguments {
   FarmNodeOptions options{.threads = 0};
   double memory_gib = 0.0;
   bool is_check = false;
+  std::string light_of{};  ///< A scene: only its light is computed, into `light_file`.
+  std::string light_file{};
 };
 
 /// The keys of node.toml are the options' names; the command line overrides them.
@@ -31,15 +34,20 @@ Result<FarmNodeOptions> options_from(const Arguments& arguments) {
     if (said.memory_limit_bytes == 0) said.memory_limit_bytes = file.memory_limit_bytes;
     if (said.cache.folder.empty()) said.cache.folder = file.cache.folder;
     said.cache.limit_bytes = file.cache.limit_bytes;
+    said.computes_light = file.computes_light;
     said.tls = file.tls;
   }
   return complete(std::move(said));
 }
 
 Status run(const Arguments& arguments, const StopSignal& stop) {
+  if (!arguments.light_of.empty()) {
+    return run_light_program(arguments.light_of, arguments.light_file, arguments.options.threads);
+  }
   TRY_ASSIGN(const FarmNodeOptions options, options_from(arguments));
   if (arguments.is_check) return Done{};
-  TRY_ASSIGN(const auto node, FarmNode::start(options, embree_scene_loader(options.threads)));
+  const LightStarter light = options.computes_light ? light_process_starter(options.threads) : nullptr;
+  TRY_ASSIGN(const auto node, FarmNode::start(options, embree_scene_loader(options.threads), light));
   Notify notify;
   notify.ready();
   std::string last_state;
@@ -89,6 +97,9 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(kMinMemoryGib, kMaxMemoryGib));
   app.add_option("--cache", options.cache.folder,
                  "Folder for scenes that coordinators distribute (default: none are accepted)");
+  // The node starts itself with these to compute light; they are not for people.
+  CLI::Option* const light_of = app.add_option(kLightOfOption, arguments.light_of)->group("");
+  app.add_option(kLightFileOption, arguments.light_file)->group("")->needs(light_of);
   app.add_flag("--check", arguments.is_check, "Check the settings and exit: 0 if they are valid");
   app.add_option("--name", options.name, "Name shown to the operator (default: the host's name)");
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });

@@ -94,6 +94,7 @@ wire::SceneLoaded SceneLoadWorker::load(const NodeLink& link, const wire::LoadSc
       set_state(fmt::format("loading scene '{}': {:.0f} %", name, 100.0 * fraction));
     };
     loaded = scenes_.load(link.id(), order, found->path.string(), progress, &left);
+    if (loaded.error().empty()) loaded_(found->path.string(), name);
   } else {
     loaded.set_scene(order.scene());
     loaded.set_error(printable(found.error().message(), kMaxErrorBytes));  // The message may quote the coordinator.

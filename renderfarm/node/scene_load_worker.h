@@ -23,9 +23,12 @@ class SceneLoadWorker {
  public:
   /// Sends a report to a coordinator; does nothing if its stream has ended.
   using ReportSink = std::function<void(LinkId, wire::NodeReport)>;
+  /// Receives each scene that was loaded, by its path and the coordinator's name.
+  using LoadedSink = std::function<void(const std::string& path, const std::string& name)>;
   /// `cache` as in SceneFetcher.
-  SceneLoadWorker(SceneStore& scenes, scene_distribution::SceneCacheOptions cache, ReportSink send_report)
-      : scenes_(scenes), fetcher_(std::move(cache)), send_report_(std::move(send_report)) {}
+  SceneLoadWorker(SceneStore& scenes, scene_distribution::SceneCacheOptions cache, ReportSink send_report,
+                  LoadedSink loaded)
+      : scenes_(scenes), fetcher_(std::move(cache)), send_report_(std::move(send_report)), loaded_(std::move(loaded)) {}
 
   // Thread-safe:
 
@@ -58,6 +61,7 @@ class SceneLoadWorker {
   SceneStore& scenes_;
   SceneFetcher fetcher_;  ///< Load thread only.
   const ReportSink send_report_;
+  const LoadedSink loaded_;
   std::atomic<bool> loading_ = false;
 
   mutable std::mutex mutex_;  ///< Guards the following.

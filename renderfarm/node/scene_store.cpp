@@ -62,10 +62,7 @@ wire::SceneLoaded SceneStore::load(LinkId link, const wire::LoadScene& order, co
   const auto named = [&](Loaded& loaded) {
     paths_[name] = path;
     loaded.used = ++uses_;
-    wire::SceneLoaded answer = loaded.answer;
-    answer.set_scene(order.scene());
-    answer.mutable_description()->set_name(order.scene());
-    return answer;
+    return answer_for(loaded, order.scene());
   };
   Leaving leaving;
   {
@@ -92,6 +89,41 @@ wire::SceneLoaded SceneStore::load(LinkId link, const wire::LoadScene& order, co
                                      path, gibibytes(needed), gibibytes(max_bytes_), gibibytes(bytes_in_use())));
   }
   return named(scenes_.emplace(path, *std::move(loaded)).first->second);
+}
+
+bool SceneStore::wants_light(const std::string& path) const {
+  const std::lock_guard lock(mutex_);
+  const auto scene = scenes_.find(path);
+  return scene != scenes_.end() && !scene->second.has_own_front && scene->second.renderer->wants_light();
+}
+
+std::shared_ptr<BlockRenderer> SceneStore::at_path(const std::string& path) const {
+  const std::lock_guard lock(mutex_);
+  const auto scene = scenes_.find(path);
+  return scene == scenes_.end() ? nullptr : scene->second.renderer;
+}
+
+std::vector<std::pair<LinkId, wire::SceneLoaded>> SceneStore::describe_again(const std::string& path,
+                                                                             const std::string& note) {
+  std::vector<std::pair<LinkId, wire::SceneLoaded>> answers;
+  const std::lock_guard lock(mutex_);
+  const auto scene = scenes_.find(path);
+  if (scene == scenes_.end()) return answers;
+  Loaded& loaded = scene->second;
+  if (!loaded.has_own_front) loaded.answer.set_front(loaded.renderer->pareto_front());
+  loaded.answer.set_memory_bytes(loaded.renderer->memory_bytes());
+  loaded.answer.set_note(printable(note, kMaxErrorBytes));
+  for (const auto& [name, at] : paths_) {
+    if (at == path) answers.emplace_back(name.link, answer_for(loaded, name.scene));
+  }
+  return answers;
+}
+
+wire::SceneLoaded SceneStore::answer_for(const Loaded& loaded, const std::string& name) {
+  wire::SceneLoaded answer = loaded.answer;
+  answer.set_scene(name);
+  answer.mutable_description()->set_name(name);
+  return answer;
 }
 
 bool SceneStore::has(const std::string& path) const {
@@ -143,10 +175,15 @@ Result<SceneStore::Loaded> SceneStore::loaded_from(const std::string& name, cons
   const TimePoint begun = SteadyClock().now();
   TRY_ASSIGN(std::string front, front_of(path));
   TRY_ASSIGN(std::shared_ptr<BlockRenderer> renderer, load_guarded(path, progress));
+  const bool has_own_front = !front.empty();
+  std::string note = renderer->note();
+  if (!has_own_front && renderer->wants_light()) {
+    if (const Status light = read_computed_light(path, *renderer); !light) note = light.error().message();
+  }
   wire::SceneLoaded answer;
-  if (front.empty()) front = renderer->pareto_front();
+  if (!has_own_front) front = renderer->pareto_front();
   answer.set_front(std::move(front));
-  answer.set_note(printable(renderer->note(), kMaxErrorBytes));
+  answer.set_note(printable(note, kMaxErrorBytes));
   *answer.mutable_description() = renderer->description();
   answer.mutable_description()->set_name(name);
   if (const Status fine = validate(answer.description()); !fine) {
@@ -156,7 +193,16 @@ Result<SceneStore::Loaded> SceneStore::loaded_from(const std::string& name, cons
   answer.set_memory_bytes(renderer->memory_bytes());
   answer.set_bounces(static_cast<std::uint32_t>(renderer->bounces()));
   answer.set_probe_cpu_seconds(renderer->probe_cpu_seconds());
-  return Loaded{std::move(renderer), std::move(answer)};
+  return Loaded{std::move(renderer), std::move(answer), has_own_front};
+}
+
+Status SceneStore::read_computed_light(const std::string& path, BlockRenderer& renderer) const {
+  const std::filesystem::path file = light_.file_of(path);
+  std::error_code none;
+  if (file.empty() || !std::filesystem::is_regular_file(file, none)) return Done{};
+  TRY_ASSIGN(const std::function<void()> use, renderer.light_from(file));
+  use();
+  return Done{};
 }
 
 bool SceneStore::make_room(std::uint64_t needed, Leaving* ret_leaving) {

@@ -258,16 +258,22 @@ RenderCost Renderer::render_radiance(const PanoramaView& view, const PixelRect& 
 }
 
 Status Renderer::set_light(std::shared_ptr<const light::LightStore> store, std::string_view name) {
-  if (store != nullptr) {
-    std::vector<light::PlacementSize> sizes;
-    for (const Placement& placement : state_->traced.placements) {
-      sizes.push_back({placement.mesh->vertex_count, placement.mesh->triangle_count});
-    }
-    TRY(light::check_fits(*store, light::key_of(state_->scene), sizes, name));
+  if (store != nullptr) TRY(check_light(*store, name));
+  use_light(std::move(store));
+  return Done{};
+}
+
+Status Renderer::check_light(const light::LightStore& store, std::string_view name) const {
+  std::vector<light::PlacementSize> sizes;
+  for (const Placement& placement : state_->traced.placements) {
+    sizes.push_back({placement.mesh->vertex_count, placement.mesh->triangle_count});
   }
+  return light::check_fits(store, light::key_of(state_->scene), sizes, name);
+}
+
+void Renderer::use_light(std::shared_ptr<const light::LightStore> store) {
   state_->stored_light = std::move(store);
   state_->traced.light = state_->stored_light.get();
-  return Done{};
 }
 
 const light::LightStore* Renderer::light() const { return state_->stored_light.get(); }

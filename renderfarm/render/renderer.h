@@ -99,6 +99,9 @@ class Renderer {
   /// Provides light that was computed ahead for RenderQuality::stored_light; null takes it away. Must not be called
   /// while a picture is rendered. Errors: kBadData, naming `name`, if it is not this scene's; the light stays as it was.
   Status set_light(std::shared_ptr<const light::LightStore> store, std::string_view name);
+  /// The two parts of set_light(): the check, which takes time and is thread-safe, and the switch, which takes none.
+  [[nodiscard]] Status check_light(const light::LightStore& store, std::string_view name) const;
+  void use_light(std::shared_ptr<const light::LightStore> store);
   [[nodiscard]] const light::LightStore* light() const;  ///< Null if there is none.
   /// For light_baking, which traces rays of its own: everything that the kernels read.
   [[nodiscard]] const TraceScene& traced() const;

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <filesystem>
 #include <numbers>
 #include <utility>
 
 #include "common/base/text.h"
+#include "renderfarm/light/light_file.h"
 #include "renderfarm/render/lights/light_set.h"
 #include "renderfarm/render/memory.h"
 #include "renderfarm/render/requirements.h"
@@ -97,6 +99,26 @@ void print_traced(const render::Renderer& renderer) {
              render::describe_bytes(renderer.bvh_bytes()), render::describe_bytes(renderer.shading_bytes()));
 }
 
+/// Prints what light was computed ahead for the scene, or why it cannot be used.
+void print_stored_light(const std::filesystem::path& scene, const render::Renderer& renderer) {
+  const std::filesystem::path file = scene / light::kLightFileName;
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) {
+    fmt::print("computed    no light; 'cyclorama-render light' computes it, and nodes do while they are idle\n");
+    return;
+  }
+  const Result<light::LightStore> store = light::read_light_file(file);
+  const Status fits = store ? renderer.check_light(*store, file.string()) : Status(store.error());
+  if (!fits) {
+    fmt::print("computed    {}\n", printable(fits.error().message(), 400));
+    return;
+  }
+  fmt::print("computed    light: {}, {} samples, {:.1f} bytes per triangle\n            {}\n",
+             render::describe_bytes(store->bytes()), store->sample_count(),
+             static_cast<double>(store->bytes()) / static_cast<double>(renderer.scene().triangles_seen()),
+             printable(store->settings, 400));
+}
+
 Status inspect(const SceneOptions& options) {
   TRY_ASSIGN(LoadedScene loaded, load_with_progress(options));
   const scene::Scene& scene = loaded.scene;
@@ -122,6 +144,7 @@ Status inspect(const SceneOptions& options) {
   for (const std::string& note : model.notes) fmt::print("note        {}\n", printable(note, 400));
   TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer, build_with_progress(std::move(loaded.scene), options));
   print_traced(*renderer);
+  print_stored_light(options.scene, *renderer);
   return Done{};
 }
 

@@ -92,6 +92,16 @@ RenderCommand add_light_command(CLI::App* program) {
   parser->add_option("--max-parts", settings.max_parts, "Upper bound of samples along a triangle's edge")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  parser
+      ->add_option("--bytes-per-triangle", settings.bytes_per_triangle,
+                   "Budget for all samples, of which finer ones get what is left, where they mend most")
+      ->check(CLI::Range(0.0, 4096.0))
+      ->capture_default_str();
+  parser
+      ->add_option("--max-cpu-seconds", settings.max_cpu_seconds,
+                   "Processor seconds after which no finer samples are begun; 0: no limit")
+      ->check(CLI::Range(0.0, 1e7))
+      ->capture_default_str();
   parser->add_option("--seed", settings.seed, "Seed of the random numbers")->capture_default_str();
   parser->add_option("--json", options->json, "Also write the figures as JSON");
   return {parser, [options](const StopSignal& stop) { return compute_light(*options, stop); }};

@@ -41,6 +41,8 @@ struct WatchedNode {
   /// Part of the largest load in a frame, smoothed: 1 for all nodes is a perfect balance.
   double load_share = 0.0;
   std::vector<std::string> scenes{};  ///< Loaded scenes.
+  /// Scenes whose light it computes ahead or is about to, such as "grotto: 42 %, 3 min left".
+  std::vector<std::string> light{};
 };
 
 struct FarmOverview {

@@ -67,6 +67,7 @@ wire::Table nodes_table(const FarmOverview& farm) {
     writer.number("load_share", node.load_share);
     writer.number("uptime_s", node.uptime_s);
     writer.text("scenes", fmt::format("{}", fmt::join(node.scenes, ", ")));
+    writer.text("light", fmt::format("{}", fmt::join(node.light, ", ")));
   }
   return std::move(writer).take();
 }

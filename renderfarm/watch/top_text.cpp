@@ -36,7 +36,7 @@ constexpr std::array<Column, 12> kSessions{{{"museum", "museum", 24, kText},
                                             {"late_frames", "late", 7, 0},
                                             {"given_up_frames", "given up", 9, 0},
                                             {"frames", "frames", 10, 0}}};
-constexpr std::array<Column, 10> kNodes{{{"name", "node", 24, kText},
+constexpr std::array<Column, 11> kNodes{{{"name", "node", 24, kText},
                                          {"state", "state", 16, kText},
                                          {"threads", "threads", 9, 0},
                                          {"speed", "speed", 8, 2},
@@ -45,7 +45,8 @@ constexpr std::array<Column, 10> kNodes{{{"name", "node", 24, kText},
                                          {"blocks_waiting", "waiting", 9, 0},
                                          {"memory_bytes", "memory MB", 10, 0, 1e6},
                                          {"", "", 2, kText},
-                                         {"scenes", "scenes", 32, kText}}};
+                                         {"scenes", "scenes", 32, kText},
+                                         {"light", "light computed", 32, kText}}};
 
 /// In the order of a frame's steps; others follow.
 constexpr std::array<std::string_view, 8> kStages{"queue",  "plan",  "fan_out",  "render",

@@ -13,6 +13,8 @@
 
 #include "common/image/cells.h"
 #include "common/image/inverse_depth.h"
+#include "renderfarm/governor/pareto_front_file.h"
+#include "renderfarm/governor/stored_light_front.h"
 #include "renderfarm/node/block_renderer.h"
 #include "tests/doubles/fake_scene.h"
 
@@ -59,6 +61,8 @@ class FakeRendering {
   std::atomic<int> renders = 0;
   std::atomic<int> samples = 0;     ///< Total of all films.
   std::atomic<int> film_cells = 0;  ///< Rendered cells of films, counting repetitions.
+  std::atomic<bool> wants_light = false;    ///< Scenes could have light that is computed ahead.
+  std::atomic<bool> refuses_light = false;  ///< Every file of light is damaged.
 
  private:
   std::mutex mutex_;
@@ -140,7 +144,14 @@ class FakeBlockRenderer final : public node::BlockRenderer {
     return picture;
   }
   [[nodiscard]] wire::SceneDescription description() const override { return fake_scene(""); }
-  [[nodiscard]] std::string pareto_front() const override { return {}; }
+  [[nodiscard]] std::string pareto_front() const override {
+    return has_light_ ? governor::pareto_front_text(governor::stored_light_front(bounces()), "") : "";
+  }
+  [[nodiscard]] bool wants_light() const override { return shared_->wants_light && !has_light_; }
+  [[nodiscard]] Result<std::function<void()>> light_from(const std::filesystem::path& file) const override {
+    if (shared_->refuses_light) return Error(ErrorCode::kBadData, file.filename().string() + ": the file is damaged");
+    return std::function<void()>([this] { has_light_ = true; });
+  }
   [[nodiscard]] std::string note() const override { return {}; }
   [[nodiscard]] std::uint64_t memory_bytes() const override { return memory_bytes_; }
   [[nodiscard]] int bounces() const override { return 4; }
@@ -181,6 +192,7 @@ class FakeBlockRenderer final : public node::BlockRenderer {
   }
   const std::shared_ptr<FakeRendering> shared_;
   const std::uint64_t memory_bytes_;
+  mutable std::atomic<bool> has_light_ = false;
 };
 
 /// Loads every scene except those named "missing" or "huge".

@@ -42,7 +42,7 @@ renderfarm/governor: common/base common/config renderfarm/render
 renderfarm/light: common/base renderfarm/scene
 renderfarm/light_baking: common/base renderfarm/light renderfarm/render renderfarm/scene
 renderfarm/node: common/base common/config common/image common/process common/wire renderfarm/balance
-    renderfarm/denoise renderfarm/governor renderfarm/light renderfarm/render renderfarm/scene
+    renderfarm/denoise renderfarm/governor renderfarm/light renderfarm/light_baking renderfarm/render renderfarm/scene
     renderfarm/scene_distribution
 renderfarm/quality: common/base common/image
 renderfarm/render: common/base common/geometry common/image renderfarm/light renderfarm/scene

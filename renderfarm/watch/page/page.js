@@ -29,14 +29,15 @@ const sessionColumns = [
 ];
 const stateClass = (n) => (n.state === "ready" ? "well" : n.state === "loading" ? "quiet" : "wrong");
 const nodeColumns = [
-  ["node", (n) => n.name],
-  ["state", (n) => n.state, "", stateClass],
-  ["load", (n) => loadBar(n.load_share)],
-  ["threads", (n) => fixed(n.threads, 0), "number"],
-  ["speed", (n) => fixed(n.speed, 2), "number"],
-  ["blocks", (n) => fixed(n.blocks, 0), "number"],
-  ["memory", (n) => (n.memory_bytes > 0 ? large(n.memory_bytes) + "B" : "–"), "number"],
-  ["scenes", (n) => n.scenes, "", () => "quiet"],
+  ['node', (n) => n.name],
+  ['state', (n) => n.state, '', stateClass],
+  ['load', (n) => loadBar(n.load_share)],
+  ['threads', (n) => fixed(n.threads, 0), 'number'],
+  ['speed', (n) => fixed(n.speed, 2), 'number'],
+  ['blocks', (n) => fixed(n.blocks, 0), 'number'],
+  ['memory', (n) => (n.memory_bytes > 0 ? large(n.memory_bytes) + 'B' : '–'), 'number'],
+  ['scenes', (n) => n.scenes, '', () => 'quiet'],
+  ['light computed', (n) => n.light || '', '', () => 'quiet'],
 ];
 // The farm's goals, in milliseconds at the 99th percentile.
 const goals = { plan: 1, fan_out: 1, relay: 1, overhead: 5 };

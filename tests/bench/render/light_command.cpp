@@ -29,6 +29,7 @@ struct LightOptions {
   int width = 480;
   int height = 180;
   int reference_samples = 256;
+  std::vector<double> curve{};  ///< Budgets in bytes per triangle to be compared; empty: the bake's own alone.
   std::string json;
 };
 
@@ -97,21 +98,20 @@ class Measurement {
   Measurement(const LightOptions& options, const StopSignal& stop, render::Renderer& renderer)
       : options_(options), stop_(stop), renderer_(renderer), denoising_(renderer, options.scene.threads) {}
 
+  /// Measures all lines from all eyes. Further calls use the references of the first.
   Status run(std::vector<Line>* lines) {
-    const scene::SceneInfo& info = renderer_.scene().info;
-    std::vector<Eigen::Vector3d> eyes = light_baking::walkable_eyes(info, options_.eyes + 1, kHeldOutSeed);
+    std::vector<Eigen::Vector3d> eyes =
+        light_baking::walkable_eyes(renderer_.scene().info, options_.eyes + 1, kHeldOutSeed);
     if (eyes.size() > 1) eyes.erase(eyes.begin());  // The start is one of the baker's own.
     Progress progress("comparing");
     for (std::size_t i = 0; i < eyes.size(); ++i) {
-      view_ = render::PanoramaView();
-      view_.eye = eyes[i];
-      view_.heading_rad = info.start_heading_rad + 2.399963 * static_cast<double>(i);
-      const double span = 150.0 * std::numbers::pi / 180.0;
-      const double tan_half = 0.5 * span * options_.height / options_.width;
-      view_.panorama = {options_.width, options_.height, span, tan_half, -tan_half};
-      TRY_ASSIGN(const Reference reference, make_reference());
+      look_from(eyes[i], static_cast<double>(i));
+      if (i == references_.size()) {
+        TRY_ASSIGN(Reference reference, make_reference());
+        references_.push_back(std::move(reference));
+      }
       for (Line& line : *lines) {
-        TRY(measure(reference, 1.0 / static_cast<double>(eyes.size()), &line));
+        TRY(measure(references_[i], 1.0 / static_cast<double>(eyes.size()), &line));
       }
       progress.update(static_cast<double>(i + 1) / static_cast<double>(eyes.size()));
     }
@@ -119,6 +119,16 @@ class Measurement {
   }
 
  private:
+  void look_from(const Eigen::Vector3d& eye, double number) {
+    constexpr double kGoldenAngle = 2.399963;
+    view_ = render::PanoramaView();
+    view_.eye = eye;
+    view_.heading_rad = renderer_.scene().info.start_heading_rad + kGoldenAngle * number;
+    const double span = 150.0 * std::numbers::pi / 180.0;
+    const double tan_half = 0.5 * span * options_.height / options_.width;
+    view_.panorama = {options_.width, options_.height, span, tan_half, -tan_half};
+  }
+
   [[nodiscard]] PixelRect whole() const { return {0, 0, options_.width, options_.height}; }
 
   Result<Reference> make_reference() {
@@ -166,6 +176,7 @@ class Measurement {
   render::Renderer& renderer_;
   denoise::DenoisingRenderer denoising_;
   render::PanoramaView view_;
+  std::vector<Reference> references_;  ///< One per eye.
 };
 
 /// Returns what a method costs at an error, from its measured lines: a power law through the two that are nearest.
@@ -182,31 +193,78 @@ double cost_at(const std::vector<Line>& lines, Method method, double relmse) {
   return a->cpu_s_per_mpx * std::pow(relmse / a->relmse, slope);
 }
 
-Status measure_light(const LightOptions& options, const StopSignal& stop) {
-  TRY_ASSIGN(tools::LoadedScene loaded, tools::load_with_progress(options.scene));
-  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
-             tools::build_with_progress(std::move(loaded.scene), options.scene));
+Result<light_baking::BakedLight> bake(const LightOptions& options, const light_baking::BakeSettings& settings,
+                                      const StopSignal& stop, render::Renderer& renderer) {
   Progress progress("computing light");
-  TRY_ASSIGN(const light_baking::BakedLight baked,
-             light_baking::bake_light(
-                 *renderer, options.bake, options.scene.threads, [&](double fraction) { progress.update(fraction); },
-                 [&] { return stop.requested(); }));
+  return light_baking::bake_light(
+      renderer, settings, options.scene.threads, [&](double fraction) { progress.update(fraction); },
+      [&] { return stop.requested(); });
+}
+
+/// The cost of light.
+struct BakeFigures {
+  double bytes_per_triangle = 0.0;
+  double cpu_s = 0.0;
+  double cpu_s_per_million_seen = 0.0;
+
+  BakeFigures(const light_baking::BakedLight& baked, const render::Renderer& renderer)
+      : bytes_per_triangle(static_cast<double>(baked.store->bytes()) /
+                           static_cast<double>(renderer.scene().triangles_seen())),
+        cpu_s(baked.cpu_seconds),
+        cpu_s_per_million_seen(1e6 * baked.cpu_seconds / static_cast<double>(baked.seen_triangles)) {}
+};
+
+double mean_block_relmse(const Line& line) {
+  double mean = 0.0;
+  for (const double block : line.block_relmse) mean += block / static_cast<double>(line.block_relmse.size());
+  return mean;
+}
+
+/// Prints the error of pictures for each budget of bytes.
+Status measure_curve(const LightOptions& options, const StopSignal& stop, render::Renderer& renderer,
+                     Measurement& measurement) {
+  fmt::print("{:>15}{:>15}{:>12}{:>13}{:>14}{:>12}{:>9}\n", "budget", "bytes/triangle", "bake cpu-s", "relMSE at 4",
+             "relMSE at 16", "8x8 relMSE", "FLIP");
+  nlohmann::json rows = nlohmann::json::array();
+  for (const double budget : options.curve) {
+    light_baking::BakeSettings settings = options.bake;
+    settings.bytes_per_triangle = budget;
+    settings.min_bytes = 0;
+    TRY_ASSIGN(const light_baking::BakedLight baked, bake(options, settings, stop, renderer));
+    std::vector<Line> lines = {{Method::kStored, 4}, {Method::kStored, 16}};
+    TRY(measurement.run(&lines));
+    const BakeFigures figures(baked, renderer);
+    fmt::print("{:>15.1f}{:>15.1f}{:>12.1f}{:>13.5f}{:>14.5f}{:>12.2e}{:>9.4f}\n", budget, figures.bytes_per_triangle,
+               figures.cpu_s, lines[0].relmse, lines[1].relmse, mean_block_relmse(lines[1]), lines[1].flip);
+    rows.push_back({{"budget_bytes_per_triangle", budget},
+                    {"bytes_per_triangle", figures.bytes_per_triangle},
+                    {"bake_cpu_s", figures.cpu_s},
+                    {"relmse_4_samples", lines[0].relmse},
+                    {"relmse_16_samples", lines[1].relmse},
+                    {"cpu_s_per_mpx_4_samples", lines[0].cpu_s_per_mpx},
+                    {"block_relmse", mean_block_relmse(lines[1])},
+                    {"flip", lines[1].flip}});
+  }
+  if (options.json.empty()) return Done{};
+  return tools::write_json(options.json, {{"curve", rows}});
+}
+
+Status measure_ratios(const LightOptions& options, const StopSignal& stop, render::Renderer& renderer,
+                      Measurement& measurement) {
+  TRY_ASSIGN(const light_baking::BakedLight baked, bake(options, options.bake, stop, renderer));
   std::vector<Line> lines = {{Method::kStored, 1},   {Method::kStored, 4},    {Method::kStored, 16},
                              {Method::kDenoised, 4}, {Method::kDenoised, 16}, {Method::kPaths, 4},
                              {Method::kPaths, 16}};
-  TRY(Measurement(options, stop, *renderer).run(&lines));
-  const double triangles = static_cast<double>(renderer->scene().triangles_seen());
-  const double bytes_per_triangle = static_cast<double>(baked.store->bytes()) / triangles;
-  const double seen_millions = 1e-6 * static_cast<double>(baked.seen_triangles);
-  fmt::print("light: {:.1f} cpu-seconds, {:.1f} per million seen triangles; {:.1f} bytes per triangle\n",
-             baked.cpu_seconds, baked.cpu_seconds / seen_millions, bytes_per_triangle);
+  TRY(measurement.run(&lines));
+  const BakeFigures figures(baked, renderer);
+  fmt::print("light: {:.1f} cpu-seconds, {:.1f} per million seen triangles; {:.1f} bytes per triangle\n", figures.cpu_s,
+             figures.cpu_s_per_million_seen, figures.bytes_per_triangle);
   fmt::print("{:<26}{:>12}{:>11}{:>9}{:>12}{:>12}{:>9}\n", "picture", "cpu-s/Mpx", "relMSE", "FLIP", "8x8 relMSE",
              "worst eye", "bias");
   for (const Line& line : lines) {
-    double mean = 0.0;
-    for (const double block : line.block_relmse) mean += block / static_cast<double>(line.block_relmse.size());
     fmt::print("{:<26}{:>12.3f}{:>11.5f}{:>9.4f}{:>12.2e}{:>12.2e}{:>8.2f}%\n", line.name(), line.cpu_s_per_mpx,
-               line.relmse, line.flip, mean, *std::ranges::max_element(line.block_relmse), 100.0 * line.bias);
+               line.relmse, line.flip, mean_block_relmse(line), *std::ranges::max_element(line.block_relmse),
+               100.0 * line.bias);
   }
   const Line& best = lines[1];
   const double ratio_denoised = cost_at(lines, Method::kDenoised, best.relmse) / best.cpu_s_per_mpx;
@@ -223,9 +281,18 @@ Status measure_light(const LightOptions& options, const StopSignal& stop) {
                                           {"cpu_s_per_mpx", best.cpu_s_per_mpx},
                                           {"cpu_s_per_mpx_one_sample", lines[0].cpu_s_per_mpx},
                                           {"relmse_one_sample", lines[0].relmse},
-                                          {"bytes_per_triangle", bytes_per_triangle},
-                                          {"bake_cpu_s", baked.cpu_seconds},
-                                          {"bake_cpu_s_per_million_seen", baked.cpu_seconds / seen_millions}});
+                                          {"bytes_per_triangle", figures.bytes_per_triangle},
+                                          {"bake_cpu_s", figures.cpu_s},
+                                          {"bake_cpu_s_per_million_seen", figures.cpu_s_per_million_seen}});
+}
+
+Status measure_light(const LightOptions& options, const StopSignal& stop) {
+  TRY_ASSIGN(tools::LoadedScene loaded, tools::load_with_progress(options.scene));
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             tools::build_with_progress(std::move(loaded.scene), options.scene));
+  Measurement measurement(options, stop, *renderer);
+  return options.curve.empty() ? measure_ratios(options, stop, *renderer, measurement)
+                               : measure_curve(options, stop, *renderer, measurement);
 }
 
 }  // namespace
@@ -245,6 +312,12 @@ tools::RenderCommand add_light_command(CLI::App* program) {
   parser->add_option("--probe-error", options->bake.probe_error, "As cyclorama-render light")->capture_default_str();
   parser->add_option("--max-parts", options->bake.max_parts, "As cyclorama-render light; a power of two")
       ->capture_default_str();
+  parser->add_option("--bytes-per-triangle", options->bake.bytes_per_triangle, "As cyclorama-render light")
+      ->capture_default_str();
+  parser->add_option("--min-bytes", options->bake.min_bytes, "Least budget for all samples, in bytes")
+      ->capture_default_str();
+  parser->add_option("--curve", options->curve, "Compare these budgets in bytes per triangle, such as 8,12,24")
+      ->delimiter(',');
   parser->add_option("--rays", options->bake.final_rays, "As cyclorama-render light; a power of two")
       ->capture_default_str();
   parser->add_option("--json", options->json, "Also write the figures as JSON");

@@ -21,7 +21,7 @@ Result<FarmNodeOptions> read(const std::string& text) {
 TEST(NodeConfig, reads_every_key_and_leaves_the_rest_to_the_host) {
   const auto full = read(
       "coordinators = [\"[::1]:1\", \"[::1]:2\"]\nname = \"r7\"\nthreads = 3\nmemory_gib = 1.5\n"
-      "cache = \"/c\"\ncache_gib = 0.5\n");
+      "cache = \"/c\"\ncache_gib = 0.5\ncompute_light = false\n");
   ASSERT_TRUE(full) << full.error().message();
   EXPECT_THAT(full->coordinators, ElementsAre("[::1]:1", "[::1]:2"));
   EXPECT_EQ(full->name, "r7");
@@ -29,10 +29,12 @@ TEST(NodeConfig, reads_every_key_and_leaves_the_rest_to_the_host) {
   EXPECT_EQ(full->memory_limit_bytes, std::uint64_t{3} << 29);
   EXPECT_EQ(full->cache.folder, "/c");
   EXPECT_EQ(full->cache.limit_bytes, std::uint64_t{1} << 29);
+  EXPECT_FALSE(full->computes_light);
   const auto short_one = read("coordinator = \"[::1]:1\"\n");
   ASSERT_TRUE(short_one) << short_one.error().message();
   EXPECT_THAT(short_one->coordinators, ElementsAre("[::1]:1"));
   EXPECT_EQ(short_one->memory_limit_bytes, 0u);
+  EXPECT_TRUE(short_one->computes_light);
   EXPECT_EQ(short_one->cache.folder, "");
   const auto done = complete(*short_one);
   ASSERT_TRUE(done);

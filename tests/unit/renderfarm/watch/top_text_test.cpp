@@ -21,7 +21,8 @@ wire::ProcessStatus status_of_a_farm() {
   FarmOverview farm;
   farm.sessions = {{1, "Hall 3", "grotto", 20.04, 4, 0.75, 1920, 480, 50.0, 47.0, 3e5, 0.97, 812, 3, 1, 0},
                    {2, "Musée de la préhistoire, grande salle", "relic"}};
-  farm.nodes = {{7, "render-07", "ready", 8, 1.0, 3, 2, std::uint64_t{2} << 30, 60.0, 0.98, {"grotto", "relic"}}};
+  farm.nodes = {
+      {7, "render-07", "ready", 8, 1.0, 3, 2, std::uint64_t{2} << 30, 60.0, 0.98, {"grotto", "relic"}, {"cave: 42 %"}}};
   wire::ProcessStatus status;
   status.set_process("coordinator");
   status.set_version("1.2.3");
@@ -52,11 +53,11 @@ std::size_t characters(const std::string& line) {
 }
 
 TEST(TopText, shows_sessions_nodes_and_steps_in_the_order_of_a_frame) {
-  const auto lines = lines_of(top_text(status_of_a_farm(), 160));
+  const auto lines = lines_of(top_text(status_of_a_farm(), 200));
   ASSERT_EQ(lines.size(), 15u);
   EXPECT_EQ(lines[0], "cyclorama-farm 1.2.3, up 2 h: 2 sessions on 1 nodes");
   EXPECT_THAT(lines[4], ContainsRegex("^Hall 3 +grotto +20\\.0 +4 +0\\.75 +50 +47\\.0 +300 +0\\.97 +1 +0 +812$"));
-  EXPECT_THAT(lines[8], ContainsRegex("^render-07 +ready +8 +1\\.00 +0\\.98 +3 +2 +2147 +grotto, relic$"));
+  EXPECT_THAT(lines[8], ContainsRegex("^render-07 +ready +8 +1\\.00 +0\\.98 +3 +2 +2147 +grotto, relic +cave: 42 %$"));
   EXPECT_THAT(lines[10], HasSubstr("p99 ms"));
   EXPECT_THAT(lines[11], ContainsRegex("^plan +0\\.25 +0\\.00 +0\\.75 +812$"));
   EXPECT_THAT(lines[12], StartsWith("relay"));

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Spends a budget on grids where they mend most: each step of a grid goes to the triangle whose error, times the pixels
+/// that it covers, falls most per sample.
+///
+///     probe all triangles ──► steps that fit the budget, best first ──► measure their error ─┐
+///                                     ▲                                                      │
+///                                     └──────────────── until nothing is left ◄──────────────┘
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "renderfarm/light_baking/triangle_grids.h"
+
+namespace cyclorama::light_baking {
+
+/// Tracers by thread, made when a thread first needs one.
+using LightTracers = tbb::enumerable_thread_specific<std::unique_ptr<LightTracer>>;
+
+/// A side with the triangles that visitors see.
+struct SeenSide {
+  LitSide lit;
+  std::span<const SeenTriangle> triangles;
+};
+
+/// Limits what grids take.
+struct GridBudget {
+  std::uint64_t samples = 0;
+  std::function<bool()> is_over{};                ///< Returns true when no more time may be spent; may be null.
+  std::function<void(double)> add_cpu_seconds{};  ///< Called from any thread after each piece of work; may be null.
+  std::function<void(double)> report_progress{};  ///< A fraction in [0, 1]; may be null.
+};
+
+struct SideGrids {
+  std::vector<MadeGrid> grids{};
+  /// Triangles that cover much of a picture, whose vertices are not enough, and for which the budget did not suffice.
+  std::vector<std::uint32_t> unresolved{};
+};
+
+/// Returns the grids of each side, ordered by triangle. Uses the threads of the TBB arena in which it is called; the
+/// result does not depend on their number unless `is_over` ended it.
+[[nodiscard]] std::vector<SideGrids> make_grids(std::span<const SeenSide> sides, const BakeSettings& settings,
+                                                const GridBudget& budget, LightTracers& tracers);
+
+}  // namespace cyclorama::light_baking

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+/// A node's interface to what computes the light of a scene ahead: production starts a process (light_process.h), tests
+/// decide what happens.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "common/base/result.h"
+
+namespace cyclorama::node {
+
+/// One computation, which ends by itself. pause() and resume() are thread-safe; the rest is thread-bound. The destructor
+/// ends an unfinished one.
+class LightComputation {
+ public:
+  virtual ~LightComputation() = default;
+  /// Returns at once; from then on it takes no processor time.
+  virtual void pause() = 0;
+  virtual void resume() = 0;
+  /// Returns the share that is done, in [0, 1].
+  [[nodiscard]] virtual double done_share() = 0;
+  /// Returns nothing while it works; then success, with the file complete, or why it failed, in one sentence.
+  [[nodiscard]] virtual std::optional<Status> result() = 0;
+
+ protected:
+  LightComputation() = default;
+  LightComputation(const LightComputation&) = default;
+  LightComputation& operator=(const LightComputation&) = default;
+};
+
+/// Starts to compute the light of the scene at a path into a file. Errors: one sentence.
+using LightStarter = std::function<Result<std::unique_ptr<LightComputation>>(const std::filesystem::path& scene,
+                                                                             const std::filesystem::path& file)>;
+
+}  // namespace cyclorama::node

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/base/result.h"
+
+namespace cyclorama::node {
+
+/// Says where the light that a node computes lies: in `light/` of its cache, one file per scene; without a cache, in the
+/// scene's own folder. Thread-safe.
+class LightFiles {
+ public:
+  /// An empty folder means that the node has no cache.
+  explicit LightFiles(std::filesystem::path cache) : cache_(std::move(cache)) {}
+
+  /// Returns where the light of the scene at `path` belongs, whether or not it is there; empty if there is no such place.
+  [[nodiscard]] std::filesystem::path file_of(const std::string& path) const;
+  /// Makes that place ready for a new file: creates the folder, removes what a killed computation left behind, and the
+  /// oldest files beyond a limit. Errors: one sentence on why nothing can be written there.
+  Result<std::filesystem::path> prepare(const std::string& path) const;
+
+ private:
+  const std::filesystem::path cache_;
+};
+
+}  // namespace cyclorama::node

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/light_process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <string_view>
+
+#include "common/base/text.h"
+
+// NOLINTNEXTLINE(readability-redundant-declaration): POSIX requires the program to declare it.
+extern char** environ;
+
+namespace cyclorama::node {
+namespace {
+
+constexpr std::size_t kMaxLineBytes = 4096;
+
+Result<pid_t> spawned(const std::vector<std::string>& command, int output) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigset_t all;
+  sigemptyset(&none);
+  sigfillset(&all);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  std::vector<std::string> words = command;
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t process = 0;
+  errno = ::posix_spawn(&process, arguments.front(), &actions, &attributes, arguments.data(), environ);
+  const Error error = Error::from_errno(fmt::format("starting '{}'", command.front()));
+  const bool has_failed = errno != 0;
+  posix_spawn_file_actions_destroy(&actions);
+  posix_spawnattr_destroy(&attributes);
+  if (has_failed) return error;
+  return process;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<LightComputation>> LightProcess::start(const std::vector<std::string>& command) {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return Error::from_errno("making a pipe");
+  UniqueFd from(ends[0]);
+  const UniqueFd into(ends[1]);
+  if (::fcntl(from.get(), F_SETFL, O_NONBLOCK) != 0) return Error::from_errno("making a pipe");
+  TRY_ASSIGN(const pid_t process, spawned(command, into.get()));
+  return std::unique_ptr<LightComputation>(new LightProcess(process, std::move(from)));
+}
+
+LightProcess::~LightProcess() {
+  const pid_t process = process_.exchange(0);
+  if (process == 0) return;
+  ::kill(process, SIGKILL);  // Also ends a stopped one. What it writes is renamed into place only when complete.
+  ::waitpid(process, nullptr, 0);
+}
+
+void LightProcess::send_signal(int number) const {
+  const pid_t process = process_;
+  if (process != 0) ::kill(process, number);
+}
+
+void LightProcess::pause() { send_signal(SIGSTOP); }
+void LightProcess::resume() { send_signal(SIGCONT); }
+
+double LightProcess::done_share() {
+  read_output();
+  return done_share_;
+}
+
+std::optional<Status> LightProcess::result() {
+  if (process_ == 0) return Error(ErrorCode::kSystem, error_);
+  int status = 0;
+  // It stays a zombie until process_ is 0, so a signal cannot reach another process of the same number.
+  siginfo_t ended{};
+  const auto id = static_cast<id_t>(process_.load());
+  if (::waitid(P_PID, id, &ended, WEXITED | WNOHANG | WNOWAIT) != 0 || ended.si_pid == 0) return std::nullopt;
+  read_output();
+  const pid_t process = process_.exchange(0);
+  ::waitpid(process, &status, 0);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return Status(Done{});
+  if (error_.empty()) {
+    error_ = WIFSIGNALED(status) ? fmt::format("it was ended by signal {}", WTERMSIG(status))
+                                 : fmt::format("it ended with exit code {}", WEXITSTATUS(status));
+  }
+  return Status(Error(ErrorCode::kSystem, error_));
+}
+
+void LightProcess::read_output() {
+  std::array<char, 4096> part{};
+  for (;;) {
+    const ssize_t n = ::read(output_.get(), part.data(), part.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return;
+    for (const char byte : std::string_view(part.data(), static_cast<std::size_t>(n))) {
+      if (byte == '\n') {
+        read_line(unread_);
+        unread_.clear();
+      } else if (unread_.size() < kMaxLineBytes) {
+        unread_.push_back(byte);
+      }
+    }
+  }
+}
+
+void LightProcess::read_line(const std::string& line) {
+  constexpr std::string_view kProgress = "progress ";
+  constexpr std::string_view kError = "error ";
+  if (line.starts_with(kError)) error_ = printable(line.substr(kError.size()), kMaxLineBytes);
+  if (!line.starts_with(kProgress)) return;
+  double share = 0.0;
+  const auto [end, failure] = std::from_chars(line.data() + kProgress.size(), line.data() + line.size(), share);
+  if (failure == std::errc() && share >= 0.0) done_share_ = std::min(share, 1.0);
+}
+
+}  // namespace cyclorama::node

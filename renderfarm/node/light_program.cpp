@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/node/light_program.h"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <string>
+
+#include "common/base/give_way.h"
+#include "common/base/text.h"
+#include "renderfarm/light/light_file.h"
+#include "renderfarm/light_baking/bake_light.h"
+#include "renderfarm/node/light_process.h"
+#include "renderfarm/render/renderer.h"
+#include "renderfarm/scene/scene.h"
+
+namespace cyclorama::node {
+namespace {
+
+/// Approximate shares of the time: reading the scene, building its BVH, then light.
+constexpr double kReadShare = 0.03;
+constexpr double kBuiltShare = 0.05;
+constexpr std::size_t kMaxErrorBytes = 1000;
+
+Error write_error(const std::filesystem::path& file, const Error& reason) {
+  const int number = reason.errno_value();
+  if (number != ENOSPC && number != EDQUOT && number != EFBIG) return reason;
+  return Error(
+      ErrorCode::kSystem,
+      fmt::format("writing '{}': its disk is full; free some of it, or give 'cache' another place", file.string()));
+}
+
+/// The lowest priority there is; the sandbox of a service may refuse some of it.
+void give_way_to_all() {
+  constexpr int kAllSteps = 40;
+  give_way(kAllSteps);
+  const sched_param none{};
+  if (::sched_setscheduler(0, SCHED_IDLE, &none) != 0) return;
+}
+
+}  // namespace
+
+Status compute_light(const std::filesystem::path& scene, const std::filesystem::path& file, int threads,
+                     const std::function<void(double)>& progress) {
+  TRY_ASSIGN(scene::Scene loaded,
+             scene::load_scene(scene, scene::ImportLimits{}, [&](double done) { progress(kReadShare * done); }));
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             render::Renderer::build(std::move(loaded), threads,
+                                     [&](double done) { progress(kReadShare + (kBuiltShare - kReadShare) * done); }));
+  TRY_ASSIGN(const light_baking::BakedLight baked,
+             light_baking::bake_light(
+                 *renderer, light_baking::BakeSettings{}, threads,
+                 [&](double done) { progress(kBuiltShare + (1.0 - kBuiltShare) * done); }, nullptr));
+  const Status written = light::write_light_file(file, *baked.store);
+  if (!written) return write_error(file, written.error());
+  return Done{};
+}
+
+Status run_light_program(const std::filesystem::path& scene, const std::filesystem::path& file, int threads) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  std::signal(SIGXFSZ, SIG_IGN);  // A file that may not grow is an error to report, like a full disk.
+  give_way_to_all();
+  double reported = -1.0;
+  const Status done = compute_light(scene, file, threads, [&](double share) {
+    constexpr double kStep = 0.005;
+    if (share < reported + kStep) return;
+    reported = share;
+    fmt::print("progress {:.3f}\n", share);
+    std::fflush(stdout);
+  });
+  if (!done) fmt::print("error {}\n", printable(done.error().message(), kMaxErrorBytes));
+  return done;
+}
+
+LightStarter light_process_starter(int threads) {
+  return [threads](const std::filesystem::path& scene, const std::filesystem::path& file) {
+    return LightProcess::start({"/proc/self/exe", kLightOfOption, scene.string(), kLightFileOption, file.string(),
+                                "--threads", std::to_string(threads)});
+  };
+}
+
+}  // namespace cyclorama::node

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "common/base/clock.h"
+#include "common/wire/nodes.pb.h"
+#include "renderfarm/node/light_computation.h"
+#include "renderfarm/node/light_files.h"
+
+namespace cyclorama::node {
+
+/// Computes the light of scenes ahead, one after another, while no block waits.
+///
+///   want() ──► waiting ──► computing ◄──► paused ──► finished()
+///                             │  give_way() ▲ no block for kQuiet
+///                             └─────────────┘
+///
+/// A scene whose light could not be computed is not tried again until the node restarts.
+class LightWorker {
+ public:
+  struct Calls {
+    std::function<bool()> has_blocks;  ///< Returns true while blocks wait or are rendered; called from any thread.
+    /// The light of the scene at `path` is in `file`, or it failed. Called by the thread of work().
+    std::function<void(const std::string& path, const std::filesystem::path& file, const Status& status)> finished;
+  };
+  /// Idle time before a paused computation goes on, so that it does not stutter between a visit's frames.
+  static constexpr Duration kQuiet = std::chrono::seconds(2);
+
+  /// Without a starter, nothing is computed. `clock` must outlive it.
+  LightWorker(LightStarter starter, LightFiles files, Calls calls, const Clock& clock);
+
+  // Thread-safe:
+
+  /// Requests the light of a scene, unless it was requested before. `name` is what the coordinator calls it.
+  void want(const std::string& path, const std::string& name);
+  /// To be called when a block arrives: pauses at once.
+  void give_way();
+  /// Adds an entry for each scene whose light is being computed or waits for it.
+  void report(wire::NodeStatus* status) const;
+  /// Ends wait(). The current computation is ended when work() is next called, or by the destructor.
+  void stop();
+
+  // For the light thread only:
+
+  /// Waits until there is something to do, or for a moment while a computation works; false once stopped.
+  bool wait();
+  /// Starts, resumes or ends a computation, whatever is due. Returns false if there is nothing to compute.
+  bool work();
+
+ private:
+  struct Wanted {
+    std::string path;
+    std::string name;
+  };
+  void begin(const Wanted& wanted);
+  [[nodiscard]] bool is_quiet() const;
+
+  const LightStarter starter_;
+  const LightFiles files_;
+  const Calls calls_;
+  const Clock& clock_;
+  std::filesystem::path file_;  ///< Light thread only: of the current computation.
+
+  mutable std::mutex mutex_;  ///< Guards the following.
+  std::condition_variable changed_;
+  bool stopping_ = false;
+  std::deque<Wanted> waiting_;    ///< The first is the current one, if there is a computation.
+  std::deque<std::string> done_;  ///< Paths that are not tried again.
+  std::shared_ptr<LightComputation> current_;
+  bool paused_ = false;
+  TimePoint block_at_ = TimePoint::min();  ///< Time when a block last arrived or waited.
+  double done_share_ = 0.0;
+  double worked_seconds_ = 0.0;  ///< Time for which the current one was not paused.
+  TimePoint looked_at_{};
+};
+
+}  // namespace cyclorama::node

@@ -97,7 +97,7 @@ Status show_meshes_without_nodes(const Stage& stage) {
 
 Status show_gltf_scene(GltfDocument* document, GltfContext* context, GltfMeshes* meshes, Model* ret_model) {
   const Stage stage{document, context, meshes, ret_model};
-  TRY_ASSIGN(const GltfForest forest, read_gltf_forest(*document));
+  TRY_ASSIGN(const GltfForest forest, read_gltf_forest(*document, &context->notes));
   if (forest.children.empty() && !document->root().has("scenes")) return show_meshes_without_nodes(stage);
   return show_nodes(stage, forest);
 }

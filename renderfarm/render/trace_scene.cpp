@@ -30,7 +30,7 @@ SurfaceMaterial trace_material(const scene::Model& model, const scene::Material&
   material.clearcoat_normal = textures->request(model, source.clearcoat_normal_texture, TextureContent::kData);
   material.transmission = textures->request(model, source.transmission_texture, TextureContent::kData);
   material.absorption = absorption_of(source);
-  material.level = surface_level_of(source);
+  material.level = surface_level_of(source, model.textures);
   material.cut_out = source.alpha_mode == scene::AlphaMode::kMask;
   return material;
 }

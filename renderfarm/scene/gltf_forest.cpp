@@ -87,15 +87,16 @@ Result<GltfForest> read_gltf_forest(const GltfDocument& document, GltfNotes* not
   forest.children.resize(nodes.size());
   TRY_ASSIGN(const Parents parents, read_children(nodes, &forest));
   TRY(check_no_loops(forest, parents, nodes));
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    if (!parents[i]) forest.all_roots.push_back(i);
+  }
   TRY_ASSIGN(const std::optional<std::size_t> declared, document.index(document.root(), "scene", "scenes"));
   TRY_ASSIGN(const GltfArray scenes, document.root().array("scenes"));
   if (declared || scenes.size() > 0) {
     TRY_ASSIGN(forest.shown_roots, roots_of_scene(document, parents, declared.value_or(0), notes));
     return forest;
   }
-  for (std::size_t i = 0; i < parents.size(); ++i) {
-    if (!parents[i]) forest.shown_roots.push_back(i);
-  }
+  forest.shown_roots = forest.all_roots;
   return forest;
 }
 

@@ -16,7 +16,7 @@ namespace cyclorama::scene {
 /// Nodes as a forest, checked to be free of loops.
 struct GltfForest {
   std::vector<std::vector<std::size_t>> children;
-  std::vector<std::size_t> all_roots;    ///< Of the whole file.
+  std::vector<std::size_t> all_roots;    ///< Roots of the whole file.
   std::vector<std::size_t> shown_roots;  ///< Roots of the default scene, or of the whole file if it has no scenes.
 };
 

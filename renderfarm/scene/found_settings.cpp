@@ -129,8 +129,8 @@ FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bound
   // The top of a globe is no ground.
   const bool has_ground = best.site && best.site->walkable_m2 > std::min(0.35 * size.x() * size.z(), kMuchGroundM2);
   const bool is_wide = has_ground && std::min(size.x(), size.z()) >= std::max(kMinSiteM, flatness * size.y());
-  const bool is_court = best.site && best.site->has_walls() && size.y() < kMaxCourtM;
-  if (best.site && (is_wide || is_court)) return standing_at(grid, *best.site, SceneKind::kSite);
+  const bool is_court = has_ground && best.site->has_walls() && size.y() < kMaxCourtM;
+  if (is_wide || is_court) return standing_at(grid, *best.site, SceneKind::kSite);
   return before_object(model, bounds, std::nullopt);
 }
 

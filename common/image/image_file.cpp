@@ -7,8 +7,10 @@
 #include <string_view>
 
 #include "common/base/file.h"
+#include "common/image/foreign_jpeg.h"
 #include "common/image/jpeg.h"
 #include "common/image/png.h"
+#include "common/image/webp.h"
 
 namespace cyclorama {
 namespace {
@@ -23,11 +25,10 @@ bool begins_with(std::span<const std::byte> bytes, std::string_view magic, std::
 }
 
 Error unsupported(std::span<const std::byte> bytes) {
-  const char* name = "neither PNG nor JPEG";
+  const char* name = "neither PNG, JPEG nor WebP";
   if (bytes.empty()) name = "an empty file";
   if (begins_with(bytes, "\x76\x2f\x31\x01")) name = "an OpenEXR picture";
   if (begins_with(bytes, "#?RADIANCE") || begins_with(bytes, "#?RGBE")) name = "a Radiance HDR picture";
-  if (begins_with(bytes, "RIFF") && begins_with(bytes, "WEBP", 8)) name = "a WebP picture";
   if (begins_with(bytes, "\xabKTX")) name = "a KTX texture";
   if (begins_with(bytes, "GIF8")) name = "a GIF picture";
   return Error(ErrorCode::kBadData, fmt::format("this is {}; convert it to PNG or JPEG", name));
@@ -47,15 +48,9 @@ Result<GreyImage> grey_of(std::span<const std::byte> bytes, std::size_t limit_px
 
 Result<RgbaImage> decode_image(std::span<const std::byte> bytes, std::size_t limit_px) {
   if (begins_with(bytes, "\x89PNG")) return decode_png(bytes, limit_px);
+  if (begins_with(bytes, "RIFF") && begins_with(bytes, "WEBP", 8)) return decode_webp(bytes, limit_px);
   if (!begins_with(bytes, kJpegMagic)) return unsupported(bytes);
-  JpegDecoder decoder;
-  TRY_ASSIGN(const RgbImage rgb, decoder.decode(bytes, limit_px));
-  RgbaImage rgba(rgb.width(), rgb.height(), 255);
-  for (std::size_t from = 0, to = 0; from < rgb.data().size(); from += 3, to += 4) {
-    std::copy_n(rgb.data().begin() + static_cast<std::ptrdiff_t>(from), 3,
-                rgba.data().begin() + static_cast<std::ptrdiff_t>(to));
-  }
-  return rgba;
+  return decode_foreign_jpeg(bytes, limit_px);
 }
 
 Result<RgbaImage> read_image(const std::filesystem::path& path, std::size_t limit_px) {

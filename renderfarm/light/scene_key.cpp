@@ -61,6 +61,7 @@ void add(const scene::Material& material, Hash* hash) {
   }
   hash->add(material.alpha_mode);
   hash->add(material.double_sided);
+  if (material.unlit) hash->add(material.unlit);  // Keeps the keys of scenes from before there were such materials.
 }
 
 void add(const scene::Mesh& mesh, Hash* hash) {

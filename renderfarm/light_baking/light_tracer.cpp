@@ -158,6 +158,7 @@ void LightTracer::from_surfaces(std::span<const LightPoint> points, int rays, bo
       ray.path = static_cast<std::uint16_t>(i);
       ray.scatterings = 1;
       ray.surfaces = 1;
+      ray.aimed_surfaces = 1;
       ray.only_light = only_lamps;
       stage.rays.add(point.position, direction, std::numeric_limits<float>::infinity(),
                      render::alpha_random_number(index, point.seed, 2));

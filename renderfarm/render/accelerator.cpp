@@ -58,6 +58,7 @@ Result<std::unique_ptr<Accelerator>> Accelerator::build(scene::Scene& scene, int
 
 Accelerator::~Accelerator() {
   if (top_ != nullptr) rtcReleaseScene(top_);
+  if (panes_ != nullptr) rtcReleaseScene(panes_);
   for (const Part& part : parts_) rtcReleaseScene(part.scene);
   if (device_ != nullptr) rtcReleaseDevice(device_);
 }
@@ -111,6 +112,8 @@ RTCGeometry Accelerator::make_triangles(const scene::Mesh& mesh, SurfaceMesh* tr
     rtcSetGeometryIntersectFilterFunction(geometry, &alpha_filter);
     rtcSetGeometryOccludedFilterFunction(geometry, &alpha_filter);
   }
+  // What a pane takes from a shadow ray is found afterwards, by cross_panes().
+  if (traced->material->pane) rtcSetGeometryOccludedFilterFunction(geometry, &pass_all_filter);
   rtcCommitGeometry(geometry);
   return geometry;
 }
@@ -164,8 +167,18 @@ void Accelerator::add_instance(scene::Model& model, scene::Instance& instance, c
     rtcCommitGeometry(geometry);
   }
   rtcAttachGeometryByID(top_, geometry, static_cast<unsigned>(ret_traced->placements.size()));
+  if (traced.material->pane) add_pane(geometry, ret_traced);
   rtcReleaseGeometry(geometry);
   ret_traced->placements.push_back(placement);
+}
+
+void Accelerator::add_pane(RTCGeometry geometry, TraceScene* ret_traced) {
+  if (panes_ == nullptr) {
+    panes_ = rtcNewScene(device_);
+    rtcSetSceneFlags(panes_, RTC_SCENE_FLAG_ROBUST);
+    ret_traced->panes = panes_;
+  }
+  rtcAttachGeometryByID(panes_, geometry, static_cast<unsigned>(ret_traced->placements.size()));
 }
 
 Status Accelerator::add_meshes(scene::Scene& scene, TraceScene* ret_traced) {
@@ -213,6 +226,7 @@ Status Accelerator::commit(const std::function<void(double)>& progress) {
   for (const Part& part : parts_) total += part.triangles;
   std::vector<Part> order = parts_;  // Parts first, because the top-level BVH needs their bounds.
   order.push_back({top_, top_triangles_});
+  if (panes_ != nullptr) order.push_back({panes_, 0});
   for (const Part& part : order) {
     watch.share = static_cast<double>(part.triangles) / static_cast<double>(std::max<std::size_t>(total, 1));
     if (progress) rtcSetSceneProgressMonitorFunction(part.scene, report, &watch);

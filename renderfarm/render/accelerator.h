@@ -40,6 +40,8 @@ class Accelerator {
   /// Adds an instance; bakes its mesh if that is used once.
   void add_instance(scene::Model& model, scene::Instance& instance, const Eigen::Vector3d& origin,
                     TraceScene* ret_traced);
+  /// Adds the last placement's geometry to the panes.
+  void add_pane(RTCGeometry geometry, TraceScene* ret_traced);
   Status add_lights(const scene::Scene& scene, TraceScene* ret_traced);
   RTCGeometry make_triangles(const scene::Mesh& mesh, SurfaceMesh* traced);
   Status commit(const std::function<void(double)>& progress);
@@ -47,6 +49,7 @@ class Accelerator {
 
   RTCDevice device_ = nullptr;
   RTCScene top_ = nullptr;
+  RTCScene panes_ = nullptr;  ///< Null if there are none.
   struct Part {
     RTCScene scene;
     std::size_t triangles;

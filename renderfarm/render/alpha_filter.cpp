@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/render/alpha_filter.h"
 
+#include <algorithm>
+
 #include "renderfarm/render/sampler.h"
 #include "renderfarm/render/surface.h"
 
@@ -34,5 +36,7 @@ void alpha_filter(const RTCFilterFunctionNArguments* arguments) {
     if (arguments->valid[lane] == -1 && lets_through(mesh, *arguments, lane)) arguments->valid[lane] = 0;
   }
 }
+
+void pass_all_filter(const RTCFilterFunctionNArguments* arguments) { std::fill_n(arguments->valid, arguments->N, 0); }
 
 }  // namespace cyclorama::render

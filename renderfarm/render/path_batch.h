@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 
 #include "renderfarm/render/ray_queue.h"
 
@@ -31,7 +32,10 @@ struct PathRay {
   std::uint16_t path = 0;
   std::uint8_t scatterings = 0;  ///< Scatterings at surfaces that are neither mirror nor clear.
   std::uint8_t surfaces = 0;     ///< Number of surfaces of any kind.
-  bool only_light = false;       ///< Collects emitted light only; the path ends at whatever it hits.
+  /// The value of `surfaces` where its direction was chosen: panes (pane.h) on the way change neither it nor `pdf`.
+  std::uint8_t aimed_surfaces = 0;
+  bool only_light = false;  ///< Collects emitted light only; the path ends at whatever it hits but panes.
+  float passed_m = 0.0f;    ///< Distance from where its direction was chosen to its start.
 };
 
 /// Contribution of a shadow ray if it is unoccluded.
@@ -72,6 +76,7 @@ struct PathBatch {
   int stage = 0;  ///< Index of the stage in flight; the next rays are collected in the other.
   RayQueue<RTCRay16> shadow_rays;
   std::array<ShadowedLight, kMaxRays> shadowed;
+  std::unique_ptr<RayQueue<RTCRayHit16>> pane_rays;    ///< Shadow rays that cross panes; null until there are any.
   std::array<std::uint32_t, kMaxRays> index_reversed;  ///< For the path of every ray.
   std::array<std::uint32_t, kMaxRays> seed;
   SurfaceRandomNumbers random_numbers;

@@ -55,6 +55,7 @@ class RayQueue {
     const int lane = lane_of(i);
     return {ray.dir_x[lane], ray.dir_y[lane], ray.dir_z[lane]};
   }
+  [[nodiscard]] std::uint32_t random_number(int i) const { return rays_of(packet(i)).id[lane_of(i)]; }
   /// Distance of the hit; below zero where trace_any() found an occluder.
   [[nodiscard]] float distance(int i) const { return rays_of(packet(i)).tfar[lane_of(i)]; }
   /// Precondition of has_hit() and hit(): packets of RTCRayHit16, traced.

@@ -5,22 +5,62 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <span>
 
 #include "renderfarm/render/sky.h"
 #include "renderfarm/render/texture_lookup.h"
 
 namespace cyclorama::render {
 
-SurfaceLevel surface_level_of(const scene::Material& material) {
-  const bool has_metal_only = material.metallic == 1.0f && material.metallic_roughness_texture.texture < 0;
-  const bool transmits = material.transmission > 0.0f && !has_metal_only;
-  if (material.clearcoat > 0.0f || transmits) return SurfaceLevel::kLayered;
-  if (material.metallic > 0.0f) return SurfaceLevel::kGlossy;
+namespace {
+
+enum Channel : std::uint8_t { kRed, kGreen, kBlue, kAlpha };
+
+/// A factor and the channel of a texture that multiplies it. Interpolation and mipmaps never leave the range of a
+/// channel's texels, so its ends decide what the product reaches.
+class TexturedFactor {
+ public:
+  TexturedFactor(float factor, const scene::TextureUse& use, Channel channel,
+                 const std::vector<scene::Texture>& textures)
+      : factor_(factor), channel_(channel) {
+    if (use.texture >= 0) texels_ = textures[static_cast<std::size_t>(use.texture)].pixels.data();
+  }
+  /// True if the product is above 0 anywhere.
+  [[nodiscard]] bool exceeds_0() const { return factor_ > 0.0f && (texels_.empty() || has_texel_other_than(0)); }
+  /// True if the product is below 1 anywhere.
+  [[nodiscard]] bool falls_below_1() const { return factor_ < 1.0f || has_texel_other_than(255); }
+
+ private:
+  /// Stops at the first, which most textures have in their first row.
+  [[nodiscard]] bool has_texel_other_than(std::uint8_t code) const {
+    for (std::size_t i = channel_; i < texels_.size(); i += 4) {
+      if (texels_[i] != code) return true;
+    }
+    return false;
+  }
+
+  float factor_;
+  Channel channel_;
+  std::span<const std::uint8_t> texels_;  ///< Empty if nothing multiplies the factor.
+};
+
+}  // namespace
+
+SurfaceLevel surface_level_of(const scene::Material& material, const std::vector<scene::Texture>& textures) {
+  if (material.unlit) return SurfaceLevel::kMatte;
+  const auto textured = [&](float factor, const scene::TextureUse& use, Channel channel) {
+    return TexturedFactor(factor, use, channel, textures);
+  };
+  const TexturedFactor metal = textured(material.metallic, material.metallic_roughness_texture, kBlue);
+  const TexturedFactor roughness = textured(material.roughness, material.metallic_roughness_texture, kGreen);
+  const TexturedFactor coat = textured(material.clearcoat, material.clearcoat_texture, kRed);
+  const TexturedFactor transmission = textured(material.transmission, material.transmission_texture, kRed);
+  const TexturedFactor specular = textured(material.specular, material.specular_texture, kAlpha);
+  if (coat.exceeds_0() || (transmission.exceeds_0() && metal.falls_below_1())) return SurfaceLevel::kLayered;
   const scene::Material plain;
-  const bool mirrors = material.specular > 0.0f && material.ior > 1.0f;
   const bool shines_specially = material.ior > plain.ior || material.specular_colour.maxCoeff() > 1.0f;
-  const bool is_glossy = mirrors && (material.roughness < 1.0f || shines_specially);
-  return is_glossy ? SurfaceLevel::kGlossy : SurfaceLevel::kMatte;
+  const bool is_glossy = material.ior > 1.0f && (shines_specially || roughness.falls_below_1()) && specular.exceeds_0();
+  return is_glossy || metal.exceeds_0() ? SurfaceLevel::kGlossy : SurfaceLevel::kMatte;
 }
 
 std::vector<bool> see_through_textures(const scene::Model& model) {
@@ -54,7 +94,7 @@ SceneNeeds needs_of(const scene::Scene& scene) {
     needs.normal_maps |= material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0;
     for (scene::TextureUse scene::Material::*const at : scene::texture_places())
       needs.textures |= (material.*at).texture >= 0;
-    needs.surface = std::max(needs.surface, surface_level_of(material));
+    needs.surface = std::max(needs.surface, surface_level_of(material, model.textures));
     needs.lights |= material.emissive.maxCoeff() > 0.0f;
   }
   needs.lights |= std::any_of(model.lights.begin(), model.lights.end(),

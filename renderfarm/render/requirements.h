@@ -34,9 +34,11 @@ struct SceneNeeds {
 /// Formats needs such as "textures, glossy surfaces, lights"; "nothing" if there are none.
 [[nodiscard]] std::string describe(const SceneNeeds& needs);
 
-/// Returns the lowest level that renders the material correctly, whatever its textures hold. A dielectric of roughness
-/// 1, which scans without a material have, is purely Lambertian.
-[[nodiscard]] SurfaceLevel surface_level_of(const scene::Material& material);
+/// Returns the lowest level that renders the material correctly, given what its factors reach through their textures.
+/// A dielectric of roughness 1, which scans without a material have, is purely Lambertian. `textures` are the model's;
+/// reads texels until one decides, which is often the first.
+[[nodiscard]] SurfaceLevel surface_level_of(const scene::Material& material,
+                                            const std::vector<scene::Texture>& textures);
 /// Returns for each texture whether it has texels that are not opaque; checked only if a material blends by it.
 [[nodiscard]] std::vector<bool> see_through_textures(const scene::Model& model);
 /// Returns true if any of `mesh` is transparent: many files specify AlphaMode::kBlend with only opaque texels.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/render/shade.h"
 
+#include "renderfarm/render/pane.h"
 #include "renderfarm/render/shade_stages.h"
 
 namespace cyclorama::render {
@@ -28,6 +29,7 @@ void trace_shadows(const TraceScene& scene, PathBatch& batch) {
   RayQueue<RTCRay16>& rays = batch.shadow_rays;
   trace_any(scene.top, rays);
   batch.rays_traced += static_cast<std::uint64_t>(rays.count());
+  if (scene.panes != nullptr) cross_panes(scene, batch);
   for (int i = 0; i < rays.count(); ++i) {
     if (rays.distance(i) < 0.0f) continue;
     const ShadowedLight& shadowed = batch.shadowed[static_cast<std::size_t>(i)];

@@ -124,7 +124,7 @@ class Shade {
       const Vec3 light = scene_.lights.environment(direction);
       if (!light.isZero(0.0f)) {
         const float aimed =
-            ray.pdf > 0.0f ? scene_.lights.environment_pdf(rays_.origin(i), ray.from_normal, direction) : 0.0f;
+            ray.pdf > 0.0f ? scene_.lights.environment_pdf(aim_start(i, ray), ray.from_normal, direction) : 0.0f;
         // A body that is open on this side is infinitely thick: any channel that it absorbs is black.
         const Vec3 left = (ray.absorption.array() > 0.0f).select(Vec3::Zero(), light);
         found(ray, left * share_of(ray.pdf, aims_from_start_of(ray) * aimed));
@@ -144,16 +144,21 @@ class Shade {
     at_surface(i, ray, hit);
   }
 
-  /// Returns the number of light samples taken at the surface where the ray starts.
+  /// Returns where the ray's direction was chosen, which is where light was sampled as well.
+  [[nodiscard]] Vec3 aim_start(int i, const PathRay& ray) const {
+    if constexpr (kNeeds.surface != SurfaceLevel::kLayered) return rays_.origin(i);
+    return rays_.origin(i) - ray.passed_m * rays_.direction(i);
+  }
+  /// Returns the number of light samples taken there.
   [[nodiscard]] float aims_from_start_of(const PathRay& ray) const {
-    return ray.surfaces == 1 ? static_cast<float>(view_.quality.light_samples) : 1.0f;
+    return ray.aimed_surfaces == 1 ? static_cast<float>(view_.quality.light_samples) : 1.0f;
   }
 
   /// Returns the weight of light that the ray hit, given that light sampling might have found it as well.
   [[nodiscard]] float share_of_met(int i, const PathRay& ray, LightIndex light) const {
     if (ray.pdf == 0.0f || light == kNoLight) return 1.0f;
-    const float aimed =
-        scene_.lights.pdf(rays_.origin(i), ray.from_normal, light, rays_.direction(i), rays_.distance(i));
+    const float aimed = scene_.lights.pdf(aim_start(i, ray), ray.from_normal, light, rays_.direction(i),
+                                          ray.passed_m + rays_.distance(i));
     return share_of(ray.pdf, aims_from_start_of(ray) * aimed);
   }
 
@@ -178,7 +183,7 @@ class Shade {
       if constexpr (kNeeds.lights) share = share_of_met(i, ray, scene_.lights.of_triangle(top_of(hit), hit.primID));
       found(ray, shading.emission * share);
     }
-    if (ray.only_light) return;
+    if (ray.only_light) return cross_pane(i, ray, point, shading, wo);
 
     const Scatter scattering(shading.bsdf, shading.normal, wo);
     if (view_.features && ray.surfaces == 0) keep_features(i, ray, shading, scattering.albedo());
@@ -193,6 +198,19 @@ class Shade {
     const bool continues = (!last || shading.sharp) && ray.surfaces < view_.quality.bounces + kMaxPassages;
     if constexpr (kAims) aim_at_lights(i, ray, point, shading.normal, side, scattering, continues);
     if (continues) continue_path(i, ray, point, shading, side, scattering, footprint.width, last);
+  }
+
+  /// Lets a ray that only collects light go on through a pane.
+  void cross_pane(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& wo) {
+    if constexpr (kNeeds.surface == SurfaceLevel::kLayered) {
+      if (!shading.bsdf.thin || ray.surfaces >= view_.quality.bounces + kMaxPassages) return;
+      PathRay next = ray;
+      next.throughput = ray.throughput.cwiseProduct(Scatter(shading.bsdf, shading.normal, wo).straight());
+      if (next.throughput.isZero(0.0f)) return;
+      next.passed_m += rays_.distance(i);
+      ++next.surfaces;
+      go_on(i, next, start_off_surface(point, -point.facing), rays_.direction(i));
+    }
   }
 
   void keep_features(int i, const PathRay& ray, const Shading& shading, const Vec3& albedo) {
@@ -344,11 +362,17 @@ class Shade {
 
     PathRay next = ray;
     next.throughput = ray.throughput.cwiseProduct(sample.weight);
-    next.pdf = sample.pdf;
-    next.from_normal = side;
     next.cone_width = cone_width;
     ++next.surfaces;
     const bool mirror = sample.pdf == 0.0f;
+    if (mirror && sample.through && shading.bsdf.thin) {  // A pane.
+      next.passed_m += rays_.distance(i);
+    } else {
+      next.pdf = sample.pdf;
+      next.from_normal = side;
+      next.aimed_surfaces = next.surfaces;
+      next.passed_m = 0.0f;
+    }
     if (!mirror && !sample.through) {
       ++next.scatterings;
       next.only_light = last;
@@ -363,10 +387,16 @@ class Shade {
       if (!(batch_.random_numbers.through[slot] < chance)) return;
       next.throughput /= chance;
     }
+    go_on(i, next, start_off_surface(point, sample.through ? Vec3(-point.facing) : point.facing), sample.wi);
+  }
+
+  /// Adds the next ray of a path.
+  void go_on(int i, const PathRay& next, const Vec3& start, const Vec3& direction) {
     RayStage& stage = batch_.next();
     stage.state[static_cast<std::size_t>(stage.rays.count())] = next;
-    stage.rays.add(start_off_surface(point, sample.through ? Vec3(-point.facing) : point.facing), sample.wi,
-                   std::numeric_limits<float>::infinity(), alpha_random_number_of(i, ray));
+    const auto slot = static_cast<std::size_t>(i);
+    stage.rays.add(start, direction, std::numeric_limits<float>::infinity(),
+                   alpha_random_number(batch_.index_reversed[slot], batch_.seed[slot], next.surfaces));
   }
 
   /// Returns the seed for rays that start at the hit.

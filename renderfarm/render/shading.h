@@ -78,6 +78,13 @@ Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3
   Shading shading;
   shading.normal = point.normal;
   shading.emission = source.emissive;
+  if (source.unlit) {
+    if constexpr (kNeeds.textures) {
+      read_texels<SurfaceLevel::kMatte>(material, TexelReader(hit, footprint), &texels);
+    }
+    shading.emission = make_bsdf(source, texels, false, SurfaceLevel::kMatte).base_colour;
+    return shading;
+  }
   if constexpr (kNeeds.textures) {
     const TexelReader reader(hit, footprint);
     read_texels<kNeeds.surface>(material, reader, &texels);

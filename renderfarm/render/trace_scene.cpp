@@ -2,6 +2,7 @@
 #include "renderfarm/render/trace_scene.h"
 
 #include "renderfarm/render/bsdf/bsdf.h"
+#include "renderfarm/render/pane.h"
 #include "renderfarm/render/requirements.h"
 
 namespace cyclorama::render {
@@ -30,7 +31,8 @@ SurfaceMaterial trace_material(const scene::Model& model, const scene::Material&
   material.clearcoat_normal = textures->request(model, source.clearcoat_normal_texture, TextureContent::kData);
   material.transmission = textures->request(model, source.transmission_texture, TextureContent::kData);
   material.absorption = absorption_of(source);
-  material.level = surface_level_of(source);
+  material.level = surface_level_of(source, model.textures);
+  material.pane = is_pane(source, material.level);
   material.cut_out = source.alpha_mode == scene::AlphaMode::kMask;
   return material;
 }

@@ -35,6 +35,7 @@ struct SurfaceMaterial {
   SurfaceLevel level = SurfaceLevel::kMatte;
   bool blends = false;   ///< Transparent in part.
   bool cut_out = false;  ///< Has holes.
+  bool pane = false;     ///< Shadow rays cross it: see pane.h.
 };
 
 /// Borrows the arrays of one Mesh. A pointer is null where the mesh has no such array.
@@ -64,6 +65,7 @@ struct Placement {
 /// Owned by the Renderer. Read-only while rays are traced.
 struct TraceScene {
   RTCScene top = nullptr;
+  RTCScene panes = nullptr;  ///< The panes among `top`, by the same numbers; null if there are none.
   MipTextures textures;
   std::vector<SurfaceMaterial> materials;
   std::vector<SurfaceMesh> meshes;

@@ -35,13 +35,4 @@ struct FoundSettings {
 [[nodiscard]] FoundSettings find_settings(const Model& model, const Eigen::AlignedBox3d& bounds,
                                           const std::optional<Eigen::Vector3d>& eye);
 
-/// Adds light to a scene that has none: the sky and a sun-like lamp outdoors and for objects, one lamp at the eye and
-/// one above it in rooms. Emissive surfaces do not count, since they light nothing else.
-void add_light(const FoundSettings& found, Scene* scene);
-
-/// Returns the exposure that gives surfaces around the eye, lit by the lamps, middle brightness: for the same light,
-/// files state anything from one to a hundred thousand candela. Counts the environment as wholly visible and ignores
-/// shadows. Returns 1 if there is no light.
-[[nodiscard]] double find_exposure(const FoundSettings& found, const Scene& scene);
-
 }  // namespace cyclorama::scene

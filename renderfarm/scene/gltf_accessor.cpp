@@ -31,13 +31,13 @@ Result<GltfComponent> read_component(const GltfObject& object) {
 }
 
 Result<int> read_width(const GltfObject& accessor) {
-  constexpr std::array<std::pair<std::string_view, int>, 4> kWidths = {
-      {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}}};
+  constexpr std::array<std::pair<std::string_view, int>, 5> kWidths = {
+      {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}}};
   TRY_ASSIGN(const std::string type, accessor.text_or("type", ""));
   for (const auto& [name, width] : kWidths) {
     if (type == name) return width;
   }
-  return accessor.damaged("type", "SCALAR, VEC2, VEC3 or VEC4 is needed here");
+  return accessor.damaged("type", "SCALAR, VEC2, VEC3, VEC4 or MAT4 is needed here");
 }
 
 /// Checks that `count` elements of `element_bytes`, `stride` apart, fit into `view` from `offset` on.
@@ -269,6 +269,7 @@ std::vector<std::array<float, N>> read_floats(const GltfAccessor& accessor, cons
 template std::vector<std::array<float, 2>> read_floats(const GltfAccessor&, const GltfSelection&);
 template std::vector<std::array<float, 3>> read_floats(const GltfAccessor&, const GltfSelection&);
 template std::vector<std::array<float, 4>> read_floats(const GltfAccessor&, const GltfSelection&);
+template std::vector<std::array<float, 16>> read_floats(const GltfAccessor&, const GltfSelection&);
 
 void read_indices(const GltfAccessor& accessor, std::span<std::uint32_t> indices) {
   CHECK(accessor.width == 1 && indices.size() <= accessor.count);

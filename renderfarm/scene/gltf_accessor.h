@@ -26,7 +26,7 @@ struct GltfAccessor {
   std::size_t count = 0;
   std::size_t stride = 0;  ///< Bytes from one element to the next.
   GltfComponent component = GltfComponent::kF32;
-  int width = 1;  ///< Components per element, 1 to 4.
+  int width = 1;  ///< Components per element: 1 to 4, or 16 for a matrix, column by column.
   bool normalized = false;
   std::string place;
   std::shared_ptr<const std::vector<std::byte>> owned;  ///< Owns `data` if no buffer does; otherwise null.
@@ -78,6 +78,7 @@ std::vector<std::array<float, N>> read_floats(const GltfAccessor& accessor, cons
 extern template std::vector<std::array<float, 2>> read_floats(const GltfAccessor&, const GltfSelection&);
 extern template std::vector<std::array<float, 3>> read_floats(const GltfAccessor&, const GltfSelection&);
 extern template std::vector<std::array<float, 4>> read_floats(const GltfAccessor&, const GltfSelection&);
+extern template std::vector<std::array<float, 16>> read_floats(const GltfAccessor&, const GltfSelection&);
 
 /// Writes the first `indices.size()` elements. Precondition: an unsigned component of width 1, and enough elements.
 void read_indices(const GltfAccessor& accessor, std::span<std::uint32_t> indices);

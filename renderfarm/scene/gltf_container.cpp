@@ -33,6 +33,23 @@ std::uint32_t read_u32(std::span<const std::byte> bytes, std::size_t offset) {
   return value;
 }
 
+/// True if the file ends at `at`, or a binary chunk that fits begins there.
+bool continues_at(std::span<const std::byte> bytes, std::size_t at) {
+  if (at == bytes.size()) return true;
+  return at < bytes.size() && bytes.size() - at >= kChunkHeaderBytes && read_u32(bytes, at + 4) == kBinaryChunk &&
+         read_u32(bytes, at) <= bytes.size() - at - kChunkHeaderBytes;
+}
+
+/// Returns where the chunk whose content ends at `end` is over. Of the writers that state a length which is not a
+/// multiple of 4, some pad nevertheless and some do not: nothing if neither or both can be.
+std::optional<std::size_t> end_of_chunk(std::span<const std::byte> bytes, std::size_t end) {
+  const std::size_t padded = (end + 3) / 4 * 4;
+  if (padded == end) return end;
+  const bool goes_on_unpadded = continues_at(bytes, end);
+  if (goes_on_unpadded == continues_at(bytes, padded)) return std::nullopt;
+  return goes_on_unpadded ? end : padded;
+}
+
 Result<GltfChunks> split_binary(std::span<const std::byte> bytes) {
   if (bytes.size() < kHeaderBytes) return damaged("the binary glTF ends within its header");
   const std::uint32_t version = read_u32(bytes, 4);
@@ -53,10 +70,11 @@ Result<GltfChunks> split_binary(std::span<const std::byte> bytes) {
     at += kChunkHeaderBytes;
     if (size > length - at)
       return damaged(fmt::format("chunk {} extends beyond the length that the header states", number));
-    // Writers that omit the padding disagree about where the next chunk starts.
-    if (size % 4 != 0) return damaged(fmt::format("chunk {} has {} bytes, not a multiple of 4", number, size));
     const std::span<const std::byte> content = bytes.subspan(at, size);
-    at += size;
+    chunks.has_unpadded_chunk |= size % 4 != 0;
+    const std::optional<std::size_t> next = end_of_chunk(bytes.first(length), at + size);
+    if (!next) return damaged(fmt::format("chunk {} has {} bytes, not a multiple of 4", number, size));
+    at = *next;
     if (number == 0 && type != kJsonChunk) return damaged("the first chunk is not JSON");
     if (type == kJsonChunk) {
       if (has_json) return damaged("there are two JSON chunks");

@@ -17,9 +17,11 @@ namespace cyclorama::scene {
 struct GltfChunks {
   std::string_view json;
   std::optional<std::span<const std::byte>> binary;
+  bool has_unpadded_chunk = false;  ///< A chunk's length is not a multiple of 4, against the specification.
 };
 
-/// Errors: kBadData for anything but .glb and .gltf, and for a damaged .glb. Source: glTF 2.0, section 4.4.
+/// Errors: kBadData for anything but .glb and .gltf, and for a damaged .glb. The length of a chunk that is not a
+/// multiple of 4 is accepted where the next chunk, or the end, shows whether it is followed by padding. Source: glTF 2.0, section 4.4.
 Result<GltfChunks> split_gltf(std::span<const std::byte> bytes);
 
 /// Parses without recursion. Refuses text that is nested too deeply or whose tree would not fit the budget, before

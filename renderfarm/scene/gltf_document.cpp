@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "common/base/text.h"
 #include "renderfarm/scene/gltf_container.h"
 #include "renderfarm/scene/gltf_extensions.h"
+#include "renderfarm/scene/gltf_meshopt.h"
 #include "renderfarm/scene/gltf_uri.h"
 
 namespace cyclorama::scene {
@@ -43,6 +45,7 @@ struct GltfDocument::State {
   std::vector<MappedFile> files;
   std::set<std::filesystem::path> earned;
   std::vector<std::vector<std::byte>> decoded;
+  std::map<std::size_t, std::vector<std::byte>> decompressed;  ///< Keyed by buffer view.
 };
 
 GltfDocument::GltfDocument(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -54,6 +57,7 @@ Result<GltfDocument> GltfDocument::open(std::span<const std::byte> bytes, std::o
                                         GltfContext* context) {
   auto state = std::make_unique<State>();
   TRY_ASSIGN(const GltfChunks chunks, split_gltf(bytes));
+  if (chunks.has_unpadded_chunk) context->notes.add("a chunk of the file is not padded to 4 bytes: read as it is", "");
   TRY(parse_gltf_json(chunks.json, &context->budget, &state->json));
   TRY_ASSIGN(GltfObject root, GltfObject::from(state->json, ""));
   TRY(check_version(root));
@@ -96,25 +100,36 @@ Result<GltfObject> GltfDocument::item(const char* list, std::size_t index) const
 Result<GltfBufferView> GltfDocument::buffer_view(std::size_t index) {
   TRY_ASSIGN(const GltfObject view, item("bufferViews", index));
   TRY_ASSIGN(const std::optional<GltfObject> meshopt, view.extension("EXT_meshopt_compression"));
-  if (meshopt) {
-    return Error(
-        ErrorCode::kBadData,
-        fmt::format("{}: EXT_meshopt_compression is not supported; export the scene without it", view.place()));
-  }
-  TRY_ASSIGN(const std::size_t buffer_index, required_index(view, "buffer", "buffers"));
-  TRY_ASSIGN(const std::span<const std::byte> bytes, buffer(buffer_index));
-  TRY_ASSIGN(const std::uint64_t length, view.required_integer("byteLength"));
-  TRY_ASSIGN(const std::optional<std::uint64_t> offset, view.integer("byteOffset"));
-  const std::uint64_t start = offset.value_or(0);
-  if (start > bytes.size() || length > bytes.size() - start) {
-    return view.damaged("byteLength",
-                        fmt::format("{} bytes from byte {} of a buffer of {}", length, start, bytes.size()));
-  }
   GltfBufferView found;
-  found.bytes = bytes.subspan(start, length);
+  if (meshopt) {
+    TRY_ASSIGN(found.bytes, decompressed(index, *meshopt));
+  } else {
+    TRY_ASSIGN(found.bytes, part_of_buffer(view));
+  }
   TRY_ASSIGN(found.stride, view.integer("byteStride"));
   found.place = view.place();
   return found;
+}
+
+Result<std::span<const std::byte>> GltfDocument::part_of_buffer(const GltfObject& from) {
+  TRY_ASSIGN(const std::size_t buffer_index, required_index(from, "buffer", "buffers"));
+  TRY_ASSIGN(const std::span<const std::byte> bytes, buffer(buffer_index));
+  TRY_ASSIGN(const std::uint64_t length, from.required_integer("byteLength"));
+  TRY_ASSIGN(const std::optional<std::uint64_t> offset, from.integer("byteOffset"));
+  const std::uint64_t start = offset.value_or(0);
+  if (start > bytes.size() || length > bytes.size() - start) {
+    return from.damaged("byteLength",
+                        fmt::format("{} bytes from byte {} of a buffer of {}", length, start, bytes.size()));
+  }
+  return bytes.subspan(start, length);
+}
+
+Result<std::span<const std::byte>> GltfDocument::decompressed(std::size_t view, const GltfObject& meshopt) {
+  const auto known = state_->decompressed.find(view);
+  if (known != state_->decompressed.end()) return std::span<const std::byte>(known->second);
+  TRY_ASSIGN(const std::span<const std::byte> stored, part_of_buffer(meshopt));
+  TRY_ASSIGN(std::vector<std::byte> bytes, decode_meshopt(meshopt, stored, &state_->context->budget));
+  return std::span<const std::byte>(state_->decompressed.emplace(view, std::move(bytes)).first->second);
 }
 
 Result<std::span<const std::byte>> GltfDocument::buffer(std::size_t index) {

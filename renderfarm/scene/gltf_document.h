@@ -54,6 +54,10 @@ class GltfDocument {
  private:
   struct State;
   explicit GltfDocument(std::unique_ptr<State> state);
+  /// Returns the bytes that `buffer`, `byteOffset` and `byteLength` of `from` select.
+  Result<std::span<const std::byte>> part_of_buffer(const GltfObject& from);
+  /// Decodes a buffer view by its EXT_meshopt_compression, once.
+  Result<std::span<const std::byte>> decompressed(std::size_t view, const GltfObject& meshopt);
   Result<std::span<const std::byte>> buffer(std::size_t index);
   Result<std::span<const std::byte>> load_buffer(const GltfObject& buffer, std::size_t index);
   std::unique_ptr<State> state_;

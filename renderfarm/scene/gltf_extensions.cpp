@@ -12,8 +12,10 @@
 namespace cyclorama::scene {
 namespace {
 
-constexpr std::array<std::string_view, 13> kSupported = {
+constexpr std::array<std::string_view, 17> kSupported = {
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
@@ -22,32 +24,17 @@ constexpr std::array<std::string_view, 13> kSupported = {
     "KHR_materials_pbrSpecularGlossiness",  // Approximated; gltf_specular_glossiness.cpp notes what is lost.
     "KHR_materials_specular",
     "KHR_materials_transmission",
-    "KHR_materials_unlit",  // Noted for each material that has it.
+    "KHR_materials_unlit",
+    "KHR_materials_variants",  // A file without a choice shows its own materials.
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
-};
-
-// Extensions that affect appearance only: without them the geometry is complete and some surfaces look plainer, so a
-// file is accepted even if it requires them.
-constexpr std::array<std::string_view, 7> kLookOnly = {
-    "KHR_texture_basisu",
-    "EXT_texture_webp",
-    "EXT_texture_avif",
-    "MSFT_texture_dds",
-    "EXT_lights_image_based",
-    "KHR_xmp_json_ld",
-    "MSFT_packing_occlusionRoughnessMetallic",
+    "KHR_xmp_json_ld",  // Text about the file.
 };
 
 template <typename List>
 bool contains(const List& list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();
-}
-
-bool is_cosmetic(std::string_view name) {
-  constexpr std::string_view kMaterials = "KHR_materials_";
-  return name.substr(0, kMaterials.size()) == kMaterials || contains(kLookOnly, name);
 }
 
 }  // namespace
@@ -62,7 +49,7 @@ Result<std::set<std::string, std::less<>>> check_gltf_extensions(const GltfObjec
   TRY_ASSIGN(const GltfArray required, root.array("extensionsRequired"));
   for (std::size_t i = 0; i < required.size(); ++i) {
     TRY_ASSIGN(std::string name, required.text(i));
-    if (!contains(kSupported, name) && !is_cosmetic(name)) {
+    if (!contains(kSupported, name)) {
       return Error(ErrorCode::kBadData, fmt::format("{}: {} is required and not supported; export the scene without it",
                                                     required.place_of(i), printable(name)));
     }

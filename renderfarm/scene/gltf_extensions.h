@@ -11,8 +11,8 @@
 
 namespace cyclorama::scene {
 
-/// Returns the names in extensionsUsed and notes each unsupported one once. Errors: kBadData if an unsupported
-/// extension is required and the picture would be wrong without it, not just slightly different.
+/// Returns the names in extensionsUsed and notes each unsupported one once. Errors: kBadData, with its name, if an
+/// unsupported extension is required: to its author, the file cannot be shown without it.
 Result<std::set<std::string, std::less<>>> check_gltf_extensions(const GltfObject& root, GltfNotes* notes);
 
 }  // namespace cyclorama::scene

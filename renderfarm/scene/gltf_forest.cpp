@@ -51,8 +51,8 @@ Status check_no_loops(const GltfForest& forest, const Parents& parents, const Gl
   return Done{};
 }
 
-Result<std::vector<std::size_t>> roots_of_scene(const GltfDocument& document, const Parents& parents,
-                                                std::size_t index) {
+Result<std::vector<std::size_t>> roots_of_scene(const GltfDocument& document, const Parents& parents, std::size_t index,
+                                                GltfNotes* notes) {
   TRY_ASSIGN(const GltfObject scene, document.item("scenes", index));
   TRY_ASSIGN(const GltfArray nodes, scene.array("nodes"));
   std::vector<std::size_t> roots;
@@ -63,34 +63,40 @@ Result<std::vector<std::size_t>> roots_of_scene(const GltfDocument& document, co
       return gltf_damaged(nodes.place_of(i), fmt::format("index {} of {} nodes", node, parents.size()));
     }
     const auto root = static_cast<std::size_t>(node);
-    if (parents[root]) {
-      return gltf_damaged(nodes.place_of(i),
-                          fmt::format("node {} is a child of node {} and no root", root, *parents[root]));
-    }
-    if (named[root]) return gltf_damaged(nodes.place_of(i), fmt::format("node {} is named twice", root));
+    if (named[root]) notes->add("a scene names a node twice: shown once", nodes.place_of(i));
+    if (!named[root]) roots.push_back(root);
     named[root] = true;
-    roots.push_back(root);
   }
+  // A node below another one that is shown is shown in its place there, as without being named. One whose parents are
+  // not shown is a root by this scene's own words.
+  std::erase_if(roots, [&](std::size_t root) {
+    if (parents[root]) notes->add("a scene names a node that is the child of another: shown once", nodes.place());
+    for (std::optional<std::size_t> above = parents[root]; above; above = parents[*above]) {
+      if (named[*above]) return true;
+    }
+    return false;
+  });
   return roots;
 }
 
 }  // namespace
 
-Result<GltfForest> read_gltf_forest(const GltfDocument& document) {
+Result<GltfForest> read_gltf_forest(const GltfDocument& document, GltfNotes* notes) {
   TRY_ASSIGN(const GltfArray nodes, document.root().array("nodes"));
   GltfForest forest;
   forest.children.resize(nodes.size());
   TRY_ASSIGN(const Parents parents, read_children(nodes, &forest));
   TRY(check_no_loops(forest, parents, nodes));
+  for (std::size_t i = 0; i < parents.size(); ++i) {
+    if (!parents[i]) forest.all_roots.push_back(i);
+  }
   TRY_ASSIGN(const std::optional<std::size_t> declared, document.index(document.root(), "scene", "scenes"));
   TRY_ASSIGN(const GltfArray scenes, document.root().array("scenes"));
   if (declared || scenes.size() > 0) {
-    TRY_ASSIGN(forest.shown_roots, roots_of_scene(document, parents, declared.value_or(0)));
+    TRY_ASSIGN(forest.shown_roots, roots_of_scene(document, parents, declared.value_or(0), notes));
     return forest;
   }
-  for (std::size_t i = 0; i < parents.size(); ++i) {
-    if (!parents[i]) forest.shown_roots.push_back(i);
-  }
+  forest.shown_roots = forest.all_roots;
   return forest;
 }
 

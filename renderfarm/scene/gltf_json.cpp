@@ -166,6 +166,13 @@ Result<std::uint64_t> GltfArray::integer(std::size_t index) const {
   return *number;
 }
 
+Result<double> GltfArray::number(std::size_t index) const {
+  CHECK(index < size());
+  const std::optional<double> number = finite_number((*value_)[index]);
+  if (!number) return gltf_damaged(place_of(index), "a number is needed here");
+  return *number;
+}
+
 Result<std::string> GltfArray::text(std::size_t index) const {
   CHECK(index < size());
   const std::string* const text = (*value_)[index].get_ptr<const nlohmann::json::string_t*>();

@@ -69,9 +69,10 @@ class GltfArray {
 
   [[nodiscard]] const std::string& place() const { return place_; }
   [[nodiscard]] std::size_t size() const;
-  /// Precondition of all three: index < size().
+  /// Precondition of all four: index < size().
   Result<GltfObject> object(std::size_t index) const;
   Result<std::uint64_t> integer(std::size_t index) const;
+  Result<double> number(std::size_t index) const;
   Result<std::string> text(std::size_t index) const;
   [[nodiscard]] std::string place_of(std::size_t index) const;
 

@@ -2,6 +2,7 @@
 #include "renderfarm/scene/gltf_material.h"
 
 #include <string>
+#include <utility>
 
 #include "renderfarm/scene/gltf_material_layers.h"
 #include "renderfarm/scene/gltf_specular_glossiness.h"
@@ -63,6 +64,19 @@ Material plain_material() {
   return material;
 }
 
+/// Keeps what an unlit material shows: its base colour and its alpha.
+Material unlit_material(Material full) {
+  Material material = plain_material();
+  material.unlit = true;
+  material.name = std::move(full.name);
+  material.base_colour = full.base_colour;
+  material.base_colour_texture = full.base_colour_texture;
+  material.alpha_mode = full.alpha_mode;
+  material.alpha_cutoff = full.alpha_cutoff;
+  material.double_sided = full.double_sided;
+  return material;
+}
+
 }  // namespace
 
 Result<Material> read_gltf_material(const GltfDocument& document, const GltfObject& object, GltfNotes* notes) {
@@ -77,8 +91,7 @@ Result<Material> read_gltf_material(const GltfDocument& document, const GltfObje
   TRY(read_alpha(object, notes, &material));
   TRY(read_material_layers(document, object, notes, &material));
   TRY_ASSIGN(const std::optional<GltfObject> unlit, object.extension("KHR_materials_unlit"));
-  // Treated as emission, it would turn every triangle of a scan into a lamp.
-  if (unlit) notes->add("KHR_materials_unlit is not supported: the surfaces are lit as all others", object.place());
+  if (unlit) return unlit_material(std::move(material));
   if (object.has("occlusionTexture")) {
     notes->add("occlusion textures are not used: the light is traced instead", object.place());
   }

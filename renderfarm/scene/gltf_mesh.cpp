@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "renderfarm/scene/gltf_morph.h"
 #include "renderfarm/scene/gltf_primitive.h"
 #include "renderfarm/scene/gltf_triangles.h"
 #include "renderfarm/scene/gltf_vertices.h"
@@ -53,24 +54,49 @@ Result<const std::vector<int>*> GltfMeshes::load(std::size_t index) {
   TRY_ASSIGN(const GltfObject object, document_->item("meshes", index));
   TRY_ASSIGN(const GltfArray primitives, object.array("primitives"));
   if (!object.has("primitives")) return object.damaged("primitives", "is missing");
+  TRY_ASSIGN(const std::vector<double> morph_weights, read_morph_weights(object));
   std::vector<int> meshes;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     TRY_ASSIGN(const GltfObject primitive, primitives.object(i));
-    TRY_ASSIGN(std::optional<Mesh> mesh, read_primitive(primitive));
+    std::optional<GltfSkinning> skinning;
+    TRY_ASSIGN(std::optional<Mesh> mesh, read_primitive(primitive, morph_weights, &skinning));
     if (!mesh) continue;
     mesh->name = object.name();
     meshes.push_back(static_cast<int>(model_->meshes.size()));
+    if (skinning) skinnings_.emplace(meshes.back(), *std::move(skinning));
     model_->meshes.push_back(*std::move(mesh));
   }
   return &loaded_.emplace(index, std::move(meshes)).first->second;
 }
 
-Result<std::optional<Mesh>> GltfMeshes::read_primitive(const GltfObject& object) {
+Result<std::vector<int>> GltfMeshes::load_posed(std::size_t index, const std::vector<Eigen::Affine3d>& pose,
+                                                const std::string& place) {
+  TRY_ASSIGN(const std::vector<int>* const stored, load(index));
+  std::vector<int> posed;
+  for (const int mesh : *stored) {
+    const auto skinning = skinnings_.find(mesh);
+    if (skinning == skinnings_.end()) {
+      context_->notes.add("a mesh with a skin has no joints: shown as stored", place);
+      posed.push_back(mesh);
+      continue;
+    }
+    const Mesh& original = model_->meshes[static_cast<std::size_t>(mesh)];
+    const std::size_t vertices = original.positions.size();
+    TRY(context_->budget.take(place, vertices, 60));
+    TRY(context_->budget.take(place, original.triangles.size(), sizeof original.triangles[0]));
+    Mesh moved = original;
+    TRY(apply_pose(skinning->second, pose, place, &moved));
+    posed.push_back(static_cast<int>(model_->meshes.size()));
+    model_->meshes.push_back(std::move(moved));
+  }
+  return posed;
+}
+
+Result<std::optional<Mesh>> GltfMeshes::read_primitive(const GltfObject& object,
+                                                       const std::vector<double>& morph_weights,
+                                                       std::optional<GltfSkinning>* ret_skinning) {
   TRY_ASSIGN(const std::optional<GltfPrimitive> primitive, GltfPrimitive::open(document_, context_, object));
   if (!primitive) return std::optional<Mesh>();
-  if (object.has("targets")) {
-    context_->notes.add("morph targets are not supported: the base shape is shown", object.place());
-  }
   TRY_ASSIGN(const std::optional<std::size_t> material, document_->index(object, "material", "materials"));
   Mesh mesh;
   TRY_ASSIGN(mesh.material,
@@ -84,6 +110,13 @@ Result<std::optional<Mesh>> GltfMeshes::read_primitive(const GltfObject& object)
   const GltfSelection selection = select_vertices(&mesh.triangles, primitive->vertex_count());
   const Material& loaded = model_->materials[static_cast<std::size_t>(mesh.material)];
   TRY(read_vertices(*primitive, selection, loaded, context_, &mesh));
+  TRY(apply_morphs(document_, object, morph_weights, primitive->vertex_count(), selection, context_, &mesh));
+  if (!document_->root().has("skins")) return std::optional(std::move(mesh));
+  TRY_ASSIGN(const std::optional<GltfAccessor> joints, primitive->attribute("JOINTS_0", GltfVertexKind::kJoints));
+  TRY_ASSIGN(const std::optional<GltfAccessor> weights, primitive->attribute("WEIGHTS_0", GltfVertexKind::kWeights));
+  if (joints && weights) {
+    TRY_ASSIGN(*ret_skinning, read_skinning(*joints, *weights, selection, &context_->budget));
+  }
   return std::optional(std::move(mesh));
 }
 

@@ -11,6 +11,7 @@
 #include "renderfarm/scene/gltf_context.h"
 #include "renderfarm/scene/gltf_document.h"
 #include "renderfarm/scene/gltf_material.h"
+#include "renderfarm/scene/gltf_skin.h"
 #include "renderfarm/scene/model.h"
 
 namespace cyclorama::scene {
@@ -24,15 +25,21 @@ class GltfMeshes {
   /// Returns indices into Model::meshes, valid as long as this object. Precondition: `index` came from
   /// GltfDocument::index().
   Result<const std::vector<int>*> load(std::size_t index);
+  /// Returns the meshes of `index` moved by a skin's pose; those without joints stay out of it, with a note. A copy is
+  /// made for each call, since two nodes rarely share a skinned mesh.
+  Result<std::vector<int>> load_posed(std::size_t index, const std::vector<Eigen::Affine3d>& pose,
+                                      const std::string& place);
 
  private:
-  Result<std::optional<Mesh>> read_primitive(const GltfObject& primitive);
+  Result<std::optional<Mesh>> read_primitive(const GltfObject& primitive, const std::vector<double>& morph_weights,
+                                             std::optional<GltfSkinning>* ret_skinning);
 
   GltfDocument* document_;
   GltfContext* context_;
   Model* model_;
   GltfMaterials materials_;
   std::map<std::size_t, std::vector<int>> loaded_;
+  std::map<int, GltfSkinning> skinnings_;  ///< Keyed by index into Model::meshes.
 };
 
 }  // namespace cyclorama::scene

@@ -6,6 +6,7 @@
 
 #include "renderfarm/scene/gltf_instancing.h"
 #include "renderfarm/scene/gltf_light.h"
+#include "renderfarm/scene/gltf_skin.h"
 #include "renderfarm/scene/gltf_transform.h"
 
 namespace cyclorama::scene {
@@ -16,6 +17,7 @@ struct Stage {
   GltfContext* context;
   GltfMeshes* meshes;
   Model* model;
+  std::vector<Eigen::Affine3d> T_model_node;  ///< For skins; empty if the file has none.
 };
 
 Status show_copy(const Stage& stage, const std::vector<int>& meshes, const Eigen::Affine3d& T_model_mesh,
@@ -30,11 +32,22 @@ Status show_copy(const Stage& stage, const std::vector<int>& meshes, const Eigen
   return Done{};
 }
 
+/// Shows a mesh in the rest pose of its skin. The node's own transform does not count: the joints place the mesh.
+Status show_skinned(const Stage& stage, const GltfObject& node, std::size_t mesh) {
+  TRY_ASSIGN(const std::size_t index, stage.document->required_index(node, "skin", "skins"));
+  TRY_ASSIGN(const GltfObject skin, stage.document->item("skins", index));
+  TRY_ASSIGN(const std::vector<Eigen::Affine3d> pose,
+             read_pose(stage.document, skin, stage.T_model_node, &stage.context->budget));
+  TRY_ASSIGN(const std::vector<int> meshes, stage.meshes->load_posed(mesh, pose, node.place()));
+  stage.context->notes.add("a mesh with a skin is shown in its rest pose", node.place());
+  return show_copy(stage, meshes, Eigen::Affine3d::Identity(), node.place());
+}
+
 Status show_mesh(const Stage& stage, const GltfObject& node, const Eigen::Affine3d& T_model_node) {
   TRY_ASSIGN(const std::optional<std::size_t> index, stage.document->index(node, "mesh", "meshes"));
   if (!index) return Done{};
+  if (node.has("skin")) return show_skinned(stage, node, *index);
   TRY_ASSIGN(const std::vector<int>* const meshes, stage.meshes->load(*index));
-  if (node.has("skin")) stage.context->notes.add("skins are not supported: the mesh is shown as stored", node.place());
   TRY_ASSIGN(const std::optional<GltfObject> instancing, node.extension("EXT_mesh_gpu_instancing"));
   if (!instancing) return show_copy(stage, *meshes, T_model_node, node.place());
   TRY_ASSIGN(const std::vector<Eigen::Affine3d> copies, read_instancing(stage.document, *instancing, stage.context));
@@ -84,6 +97,29 @@ Status show_nodes(const Stage& stage, const GltfForest& forest) {
   return Done{};
 }
 
+/// Returns the transform of each node. Joints may stand outside of the shown scene, so all trees count.
+Result<std::vector<Eigen::Affine3d>> transforms_of_nodes(const GltfDocument& document, const GltfForest& forest,
+                                                         GltfContext* context) {
+  TRY(context->budget.take("/nodes", forest.children.size(), sizeof(Eigen::Affine3d)));
+  std::vector<Eigen::Affine3d> T_model_node(forest.children.size(), Eigen::Affine3d::Identity());
+  std::vector<std::size_t> waiting = forest.all_roots;
+  for (const std::size_t root : waiting) {
+    TRY_ASSIGN(const GltfObject node, document.item("nodes", root));
+    TRY_ASSIGN(T_model_node[root], read_node_transform(node, &context->notes));
+  }
+  while (!waiting.empty()) {
+    const std::size_t parent = waiting.back();
+    waiting.pop_back();
+    for (const std::size_t child : forest.children[parent]) {
+      TRY_ASSIGN(const GltfObject node, document.item("nodes", child));
+      TRY_ASSIGN(const Eigen::Affine3d T_parent_node, read_node_transform(node, &context->notes));
+      T_model_node[child] = T_model_node[parent] * T_parent_node;
+      waiting.push_back(child);
+    }
+  }
+  return T_model_node;
+}
+
 Status show_meshes_without_nodes(const Stage& stage) {
   TRY_ASSIGN(const GltfArray meshes, stage.document->root().array("meshes"));
   for (std::size_t i = 0; i < meshes.size(); ++i) {
@@ -96,8 +132,11 @@ Status show_meshes_without_nodes(const Stage& stage) {
 }  // namespace
 
 Status show_gltf_scene(GltfDocument* document, GltfContext* context, GltfMeshes* meshes, Model* ret_model) {
-  const Stage stage{document, context, meshes, ret_model};
-  TRY_ASSIGN(const GltfForest forest, read_gltf_forest(*document));
+  Stage stage{document, context, meshes, ret_model, {}};
+  TRY_ASSIGN(const GltfForest forest, read_gltf_forest(*document, &context->notes));
+  if (document->root().has("skins")) {
+    TRY_ASSIGN(stage.T_model_node, transforms_of_nodes(*document, forest, context));
+  }
   if (forest.children.empty() && !document->root().has("scenes")) return show_meshes_without_nodes(stage);
   return show_nodes(stage, forest);
 }

@@ -16,11 +16,13 @@ namespace cyclorama::scene {
 /// Nodes as a forest, checked to be free of loops.
 struct GltfForest {
   std::vector<std::vector<std::size_t>> children;
+  std::vector<std::size_t> all_roots;    ///< Roots of the whole file.
   std::vector<std::size_t> shown_roots;  ///< Roots of the default scene, or of the whole file if it has no scenes.
 };
 
-/// Errors: kBadData for a loop, a node with two parents, or a scene that names a node which is not a root.
-Result<GltfForest> read_gltf_forest(const GltfDocument& document);
+/// A scene that names a child of a shown node, or a node twice, shows it once, with a note. Errors: kBadData for a loop
+/// or a node with two parents.
+Result<GltfForest> read_gltf_forest(const GltfDocument& document, GltfNotes* notes);
 
 /// Fills instances, lights and viewpoints, and loads what they need through `meshes`. A file with meshes but no nodes
 /// shows each mesh once.

@@ -51,6 +51,21 @@ std::string image_name(const GltfObject& image, const std::optional<std::string>
   return name.empty() ? image.place() : fmt::format("'{}'", printable(name));
 }
 
+/// Prefers WebP, which comes with a fallback of the same picture at best.
+Result<std::optional<std::size_t>> source_of(const GltfDocument& document, const GltfObject& texture) {
+  TRY_ASSIGN(const std::optional<GltfObject> webp, texture.extension("EXT_texture_webp"));
+  if (webp) return document.index(*webp, "source", "images");
+  return document.index(texture, "source", "images");
+}
+
+Result<std::string> why_no_source(const GltfObject& texture) {
+  for (const char* const name : {"KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"}) {
+    TRY_ASSIGN(const std::optional<GltfObject> extension, texture.extension(name));
+    if (extension) return fmt::format("a texture is stored by {} only, which is not supported", name);
+  }
+  return std::string("a texture has no PNG, JPEG or WebP picture");
+}
+
 }  // namespace
 
 Result<int> GltfTextures::load(std::size_t index) {
@@ -63,9 +78,10 @@ Result<int> GltfTextures::load(std::size_t index) {
 
 Result<int> GltfTextures::load_new(std::size_t index) {
   TRY_ASSIGN(const GltfObject object, document_->item("textures", index));
-  TRY_ASSIGN(const std::optional<std::size_t> source, document_->index(object, "source", "images"));
+  TRY_ASSIGN(const std::optional<std::size_t> source, source_of(*document_, object));
   if (!source) {
-    context_->notes.add("a texture has no PNG or JPEG picture: its surfaces stay plain", object.place());
+    TRY_ASSIGN(const std::string why, why_no_source(object));
+    context_->notes.add(why + ": its surfaces stay plain", object.place());
     return -1;
   }
   Texture texture;

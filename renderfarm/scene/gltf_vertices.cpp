@@ -74,6 +74,10 @@ bool is_allowed(const GltfAccessor& a, GltfVertexKind kind, bool quantized) {
              (is_float || is_unsigned_normalized(a) || (quantized && is_integer_up_to_16_bits(a.component)));
     case GltfVertexKind::kColour:
       return (a.width == 3 || a.width == 4) && (is_float || is_unsigned_normalized(a));
+    case GltfVertexKind::kJoints:
+      return a.width == 4 && !a.normalized && (a.component == GltfComponent::kU8 || a.component == GltfComponent::kU16);
+    case GltfVertexKind::kWeights:
+      return a.width == 4 && (is_float || is_unsigned_normalized(a));
   }
   return false;
 }

@@ -35,7 +35,7 @@ struct TextureUse {
 enum class AlphaMode : std::uint8_t { kOpaque, kMask, kBlend };
 
 /// glTF 2.0's metallic-roughness material; factors are linear. Source: glTF 2.0, section 3.9, and the ratified
-/// extensions KHR_materials_ior, _specular, _clearcoat, _transmission and _volume, which also give the defaults.
+/// extensions KHR_materials_ior, _specular, _clearcoat, _transmission, _unlit and _volume, which also give the defaults.
 struct Material {
   std::string name;
   Eigen::Vector4f base_colour = Eigen::Vector4f::Ones();
@@ -50,6 +50,9 @@ struct Material {
   AlphaMode alpha_mode = AlphaMode::kOpaque;
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
+  /// Shown as its base colour, whatever light there is: a photograph that holds its light already. It reflects nothing
+  /// and emits its base colour as radiance, but is no lamp.
+  bool unlit = false;
 
   float ior = 1.5f;                                           ///< Index of refraction, from 1 to kMaxIor.
   float specular = 1.0f;                                      ///< Strength of a dielectric's specular reflection.

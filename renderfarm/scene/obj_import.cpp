@@ -27,6 +27,7 @@ struct Odd {
   std::size_t lines_and_points = 0;
   std::size_t thin_faces = 0;
   std::size_t not_finite = 0;
+  std::size_t without_list = 0;
   bool free_form = false;
 };
 
@@ -49,14 +50,15 @@ std::optional<std::size_t> read_numbers(std::string_view rest, std::span<double>
   return count;
 }
 
-/// First pass: reads the lists that faces refer to. Colours after a position are 0 to 1, as MeshLab and ZBrush write
+/// First pass: reads the lists that faces refer to, and the material files, which some files name last. Colours after a position are 0 to 1, as MeshLab and ZBrush write
 /// them.
-Status read_lists(std::string_view text, std::size_t limit_bytes, ObjLists* lists, Odd* odd) {
+Status read_lists(std::string_view text, std::size_t limit_bytes, ObjLists* lists, MtlLibrary* materials, Odd* odd) {
   ObjStatements statements(text);
   std::string_view keyword;
   std::string_view rest;
   std::array<double, 7> n{};
   while (statements.next(&keyword, &rest)) {
+    if (keyword == "mtllib") materials->read(rest);
     const bool is_position = keyword == "v";
     if (!is_position && keyword != "vt" && keyword != "vn") continue;
     const auto count = read_numbers(rest, n, odd);
@@ -90,7 +92,7 @@ struct Counts {
   std::size_t normals = 0;
 };
 
-/// Reads one index of "7/-1/3"; kNone if it is left out.
+/// Reads one index of "7/-1/3"; kNone if it is left out. Precondition: the list is not empty.
 Result<std::uint32_t> index_of(std::string_view word, std::size_t so_far, std::size_t in_all, const char* what) {
   if (word.empty()) return ObjCorner::kNone;
   if (const auto index = obj_index(word, so_far, in_all)) return *index;
@@ -139,8 +141,6 @@ class FaceReader {
     } else if (keyword == "usemtl") {
       mesh_ = nullptr;
       material_ = materials_.use(rest);
-    } else if (keyword == "mtllib") {
-      materials_.read(rest);
     } else if (keyword == "l" || keyword == "p") {
       ++odd_.lines_and_points;
     } else if (keyword == "curv" || keyword == "surf" || keyword == "cstype") {
@@ -155,9 +155,17 @@ class FaceReader {
     ObjCorner corner;
     TRY_ASSIGN(corner.position, index_of(words.vertex, counts_.positions, lists_.positions.size(), "vertex"));
     TRY_ASSIGN(corner.texcoord,
-               index_of(words.texture, counts_.texcoords, lists_.texcoords.size(), "texture coordinate"));
-    TRY_ASSIGN(corner.normal, index_of(words.normal, counts_.normals, lists_.normals.size(), "normal"));
+               optional_index_of(words.texture, counts_.texcoords, lists_.texcoords.size(), "texture coordinate"));
+    TRY_ASSIGN(corner.normal, optional_index_of(words.normal, counts_.normals, lists_.normals.size(), "normal"));
     return corner;
+  }
+
+  /// Some exporters write the numbers of texture coordinates and normals, but not the lists.
+  Result<std::uint32_t> optional_index_of(std::string_view word, std::size_t so_far, std::size_t in_all,
+                                          const char* what) const {
+    if (in_all > 0) return index_of(word, so_far, in_all, what);
+    if (!word.empty()) ++odd_.without_list;
+    return ObjCorner::kNone;
   }
 
   Status read_face(std::string_view rest) {
@@ -206,6 +214,8 @@ void add_notes(const Odd& odd, Model* model) {
   note(odd.numbers, "numbers are followed by other characters: read up to there");
   note(odd.lines_and_points, "statements draw lines or points, which cannot be ray traced: left out");
   note(odd.thin_faces, "faces have fewer than three corners: left out");
+  note(odd.without_list,
+       "numbers in faces refer to texture coordinates or normals, of which the file has none: ignored");
   note(odd.not_finite, "triangles have corners that are not finite: left out");
   if (odd.free_form) model->notes.push_back("free-form curves and surfaces are not supported: left out");
 }
@@ -213,8 +223,8 @@ void add_notes(const Odd& odd, Model* model) {
 Result<Model> import_text(std::string_view text, const std::filesystem::path& folder, const ImportLimits& limits) {
   ObjLists lists;
   Odd odd;
-  TRY(read_lists(text, limits.memory_bytes, &lists, &odd));
   MtlLibrary materials(folder, limits);
+  TRY(read_lists(text, limits.memory_bytes, &lists, &materials, &odd));
   FaceReader faces(lists, &materials, limits.memory_bytes, &odd);
   TRY(faces.read(text));
   Model model;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -107,6 +108,18 @@ struct HeaderReader {
     return Done{};
   }
 
+  /// True if the words after a misspelt keyword may be those of a property or an element: skipping such a line would
+  /// give each later value another meaning.
+  static bool may_declare(std::string_view rest) {
+    std::string_view last;
+    for (std::string_view word = next_word(&rest); !word.empty(); word = next_word(&rest)) {
+      const auto is_word = [&](const TypeName& known) { return known.name == word; };
+      if (word == "list" || std::any_of(kTypeNames.begin(), kTypeNames.end(), is_word)) return true;
+      last = word;
+    }
+    return parse_integer(last).has_value();
+  }
+
   /// Reads any line except the first and the last.
   Status read_line(std::string_view text) {
     const std::string_view keyword = next_word(&text);
@@ -115,6 +128,10 @@ struct HeaderReader {
     if (keyword == "property") return read_property(text);
     if (keyword == "comment") return read_comment(text);
     if (keyword == "obj_info" || keyword.empty()) return Done{};
+    if (!may_declare(text)) {
+      ++header.stray_lines;
+      return Done{};
+    }
     return bad(fmt::format("begins with '{}', which is not part of PLY", printable(keyword)));
   }
 };

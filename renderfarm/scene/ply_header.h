@@ -41,12 +41,14 @@ struct PlyElement {
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kAscii;
   std::vector<PlyElement> elements;  ///< In file order; each has at least one property.
+  std::size_t stray_lines = 0;       ///< Lines that are no part of PLY and were skipped.
   std::string texture_file;          ///< MeshLab's "comment TextureFile"; may be empty.
   std::size_t body_offset = 0;
   std::size_t body_line = 1;  ///< Line number of the first line of an ASCII body.
 };
 
 /// Reads the header; its counts may be trusted for reserving memory. Reentrant.
+/// A line that begins with no keyword of PLY and declares nothing is skipped.
 /// Errors: kBadData, with the line, if this is no PLY header or it announces more rows than `file` can hold.
 Result<PlyHeader> parse_ply_header(std::span<const std::byte> file);
 

@@ -117,6 +117,9 @@ Result<Model> import_bytes(std::span<const std::byte> file, const ImportLimits& 
       break;
   }
   Result<Model> model = std::move(mesh).finish();
+  if (model && header.stray_lines > 0) {
+    model->notes.push_back(fmt::format("{} lines of the PLY header are no part of PLY: skipped", header.stray_lines));
+  }
   if (model && !header.texture_file.empty()) {
     model->notes.push_back(
         fmt::format("the texture '{}' is not shown: PLY textures are not supported; convert it to glTF",

@@ -10,6 +10,7 @@
 
 #include "common/geometry/polygon.h"
 #include "renderfarm/scene/mesh_repair.h"
+#include "renderfarm/scene/point_squares.h"
 
 namespace cyclorama::scene {
 namespace {
@@ -88,6 +89,10 @@ Status PlyMesh::begin(const PlyHeader& header) {
   if (!layout.has(kX) || !layout.has(kY) || !layout.has(kZ)) {
     return Error(ErrorCode::kBadData, "its vertices have no x, y and z");
   }
+  const auto is_splat = [](const PlyProperty& property) { return property.name == "f_dc_0"; };
+  if (std::any_of(vertex->properties.begin(), vertex->properties.end(), is_splat)) {
+    return Error(ErrorCode::kBadData, "it holds Gaussian splats, which are not supported; export a mesh of the scene");
+  }
   if (vertex->count > std::numeric_limits<std::uint32_t>::max()) {
     return Error(ErrorCode::kBadData, fmt::format("it has {} vertices; split it into several files", vertex->count));
   }
@@ -129,6 +134,7 @@ void PlyMesh::add_vertex(const PlyVertexLayout& layout, const std::array<double,
 }
 
 Status PlyMesh::reserve_triangles(std::uint64_t count) {
+  has_faces_ = has_faces_ || count > 0;
   TRY(check_memory(mesh_.triangles.size() + count));
   mesh_.triangles.reserve(mesh_.triangles.size() + count);
   return Done{};
@@ -170,6 +176,7 @@ Status PlyMesh::add_polygon(std::span<const double> corners) {
 }
 
 Status PlyMesh::add_strip(std::span<const double> corners) {
+  has_faces_ = true;
   indices_.clear();
   for (const double corner : corners) {
     if (corner == -1.0) {
@@ -189,13 +196,40 @@ Status PlyMesh::add_strip(std::span<const double> corners) {
   return check_memory(mesh_.triangles.size());
 }
 
-Result<Model> PlyMesh::finish() && {
-  if (mesh_.triangles.empty()) {
-    return Error(ErrorCode::kBadData,
-                 "it holds points and no triangles, and points cannot be ray traced; make a mesh of "
-                 "them (Poisson reconstruction in MeshLab or CloudCompare)");
+Status PlyMesh::show_points(std::vector<std::string>* notes) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < mesh_.positions.size(); ++i) {
+    if (!is_unusable_.empty() && is_unusable_[i]) continue;
+    mesh_.positions[kept] = mesh_.positions[i];
+    if (!mesh_.normals.empty()) mesh_.normals[kept] = mesh_.normals[i];
+    if (!mesh_.colours.empty()) mesh_.colours[kept] = mesh_.colours[i];
+    ++kept;
   }
+  if (kept == 0) return Error(ErrorCode::kBadData, "it holds neither triangles nor points with finite places");
+  if (kept < mesh_.positions.size()) {
+    notes->push_back(fmt::format("{} points are not finite: left out", mesh_.positions.size() - kept));
+  }
+  mesh_.positions.resize(kept);
+  if (!mesh_.normals.empty()) mesh_.normals.resize(kept);
+  if (!mesh_.colours.empty()) mesh_.colours.resize(kept);
+  is_unusable_.clear();
+  if (kept * (bytes_per_vertex_ + kSquareBytes) > limit_bytes_ ||
+      kept > std::numeric_limits<std::uint32_t>::max() / 4) {
+    return Error(ErrorCode::kBadData,
+                 fmt::format("its {} points need more than the {} MiB that a scene may take; raise "
+                             "the limit, or thin the points out",
+                             kept, limit_bytes_ >> 20));
+  }
+  const double step = make_point_squares(&mesh_);
+  notes->push_back(
+      fmt::format("{} points without triangles, about {:.3g} units apart: shown as small squares", kept, step));
+  return Done{};
+}
+
+Result<Model> PlyMesh::finish() && {
   Model model;
+  if (mesh_.triangles.empty() && !has_faces_) TRY(show_points(&model.notes));
+  if (mesh_.triangles.empty()) return Error(ErrorCode::kBadData, "none of its faces is a triangle with an area");
   if (!is_unusable_.empty()) {
     const std::size_t before = mesh_.triangles.size();
     std::erase_if(mesh_.triangles, [&](const std::array<std::uint32_t, 3>& t) {

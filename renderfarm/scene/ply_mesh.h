@@ -56,12 +56,14 @@ class PlyMesh {
   /// Takes a strip, or several separated by -1. Errors as add_polygon().
   Status add_strip(std::span<const double> corners);
 
-  /// Returns the finished model. Errors: kBadData if no triangle is left.
+  /// Returns the finished model; points without any face become small squares (point_squares.h). Errors: kBadData if
+  /// nothing is left.
   Result<Model> finish() &&;
 
  private:
   Result<std::uint32_t> index_of(double corner) const;
   Status check_memory(std::uint64_t triangles) const;
+  Status show_points(std::vector<std::string>* notes);
 
   std::size_t limit_bytes_;
   std::size_t bytes_per_vertex_ = 0;
@@ -69,6 +71,7 @@ class PlyMesh {
   Mesh mesh_;
   bool has_origin_ = false;
   bool has_alpha_ = false;
+  bool has_faces_ = false;         ///< The file has faces or strips, usable or not.
   std::vector<bool> is_unusable_;  ///< One entry per vertex; empty while all are usable.
   std::uint64_t polygons_without_area_ = 0;
   std::vector<std::uint32_t> indices_;  // Scratch, reused from row to row.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <string_view>
 #include <system_error>
@@ -14,6 +15,8 @@
 #include "common/base/text_lines.h"
 #include "renderfarm/scene/assemble.h"
 #include "renderfarm/scene/environment_file.h"
+#include "renderfarm/scene/found_frame.h"
+#include "renderfarm/scene/found_light.h"
 #include "renderfarm/scene/found_settings.h"
 #include "renderfarm/scene/scene_package.h"
 
@@ -21,7 +24,6 @@ namespace cyclorama::scene {
 namespace {
 
 constexpr std::size_t kPackageLimitBytes = std::size_t{1} << 20;
-constexpr double kMillimetresBeyond = 2000.0;
 
 enum class Format { kGltf, kPly, kObj, kPackage };
 
@@ -71,7 +73,6 @@ bool has_light(const Scene& scene) {
 
 /// Sets light and exposure as far as the package does not.
 void light(const ScenePackage& package, const FoundSettings& found, Scene* scene) {
-  constexpr float kShadow = 0.04f;  // Part of white; in reality, areas that no lamp reaches directly are not black.
   scene->tone = package.tone;
   const bool in_package =
       package.sky || package.environment || package.ambient || package.eye_lamp || !package.lamps.empty();
@@ -81,7 +82,7 @@ void light(const ScenePackage& package, const FoundSettings& found, Scene* scene
     return;
   }
   scene->exposure = package.exposure ? *package.exposure : find_exposure(found, *scene);
-  if (!in_package) scene->ambient.setConstant(kShadow / static_cast<float>(scene->exposure));
+  if (!in_package) add_shadow_light(found, scene);
 }
 
 /// Heading of a camera; 0 if it looks straight down.
@@ -156,24 +157,13 @@ Result<Scene> load_package(const std::filesystem::path& path, const ImportLimits
   return furnish(std::move(package), std::move(model), std::move(environment), path);
 }
 
-/// glTF is in metres by its standard and the other formats state no unit, but files of all kinds exist in millimetres.
-/// No site that a visitor walks is 2000 metres long, whereas 2000 millimetres are plausible for a room or a statue.
-double guessed_unit_m(const Eigen::AlignedBox3d& bounds, Model* model) {
-  const double longest = bounds.sizes().maxCoeff();
-  if (longest <= kMillimetresBeyond) return 1.0;
-  model->notes.push_back(
-      fmt::format("the file is {:.0f} units long: taken as millimetres; if it is not, make a scene "
-                  "package and set unit_m",
-                  longest));
-  return 0.001;
-}
-
 Result<Scene> load_file(const std::filesystem::path& path, const ImportLimits& limits, const LoadProgress& progress) {
   TRY_ASSIGN(Model file, import_any(path, limits));
   if (progress) progress(0.8);
-  const double unit_m = guessed_unit_m(bounds_of(file), &file);
+  FoundFrame frame = find_frame(&file);
+  std::move(frame.notes.begin(), frame.notes.end(), std::back_inserter(file.notes));
   Model model;
-  add_part(std::move(file), unit_m, {T_part_file(unit_m, false)}, &model);
+  add_part(std::move(file), frame.unit_m, {frame.T_scene_file}, &model);
   ScenePackage package;
   package.title = path.stem().string();
   return furnish(std::move(package), std::move(model), nullptr, path);

@@ -85,7 +85,7 @@ std::vector<NamedNeed> material_needs(const scene::Model& model) {
     if (material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0) {
       normal_mapped.add(material);
     }
-    const render::SurfaceLevel level = render::surface_level_of(material);
+    const render::SurfaceLevel level = render::surface_level_of(material, model.textures);
     if (level == render::SurfaceLevel::kGlossy) glossy.add(material, why_glossy(material));
     if (level == render::SurfaceLevel::kLayered) layered.add(material, why_layered(material));
     if (level == render::SurfaceLevel::kLayered && material.thickness > 0.0f && material.transmission > 0.0f) {

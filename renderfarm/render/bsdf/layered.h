@@ -76,6 +76,16 @@ class Scattering<SurfaceLevel::kLayered> {
     return weighed(wi, frame_.from_local(wi));
   }
 
+  /// Returns the part of the light from straight behind that goes on to the viewer as if nothing were there; what a
+  /// rough or refracting surface passes on is none of it.
+  [[nodiscard]] Vec3 straight() const {
+    if (!interface_.passes()) return Vec3::Zero();
+    const Vec3 wi = frame_.from_local(-wo_);
+    if (interface_.is_straight()) return interface_.passing() * coat_.crossed(wi);
+    if (!mirror_ || interface_.is_body()) return Vec3::Zero();
+    return interface_.at(wo_.z()).passed * coat_.narrow(wi);
+  }
+
   [[nodiscard]] Vec3 albedo() const {
     Vec3 sum = base_.more_albedo() + base_.diffuse_albedo() + Vec3::Constant(wide_.up_albedo()) + wide_.down_albedo() +
                facets_albedo();

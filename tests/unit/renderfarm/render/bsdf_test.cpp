@@ -132,19 +132,19 @@ TEST(Absorption, has_the_attenuation_colour_at_its_distance) {
 
 TEST(SurfaceLevel, is_the_lowest_that_can_show_a_material) {
   scene::Material material = white_material(1.0f);
-  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kMatte);
+  EXPECT_EQ(surface_level_of(material, {}), SurfaceLevel::kMatte);
   material.ior = 1.8f;
-  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kGlossy);
+  EXPECT_EQ(surface_level_of(material, {}), SurfaceLevel::kGlossy);
   material.specular = 0.0f;
-  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kMatte);
+  EXPECT_EQ(surface_level_of(material, {}), SurfaceLevel::kMatte);
   material = white_material(0.5f);
-  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kGlossy);
+  EXPECT_EQ(surface_level_of(material, {}), SurfaceLevel::kGlossy);
   material.transmission = 0.5f;
-  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kLayered);
+  EXPECT_EQ(surface_level_of(material, {}), SurfaceLevel::kLayered);
   material.metallic = 1.0f;  // A metal transmits nothing.
-  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kGlossy);
+  EXPECT_EQ(surface_level_of(material, {}), SurfaceLevel::kGlossy);
   material.clearcoat = 0.1f;
-  EXPECT_EQ(surface_level_of(material), SurfaceLevel::kLayered);
+  EXPECT_EQ(surface_level_of(material, {}), SurfaceLevel::kLayered);
 }
 
 void expect_numbers(const BsdfCase& at, const Vec3& wo) {

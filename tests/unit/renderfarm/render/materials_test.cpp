@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "renderfarm/render/lights/light_set.h"
 #include "renderfarm/render/renderer.h"
 #include "tests/data_sets/simple_scenes.h"
 
@@ -296,6 +297,27 @@ TEST(Materials, the_eye_lamp_follows_the_inverse_square_law_and_casts_no_shadow)
   PanoramaView view = view_from({0, 0, 1}, 1, 1, 1e-4, -1e-4);
   view.panorama.azimuth_span_rad = 2e-4;
   EXPECT_NEAR(radiance_of(*renderer, view).at(0, 0)[0], 0.25f, 1e-3f);
+}
+
+TEST(Materials, an_unlit_surface_shows_its_base_colour_whatever_light_there_is) {
+  for (const bool lit : {false, true}) {
+    scene::Scene scene = wall(Eigen::Vector3f(0.5f, 0.75f, 1.0f));
+    scene.model.textures.push_back(four_colours());
+    scene::Material& material = scene.model.materials[0];
+    material.unlit = true;
+    material.roughness = 0.1f;
+    material.base_colour_texture.texture = 0;
+    if (lit) {
+      scene.sky = even_sky(3.0f);
+      scene.ambient.setConstant(0.5f);
+      scene.model.lights = {point_light({0, 0, 0}, 10.0f)};
+      scene.eye_lamp.setConstant(2.0f);
+    }
+    const auto renderer = built(std::move(scene));
+    EXPECT_EQ(renderer->lights().triangles(), 0u) << "no lamp";
+    EXPECT_TRUE(seen(*renderer, -0.5, 0.5, 4).isApprox(Eigen::Vector3f(0.5f, 0, 0))) << lit;
+    EXPECT_TRUE(seen(*renderer, 0.5, -0.5, 4).isApprox(Eigen::Vector3f(0.5f, 0.75f, 1))) << lit;
+  }
 }
 
 TEST(Materials, no_light_leaks_into_a_closed_room) {

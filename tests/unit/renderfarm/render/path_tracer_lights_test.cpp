@@ -223,7 +223,7 @@ double sum_of(const std::vector<Glimpse>& glimpses, const scene::Material& mater
 }
 
 double expected_light(const std::vector<Glimpse>& glimpses, const scene::Material& material) {
-  if (surface_level_of(material) == SurfaceLevel::kMatte) return sum_of<SurfaceLevel::kMatte>(glimpses, material);
+  if (surface_level_of(material, {}) == SurfaceLevel::kMatte) return sum_of<SurfaceLevel::kMatte>(glimpses, material);
   return sum_of<SurfaceLevel::kGlossy>(glimpses, material);
 }
 

@@ -8,6 +8,8 @@
 
 #include "renderfarm/scene/area.h"
 #include "renderfarm/scene/assemble.h"
+#include "renderfarm/scene/found_frame.h"
+#include "renderfarm/scene/found_light.h"
 
 namespace cyclorama::scene {
 namespace {
@@ -98,6 +100,100 @@ TEST(FindSettings, the_top_of_a_large_object_is_not_a_site) {
   EXPECT_EQ(plain.kind, SceneKind::kSite) << "nothing rises from a plain";
 }
 
+TEST(FindSettings, nobody_stands_on_a_plinth_or_a_table_when_there_is_floor) {
+  const Mesh room = box_mesh(box({0, 0, 0}, {12, 5, 12}), true);
+  const Mesh plinth = box_mesh(box({4.5, 0, 4.5}, {7.5, 1, 7.5}), false);
+  const FoundSettings found = settings_of(model_of({room, plinth}));
+  EXPECT_EQ(found.kind, SceneKind::kRoom);
+  EXPECT_NEAR(found.eye.y(), 1.6, 0.1);
+}
+
+TEST(FindSettings, an_open_site_is_entered_where_there_is_something_to_see) {
+  const Mesh ground = box_mesh(box({-40, -0.2, -40}, {40, 0, 40}), false);
+  std::vector<Mesh> meshes = {ground};
+  for (const double x : {-2.0, 4.0, 9.0}) meshes.push_back(box_mesh(box({x, 0, -3}, {x + 3, 6, 3}), false));
+  const FoundSettings found = settings_of(model_of(std::move(meshes)));
+  EXPECT_EQ(found.kind, SceneKind::kSite);
+  EXPECT_NEAR(found.eye.y(), 1.6, 0.1);
+  EXPECT_LT(std::hypot(found.eye.x() - 4.0, found.eye.z()), 30.0) << "not at the corner of its box";
+  const Eigen::Vector3d towards = (Eigen::Vector3d(4.0, found.eye.y(), 0.0) - found.eye).normalized();
+  const Eigen::Vector3d view(std::sin(found.heading_rad), 0.0, -std::cos(found.heading_rad));
+  EXPECT_GT(view.dot(towards), 0.4) << "looks at what stands there";
+}
+
+TEST(FindSettings, a_small_room_without_a_ceiling_is_entered_and_open_to_the_sky) {
+  Mesh court = box_mesh(box({0, 0, 0}, {5, 3, 4}), true);
+  std::erase_if(court.triangles, [&](const auto& t) {
+    return court.positions[t[0]][1] > 2.0f && court.positions[t[1]][1] > 2.0f && court.positions[t[2]][1] > 2.0f;
+  });
+  const FoundSettings found = settings_of(model_of({court}));
+  EXPECT_EQ(found.kind, SceneKind::kSite);
+  EXPECT_TRUE(found.eye.x() > 0.0 && found.eye.x() < 5.0 && found.eye.z() > 0.0 && found.eye.z() < 4.0);
+}
+
+TEST(FindSettings, a_flat_thing_is_seen_from_its_front) {
+  // Two sheets of 2 m by 1 m, open at the back.
+  const auto sheet = [](bool along_x, bool turned) {
+    Mesh mesh;
+    for (const auto& [across, up] :
+         {std::pair{0.0f, 0.0f}, std::pair{2.0f, 0.0f}, std::pair{2.0f, 1.0f}, std::pair{0.0f, 1.0f}}) {
+      mesh.positions.push_back(along_x ? std::array{across, up, 0.0f} : std::array{0.0f, up, across});
+    }
+    // As listed, the first of them faces +z and the second -x.
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    if (turned) mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
+    return mesh;
+  };
+  const auto eye_of = [&](bool along_x, bool turned) { return settings_of(model_of({sheet(along_x, turned)})).eye; };
+  EXPECT_GT(eye_of(true, false).z(), 0.5);
+  EXPECT_LT(eye_of(true, true).z(), -0.5);
+  EXPECT_LT(eye_of(false, false).x(), -0.5);
+  EXPECT_GT(eye_of(false, true).x(), 0.5);
+}
+
+TEST(FindSettings, the_inside_of_a_large_hollow_thing_is_no_room) {
+  const FoundSettings found = settings_of(model_of({box_mesh(box({0, 0, 0}, {300, 400, 300}), true)}));
+  EXPECT_EQ(found.kind, SceneKind::kObject) << "no building has a ceiling at 400 m";
+}
+
+TEST(FindFrame, takes_the_unit_from_the_height_of_rooms) {
+  for (const auto& [metres, unit_m] : {std::pair{1.0, 1.0}, std::pair{100.0, 0.01}, std::pair{1000.0, 0.001}}) {
+    Model model = model_of({box_mesh(box({0, 0, 0}, metres * Eigen::Vector3d(8, 3, 6)), true)});
+    const FoundFrame frame = find_frame(&model);
+    EXPECT_EQ(frame.unit_m, unit_m);
+    EXPECT_EQ(frame.notes.empty(), unit_m == 1.0);
+    EXPECT_TRUE(model.instances[0].T_model_mesh.matrix().isIdentity()) << "the file is left as it is";
+  }
+  Model hall = model_of({box_mesh(box({0, 0, 0}, {80, 20, 40}), true)});
+  const FoundFrame frame = find_frame(&hall);
+  EXPECT_EQ(frame.unit_m, 1.0);
+  EXPECT_EQ(frame.notes.size(), 1u) << "it may be a thing in millimetres";
+}
+
+TEST(FindFrame, keeps_an_object_of_unknown_unit_and_says_what_it_looks_like) {
+  Model statue = model_of({box_mesh(box({0, 0, 0}, {600, 1800, 500}), false)});
+  const FoundFrame frame = find_frame(&statue);
+  EXPECT_EQ(frame.unit_m, 1.0);
+  ASSERT_EQ(frame.notes.size(), 1u);
+  EXPECT_NE(frame.notes[0].find("looks like millimetres"), std::string::npos);
+}
+
+TEST(FindFrame, stands_a_small_flat_thing_up_to_face_the_visitor) {
+  const auto front_of = [](Model model) {
+    const FoundFrame frame = find_frame(&model);
+    return Eigen::Vector3d(frame.T_scene_file.linear() * Eigen::Vector3d::UnitY());
+  };
+  Model coin = model_of({box_mesh(box({0, 0, 0}, {0.03, 0.002, 0.03}), false)});
+  EXPECT_TRUE(front_of(coin).isApprox(Eigen::Vector3d::UnitZ()));
+  Model face_down = coin;
+  face_down.meshes[0].triangles = {{0, 1, 5}, {0, 5, 4}};  // Only the lower side.
+  EXPECT_TRUE(front_of(face_down).isApprox(-Eigen::Vector3d::UnitZ()));
+  coin.viewpoints.emplace_back();
+  EXPECT_TRUE(front_of(coin).isApprox(Eigen::Vector3d::UnitY())) << "the author's camera shows it as it lies";
+  EXPECT_TRUE(front_of(model_of({box_mesh(box({0, 0, 0}, {20, 0.5, 20}), false)})).isApprox(Eigen::Vector3d::UnitY()))
+      << "ground to walk on";
+}
+
 TEST(FindSettings, an_object_of_any_size_is_seen_whole_with_room_to_walk_around_it) {
   for (const double size : {1e-4, 0.01, 0.45, 2.0}) {
     const FoundSettings found =
@@ -179,6 +275,34 @@ TEST(AddLight, gives_rooms_lamps_and_objects_a_sky) {
   ASSERT_EQ(object.model.lights.size(), 1u);
   EXPECT_LT(object.model.lights[0].direction.y(), 0.0) << "from above";
   EXPECT_LT(object.model.lights[0].direction.z(), 0.0) << "from before the object, where the visitor is";
+}
+
+TEST(AddLight, is_weaker_where_white_walls_light_each_other) {
+  const auto lamp_of = [](float albedo) {
+    Scene room;
+    room.model = model_of({box_mesh(box({0, 0, 0}, {6, 3, 6}), true)});
+    room.model.materials[0].base_colour.head<3>().setConstant(albedo);
+    room.bounds = bounds_of(room.model);
+    EXPECT_NEAR(mean_albedo(room.model), double{albedo}, 1e-4);
+    add_light(find_settings(room.model, room.bounds, std::nullopt), &room);
+    return room.eye_lamp.x();
+  };
+  EXPECT_NEAR(lamp_of(0.8f) * 2.68928f, lamp_of(0.5f) * 0.96875f, 0.02f);
+  EXPECT_LT(lamp_of(1.0f), 0.25f * lamp_of(0.5f));
+  EXPECT_GT(lamp_of(0.1f), 2.0f * lamp_of(0.5f));
+}
+
+TEST(AddLight, surrounds_an_object_that_has_lamps_of_its_own_with_grey) {
+  Scene object;
+  object.exposure = 2.0;
+  FoundSettings found;
+  found.kind = SceneKind::kObject;
+  add_shadow_light(found, &object);
+  EXPECT_FLOAT_EQ(object.sky.horizon.x(), 0.02f);
+  EXPECT_TRUE(object.ambient.isZero());
+  found.kind = SceneKind::kRoom;
+  add_shadow_light(found, &object);
+  EXPECT_FLOAT_EQ(object.ambient.x(), 0.02f);
 }
 
 TEST(FindExposure, gives_the_same_picture_for_a_lamp_of_any_power) {

@@ -29,6 +29,36 @@ TEST(GltfContainer, every_truncation_of_a_binary_file_is_refused) {
   }
 }
 
+/// Returns the file with `extra` blanks after its JSON, of which the chunk's length counts `counted`.
+std::vector<std::byte> with_blanks(std::size_t extra, std::size_t counted) {
+  std::vector<std::byte> file = one_triangle().glb();
+  const auto u32_at = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, file.data() + at, sizeof value);
+    return value;
+  };
+  const auto put = [&](std::size_t at, std::size_t value) {
+    const auto word = static_cast<std::uint32_t>(value);
+    std::memcpy(file.data() + at, &word, sizeof word);
+  };
+  const std::uint32_t json = u32_at(12);
+  file.insert(file.begin() + 20 + json, extra, std::byte{' '});
+  put(8, file.size());
+  put(12, json + counted);
+  return file;
+}
+
+TEST(GltfContainer, a_chunk_whose_length_is_no_multiple_of_4_ends_where_the_next_begins) {
+  for (const auto& [extra, counted] : {std::pair{1, 1}, std::pair{3, 3}, std::pair{4, 1}, std::pair{4, 3}}) {
+    const Result<Model> model =
+        import_gltf_bytes(with_blanks(static_cast<std::size_t>(extra), static_cast<std::size_t>(counted)), {}, {});
+    ASSERT_TRUE(model.has_value()) << extra << ", " << counted << ": " << error_of(model);
+    EXPECT_EQ(model->instances.size(), 1u);
+    EXPECT_THAT(model->notes, ::testing::Contains(HasSubstr("not padded")));
+  }
+  EXPECT_THAT(error_of(import_gltf_bytes(with_blanks(8, 1), {}, {})), HasSubstr("not a multiple of 4"));
+}
+
 TEST(GltfContainer, bytes_after_the_end_are_ignored) {
   std::vector<std::byte> file = one_triangle().glb();
   file.resize(file.size() + 7);
@@ -77,11 +107,14 @@ TEST(GltfContainer, versions_other_than_two_are_refused_with_the_remedy) {
   EXPECT_THAT(import_text("{}"), HasSubstr("/asset: is missing"));
 }
 
-TEST(GltfContainer, required_extensions_that_change_geometry_are_refused_and_others_noted) {
+TEST(GltfContainer, required_extensions_are_refused_by_name_and_others_noted) {
   const std::string open = "{\"asset\":{\"version\":\"2.0\"},";
   EXPECT_THAT(import_text(open + "\"extensionsUsed\":[\"EXT_odd\"],\"extensionsRequired\":[\"EXT_odd\"]}"),
               HasSubstr("/extensionsRequired/0: EXT_odd is required"));
-  EXPECT_EQ(import_text(open + "\"extensionsRequired\":[\"KHR_materials_sheen\"]}"), "loaded");
+  for (const std::string name : {"KHR_materials_sheen", "KHR_texture_basisu"}) {
+    EXPECT_THAT(import_text(open + "\"extensionsRequired\":[\"" + name + "\"]}"), HasSubstr(name + " is required"));
+    EXPECT_EQ(import_text(open + "\"extensionsUsed\":[\"" + name + "\"]}"), "loaded");
+  }
   const Result<Model> model =
       import_gltf_bytes(bytes_of(open + "\"extensionsUsed\":[\"EXT_odd\",\"KHR_draco_mesh_compression\"]}"), {}, {});
   ASSERT_TRUE(model.has_value());

@@ -33,6 +33,8 @@ struct Painted : GltfBuilder {
   nlohmann::json& base_texture() { return material()["pbrMetallicRoughness"]["baseColorTexture"]; }
 };
 
+nlohmann::json& base_colour_of(Painted& file) { return file.material()["pbrMetallicRoughness"]["baseColorFactor"]; }
+
 Model import_good(const GltfBuilder& file) {
   Result<Model> model = file.import();
   EXPECT_TRUE(model.has_value()) << error_of(model);
@@ -263,7 +265,7 @@ TEST(GltfMaterial, a_broken_picture_is_named_and_the_surface_stays_plain) {
   file.json["images"][0] = {{"uri", "../stripes.png"}};
   EXPECT_THAT(import_good(file).notes, Contains(HasSubstr("'../stripes.png' is not used")));
   file.json["textures"][0].erase("source");
-  EXPECT_THAT(import_good(file).notes, Contains(HasSubstr("no PNG or JPEG")));
+  EXPECT_THAT(import_good(file).notes, Contains(HasSubstr("no PNG, JPEG or WebP")));
 }
 
 TEST(GltfMaterial, a_picture_over_the_limit_is_not_decoded) {
@@ -321,13 +323,32 @@ TEST(GltfMaterial, specular_glossiness_becomes_metal_or_dielectric) {
   EXPECT_THAT(model.notes, Contains(HasSubstr("approximated")));
 }
 
+TEST(GltfMaterial, an_unlit_material_keeps_only_its_base_colour_and_alpha) {
+  Painted file;
+  file.json["extensionsRequired"] = {"KHR_materials_unlit"};
+  base_colour_of(file) = {0.5, 0.25, 0.125, 0.75};
+  file.base_texture() = {{"index", 0}};
+  file.material()["emissiveFactor"] = {1, 1, 1};
+  file.material()["normalTexture"] = {{"index", 0}};
+  file.material()["alphaMode"] = "BLEND";
+  EXPECT_FALSE(import_good(file).materials[0].unlit);
+  file.material()["extensions"]["KHR_materials_unlit"] = nlohmann::json::object();
+  const Model model = import_good(file);
+  const Material& material = model.materials[0];
+  EXPECT_TRUE(material.unlit);
+  EXPECT_EQ(material.base_colour, Eigen::Vector4f(0.5f, 0.25f, 0.125f, 0.75f));
+  EXPECT_EQ(material.base_colour_texture.texture, 0);
+  EXPECT_EQ(material.alpha_mode, AlphaMode::kBlend);
+  EXPECT_TRUE(material.emissive.isZero());
+  EXPECT_EQ(material.normal_texture.texture, -1);
+  EXPECT_THAT(model.notes, IsEmpty());
+}
+
 TEST(GltfMaterial, unsupported_features_are_noted) {
   Painted file;
-  file.json["extensionsUsed"] = {"KHR_materials_unlit", "KHR_materials_sheen"};
-  file.material()["extensions"]["KHR_materials_unlit"] = nlohmann::json::object();
+  file.json["extensionsUsed"] = {"KHR_materials_sheen"};
   file.material()["alphaMode"] = "GLOW";
   const Model model = import_good(file);
-  EXPECT_THAT(model.notes, Contains(HasSubstr("KHR_materials_unlit")));
   EXPECT_THAT(model.notes, Contains("KHR_materials_sheen is not supported: ignored"));
   EXPECT_THAT(model.notes, Contains(HasSubstr("alphaMode")));
 }

@@ -222,14 +222,65 @@ TEST(GltfMesh, every_primitive_becomes_a_mesh_and_is_stored_once) {
   EXPECT_THAT(model->instances[3].T_model_mesh.translation(), Eigen::Vector3d(1, 2, 3));
 }
 
-TEST(GltfMesh, morph_targets_and_skins_are_noted) {
+TEST(GltfMesh, morph_targets_are_applied_at_the_meshs_own_weights) {
   GltfBuilder file = one_triangle();
-  file.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 0}}};
-  file.json["nodes"][0]["skin"] = 0;
-  const Result<Model> model = file.import();
-  ASSERT_TRUE(model.has_value());
-  EXPECT_THAT(model->notes, Contains(HasSubstr("morph targets")));
-  EXPECT_THAT(model->notes, Contains(HasSubstr("skins")));
+  const int offsets = file.add_floats({1, 0, 0, 0, 2, 0, 0, 0, 4}, "VEC3");
+  file.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", offsets}}, {{"POSITION", 0}}};
+  const auto last_corner = [&] { return file.import()->meshes.at(0).positions.at(2); };
+  EXPECT_EQ(last_corner(), (std::array<float, 3>{0, 1, 0})) << "without weights, the base shape";
+  file.json["meshes"][0]["weights"] = {0.5, 0};
+  EXPECT_EQ(last_corner(), (std::array<float, 3>{0, 1, 2}));
+  EXPECT_THAT(file.import()->notes, Contains(HasSubstr("rest pose")));
+  file.json["accessors"][static_cast<std::size_t>(offsets)]["count"] = 2;
+  EXPECT_THAT(error_of(file.import()), HasSubstr("targets/0/POSITION: 2 elements of 3 numbers for 3 vertices"));
+}
+
+/// A triangle whose first two corners follow joint 0 and whose last follows joint 1 by half. Its own node is moved far
+/// away, which does not count.
+GltfBuilder skinned_triangle() {
+  GltfBuilder file = one_triangle();
+  auto& attributes = file.json["meshes"][0]["primitives"][0]["attributes"];
+  attributes["JOINTS_0"] = file.add_accessor<std::uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0}, "VEC4", 5121);
+  attributes["WEIGHTS_0"] = file.add_floats({1, 0, 0, 0, 1, 0, 0, 0, 0.5, 0.5, 0, 0}, "VEC4");
+  attributes["NORMAL"] = file.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3");
+  // The first joint is bound where it stands; the second was bound at the origin.
+  const int matrices = file.add_floats({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -7, 0, 0, 1,  //
+                                        1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0,  0, 0, 1},
+                                       "SCALAR");
+  auto& accessor = file.json["accessors"][static_cast<std::size_t>(matrices)];
+  accessor["type"] = "MAT4";
+  accessor["count"] = 2;
+  file.json["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"translation", {100, 0, 0}}},
+                        {{"children", {2}}, {"translation", {7, 0, 0}}},
+                        {{"translation", {-7, 0, 4}}}};
+  file.json["scenes"] = {{{"nodes", {0, 1}}}};
+  file.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", matrices}}};
+  return file;
+}
+
+TEST(GltfMesh, a_skin_is_shown_in_its_rest_pose_wherever_its_own_node_is) {
+  const Result<Model> model = skinned_triangle().import();
+  ASSERT_TRUE(model.has_value()) << error_of(model);
+  ASSERT_EQ(model->instances.size(), 1u);
+  EXPECT_TRUE(model->instances[0].T_model_mesh.matrix().isIdentity());
+  const Mesh& mesh = model->meshes.at(static_cast<std::size_t>(model->instances[0].mesh));
+  EXPECT_EQ(mesh.positions[1], (std::array<float, 3>{1, 0, 0}));
+  EXPECT_EQ(mesh.positions[2], (std::array<float, 3>{0, 1, 2})) << "half of the way of the second joint";
+  EXPECT_EQ(mesh.normals[0], (std::array<float, 3>{0, 0, 1}));
+  EXPECT_THAT(model->notes, Contains(HasSubstr("rest pose")));
+}
+
+TEST(GltfMesh, damaged_skins_are_refused_with_their_place) {
+  GltfBuilder file = skinned_triangle();
+  file.json["skins"][0]["joints"] = {1};
+  EXPECT_THAT(error_of(file.import()), HasSubstr("/nodes/0: vertex 2 follows joint 1 of 1"));
+  file.json["skins"][0]["joints"] = {1, 9};
+  EXPECT_THAT(error_of(file.import()), HasSubstr("/skins/0/joints/1: index 9 of 3 nodes"));
+  file.json["skins"][0]["joints"] = {1, 2, 2};
+  EXPECT_THAT(error_of(file.import()), HasSubstr("3 matrices of 4 x 4 floats"));
+  file = skinned_triangle();
+  file.json["nodes"][0]["skin"] = 5;
+  EXPECT_THAT(error_of(file.import()), HasSubstr("/nodes/0/skin: index 5 of 1 skins"));
 }
 
 }  // namespace

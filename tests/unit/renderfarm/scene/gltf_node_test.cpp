@@ -87,11 +87,26 @@ TEST(GltfNode, cycles_and_second_parents_are_refused_and_named) {
               HasSubstr("/nodes/1: the node is part of a loop"));
   EXPECT_THAT(error_of(with_nodes({{{"children", {2}}}, {{"children", {2}}}, json::object()}, {0, 1}).import()),
               HasSubstr("/nodes/1/children/0: node 2 is already a child of node 0"));
-  EXPECT_THAT(error_of(with_nodes({{{"children", {1}}}, json::object()}, {0, 1}).import()),
-              HasSubstr("/scenes/0/nodes/1: node 1 is a child"));
-  EXPECT_THAT(error_of(with_nodes(json::array({json::object()}), {0, 0}).import()), HasSubstr("named twice"));
   EXPECT_THAT(error_of(with_nodes({{{"children", {7}}}}, {0}).import()), HasSubstr("index 7 of 1 nodes"));
   EXPECT_THAT(error_of(with_nodes({{{"mesh", 7}}}, {0}).import()), HasSubstr("/nodes/0/mesh: index 7 of 1 meshes"));
+}
+
+TEST(GltfNode, a_node_that_a_scene_names_as_root_though_it_is_a_child_or_twice_is_shown_once) {
+  const json moved = {{"translation", {1, 0, 0}}, {"children", {1}}};
+  const json shown = {{"translation", {2, 0, 0}}, {"mesh", 0}};
+  const auto places = [&](const json& roots) {
+    std::vector<double> x;
+    const Result<Model> model = with_nodes({moved, shown}, roots).import();
+    EXPECT_TRUE(model.has_value()) << error_of(model);
+    for (const Instance& instance : model->instances) x.push_back(instance.T_model_mesh.translation().x());
+    EXPECT_EQ(model->notes.empty(), roots == json({0}));
+    return x;
+  };
+  EXPECT_THAT(places({0}), testing::ElementsAre(3.0));
+  EXPECT_THAT(places({0, 1}), testing::ElementsAre(3.0));
+  EXPECT_THAT(places({1, 0}), testing::ElementsAre(3.0));
+  EXPECT_THAT(places({0, 0}), testing::ElementsAre(3.0));
+  EXPECT_THAT(places({1}), testing::ElementsAre(2.0)) << "its parent is not shown";
 }
 
 TEST(GltfNode, a_hierarchy_of_a_hundred_thousand_levels_is_read) {

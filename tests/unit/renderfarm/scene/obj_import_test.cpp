@@ -61,6 +61,15 @@ class ObjFolder : public testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST(ObjImport, numbers_of_lists_that_the_file_lacks_are_ignored_with_a_note) {
+  const auto model = import_text(kTriangle + "f 1/1/1 2/2/2 3/3/3\n");
+  ASSERT_TRUE(model.has_value()) << model.error().message();
+  EXPECT_TRUE(model->meshes[0].texcoords[0].empty());
+  EXPECT_TRUE(model->meshes[0].normals.empty());
+  EXPECT_THAT(model->notes, Contains(HasSubstr("of which the file has none")));
+  EXPECT_FALSE(import_text(kTriangle + "vt 0 0\nf 1/1 2/2 3/3\n").has_value()) << "a list that is too short is damage";
+}
+
 TEST(ObjImport, equal_corners_become_one_vertex_and_others_do_not) {
   const auto model = import_text(
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0.25\nvn 0 0 2\n"
@@ -121,9 +130,9 @@ TEST(ObjImport, surveyed_coordinates_keep_their_millimetres) {
 }
 
 TEST(ObjImport, wrong_indices_name_their_line) {
-  for (const char* const face : {"f 1 2 4", "f 0 1 2", "f -4 1 2", "f 1/1 2 3", "f 1//1 2 3", "f 1 2 x", "f /1 2 3",
+  for (const char* const face : {"f 1 2 4", "f 0 1 2", "f -4 1 2", "f 1/2 2 3", "f 1//2 2 3", "f 1 2 x", "f /1 2 3",
                                  "f 1 2 99999999999999999999", "f 1.5 2 3"}) {
-    EXPECT_THAT(complaint(kTriangle + face + "\n"), HasSubstr("line 4")) << face;
+    EXPECT_THAT(complaint(kTriangle + "vt 0 0\nvn 0 0 1\n" + face + "\n"), HasSubstr("line 6")) << face;
   }
 }
 
@@ -201,6 +210,15 @@ TEST_F(ObjFolder, a_missing_texture_or_material_file_is_noted_and_the_model_show
   ASSERT_TRUE(without.has_value());
   EXPECT_THAT(without->notes, Contains(HasSubstr("'gone.mtl' is missing")));
   EXPECT_THAT(without->notes, Contains(HasSubstr("'x' is in no material file")));
+}
+
+TEST_F(ObjFolder, a_material_file_may_be_named_after_its_use) {
+  write("a.mtl", "newmtl m\nKd 0.5 0.25 0\n");
+  write("a.obj", kTriangle + "usemtl m\nf 1 2 3\ng late\nmtllib a.mtl\n");
+  const auto model = import_obj(folder_ / "a.obj", {});
+  ASSERT_TRUE(model.has_value());
+  EXPECT_EQ(model->materials[static_cast<std::size_t>(model->meshes[0].material)].base_colour[1], 0.25f);
+  EXPECT_TRUE(model->notes.empty());
 }
 
 TEST_F(ObjFolder, a_material_file_may_have_blanks_in_its_name) {

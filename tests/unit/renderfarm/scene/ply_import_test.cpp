@@ -149,8 +149,51 @@ TEST(PlyImport, triangles_with_corners_that_are_not_finite_are_left_out_and_coun
   EXPECT_THAT(model->notes, testing::Contains(HasSubstr("1 triangles have corners that are not finite")));
 }
 
-TEST(PlyImport, points_are_refused_with_a_remedy) {
-  EXPECT_THAT(complaint(ascii(kVertices, kSquare)), HasSubstr("make a mesh of them"));
+TEST(PlyImport, points_become_coloured_squares_that_cover_the_surface) {
+  std::string rows;
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 30; ++x) {
+      rows += std::to_string(0.1 * x) + " " + std::to_string(0.1 * y) + " " + std::to_string(0.02 * x) + " " +
+              std::to_string(8 * x) + " 20 30\n";
+    }
+  }
+  const auto model =
+      import_text(ascii("element vertex 600\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n"
+                        "property uchar green\nproperty uchar blue\n",
+                        rows));
+  ASSERT_TRUE(model.has_value()) << model.error().message();
+  const Mesh& mesh = model->meshes[0];
+  ASSERT_EQ(mesh.triangles.size(), 1200u);
+  EXPECT_EQ(mesh.colours.size(), mesh.positions.size());
+  EXPECT_EQ(mesh.colours[4 * 31][0], 8);
+  EXPECT_THAT(model->notes, testing::Contains(HasSubstr("600 points")));
+  // All squares lie in the plane of the points, and are about as large as the points are apart.
+  double area = 0.0;
+  for (const auto& t : mesh.triangles) {
+    const auto corner = [&](std::size_t i) { return Eigen::Map<const Eigen::Vector3f>(mesh.positions[t[i]].data()); };
+    const Eigen::Vector3f doubled = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    area += 0.5 * double{doubled.norm()};
+    EXPECT_NEAR(std::abs(doubled.normalized().dot(Eigen::Vector3f(-0.2f, 0.0f, 1.0f).normalized())), 1.0f, 1e-3f);
+  }
+  const double covered = 3.0 * 2.0 * std::hypot(1.0, 0.2);
+  EXPECT_GT(area, covered);
+  EXPECT_LT(area, 4.0 * covered);
+}
+
+TEST(PlyImport, points_that_are_few_equal_or_not_finite_are_shown_or_refused) {
+  EXPECT_EQ(complaint(ascii(kVertices, kSquare)), "");
+  EXPECT_EQ(complaint(ascii(kVertices, "1 1 1\n1 1 1\n1 1 1\n1 1 1\n")), "");
+  const auto model = import_text(ascii(kVertices, "0 0 0\nnan 0 0\n1 1 0\n0 1 0\n"));
+  ASSERT_TRUE(model.has_value());
+  EXPECT_EQ(model->meshes[0].triangles.size(), 6u);
+  EXPECT_THAT(complaint(ascii(kVertices, "nan 0 0\nnan 0 0\nnan 0 0\nnan 0 0\n")), HasSubstr("finite"));
+  EXPECT_THAT(complaint(ascii(kVertices, kSquare), {.memory_bytes = 100}), HasSubstr("MiB"));
+  EXPECT_THAT(complaint(ascii(kVertices + kFaces, kSquare + "2 0 1\n")), HasSubstr("none of its faces"));
+}
+
+TEST(PlyImport, gaussian_splats_are_refused_by_name) {
+  EXPECT_THAT(complaint(ascii(kVertices + "property float f_dc_0\n", "0 0 0 0\n0 0 0 0\n0 0 0 0\n0 0 0 0\n")),
+              HasSubstr("Gaussian splats"));
 }
 
 TEST(PlyImport, an_invalid_index_is_refused_with_its_row) {
@@ -187,6 +230,16 @@ TEST(PlyImport, every_truncation_of_a_binary_file_is_refused) {
   }
 }
 
+TEST(PlyImport, stray_lines_in_the_header_are_skipped_unless_they_may_declare_something) {
+  const std::string rest = kVertices + kFaces + "end_header\n" + kSquare + "4 0 1 2 3\n";
+  const auto model = import_text("ply\nformat ascii 1.0\nVCGLIB generated\nScanned in the hall\n" + rest);
+  ASSERT_TRUE(model.has_value()) << model.error().message();
+  EXPECT_THAT(model->notes, ::testing::Contains(HasSubstr("2 lines of the PLY header")));
+  for (const char* const line : {"propety float quality", "elemnt face 1", "prperty list uchar int corners"}) {
+    EXPECT_THAT(complaint("ply\nformat ascii 1.0\n" + std::string(line) + "\n" + rest), HasSubstr("line 3")) << line;
+  }
+}
+
 TEST(PlyImport, wrong_headers_name_their_line) {
   EXPECT_THAT(complaint("plx\n"), HasSubstr("not a PLY file"));
   EXPECT_THAT(complaint("ply\nformat ascii 1.0\n"), HasSubstr("no end"));
@@ -200,7 +253,7 @@ TEST(PlyImport, wrong_headers_name_their_line) {
   EXPECT_THAT(complaint(ascii("element vertex 0\nproperty float x\n", "")), HasSubstr("no x, y and z"));
   EXPECT_THAT(complaint(ascii(kVertices + kVertices, kSquare + kSquare)), HasSubstr("two elements 'vertex'"));
   EXPECT_THAT(complaint(ascii("element apple 0\nproperty float x\n", "")), HasSubstr("no element 'vertex'"));
-  EXPECT_THAT(complaint(ascii("wibble\n", "")), HasSubstr("'wibble'"));
+  EXPECT_THAT(complaint(ascii("wibble float x\n", "")), HasSubstr("'wibble'"));
 }
 
 TEST(PlyImport, keeps_memory_limits) {

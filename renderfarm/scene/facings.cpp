@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/scene/facings.h"
+
+namespace cyclorama::scene {
+
+Facings facings_of(const Model& model) {
+  constexpr std::size_t kMaxTriangles = 200'000;  // More triangles of one mesh add nothing.
+  Facings facings;
+  for (const Instance& instance : model.instances) {
+    const Mesh& mesh = model.meshes[static_cast<std::size_t>(instance.mesh)];
+    const Eigen::Matrix3d linear = instance.T_model_mesh.linear();
+    const std::size_t stride = mesh.triangles.size() / kMaxTriangles + 1;
+    for (std::size_t i = 0; i < mesh.triangles.size(); i += stride) {
+      const auto corner = [&](std::size_t k) {
+        const auto& p = mesh.positions[mesh.triangles[i][k]];
+        return Eigen::Vector3d(linear * Eigen::Vector3d(double{p[0]}, double{p[1]}, double{p[2]}));
+      };
+      const Eigen::Vector3d area = (corner(1) - corner(0)).cross(corner(2) - corner(0)) * static_cast<double>(stride);
+      facings.both += area.cwiseAbs();
+      facings.surplus += area;
+    }
+  }
+  return facings;
+}
+
+}  // namespace cyclorama::scene

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "renderfarm/scene/model.h"
+
+namespace cyclorama::scene {
+
+/// Doubled area of a model's triangles by the axis that they face.
+struct Facings {
+  Eigen::Vector3d both = Eigen::Vector3d::Zero();     ///< Along the axis, either way.
+  Eigen::Vector3d surplus = Eigen::Vector3d::Zero();  ///< Towards its positive end less towards its negative one.
+
+  /// True if the model is open and shows its back to who looks against the axis. A closed body has no surplus.
+  [[nodiscard]] bool shows_back(Eigen::Index axis) const { return surplus[axis] < -0.5 * both[axis]; }
+};
+
+/// Reads some of the triangles of a large mesh. Reentrant.
+[[nodiscard]] Facings facings_of(const Model& model);
+
+}  // namespace cyclorama::scene

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/scene/gltf_meshopt.h"
+
+#include <fmt/format.h>
+#include <meshoptimizer.h>
+
+#include <cstdint>
+#include <string>
+
+#include "common/base/text.h"
+
+namespace cyclorama::scene {
+namespace {
+
+/// The library asserts these, so they are checked before it is called.
+constexpr std::uint64_t kMaxVertexBytes = 256;
+/// The vertex codec takes at least 2 bits for 16 equal bytes.
+constexpr std::uint64_t kMaxExpansion = 64;
+
+struct Layout {
+  std::string mode;
+  std::string filter;
+  std::uint64_t count = 0;
+  std::uint64_t stride = 0;
+};
+
+Result<Layout> read_layout(const GltfObject& extension) {
+  Layout layout;
+  TRY_ASSIGN(const std::optional<std::string> mode, extension.text("mode"));
+  if (!mode) return extension.damaged("mode", "is missing");
+  layout.mode = *mode;
+  TRY_ASSIGN(layout.filter, extension.text_or("filter", "NONE"));
+  TRY_ASSIGN(layout.count, extension.required_integer("count"));
+  TRY_ASSIGN(layout.stride, extension.required_integer("byteStride"));
+  return layout;
+}
+
+Status check_filter(const GltfObject& extension, const Layout& layout) {
+  const std::uint64_t stride = layout.stride;
+  const bool fits = layout.filter == "NONE" || (layout.filter == "OCTAHEDRAL" && (stride == 4 || stride == 8)) ||
+                    (layout.filter == "QUATERNION" && stride == 8) || layout.filter == "EXPONENTIAL";
+  if (fits && (layout.filter == "NONE" || layout.mode == "ATTRIBUTES")) return Done{};
+  return extension.damaged("filter", fmt::format("{} does not go with {} of {} bytes", printable(layout.filter),
+                                                 printable(layout.mode), stride));
+}
+
+Status check_stride(const GltfObject& extension, const Layout& layout) {
+  if (layout.mode == "ATTRIBUTES") {
+    if (layout.stride >= 4 && layout.stride <= kMaxVertexBytes && layout.stride % 4 == 0) return Done{};
+    return extension.damaged("byteStride",
+                             fmt::format("{} is no multiple of 4 up to {}", layout.stride, kMaxVertexBytes));
+  }
+  if (layout.mode != "TRIANGLES" && layout.mode != "INDICES") {
+    return extension.damaged("mode", fmt::format("{} is no mode of compression", printable(layout.mode)));
+  }
+  if (layout.stride != 2 && layout.stride != 4) {
+    return extension.damaged("byteStride", fmt::format("indices have 2 or 4 bytes, not {}", layout.stride));
+  }
+  if (layout.mode == "INDICES" || layout.count % 3 == 0) return Done{};
+  return extension.damaged("count", fmt::format("{} corners are no whole triangles", layout.count));
+}
+
+Status check_count(const GltfObject& extension, const Layout& layout, std::size_t stored_bytes) {
+  // Each triangle takes at least a byte, as does each index of a sequence.
+  std::uint64_t max_count = stored_bytes * kMaxExpansion / layout.stride;
+  if (layout.mode == "TRIANGLES") max_count = std::uint64_t{3} * stored_bytes;
+  if (layout.mode == "INDICES") max_count = stored_bytes;
+  if (layout.count <= max_count) return Done{};
+  return extension.damaged("count",
+                           fmt::format("{} elements cannot be stored in {} bytes", layout.count, stored_bytes));
+}
+
+int decode(const Layout& layout, std::span<const std::byte> stored, std::vector<std::byte>* ret_bytes) {
+  const auto* const from = reinterpret_cast<const unsigned char*>(stored.data());
+  const auto count = static_cast<std::size_t>(layout.count);
+  const auto stride = static_cast<std::size_t>(layout.stride);
+  if (layout.mode == "TRIANGLES") {
+    return meshopt_decodeIndexBuffer(ret_bytes->data(), count, stride, from, stored.size());
+  }
+  if (layout.mode == "INDICES") {
+    return meshopt_decodeIndexSequence(ret_bytes->data(), count, stride, from, stored.size());
+  }
+  return meshopt_decodeVertexBuffer(ret_bytes->data(), count, stride, from, stored.size());
+}
+
+void apply_filter(const Layout& layout, std::vector<std::byte>* bytes) {
+  const auto count = static_cast<std::size_t>(layout.count);
+  const auto stride = static_cast<std::size_t>(layout.stride);
+  if (layout.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(bytes->data(), count, stride);
+  if (layout.filter == "QUATERNION") meshopt_decodeFilterQuat(bytes->data(), count, stride);
+  if (layout.filter == "EXPONENTIAL") meshopt_decodeFilterExp(bytes->data(), count, stride);
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> decode_meshopt(const GltfObject& extension, std::span<const std::byte> stored,
+                                              GltfBudget* budget) {
+  TRY_ASSIGN(const Layout layout, read_layout(extension));
+  TRY(check_stride(extension, layout));
+  TRY(check_filter(extension, layout));
+  TRY(check_count(extension, layout, stored.size()));
+  TRY(budget->take(extension.place(), layout.count, static_cast<std::size_t>(layout.stride)));
+  std::vector<std::byte> bytes(layout.count * layout.stride);
+  if (bytes.empty()) return bytes;
+  if (decode(layout, stored, &bytes) != 0) {
+    return gltf_damaged(extension.place(), "the compressed data cannot be decoded");
+  }
+  apply_filter(layout, &bytes);
+  return bytes;
+}
+
+}  // namespace cyclorama::scene

@@ -45,7 +45,7 @@ void CoordinatorState::follow_light(const std::string& scene) {
     governed->asked = std::move(old.asked);
     governed->written_at = old.written_at;
     governed->still_since = old.still_since;
-    governed->refinement = std::move(old.refinement);
+    governed->refinement = old.refinement;
     governed->blocks = std::move(old.blocks);
     governed->failures = old.failures;
     governed->retry_at = old.retry_at;

@@ -28,8 +28,8 @@ constexpr float kInwards = 0.02f;
 constexpr int kMaxProbes = 6;
 constexpr int kHugeProbes = 16;
 /// A grid begins with this share of the parts that visitors could see, up to kMaxStart.
-constexpr int kStartShare = 4;
-constexpr int kMaxStart = 8;
+constexpr int kStartShare = 8;
+constexpr int kMaxStart = 4;
 /// Parts of the grid for light from other surfaces, and those on triangles of kHugeParts or more.
 constexpr int kSurfaceParts = 4;
 constexpr int kHugeSurfaceParts = 16;

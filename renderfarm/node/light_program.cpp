@@ -40,7 +40,7 @@ void give_way_to_all() {
   constexpr int kAllSteps = 40;
   give_way(kAllSteps);
   const sched_param none{};
-  if (::sched_setscheduler(0, SCHED_IDLE, &none) != 0) return;
+  ::sched_setscheduler(0, SCHED_IDLE, &none);
 }
 
 }  // namespace
@@ -66,7 +66,7 @@ Status run_light_program(const std::filesystem::path& scene, const std::filesyst
   std::signal(SIGXFSZ, SIG_IGN);  // A file that may not grow is an error to report, like a full disk.
   give_way_to_all();
   double reported = -1.0;
-  const Status done = compute_light(scene, file, threads, [&](double share) {
+  Status done = compute_light(scene, file, threads, [&](double share) {
     constexpr double kStep = 0.005;
     if (share < reported + kStep) return;
     reported = share;

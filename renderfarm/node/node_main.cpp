@@ -46,7 +46,9 @@ Status run(const Arguments& arguments, const StopSignal& stop) {
   }
   TRY_ASSIGN(const FarmNodeOptions options, options_from(arguments));
   if (arguments.is_check) return Done{};
-  const LightStarter light = options.computes_light ? light_process_starter(options.threads) : nullptr;
+  // Without a cache, as in tests and benchmarks, nothing is written beside a scene that others may measure.
+  const bool has_light = options.computes_light && !options.cache.folder.empty();
+  const LightStarter light = has_light ? light_process_starter(options.threads) : nullptr;
   TRY_ASSIGN(const auto node, FarmNode::start(options, embree_scene_loader(options.threads), light));
   Notify notify;
   notify.ready();

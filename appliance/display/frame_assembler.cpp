@@ -199,14 +199,12 @@ class FrameAssembler::Assembly {
   }
   void decode_depth(const wire::Tile& tile) {
     const auto bytes = std::as_bytes(std::span(tile.depth()));
-    const Status decoded =
-        bytes.empty() ? Status(Error(ErrorCode::kBadData, "the depth is missing"))
-                      : decode_inverse_depth(bytes, depth_cells(place_of(tile)), depth_.get());
+    const Status decoded = bytes.empty() ? Status(Error(ErrorCode::kBadData, "the depth is missing"))
+                                         : decode_inverse_depth(bytes, depth_cells(place_of(tile)), depth_.get());
     if (decoded) return;
     const std::lock_guard lock(mutex_);
     if (!frame_.depth_trouble.empty()) return;
-    frame_.depth_trouble =
-        fmt::format("the tile at ({}, {}): {}", tile.x_px(), tile.y_px(), decoded.error().message());
+    frame_.depth_trouble = fmt::format("the tile at ({}, {}): {}", tile.x_px(), tile.y_px(), decoded.error().message());
   }
   void add_mesh() {
     if (!frame_.depth_trouble.empty()) return;

@@ -10,7 +10,6 @@
 namespace cyclorama::display {
 namespace {
 
-
 // Computes the corners of a rectangle from their numbers.
 constexpr const char* kVertexShader = R"(#version 300 es
 precision highp float;
@@ -52,8 +51,7 @@ void select_planes(const output::Gl& gl, const output::GlProgram& program) {
 }
 
 Result<PictureProgram> PictureProgram::make(const output::Gl& gl, Texels texels) {
-  const std::string fragment_shader =
-      light_shader_header(texels) + kFragmentShader;
+  const std::string fragment_shader = light_shader_header(texels) + kFragmentShader;
   TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, kVertexShader, fragment_shader.c_str()));
   PictureProgram program(std::move(linked), texels);
   program.nothing_ = output::GlVertexArray(gl);

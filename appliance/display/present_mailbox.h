@@ -44,8 +44,8 @@ struct RefreshEvent {
   double turn_rad = 0.0;       ///< Angle by which it was turned.
   /// Eye from which the picture was shown, in the Scene frame; zero before the first frame.
   Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();
-  double moved_m = 0.0;        ///< Distance by which its eye was moved.
-  double missed_m = 0.0;       ///< Distance between that eye and the visitor's: too far to move, or no depth.
+  double moved_m = 0.0;   ///< Distance by which its eye was moved.
+  double missed_m = 0.0;  ///< Distance between that eye and the visitor's: too far to move, or no depth.
   // Set while several displays show the tour (synchronised_refresh.h):
   std::optional<std::int64_t> synchronised_refresh;
   ShowAt frame_due;  ///< Due time of the frame that this refresh shows first, or of an earlier one that it passes over.

@@ -59,8 +59,8 @@ class Presenter {
   Status refresh();
 
  private:
-  Presenter(output::Output* output, PictureProgram program, ReprojectionPainter reprojection,
-            const AttractTimes& times, PresentMailbox* mailbox, const Clock* clock);
+  Presenter(output::Output* output, PictureProgram program, ReprojectionPainter reprojection, const AttractTimes& times,
+            PresentMailbox* mailbox, const Clock* clock);
   Status warm_up(bool may_change);
   void step();
   void take_in();

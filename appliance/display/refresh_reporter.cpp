@@ -10,10 +10,10 @@ constexpr auto kRatePeriod = std::chrono::seconds(1);
 
 RefreshReporter::RefreshReporter(InspectionService* inspection, const std::vector<std::string>& heads)
     : inspection_(*inspection) {
-  for (const char* const gauge : {"refreshes_per_second", "frames_per_second", "frames_presented", "frames_dropped",
-                                  "missed_refreshes", "bytes_per_frame", "tiles_per_frame", "tiles_decoded_per_frame",
-                                  "refreshes_past_guard_band", "attract_share", "frames_late", "headings_late",
-                                  "poses_per_second", "eye_moved_m", "eye_missed_m", "frames_without_depth"}) {
+  for (const char* const gauge :
+       {"refreshes_per_second", "frames_per_second", "frames_presented", "frames_dropped", "missed_refreshes",
+        "bytes_per_frame", "tiles_per_frame", "tiles_decoded_per_frame", "refreshes_past_guard_band", "attract_share",
+        "frames_late", "headings_late", "poses_per_second", "eye_moved_m", "eye_missed_m", "frames_without_depth"}) {
     inspection_.set_gauge(gauge, 0.0);
   }
   for (const std::string& name : heads) {

@@ -197,8 +197,8 @@ void want_turned(const HeadFootprint& head, const PictureShape& picture, double 
       for (std::size_t piece = 0; piece < kPieces; ++piece) {
         Box box = now[piece];
         if (turn > 0) box.add(before[piece]);
-        ret_cells->want(box.grown(margin + (box.right_px - box.left_px) / 8.0,
-                                  margin + (box.bottom_px - box.top_px) / 8.0));
+        ret_cells->want(
+            box.grown(margin + (box.right_px - box.left_px) / 8.0, margin + (box.bottom_px - box.top_px) / 8.0));
       }
       before = now;
     }

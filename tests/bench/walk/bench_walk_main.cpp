@@ -104,6 +104,7 @@ int main(int argc, char** argv) {
   program.add_option("--height", options.pictures.height, "Of the wall's picture, in pixels");
   program.add_option("--scale", options.pictures.scale, "Size of the farm's frames over the wall's, each way");
   program.add_option("--samples", options.pictures.samples, "Per pixel");
+  program.add_option("--truth-samples", options.pictures.truth_samples, "Per pixel of the pictures that judge");
   program.add_option("--jpeg-quality", options.pictures.jpeg_quality, "Of frames; 0: no JPEG");
   program.add_option("--mesh-cells", options.pictures.mesh_cells, "Cells of depth between two vertices of the mesh");
   program.add_option("--cost", options.cost_rounds,

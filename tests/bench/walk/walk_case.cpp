@@ -98,13 +98,13 @@ Result<std::unique_ptr<WalkCase>> WalkCase::make(node::BlockRenderer* renderer, 
   return walk;
 }
 
-display::DisplayFrame WalkCase::rendered(const WalkPose& pose, const PictureShape& shape, bool with_mesh,
+display::DisplayFrame WalkCase::rendered(const WalkPose& pose, const PictureShape& shape, int samples, bool with_mesh,
                                          RgbImage* ret_pixels, InverseDepthImage* ret_depth) {
   render::PanoramaView view;
   view.eye = pose.eye_m;
   view.heading_rad = pose.heading_rad;
   view.panorama = std::get<Panorama>(shape);
-  view.quality.samples = settings_.samples;
+  view.quality.samples = samples;
   view.quality.bounces = renderer_.bounces();
   view.quality.stored_light = true;
   view.depth = with_mesh;
@@ -121,7 +121,7 @@ display::DisplayFrame WalkCase::rendered(const WalkPose& pose, const PictureShap
 Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with_mesh, WalkFigures* bytes) {
   RgbImage pixels;
   InverseDepthImage depth;
-  display::DisplayFrame frame = rendered(pose, picture_, with_mesh, &pixels, &depth);
+  display::DisplayFrame frame = rendered(pose, picture_, settings_.samples, with_mesh, &pixels, &depth);
   if (settings_.jpeg_quality > 0) {
     const PixelRect whole{0, 0, pixels.width(), pixels.height()};
     auto planes = std::make_shared<PlanarPicture>(whole.width, whole.height, true);
@@ -148,7 +148,7 @@ Result<const RgbImage*> WalkCase::truth_at(int refresh) {
     const WalkPose pose = path_.at(refresh);
     RgbImage pixels;
     InverseDepthImage none;
-    TRY(shown_->take(rendered(pose, whole_, false, &pixels, &none)));
+    TRY(shown_->take(rendered(pose, whole_, settings_.truth_samples, false, &pixels, &none)));
     TRY_ASSIGN(truth, shown_->shown(pose.eye_m, pose.heading_rad, false));
   }
   return &truth;

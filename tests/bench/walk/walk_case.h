@@ -35,6 +35,7 @@ struct WalkPictures {
   double guard_rad = 0.1396263401595464;  ///< 8 degrees: the tour's default.
   double scale = 1.0;  ///< Size of the farm's frames over the wall's, each way; the truth has the wall's.
   int samples = 4;
+  int truth_samples = 16;
   int jpeg_quality = 0;  ///< 0: frames reach the display without JPEG.
   int mesh_cells = 1;
   double refresh_hz = 60.0;
@@ -69,8 +70,8 @@ class WalkCase {
   WalkCase(node::BlockRenderer* renderer, WalkedPath path, const WalkPictures& pictures);
   /// A frame as the farm sends it; the bytes of its parts are added to `bytes`.
   Result<display::DisplayFrame> frame_at(const WalkPose& pose, bool with_mesh, WalkFigures* bytes);
-  [[nodiscard]] display::DisplayFrame rendered(const WalkPose& pose, const PictureShape& shape, bool with_mesh,
-                                               RgbImage* ret_pixels, InverseDepthImage* ret_depth);
+  [[nodiscard]] display::DisplayFrame rendered(const WalkPose& pose, const PictureShape& shape, int samples,
+                                               bool with_mesh, RgbImage* ret_pixels, InverseDepthImage* ret_depth);
   Result<const RgbImage*> truth_at(int refresh);
 
   node::BlockRenderer& renderer_;

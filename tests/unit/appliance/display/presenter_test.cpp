@@ -46,8 +46,8 @@ void add_mesh(DisplayFrame* frame) {
   const PixelRect cells = depth_cells({0, 0, picture.width_px(), picture.height_px()});
   InverseDepthImage depth(cells.width, cells.height, inverse_depth_of(3.0f));
   for (int y = 0; y < cells.height; ++y) *depth.at(cells.width / 2, y) = inverse_depth_of(0.7f);
-  frame->mesh = std::make_shared<const ReprojectionMesh>(
-      std::make_shared<const ReprojectionGrid>(picture, kDepthCellPx), depth);
+  frame->mesh =
+      std::make_shared<const ReprojectionMesh>(std::make_shared<const ReprojectionGrid>(picture, kDepthCellPx), depth);
 }
 
 class PresenterTest : public ::testing::Test {
@@ -206,8 +206,9 @@ TEST_F(PresenterTest, moves_the_last_frame_to_the_visitors_eye) {
   for (int y = 0; y < 20; ++y) std::fill_n(halves.luma().at(70, y), 70, std::uint8_t{255});
   auto frame = frame_of(1, halves, 0.0);
   const Projection picture{frame->shape, {}};
-  frame->mesh = std::make_shared<const ReprojectionMesh>(
-      std::make_shared<const ReprojectionGrid>(picture, kDepthCellPx), InverseDepthImage(35, 5, inverse_depth_of(2.0f)));
+  frame->mesh =
+      std::make_shared<const ReprojectionMesh>(std::make_shared<const ReprojectionGrid>(picture, kDepthCellPx),
+                                               InverseDepthImage(35, 5, inverse_depth_of(2.0f)));
   frame->eye_m = {5.0, 1.5, 7.0};
   mailbox_.frames.put(std::move(frame));
   const auto go_to = [&](double x, double z) {

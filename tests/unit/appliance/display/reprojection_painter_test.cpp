@@ -83,7 +83,7 @@ class Drawing {
     warp::PixelMap map(width_, height_);
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        const PicturePlace place = scale.place_at({x + 0.5 + width_ / 2, y + 0.5 + height_ / 2});
+        const PicturePlace place = scale.place_at({x + 0.5 + 0.5 * width_, y + 0.5 + 0.5 * height_});
         map.at(x, y)[0] = static_cast<float>(place.across);
         map.at(x, y)[1] = static_cast<float>(place.up);
       }

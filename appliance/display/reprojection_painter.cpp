@@ -77,7 +77,7 @@ ReprojectionPainter::ReprojectionPainter(const output::Gl& gl, output::GlProgram
     gl.EnableVertexAttribArray(index);
     // GL's convention: an offset into the bound buffer, passed as a pointer.
     gl.VertexAttribPointer(index, floats, GL_FLOAT, GL_FALSE, sizeof(ReprojectedVertex),
-                           reinterpret_cast<const void*>(offset));
+                           reinterpret_cast<const void*>(offset));  // NOLINT(performance-no-int-to-ptr)
   };
   attribute(kTarget, 3, offsetof(ReprojectedVertex, across_px));
   attribute(kSource, 2, offsetof(ReprojectedVertex, source_across_px));

@@ -72,7 +72,7 @@ class GltfArray {
   /// Precondition of all four: index < size().
   Result<GltfObject> object(std::size_t index) const;
   Result<std::uint64_t> integer(std::size_t index) const;
-  Result<double> number(std::size_t index) const;
+  [[nodiscard]] Result<double> number(std::size_t index) const;
   Result<std::string> text(std::size_t index) const;
   [[nodiscard]] std::string place_of(std::size_t index) const;
 

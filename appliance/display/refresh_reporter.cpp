@@ -13,7 +13,8 @@ RefreshReporter::RefreshReporter(InspectionService* inspection, const std::vecto
   for (const char* const gauge :
        {"refreshes_per_second", "frames_per_second", "frames_presented", "frames_dropped", "missed_refreshes",
         "bytes_per_frame", "tiles_per_frame", "tiles_decoded_per_frame", "refreshes_past_guard_band", "attract_share",
-        "frames_late", "headings_late", "poses_per_second", "eye_moved_m", "eye_missed_m", "frames_without_depth"}) {
+        "frames_late", "headings_late", "poses_shown", "poses_per_second", "eye_moved_m", "eye_missed_m",
+        "frames_without_depth"}) {
     inspection_.set_gauge(gauge, 0.0);
   }
   for (const std::string& name : heads) {
@@ -39,7 +40,10 @@ std::optional<wire::FramePresented> RefreshReporter::take(const RefreshEvent& ev
   inspection_.set_gauge("attract_share", event.attract_share);
   inspection_.set_gauge("eye_moved_m", event.moved_m);
   inspection_.set_gauge("eye_missed_m", event.missed_m);
-  if (event.heading_rad != last_heading_rad_ || event.eye_m != last_eye_m_) ++poses_;
+  if (event.heading_rad != last_heading_rad_ || event.eye_m != last_eye_m_) {
+    ++poses_;
+    inspection_.count("poses_shown");
+  }
   last_heading_rad_ = event.heading_rad;
   last_eye_m_ = event.eye_m;
   if (event.is_past_guard) inspection_.count("refreshes_past_guard_band");

@@ -132,6 +132,7 @@ void record_span(const Options& options, Recording* recording, RecordedSpan* spa
   const TimePoint begin = SteadyClock().now();
   const Duration whole = seconds(options.seconds);
   const double frames_before = recording->frames();
+  const double poses_before = recording->poses();
   recording->begin();
   int ticks = 0;
   TimePoint now = begin;
@@ -144,9 +145,10 @@ void record_span(const Options& options, Recording* recording, RecordedSpan* spa
     }
     progress.update(std::min(1.0, to_seconds(now - begin) / options.seconds));
   }
-  // The frame count is that of the tour's newest answer.
+  // The counts are those of the newest answers.
   span->seconds = to_seconds(SteadyClock().now() - begin);
   span->frames = std::max(0.0, recording->frames() - frames_before);
+  span->poses = std::max(0.0, recording->poses() - poses_before);
 }
 
 Status record(const Options& options, std::vector<ProcessLink> links, const StopSignal& stop) {

@@ -70,9 +70,13 @@ const wire::ProcessStatus* Recording::status_of(std::string_view name) const {
   return nullptr;
 }
 
-double Recording::frames() const {
-  const wire::ProcessStatus* const tour = status_of("tour");
-  return tour == nullptr ? 0.0 : gauge_of(*tour, "frames").value_or(0.0);
+double Recording::gauge(std::string_view process, std::string_view name) const {
+  const wire::ProcessStatus* const status = status_of(process);
+  return status == nullptr ? 0.0 : gauge_of(*status, name).value_or(0.0);
 }
+
+double Recording::frames() const { return gauge("tour", "frames"); }
+
+double Recording::poses() const { return gauge("display", "poses_shown"); }
 
 }  // namespace cyclorama::operations

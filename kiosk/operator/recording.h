@@ -49,8 +49,11 @@ class Recording {
   [[nodiscard]] const wire::ProcessStatus* status_of(std::string_view process) const;
   /// Returns the number of frames presented so far, as counted by the tour.
   [[nodiscard]] double frames() const;
+  /// Returns the number of refreshes so far that showed a new pose, as counted by the display.
+  [[nodiscard]] double poses() const;
 
  private:
+  [[nodiscard]] double gauge(std::string_view process, std::string_view name) const;
   void look_at(const ProcessLink& link, RecordedProcess* process, TimePoint now);
   void take_picture(const ProcessLink& link, const std::string& name);
   const std::vector<ProcessLink> links_;

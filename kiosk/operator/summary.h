@@ -15,6 +15,7 @@ namespace cyclorama::operations {
 struct RecordedSpan {
   double seconds = 0.0;
   double frames = 0.0;         ///< Frames presented within the recording.
+  double poses = 0.0;          ///< Refreshes within the recording that showed a new pose.
   double frames_wanted = 1.0;  ///< Minimum number of frames; fewer are a problem.
   /// Time from the start that the caller named to the first presented frame.
   std::optional<double> first_picture_s;
@@ -28,8 +29,8 @@ struct RecordedSpan {
 ///   bytes_per_frame, balance_efficiency, first_picture_s,
 ///   stages: { name: { p50_ms, p95_ms, p99_ms, count } }, drops: { reason: count },
 ///   processes: { name: { state, healthy } }, ok, problems: [] }; stages from shutter to photon. `nodes` is the number
-/// that the farm has, also when few of them rendered the last frame. shown_hz: refreshes of the last second that showed a
-/// new pose; eye_missed_m: distance between the visitor and the eye of the picture; scale: width of a moving frame over
+/// that the farm has, also when few of them rendered the last frame. shown_hz: refreshes that
+/// showed a new pose, per second; eye_missed_m: distance between the visitor and the eye of the picture; scale: width of a moving frame over
 /// the requested one; wasted: share of the views whose frame was rendered and not shown.
 [[nodiscard]] std::string summary_json(const Recording& recording, const RecordedSpan& span,
                                        const std::vector<std::string>& problems);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -23,16 +24,23 @@ struct Options {
   std::vector<int> latencies_ms{100, 200, 400};
   std::vector<int> walks{0, 1, 2};
   double jitter_ms = 0.0;
+  double lost_share = 0.0;
   bool all_methods = false;
+  bool flicker = false;
   int cost_rounds = 0;
   WalkPictures pictures;
 };
 
 nlohmann::json to_json(const WalkFigures& figures) {
-  return {{"psnr", figures.psnr_db},        {"ssim", figures.ssim},
-          {"flip", figures.flip},           {"worst_psnr", figures.worst_psnr_db},
-          {"switch", figures.switch_share}, {"step", figures.step_share},
-          {"holes", figures.holes},         {"depth_share", figures.depth_share}};
+  return {{"psnr", figures.psnr_db},
+          {"ssim", figures.ssim},
+          {"flip", figures.flip},
+          {"worst_psnr", figures.worst_psnr_db},
+          {"switch", figures.switch_share},
+          {"step", figures.step_share},
+          {"flicker", figures.flicker},
+          {"holes", figures.holes},
+          {"depth_share", figures.depth_share}};
 }
 
 Status measure_cost(const Options& options, nlohmann::json* json) {
@@ -48,39 +56,101 @@ Status measure_cost(const Options& options, nlohmann::json* json) {
   return Done{};
 }
 
-Status measure(const Options& options, nlohmann::json* json) {
-  TRY_ASSIGN(const std::unique_ptr<node::BlockRenderer> renderer,
-             node::embree_scene_loader(0)(options.scene, [](double) {}));
-  wire::SceneDescription description = renderer->description();
+/// A scene's renderer, and where its visitors walk.
+struct WalkedScene {
+  std::unique_ptr<node::BlockRenderer> renderer;
+  tour::Site site;
+  double eye_height_m = 0.0;
+};
+
+Result<WalkedScene> open_scene(const std::string& folder) {
+  WalkedScene scene;
+  TRY_ASSIGN(scene.renderer, node::embree_scene_loader(0)(folder, [](double) {}));
+  wire::SceneDescription description = scene.renderer->description();
   description.set_name("scene");
   std::string warning;
-  const tour::Site site = tour::site_of(description, &warning);
+  scene.site = tour::site_of(description, &warning);
   if (!warning.empty()) fmt::print("{}\n", warning);
-  fmt::print("{:<9}{:>4}{:>5}  {:<22}{:>7}{:>7}{:>7}{:>8}{:>8}{:>8}{:>8}{:>8}\n", "walk", "fps", "ms", "display",
-             "PSNR", "worst", "SSIM", "FLIP", "switch", "between", "holes", "depth");
+  scene.eye_height_m = description.start_eye_m().y();
+  return scene;
+}
+
+void print_header() {
+  fmt::print("{:<9}{:>4}{:>5}  {:<22}{:>7}{:>7}{:>7}{:>8}{:>8}{:>8}{:>9}{:>8}{:>8}\n", "walk", "fps", "ms", "display",
+             "PSNR", "worst", "SSIM", "FLIP", "switch", "between", "flicker", "holes", "depth");
+}
+
+void print_row(const WalkCase& walked, const WalkFarm& farm, const std::string& name, const WalkFigures& figures) {
+  fmt::print("{:<9}{:>4}{:>5}  {:<22}{:>7.2f}{:>7.2f}{:>7.4f}{:>8.4f}{:>7.0f}%{:>7.0f}%{:>9.2f}{:>7.2f}%{:>7.1f}%\n",
+             to_text(walked.path().kind()), farm.fps, farm.latency_ms, name, figures.psnr_db, figures.worst_psnr_db,
+             figures.ssim, figures.flip, 100 * figures.switch_share, 100 * figures.step_share, figures.flicker,
+             100 * figures.holes, 100 * figures.depth_share);
+  std::fflush(stdout);
+}
+
+Status measure(const Options& options, nlohmann::json* json) {
+  TRY_ASSIGN(const WalkedScene scene, open_scene(options.scene));
+  print_header();
   for (const int walk : options.walks) {
     TRY_ASSIGN(const std::unique_ptr<WalkCase> walked,
-               WalkCase::make(renderer.get(), site, description.start_eye_m().y(), static_cast<WalkKind>(walk),
+               WalkCase::make(scene.renderer.get(), scene.site, scene.eye_height_m, static_cast<WalkKind>(walk),
                               options.pictures));
     for (const int fps : options.fps) {
       for (const int latency_ms : options.latencies_ms) {
+        const WalkFarm farm{fps, latency_ms, options.jitter_ms, options.lost_share};
         for (const WalkMethod& method : walk_methods()) {
           if (!options.all_methods && !(method.predicts && method.moves)) continue;
-          TRY_ASSIGN(const WalkFigures figures,
-                     walked->measure({fps, latency_ms, options.jitter_ms}, method, options.pictures_to));
-          const char* const name = to_text(walked->path().kind());
-          fmt::print("{:<9}{:>4}{:>5}  {:<22}{:>7.2f}{:>7.2f}{:>7.4f}{:>8.4f}{:>7.0f}%{:>7.0f}%{:>7.2f}%{:>7.1f}%\n",
-                     name, fps, latency_ms, method.name, figures.psnr_db, figures.worst_psnr_db, figures.ssim,
-                     figures.flip, 100 * figures.switch_share, 100 * figures.step_share, 100 * figures.holes,
-                     100 * figures.depth_share);
-          std::fflush(stdout);
-          (*json)[fmt::format("{}, {} fps, {} ms, {}", name, fps, latency_ms, method.name)] = to_json(figures);
+          TRY_ASSIGN(const WalkFigures figures, walked->measure(farm, method, options.pictures_to));
+          print_row(*walked, farm, method.name, figures);
+          (*json)[fmt::format("{}, {} fps, {} ms, {}", to_text(walked->path().kind()), fps, latency_ms, method.name)] =
+              to_json(figures);
         }
       }
     }
     fmt::print("{} walked {:.2f} m\n", to_text(walked->path().kind()), walked->path().length_m());
   }
   return Done{};
+}
+
+double rms_error(const WalkFigures& figures) { return 255.0 * std::pow(10.0, -figures.psnr_db / 20.0); }
+
+/// Compares frames that read stored light with path traced, denoised ones that cost the same.
+Status measure_flicker(const Options& options, nlohmann::json* json) {
+  TRY_ASSIGN(const WalkedScene scene, open_scene(options.scene));
+  const WalkFarm farm{options.fps.front(), options.latencies_ms.front(), options.jitter_ms, options.lost_share};
+  const WalkMethod method = walk_methods().back();
+  print_header();
+  for (const int walk : options.walks) {
+    TRY_ASSIGN(const std::unique_ptr<WalkCase> walked,
+               WalkCase::make(scene.renderer.get(), scene.site, scene.eye_height_m, static_cast<WalkKind>(walk),
+                              options.pictures));
+    TRY_ASSIGN(const WalkFigures stored, walked->measure(farm, method, options.pictures_to));
+    print_row(*walked, farm, "stored light", stored);
+    WalkFrames frames = options.pictures.frames;
+    frames.stored_light = false;
+    walked->set_frames(frames);
+    TRY_ASSIGN(const WalkFigures same_size, walked->measure(farm, method, options.pictures_to));
+    print_row(*walked, farm, "paths, same size", same_size);
+    frames.scale *= std::sqrt(stored.cpu_s_per_frame / same_size.cpu_s_per_frame);
+    walked->set_frames(frames);
+    TRY_ASSIGN(const WalkFigures same_cost, walked->measure(farm, method, options.pictures_to));
+    print_row(*walked, farm, "paths, same cost", same_cost);
+    fmt::print("cpu-s per frame: stored light {:.3f}, paths {:.3f} at {:.2f} of the size, {:.3f} at {:.2f}\n",
+               stored.cpu_s_per_frame, same_size.cpu_s_per_frame, options.pictures.frames.scale,
+               same_cost.cpu_s_per_frame, frames.scale);
+    nlohmann::json& row = (*json)[to_text(walked->path().kind())];
+    row["stored light"] = to_json(stored);
+    row["paths, same size"] = to_json(same_size);
+    row["paths, same cost"] = to_json(same_cost);
+    row["ratio_before"] = stored.flicker / same_cost.flicker;
+    row["error_ratio_before"] = rms_error(stored) / rms_error(same_cost);
+  }
+  return Done{};
+}
+
+Status run(const Options& options, nlohmann::json* json) {
+  if (options.cost_rounds > 0) return measure_cost(options, json);
+  return options.flicker ? measure_flicker(options, json) : measure(options, json);
 }
 
 }  // namespace
@@ -99,14 +169,18 @@ int main(int argc, char** argv) {
   program.add_option("--latency-ms", options.latencies_ms, "From asking for a view to showing it");
   program.add_option("--walks", options.walks, "0: ahead, 1: sideways, 2: a turn");
   program.add_option("--jitter-ms", options.jitter_ms, "Frames are late by up to this much");
+  program.add_option("--lost-share", options.lost_share, "Share of the frames that never come")
+      ->check(CLI::Range(0.0, 0.9));
+  program.add_flag("--flicker", options.flicker, "Instead: frames of stored light beside path traced ones");
   program.add_flag("--all-methods", options.all_methods, "Also displays that hold the last picture, and others");
   program.add_option("--width", options.pictures.width, "Of the wall's picture, in pixels");
   program.add_option("--height", options.pictures.height, "Of the wall's picture, in pixels");
-  program.add_option("--scale", options.pictures.scale, "Size of the farm's frames over the wall's, each way");
-  program.add_option("--samples", options.pictures.samples, "Per pixel");
+  program.add_option("--scale", options.pictures.frames.scale, "Size of the farm's frames over the wall's, each way");
+  program.add_option("--samples", options.pictures.frames.samples, "Per pixel");
   program.add_option("--truth-samples", options.pictures.truth_samples, "Per pixel of the pictures that judge");
-  program.add_option("--jpeg-quality", options.pictures.jpeg_quality, "Of frames; 0: no JPEG");
-  program.add_option("--mesh-cells", options.pictures.mesh_cells, "Cells of depth between two vertices of the mesh");
+  program.add_option("--jpeg-quality", options.pictures.frames.jpeg_quality, "Of frames; 0: no JPEG");
+  program.add_option("--mesh-cells", options.pictures.frames.mesh_cells,
+                     "Cells of depth between two vertices of the mesh");
   program.add_option("--cost", options.cost_rounds,
                      "Instead: what moving a frame costs, over so many rounds; no scene");
   program.add_option("--refreshes", options.pictures.refreshes, "Length of each walk, at 60 a second");
@@ -118,7 +192,7 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "cyclorama-bench-walk: name a scene's folder, or --cost ROUNDS\n");
     return 2;
   }
-  const Status done = options.cost_rounds > 0 ? measure_cost(options, &json) : measure(options, &json);
+  const Status done = run(options, &json);
   if (!done) {
     fmt::print(stderr, "cyclorama-bench-walk: {}\n", done.error().message());
     return 1;

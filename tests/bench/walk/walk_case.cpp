@@ -14,7 +14,6 @@
 #include "common/image/jpeg.h"
 #include "common/image/png.h"
 #include "renderfarm/balance/tiles.h"
-#include "renderfarm/quality/shown_error.h"
 
 namespace cyclorama {
 namespace {
@@ -22,36 +21,6 @@ namespace {
 /// A surface at arm's length beside a residual of half an interval of walking; the tour's own rule.
 constexpr double kResidual_m = 0.1;
 constexpr double kNear_m = 1.0;
-constexpr int kJudgedEvery = 8;
-
-double mean_square(const RgbImage& a, const RgbImage& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.data().size(); ++i) {
-    const double difference = static_cast<double>(a.data()[i]) - b.data()[i];
-    sum += difference * difference;
-  }
-  return sum / static_cast<double>(a.data().size());
-}
-
-double psnr_of(double mean_square) { return 10.0 * std::log10(255.0 * 255.0 / std::max(mean_square, 1e-6)); }
-
-/// Squares of the true change from one refresh to the next, and of what the shown change differs by.
-struct Change {
-  double truth = 0.0;
-  double error = 0.0;
-  [[nodiscard]] double share() const { return truth > 0.0 ? std::sqrt(error / truth) : 0.0; }
-};
-
-void add_change(const RgbImage& shown, const RgbImage& shown_before, const RgbImage& truth,
-                const RgbImage& truth_before, Change* change) {
-  for (std::size_t i = 0; i < shown.data().size(); ++i) {
-    const int change_of_truth = truth.data()[i] - truth_before.data()[i];
-    const int error = shown.data()[i] - shown_before.data()[i] - change_of_truth;
-    change->truth += change_of_truth * change_of_truth;
-    change->error += error * error;
-  }
-}
-
 /// Area of the torn quads' far sides; what nearer surfaces cover is not taken off.
 double torn_px(const display::DisplayFrame& frame, const Eigen::Vector3d& eye_move) {
   display::ReprojectedPicture moved;
@@ -66,6 +35,15 @@ double torn_px(const display::DisplayFrame& frame, const Eigen::Vector3d& eye_mo
     area += 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
   }
   return area;
+}
+
+display::DisplayFrame frame_of(const WalkPose& pose, const PictureShape& shape, const RgbImage& pixels) {
+  display::DisplayFrame frame;
+  frame.eye_m = pose.eye_m;
+  frame.heading_rad = pose.heading_rad;
+  frame.shape = shape;
+  frame.picture = std::make_shared<const PlanarPicture>(JpegEncoder().to_planar(pixels));
+  return frame;
 }
 
 }  // namespace
@@ -83,11 +61,15 @@ WalkCase::WalkCase(node::BlockRenderer* renderer, WalkedPath path, const WalkPic
   const double tan_half = 0.5 * settings_.span_rad * settings_.height / settings_.width;
   wall_ = Panorama{settings_.width, settings_.height, settings_.span_rad, tan_half, -tan_half};
   whole_ = with_guard_band(wall_, settings_.guard_rad, parallax(kResidual_m, kNear_m));
-  const auto scaled = [&](int px) { return std::max(16, static_cast<int>(std::lround(settings_.scale * px))); };
-  picture_ = with_pixels(whole_, scaled(width_px(whole_)), scaled(height_px(whole_)));
-  grid_ =
-      std::make_shared<const display::ReprojectionGrid>(Projection{picture_, {}}, settings_.mesh_cells * kDepthCellPx);
   truth_.resize(static_cast<std::size_t>(path_.refreshes()));
+  set_frames(settings_.frames);
+}
+
+void WalkCase::set_frames(const WalkFrames& frames) {
+  settings_.frames = frames;
+  const auto scaled = [&](int px) { return std::max(16, static_cast<int>(std::lround(frames.scale * px))); };
+  picture_ = with_pixels(whole_, scaled(width_px(whole_)), scaled(height_px(whole_)));
+  grid_ = std::make_shared<const display::ReprojectionGrid>(Projection{picture_, {}}, frames.mesh_cells * kDepthCellPx);
 }
 
 Result<std::unique_ptr<WalkCase>> WalkCase::make(node::BlockRenderer* renderer, const tour::Site& site,
@@ -98,8 +80,7 @@ Result<std::unique_ptr<WalkCase>> WalkCase::make(node::BlockRenderer* renderer, 
   return walk;
 }
 
-display::DisplayFrame WalkCase::rendered(const WalkPose& pose, const PictureShape& shape, int samples, bool with_mesh,
-                                         RgbImage* ret_pixels, InverseDepthImage* ret_depth) {
+render::PanoramaView WalkCase::view_of(const WalkPose& pose, const PictureShape& shape, int samples) {
   render::PanoramaView view;
   view.eye = pose.eye_m;
   view.heading_rad = pose.heading_rad;
@@ -107,22 +88,23 @@ display::DisplayFrame WalkCase::rendered(const WalkPose& pose, const PictureShap
   view.quality.samples = samples;
   view.quality.bounces = renderer_.bounces();
   view.quality.stored_light = true;
-  view.depth = with_mesh;
   view.seed = ++seed_;
-  renderer_.render(view, {0, 0, width_px(shape), height_px(shape)}, ret_pixels, ret_depth, nullptr);
-  display::DisplayFrame frame;
-  frame.eye_m = pose.eye_m;
-  frame.heading_rad = pose.heading_rad;
-  frame.shape = shape;
-  frame.picture = std::make_shared<const PlanarPicture>(JpegEncoder().to_planar(*ret_pixels));
-  return frame;
+  return view;
 }
 
-Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with_mesh, WalkFigures* bytes) {
+Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with_mesh, WalkFigures* sums) {
   RgbImage pixels;
   InverseDepthImage depth;
-  display::DisplayFrame frame = rendered(pose, picture_, settings_.samples, with_mesh, &pixels, &depth);
-  if (settings_.jpeg_quality > 0) {
+  render::PanoramaView view = view_of(pose, picture_, settings_.frames.samples);
+  view.depth = with_mesh;
+  view.quality.stored_light = settings_.frames.stored_light;
+  const PixelRect all{0, 0, width_px(picture_), height_px(picture_)};
+  const render::RenderCost cost = settings_.frames.stored_light
+                                      ? renderer_.render(view, all, &pixels, &depth, nullptr)
+                                      : renderer_.render_denoised(view, all, &pixels, &depth, nullptr);
+  sums->cpu_s_per_frame += cost.cpu_seconds;
+  display::DisplayFrame frame = frame_of(pose, picture_, pixels);
+  if (settings_.frames.jpeg_quality > 0) {
     const PixelRect whole{0, 0, pixels.width(), pixels.height()};
     auto planes = std::make_shared<PlanarPicture>(whole.width, whole.height, true);
     std::size_t jpeg_bytes = 0;
@@ -130,12 +112,12 @@ Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with
     JpegEncoder encoder;
     JpegDecoder decoder;
     for (const PixelRect& tile : balance::tiles_of(whole)) {
-      TRY_ASSIGN(const auto jpeg, encoder.encode(cropped(pixels, tile), {settings_.jpeg_quality, true}));
+      TRY_ASSIGN(const auto jpeg, encoder.encode(cropped(pixels, tile), {settings_.frames.jpeg_quality, true}));
       TRY(decoder.decode_into(std::as_bytes(std::span(jpeg)), planes.get(), tile));
       jpeg_bytes += jpeg.size();
       if (with_mesh) depth_bytes += encode_inverse_depth(cropped(depth, depth_cells(tile))).size();
     }
-    bytes->depth_share += static_cast<double>(depth_bytes) / static_cast<double>(jpeg_bytes);
+    sums->depth_share += static_cast<double>(depth_bytes) / static_cast<double>(jpeg_bytes);
     frame.picture = std::move(planes);
   }
   if (with_mesh) frame.mesh = std::make_shared<const display::ReprojectionMesh>(grid_, depth);
@@ -148,82 +130,78 @@ Result<const RgbImage*> WalkCase::truth_at(int refresh) {
     const WalkPose pose = path_.at(refresh);
     RgbImage pixels;
     InverseDepthImage none;
-    TRY(shown_->take(rendered(pose, whole_, settings_.truth_samples, false, &pixels, &none)));
+    renderer_.render(view_of(pose, whole_, settings_.truth_samples), {0, 0, width_px(whole_), height_px(whole_)},
+                     &pixels, &none, nullptr);
+    TRY(shown_->take(frame_of(pose, whole_, pixels)));
     TRY_ASSIGN(truth, shown_->shown(pose.eye_m, pose.heading_rad, false));
   }
   return &truth;
 }
 
+std::vector<WalkCase::DueFrame> WalkCase::due_frames(const WalkFarm& farm) const {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> jitter_s(0.0, farm.jitter_ms / 1000.0);
+  std::bernoulli_distribution is_lost(farm.lost_share);
+  const double interval_s = 1.0 / farm.fps;
+  const double period_s = 1.0 / settings_.refresh_hz;
+  std::vector<DueFrame> due;
+  for (int n = 0; n * interval_s < path_.refreshes() * period_s; ++n) {
+    const double at_s = n * interval_s + farm.latency_ms / 1000.0 + jitter_s(random);
+    const auto requested = static_cast<int>(std::lround(n * interval_s / period_s));
+    if (is_lost(random)) continue;
+    // A frame that comes after a newer one is not shown.
+    while (!due.empty() && due.back().at_s >= at_s) due.pop_back();
+    due.push_back({at_s, std::min(requested, path_.refreshes() - 1)});
+  }
+  return due;
+}
+
 Result<WalkFigures> WalkCase::measure(const WalkFarm& farm, const WalkMethod& method,
                                       const std::filesystem::path& pictures_to) {
   WalkFigures figures;
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> jitter(0.0, farm.jitter_ms / 1000.0);
-  const double latency_s = farm.latency_ms / 1000.0;
-  const double interval_s = 1.0 / farm.fps;
-  const double period_s = 1.0 / settings_.refresh_hz;
-  std::vector<std::pair<double, int>> due;  // Time at which a frame is shown, and the refresh of its request.
-  for (int n = 0; n * interval_s < path_.refreshes() * period_s; ++n) {
-    due.emplace_back(n * interval_s + latency_s + jitter(random),
-                     static_cast<int>(std::lround(n * interval_s / period_s)));
-  }
+  WalkScore score;
+  const std::vector<DueFrame> due = due_frames(farm);
   std::size_t next = 0;
-  int judged = 0;
-  int counted = 0;
-  double square = 0.0;
   double torn = 0.0;
-  Change at_switch;
-  Change between;
-  RgbImage before;
   std::optional<display::DisplayFrame> frame;
   for (int refresh = 0; refresh < path_.refreshes(); ++refresh) {
+    const WalkPose pose = path_.at(refresh);
     TRY_ASSIGN(const RgbImage* const truth, truth_at(refresh));
     bool is_new = false;
-    while (next < due.size() && due[next].first <= refresh * period_s + 1e-9) ++next, is_new = true;
+    while (next < due.size() && due[next].at_s <= refresh / settings_.refresh_hz + 1e-9) ++next, is_new = true;
     if (next == 0) continue;
+    std::optional<RgbImage> by_old;
     if (is_new) {
-      const int asked = std::min(due[next - 1].second, path_.refreshes() - 1);
-      const WalkPose pose = method.predicts ? path_.predicted(asked, latency_s + 0.5 * interval_s) : path_.at(asked);
-      TRY_ASSIGN(frame, frame_at(pose, method.moves, &figures));
+      if (frame) {
+        TRY(shown_->take(*frame));
+        TRY_ASSIGN(by_old, shown_->shown(pose.eye_m, pose.heading_rad, method.moves));
+      }
+      const int requested = due[next - 1].requested;
+      const double ahead_s = farm.latency_ms / 1000.0 + 0.5 / farm.fps;
+      TRY_ASSIGN(frame, frame_at(method.predicts ? path_.predicted(requested, ahead_s) : path_.at(requested),
+                                 method.moves, &figures));
       ++figures.frames;
     }
     TRY(shown_->take(*frame));
-    const WalkPose pose = path_.at(refresh);
-    TRY_ASSIGN(RgbImage shown, shown_->shown(pose.eye_m, pose.heading_rad, method.moves));
-    const double error = mean_square(shown, *truth);
-    square += error;
-    ++counted;
+    TRY_ASSIGN(const RgbImage shown, shown_->shown(pose.eye_m, pose.heading_rad, method.moves));
+    if (by_old) score.add_switch(*by_old, shown);
     if (frame->mesh != nullptr) {
       torn += torn_px(*frame, display::eye_move(frame->eye_m, frame->heading_rad, pose.eye_m).eye_m);
     }
-    if (!before.empty()) {
-      add_change(shown, before, *truth, truth_[static_cast<std::size_t>(refresh - 1)], is_new ? &at_switch : &between);
+    TRY_ASSIGN(const bool is_worst, score.add(shown, *truth, is_new));
+    if (is_worst && !pictures_to.empty()) {
+      const std::string name =
+          fmt::format("{}_{}_{}_{}", to_text(path_.kind()), farm.fps, farm.latency_ms, method.name);
+      TRY(write_png(pictures_to / (name + ".png"), shown));
+      TRY(write_png(pictures_to / (name + "_truth.png"), *truth));
     }
-    if (psnr_of(error) < figures.worst_psnr_db) {
-      figures.worst_psnr_db = psnr_of(error);
-      if (!pictures_to.empty()) {
-        const std::string name =
-            fmt::format("{}_{}_{}_{}", to_text(path_.kind()), farm.fps, farm.latency_ms, method.name);
-        TRY(write_png(pictures_to / (name + ".png"), shown));
-        TRY(write_png(pictures_to / (name + "_truth.png"), *truth));
-      }
-    }
-    if (counted % kJudgedEvery == 0) {
-      TRY_ASSIGN(const quality::ShownError judged_error, quality::shown_error(shown, *truth));
-      figures.ssim += judged_error.ssim;
-      figures.flip += judged_error.flip;
-      ++judged;
-    }
-    before = std::move(shown);
   }
-  if (counted == 0) return Error(ErrorCode::kInvalidArgument, "the walk ends before its first frame is shown");
-  figures.psnr_db = psnr_of(square / counted);
-  figures.ssim /= std::max(1, judged);
-  figures.flip /= std::max(1, judged);
-  figures.switch_share = at_switch.share();
-  figures.step_share = between.share();
-  figures.holes = torn / (counted * static_cast<double>(width_px(picture_)) * height_px(picture_));
+  if (score.refreshes() == 0)
+    return Error(ErrorCode::kInvalidArgument, "the walk ends before its first frame is shown");
+  score.write_to(&figures);
+  figures.holes = torn / (score.refreshes() * static_cast<double>(width_px(picture_)) * height_px(picture_));
   figures.depth_share /= std::max(1, figures.frames);
+  figures.cpu_s_per_frame /= std::max(1, figures.frames);
   return figures;
 }
 

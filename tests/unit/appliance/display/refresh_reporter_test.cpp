@@ -72,5 +72,15 @@ TEST_F(RefreshReporterTest, reports_which_heads_are_lit_and_ignores_the_pacing_o
   EXPECT_EQ(gauge("missed_refreshes: left"), 0.0);
 }
 
+TEST_F(RefreshReporterTest, counts_refreshes_with_another_pose_than_the_one_before) {
+  RefreshEvent event;
+  for (int n = 0; n < 6; ++n) {
+    event.eye_m.x() = 0.1 * (n / 2);
+    event.heading_rad = n < 5 ? 0.0 : 0.1;
+    reporter_.take(event);
+  }
+  EXPECT_EQ(gauge("poses_shown"), 3.0);
+}
+
 }  // namespace
 }  // namespace cyclorama::display

@@ -26,7 +26,7 @@ struct Museum {
   std::optional<FakeProcess> tracker{std::in_place, "tracker"};
   std::optional<FakeProcess> room{std::in_place, "simulated-room"};
   std::optional<Recording> recording;
-  RecordedSpan span{10.0, 100.0, 1.0, 12.5};
+  RecordedSpan span{10.0, 100.0, 590.0, 1.0, 12.5};
   TimePoint now{100s};
 
   Museum() {
@@ -47,7 +47,7 @@ struct Museum {
     tour->inspection.set_gauge("picture_scale", 0.75);
     tour->inspection.set_gauge("samples_per_pixel", 4);
     tour->inspection.set_gauge("wasted_frames_share", 0.01);
-    display->inspection.set_gauge("poses_per_second", 59.0);
+    display->inspection.set_gauge("poses_shown", 590.0);
     display->inspection.set_gauge("eye_missed_m", 0.25);
     display->inspection.set_picture("panorama", ramp_picture(0));
     display->inspection.set_picture("projector/left", ramp_picture(5));
@@ -72,6 +72,12 @@ TEST(Summary, finds_no_problem_when_all_is_well) {
   museum.move();
   museum.look();
   EXPECT_THAT(museum.problems(), IsEmpty());
+}
+
+TEST(Summary, counts_refreshes_with_a_new_pose_as_the_display_does) {
+  Museum museum;
+  museum.look();
+  EXPECT_EQ(museum.recording->poses(), 590.0);
 }
 
 TEST(Summary, has_the_demos_figures_in_the_order_of_a_frame) {
@@ -175,7 +181,7 @@ TEST(Summary, reports_that_no_tag_was_ever_followed) {
   ASSERT_TRUE(links);
   Recording recording(*std::move(links));
   recording.look(TimePoint(1s));
-  EXPECT_THAT(problems_of(recording, {10.0, 100.0, 1.0, std::nullopt}),
+  EXPECT_THAT(problems_of(recording, {10.0, 100.0, 590.0, 1.0, std::nullopt}),
               ElementsAre(HasSubstr("no view ever followed a tag")));
 }
 

@@ -129,7 +129,8 @@ void Tour::send_heading(TimePoint now) {
   wire::Heading heading;
   heading.set_heading_rad(pose.second);
   heading.set_shutter_ns(walk_.navigation.steering_source == SteeringSource::kTag ? visit_->shutter_ns : 0);
-  to_wire(pose.first, heading.mutable_eye_m());
+  // A frame of another scene must not be shown from an eye in this one.
+  if (visit_->is_shown) to_wire(pose.first, heading.mutable_eye_m());
   const std::optional<wire::ShowAt> show_at = schedule_.heading_at(now);
   hub_.send_heading(heading, show_at ? &*show_at : nullptr);
 }
@@ -243,6 +244,10 @@ void Tour::on_presented(std::uint64_t display, const wire::FramePresented& prese
   const TimePoint now = SteadyClock().now();
   log_.add_presented(presented, now);
   const std::lock_guard lock(mutex_);
+  if (visit_ && !visit_->is_shown && presented.view_number() >= visit_->first_view) {
+    visit_->is_shown = true;
+    pose_sent_.reset();
+  }
   if (meter_.presented(display, presented.view_number(), stage_of(presented, "draw"), now)) pacer_.shown();
 }
 
@@ -265,6 +270,8 @@ void Tour::on_opened(const wire::SceneDescription& scene) {
     }
     change(opened, SteadyClock().now());
     visit.can_walk = can_walk(walk_.site, settings_.navigation.limits);
+    visit.first_view = newest_number_ + 1;
+    visit.is_shown = visit_ && visit_->is_shown && visit_->scene.name() == scene.name();
     visit_ = std::move(visit);
     farm_away_.reset();
     pacer_.request_again();

@@ -77,6 +77,8 @@ class Tour final : public TourEvents, private client::FarmListener {
     wire::SceneDescription scene;
     std::string warning;
     bool can_walk = false;
+    std::uint64_t first_view = 0;  ///< Number from which on views are of this scene.
+    bool is_shown = false;         ///< A display has shown such a view.
     std::int64_t shutter_ns = 0;
     std::optional<TimePoint> pose_received_at;  ///< Reset when a view follows the pose.
   };

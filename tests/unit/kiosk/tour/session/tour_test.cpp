@@ -203,7 +203,7 @@ TEST(Tour, requests_views_of_where_the_visitor_will_be_and_tells_displays_where_
   }
   std::size_t of_the_present = 0;
   for (const wire::Heading& heading : display.headings()) {
-    if (!heading.has_eye_m()) continue;  // Before the scene was open.
+    if (!heading.has_eye_m()) continue;  // Before the first frame was shown.
     EXPECT_TRUE(walked.contains(pose_of(heading)));
     EXPECT_EQ(heading.eye_m().y(), 1.6);
     ++of_the_present;
@@ -212,6 +212,19 @@ TEST(Tour, requests_views_of_where_the_visitor_will_be_and_tells_displays_where_
   std::size_t of_the_future = 0;
   for (const wire::View& view : farm.views()) of_the_future += walked.contains(pose_of(view)) ? 0U : 1U;
   EXPECT_GT(of_the_future, 0u);
+}
+
+TEST(Tour, tells_displays_no_eye_until_they_show_a_frame_of_its_scene) {
+  FakeFarm farm;
+  farm.set_gate(false);
+  TourProcess tour(settings_for(farm));
+  FakeDisplay display(tour.address());
+  ASSERT_TRUE(farm.wait_for_views(1));
+  ASSERT_EQ(tour.steer(0.0, 0.0, 1.0).error_code(), grpc::OK);
+  ASSERT_TRUE(display.wait_until([](const auto& d) { return d.headings().size() > 5; }));
+  for (const wire::Heading& heading : display.headings()) EXPECT_FALSE(heading.has_eye_m());
+  farm.set_gate(true);
+  EXPECT_TRUE(display.wait_until([](const auto& d) { return d.headings().back().has_eye_m(); }));
 }
 
 TEST(Tour, sends_no_heading_while_the_visitor_stands_still) {

@@ -57,8 +57,8 @@ void generate_camera_rays(const TraceView& view, const TraceCell& cell, bool sce
   SurfaceRandomNumbers& random_numbers = batch.random_numbers;
   sample_pairs(batch.paths, batch.index_reversed.data(), batch.seed.data(), kPixelPlace, random_numbers.place_u.data(),
                random_numbers.place_v.data());
-  // A pixel's only sample of stored light, which has no noise otherwise, is its middle: half the error of a random place
-  // at an edge, and edges that do not tremble from frame to frame.
+  // The only sample of a pixel with stored light, which has no other noise, lies in its middle: at edges the error is
+  // half of that of a random position, and edges do not tremble from frame to frame.
   const bool is_middle = view.quality.stored_light && scene_has_light && sequence_length(view.quality) == 1;
   for (std::size_t i = 0; i < static_cast<std::size_t>(batch.paths); ++i) {
     if (is_middle) random_numbers.place_u[i] = random_numbers.place_v[i] = 0.5f;

@@ -28,7 +28,7 @@ bool is_same_scene(const wire::SceneDescription& a, const wire::SceneDescription
          a.triangles_stored() == b.triangles_stored();
 }
 
-/// Checks all of a tile but whether it belongs to its block.
+/// Checks everything about a tile except whether it belongs to its block.
 Status check_tile(const wire::Tile& tile, const wire::View& view) {
   if (tile.view_number() != view.number()) return broken("it is of another view");
   if (tile.jpeg().empty()) return broken("it is empty");

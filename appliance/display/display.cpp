@@ -427,7 +427,7 @@ std::string Display::calibration_sentence() const {
 
 std::string Display::step_sentence() const {
   const auto share = reporter_.synchronised_share(clock_.now());
-  return share ? fmt::format(", in step with the other displays in {:.2f} % of refreshes", 100.0 * *share) : "";
+  return share ? fmt::format(", synchronised with the other displays in {:.2f} % of refreshes", 100.0 * *share) : "";
 }
 
 }  // namespace cyclorama::display

@@ -128,7 +128,7 @@ TEST(DisplayRoster, names_the_least_synchronised_display) {
   question.set_skew_error_s(0.0002);
   question.set_frame_need_s(0.02);
   roster.heard(1, question);
-  EXPECT_FALSE(roster.synchronised_share()) << "in step with whom?";
+  EXPECT_FALSE(roster.synchronised_share()) << "one display alone is synchronised with nothing";
   question.clear_frame_need_s();
   roster.heard(1, question);
   question.set_synchronised_share(0.5);

@@ -58,7 +58,7 @@ void ShowSchedule::choose_period() {
   last_frame_ = last_heading_ = 0;  // The numbers of the old period no longer apply.
 }
 
-void ShowSchedule::measured(const wire::ClockQuestion& question, TimePoint now) {
+void ShowSchedule::measured(const wire::ClockRequest& question, TimePoint now) {
   const std::lock_guard lock(mutex_);
   const auto add = [now](double need_s, RecentMaximum* longest) {
     // Ignores invalid values and those of a display that is too slow to wait for.

@@ -227,7 +227,7 @@ void Tour::on_display_left(std::uint64_t display) {
   request_frame_again();
 }
 
-void Tour::on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) {
+void Tour::on_clock_question(std::uint64_t display, const wire::ClockRequest& question) {
   schedule_.measured(question, SteadyClock().now());
   roster_.heard(display, question);
 }

@@ -67,7 +67,7 @@ class Tour final : public TourEvents, private client::FarmListener {
   void on_keys(const SteeringCommand& command) override;
   void on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) override;
   void on_display_left(std::uint64_t display) override;
-  void on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) override;
+  void on_clock_question(std::uint64_t display, const wire::ClockRequest& question) override;
   void on_presented(std::uint64_t display, const wire::FramePresented& presented) override;
   void on_dropped(std::uint64_t display, const wire::FrameDropped& dropped) override;
 

@@ -228,7 +228,7 @@ class Room {
     events_.at(events_.now() + delay(displays_[i].computer.there), [this, i, question = *question] {
       const TimePoint tour_now = events_.now() + kTourAhead;
       schedule_.measured(question, tour_now);
-      wire::ClockAnswer answer;
+      wire::ClockReply answer;
       answer.set_asked_ns(question.asked_ns());
       answer.set_received_ns(to_nanoseconds(tour_now));
       answer.set_answered_ns(to_nanoseconds(tour_now));

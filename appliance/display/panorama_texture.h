@@ -35,7 +35,8 @@ class PictureProgram {
 void select_planes(const output::Gl& gl, const output::GlProgram& program);
 
 /// Pass 1, once per frame: the newest frame's picture as a texture of light. It has an additional column on each side
-/// of the picture: for a whole turn the opposite side's; else the edge column again, so that clamping there repeats it.
+/// of the picture: for a whole turn, the column at the opposite side; otherwise a copy of the edge column, so that
+/// clamping repeats it.
 ///
 /// The textures grow to the largest picture and never shrink: a picture of a former size allocates nothing.
 /// Thread-bound to the GL context; borrows the Gl table and the program.

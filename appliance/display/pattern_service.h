@@ -18,9 +18,9 @@ namespace cyclorama::display {
 /// threads. Thread-safe, except tend().
 class PatternService final : public wire::PatternScreen::Service {
  public:
-  /// `heads`: the output's, in order. Borrows the mailbox. A call without an order for `idle` is ended: a user who
-  /// turns the turntable by hand may take time, but a calibration that hangs must not keep the wall from visitors. A
-  /// head that has not shown its pattern within `timeout` makes the call fail.
+  /// `heads` are those of the output, in order. Borrows the mailbox. A call without an order for `idle` is ended: a
+  /// user who turns the turntable by hand may take time, but a calibration that hangs must not keep the wall from
+  /// visitors. A head that has not shown its pattern within `timeout` makes the call fail.
   PatternService(std::vector<output::HeadMode> heads, PatternMailbox* mailbox, Duration idle,
                  Duration timeout = std::chrono::seconds(10))
       : heads_(std::move(heads)), mailbox_(*mailbox), idle_(idle), timeout_(timeout) {}

@@ -17,7 +17,7 @@ namespace cyclorama::display {
 /// stages. Thread-bound.
 class RefreshReporter {
  public:
-  /// `heads`: the output's, in order.
+  /// `heads` are those of the output, in order.
   RefreshReporter(InspectionService* inspection, const std::vector<std::string>& heads);
 
   /// Returns a report if the refresh was the first of a frame.

@@ -264,7 +264,7 @@ void ReprojectionMesh::tear(const std::array<std::uint32_t, 4>& grid, std::vecto
       grid.begin(), grid.end(), [&](std::uint32_t a, std::uint32_t b) { return inverse_m_[a] < inverse_m_[b]; });
   const float middle = 0.5f * (inverse_m_[*far] + inverse_m_[*near]);
   const auto is_near = [&](std::uint32_t corner) { return inverse_m_[corner] > middle; };
-  std::array<ReprojectedVertex, 8> corners;  // The far quad's, then the near one's.
+  std::array<ReprojectedVertex, 8> corners;  // The corners of the far quad, then those of the near one.
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const ReprojectedVertex& own = (*vertices)[grid[i]];
     // The neighbour on the other side of the jump: horizontally or vertically adjacent, or else the farthest or nearest

@@ -23,7 +23,7 @@ struct LampLight {
 
 struct GatheredLight {
   render::Vec3 light = render::Vec3::Zero();
-  render::Vec3 direction = render::Vec3::Zero();  ///< The same sum as LampLight's.
+  render::Vec3 direction = render::Vec3::Zero();  ///< The same sum as in LampLight.
 };
 
 struct TracerSettings {

@@ -80,7 +80,7 @@ struct MadeGrid {
 /// corners light must not be interpolated. `ret` is for triangles from `first` on.
 void find_blocked(const LitSide& side, std::uint32_t first, LightTracer& tracer, std::span<std::uint8_t> ret);
 
-// The following are thread-bound by `tracer`:
+// The following functions are thread-bound, like their argument `tracer`:
 
 /// Compares light at points inside the triangles with that of their vertices, and returns those that need a grid.
 [[nodiscard]] std::vector<GridInWork> probe_triangles(const LitSide& side, std::span<const SeenTriangle> triangles,

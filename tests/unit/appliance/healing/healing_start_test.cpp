@@ -209,7 +209,7 @@ TEST(ShowFile, names_the_position_of_a_mistake) {
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().code(), ErrorCode::kBadData);
   EXPECT_THAT(unknown.error().message(), HasSubstr("/projectors/0"));
-  EXPECT_FALSE(with("\"version\": 1", "\"version\": 2"));
+  EXPECT_FALSE(with("\"version\": 2", "\"version\": 1"));
   EXPECT_FALSE(with("\"width_px\"", "\"with_px\""));
   EXPECT_FALSE(calibration::parse_show("", "watch.json"));
   EXPECT_FALSE(calibration::parse_show("[]", "watch.json"));

@@ -235,7 +235,7 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
 Status CoordinatorState::keep_own_front(const wire::SceneLoaded& loaded, Node::LoadedScene* scene) {
   scene->front.reset();
   if (loaded.front().empty()) return Done{};
-  TRY_ASSIGN(governor::ParetoFront front, governor::parse_pareto_front(loaded.front(), "front.toml"));
+  TRY_ASSIGN(governor::ParetoFront front, governor::parse_pareto_front(loaded.front(), governor::kParetoFrontFileName));
   scene->front.emplace(std::move(front));
   return Done{};
 }
@@ -258,7 +258,8 @@ Status CoordinatorState::keep_pareto_front(const wire::SceneLoaded& loaded) {
     bounces_.emplace(loaded.scene(), static_cast<int>(loaded.bounces()));
   }
   if (loaded.front().empty()) return Done{};
-  TRY_ASSIGN(const governor::ParetoFront front, governor::parse_pareto_front(loaded.front(), "front.toml"));
+  TRY_ASSIGN(const governor::ParetoFront front,
+             governor::parse_pareto_front(loaded.front(), governor::kParetoFrontFileName));
   pareto_fronts_.emplace(loaded.scene(), front);
   return Done{};
 }

@@ -30,7 +30,7 @@ struct WarpNet {
   int columns = 0;
   int rows = 0;
   bool closed = false;          ///< The last column is connected to the first (a polar grid).
-  std::vector<WarpNode> nodes;  ///< Of a grid: row by row.
+  std::vector<WarpNode> nodes;  ///< The nodes of a grid are stored row by row.
   std::vector<WarpTriangle> triangles;
 
   /// Returns the triangles to draw: those of the net, or two per cell of the grid. Triangles with a node of negative

@@ -144,7 +144,7 @@ def limits(tree, tables):
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TEST_NAME = re.compile(r"\s*TEST(_F|_P)?\(")
-RENAMED = re.compile(r"refuse_renamed|add_renamed_option|is now called|is called '\w+' now")
+RENAMED = re.compile(r"[Rr]enamed|is now called|is called '\w+' now")
 HUMP = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|[_\-/]+")
 
 

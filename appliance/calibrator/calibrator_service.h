@@ -69,7 +69,7 @@ class CalibratorService final : public wire::Calibrator::Service {
   std::string also_;
   bool is_also_healthy_ = true;
   std::function<std::shared_ptr<void>()> hold_;
-  TurntablePrompt* prompt_ = nullptr;  ///< Null: the turntable has no questions.
+  TurntablePrompt* prompt_ = nullptr;  ///< Null if the turntable asks nobody to turn it.
   std::stop_source stop_;
 };
 

@@ -17,7 +17,8 @@ namespace cyclorama::photometry {
 /// One reading of one cell by one channel of the camera.
 struct RampReading {
   int light = -1;  ///< 0, 1, 2: red, green, blue; 3: white; -1: black.
-  /// Index of the unknown response at its level; -1 if the response is known: 0 at black, 1 at full level.
+  /// Index of the unknown, which is the response at the reading's level; -1 at black and at full level, where the
+  /// response is known to be 0 and 1.
   int unknown = -1;
   double code = 0.0;
   double exposure = 1.0;  ///< Relative to the shortest exposure.

@@ -26,7 +26,7 @@ struct ContinuousCalibrator::State {
   std::vector<TimePoint> measured_at;
   std::vector<int> surprises;            ///< Steps in a row whose innovation was too large, per body.
   std::vector<InnovationWindow> lately;  ///< Per projector.
-  std::vector<bool> is_creeping;         ///< Successive small innovations that are no drift, per projector.
+  std::vector<bool> is_creeping;         ///< Small innovations add up to more than drift explains, per projector.
   std::vector<bool> is_refused;          ///< A displacement was detected, but no pose was accepted, per body.
   std::vector<double> seems_off_px;      ///< Distance to the last solution's pose, per projector.
   std::vector<bool> is_unanchored;       ///< Either the projector or the only camera that sees it moved, per projector.

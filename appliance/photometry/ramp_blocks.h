@@ -25,7 +25,7 @@ struct RampReading {
   double sigma = 0.0;     ///< Standard deviation of the code.
 };
 
-/// Readings that share one `rest` and one `share` per light.
+/// Readings of one projector in one cell. Their model has one common rest of light, and one share for each light.
 struct RampBlock {
   std::size_t projector = 0;
   std::array<bool, 4> has_light{};

@@ -18,7 +18,7 @@ using render::Vec3;
 
 /// Eyes are sampled at some positions only; a visitor may come nearer to a triangle than any of them.
 constexpr double kNearer = 0.7;
-/// From this number of parts on, light from other surfaces varies within the triangle, too.
+/// Within a triangle of at least this many parts, light from other surfaces is taken to vary, too.
 constexpr int kManyParts = 16;
 /// Probes may differ by this many standard errors before they count.
 constexpr float kSigmas = 2.5f;

@@ -43,6 +43,9 @@ struct TraceCell {
   int height = kCellPx;
   int first_sample = 0;
   int samples = 1;
+  /// The only sample is the middle of each pixel. For stored light, which has no noise: half the error of a random place
+  /// at an edge, and edges that do not tremble from frame to frame.
+  bool middle = false;
 };
 
 /// Sums over a cell's samples, pixel by pixel in rows of kCellPx. Radiance is not exposed.
@@ -62,6 +65,8 @@ struct CellFilm {
   std::uint64_t broken_samples = 0;  ///< Samples that were NaN and count as black.
 
   void clear();
+  /// Discards the samples of the active pixels.
+  void restart_active();
 };
 
 /// Shades the hits of the rays in `batch`: collects light, traces shadow rays and generates the next rays.

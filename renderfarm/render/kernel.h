@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Traces the paths of a cell of pixels. The shading stage, which depends on the scene, is compiled once for each
-/// combination of needs, without the rest.
+/// Traces the paths of a cell of pixels. The shading stage, which depends on the scene, is compiled once for each surface
+/// level, without those above it.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 #include "renderfarm/render/camera.h"
 #include "renderfarm/render/path_batch.h"
 #include "renderfarm/render/quality.h"
-#include "renderfarm/render/requirements.h"
+#include "renderfarm/render/surface_level.h"
 #include "renderfarm/render/trace_scene.h"
 
 namespace cyclorama::render {
@@ -72,8 +72,8 @@ struct CellFilm {
 /// Shades the hits of the rays in `batch`: collects light, traces shadow rays and generates the next rays.
 using ShadeStage = void (*)(const TraceScene& scene, const TraceView& view, PathBatch& batch, CellFilm& film);
 
-/// Returns the stage compiled for the fewest needs that include all of `needs`.
-[[nodiscard]] ShadeStage shade_stage_for(const SceneNeeds& needs);
+/// Returns the stage for surfaces of `level` and below.
+[[nodiscard]] ShadeStage shade_stage_for(SurfaceLevel level);
 
 /// Upper bound of a sample's exposed radiance, such that the sum of kMaxSamples of its squares is finite in float. The
 /// sun's disc has 2e9 cd/m^2.

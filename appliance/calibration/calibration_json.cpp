@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr double kLarge = 1e9;
 constexpr int kMaxPx = 16384;
 constexpr int kMaxCells = 4096;
@@ -281,7 +281,7 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
   Calibration calibration;
   if (json.text("format", 60) != "cyclorama-calibration")
     json.at("format").refuse("is not 'cyclorama-calibration'; give another file");
-  json.integer("version", kVersion, kVersion);
+  json.require_version(kVersion);
   calibration.date = json.text("date", 40);
   if (calibration.date.empty() || calibration.date.find_first_not_of("0123456789TZ-") != std::string::npos) {
     json.at("date").refuse("is no date as 2026-11-22T13-05-00Z; calibrate again");

@@ -54,7 +54,7 @@ Result<CameraFile> parse_camera(std::string_view text, const std::string& name) 
   if (json.text("format", 60) != "cyclorama-camera") {
     json.at("format").refuse("is not 'cyclorama-camera'; give a file of cyclorama calibrate-camera");
   }
-  json.integer("version", 1, 1);
+  json.require_version(1);
   camera.camera = json.text("camera", 400);
   camera.date = json.text("date", 40);
   camera.lens.width_px = json.integer("width_px", 16, kMaxPx);

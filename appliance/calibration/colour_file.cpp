@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using OneChannel = Image<float, 1>;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr const char* kFile = "colours.json";
 constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
 constexpr std::size_t kMaxPx = std::size_t{64} << 20;
@@ -30,7 +30,7 @@ constexpr std::array<const char*, 3> kChannels{"red", "green", "blue"};
 
 // Numbered from 1 like the maps, since a projector's name may be invalid as a file name.
 std::string mask_file(std::size_t index) { return fmt::format("{}.mask.png", index + 1); }
-std::string black_lift_file(std::size_t index) { return fmt::format("{}.lift.png", index + 1); }
+std::string black_lift_file(std::size_t index) { return fmt::format("{}.black_lift.png", index + 1); }
 
 Status write_picture(const fs::path& file, const OneChannel& picture) {
   interchange::MaskMap map(picture.width(), picture.height(), 1, 16);
@@ -65,7 +65,7 @@ warp::HeadColour colour_of(StrictJson* json) {
     }
     colour.matrix = matrix;
   }
-  if (json->has("lift")) {
+  if (json->has("black_lift")) {
     colour.black_lift.emplace();
     const auto black = json->list("black_linear", 3, 3);
     for (std::size_t c = 0; c < black.size(); ++c)
@@ -92,7 +92,7 @@ std::string colours_json(std::span<const CalibratedColour> colours) {
   for (const CalibratedColour& one : colours) {
     Json json{{"name", one.name}, {"mask", mask_file(projectors.size())}};
     if (one.colour.black_lift) {
-      json["lift"] = black_lift_file(projectors.size());
+      json["black_lift"] = black_lift_file(projectors.size());
       json["black_linear"] = {one.colour.black.x(), one.colour.black.y(), one.colour.black.z()};
     }
     if (one.colour.matrix) {
@@ -117,7 +117,7 @@ Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const
   StrictJson json(document, &mistakes);
   if (json.text("format", 60) != "cyclorama-colours")
     json.at("format").refuse("is not 'cyclorama-colours'; give another file");
-  json.integer("version", kVersion, kVersion);
+  json.require_version(kVersion);
   std::vector<CalibratedColour> colours;
   std::set<std::string> names;
   for (StrictJson p : json.list("projectors", 0, 64)) {
@@ -127,8 +127,8 @@ Result<std::vector<CalibratedColour>> parse_colours(std::string_view text, const
     // The file may not choose the paths of its pictures.
     const std::size_t index = colours.size();
     if (p.text("mask", 80) != mask_file(index)) p.at("mask").refuse("is not 'N.mask.png'; calibrate again");
-    if (p.has("lift") && p.text("lift", 80) != black_lift_file(index))
-      p.at("lift").refuse("is not 'N.lift.png'; calibrate again");
+    if (p.has("black_lift") && p.text("black_lift", 80) != black_lift_file(index))
+      p.at("black_lift").refuse("is not 'N.black_lift.png'; calibrate again");
     one.colour = colour_of(&p);
     p.refuse_other_keys();
     colours.push_back(std::move(one));

@@ -4,11 +4,11 @@
 ///     FOLDER/calibrations/DATE/colours.json        absent if only geometry was measured
 ///     FOLDER/calibrations/DATE/N.mask.png          mask of projector N (from 1): grey, 16 bits: a factor on linear
 ///                                                  light, 65535 is 1
-///     FOLDER/calibrations/DATE/N.lift.png          the black lift likewise, if there is any
+///     FOLDER/calibrations/DATE/N.black_lift.png    the black lift likewise, if there is any
 ///
-///     {"format": "cyclorama-colours", "version": 1,
+///     {"format": "cyclorama-colours", "version": 2,
 ///      "projectors": [{"name": "left", "mask": "1.mask.png",
-///                      "lift": "1.lift.png", "black_linear": [0.002, 0.002, 0.003],        both or neither
+///                      "black_lift": "1.black_lift.png", "black_linear": [0.002, 0.002, 0.003],  both or neither
 ///                      "matrix": [[0.98, 0.01, 0], [0.01, 0.97, 0], [0, 0, 1]],            or left out
 ///                      "response": {"red": [0, ..., 1], "green": [...], "blue": [...]}}]}  or left out: sRGB
 ///

@@ -58,7 +58,7 @@ struct ShowCalibration {
 /// Returns the point that a camera's pixel sees on the wall, which is extended beyond its edges.
 [[nodiscard]] std::optional<Eigen::Vector3d> wall_seen_at(const ShowCalibration& room, const ShowCamera& camera,
                                                           const Eigen::Vector2d& pixel);
-/// Returns the point that a projector's pixel lights, likewise.
+/// Returns the point that a projector's pixel lights on the extended wall.
 [[nodiscard]] std::optional<Eigen::Vector3d> wall_lit_at(const ShowCalibration& room, const ShowProjector& projector,
                                                          const Eigen::Vector2d& pixel);
 

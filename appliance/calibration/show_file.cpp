@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr int kMaxPx = 16384;
 constexpr double kMaxDistanceM = 1e3;
 // Minimum determinant; for six standard deviations of a micrometre or microradian it would be 1e-36.
@@ -119,7 +119,7 @@ std::string show_json(const ShowFile& show) {
   }
   Json cameras = Json::array();
   for (const ShowFile::Camera& c : show.cameras) {
-    Json one{{"name", c.name}, {"lens", json_of(c.lens)}, {"place", json_of(c.T_room_camera)}};
+    Json one{{"name", c.name}, {"lens", json_of(c.lens)}, {"pose", json_of(c.T_room_camera)}};
     if (c.root) one["root"] = json_of(*c.root);
     cameras.push_back(std::move(one));
   }
@@ -135,7 +135,7 @@ Result<ShowFile> parse_show(std::string_view text, const std::string& name) {
   StrictJson::Mistakes mistakes("calibrate again");
   StrictJson json(document, &mistakes);
   ShowFile show;
-  json.integer("version", kVersion, kVersion);
+  json.require_version(kVersion);
   show.calibration = json.text("calibration", 100);
   for (StrictJson one : json.list("projectors", 0, kMaxDevices)) {
     ShowFile::Projector& p = show.projectors.emplace_back();
@@ -157,7 +157,7 @@ Result<ShowFile> parse_show(std::string_view text, const std::string& name) {
     ShowFile::Camera& c = show.cameras.emplace_back();
     c.name = one.text("name", 200);
     c.lens = lens_of(one.at("lens"));
-    c.T_room_camera = pose_of<frame::Camera>(one.at("place"));
+    c.T_room_camera = pose_of<frame::Camera>(one.at("pose"));
     if (one.has("root")) c.root = root_of(&one);
     one.refuse_other_keys();
   }

@@ -26,8 +26,8 @@
 #include "common/wire/channel.h"
 #include "drivers/devices/camera_spec.h"
 #include "drivers/devices/make_camera.h"
+#include "drivers/devices/make_turntable.h"
 #include "drivers/simulated/turntable/simulated_turntable.h"
-#include "drivers/turntable/make_turntable.h"
 
 namespace cyclorama::calibrator {
 namespace {
@@ -253,7 +253,7 @@ DeviceOpener real_opener(const CalibratorSettings& settings, const std::filesyst
           clock);
     };
     CalibrationDevices devices;
-    TRY_ASSIGN(devices.turntable, turntable::make_turntable(settings.turntable, operator_at(prompt)));
+    TRY_ASSIGN(devices.turntable, devices::make_turntable(settings.turntable, operator_at(prompt)));
     TRY_ASSIGN(devices.camera, scan::FrameScanCamera::open(open_camera, kFirstExposure_s, clock));
     TRY_ASSIGN(devices.screen, scan::RemotePatternScreen::open(projectors, settings.displays, settle_of(settings)));
     TRY_ASSIGN(devices.settings, scan_settings(settings, folder, *devices.camera));

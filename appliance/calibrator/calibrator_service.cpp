@@ -81,7 +81,7 @@ void CalibratorService::tell() {
   inspection_->set_state(state(), is_healthy);
 }
 
-Result<scan::CalibrationOutcome> CalibratorService::calibrate(const wire::CalibrateOrder& order,
+Result<scan::CalibrationOutcome> CalibratorService::calibrate(const wire::CalibrateRequest& order,
                                                               const scan::ScanListener& listener,
                                                               std::stop_token stop) {
   listener({"opens camera, turntable and projectors", 0.0, nullptr});
@@ -98,7 +98,7 @@ Result<scan::CalibrationOutcome> CalibratorService::calibrate(const wire::Calibr
                                listener, std::move(stop));
 }
 
-grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wire::CalibrateOrder* request,
+grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wire::CalibrateRequest* request,
                                           grpc::ServerWriter<wire::CalibrateProgress>* writer) {
   const std::unique_lock working(busy_, std::try_to_lock);
   if (!working) return refused("a calibration runs already; wait for its end, or cancel it");
@@ -180,12 +180,12 @@ grpc::Status CalibratorService::Calibrate(grpc::ServerContext* context, const wi
   return grpc::Status::OK;
 }
 
-grpc::Status CalibratorService::Answer(grpc::ServerContext*, const wire::AnswerOrder* request, wire::AnswerReply*) {
+grpc::Status CalibratorService::Answer(grpc::ServerContext*, const wire::AnswerRequest* request, wire::AnswerReply*) {
   if (prompt_ != nullptr && prompt_->answer(request->text())) return grpc::Status::OK;
   return refused("no question is open any more");
 }
 
-grpc::Status CalibratorService::Restore(grpc::ServerContext*, const wire::RestoreOrder*, wire::RestoreAnswer* reply) {
+grpc::Status CalibratorService::Restore(grpc::ServerContext*, const wire::RestoreRequest*, wire::RestoreReply* reply) {
   const std::unique_lock working(busy_, std::try_to_lock);
   if (!working) return refused("a calibration runs; wait for its end, or cancel it");
   const auto now = calibration::read_calibration(folder_);

@@ -45,13 +45,13 @@ class CalibratorService final : public wire::Calibrator::Service {
   [[nodiscard]] std::string state() const;
 
  private:
-  grpc::Status Calibrate(grpc::ServerContext* context, const wire::CalibrateOrder* request,
+  grpc::Status Calibrate(grpc::ServerContext* context, const wire::CalibrateRequest* request,
                          grpc::ServerWriter<wire::CalibrateProgress>* writer) override;
-  grpc::Status Restore(grpc::ServerContext* context, const wire::RestoreOrder* request,
-                       wire::RestoreAnswer* reply) override;
-  grpc::Status Answer(grpc::ServerContext* context, const wire::AnswerOrder* request,
+  grpc::Status Restore(grpc::ServerContext* context, const wire::RestoreRequest* request,
+                       wire::RestoreReply* reply) override;
+  grpc::Status Answer(grpc::ServerContext* context, const wire::AnswerRequest* request,
                       wire::AnswerReply* reply) override;
-  Result<scan::CalibrationOutcome> calibrate(const wire::CalibrateOrder& order, const scan::ScanListener& listener,
+  Result<scan::CalibrationOutcome> calibrate(const wire::CalibrateRequest& order, const scan::ScanListener& listener,
                                              std::stop_token stop);
   void say(std::string sentence, bool is_healthy);
   void tell();

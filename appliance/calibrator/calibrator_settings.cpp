@@ -9,7 +9,7 @@
 #include "common/base/address.h"
 #include "common/base/text.h"
 #include "drivers/camera/camera_settings.h"
-#include "drivers/turntable/make_turntable.h"
+#include "drivers/devices/make_turntable.h"
 
 namespace cyclorama::calibrator {
 namespace {
@@ -84,7 +84,7 @@ Result<CalibratorSettings> from_config(Config* config, const std::filesystem::pa
   settings.settle_s = kMillisecond * root.number("settle_ms", Ranges::kSettle_ms, settings.settle_s / kMillisecond);
   root.refuse_renamed("turnplate", "turntable");
   settings.turntable = root.text("turntable", settings.turntable);
-  if (const Status turntable = turntable::check_turntable(settings.turntable); !turntable) {
+  if (const Status turntable = devices::check_turntable(settings.turntable); !turntable) {
     root.refuse("turntable", turntable.error().message());
   }
   ConfigTable camera = root.table("camera");

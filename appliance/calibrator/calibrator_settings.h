@@ -24,8 +24,8 @@ struct CalibratorRanges {
   static constexpr Range kLatency_ms{0, 1000};
 };
 
-/// All settings of cyclorama-calibrator's devices. With the defaults it starts, and reports what is missing when it is
-/// to calibrate.
+/// All settings of cyclorama-calibrator's devices. With the defaults the program starts, and reports what is missing
+/// when a calibration is requested.
 struct CalibratorSettings {
   std::string listen = "[::1]:7410";
   std::vector<scan::PatternDisplay> displays{};  ///< Empty: the display of this computer.

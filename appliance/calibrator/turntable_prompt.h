@@ -21,7 +21,7 @@ class TurntablePrompt {
 
   /// Sets the listener of the calibration that begins; null: it has ended.
   void set_listener(Listener listener);
-  /// Returns false if no question is open. "" means that the request was carried out as asked.
+  /// Returns false if no question is open. An empty text means that the turntable was turned as requested.
   bool answer(const std::string& text);
   /// Like TurntableOperator::answer().
   Result<std::string> ask(const std::string& question, std::chrono::milliseconds timeout);

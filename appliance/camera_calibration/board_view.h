@@ -16,7 +16,7 @@ namespace cyclorama::camera_calibration {
 struct BoardView {
   std::vector<Eigen::Vector2d> board_m;
   std::vector<Eigen::Vector2d> camera_px;     ///< First pixel's centre at (0.5, 0.5).
-  std::vector<Eigen::Vector2d> projector_px;  ///< Likewise.
+  std::vector<Eigen::Vector2d> projector_px;  ///< First pixel's centre at (0.5, 0.5).
 };
 
 /// The inner corners of a chessboard, row by row.

@@ -16,7 +16,8 @@ struct ProcamCandidate {
   double training_rms_px = 0.0;  ///< Stereo, over all views; for information, never used to choose.
   double heldout_rms_px =
       0.0;  ///< HeldOut::stereo_rms_px over all left-out views; infinite if a fold was undetermined.
-  double prediction_rms_px = 0.0;   ///< HeldOut::projector_rms_px likewise: nothing of the projector is fitted.
+  /// HeldOut::projector_rms_px over all left-out views; nothing of the projector is fitted.
+  double prediction_rms_px = 0.0;
   double centre_scatter_px = 0.0;   ///< Largest distance between the projector centres of the folds.
   std::vector<HeldOut> folds = {};  ///< One per view left out.
 };

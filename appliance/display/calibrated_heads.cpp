@@ -58,7 +58,7 @@ Status add_colours(std::vector<calibration::CalibratedColour> colours, const Ins
   const auto& black_lift = found->colour.black_lift;
   if (black_lift &&
       (black_lift->width() != installed.lens.width_px || black_lift->height() != installed.lens.height_px))
-    return of_others(installed.name, black_lift->width(), black_lift->height(), installed.lens, "lift");
+    return of_others(installed.name, black_lift->width(), black_lift->height(), installed.lens, "black lift");
   if (found->mask.width() != head->mask.width() || found->mask.height() != head->mask.height()) {
     found->colour.black_lift.reset();  // With two eyes' pictures in one, images of the whole head do not fit.
   } else {

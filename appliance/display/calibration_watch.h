@@ -57,7 +57,7 @@ class CalibrationWatch {
   AtomicSlot<CalibrationUpdate> news_;
   std::mutex mutex_;
   std::condition_variable_any woken_;
-  std::jthread thread_;  // Last: it ends before what it uses.
+  std::jthread thread_;  // Last member, so that the thread ends before what it uses.
 };
 
 }  // namespace cyclorama::display

@@ -32,7 +32,7 @@ class DecodePool {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::deque<Job> jobs_;
-  std::vector<std::jthread> threads_;  // Last: they end before what they use.
+  std::vector<std::jthread> threads_;  // Last member, so that the threads end before what they use.
 };
 
 }  // namespace cyclorama::display

@@ -20,7 +20,8 @@ namespace {
 constexpr auto kReconnectAfter = std::chrono::milliseconds(250);
 constexpr auto kForAFrame = std::chrono::seconds(2);  // Timeout for a frame from the tour after a new calibration.
 constexpr std::size_t kMaxDropsWaiting = 256;
-// Cells of 4 pixels between the vertices of a mesh: a software renderer's time goes with their number.
+// Cells of depth, of 4 pixels each, between two vertices of a mesh; the time of a software renderer is proportional to
+// the number of vertices.
 constexpr int kMeshCells = 1;
 constexpr int kSoftwareMeshCells = 2;
 constexpr char kPassedOver[] = "a newer frame was ready before it could be shown";
@@ -426,7 +427,7 @@ std::string Display::calibration_sentence() const {
 
 std::string Display::step_sentence() const {
   const auto share = reporter_.synchronised_share(clock_.now());
-  return share ? fmt::format(", in step with the other displays in {:.2f} % of refreshes", 100.0 * *share) : "";
+  return share ? fmt::format(", synchronised with the other displays in {:.2f} % of refreshes", 100.0 * *share) : "";
 }
 
 }  // namespace cyclorama::display

@@ -6,7 +6,7 @@
 
 namespace cyclorama::display {
 namespace {
-/// Far below a pixel of anything in sight: rounding must not soften a picture at rest.
+/// A move far below a pixel counts as none, so that rounding does not soften a picture at rest.
 constexpr double kNothing_m = 1e-6;
 }  // namespace
 

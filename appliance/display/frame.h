@@ -40,7 +40,7 @@ struct DisplayFrame {
   std::shared_ptr<const std::vector<PixelRect>> parts;  ///< Valid parts of the picture; null: all of it.
   /// The picture's distances; null: it cannot be shown from another eye than its own.
   std::shared_ptr<const ReprojectionMesh> mesh;
-  std::string depth_trouble;    ///< Reason for the lack of depth that the view asked for; else empty.
+  std::string depth_trouble;    ///< Reason for the lack of depth that the view requested; else empty.
   double turn_limit_rad = 0.0;  ///< Maximum turn either way at which the heads show valid parts only.
   std::size_t bytes = 0;        ///< JPEG bytes of all tiles.
   std::uint32_t tiles = 0;      ///< Number of tiles that came.

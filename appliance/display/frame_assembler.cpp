@@ -50,7 +50,7 @@ class FrameAssembler::PictureStore : public std::enable_shared_from_this<Picture
   std::vector<std::unique_ptr<PlanarPicture>> free_;
 };
 
-/// The newest depth that came, for frames of the same view that come without. Thread-safe.
+/// Keeps the newest depth, for frames of the same view that come without any. Thread-safe.
 class FrameAssembler::DepthStore {
  public:
   void put(std::uint64_t view, std::shared_ptr<const InverseDepthImage> depth) {
@@ -64,7 +64,7 @@ class FrameAssembler::DepthStore {
     const std::lock_guard lock(mutex_);
     return view == view_ ? depth_ : nullptr;
   }
-  /// Views of another session count anew.
+  /// Another session numbers its views anew.
   void clear() {
     const std::lock_guard lock(mutex_);
     view_ = 0;

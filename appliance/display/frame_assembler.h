@@ -5,8 +5,8 @@
 ///     any missing, duplicate, foreign, misplaced or damaged tile, an end that is not complete, a begin or a lost
 ///     stream before the end  ──────────────────────────► frame_dropped, once, with the first reason
 ///
-/// Depth that is missing or damaged costs a frame its mesh only. A frame of the same view as the last one with depth
-/// (the farm refines a picture at rest) is seen from the same eye and shares that depth.
+/// A frame whose depth is missing or damaged is shown without a mesh. A frame of the same view as the last one with
+/// depth (the farm refines a picture at rest) is seen from the same eye and shares that depth.
 #pragma once
 
 #include <atomic>

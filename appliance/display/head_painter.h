@@ -14,7 +14,7 @@ namespace cyclorama::display {
 [[nodiscard]] Texels texels_for(const output::Gl& gl, const std::vector<HeadPlan>& plans);
 
 /// A picture, and how far the visitor has turned to the right since its view was requested. A panorama moves to the
-/// left by as much; in the other projections each position moves as turned() in common/geometry/picture_place.h
+/// left by the same angle; in the other projections each position moves as turned() in common/geometry/picture_place.h
 /// computes.
 struct TurnedPicture {
   const PanoramaTexture* picture = nullptr;

@@ -162,10 +162,10 @@ vec3 filtered(highp usampler2D light, vec2 at, vec2 per) {
 vec3 filtered(highp sampler2D light, vec2 at, vec2 per) { return texture(light, at).rgb; }
 #endif
 
-vec3 light_at(PICTURE light, vec2 at, vec3 whole, vec4 least_and_most, vec2 per) {
+vec3 light_at(PICTURE light, vec2 at, vec3 whole, vec4 min_and_max, vec2 per) {
 #ifdef EDGES
   at.x = (at.x - whole.x * floor(at.x)) * whole.y + whole.z;
-  at = clamp(at, least_and_most.xy, least_and_most.zw);
+  at = clamp(at, min_and_max.xy, min_and_max.zw);
 #endif
   return filtered(light, at, per);
 }

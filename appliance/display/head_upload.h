@@ -23,7 +23,8 @@ struct HeadPlan {
   int depth_bits = 8;         ///< Bits of the output's code values per channel.
   bool is_dithered = true;
   PictureShape picture = Panorama{};       ///< Picture that the warp refers to; only its kind and tilt count.
-  std::optional<StereoPacking> packing{};  ///< Absent: one eye's picture; of a stereo picture, the left eye's.
+  /// Absent: the picture is for one eye; a stereo picture then shows that of the left eye.
+  std::optional<StereoPacking> packing{};
 };
 
 /// A plan in the form that the graphics card takes: all of a painter's preparation that needs no card, for a thread

@@ -44,7 +44,7 @@ struct OutputState {
 /// allocation and locks while an output is open. Borrows the mailbox and the clock. Thread-bound.
 class OutputSupervisor {
  public:
-  /// Opens the output for the first time; a failure is an error here. Errors: the output's, or those of
+  /// Opens the output for the first time; a failure is an error here. Errors: those of the output, or of
   /// Presenter::make().
   static Result<std::unique_ptr<OutputSupervisor>> open(PresentPlan plan, PresentMailbox* mailbox, const Clock* clock);
   OutputSupervisor(const OutputSupervisor&) = delete;

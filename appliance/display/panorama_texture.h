@@ -30,11 +30,13 @@ class PictureProgram {
 
 /// Beginning of a fragment shader that writes light: the version, `extensions`, and light_shader.h.
 [[nodiscard]] std::string light_shader_header(Texels texels, const char* extensions = "");
-/// Tells a program that begins so in which texture units PanoramaTexture::bind_planes() puts the planes.
+/// Sets the texture units from which a program with that header reads the planes; PanoramaTexture::bind_planes() binds
+/// them there.
 void select_planes(const output::Gl& gl, const output::GlProgram& program);
 
 /// Pass 1, once per frame: the newest frame's picture as a texture of light. It has an additional column on each side
-/// of the picture: for a whole turn the opposite side's; else the edge column again, so that clamping there repeats it.
+/// of the picture: for a whole turn, the column at the opposite side; otherwise a copy of the edge column, so that
+/// clamping repeats it.
 ///
 /// The textures grow to the largest picture and never shrink: a picture of a former size allocates nothing.
 /// Thread-bound to the GL context; borrows the Gl table and the program.
@@ -60,7 +62,7 @@ class PanoramaTexture {
   [[nodiscard]] int texture_height() const { return height_; }
   static constexpr int kFirstColumn = 1;
 
-  // For another pass 1 (reprojection_painter.h):
+  // Access for the other pass 1 (reprojection_painter.h):
 
   static constexpr GLint kLumaUnit = 0;
   static constexpr GLint kBlueUnit = 1;
@@ -71,7 +73,7 @@ class PanoramaTexture {
     int height = 0;
   };
   void bind_planes() const;
-  /// Binds the framebuffer of the light with a depth buffer. Errors: kSystem if the driver cannot draw so.
+  /// Binds the framebuffer of the light with a depth buffer. Errors: kSystem if the driver cannot draw into it.
   Status bind_with_depth();
   [[nodiscard]] const Plane& luma() const { return luma_; }
   [[nodiscard]] const Plane& chroma() const { return blue_; }

@@ -8,7 +8,7 @@
 
 namespace cyclorama::display {
 
-/// Draws pictures straight onto heads: each pixel's code value is the pattern's. Thread-bound to the GL context;
+/// Draws pictures straight onto heads: each pixel gets the code value of the pattern. Thread-bound to the GL context;
 /// borrows the Gl table.
 class PatternPainter {
  public:
@@ -18,7 +18,7 @@ class PatternPainter {
   /// Sets the picture that draw() shows on that head from now on. A head's first picture makes the card allocate its
   /// texture; later ones allocate nothing. Precondition: the picture has the head's size.
   void upload(std::size_t head, const RgbaImage& picture);
-  /// Draws into the bound framebuffer, which is that head's. Precondition: a picture was uploaded.
+  /// Draws into the bound framebuffer, which belongs to that head. Precondition: a picture was uploaded.
   void draw(std::size_t head) const;
 
  private:

@@ -68,7 +68,7 @@ grpc::Status PatternService::ShowPatterns(grpc::ServerContext* context, Stream* 
 grpc::Status PatternService::serve(grpc::ServerContext* context, Stream* stream) {
   std::vector<PatternWall::Head> heads(heads_.size());
   put(true, heads);
-  wire::PatternOrder order;
+  wire::PatternRequest order;
   while (read(context, stream, &order)) {
     if (const Status taken = take(order, &heads); !taken) return to_grpc(taken.error());
     const Result<TimePoint> shown = wait_for(put(true, heads), *context);
@@ -81,7 +81,7 @@ grpc::Status PatternService::serve(grpc::ServerContext* context, Stream* stream)
   return grpc::Status::OK;
 }
 
-bool PatternService::read(grpc::ServerContext* context, Stream* stream, wire::PatternOrder* ret) {
+bool PatternService::read(grpc::ServerContext* context, Stream* stream, wire::PatternRequest* ret) {
   {
     const std::lock_guard lock(mutex_);
     waiting_ = context;
@@ -94,7 +94,7 @@ bool PatternService::read(grpc::ServerContext* context, Stream* stream, wire::Pa
 }
 
 /// Takes either all of an order or nothing.
-Status PatternService::take(const wire::PatternOrder& order, std::vector<PatternWall::Head>* heads) const {
+Status PatternService::take(const wire::PatternRequest& order, std::vector<PatternWall::Head>* heads) const {
   std::vector<PatternWall::Head> next = *heads;
   for (PatternWall::Head& head : next) head.is_awaited = false;
   for (const wire::HeadPattern& pattern : order.heads()) {

@@ -18,9 +18,9 @@ namespace cyclorama::display {
 /// threads. Thread-safe, except tend().
 class PatternService final : public wire::PatternScreen::Service {
  public:
-  /// `heads`: the output's, in order. Borrows the mailbox. A call without an order for `idle` is ended: a user who
-  /// turns the turntable by hand may take time, but a calibration that hangs must not keep the wall from visitors. A
-  /// head that has not shown its pattern within `timeout` makes the call fail.
+  /// `heads` are those of the output, in order. Borrows the mailbox. A call without an order for `idle` is ended: a
+  /// user who turns the turntable by hand may take time, but a calibration that hangs must not keep the wall from
+  /// visitors. A head that has not shown its pattern within `timeout` makes the call fail.
   PatternService(std::vector<output::HeadMode> heads, PatternMailbox* mailbox, Duration idle,
                  Duration timeout = std::chrono::seconds(10))
       : heads_(std::move(heads)), mailbox_(*mailbox), idle_(idle), timeout_(timeout) {}
@@ -34,12 +34,12 @@ class PatternService final : public wire::PatternScreen::Service {
   [[nodiscard]] bool is_open() const { return is_open_; }
 
  private:
-  using Stream = grpc::ServerReaderWriter<wire::PatternShown, wire::PatternOrder>;
+  using Stream = grpc::ServerReaderWriter<wire::PatternShown, wire::PatternRequest>;
   grpc::Status ShowPatterns(grpc::ServerContext* context, Stream* stream) override;
   grpc::Status serve(grpc::ServerContext* context, Stream* stream);
-  Status take(const wire::PatternOrder& order, std::vector<PatternWall::Head>* heads) const;
+  Status take(const wire::PatternRequest& order, std::vector<PatternWall::Head>* heads) const;
   std::uint64_t put(bool is_open, std::vector<PatternWall::Head> heads);
-  bool read(grpc::ServerContext* context, Stream* stream, wire::PatternOrder* ret);
+  bool read(grpc::ServerContext* context, Stream* stream, wire::PatternRequest* ret);
   Result<TimePoint> wait_for(std::uint64_t order, const grpc::ServerContext& context);
 
   const std::vector<output::HeadMode> heads_;

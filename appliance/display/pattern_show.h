@@ -25,7 +25,7 @@ class PatternShow {
   bool take();
   [[nodiscard]] bool is_open() const { return wall_ != nullptr && wall_->is_open; }
   [[nodiscard]] bool needs_drawing(std::size_t head) const { return heads_[head].is_pending; }
-  /// Draws into the bound framebuffer, which is that head's.
+  /// Draws into the bound framebuffer, which belongs to that head.
   void draw(std::size_t head);
   /// Records after present() which heads showed their pattern.
   void presented(const output::Presented& presented, const std::vector<output::HeadShown>& shown);

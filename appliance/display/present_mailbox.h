@@ -36,7 +36,7 @@ struct RefreshEvent {
   TimePoint begun_at{};
   TimePoint decoded_at{};
   TimePoint drawing_at{};
-  TimePoint drawn_at{};                 ///< The commands were issued; the card may still execute them.
+  TimePoint drawn_at{};                 ///< All commands were issued by then; the card may still be executing them.
   std::int64_t heading_shutter_ns = 0;  ///< Shutter time of a heading that this refresh shows first; else 0.
   bool is_past_guard = false;
   double attract_share = 0.0;  ///< 1: only the attract picture is visible.
@@ -45,7 +45,8 @@ struct RefreshEvent {
   /// Eye from which the picture was shown, in the Scene frame; zero before the first frame.
   Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();
   double moved_m = 0.0;   ///< Distance by which its eye was moved.
-  double missed_m = 0.0;  ///< Distance between that eye and the visitor's: too far to move, or no depth.
+  /// Distance that remains between that eye and the visitor's: the move was too far, or the frame has no depth.
+  double missed_m = 0.0;
   // Set while several displays show the tour (synchronised_refresh.h):
   std::optional<std::int64_t> synchronised_refresh;
   ShowAt frame_due;  ///< Due time of the frame that this refresh shows first, or of an earlier one that it passes over.
@@ -138,7 +139,7 @@ struct PresentMailbox {
   /// Out: end of the newest step: a head was drawn, a shader compiled, a refresh waited for. A slow processor takes its
   /// steps slowly; a driver that hangs takes none.
   std::atomic<TimePoint> stepped_at{};
-  std::atomic<Duration> max_step{Duration::zero()};  ///< Out: longest of the steps that ended.
+  std::atomic<Duration> max_step{Duration::zero()};  ///< Out: duration of the longest step that has ended.
 };
 
 }  // namespace cyclorama::display

@@ -28,7 +28,8 @@ class PresentThread {
   [[nodiscard]] std::unique_ptr<OutputState> take_state() { return state_.take(); }
   /// Maximum side of a picture on the graphics card. Thread-safe.
   [[nodiscard]] int max_side_px() const { return max_side_px_; }
-  /// Returns false if a step lasts longer than 20 s and than four times the longest that ended: the driver hangs.
+  /// Returns false if a step lasts longer than 20 s and longer than four times the longest completed step: the driver
+  /// hangs.
   [[nodiscard]] bool is_alive() const;
   /// Readable after every refresh in the mailbox, and occasionally without one; for poll(). Reset it with drain().
   [[nodiscard]] int event_fd() const { return event_fd_.get(); }
@@ -45,7 +46,7 @@ class PresentThread {
   AtomicSlot<OutputState> state_;
   std::atomic<int> max_side_px_{0};
   std::promise<Status> started_;  // Set when the members above are.
-  std::jthread thread_;           // Last: it ends before what it uses.
+  std::jthread thread_;           // Last member, so that the thread ends before what it uses.
 };
 
 }  // namespace cyclorama::display

@@ -212,7 +212,8 @@ void Presenter::turn_to_due_heading(RefreshEvent* ret_event) {
   ret_event->turn_rad = shift.angle_rad;
 }
 
-/// The frame's light is drawn anew for each place of the visitor; at the frame's own eye, exactly as it came.
+/// Draws the frame's light again for each position of the visitor; at the frame's own eye, shows it exactly as
+/// received.
 Status Presenter::move_to_due_eye(RefreshEvent* ret_event) {
   if (frame_ == nullptr) return Done{};
   ret_event->eye_m = frame_->eye_m;

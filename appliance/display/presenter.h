@@ -55,7 +55,7 @@ class Presenter {
   }
 
   /// Waits for a refresh and shows the newest due frame for the newest due heading (synchronised_refresh.h). Errors:
-  /// the output's, which is lost then.
+  /// those of the output, which is then lost.
   Status refresh();
 
  private:

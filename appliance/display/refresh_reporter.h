@@ -17,7 +17,7 @@ namespace cyclorama::display {
 /// stages. Thread-bound.
 class RefreshReporter {
  public:
-  /// `heads`: the output's, in order.
+  /// `heads` are those of the output, in order.
   RefreshReporter(InspectionService* inspection, const std::vector<std::string>& heads);
 
   /// Returns a report if the refresh was the first of a frame.
@@ -26,7 +26,7 @@ class RefreshReporter {
   /// Records that no head shows anything until more refreshes come.
   void output_lost();
   void frame_dropped(const std::string& reason);
-  /// Records a frame whose depth was missing or damaged, and which is shown without.
+  /// Records a frame that is shown without depth, because that was missing or damaged.
   void frame_without_depth(const std::string& trouble);
   /// Updates the rates about once a second; call it often.
   void tick(TimePoint now);

@@ -11,17 +11,19 @@
 namespace cyclorama::display {
 namespace {
 
-/// The grid reaches so far beyond the picture's edge.
+/// Distance by which the grid extends beyond the picture's edge.
 constexpr float kBeyond_px = 96.0f;
 /// Inverse depth jumps across a quad if its corners differ by more than this share of the largest.
 constexpr float kJump = 0.08f;
 constexpr float kMaxStretch = 2.0f;
-/// Vertices for each quad across which the depth jumps, at least, in nearly all pictures.
+/// Memory is reserved for the torn quads of a picture in which depth jumps across one quad in this many vertices; few
+/// pictures have more jumps.
 constexpr std::size_t kPerJump = 8;
-/// A vertex is no nearer than this many moves of the eye, so that no surface passes through it.
+/// Minimum distance of a vertex in lengths of the eye's move, so that the eye passes through no surface.
 constexpr float kMinMoves = 1.25f;
 
-/// Vertices along one side: beyond the edge, on it, in the squares' centres, on the other edge, beyond that.
+/// Positions of the vertices along one side: beyond the edge, on it, in the squares' centres, on the other edge, beyond
+/// that.
 std::vector<float> places_along(int size_px, int cell_px, bool wraps) {
   const auto size = static_cast<float>(size_px);
   std::vector<float> places;
@@ -48,8 +50,8 @@ float twice_atan(float n) {
   return 2.0f * n * series;
 }
 
-/// The three functions return the place of the ray (x, y, z) + (mx, my, mz), less that of (x, y, z). Plain arithmetic,
-/// so that the compiler makes vector code of the panorama's and the flat picture's.
+/// The three functions return the position of the ray (x, y, z) + (mx, my, mz) less that of (x, y, z). They use plain
+/// arithmetic, so that the compiler vectorises those of the panorama and of the flat picture.
 struct MovePanorama {
   static Place place(float x, float y, float z, float mx, float my, float mz) {
     const float flat = std::sqrt(x * x + z * z);
@@ -80,7 +82,7 @@ struct MoveFisheye {
     const float before = stretch(x, y, z);
     const float nx = x + mx, ny = y + my, nz = z + mz;
     const float length = std::sqrt(nx * nx + ny * ny + nz * nz);
-    // Of a unit vector near the axis the stretch is 1; of a longer one it is 1 / length.
+    // Near the axis, the stretch of a unit vector is 1, and that of a longer vector is 1 / length.
     const float sideways = std::sqrt(nx * nx + ny * ny);
     const float after = sideways < 1e-6f * length ? 1.0f / length : std::atan2(sideways, -nz) / sideways;
     return {nx * after - x * before, ny * after - y * before};
@@ -121,7 +123,7 @@ ReprojectionGrid::ReprojectionGrid(const Projection& of, int cell) : picture(of)
     const double top = eye * height;
     for (const float v : down) {
       for (const float u : across) {
-        // Beyond the edge the ray is the edge's.
+        // A vertex beyond the edge has the ray of the edge.
         const PanoramaPixel inside{std::clamp<double>(u, 0.0, width), top + std::clamp<double>(v, 0.0, height - 1e-6)};
         const auto ray = picture.ray_at(inside);
         const Eigen::Vector3d direction =
@@ -163,7 +165,7 @@ ReprojectionMesh::ReprojectionMesh(std::shared_ptr<const ReprojectionGrid> grid,
   find_jumps();
 }
 
-/// The first and the last column are the same place, so they take the nearer depth of both.
+/// The first and the last column are at the same position, so they take the nearer depth of both.
 void ReprojectionMesh::close_seam() {
   const auto columns = static_cast<std::size_t>(grid_->columns);
   for (std::size_t first = 0; first < inverse_m_.size(); first += columns) {
@@ -202,12 +204,12 @@ void ReprojectionMesh::move(const Eigen::Vector3d& eye_m, ReprojectedPicture* re
 
 void ReprojectionMesh::move_vertices(const Eigen::Vector3f& eye, ReprojectedPicture* ret_moved) const {
   std::vector<ReprojectedVertex>& vertices = ret_moved->vertices;
-  // Room for as many torn quads as any frame has, so that later ones allocate nothing.
+  // Reserves room for as many torn quads as any frame has, so that later moves allocate nothing.
   const std::size_t room = std::max(jumps(), inverse_m_.size() / kPerJump);
   vertices.reserve(inverse_m_.size() + 8 * room);
   for (std::vector<std::uint32_t>& indices : ret_moved->jumping) indices.reserve(12 * room);
   vertices.resize(inverse_m_.size());
-  // A pixel inside the picture, for the filters.
+  // Keeps the position a pixel inside the picture, for the filters.
   const auto inside = [](float px, float first, float last) {
     return std::clamp(px, std::min(first + 1.0f, last), std::max(last - 1.0f, first));
   };
@@ -254,18 +256,19 @@ void ReprojectionMesh::add_jumping(std::size_t eye, ReprojectedPicture* moved) c
   }
 }
 
-/// Two quads take the place of a torn one. The near one ends where the near cells do, halfway, and moves with them; the
-/// far one stretches from the far corners to the near ones, with the far cells' colours alone.
+/// Two quads replace a torn one. The near one ends where the near cells do, halfway, and moves with them; the far one
+/// stretches from the far corners to the near ones, with the far cells' colours alone.
 void ReprojectionMesh::tear(const std::array<std::uint32_t, 4>& grid, std::vector<ReprojectedVertex>* vertices,
                             std::vector<std::uint32_t>* indices) const {
   const auto [far, near] = std::minmax_element(
       grid.begin(), grid.end(), [&](std::uint32_t a, std::uint32_t b) { return inverse_m_[a] < inverse_m_[b]; });
   const float middle = 0.5f * (inverse_m_[*far] + inverse_m_[*near]);
   const auto is_near = [&](std::uint32_t corner) { return inverse_m_[corner] > middle; };
-  std::array<ReprojectedVertex, 8> corners;  // The far quad's, then the near one's.
+  std::array<ReprojectedVertex, 8> corners;  // The corners of the far quad, then those of the near one.
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const ReprojectedVertex& own = (*vertices)[grid[i]];
-    // The neighbour of the other kind: across, else down, else the extreme.
+    // The neighbour on the other side of the jump: horizontally or vertically adjacent, or else the farthest or nearest
+    // corner.
     std::uint32_t across_the_edge = is_near(grid[i]) ? *far : *near;
     for (const std::size_t other : {i ^ 2U, i ^ 1U}) {
       if (is_near(grid[other]) != is_near(grid[i])) across_the_edge = grid[other];

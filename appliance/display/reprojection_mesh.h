@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A picture, seen from an eye beside its own: a grid over the picture, whose vertices lie at the distances that the
-/// frame's inverse depth tells, and move when the eye does.
+/// A picture as seen from an eye beside its own: a grid over the picture, whose vertices lie at the distances given by
+/// the frame's inverse depth, and are projected again for the moved eye.
 ///
 ///     source picture              target picture, the eye 0.1 m to the right
 ///     ┌──┬──┬──┬──┐               ┌──┬───┬─┬──┐
 ///     │  │  │▓▓│  │      ──►      │  │▒▒▒│▓│  │      ▓ near: moves far      ▒ torn quad: hidden before
 ///     └──┴──┴──┴──┘               └──┴───┴─┴──┘
 ///
-/// A quad is torn if inverse depth jumps across it *and* it would be stretched beyond twice its size; either alone is
-/// a surface seen at a slant. What opens takes the colours of the far side, since the near surface hid more of what
-/// lies behind it. Source: Mark, McMillan and Bishop, "Post-Rendering 3D Warping", I3D 1997.
+/// A quad is torn if inverse depth jumps across it *and* it would be stretched beyond twice its size; either alone may
+/// be a surface seen at a slant. The gap takes the colours of its far side, because it shows more of what the near
+/// surface hid. Source: Mark, McMillan and Bishop, "Post-Rendering 3D Warping", I3D 1997.
 ///
 /// Values; reentrant; no GL.
 #pragma once
@@ -41,12 +41,12 @@ struct ReprojectionGrid {
   int rows = 0;     ///< Rows of vertices in one eye's picture.
   // For each vertex, eye by eye, row by row:
   std::vector<float> right, up, back;     ///< Unit ray in the picture's axes (R_eye_picture()).
-  std::vector<float> across_px, down_px;  ///< Place in the whole picture.
+  std::vector<float> across_px, down_px;  ///< Position in the whole picture.
 };
 
 /// Corner of a triangle.
 struct ReprojectedVertex {
-  float across_px = 0.0f;  ///< Place in the target.
+  float across_px = 0.0f;  ///< Position in the target.
   float down_px = 0.0f;
   float inverse_m = 0.0f;  ///< Inverse distance from the source's eye; the largest is visible.
   float source_across_px = 0.0f;
@@ -56,7 +56,8 @@ struct ReprojectedVertex {
 /// The result of ReprojectionMesh::move(); keep it, so that its memory is reused.
 struct ReprojectedPicture {
   std::vector<ReprojectedVertex>
-      vertices;  ///< The grid's, then eight for each torn quad: its far side's, its near side's.
+      /// The grid's vertices, then eight for each torn quad: four for its far side and four for its near side.
+      vertices;
   /// For each eye, triangles of quads across which the depth jumps.
   std::array<std::vector<std::uint32_t>, 2> jumping;
   std::size_t torn = 0;  ///< Torn quads.

@@ -34,8 +34,8 @@ void main() {
   at = source.xyxy * per_px;
 }
 )";
-// Filters luma, too, since a moved pixel lies between the source's. The mesh stays a pixel inside its picture, so that
-// no filter reaches beyond.
+// Filters luma, too, since a moved pixel lies between pixels of the source. The mesh stays a pixel inside its picture,
+// so that no filter reaches beyond.
 constexpr const char* kFragmentShader = R"(
 EVEN in vec4 at;
 void main() {

@@ -16,7 +16,8 @@ ShowStream::ShowStream(const std::shared_ptr<grpc::Channel>& channel, const wire
   wire::DisplayReport first;
   *first.mutable_hello() = hello;
   stub_->async()->Show(&context_, this);
-  AddHold();  // Lasts until OnReadDone reports the end of the stream, since writes start on threads other than gRPC's.
+  // Lasts until OnReadDone reports the end of the stream, since writes also start on threads other than those of gRPC.
+  AddHold();
   StartRead(&message_);
   StartCall();
   report(std::move(first));

@@ -44,7 +44,8 @@ void ShownHistory::refreshed(const RefreshEvent& event, bool is_show) {
   ShownSince now;
   now.at = event.presented.at;
   now.plans = plans_;
-  // A moved picture is drawn by the graphics card alone (HeadSampler), so nothing is told of it.
+  // A picture for a moved eye is drawn by the graphics card alone and cannot be computed again by HeadSampler, so it is
+  // not reported.
   if (is_show && coming_.empty() && event.moved_m == 0.0) {
     if (event.attract_share >= 1.0) now.frame = attract_;
     if (event.attract_share <= 0.0) now.frame = shown_;

@@ -127,8 +127,8 @@ class CellMap {
   std::vector<bool> wanted_;
 };
 
-// Rows of pixels by which a picture extends beyond the wall's, above or below: what is shown comes from so far away when
-// the picture is moved to another eye.
+// Rows of pixels by which a picture extends beyond the wall's, above or below: pixels move by at most that much when
+// the picture is shown from another eye.
 double rows_beyond(const Panorama& picture, const Panorama& wall) {
   const double rows_per_tan = picture.height_px / (picture.tan_elevation_top - picture.tan_elevation_bottom);
   return rows_per_tan * std::max(picture.tan_elevation_top - wall.tan_elevation_top,

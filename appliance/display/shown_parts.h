@@ -49,8 +49,8 @@ struct ShownParts {
 /// The turn is limited to where a wall that shows the part `wall` would reach the picture's edge (turn_reach() in
 /// common/geometry/guard_band.h). For a picture without edges the limit is half a radian, for which a visitor takes
 /// longer than a farm needs for a frame; there is no limit if hardly more becomes visible. A picture with rows beyond
-/// the wall's is for a visitor who walks: so many rows around what the heads show are parts as well, since the picture
-/// may be moved by as much.
+/// the wall's is for a visitor who walks: that many rows around what the heads show belong to the parts as well, since
+/// the picture may be moved by as much.
 [[nodiscard]] ShownParts shown_parts(const std::vector<HeadFootprint>& heads, const PictureShape& picture,
                                      const PictureShape& wall);
 

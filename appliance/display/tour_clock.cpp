@@ -34,12 +34,12 @@ void TourClock::reset() {
   heading_need_.reset();
 }
 
-std::optional<wire::ClockQuestion> TourClock::question(TimePoint now) {
+std::optional<wire::ClockRequest> TourClock::question(TimePoint now) {
   const std::lock_guard lock(mutex_);
   const Duration pause = asked_at_ ? kGiveUpAfter : offset_.count() < kFirstQuestions ? kFirstPause : Duration(kPause);
   if (now - last_asked_at_ < pause) return std::nullopt;
   asked_at_ = last_asked_at_ = now;
-  wire::ClockQuestion question;
+  wire::ClockRequest question;
   question.set_asked_ns(to_nanoseconds(now));
   const Duration ahead = drawn_ahead_.value_or(Duration::zero());
   if (frame_need_) question.set_frame_need_s(to_seconds(*frame_need_ + ahead));
@@ -54,7 +54,7 @@ std::optional<wire::ClockQuestion> TourClock::question(TimePoint now) {
   return question;
 }
 
-bool TourClock::take(const wire::ClockAnswer& answer, TimePoint now) {
+bool TourClock::take(const wire::ClockReply& answer, TimePoint now) {
   const SystemTime system_now = system_clock_();
   const std::lock_guard lock(mutex_);
   if (!asked_at_ || to_nanoseconds(*asked_at_) != answer.asked_ns()) return false;

@@ -33,9 +33,9 @@ class TourClock {
   /// Discards all knowledge for a new stream, perhaps of another tour.
   void reset();
   /// Returns the question to send now, if one is due, with the times that were needed since the last.
-  std::optional<wire::ClockQuestion> question(TimePoint now);
+  std::optional<wire::ClockRequest> question(TimePoint now);
   /// Returns false if `answer` does not belong to the last question.
-  bool take(const wire::ClockAnswer& answer, TimePoint now);
+  bool take(const wire::ClockReply& answer, TimePoint now);
 
   /// Records that a frame was ready to be shown.
   void frame_ready(const ShowAt& at, TimePoint now);

@@ -104,7 +104,7 @@ class HealingLoop {
   std::atomic<int> holders_{0};
   std::mutex mutex_;
   std::condition_variable_any woken_;
-  std::jthread thread_;  ///< Last: it ends before what it uses.
+  std::jthread thread_;  ///< Last member, so that the thread ends before what it uses.
 };
 
 }  // namespace cyclorama::healing

@@ -8,7 +8,7 @@ namespace {
 grpc::Status refused(const std::string& why) { return {grpc::StatusCode::FAILED_PRECONDITION, why}; }
 }  // namespace
 
-grpc::Status HealingService::PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasOrder*,
+grpc::Status HealingService::PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasRequest*,
                                           wire::PlacedCameras* reply) {
   if (loop_ == nullptr) return {grpc::StatusCode::NOT_FOUND, kNoCameraWatches};
   const std::unique_lock working(busy_, std::try_to_lock);
@@ -35,8 +35,8 @@ grpc::Status HealingService::PlaceCameras(grpc::ServerContext* context, const wi
   return grpc::Status::OK;
 }
 
-grpc::Status HealingService::Realign(grpc::ServerContext*, const wire::RealignOrder* order,
-                                     wire::RealignAnswer* answer) {
+grpc::Status HealingService::Realign(grpc::ServerContext*, const wire::RealignRequest* order,
+                                     wire::RealignReply* answer) {
   if (loop_ == nullptr)
     return refused("nothing watches the wall; name a fixed camera in calibrator.toml, or with --watch");
   if (order->undo()) {

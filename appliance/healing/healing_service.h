@@ -16,10 +16,10 @@ class HealingService final : public wire::Healing::Service {
   void stop() { stop_.request_stop(); }
 
  private:
-  grpc::Status PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasOrder* request,
+  grpc::Status PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasRequest* request,
                             wire::PlacedCameras* reply) override;
-  grpc::Status Realign(grpc::ServerContext* context, const wire::RealignOrder* request,
-                       wire::RealignAnswer* reply) override;
+  grpc::Status Realign(grpc::ServerContext* context, const wire::RealignRequest* request,
+                       wire::RealignReply* reply) override;
 
   HealingLoop* loop_;
   std::mutex busy_;

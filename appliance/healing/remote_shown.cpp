@@ -41,7 +41,7 @@ class RemoteShown::Display {
   }
 
   Status between(TimePoint opened, TimePoint closed, Duration latency, Shown* ret_shown) {
-    // The first, empty requests learn the clock offset, without which the display's times cannot be told.
+    // The first, empty requests learn the clock offset, without which the display's times cannot be converted.
     for (int asks = 0; asks < kMaxFirstRequests && !is_sure(); ++asks) TRY(ask(TimePoint{}, TimePoint{}));
     const TimePoint from = opened - latency - kShownBefore;
     const TimePoint until = closed - latency + kShownAfter;

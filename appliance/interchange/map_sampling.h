@@ -16,7 +16,7 @@ namespace cyclorama::interchange {
 /// outermost ones; the nearest sample if one of the four is not mapped; empty if that one is not either.
 [[nodiscard]] std::optional<Eigen::Vector3d> sample_map(const WarpMap& map, double x, double y);
 
-/// Samples a mask's light likewise; the outermost pixels extend to the edge.
+/// Samples a mask's light in the same way; the outermost pixels extend to the edge.
 [[nodiscard]] double sample_light(const MaskMap& mask, double x, double y);
 
 }  // namespace cyclorama::interchange

@@ -19,7 +19,7 @@ Result<WarpNet> parse_bourke(std::string_view text, double aspect);
 Result<std::string> print_bourke(const WarpNet& net, double aspect);
 
 /// Wavefront OBJ, flat: "v x y 0" with x and y -1 to 1 over the projector's picture, "vt u v", and faces of both; faces
-/// without texture indices use the vertex's. Normals, groups and materials are skipped. SGCT reads this form.
+/// without texture indices use those of the vertices. Normals, groups and materials are skipped. SGCT reads this form.
 Result<WarpNet> parse_warp_obj(std::string_view text);
 /// Prints seven decimals. The light of nodes is lost, except that areas that are not drawn have no face. Errors:
 /// kBadData as check().

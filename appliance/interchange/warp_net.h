@@ -30,11 +30,11 @@ struct WarpNet {
   int columns = 0;
   int rows = 0;
   bool closed = false;          ///< The last column is connected to the first (a polar grid).
-  std::vector<WarpNode> nodes;  ///< A grid's, row by row.
+  std::vector<WarpNode> nodes;  ///< The nodes of a grid are stored row by row.
   std::vector<WarpTriangle> triangles;
 
-  /// Returns the triangles to draw: the net's, or two per cell of the grid; without those that have a node of negative
-  /// light.
+  /// Returns the triangles to draw: those of the net, or two per cell of the grid. Triangles with a node of negative
+  /// light are left out.
   [[nodiscard]] std::vector<WarpTriangle> drawn() const;
   friend bool operator==(const WarpNet&, const WarpNet&) = default;
 };

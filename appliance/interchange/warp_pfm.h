@@ -16,7 +16,7 @@ namespace cyclorama::interchange {
 /// of the fault, also for a grey file. Reentrant.
 Result<WarpMap> decode_warp_pfm(std::span<const std::byte> pfm, const WarpLimits& limits = {});
 
-/// Reads one region; its id is the PFM's name without extension, its size the map's. `mask` becomes its alpha, as
+/// Reads one region; its id is the PFM's name without extension, its size that of the map. `mask` becomes its alpha, as
 /// linear light (gamma 1). Errors: those of check() and the decoders, naming the file.
 Result<WarpRegion> read_warp_pair(const std::filesystem::path& pfm, const std::optional<std::filesystem::path>& mask,
                                   WarpProfile profile, const WarpLimits& limits = {});

@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kClipped = 0.98f;
 constexpr double kMaxClipped = 0.01;  // Fraction of a cell's pixels, so that a hot pixel does not spoil it.
-constexpr int kRim = 2;               // Camera pixels whose light the lens mixes with their neighbours'.
+constexpr int kRim = 2;               // Camera pixels whose light the lens mixes with that of their neighbours.
 constexpr float kBorder_px = 4.0f;    // Projector pixels at the rim whose light is reduced by blur.
 
 int count_of(int pixels, int cell_px) { return std::max(1, (pixels + cell_px / 2) / cell_px); }

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr const char* kFile = "light.json";
 constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
 constexpr int kMaxPx = 16384;
@@ -53,12 +53,12 @@ ProjectorLighting lighting_of(StrictJson* json) {
     json->at("log_white")
         .refuse(fmt::format("has {} numbers and needs {}; calibrate again", white.coefficients.size(), count));
   }
-  white.min = json->number("least", -kMaxLog, kMaxLog);
-  white.max = json->number("most", -kMaxLog, kMaxLog);
-  if (!(white.min <= white.max)) json->at("most").refuse("is below 'least'; calibrate again");
+  white.min = json->number("min", -kMaxLog, kMaxLog);
+  white.max = json->number("max", -kMaxLog, kMaxLog);
+  if (!(white.min <= white.max)) json->at("max").refuse("is below 'min'; calibrate again");
   lighting.primaries = matrix_of<Eigen::Matrix3d>(json->at("primaries"));
   Eigen::Index c = 0;
-  for (const StrictJson& value : json->list("leak", 3, 3)) lighting.black_level(c++) = value.as_number(0.0, 1.0);
+  for (const StrictJson& value : json->list("black_level", 3, 3)) lighting.black_level(c++) = value.as_number(0.0, 1.0);
   return lighting;
 }
 
@@ -74,10 +74,10 @@ std::string light_json(const SavedLight& light) {
                           {"cells_x", one.log_white.cells_x},
                           {"cells_y", one.log_white.cells_y},
                           {"log_white", one.log_white.coefficients},
-                          {"least", one.log_white.min},
-                          {"most", one.log_white.max},
+                          {"min", one.log_white.min},
+                          {"max", one.log_white.max},
                           {"primaries", rows_of(one.primaries)},
-                          {"leak", {one.black_level.x(), one.black_level.y(), one.black_level.z()}}});
+                          {"black_level", {one.black_level.x(), one.black_level.y(), one.black_level.z()}}});
   }
   const Json json{{"format", "cyclorama-light"},
                   {"version", kVersion},
@@ -92,7 +92,7 @@ Result<SavedLight> parse_light(std::string_view text, const std::string& name) {
   StrictJson json(document, &mistakes);
   if (json.text("format", 60) != "cyclorama-light")
     json.at("format").refuse("is not 'cyclorama-light'; give another file");
-  json.integer("version", kVersion, kVersion);
+  json.require_version(kVersion);
   SavedLight light;
   light.lighting.ambient = matrix_of<Eigen::Matrix<double, 3, 4>>(json.at("ambient"));
   std::set<std::string> names;

@@ -4,11 +4,11 @@
 ///
 ///     FOLDER/calibrations/DATE/light.json      beside colours.json
 ///
-///     {"format": "cyclorama-light", "version": 1,
+///     {"format": "cyclorama-light", "version": 2,
 ///      "ambient": [[r by x, y, z, 1], [g ...], [b ...]],
 ///      "projectors": [{"name": "left", "width_px": 1920, "height_px": 1080, "cells_x": 8, "cells_y": 5,
-///                      "log_white": [...], "least": -1.2, "most": 0.3,       a bicubic spline's coefficients
-///                      "primaries": [[...], [...], [...]], "leak": [r, g, b]}]}
+///                      "log_white": [...], "min": -1.2, "max": 0.3,         a bicubic spline's coefficients
+///                      "primaries": [[...], [...], [...]], "black_level": [r, g, b]}]}
 #pragma once
 
 #include <filesystem>
@@ -28,7 +28,7 @@ struct SavedLight {
 };
 
 [[nodiscard]] std::string light_json(const SavedLight& light);
-/// Inverse of light_json(). Errors: kBadData, as in "light.json: /projectors/0/leak: ...; remedy", like
+/// Inverse of light_json(). Errors: kBadData, as in "light.json: /projectors/0/black_level: ...; remedy", like
 /// parse_calibration().
 Result<SavedLight> parse_light(std::string_view text, const std::string& name);
 

@@ -21,7 +21,8 @@ constexpr double kBeside_rad = 2.0 * kDegree;
 constexpr double kNoShare = 1e-3;  // A projector with a smaller share of a point does not limit it.
 constexpr int kStep_px = 2;        // Masks are smooth, so every other pixel suffices.
 constexpr float kSteep = 0.03f;    // Maximum change of a weight over a step that is interpolated.
-constexpr float kBent = 0.004f;    // Likewise of its bend; interpolation errs by an eighth of that.
+// Maximum bend of a weight over such a step; interpolation errs by an eighth of the bend.
+constexpr float kBent = 0.004f;
 constexpr double kMinBlackLift = 1e-7;
 
 /// Values of one head pixel.

@@ -22,8 +22,8 @@
 ///     kBlue}); for each photograph: view.readings.push_back(*read_light(cells, photograph, picture, exposure))
 ///   photometry({camera's size, views, projectors with their maps})
 ///
-/// Neighbouring stops should share half of their view of the wall: only this separates the camera's vignetting from the
-/// projectors'.
+/// Neighbouring stops should share half of their view of the wall: only this separates the camera's vignetting from
+/// that of the projectors.
 #pragma once
 
 #include <Eigen/Core>
@@ -65,9 +65,9 @@ struct PhotometricHead {
   std::array<ChannelResponse, 3> response;
   Eigen::Matrix3d primaries = Eigen::Matrix3d::Identity();  ///< Columns: its red, green, blue as the camera sees them;
                                                             ///< the luminance of white is 1.
-  /// Black level (light at code 0), likewise, as a fraction of white.
+  /// Black level (light at code 0), as the camera sees it, as a fraction of white.
   Eigen::Vector3d black = Eigen::Vector3d::Zero();
-  /// Brightness of its middle relative to the brightest projector's.
+  /// Brightness of its middle relative to that of the brightest projector.
   double brightness = 0.0;
 };
 

@@ -144,7 +144,7 @@ std::vector<std::size_t> chosen_cells(const ProjectorView& view, std::size_t max
 }
 
 RampBlock block_of(const ProjectorView& view, std::size_t cell, std::size_t channel, const RampProblem& problem,
-                   double shortest_s, double code_step) {
+                   double min_exposure_s, double code_step) {
   RampBlock block;
   block.projector = view.projector;
   for (const LightReading& reading : view.readings) {
@@ -152,7 +152,7 @@ RampBlock block_of(const ProjectorView& view, std::size_t cell, std::size_t chan
     if (code.is_clipped.at(channel)) continue;
     RampReading r;
     r.code = static_cast<double>(code.code.at(channel));
-    r.exposure = reading.exposure_s / shortest_s;
+    r.exposure = reading.exposure_s / min_exposure_s;
     r.sigma = code_sigma(code, channel, view.cells.cells[cell].pixels, code_step);
     if (reading.level > 0.0) {
       r.light = index_of(reading.light);
@@ -202,11 +202,11 @@ Result<RampProblem> ramp_problem(const PhotometryInput& input) {
     views.push_back(&view);
     ++views_of[view.projector];
   }
-  double shortest_s = 0.0;
+  double min_exposure_s = 0.0;
   for (const ProjectorView* view : views) {
     TRY(check_lights(*view, input.projectors[view->projector].name));
     for (const LightReading& reading : view->readings) {
-      if (shortest_s == 0.0 || reading.exposure_s < shortest_s) shortest_s = reading.exposure_s;
+      if (min_exposure_s == 0.0 || reading.exposure_s < min_exposure_s) min_exposure_s = reading.exposure_s;
       if (!(reading.level > 0.0 && reading.level < 1.0)) continue;
       auto& levels = problem.levels[view->projector].at(static_cast<std::size_t>(index_of(reading.light)));
       const auto at = std::ranges::lower_bound(levels, reading.level);
@@ -234,7 +234,7 @@ Result<RampProblem> ramp_problem(const PhotometryInput& input) {
   for (const ProjectorView* view : views) {
     for (const std::size_t cell : chosen_cells(*view, kCellsPerProjector / views_of[view->projector] + 1)) {
       for (std::size_t k = 0; k < channels; ++k) {
-        RampBlock block = block_of(*view, cell, k, problem, shortest_s, input.code_step);
+        RampBlock block = block_of(*view, cell, k, problem, min_exposure_s, input.code_step);
         if (block.readings.size() >= 8) problem.blocks.push_back(std::move(block));
       }
     }

@@ -15,7 +15,7 @@
 namespace cyclorama::photometry {
 
 /// Adapts a projector's light to another map, with which it falls on a larger or smaller part of the wall.
-/// `inverse_depth` is the wall's, in 1/m by direction; where it or a map has no value the light is unchanged.
+/// `inverse_depth` is that of the wall, in 1/m by direction; where it or a map has no value the light is unchanged.
 void move_light(const calibration::MeasuredMap& before, const calibration::MeasuredMap& after,
                 const std::function<double(const Eigen::Vector3d&)>& inverse_depth, ProjectorLighting* light);
 

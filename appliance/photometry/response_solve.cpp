@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kIntervals = 24;
 constexpr int kCamera = kIntervals + 3;
-// Expected change of slope per interval of the camera's curve, and expected change of that change: two exposures alone
-// leave oscillations undetermined that repeat with their ratio.
+// Expected change of slope per interval of the camera's curve, and expected change of that change: with two exposures
+// alone, an oscillation that repeats with their ratio is undetermined.
 constexpr double kBend = 0.02;
 constexpr double kTwist = 7e-5;
 constexpr double kGauge = 1e-6;    // Tolerance of the constraint on the unit of light.

@@ -43,7 +43,7 @@ class RemotePatternScreen::Stream {
   Stream& operator=(const Stream&) = delete;
 
   Status order(const std::string& projector, std::string png) {
-    wire::PatternOrder order;
+    wire::PatternRequest order;
     order.set_number(++number_);
     wire::HeadPattern* head = order.add_heads();
     head->set_projector(projector);
@@ -114,7 +114,7 @@ class RemotePatternScreen::Stream {
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<wire::PatternScreen::Stub> stub_;
   grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReaderWriter<wire::PatternOrder, wire::PatternShown>> stream_;
+  std::unique_ptr<grpc::ClientReaderWriter<wire::PatternRequest, wire::PatternShown>> stream_;
   std::uint32_t number_ = 0;
   bool is_over_ = false;
   std::optional<grpc::Status> status_;

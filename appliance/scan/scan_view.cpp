@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr int kMaxPx = 16384;
 constexpr std::size_t kMaxProjectors = 256;
 constexpr std::size_t kMaxDirections = 4096;
@@ -91,7 +91,8 @@ ScanManifest::Entry entry_of(StrictJson json, const ScanIdentity& identity) {
   entry.view.exposure_s = json.number("exposure_s", 0.0, 60.0);
   entry.view.disturbed = json.number("disturbed", 0.0, 1.0);
   entry.view.pictures = json.integer("pictures", 0, 1'000'000);
-  entry.correspondences = static_cast<std::size_t>(json.integer("places", 0, static_cast<int>(kMaxCorrespondences)));
+  entry.correspondences =
+      static_cast<std::size_t>(json.integer("correspondences", 0, static_cast<int>(kMaxCorrespondences)));
   entry.checksum = json.text("checksum", 16);
   json.refuse_other_keys();
   return entry;
@@ -114,7 +115,7 @@ std::string manifest_text(const ScanManifest& manifest) {
                      {"exposure_s", view.exposure_s},
                      {"disturbed", view.disturbed},
                      {"pictures", view.pictures},
-                     {"places", entry.correspondences},
+                     {"correspondences", entry.correspondences},
                      {"checksum", entry.checksum}});
   }
   const Json json = {{"version", kVersion},
@@ -135,7 +136,7 @@ Result<ScanManifest> parse_manifest(std::string_view text, const std::string& na
   StrictJson::Mistakes mistakes("calibrate again");
   StrictJson json(document, &mistakes);
   ScanManifest manifest;
-  json.integer("version", kVersion, kVersion);
+  json.require_version(kVersion);
   manifest.identity = identity_of(json.at("scan"));
   for (StrictJson& element : json.list("views", 0, kMaxDirections * kMaxProjectors)) {
     manifest.entries.push_back(entry_of(element, manifest.identity));

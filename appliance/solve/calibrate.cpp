@@ -23,7 +23,7 @@ constexpr double kStillRight = 1.1;
 constexpr double kHardlyWorse = 1.25;
 /// A smaller relative difference of the registration is within the scatter of single correspondences and no evidence of
 /// motion.
-constexpr double kMeetAsWell = 1.02;
+constexpr double kRegistersAsWell = 1.02;
 /// Fraction of the new measurements for which an old map may have no direction, since either map may end a little
 /// earlier at the rim.
 constexpr double kMaxUnknownShare = 0.01;
@@ -130,7 +130,7 @@ class Calibrating {
     TRY_ASSIGN(const TurntableSolver solver, TurntableSolver::create(measurements_, means_, options_.turntable));
     TRY_ASSIGN(calibration_.turntable, solver.solve());
     samples_ = samples_of(measurements_, means_, calibration_.turntable);
-    if (options_.previous != nullptr) ask_the_maps_of_before(solver);
+    if (options_.previous != nullptr) use_previous_maps(solver);
     if (options_.with_wall) find_wall(solver);
     if (options_.previous != nullptr) turn_ = turn_of(*options_.previous, measurements_, samples_);
     std::vector<std::future<Result<calibration::MeasuredMap>>> maps;
@@ -141,7 +141,7 @@ class Calibrating {
       }));
     }
     for (std::size_t p = 0; p < samples_.size(); ++p) TRY(add_projector(p, maps[p].get()));
-    keep_all_that_meet_as_well();
+    keep_maps_that_register_as_well();
     if (means_.refused * 20 > means_.used) {
       remark(fmt::format("{} of {} decoded pixels disagree with their neighbours; darken the room", means_.refused,
                          means_.used + means_.refused));
@@ -155,7 +155,7 @@ class Calibrating {
   /// The camera's offset is observable by parallax alone and may be lost in noise; then all directions share an error,
   /// and correct maps would seem wrong. So if the previous calibration determined the offset better, its maps help to
   /// estimate it; projectors that have moved since then are outliers.
-  void ask_the_maps_of_before(const TurntableSolver& solver) {
+  void use_previous_maps(const TurntableSolver& solver) {
     const calibration::Calibration& before = *options_.previous;
     if (!(before.turntable.offset_sigma_m.norm() <= calibration_.turntable.offset_sigma_m.norm())) return;
     const Eigen::Matrix3d turn = turn_of(before, measurements_, samples_);
@@ -248,7 +248,7 @@ class Calibrating {
   /// If some maps are kept and others are not, old and new ones have to register with each other; and if none is kept,
   /// all may have missed the limit narrowly. If the old maps together register as well, the new ones differ by the
   /// camera's error (few degrees seen, much noise), and no projector has moved.
-  void keep_all_that_meet_as_well() {
+  void keep_maps_that_register_as_well() {
     std::vector<calibration::CalibratedProjector>& projectors = calibration_.projectors;
     const auto kept = std::ranges::count_if(projectors, &calibration::CalibratedProjector::is_previous);
     const bool is_mixed = kept > 0 && static_cast<std::size_t>(kept) < projectors.size();
@@ -258,7 +258,7 @@ class Calibrating {
     for (auto& [p, map] : maps_of_before_) before.projectors[p].map = std::move(map);
     const MeasuredRegistration as_it_was = measured_registration(measurements_, before);
     const MeasuredRegistration anew = measured_registration(measurements_, calibration_);
-    if (as_it_was.correspondences == 0 || as_it_was.mean_px > kMeetAsWell * anew.mean_px) return;
+    if (as_it_was.correspondences == 0 || as_it_was.mean_px > kRegistersAsWell * anew.mean_px) return;
     for (std::size_t p = 0; p < projectors.size(); ++p)
       projectors[p] = {projectors[p].name, std::move(before.projectors[p].map), true};
     remark(

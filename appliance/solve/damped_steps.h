@@ -33,7 +33,7 @@ class DampedProblem {
 struct DampedOptions {
   int max_steps = 50;
   double function_tolerance = 1e-7;   ///< Relative change of the cost below which it has converged.
-  double parameter_tolerance = 1e-8;  ///< Likewise for Attempt::relative_change.
+  double parameter_tolerance = 1e-8;  ///< The same for Attempt::relative_change.
 };
 
 /// Minimises until convergence (Levenberg-Marquardt) and returns the final cost; nothing if the initial state has no

@@ -137,8 +137,8 @@ calibration::SurfaceFit richer(const calibration::SurfaceFit& from, calibration:
 std::vector<calibration::SurfaceFit> starts_of(calibration::SurfaceModel model, const calibration::SurfaceFit& first,
                                                const std::map<calibration::SurfaceModel, Tried>& tried,
                                                const std::vector<Eigen::Vector3d>& spread, double knot_rad) {
-  const auto found = [&](calibration::SurfaceModel lesser) -> const calibration::SurfaceFit* {
-    const auto at = tried.find(lesser);
+  const auto found = [&](calibration::SurfaceModel smaller) -> const calibration::SurfaceFit* {
+    const auto at = tried.find(smaller);
     return at != tried.end() && !at->second.fit.projectors.empty() ? &at->second.fit : nullptr;
   };
   const calibration::SurfaceFit& plane =
@@ -181,7 +181,7 @@ std::vector<calibration::SurfaceFit> starts_of(calibration::SurfaceModel model, 
     case calibration::SurfaceModel::kMesh: {
       const calibration::SurfaceFit* best = &cylinder;
       double min = std::numeric_limits<double>::infinity();
-      for (const auto& [lesser, attempt] : tried) {
+      for (const auto& [smaller, attempt] : tried) {
         if (attempt.fit.projectors.empty() || !(attempt.trial.training_rms_px < min)) continue;
         min = attempt.trial.training_rms_px;
         best = &attempt.fit;
@@ -239,8 +239,8 @@ LensSelectionTest climb_lenses(const ModelSelection& selection, const Tried& wal
 }
 
 /// Returns the smallest wall model that predicts about as well as the best one.
-std::optional<calibration::SurfaceModel> least_of(const std::map<calibration::SurfaceModel, Tried>& tried,
-                                                  const ModelOptions& options) {
+std::optional<calibration::SurfaceModel> smallest_good(const std::map<calibration::SurfaceModel, Tried>& tried,
+                                                       const ModelOptions& options) {
   double best = std::numeric_limits<double>::infinity();
   for (const auto& [model, attempt] : tried) {
     if (attempt.trial.is_usable) best = std::min(best, attempt.trial.heldout_rms_px);
@@ -279,7 +279,7 @@ Result<calibration::ModelChoice> choose_model(const std::vector<MeasuredProjecto
   }
   calibration::ModelChoice choice;
   for (const auto& [model, attempt] : tried) choice.surfaces.push_back(attempt.trial);
-  std::optional<calibration::SurfaceModel> chosen = least_of(tried, options);
+  std::optional<calibration::SurfaceModel> chosen = smallest_good(tried, options);
   if (!chosen) {
     return Error(ErrorCode::kBadData,
                  "no wall fits what the projectors light; look whether their places and lenses in the installation are "
@@ -298,9 +298,9 @@ Result<calibration::ModelChoice> choose_model(const std::vector<MeasuredProjecto
                             attempt.trial.parameters, {attempt.fit}, lens);
       choice.surfaces.push_back(again[model].trial);
     }
-    const auto lesser = least_of(again, options);
-    if (lesser && *lesser != *chosen) {
-      chosen = lesser;
+    const auto smaller = smallest_good(again, options);
+    if (smaller && *smaller != *chosen) {
+      chosen = smaller;
       lenses = climb_lenses(selection, tried[*chosen]);
     }
   }

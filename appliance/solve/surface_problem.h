@@ -26,7 +26,7 @@ class SurfaceProblem final : public DampedProblem {
   std::optional<Attempt> attempt(double damping) override;
   void accept() override { numbers_ = candidate_; }
 
-  /// Returns the lower triangle of J'J at the current state, for all free parameters: the surface's, then each
+  /// Returns the lower triangle of J'J at the current state, for all free parameters: those of the surface, then each
   /// projector's rotation, position and free lens parameters. Without priors if `measured_alone`.
   [[nodiscard]] Eigen::MatrixXd normal(bool measured_alone) const;
   /// Returns the priors' sigmas in that order.

@@ -371,7 +371,7 @@ std::vector<std::string> TurntableAdjustment::names() const {
         names.emplace_back(kOffset[shared.index]);
         break;
       case Shared::kInverseDepth:
-        names.push_back(fmt::format("nearness_{}_per_m", shared.index));
+        names.push_back(fmt::format("inverse_depth_{}_per_m", shared.index));
         break;
       case Shared::kTurn:
         names.emplace_back(kTurn[shared.index]);

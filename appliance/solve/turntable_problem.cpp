@@ -129,7 +129,7 @@ Eigen::Vector2d SolvedTurntable::offset_sigma_m() const {
   const double count = std::max<double>(1.0, static_cast<double>(state.directions.size()));
   inverse_depth = std::max(kMinInverseDepth_per_m, inverse_depth / count);
   slopes /= count;
-  const Eigen::Index terms = place_of("nearness_0_per_m");
+  const Eigen::Index terms = place_of("inverse_depth_0_per_m");
   Eigen::Vector2d sigma;
   for (const Eigen::Index axis : {0, 1}) {
     const Eigen::Index at = place_of(axis == 0 ? "offset_right_m" : "offset_forward_m");

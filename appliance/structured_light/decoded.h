@@ -33,7 +33,8 @@ struct Decoded {
   Image<PixelFate, 1> fate;
   Image<float, 1> amplitude;     ///< White minus black, as Photo.
   Image<float, 1> direct_light;  ///< Light that comes straight from the projector: as Photo, black subtracted.
-  Image<float, 1> global_light;  ///< Light that comes by way of other surfaces, likewise; at white.
+  /// Light that comes by way of other surfaces, for a white picture; as Photo, black subtracted.
+  Image<float, 1> global_light;
   /// Standard deviation of one photograph at one pixel, as Photo; measured in these photographs.
   double noise = 0.0;
 };

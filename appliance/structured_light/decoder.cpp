@@ -131,7 +131,7 @@ void Decoder::add_pair(const PatternPicture& picture, const Photo& pattern, cons
   difference = Difference(width_px_, height_px_);
   const auto count = static_cast<float>(++pairs_);
   const int finest = separating_bit(axis);
-  // XORed stripes are all as narrow as the base's.
+  // XORed stripes are all as narrow as those of the base.
   const bool separates = set_.base_bit >= 0 ? picture.bit >= set_.base_bit
                                             : picture.bit >= finest && picture.bit < finest + kSeparatingBits;
   for (std::size_t i = 0; i < difference.data().size(); ++i) {

@@ -73,18 +73,18 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
   }
   const ExposureSample& newest = samples.back();
   // One period of tolerance, since exposures are whole periods.
-  const bool is_long = newest.exposure >= limits.preferred_longest - 1.001 * limits.projector_period;
-  const bool is_patient = limits.preferred_longest < limits.longest && is_long;
-  if (!is_too_bright(newest) && newest.bright >= (is_patient ? kDimLow : kBrightLow))
+  const bool is_long = newest.exposure >= limits.preferred_max - 1.001 * limits.projector_period;
+  const bool may_be_dim = limits.preferred_max < limits.longest && is_long;
+  if (!is_too_bright(newest) && newest.bright >= (may_be_dim ? kDimLow : kBrightLow))
     return ExposureAdvice{newest.exposure, true};
 
   // Light is proportional to exposure, so any sample that is neither black nor saturated gives the right exposure; the
   // brightest is the most accurate.
-  std::optional<ExposureTime> shortest_too_bright;
+  std::optional<ExposureTime> min_too_bright;
   const ExposureSample* best = nullptr;
   for (const ExposureSample& sample : samples) {
     if (is_too_bright(sample)) {
-      shortest_too_bright = std::min(shortest_too_bright.value_or(sample.exposure), sample.exposure);
+      min_too_bright = std::min(min_too_bright.value_or(sample.exposure), sample.exposure);
     } else if (sample.bright > 0.02 && (best == nullptr || sample.bright > best->bright)) {
       best = &sample;
     }
@@ -92,13 +92,13 @@ Result<ExposureAdvice> next_exposure(std::span<const ExposureSample> samples, co
   ExposureTime wanted = newest.exposure * kStepUp;
   if (best != nullptr) {
     wanted = best->exposure * (kBrightAim / best->bright);
-    if (wanted > limits.preferred_longest)
-      wanted = std::max(limits.preferred_longest, best->exposure * (kDimAim / best->bright));
+    if (wanted > limits.preferred_max)
+      wanted = std::max(limits.preferred_max, best->exposure * (kDimAim / best->bright));
     // Ambient light or a response curve can mislead, so an exposure that is known to be too bright is never tried
     // again.
-    if (shortest_too_bright && wanted >= *shortest_too_bright) wanted = 0.5 * (best->exposure + *shortest_too_bright);
-  } else if (shortest_too_bright) {
-    wanted = *shortest_too_bright / kStepDown;
+    if (min_too_bright && wanted >= *min_too_bright) wanted = 0.5 * (best->exposure + *min_too_bright);
+  } else if (min_too_bright) {
+    wanted = *min_too_bright / kStepDown;
   }
   const ExposureTime next = allowed(wanted, limits);
   const bool was_tried = std::any_of(samples.begin(), samples.end(), [next](const ExposureSample& sample) {

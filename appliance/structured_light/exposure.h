@@ -17,7 +17,7 @@ struct ExposureLimits {
   ExposureTime longest{0.25};
   /// Longer exposures are used only if the picture would otherwise be too dim, since a scan has hundreds of
   /// photographs.
-  ExposureTime preferred_longest{0.1};
+  ExposureTime preferred_max{0.1};
   /// A projector with sequential colours is seen correctly only over whole refreshes, so exposures are multiples of
   /// this if possible. 0: no such requirement.
   ExposureTime projector_period{1.0 / 60.0};
@@ -40,7 +40,7 @@ struct ExposureAdvice {
   bool is_good = false;  ///< The newest sample has this exposure already, and may be used.
 };
 
-/// Target of the 99.5th percentile of the lit pixels; 0.6 to 0.9 is accepted. From ExposureLimits::preferred_longest
+/// Target of the 99.5th percentile of the lit pixels; 0.6 to 0.9 is accepted. From ExposureLimits::preferred_max
 /// on, 0.3 is accepted and kDimAim is the target.
 inline constexpr double kBrightAim = 0.8;
 inline constexpr double kDimAim = 0.35;

@@ -37,7 +37,7 @@ struct TagDetection {
   /// Corners of the black square, in pixels (frames.h), in the Tag frame's order: (-x, -y), (+x, -y), (+x, +y), (-x,
   /// +y); clockwise in the picture, starting at the upper left when the tag is upright.
   std::array<Eigen::Vector2d, 4> corners;
-  /// Covariance of each corner, px². Without a refinement, libapriltag's: 0.2 px in any direction.
+  /// Covariance of each corner, px². Without a refinement, that of libapriltag: 0.2 px in any direction.
   std::array<Eigen::Matrix2d, 4> covariance = {kUnrefined, kUnrefined, kUnrefined, kUnrefined};
 
   static inline const Eigen::Matrix2d kUnrefined = 0.04 * Eigen::Matrix2d::Identity();

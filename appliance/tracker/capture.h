@@ -58,7 +58,7 @@ class Capture {
   std::string problem_ = "the camera is being opened";
   std::string camera_id_;
   LatestValue<Done> never_;  ///< Waited for during a pause; closed at the end.
-  std::jthread thread_;      ///< Last: it uses all the others.
+  std::jthread thread_;      ///< Last member, since it uses all the others.
 };
 
 }  // namespace cyclorama::tracker

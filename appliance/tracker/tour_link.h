@@ -51,7 +51,7 @@ class TourLink {
   std::atomic<std::uint64_t> sent_ = 0;
   std::mutex mutex_;
   grpc::ClientContext* context_ = nullptr;  ///< Context of the open stream; null between streams.
-  std::jthread thread_;                     ///< Last: it uses all the others.
+  std::jthread thread_;                     ///< Last member, since it uses all the others.
 };
 
 }  // namespace cyclorama::tracker

@@ -34,7 +34,7 @@ struct TrackerSettings {
   LensSettings lens;
   SteerBy steer_by = SteerBy::kWand;
   BodySettings body;              ///< For visitors without a pattern.
-  BackgroundSettings background;  ///< Likewise.
+  BackgroundSettings background;  ///< For visitors without a pattern.
   tags::DetectorSettings detector;
   TrackingSettings tracking;
   std::string tour = "[::1]:7403";

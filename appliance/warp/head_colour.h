@@ -32,7 +32,7 @@ struct ResponseCurve {
 /// Colour pipeline of a head; absent steps cost nothing. In linear light and in this order: the blend mask has been
 /// applied; `matrix`; `black`; clipping to [0, 1]; `response`. A value; reentrant.
 struct HeadColour {
-  std::optional<Eigen::Matrix3d> matrix;  ///< From the wall's primaries to the projector's.
+  std::optional<Eigen::Matrix3d> matrix;  ///< From the primaries of the wall to those of the projector.
   /// Added where `black_lift` is 1: the other projectors' black levels.
   Eigen::Vector3d black = Eigen::Vector3d::Zero();
   std::optional<BlackLiftImage> black_lift;              ///< Has the head's size.

@@ -17,7 +17,7 @@ struct WarpVertex {
   float x_px = 0.0f;  ///< In the projector's picture, from its left and upper edge.
   float y_px = 0.0f;
   float azimuth_rad = 0.0f;    ///< In a picture of another shape than a panorama: PicturePlace::across.
-  float tan_elevation = 0.0f;  ///< Likewise PicturePlace::up.
+  float tan_elevation = 0.0f;  ///< In a picture of another shape than a panorama: PicturePlace::up.
 
   [[nodiscard]] bool is_valid() const { return azimuth_rad == azimuth_rad && tan_elevation == tan_elevation; }
 };

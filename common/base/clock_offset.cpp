@@ -19,7 +19,8 @@ bool ClockOffset::add(const ClockExchange& exchange) {
       static_cast<std::uint64_t>(exchange.answered_ns) - static_cast<std::uint64_t>(exchange.received_ns);
   if (away < Duration::zero() || away > kMaxRoundTrip) return false;
   const auto away_ns = static_cast<std::uint64_t>(away.count());
-  if (held > away_ns) return false;  // True also if the answer precedes the arrival.
+  // Also true if the answer precedes the question's arrival: the unsigned difference is then huge.
+  if (held > away_ns) return false;
   const std::uint64_t half_trip_ns = (away_ns - held) / 2;
   const auto heard_ns = static_cast<std::uint64_t>(to_nanoseconds(exchange.heard));
   const Sample sample{static_cast<std::uint64_t>(exchange.answered_ns) + half_trip_ns - heard_ns,

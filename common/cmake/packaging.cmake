@@ -44,7 +44,7 @@ Render and inspect scenes, and generate a grotto for tests.")
 set(units_of_farm cyclorama-farm.service)
 set(units_of_node cyclorama-node.service)
 set(units_of_museum cyclorama-tour.service cyclorama-tracker.service cyclorama-display.service cyclorama-operator.service
-  cyclorama-projectors.service cyclorama-hand.service)
+  cyclorama-projectors.service cyclorama-hand.service cyclorama-calibrator.service)
 set(units_of_provision cyclorama-settings.path)
 set(settings_of_farm /etc/cyclorama/farm.toml /etc/logrotate.d/cyclorama-farm)
 set(settings_of_node /etc/cyclorama/node.toml)

@@ -12,7 +12,8 @@
 #undef NDEBUG
 #define TOML_ASSERT(expr) static_cast<void>(0)
 
-// A character that is in no class of toml++ counts as outside of it.
+// toml++'s character classes end in unreachable code for a character that they do not know; here it counts as outside
+// the class.
 #if __has_include(<toml++/impl/preprocessor.hpp>)
 #include <toml++/impl/preprocessor.hpp>
 #else

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Pictures that are larger than what is shown, so that they can be turned and moved, and pictures that serve several
-/// walls. Reentrant. No wall requests an equirectangular picture: it does not grow, cannot be turned, and covers only itself.
+/// walls. Reentrant. An equirectangular picture never grows, cannot be turned, and covers only itself, since no wall
+/// uses one.
 #pragma once
 
 #include <optional>
@@ -14,8 +15,8 @@ namespace cyclorama {
 /// perspective as its corners require, or less where they would be beyond 80 degrees; a fisheye by the movement of its
 /// circle, which is small near the zenith. At most 16384 pixels.
 ///
-/// After the turn every direction may be off by another `parallax_rad`, to any side: that is what a picture needs that
-/// is moved to an eye beside its own. All edges grow by it, a panorama's and a perspective's up to 80 degrees from the
+/// After the turn, every direction may be off by another `parallax_rad` to any side, so that the picture can also be
+/// moved to an eye beside its own. All edges grow by it, a panorama's and a perspective's up to 80 degrees from the
 /// horizon or the axis.
 [[nodiscard]] PictureShape with_guard_band(const PictureShape& shape, double guard_rad, double parallax_rad = 0.0);
 

@@ -60,7 +60,8 @@ struct PixelScale {
 [[nodiscard]] std::optional<PicturePlace> place_of(const PictureShape& shape, const Eigen::Vector3d& direction);
 
 /// Returns the position, in the picture before the turn, of what a visitor who has turned right by `turn_rad` sees at
-/// `place`: a shift in a panorama, a rotation about the vertical in other shapes. Nothing as in place_of().
+/// `place`: a shift in a panorama, a rotation about the vertical in other shapes. Returns nothing where place_of()
+/// does.
 [[nodiscard]] std::optional<PicturePlace> turned(const PictureShape& shape, const PicturePlace& place, double turn_rad);
 
 }  // namespace cyclorama

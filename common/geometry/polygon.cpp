@@ -16,7 +16,8 @@ double turn(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vec
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-/// Projects the polygon along its normal (Newell's, so that corners need not be in one plane), counter-clockwise.
+/// Projects the polygon along its normal (by Newell's method, so that the corners need not lie in one plane),
+/// counter-clockwise.
 Flat flatten(std::span<const Eigen::Vector3d> corners) {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -42,7 +42,7 @@ void check_scans(j_common_ptr info) {
   ERREXIT(info, JERR_BAD_PROGRESSION);
 }
 
-/// libjpeg's state. Its functions leave by longjmp() when they fail, over frames without destructors only.
+/// libjpeg's state. Its functions fail by longjmp(), which skips destructors, so no frame that it leaves may have any.
 class Decoder {
  public:
   Decoder() {

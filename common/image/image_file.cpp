@@ -62,7 +62,7 @@ Result<RgbaImage> read_image(const std::filesystem::path& path, std::size_t limi
 
 Result<GreyImage> read_grey_image(const std::filesystem::path& path, std::size_t limit_px) {
   TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path, kFileLimitBytes));
-  // A JPEG stores its luma: using it directly avoids a second rounding and costs a third.
+  // A JPEG stores its luma. Using it directly avoids a second rounding and takes a third of the time.
   auto grey = begins_with(bytes, kJpegMagic) ? JpegDecoder().decode_grey(bytes, limit_px) : grey_of(bytes, limit_px);
   if (!grey) return std::move(grey).error().while_doing(fmt::format("reading picture '{}'", path.string()));
   return grey;

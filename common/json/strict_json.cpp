@@ -39,6 +39,12 @@ bool StrictJson::flag(const char* key) {
   return false;
 }
 
+void StrictJson::require_version(int version) {
+  const StrictJson value = at("version");
+  if (*value.value_ == version || !has("version")) return;
+  value.refuse_with_remedy(fmt::format("is {}, and this program reads version {}", value.value_->dump(), version));
+}
+
 std::vector<StrictJson> StrictJson::elements(std::size_t min, std::size_t max) const {
   if (!value_->is_array() || value_->size() < min || value_->size() > max) {
     refuse_with_remedy(fmt::format("is not a list of {} to {}", min, max));

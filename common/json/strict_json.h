@@ -42,6 +42,8 @@ class StrictJson {
   [[nodiscard]] double as_number(double min, double max, bool is_whole = false) const;
   [[nodiscard]] std::string as_text(std::size_t longest = 4000) const;
 
+  /// Reads the key `version`. Another number than `version` is a mistake that names both.
+  void require_version(int version);
   /// Must be called after all keys have been requested.
   void refuse_other_keys() const;
   /// Records a mistake here, with its own remedy in `what`.

@@ -43,7 +43,8 @@ class OpeningHours {
  public:
   /// Constructs hours that are always open.
   OpeningHours() = default;
-  /// An empty zone means this computer's. Errors: kInvalidArgument, with a remedy, if a line or the zone is invalid.
+  /// An empty zone means the time zone of this computer. Errors: kInvalidArgument, with a remedy, if a line or the zone
+  /// is invalid.
   static Result<OpeningHours> parse(const std::vector<std::string>& lines, const std::string& time_zone = {});
 
   /// Depends on `now` only. Hours are civil time: where clocks skip an hour that the settings name, the jump takes its
@@ -69,7 +70,7 @@ class OpeningHours {
 };
 
 /// Reads [hours] of a site.toml. Mistakes are recorded in the table. `ret_time_zone`, if not null, receives the zone's
-/// name; empty for this computer's.
+/// name; empty for the zone of this computer.
 OpeningHours read_opening_hours(ConfigTable* site, std::string* ret_time_zone = nullptr);
 /// Reads the hours of a file and ignores its other tables. Errors: as Config::read() and Config::finish().
 Result<OpeningHours> read_opening_hours(const std::filesystem::path& site);

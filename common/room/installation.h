@@ -81,7 +81,7 @@ struct Installation {
   [[nodiscard]] double screen_distance_m(const PictureShape& picture) const;
 };
 
-/// Parses HOST or HOST:PORT; the default port is PJLink's. Errors: as parse_address().
+/// Parses HOST or HOST:PORT; the default port is that of PJLink. Errors: as parse_address().
 Result<Address> parse_projector_address(const std::string& text);
 
 /// Reads and checks the file. A room in which a projector or the eye is not on the wall's lit side is refused. Meshes

@@ -18,8 +18,8 @@ struct ObjSurface {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// Edge between two corners of `triangle`, in its order. In `other` the edge runs the other way; none at the surface's
-/// rim.
+/// Edge between two corners of `triangle`, in that triangle's order. In `other`, the triangle on its other side, it
+/// runs the opposite way; at the surface's rim there is no `other`.
 struct ObjEdge {
   std::uint32_t from = 0;
   std::uint32_t to = 0;

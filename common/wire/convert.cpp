@@ -171,7 +171,7 @@ Status validate(const wire::Tile& tile, int width_px, int height_px) {
                  fmt::format("tile {}x{} at ({}, {}) does not fit a picture of {}x{}", tile.width_px(),
                              tile.height_px(), tile.x_px(), tile.y_px(), width_px, height_px));
   }
-  // Encoded depth is never longer than its values, but for zstd's headers.
+  // Encoded depth is never longer than its values, except for zstd's headers.
   constexpr std::size_t kHeaderBytes = 1024;
   const PixelRect cells = depth_cells({0, 0, static_cast<int>(tile.width_px()), static_cast<int>(tile.height_px())});
   const std::size_t max_bytes = sizeof(std::uint16_t) * static_cast<std::size_t>(cells.area()) + kHeaderBytes;

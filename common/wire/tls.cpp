@@ -33,7 +33,7 @@ bool speak_tls_1_3_only() {
         "[defaults]\n"
         "Protocol = -ALL,TLSv1.3\n"
         "CipherString = DEFAULT:@SECLEVEL=2\n";
-    // The installed configuration is loaded first, once; later it would replace this one.
+    // OpenSSL loads the installed configuration once; if that happened later, it would replace this one.
     if (OPENSSL_init_ssl(OPENSSL_INIT_LOAD_CONFIG, nullptr) != 1) return false;
     const std::unique_ptr<CONF, OpensslFree<NCONF_free>> configuration(NCONF_new(nullptr));
     return configuration && NCONF_load_bio(configuration.get(), bio_of(kConfiguration).get(), nullptr) > 0 &&

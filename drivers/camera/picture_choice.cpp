@@ -26,7 +26,7 @@ double layout_weight(PixelLayout layout) {
     case PixelLayout::kGrey8:
       return 0.0;
     case PixelLayout::kPlanarYuv:
-      return 0.005;  // Read as quickly, but its colour also uses bus bandwidth.
+      return 0.005;  // As quick to read, but the unused colour takes bus bandwidth.
     case PixelLayout::kYuyv:
     case PixelLayout::kUyvy:
       return 0.02;

@@ -4,19 +4,9 @@
 #include <fmt/format.h>
 
 #include "common/base/text.h"
+#include "drivers/devices/device_line.h"
 
 namespace cyclorama::devices {
-namespace {
-
-/// Splits `text` at the first `separator`; the rest is empty if there is none.
-std::string_view cut(std::string_view* text, char separator) {
-  const std::size_t at = text->find(separator);
-  const std::string_view first = text->substr(0, at);
-  *text = at == std::string_view::npos ? std::string_view() : text->substr(at + 1);
-  return first;
-}
-
-}  // namespace
 
 CameraSpec CameraSpec::parse(std::string_view line) {
   CameraSpec spec;

@@ -3,8 +3,8 @@
 /// room and an operator's tool use it to see what the projectors show.
 ///
 /// File: a header, then two slots of RGB8 rows from the top. The writer fills the slot that was not published last, so
-/// that a reader almost always copies an unchanged slot; otherwise a sequence number shows it, and the reader copies
-/// again.
+/// that a reader almost always copies a slot that does not change meanwhile; if it does change, a sequence number shows
+/// it, and the reader copies again.
 #pragma once
 
 #include <cstdint>

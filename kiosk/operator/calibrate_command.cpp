@@ -79,7 +79,7 @@ class TypedAnswers {
   void send(const std::string& text) {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + kToAnswer);
-    wire::AnswerOrder order;
+    wire::AnswerRequest order;
     order.set_text(text);
     wire::AnswerReply ignored;
     // An error means that the page has answered meanwhile, or that the calibration is over.
@@ -91,7 +91,7 @@ class TypedAnswers {
   std::jthread reader_;
 };
 
-Result<wire::CalibrateDone> calibrate(wire::Calibrator::Stub* stub, const wire::CalibrateOrder& order,
+Result<wire::CalibrateDone> calibrate(wire::Calibrator::Stub* stub, const wire::CalibrateRequest& order,
                                       const StopSignal& stop) {
   grpc::ClientContext context;
   StoppedCall call(&context, stop);
@@ -122,8 +122,8 @@ Result<wire::CalibrateDone> calibrate(wire::Calibrator::Stub* stub, const wire::
 Result<std::string> restore(wire::Calibrator::Stub* stub) {
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + kToRestore);
-  wire::RestoreAnswer answer;
-  const grpc::Status status = stub->Restore(&context, wire::RestoreOrder(), &answer);
+  wire::RestoreReply answer;
+  const grpc::Status status = stub->Restore(&context, wire::RestoreRequest(), &answer);
   if (!status.ok()) return from_grpc(status, "restoring the previous calibration");
   return printable(answer.date());
 }
@@ -156,7 +156,7 @@ Status CalibrateCommand::run(const StopSignal& stop) const {
     std::printf("the calibration of %s is in use again\n", date.c_str());
     return Done{};
   }
-  wire::CalibrateOrder order;
+  wire::CalibrateRequest order;
   order.set_quick(quick.has_value());
   if (quick) order.set_projector(*quick);
   order.set_resume(is_resumed);

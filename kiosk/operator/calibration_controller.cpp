@@ -38,7 +38,7 @@ CalibrationController::~CalibrationController() {
   if (thread_.joinable()) thread_.join();
 }
 
-Status CalibrationController::start(const wire::CalibrateOrder& order) {
+Status CalibrationController::start(const wire::CalibrateRequest& order) {
   return begin("wall", "connects to the calibrator",
                [this, order](grpc::ClientContext* context) { calibrate(order, context); });
 }
@@ -69,7 +69,7 @@ Status CalibrationController::begin(const char* what, const char* step,
   return Done{};
 }
 
-void CalibrationController::calibrate(const wire::CalibrateOrder& order, grpc::ClientContext* context) {
+void CalibrationController::calibrate(const wire::CalibrateRequest& order, grpc::ClientContext* context) {
   const auto reader = calibrator_->Calibrate(context, order);
   wire::CalibrateProgress progress;
   bool is_done = false;
@@ -88,7 +88,7 @@ void CalibrationController::calibrate(const wire::CalibrateOrder& order, grpc::C
 void CalibrationController::place(grpc::ClientContext* context) {
   context->set_deadline(std::chrono::system_clock::now() + kToPlace);
   wire::PlacedCameras placed;
-  const grpc::Status status = healing_->PlaceCameras(context, wire::PlaceCamerasOrder(), &placed);
+  const grpc::Status status = healing_->PlaceCameras(context, wire::PlaceCamerasRequest(), &placed);
   const std::lock_guard lock(mutex_);
   if (status.ok()) {
     newest_.set_fraction(1.0);
@@ -126,7 +126,7 @@ void CalibrationController::cancel() {
 Status CalibrationController::answer(const std::string& text) {
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + kAnswerDeadline);
-  wire::AnswerOrder order;
+  wire::AnswerRequest order;
   order.set_text(text);
   wire::AnswerReply reply;
   const grpc::Status status = calibrator_->Answer(&context, order, &reply);
@@ -142,8 +142,8 @@ Result<std::string> CalibrationController::restore() {
   }
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + kRestoreDeadline);
-  wire::RestoreAnswer answer;
-  const grpc::Status status = calibrator_->Restore(&context, wire::RestoreOrder(), &answer);
+  wire::RestoreReply answer;
+  const grpc::Status status = calibrator_->Restore(&context, wire::RestoreRequest(), &answer);
   if (!status.ok()) return from_grpc(status, "restoring the previous calibration");
   return printable(answer.date(), 100);
 }

@@ -31,7 +31,7 @@ class CalibrationController {
   CalibrationController& operator=(const CalibrationController&) = delete;
 
   /// Errors: kBusy if something runs already.
-  Status start(const wire::CalibrateOrder& order);
+  Status start(const wire::CalibrateRequest& order);
   /// Locates the fixed cameras by patterns; the remarks give the accuracy of each. Errors: kBusy if something runs
   /// already.
   Status place_cameras();
@@ -52,7 +52,7 @@ class CalibrationController {
  private:
   explicit CalibrationController(const std::shared_ptr<grpc::Channel>& channel);
   Status begin(const char* what, const char* step, std::function<void(grpc::ClientContext*)> work);
-  void calibrate(const wire::CalibrateOrder& order, grpc::ClientContext* context);
+  void calibrate(const wire::CalibrateRequest& order, grpc::ClientContext* context);
   void place(grpc::ClientContext* context);
   /// Requires mutex_.
   void end(bool is_done, const grpc::Status& status, const char* doing);
@@ -76,7 +76,7 @@ class CalibrationController {
 struct CalibrationRequest {
   enum class Kind { kStart, kAnswer, kCancel, kRestore, kPlaceCameras };
   Kind kind = Kind::kStart;
-  wire::CalibrateOrder order;  ///< Set for kStart.
+  wire::CalibrateRequest order;  ///< Set for kStart.
   std::string text;            ///< Set for kAnswer.
 };
 /// Errors: kBadData if the text is not such JSON; the message names the mistake.

@@ -150,7 +150,7 @@ class List {
       const CheckLevel level = *share < kMinSynchronisedWarning_percent ? CheckLevel::kFault
                                : *share < kMinSynchronised_percent      ? CheckLevel::kWarning
                                                                         : CheckLevel::kOk;
-      return add("in-step", "Synchronised displays", level,
+      return add("synchronised", "Synchronised displays", level,
                  fmt::format("They show the same frame in {:.2f} of 100 refreshes.", *share),
                  "See that the displays' computers are on one cable network, not on wireless, and that each asks the "
                  "tour's computer for the time.");

@@ -12,8 +12,9 @@
 
 namespace cyclorama::operations {
 
-/// Returns the processes of this computer that answer status requests, as its units start them: a museum's, or a render
-/// host's coordinator. A node answers none, so the list is empty there. `root` is the root of the file system.
+/// Returns the processes of this computer that answer status requests, as its units start them: those of a museum, or
+/// the coordinator of a render host. A node answers none, so the list is empty there. `root` is the root of the file
+/// system.
 [[nodiscard]] std::vector<std::string> usual_watches(const std::filesystem::path& root = "/");
 
 /// cyclorama doctor: prints the operator page's list of findings, with remedies.

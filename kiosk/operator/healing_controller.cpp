@@ -58,8 +58,8 @@ std::string HealingController::json() const {
 Status HealingController::realign() {
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + kDeadline);
-  wire::RealignAnswer answer;
-  const grpc::Status status = healing_->Realign(&context, wire::RealignOrder(), &answer);
+  wire::RealignReply answer;
+  const grpc::Status status = healing_->Realign(&context, wire::RealignRequest(), &answer);
   if (status.ok()) return Done{};
   return from_grpc(status, "realigning the projectors");
 }
@@ -67,9 +67,9 @@ Status HealingController::realign() {
 Result<std::string> HealingController::undo() {
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + kDeadline);
-  wire::RealignOrder order;
+  wire::RealignRequest order;
   order.set_undo(true);
-  wire::RealignAnswer answer;
+  wire::RealignReply answer;
   const grpc::Status status = healing_->Realign(&context, order, &answer);
   if (!status.ok()) return from_grpc(status, "undoing the last correction");
   return printable(answer.undone(), 4 * kMaxCellLength);

@@ -28,7 +28,7 @@ constexpr double kColdest_c = -60.0;  // Unconnected sensors report absurd value
 constexpr double kHottest_c = 150.0;
 
 std::optional<std::string> line_of(const fs::path& path) {
-  // Files in /proc and /sys report a size that is not their content's.
+  // Files in /proc and /sys report a size other than that of their content.
   std::FILE* const file = std::fopen(path.c_str(), "re");
   if (file == nullptr) return std::nullopt;
   std::string text(kMaxFactBytes, '\0');

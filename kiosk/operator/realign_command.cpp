@@ -35,9 +35,9 @@ Status RealignCommand::run() const {
   grpc::ClientContext context;
   if (!places_cameras) {
     context.set_deadline(std::chrono::system_clock::now() + kRequestTimeout);
-    wire::RealignOrder order;
+    wire::RealignRequest order;
     order.set_undo(undoes);
-    wire::RealignAnswer answer;
+    wire::RealignReply answer;
     const grpc::Status status = stub->Realign(&context, order, &answer);
     if (!status.ok()) return from_grpc(status, undoes ? "undoing the last correction" : "realigning");
     std::puts(undoes ? printable(answer.undone()).c_str()
@@ -46,7 +46,7 @@ Status RealignCommand::run() const {
   }
   context.set_deadline(std::chrono::system_clock::now() + kToPlace);
   wire::PlacedCameras placed;
-  const grpc::Status status = stub->PlaceCameras(&context, wire::PlaceCamerasOrder(), &placed);
+  const grpc::Status status = stub->PlaceCameras(&context, wire::PlaceCamerasRequest(), &placed);
   if (!status.ok()) return from_grpc(status, "locating the cameras");
   for (const wire::PlacedCameras::Camera& camera : placed.cameras()) {
     if (!camera.trouble().empty()) {

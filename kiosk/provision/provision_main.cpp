@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kMuseum = "museum";
 constexpr const char* kFarmHost = "farm-host";
-/// A render host's settings include scenes; the limit of one file is FAT's.
+/// A render host's settings include scenes; the limit of one file is that of FAT.
 constexpr FolderLimits kFarmHostLimits{200, (std::size_t{4} << 30) - 1, std::size_t{16} << 30};
 
 FolderLimits farm_host_limits(const std::filesystem::path& state) {

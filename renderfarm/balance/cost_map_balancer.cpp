@@ -13,9 +13,9 @@ namespace cyclorama::balance {
 namespace {
 
 /// Minimum work of a piece, in multiples of a block's overhead.
-constexpr double kPieceWorth = 4.0;
+constexpr double kMinPieceWork = 4.0;
 /// Minimum gain, as a share of the frame's time, before a piece moves to another node.
-constexpr double kMoveWorth = 0.005;
+constexpr double kMinMoveGain = 0.005;
 /// Number of smaller sets of nodes that are tried. Cuts lie on a grid, so one more node may yield a worse cut than one
 /// less.
 constexpr int kMaxTries = 8;
@@ -72,11 +72,11 @@ class CostMapBalancer final : public Balancer {
       if (!parts[i].empty())
         plan.blocks[i] =
             pieces_of(parts[i], nodes[i], work, stealing_ && count > 1 ? options_.shares : std::vector{1.0},
-                      kPieceWorth * block_overhead_ * speeds[i]);
+                      kMinPieceWork * block_overhead_ * speeds[i]);
     }
     if (stealing_)
       level_out(&plan, nodes, speeds,
-                kMoveWorth * work.of(work.whole()) / std::accumulate(speeds.begin(), speeds.end(), 0.0));
+                kMinMoveGain * work.of(work.whole()) / std::accumulate(speeds.begin(), speeds.end(), 0.0));
     double ordered_at = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
       if (plan.blocks[i].empty()) continue;

@@ -10,8 +10,8 @@ namespace cyclorama::balance {
 namespace {
 
 /// A fork changes direction when its region has become this much longer the other way. A value of at most 2 keeps a
-/// block's border, and with it its JPEG overhead and its share of foreign detail, near a square's; the margin prevents
-/// jumps.
+/// block's border, and with it its JPEG overhead and its share of foreign detail, near those of a square; the margin
+/// prevents jumps.
 constexpr double kTurnAtAspect = 2.0;
 
 }  // namespace

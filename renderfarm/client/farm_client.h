@@ -104,7 +104,7 @@ class FarmClient {
   bool stopping_ = false;
   TimePoint heard_at_{};  ///< Last reply, or last request while no answer was due.
   ViewWindow window_;
-  grpc::ClientContext* context_ = nullptr;  ///< Current call's, so that stop() can cancel it.
+  grpc::ClientContext* context_ = nullptr;  ///< Context of the current call, so that stop() can cancel it.
 
   std::thread farm_;  ///< Last member: started when all others exist.
 };

@@ -41,7 +41,7 @@ void CoordinatorState::follow_light(const std::string& scene) {
     if (session.scene != scene || !session.governed) continue;
     GovernorState& old = *session.governed;
     std::unique_ptr<GovernorState> governed = governed_by(old.governor.budget_ms(), old.reference_samples, scene);
-    // A picture at rest goes on as it is.
+    // A picture at rest continues unchanged.
     governed->asked = std::move(old.asked);
     governed->written_at = old.written_at;
     governed->still_since = old.still_since;

@@ -28,7 +28,7 @@ bool is_same_scene(const wire::SceneDescription& a, const wire::SceneDescription
          a.triangles_stored() == b.triangles_stored();
 }
 
-/// Checks all of a tile but whether it belongs to its block.
+/// Checks everything about a tile except whether it belongs to its block.
 Status check_tile(const wire::Tile& tile, const wire::View& view) {
   if (tile.view_number() != view.number()) return broken("it is of another view");
   if (tile.jpeg().empty()) return broken("it is empty");
@@ -235,7 +235,7 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
 Status CoordinatorState::keep_own_front(const wire::SceneLoaded& loaded, Node::LoadedScene* scene) {
   scene->front.reset();
   if (loaded.front().empty()) return Done{};
-  TRY_ASSIGN(governor::ParetoFront front, governor::parse_pareto_front(loaded.front(), "front.toml"));
+  TRY_ASSIGN(governor::ParetoFront front, governor::parse_pareto_front(loaded.front(), governor::kParetoFrontFileName));
   scene->front.emplace(std::move(front));
   return Done{};
 }
@@ -258,7 +258,8 @@ Status CoordinatorState::keep_pareto_front(const wire::SceneLoaded& loaded) {
     bounces_.emplace(loaded.scene(), static_cast<int>(loaded.bounces()));
   }
   if (loaded.front().empty()) return Done{};
-  TRY_ASSIGN(const governor::ParetoFront front, governor::parse_pareto_front(loaded.front(), "front.toml"));
+  TRY_ASSIGN(const governor::ParetoFront front,
+             governor::parse_pareto_front(loaded.front(), governor::kParetoFrontFileName));
   pareto_fronts_.emplace(loaded.scene(), front);
   return Done{};
 }

@@ -111,7 +111,7 @@ void CoordinatorState::refine(SessionId id, Session& session) {
   frame.view = *governed.asked;
   frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
   frame.view.set_shutter_ns(0);
-  frame.view.clear_depth();  // Nobody sees a picture at rest from elsewhere.
+  frame.view.clear_depth();  // A picture at rest is never shown from another eye.
   render::PictureQuality quality = with_bounces(governed, refinement.quality());
   quality.render.first_sample = range->first;
   quality.render.samples = range->end - range->first;

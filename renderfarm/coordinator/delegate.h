@@ -21,7 +21,8 @@ struct FrameReport {
   std::string museum{};
   bool complete = false;
   std::string reason{};
-  bool refined = false;          ///< A refinement of a picture at rest; its times do not compare with a moving one's.
+  /// A refinement of a picture at rest; its times cannot be compared with those of a moving picture.
+  bool refined = false;
   int samples = 0;               ///< Samples per pixel, in total.
   double scale = 1.0;            ///< Rendered width over requested width.
   double budget_ms = 0.0;        ///< 0: the view itself set its quality.

@@ -29,9 +29,9 @@ class Refusal final : public grpc::ServerWriteReactor<wire::FileChunk> {
 
 }  // namespace
 
-/// One file being sent. It is in the server's queue, or one of its chunks is being written, or it is finished, never
-/// two of these at once. gRPC hands it from thread to thread in between. Its lock is never contended; it provides the
-/// memory ordering in a way that sanitizers see.
+/// One file being sent. It is in the server's queue, or one of its chunks is being written, or it is finished; only one
+/// of these applies at a time. gRPC hands it from thread to thread in between. Its lock is never contended; it provides
+/// the memory ordering in a way that sanitizers see.
 class FileServer::Stream final : public grpc::ServerWriteReactor<wire::FileChunk> {
  public:
   Stream(FileServer& server, grpc::CallbackServerContext* context, scene_distribution::StampedFile file,

@@ -110,7 +110,8 @@ struct Node {
   struct LoadedScene {
     SceneState state = SceneState::kLoading;
     std::string error{};
-    double speed = 1.0;    ///< Speed of one of the node's threads in this scene, relative to the first node's.
+    /// Speed of one of the node's threads in this scene, relative to the threads of the first node.
+    double speed = 1.0;
     TimePoint asked_at{};  ///< Time of the order to load the scene.
     std::optional<governor::ParetoFront> front{};  ///< The node stated it; null: the standard one.
   };

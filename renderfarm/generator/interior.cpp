@@ -78,7 +78,7 @@ std::vector<Patch> walls(std::uint32_t seed) {
                         std::uint32_t which) {
     return panel(corner, across, up, inward, 1.0f, [=](const Vec2& p, float spacing) {
       Finish made = wall_finish(p, spacing, paint, seed + 301u + 10u * which);
-      // Straight edges, shared by neighbours.
+      // Straight at the edges, which neighbours share.
       made.height *= smooth_step(0.0f, 0.3f, std::min(p.x(), across.norm() - p.x()));
       return made;
     });

@@ -9,7 +9,7 @@
 
 namespace cyclorama::generator {
 
-/// Flat: the file has no normals, and readers use the triangles'.
+/// Flat: the file has no normals, and readers use those of the triangles.
 enum class Shading { kSmooth, kFlat };
 
 /// Size of a file with these counts.

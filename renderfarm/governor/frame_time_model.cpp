@@ -12,12 +12,12 @@ constexpr double kMoreExpensive = 1.25;
 constexpr double kCheaper = 0.8;
 constexpr double kCostForgetting = 0.2;
 constexpr double kNoiseForgetting = 0.05;
-/// A frame that hung counts as no more than so many times the noise so far.
+/// A frame that hung counts with at most this multiple of the noise so far.
 constexpr double kMaxNoiseGrowth = 2.5;
 constexpr double kSameWork = 0.1;
 constexpr double kMinNoise = 0.02;
 constexpr double kMaxNoise = 0.3;
-/// Standard deviation over the mean absolute difference of two independent normal values: sqrt(pi) / 2.
+/// Ratio of the standard deviation to the mean absolute difference of two independent normal values: sqrt(pi) / 2.
 constexpr double kSdPerChange = 0.8862;
 constexpr double kOutlierSds = 3.5;
 /// Cumulative sum test, in standard deviations: two outliers in a row are a jump, one is not.
@@ -27,16 +27,17 @@ constexpr double kCusumLimit = 5.4;
 constexpr double kFixedJump = 0.25;
 /// Prior of the slope with thread times, and of everything relative to the first frame's time.
 constexpr double kPriorSd = 0.5;
-/// Random walk from frame to frame, relative to the time (fixed) and to the slope. Without thread times the slope has
-/// the scene's cost in it, which changes faster.
+/// Random walk from frame to frame, relative to the time (fixed) and to the slope. Without thread times the slope
+/// includes the scene's cost, which changes faster.
 constexpr double kFixedDrift = 0.005;
 constexpr double kSlopeDrift = 0.01;
 constexpr double kSlopeDriftWithoutRays = 0.02;
-/// The slope is at least this part of what the time alone would make it; and with thread times at least this, as a
-/// busy node cannot be much faster than its threads.
+/// Lower bounds of the slope: this part of the slope that the time alone would give and, with thread times, this value,
+/// since a busy node cannot be much faster than its threads.
 constexpr double kMinSlopePart = 0.02;
 constexpr double kMinSlopeWithRays = 0.4;
-/// A work is sure to fit if its prediction plus so many standard deviations does, up to this multiple of the last one.
+/// A work surely fits if its prediction plus this many standard deviations does; it may be at most this multiple of the
+/// last one.
 constexpr double kSureSds = 2.0;
 constexpr double kMaxGrowth = 5.0;
 

@@ -4,7 +4,7 @@
 
 namespace cyclorama::governor {
 
-/// One frame as it came out.
+/// Measured cost and time of one frame.
 struct MeasuredFrame {
   /// Cost of the picture in the unit of ParetoPoint::cost, times its displayed megapixels.
   double work = 0.0;
@@ -24,9 +24,9 @@ struct MeasuredFrame {
 /// decrease by a fifth when two frames in a row show it.
 ///
 /// (fixed, slope) is the state of a Kalman filter whose state is a random walk: recursive least squares that forgets,
-/// with a prior. It starts from a slope of 1, or without thread times from no fixed time, and is projected on fixed >= 0
-/// and slope > 0 after each step. While all frames had the same work, the prior alone splits their time, which sd_ms()
-/// shows: it grows with the distance to what was measured.
+/// with a prior. It starts from a slope of 1, or without thread times from no fixed time, and is projected on fixed >=
+/// 0 and slope > 0 after each step. As long as all frames had the same work, only the prior splits their time into the
+/// two, and sd_ms() grows with the distance from the measured work.
 ///
 /// One frame that is more than 3.5 standard deviations off is left out. A cumulative sum test finds jumps, such as two of
 /// these in a row; a jump widens the variance, mainly the slope's, so that the filter follows at once. The noise is that
@@ -67,7 +67,8 @@ class FrameTimeModel {
   void learn_cost(double rate);
   /// Updates fixed and slope from a frame whose busiest node took `rays`.
   void learn_split(double rays, double ms);
-  /// Keeps the random walk from forgetting more than the prior knew, however long nothing varies.
+  /// Limits the variance to that of the prior, so that the random walk does not forget more than that while nothing
+  /// varies.
   void limit(double expected);
   void correct(double rays, double innovation, double variance);
   void project(double rays);

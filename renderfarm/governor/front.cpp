@@ -29,7 +29,7 @@ Result<ParetoFront> ParetoFront::make(std::vector<ParetoPoint> points) {
 
 namespace {
 
-/// Samples between two points are rounded up if that leaves at least this scale, and down otherwise.
+/// Samples between two points are rounded up if the scale is then at least this, and down otherwise.
 constexpr double kSharp = 0.7;
 constexpr double kTiny = 1e-9;
 
@@ -46,7 +46,7 @@ ParetoPoint ParetoFront::at(double cost) const {
   const double part = (cost - below.cost) / (above.cost - below.cost);
   const auto between = [&](double from, double to) { return std::lerp(from, to, part); };
   const auto samples_of = [](const ParetoPoint& point) { return static_cast<double>(point.quality.render.samples); };
-  // Cost of a sample of a rendered pixel, and what that affords.
+  // Cost of one sample of a rendered pixel; it gives the number of samples that the cost allows.
   const double unit =
       between(below.cost / (area_of(below) * samples_of(below)), above.cost / (area_of(above) * samples_of(above)));
   const auto [fewest, most] = std::minmax({samples_of(below), samples_of(above)});

@@ -9,15 +9,17 @@
 namespace cyclorama::governor {
 namespace {
 
-/// 95 % of a normal distribution lie below its mean plus 1.645 standard deviations. More is for the view, which changes.
+/// 95 % of a normal distribution lie below its mean plus 1.645 standard deviations. The rest allows for changes of the
+/// view.
 constexpr double kSdsOfP95 = 1.85;
-/// Distances from the limit to the aim, and from there to where a step up begins: a part, and a part of the noise.
+/// Distance from the limit to the aim, and from the aim to the time at which a step up begins: each is a part of the
+/// limit plus a part of the noise.
 constexpr double kAimBelow = 0.02;
 constexpr double kAimBelowPerNoise = 0.3;
 constexpr double kRoomBelow = 0.03;
 constexpr double kRoomBelowPerNoise = 0.5;
-/// No step up before a frame of about the current work was measured, as frames in flight are of earlier pictures; or so
-/// many frames went by, as small pictures are of whole cells and may have less work.
+/// There is no step up before a frame of about the current work was measured, since frames in flight are of earlier
+/// pictures; or before this many frames, since small pictures consist of whole cells and may have less work.
 constexpr double kSeen = 0.8;
 constexpr int kSurelySeen = 8;
 /// Far below the aim, the wait is half as long.
@@ -26,7 +28,7 @@ constexpr double kStepUpMs = 300.0;
 constexpr int kMinStepUpFrames = 3;
 constexpr int kMaxInitialStepUpFrames = 10;
 constexpr int kMaxStepUpFrames = 160;
-/// Length of a trial, in waits.
+/// Length of a trial, as a multiple of the wait.
 constexpr int kTrials = 2;
 /// A step up was wrong if the picture takes this much longer than predicted.
 constexpr double kWrong = 1.15;

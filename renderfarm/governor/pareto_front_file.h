@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A Pareto front in a file, as measured by `cyclorama-bench-render trade`:
 ///
-///   # front.toml
+///   # pareto_front.toml
 ///   [[point]]
 ///   cpu_us_per_px = 1.9   # Processor time per displayed pixel.
 ///   error = 0.041         # The same measure for the whole file.
@@ -17,6 +17,9 @@
 #include "renderfarm/governor/front.h"
 
 namespace cyclorama::governor {
+
+/// Name of the file in a scene's folder.
+inline constexpr const char* kParetoFrontFileName = "pareto_front.toml";
 
 /// Reads a file. Errors: those of Config, and kBadData for a file without points. Reentrant.
 Result<ParetoFront> read_pareto_front(const std::filesystem::path& path);

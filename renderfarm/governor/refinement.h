@@ -30,10 +30,10 @@ struct SampleRange {
 /// second; after that, each takes about a second. Pure; thread-bound.
 class Refinement {
  public:
-  /// Uses the front's best quality without what would bias a reference: no denoiser, no firefly limit, no adaptive
-  /// sampling, full size, no chroma subsampling, JPEG quality of at least 95. `moving` is the point of the previous
-  /// picture, taken from the front; its error determines the number of samples of the first picture. Precondition: 1 <=
-  /// reference_samples <= kMaxSamples.
+  /// Uses the front's best quality, without anything that would bias a reference: no denoiser, no firefly limit, no
+  /// adaptive sampling, full size, no chroma subsampling, JPEG quality of at least 95. `moving` is the point of the
+  /// previous picture, taken from the front; its error determines the number of samples of the first picture.
+  /// Precondition: 1 <= reference_samples <= kMaxSamples.
   Refinement(const ParetoFront& front, const ParetoPoint& moving, int reference_samples);
 
   /// Returns the next samples; null once the reference is reached. `ms_per_sample` applies to the whole picture and

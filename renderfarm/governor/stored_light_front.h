@@ -6,8 +6,8 @@
 namespace cyclorama::governor {
 
 /// Returns the Pareto front for a scene with light that was computed ahead (renderfarm/light). Its cheap pictures read
-/// that light, so they are free of noise at any size; the dearest one traces paths and leads to the picture at rest.
-/// `bounces` are the scene's, for what is traced all the same.
+/// that light, so they are free of noise at any size; the most expensive one traces paths, like the picture at rest.
+/// `bounces` are the scene's, for the parts that are traced nevertheless.
 [[nodiscard]] ParetoFront stored_light_front(int bounces);
 
 }  // namespace cyclorama::governor

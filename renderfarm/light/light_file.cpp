@@ -36,7 +36,7 @@ class Writer {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads values one after the other; after the end, all reads fail.
+/// Reads values one after the other; beyond the end, all reads fail.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -90,7 +90,7 @@ struct SideSizes {
 
 bool read_surfaces(Reader& reader, std::uint32_t placements, LightStore* ret) {
   constexpr std::size_t kHeaderBytes = 9 * sizeof(std::uint32_t);
-  if (reader.left() / kHeaderBytes < placements) return false;  // Before memory is taken.
+  if (reader.left() / kHeaderBytes < placements) return false;  // Checked before memory is allocated.
   ret->surfaces.resize(placements);
   std::vector<std::array<SideSizes, 2>> sizes(placements);
   for (std::size_t i = 0; i < placements; ++i) {

@@ -25,10 +25,9 @@ inline constexpr const char* kLightFileName = "light.store";
 
 [[nodiscard]] std::vector<std::byte> light_file_bytes(const LightStore& store);
 
-/// Parses a file's bytes; `name` identifies the file in errors. The store can be read at
-/// every triangle for which it has samples, even if the bytes were made to deceive. check_fits() tells whether it fits
-/// a scene.
-/// Errors: kBadData, with the remedy.
+/// Parses a file's bytes; `name` identifies the file in errors. The store can be read at every triangle for which it
+/// has samples, even if the bytes are malicious. check_fits() checks whether it belongs to a scene. Errors: kBadData,
+/// with the remedy.
 Result<LightStore> parse_light_file(std::span<const std::byte> bytes, std::string_view name);
 
 /// Reads a file. Errors: kNotFound if there is none; kBadData; kSystem.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Precomputed light on the surfaces of a scene, so that a picture needs no more than eye rays.
+/// Precomputed light on the surfaces of a scene, so that a picture needs camera rays only.
 ///
 /// A sample is the irradiance at a point of a surface, divided by pi: the radiance that a white matte surface would
 /// reflect there. It contains all light that reaches the point, directly or after bounces, but not the surface's own
@@ -30,10 +30,10 @@
 
 namespace cyclorama::light {
 
-/// A sample that has no value: whoever reads it traces paths instead. No encoded sample has these bits.
+/// Marks a sample without a value, for which paths are traced instead. No encoded sample has these bits.
 inline constexpr std::uint32_t kNoSample = 0xffffffffu;
 
-/// A code that says which samples a triangle has.
+/// A code that states which samples a triangle has.
 struct TriangleGrid {
   static constexpr std::uint32_t kBase = 0;      ///< Base samples.
   static constexpr std::uint32_t kTraced = ~0u;  ///< The triangle has no samples: paths are traced.
@@ -79,7 +79,7 @@ struct SceneKey {
 /// The light of a whole scene. A value, immutable once it is in use; reading is thread-safe.
 struct LightStore {
   SceneKey scene;
-  std::string settings;  ///< The settings it was made with, as one line for people.
+  std::string settings;  ///< Settings with which it was computed, as one line for people.
   float unit = 1.0f;     ///< Radiance of a sample of 1.
   std::vector<SurfaceLight>
       surfaces;  ///< One per placement, in the order of the scene's instances that have triangles.

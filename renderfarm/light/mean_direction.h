@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The mean direction of the light at a sample, for surfaces whose normal is bent by a normal map.
+/// The mean direction of the light at a sample, for surfaces with a normal map.
 ///
-/// Light is taken as a share |d| from the mean direction d and the rest from everywhere, so the irradiance for a bent
-/// normal is that of the surface's own normal times
+/// The model: a share |d| of the light comes from the mean direction d, and the rest from all directions evenly. The
+/// irradiance for a bent normal is then that of the surface's own normal times
 ///
 ///     1 - |d| + |d| (bent . d) / (normal . d)
 ///

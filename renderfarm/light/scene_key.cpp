@@ -11,7 +11,7 @@
 namespace cyclorama::light {
 namespace {
 
-/// Changes whenever a store of an earlier program must not be used.
+/// To be increased whenever a store of an earlier program must not be used.
 constexpr std::uint32_t kKeyVersion = 1;
 
 class Hash {
@@ -61,7 +61,8 @@ void add(const scene::Material& material, Hash* hash) {
   }
   hash->add(material.alpha_mode);
   hash->add(material.double_sided);
-  if (material.unlit) hash->add(material.unlit);  // Keeps the keys of scenes from before there were such materials.
+  // Hashed only if set, so that the keys of scenes from before there were such materials remain valid.
+  if (material.unlit) hash->add(material.unlit);
 }
 
 void add(const scene::Mesh& mesh, Hash* hash) {

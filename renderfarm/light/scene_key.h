@@ -7,7 +7,7 @@
 namespace cyclorama::light {
 
 /// Returns the hash (XXH3, 128 bits) of everything in a scene on which its light depends. Names, the tour and the
-/// exposure are left out: they change nothing on the surfaces. Reads all geometry and textures, several gigabytes a
+/// exposure are left out, since they do not affect surfaces. Reads all geometry and textures, several gigabytes a
 /// second. Reentrant.
 [[nodiscard]] SceneKey key_of(const scene::Scene& scene);
 

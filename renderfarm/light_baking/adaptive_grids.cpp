@@ -27,7 +27,7 @@ struct Entry {
   GridInWork grid;
 };
 
-/// Returns the squared error that a step may mend, summed over visible samples, per sample that it stores.
+/// Returns the squared error that a step may remove, summed over visible samples, per sample that it stores.
 double gain_of(const GridInWork& grid) {
   const double pixels = static_cast<double>(grid.max_parts) * static_cast<double>(grid.max_parts);
   return static_cast<double>(grid.squared_error) * pixels / static_cast<double>(grid.step_samples());
@@ -81,7 +81,7 @@ class GridSpender {
     }
   }
 
-  /// Does the best steps that fit. Returns false if there was none.
+  /// Performs the best steps that fit. Returns false if there were none.
   bool step() {
     std::vector<std::pair<double, std::size_t>> wanted;
     for (std::size_t i = 0; i < entries_.size(); ++i) {
@@ -108,7 +108,7 @@ class GridSpender {
     });
     std::uint64_t used = 0;
     for (const Entry& entry : entries_) used += entry.grid.light.size();
-    left_ = budget_.samples - used;  // Steps that improved nothing stored nothing.
+    left_ = budget_.samples - used;  // Steps that improved nothing have stored nothing.
     return !chosen.empty();
   }
 

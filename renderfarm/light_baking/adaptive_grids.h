@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Spends a budget on grids where they mend most: each step of a grid goes to the triangle whose error, times the pixels
-/// that it covers, falls most per sample.
+/// Spends a budget on the grids where it helps most: the next step goes to the triangle whose error, multiplied by the
+/// pixels that it covers, falls most per sample.
 ///
 ///     probe all triangles ──► steps that fit the budget, best first ──► measure their error ─┐
 ///                                     ▲                                                      │
@@ -27,10 +27,10 @@ struct SeenSide {
   std::span<const SeenTriangle> triangles;
 };
 
-/// Limits what grids take.
+/// Limits of what grids may use.
 struct GridBudget {
   std::uint64_t samples = 0;
-  std::function<bool()> is_over{};                ///< Returns true when no more time may be spent; may be null.
+  std::function<bool()> is_over{};                ///< Returns true once the time is up; may be null.
   std::function<void(double)> add_cpu_seconds{};  ///< Called from any thread after each piece of work; may be null.
   std::function<void(double)> report_progress{};  ///< A fraction in [0, 1]; may be null.
 };

@@ -22,13 +22,14 @@ namespace {
 
 using render::Vec3;
 
-/// Points that one task takes at a time.
+/// Number of points in one task.
 constexpr std::size_t kChunk = 256;
 /// Headroom of the unit above the brightest direct light, for bounces.
 constexpr float kHeadroom = 16.0f;
-/// Steps from a seen triangle to its neighbours for which light is computed finely, too: eyes see more than was tried.
+/// Steps from a seen triangle to its neighbours for which light is computed finely, too: visitors see more than the
+/// sampled eyes.
 constexpr int kRings = 2;
-/// Visible parts of an edge from which a triangle is large.
+/// A triangle is large if this many visible parts lie along its edge.
 constexpr double kLargeParts = 32.0;
 
 BakeSettings with_dim_light(BakeSettings settings, const scene::Scene& scene) {
@@ -47,7 +48,7 @@ struct Side {
   std::vector<std::uint8_t> seen;
   std::vector<SeenTriangle> triangles;
   std::vector<std::uint8_t> blocked;  ///< 1 for triangles between whose corners light must not be interpolated.
-  /// Triangles so large that their corners say little of the light between them: bounces trace paths there.
+  /// Triangles so large that the light between their corners cannot be derived from them: bounces trace paths there.
   std::vector<std::uint32_t> large;
   SideGrids fine;
 };
@@ -89,7 +90,7 @@ class Baker {
     gather(settings_.final_rays, bounces_ == 0, true);
     TRY(report(0.7));
     has_grids_ = true;
-    make_all_grids();  // They read the same bounce as the base samples, so nothing is published in between.
+    make_all_grids();  // They read the same bounce as the base samples, so nothing needs to be published in between.
     for (const Side& side : sides_) {
       baked.grids += side.fine.grids.size();
       for (const MadeGrid& grid : side.fine.grids) {
@@ -116,7 +117,7 @@ class Baker {
                                          0x9e3779b9u * static_cast<std::uint32_t>(i + 1));
       const std::array<std::vector<float>, 2>& distance = visible.distance[i];
       for (const bool back : {false, true}) {
-        // Rays that only bounce need the front, unless visitors see nothing but the back.
+        // Rays between surfaces need the front only, unless visitors see nothing but the back.
         const bool wanted = back ? !distance[1].empty() : (!distance[0].empty() || distance[1].empty());
         if (!wanted) continue;
         Side side;
@@ -264,7 +265,7 @@ class Baker {
     for (std::size_t i = 0; i < made.size(); ++i) sides_[i].fine = std::move(made[i]);
   }
 
-  /// `seed` decides the rounding, so that errors of neighbouring samples cancel.
+  /// `seed` determines the rounding, so that errors of neighbouring samples cancel.
   [[nodiscard]] std::uint32_t encoded(const Vec3& light, std::uint32_t seed) const {
     return light::to_rgb9e5((light + scene_.ambient) / unit_, render::to_unit_float(render::mix_bits(seed)));
   }
@@ -280,7 +281,7 @@ class Baker {
     if (brightest > 0.0f && std::isfinite(brightest)) unit_ = kHeadroom * brightest / light::kMaxRgb9e5;
   }
 
-  /// Makes the light so far what rays read.
+  /// Makes the light computed so far available to rays.
   Status publish() {
     if (published_ == nullptr) choose_unit();
     auto store = std::make_shared<light::LightStore>();
@@ -313,7 +314,7 @@ class Baker {
   void add_directions(const Side& side, light::SideLight* out) const {
     out->directions.reserve(side.light.size());
     for (const PointLight& light : side.light) {
-      // Ambient light comes from everywhere: its directions cancel.
+      // Ambient light comes from all directions, so its mean direction is zero.
       const float all = render::luminance(light.lamps.light + light.surfaces.light + scene_.ambient);
       const Vec3 sum = light.lamps.direction + light.surfaces.direction;
       out->directions.push_back(all > 0.0f ? light::to_direction_code(sum / all) : 0);

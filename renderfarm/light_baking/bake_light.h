@@ -22,9 +22,9 @@ namespace cyclorama::light_baking {
 struct BakedLight {
   std::shared_ptr<const light::LightStore> store;
   double cpu_seconds = 0.0;
-  std::uint64_t seen_triangles = 0;  ///< Each side counted.
+  std::uint64_t seen_triangles = 0;  ///< Both sides of a triangle count separately.
   std::uint64_t grids = 0;
-  std::uint64_t separate_samples = 0;  ///< Samples of grids that must not be used.
+  std::uint64_t separate_samples = 0;  ///< Number of grid samples that must not be used.
 };
 
 /// Computes the light with `threads` threads (0: all). The result depends on the scene, the settings and the program

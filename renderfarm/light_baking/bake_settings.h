@@ -5,24 +5,25 @@
 
 namespace cyclorama::light_baking {
 
-/// Settings that trade the cost of light for its accuracy. Their curves are in docs/design/stored-light.md.
+/// Settings that trade the cost of light against its accuracy. Their curves are in docs/design/stored-light.md.
 struct BakeSettings {
-  int eyes = 64;  ///< Places in the walkable area from which surfaces are looked at.
+  int eyes = 64;  ///< Positions in the walkable area from which the surfaces that visitors see are found.
   int rays_per_eye = 1 << 18;
   /// Resolution of the wall, which decides how fine light must be where a visitor can come near.
   double pixels_per_degree = 20.0;
   double pixels_per_sample = 4.0;  ///< Spacing of the finest samples, in pixels of the nearest eye.
-  int max_light_rays = 128;        ///< Shadow rays of a base sample; fewer where they agree.
+  int max_light_rays = 128;        ///< Maximum number of shadow rays of a base sample; fewer suffice where they agree.
   double light_error = 0.01;       ///< Relative standard error of direct light at which no more are traced.
   int max_grid_light_rays = 64;    ///< The same for the samples of grids, which lie closer together.
   double grid_light_error = 0.02;
   int coarse_rays = 16;  ///< Rays of a sample for each bounce before the last.
   int final_rays = 128;  ///< Rays of a sample for the last bounce, which the visitor sees.
-  /// Error between the vertices above which a triangle may get a grid, relative to the light there and `dim_light`.
+  /// Error between the vertices above which a triangle may get a grid, relative to the light there plus `dim_light`.
   double probe_error = 0.02;
-  float dim_light = 0.0f;  ///< Radiance that is dark on the wall; bake_light() sets it from the scene's exposure.
+  float dim_light = 0.0f;  ///< Radiance that looks dark on the wall; bake_light() derives it from the scene's exposure.
   int max_parts = 32;      ///< Upper bound of a grid's parts along an edge; a power of two up to 256.
-  /// Budget for all samples, per triangle of the scene, but at least `min_bytes`. Grids are made where they mend most.
+  /// Budget for all samples, per triangle of the scene, but at least `min_bytes`. Grids are made where they reduce the
+  /// error most.
   double bytes_per_triangle = 12.0;
   std::uint64_t min_bytes = std::uint64_t{4} << 20;
   /// Processor seconds after which no more grids are made; 0: no limit. With a limit, the result depends on the host.

@@ -14,7 +14,7 @@ struct LightPoint {
   render::Vec3 position = render::Vec3::Zero();
   render::Vec3 normal = render::Vec3::Zero();  ///< The shading normal; zero where there is no surface.
   render::Vec3 facing = render::Vec3::Zero();  ///< The normal of the surface itself, on the same side.
-  float off = 0.0f;                            ///< Distance of `position` from the surface.
+  float off = 0.0f;                            ///< Distance from the surface to `position`.
   std::uint32_t seed = 0;                      ///< Seed of its random numbers.
 
   [[nodiscard]] bool exists() const { return !normal.isZero(0.0f); }

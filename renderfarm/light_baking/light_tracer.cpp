@@ -12,22 +12,22 @@ namespace {
 
 using render::Vec3;
 
-/// Shadow rays of a point between two looks at their agreement.
+/// Shadow rays of a point between two checks of their agreement.
 constexpr int kRound = 16;
 /// Dimensions of the random numbers; see sampler.h.
 enum Dimension : std::uint32_t { kLampChoice = 1000, kLampPlace, kDirection, kPathSeed };
 
-/// Returns the sum of what a path found; nothing if it is broken.
+/// Returns the light that a path found; nothing if it is not finite.
 Vec3 light_of(const render::Path& path) {
   const Vec3 light = path.direct + path.indirect;
   return light.hasNaN() ? Vec3(Vec3::Zero()) : Vec3(light.cwiseMin(render::kBrightest));
 }
 
-/// Least share of the error of independent samples that stratified ones are believed to have.
+/// Minimum standard error of stratified samples, as a share of that of independent ones.
 constexpr double kMinShare = 0.15;
 
-/// The mean of samples that come in rounds. Each round is stratified, so the scatter of the rounds' means tells the error
-/// better than that of the samples, which overestimates it.
+/// The mean of samples that come in rounds. Each round is stratified, so the error is estimated from the scatter of the
+/// rounds' means; that of the samples would overestimate it.
 struct Estimate {
   Vec3 sum = Vec3::Zero();
   Vec3 direction = Vec3::Zero();
@@ -132,7 +132,7 @@ void LightTracer::from_surfaces(std::span<const LightPoint> points, int rays, bo
   CHECK(rays >= 1 && rays <= render::kMaxRays && (rays & (rays - 1)) == 0);
   const std::size_t together = static_cast<std::size_t>(render::kMaxRays / rays);
   const auto per_point = static_cast<std::size_t>(rays);
-  // Textures far away are blurred over the solid angle of a ray.
+  // Distant textures are averaged over the solid angle of a ray.
   const float spread = std::sqrt(2.0f * render::kPi / static_cast<float>(rays));
   for (std::size_t first = 0; first < points.size(); first += together) {
     const std::size_t count = std::min(together, points.size() - first);

@@ -12,18 +12,18 @@
 
 namespace cyclorama::light_baking {
 
-/// Irradiance over pi at a point, by its origin. Their sum is what a sample stores, with the scene's ambient light.
-/// Light of a lamp may be found by a shadow ray or by a scattered ray that hits it; each counts with the weight of the
-/// power heuristic, so `lamps` alone is not all direct light.
+/// Irradiance at a point over pi, divided by its origin. The sum of both, plus the scene's ambient light, is what a
+/// sample stores. Light of a lamp may be found by a shadow ray or by a scattered ray that hits it; each counts with the
+/// weight of the power heuristic, so `lamps` alone is not all direct light.
 struct LampLight {
   render::Vec3 light = render::Vec3::Zero();
-  render::Vec3 direction = render::Vec3::Zero();  ///< Sum of directions, each times the luminance from there.
+  render::Vec3 direction = render::Vec3::Zero();  ///< Sum of directions, each weighted by the luminance from there.
   float error = 0.0f;                             ///< Standard error of its luminance.
 };
 
 struct GatheredLight {
   render::Vec3 light = render::Vec3::Zero();
-  render::Vec3 direction = render::Vec3::Zero();  ///< The same sum as LampLight's.
+  render::Vec3 direction = render::Vec3::Zero();  ///< The same sum as in LampLight.
 };
 
 struct TracerSettings {
@@ -41,12 +41,12 @@ class LightTracer {
   /// not exist get none.
   void from_lamps(std::span<const LightPoint> points, const TracerSettings& settings, std::span<LampLight> ret);
 
-  /// Estimates all other light, from `rays` scattered rays per point, which read the light that the scene has at present
-  /// where they arrive. With `only_lamps` they find lamps alone. Precondition: `rays` is a power of two up to
-  /// render::kMaxRays.
+  /// Estimates all other light, from `rays` scattered rays per point, which read the stored light of the surfaces that
+  /// they hit, as far as it has been computed. With `only_lamps` they collect the light of lamps alone. Precondition:
+  /// `rays` is a power of two up to render::kMaxRays.
   void from_surfaces(std::span<const LightPoint> points, int rays, bool only_lamps, std::span<GatheredLight> ret);
 
-  /// Sets 1 for each pair of points between which nothing lies, otherwise 0.
+  /// Sets 1 for each pair of points with nothing between them, otherwise 0.
   void find_visible(std::span<const std::array<render::Vec3, 2>> pairs, std::span<std::uint8_t> ret);
 
  private:
@@ -56,8 +56,8 @@ class LightTracer {
   const render::ShadeStage shade_;
   render::TraceView view_;
   std::unique_ptr<render::PathBatch> batch_;
-  std::vector<render::Vec3> directions_;    ///< In which each path of the batch starts.
-  std::unique_ptr<render::CellFilm> film_;  ///< The kernels want one; nothing is kept of it.
+  std::vector<render::Vec3> directions_;    ///< Direction in which each path of the batch starts.
+  std::unique_ptr<render::CellFilm> film_;  ///< Required by the kernels; its contents are not used.
 };
 
 }  // namespace cyclorama::light_baking

@@ -16,34 +16,34 @@ namespace {
 using light::TriangleGrid;
 using render::Vec3;
 
-/// Eyes are tried at some places only; a visitor may come nearer than any of them.
+/// Eyes are sampled at some positions only; a visitor may come nearer to a triangle than any of them.
 constexpr double kNearer = 0.7;
-/// From this many parts on, light that comes from other surfaces also varies within the triangle.
+/// From this number of parts on, light from other surfaces varies within the triangle, too.
 constexpr int kManyParts = 16;
 /// Probes may differ by this many standard errors before they count.
 constexpr float kSigmas = 2.5f;
 /// Points near a triangle's corners for visibility tests lie this far towards its middle.
 constexpr float kInwards = 0.02f;
-/// Probes of a triangle, and those of one of kHugeParts or more, on which a small shadow must be found.
+/// Number of probes of a triangle, and of a triangle of kHugeParts or more, in which a small shadow must be found.
 constexpr int kMaxProbes = 6;
 constexpr int kHugeProbes = 16;
-/// A grid begins with this share of the parts that visitors could see, up to kMaxStart.
+/// A grid begins with this share of the parts that a visitor could tell apart, and at most kMaxStart.
 constexpr int kStartShare = 8;
 constexpr int kMaxStart = 4;
 /// Parts of the grid for light from other surfaces, and those on triangles of kHugeParts or more.
 constexpr int kSurfaceParts = 4;
 constexpr int kHugeSurfaceParts = 16;
 constexpr int kHugeParts = 64;
-/// Visible parts from which a triangle is wide: some 20 degrees of the picture.
+/// A triangle with this many visible parts is wide: some 20 degrees of the picture.
 constexpr double kWideParts = 128.0;
-/// Steps from a sample to neighbours, such that each pair is met once.
+/// Steps from a sample to its neighbours, chosen so that each pair occurs once.
 constexpr std::array<std::pair<int, int>, 3> kNeighbours = {{{1, 0}, {0, 1}, {-1, 1}}};
 const Vec3 kMiddle = Vec3::Constant(1.0f / 3.0f);
 
 Vec3 weights_of(float u, float v) { return {1.0f - u - v, u, v}; }
 
-/// Returns point number `i` of a triangle's probes, evenly distributed. Source: Basu and Owen, "Low Discrepancy
-/// Constructions in the Triangle", 2015, replaced by a folded Sobol sequence, which is as good for a few points.
+/// Returns point number `i` of a triangle's probes, evenly distributed. They are a folded Sobol sequence, which is as
+/// good for few points as the constructions of Basu and Owen, "Low Discrepancy Constructions in the Triangle", 2015.
 Vec3 probe_weights(std::uint32_t seed, int i) {
   const render::SobolPoint at = render::sobol_point(render::reversed_bits(static_cast<std::uint32_t>(i)), seed, 0);
   return at.u + at.v > 1.0f ? weights_of(1.0f - at.u, 1.0f - at.v) : weights_of(at.u, at.v);
@@ -88,7 +88,7 @@ class GridMaker {
     grid->parts = grid->next_parts();
     grid->light = sampled(*grid, grid->parts);
     grid->rough.assign(grid->light.size(), 1);
-    // Errors lie along shadows' edges, so the area with errors shrinks with the spacing.
+    // Errors lie along the edges of shadows, so their area is proportional to the spacing.
     grid->squared_error /= static_cast<float>(grid->parts);
   }
 
@@ -103,7 +103,7 @@ class GridMaker {
     return grid;
   }
 
-  /// Returns 1 for each triangle of which a corner does not see the middle.
+  /// Returns 1 for each triangle whose middle is hidden from one of its corners.
   [[nodiscard]] std::vector<std::uint8_t> blocked_corners(std::span<const std::uint32_t> triangles) {
     std::vector<std::array<Vec3, 2>> pairs;
     for (const std::uint32_t triangle : triangles) {
@@ -182,7 +182,7 @@ class GridMaker {
     return sum;
   }
 
-  /// Returns the difference of two samples, without what may be noise, relative to the light there and `dim_light`.
+  /// Returns the difference of two samples in excess of the noise, relative to the light there plus `dim_light`.
   [[nodiscard]] float difference(const ProbeLight& a, const ProbeLight& b, float light) const {
     const float noise = kSigmas * std::hypot(a.error, b.error);
     const float found = std::abs(render::luminance(a.light) - render::luminance(b.light));
@@ -222,8 +222,8 @@ class GridMaker {
     }
   }
 
-  /// Halves the spacing of the samples. New ones are computed beside rough ones and interpolated elsewhere, so the cost
-  /// grows with the length of shadows' edges.
+  /// Halves the spacing of the samples. New samples are computed next to rough ones and interpolated elsewhere, so the
+  /// cost is proportional to the length of the shadows' edges.
   void halve(GridInWork* grid) {
     const int parts = 2 * grid->parts;
     const auto count = static_cast<std::size_t>(TriangleGrid::samples(parts));
@@ -276,7 +276,7 @@ class GridMaker {
 
   [[nodiscard]] static Vec3 grid_weights(int parts, int i, int j) {
     const auto scale = 1.0f / static_cast<float>(parts);
-    // Corners are drawn in a little, off the neighbouring triangles.
+    // Corners are moved slightly inwards, away from the neighbouring triangles.
     const Vec3 weights = weights_of(static_cast<float>(i) * scale, static_cast<float>(j) * scale);
     const float inwards = kInwards * scale;
     return weights * (1.0f - inwards) + Vec3::Constant(inwards / 3.0f);
@@ -303,7 +303,7 @@ class GridMaker {
     return light_at(grid_points(candidate, parts, 100), 0);
   }
 
-  /// Returns light at a place between samples.
+  /// Returns the light at a position between samples.
   [[nodiscard]] static Vec3 interpolated(const std::vector<Vec3>& light, int parts, float u, float v) {
     const int j = std::min(static_cast<int>(v), parts - 1);
     const int i = std::min(static_cast<int>(u), parts - 1 - j);
@@ -316,8 +316,8 @@ class GridMaker {
     return at(i + 1, j + 1) * (u + v - 1.0f) + at(i, j + 1) * (1.0f - u) + at(i + 1, j) * (1.0f - v);
   }
 
-  /// Adds light that comes from other surfaces. It is smooth: small triangles have it from their vertices, unless those
-  /// are hidden; others from a coarse grid of its own.
+  /// Adds light that comes from other surfaces. Since it is smooth, small triangles interpolate it from their vertices,
+  /// unless those are hidden; other triangles use a separate coarse grid.
   void add_surfaces(const GridInWork& candidate, MadeGrid* grid) {
     const std::array<std::size_t, 3> base = base_of(candidate.triangle);
     bool from_base = !is_large(candidate) && !candidate.has_blocked_corner && !side_.per_triangle;
@@ -328,11 +328,11 @@ class GridMaker {
       for (const std::size_t i : base) light.push_back(side_.light[i].surfaces.light);
     } else {
       parts = std::min(grid->parts, candidate.max_parts >= kHugeParts ? kHugeSurfaceParts : kSurfaceParts);
-      // A coarse grid would carry light through what stands on the triangle.
+      // Interpolation in a coarse grid would let light through an object that stands on the triangle.
       if (std::ranges::count(grid->separate, 1) > 0) parts = grid->parts;
       const std::vector<LightPoint> points = grid_points(candidate, parts, 10'000);
       std::vector<GatheredLight> gathered(points.size());
-      // Few samples cover a large part of the picture, so their noise would show; many lie close together.
+      // A few samples cover a large part of the picture, so their noise would be visible; many lie close together.
       const int rays = parts <= kHugeSurfaceParts ? settings_.final_rays : std::max(1, settings_.final_rays / 4);
       tracer_.from_surfaces(points, rays, side_.only_lamps, gathered);
       for (const GatheredLight& sample : gathered) light.push_back(sample.light);
@@ -344,8 +344,8 @@ class GridMaker {
     });
   }
 
-  /// Marks samples that are hidden from a neighbour: one of both is inside or behind something that stands on the
-  /// triangle, and light must not leak between them.
+  /// Marks samples that are hidden from a neighbour: one of the two is inside or behind an object that stands on the
+  /// triangle, so light must not be interpolated between them.
   void find_separate(MadeGrid* grid) {
     grid->separate.assign(grid->light.size(), 0);
     std::vector<std::array<int, 2>> ends;

@@ -10,7 +10,7 @@
 
 namespace cyclorama::light_baking {
 
-/// The light at a base sample, in parts.
+/// The light at a base sample, by its origin.
 struct PointLight {
   LampLight lamps;
   GatheredLight surfaces;
@@ -26,14 +26,14 @@ struct LitSide {
   bool only_lamps = false;  ///< True if light from other surfaces does not count: a scene without bounces.
 };
 
-/// A triangle to look at.
+/// A triangle to be examined.
 struct SeenTriangle {
   std::uint32_t triangle = 0;
   float distance = 0.0f;  ///< Metres to the nearest eye.
 };
 
-/// Triangles with fewer visible parts are so small that a wrong corner spoils a few pixels only; tracing them instead
-/// would cost more than it mends, because intersecting surfaces are everywhere.
+/// A triangle with fewer visible parts is so small that a wrong corner affects a few pixels only. Tracing it instead
+/// would cost more than it gains, since surfaces intersect nearly everywhere.
 inline constexpr double kMinBlockedParts = 32.0;
 
 /// Returns the number of samples along the triangle's longest edge that its nearest visitor could tell apart.
@@ -49,16 +49,17 @@ struct ProbeLight {
 /// A triangle that may get a grid, with the samples that it has so far.
 struct GridInWork {
   std::uint32_t triangle = 0;
-  int max_parts = 1;     ///< Finest parts that a visitor could tell apart, within the settings; a power of two.
-  bool is_wide = false;  ///< Covers so much of a picture that vertices alone would show.
+  /// Number of parts that a visitor could tell apart, within the limits of the settings; a power of two.
+  int max_parts = 1;
+  bool is_wide = false;  ///< So large in a picture that interpolation between its vertices would show.
   int parts = 0;         ///< 0: only the vertices' samples.
-  /// Mean squared error of what is interpolated between its samples, relative to the light there and `dim_light`. Noise
-  /// of the measurement is left out.
+  /// Mean squared error of the interpolation between its samples, relative to the light there plus `dim_light`, without
+  /// the noise of the measurement.
   float squared_error = 0.0f;
   bool is_needed = false;  ///< The vertices' samples cannot be used, so without a grid paths are traced.
   bool has_blocked_corner = false;
   std::vector<ProbeLight> light{};
-  std::vector<std::uint8_t> rough{};  ///< 1 beside samples between which light varies more than linearly.
+  std::vector<std::uint8_t> rough{};  ///< 1 for samples next to which light varies more than linearly.
 
   /// Returns true if a step could improve it.
   [[nodiscard]] bool wants_step() const { return squared_error > 0.0f && parts < max_parts; }
@@ -75,17 +76,17 @@ struct MadeGrid {
   std::vector<std::uint8_t> separate;  ///< 1 for samples that must not be used.
 };
 
-/// Sets 1 for triangles whose corners do not see their middle, because something stands on them, and 0 for others:
-/// between such corners light must not be interpolated. `ret` is for triangles from `first` on.
+/// Sets 1 for triangles on which something stands that hides the middle from a corner, and 0 for others: between such
+/// corners light must not be interpolated. `ret` is for triangles from `first` on.
 void find_blocked(const LitSide& side, std::uint32_t first, LightTracer& tracer, std::span<std::uint8_t> ret);
 
-// The following are thread-bound by `tracer`:
+// The following functions are thread-bound, like their argument `tracer`:
 
 /// Compares light at points inside the triangles with that of their vertices, and returns those that need a grid.
 [[nodiscard]] std::vector<GridInWork> probe_triangles(const LitSide& side, std::span<const SeenTriangle> triangles,
                                                       const BakeSettings& settings, LightTracer& tracer);
-/// Makes the first grid of a triangle, or halves the spacing of its samples. If that improves nothing, the grid stays as
-/// it is and wants no more steps. Precondition: wants_step().
+/// Makes the first grid of a triangle, or halves the spacing of its samples. If that improves nothing, the grid stays
+/// as it is and gets no further steps. Precondition: wants_step().
 void advance_grid(const LitSide& side, const BakeSettings& settings, LightTracer& tracer, GridInWork* grid);
 /// Adds the light from other surfaces to a grid that has samples.
 [[nodiscard]] MadeGrid finished_grid(const LitSide& side, const GridInWork& grid, const BakeSettings& settings,

@@ -21,7 +21,7 @@ using render::Vec3;
 /// Eyes are sampled up to this far, in metres, above and below the scene's start eye, for children, tall people and bent
 /// heads.
 constexpr double kHeightBand = 0.25;
-/// Attempts to find a walkable place; an area so narrow has only the start.
+/// Attempts to find a walkable position; in an area too narrow for that, only the start is used.
 constexpr int kMaxAttempts = 10'000;
 
 bool is_walkable(const scene::SceneInfo& info, const Eigen::Vector2d& place) {
@@ -29,7 +29,7 @@ bool is_walkable(const scene::SceneInfo& info, const Eigen::Vector2d& place) {
   return std::ranges::none_of(info.walkable_holes, [&](const auto& hole) { return scene::is_inside(hole, place); });
 }
 
-/// Distances as bits, so that threads may lower them: positive floats are ordered like their bits.
+/// Distances as bits, which threads can lower atomically: positive floats are ordered like their bits.
 using Bits = std::vector<std::atomic<std::uint32_t>>;
 
 void lower(std::atomic<std::uint32_t>& bits, std::uint32_t value) {

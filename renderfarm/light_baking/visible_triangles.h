@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Which triangles visitors can see, and from how near.
+/// Which triangles visitors can see, and from what distance.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,11 +24,11 @@ struct VisibleTriangles {
   std::uint64_t seen = 0;  ///< Triangles that are seen, each side counted.
 };
 
-/// Returns places of eyes, in the Scene frame: spread evenly over the walkable area, at heights around the eye's.
+/// Returns eye positions in the Scene frame, evenly distributed over the walkable area, at heights around the eye's.
 [[nodiscard]] std::vector<Eigen::Vector3d> walkable_eyes(const scene::SceneInfo& info, int count, std::uint64_t seed);
 
-/// Looks in all directions from walkable_eyes(). What lies behind glass or in a mirror is not seen by this test.
-/// `cancelled` may be null.
+/// Looks in all directions from walkable_eyes(). Triangles that are only visible through glass or in a mirror are not
+/// found. `cancelled` may be null.
 [[nodiscard]] VisibleTriangles find_visible_triangles(const render::Renderer& renderer, const BakeSettings& settings,
                                                       const std::function<bool()>& cancelled);
 

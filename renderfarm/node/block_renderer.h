@@ -44,12 +44,13 @@ class BlockRenderer {
   /// Returns the text of a Pareto front (renderfarm/governor/pareto_front_file.h) for a scene that brings none; empty if
   /// the standard one fits.
   [[nodiscard]] virtual std::string pareto_front() const = 0;
-  /// Returns one sentence about what the scene brings that could not be used; empty if everything could.
+  /// Returns one sentence about parts of the scene that could not be used; empty if there are none.
   [[nodiscard]] virtual std::string note() const = 0;
-  /// Returns true if the scene has no light that was computed ahead, and could have it.
+  /// Returns true if the scene has no light that was computed ahead, but could have it.
   [[nodiscard]] virtual bool wants_light() const { return false; }
   /// Reads light that was computed for the scene (renderfarm/light/light_file.h) and checks it, which may take seconds;
-  /// thread-safe. The result, called once by the thread that renders, puts it into use at once. Errors: as light_file.h.
+  /// thread-safe. The returned function puts the light into use; it is called once, by the render thread. Errors: as
+  /// light_file.h.
   [[nodiscard]] virtual Result<std::function<void()>> light_from(const std::filesystem::path& file) const {
     return Error(ErrorCode::kInvalidArgument, file.string() + ": this renderer uses no stored light");
   }

@@ -41,7 +41,7 @@ std::optional<RenderedTile> BlockWork::next_tile(FilmStore& films, const Interru
   const PixelRect& rect = tiles_[next_];
   BlockRenderer& renderer = *order_->renderer;
   RgbImage pixels;
-  InverseDepthImage depth;  // A picture at rest has none: nobody shows it from elsewhere.
+  InverseDepthImage depth;  // A picture at rest needs none, since it is never shown from another eye.
   if (block().keep()) {
     pixels = refined(rect, films, interrupts);
   } else if (block().view().denoise()) {

@@ -127,8 +127,8 @@ class EmbreeBlockRenderer final : public BlockRenderer {
   const std::string note_;
 };
 
-/// Gives the renderer the light that is stored in the scene's folder, if there is any. Errors: as light_file.h. The
-/// renderer traces paths then.
+/// Gives the renderer the light that is stored in the scene's folder, if there is any. Errors: as light_file.h; the
+/// renderer then traces paths.
 Status load_stored_light(const std::filesystem::path& scene, render::Renderer* renderer) {
   const std::filesystem::path file = scene / light::kLightFileName;
   std::error_code none;

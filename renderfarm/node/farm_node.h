@@ -26,7 +26,7 @@ struct FarmNodeOptions {
   std::uint64_t memory_limit_bytes = 0;     ///< Limit for scenes and films together; 0: scenes are not limited.
   /// Cache for distributed scenes; without a folder the node accepts none.
   scene_distribution::SceneCacheOptions cache{};
-  bool computes_light = true;     ///< It computes the light of scenes ahead while it has nothing to render.
+  bool computes_light = true;     ///< Computes the light of scenes ahead while there is nothing to render.
   std::optional<TlsFiles> tls{};  ///< Empty: not encrypted, for coordinators on this machine.
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// A node's interface to what computes the light of a scene ahead: production starts a process (light_process.h), tests
-/// decide what happens.
+/// A node's interface to the computation of a scene's light: production starts a process (light_process.h), tests
+/// script the outcome.
 #pragma once
 
 #include <filesystem>
@@ -20,9 +20,10 @@ class LightComputation {
   /// Returns at once; from then on it takes no processor time.
   virtual void pause() = 0;
   virtual void resume() = 0;
-  /// Returns the share that is done, in [0, 1].
+  /// Returns the completed share, in [0, 1].
   [[nodiscard]] virtual double done_share() = 0;
-  /// Returns nothing while it works; then success, with the file complete, or why it failed, in one sentence.
+  /// Returns nothing while the computation runs; then success, when the file is complete, or the reason of the failure
+  /// in one sentence.
   [[nodiscard]] virtual std::optional<Status> result() = 0;
 
  protected:

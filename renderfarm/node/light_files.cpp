@@ -17,15 +17,15 @@ namespace fs = std::filesystem;
 constexpr const char* kInScene = "light.store";  ///< Equals light::kLightFileName.
 constexpr std::size_t kMaxFiles = 64;
 
-/// Returns a file name for a path. Two paths with one name would only replace each other's light, which each scene
-/// refuses if it is not its own. Source: FNV-1a, http://www.isthe.com/chongo/tech/comp/fnv.
+/// Returns a file name for a path. If two paths have the same name, they replace each other's light; a scene refuses
+/// light that is not its own. Source: FNV-1a, http://www.isthe.com/chongo/tech/comp/fnv.
 std::string name_of(const std::string& path) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (const char byte : path) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
   return fmt::format("{:016x}.store", hash);
 }
 
-/// Removes files that a killed computation left half written: the name with six more characters.
+/// Removes the incomplete files of killed computations: the file's name with six more characters.
 void remove_left_over(const fs::path& file) {
   const std::string begin = file.filename().string() + ".";
   std::error_code error;

@@ -8,8 +8,8 @@
 
 namespace cyclorama::node {
 
-/// Says where the light that a node computes lies: in `light/` of its cache, one file per scene; without a cache, in the
-/// scene's own folder. Thread-safe.
+/// Determines where a node stores the light that it computes: in `light/` of its cache, one file per scene; without a
+/// cache, in the scene's own folder. Thread-safe.
 class LightFiles {
  public:
   /// An empty folder means that the node has no cache.
@@ -17,8 +17,8 @@ class LightFiles {
 
   /// Returns where the light of the scene at `path` belongs, whether or not it is there; empty if there is no such place.
   [[nodiscard]] std::filesystem::path file_of(const std::string& path) const;
-  /// Makes that place ready for a new file: creates the folder, removes what a killed computation left behind, and the
-  /// oldest files beyond a limit. Errors: one sentence on why nothing can be written there.
+  /// Prepares that place for a new file: creates the folder, and removes incomplete files and the oldest files beyond a
+  /// limit. Errors: one sentence on why nothing can be written there.
   Result<std::filesystem::path> prepare(const std::string& path) const;
 
  private:

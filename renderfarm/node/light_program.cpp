@@ -63,7 +63,8 @@ Status compute_light(const std::filesystem::path& scene, const std::filesystem::
 
 Status run_light_program(const std::filesystem::path& scene, const std::filesystem::path& file, int threads) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  std::signal(SIGXFSZ, SIG_IGN);  // A file that may not grow is an error to report, like a full disk.
+  // Without this, a limit on the file's size would end the process; now it is reported like a full disk.
+  std::signal(SIGXFSZ, SIG_IGN);
   give_way_to_all();
   double reported = -1.0;
   Status done = compute_light(scene, file, threads, [&](double share) {

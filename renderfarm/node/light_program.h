@@ -15,8 +15,8 @@ namespace cyclorama::node {
 Status compute_light(const std::filesystem::path& scene, const std::filesystem::path& file, int threads,
                      const std::function<void(double)>& progress);
 
-/// The same as a process: lowers its priority to the system's lowest, ends when its parent ends, and reports on standard
-/// output.
+/// The same as a program: lowers its priority to the system's lowest, ends when its parent ends, and reports on
+/// standard output.
 Status run_light_program(const std::filesystem::path& scene, const std::filesystem::path& file, int threads);
 
 /// Starts this program anew with the options that node_main.cpp passes to run_light_program().

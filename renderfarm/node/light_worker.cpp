@@ -7,7 +7,7 @@
 namespace cyclorama::node {
 namespace {
 
-/// Time between two looks at a computation.
+/// Interval at which a computation is checked.
 constexpr Duration kPeriod = std::chrono::milliseconds(100);
 /// Share below which the remaining time is unknown.
 constexpr double kMinShare = 0.02;

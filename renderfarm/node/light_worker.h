@@ -27,10 +27,10 @@ class LightWorker {
  public:
   struct Calls {
     std::function<bool()> has_blocks;  ///< Returns true while blocks wait or are rendered; called from any thread.
-    /// The light of the scene at `path` is in `file`, or it failed. Called by the thread of work().
+    /// Called by the thread of work() when the light of the scene at `path` is in `file`, or could not be computed.
     std::function<void(const std::string& path, const std::filesystem::path& file, const Status& status)> finished;
   };
-  /// Idle time before a paused computation goes on, so that it does not stutter between a visit's frames.
+  /// Idle time before a paused computation resumes, so that it does not start and stop between the frames of a visit.
   static constexpr Duration kQuiet = std::chrono::seconds(2);
 
   /// Without a starter, nothing is computed. `clock` must outlive it.
@@ -38,7 +38,7 @@ class LightWorker {
 
   // Thread-safe:
 
-  /// Requests the light of a scene, unless it was requested before. `name` is what the coordinator calls it.
+  /// Requests the light of a scene, unless it was requested before. `name` is the coordinator's name for it.
   void want(const std::string& path, const std::string& name);
   /// To be called when a block arrives: pauses at once.
   void give_way();
@@ -51,7 +51,7 @@ class LightWorker {
 
   /// Waits until there is something to do, or for a moment while a computation works; false once stopped.
   bool wait();
-  /// Starts, resumes or ends a computation, whatever is due. Returns false if there is nothing to compute.
+  /// Starts, resumes or ends a computation as needed. Returns false if there is nothing to compute.
   bool work();
 
  private:
@@ -66,7 +66,7 @@ class LightWorker {
   const LightFiles files_;
   const Calls calls_;
   const Clock& clock_;
-  std::filesystem::path file_;  ///< Light thread only: of the current computation.
+  std::filesystem::path file_;  ///< Light thread only: the file of the current computation.
 
   mutable std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;
@@ -77,7 +77,7 @@ class LightWorker {
   bool paused_ = false;
   TimePoint block_at_ = TimePoint::min();  ///< Time when a block last arrived or waited.
   double done_share_ = 0.0;
-  double worked_seconds_ = 0.0;  ///< Time for which the current one was not paused.
+  double worked_seconds_ = 0.0;  ///< Time that the current computation has run.
   TimePoint looked_at_{};
 };
 

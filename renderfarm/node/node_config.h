@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// node.toml: docs/reference/settings.md.
+/// Reads node.toml; docs/reference/settings.md lists its keys.
 #pragma once
 
 #include <filesystem>

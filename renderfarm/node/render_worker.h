@@ -38,13 +38,13 @@ class RenderWorker {
   /// Queues a block; if its scene is not loaded by now, the block ends with an error. Errors: kBadData if the
   /// coordinator is broken: a number in use, too many blocks, or a huge message.
   Status take(LinkId link, const wire::RenderBlock& block);
-  /// Sends the block's end soon, whether it waits or is half done.
+  /// Sends the block's end soon, even if it is waiting or half done.
   void cancel(LinkId link, std::uint64_t block);
   void forget_session(const FilmStore::Session& session);
   /// To be called when a link may accept tiles again.
   void link_moved();
   /// Has the render thread call `work` when no block of `renderer` is half done: soon, or before the next block. It
-  /// keeps the renderer meanwhile. `work` must take no time.
+  /// keeps the renderer alive until then. `work` must return at once.
   void run_between_blocks(std::shared_ptr<BlockRenderer> renderer, std::function<void()> work);
   [[nodiscard]] std::size_t waiting() const;
   /// Returns true once no block has waited for `quiet`; false at the deadline.
@@ -66,7 +66,7 @@ class RenderWorker {
   void look_again();
   /// Returns true if a block of the renderer is half done. Render thread only.
   [[nodiscard]] bool is_begun(const BlockRenderer& renderer) const;
-  /// Calls what run_between_blocks() left, as far as possible.
+  /// Calls the functions of run_between_blocks() whose renderer has no begun block.
   void run_left_work();
   /// Returns the seconds rendered since the start, including the current piece.
   [[nodiscard]] double rendered_seconds() const;
@@ -93,7 +93,8 @@ class RenderWorker {
   double rendered_seconds_ = 0.0;                   ///< Total of the earlier pieces.
   std::vector<FilmStore::Session> ended_sessions_;  ///< Sessions to be forgotten.
   std::vector<LinkId> dropped_;                     ///< Links to be forgotten.
-  std::vector<std::pair<std::shared_ptr<BlockRenderer>, std::function<void()>>> left_work_;  ///< Between blocks.
+  /// Functions to be called between blocks.
+  std::vector<std::pair<std::shared_ptr<BlockRenderer>, std::function<void()>>> left_work_;
 };
 
 }  // namespace cyclorama::node

@@ -25,7 +25,8 @@ class SceneFetcher {
   /// A cache without a folder is disabled.
   explicit SceneFetcher(scene_distribution::SceneCacheOptions cache) : options_(std::move(cache)) {}
 
-  /// Returns where an order's scene was last found, without a lease; nothing for scenes on the node's own disk.
+  /// Returns where an order's scene was last found; nothing keeps it there. Returns nothing for scenes on the node's
+  /// own disk.
   [[nodiscard]] std::optional<scene_distribution::SceneCache::Held> found_before(const wire::LoadScene& order) const;
 
   /// `coordinator` should be a separate connection, or null if it distributes nothing. `report_progress` receives

@@ -21,8 +21,12 @@ constexpr std::size_t kMaxErrorBytes = 1000;
 /// Returns the scene's own Pareto front, validated; empty if it has none.
 Result<std::string> front_of(const std::filesystem::path& scene) {
   constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
-  const std::filesystem::path file = scene / "front.toml";
+  const std::filesystem::path file = scene / governor::kParetoFrontFileName;
   std::error_code none;
+  if (std::filesystem::exists(scene / "front.toml", none)) {
+    return Error(ErrorCode::kBadData, fmt::format("'{}' is called {} now; rename it", (scene / "front.toml").string(),
+                                                  governor::kParetoFrontFileName));
+  }
   if (!std::filesystem::exists(file, none)) return std::string();
   TRY_ASSIGN(std::string text, read_text_file(file, kMaxBytes));
   TRY(governor::parse_pareto_front(text, file.string()));

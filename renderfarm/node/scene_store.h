@@ -61,7 +61,8 @@ class SceneStore {
   struct Loaded {
     std::shared_ptr<BlockRenderer> renderer;
     wire::SceneLoaded answer;
-    bool has_own_front = false;  ///< The scene brings a front, which says what its pictures use.
+    /// The scene has a Pareto front of its own, which determines the quality of its pictures.
+    bool has_own_front = false;
     std::uint64_t used = 0;      ///< Use counter; the smallest is the least recently used.
   };
   using Scenes = std::map<std::string, Loaded>;  ///< Scenes by path.
@@ -75,7 +76,7 @@ class SceneStore {
                                                       const std::function<void(double)>& progress);
   Result<Loaded> loaded_from(const std::string& name, const std::string& path,
                              const std::function<void(double)>& progress);
-  /// Reads the light that this node computed earlier, if it did. Errors: as BlockRenderer::light_from().
+  /// Reads the light that this node computed earlier, if there is any. Errors: as BlockRenderer::light_from().
   Status read_computed_light(const std::string& path, BlockRenderer& renderer) const;
   [[nodiscard]] static wire::SceneLoaded answer_for(const Loaded& loaded, const std::string& name);
   // With mutex_ held:

@@ -108,9 +108,9 @@ CYCLORAMA_INLINE void trace(const Setup s, int count, const float* __restrict__ 
         eye_x = s.viewer[0] - side * z;
         eye_z = s.viewer[2] + side * x;
       }
-      const float to_x = x - eye_x * s.nearness;
-      const float to_y = y - eye_y * s.nearness;
-      const float to_z = z - eye_z * s.nearness;
+      const float to_x = x - eye_x * s.inverse_screen_m;
+      const float to_y = y - eye_y * s.inverse_screen_m;
+      const float to_z = z - eye_z * s.inverse_screen_m;
       const float inverse = 1.0f / std::sqrt(to_x * to_x + to_y * to_y + to_z * to_z);
       direction_x[i] = to_x * inverse;
       direction_y[i] = to_y * inverse;
@@ -234,7 +234,7 @@ RayCamera::RayCamera(const Projection& projection, double heading_rad) {
   s_.upper_side = viewing.eyes == Eyes::kMono ? 0.0f : viewing.eyes == Eyes::kRight ? half : -half;
   s_.lower_side = half;
   s_.moves = s_.upper_side != 0.0f || !viewing.viewer_m.isZero(0.0);
-  s_.nearness = static_cast<float>(1.0 / viewing.screen_distance_m);
+  s_.inverse_screen_m = static_cast<float>(1.0 / viewing.screen_distance_m);
   s_.pole_fade = std::max(static_cast<float>(std::sin(viewing.pole_fade_rad)), std::numeric_limits<float>::min());
   const Eigen::Vector3d viewer = heading * viewing.viewer_m;
   const Eigen::Vector3d right = heading.col(0);

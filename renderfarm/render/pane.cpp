@@ -7,9 +7,9 @@
 namespace cyclorama::render {
 namespace {
 
-constexpr int kMaxPanes = 16;  ///< On one shadow ray; more of them are taken as opaque.
+constexpr int kMaxPanes = 16;  ///< Limit for one shadow ray; further panes count as opaque.
 
-/// Returns the part of the light from behind the hit that arrives along `direction`, reversed.
+/// Returns the share of the light from behind the hit that arrives at the ray's start, against `direction`.
 Vec3 let_through(const TriangleHit& hit, const SurfacePoint& point, const Vec3& direction) {
   const Vec3 wo = -direction;
   const Shading shading = shading_at<SurfaceLevel::kLayered>(hit, point, wo, Footprint{});
@@ -37,11 +37,11 @@ void cross_panes(const TraceScene& scene, PathBatch& batch) {
   for (int pane = 0; rays.count() > 0; ++pane) {
     const int count = rays.count();
     batch.rays_traced += static_cast<std::uint64_t>(count);
-    // The distance to go, which the distance of a hit replaces.
+    // Remaining distance of each ray, since a hit overwrites the ray's own.
     std::array<float, kMaxRays> left;
     for (int i = 0; i < count; ++i) left[static_cast<std::size_t>(i)] = rays.distance(i);
     trace_nearest(scene.panes, Coherence::kIncoherent, rays);
-    rays.clear();  // Rays that go on take the places of those already looked at.
+    rays.clear();  // Rays that continue replace those that were already examined.
     for (int i = 0; i < count; ++i) {
       if (!rays.has_hit(i)) continue;
       const std::uint16_t shadow = shadow_of[static_cast<std::size_t>(i)];

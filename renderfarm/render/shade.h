@@ -192,7 +192,7 @@ class Shade {
     if (continues) continue_path(i, ray, point, shading, side, scattering, footprint.width, last);
   }
 
-  /// Lets a ray that only collects light go on through a pane.
+  /// Continues a ray that only collects light through a pane.
   void cross_pane(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& wo) {
     if constexpr (kLevel == SurfaceLevel::kLayered) {
       if (!shading.bsdf.thin || ray.surfaces >= view_.quality.bounces + kMaxPassages) return;

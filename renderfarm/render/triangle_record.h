@@ -14,7 +14,8 @@ namespace cyclorama::render {
 /// ten memory accesses for each took a quarter of the render time.
 struct alignas(64) TriangleRecord {
   std::array<std::array<float, 3>, 3> corners;
-  std::array<std::array<std::int16_t, 3>, 3> normals;  ///< Per corner, times 32767; within 2e-5 of the mesh's.
+  /// Per corner, times 32767; they differ from those of the mesh by at most 2e-5.
+  std::array<std::array<std::int16_t, 3>, 3> normals;
   std::array<std::array<std::uint8_t, 3>, 3> colours;  ///< Per corner, sRGB.
 
   [[nodiscard]] Vec3 corner(std::size_t i) const { return to_vec3(corners[i]); }

@@ -13,8 +13,8 @@
 namespace cyclorama::scene {
 namespace {
 
-constexpr double kMetresUpTo = 30.0;           ///< A larger thing may be in another unit.
-constexpr double kMillimetresBeyond = 2000.0;  ///< No site that a visitor walks is longer in metres.
+constexpr double kMetresUpTo = 30.0;           ///< A larger object may be in another unit.
+constexpr double kMillimetresBeyond = 2000.0;  ///< Larger than any site that a visitor walks through, in metres.
 constexpr double kMinRoomM = 2.0;
 constexpr double kMaxRoomM = 15.0;
 

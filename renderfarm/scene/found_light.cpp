@@ -62,8 +62,8 @@ double area_of(const Mesh& mesh, const Eigen::Matrix3d& linear) {
   return sum * static_cast<double>(stride);
 }
 
-/// Factor on a room's lamps, for the brightness that a grey room (albedo 0.5) has at a factor of 1: light reaches the
-/// eye from one surface, or from one after another.
+/// Factor on a room's lamps that gives the brightness of a grey room (albedo 0.5) at a factor of 1. Light reaches the
+/// eye after one or more reflections.
 double strength_for(double albedo, int bounces) {
   constexpr double kGrey = 0.5;
   constexpr double kWeakest = 0.2;
@@ -114,7 +114,7 @@ void add_light(const FoundSettings& found, Scene* scene) {
     constexpr double kMinDropM = 0.8;
     constexpr double kBrightestLux = 4.0;
     const double drop = std::max(0.5 * found.ceiling_m, kMinDropM);
-    Light hanging;  // Gives shapes shadows, which a lamp at the eye does not.
+    Light hanging;  // Casts the shadows that show shapes, unlike a lamp at the eye.
     hanging.name = "hanging";
     hanging.position = found.eye + (found.ceiling_m - drop) * Eigen::Vector3d::UnitY() +
                        (0.5 * found.free_m) * ahead(found.heading_rad - 0.5 * std::numbers::pi);

@@ -7,9 +7,9 @@
 namespace cyclorama::scene {
 
 /// Adds light to a scene that has none: the sky and a sun-like lamp outdoors and for objects, one lamp at the eye and
-/// one above it in rooms. The lamps of a room are the weaker the more its surfaces reflect, so that white walls, which
-/// light each other, are not burnt out and dark ones can be seen. Emissive surfaces do not count, since they light
-/// nothing else.
+/// one above it in rooms. The more the surfaces of a room reflect, the weaker are its lamps, so that white walls, which
+/// light each other, are not overexposed and dark ones are visible. Emissive surfaces do not count as light, since they
+/// light nothing else.
 void add_light(const FoundSettings& found, Scene* scene);
 
 /// Adds what shadows receive to a scene with light of its own: 4 % of white. Around an object it comes from a grey

@@ -16,7 +16,8 @@ namespace {
 constexpr double kMinPlaceM = 2.2;  ///< In all three directions; a smaller model is an object.
 constexpr double kMinSiteM = 6.0;
 constexpr double kMuchGroundM2 = 100.0;
-constexpr double kMaxCourtM = 8.0;  ///< Height of a room without a ceiling; what is higher is a vessel in another unit.
+/// Maximum height of a room without a ceiling; anything higher is a vessel in another unit.
+constexpr double kMaxCourtM = 8.0;
 
 /// Finds the floor below an eye that was chosen by somebody.
 Standing stand_at(const SpaceGrid& grid, const Eigen::Vector3d& eye) {
@@ -51,7 +52,7 @@ std::vector<Eigen::Vector2d> ring(const Eigen::Vector3d& middle, double heading_
   return corners;
 }
 
-/// Heading under which an object shows most. glTF's front is +z, so that is where the visitor stands, unless the thing
+/// Heading under which an object shows most. glTF's front is +z, so that is where the visitor stands, unless the object
 /// is flat and shows an edge or its back there.
 double heading_before(const Model& model, const Eigen::Vector3d& size) {
   constexpr double kFlat = 0.3;

@@ -40,8 +40,8 @@ bool continues_at(std::span<const std::byte> bytes, std::size_t at) {
          read_u32(bytes, at) <= bytes.size() - at - kChunkHeaderBytes;
 }
 
-/// Returns where the chunk whose content ends at `end` is over. Of the writers that state a length which is not a
-/// multiple of 4, some pad nevertheless and some do not: nothing if neither or both can be.
+/// Returns the end of the chunk whose content ends at `end`. Some writers that state a length which is not a multiple
+/// of 4 pad the chunk nevertheless, others do not. Returns nothing if neither or both are possible.
 std::optional<std::size_t> end_of_chunk(std::span<const std::byte> bytes, std::size_t end) {
   const std::size_t padded = (end + 3) / 4 * 4;
   if (padded == end) return end;

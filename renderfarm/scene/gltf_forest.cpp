@@ -67,8 +67,8 @@ Result<std::vector<std::size_t>> roots_of_scene(const GltfDocument& document, co
     if (!named[root]) roots.push_back(root);
     named[root] = true;
   }
-  // A node below another one that is shown is shown in its place there, as without being named. One whose parents are
-  // not shown is a root by this scene's own words.
+  // A node whose ancestor is shown appears at its place below that one, whether it is listed or not. A node whose
+  // ancestors are not shown is a root, since the scene lists it.
   std::erase_if(roots, [&](std::size_t root) {
     if (parents[root]) notes->add("a scene names a node that is the child of another: shown once", nodes.place());
     for (std::optional<std::size_t> above = parents[root]; above; above = parents[*above]) {

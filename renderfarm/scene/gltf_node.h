@@ -20,8 +20,8 @@ struct GltfForest {
   std::vector<std::size_t> shown_roots;  ///< Roots of the default scene, or of the whole file if it has no scenes.
 };
 
-/// A scene that names a child of a shown node, or a node twice, shows it once, with a note. Errors: kBadData for a loop
-/// or a node with two parents.
+/// A scene that lists a node twice, or a node and its descendant, shows it once, with a note. Errors: kBadData for a
+/// loop or a node with two parents.
 Result<GltfForest> read_gltf_forest(const GltfDocument& document, GltfNotes* notes);
 
 /// Fills instances, lights and viewpoints, and loads what they need through `meshes`. A file with meshes but no nodes

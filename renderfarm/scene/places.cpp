@@ -24,7 +24,7 @@ constexpr std::size_t kPictured = 10;  ///< Candidates of each kind whose pictur
 
 double heading_of(int direction) { return 2.0 * std::numbers::pi * direction / kDirections; }
 
-/// Prefers wide places, and long views among them: a first choice, before a picture is traced.
+/// Prefers open positions, and long views among these; used for a first selection, before a picture is traced.
 double roominess(const Place& place) { return std::min(place.nearest_m, 3.0) + 0.1 * std::min(place.mean_m, kFarM); }
 
 /// Returns the eye, or a point above it if that is in a cell of the ground: cells of a large site are higher than people.
@@ -58,7 +58,7 @@ Column column_of(const SpaceGrid& grid, const Eigen::Vector3d& eye, int directio
 bool is_ground_ahead(const SpaceGrid& grid, const Standing& standing, int direction) {
   const Eigen::Vector3d ray = (ahead(heading_of(direction)) + kFeet * Eigen::Vector3d::UnitY()).normalized();
   const SpaceGrid::Ray hit = grid.cast(standing.eye, ray);
-  // Reaches at most a step lower than the visitor stands.
+  // Reaches ground that is at most a step below the visitor's.
   return hit.hits && hit.length_m < std::hypot(1.0, 1.0 / kFeet) * (standing.eye_height_m() + 0.5 * kStepM);
 }
 

@@ -42,7 +42,7 @@ struct Place {
   [[nodiscard]] bool is_inside_solid() const { return 2 * from_behind > walls; }
   [[nodiscard]] bool has_walls() const { return 4 * walls >= 3 * kDirections && !is_inside_solid(); }
   [[nodiscard]] bool is_room() const { return has_ceiling && ceiling_m < kMaxCeilingM && has_walls(); }
-  /// No building has a ceiling this high: what seems to be one is the inside of an object in another unit.
+  /// No building has a ceiling this high: what looks like one is the inside of an object in another unit.
   [[nodiscard]] bool is_inside_vessel() const { return has_ceiling && ceiling_m >= kMaxCeilingM && has_walls(); }
   static constexpr double kMaxCeilingM = 60.0;
 };
@@ -57,8 +57,9 @@ struct BestPlaces {
   std::optional<Place> site;
 };
 
-/// Returns the best room, or the best site if there are no rooms; its view_heading_rad is that of the best view. A place whose ground is a
-/// small part of the largest that there is, such as a plinth, loses to that. Takes less than a second.
+/// Returns the best room, or the best site if there are no rooms; its view_heading_rad is that of the best view. A
+/// position on a small piece of ground, such as a plinth, is not chosen if there is a much larger piece. Takes less
+/// than a second.
 [[nodiscard]] BestPlaces find_places(const SpaceGrid& grid);
 
 }  // namespace cyclorama::scene

@@ -32,7 +32,7 @@ class PointCells {
     min_ = box.min();
     const float diagonal = std::max(box.diagonal().norm(), 1e-6f);
     const float finest = 2.0f * box.sizes().maxCoeff() / static_cast<float>(1u << kAxisBits);
-    // This fits an even surface; scans that are denser in some places need a few corrections.
+    // Suits an even surface; scans that are denser in some parts need a few corrections.
     cell_ = 2.5f * diagonal / std::sqrt(static_cast<float>(cloud.positions.size()));
     constexpr double kFewPerCell = 3.0;
     constexpr double kManyPerCell = 24.0;

@@ -12,9 +12,9 @@ namespace cyclorama::scene {
 inline constexpr std::size_t kSquareBytes = 4 * (12 + 4) + 24 + 32;
 
 /// Replaces the points of `cloud`, which has no triangles, by squares that overlap a little. A square lies in the plane
-/// of the point's neighbours, or across its normal if the cloud has normals, and is as large as the points there are
-/// apart. Keeps the colours. Returns the median distance between neighbours. Takes about a microsecond for each point.
-/// Precondition: at least one point, and memory for kSquareBytes each. Reentrant.
+/// of the point's neighbours, or across its normal if the cloud has normals, and its side is about the distance between
+/// points there. Keeps the colours. Returns the median distance between neighbours. Takes about a microsecond for each
+/// point. Precondition: at least one point, and memory for kSquareBytes each. Reentrant.
 double make_point_squares(Mesh* cloud);
 
 }  // namespace cyclorama::scene

@@ -39,7 +39,7 @@ std::vector<Entry> entries_of(const fs::path& folder) {
   return entries;
 }
 
-/// Returns the digest in the name of a file or of its part; empty for names that are not the cache's.
+/// Returns the digest in the name of a file or of its part; empty for other names.
 std::string sha256_in(const fs::path& path) {
   const std::string stem = path.stem().string();
   const std::string extension = path.extension().string();

@@ -32,7 +32,7 @@ class FileSource {
 
 struct SceneCacheOptions {
   std::filesystem::path folder;   ///< Created if absent; must be on a file system with hard links.
-  std::uint64_t limit_bytes = 0;  ///< Limit for all files; 0 leaves only the disk's.
+  std::uint64_t limit_bytes = 0;  ///< Limit for all files; 0 leaves only that of the disk.
 };
 
 /// Receives the current step ("checking", "fetching", "waiting for another node to fill the cache") and the fraction of

@@ -105,7 +105,7 @@ Status run(const Options& options) {
 
 int main(int argc, char** argv) {
   cyclorama::Program program("cyclorama-walkable",
-                             "Finds where visitors can walk in a scene, from its geometry: ground, head room, steps, "
+                             "Finds where visitors can walk in a scene, from its geometry: ground, headroom, steps, "
                              "slopes, and what is in the way.");
   cyclorama::tools::Options options;
   cyclorama::tools::add_options(program.options(), &options);

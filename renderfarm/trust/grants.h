@@ -40,7 +40,7 @@ struct Grant {
 /// A museum that is not listed has no rights. A value; thread-bound.
 class Grants {
  public:
-  /// Errors as Config's.
+  /// Errors: those of Config.
   static Result<Grants> parse(std::string_view text, const std::string& name);
   /// Returns null if the museum has no grant.
   [[nodiscard]] const Grant* find(std::string_view museum) const;

@@ -28,11 +28,11 @@ inline calibration::Calibration exact_calibration(const Installation& room, cons
         lens.width_px, lens.height_px, lens.width_px / 4, lens.height_px / 4, {}, {}, 0.01, 0.1, 1000};
     for (int y = 0; y <= map.cells_y; ++y) {
       for (int x = 0; x <= map.cells_x; ++x) {
-        const auto sight = exact.view_direction_of({static_cast<double>(x) * lens.width_px / map.cells_x,
-                                                    static_cast<double>(y) * lens.height_px / map.cells_y});
-        map.directions.push_back(sight ? turn * sight->normalized()
-                                       : Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()).eval());
-        map.sigma_px.push_back(sight ? 0.05 : std::numeric_limits<double>::infinity());
+        const auto view = exact.view_direction_of({static_cast<double>(x) * lens.width_px / map.cells_x,
+                                                   static_cast<double>(y) * lens.height_px / map.cells_y});
+        map.directions.push_back(view ? turn * view->normalized()
+                                      : Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()).eval());
+        map.sigma_px.push_back(view ? 0.05 : std::numeric_limits<double>::infinity());
       }
     }
     calibration.projectors.push_back({room.projectors[i].name, std::move(map), false});

@@ -231,25 +231,25 @@ SeamScore seam_score(const simulated::TrueMuseum& museum, const photometry::Phot
     const double elevation = elevation_deg * kDegree;
     const Eigen::Vector3d direction(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
                                     -std::cos(azimuth) * std::cos(elevation));
-    SeamSample sight;
-    sight.at_deg = {azimuth_deg, elevation_deg};
-    sight.hit = museum.wall().hit({museum.installation().sweet_spot, direction});
-    if (!sight.hit) return sight;
+    SeamSample sample;
+    sample.at_deg = {azimuth_deg, elevation_deg};
+    sample.hit = museum.wall().hit({museum.installation().sweet_spot, direction});
+    if (!sample.hit) return sample;
     for (std::size_t p = 0; p < photometry.heads.size(); ++p) {
-      const auto pixel = museum.projector_pixel(p, *sight.hit);
+      const auto pixel = museum.projector_pixel(p, *sample.hit);
       if (!pixel || !museum.truth().projectors[p].lens.pinhole().contains(*pixel)) continue;
-      sight.projectors |= 1u << p;
-      sight.weights += bilinear(photometry.heads[p].weight, *pixel)[0];
+      sample.projectors |= 1u << p;
+      sample.weights += bilinear(photometry.heads[p].weight, *pixel)[0];
     }
-    return sight;
+    return sample;
   };
   const auto is_lit = [&](const Eigen::Vector2d& at_deg) {
     return view_direction_of(at_deg.x(), at_deg.y()).projectors != 0;
   };
   const auto judge_weights = [&](const std::vector<SeamSample>& line) {
-    for (const SeamSample& sight : line) {
-      const double error = std::abs(sight.weights - 1.0);
-      if (std::popcount(sight.projectors) < 2) continue;
+    for (const SeamSample& sample : line) {
+      const double error = std::abs(sample.weights - 1.0);
+      if (std::popcount(sample.projectors) < 2) continue;
       ++shared;
       off += static_cast<std::size_t>(error > kMaskGoal);
       if (!(error > score.mask_sum_error)) continue;
@@ -257,11 +257,11 @@ SeamScore seam_score(const simulated::TrueMuseum& museum, const photometry::Phot
       bool is_inside = true;
       for (int way = 0; way < 8 && is_inside; ++way) {
         const double turn = way * 45.0 * kDegree;
-        is_inside = is_lit(sight.at_deg + rim_deg * Eigen::Vector2d(std::cos(turn), std::sin(turn)));
+        is_inside = is_lit(sample.at_deg + rim_deg * Eigen::Vector2d(std::cos(turn), std::sin(turn)));
       }
       if (!is_inside) continue;
       score.mask_sum_error = error;
-      score.mask_worst_deg = sight.at_deg;
+      score.mask_worst_deg = sample.at_deg;
     }
   };
   for (double elevation = -60.0; elevation <= 80.0; elevation += 1.7) {

@@ -18,12 +18,12 @@ inline calibration::MeasuredMap true_map(const simulated::TrueMuseum& museum, st
       lens.width_px, lens.height_px, lens.width_px / 16, lens.height_px / 16, {}, {}, 0.01, 0.1, 1000};
   for (int y = 0; y <= map.cells_y; ++y) {
     for (int x = 0; x <= map.cells_x; ++x) {
-      const auto sight =
+      const auto view =
           museum.direction_at(projector, static_cast<double>(x) * lens.width_px / map.cells_x,
                               static_cast<double>(y) * lens.height_px / map.cells_y, museum.installation().sweet_spot);
-      map.directions.push_back(sight ? *sight
-                                     : Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()).eval());
-      map.sigma_px.push_back(sight ? 0.05 : std::numeric_limits<double>::infinity());
+      map.directions.push_back(view ? *view
+                                    : Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()).eval());
+      map.sigma_px.push_back(view ? 0.05 : std::numeric_limits<double>::infinity());
     }
   }
   return map;

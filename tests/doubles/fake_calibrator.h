@@ -104,7 +104,7 @@ class FakeCalibrator final : private wire::Calibrator::Service {
   InspectionService inspection{"calibrator"};
   /// Counts realignment requests, and reverts corrections that it never made.
   struct Healing final : wire::Healing::Service {
-    grpc::Status Realign(grpc::ServerContext*, const wire::RealignOrder* order, wire::RealignAnswer* answer) override {
+    grpc::Status Realign(grpc::ServerContext*, const wire::RealignRequest* order, wire::RealignReply* answer) override {
       if (order->undo()) {
         if (corrections == 0) return {grpc::StatusCode::NOT_FOUND, "no correction stands that could be undone"};
         answer->set_undone("projector 'middle' is drawn for as before correction " + std::to_string(corrections--));
@@ -115,7 +115,7 @@ class FakeCalibrator final : private wire::Calibrator::Service {
                          : grpc::Status(grpc::StatusCode::FAILED_PRECONDITION, "nothing watches the wall");
     }
     /// Reports one camera that is located, and one that sees too little.
-    grpc::Status PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasOrder*,
+    grpc::Status PlaceCameras(grpc::ServerContext* context, const wire::PlaceCamerasRequest*,
                               wire::PlacedCameras* reply) override {
       while (is_placing && !context->IsCancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
       if (context->IsCancelled()) return grpc::Status::CANCELLED;
@@ -139,11 +139,11 @@ class FakeCalibrator final : private wire::Calibrator::Service {
   std::atomic<bool> is_held{false};        ///< While true, waits after the current message until it is cancelled.
   grpc::Status end = grpc::Status::OK;
   std::string restored_date = "2026-10-01";  ///< Empty if there is none.
-  std::vector<wire::CalibrateOrder> orders;
+  std::vector<wire::CalibrateRequest> orders;
   std::vector<std::string> answers;
 
  private:
-  grpc::Status Calibrate(grpc::ServerContext* context, const wire::CalibrateOrder* order,
+  grpc::Status Calibrate(grpc::ServerContext* context, const wire::CalibrateRequest* order,
                          grpc::ServerWriter<wire::CalibrateProgress>* writer) override {
     std::unique_lock lock(mutex_);
     orders.push_back(*order);
@@ -164,14 +164,14 @@ class FakeCalibrator final : private wire::Calibrator::Service {
     }
     return end;
   }
-  grpc::Status Answer(grpc::ServerContext*, const wire::AnswerOrder* order, wire::AnswerReply*) override {
+  grpc::Status Answer(grpc::ServerContext*, const wire::AnswerRequest* order, wire::AnswerReply*) override {
     const std::lock_guard lock(mutex_);
     if (orders.empty()) return {grpc::StatusCode::FAILED_PRECONDITION, "nothing is asked"};
     answers.push_back(order->text());
     changed_.notify_all();
     return grpc::Status::OK;
   }
-  grpc::Status Restore(grpc::ServerContext*, const wire::RestoreOrder*, wire::RestoreAnswer* answer) override {
+  grpc::Status Restore(grpc::ServerContext*, const wire::RestoreRequest*, wire::RestoreReply* answer) override {
     if (restored_date.empty()) return {grpc::StatusCode::NOT_FOUND, "there is no calibration of before"};
     answer->set_date(restored_date);
     return grpc::Status::OK;

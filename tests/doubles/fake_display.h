@@ -60,7 +60,7 @@ class FakeDisplay {
     if (reader_.joinable()) reader_.join();
   }
   /// Sends a clock question; `question` also carries the display's synchronisation statistics.
-  void ask(const wire::ClockQuestion& question) {
+  void ask(const wire::ClockRequest& question) {
     wire::DisplayReport report;
     *report.mutable_clock() = question;
     write(report);
@@ -86,7 +86,7 @@ class FakeDisplay {
   [[nodiscard]] const std::vector<wire::Heading>& headings() const { return headings_; }
   /// Number of headings that carried a presentation time.
   [[nodiscard]] int headings_with_show_at() const { return headings_with_show_at_; }
-  [[nodiscard]] const std::vector<wire::ClockAnswer>& answers() const { return answers_; }
+  [[nodiscard]] const std::vector<wire::ClockReply>& answers() const { return answers_; }
   [[nodiscard]] std::size_t frames_complete() const {
     return static_cast<std::size_t>(
         std::count_if(frames_.begin(), frames_.end(), [](const Frame& f) { return f.complete; }));
@@ -183,7 +183,7 @@ class FakeDisplay {
   std::vector<Frame> frames_;
   std::vector<wire::Heading> headings_;
   int headings_with_show_at_ = 0;
-  std::vector<wire::ClockAnswer> answers_;
+  std::vector<wire::ClockReply> answers_;
   std::vector<std::string> wrongs_;
 
   std::thread reader_;

@@ -61,7 +61,7 @@ class FakeTour final : private wire::Tour::Service {
     return wait_until([&] { return presented.size() >= frames_presented && dropped.size() >= frames_dropped; });
   }
 
-  bool has_question(const std::function<bool(const wire::ClockQuestion&)>& condition) {
+  bool has_question(const std::function<bool(const wire::ClockRequest&)>& condition) {
     const std::lock_guard lock(mutex_);
     return std::any_of(questions.begin(), questions.end(), condition);
   }
@@ -76,7 +76,7 @@ class FakeTour final : private wire::Tour::Service {
   int displays = 0;
   std::vector<wire::FramePresented> presented;
   std::vector<wire::FrameDropped> dropped;
-  std::vector<wire::ClockQuestion> questions;  ///< Read only while no display is connected, since more keep coming.
+  std::vector<wire::ClockRequest> questions;  ///< Read only while no display is connected, since more keep coming.
 
  private:
   using Stream = grpc::ServerReaderWriter<wire::ShowMessage, wire::DisplayReport>;
@@ -106,7 +106,7 @@ class FakeTour final : private wire::Tour::Service {
       if (report.has_clock()) {
         questions.push_back(report.clock());
         wire::ShowMessage message;
-        wire::ClockAnswer* const answer = message.mutable_clock();
+        wire::ClockReply* const answer = message.mutable_clock();
         answer->set_asked_ns(report.clock().asked_ns());
         answer->set_received_ns(now_ns());
         answer->set_answered_ns(now_ns());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// front.toml.
+/// pareto_front.toml.
 #include <cstddef>
 #include <cstdint>
 
@@ -8,7 +8,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cyclorama;
-  const auto front = governor::parse_pareto_front({reinterpret_cast<const char*>(data), size}, "front.toml");
+  const auto front = governor::parse_pareto_front({reinterpret_cast<const char*>(data), size}, "pareto_front.toml");
   if (!front) return 0;
   const auto again = governor::parse_pareto_front(governor::pareto_front_text(*front, "again"), "again.toml");
   CHECK(again.has_value() && again->size() == front->size());

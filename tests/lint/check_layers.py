@@ -25,7 +25,7 @@ common/wand: common/base common/config common/geometry
 common/wire: common/base common/geometry common/image
 
 drivers/camera: common/base common/config common/image
-drivers/devices: common/base drivers/camera drivers/simulated
+drivers/devices: common/base drivers/camera drivers/simulated drivers/turntable
 drivers/input: common/base
 drivers/output: common/base common/image common/opening common/process common/room common/wire
 drivers/simulated: common/base common/config common/geometry common/image common/process common/room common/wand

@@ -143,6 +143,8 @@ def limits(tree, tables):
 
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+TEST_NAME = re.compile(r"\s*TEST(_F|_P)?\(")
+RENAMED = re.compile(r"[Rr]enamed|is now called|is called '\w+' now")
 HUMP = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|[_\-/]+")
 
 
@@ -157,7 +159,7 @@ def words(tree, rows):
             continue
         near = [c for c in compiled if "under" not in c[1] or any(name.startswith(f + "/") for f in c[1]["under"])]
         for number, line in [(0, name)] + list(enumerate(text.split("\n"), 1)):
-            if len(line) > 4000:
+            if len(line) > 4000 or RENAMED.search(line):
                 continue
             plain = parts(line)
             names = None
@@ -165,6 +167,8 @@ def words(tree, rows):
                 if not word.search(plain) or unless.search(line):
                     continue
                 if row.get("in") == "identifiers":
+                    if TEST_NAME.match(line):
+                        continue
                     if names is None:
                         names = [parts(n) for n in NAME.findall(line)]
                     found = [n for n in names if " " in n and word.search(n)]

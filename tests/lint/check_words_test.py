@@ -77,9 +77,13 @@ def check_names():
     expect("private", "class PlateTurn;\nclass TurnPlate;\nint turnplate_deg;  // a turn-plate\n",
            ["common/a/a.h:2:", "common/a/a.h:3:"])
     expect("private", "int most_turns;  // at most 3, the longest\n", ["common/a/a.h:1:"])
-    expect("private", "the statue's head\n", [], "renderfarm/a.md")
-    expect("private", "the head\n", ["renderfarm/a.md:1:"], "renderfarm/a.md")
+    expect("private", "line.head(2)\n", [], "renderfarm/node/a.md")
+    expect("private", "the head\n", ["renderfarm/node/a.md:1:"], "renderfarm/node/a.md")
     expect("private", "the head\n", [], "appliance/a.md")
+    expect("private", "the head\n", [], "renderfarm/render/a.md")
+    # A line that tells of a former name, and a test's name, which is a sentence.
+    expect("private", 'refuse("\'most_turns\' is now called \'max_turns\'");\nint most_turns;\n', ["common/a/a.h:2:"])
+    expect("private", "TEST(Turns, most_turns_are_short) {\nint most_turns;\n", ["common/a/a.h:2:"])
     expect("private", "", ["appliance/desk/a.h:0:"], "appliance/desk/a.h")
     expect("spoken", "// dials the farm\n", ["common/a/a.h:1:"])
 

@@ -196,14 +196,14 @@ class Scenario {
   bool realign() {
     const auto channel = make_channel(calibrator_address());
     grpc::ClientContext context;
-    wire::RealignAnswer answer;
+    wire::RealignReply answer;
     return wire::Healing::NewStub(*channel)->Realign(&context, {}, &answer).ok();
   }
   /// Restores the previous calibration and returns the date of the one now in use, or the error.
   std::string restore() {
     const auto channel = make_channel(calibrator_address());
     grpc::ClientContext context;
-    wire::RestoreAnswer answer;
+    wire::RestoreReply answer;
     const grpc::Status status = wire::Calibrator::NewStub(*channel)->Restore(&context, {}, &answer);
     return status.ok() ? answer.date() : status.error_message();
   }

@@ -91,8 +91,8 @@ def check(site):
     listening = {name: site.hosts.listeners(name) for name in site.hosts.names}
     assert listening.pop("coordinator") == [MUSEUMS, NODES], "the coordinator listens on other ports than its two"
     assert not any(listening.values()), f"open ports that should be closed: {listening}"
-    for step in (cut_a_node, cut_everybody_from_the_coordinator, cut_the_museum):
-        for what, without, back in step(site):
+    for cut in (cut_a_node, cut_everybody_from_the_coordinator, cut_the_museum):
+        for what, without, back in cut(site):
             print(f"{what}: {without:.1f} s without pictures in time, back after {back:.1f} s")
     holes, breaches = site.museum.wrong()
     assert not holes and not breaches, f"{holes} frames with holes, {breaches}"

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests a museum's operator page in headless Chromium, on a desk and on a phone: PIN, states and remedies, calibration,
+"""Tests a museum's operator page in headless Chromium, on a desktop and a phone: PIN, states and remedies, calibration,
 network test, support bundle. CYCLORAMA_SCREENSHOTS=FOLDER keeps pictures of the page.
 
 Run: operator_page_test.py SOURCE_ROOT BUILD_FOLDER      It is skipped (77) without chromedriver.
@@ -21,7 +21,7 @@ from farm.processes import free_port, wait_until
 
 PIN = "401773"
 SKIPPED = 77
-DESK, PHONE = (1280, 900), (390, 844)
+DESKTOP, PHONE = (1280, 900), (390, 844)
 
 
 class Browser:
@@ -292,7 +292,7 @@ def main(source, build):
         folder = pathlib.Path(name)
         pictures = pathlib.Path(os.environ.get("CYCLORAMA_SCREENSHOTS", name))
         pictures.mkdir(parents=True, exist_ok=True)
-        for kind, size, options in (("desk", DESK, ()), ("phone", PHONE, ("--unwell",))):
+        for kind, size, options in (("desktop", DESKTOP, ()), ("phone", PHONE, ("--unwell",))):
             home = folder / kind
             home.mkdir()
             museum = Museum(source, build, home, *options)

@@ -44,7 +44,7 @@ int calibrate(const std::string& address, const std::string& projector, int widt
   const auto stub = wire::PatternScreen::NewStub(*channel);
   grpc::ClientContext context;
   const auto stream = stub->ShowPatterns(&context);
-  wire::PatternOrder order;
+  wire::PatternRequest order;
   wire::HeadPattern* const pattern = order.add_heads();
   pattern->set_projector(projector);
   pattern->set_png(png->data(), png->size());

@@ -131,9 +131,9 @@ class Cover {
 };
 
 /// Requests views and records events. ask() is called on the main thread, everything else on the client's.
-class Witness final : public client::FarmListener {
+class RecordingListener final : public client::FarmListener {
  public:
-  explicit Witness(const Arguments& arguments) : arguments_(arguments) {}
+  explicit RecordingListener(const Arguments& arguments) : arguments_(arguments) {}
 
   /// A view with only a number is completed from that number alone. Returns false if no session is open yet.
   bool ask(client::FarmClient& client, wire::View view) {
@@ -273,8 +273,8 @@ class Witness final : public client::FarmListener {
 };
 
 /// Requests views at the given rate for ever; or, with a list, each of its views when the previous frame has ended.
-void walk(const Arguments& arguments, std::deque<wire::View> list, Witness& witness, client::FarmClient& client,
-          const StopSignal& stop) {
+void walk(const Arguments& arguments, std::deque<wire::View> list, RecordingListener& listener,
+          client::FarmClient& client, const StopSignal& stop) {
   const bool lockstep = !list.empty();
   const auto period = std::chrono::duration_cast<Duration>(
       lockstep ? std::chrono::duration<double>(0.001) : std::chrono::duration<double>(1.0 / arguments.rate_hz));
@@ -286,10 +286,10 @@ void walk(const Arguments& arguments, std::deque<wire::View> list, Witness& witn
   for (int asked = 0; !stop.wait_until(next); next = std::max(next + period, clock.now())) {
     if (!lockstep) {
       const bool rests = std::fmod(to_seconds(next - began), arguments.walk_s + arguments.rest_s) >= arguments.walk_s;
-      if (!rests && witness.ask(client, next_view)) next_view.set_number(next_view.number() + 1);
-    } else if (asked <= witness.ended()) {
+      if (!rests && listener.ask(client, next_view)) next_view.set_number(next_view.number() + 1);
+    } else if (asked <= listener.ended()) {
       if (list.empty()) return;
-      if (!witness.ask(client, list.front())) continue;
+      if (!listener.ask(client, list.front())) continue;
       list.pop_front();
       ++asked;
     }
@@ -306,9 +306,9 @@ Status run(Arguments& arguments, const StopSignal& stop) {
   if (!arguments.views.empty()) {
     TRY_ASSIGN(list, read_views(arguments.views));
   }
-  Witness witness(arguments);
-  TRY_ASSIGN(const auto client, client::FarmClient::start(arguments.farm, witness));
-  walk(arguments, std::move(list), witness, *client, stop);
+  RecordingListener listener(arguments);
+  TRY_ASSIGN(const auto client, client::FarmClient::start(arguments.farm, listener));
+  walk(arguments, std::move(list), listener, *client, stop);
   client->stop();
   return Done{};
 }

@@ -77,7 +77,7 @@ struct ContinuousOptions {
   double fastest_px = 1.5;  ///< Maximum motion of the content during an exposure, in pixels of the reduced picture.
   PoseFilter::Walk walk = {};
   bool uses_arcs = true;   ///< Uses the wall's upper and lower edge to locate the cameras.
-  bool uses_sides = true;  ///< Likewise its upright sides.
+  bool uses_sides = true;  ///< Uses the wall's upright sides too.
 };
 
 /// Everything that has been learned of a room, for another calibrator to resume with.

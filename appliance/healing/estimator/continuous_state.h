@@ -91,7 +91,7 @@ struct ContinuousCalibrator::State {
   /// Bodies whose displacement can be told from others': a camera that sees one projector's light and nothing else
   /// cannot distinguish its own displacement from that projector's.
   [[nodiscard]] std::vector<bool> anchored(std::span<const CameraObservation> of) const;
-  /// Returns whether all of these are; if not, marks the projectors that are not.
+  /// Returns whether all of `movers` can be told from others; marks the projectors among them that cannot.
   bool are_anchored(std::span<const BodyIndex> movers, std::span<const CameraObservation> anew);
   /// Accepts all of them, or the first that can be accepted alone, so that one that has left the wall does not block
   /// the others.

@@ -91,7 +91,7 @@ Status show(const Arguments& arguments) {
 Status convert(Arguments arguments) {
   TRY_ASSIGN(const WarpFile file, read_warp_file(arguments.in, arguments.options));
   list_ignored(file);
-  arguments.options.mask.reset();  // The mask that was read is not the one to write.
+  arguments.options.mask.reset();  // The option named the mask to read, not the one to write.
   return write_warp_file(arguments.out, file.set, arguments.region, arguments.options);
 }
 

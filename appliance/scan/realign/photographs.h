@@ -22,10 +22,9 @@ struct RealignmentPhotographs {
   std::vector<std::string> remarks;  ///< For the installer.
 };
 
-/// Turns the camera to where it sees all of the displaced projector's light and as much as possible of the others'. All
-/// projectors are dark afterwards.
-/// Errors: kUnavailable if the projector gives no light or `stop` was requested; otherwise those of measure_view() and
-/// Turntable. Blocks.
+/// Turns the camera to where it sees all of the displaced projector's light and as much as possible of the other
+/// projectors' light. All projectors are dark afterwards. Errors: kUnavailable if the projector gives no light or
+/// `stop` was requested; otherwise those of measure_view() and Turntable. Blocks.
 Result<RealignmentPhotographs> photograph_displaced(const RealignmentBaseline& baseline,
                                                     const Installation& installation, const ScanSettings& settings,
                                                     const ScanDevices& devices, const ScanListener& listener,

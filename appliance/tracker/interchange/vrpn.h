@@ -33,7 +33,7 @@ namespace cyclorama::tracker {
 /// Reads the datagrams of one sender in order, since names may have come in an earlier one. A value.
 class VrpnReader {
  public:
-  /// Reads only `device`'s poses; empty: every device's.
+  /// Reads only the poses of `device`; empty: those of every device.
   explicit VrpnReader(std::string device) : device_(std::move(device)) {}
 
   /// Returns the poses in a datagram, with sequence numbers of this reader. Messages of other kinds are skipped.

@@ -13,7 +13,7 @@ namespace {
 constexpr float kOffset = 8.0f;
 constexpr float kMinDeviation = 0.015f;
 constexpr float kFirstDeviation = 0.04f;
-/// Deviations from the room at which a cell starts to count as a person's, and fully does.
+/// Deviations from the room at which a cell begins to count as part of a person, and counts fully.
 constexpr float kBegins = 3.0f;
 constexpr float kIs = 6.0f;
 /// Share of the cells outside of the visitor that the change of light must explain.

@@ -65,7 +65,8 @@ BodyFollower::Standing BodyFollower::standing(const BodyShape& shape, const Pinh
   now.lean_rad = shape.lean_rad;
   double hip_u = shape.hip_u;
   if (chest_ > 0.0 && (!shape.has_chest || now.chest > kMerged * chest_)) {
-    // A person behind has merged with the chest in the picture: only the head is the visitor's, and the lean fades.
+    // A person behind has merged with the chest in the picture: only the head surely belongs to the visitor, and the
+    // lean fades.
     now.lean_rad = kFades * lean_.value + upright_rad_;
     hip_u = shape.head.u + std::tan(now.lean_rad) * kHeadToHip * width;
   } else if (chest_ > 0.0) {

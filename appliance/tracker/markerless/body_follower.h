@@ -70,7 +70,7 @@ class BodyFollower {
     double depth_m = 0.0;
     double width = 0.0;      ///< Width of the head over the focal length.
     double deviation = 0.0;  ///< Relative deviation of `width`.
-    double chest = 0.0;      ///< Width of the chest over the head's.
+    double chest = 0.0;      ///< Width of the chest over that of the head.
     double lean_rad = 0.0;
   };
   std::optional<BodyPose> arrive(const BodyShape& shape, const Pinhole& lens, TimePoint at);
@@ -89,7 +89,7 @@ class BodyFollower {
   std::vector<Standing> arriving_;
   double head_m_ = kHeadM;
   double upright_rad_ = 0.0;
-  double chest_ = 0.0;  ///< The visitor's width of the chest over the head's; 0 while it is not known.
+  double chest_ = 0.0;  ///< Width of the visitor's chest over that of the head; 0 while it is not known.
   Filtered x_, depth_, lean_;
   TimePoint seen_at_{};
 };

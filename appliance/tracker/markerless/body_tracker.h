@@ -31,8 +31,8 @@ class BodyTracker {
   BodyFollower follower_;
 };
 
-/// Returns the pose in the form of a wand's: position in the Camera frame, at the camera's height, and the lean about
-/// its z.
+/// Returns the pose in the form of a wand's pose: position in the Camera frame, at the camera's height, and the lean
+/// about its z.
 [[nodiscard]] RigidTransform<frame::Camera, frame::Tag> T_camera_body(const BodyPose& pose);
 
 }  // namespace cyclorama::tracker

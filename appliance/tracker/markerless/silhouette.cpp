@@ -120,8 +120,8 @@ std::optional<Spread> spread_of(std::vector<double> values) {
   spread.median = middle(&values);
   const auto count = static_cast<double>(values.size());
   for (double& value : values) value = std::abs(value - spread.median);
-  // 1.4826 converts the median of differences to a deviation, 1.2533 a mean's to a median's. Adjacent rows have
-  // correlated errors: every second one counts.
+  // 1.4826 converts the median of differences to a deviation, 1.2533 converts the deviation of a mean to that of a
+  // median. Adjacent rows have correlated errors: every second one counts.
   spread.deviation = 1.4826 * 1.2533 * middle(&values) / std::sqrt(0.5 * count);
   return spread;
 }

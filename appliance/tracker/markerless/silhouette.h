@@ -35,8 +35,8 @@ enum class LightState {
 struct Silhouette {
   Image<float, 1> share;     ///< Per cell: 0 is the room, 1 is a person.
   Image<float, 1> contrast;  ///< Difference from the room in grey levels.
-  /// Difference of the picture's gradient from the room's: positive along a person's outline. If the room was learned
-  /// with a person in it who has left, the outline is in the room and not in the picture: a ghost, negative.
+  /// Difference of the picture's gradient from the room's: positive along a person's outline. Negative for a ghost: the
+  /// outline of a person who stood there while the room was learned, and has left since.
   Image<float, 1> outline;
   LightState light = LightState::kLearning;
 };

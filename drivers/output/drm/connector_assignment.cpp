@@ -53,14 +53,13 @@ std::vector<std::optional<ConnectorId>> assign_connectors(std::span<const Connec
     if (!placed[i] && !preferences[i].connector.empty())
       placed[i] = first_free([&](const AvailableConnector& s) { return fits(preferences[i], s.socket); });
   }
-  const auto has_preferred_size = [&](const ConnectorId& socket) {
+  const auto is_requested = [&](const ConnectorId& socket) {
     return std::any_of(preferences.begin(), preferences.end(),
                        [&](const ConnectorPreference& w) { return fits(w, socket); });
   };
   for (std::size_t i = 0; i < preferences.size(); ++i) {
     if (!placed[i] && preferences[i].connector.empty())
-      placed[i] =
-          first_free([&](const AvailableConnector& s) { return s.is_connected && !has_preferred_size(s.socket); });
+      placed[i] = first_free([&](const AvailableConnector& s) { return s.is_connected && !is_requested(s.socket); });
   }
   return placed;
 }

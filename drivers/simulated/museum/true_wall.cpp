@@ -76,12 +76,12 @@ Result<TrueWall> TrueWall::make(Wall shape, const RigidTransform<frame::Room, fr
                                 WallDeviation deviation) {
   if (std::holds_alternative<MeshWall>(shape)) {
     return Error(ErrorCode::kInvalidArgument,
-                 "a simulated wall cannot be a mesh; take a cylinder, a plane or a dome and add a relief");
+                 "a simulated wall cannot be a mesh; take a cylinder, a plane or a dome and add a deviation");
   }
   const auto* planes = std::get_if<PlanesWall>(&shape);
   if (planes != nullptr && planes->rectangles.size() > 1 && !deviation.is_flat()) {
     return Error(ErrorCode::kInvalidArgument,
-                 "a relief on several planes would tear at their edges; leave it out, or take one plane");
+                 "a deviation on several planes would tear at their edges; leave it out, or take one plane");
   }
   if (planes != nullptr && planes->rectangles.empty())
     return Error(ErrorCode::kInvalidArgument, "a wall of planes needs at least one");

@@ -157,7 +157,7 @@ Result<MuseumTruth> MuseumTruth::parse(std::string_view text, std::string name, 
   MuseumTruth truth;
   if (const auto wall = read_wall(root.table("wall"), folder)) truth.wall = *wall;
   truth.T_room_wall = transform_of<frame::Room, frame::Room>(root.table("wall_pose"));
-  truth.deviation = deviation_of(root.table("relief"));
+  truth.deviation = deviation_of(root.table("deviation"));
   truth.albedo = colour_of(&root, "albedo", {0.0, 0.99}, truth.albedo);
   truth.ambient_lux = colour_of(&root, "ambient_lux", kNotNegative, truth.ambient_lux);
   truth.surround_nits = root.number("surround_nits", kNotNegative, truth.surround_nits);

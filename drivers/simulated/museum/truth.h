@@ -95,7 +95,7 @@ struct MuseumTruth {
   static Result<MuseumTruth> read(const std::filesystem::path& path);
   static Result<MuseumTruth> parse(std::string_view text, std::string name, const std::filesystem::path& folder = {});
   /// Returns text that parse() reads back unchanged. Precondition: the wall is no mesh and its cylinder's axis is the
-  /// room's.
+  /// axis of the room.
   [[nodiscard]] std::string text() const;
 };
 

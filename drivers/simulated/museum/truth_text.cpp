@@ -143,14 +143,14 @@ std::string MuseumTruth::text() const {
   std::visit([&](const auto& shape) { writer.shape(shape); }, wall);
   writer.pose("wall_pose", T_room_wall);
   for (const WallDeviation::Wave& wave : deviation.waves) {
-    writer.item("relief.wave");
+    writer.item("deviation.wave");
     writer.key("height_m", wave.height_m);
     writer.key("s_rad_per_m", wave.s_rad_per_m);
     writer.key("t_rad_per_m", wave.t_rad_per_m);
     writer.key("phase_rad", wave.phase_rad);
   }
   for (const WallDeviation::Bump& bump : deviation.bumps) {
-    writer.item("relief.bump");
+    writer.item("deviation.bump");
     writer.key("height_m", bump.height_m);
     writer.key("s_m", bump.s_m);
     writer.key("t_m", bump.t_m);

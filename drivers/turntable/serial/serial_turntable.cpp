@@ -52,7 +52,7 @@ Status SerialTurntable::say(std::string_view command, std::chrono::milliseconds 
   const SteadyClock clock;
   const TimePoint last = clock.now() + timeout;
   int resends = 0;
-  port_.forget_input();  // A late answer to an abandoned command would be taken for this one's.
+  port_.forget_input();  // A late answer to an abandoned command would be taken for the answer to this one.
   TRY(port_.write_line(command, last));
   TimePoint answer_deadline = std::min(last, clock.now() + options_.answer_timeout);
   if (command == "M400" || command.starts_with("G28"))

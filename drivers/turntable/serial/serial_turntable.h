@@ -42,7 +42,7 @@ class SerialTurntable final : public Turntable {
   Status move_to(double angle_rad) override;
   Result<double> ask_angle() override;
 
-  /// Sends a line and waits for its ok; `ret_position` gets the position if one came before.
+  /// Sends a line and waits for its "ok"; `ret_position` receives the position if the controller reports one before.
   Status say(std::string_view command, std::chrono::milliseconds timeout,
              std::optional<double>* ret_position = nullptr);
   Status wake();

@@ -320,7 +320,7 @@ function showVisit(status) {
   figure("triangles", large(Number(tour.facts.triangles || NaN)));
   byId("steered-by").textContent = tour.away ? "–" : tour.facts.steered_by || "–";
   byId("heading").textContent = isNumber(gauges.heading_deg) ? `${fixed(gauges.heading_deg, 0)}°` : "–";
-  byId("place").textContent = isNumber(gauges.eye_x_m)
+  byId("position").textContent = isNumber(gauges.eye_x_m)
     ? `${fixed(gauges.eye_x_m, 2)}, ${fixed(gauges.eye_z_m, 2)} m`
     : "–";
   byId("speed").textContent = isNumber(gauges.forward_m_per_s)

@@ -19,7 +19,7 @@ inline constexpr Duration kWalkStep = std::chrono::microseconds(16666);
 [[nodiscard]] Walker predicted(const VisitWalk& walk, TimePoint at, const NavigationSettings& settings);
 
 /// Returns true if a visitor can leave the start of this site under these limits. In an area no wider than a step there
-/// is nothing to walk to, and a picture has no use for depth.
+/// is nowhere to walk to, so pictures need no depth.
 [[nodiscard]] bool can_walk(const Site& site, const WalkLimits& limits);
 
 }  // namespace cyclorama::tour

@@ -23,7 +23,8 @@ constexpr double kBraking = 0.5;
 Vector2d wanted_velocity(const Walker& walker, const SteeringCommand& command, const WalkLimits& limits, double scale,
                          const WalkableArea& area) {
   const Vector2d desired(command.right * limits.sideways_m_per_s, command.forward * limits.forward_m_per_s);
-  if (desired.isZero(0.0)) return desired;  // A command to rest stays at rest, also where it is narrow.
+  // A command to rest remains one, even between walls that are near to each other.
+  if (desired.isZero(0.0)) return desired;
   const Vector2d right = right_of(walker.heading_rad);
   const Vector2d forward = forward_of(walker.heading_rad);
   const auto in_scene = [&](const Vector2d& v) { return Vector2d(v.x() * right + v.y() * forward); };

@@ -80,7 +80,8 @@ class WalkableArea {
 
   std::vector<Eigen::Vector2d> corners_;
   std::vector<Edge> edges_;
-  std::vector<std::size_t> polygon_ends_;  ///< Ends of the polygons in edges_: the outline's first, then each hole's.
+  /// Ends of the polygons in edges_: that of the outline first, then those of the holes.
+  std::vector<std::size_t> polygon_ends_;
   double margin_m_ = 0.0;
   double size_m_ = 0.0;
   Eigen::Vector2d any_position_ = Eigen::Vector2d::Zero();

@@ -26,7 +26,7 @@ void DisplayRoster::left(std::uint64_t display) {
   members_.erase(display);
 }
 
-void DisplayRoster::heard(std::uint64_t display, const wire::ClockQuestion& question) {
+void DisplayRoster::heard(std::uint64_t display, const wire::ClockRequest& question) {
   const std::lock_guard lock(mutex_);
   const auto found = members_.find(display);
   if (found == members_.end()) return;
@@ -56,7 +56,7 @@ wire::Table DisplayRoster::table() const {
     table.add_columns(column);
   }
   for (const auto& [id, member] : members_) {
-    const wire::ClockQuestion& newest = member.newest;
+    const wire::ClockRequest& newest = member.newest;
     const bool has_skew = newest.has_skew_s();
     wire::Row* const row = table.add_rows();
     row->add_cells()->set_text(printable(member.hello.name()));

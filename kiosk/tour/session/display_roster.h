@@ -17,7 +17,7 @@ class DisplayRoster {
  public:
   void joined(std::uint64_t display, const wire::DisplayHello& hello);
   void left(std::uint64_t display);
-  void heard(std::uint64_t display, const wire::ClockQuestion& question);
+  void heard(std::uint64_t display, const wire::ClockRequest& question);
 
   /// Returns the minimum of the displays' shares; nothing while fewer than two have reported one.
   [[nodiscard]] std::optional<double> synchronised_share() const;
@@ -27,7 +27,7 @@ class DisplayRoster {
  private:
   struct Member {
     wire::DisplayHello hello;
-    wire::ClockQuestion newest;
+    wire::ClockRequest newest;
     double frame_need_s = 0.0;  ///< Newest measured value.
   };
   mutable std::mutex mutex_;  ///< Guards the following.

@@ -32,11 +32,11 @@ class Outbox {
   /// `show_at` is null to show the heading at once.
   void put_heading(const wire::Heading& heading, const wire::ShowAt* show_at = nullptr);
   /// Queues an answer ahead of everything else; it replaces one that still waits.
-  void put_answer(const wire::ClockAnswer& answer) { answer_ = answer; }
+  void put_answer(const wire::ClockReply& answer) { answer_ = answer; }
   /// Queues a begin, tile or end. Returns the number of the frame that this display loses by it, if it loses one.
   std::optional<std::uint64_t> put(const SharedShowMessage& message);
   /// Returns the waiting answer; the caller must send it at once, so that its times are right.
-  std::optional<wire::ClockAnswer> take_answer() { return std::exchange(answer_, std::nullopt); }
+  std::optional<wire::ClockReply> take_answer() { return std::exchange(answer_, std::nullopt); }
   /// Returns the next message other than the answer, or null; null before the first heading.
   SharedShowMessage take();
 
@@ -51,7 +51,7 @@ class Outbox {
   const std::size_t max_bytes_;
   std::optional<wire::Panorama> shown_;  ///< Set until the first heading is sent.
   std::optional<wire::ShowMessage> heading_;
-  std::optional<wire::ClockAnswer> answer_;
+  std::optional<wire::ClockReply> answer_;
   std::deque<SharedShowMessage> frames_;
   std::size_t bytes_ = 0;
   std::optional<std::uint64_t> accepting_;  ///< Frame that the farm is sending, if this display takes it.

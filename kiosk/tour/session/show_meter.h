@@ -11,8 +11,8 @@
 
 namespace cyclorama::tour {
 
-/// Medians of the last frames of each display, so that one late frame, or the pause of a visitor who rests, counts for
-/// nothing. Pure: every time is passed in, on the tour's clock. Thread-bound.
+/// Medians of the last frames of each display, so that a single late frame, or a rest of the visitor, has no effect.
+/// Pure: every time is passed in, on the tour's clock. Thread-bound.
 ///
 ///   asked ──────── farm ────────▶ ended ── network, decode ──▶ drawing ──────▶ presented
 ///    │                              │                          takes the newest   │
@@ -41,22 +41,22 @@ class ShowMeter {
   /// heading, to the light. Returns true for the first report of a requested view's frame by any display.
   bool presented(std::uint64_t display, std::uint64_t number, Duration drawing, TimePoint now);
   /// Records that a display did not show the frame. If the frame was complete and no display has shown it, returns the
-  /// time from its request to the next one, which was too short; zero if there is none.
+  /// time from its request to the next request, an interval that was too short; zero if there was no next request.
   std::optional<Duration> not_shown(std::uint64_t display, std::uint64_t number);
 
   /// The slowest display's time from the request to the light; nothing before enough frames were shown.
   [[nodiscard]] std::optional<Duration> latency() const;
-  /// The slowest display's time between two frames; nothing likewise.
+  /// The slowest display's time between two frames; nothing before enough frames were shown.
   [[nodiscard]] std::optional<Duration> interval() const;
-  /// Returns the age that the newest pose will have gained, when a frame requested now is drawn with it, by the middle
-  /// of the frame's time on the wall: the latency, less what the pose itself takes to the light, plus half an interval.
-  /// A pose takes the drawing, or `heading_lead` where displays are synchronised. Zero before enough frames were shown.
+  /// Returns how far ahead of the newest pose a frame that is requested now should be, so that it is right in the
+  /// middle of its time on the wall: the latency plus half an interval, less the time from a pose to the light, which
+  /// is the drawing time, or `heading_lead` where displays are synchronised. Zero before enough frames were shown.
   [[nodiscard]] Duration ahead(Duration heading_lead) const;
 
   /// The slowest display's refresh period; zero without displays.
   [[nodiscard]] Duration refresh_period() const;
-  /// Returns true while every display that shows frames owes a report for longer than usual: another frame would only
-  /// wait there. A display that owes one for kMaxInterval is no longer waited for.
+  /// Returns true while every display that shows frames has owed a report for longer than usual: another frame would
+  /// only wait there. A display that owes one for kMaxInterval is no longer waited for.
   [[nodiscard]] bool are_displays_late(TimePoint now) const;
 
  private:

@@ -58,7 +58,7 @@ void ShowSchedule::choose_period() {
   last_frame_ = last_heading_ = 0;  // The numbers of the old period no longer apply.
 }
 
-void ShowSchedule::measured(const wire::ClockQuestion& question, TimePoint now) {
+void ShowSchedule::measured(const wire::ClockRequest& question, TimePoint now) {
   const std::lock_guard lock(mutex_);
   const auto add = [now](double need_s, RecentMaximum* longest) {
     // Ignores invalid values and those of a display that is too slow to wait for.
@@ -85,8 +85,8 @@ std::optional<wire::ShowAt> ShowSchedule::frame_at(TimePoint now) {
   const std::lock_guard lock(mutex_);
   if (!is_shared()) return std::nullopt;
   const std::int64_t first = first_refresh(now, frame_need_.at(now));
-  // The refresh after the last frame's, even if it is one later than needed; never before the last frame's when
-  // displays have become faster.
+  // The refresh after that of the last frame, even if it is one later than needed; never before that of the last frame
+  // when displays have become faster.
   last_frame_ = std::max(first, std::max(last_frame_, std::min(last_frame_ + 1, first + 1)));
   return show_at(last_frame_, now);
 }

@@ -52,7 +52,7 @@ class ShowSchedule {
 
   void joined(std::uint64_t display, const wire::DisplayHello& hello);
   void left(std::uint64_t display);
-  void measured(const wire::ClockQuestion& question, TimePoint now);
+  void measured(const wire::ClockRequest& question, TimePoint now);
 
   [[nodiscard]] std::optional<wire::ShowAt> frame_at(TimePoint now);
   [[nodiscard]] std::optional<wire::ShowAt> heading_at(TimePoint now);

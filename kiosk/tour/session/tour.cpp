@@ -91,7 +91,7 @@ void Tour::walk() {
 TimePoint Tour::next_round(TimePoint now) {
   const bool resting =
       !visit_ || (walk_.navigation.walker.is_at_rest() && walk_.navigation.steering_source == SteeringSource::kNobody);
-  // The ticks of a walk are even, whatever wakes the thread between them: displays show a pose of each.
+  // Ticks of the walk are evenly spaced, whatever else wakes the thread, since displays show one pose per tick.
   if (now >= next_tick_) next_tick_ += kWalkStep;
   if (resting || next_tick_ <= now || next_tick_ > now + kWalkStep) next_tick_ = now + kWalkStep;
   const TimePoint tick = resting ? now + kRestingTick : next_tick_;
@@ -227,7 +227,7 @@ void Tour::on_display_left(std::uint64_t display) {
   request_frame_again();
 }
 
-void Tour::on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) {
+void Tour::on_clock_question(std::uint64_t display, const wire::ClockRequest& question) {
   schedule_.measured(question, SteadyClock().now());
   roster_.heard(display, question);
 }

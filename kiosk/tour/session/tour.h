@@ -33,9 +33,9 @@ namespace cyclorama::tour {
 ///   pages ─────keys───► │ thread walk │ ──headings───────────────────────────┘
 ///                       └─────────────┘
 ///
-/// A view is of where the visitor will be when it is shown (prediction.h); headings, the saved position and the record
-/// are of where the visitor is. A prediction that was wrong is followed by the right view, so that the last view of a
-/// visitor who stands still is of that very place.
+/// A view shows the scene from where the visitor will be when it is displayed (prediction.h); headings, the saved
+/// position and the record hold where the visitor is. A wrong prediction is followed by the right view, so that the
+/// last view of a visitor who stands still is exact.
 ///
 /// Threads: `walk` (every 1/60 s while something moves, and at once for each pose and whenever the farm can take
 /// another view), the FarmClient's (forwards tiles), gRPC's (the calls of TourEvents). Thread-safe.
@@ -67,7 +67,7 @@ class Tour final : public TourEvents, private client::FarmListener {
   void on_keys(const SteeringCommand& command) override;
   void on_display_joined(std::uint64_t display, const wire::DisplayHello& hello) override;
   void on_display_left(std::uint64_t display) override;
-  void on_clock_question(std::uint64_t display, const wire::ClockQuestion& question) override;
+  void on_clock_question(std::uint64_t display, const wire::ClockRequest& question) override;
   void on_presented(std::uint64_t display, const wire::FramePresented& presented) override;
   void on_dropped(std::uint64_t display, const wire::FrameDropped& dropped) override;
 

@@ -15,7 +15,7 @@ namespace {
 
 grpc::Status invalid(const std::string& message) { return {grpc::StatusCode::INVALID_ARGUMENT, message}; }
 
-SharedShowMessage stamped(const wire::ClockAnswer& answer) {
+SharedShowMessage stamped(const wire::ClockReply& answer) {
   auto message = std::make_shared<wire::ShowMessage>();
   *message->mutable_clock() = answer;
   message->mutable_clock()->set_system_ns(std::chrono::system_clock::now().time_since_epoch().count());
@@ -96,8 +96,8 @@ class ShowCall final : public grpc::ServerBidiReactor<wire::DisplayReport, wire:
     }
     return grpc::Status::OK;
   }
-  void answer(const wire::ClockQuestion& question, TimePoint now) {
-    wire::ClockAnswer times;
+  void answer(const wire::ClockRequest& question, TimePoint now) {
+    wire::ClockReply times;
     times.set_asked_ns(question.asked_ns());
     times.set_received_ns(to_nanoseconds(now));
     const std::lock_guard lock(mutex_);

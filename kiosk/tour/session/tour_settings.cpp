@@ -16,10 +16,12 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kTurnFollowedS = 0.2;
-// Ten frames a second, shown from 0.2 s after their request to 0.3 s: in slower shows the edge is seen, at full speed.
+// Assumes ten frames a second, each shown from 0.2 s to 0.3 s after its request. Where frames are slower, the picture's
+// edge becomes visible at full speed.
 constexpr double kFrameIntervalS = 0.1;
 constexpr double kFrameReplacedS = 0.3;
-constexpr double kNearM = 1.6;  // In the visitor's metres; the floor is no nearer, and few things are.
+// Distance of the nearest surfaces, in the visitor's metres: the floor is no nearer, and few other things are.
+constexpr double kNearM = 1.6;
 
 const double kMaxGlideS = to_seconds(kMaxGlide);
 

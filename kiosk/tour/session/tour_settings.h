@@ -43,15 +43,15 @@
 namespace cyclorama::tour {
 
 struct PictureSettings {
-  /// 0: the next three fields set the quality. Walking is seen at each refresh whatever the rate, so that fewer, better
-  /// pictures look better: docs/design/walking.md has the trade.
+  /// 0: the next three fields set the quality. Walking moves the picture at every refresh, whatever the frame rate, so
+  /// that fewer but better frames look better: docs/design/walking.md compares them.
   double frame_budget_ms = 150.0;
   int reference_samples = 1024;
   int samples = 1;
   int jpeg_quality = 85;
   bool subsample_chroma = true;
-  /// Rendered beyond each side of the wall, for turns that no frame has followed yet. 0: no guard band at all, else the
-  /// one for walking is added where a visitor can walk.
+  /// Width rendered beyond each side of the wall, for turns that no frame shows yet. 0: no guard band at all; otherwise
+  /// walk_guard_rad() is added where a visitor can walk.
   double guard_rad = 0.0;
 };
 
@@ -71,10 +71,11 @@ struct TourSettings {
 /// next at 10 frames a second; 8 degrees at the default turn rate.
 [[nodiscard]] double default_guard_rad(const WalkLimits& limits);
 
-/// Returns the guard band for walking, on all sides and beside the one for turns: the angle by which surfaces in front
-/// of the visitor change their direction while a frame is shown. A view is asked for the middle of that time
-/// (prediction.h), so the eye is at most half an interval away at full speed, or where a new command has led it that
-/// came after the request; not both, since a walk at full speed gains none. 2.3 degrees at the default limits.
+/// Returns the guard band for walking, which is added on all sides to the one for turns: the angle by which surfaces in
+/// front of the visitor change their direction while a frame is shown. A view is requested for the middle of that time
+/// (prediction.h), so at full speed the eye is at most half an interval away from it. A new command after the request
+/// moves the eye as well, but the two do not add up: a walk at full speed does not accelerate further. 2.3 degrees at
+/// the default limits.
 [[nodiscard]] double walk_guard_rad(const WalkLimits& limits);
 
 /// Returns the settings without a file.

@@ -27,7 +27,7 @@ namespace cyclorama::tour {
 class ViewPacer {
  public:
   static constexpr Duration kAtRest = std::chrono::seconds(1);
-  /// Upper bound of the interval: rather some wasted frames than fewer than two a second.
+  /// Upper bound of the interval: beyond it, some wasted frames are better than fewer than two frames a second.
   static constexpr Duration kMaxInterval = std::chrono::milliseconds(500);
   static constexpr double kSlower = 0.04;
   static constexpr double kFaster = kSlower / 99.0;
@@ -50,8 +50,8 @@ class ViewPacer {
   std::size_t began(std::uint64_t number);
   /// Records that the farm ended this frame, complete or not.
   void ended(std::uint64_t number);
-  /// Record that a whole frame was shown, or reached the displays and was not; `next_after` is the time from its request
-  /// to the next one, which was too short where it exceeds the interval.
+  /// Record that a complete frame was shown, or that it reached the displays and was not shown; `next_after` is the
+  /// time from its request to the next one, which was too short if it exceeds the interval.
   void shown();
   void not_shown(Duration next_after);
   /// Requests the current picture once more, also at rest, for a display that joined or a farm that came back.
@@ -73,10 +73,10 @@ class ViewPacer {
   double periods_ = kFirstPeriods;  ///< Interval in refresh periods.
   double slower_ = kFirstSlower;
 
-  /// Farms and displays are never quite even; without room, the first seconds would lose frames.
+  /// Farms and displays vary a little; without this margin, the first seconds would lose frames.
   static constexpr double kFirstPeriods = 1.1;
-  /// The first steps are larger, so that the interval is found within a few frames, and shrink to kSlower. A step to a
-  /// time that was too short is no larger than kMaxStep.
+  /// The first steps are larger, so that the interval is found within a few frames, and shrink to kSlower. A step
+  /// towards a time that proved too short is at most kMaxStep.
   static constexpr double kFirstSlower = 0.2;
   static constexpr double kMaxStep = 0.5;
   static constexpr double kSettling = 0.8;

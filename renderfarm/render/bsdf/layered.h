@@ -76,8 +76,8 @@ class Scattering<SurfaceLevel::kLayered> {
     return weighed(wi, frame_.from_local(wi));
   }
 
-  /// Returns the part of the light from straight behind that goes on to the viewer as if nothing were there; what a
-  /// rough or refracting surface passes on is none of it.
+  /// Returns the part of the light from straight behind that goes on to the viewer as if nothing were there; light that
+  /// a rough or refracting surface transmits is not part of it.
   [[nodiscard]] Vec3 straight() const {
     if (!interface_.passes()) return Vec3::Zero();
     const Vec3 wi = frame_.from_local(-wo_);

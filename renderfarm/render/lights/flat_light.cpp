@@ -51,7 +51,7 @@ struct SolidAngle {
 
 using Complex = std::complex<double>;
 
-Complex product(const Complex& a, const Complex& b) {  // Faster than std::complex's, which handles infinities.
+Complex product(const Complex& a, const Complex& b) {  // Faster than that of std::complex, which handles infinities.
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 

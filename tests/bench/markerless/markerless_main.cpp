@@ -52,7 +52,7 @@ struct Figures {
   Errors x, depth, lean;
   int pictures = 0;  ///< Those in which the visitor stands or steers.
   int found = 0;
-  int strangers = 0;  ///< Detections while there was no visitor.
+  int bystanders = 0;  ///< Detections while there was no visitor.
   double jump_m = 0.0;
   double jump_rad = 0.0;
   std::vector<double> seconds;
@@ -62,7 +62,7 @@ struct Figures {
       to->values.insert(to->values.end(), from->values.begin(), from->values.end());
     pictures += other.pictures;
     found += other.found;
-    strangers += other.strangers;
+    bystanders += other.bystanders;
     jump_m = std::max(jump_m, other.jump_m);
     jump_rad = std::max(jump_rad, other.jump_rad);
     seconds.insert(seconds.end(), other.seconds.begin(), other.seconds.end());
@@ -74,7 +74,7 @@ struct Figures {
   }
   [[nodiscard]] nlohmann::json json() const {
     return {{"found_share", pictures > 0 ? static_cast<double>(found) / pictures : 0.0},
-            {"strangers", strangers},
+            {"bystanders", bystanders},
             {"x_sd_m", x.deviation()},
             {"x_bias_m", x.mean()},
             {"x_p95_m", x.p95()},
@@ -93,7 +93,7 @@ struct Figures {
 
 void print_head() {
   std::printf(
-      "%-28s  found  strangers |  x: sd, bias, p95 mm  | depth: sd, bias, p95 mm | lean: sd, bias, p95 deg | jump mm, "
+      "%-28s  found  bystanders |  x: sd, bias, p95 mm  | depth: sd, bias, p95 mm | lean: sd, bias, p95 deg | jump mm, "
       "deg |  ms\n",
       "");
 }
@@ -101,7 +101,7 @@ void print(const std::string& name, const Figures& f) {
   std::printf(
       "%-28s %5.1f %%  %5d     | %6.0f %6.0f %6.0f  | %6.0f %6.0f %6.0f    | %6.1f %6.1f %6.1f     | %5.0f %5.1f  | "
       "%5.2f\n",
-      name.c_str(), f.pictures > 0 ? 100.0 * f.found / f.pictures : 0.0, f.strangers, 1e3 * f.x.deviation(),
+      name.c_str(), f.pictures > 0 ? 100.0 * f.found / f.pictures : 0.0, f.bystanders, 1e3 * f.x.deviation(),
       1e3 * f.x.mean(), 1e3 * f.x.p95(), 1e3 * f.depth.deviation(), 1e3 * f.depth.mean(), 1e3 * f.depth.p95(),
       f.lean.deviation() / kDegree, f.lean.mean() / kDegree, f.lean.p95() / kDegree, 1e3 * f.jump_m,
       f.jump_rad / kDegree, f.median_ms());
@@ -121,7 +121,7 @@ struct Runner {
     figures.seconds.push_back(thread_cpu_seconds() - begin);
     const bool stands = t > 5.5;
     if (stands) ++figures.pictures;
-    if (pose && t < 4.0) ++figures.strangers;
+    if (pose && t < 4.0) ++figures.bystanders;
     if (pose && last) {
       figures.jump_m =
           std::max({figures.jump_m, std::abs(pose->x_m - last->x_m), std::abs(pose->depth_m - last->depth_m)});

@@ -139,7 +139,7 @@ class GovernedLoop {
 /// Returns null for a scene that was not measured.
 Result<std::optional<governor::ParetoFront>> front_of(const GovernedOptions& options) {
   std::filesystem::path file = options.front;
-  if (file.empty()) file = std::filesystem::path(options.scene.scene) / "front.toml";
+  if (file.empty()) file = std::filesystem::path(options.scene.scene) / governor::kParetoFrontFileName;
   if (!options.front.empty() || std::filesystem::exists(file)) {
     TRY_ASSIGN(governor::ParetoFront front, governor::read_pareto_front(file));
     return std::optional(std::move(front));
@@ -273,7 +273,7 @@ tools::RenderCommand add_governed_command(CLI::App* program) {
       ->delimiter(',')
       ->check(CLI::Range(1.0, 1e5))
       ->capture_default_str();
-  parser->add_option("--front", options->front, "front.toml; if left out the scene's, or the standard one");
+  parser->add_option("--front", options->front, "pareto_front.toml; if left out the scene's, or the standard one");
   parser->add_option("--frames", options->frames, "For each budget; the first half is for settling")
       ->check(CLI::Range(2, 10000))
       ->capture_default_str();

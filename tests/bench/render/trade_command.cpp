@@ -27,7 +27,8 @@ struct TradeOptions {
   std::optional<int> reference_bounces;
 };
 
-constexpr const char* kOwnFiles[] = {"reference.pfm", "reference.txt", "trade.csv", "trade.svg", "front.toml"};
+constexpr const char* kOwnFiles[] = {"reference.pfm", "reference.txt", "trade.csv", "trade.svg",
+                                     governor::kParetoFrontFileName};
 
 /// Identifies the scene's files: those of a package's folder, or the single file.
 std::string files_of(const TradeOptions& options) {
@@ -131,7 +132,7 @@ Status write_all(const std::vector<TradePoint>& points, const render::PanoramaVi
   TRY(write_file_atomically(folder / "trade.csv", trade_csv(points, front)));
   TRY(write_file_atomically(folder / "trade.svg", trade_svg(points, front, title)));
   TRY(write_file_atomically(
-      folder / "front.toml",
+      folder / governor::kParetoFrontFileName,
       governor::pareto_front_text(
           front, fmt::format("Measured by 'cyclorama-bench-render trade': {}. The error is relMSE.", title))));
   print_pareto_front(points, front);
@@ -168,7 +169,7 @@ tools::RenderCommand add_trade_command(CLI::App* program) {
   options->view.size = "640x240";
   tools::add_scene_options(parser, &options->scene);
   tools::add_view_options(parser, &options->view);
-  parser->add_option("--out", options->out, "The folder for trade.csv, trade.svg, front.toml and the reference")
+  parser->add_option("--out", options->out, "The folder for trade.csv, trade.svg, pareto_front.toml and the reference")
       ->required();
   parser->add_flag("--quick", options->quick, "Fewer settings, and a reference of 256 samples");
   parser->add_option("--reference-samples", options->reference_samples, "Of a pixel; 1024 if left out")

@@ -16,7 +16,7 @@ import png_picture
 
 WIDTH, HEIGHT, FRAME, ACROSS = 256, 128, 3, 5
 # Bounds of the middle brightness, of the parts that are clipped to white, and of the part where something shows.
-DARKEST, BRIGHTEST, MOST_CLIPPED, LEAST_SHOWN = 10, 235, 0.25, 0.01
+DARKEST, BRIGHTEST, MAX_CLIPPED, MIN_SHOWN = 10, 235, 0.25, 0.01
 # Test files of a program's reader, not scenes.
 LEFT_OUT = {"bad", "asset_generator"}
 
@@ -41,9 +41,9 @@ def fault_of(rows):
     steps = sum(abs(row[x] - row[x - 1]) > 6 for row in light for x in range(1, WIDTH))
     if middle < DARKEST or middle > BRIGHTEST:
         return f"middle brightness {middle}"
-    if sum(value >= 250 for value in levels) > MOST_CLIPPED * len(levels):
+    if sum(value >= 250 for value in levels) > MAX_CLIPPED * len(levels):
         return "burnt out"
-    return "nothing to see" if steps < LEAST_SHOWN * len(levels) else ""
+    return "nothing to see" if steps < MIN_SHOWN * len(levels) else ""
 
 
 def look(render, scene, picture, samples):
@@ -78,7 +78,7 @@ def main(build, sheet, *options):
     tiles, faults, refused = [], {}, {}
     with tempfile.TemporaryDirectory() as folder:
         for scene in scenes_of(folders):
-            rows, fault = look(f"{build}/bin/cyclorama-render", scene, pathlib.Path(folder) / "sight.png", samples)
+            rows, fault = look(f"{build}/bin/cyclorama-render", scene, pathlib.Path(folder) / "first.png", samples)
             # What is refused with a reason is no first sight; the table says why.
             if rows is None:
                 refused[scene.name] = fault

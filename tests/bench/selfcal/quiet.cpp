@@ -141,7 +141,7 @@ int drift(const ShowContent& content, const DriftSeries& series) {
                           {"looks_per_s", series.looks_per_s},
                           {"corrections", corrections},
                           {"error_px_p95", percentile(errors, 0.95)},
-                          {"error_px_most", percentile(errors, 1.0)},
+                          {"error_px_max", percentile(errors, 1.0)},
                           {"others_px_p95", percentile(others, 0.95)},
                           {"projector_width_px", series.is_small ? 960 : 1920},
                           {"wrong_corrections", wrong}}

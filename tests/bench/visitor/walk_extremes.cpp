@@ -189,7 +189,7 @@ int main(int argc, char** argv) {
   fmt::print("{:46} {:.3f} s from the last picture to rest  {}\n", "wand lost, at any moment", rest_s,
              rests ? "yes" : "NO");
   fmt::print(
-      "{{\"benchmark\": \"visitor-extremes\", \"part\": \"walk\", \"cases\": {}, \"failures\": {}, \"longest_rest_s\": "
+      "{{\"benchmark\": \"visitor-extremes\", \"part\": \"walk\", \"cases\": {}, \"failures\": {}, \"max_rest_s\": "
       "{:.3f}, \"speed_m_per_s\": {:.4f}, \"turn_deg_per_s\": {:.3f}, \"acceleration_m_per_s2\": {:.3f}, "
       "\"turn_acceleration_deg_per_s2\": {:.2f}}}\n",
       cases.size() + 1, failures, rest_s, all.speed_m_per_s, all.turn_rad_per_s / kDegree, all.acceleration_m_per_s2,

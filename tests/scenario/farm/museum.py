@@ -51,10 +51,10 @@ class Museum:
     def at_full_rate(self, since):
         """Returns the time after `since` from which every frame was in time, or None."""
         frames = self.frames(since)
-        most_s = 1.5 * RUN / self.rate_hz
+        max_s = 1.5 * RUN / self.rate_hz
         for first in range(len(frames) - RUN):
             run = frames[first:first + RUN + 1]
-            if all(f["complete"] for f in run) and run[-1]["at_s"] - run[0]["at_s"] <= most_s:
+            if all(f["complete"] for f in run) and run[-1]["at_s"] - run[0]["at_s"] <= max_s:
                 return run[0]["at_s"]
         return None
 

@@ -36,7 +36,7 @@ std::map<std::string, Parser> farm_parsers() {
   static const ExamplePackage package;
   return {
       {"farm.toml", parser(coordinator::parse_coordinator_config)},
-      {"front.toml", parser(governor::parse_pareto_front)},
+      {"pareto_front.toml", parser(governor::parse_pareto_front)},
       {"museums.toml", parser(trust::Grants::parse)},
       {"node.toml", parser(node::parse_node_config)},
       {"scene.toml", parser([](const auto& text, const auto& name) {

@@ -16,8 +16,8 @@
 #include "common/room/installation.h"
 #include "common/wand/wand.h"
 #include "drivers/devices/make_camera.h"
+#include "drivers/devices/make_turntable.h"
 #include "drivers/simulated/camera/simulation.h"
-#include "drivers/turntable/make_turntable.h"
 #include "kiosk/provision/operator_settings.h"
 #include "kiosk/tour/session/saved_position.h"
 #include "kiosk/tour/session/tour_settings.h"
@@ -75,7 +75,7 @@ const std::map<std::string, Parser>& parsers() {
          if (!camera) return camera.error();
          return Done{};
        })},
-      {"turntable", device_parser([](const std::string& line) { return turntable::check_turntable(line); })},
+      {"turntable", device_parser([](const std::string& line) { return devices::check_turntable(line); })},
   };
   static const std::map<std::string, Parser> all = [] {
     std::map<std::string, Parser> both = farm_parsers();

@@ -145,7 +145,7 @@ TEST(CalibrationJson, names_the_position_of_a_mistake) {
                         {"\"surface\": \"cylinder\"", "\"surface\": \"cube\"", "/wall/surface"},
                         {"\"date\": \"2026", "\"date\": \"../..", "/date"},
                         {"calibrations/2026-01-01T00-00-00Z/1.map.pfm", "/etc/passwd", "/projectors/0/map"},
-                        {"\"version\": 1", "\"version\": 2", "/version"},
+                        {"\"version\": 2", "\"version\": 1", "/version"},
                         {"\"is_previous\": false", "\"is_previous\": false, \"more\": 1", "/projectors/0"},
                         {"\"right\"", "\"left\"", "/projectors/1/name"}};
   ASSERT_TRUE(parse_calibration(good, "c.json"));

@@ -102,7 +102,7 @@ TEST_F(ColourFile, names_a_mistake) {
   EXPECT_THAT(refused("1.mask.png", "../mask.png"), HasSubstr("/projectors/0/mask"));
   EXPECT_THAT(refused("\"left\"", "\"right-2.b\""), HasSubstr("/projectors/"));
   EXPECT_THAT(refused("cyclorama-colours", "colours"), HasSubstr("/format"));
-  EXPECT_THAT(refused("\"version\": 1", "\"version\": 2"), HasSubstr("/version"));
+  EXPECT_THAT(refused("\"version\": 2", "\"version\": 1"), HasSubstr("/version"));
   EXPECT_THAT(refused("\"red\"", "\"rouge\""), HasSubstr("/projectors/1/response"));
   EXPECT_THAT(refused("{", ""), HasSubstr("colours.json"));
   ASSERT_TRUE(write_colours(folder_, two_colours()));

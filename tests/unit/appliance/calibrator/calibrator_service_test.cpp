@@ -54,7 +54,7 @@ class CalibratorServiceTest : public ::testing::Test {
     return devices;
   }
   /// Cancels after `cancel_after` progress messages, or runs to the end.
-  grpc::Status calibrate(const wire::CalibrateOrder& order, int cancel_after = 1 << 30) {
+  grpc::Status calibrate(const wire::CalibrateRequest& order, int cancel_after = 1 << 30) {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(60));
     const auto reader = stub_->Calibrate(&context, order);
@@ -95,7 +95,7 @@ TEST_F(CalibratorServiceTest, calibrates_reports_progress_and_restores_the_previ
   EXPECT_THAT(inspection_.status().state(), HasSubstr("calibrated 2 projectors"));
 
   grpc::ClientContext nothing_before;
-  wire::RestoreAnswer answer;
+  wire::RestoreReply answer;
   EXPECT_EQ(stub_->Restore(&nothing_before, {}, &answer).error_code(), grpc::StatusCode::NOT_FOUND);
   // A second calibration with a later date.
   calibration::Calibration later = *calibration::read_calibration(folder_);
@@ -116,7 +116,7 @@ TEST_F(CalibratorServiceTest, realigns_a_displaced_projector) {
   stands = {turn * stands.rotation(), stands.translation()};
   museum_.emplace(*simulated::SimulatedMuseum::make(preset_.installation, preset_.truth));
 
-  wire::CalibrateOrder quick;
+  wire::CalibrateRequest quick;
   quick.set_quick(true);
   quick.set_projector(preset_.installation.projectors[1].name);
   const auto done = calibrate(quick);
@@ -172,7 +172,7 @@ TEST_F(CalibratorServiceTest, asks_the_client_to_turn_the_turntable) {
   const auto stub = wire::Calibrator::NewStub(*make_channel("[::1]:" + std::to_string(server->port())));
   const auto answered = [&](const std::string& text) {
     grpc::ClientContext context;
-    wire::AnswerOrder order;
+    wire::AnswerRequest order;
     order.set_text(text);
     wire::AnswerReply reply;
     return stub->Answer(&context, order, &reply).error_code();
@@ -200,7 +200,7 @@ TEST_F(CalibratorServiceTest, leaves_no_calibration_when_cancelled_and_can_resum
   const auto cancelled = calibrate({}, 3);
   EXPECT_EQ(cancelled.error_code(), grpc::StatusCode::CANCELLED);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "calibration.json"));
-  wire::CalibrateOrder resume;
+  wire::CalibrateRequest resume;
   resume.set_resume(true);
   // The previous call may take one more photograph before it ends.
   grpc::Status resumed;
@@ -228,7 +228,7 @@ TEST_F(CalibratorServiceTest, runs_one_calibration_at_a_time) {
 }
 
 TEST_F(CalibratorServiceTest, refuses_to_realign_a_projector_without_a_calibration) {
-  wire::CalibrateOrder quick;
+  wire::CalibrateRequest quick;
   quick.set_quick(true);
   EXPECT_EQ(calibrate(quick).error_code(), grpc::StatusCode::INVALID_ARGUMENT) << "which one?";
   quick.set_projector(preset_.installation.projectors[0].name);
@@ -240,7 +240,7 @@ TEST_F(CalibratorServiceTest, refuses_to_realign_a_projector_without_a_calibrati
 }
 
 TEST_F(CalibratorServiceTest, has_nothing_to_resume_at_first) {
-  wire::CalibrateOrder resume;
+  wire::CalibrateRequest resume;
   resume.set_resume(true);
   const auto refused = calibrate(resume);
   EXPECT_EQ(refused.error_code(), grpc::StatusCode::FAILED_PRECONDITION);

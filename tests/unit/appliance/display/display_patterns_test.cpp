@@ -54,7 +54,7 @@ class Patterns {
   };
   /// Returns whether the order was answered.
   bool show(std::uint32_t number, const std::vector<One>& heads, wire::PatternShown* ret_answer) {
-    wire::PatternOrder order;
+    wire::PatternRequest order;
     order.set_number(number);
     for (const One& one : heads) {
       wire::HeadPattern* const pattern = order.add_heads();
@@ -80,7 +80,7 @@ class Patterns {
  private:
   std::unique_ptr<wire::PatternScreen::Stub> stub_;
   grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReaderWriter<wire::PatternOrder, wire::PatternShown>> stream_;
+  std::unique_ptr<grpc::ClientReaderWriter<wire::PatternRequest, wire::PatternShown>> stream_;
   bool is_open_ = true;
 };
 

@@ -132,7 +132,7 @@ TEST_P(DisplayScreensTest, shows_the_eye_the_right_light_at_every_heading) {
   EXPECT_EQ(*asked, room_.projection(768));
   const Projection guarded = with_guard_band(*asked, 0.15);
   // Half of a head's pixels cover its whole field.
-  const double most_on_average = room_.stereo ? 0.007 : 0.004;
+  const double max_mean = room_.stereo ? 0.007 : 0.004;
   tour_->send_all(frame_messages(1, picture_of(guarded), guarded, 1.0));
   ASSERT_TRUE(tour_->wait_for_reports(1, 0));
   const simulated::RoomPicture photographer(room_, simulated::RoomEye::behind_visitor(room_, 16, 9));
@@ -143,10 +143,10 @@ TEST_P(DisplayScreensTest, shows_the_eye_the_right_light_at_every_heading) {
       // The attract picture fades out first, and headings take some time.
       Off off{1.0, 1.0};
       const TimePoint deadline = clock_.now() + std::chrono::seconds(60);
-      while (off.mean >= most_on_average && clock_.now() < deadline) off = seen(photographer, turn, eye);
+      while (off.mean >= max_mean && clock_.now() < deadline) off = seen(photographer, turn, eye);
       std::printf("%s, turned by %.2f: light off by %.4f on average, %.4f at most\n", GetParam(), turn, off.mean,
                   off.max);
-      EXPECT_LT(off.mean, most_on_average);  // A code value is 0.0067 there.
+      EXPECT_LT(off.mean, max_mean);  // A code value is 0.0067 there.
       EXPECT_LT(off.max, 0.05);
     }
   }

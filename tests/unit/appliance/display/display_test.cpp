@@ -288,7 +288,7 @@ TEST_F(DisplayTest, measures_the_tours_clock_and_shows_frames_at_the_scheduled_r
   EXPECT_TRUE(wait_until([&] { return gauge("frames_late") >= 1.0; })) << "told when it was too late";
   EXPECT_TRUE(wait_until([&] { return gauge("synchronised_percent") < 100.0; }));
   EXPECT_TRUE(wait_until([&] {
-    return display_->inspection().status().state().find("in step with the other displays") != std::string::npos;
+    return display_->inspection().status().state().find("synchronised with the other displays") != std::string::npos;
   }));
   // A need that the clock's error makes negative counts as zero, so one frame may not suffice: on a busy machine the
   // error is large.

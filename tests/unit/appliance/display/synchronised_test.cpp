@@ -85,8 +85,8 @@ class Room {
   struct Agreement {
     std::int64_t refreshes = 0;
     std::int64_t agreeing = 0;
-    std::int64_t most_apart = 0;       ///< Maximum difference in frames at one number.
-    std::int64_t most_apart_ever = 0;  ///< Maximum difference in frames at any time.
+    std::int64_t max_difference = 0;       ///< Maximum difference in frames at one number.
+    std::int64_t max_difference_ever = 0;  ///< Maximum difference in frames at any time.
   };
   /// Evaluated once `warm_up` has passed.
   [[nodiscard]] Agreement agreement(Duration warm_up) const {
@@ -109,7 +109,7 @@ class Room {
       const auto [min, max] = std::ranges::minmax(frames);
       ++result.refreshes;
       result.agreeing += min == max ? 1 : 0;
-      result.most_apart = std::max(result.most_apart, max - min);
+      result.max_difference = std::max(result.max_difference, max - min);
     }
     for (const Display& display : displays_) {
       for (const Shown& shown : display.shown) {
@@ -117,7 +117,8 @@ class Room {
         for (const Display& other : displays_) {
           const auto after = std::ranges::upper_bound(other.shown, shown.at, {}, &Shown::at);
           if (after == other.shown.begin()) continue;
-          result.most_apart_ever = std::max(result.most_apart_ever, std::abs(std::prev(after)->frame - shown.frame));
+          result.max_difference_ever =
+              std::max(result.max_difference_ever, std::abs(std::prev(after)->frame - shown.frame));
         }
       }
     }
@@ -227,7 +228,7 @@ class Room {
     events_.at(events_.now() + delay(displays_[i].computer.there), [this, i, question = *question] {
       const TimePoint tour_now = events_.now() + kTourAhead;
       schedule_.measured(question, tour_now);
-      wire::ClockAnswer answer;
+      wire::ClockReply answer;
       answer.set_asked_ns(question.asked_ns());
       answer.set_received_ns(to_nanoseconds(tour_now));
       answer.set_answered_ns(to_nanoseconds(tour_now));
@@ -250,8 +251,8 @@ void expect_synchronised(const Room::Agreement& agreement) {
   EXPECT_GT(agreement.refreshes, 5000);
   EXPECT_GE(static_cast<double>(agreement.agreeing), 0.999 * static_cast<double>(agreement.refreshes))
       << agreement.refreshes - agreement.agreeing << " of " << agreement.refreshes << " differ";
-  EXPECT_LE(agreement.most_apart, 1);
-  EXPECT_LE(agreement.most_apart_ever, 1);
+  EXPECT_LE(agreement.max_difference, 1);
+  EXPECT_LE(agreement.max_difference_ever, 1);
 }
 
 TEST(Synchronised, displays_with_skewed_and_drifting_clocks_show_the_same_frames) {

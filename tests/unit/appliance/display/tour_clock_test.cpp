@@ -16,8 +16,8 @@ constexpr std::int64_t kPeriod_ns = 16'666'667;
 class TourClockTest : public ::testing::Test {
  protected:
   /// The tour's clock is 7 s ahead of ours; each way takes a millisecond.
-  wire::ClockAnswer answer(const wire::ClockQuestion& question) const {
-    wire::ClockAnswer answer;
+  wire::ClockReply answer(const wire::ClockRequest& question) const {
+    wire::ClockReply answer;
     answer.set_asked_ns(question.asked_ns());
     answer.set_received_ns(to_nanoseconds(now_ + 7s + 1ms));
     answer.set_answered_ns(to_nanoseconds(now_ + 7s + 1ms));
@@ -28,7 +28,7 @@ class TourClockTest : public ::testing::Test {
     const auto question = clock_.question(now_);
     if (!question) return false;
     last_ = *question;
-    const wire::ClockAnswer reply = answer(*question);
+    const wire::ClockReply reply = answer(*question);
     pass(2ms);
     return clock_.take(reply, now_);
   }
@@ -39,7 +39,7 @@ class TourClockTest : public ::testing::Test {
   TimePoint now_{5000s};
   SystemTime system_now_{1'700'000'000s};
   TourClock clock_{[this] { return system_now_; }};
-  wire::ClockQuestion last_;
+  wire::ClockRequest last_;
 };
 
 TEST_F(TourClockTest, learns_the_tours_clock_and_the_offset_of_the_system_clocks) {
@@ -78,10 +78,10 @@ TEST_F(TourClockTest, asks_again_after_a_second_and_ignores_a_late_answer) {
 TEST_F(TourClockTest, ignores_answers_to_questions_that_it_never_asked) {
   EXPECT_FALSE(clock_.take({}, now_));
   const auto question = clock_.question(now_);
-  wire::ClockAnswer foreign = answer(*question);
+  wire::ClockReply foreign = answer(*question);
   foreign.set_asked_ns(foreign.asked_ns() + 1);
   EXPECT_FALSE(clock_.take(foreign, now_));
-  wire::ClockAnswer nonsense = answer(*question);
+  wire::ClockReply nonsense = answer(*question);
   nonsense.set_answered_ns(std::numeric_limits<std::int64_t>::min());
   EXPECT_FALSE(clock_.take(nonsense, now_));
   EXPECT_FALSE(clock_.reading(now_).is_known);
@@ -92,7 +92,7 @@ TEST_F(TourClockTest, survives_answers_with_arbitrary_times) {
     pass(2s);
     const auto question = clock_.question(now_);
     ASSERT_TRUE(question);
-    wire::ClockAnswer odd = answer(*question);
+    wire::ClockReply odd = answer(*question);
     odd.set_received_ns(time);
     odd.set_answered_ns(time);
     odd.set_system_ns(-time);

@@ -38,7 +38,7 @@ calibration::PoseStep small_step() {
   return step;
 }
 
-double most_apart(const calibration::MeasuredMap& a, const calibration::MeasuredMap& b) {
+double max_distance(const calibration::MeasuredMap& a, const calibration::MeasuredMap& b) {
   double max = 0.0;
   for (std::size_t i = 0; i < a.directions.size(); ++i) {
     if (a.directions[i].allFinite() && b.directions[i].allFinite())
@@ -209,7 +209,7 @@ TEST(ShowFile, names_the_position_of_a_mistake) {
   ASSERT_FALSE(unknown);
   EXPECT_EQ(unknown.error().code(), ErrorCode::kBadData);
   EXPECT_THAT(unknown.error().message(), HasSubstr("/projectors/0"));
-  EXPECT_FALSE(with("\"version\": 1", "\"version\": 2"));
+  EXPECT_FALSE(with("\"version\": 2", "\"version\": 1"));
   EXPECT_FALSE(with("\"width_px\"", "\"with_px\""));
   EXPECT_FALSE(calibration::parse_show("", "watch.json"));
   EXPECT_FALSE(calibration::parse_show("[]", "watch.json"));
@@ -240,8 +240,8 @@ TEST(CorrectedMap, is_the_map_of_the_displaced_projector) {
         calibration::corrected_map(before.projectors[i].map, moved, room.wall, room.sweet_spot);
     room.projectors[i].T_room_projector = moved.applied;
     const calibration::MeasuredMap exact = exact_calibration(room, "x").projectors[i].map;
-    EXPECT_LT(most_apart(corrected, exact), 1e-9);
-    EXPECT_GT(most_apart(before.projectors[i].map, exact), 1e-3);
+    EXPECT_LT(max_distance(corrected, exact), 1e-9);
+    EXPECT_GT(max_distance(before.projectors[i].map, exact), 1e-3);
   }
 }
 

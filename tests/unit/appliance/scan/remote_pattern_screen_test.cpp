@@ -21,9 +21,9 @@ using ::testing::HasSubstr;
 class FakePatternDisplay final : public wire::PatternScreen::Service {
  public:
   grpc::Status ShowPatterns(grpc::ServerContext*,
-                            grpc::ServerReaderWriter<wire::PatternShown, wire::PatternOrder>* stream) override {
+                            grpc::ServerReaderWriter<wire::PatternShown, wire::PatternRequest>* stream) override {
     if (is_taken) return {grpc::StatusCode::FAILED_PRECONDITION, "another calibration shows its patterns"};
-    wire::PatternOrder order;
+    wire::PatternRequest order;
     while (stream->Read(&order)) {
       if (is_away) return {grpc::StatusCode::UNAVAILABLE, "head HDMI-A-1 is away; plug it in"};
       const std::lock_guard lock(mutex);

@@ -65,12 +65,12 @@ class TroubledScreen final : public PatternScreen {
   TroubledScreen(PatternScreen* screen, std::size_t projectors) : lit(projectors, false), screen_(screen) {}
   Status show(std::size_t projector, const RgbImage& picture) override {
     lit.at(projector) = !picture.empty();
-    most_lit = std::max(most_lit, std::count(lit.begin(), lit.end(), true));
+    max_lit = std::max(max_lit, std::count(lit.begin(), lit.end(), true));
     return screen_->show(projector, static_cast<int>(projector) == dark ? RgbImage() : picture);
   }
   int dark = -1;
   std::vector<bool> lit;
-  std::ptrdiff_t most_lit = 0;
+  std::ptrdiff_t max_lit = 0;
 
  private:
   PatternScreen* screen_;
@@ -153,7 +153,7 @@ class WallScanTest : public ::testing::Test {
 TEST_F(WallScanTest, lights_one_projector_at_a_time_and_leaves_the_wall_dark) {
   const auto result = scan();
   ASSERT_TRUE(result.has_value()) << result.error().message();
-  EXPECT_EQ(screen_.most_lit, 1);
+  EXPECT_EQ(screen_.max_lit, 1);
   EXPECT_THAT(screen_.lit, Each(false));
   EXPECT_TRUE(result->measurements.validate().has_value());
   EXPECT_GE(result->measurements.directions.size(), 2u);

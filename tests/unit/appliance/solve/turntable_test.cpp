@@ -31,7 +31,7 @@ Result<calibration::CalibratedTurntable> solved(const Measurements& measured,
 /// direction, inverse depth.
 class ObservationCost : public ceres::CostFunction {
  public:
-  explicit ObservationCost(const CellMean& seen) : sight_(seen) {
+  explicit ObservationCost(const CellMean& seen) : observation_(seen) {
     set_num_residuals(2);
     *mutable_parameter_block_sizes() = {calibration::MeasuredLens::kParameters, 2, 2, 1, 3,
                                         calibration::kInverseDepthTerms};
@@ -42,7 +42,8 @@ class ObservationCost : public ceres::CostFunction {
     const SeenFrom camera({blocks[1][0], blocks[1][1]}, {blocks[2][0], blocks[2][1]}, blocks[3][0]);
     Eigen::Vector2d errors;
     SeenFrom::Slopes slopes;
-    if (!camera.residuals(sight_, blocks[0], terms, 0.03, Eigen::Vector3d(blocks[4]), &errors, &slopes)) return false;
+    if (!camera.residuals(observation_, blocks[0], terms, 0.03, Eigen::Vector3d(blocks[4]), &errors, &slopes))
+      return false;
     Eigen::Map<Eigen::Vector2d>(residuals, 2) = errors;
     if (jacobians == nullptr) return true;
     const auto put = [&](int block, const auto& columns) {
@@ -59,7 +60,7 @@ class ObservationCost : public ceres::CostFunction {
   }
 
  private:
-  TurntableObservation sight_;
+  TurntableObservation observation_;
 };
 
 TEST(TurntableCost, has_the_jacobian_of_differences) {

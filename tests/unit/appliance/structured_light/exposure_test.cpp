@@ -28,7 +28,7 @@ ExposureSample photograph(double radiance_per_s, ExposureTime exposure, double a
 TEST(Exposure, is_found_in_a_few_photographs_for_any_brightness) {
   const ExposureLimits limits{.shortest = ExposureTime(1e-4),
                               .longest = ExposureTime(0.25),
-                              .preferred_longest = ExposureTime(0.25),
+                              .preferred_max = ExposureTime(0.25),
                               .projector_period = ExposureTime(0.0)};
   for (double radiance = 4.0; radiance < 8000.0; radiance *= 1.37) {
     std::vector<ExposureSample> samples;
@@ -87,10 +87,10 @@ TEST(Exposure, is_no_longer_than_necessary_for_a_dim_wall) {
       EXPECT_GE(good.bright, 0.28) << radiance;
       // Exposures longer than preferred only as far as the picture is dim; shorter ones are bright, to within one
       // period of the projector.
-      if (good.exposure > limits.preferred_longest + ExposureTime(period)) {
+      if (good.exposure > limits.preferred_max + ExposureTime(period)) {
         EXPECT_LE(good.bright, 0.45) << radiance;
       }
-      if (good.exposure < limits.preferred_longest - 2.0 * ExposureTime(period)) {
+      if (good.exposure < limits.preferred_max - 2.0 * ExposureTime(period)) {
         EXPECT_GE(good.bright, period > 0.0 ? 0.38 : 0.6) << radiance;
       }
       EXPECT_LE(good.exposure.count(), 1.6 * before) << radiance;

@@ -57,9 +57,9 @@ TEST_F(GovernedCommand, reports_the_result_of_each_budget_and_how_the_error_fall
 
 TEST_F(GovernedCommand, uses_a_given_pareto_front_or_reports_why_not) {
   EXPECT_FALSE(governed({"--front", (folder_ / "none.toml").string()}));
-  ASSERT_TRUE(write_file_atomically(folder_ / "front.toml",
+  ASSERT_TRUE(write_file_atomically(folder_ / "pareto_front.toml",
                                     std::string_view("[[point]]\ncpu_us_per_px = 1.0\nerror = 0.5\nsamples = 3\n")));
-  ASSERT_TRUE(governed({"--budgets", "50", "--front", (folder_ / "front.toml").string()}));
+  ASSERT_TRUE(governed({"--budgets", "50", "--front", (folder_ / "pareto_front.toml").string()}));
   const auto text = read_text_file(json(), 1 << 20);
   ASSERT_TRUE(text);
   EXPECT_EQ(nlohmann::json::parse(*text)["points"][0]["samples"], 3);

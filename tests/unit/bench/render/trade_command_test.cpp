@@ -50,7 +50,7 @@ TEST_F(TradeCommand, writes_a_table_a_plot_and_a_pareto_front_for_the_governor) 
   ASSERT_TRUE(status) << status.error().message();
   EXPECT_GT(std::ranges::count(text("trade.csv"), '\n'), 20);
   EXPECT_THAT(text("trade.svg"), HasSubstr("roof.obj, 32x16"));
-  const auto front = governor::read_pareto_front(folder_ / "out/front.toml");
+  const auto front = governor::read_pareto_front(folder_ / "out/pareto_front.toml");
   ASSERT_TRUE(front) << front.error().message();
   EXPECT_THAT(text("reference.txt"), HasSubstr("8 samples"));
 }

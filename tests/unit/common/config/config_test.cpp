@@ -185,11 +185,10 @@ TEST(Config, a_value_that_the_caller_refuses_is_reported_with_its_line) {
 
 TEST(Config, a_setting_under_its_former_name_is_refused_with_the_new_one) {
   const auto read = [](ConfigTable& root) {
-    root.refuse_renamed("longest_m", "max_m");
+    root.refuse_renamed("former_m", "max_m");
     root.number("max_m", {0, 9}, 1.0);
   };
-  EXPECT_THAT(complaint("longest_m = 2\n", read),
-              StartsWith("site.toml:1: longest_m: is called 'max_m' now; rename it"));
+  EXPECT_THAT(complaint("former_m = 2\n", read), StartsWith("site.toml:1: former_m: is called 'max_m' now; rename it"));
   EXPECT_EQ(complaint("max_m = 2\n", read), "");
 }
 

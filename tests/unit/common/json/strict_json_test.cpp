@@ -41,6 +41,20 @@ TEST(StrictJson, reads_a_valid_document) {
             "");
 }
 
+TEST(StrictJson, reports_another_version_before_the_keys_that_differ) {
+  const auto read = [](StrictJson* json) {
+    json->require_version(2);
+    json->integer("new", 0, 9);
+    json->refuse_other_keys();
+  };
+  EXPECT_EQ(mistake_in(R"({"version": 2, "new": 1})", read), "");
+  EXPECT_EQ(mistake_in(R"({"version": 1, "old": 1})", read),
+            "a.json: /version: is 1, and this program reads version 2; write it again");
+  EXPECT_EQ(mistake_in(R"({"version": "2", "new": 1})", read),
+            "a.json: /version: is \"2\", and this program reads version 2; write it again");
+  EXPECT_EQ(mistake_in(R"({"new": 1})", read), "a.json: : 'version' is missing; write it again");
+}
+
 TEST(StrictJson, reports_the_first_mistake_with_its_position_and_remedy) {
   const auto read = [](StrictJson* json) {
     for (StrictJson one : json->list("list", 1, 2)) {

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "drivers/turntable/make_turntable.h"
 #include "tests/doubles/scripted_controller.h"
 
 namespace cyclorama::turntable {
@@ -212,28 +211,6 @@ TEST(Gcode, reads_the_lines_of_common_firmwares) {
   EXPECT_EQ(position("Y:1.00 Count X:1000", 'X').kind, Kind::kChatter);  // Motor steps are not a position.
   EXPECT_EQ(position("X:inf", 'X').kind, Kind::kChatter);
   EXPECT_EQ(position("X:1e999 Y:0", 'X').kind, Kind::kChatter);
-}
-
-TEST(MakeTurntable, reports_what_is_wrong_with_a_line_of_text) {
-  const auto code = [](std::string_view spec) { return make_turntable(spec, nullptr).error().code(); };
-  EXPECT_EQ(code("lazy-susan"), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(code("serial:"), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(code("serial:/dev/null?speed=3"), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(code("serial:/dev/null?axis=XY"), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(code("serial:/dev/null?baud=nan"), ErrorCode::kInvalidArgument);
-  EXPECT_THAT(make_turntable("serial:/dev/null?least_"
-                             "deg=-90",
-                             nullptr)
-                  .error()
-                  .message(),
-              testing::HasSubstr("is now called 'min_deg'"));
-  EXPECT_EQ(code("serial:/dev/there-is-none?baud=9600&axis=A"), ErrorCode::kNotFound);
-  EXPECT_TRUE(make_turntable("manual", nullptr));
-  ScriptedController controller;
-  auto turntable =
-      make_turntable("serial:" + controller.device() + "?units_per_turn=1600&min_deg=-90&max_deg=45", nullptr);
-  ASSERT_TRUE(turntable);
-  EXPECT_NEAR((*turntable)->range().max_rad, 0.785398, 1e-6);
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ TEST(MuseumPage, shows_at_the_login_why_there_is_no_pin_until_there_is_one) {
     CHECK(answer && answer->status == 200);
     return answer->body;
   };
-  EXPECT_EQ(Json::parse(door())["checks"].size(), 0u) << "a PIN is in use: strangers are told nothing";
+  EXPECT_EQ(Json::parse(door())["checks"].size(), 0u) << "a PIN is in use: the page without a PIN shows no findings";
   EXPECT_EQ(page.client->Post("/door", "{}", "application/json")->status, 401);
   fs::remove_all(page.stick.root() / "settings");
   fs::remove_all(page.stick.root() / "generations");

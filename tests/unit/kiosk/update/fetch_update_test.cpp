@@ -31,7 +31,7 @@ class Farm {
     std::string folder = (fs::temp_directory_path() / "updates-XXXXXX").string();
     EXPECT_NE(::mkdtemp(folder.data()), nullptr);
     place_ = folder;
-    fs::create_directories(shelf());
+    fs::create_directories(updates());
     for (const char* const key : {"ours", "theirs"}) {
       openssl(std::string("genpkey -algorithm EC -pkeyopt ec_paramgen_curve:P-256 -out ") + key);
     }
@@ -51,22 +51,22 @@ class Farm {
   Farm& operator=(const Farm&) = delete;
 
   [[nodiscard]] fs::path place() const { return place_; }
-  [[nodiscard]] fs::path shelf() const { return place_ / "shelf" / kImage; }
+  [[nodiscard]] fs::path updates() const { return place_ / "updates" / kImage; }
   [[nodiscard]] fs::path offer() const { return place_ / "museum" / "offer"; }
   void write(const std::string& name, const std::string& text) const {
-    EXPECT_TRUE(write_file_atomically(shelf() / name, std::string_view(text)));
+    EXPECT_TRUE(write_file_atomically(updates() / name, std::string_view(text)));
   }
   void openssl(const std::string& words) const { output_of("cd '" + place_.string() + "' && openssl " + words); }
   void sign(const std::string& key) const {
-    output_of("cd '" + shelf().string() + "' && sha256sum *.efi *.raw >SHA256SUMS");
-    openssl("dgst -sha256 -sign " + key + " -out '" + shelf().string() + "/SHA256SUMS.sig' '" + shelf().string() +
+    output_of("cd '" + updates().string() + "' && sha256sum *.efi *.raw >SHA256SUMS");
+    openssl("dgst -sha256 -sign " + key + " -out '" + updates().string() + "/SHA256SUMS.sig' '" + updates().string() +
             "/SHA256SUMS'");
   }
   void start(trust::TrustOptions trust = {}) {
     coordinator::CoordinatorOptions options;
     options.scenes.push_back({.name = "grotto", .path = "/srv/grotto"});
     options.museums = options.nodes = "[::1]:0";
-    options.updates = place_ / "shelf";
+    options.updates = place_ / "updates";
     options.trust = std::move(trust);
     auto coordinator =
         coordinator::Coordinator::start(std::move(options), [](const std::string&, const coordinator::NoticeAbout&) {});
@@ -110,7 +110,7 @@ TEST(FetchUpdate, fetches_a_newer_version_completely_and_nothing_twice) {
   EXPECT_EQ(outcome->kind, Kind::kReady);
   EXPECT_EQ(outcome->version, "2.0");
   for (const char* const name : {kKernel, kRoot, kHashes, "SHA256SUMS", "SHA256SUMS.sig"}) {
-    EXPECT_EQ(text_of(farm.offer() / name), text_of(farm.shelf() / name)) << name;
+    EXPECT_EQ(text_of(farm.offer() / name), text_of(farm.updates() / name)) << name;
   }
   const std::uint64_t sent = farm.sent_bytes();
   EXPECT_EQ(farm.fetch(farm.order())->kind, Kind::kReady);
@@ -131,7 +131,7 @@ TEST(FetchUpdate, resumes_where_it_was_interrupted) {
   const auto outcome = farm.fetch(farm.order(), std::nullopt, [&] { return ++pieces > 0; });
   ASSERT_TRUE(outcome) << outcome.error().message();
   EXPECT_EQ(outcome->kind, Kind::kReady);
-  EXPECT_EQ(text_of(farm.offer() / kRoot), text_of(farm.shelf() / kRoot));
+  EXPECT_EQ(text_of(farm.offer() / kRoot), text_of(farm.updates() / kRoot));
   constexpr std::uint64_t kPiece = 512 * 1024;
   EXPECT_EQ(static_cast<std::uint64_t>(pieces), (kRootBytes - there + kPiece - 1) / kPiece + 1)
       << "the rest, and the hashes";
@@ -143,7 +143,7 @@ TEST(FetchUpdate, discards_parts_of_another_version) {
   int pieces = 0;
   ASSERT_EQ(farm.fetch(farm.order(), std::nullopt, [&] { return ++pieces < 4; })->kind, Kind::kLater);
   for (const char* const name : {kKernel, kRoot, kHashes}) {
-    fs::rename(farm.shelf() / name, farm.shelf() / ("cyclorama-museum_2.1" + std::string(name).substr(20)));
+    fs::rename(farm.updates() / name, farm.updates() / ("cyclorama-museum_2.1" + std::string(name).substr(20)));
   }
   farm.sign("ours");
   EXPECT_EQ(farm.fetch(farm.order())->version, "2.1");
@@ -271,8 +271,8 @@ class LyingCoordinator final : public wire::Updates::Service {
 TEST(FetchUpdate, does_not_trust_announced_lengths_and_order) {
   const Farm farm;
   wire::UpdateOffer offer;
-  offer.set_sums(text_of(farm.shelf() / "SHA256SUMS"));
-  offer.set_signature(text_of(farm.shelf() / "SHA256SUMS.sig"));
+  offer.set_sums(text_of(farm.updates() / "SHA256SUMS"));
+  offer.set_signature(text_of(farm.updates() / "SHA256SUMS.sig"));
   for (const std::uint64_t bytes : {std::uint64_t{6}, std::uint64_t{kRootBytes}, std::uint64_t{6}})
     offer.add_bytes(bytes);
   LyingCoordinator coordinator(offer);

@@ -148,7 +148,7 @@ TEST_F(TrustTest, offers_a_museum_only_its_granted_scenes) {
   const TlsFiles tls = authority_.museum("hall-3");
   EXPECT_THAT(scenes_of(tls), ElementsAre("grotto"));
   EXPECT_THAT(scenes_of(authority_.museum("hall-4")), ElementsAre("grotto", "relic"));
-  EXPECT_THAT(scenes_of(authority_.museum("stranger")), IsEmpty());
+  EXPECT_THAT(scenes_of(authority_.museum("unlisted")), IsEmpty());
   EXPECT_TRUE(session(tls).open("grotto"));
   RawSession forbidden = session(tls);
   EXPECT_FALSE(forbidden.open("relic"));

@@ -139,13 +139,15 @@ TEST(SceneStore, reports_the_pareto_front_in_the_scenes_folder_and_refuses_a_wro
   std::filesystem::create_directories(folder);
   SceneStore store(fake_loader());
   const std::string front = "[[point]]\ncpu_us_per_px = 1\nerror = 2\n";
-  std::ofstream(folder / "front.toml") << front;
+  std::ofstream(folder / "pareto_front.toml") << front;
   EXPECT_EQ(load(store, "x", folder).front(), front);
   EXPECT_EQ(load(store, "y", "a").front(), "");
-  std::ofstream(folder / "front.toml") << "[[point]]\ncpu_us_per_px = 0\n";
+  std::ofstream(folder / "pareto_front.toml") << "[[point]]\ncpu_us_per_px = 0\n";
   SceneStore another(fake_loader());
   const auto refused = load(another, "z", folder);
-  EXPECT_THAT(refused.error(), HasSubstr("front.toml:1: point[0].error: is missing"));
+  EXPECT_THAT(refused.error(), HasSubstr("pareto_front.toml:1: point[0].error: is missing"));
+  std::filesystem::rename(folder / "pareto_front.toml", folder / "front.toml");
+  EXPECT_THAT(load(another, "z", folder).error(), HasSubstr("front.toml' is called pareto_front.toml now; rename it"));
   std::filesystem::remove_all(folder);
 }
 

@@ -152,7 +152,7 @@ TEST_F(SceneCacheTest, repairs_a_scenes_folder) {
   const fs::path linked = folder / "scenes" / digest_of(files_of(scene));
   fs::remove(linked / "none");
   EXPECT_EQ(bring(cache, scene), 0u);
-  write_bytes(linked / "front.toml", "not of the scene");
+  write_bytes(linked / "pareto_front.toml", "not of the scene");
   EXPECT_EQ(bring(cache, scene), 0u);
   write_bytes(linked / "scene.toml", "other");
   EXPECT_EQ(bring(cache, scene), 0u);

@@ -85,8 +85,8 @@ TEST_F(GatekeeperTest, applies_a_museums_grant) {
   EXPECT_TRUE(gate_->session_connected(4, museum("hall-4")));
   gate_->session_ended(1, "");
   EXPECT_TRUE(gate_->session_connected(5, museum("hall-3")));
-  EXPECT_EQ(gate_->session_connected(6, museum("stranger")).error().code(), ErrorCode::kNotFound);
-  EXPECT_FALSE(gate_->grant_of(museum("stranger")).allows("grotto"));
+  EXPECT_EQ(gate_->session_connected(6, museum("unlisted")).error().code(), ErrorCode::kNotFound);
+  EXPECT_FALSE(gate_->grant_of(museum("unlisted")).allows("grotto"));
 }
 
 TEST_F(GatekeeperTest, disconnects_revoked_peers) {
@@ -194,7 +194,7 @@ TEST_F(GatekeeperTest, logs_one_line_per_connection_and_disconnection) {
                                  hall.serial + "\",\"address\":\"ipv6:[::1]:1234\",\"scene\":\"grotto\"}\n"));
   EXPECT_THAT(audit(), HasSubstr("\"reason\":\"it was \\\"long\\\"?\",\"seconds\":2.5,\"frames\":1,\"bytes\":10}\n"));
   EXPECT_THAT(audit(), Not(HasSubstr("again")));
-  for (int i = 0; i < 10; ++i) EXPECT_FALSE(gate_->session_connected(2, museum("stranger")).has_value());
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(gate_->session_connected(2, museum("unlisted")).has_value());
   const std::string log = audit();
   EXPECT_EQ(log.find("session refused"), log.rfind("session refused")) << "once a minute";
 }

@@ -79,7 +79,7 @@ TEST(Outbox, sends_the_presentation_time_of_a_heading) {
 TEST(Outbox, keeps_the_newest_answer_until_it_can_be_sent) {
   Outbox outbox = introduced();
   EXPECT_FALSE(outbox.take_answer());
-  wire::ClockAnswer answer;
+  wire::ClockReply answer;
   answer.set_asked_ns(1);
   outbox.put_answer(answer);
   answer.set_asked_ns(2);

@@ -23,8 +23,8 @@ wire::DisplayHello hello(double refresh_hz, const std::string& name = "hall") {
   hello.set_refresh_hz(refresh_hz);
   return hello;
 }
-wire::ClockQuestion needing(double frame_s, double heading_s = 0.0) {
-  wire::ClockQuestion question;
+wire::ClockRequest needing(double frame_s, double heading_s = 0.0) {
+  wire::ClockRequest question;
   question.set_frame_need_s(frame_s);
   question.set_heading_need_s(heading_s);
   return question;
@@ -122,13 +122,13 @@ TEST(DisplayRoster, names_the_least_synchronised_display) {
   roster.joined(1, hello(60.0, "left\n"));
   roster.joined(2, hello(60.0, "right"));
   EXPECT_FALSE(roster.synchronised_share());
-  wire::ClockQuestion question;
+  wire::ClockRequest question;
   question.set_synchronised_share(0.999);
   question.set_skew_s(-0.0123);
   question.set_skew_error_s(0.0002);
   question.set_frame_need_s(0.02);
   roster.heard(1, question);
-  EXPECT_FALSE(roster.synchronised_share()) << "in step with whom?";
+  EXPECT_FALSE(roster.synchronised_share()) << "one display alone is synchronised with nothing";
   question.clear_frame_need_s();
   roster.heard(1, question);
   question.set_synchronised_share(0.5);

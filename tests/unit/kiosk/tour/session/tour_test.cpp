@@ -438,7 +438,7 @@ TEST(Tour, sends_no_presentation_time_to_a_single_display_and_the_same_to_severa
   EXPECT_EQ(tour.gauge("frame_lead_ms"), 0.0);
 
   FakeDisplay second(tour.address());
-  wire::ClockQuestion question;
+  wire::ClockRequest question;
   question.set_frame_need_s(0.030);
   question.set_synchronised_share(0.75);
   second.ask(question);
@@ -467,13 +467,13 @@ TEST(Tour, answers_requests_for_the_time) {
   FakeFarm farm;
   TourProcess tour(settings_for(farm));
   FakeDisplay display(tour.address());
-  wire::ClockQuestion question;
+  wire::ClockRequest question;
   question.set_asked_ns(-4);
   const TimePoint before = SteadyClock().now();
   display.ask(question);
   ASSERT_TRUE(display.wait_until([](const auto& d) { return !d.answers().empty(); }));
   display.leave();
-  const wire::ClockAnswer& answer = display.answers()[0];
+  const wire::ClockReply& answer = display.answers()[0];
   EXPECT_EQ(answer.asked_ns(), -4);
   EXPECT_GE(answer.received_ns(), to_nanoseconds(before));
   EXPECT_GE(answer.answered_ns(), answer.received_ns());

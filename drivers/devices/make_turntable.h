@@ -12,16 +12,16 @@
 
 #include "drivers/turntable/manual/manual_turntable.h"
 
-namespace cyclorama::turntable {
+namespace cyclorama::devices {
 
 /// `operated_by` is the operator of a manual turntable.
 ///
 /// Errors: kInvalidArgument if the line itself is wrong (the message states what is legal); others as
-/// SerialTurntable::open().
-Result<std::unique_ptr<Turntable>> make_turntable(std::string_view spec,
-                                                  std::unique_ptr<TurntableOperator> operated_by);
+/// turntable::SerialTurntable::open().
+Result<std::unique_ptr<turntable::Turntable>> make_turntable(std::string_view spec,
+                                                             std::unique_ptr<turntable::TurntableOperator> operated_by);
 
 /// Checks the line only; opens nothing. Errors: kInvalidArgument as above.
 Status check_turntable(std::string_view spec);
 
-}  // namespace cyclorama::turntable
+}  // namespace cyclorama::devices

@@ -1,29 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/turntable/make_turntable.h"
+#include "drivers/devices/make_turntable.h"
 
 #include <fmt/format.h>
 
 #include <optional>
+#include <utility>
 
 #include "common/base/text.h"
+#include "drivers/devices/device_line.h"
 #include "drivers/turntable/manual/manual_turntable.h"
 #include "drivers/turntable/serial/serial_turntable.h"
 
-namespace cyclorama::turntable {
+namespace cyclorama::devices {
 namespace {
+
+using turntable::SerialTurntable;
+using turntable::SerialTurntableOptions;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 Error refuse(std::string_view spec, std::string_view what) {
   return Error(ErrorCode::kInvalidArgument, fmt::format("turntable '{}': {}", printable(spec, 200), what));
-}
-
-/// Splits `text` at the first `separator`; the rest is empty if there is none.
-std::string_view cut(std::string_view* text, char separator) {
-  const std::size_t at = text->find(separator);
-  const std::string_view first = text->substr(0, at);
-  *text = at == std::string_view::npos ? std::string_view() : text->substr(at + 1);
-  return first;
 }
 
 /// Returns whether `key` is known and its value is valid.
@@ -52,16 +49,10 @@ bool take(std::string_view key, std::string_view value, SerialTurntableOptions* 
   return true;
 }
 
-/// Returns the current name of the option `key`, or nothing if it is not a former name.
+/// Returns the present name of an option if `key` is its former one, else nothing.
 std::string_view renamed_to(std::string_view key) {
-  if (key ==
-      "least_"
-      "deg")
-    return "min_deg";
-  if (key ==
-      "most_"
-      "deg")
-    return "max_deg";
+  if (key == "least_deg") return "min_deg";  // Renamed.
+  if (key == "most_deg") return "max_deg";   // Renamed.
   return {};
 }
 
@@ -96,11 +87,11 @@ Status check_turntable(std::string_view spec) {
   return options ? SerialTurntable::check(*options) : Status(Done{});
 }
 
-Result<std::unique_ptr<Turntable>> make_turntable(std::string_view spec,
-                                                  std::unique_ptr<TurntableOperator> operated_by) {
+Result<std::unique_ptr<turntable::Turntable>> make_turntable(
+    std::string_view spec, std::unique_ptr<turntable::TurntableOperator> operated_by) {
   TRY_ASSIGN(const std::optional<SerialTurntableOptions> options, parse(spec));
   if (options) return SerialTurntable::open(*options);
-  return std::unique_ptr<Turntable>(std::make_unique<ManualTurntable>(std::move(operated_by)));
+  return std::unique_ptr<turntable::Turntable>(std::make_unique<turntable::ManualTurntable>(std::move(operated_by)));
 }
 
-}  // namespace cyclorama::turntable
+}  // namespace cyclorama::devices

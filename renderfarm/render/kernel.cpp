@@ -56,10 +56,14 @@ void add_path(const TraceView& view, const TraceCell& cell, CellPlace place, int
 /// Generates the camera rays of the paths. Pixels that see nothing have none.
 void generate_camera_rays(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
   SurfaceRandomNumbers& random_numbers = batch.random_numbers;
-  sample_pairs(batch.paths, batch.index_reversed.data(), batch.seed.data(), kPixelPlace, random_numbers.place_u.data(),
-               random_numbers.place_v.data());
+  if (cell.middle) {
+    std::fill_n(random_numbers.place_u.begin(), batch.paths, 0.5f);
+    std::fill_n(random_numbers.place_v.begin(), batch.paths, 0.5f);
+  } else {
+    sample_pairs(batch.paths, batch.index_reversed.data(), batch.seed.data(), kPixelPlace,
+                 random_numbers.place_u.data(), random_numbers.place_v.data());
+  }
   for (std::size_t i = 0; i < static_cast<std::size_t>(batch.paths); ++i) {
-    if (cell.middle) random_numbers.place_u[i] = random_numbers.place_v[i] = 0.5f;
     random_numbers.place_u[i] += static_cast<float>(cell.x + batch.path[i].pixel % kCellPx);
     random_numbers.place_v[i] += static_cast<float>(cell.y + batch.path[i].pixel / kCellPx);
   }

@@ -46,6 +46,8 @@ class Writer {
     y_resolution_ = old ? "Yresolution" : "yResolution";
     x_size_ = old ? "xsize" : "xSize";
     y_size_ = old ? "ysize" : "ySize";
+    // The consortium's own reader, of version 1.0, knows only this spelling, and refuses files without it.
+    origin_ = old ? "originof3DData" : "originOf3DData";
     put(R"(<?xml version="1.0" encoding="UTF-8"?>)");
     const std::string levels = old ? fmt::format(R"(level="{}")", set.level)
                                    : fmt::format(R"(geometry="{}" color="{}")", set.level, set.colour_level);
@@ -116,7 +118,7 @@ class Writer {
     put("        <path>{}</path>", region.map ? add("geometry", "pfm", encode_pfm(*region.map)) : "");
     put("        <interpolation>{}</interpolation>", mpcdi::word_of(mpcdi::kInterpolations, region.interpolation));
     put("        <geometricUnit>{}</geometricUnit>", mpcdi::word_of(mpcdi::kUnits, region.unit));
-    put("        <originOf3DData>{}</originOf3DData>", mpcdi::word_of(mpcdi::kOrigins, region.origin));
+    put("        <{0}>{1}</{0}>", origin_, mpcdi::word_of(mpcdi::kOrigins, region.origin));
     put("      </geometryWarpFile>");
     if (region.alpha) TRY(put_mask("alphaMap", "alpha", *region.alpha));
     if (region.beta) TRY(put_mask("betaMap", "beta", *region.beta));
@@ -149,7 +151,7 @@ class Writer {
   std::string xml_;
   std::vector<ZipMember> members_;
   int number_ = 0;
-  std::string_view x_resolution_, y_resolution_, x_size_, y_size_;
+  std::string_view x_resolution_, y_resolution_, x_size_, y_size_, origin_;
 };
 
 }  // namespace

@@ -38,22 +38,30 @@ Result<WarpNet> read_mesh(const std::filesystem::path& path, const std::string& 
       fmt::format("'{}' ends like no warp file; use .mpcdi, .xml, .pfm, .data, .obj, .csv or .simcad", path.string()));
 }
 
+/// Returns the mesh to write: the one that was read if it serves, otherwise a grid over the region's map.
+Result<WarpNet> mesh_of(const WarpFile& file, const WarpRegion& region, bool as_grid, const WarpFileOptions& options) {
+  const bool serves = file.mesh && !options.grid && (!as_grid || file.mesh->triangles.empty());
+  if (serves) return *file.mesh;
+  const WarpGridSize grid = options.grid.value_or(kDefaultGrid);
+  return net_from(region, grid.columns, grid.rows);
+}
+
 }  // namespace
 
 Result<WarpFile> read_warp_file(const std::filesystem::path& path, const WarpFileOptions& options) {
   const std::string ending = path.extension().string();
   if (ending == ".mpcdi" || ending == ".xml") {
     TRY_ASSIGN(MpcdiFile file, read_mpcdi(path));
-    return WarpFile{std::move(file.set), std::move(file.ignored)};
+    return WarpFile{std::move(file.set), std::move(file.ignored), {}};
   }
   if (ending == ".pfm") {
     TRY_ASSIGN(WarpRegion region, read_warp_pair(path, options.mask, options.profile));
-    return WarpFile{set_of(std::move(region), options.profile), {}};
+    return WarpFile{set_of(std::move(region), options.profile), {}, {}};
   }
-  TRY_ASSIGN(const WarpNet net, read_mesh(path, ending, options));
+  TRY_ASSIGN(WarpNet net, read_mesh(path, ending, options));
   auto region = region_from(net, path.stem().string(), options.width_px, options.height_px);
   if (!region) return std::move(region).error().while_doing(fmt::format("drawing mesh '{}'", path.string()));
-  return WarpFile{set_of(*std::move(region), WarpProfile::k2d), {}};
+  return WarpFile{set_of(*std::move(region), WarpProfile::k2d), {}, std::move(net)};
 }
 
 Result<const WarpRegion*> chosen_region(const WarpSet& set, const std::string& id) {
@@ -72,8 +80,9 @@ Result<const WarpRegion*> chosen_region(const WarpSet& set, const std::string& i
   return invalid(fmt::format("which region is meant? There {} {}; name one", count == 1 ? "is" : "are", ids));
 }
 
-Status write_warp_file(const std::filesystem::path& path, const WarpSet& set, const std::string& id,
+Status write_warp_file(const std::filesystem::path& path, const WarpFile& file, const std::string& id,
                        const WarpFileOptions& options) {
+  const WarpSet& set = file.set;
   const std::string ending = path.extension().string();
   if (ending == ".mpcdi") {
     WarpSet stamped = set;
@@ -89,7 +98,7 @@ Status write_warp_file(const std::filesystem::path& path, const WarpSet& set, co
   if (set.profile != WarpProfile::k2d) {
     return invalid("a mesh says where in a flat picture to look, and this map does not; write .mpcdi or .pfm");
   }
-  TRY_ASSIGN(const WarpNet net, net_from(*region, options.columns, options.rows));
+  TRY_ASSIGN(const WarpNet net, mesh_of(file, *region, ending == ".data", options));
   if (ending == ".data") {
     return write_bourke(path, net, static_cast<double>(region->width_px) / static_cast<double>(region->height_px));
   }

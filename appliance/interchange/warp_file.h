@@ -19,13 +19,19 @@
 
 namespace cyclorama::interchange {
 
+struct WarpGridSize {
+  int columns = 0;
+  int rows = 0;
+};
+inline constexpr WarpGridSize kDefaultGrid{65, 37};
+
 /// Parameters that some formats lack.
 struct WarpFileOptions {
   /// Size of the projector's picture, for meshes: they are drawn into a map of that size. Also gives the aspect.
   int width_px = 1920;
   int height_px = 1080;
-  int columns = 65;  ///< Size of a grid that is written.
-  int rows = 37;
+  /// Size of a grid that is written. Without it, a mesh is written as it was read, and other maps as kDefaultGrid.
+  std::optional<WarpGridSize> grid;
   WarpProfile profile = WarpProfile::k2d;     ///< For a PFM.
   std::optional<std::filesystem::path> mask;  ///< PNG that accompanies a PFM.
   MpcdiVersion version = MpcdiVersion::k2_0;  ///< For writing an MPCDI file.
@@ -34,6 +40,7 @@ struct WarpFileOptions {
 struct WarpFile {
   WarpSet set;
   std::vector<std::string> ignored;  ///< Same as MpcdiFile::ignored.
+  std::optional<WarpNet> mesh;       ///< From which the only region of `set` was drawn, if the file holds a mesh.
 };
 
 /// Errors: kInvalidArgument if no format has this file name extension; else those of the format's reader.
@@ -44,10 +51,11 @@ Result<WarpFile> read_warp_file(const std::filesystem::path& path, const WarpFil
 Result<const WarpRegion*> chosen_region(const WarpSet& set, const std::string& id);
 
 /// Writes one region, or for MPCDI the whole set: `region` names it, or is empty if there is only one. Meshes lose the
-/// beta map and three-dimensional points. A mesh is written from the even grid of net_from(); an OBJ and a PFM write
-/// the alpha beside them, as PNG (options.mask, or the same name with .png). Errors: kInvalidArgument if no format has
+/// beta map and three-dimensional points. A mesh that was read as one keeps its nodes unless options.grid is given, so
+/// converting a file to its own format changes nothing; otherwise it is the even grid of net_from(). A .data file needs
+/// a grid: a mesh of triangles becomes one. An OBJ and a PFM write the alpha beside them, as PNG (options.mask, or the same name with .png). Errors: kInvalidArgument if no format has
 /// this file name extension, there is no such region, or a map in space is written to a flat format.
-Status write_warp_file(const std::filesystem::path& path, const WarpSet& set, const std::string& region,
+Status write_warp_file(const std::filesystem::path& path, const WarpFile& file, const std::string& region,
                        const WarpFileOptions& options);
 
 }  // namespace cyclorama::interchange

@@ -48,15 +48,15 @@ struct EdgePoint {
   double weight;
 };
 
-/// Returns the step from inside (black) to outside (white) on a line across the side.
-std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& middle, const Vector2d& outwards,
+/// Returns the step from black to white on a line across the side, in the direction of `to_white`.
+std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& middle, const Vector2d& to_white,
                                    double radius_px) {
   const int steps = static_cast<int>(radius_px / kStepPx);
   double moment = 0.0;
   double rise = 0.0;
   std::optional<double> last;
   for (int i = -steps; i <= steps; ++i) {
-    const auto grey = grey_at(picture, middle + i * kStepPx * outwards);
+    const auto grey = grey_at(picture, middle + i * kStepPx * to_white);
     if (!grey) return std::nullopt;
     // A falling step belongs to another edge.
     if (last && *grey > *last) {
@@ -66,7 +66,7 @@ std::optional<EdgePoint> find_step(const GreyImage& picture, const Vector2d& mid
     last = grey;
   }
   if (rise < kMinContrastGrey) return std::nullopt;
-  return EdgePoint{middle + (moment / rise) * outwards, rise};
+  return EdgePoint{middle + (moment / rise) * to_white, rise};
 }
 
 /// A point of the line and its direction; across the line, in px², the variance at that point, and the contribution of
@@ -128,10 +128,11 @@ void set_variance(const std::vector<EdgePoint>& points, double length_px, Line* 
 }
 
 /// Fits a line to the side between two corners; `thickness_px` is the distance of the opposite side.
-Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to, double thickness_px,
-             int cells_across) {
+Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to, double thickness_px, int cells_across,
+             TagBorder border) {
   const Line unchanged{from, (to - from).normalized()};
   const Vector2d outwards = unchanged.normal();  // Corners run clockwise in the picture.
+  const Vector2d to_white = border == TagBorder::kBlack ? outwards : Vector2d(-outwards);
   // Half a cell; more for a small tag, so that the whole blurred step is included, but not the code's own cells.
   const double cell_px = thickness_px / cells_across;
   const double radius_px = std::min(kMaxRadiusPx, std::max(0.5 * cell_px, std::min(0.9 * cell_px, kBlurPx)));
@@ -139,7 +140,7 @@ Line side_of(const GreyImage& picture, const Vector2d& from, const Vector2d& to,
   std::vector<EdgePoint> points;
   for (int i = 0; i < kPointsPerSide; ++i) {
     const double t = kKeepClearOfCorners + (1.0 - 2.0 * kKeepClearOfCorners) * (i + 0.5) / kPointsPerSide;
-    if (const auto point = find_step(picture, from + t * (to - from), outwards, radius_px)) points.push_back(*point);
+    if (const auto point = find_step(picture, from + t * (to - from), to_white, radius_px)) points.push_back(*point);
   }
   if (points.size() < kPointsPerSide / 2) return unchanged;
   Line line = fit(points);
@@ -171,7 +172,8 @@ Matrix2d covariance_at(const Vector2d& corner, const Line& a, const Line& b) {
 
 }  // namespace
 
-RefinedCorners refine_corners(const GreyImage& picture, const std::array<Vector2d, 4>& corners, int cells_across) {
+RefinedCorners refine_corners(const GreyImage& picture, const std::array<Vector2d, 4>& corners, int cells_across,
+                              TagBorder border) {
   constexpr auto& kUnrefined = TagDetection::kUnrefined;
   const RefinedCorners unrefined{corners, {kUnrefined, kUnrefined, kUnrefined, kUnrefined}};
   std::array<Line, 4> sides;
@@ -179,7 +181,7 @@ RefinedCorners refine_corners(const GreyImage& picture, const std::array<Vector2
     const Vector2d& from = corners[i];
     const Vector2d& to = corners[(i + 1) % 4];
     const Vector2d opposite = 0.5 * (corners[(i + 2) % 4] + corners[(i + 3) % 4]);
-    sides[i] = side_of(picture, from, to, distance({from, (to - from).normalized()}, opposite), cells_across);
+    sides[i] = side_of(picture, from, to, distance({from, (to - from).normalized()}, opposite), cells_across, border);
   }
   RefinedCorners refined = unrefined;
   for (std::size_t i = 0; i < 4; ++i) {

@@ -7,6 +7,9 @@
 
 namespace cyclorama::tags {
 
+/// Colour of a tag just inside its border: black in the classic families, white in the standard, circle and custom ones.
+enum class TagBorder { kBlack, kWhite };
+
 struct RefinedCorners {
   std::array<Eigen::Vector2d, 4> positions;
   std::array<Eigen::Matrix2d, 4> covariance;  ///< In px²; for a line that was left alone, TagDetection::kUnrefined.
@@ -21,6 +24,6 @@ struct RefinedCorners {
 /// Reentrant. A side that is too short, leaves the picture or has too little contrast keeps its line, and corners that
 /// would move by more than two pixels stay unchanged.
 [[nodiscard]] RefinedCorners refine_corners(const GreyImage& picture, const std::array<Eigen::Vector2d, 4>& corners,
-                                            int cells_across);
+                                            int cells_across, TagBorder border = TagBorder::kBlack);
 
 }  // namespace cyclorama::tags

@@ -7,6 +7,11 @@ extern "C" {
 #include <apriltag/tag25h9.h>
 #include <apriltag/tag36h10.h>
 #include <apriltag/tag36h11.h>
+#include <apriltag/tagCircle21h7.h>
+#include <apriltag/tagCircle49h12.h>
+#include <apriltag/tagCustom48h12.h>
+#include <apriltag/tagStandard41h12.h>
+#include <apriltag/tagStandard52h13.h>
 }
 
 #include <fmt/format.h>
@@ -25,9 +30,28 @@ struct Family {
   apriltag_family_t* (*create)();
   void (*destroy)(apriltag_family_t*);
 };
-constexpr std::array kFamilies{
-    Family{"tag36h11", tag36h11_create, tag36h11_destroy}, Family{"tag25h9", tag25h9_create, tag25h9_destroy},
-    Family{"tag16h5", tag16h5_create, tag16h5_destroy}, Family{"tag36h10", tag36h10_create, tag36h10_destroy}};
+constexpr std::array kFamilies{Family{"tag36h11", tag36h11_create, tag36h11_destroy},
+                               Family{"tag25h9", tag25h9_create, tag25h9_destroy},
+                               Family{"tag16h5", tag16h5_create, tag16h5_destroy},
+                               Family{"tag36h10", tag36h10_create, tag36h10_destroy},
+                               Family{"tagStandard41h12", tagStandard41h12_create, tagStandard41h12_destroy},
+                               Family{"tagStandard52h13", tagStandard52h13_create, tagStandard52h13_destroy},
+                               Family{"tagCircle21h7", tagCircle21h7_create, tagCircle21h7_destroy},
+                               Family{"tagCircle49h12", tagCircle49h12_create, tagCircle49h12_destroy},
+                               Family{"tagCustom48h12", tagCustom48h12_create, tagCustom48h12_destroy}};
+
+/// Upper bound of libapriltag's table of a family's codes with their wrong bits.
+constexpr std::size_t kMaxTableBytes = std::size_t{64} << 20;
+
+/// Returns the size of that table: three slots of 16 bytes for each code and each way to have up to `max_hamming` wrong
+/// bits.
+std::size_t table_bytes(const apriltag_family_t& tags, int max_hamming) {
+  const std::size_t bits = tags.nbits;
+  std::size_t ways = 1;
+  if (max_hamming >= 1) ways += bits;
+  if (max_hamming >= 2) ways += bits * (bits - 1) / 2;
+  return tags.ncodes * ways * 3 * 16;
+}
 
 /// A tag is at least this many cells wide. In a smaller picture there is nothing to find, and libapriltag divides its
 /// picture into tiles of 4 pixels, of which at least one must exist.
@@ -72,10 +96,8 @@ struct TagDetector::Library {
   apriltag_family_t* tags = nullptr;
   apriltag_detector_t* detector = nullptr;
 
-  Library(const Family& chosen, int max_hamming)
-      : family(&chosen), tags(chosen.create()), detector(apriltag_detector_create()) {
-    apriltag_detector_add_family_bits(detector, tags, max_hamming);
-  }
+  explicit Library(const Family& chosen)
+      : family(&chosen), tags(chosen.create()), detector(apriltag_detector_create()) {}
   ~Library() {
     apriltag_detector_destroy(detector);
     family->destroy(tags);
@@ -95,7 +117,14 @@ Result<TagDetector> TagDetector::create(const DetectorSettings& settings) {
     return refuse(
         fmt::format("no tag family '{}'; the families are {}", settings.family, fmt::join(tag_families(), ", ")));
   }
-  auto library = std::make_unique<Library>(*family, settings.max_hamming);
+  auto library = std::make_unique<Library>(*family);
+  const std::size_t bytes = table_bytes(*library->tags, settings.max_hamming);
+  if (bytes > kMaxTableBytes) {
+    return refuse(fmt::format("{} has {} codes, so max_hamming = {} takes {} MiB, more than {}; choose a smaller one",
+                              settings.family, library->tags->ncodes, settings.max_hamming, bytes >> 20,
+                              kMaxTableBytes >> 20));
+  }
+  apriltag_detector_add_family_bits(library->detector, library->tags, settings.max_hamming);
   library->detector->nthreads = settings.threads;
   library->detector->quad_decimate = possible_decimation(settings.decimate);
   library->detector->refine_edges = settings.refine_edges;
@@ -141,7 +170,8 @@ Result<std::vector<TagDetection>> TagDetector::detect_in(const GreyImage& pictur
     if (!finite || !(tag.margin >= settings_.min_margin)) continue;
     for (Eigen::Vector2d& corner : tag.corners) corner += origin;
     if (settings_.refine_corners) {
-      const RefinedCorners refined = refine_corners(picture, tag.corners, library_->tags->width_at_border);
+      const TagBorder border = library_->tags->reversed_border ? TagBorder::kWhite : TagBorder::kBlack;
+      const RefinedCorners refined = refine_corners(picture, tag.corners, library_->tags->width_at_border, border);
       tag.corners = refined.positions;
       tag.covariance = refined.covariance;
     }

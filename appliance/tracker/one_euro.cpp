@@ -35,12 +35,11 @@ std::optional<FilteredPosition> filter(const OneEuroSettings& settings, const st
   const Duration since_last = last ? at - last->at : Duration::zero();
   const Step step = step_of(last.has_value(), measured.allFinite(), since_last);
   if (step == Step::kIgnore) return last;
-  if (step == Step::kRestart) return FilteredPosition{measured, measured, Eigen::Vector3d::Zero(), at};
+  if (step == Step::kRestart) return FilteredPosition{measured, Eigen::Vector3d::Zero(), at};
   const double step_s = to_seconds(since_last);
   FilteredPosition next = *last;
-  const double alpha = advance_speed(settings, (measured - last->measured) / step_s, step_s, &next.speed);
+  const double alpha = advance_speed(settings, (measured - last->value) / step_s, step_s, &next.speed);
   next.value += alpha * (measured - last->value);
-  next.measured = measured;
   next.at = at;
   return next;
 }
@@ -53,14 +52,13 @@ std::optional<FilteredRotation> filter(const OneEuroSettings& settings, const st
   const Step step = step_of(last.has_value(), usable, since_last);
   if (step == Step::kIgnore) return last;
   const Eigen::Quaterniond target = measured.normalized();
-  if (step == Step::kRestart) return FilteredRotation{target, target, Eigen::Vector3d::Zero(), at};
+  if (step == Step::kRestart) return FilteredRotation{target, Eigen::Vector3d::Zero(), at};
   const double step_s = to_seconds(since_last);
   // AngleAxis gives 0 to π, which is the shorter way round.
-  const Eigen::AngleAxisd turn(last->measured.conjugate() * target);
+  const Eigen::AngleAxisd turn(last->value.conjugate() * target);
   FilteredRotation next = *last;
   const double alpha = advance_speed(settings, turn.axis() * (turn.angle() / step_s), step_s, &next.speed);
   next.value = last->value.slerp(alpha, target).normalized();
-  next.measured = target;
   next.at = at;
   return next;
 }

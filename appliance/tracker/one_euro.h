@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The One-Euro filter: a low-pass whose cut-off rises with speed, so that a hand at rest is calm and a moving hand is
-/// not delayed. Source: Casiez, Roussel and Vogel, "1 € Filter", CHI 2012, algorithm 1; the rotation's speed is the
-/// length of its angular velocity, and it is blended along the shortest arc.
+/// not delayed. Source: Casiez, Roussel and Vogel, "1 € Filter", CHI 2012, algorithm 1, where the speed is that from the
+/// last result to the measurement; the rotation's speed is the length of its angular velocity, and it is blended along
+/// the shortest arc.
 ///
 /// Pure functions of (settings, state, measurement, time). The result is finite for any time stamps:
 ///   repeated, or earlier by less than kRestartAfter   the measurement is ignored and the last result returned
@@ -26,13 +27,11 @@ inline constexpr Duration kRestartAfter = std::chrono::milliseconds(500);
 
 struct FilteredPosition {
   Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< In metres.
-  Eigen::Vector3d measured = Eigen::Vector3d::Zero();
   Eigen::Vector3d speed = Eigen::Vector3d::Zero();  ///< In metres per second.
   TimePoint at{};
 };
 struct FilteredRotation {
   Eigen::Quaterniond value = Eigen::Quaterniond::Identity();
-  Eigen::Quaterniond measured = Eigen::Quaterniond::Identity();
   /// Angular velocity in the rotation's From frame, radians per second.
   Eigen::Vector3d speed = Eigen::Vector3d::Zero();
   TimePoint at{};

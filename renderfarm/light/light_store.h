@@ -86,9 +86,10 @@ struct LightStore {
 
   /// Returns the light at a point of triangle `primitive`, or nothing if paths must be traced there. `side` is 0 for
   /// the front and 1 for the back; `weights` are barycentric; `vertices` are the triangle's.
-  [[nodiscard]] std::optional<Eigen::Vector3f> at(std::size_t placement, int side, std::uint32_t primitive,
-                                                  const std::array<std::uint32_t, 3>& vertices,
-                                                  const Eigen::Vector3f& weights) const {
+  [[nodiscard, gnu::always_inline]] std::optional<Eigen::Vector3f> at(std::size_t placement, int side,
+                                                                      std::uint32_t primitive,
+                                                                      const std::array<std::uint32_t, 3>& vertices,
+                                                                      const Eigen::Vector3f& weights) const {
     const SurfaceLight& surface = surfaces[placement];
     const SideLight& light = surface.sides[static_cast<std::size_t>(side)];
     if (light.base.empty()) return std::nullopt;
@@ -109,14 +110,20 @@ struct LightStore {
 
  private:
   template <std::size_t kCount>
-  [[nodiscard]] std::optional<Eigen::Vector3f> mixed(const std::array<std::uint32_t, kCount>& codes,
-                                                     const std::array<float, kCount>& weights) const {
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  [[nodiscard, gnu::always_inline]] std::optional<Eigen::Vector3f> mixed(
+      const std::array<std::uint32_t, kCount>& codes, const std::array<float, kCount>& weights) const {
+    // Single floats: vectors of three are written in parts and read in others, and processors wait for that.
+    float red = 0.0f;
+    float green = 0.0f;
+    float blue = 0.0f;
     for (std::size_t i = 0; i < kCount; ++i) {
       if (codes[i] == kNoSample) return std::nullopt;
-      sum += from_rgb9e5(codes[i]) * weights[i];
+      const float weight = step_of_rgb9e5(codes[i]) * weights[i];
+      red += static_cast<float>(codes[i] & 511u) * weight;
+      green += static_cast<float>((codes[i] >> 9) & 511u) * weight;
+      blue += static_cast<float>((codes[i] >> 18) & 511u) * weight;
     }
-    return sum * unit;
+    return Eigen::Vector3f(red * unit, green * unit, blue * unit);
   }
   [[nodiscard]] std::optional<Eigen::Vector3f> in_grid(const SideLight& light, std::uint32_t grid,
                                                        const Eigen::Vector3f& weights) const;

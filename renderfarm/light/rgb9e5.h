@@ -31,12 +31,16 @@ inline constexpr float kMinRgb9e5 = 0x1p-24f;
   return code;
 }
 
-[[nodiscard]] inline Eigen::Vector3f from_rgb9e5(std::uint32_t code) {
+/// Returns the light of a mantissa of 1.
+[[nodiscard]] inline float step_of_rgb9e5(std::uint32_t code) {
   // 2^(exponent - 24) as the bits of a float: its exponent is biased by 127.
-  const auto scale = std::bit_cast<float>(((code >> 27) + 103u) << 23);
+  return std::bit_cast<float>(((code >> 27) + 103u) << 23);
+}
+
+[[nodiscard]] inline Eigen::Vector3f from_rgb9e5(std::uint32_t code) {
   return Eigen::Vector3f(static_cast<float>(code & 511u), static_cast<float>((code >> 9) & 511u),
                          static_cast<float>((code >> 18) & 511u)) *
-         scale;
+         step_of_rgb9e5(code);
 }
 
 }  // namespace cyclorama::light

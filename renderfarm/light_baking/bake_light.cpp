@@ -64,7 +64,7 @@ class Baker {
         cancelled_(cancelled),
         bounces_(renderer.scene().bounces),
         tracers_([this] {
-          return std::make_unique<LightTracer>(scene_, render::shade_stage_for(renderer_.needs()), bounces_);
+          return std::make_unique<LightTracer>(scene_, render::shade_stage_for(renderer_.surface_level()), bounces_);
         }) {}
 
   Result<BakedLight> run() {

@@ -8,6 +8,7 @@
 #include "renderfarm/render/sample_batch.h"
 #include "renderfarm/render/sampler.h"
 #include "renderfarm/render/shade.h"
+#include "renderfarm/render/stored_light_stage.h"
 
 namespace cyclorama::render {
 namespace {
@@ -53,15 +54,16 @@ void add_path(const TraceView& view, const TraceCell& cell, CellPlace place, int
 }
 
 /// Generates the camera rays of the paths. Pixels that see nothing have none.
-void generate_camera_rays(const TraceView& view, const TraceCell& cell, bool scene_has_light, PathBatch& batch) {
+void generate_camera_rays(const TraceView& view, const TraceCell& cell, PathBatch& batch) {
   SurfaceRandomNumbers& random_numbers = batch.random_numbers;
-  sample_pairs(batch.paths, batch.index_reversed.data(), batch.seed.data(), kPixelPlace, random_numbers.place_u.data(),
-               random_numbers.place_v.data());
-  // The only sample of a pixel with stored light, which has no other noise, lies in its middle: at edges the error is
-  // half of that of a random position, and edges do not tremble from frame to frame.
-  const bool is_middle = view.quality.stored_light && scene_has_light && sequence_length(view.quality) == 1;
+  if (cell.middle) {
+    std::fill_n(random_numbers.place_u.begin(), batch.paths, 0.5f);
+    std::fill_n(random_numbers.place_v.begin(), batch.paths, 0.5f);
+  } else {
+    sample_pairs(batch.paths, batch.index_reversed.data(), batch.seed.data(), kPixelPlace,
+                 random_numbers.place_u.data(), random_numbers.place_v.data());
+  }
   for (std::size_t i = 0; i < static_cast<std::size_t>(batch.paths); ++i) {
-    if (is_middle) random_numbers.place_u[i] = random_numbers.place_v[i] = 0.5f;
     random_numbers.place_u[i] += static_cast<float>(cell.x + batch.path[i].pixel % kCellPx);
     random_numbers.place_v[i] += static_cast<float>(cell.y + batch.path[i].pixel / kCellPx);
   }
@@ -71,7 +73,7 @@ void generate_camera_rays(const TraceView& view, const TraceCell& cell, bool sce
                     eyes.direction[1].data(), eyes.direction[2].data(), eyes.cone.data(), eyes.exists.data()});
   // The footprint of each sample is the pixel's over the square root of their number: many samples see textures at full
   // sharpness.
-  const float share = 1.0f / std::sqrt(static_cast<float>(sequence_length(view.quality)));
+  const float share = cell.middle ? 1.0f : 1.0f / std::sqrt(static_cast<float>(sequence_length(view.quality)));
   RayStage& stage = batch.current();
   for (std::size_t i = 0; i < static_cast<std::size_t>(batch.paths); ++i) {
     if (eyes.exists[i] == 0) continue;
@@ -131,7 +133,7 @@ void collect(const TraceView& view, const PathBatch& batch, CellFilm& film) {
 
 void trace_batch(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,
                  PathBatch& batch, CellFilm& film) {
-  generate_camera_rays(view, cell, scene.light != nullptr, batch);
+  generate_camera_rays(view, cell, batch);
   trace_paths(scene, shade, view, Coherence::kCoherent, batch, film);
   collect(view, batch, film);
   batch.paths = 0;
@@ -146,8 +148,11 @@ void trace_paths(const TraceScene& scene, ShadeStage shade, const TraceView& vie
     trace_nearest(scene.top, coherence, rays);
     batch.rays_traced += static_cast<std::uint64_t>(rays.count());
     if (view.depth && coherence == Coherence::kCoherent) note_depth(batch, film);  // Only camera rays are coherent.
-    draw_random_numbers(batch);
-    shade(scene, view, batch, film);
+    if (ends_at_stored_light(scene, view)) end_at_stored_light(scene, batch);
+    if (rays.count() > 0) {
+      draw_random_numbers(batch);
+      shade(scene, view, batch, film);
+    }
     rays.clear();
     batch.stage = 1 - batch.stage;
   }
@@ -165,6 +170,19 @@ void CellFilm::clear() {
   light = 0.0;
   removed_light = 0.0;
   broken_samples = 0;
+}
+
+void CellFilm::restart_active() {
+  for (std::size_t pixel = 0; pixel < active.size(); ++pixel) {
+    if (!active[pixel]) continue;
+    light -= static_cast<double>(luminance(sum[pixel]));
+    sum[pixel].setZero();
+    square[pixel] = 0.0f;
+    samples[pixel] = 0;
+    albedo[pixel].setZero();
+    normal[pixel].setZero();
+    distance[pixel] = 0.0f;
+  }
 }
 
 std::uint64_t trace_cell(const TraceScene& scene, ShadeStage shade, const TraceView& view, const TraceCell& cell,

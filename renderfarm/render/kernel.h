@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Traces the paths of a cell of pixels. The shading stage, which depends on the scene, is compiled once for each
-/// combination of needs, without the rest.
+/// Traces the paths of a cell of pixels. The shading stage, which depends on the scene, is compiled once for each surface
+/// level, without those above it.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 #include "renderfarm/render/camera.h"
 #include "renderfarm/render/path_batch.h"
 #include "renderfarm/render/quality.h"
-#include "renderfarm/render/requirements.h"
+#include "renderfarm/render/surface_level.h"
 #include "renderfarm/render/trace_scene.h"
 
 namespace cyclorama::render {
@@ -43,6 +43,9 @@ struct TraceCell {
   int height = kCellPx;
   int first_sample = 0;
   int samples = 1;
+  /// The only sample is the middle of each pixel. For stored light, which has no noise: half the error of a random place
+  /// at an edge, and edges that do not tremble from frame to frame.
+  bool middle = false;
 };
 
 /// Sums over a cell's samples, pixel by pixel in rows of kCellPx. Radiance is not exposed.
@@ -62,13 +65,15 @@ struct CellFilm {
   std::uint64_t broken_samples = 0;  ///< Samples that were NaN and count as black.
 
   void clear();
+  /// Discards the samples of the active pixels.
+  void restart_active();
 };
 
 /// Shades the hits of the rays in `batch`: collects light, traces shadow rays and generates the next rays.
 using ShadeStage = void (*)(const TraceScene& scene, const TraceView& view, PathBatch& batch, CellFilm& film);
 
-/// Returns the stage compiled for the fewest needs that include all of `needs`.
-[[nodiscard]] ShadeStage shade_stage_for(const SceneNeeds& needs);
+/// Returns the stage for surfaces of `level` and below.
+[[nodiscard]] ShadeStage shade_stage_for(SurfaceLevel level);
 
 /// Upper bound of a sample's exposed radiance, such that the sum of kMaxSamples of its squares is finite in float. The
 /// sun's disc has 2e9 cd/m^2.

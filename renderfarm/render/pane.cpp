@@ -7,13 +7,12 @@
 namespace cyclorama::render {
 namespace {
 
-constexpr SceneNeeds kEverything{true, true, SurfaceLevel::kLayered, true, true};
 constexpr int kMaxPanes = 16;  ///< Limit for one shadow ray; further panes count as opaque.
 
 /// Returns the share of the light from behind the hit that arrives at the ray's start, against `direction`.
 Vec3 let_through(const TriangleHit& hit, const SurfacePoint& point, const Vec3& direction) {
   const Vec3 wo = -direction;
-  const Shading shading = shading_at<kEverything>(hit, point, wo, Footprint{});
+  const Shading shading = shading_at<SurfaceLevel::kLayered>(hit, point, wo, Footprint{});
   return Scattering<SurfaceLevel::kLayered>(shading.bsdf, shading.normal, wo).straight();
 }
 

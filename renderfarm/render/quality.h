@@ -27,8 +27,9 @@ struct RenderQuality {
   /// below this; 0 disables it. It never stops before `adaptive_minimum` samples.
   float adaptive_error = 0.0f;
   int adaptive_minimum = 32;
-  /// Reads light that was computed ahead where the scene has it, and traces paths elsewhere. All pixels get one sample
-  /// first; the others are for pixels that differ from their neighbours. Without effect in a scene without such light.
+  /// Reads light that was computed ahead where the scene has it, and traces paths elsewhere. Pixels get one ray, through
+  /// their middle, and those that differ from a neighbour get `samples` instead. Without effect in a scene without such
+  /// light.
   bool stored_light = false;
 
   friend bool operator==(const RenderQuality&, const RenderQuality&) = default;

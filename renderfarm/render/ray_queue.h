@@ -72,6 +72,16 @@ class RayQueue {
     return hit;
   }
 
+  /// Copies ray `from`, with its hit, to number `to`.
+  void move(int from, int to) {
+    const Packet& source = packet(from);
+    Packet& target = packet(to);
+    copy_ray(rays_of(source), lane_of(from), rays_of(target), lane_of(to));
+    if constexpr (kFindsHits) copy_hit(source.hit, lane_of(from), target.hit, lane_of(to));
+  }
+  /// Keeps the first `count` rays. Precondition: there are as many.
+  void shorten(int count) { count_ = count; }
+
   /// Returns packet number i / kPacketRays, which holds ray `i`.
   [[nodiscard]] Packet& packet(int i) { return packets_[static_cast<std::size_t>(i / kPacketRays)]; }
 
@@ -83,6 +93,28 @@ class RayQueue {
   static const RTCRay16& rays_of(const RTCRay16& packet) { return packet; }
   static RTCRay16& rays_of(RTCRayHit16& packet) { return packet.ray; }
   static const RTCRay16& rays_of(const RTCRayHit16& packet) { return packet.ray; }
+
+  static void copy_ray(const RTCRay16& from, int lane, RTCRay16& to, int to_lane) {
+    to.org_x[to_lane] = from.org_x[lane];
+    to.org_y[to_lane] = from.org_y[lane];
+    to.org_z[to_lane] = from.org_z[lane];
+    to.tnear[to_lane] = from.tnear[lane];
+    to.dir_x[to_lane] = from.dir_x[lane];
+    to.dir_y[to_lane] = from.dir_y[lane];
+    to.dir_z[to_lane] = from.dir_z[lane];
+    to.time[to_lane] = from.time[lane];
+    to.tfar[to_lane] = from.tfar[lane];
+    to.mask[to_lane] = from.mask[lane];
+    to.id[to_lane] = from.id[lane];
+    to.flags[to_lane] = from.flags[lane];
+  }
+  static void copy_hit(const RTCHit16& from, int lane, RTCHit16& to, int to_lane) {
+    to.u[to_lane] = from.u[lane];
+    to.v[to_lane] = from.v[lane];
+    to.primID[to_lane] = from.primID[lane];
+    to.geomID[to_lane] = from.geomID[lane];
+    to.instID[0][to_lane] = from.instID[0][lane];
+  }
 
   int count_ = 0;
   std::array<Packet, kMaxRays / kPacketRays> packets_;

@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <numeric>
@@ -20,6 +21,7 @@
 #include "renderfarm/render/bake.h"
 #include "renderfarm/render/cell_sampling.h"
 #include "renderfarm/render/flush_denormals.h"
+#include "renderfarm/render/requirements.h"
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
 
@@ -80,7 +82,7 @@ struct Renderer::State {
   scene::Scene scene;
   TraceScene traced;
   std::unique_ptr<Accelerator> accelerator;
-  SceneNeeds needs;
+  SurfaceLevel level = SurfaceLevel::kMatte;
   ShadeStage shade = nullptr;
   std::shared_ptr<const light::LightStore> stored_light;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
@@ -121,8 +123,8 @@ Result<std::unique_ptr<Renderer>> Renderer::build(scene::Scene scene, int thread
   scene::Scene& held = state->scene;
   state->arena.initialize(threads > 0 ? threads : tbb::task_arena::automatic);
   state->origin = render_origin(held);
-  state->needs = needs_of(held);
-  state->shade = shade_stage_for(state->needs);
+  state->level = highest_surface_level(held);
+  state->shade = shade_stage_for(state->level);
   TraceScene& traced = state->traced;
   TRY_ASSIGN(state->accelerator, Accelerator::build(held, threads, progress, &traced));
   traced.ambient = held.ambient;
@@ -131,7 +133,9 @@ Result<std::unique_ptr<Renderer>> Renderer::build(scene::Scene scene, int thread
   return std::unique_ptr<Renderer>(new Renderer(std::move(state)));
 }
 
-void Renderer::compile_for(const SceneNeeds& more) { state_->shade = shade_stage_for(state_->needs | more); }
+void Renderer::use_kernel_for(SurfaceLevel at_least) {
+  state_->shade = shade_stage_for(std::max(state_->level, at_least));
+}
 
 RenderCost Renderer::State::run(const PanoramaView& view, const PixelRect& rect, const std::function<bool()>& cancelled,
                                 const Output& output) const {
@@ -278,7 +282,7 @@ void Renderer::use_light(std::shared_ptr<const light::LightStore> store) {
 
 const light::LightStore* Renderer::light() const { return state_->stored_light.get(); }
 const TraceScene& Renderer::traced() const { return state_->traced; }
-const SceneNeeds& Renderer::needs() const { return state_->needs; }
+SurfaceLevel Renderer::surface_level() const { return state_->level; }
 const Eigen::Vector3d& Renderer::origin() const { return state_->origin; }
 const scene::Scene& Renderer::scene() const { return state_->scene; }
 const LightSet& Renderer::lights() const { return state_->traced.lights; }

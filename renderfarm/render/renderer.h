@@ -29,7 +29,7 @@ struct Scene;
 namespace cyclorama::render {
 
 class LightSet;
-struct SceneNeeds;
+enum class SurfaceLevel : std::uint8_t;
 struct TraceScene;
 
 /// The picture to render: position of the eye, its heading, shape and quality. Scene frame.
@@ -72,9 +72,9 @@ class Renderer {
   static Result<std::unique_ptr<Renderer>> build(scene::Scene scene, int threads,
                                                  const std::function<void(double)>& progress);
   ~Renderer();
-  /// Selects the kernel that is compiled for the needs of the scene and those of `more`, although nothing uses the
-  /// latter; this measures what they cost. Must not be called while a picture is rendered.
-  void compile_for(const SceneNeeds& more);
+  /// Selects the kernel for surfaces of at least this level, although the scene may need less; this measures what the
+  /// rest costs. Must not be called while a picture is rendered.
+  void use_kernel_for(SurfaceLevel at_least);
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
@@ -105,7 +105,7 @@ class Renderer {
   [[nodiscard]] const light::LightStore* light() const;  ///< Null if there is none.
   /// For light_baking, which traces rays of its own: everything that the kernels read.
   [[nodiscard]] const TraceScene& traced() const;
-  [[nodiscard]] const SceneNeeds& needs() const;
+  [[nodiscard]] SurfaceLevel surface_level() const;     ///< The highest of the scene's materials.
   [[nodiscard]] const Eigen::Vector3d& origin() const;  ///< The render frame's origin, in the Scene frame.
 
   [[nodiscard]] const scene::Scene& scene() const;

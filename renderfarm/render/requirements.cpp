@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/render/requirements.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <span>
 
-#include "renderfarm/render/sky.h"
 #include "renderfarm/render/texture_lookup.h"
 
 namespace cyclorama::render {
@@ -82,47 +78,30 @@ bool blends(const scene::Material& material, const scene::Mesh& mesh, const std:
   return texture >= 0 && see_through[static_cast<std::size_t>(texture)];
 }
 
-SceneNeeds needs_of(const scene::Scene& scene) {
+SurfaceLevel highest_surface_level(const scene::Scene& scene) {
   const scene::Model& model = scene.model;
-  SceneNeeds needs;
+  SurfaceLevel highest = SurfaceLevel::kMatte;
   std::vector<bool> used(model.meshes.size(), false);
   for (const scene::Instance& instance : model.instances) used[static_cast<std::size_t>(instance.mesh)] = true;
   for (std::size_t i = 0; i < used.size(); ++i) {
     const scene::Mesh& mesh = model.meshes[i];
     if (!used[i] || mesh.triangles.empty()) continue;
     const scene::Material& material = model.materials[static_cast<std::size_t>(mesh.material)];
-    needs.normal_maps |= material.normal_texture.texture >= 0 || material.clearcoat_normal_texture.texture >= 0;
-    for (scene::TextureUse scene::Material::*const at : scene::texture_places())
-      needs.textures |= (material.*at).texture >= 0;
-    needs.surface = std::max(needs.surface, surface_level_of(material, model.textures));
-    needs.lights |= material.emissive.maxCoeff() > 0.0f;
+    highest = std::max(highest, surface_level_of(material, model.textures));
   }
-  needs.lights |= std::any_of(model.lights.begin(), model.lights.end(),
-                              [](const scene::Light& light) { return light.intensity.maxCoeff() > 0.0f; });
-  needs.environment = scene.environment != nullptr || shines(scene.sky);
-  return needs;
+  return highest;
 }
 
-SceneNeeds operator|(const SceneNeeds& a, const SceneNeeds& b) {
-  return {a.textures || b.textures, a.normal_maps || b.normal_maps, std::max(a.surface, b.surface),
-          a.lights || b.lights, a.environment || b.environment};
-}
-
-SceneNeeds kernel_for(const SceneNeeds& needs) {
-  const bool layered = needs.surface == SurfaceLevel::kLayered;
-  return {needs.textures || needs.normal_maps, needs.normal_maps, needs.surface, needs.lights || layered,
-          needs.environment || layered};
-}
-
-std::string describe(const SceneNeeds& needs) {
-  std::vector<std::string> names;
-  if (needs.textures) names.emplace_back("textures");
-  if (needs.normal_maps) names.emplace_back("normal maps");
-  if (needs.surface == SurfaceLevel::kGlossy) names.emplace_back("glossy surfaces");
-  if (needs.surface == SurfaceLevel::kLayered) names.emplace_back("layered surfaces");
-  if (needs.lights) names.emplace_back("lights");
-  if (needs.environment) names.emplace_back("environment");
-  return names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", "));
+std::string_view describe(SurfaceLevel level) {
+  switch (level) {
+    case SurfaceLevel::kMatte:
+      return "matte surfaces";
+    case SurfaceLevel::kGlossy:
+      return "glossy surfaces";
+    case SurfaceLevel::kLayered:
+      return "layered surfaces";
+  }
+  return "";
 }
 
 }  // namespace cyclorama::render

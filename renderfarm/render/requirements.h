@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The features that a scene needs from the ray kernels, which select a kernel compiled without the rest. Cut-outs and
-/// half-transparent surfaces need nothing, because Embree calls a filter for them (alpha_filter.h).
+/// What materials need from the ray kernels, of which there is one for each surface level. Cut-outs and half-transparent
+/// surfaces need nothing, because Embree calls a filter for them (alpha_filter.h).
 #pragma once
 
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "renderfarm/render/surface_level.h"
@@ -11,28 +11,11 @@
 
 namespace cyclorama::render {
 
-struct SceneNeeds {
-  bool textures = false;
-  bool normal_maps = false;                     ///< Only together with textures.
-  SurfaceLevel surface = SurfaceLevel::kMatte;  ///< The highest level of any material.
-  bool lights = false;                          ///< Lights that are sampled.
-  bool environment = false;                     ///< Light of rays that hit nothing.
+/// Returns the highest level of any material that is used: one without triangles needs nothing. Reentrant.
+[[nodiscard]] SurfaceLevel highest_surface_level(const scene::Scene& scene);
 
-  friend bool operator==(const SceneNeeds&, const SceneNeeds&) = default;
-};
-
-/// Derives the needs from what is used: a material without triangles needs nothing. Reentrant.
-[[nodiscard]] SceneNeeds needs_of(const scene::Scene& scene);
-
-/// Returns the union of both.
-[[nodiscard]] SceneNeeds operator|(const SceneNeeds& a, const SceneNeeds& b);
-
-/// Returns what the kernel selected for `needs` is compiled for. It may be more than `needs`, because not every
-/// combination exists.
-[[nodiscard]] SceneNeeds kernel_for(const SceneNeeds& needs);
-
-/// Formats needs such as "textures, glossy surfaces, lights"; "nothing" if there are none.
-[[nodiscard]] std::string describe(const SceneNeeds& needs);
+/// Returns "matte surfaces", "glossy surfaces" or "layered surfaces".
+[[nodiscard]] std::string_view describe(SurfaceLevel level);
 
 /// Returns the lowest level that renders the material correctly, given what its factors reach through their textures.
 /// A dielectric of roughness 1, which scans without a material have, is purely Lambertian. `textures` are the model's;

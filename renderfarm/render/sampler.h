@@ -71,9 +71,10 @@ struct SobolPoint {
 };
 
 /// Returns point number `index` of the two-dimensional sequence that (seed, dimension) identifies. The index is given
-/// with its bits reversed; it is shuffled, and both coordinates are scrambled, all by Owen's method.
-[[nodiscard]] constexpr SobolPoint sobol_point(std::uint32_t index_reversed, std::uint32_t seed,
-                                               std::uint32_t dimension) {
+/// with its bits reversed; it is shuffled, and both coordinates are scrambled, all by Owen's method. Inlining is forced
+/// because loops over many points are vectorised only then.
+[[nodiscard, gnu::always_inline]] constexpr SobolPoint sobol_point(std::uint32_t index_reversed, std::uint32_t seed,
+                                                                   std::uint32_t dimension) {
   const std::uint32_t own_seed = mix_bits(seed + 0x9e3779b9u * (dimension + 1));
   const std::uint32_t index = reversed_bits(scrambled_reversed(index_reversed, own_seed));
   const std::uint32_t u = reversed_bits(scrambled_reversed(index, mix_bits(own_seed + 1)));

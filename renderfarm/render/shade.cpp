@@ -2,7 +2,6 @@
 #include "renderfarm/render/shade.h"
 
 #include "renderfarm/render/pane.h"
-#include "renderfarm/render/shade_stages.h"
 
 namespace cyclorama::render {
 
@@ -39,11 +38,16 @@ void trace_shadows(const TraceScene& scene, PathBatch& batch) {
   rays.clear();
 }
 
-ShadeStage shade_stage_for(const SceneNeeds& needs) {
-  if (needs.surface == SurfaceLevel::kLayered) return layered_stage(needs);
-  if (needs.normal_maps) return normal_mapped_stage(needs);
-  if (needs.textures) return textured_stage(needs);
-  return plain_stage(needs);
+ShadeStage shade_stage_for(SurfaceLevel level) {
+  switch (level) {
+    case SurfaceLevel::kMatte:
+      return &shade<SurfaceLevel::kMatte>;
+    case SurfaceLevel::kGlossy:
+      return &shade<SurfaceLevel::kGlossy>;
+    case SurfaceLevel::kLayered:
+      break;
+  }
+  return &shade<SurfaceLevel::kLayered>;
 }
 
 }  // namespace cyclorama::render

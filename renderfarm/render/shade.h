@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Shading of ray hits: emitted light, light sampling and the next ray. Included only by the kernel files, which
-/// instantiate shade() for combinations of needs.
+/// Shading of ray hits: emitted light, light sampling and the next ray. Only shade.cpp instantiates shade(), once for
+/// each surface level.
 ///
 /// The path tracer is unbiased except for emission that light sampling skips (backs of triangles, dark texels) at the
 /// last bounce. At every surface it samples one light (more at the first one, if requested) and one direction from the
@@ -52,7 +52,7 @@ void trace_shadows(const TraceScene& scene, PathBatch& batch);
 }
 
 /// Shades the rays of one batch. Thread-bound.
-template <SceneNeeds kNeeds>
+template <SurfaceLevel kLevel>
 class Shade {
  public:
   Shade(const TraceScene& scene, const TraceView& view, PathBatch& batch, CellFilm& film)
@@ -63,9 +63,7 @@ class Shade {
     for (int i = 0; i < count; ++i) {
       // Memory access is the bottleneck, so the data of later rays is prefetched.
       if (i + kAhead < count) prefetch(i + kAhead);
-      if constexpr (kNeeds.textures) {
-        if (i + kAhead / 2 < count) prefetch_texcoords(i + kAhead / 2);
-      }
+      if (i + kAhead / 2 < count) prefetch_texcoords(i + kAhead / 2);
       PathRay& ray = batch_.current().state[static_cast<std::size_t>(i)];
       if (rays_.has_hit(i)) {
         at_hit(i, ray);
@@ -78,8 +76,7 @@ class Shade {
 
  private:
   static constexpr int kAhead = 16;
-  static constexpr bool kAims = kNeeds.lights || kNeeds.environment;
-  using Scatter = Scattering<kNeeds.surface>;
+  using Scatter = Scattering<kLevel>;
 
   /// Null if the ray hit nothing or a lamp.
   [[nodiscard]] const SurfaceMesh* mesh_at(int i, const RTCHit& hit) const {
@@ -92,7 +89,7 @@ class Shade {
     const SurfaceMesh* const mesh = mesh_at(i, hit);
     if (mesh == nullptr) return;
     __builtin_prefetch(&mesh->records[hit.primID]);
-    if (kNeeds.textures || scene_.light != nullptr) __builtin_prefetch(&mesh->triangles[hit.primID]);
+    __builtin_prefetch(&mesh->triangles[hit.primID]);
   }
   [[gnu::always_inline]] void prefetch_texcoords(int i) const {
     const RTCHit hit = rays_.hit(i);
@@ -105,7 +102,6 @@ class Shade {
   }
 
   [[nodiscard]] bool is_lamp(const RTCHit& hit) const {
-    if constexpr (!kNeeds.lights) return false;
     return hit.instID[0] == RTC_INVALID_GEOMETRY_ID && scene_.lamps.holds(hit.geomID);
   }
 
@@ -119,23 +115,21 @@ class Shade {
   }
 
   void at_nothing(int i, const PathRay& ray) {
-    if constexpr (kNeeds.environment) {
-      const Vec3 direction = rays_.direction(i);
-      const Vec3 light = scene_.lights.environment(direction);
-      if (!light.isZero(0.0f)) {
-        const float aimed =
-            ray.pdf > 0.0f ? scene_.lights.environment_pdf(aim_start(i, ray), ray.from_normal, direction) : 0.0f;
-        // A body that is open on this side is infinitely thick: any channel that it absorbs is black.
-        const Vec3 left = (ray.absorption.array() > 0.0f).select(Vec3::Zero(), light);
-        found(ray, left * share_of(ray.pdf, aims_from_start_of(ray) * aimed));
-      }
+    const Vec3 direction = rays_.direction(i);
+    const Vec3 light = scene_.lights.environment(direction);
+    if (!light.isZero(0.0f)) {
+      const float aimed =
+          ray.pdf > 0.0f ? scene_.lights.environment_pdf(aim_start(i, ray), ray.from_normal, direction) : 0.0f;
+      // A body that is open on this side is infinitely thick: any channel that it absorbs is black.
+      const Vec3 left = (ray.absorption.array() > 0.0f).select(Vec3::Zero(), light);
+      found(ray, left * share_of(ray.pdf, aims_from_start_of(ray) * aimed));
     }
     if (view_.features && ray.surfaces == 0) film_.albedo[pixel_of(ray)] += Vec3::Ones();
   }
 
   void at_hit(int i, PathRay& ray) {
     const RTCHit hit = rays_.hit(i);
-    if constexpr (kNeeds.surface == SurfaceLevel::kLayered) {
+    if constexpr (kLevel == SurfaceLevel::kLayered) {
       if (!ray.absorption.isZero(0.0f)) {
         ray.throughput = ray.throughput.cwiseProduct((-rays_.distance(i) * ray.absorption).array().exp().matrix());
       }
@@ -146,7 +140,7 @@ class Shade {
 
   /// Returns where the ray's direction was chosen, which is where light was sampled as well.
   [[nodiscard]] Vec3 aim_start(int i, const PathRay& ray) const {
-    if constexpr (kNeeds.surface != SurfaceLevel::kLayered) return rays_.origin(i);
+    if constexpr (kLevel != SurfaceLevel::kLayered) return rays_.origin(i);
     return rays_.origin(i) - ray.passed_m * rays_.direction(i);
   }
   /// Returns the number of light samples taken there.
@@ -177,11 +171,9 @@ class Shade {
     const TriangleHit triangle = triangle_at(scene_, hit);
     const SurfacePoint point = surface_at(triangle, direction);
     const Footprint footprint{ray.cone_width + ray.cone_spread * rays_.distance(i), std::abs(point.facing.dot(wo))};
-    const Shading shading = shading_at<kNeeds>(triangle, point, wo, footprint);
+    const Shading shading = shading_at<kLevel>(triangle, point, wo, footprint);
     if (!shading.emission.isZero(0.0f)) {
-      float share = 1.0f;
-      if constexpr (kNeeds.lights) share = share_of_met(i, ray, scene_.lights.of_triangle(top_of(hit), hit.primID));
-      found(ray, shading.emission * share);
+      found(ray, shading.emission * share_of_met(i, ray, scene_.lights.of_triangle(top_of(hit), hit.primID)));
     }
     if (ray.only_light) return cross_pane(i, ray, point, shading, wo);
 
@@ -196,13 +188,13 @@ class Shade {
     const Vec3 side = shading.one_sided ? shading.normal : Vec3(Vec3::Zero());
     const bool last = ray.scatterings >= view_.quality.bounces;
     const bool continues = (!last || shading.sharp) && ray.surfaces < view_.quality.bounces + kMaxPassages;
-    if constexpr (kAims) aim_at_lights(i, ray, point, shading.normal, side, scattering, continues);
+    aim_at_lights(i, ray, point, shading.normal, side, scattering, continues);
     if (continues) continue_path(i, ray, point, shading, side, scattering, footprint.width, last);
   }
 
   /// Continues a ray that only collects light through a pane.
   void cross_pane(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& wo) {
-    if constexpr (kNeeds.surface == SurfaceLevel::kLayered) {
+    if constexpr (kLevel == SurfaceLevel::kLayered) {
       if (!shading.bsdf.thin || ray.surfaces >= view_.quality.bounces + kMaxPassages) return;
       PathRay next = ray;
       next.throughput = ray.throughput.cwiseProduct(Scatter(shading.bsdf, shading.normal, wo).straight());
@@ -235,11 +227,9 @@ class Shade {
     const int side = point.front ? 0 : 1;
     const std::array<std::uint32_t, 3>& vertices = mesh.triangles[hit.primID];
     std::optional<Vec3> stored = scene_.light->at(top_of(hit), side, hit.primID, vertices, triangle.weights);
-    if constexpr (kNeeds.normal_maps) {
-      if (stored && mesh.material->normal != nullptr) {
-        const Vec3 mean = scene_.light->direction_at(top_of(hit), side, hit.primID, vertices, triangle.weights);
-        *stored *= light::bent_share(mean, point.normal, normal);
-      }
+    if (stored && mesh.material->normal != nullptr) {
+      const Vec3 mean = scene_.light->direction_at(top_of(hit), side, hit.primID, vertices, triangle.weights);
+      *stored *= light::bent_share(mean, point.normal, normal);
     }
     return stored;
   }
@@ -248,7 +238,7 @@ class Shade {
   void shine_stored_light(int i, const PathRay& ray, const SurfacePoint& point, const Shading& shading, const Vec3& wo,
                           float cone_width, const Vec3& stored) {
     const Vec3 light = ray.throughput.cwiseProduct(stored);
-    if constexpr (kNeeds.surface != SurfaceLevel::kMatte) {
+    if constexpr (kLevel != SurfaceLevel::kMatte) {
       if (shading.bsdf.f90 > 0.0f || shading.bsdf.metallic > 0.0f) {
         const Scattering<SurfaceLevel::kGlossy> glossy(shading.bsdf, shading.normal, wo);
         if (shading.bsdf.alpha >= kWideAlpha) return reflected(ray, light.cwiseProduct(glossy.albedo()));
@@ -266,7 +256,7 @@ class Shade {
     const Vec3& side = shading.normal;
     const bool last = ray.scatterings >= view_.quality.bounces;
     const bool continues = ray.surfaces < view_.quality.bounces + kMaxPassages;
-    if constexpr (kAims) aim_at_lights(i, ray, point, shading.normal, side, lobe, continues);
+    aim_at_lights(i, ray, point, shading.normal, side, lobe, continues);
     if (continues) continue_path(i, ray, point, shading, side, lobe, cone_width, last);
   }
 
@@ -293,6 +283,7 @@ class Shade {
   template <typename Lobes>
   void aim_at_lights(int i, const PathRay& ray, const SurfacePoint& point, const Vec3& normal, const Vec3& side,
                      const Lobes& scattering, bool continues) {
+    if (scene_.lights.empty()) return;
     const auto slot = static_cast<std::size_t>(i);
     if (ray.surfaces > 0 || view_.quality.light_samples == 1) {
       return aim_at_light({batch_.random_numbers.light[slot],
@@ -377,7 +368,7 @@ class Shade {
       ++next.scatterings;
       next.only_light = last;
     }
-    if constexpr (kNeeds.surface == SurfaceLevel::kLayered) {
+    if constexpr (kLevel == SurfaceLevel::kLayered) {
       if (sample.through && !shading.bsdf.thin) {
         next.absorption = shading.bsdf.inside ? Vec3(Vec3::Zero()) : shading.absorption;
       }
@@ -412,9 +403,9 @@ class Shade {
   RayQueue<RTCRayHit16>& rays_;
 };
 
-template <SceneNeeds kNeeds>
+template <SurfaceLevel kLevel>
 void shade(const TraceScene& scene, const TraceView& view, PathBatch& batch, CellFilm& film) {
-  Shade<kNeeds>(scene, view, batch, film).run();
+  Shade<kLevel>(scene, view, batch, film).run();
 }
 
 }  // namespace cyclorama::render

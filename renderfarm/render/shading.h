@@ -3,8 +3,8 @@
 #pragma once
 
 #include "renderfarm/render/bsdf.h"
-#include "renderfarm/render/requirements.h"
 #include "renderfarm/render/surface.h"
+#include "renderfarm/render/surface_level.h"
 #include "renderfarm/render/texture_lookup.h"
 
 namespace cyclorama::render {
@@ -67,7 +67,7 @@ void read_texels(const SurfaceMaterial& material, const TexelReader& reader, Sur
   }
 }
 
-template <SceneNeeds kNeeds>
+template <SurfaceLevel kLevel>
 Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3& wo, const Footprint& footprint) {
   /// Light sampling serves wider highlights just as well.
   constexpr float kSharpAlpha = 0.3f;
@@ -79,36 +79,32 @@ Shading shading_at(const TriangleHit& hit, const SurfacePoint& point, const Vec3
   shading.normal = point.normal;
   shading.emission = source.emissive;
   if (source.unlit) {
-    if constexpr (kNeeds.textures) {
-      read_texels<SurfaceLevel::kMatte>(material, TexelReader(hit, footprint), &texels);
-    }
+    read_texels<SurfaceLevel::kMatte>(material, TexelReader(hit, footprint), &texels);
     shading.emission = make_bsdf(source, texels, false, SurfaceLevel::kMatte).base_colour;
     return shading;
   }
-  if constexpr (kNeeds.textures) {
-    const TexelReader reader(hit, footprint);
-    read_texels<kNeeds.surface>(material, reader, &texels);
-    const Eigen::Vector4f glow = reader.at(material.emissive, source.emissive_texture, Coding::kSrgb);
-    shading.emission = shading.emission.cwiseProduct(glow.head<3>());
-  }
-  if constexpr (kNeeds.normal_maps) shading.normal = mapped_normal(hit, point, footprint);
-  if constexpr (kNeeds.surface == SurfaceLevel::kMatte) {
+  const TexelReader reader(hit, footprint);
+  read_texels<kLevel>(material, reader, &texels);
+  const Eigen::Vector4f glow = reader.at(material.emissive, source.emissive_texture, Coding::kSrgb);
+  shading.emission = shading.emission.cwiseProduct(glow.head<3>());
+  shading.normal = mapped_normal(hit, point, footprint);
+  if constexpr (kLevel == SurfaceLevel::kMatte) {
     shading.bsdf = make_bsdf(source, texels, false, SurfaceLevel::kMatte);
   } else {
     const bool matte = material.level == SurfaceLevel::kMatte;
-    shading.bsdf = make_bsdf(source, texels, !point.front, matte ? SurfaceLevel::kMatte : kNeeds.surface);
+    shading.bsdf = make_bsdf(source, texels, !point.front, matte ? SurfaceLevel::kMatte : kLevel);
     if (matte) return shading;
     shading.normal = reflecting_normal(shading.normal, point.facing, wo);
     shading.sharp = shading.bsdf.alpha < kSharpAlpha;
   }
-  if constexpr (kNeeds.surface == SurfaceLevel::kLayered) {
+  if constexpr (kLevel == SurfaceLevel::kLayered) {
     const bool layered = shading.bsdf.coat > 0.0f || shading.bsdf.transmission > 0.0f;
     shading.sharp |= layered;
     shading.one_sided = !(shading.bsdf.transmission > 0.0f && shading.bsdf.metallic < 1.0f);
     shading.absorption = material.absorption;
-    if (kNeeds.normal_maps && shading.bsdf.coat > 0.0f) {
-      shading.bsdf.coat_normal = coat_normal(hit, point, footprint);
-    }
+    // Without normal maps the coat shares the surface's normal.
+    const bool is_mapped = material.normal != nullptr || material.clearcoat_normal != nullptr;
+    if (is_mapped && shading.bsdf.coat > 0.0f) shading.bsdf.coat_normal = coat_normal(hit, point, footprint);
   }
   return shading;
 }

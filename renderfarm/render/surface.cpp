@@ -74,17 +74,6 @@ Vec3 own_normal(const TriangleHit& hit) {
   return (corner(hit, 1) - corner(hit, 0)).cross(corner(hit, 2) - corner(hit, 0));
 }
 
-/// Returns the interpolated colour, linear.
-Vec3 vertex_colour(const TriangleHit& hit) {
-  const std::array<float, 256>& linear = srgb_table();
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::array<std::uint8_t, 3>& c = hit.record->colours[i];
-    sum += hit.weights[static_cast<Eigen::Index>(i)] * Vec3(linear[c[0]], linear[c[1]], linear[c[2]]);
-  }
-  return sum;
-}
-
 TangentPlane tangent_plane(const TriangleHit& hit, int set) {
   if (hit.mesh->tangents == nullptr) return plane_of_texcoords(hit, set);
   const Vec3 x = interpolated3(hit.mesh->tangents, hit);
@@ -123,7 +112,7 @@ TriangleHit triangle_at(const TraceScene& scene, const RTCHit& hit) {
   at.mesh = at.placement->mesh;
   at.record = &at.mesh->records[hit.primID];
   if (at.mesh->texcoords[0] != nullptr || at.mesh->texcoords[1] != nullptr) at.corners = at.mesh->triangles[hit.primID];
-  at.weights = Vec3(std::max(0.0f, 1.0f - hit.u - hit.v), hit.u, hit.v);
+  at.weights = barycentric_weights(hit);
   return at;
 }
 

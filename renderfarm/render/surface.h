@@ -2,6 +2,7 @@
 /// Geometry of a hit: position with its error bound, normals, texture coordinates.
 #pragma once
 
+#include "renderfarm/render/texture_lookup.h"
 #include "renderfarm/render/trace_scene.h"
 
 namespace cyclorama::render {
@@ -30,10 +31,25 @@ struct SurfacePoint {
   return hit.instID[0] != RTC_INVALID_GEOMETRY_ID ? hit.instID[0] : hit.geomID;
 }
 
+[[nodiscard]] inline Vec3 barycentric_weights(const RTCHit& hit) {
+  return {std::max(0.0f, 1.0f - hit.u - hit.v), hit.u, hit.v};
+}
+
 [[nodiscard]] TriangleHit triangle_at(const TraceScene& scene, const RTCHit& hit);
 
 /// `direction` is the ray's. The normal is the interpolated one, without the normal map. Never NaN.
 [[nodiscard]] SurfacePoint surface_at(const TriangleHit& hit, const Vec3& direction);
+
+/// Returns the interpolated vertex colour, linear. Precondition: the mesh has vertex colours.
+[[nodiscard]] inline Vec3 vertex_colour(const TriangleHit& hit) {
+  const std::array<float, 256>& linear = srgb_table();
+  std::array<float, 3> sum{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const float weight = hit.weights[static_cast<Eigen::Index>(i)];
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * linear[hit.record->colours[i][c]];
+  }
+  return to_vec3(sum);
+}
 
 /// The area of a surface that one sample covers: a ray with a width. Source: Akenine-Möller et al., "Improved Shader
 /// and Texture Level of Detail Using Ray Cones", JCGT 10(1), 2021.

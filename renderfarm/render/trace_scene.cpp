@@ -34,6 +34,8 @@ SurfaceMaterial trace_material(const scene::Model& model, const scene::Material&
   material.level = surface_level_of(source, model.textures);
   material.pane = is_pane(source, material.level);
   material.cut_out = source.alpha_mode == scene::AlphaMode::kMask;
+  material.plain = material.level == SurfaceLevel::kMatte && material.normal == nullptr && !source.unlit &&
+                   source.emissive.isZero(0.0f);
   return material;
 }
 

@@ -35,6 +35,8 @@ struct SurfaceMaterial {
   SurfaceLevel level = SurfaceLevel::kMatte;
   bool blends = false;   ///< Transparent in part.
   bool cut_out = false;  ///< Has holes.
+  /// Shows nothing but its colour times the light that arrives: matte, without emission or a normal map.
+  bool plain = false;
   bool pane = false;     ///< Shadow rays cross it: see pane.h.
 };
 

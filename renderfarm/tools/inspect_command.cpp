@@ -78,16 +78,6 @@ void print_needs(const scene::Scene& scene) {
   fmt::print("left out    {}\n", left_out.empty() ? "nothing" : fmt::format("{}", fmt::join(left_out, ", ")));
 }
 
-void print_kernel(const scene::Scene& scene) {
-  const render::SceneNeeds kernel = render::kernel_for(render::needs_of(scene));
-  std::vector<std::string> without;
-  for (const render::SceneNeeds& need : kEachNeed) {
-    if ((kernel | need) != kernel) without.push_back(render::describe(need));
-  }
-  fmt::print("kernel      compiled for: {}\n", render::describe(kernel));
-  fmt::print("            without: {}\n", without.empty() ? "nothing" : fmt::format("{}", fmt::join(without, ", ")));
-}
-
 /// Prints the facts that are available once the scene is ready to be traced.
 void print_traced(const render::Renderer& renderer) {
   const render::LightSet& lights = renderer.lights();
@@ -140,7 +130,7 @@ Status inspect(const SceneOptions& options) {
   print_light(scene);
   fmt::print("tone        {}\n", name_of(scene.tone));
   print_needs(scene);
-  print_kernel(scene);
+  fmt::print("kernel      for {}\n", render::describe(render::highest_surface_level(scene)));
   for (const std::string& note : model.notes) fmt::print("note        {}\n", printable(note, 400));
   TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer, build_with_progress(std::move(loaded.scene), options));
   print_traced(*renderer);

@@ -23,6 +23,8 @@ struct Arguments {
   std::string region;
   std::string png;
   std::string mask;
+  int columns = 0;
+  int rows = 0;
   WarpFileOptions options;
 };
 
@@ -92,7 +94,11 @@ Status convert(Arguments arguments) {
   TRY_ASSIGN(const WarpFile file, read_warp_file(arguments.in, arguments.options));
   list_ignored(file);
   arguments.options.mask.reset();  // The option named the mask to read, not the one to write.
-  return write_warp_file(arguments.out, file.set, arguments.region, arguments.options);
+  if (arguments.columns > 0 || arguments.rows > 0) {
+    arguments.options.grid = {arguments.columns > 0 ? arguments.columns : kDefaultGrid.columns,
+                              arguments.rows > 0 ? arguments.rows : kDefaultGrid.rows};
+  }
+  return write_warp_file(arguments.out, file, arguments.region, arguments.options);
 }
 
 Status write_room(const Arguments& arguments) {
@@ -124,12 +130,11 @@ int main(int argc, char** argv) {
   converted->add_option("in", arguments.in, "The file that is read")->required();
   converted->add_option("out", arguments.out, "The file that is written: .mpcdi .pfm .data .obj")->required();
   add_reading_options(converted, &arguments);
-  converted->add_option("--columns", arguments.options.columns, "Nodes across of a mesh that is written")
-      ->check(CLI::Range(2, 4096))
-      ->capture_default_str();
-  converted->add_option("--rows", arguments.options.rows, "Nodes down")
-      ->check(CLI::Range(2, 4096))
-      ->capture_default_str();
+  converted
+      ->add_option("--columns", arguments.columns, "Nodes across of a written mesh; default: as read, otherwise 65")
+      ->check(CLI::Range(2, 4096));
+  converted->add_option("--rows", arguments.rows, "Nodes down; default: as read, otherwise 37")
+      ->check(CLI::Range(2, 4096));
   CLI::App* const room =
       options->add_subcommand("room", "Write an installation's projectors as MPCDI a3, for other engines");
   room->add_option("in", arguments.in, "installation.toml")->required();

@@ -3,9 +3,8 @@
 
 Run: measure.py BUILD_FOLDER SIZE REPETITIONS INTERIOR GROTTO [--quick]
 
-Every scene is measured as it is; the two generated ones also under a sky alone, because a feature is measured on
-scenes without it, and every scene has lights. Without --quick the real scenes follow where their data are there. Time
-is that of `cyclorama-bench-render features`. The processor counts instructions where it can; elsewhere valgrind does, on
+A scene is measured with its own kernel and with those for higher surface levels; the two generated ones also under a
+sky alone. Without --quick the real scenes follow where their data are there. Time is that of `cyclorama-bench-render features`. The processor counts instructions where it can; elsewhere valgrind does, on
 a small picture: exact, but it emulates a processor with AVX2 at most. There the kernels differ by their shading stage
 alone; the rest is shared out evenly.
 """
@@ -23,7 +22,7 @@ scenes = dict(zip(("interior", "grotto"), sys.argv[4:6]))
 RENDER = f"{build}/tests/cyclorama-bench-render"
 REAL = ("scenes/grotto_thousand_buddhas.glb", "scenes/hotel_room.glb", "relics/buddha_head_100k.glb", "relics/Hermes.glb")
 COUNTED_SIZE = "48x18"
-NEEDS = ["textures", "normal_maps", "surface", "lights", "environment"]  # In the order of SceneNeeds.
+STAGE = re.compile(r"_ZN9cyclorama6render5shadeILNS0_12SurfaceLevelE([0-2])EE")  # The symbol of a shading stage.
 
 
 def run(*command):
@@ -56,14 +55,8 @@ def features(scene, picture, times, prefix=()):
         return report
 
 
-def kernel_of(mangled):
-    """Returns (textures, normal maps, ...) from a shading stage's symbol, which omits trailing zeros."""
-    values = [int(v) for v in re.findall(r"L(?:b|NS_12SurfaceLevelE)([0-2])E", mangled.split("EEEvRK")[0] + "E")]
-    return tuple(values + [0] * (len(NEEDS) - len(values)))
-
-
 def emulated(scene, times):
-    """Returns the instructions of all cells, and of each kernel's shading stage with its callees."""
+    """Returns the instructions of all cells, and of each surface level's shading stage with its callees."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "callgrind.out"
         report = features(scene, COUNTED_SIZE, times,
@@ -72,10 +65,11 @@ def emulated(scene, times):
     cells, kernels = 0, {}
     for count, name in re.findall(r"^\s*([\d,]+) (?:\([^)]*\)\s+)?\S*?:(_ZN9cyclorama\S*)", text, re.M):
         count = int(count.replace(",", ""))
-        if name.startswith("_ZN9cyclorama10trace_cell"):
+        if name.startswith("_ZN9cyclorama6render10trace_cell"):
             cells = max(cells, count)
-        elif name.startswith("_ZN9cyclorama5shadeI"):
-            kernels[kernel_of(name)] = max(kernels.get(kernel_of(name), 0), count)
+        elif stage := STAGE.match(name):
+            level = int(stage[1])
+            kernels[level] = max(kernels.get(level, 0), count)
     return report, cells, kernels
 
 
@@ -84,12 +78,9 @@ def count_by_valgrind(scene, report):
     _, cells_once, once = emulated(scene, 1)
     counted, cells_twice, twice = emulated(scene, 2)
     of_kernel = {kernel: twice[kernel] - once[kernel] for kernel in twice}
-    # A kernel shared by two rows ran once for each.
     rows = [report["kernel"]] + [f["kernel"] for f in report["features"].values()]
-    rows = [tuple(int(kernel[need]) for need in NEEDS) for kernel in rows]
-    stage = {kernel: of_kernel[kernel] / rows.count(kernel) for kernel in set(rows)}
     rest = (cells_twice - cells_once - sum(of_kernel.values())) / len(rows)
-    per_ray = [(stage[kernel] + rest) / counted["rays"] for kernel in rows]
+    per_ray = [(of_kernel[kernel] + rest) / counted["rays"] for kernel in rows]
     report["instructions_per_ray"] = per_ray[0]
     for feature, count in zip(report["features"].values(), per_ray[1:]):
         feature["instructions_per_ray"] = count
@@ -121,7 +112,7 @@ for name, scene in scenes.items():
     instructions = report["instructions_per_ray"]
     print(f"\n{name}: {report['ns_per_ray']:.0f} ns per ray" +
           ("" if instructions is None else f", {instructions:.0f} instructions per ray"))
-    print(f"  {'without':<22}{'saves % of time':>16}{'% of instructions':>19}")
+    print(f"  {'instead of':<22}{'saves % of time':>16}{'% of instructions':>19}")
     for feature, saved in report["features"].items():
         print(f"  {feature:<22}{percent(saved['time_saving']):>16}{percent(saved['instruction_saving']):>19}")
         savings.setdefault(feature, []).append(saved)

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "renderfarm/render/requirements.h"
 #include "renderfarm/tools/view_options.h"
 #include "tests/bench/render/features/feature_saving.h"
 #include "tests/bench/render/features/instruction_counter.h"
@@ -31,7 +32,7 @@ std::string number_or_none(const std::optional<double>& value, double factor) {
   return value ? fmt::format("{:.1f}", factor * *value) : "-";
 }
 
-void print_row(const std::string& what, const KernelCost& cost, const FeatureSaving* saved) {
+void print_row(std::string_view what, const KernelCost& cost, const FeatureSaving* saved) {
   fmt::print("  {:<28}{:>10.1f}{:>14}", what, cost.ns_per_ray, number_or_none(cost.instructions_per_ray, 1.0));
   if (saved != nullptr) {
     fmt::print("{:>12.1f}{:>18}", 1e2 * saved->time_saving, number_or_none(saved->instruction_saving, 1e2));
@@ -40,26 +41,16 @@ void print_row(const std::string& what, const KernelCost& cost, const FeatureSav
 }
 
 void print(const std::string& name, const FeatureReport& report) {
-  fmt::print("{}: compiled for {}; {} rays\n", name, render::describe(report.kernel), report.rays);
+  fmt::print("{}: {}, {} rays\n", name, render::describe(report.kernel), report.rays);
   fmt::print("  {:<28}{:>10}{:>14}{:>12}{:>18}\n", "kernel", "ns/ray", "instr./ray", "% of time", "% of instructions");
   print_row("its own", report.cost, nullptr);
-  for (const FeatureSaving& saved : report.savings)
-    print_row("with " + render::describe(saved.feature), saved.cost, &saved);
-  if (report.everything) print_row("general", report.everything->cost, &*report.everything);
+  for (const FeatureSaving& saved : report.savings) print_row(render::describe(saved.kernel), saved.cost, &saved);
 }
 
 nlohmann::json json_of(const std::optional<double>& value) { return value ? nlohmann::json(*value) : nlohmann::json(); }
 
-nlohmann::json json_of(const render::SceneNeeds& kernel) {
-  return {{"textures", kernel.textures},
-          {"normal_maps", kernel.normal_maps},
-          {"surface", static_cast<int>(kernel.surface)},
-          {"lights", kernel.lights},
-          {"environment", kernel.environment}};
-}
-
 nlohmann::json json_of(const FeatureSaving& saved) {
-  return {{"kernel", json_of(saved.kernel)},
+  return {{"kernel", static_cast<int>(saved.kernel)},
           {"ns_per_ray", saved.cost.ns_per_ray},
           {"instructions_per_ray", json_of(saved.cost.instructions_per_ray)},
           {"time_saving", saved.time_saving},
@@ -68,9 +59,9 @@ nlohmann::json json_of(const FeatureSaving& saved) {
 
 nlohmann::json json_of(const FeatureReport& report) {
   nlohmann::json features = nlohmann::json::object();
-  for (const FeatureSaving& saved : report.savings) features[render::describe(saved.feature)] = json_of(saved);
-  if (report.everything) features["everything"] = json_of(*report.everything);
-  return {{"kernel", json_of(report.kernel)},
+  for (const FeatureSaving& saved : report.savings)
+    features[std::string(render::describe(saved.kernel))] = json_of(saved);
+  return {{"kernel", static_cast<int>(report.kernel)},
           {"rays", report.rays},
           {"ns_per_ray", report.cost.ns_per_ray},
           {"instructions_per_ray", json_of(report.cost.instructions_per_ray)},

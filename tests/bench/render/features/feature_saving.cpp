@@ -16,7 +16,7 @@ double median(std::vector<double> values) {
 
 /// One kernel, and its cost in each repetition.
 struct Candidate {
-  render::SceneNeeds feature;
+  render::SurfaceLevel kernel = render::SurfaceLevel::kMatte;
   std::vector<double> ns_per_ray;
   std::vector<double> instructions_per_ray;  ///< Empty if they cannot be counted.
 
@@ -33,13 +33,13 @@ double saving(const std::vector<double>& own, const std::vector<double>& other) 
   return 1.0 - median(std::move(ratios));
 }
 
-/// Returns the scene's own kernel, then one for each feature that it lacks, then the general one.
-std::vector<Candidate> candidates_of(const render::SceneNeeds& own) {
-  std::vector<Candidate> candidates(1);
-  for (const render::SceneNeeds& feature : tools::kEachNeed) {
-    if ((own | feature) != own) candidates.push_back({feature, {}, {}});
+/// Returns the scene's own kernel, then those for the levels above it.
+std::vector<Candidate> candidates_of(render::SurfaceLevel own) {
+  using enum render::SurfaceLevel;
+  std::vector<Candidate> candidates;
+  for (const render::SurfaceLevel level : {kMatte, kGlossy, kLayered}) {
+    if (level >= own) candidates.push_back({level, {}, {}});
   }
-  if (own != tools::kEverything) candidates.push_back({tools::kEverything, {}, {}});
   return candidates;
 }
 
@@ -60,10 +60,9 @@ Result<std::uint64_t> run(const render::Renderer& renderer, const render::Panora
   return cost.rays;
 }
 
-FeatureSaving saving_of(const Candidate& own, const render::SceneNeeds& needs, const Candidate& other) {
+FeatureSaving saving_of(const Candidate& own, const Candidate& other) {
   FeatureSaving saved;
-  saved.feature = other.feature;
-  saved.kernel = render::kernel_for(needs | other.feature);
+  saved.kernel = other.kernel;
   saved.cost = other.cost();
   saved.time_saving = saving(own.ns_per_ray, other.ns_per_ray);
   if (!own.instructions_per_ray.empty()) {
@@ -78,27 +77,20 @@ Result<FeatureReport> measure_features(render::Renderer* renderer, const render:
                                        const std::function<bool()>& cancelled) {
   const Result<InstructionCounter> counter = InstructionCounter::open();
   FeatureReport report;
-  report.kernel = render::kernel_for(render::needs_of(renderer->scene()));
+  report.kernel = renderer->surface_level();
   std::vector<Candidate> candidates = candidates_of(report.kernel);
   for (int i = 0; i < std::max(1, repetitions); ++i) {
     for (Candidate& candidate : candidates) {
-      renderer->compile_for(candidate.feature);
+      renderer->use_kernel_for(candidate.kernel);
       TRY_ASSIGN(report.rays, run(*renderer, view, counter ? &*counter : nullptr, cancelled, &candidate));
     }
     std::reverse(candidates.begin(), candidates.end());
   }
-  renderer->compile_for({});
+  renderer->use_kernel_for(report.kernel);
   if (repetitions % 2 != 0) std::reverse(candidates.begin(), candidates.end());
   const Candidate& own = candidates.front();
   report.cost = own.cost();
-  for (std::size_t i = 1; i < candidates.size(); ++i) {
-    FeatureSaving saved = saving_of(own, report.kernel, candidates[i]);
-    if (saved.feature == tools::kEverything) {
-      report.everything = std::move(saved);
-    } else {
-      report.savings.push_back(std::move(saved));
-    }
-  }
+  for (std::size_t i = 1; i < candidates.size(); ++i) report.savings.push_back(saving_of(own, candidates[i]));
   return report;
 }
 

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Saving of a scene's specialised kernel: the same picture is rendered by the scene's own kernel, by one with one more
-/// feature, and by the general one.
+/// Saving of a scene's specialised kernel: the same picture is rendered by the scene's own kernel and by those for higher
+/// surface levels.
 #pragma once
 
 #include <functional>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "common/base/result.h"
 #include "renderfarm/render/renderer.h"
-#include "renderfarm/render/requirements.h"
-#include "renderfarm/tools/scene_need.h"
+#include "renderfarm/render/surface_level.h"
 
 namespace cyclorama {
 
@@ -23,19 +21,17 @@ struct KernelCost {
 
 /// Saving against a kernel with more features: 1 - own cost / that kernel's.
 struct FeatureSaving {
-  render::SceneNeeds feature;  ///< Requested in addition to the scene's own needs.
-  render::SceneNeeds kernel;   ///< Features of the compiled kernel; may be more.
+  render::SurfaceLevel kernel = render::SurfaceLevel::kMatte;
   KernelCost cost;
   double time_saving = 0.0;  ///< Median of the repetitions' ratios.
   std::optional<double> instruction_saving;
 };
 
 struct FeatureReport {
-  render::SceneNeeds kernel;  ///< The scene's own kernel.
-  std::uint64_t rays = 0;     ///< In one picture.
+  render::SurfaceLevel kernel = render::SurfaceLevel::kMatte;  ///< The scene's own kernel.
+  std::uint64_t rays = 0;                                      ///< In one picture.
   KernelCost cost;
-  std::vector<FeatureSaving> savings;       ///< One for each feature that `kernel` lacks.
-  std::optional<FeatureSaving> everything;  ///< Empty if `kernel` is the general one.
+  std::vector<FeatureSaving> savings;  ///< One for each level above `kernel`, in ascending order.
 };
 
 /// Runs the kernels in turn, `repetitions` times (at least once), in alternating order. Preconditions: check_view(),

@@ -102,7 +102,7 @@ TEST_F(MeasuredHead, becomes_a_pixel_map_where_no_mesh_fits) {
 TEST_F(MeasuredHead, takes_flat_maps_and_meshes_for_the_requested_picture) {
   for (const char* const name : {"a.mpcdi", "a.pfm", "a.data", "a.obj"}) {
     const bool is_pair = std::string_view(name) == "a.pfm";
-    ASSERT_TRUE(interchange::write_warp_file(folder_ / name, flat_, "", {.columns = 129, .rows = 97, .mask = {}}))
+    ASSERT_TRUE(interchange::write_warp_file(folder_ / name, {flat_, {}, {}}, "", {.grid = {{129, 97}}, .mask = {}}))
         << name;
     const auto head = read(folder_ / name, "", is_pair ? folder_ / "a.png" : "");
     ASSERT_TRUE(head.has_value()) << head.error().message();

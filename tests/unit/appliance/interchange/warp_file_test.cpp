@@ -43,7 +43,7 @@ class WarpFiles : public ::testing::Test {
 TEST_F(WarpFiles, every_format_survives_a_round_trip_approximately) {
   for (const char* const name : {"a.mpcdi", "a.pfm", "a.data", "a.obj"}) {
     const std::filesystem::path path = folder_ / name;
-    const Status written = write_warp_file(path, set_, "", options_);
+    const Status written = write_warp_file(path, {set_, {}, {}}, "", options_);
     ASSERT_TRUE(written.has_value()) << written.error().message();
     const auto file = read_warp_file(path, options_);
     ASSERT_TRUE(file.has_value()) << file.error().message();
@@ -62,21 +62,43 @@ TEST_F(WarpFiles, every_format_survives_a_round_trip_approximately) {
   }
 }
 
+TEST_F(WarpFiles, a_mesh_converted_to_its_own_format_is_the_same_text) {
+  const auto text_of = [](const std::filesystem::path& path) {
+    std::ifstream in(path);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  for (const std::string ending : {".data", ".obj"}) {
+    ASSERT_TRUE(write_warp_file(folder_ / ("a" + ending), {set_, {}, {}}, "", options_).has_value());
+    const auto first = read_warp_file(folder_ / ("a" + ending), options_);
+    ASSERT_TRUE(first.has_value()) << first.error().message();
+    ASSERT_TRUE(write_warp_file(folder_ / ("b" + ending), *first, "", options_).has_value());
+    EXPECT_EQ(text_of(folder_ / ("a" + ending)), text_of(folder_ / ("b" + ending)));
+    options_.grid = {9, 7};
+    ASSERT_TRUE(write_warp_file(folder_ / ("c" + ending), *first, "", options_).has_value());
+    EXPECT_EQ(read_warp_file(folder_ / ("c" + ending), options_)->mesh->nodes.size(), 63U);
+    options_.grid.reset();
+  }
+  // A mesh of triangles is no grid, which a .data file needs.
+  const auto triangles = read_warp_file(folder_ / "a.obj", options_);
+  ASSERT_TRUE(write_warp_file(folder_ / "d.data", *triangles, "", options_).has_value());
+  EXPECT_EQ(read_warp_file(folder_ / "d.data", options_)->mesh->columns, kDefaultGrid.columns);
+}
+
 TEST_F(WarpFiles, a_mesh_carries_the_mask_as_light_and_an_obj_has_a_separate_mask) {
-  ASSERT_TRUE(write_warp_file(folder_ / "a.data", set_, "left", options_).has_value());
+  ASSERT_TRUE(write_warp_file(folder_ / "a.data", {set_, {}, {}}, "left", options_).has_value());
   const auto file = read_warp_file(folder_ / "a.data", options_);
   ASSERT_TRUE(file.has_value());
   EXPECT_NEAR(file->set.region("a")->alpha->light_at(40, 10), 40000.0 / 65535.0, 1e-4);
-  ASSERT_TRUE(write_warp_file(folder_ / "b.obj", set_, "left", options_).has_value());
+  ASSERT_TRUE(write_warp_file(folder_ / "b.obj", {set_, {}, {}}, "left", options_).has_value());
   EXPECT_TRUE(std::filesystem::exists(folder_ / "b.png"));
 }
 
 TEST_F(WarpFiles, refuses_what_does_not_fit_with_a_remedy) {
   const auto refusal = [](const Status& status) { return status ? "" : status.error().message(); };
-  EXPECT_THAT(refusal(write_warp_file(folder_ / "a.csv", set_, "", options_)), HasSubstr("use .mpcdi"));
-  EXPECT_THAT(refusal(write_warp_file(folder_ / "a.pfm", set_, "right", options_)), HasSubstr("'left'"));
+  EXPECT_THAT(refusal(write_warp_file(folder_ / "a.csv", {set_, {}, {}}, "", options_)), HasSubstr("use .mpcdi"));
+  EXPECT_THAT(refusal(write_warp_file(folder_ / "a.pfm", {set_, {}, {}}, "right", options_)), HasSubstr("'left'"));
   set_.profile = WarpProfile::kAdvanced3d;
-  EXPECT_THAT(refusal(write_warp_file(folder_ / "a.obj", set_, "", options_)), HasSubstr("flat picture"));
+  EXPECT_THAT(refusal(write_warp_file(folder_ / "a.obj", {set_, {}, {}}, "", options_)), HasSubstr("flat picture"));
   EXPECT_THAT(read_warp_file(folder_ / "a.jpg", options_).error().message(), HasSubstr(".simcad"));
   std::ofstream(folder_ / "far.data") << "2\n2 2\n9 9 0 0 1\n9.5 9 0 0 1\n9 9.5 0 0 1\n9.5 9.5 0 0 1\n";
   EXPECT_THAT(read_warp_file(folder_ / "far.data", options_).error().message(), HasSubstr("covers no pixel"));

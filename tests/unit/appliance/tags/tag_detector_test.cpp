@@ -1,9 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/tags/tag_detector.h"
 
+#include <apriltag/apriltag.h>
+#include <apriltag/common/image_u8.h>
+#include <apriltag/tag16h5.h>
+#include <apriltag/tag25h9.h>
+#include <apriltag/tag36h10.h>
+#include <apriltag/tag36h11.h>
+#include <apriltag/tagCircle21h7.h>
+#include <apriltag/tagCircle49h12.h>
+#include <apriltag/tagCustom48h12.h>
+#include <apriltag/tagStandard41h12.h>
+#include <apriltag/tagStandard52h13.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
 #include <random>
 
 #include "appliance/tracker/tag_pose.h"
@@ -120,6 +134,67 @@ TEST(TagDetector, survives_noise) {
   }
 }
 
+struct PrintedFamily {
+  const char* name;
+  apriltag_family_t* (*create)();
+  void (*destroy)(apriltag_family_t*);
+};
+
+/// The same as image_u8_destroy(), which Debian's library does not export.
+void destroy_image(image_u8_t* image) {
+  std::free(image->buf);
+  std::free(image);
+}
+
+class EveryFamily : public testing::TestWithParam<PrintedFamily> {};
+
+/// A tag as libapriltag prints it, each cell 12 pixels wide, with a white margin.
+TEST_P(EveryFamily, is_read_with_its_corners_at_the_border) {
+  constexpr int kCell = 12;
+  constexpr int kMargin = 40;
+  const std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)> family(GetParam().create(),
+                                                                                GetParam().destroy);
+  ASSERT_NE(std::find(tag_families().begin(), tag_families().end(), GetParam().name), tag_families().end());
+  DetectorSettings settings;
+  settings.family = GetParam().name;
+  settings.decimate = 1.0;
+  TagDetector detector = detector_of(settings);
+  const int last = static_cast<int>(family->ncodes) - 1;
+  for (const int id : {0, last / 2, last}) {
+    // 16 bits: Debian 12's library takes an int here, Debian 13's an unsigned.
+    const std::unique_ptr<image_u8_t, void (*)(image_u8_t*)> printed(
+        apriltag_to_image(family.get(), static_cast<std::uint16_t>(id)), destroy_image);
+    GreyImage picture(printed->width * kCell + 2 * kMargin, printed->height * kCell + 2 * kMargin, 255);
+    for (int y = 0; y < printed->height * kCell; ++y) {
+      for (int x = 0; x < printed->width * kCell; ++x) {
+        *picture.at(x + kMargin, y + kMargin) = printed->buf[y / kCell * printed->stride + x / kCell];
+      }
+    }
+    const auto found = found_in(picture, &detector);
+    ASSERT_EQ(found.size(), 1U) << id;
+    EXPECT_EQ(found[0].id, id);
+    const int border = (family->total_width - family->width_at_border) / 2;
+    const double near = kMargin + kCell * border;
+    const double far = near + kCell * family->width_at_border;
+    const std::array<Eigen::Vector2d, 4> painted{Eigen::Vector2d(near, near), Eigen::Vector2d(far, near),
+                                                 Eigen::Vector2d(far, far), Eigen::Vector2d(near, far)};
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((found[0].corners[i] - painted[i]).norm(), 0.05) << id << ", " << i;
+    EXPECT_LT(found[0].covariance[0](0, 0), TagDetection::kUnrefined(0, 0)) << "the corners were not refined";
+  }
+}
+INSTANTIATE_TEST_SUITE_P(
+    OfLibapriltag, EveryFamily,
+    testing::Values(PrintedFamily{"tag36h11", tag36h11_create, tag36h11_destroy},
+                    PrintedFamily{"tag25h9", tag25h9_create, tag25h9_destroy},
+                    PrintedFamily{"tag16h5", tag16h5_create, tag16h5_destroy},
+                    PrintedFamily{"tag36h10", tag36h10_create, tag36h10_destroy},
+                    PrintedFamily{"tagStandard41h12", tagStandard41h12_create, tagStandard41h12_destroy},
+                    PrintedFamily{"tagStandard52h13", tagStandard52h13_create, tagStandard52h13_destroy},
+                    PrintedFamily{"tagCircle21h7", tagCircle21h7_create, tagCircle21h7_destroy},
+                    PrintedFamily{"tagCircle49h12", tagCircle49h12_create, tagCircle49h12_destroy},
+                    PrintedFamily{"tagCustom48h12", tagCustom48h12_create, tagCustom48h12_destroy}),
+    [](const auto& family) { return std::string(family.param.name); });
+
 TEST(TagDetector, refuses_wrong_settings_and_lists_the_families) {
   const auto refusal = [](auto change) {
     DetectorSettings settings;
@@ -134,6 +209,11 @@ TEST(TagDetector, refuses_wrong_settings_and_lists_the_families) {
   refusal([](DetectorSettings* s) { s->decimate = 0.5; });
   refusal([](DetectorSettings* s) { s->threads = 0; });
   refusal([](DetectorSettings* s) { s->max_hamming = 3; });
+  const auto huge = [](DetectorSettings* s) {
+    s->family = "tagStandard52h13";
+    s->max_hamming = 2;
+  };
+  EXPECT_THAT(refusal(huge), testing::HasSubstr("48714 codes"));
 }
 
 }  // namespace

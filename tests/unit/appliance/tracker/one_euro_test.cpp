@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <numbers>
 #include <random>
 
 namespace cyclorama::tracker {
@@ -32,6 +33,23 @@ TEST(OneEuro, has_the_step_response_of_a_low_pass) {
     state = filter(kCalm, state, ms == 0 ? Vector3d::Zero() : Vector3d(1, 0, 0), kStart + milliseconds(ms));
   }
   EXPECT_NEAR(state->value.x(), 0.632, 0.01);
+}
+
+TEST(OneEuro, takes_the_speed_from_the_last_result) {
+  // Algorithm 1 by hand: with a cut-off of 1 / (2 pi) Hz and steps of a second, the share of a new value is one half.
+  constexpr double kHalf = 0.5 / std::numbers::pi;
+  const OneEuroSettings settings{kHalf, kHalf, kHalf};
+  auto state = filter(settings, std::optional<FilteredPosition>(), Vector3d::Zero(), kStart);
+  state = filter(settings, state, Vector3d(4, 0, 0), kStart + std::chrono::milliseconds(400));
+  // Step of 0.4 s: the speed is 10, of which 2/7 remain; the cut-off is 1 + 20/7 times that at rest.
+  const double first_speed = 10.0 * 2.0 / 7.0;
+  const double first = 4.0 * 0.4 * (1.0 + first_speed) / (1.0 + 0.4 * (1.0 + first_speed));
+  EXPECT_NEAR(state->value.x(), first, 1e-9);
+  state = filter(settings, state, Vector3d(4, 0, 0), kStart + std::chrono::milliseconds(800));
+  // The measurement rests, and yet the result still has a way to go: that is the speed.
+  const double second_speed = first_speed + ((4.0 - first) / 0.4 - first_speed) * 2.0 / 7.0;
+  const double share = 0.4 * (1.0 + second_speed) / (1.0 + 0.4 * (1.0 + second_speed));
+  EXPECT_NEAR(state->value.x(), first + share * (4.0 - first), 1e-9);
 }
 
 TEST(OneEuro, smooths_a_hand_at_rest_and_follows_one_in_motion) {
@@ -97,9 +115,10 @@ TEST(OneEuro, follows_a_constant_turn_with_a_constant_delay) {
   const OneEuroSettings settings{1.0, 3.0, 1.0};
   std::optional<FilteredRotation> state;
   for (int i = 0; i < 200; ++i) state = filter(settings, state, yaw(0.02 * i), kStart + milliseconds(33) * i);
-  EXPECT_NEAR(state->speed.norm(), 0.02 / 0.033, 0.02);
-  // The lag is speed times the time constant of its cut-off: 0.6 rad/s / (2 pi 2.8 Hz).
-  EXPECT_NEAR(state->value.angularDistance(yaw(0.02 * 199)), 0.0345, 0.01);
+  // A share a of what is left is made up in each step of 0.033 s, so 0.02 / a rad are left before it, and that is the
+  // speed. With a cut-off of 1 + 3 times the speed, a = 0.493.
+  EXPECT_NEAR(state->speed.norm(), 0.02 / 0.493 / 0.033, 0.01);
+  EXPECT_NEAR(state->value.angularDistance(yaw(0.02 * 199)), 0.02 / 0.493 - 0.02, 0.001);
 }
 
 }  // namespace

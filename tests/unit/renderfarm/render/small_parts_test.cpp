@@ -63,22 +63,18 @@ TEST(Memory, refuses_a_scene_that_would_not_fit_with_its_name_and_need) {
   EXPECT_FALSE(check_render_memory("hall", {1, 0, kGigabyte}, kGigabyte).has_value()) << "textures alone";
 }
 
-TEST(SceneNeeds, are_those_of_the_used_materials) {
+TEST(HighestSurfaceLevel, is_that_of_the_used_materials) {
   scene::Scene scene = scene_of(square_mesh(1.0f));
-  EXPECT_EQ(needs_of(scene), SceneNeeds{});
-  EXPECT_EQ(describe(needs_of(scene)), "nothing");
-  scene.sky.horizon = {0.1f, 0, 0};
-  EXPECT_EQ(describe(needs_of(scene)), "environment");
-  scene.model.lights.push_back(point_light({0, 1, 0}, 1.0f));
+  EXPECT_EQ(describe(highest_surface_level(scene)), "matte surfaces");
   scene.model.materials[0].roughness = 0.5f;
-  EXPECT_EQ(describe(needs_of(scene)), "glossy surfaces, lights, environment");
+  EXPECT_EQ(describe(highest_surface_level(scene)), "glossy surfaces");
   scene.model.materials.emplace_back();
-  scene.model.materials.back().normal_texture.texture = 0;  // Nothing uses this material.
-  EXPECT_FALSE(needs_of(scene).normal_maps);
-  scene.model.meshes[0].material = 1;
-  EXPECT_EQ(describe(needs_of(scene)), "textures, normal maps, glossy surfaces, lights, environment");
+  scene.model.materials[1].clearcoat = 1.0f;  // Nothing uses this material.
+  EXPECT_EQ(highest_surface_level(scene), SurfaceLevel::kGlossy);
+  add_mesh(scene, square_mesh(1.0f, 1));
+  EXPECT_EQ(describe(highest_surface_level(scene)), "layered surfaces");
   scene.model.instances.clear();
-  EXPECT_FALSE(needs_of(scene).textures);
+  EXPECT_EQ(highest_surface_level(scene), SurfaceLevel::kMatte);
 }
 
 TEST(Blending, requires_a_transparent_surface) {

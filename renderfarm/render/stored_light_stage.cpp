@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/render/stored_light_stage.h"
+
+#include "renderfarm/render/surface.h"
+#include "renderfarm/render/texture_lookup.h"
+
+namespace cyclorama::render {
+namespace {
+
+/// Rays ahead of the one in work for which memory is fetched, which is what this stage waits for.
+constexpr int kAhead = 16;
+
+/// Ends paths of one batch at stored light. Thread-bound.
+class StoredLightStage {
+ public:
+  StoredLightStage(const TraceScene& scene, PathBatch& batch)
+      : scene_(scene), light_(*scene.light), batch_(batch), rays_(batch.current().rays) {}
+
+  void run() {
+    std::array<PathRay, kMaxRays>& state = batch_.current().state;
+    const int count = rays_.count();
+    int kept = 0;
+    for (int i = 0; i < count; ++i) {
+      if (i + kAhead < count) prefetch_triangle(i + kAhead);
+      if (i + kAhead / 2 < count) prefetch_light(i + kAhead / 2);
+      const auto slot = static_cast<std::size_t>(i);
+      if (ends(i, state[slot])) continue;
+      if (kept != i) {
+        rays_.move(i, kept);
+        state[static_cast<std::size_t>(kept)] = state[slot];
+      }
+      ++kept;
+    }
+    rays_.shorten(kept);
+  }
+
+ private:
+  /// Null if the ray hit nothing or a surface that needs more than stored light.
+  [[nodiscard]] const Placement* plain_at(int i, const RTCHit& hit) const {
+    if (!rays_.has_hit(i) || is_lamp(hit)) return nullptr;
+    const Placement& placement = scene_.placements[top_of(hit)];
+    return placement.mesh->material->plain ? &placement : nullptr;
+  }
+  [[nodiscard]] bool is_lamp(const RTCHit& hit) const {
+    return hit.instID[0] == RTC_INVALID_GEOMETRY_ID && scene_.lamps.holds(hit.geomID);
+  }
+
+  // Inlining is forced because gcc considers a function that only prefetches free of effects and drops its calls.
+  [[gnu::always_inline]] void prefetch_triangle(int i) const {
+    const RTCHit hit = rays_.hit(i);
+    const Placement* const placement = plain_at(i, hit);
+    if (placement == nullptr) return;
+    __builtin_prefetch(&placement->mesh->records[hit.primID]);
+    __builtin_prefetch(&placement->mesh->triangles[hit.primID]);
+  }
+  [[gnu::always_inline]] void prefetch_light(int i) const {
+    const RTCHit hit = rays_.hit(i);
+    const Placement* const placement = plain_at(i, hit);
+    if (placement == nullptr) return;
+    for (const light::SideLight& side : light_.surfaces[top_of(hit)].sides) {
+      if (side.base.empty()) continue;
+      for (const std::uint32_t corner : placement->mesh->triangles[hit.primID]) {
+        if (corner < side.base.size()) __builtin_prefetch(&side.base[corner]);
+      }
+      if (!side.grids.empty()) __builtin_prefetch(&side.grids[hit.primID]);
+    }
+  }
+
+  /// Adds what the ray finds to its path, which ends, and returns true; or returns false.
+  [[nodiscard]] bool ends(int i, const PathRay& ray) {
+    if (ray.only_light || !ray.absorption.isZero(0.0f)) return false;
+    const RTCHit hit = rays_.hit(i);
+    const Placement* const placement = plain_at(i, hit);
+    if (placement == nullptr) return false;
+    const SurfaceMesh& mesh = *placement->mesh;
+    TriangleHit triangle;
+    triangle.placement = placement;
+    triangle.mesh = &mesh;
+    triangle.record = &mesh.records[hit.primID];
+    triangle.corners = mesh.triangles[hit.primID];
+    triangle.weights = barycentric_weights(hit);
+    const int side = sees_front(*placement, *triangle.record, rays_.direction(i)) ? 0 : 1;
+    const std::optional<Vec3> stored = light_.at(top_of(hit), side, hit.primID, triangle.corners, triangle.weights);
+    if (!stored) return false;
+    Path& path = batch_.path[ray.path];
+    const Vec3 colour = colour_at(i, ray, triangle);
+    Vec3& sum = ray.scatterings == 0 ? path.direct : path.indirect;
+    // One number after the other: processors wait where they read a vector that was written in other parts.
+    for (int c = 0; c < 3; ++c) sum[c] += ray.throughput[c] * (*stored)[c] * std::clamp(colour[c], 0.0f, 1.0f);
+    return true;
+  }
+
+  /// The side that surface_at() finds.
+  [[nodiscard]] static bool sees_front(const Placement& placement, const TriangleRecord& record,
+                                       const Vec3& direction) {
+    const auto& [a, b, c] = record.corners;
+    const float e1[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    const float e2[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    const Vec3 face(e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]);
+    if (placement.baked) return !(face[0] * direction[0] + face[1] * direction[1] + face[2] * direction[2] > 0.0f);
+    return !((placement.normal_matrix * normalized_or(face, -direction)).dot(direction) > 0.0f);
+  }
+
+  /// The reflectance of a plain surface, before it is clamped.
+  [[nodiscard]] Vec3 colour_at(int i, const PathRay& ray, const TriangleHit& triangle) const {
+    const SurfaceMaterial& material = *triangle.mesh->material;
+    Vec3 colour = triangle.mesh->colours != nullptr ? vertex_colour(triangle) : Vec3(Vec3::Ones());
+    for (int c = 0; c < 3; ++c) colour[c] *= material.source->base_colour[c];
+    if (material.base_colour != nullptr) {
+      const Vec3 direction = rays_.direction(i);
+      const SurfacePoint point = surface_at(triangle, direction);
+      const Footprint footprint{ray.cone_width + ray.cone_spread * rays_.distance(i),
+                                std::abs(point.facing.dot(direction))};
+      const scene::TextureUse& use = material.source->base_colour_texture;
+      const float lod = lod_of(triangle, use, *material.base_colour, footprint);
+      colour =
+          colour.cwiseProduct(lookup(*material.base_colour, texcoord_at(triangle, use), Coding::kSrgb, lod).head<3>());
+    }
+    return colour;
+  }
+
+  const TraceScene& scene_;
+  const light::LightStore& light_;
+  PathBatch& batch_;
+  RayQueue<RTCRayHit16>& rays_;
+};
+
+}  // namespace
+
+bool ends_at_stored_light(const TraceScene& scene, const TraceView& view) {
+  return view.quality.stored_light && scene.light != nullptr && !view.features && scene.eye_lamp.isZero(0.0f);
+}
+
+void end_at_stored_light(const TraceScene& scene, PathBatch& batch) { StoredLightStage(scene, batch).run(); }
+
+}  // namespace cyclorama::render

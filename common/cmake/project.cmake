@@ -128,24 +128,35 @@ endfunction()
 # project_library(NAME warp SOURCES ... PUBLIC cyclorama::geometry PRIVATE ...)
 # Sources are compiled several at a time, which parses their headers once. ALONE names sources that define a name in an
 # anonymous namespace that another source of the library also defines; COMPILE_OPTIONS set a source apart by itself.
-# HEADERS names the kind of its precompiled headers, if that is not `library`.
+# HEADERS names the kind of its precompiled headers, if that is not `library`. HOT names sources whose loops need -O3.
+# They do without precompiled headers: gcc takes the optimisation level from those, without a word.
 function(project_library)
-  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;HEADERS" "ALONE;SOURCES;PUBLIC;PRIVATE")
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;HEADERS" "ALONE;HOT;SOURCES;PUBLIC;PRIVATE")
   if(NOT arg_HEADERS)
     set(arg_HEADERS library)
   endif()
   set(target cyclorama_${arg_NAME})
-  add_library(${target} STATIC ${arg_SOURCES})
+  set(hot)
+  set(others ${arg_SOURCES})
+  if(arg_HOT)
+    set(hot ${target}_hot)
+    list(REMOVE_ITEM others ${arg_HOT})
+    add_library(${hot} OBJECT ${arg_HOT})
+    target_compile_options(${hot} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O3>)
+    target_link_libraries(${hot} PRIVATE cyclorama_options ${arg_PUBLIC} ${arg_PRIVATE})
+    list(APPEND others $<TARGET_OBJECTS:${hot}>)
+  endif()
+  add_library(${target} STATIC ${others})
   add_library(cyclorama::${arg_NAME} ALIAS ${target})
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE here)
-  set_target_properties(${target} PROPERTIES CYCLORAMA_FOLDER "${here}" LINKER_LANGUAGE CXX
+  set_target_properties(${target} ${hot} PROPERTIES CYCLORAMA_FOLDER "${here}" LINKER_LANGUAGE CXX
     UNITY_BUILD ${CYCLORAMA_FAST_BUILD} UNITY_BUILD_BATCH_SIZE 6)
   if(NOT CYCLORAMA_FAST_BUILD)  # Precompiled headers are shared with programs, which are not position independent.
-    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    set_target_properties(${target} ${hot} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   endif()
-  foreach(source IN LISTS arg_ALONE)
+  foreach(source IN LISTS arg_ALONE arg_HOT)
     if(NOT source IN_LIST arg_SOURCES)
-      message(FATAL_ERROR "${arg_NAME}: ${source} is to be compiled alone, but is not among the sources.")
+      message(FATAL_ERROR "${arg_NAME}: ${source} is to be compiled in a special way, but is not among the sources.")
     endif()
   endforeach()
   set_source_files_properties(${arg_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)

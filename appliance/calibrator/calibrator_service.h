@@ -35,7 +35,7 @@ class CalibratorService final : public wire::Calibrator::Service {
 
   /// Call before the first request: the object that `hold` returns pauses other work while a calibration runs.
   void hold_with(std::function<std::shared_ptr<void>()> hold) { hold_ = std::move(hold); }
-  /// Call before the first request: sets the prompt through which a manual turntable asks its questions. Borrowed.
+  /// Call before the first request: sets the prompt that shows the questions of a manual turntable. Borrowed.
   void set_prompt(TurntablePrompt* prompt) { prompt_ = prompt; }
   /// Adds a sentence about the process's other work to its state: "keeps 3 projectors in place".
   void also(std::string sentence, bool is_healthy);
@@ -69,7 +69,7 @@ class CalibratorService final : public wire::Calibrator::Service {
   std::string also_;
   bool is_also_healthy_ = true;
   std::function<std::shared_ptr<void>()> hold_;
-  TurntablePrompt* prompt_ = nullptr;  ///< Null: the turntable has no questions.
+  TurntablePrompt* prompt_ = nullptr;  ///< Null if no person turns the turntable.
   std::stop_source stop_;
 };
 

@@ -16,7 +16,7 @@ namespace cyclorama::calibrator {
 class TurntablePrompt {
  public:
   /// Called with a new question, again every fifth of a second while it is open, and with an empty text once it is
-  /// answered. Returns false if the calibration is no longer wanted. Called by the thread that asks.
+  /// answered. Returns false if the calibration is no longer wanted. Called by the thread that waits for the answer.
   using Listener = std::function<bool(const std::string& question)>;
 
   /// Sets the listener of the calibration that begins; null: it has ended.

@@ -209,8 +209,9 @@ Status run(const Options& options, const StopSignal& stop) {
 }  // namespace cyclorama::camera_calibration
 
 int main(int argc, char** argv) {
-  cyclorama::Program program("cyclorama-calibrate-camera",
-                             "A camera's lens from pictures of a printed board (cyclorama calibrate-camera --print).");
+  cyclorama::Program program(
+      "cyclorama-calibrate-camera",
+      "Finds a camera's lens from pictures of a printed board (cyclorama calibrate-camera --print).");
   cyclorama::camera_calibration::Options options;
   cyclorama::camera_calibration::add_options(program.options(), &options);
   return program.run(

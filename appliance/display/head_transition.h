@@ -35,8 +35,8 @@ class HeadTransition {
   [[nodiscard]] std::size_t count() const { return depths_bits_.size(); }
   [[nodiscard]] int depth_bits(std::size_t head) const { return depths_bits_[head]; }
   void set_depth(std::size_t head, int depth_bits);
-  /// Makes the driver compile the needed programs, in the bound framebuffer of that head; with `may_change` also those
-  /// that mix two sets.
+  /// Makes the driver compile the programs that the head needs, in the head's framebuffer, which is bound. With
+  /// `may_change` these include the programs for a transition between two sets of painters.
   void warm_up(std::size_t head, const TurnedPicture& shown, const TurnedPicture& attract, bool may_change,
                const std::function<void()>& stepped) const;
   /// Returns the newest set's plans, for the next presenter.

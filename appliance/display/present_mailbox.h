@@ -53,7 +53,7 @@ struct RefreshEvent {
   ShowAt heading_due;      ///< Due time of the heading.
   Duration drawn_ahead{};  ///< Lead of the start of drawing over the synchronised refresh.
 
-  /// Returns the delay in refreshes; 0 if nothing was scheduled, or nothing is visible for the first time.
+  /// Returns the delay in refreshes; 0 if nothing was scheduled, or this refresh shows nothing new.
   [[nodiscard]] std::int64_t late(const ShowAt& due) const {
     return due.period_ns == 0 || !synchronised_refresh ? 0
                                                        : std::max<std::int64_t>(0, *synchronised_refresh - due.refresh);

@@ -55,7 +55,7 @@ class SynchronisedRefresh {
   TimePoint at_{};
   Duration output_period_{};
   int seen_ = 0;
-  // Synchronised number minus the output's.
+  // Synchronised number of a refresh minus the output's own number of it.
   std::int64_t shift_ = 0;
   bool is_numbered_ = false;
   std::int64_t numbered_period_ns_ = 0;

@@ -31,7 +31,7 @@ class HealingHealth {
   [[nodiscard]] wire::Table history(TimePoint now) const;
   /// Returns one sentence: "keeps 3 projectors in place", or which of them are held, and why.
   [[nodiscard]] std::string sentence() const;
-  /// False while a projector wants a scan.
+  /// False while a projector needs a scan.
   [[nodiscard]] bool is_well() const;
 
  private:

@@ -17,14 +17,15 @@ namespace cyclorama::photometry {
 /// One reading of one cell by one channel of the camera.
 struct RampReading {
   int light = -1;  ///< 0, 1, 2: red, green, blue; 3: white; -1: black.
-  /// Index of the unknown response at its level; -1 if the response is known: 0 at black, 1 at full level.
+  /// Index of the unknown, which is the response at the reading's level; -1 at black and at full level, where the
+  /// response is known to be 0 and 1.
   int unknown = -1;
   double code = 0.0;
   double exposure = 1.0;  ///< Relative to the shortest exposure.
   double sigma = 0.0;     ///< Standard deviation of the code.
 };
 
-/// Readings that share one `rest` and one `share` per light.
+/// Readings of one projector in one cell. Their model has one common rest of light, and one share for each light.
 struct RampBlock {
   std::size_t projector = 0;
   std::array<bool, 4> has_light{};

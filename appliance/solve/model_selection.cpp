@@ -14,9 +14,10 @@ namespace {
 constexpr double kBlock_px = 96.0;
 constexpr double kFlat_sigmas = 3.0;
 constexpr int kFoldSteps = 15;
-// The lens model with which the walls are compared first.
+// Models of walls are first compared with this model of the projectors' lenses.
 constexpr calibration::LensModel kWallsLens = calibration::LensModel::kRadial1;
-constexpr double kLensMatters = 1.02;  // Minimum ratio of left-out errors; less is chance.
+// Walls are compared again with a richer lens model that reduces the left-out error by this factor; less is chance.
+constexpr double kLensMatters = 1.02;
 // The search ends at a model whose prediction is already as good as the measurements themselves and is not improved by
 // the next model. The first condition alone is not enough: an error below the noise of one sample is significant over a
 // thousand.

@@ -77,9 +77,9 @@ void print_cameras() {
     if (!camera.sends.empty()) fmt::print("# sends {}\n", camera.sends);
     if (!camera.problem.empty()) fmt::print("# cannot be used: {}\n", camera.problem);
     const std::string kind = camera.spec.substr(0, camera.spec.find(':'));
-    const std::string position = camera.spec.substr(kind.size() + 1);
-    const bool is_path = kind == "v4l2" && position.starts_with("/");
-    fmt::print("[camera]\nkind = \"{}\"\n{} = \"{}\"\n\n", kind, is_path ? "device" : "port", position);
+    const std::string device = camera.spec.substr(kind.size() + 1);
+    const bool is_path = kind == "v4l2" && device.starts_with("/");
+    fmt::print("[camera]\nkind = \"{}\"\n{} = \"{}\"\n\n", kind, is_path ? "device" : "port", device);
   }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// A coarse inverse depth that accompanies a picture, by which a display shows the picture from a slightly different
-/// eye (appliance/display/walk_mesh.h).
+/// eye (appliance/display/reprojection_mesh.h).
 ///
 /// There is one value for each cell of 4x4 pixels: the *nearest* surface that any of its samples met, because a near
 /// edge that moves with the distance behind it is seen at once, and the reverse is not. Values are proportional to the

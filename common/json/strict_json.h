@@ -60,7 +60,7 @@ class StrictJson {
   std::vector<std::string> requested_;
 };
 
-/// Errors: kBadData with the position if the text is not JSON; `name` stands for the file, `remedy` says what to do.
+/// Errors: kBadData with the position if the text is not JSON; `name` stands for the file, `remedy` is appended.
 Result<nlohmann::json> parse_document(std::string_view text, const std::string& name, std::string_view remedy);
 
 /// Returns an Eigen matrix as a list of its rows.

@@ -15,19 +15,19 @@ constexpr std::array kKeysOfKind{kPortKey,      kPath,   "width_px", "height_px"
                                  "exposure_ms", "memory"};
 
 /// Returns the camera's port path or file; rejects characters that begin an option, since no port has them.
-std::string place_of(const std::string& kind, ConfigTable* camera) {
+std::string device_of(const std::string& kind, ConfigTable* camera) {
   if (camera->has(kPortKey) && camera->has(kPath))
     camera->refuse(kPath, "and port name the same camera twice; remove one");
   const char* const key = camera->has(kPath) ? kPath : kPortKey;
-  const std::string position = camera->text(key, "");
-  if (position.find_first_of("?&\n") != std::string::npos)
+  const std::string device = camera->text(key, "");
+  if (device.find_first_of("?&\n") != std::string::npos)
     camera->refuse(key, "holds '?', '&' or a line's end; no port does");
-  if (key == kPath && !position.starts_with("/")) camera->refuse(kPath, "must be a path, as /dev/v4l/by-path/...");
+  if (key == kPath && !device.starts_with("/")) camera->refuse(kPath, "must be a path, as /dev/v4l/by-path/...");
   // A V4L2 port is no path, whereas libcamera's ids are device tree paths.
-  if (key == kPortKey && kind == "v4l2" && position.starts_with("/")) {
+  if (key == kPortKey && kind == "v4l2" && device.starts_with("/")) {
     camera->refuse(kPortKey, "is a path; write device = \"...\"");
   }
-  return position;
+  return device;
 }
 
 }  // namespace
@@ -45,7 +45,7 @@ std::string camera_source(ConfigTable* camera, const std::string& fallback) {
   const auto add = [&](const char* key, Range range) {
     if (camera->has(key)) options += fmt::format("&{}={:.9g}", key, camera->number(key, range));
   };
-  std::string line = fmt::format("{}:{}", kind, place_of(kind, camera));
+  std::string line = fmt::format("{}:{}", kind, device_of(kind, camera));
   add("width_px", {16, 8192});
   add("height_px", {16, 8192});
   add("frames_per_second", {1, 1000});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light that nodes computed ahead: a scene's pictures use it as soon as one node has it, from then on only nodes that
-// have it render the scene, and they follow within minutes, because they are idle.
+// Light that nodes computed ahead. A scene's pictures use it as soon as one node has it. From then on only nodes that
+// have it render the scene; the others are idle then, and have it within minutes.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -60,9 +60,9 @@ class FrameTimeModel {
 
  private:
   void start(const MeasuredFrame& frame, double rays);
-  /// The first thread times come after frames without any.
+  /// Begins to use thread times, at the first frame that has any.
   void begin_rays(double rate);
-  /// `change` is that of the deviation from one frame to the next of the same work.
+  /// `change`: by how much the deviation from the prediction changed between two successive frames of the same work.
   void learn_noise(double change);
   void learn_cost(double rate);
   /// Updates fixed and slope from a frame whose busiest node took `rays`.

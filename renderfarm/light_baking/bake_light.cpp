@@ -33,7 +33,7 @@ constexpr int kRings = 2;
 constexpr double kLargeParts = 32.0;
 
 BakeSettings with_dim_light(BakeSettings settings, const scene::Scene& scene) {
-  constexpr float kDim = 0.1f;  // A tenth of white; below it, relative errors begin to hide.
+  constexpr float kDim = 0.1f;  // A tenth of white: where light is dimmer, relative errors are less visible.
   settings.dim_light = kDim / static_cast<float>(scene.exposure);
   return settings;
 }

@@ -18,7 +18,7 @@ using render::Vec3;
 
 /// Eyes are sampled at some positions only; a visitor may come nearer to a triangle than any of them.
 constexpr double kNearer = 0.7;
-/// From this number of parts on, light from other surfaces varies within the triangle, too.
+/// Within a triangle of at least this many parts, light from other surfaces is taken to vary, too.
 constexpr int kManyParts = 16;
 /// Probes may differ by this many standard errors before they count.
 constexpr float kSigmas = 2.5f;
@@ -27,7 +27,7 @@ constexpr float kInwards = 0.02f;
 /// Number of probes of a triangle, and of a triangle of kHugeParts or more, in which a small shadow must be found.
 constexpr int kMaxProbes = 6;
 constexpr int kHugeProbes = 16;
-/// A grid begins with this share of the parts that a visitor could tell apart, and at most kMaxStart.
+/// A grid begins with one part for every kStartShare parts that a visitor could tell apart, but at most kMaxStart.
 constexpr int kStartShare = 8;
 constexpr int kMaxStart = 4;
 /// Parts of the grid for light from other surfaces, and those on triangles of kHugeParts or more.

@@ -68,7 +68,7 @@ struct GridInWork {
   [[nodiscard]] int step_samples() const;
 };
 
-/// The samples of a triangle: of a grid, without those that something separates from a neighbour.
+/// The samples of a triangle, on a grid. A sample that something separates from its neighbour is marked as unusable.
 struct MadeGrid {
   std::uint32_t triangle = 0;
   int parts = 0;

@@ -49,7 +49,7 @@ class SceneStore {
   /// Returns null if the scene at `path` is not loaded.
   [[nodiscard]] std::shared_ptr<BlockRenderer> at_path(const std::string& path) const;
   /// Describes the scene at `path` anew, after its light has changed or could not be computed, for each coordinator that
-  /// knows it. Empty if it is not loaded. No block of the scene may be rendered meanwhile.
+  /// has it. Empty if it is not loaded. No block of the scene may be rendered meanwhile.
   [[nodiscard]] std::vector<std::pair<LinkId, wire::SceneLoaded>> describe_again(const std::string& path,
                                                                                  const std::string& note);
   /// Returns null if the scene is not loaded. The scene stays in memory while anyone holds the pointer.

@@ -161,7 +161,7 @@ Status PlyMesh::add_polygon(std::span<const double> corners) {
   } else {
     corners_.clear();
     for (const std::uint32_t index : indices_) {
-      // If faces precede vertices, no shape is known yet, and equal corners give a fan.
+      // If faces precede vertices, no positions are known yet: all are equal, and the polygon is cut as a fan.
       const bool known = index < mesh_.positions.size();
       const auto& p = known ? mesh_.positions[index] : std::array<float, 3>{};
       corners_.push_back(Eigen::Vector3f(p[0], p[1], p[2]).cast<double>());

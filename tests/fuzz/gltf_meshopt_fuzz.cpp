@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Damages a valid compressed square and what the file says of it. The first three bytes choose a mode, a filter and a
+// Damages a valid compressed square and its description in the file. The first three bytes choose a mode, a filter and a
 // stride; each following group of three is a part, an offset and a change there.
 #include <array>
 

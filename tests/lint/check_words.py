@@ -6,7 +6,8 @@
   inner          the same of a later sentence in a paragraph
   limits         a limit is called kMost..., kLeast..., ...Patience
   private        a word of our own has taken the place of the field's, in a name, a comment or a text
-  spoken         people's verbs where a reference states a fact
+  spoken         people's verbs where a comment or a document states a fact
+  spoken_names   the same in names
   types          two types have the same full name
 
 What counts as a main verb is a guess that is cheap and errs towards a report. Only what stands before the first colon
@@ -180,6 +181,50 @@ def words(tree, rows):
                 yield name, number, f"{said!r}: {row['instead']}"
 
 
+# --- spoken ---
+
+def prose(tree):
+    """The paragraphs of comments and documents: file, line, text."""
+    for name, text in tree.of(CXX):
+        for line, paragraph in cxx_text.paragraphs(text):
+            yield name, line, paragraph
+    for name, text in tree.of({".md"}):
+        if NAMES_OLD_WORDS.match(name):
+            continue
+        number = 1
+        for paragraph in text.split("\n\n"):
+            yield name, number, " ".join(paragraph.split())
+            number += paragraph.count("\n") + 2
+
+
+def compiled_spoken(tables):
+    return [(re.compile(rf"\b{r['word']}(?!\w)", re.IGNORECASE), re.compile(r.get("unless", "$.^")), r["instead"])
+            for r in tables["spoken"]]
+
+
+def spoken(tree, tables):
+    rows = compiled_spoken(tables)
+    for name, line, paragraph in prose(tree):
+        plain = re.sub(r"`[^`]*`|\"[^\"]*\"", "X", paragraph)  # Code and quoted texts are no prose of ours.
+        for word, unless, instead in rows:
+            for match in word.finditer(unless.sub("X", plain)):
+                yield name, line, f"{match[0]!r}: {instead}"
+
+
+def spoken_names(tree, tables):
+    rows = compiled_spoken(tables)
+    for name, text in tree.of(CXX | {".py", ".js"}):
+        if NAMES_OLD_WORDS.match(name):
+            continue
+        for number, line in enumerate(text.split("\n"), 1):
+            if TEST_NAME.match(line):
+                continue
+            for identifier in sorted(set(NAME.findall(re.sub(r"//.*|#.*|\"[^\"]*\"", "", line)))):
+                for word, _, instead in rows:
+                    if word.search(parts(identifier)):
+                        yield name, number, f"{identifier!r}: {instead}"
+
+
 # --- types ---
 
 def types(tree, _):
@@ -199,7 +244,8 @@ RULES = {
     "inner": lambda tree, tables: fragments(tree, tables, inner=True),
     "limits": limits,
     "private": lambda tree, tables: words(tree, tables["private"]),
-    "spoken": lambda tree, tables: words(tree, tables["spoken"]),
+    "spoken": spoken,
+    "spoken_names": spoken_names,
     "types": types,
 }
 

@@ -85,7 +85,10 @@ def check_names():
     expect("private", 'refuse("\'most_turns\' is now called \'max_turns\'");\nint most_turns;\n', ["common/a/a.h:2:"])
     expect("private", "TEST(Turns, most_turns_are_short) {\nint most_turns;\n", ["common/a/a.h:2:"])
     expect("private", "", ["appliance/desk/a.h:0:"], "appliance/desk/a.h")
-    expect("spoken", "// dials the farm\n", ["common/a/a.h:1:"])
+    expect("spoken", "// It dials the farm,\n// as the message says.\nint told;\n", ["common/a/a.h:1:"])
+    expect("spoken", "// `told` cannot be told from \"said\".\n", [])
+    expect("spoken", "A purpose.\n\nOne line,\nand it wants more.\n", ["docs/a.md:3:"], "docs/a.md")
+    expect("spoken_names", "int told_px;  // It says so.\nint toldest;\nTEST(A, asks_twice) {}\n", ["common/a/a.h:1:"])
 
 
 FRAME = """namespace cyclorama {

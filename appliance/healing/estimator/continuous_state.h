@@ -26,7 +26,7 @@ struct ContinuousCalibrator::State {
   std::vector<TimePoint> measured_at;
   std::vector<int> surprises;            ///< Steps in a row whose innovation was too large, per body.
   std::vector<InnovationWindow> lately;  ///< Per projector.
-  std::vector<bool> is_creeping;         ///< Successive small innovations that are no drift, per projector.
+  std::vector<bool> is_creeping;         ///< Small innovations add up to more than drift explains, per projector.
   std::vector<bool> is_refused;          ///< A displacement was detected, but no pose was accepted, per body.
   std::vector<double> seems_off_px;      ///< Distance to the last solution's pose, per projector.
   std::vector<bool> is_unanchored;       ///< Either the projector or the only camera that sees it moved, per projector.
@@ -81,8 +81,8 @@ struct ContinuousCalibrator::State {
   [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> lost() const;
   /// Tries explanations of the observations, in order of cost. Returns whether one was found, verified and accepted.
   bool recover(TimePoint now, bool is_lost, ShowReport* report);
-  /// Marks bodies for which no pose was accepted: until one is, or they are observed in their former pose, they are not
-  /// followed either.
+  /// Marks bodies for which no pose was accepted. They are not followed until a pose is accepted, or until they are
+  /// observed in their former pose.
   void refuse(const MovedBodies& movers);
   bool accept(const MovedBodies& movers, TimePoint now, ShowReport* report);
   /// True if the time stamps of `of` are confirmed for a displacement of these: by a still show, or by a projector that

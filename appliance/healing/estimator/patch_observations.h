@@ -56,10 +56,11 @@ struct EdgeObservation {
                                                                std::span<const PatchShift> patches,
                                                                double min_sigma_px);
 
-/// Motion of a projector's pixels on the wall when it moves: root mean square over its picture, per step.
+/// Motion of a projector's pixels on the wall when the projector moves by a small step.
 struct PixelMotion {
-  Eigen::Matrix<double, Eigen::Dynamic, 6> by_step;  ///< Two rows per pixel of a grid.
+  Eigen::Matrix<double, Eigen::Dynamic, 6> by_step;  ///< Derivatives: two rows per pixel of a grid.
 
+  /// Returns the root mean square motion over the picture.
   [[nodiscard]] double rms_px(const calibration::PoseStep& step) const;
   [[nodiscard]] double sigma_px(const calibration::PoseMatrix& covariance) const;
 };

@@ -59,8 +59,8 @@ inline constexpr std::int8_t kBesideWall = -3;
 inline constexpr float kOwnShare = 0.85f;
 
 struct Prediction {
-  LightPlane light;             ///< Softened.
-  Image<std::int8_t, 1> owner;  ///< Index of a projector, or one of the above.
+  LightPlane light;             ///< The predicted light, after soften().
+  Image<std::int8_t, 1> owner;  ///< Index of a projector, or kUnlit, kOverlap or kBesideWall.
 };
 /// `lit` and `shone` have one element per projector; a plane without pixels is a lamp that is off.
 [[nodiscard]] Prediction predict(const SeenWall& seen, std::span<const LitPart> lit, std::span<const LightPlane> shone,

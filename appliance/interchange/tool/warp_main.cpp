@@ -117,8 +117,8 @@ int main(int argc, char** argv) {
   using namespace cyclorama;
   using namespace cyclorama::interchange;  // NOLINT(google-build-using-namespace)
   Program program("cyclorama-warp",
-                  "Calibrations of projectors from and to other programs: MPCDI, PFM with PNG, Bourke .data, OBJ, "
-                  "domeprojection CSV, SimCAD.");
+                  "Converts calibrations of projectors from and to other programs: MPCDI, PFM with PNG, Bourke .data, "
+                  "OBJ, domeprojection CSV, SimCAD.");
   CLI::App* const options = &program.options();
   options->require_subcommand(1);
   Arguments arguments;

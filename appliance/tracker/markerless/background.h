@@ -61,7 +61,7 @@ class Background {
   Silhouette silhouette_;
   std::vector<Cell> cells_;
   Image<float, 1> grey_;   ///< Brightness of the picture's cells.
-  Image<float, 1> level_;  ///< Its logarithm, then minus the change of light.
+  Image<float, 1> level_;  ///< Logarithm of grey_; after follow_light() without the room's change of light.
   double noise_ = 0.0;     ///< Deviation of level_ from picture to picture: the median over the cells.
   std::optional<TimePoint> last_at_;
   TimePoint learning_since_{};

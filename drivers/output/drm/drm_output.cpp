@@ -245,7 +245,7 @@ class DrmOutput final : public Output {
       is_probed.push_back(probed.has_value());
       if (!probed) TRY(take_failure(&card, std::move(probed).error()));
     }
-    position();
+    assign_connectors_to_heads();
     for (std::size_t i = 0; i < cards_.size(); ++i) {
       CardState& card = cards_[i];
       if (!is_probed[i] || !is_due(card)) continue;
@@ -272,7 +272,8 @@ class DrmOutput final : public Output {
     return Done{};
   }
 
-  void position() {
+  /// Uses all connectors that were seen on any card.
+  void assign_connectors_to_heads() {
     std::vector<AvailableConnector> seen;
     for (std::size_t i = 0; i < cards_.size(); ++i) {
       for (const Connector& connector : cards_[i].connectors)

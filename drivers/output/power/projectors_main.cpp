@@ -41,7 +41,7 @@ struct Options {
 
 struct NamedProjector {
   std::string name;  ///< Name or address, as given.
-  PjlinkProjector position;
+  PjlinkProjector pjlink;
 };
 
 Result<std::string> read_password(const std::filesystem::path& file) {
@@ -85,10 +85,10 @@ Status switch_or_query(const Options& options, const std::vector<NamedProjector>
   const TimePoint deadline =
       SteadyClock().now() + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.within_s));
   std::size_t failed = 0;
-  for (const auto& [name, position] : projectors) {
+  for (const auto& [name, pjlink] : projectors) {
     if (stop.requested()) return Error(ErrorCode::kUnavailable, fmt::format("stopped before projector {}", name));
-    auto done = options.command == "ask" ? Status(Done{}) : bring(position, options.command == "on", deadline, stop);
-    const auto power = done ? query_power(position, kAnswerTimeout) : Result<ProjectorPower>(std::move(done).error());
+    auto done = options.command == "ask" ? Status(Done{}) : bring(pjlink, options.command == "on", deadline, stop);
+    const auto power = done ? query_power(pjlink, kAnswerTimeout) : Result<ProjectorPower>(std::move(done).error());
     if (power) {
       fmt::print("{}: {}\n", name, text_of(*power));
     } else {
@@ -114,12 +114,12 @@ void look_after(bool should_be_on, TimePoint now, Kept* kept) {
     if (text != kept->said) log(level, text);
     kept->said = text;
   };
-  const PjlinkProjector& position = kept->projector.position;
-  const auto power = query_power(position, kAnswerTimeout);
+  const PjlinkProjector& pjlink = kept->projector.pjlink;
+  const auto power = query_power(pjlink, kAnswerTimeout);
   std::optional<ProjectorErrors> errors;
   if (power) {
     // Optional: not all projectors report errors, and switching does not depend on them.
-    if (const auto told = query_errors(position, kAnswerTimeout)) errors = *told;
+    if (const auto reported = query_errors(pjlink, kAnswerTimeout)) errors = *reported;
   }
   kept->report = kept->reporter.see({should_be_on, power, errors}, now);
   const auto wanted = kept->duty.next(should_be_on, power ? std::optional(*power) : std::nullopt);
@@ -129,7 +129,7 @@ void look_after(bool should_be_on, TimePoint now, Kept* kept) {
       fmt::format("{}: {}{}{}", kept->projector.name, text_of(*power), is_well ? "" : ". ",
                   is_well ? "" : kept->report.sentence));
   if (!wanted) return;
-  if (auto set = set_power(position, *wanted, kAnswerTimeout); !set)
+  if (auto set = set_power(pjlink, *wanted, kAnswerTimeout); !set)
     return say(LogLevel::kWarning, set.error().message());
   log(LogLevel::kInfo, fmt::format("{}: switched {}", kept->projector.name, *wanted ? "on" : "off"));
 }

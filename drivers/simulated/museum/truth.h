@@ -37,7 +37,7 @@ struct TrueProjector {
   std::array<TrueResponse, 3> response{};                     ///< Red, green and blue.
   ColourMatrix primaries{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< Room colour of each channel, in units of white.
   RoomColour black{};                                         ///< Black level: light of each channel at code 0.
-  double blur_px = 0.3;  ///< Standard deviation in focus; at least 0.41, the pixel's own.
+  double blur_px = 0.3;  ///< Standard deviation of the blur in focus; below 0.41 there is only the pixel's own.
   double focus_distance_m = 4.0;
   double defocus_px_per_dioptre = 0.0;
   double latency_s = 0.0;  ///< Delay from show() to the light.

@@ -141,7 +141,7 @@ int main(int argc, char** argv) {
   options.add_option("--installation", settings.installation, "installation.toml: the room")->required();
   options.add_option("--run-dir", settings.run_dir, "Where the display publishes its heads' pictures")->required();
   options.add_option("--listen", settings.listen, "Address for the operator")->capture_default_str();
-  options.add_option("--rate-hz", settings.rate_hz, "Photographs per second, while somebody looks")
+  options.add_option("--rate-hz", settings.rate_hz, "Photographs per second, while a client requests them")
       ->check(CLI::Range(0.1, 60.0))
       ->capture_default_str();
   options.add_option("--width", settings.width_px, "Width of the photograph in pixels (16:9)")

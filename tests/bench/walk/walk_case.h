@@ -17,7 +17,7 @@ namespace cyclorama {
 /// The display's work between two frames.
 struct WalkMethod {
   const char* name;
-  bool predicts;  ///< Views are asked for where the visitor will be.
+  bool predicts;  ///< Views are requested for the position where the visitor will be.
   bool moves;     ///< The display moves the frame's eye.
 };
 [[nodiscard]] const std::vector<WalkMethod>& walk_methods();

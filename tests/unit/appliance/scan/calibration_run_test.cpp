@@ -114,7 +114,7 @@ simulated::PresetOptions two_small_projectors() {
   return options;
 }
 
-/// The sun through a window, evenly on the wall. The test knows the truth; the calibration sees only the light.
+/// The sun through a window, evenly on the wall. The test has the truth; the calibration sees only the light.
 TEST_F(CalibrationOfLight, in_daylight_it_is_right_or_refused_with_a_remedy) {
   for (const double lux : {300.0, 3000.0}) {
     auto preset = simulated::make_preset("cylinder126", 5, two_small_projectors());

@@ -108,7 +108,6 @@ TEST(RealPhotos, finds_every_tag_that_another_detector_found) {
 TEST(RealPhotos, a_tag_turns_by_the_turntables_angle) {
   CYCLORAMA_SHARED_DATA(folder, "apriltag/duckietown");
   // test_info.yaml: K, tag_size. Our lens has square pixels, so corners are converted to such a lens.
-  // lens.
   constexpr double kFocalU = 329.8729619143081;
   constexpr double kFocalV = 332.94611303946357;
   const Pinhole lens{1056, 792, kFocalU, 528.0, 396.0};

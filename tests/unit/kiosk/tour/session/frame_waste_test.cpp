@@ -29,7 +29,7 @@ struct Show {
   Range render{30ms, 40ms};
   Duration network = 5ms;
   Duration decode = 6ms;
-  bool is_paced = true;  ///< False: the tour asks whenever the farm has room.
+  bool is_paced = true;  ///< False: the tour requests a view whenever the farm has room.
 };
 
 struct Counts {

@@ -68,7 +68,8 @@ build=${CYCLORAMA_BUILD:-build/release}
 if [ -z "${CYCLORAMA_BUILD:-}" ]; then
   tests=ON; dpkg-query -W -f='${db:Status-Status}' libgmock-dev 2>/dev/null | grep -q '^installed' || tests=OFF
   mkdir -p build
-  ( flock 9; cmake --preset release -DCYCLORAMA_TESTS=$tests >/dev/null; cmake --build --preset release --target demo ) 9>build/demo.lock
+  programs=demo; [ "$headless" = 0 ] || programs=demo-headless
+  ( flock 9; cmake --preset release -DCYCLORAMA_TESTS=$tests >/dev/null; cmake --build --preset release --target $programs ) 9>build/demo.lock
 fi
 program() { echo "$build/bin/$1"; }
 

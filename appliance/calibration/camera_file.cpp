@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -79,8 +79,8 @@ Result<CameraFile> parse_camera(std::string_view text, const std::string& name) 
   if (!mistakes.is_any) {
     const MeasuredLens::Covariance& cov = camera.lens.covariance;
     const double size = cov.cwiseAbs().maxCoeff();
-    if (!((cov - cov.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * size) ||
-        !(Eigen::SelfAdjointEigenSolver<MeasuredLens::Covariance>(cov).eigenvalues().minCoeff() >= -1e-9 * size)) {
+    const MeasuredLens::Covariance raised = cov + 1e-9 * size * MeasuredLens::Covariance::Identity();
+    if (!((cov - cov.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * size) || !raised.ldlt().isPositive()) {
       json.at("covariance").refuse("is no covariance; calibrate again");
     }
   }

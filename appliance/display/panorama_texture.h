@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
+#include <utility>
 
 #include "appliance/display/frame.h"
 #include "appliance/display/texels.h"
@@ -28,15 +28,14 @@ class PictureProgram {
   GLint chroma_end_ = -1;
 };
 
-/// Beginning of a fragment shader that writes light: the version, `extensions`, and light_shader.h.
-[[nodiscard]] std::string light_shader_header(Texels texels, const char* extensions = "");
-/// Sets the texture units from which a program with that header reads the planes; PanoramaTexture::bind_planes() binds
-/// them there.
-void select_planes(const output::Gl& gl, const output::GlProgram& program);
-
 /// Pass 1, once per frame: the newest frame's picture as a texture of light. It has an additional column on each side
 /// of the picture: for a whole turn, the column at the opposite side; otherwise a copy of the edge column, so that
 /// clamping repeats it.
+///
+///     planes ──upload()──▶ light() ──ReprojectionPainter──▶ moved ──▶ id(), for pass 2
+///                           │  ▲ └──────────── at its own eye ──────────────▲
+///                    keep() ▼  │ FrameReuse
+///                         earlier()
 ///
 /// The textures grow to the largest picture and never shrink: a picture of a former size allocates nothing.
 /// Thread-bound to the GL context; borrows the Gl table and the program.
@@ -48,39 +47,58 @@ class PanoramaTexture {
   /// pictures of frame.shape's size, one above another; if there are two, each has an even height. Errors: kSystem if
   /// the graphics card refuses the picture (too large); the old picture may be lost.
   Status upload(const DisplayFrame& frame);
-  /// Converts the newest frame again, after another pass drew over its light. Precondition: upload(frame) was the last.
-  void show_unmoved(const DisplayFrame& frame) const;
+  /// Converts the planes of the newest frame again. Precondition: upload(frame) was the last.
+  void convert(const DisplayFrame& frame) const;
+  /// Shows light() itself again, after another pass drew it from another eye.
+  void show_unmoved() { is_moved_ = false; }
 
-  [[nodiscard]] GLuint id() const { return light_.id(); }
+  [[nodiscard]] GLuint id() const { return shown().texture.id(); }
   [[nodiscard]] Texels texels() const { return program_->texels_; }
   /// Shape of one eye's picture.
   [[nodiscard]] const PictureShape& shape() const { return shape_; }
   /// Number of eyes' pictures; 2: the right eye's lies below the left eye's.
   [[nodiscard]] int stacked() const { return stacked_; }
   /// Size of the texture in pixels; the picture's first column is its column 1.
-  [[nodiscard]] int texture_width() const { return width_; }
-  [[nodiscard]] int texture_height() const { return height_; }
+  [[nodiscard]] int texture_width() const { return shown().width; }
+  [[nodiscard]] int texture_height() const { return shown().height; }
   static constexpr int kFirstColumn = 1;
 
-  // Access for the other pass 1 (reprojection_painter.h):
+  // For passes between (reprojection_painter.h, frame_reuse.h):
 
+  struct Light {
+    output::GlTexture texture;
+    output::GlFramebuffer target;
+    int width = 0;  ///< The texture's; the picture is in its upper left corner.
+    int height = 0;
+  };
+  /// The newest frame's light from its own eye.
+  [[nodiscard]] const Light& light() const { return light_; }
+  /// Puts the newest frame's light aside, before the next upload().
+  void keep() { std::swap(light_, earlier_); }
+  [[nodiscard]] const Light& earlier() const { return earlier_; }
+  /// Binds a framebuffer of light()'s size to draw the same frame from another eye, with a depth buffer, and shows that
+  /// light. Errors: kSystem if the driver cannot draw so.
+  Status bind_moved();
+  /// Binds the framebuffer of drawn(), at least of light()'s size, to draw the same frame anew; take_drawn() makes that
+  /// the frame's light. Errors: likewise.
+  Status bind_drawn();
+  [[nodiscard]] const Light& drawn() const { return moved_; }
+  void take_drawn() { std::swap(light_, moved_); }
+
+ private:
+  struct Plane {
+    output::GlTexture texture;
+    int width = 0;  ///< The texture's; the picture is in its upper left corner.
+    int height = 0;
+  };
   static constexpr GLint kLumaUnit = 0;
   static constexpr GLint kBlueUnit = 1;
   static constexpr GLint kRedUnit = 2;
-  struct Plane {
-    output::GlTexture texture;
-    int width = 0;  ///< The texture's width; the picture is in its upper left corner.
-    int height = 0;
-  };
+  friend class PictureProgram;
+  [[nodiscard]] Light make_light() const;
+  Status grow(int width, int height, Light* light);
+  [[nodiscard]] const Light& shown() const { return is_moved_ ? moved_ : light_; }
   void bind_planes() const;
-  /// Binds the framebuffer of the light with a depth buffer. Errors: kSystem if the driver cannot draw into it.
-  Status bind_with_depth();
-  [[nodiscard]] const Plane& luma() const { return luma_; }
-  [[nodiscard]] const Plane& chroma() const { return blue_; }
-  [[nodiscard]] int chroma_step() const { return chroma_step_; }  ///< Pixels per pixel of chroma: 1 or 2.
-
- private:
-  Status grow(int width, int height);
   void upload(const GreyImage& pixels, const PixelRect& part, Plane* ret_plane);
   void draw(const PixelRect& part, int moved_px, int chroma_step) const;
 
@@ -89,14 +107,14 @@ class PanoramaTexture {
   Plane luma_;
   Plane blue_;
   Plane red_;
-  output::GlTexture light_;
-  output::GlFramebuffer target_;
-  output::GlRenderbuffer depth_;  // Has no storage until bind_with_depth().
+  Light light_;
+  Light earlier_;  // Empty until keep().
+  Light moved_;    // Empty until bind_moved() or bind_drawn().
+  bool is_moved_ = false;
+  output::GlRenderbuffer depth_;  // Has no storage until bind_moved().
   int depth_width_ = 0;
   int depth_height_ = 0;
   int chroma_step_ = 1;
-  int width_ = 0;
-  int height_ = 0;
   PictureShape shape_;
   int stacked_ = 1;
 };

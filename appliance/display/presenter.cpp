@@ -12,16 +12,14 @@ constexpr double kSameHeading_rad = 1e-3;
 constexpr GLsizei kWarmUpSide_px = 4;
 }  // namespace
 
-Presenter::Presenter(output::Output* output, PictureProgram program, ReprojectionPainter reprojection,
-                     const AttractTimes& times, PresentMailbox* mailbox, const Clock* clock)
+Presenter::Presenter(output::Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
+                     const Clock* clock)
     : output_(*output),
       mailbox_(*mailbox),
       clock_(*clock),
       picture_program_(std::move(program)),
       attract_(output->gl(), picture_program_),
-      panorama_(output->gl(), picture_program_),
-      fade_(times),
-      reprojection_(std::move(reprojection)) {}
+      fade_(times) {}
 
 Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadPlans plans, bool may_change,
                                                    const DisplayFrame& attract, const AttractTimes& times,
@@ -32,10 +30,10 @@ Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadP
   // Later plans may need more precise texels than these.
   const Texels texels = may_change ? Texels::kHalves : texels_for(gl, *plans);
   TRY_ASSIGN(PictureProgram program, PictureProgram::make(gl, texels));
-  TRY_ASSIGN(ReprojectionPainter reprojection, ReprojectionPainter::make(gl, texels));
   mailbox->stepped_at = clock->now();
-  std::unique_ptr<Presenter> presenter(
-      new Presenter(output, std::move(program), std::move(reprojection), times, mailbox, clock));
+  std::unique_ptr<Presenter> presenter(new Presenter(output, std::move(program), times, mailbox, clock));
+  TRY_ASSIGN(FrameLight light, FrameLight::make(gl, presenter->picture_program_, texels));
+  presenter->light_.emplace(std::move(light));
   TRY_ASSIGN(presenter->heads_, HeadTransition::make(gl, texels, std::move(plans), &mailbox->plans));
   for (const HeadPainter& painter : presenter->heads_->painters())
     presenter->takes_turns_ = presenter->takes_turns_ || painter.takes_turns();
@@ -53,12 +51,13 @@ Result<std::unique_ptr<Presenter>> Presenter::make(output::Output* output, HeadP
 /// processor.
 Status Presenter::warm_up(bool may_change) {
   TRY(attract_.upload(attract_frame_));
-  TRY(panorama_.upload(attract_frame_));
+  TRY(light_->warm_up(attract_frame_.shape));
+  TRY(light_->take(attract_frame_));
   output_.gl().Enable(GL_SCISSOR_TEST);
   output_.gl().Scissor(0, 0, kWarmUpSide_px, kWarmUpSide_px);
   for (std::size_t head = 0; head < heads_->count(); ++head) {
     TRY(output_.draw_to(head));
-    heads_->warm_up(head, {&panorama_, 0.0}, {&attract_, 0.0}, may_change, [this] { step(); });
+    heads_->warm_up(head, {&light_->panorama(), 0.0}, {&attract_, 0.0}, may_change, [this] { step(); });
   }
   output_.gl().Disable(GL_SCISSOR_TEST);
   output_.gl().Finish();
@@ -78,7 +77,7 @@ Status Presenter::go_on_with(PresenterState showing) {
   headings_ = showing.headings;
   fade_ = showing.fade;
   patterns_->go_on_with(std::move(showing.patterns));
-  return frame_ == nullptr ? Status(Done{}) : panorama_.upload(*frame_);
+  return frame_ == nullptr ? Status(Done{}) : light_->take(*frame_);
 }
 
 Status Presenter::refresh() {
@@ -175,7 +174,7 @@ Status Presenter::show_due_frame(RefreshEvent* ret_event) {
     mailbox_.retired.put(std::move(frame));
   }
   if (next == nullptr) return Done{};
-  TRY(panorama_.upload(**next));
+  TRY(light_->take(**next));
   std::unique_ptr<DisplayFrame> old = std::exchange(frame_, std::move(*next));
   if (old != nullptr) mailbox_.retired.put(std::move(old));
   moved_.setZero();
@@ -227,15 +226,13 @@ Status Presenter::move_to_due_eye(RefreshEvent* ret_event) {
   if (move.eye_m == moved_) return Done{};
   moved_ = move.eye_m;
   is_drawn_ = false;
-  if (!moved_.isZero(0.0)) return reprojection_.draw(*frame_->mesh, moved_, &panorama_);
-  panorama_.show_unmoved(*frame_);
-  return output_.gl().check("showing a frame from its own eye");
+  return light_->move(*frame_, moved_);
 }
 
 Status Presenter::draw_heads() {
   const double share = fade_.share();
   const Eye now = eye_at(shared_.coming());
-  const TurnedPicture shown{&panorama_, shift_.angle_rad};
+  const TurnedPicture shown{&light_->panorama(), shift_.angle_rad};
   const TurnedPicture attract{&attract_, 0.0};  // The attract picture belongs to no heading.
   for (std::size_t head = 0; head < heads_->count(); ++head) {
     TRY(output_.draw_to(head));

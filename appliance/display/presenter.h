@@ -3,14 +3,15 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "appliance/display/attract_fade.h"
 #include "appliance/display/eye_move.h"
+#include "appliance/display/frame_light.h"
 #include "appliance/display/head_transition.h"
 #include "appliance/display/pattern_show.h"
 #include "appliance/display/present_mailbox.h"
-#include "appliance/display/reprojection_painter.h"
 #include "appliance/display/synchronised_refresh.h"
 #include "appliance/display/yaw_shift.h"
 #include "drivers/output/output.h"
@@ -59,8 +60,8 @@ class Presenter {
   Status refresh();
 
  private:
-  Presenter(output::Output* output, PictureProgram program, ReprojectionPainter reprojection, const AttractTimes& times,
-            PresentMailbox* mailbox, const Clock* clock);
+  Presenter(output::Output* output, PictureProgram program, const AttractTimes& times, PresentMailbox* mailbox,
+            const Clock* clock);
   Status warm_up(bool may_change);
   void step();
   void take_in();
@@ -80,7 +81,7 @@ class Presenter {
   const Clock& clock_;
   PictureProgram picture_program_;
   PanoramaTexture attract_;
-  PanoramaTexture panorama_;
+  std::optional<FrameLight> light_;  // Always set after make().
   std::unique_ptr<HeadTransition> heads_;
   std::unique_ptr<PatternShow> patterns_;
   std::vector<RgbaImage> read_backs_;
@@ -94,8 +95,7 @@ class Presenter {
   RecentHeadings headings_;
   SynchronisedRefresh shared_;
   YawShift shift_;
-  ReprojectionPainter reprojection_;
-  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();  // Move with which panorama_ is drawn.
+  Eigen::Vector3d moved_ = Eigen::Vector3d::Zero();  // Move with which light_ is drawn.
   double drawn_share_ = -1.0;
   bool is_drawn_ = false;     // The heads show the present picture.
   bool takes_turns_ = false;  // A head alternates the eyes' pictures at each refresh.

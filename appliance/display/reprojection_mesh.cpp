@@ -16,9 +16,12 @@ constexpr float kBeyond_px = 96.0f;
 /// Inverse depth jumps across a quad if its corners differ by more than this share of the largest.
 constexpr float kJump = 0.08f;
 constexpr float kMaxStretch = 2.0f;
+/// Position of what no pixel of the other picture shows.
+constexpr double kNowhere_px = -1e6;
 /// Memory is reserved for the torn quads of a picture in which depth jumps across one quad in this many vertices; few
 /// pictures have more jumps.
 constexpr std::size_t kPerJump = 8;
+constexpr auto kNearest = static_cast<float>(1.0 / kMinDepth_m);
 /// Minimum distance of a vertex in lengths of the eye's move, so that the eye passes through no surface.
 constexpr float kMinMoves = 1.25f;
 
@@ -100,10 +103,38 @@ void move_all(const ReprojectionGrid& grid, const std::vector<float>& inverse_m,
   const float x = -eye.x(), y = -eye.y(), z = -eye.z();
   for (std::size_t i = 0; i < inverse_m.size(); ++i) {
     const float near = std::min(inverse_m[i], largest);
-    const Place moved = Move::place(grid.right[i], grid.up[i], grid.back[i], x * near, y * near, z * near);
+    const float mx = x * near, my = y * near, mz = z * near;
+    const Place moved = Move::place(grid.right[i], grid.up[i], grid.back[i], mx, my, mz);
     out[i].across_px = grid.across_px[i] + moved.across * px_across;
     out[i].down_px = grid.down_px[i] + moved.up * px_up;
+    const float nx = grid.right[i] + mx, ny = grid.up[i] + my, nz = grid.back[i] + mz;
+    out[i].inverse_m = std::min(inverse_m[i] / std::max(std::sqrt(nx * nx + ny * ny + nz * nz), 1e-6f), kNearest);
   }
+}
+
+/// Inverse distances, per metre, in the cells' centres. A cell holds its nearest sample, which on a surface seen at a
+/// slant lies at the cell's border; the surface's slope is that towards the flatter neighbour of both, so that it ends at
+/// an edge. Without this, floors would follow the eye too far.
+Image<float, 1> at_centres(const InverseDepthImage& depth) {
+  // From a cell's centre to the middle of its outermost pixel, in cells.
+  constexpr float kReach = 0.5f * (kDepthCellPx - 1) / kDepthCellPx;
+  Image<float, 1> centres(depth.width(), depth.height());
+  const auto slope = [](int before, int here, int after) {
+    const int down = here - before;
+    const int up = after - here;
+    return (down > 0) != (up > 0) ? 0 : std::min(std::abs(down), std::abs(up));
+  };
+  for (int y = 0; y < depth.height(); ++y) {
+    for (int x = 0; x < depth.width(); ++x) {
+      const int here = *depth.at(x, y);
+      int slopes = 0;
+      if (x > 0 && x + 1 < depth.width()) slopes += slope(*depth.at(x - 1, y), here, *depth.at(x + 1, y));
+      if (y > 0 && y + 1 < depth.height()) slopes += slope(*depth.at(x, y - 1), here, *depth.at(x, y + 1));
+      const float nearest = inverse_metres(static_cast<std::uint16_t>(here));
+      *centres.at(x, y) = nearest - kReach * inverse_metres(static_cast<std::uint16_t>(std::min(slopes, here)));
+    }
+  }
+  return centres;
 }
 
 }  // namespace
@@ -139,8 +170,9 @@ ReprojectionGrid::ReprojectionGrid(const Projection& of, int cell) : picture(of)
 }
 
 ReprojectionMesh::ReprojectionMesh(std::shared_ptr<const ReprojectionGrid> grid, const InverseDepthImage& depth)
-    : grid_(std::move(grid)) {
+    : grid_(std::move(grid)), depth_(depth) {
   CHECK(!depth.empty());
+  const Image<float, 1> centres = at_centres(depth);
   const int width = cyclorama::width_px(grid_->picture.shape);
   const int height = grid_->picture.height_px();
   // The cells of depth within half a square around a vertex.
@@ -155,11 +187,18 @@ ReprojectionMesh::ReprojectionMesh(std::shared_ptr<const ReprojectionGrid> grid,
   for (std::size_t i = 0; i < grid_->across_px.size(); ++i) {
     const auto [left, right] = cells_around(grid_->across_px[i], width, depth.width());
     const auto [top, bottom] = cells_around(grid_->down_px[i], height, depth.height());
-    std::uint16_t nearest = 0;
+    float nearest = 0.0f;
+    float farthest = kNearest;
+    float sum = 0.0f;
     for (int y = top; y <= bottom; ++y) {
-      for (int x = left; x <= right; ++x) nearest = std::max(nearest, *depth.at(x, y));
+      for (int x = left; x <= right; ++x) {
+        nearest = std::max(nearest, *centres.at(x, y));
+        farthest = std::min(farthest, *centres.at(x, y));
+        sum += *centres.at(x, y);
+      }
     }
-    inverse_m_.push_back(inverse_metres(nearest));
+    const bool is_one_surface = nearest - farthest <= kJump * nearest;
+    inverse_m_.push_back(is_one_surface ? sum / static_cast<float>((bottom - top + 1) * (right - left + 1)) : nearest);
   }
   if (grid_->is_whole_turn) close_seam();
   find_jumps();
@@ -197,31 +236,73 @@ void ReprojectionMesh::find_jumps() {
 
 void ReprojectionMesh::move(const Eigen::Vector3d& eye_m, ReprojectedPicture* ret_moved) const {
   const Eigen::Matrix3d to_picture = R_eye_picture(grid_->picture.shape).transpose();
+  place_vertices(true, ret_moved);
   move_vertices((to_picture * eye_m).cast<float>(), ret_moved);
   ret_moved->torn = 0;
   for (std::size_t eye = 0; eye < jumps_.size(); ++eye) add_jumping(eye, ret_moved);
 }
 
-void ReprojectionMesh::move_vertices(const Eigen::Vector3f& eye, ReprojectedPicture* ret_moved) const {
-  std::vector<ReprojectedVertex>& vertices = ret_moved->vertices;
-  // Reserves room for as many torn quads as any frame has, so that later moves allocate nothing.
+void ReprojectionMesh::find_in(const Eigen::Vector3d& eye_m, double turn_rad, ReprojectedPicture* ret_found) const {
+  const PictureShape& shape = grid_->picture.shape;
+  place_vertices(false, ret_found);
+  const Eigen::Matrix3d to_picture = R_eye_picture(shape).transpose();
+  move_vertices((to_picture * eye_m).cast<float>(), ret_found);
+  std::vector<ReprojectedVertex>& vertices = ret_found->vertices;
+  const PixelScale scale = pixel_scale(shape);
+  const std::size_t per_eye = vertices.size() / static_cast<std::size_t>(grid_->picture.stacked());
+  for (std::size_t i = 0; turn_rad != 0.0 && i < vertices.size(); ++i) {
+    const double top = i < per_eye ? 0 : height_px(shape);
+    const auto before = turned(shape, scale.place_at({vertices[i].across_px, vertices[i].down_px - top}), turn_rad);
+    const PanoramaPixel px = before ? scale.pixel_at(*before) : PanoramaPixel{kNowhere_px, kNowhere_px};
+    vertices[i].across_px = static_cast<float>(px.u);
+    vertices[i].down_px = static_cast<float>(px.v + top);
+  }
+  const auto columns = static_cast<std::uint32_t>(grid_->columns);
+  for (std::size_t eye = 0; eye < jumps_.size(); ++eye) {
+    std::vector<std::uint32_t>& indices = ret_found->jumping[eye];
+    indices.clear();
+    for (const std::uint32_t first : jumps_[eye]) {
+      const std::array<std::uint32_t, 4> corners{first, first + 1, first + columns, first + columns + 1};
+      const auto nearest = *std::max_element(corners.begin(), corners.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return inverse_m_[a] < inverse_m_[b];
+      });
+      const ReprojectedVertex followed = vertices[nearest];
+      const auto base = static_cast<std::uint32_t>(vertices.size());
+      for (const std::uint32_t corner : corners) {
+        ReprojectedVertex vertex = vertices[corner];
+        vertex.across_px = followed.across_px + vertex.source_across_px - followed.source_across_px;
+        vertex.down_px = followed.down_px + vertex.source_down_px - followed.source_down_px;
+        vertex.inverse_m = followed.inverse_m;
+        vertices.push_back(vertex);
+      }
+      indices.insert(indices.end(), {base, base + 1, base + 2, base + 2, base + 1, base + 3});
+    }
+  }
+}
+
+/// Sets the positions in the source: a pixel inside the picture, for filters, or those of the grid.
+void ReprojectionMesh::place_vertices(bool is_inside, ReprojectedPicture* picture) const {
+  std::vector<ReprojectedVertex>& vertices = picture->vertices;
+  // Room for as many torn quads as any frame has, so that later ones allocate nothing.
   const std::size_t room = std::max(jumps(), inverse_m_.size() / kPerJump);
   vertices.reserve(inverse_m_.size() + 8 * room);
-  for (std::vector<std::uint32_t>& indices : ret_moved->jumping) indices.reserve(12 * room);
+  for (std::vector<std::uint32_t>& indices : picture->jumping) indices.reserve(12 * room);
   vertices.resize(inverse_m_.size());
-  // Keeps the position a pixel inside the picture, for the filters.
-  const auto inside = [](float px, float first, float last) {
-    return std::clamp(px, std::min(first + 1.0f, last), std::max(last - 1.0f, first));
+  const auto inside = [is_inside](float px, float first, float last) {
+    return is_inside ? std::clamp(px, std::min(first + 1.0f, last), std::max(last - 1.0f, first)) : px;
   };
   const auto width = static_cast<float>(cyclorama::width_px(grid_->picture.shape));
   const int height = cyclorama::height_px(grid_->picture.shape);
   const std::size_t per_eye = static_cast<std::size_t>(grid_->columns) * static_cast<std::size_t>(grid_->rows);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const auto top = static_cast<float>(i < per_eye ? 0 : height);
-    vertices[i].inverse_m = inverse_m_[i];
     vertices[i].source_across_px = inside(grid_->across_px[i], 0.0f, width);
     vertices[i].source_down_px = inside(grid_->down_px[i], top, top + static_cast<float>(height));
   }
+}
+
+void ReprojectionMesh::move_vertices(const Eigen::Vector3f& eye, ReprojectedPicture* ret_moved) const {
+  std::vector<ReprojectedVertex>& vertices = ret_moved->vertices;
   if (std::holds_alternative<Perspective>(grid_->picture.shape)) {
     move_all<MovePerspective>(*grid_, inverse_m_, eye, vertices.data());
   } else if (std::holds_alternative<Fisheye>(grid_->picture.shape)) {

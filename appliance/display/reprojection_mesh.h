@@ -48,16 +48,16 @@ struct ReprojectionGrid {
 struct ReprojectedVertex {
   float across_px = 0.0f;  ///< Position in the target.
   float down_px = 0.0f;
-  float inverse_m = 0.0f;  ///< Inverse distance from the source's eye; the largest is visible.
+  float inverse_m = 0.0f;  ///< Inverse distance from the target's eye, at most 1 / kMinDepth_m; the largest is visible.
   float source_across_px = 0.0f;
   float source_down_px = 0.0f;
 };
 
 /// The result of ReprojectionMesh::move(); keep it, so that its memory is reused.
 struct ReprojectedPicture {
-  std::vector<ReprojectedVertex>
-      /// The grid's vertices, then eight for each torn quad: four for its far side and four for its near side.
-      vertices;
+  /// The grid's, then those of quads that are cut out: move(), eight for each torn quad, its far side's and its near
+  /// side's.
+  std::vector<ReprojectedVertex> vertices;
   /// For each eye, triangles of quads across which the depth jumps.
   std::array<std::vector<std::uint32_t>, 2> jumping;
   std::size_t torn = 0;  ///< Torn quads.
@@ -66,14 +66,22 @@ struct ReprojectedPicture {
 class ReprojectionMesh {
  public:
   /// `depth` has the whole picture's proportions, at any resolution: a frame may be shown with the depth of a smaller
-  /// one from the same eye. A vertex takes the nearest depth in its square. Precondition: depth is not empty.
+  /// one from the same eye. A vertex takes the depth of the surface in its square, the nearest one if there are several.
+  /// Precondition: depth is not empty.
   ReprojectionMesh(std::shared_ptr<const ReprojectionGrid> grid, const InverseDepthImage& depth);
 
   /// Moves the eye by `eye_m` in the Eye frame of the picture: x right, y up, z back. Finite for every finite move: a
   /// surface that the eye would pass through stays in front of it.
   void move(const Eigen::Vector3d& eye_m, ReprojectedPicture* ret_moved) const;
 
+  /// Finds this picture's points in another picture of the same shape, whose eye is `eye_m` beside this one's (as for
+  /// move()) and was turned to the right by `turn_rad` to become this one: vertices as of move(), with the targets in
+  /// that picture, which may lie far outside it. A quad across which the depth jumps follows its nearest corner, and is
+  /// given by four vertices of its own after the grid's.
+  void find_in(const Eigen::Vector3d& eye_m, double turn_rad, ReprojectedPicture* ret_found) const;
+
   [[nodiscard]] const ReprojectionGrid& grid() const { return *grid_; }
+  [[nodiscard]] const InverseDepthImage& depth() const { return depth_; }
   /// Triangles of quads without a jump, for one eye; indices of the grid's vertices. They are the same for every move.
   [[nodiscard]] std::span<const std::uint32_t> smooth(std::size_t eye) const { return smooth_[eye]; }
   /// Number of quads across which the depth jumps.
@@ -82,12 +90,14 @@ class ReprojectionMesh {
  private:
   void close_seam();
   void find_jumps();
+  void place_vertices(bool is_inside, ReprojectedPicture* picture) const;
   void move_vertices(const Eigen::Vector3f& eye, ReprojectedPicture* ret_moved) const;
   void tear(const std::array<std::uint32_t, 4>& grid, std::vector<ReprojectedVertex>* vertices,
             std::vector<std::uint32_t>* indices) const;
   void add_jumping(std::size_t eye, ReprojectedPicture* moved) const;
 
   std::shared_ptr<const ReprojectionGrid> grid_;
+  InverseDepthImage depth_;
   std::vector<float> inverse_m_;  // For each vertex.
   std::array<std::vector<std::uint32_t>, 2> smooth_;
   std::array<std::vector<std::uint32_t>, 2> jumps_;  // The upper left vertex of each quad.

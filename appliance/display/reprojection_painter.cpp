@@ -5,60 +5,44 @@
 #include <string>
 #include <utility>
 
+#include "appliance/display/light_shader.h"
+
 namespace cyclorama::display {
 namespace {
 
 constexpr GLuint kTarget = 0;
 constexpr GLuint kSource = 1;
 
-// Positions and coordinates need no perspective division: w is 1 everywhere.
-constexpr const char* kEven = R"(
-#extension GL_NV_shader_noperspective_interpolation : enable
-#ifdef GL_NV_shader_noperspective_interpolation
-#define EVEN noperspective
-#else
-#define EVEN
-#endif
-)";
 constexpr const char* kVertexShader = R"(
 precision highp float;
 layout(location = 0) in vec3 target;  // Across and down in pixels of the picture, inverse distance.
 layout(location = 1) in vec2 source;  // Across and down in pixels of the picture.
 uniform vec4 to_clip;    // Clip space = pixels * xy + zw.
-uniform vec4 per_px;     // Texture coordinates per pixel, of luma and of chroma.
 uniform float moved_across;
-EVEN out vec4 at;
+EVEN out vec2 at;  // In texels of the source, whose picture begins in column 1.
 void main() {
   // The nearest surface is at -1, the one at infinity just inside 1.
   gl_Position = vec4((target.xy + vec2(moved_across, 0.0)) * to_clip.xy + to_clip.zw, 0.999 - 0.1998 * target.z, 1.0);
-  at = source.xyxy * per_px;
+  at = source + vec2(1.0, 0.0);
 }
 )";
-// Filters luma, too, since a moved pixel lies between pixels of the source. The mesh stays a pixel inside its picture,
-// so that no filter reaches beyond.
+static_assert(PanoramaTexture::kFirstColumn == 1);
+// The mesh stays a pixel inside its picture, so that no filter reaches beyond.
 constexpr const char* kFragmentShader = R"(
-EVEN in vec4 at;
-void main() {
-  texel = written(light_of(texture(luma_plane, at.xy).r, texture(blue_plane, at.zw).r, texture(red_plane, at.zw).r));
-}
+uniform LIGHT source_light;
+uniform vec2 per_texel;
+EVEN in vec2 at;
+void main() { texel = written_root(root_between(source_light, at, per_texel)); }
 )";
-
-void set_filter(const output::Gl& gl, const output::GlTexture& texture, GLint filter) {
-  gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(PanoramaTexture::kLumaUnit));
-  gl.BindTexture(GL_TEXTURE_2D, texture.id());
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-}
 
 GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(values.size() * sizeof(values[0])); }
 
 }  // namespace
 
 Result<ReprojectionPainter> ReprojectionPainter::make(const output::Gl& gl, Texels texels) {
-  const std::string header = light_shader_header(texels, kEven);
-  const std::string vertex_shader = std::string("#version 300 es\n") + kEven + kVertexShader;
-  TRY_ASSIGN(output::GlProgram linked,
-             output::GlProgram::link(gl, vertex_shader.c_str(), (header + kFragmentShader).c_str()));
+  const std::string vertex_shader = light_shader_version(texels) + kEvenShader + kVertexShader;
+  const std::string fragment_shader = light_shader_header(texels, kEvenShader) + kFragmentShader;
+  TRY_ASSIGN(output::GlProgram linked, output::GlProgram::link(gl, vertex_shader.c_str(), fragment_shader.c_str()));
   ReprojectionPainter painter(gl, std::move(linked));
   TRY(gl.check("preparing the reprojection"));
   return painter;
@@ -67,9 +51,10 @@ Result<ReprojectionPainter> ReprojectionPainter::make(const output::Gl& gl, Texe
 ReprojectionPainter::ReprojectionPainter(const output::Gl& gl, output::GlProgram program)
     : gl_(&gl), program_(std::move(program)), array_(gl), vertices_(gl), indices_(gl) {
   to_clip_ = program_.uniform("to_clip");
-  per_px_ = program_.uniform("per_px");
+  per_texel_ = program_.uniform("per_texel");
   moved_across_ = program_.uniform("moved_across");
-  select_planes(gl, program_);
+  gl.UseProgram(program_.id());
+  gl.Uniform1i(program_.uniform("source_light"), 0);
   gl.BindVertexArray(array_.id());
   gl.BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
   gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
@@ -93,9 +78,10 @@ void ReprojectionPainter::draw_triangles(std::span<const std::uint32_t> indices)
 Status ReprojectionPainter::draw(const ReprojectionMesh& mesh, const Eigen::Vector3d& eye_m,
                                  PanoramaTexture* panorama) {
   mesh.move(eye_m, &moved_);
-  TRY(panorama->bind_with_depth());
-  panorama->bind_planes();
-  set_filter(*gl_, panorama->luma().texture, GL_LINEAR);
+  TRY(panorama->bind_moved());
+  const PanoramaTexture::Light& light = panorama->light();
+  gl_->ActiveTexture(GL_TEXTURE0);
+  gl_->BindTexture(GL_TEXTURE_2D, light.texture.id());
   gl_->UseProgram(program_.id());
   gl_->BindVertexArray(array_.id());
   gl_->BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
@@ -104,9 +90,7 @@ Status ReprojectionPainter::draw(const ReprojectionMesh& mesh, const Eigen::Vect
   const float across = 2.0f * per(panorama->texture_width());
   gl_->Uniform4f(to_clip_, across, 2.0f * per(panorama->texture_height()),
                  across * static_cast<float>(PanoramaTexture::kFirstColumn) - 1.0f, -1.0f);
-  const int step = panorama->chroma_step();
-  gl_->Uniform4f(per_px_, per(panorama->luma().width), per(panorama->luma().height),
-                 per(step * panorama->chroma().width), per(step * panorama->chroma().height));
+  gl_->Uniform2f(per_texel_, per(light.width), per(light.height));
   const int width = width_px(panorama->shape());
   const int height = height_px(panorama->shape());
   const bool wraps = mesh.grid().is_whole_turn;
@@ -124,7 +108,6 @@ Status ReprojectionPainter::draw(const ReprojectionMesh& mesh, const Eigen::Vect
   }
   gl_->Disable(GL_SCISSOR_TEST);
   gl_->Disable(GL_DEPTH_TEST);
-  set_filter(*gl_, panorama->luma().texture, GL_NEAREST);
   return gl_->check("moving a frame's eye");
 }
 

@@ -6,16 +6,16 @@
 
 namespace cyclorama::display {
 
-/// Pass 1 for a visitor who walks: draws a frame's light as a depth-tested mesh (reprojection_mesh.h) instead of pixel
-/// by pixel. Pass 2 is the same for both. Thread-bound to the GL context; borrows the Gl table. Keeps its memory from
-/// one refresh to the next.
+/// The pass between pass 1 and pass 2 for a visitor who walks: draws a frame's light again as a depth-tested mesh
+/// (reprojection_mesh.h). Pass 2 is the same with and without it. Thread-bound to the GL context; borrows the Gl table.
+/// Keeps its memory from one refresh to the next.
 class ReprojectionPainter {
  public:
   /// Errors: kSystem if the driver's compiler refuses the shader, with its message.
   static Result<ReprojectionPainter> make(const output::Gl& gl, Texels texels);
 
-  /// Replaces the light of `panorama` by what an eye sees that has moved by `eye_m` (ReprojectionMesh::move()); `mesh`
-  /// must belong to the same frame. PanoramaTexture::show_unmoved() restores it. Errors: kSystem if the graphics card
+  /// Shows the light of `panorama`, whose frame `mesh` belongs to, to an eye that has moved by `eye_m`
+  /// (ReprojectionMesh::move()). PanoramaTexture::show_unmoved() takes it back. Errors: kSystem if the graphics card
   /// refuses the buffers.
   Status draw(const ReprojectionMesh& mesh, const Eigen::Vector3d& eye_m, PanoramaTexture* panorama);
   /// Number of torn quads in the last picture.
@@ -31,7 +31,7 @@ class ReprojectionPainter {
   output::GlBuffer vertices_;
   output::GlBuffer indices_;
   GLint to_clip_ = -1;
-  GLint per_px_ = -1;
+  GLint per_texel_ = -1;
   GLint moved_across_ = -1;
   ReprojectedPicture moved_;
 };

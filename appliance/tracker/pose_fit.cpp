@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/tracker/pose_fit.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -70,10 +71,9 @@ Vector6d scale_of(const Matrix6d& normal) {
 std::optional<Matrix6d> covariance_of(const Fit& fit, std::size_t points) {
   const Vector6d scale = scale_of(fit.normal);
   const Matrix6d scaled = scale.asDiagonal() * fit.normal * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
-  if (eigen.info() != Eigen::Success || !(eigen.eigenvalues()[0] > 1e-10)) return std::nullopt;
-  const Matrix6d inverse =
-      eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+  const Eigen::LDLT<Matrix6d> factor(scaled);
+  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 1e-10)) return std::nullopt;
+  const Matrix6d inverse = factor.solve(Matrix6d::Identity());
   const double freedom = std::max(1.0, 2.0 * static_cast<double>(points) - 6.0);
   const Matrix6d covariance =
       std::max(1.0, fit.misfit / freedom) * Matrix6d(scale.asDiagonal() * inverse * scale.asDiagonal());

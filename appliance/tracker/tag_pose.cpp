@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/tracker/tag_pose.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -33,10 +35,16 @@ bool is_usable(const Corners2& corners) {
   return tags::doubled_area_px2(corners) > kMinDoubledAreaPx2;
 }
 
+using Vector8d = Eigen::Matrix<double, 8, 1>;
+/// Up to 8 unknowns. One type for all systems, because a decomposition takes the compiler seconds.
+using EightEquations = Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, 8>;
+
+Eigen::VectorXd least_squares(const EightEquations& a, const Vector8d& b) { return a.colPivHouseholderQr().solve(b); }
+
 /// Returns the homography from the tag's plane, in metres, to normalised image coordinates: exact for four points.
 std::optional<Matrix3d> homography_of(const Corners3& tag, const Corners2& rays) {
-  Eigen::Matrix<double, 8, 8> a = Eigen::Matrix<double, 8, 8>::Zero();
-  Eigen::Matrix<double, 8, 1> b;
+  EightEquations a = EightEquations::Zero(8, 8);
+  Vector8d b;
   for (Eigen::Index i = 0; i < 4; ++i) {
     const double x = tag[static_cast<std::size_t>(i)].x();
     const double y = tag[static_cast<std::size_t>(i)].y();
@@ -45,7 +53,7 @@ std::optional<Matrix3d> homography_of(const Corners3& tag, const Corners2& rays)
     a.row(2 * i + 1) << 0, 0, 0, x, y, 1, -ray.y() * x, -ray.y() * y;
     b.segment<2>(2 * i) = ray;
   }
-  const Eigen::Matrix<double, 8, 1> h = a.fullPivLu().solve(b);
+  const Vector8d h = least_squares(a, b);
   if (!h.allFinite()) return std::nullopt;
   Matrix3d homography;
   homography << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0;
@@ -60,7 +68,9 @@ std::optional<std::array<Matrix3d, 2>> rotations_of(const Matrix3d& h) {
       Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), Vector3d(centre.x(), centre.y(), 1.0)).toRotationMatrix();
   const Matrix2d b = turned.topLeftCorner<2, 2>() - centre * turned.block<1, 2>(2, 0);
   const Matrix2d a = b.inverse() * jacobian;
-  const double scale = Eigen::JacobiSVD<Matrix2d>(a).singularValues()[0];
+  // The larger singular value of a 2x2 matrix: half the sum of the sizes of its rotating and its mirroring part.
+  const double scale =
+      0.5 * (std::hypot(a(0, 0) + a(1, 1), a(1, 0) - a(0, 1)) + std::hypot(a(0, 0) - a(1, 1), a(1, 0) + a(0, 1)));
   if (!(std::isfinite(scale) && scale > 1e-12)) return std::nullopt;
   const Matrix2d r = a / scale;
   // The missing component of unit columns is their depth; its sign is free, but common to both columns.
@@ -83,8 +93,8 @@ std::optional<std::array<Matrix3d, 2>> rotations_of(const Matrix3d& h) {
 
 /// Returns the translation with the smallest algebraic error.
 Vector3d translation_for(const Matrix3d& rotation, const Corners3& tag, const Corners2& rays) {
-  Eigen::Matrix<double, 8, 3> a;
-  Eigen::Matrix<double, 8, 1> b;
+  EightEquations a(8, 3);
+  Vector8d b;
   for (Eigen::Index i = 0; i < 4; ++i) {
     const Vector3d p = rotation * tag[static_cast<std::size_t>(i)];
     const Vector2d& ray = rays[static_cast<std::size_t>(i)];
@@ -92,7 +102,7 @@ Vector3d translation_for(const Matrix3d& rotation, const Corners3& tag, const Co
     a.row(2 * i + 1) << 0.0, 1.0, -ray.y();
     b.segment<2>(2 * i) = ray * p.z() - p.head<2>();
   }
-  return a.colPivHouseholderQr().solve(b);
+  return least_squares(a, b);
 }
 
 std::optional<TagPose> refine(const Matrix3d& rotation, const Corners3& tag, const Corners2& rays,

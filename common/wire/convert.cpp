@@ -67,6 +67,8 @@ Status validate_knobs(const wire::View& view) {
   TRY(is_light("adaptive_error", view.adaptive_error()));
   if (view.adaptive_minimum() == 1) return refuse("adaptive_minimum", "is 1; it must be 0 or at least 2");
   TRY(check_max("adaptive_minimum", view.adaptive_minimum(), kMaxSamples));
+  TRY(check_max("prior_samples", view.prior_samples(), kMaxSamples));
+  TRY(is_light("prior_weight", view.prior_weight()));
   if (view.jpeg_quality() >= 1 && view.jpeg_quality() <= 100) return Done{};
   return refuse("jpeg_quality", fmt::format("is {}; it must be 1 to 100", view.jpeg_quality()));
 }

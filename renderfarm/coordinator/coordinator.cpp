@@ -261,6 +261,9 @@ class Coordinator::Loop final : private CoordinatorDelegate {
     say_(e.news.sentence);
     if (!stopping_ && !e.news.digest.empty()) state_.scene_read(e.news.scene, e.news.digest);
   }
+  void handle(LightStored& e) {
+    if (!stopping_) state_.light_stored(e.version);
+  }
   void handle(StopRequested&) {
     stopping_ = true;
     for (const auto& [id, open] : museums_) gate_->session_ended(id, kStops.error_message());
@@ -278,6 +281,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
     relay_times_.sent(session, cause_at_);
     museums_.at(id).stream->send(std::move(reply));
   }
+  void accept_light(const wire::LightVersion& light) override { lights_.accept(light); }
   void end_node(NodeId node, const Error& reason) override {
     gate_->node_disconnected(static_cast<std::uint64_t>(node), reason.message());
     watch_.metrics().node_sent_away();
@@ -321,7 +325,8 @@ class Coordinator::Loop final : private CoordinatorDelegate {
       handed_out(options_.scenes), options_.distribution.digests,
       [this](scene_distribution::SceneLibrary::News news) { events_.post(SceneRead{std::move(news)}); }};
   FileServer files_{library_, options_.distribution.files};
-  NodesService nodes_service_{events_, files_};
+  LightFileStore lights_;
+  NodesService nodes_service_{events_, files_, lights_};
   FarmService farm_service_{events_};
   UpdatesService updates_service_{UpdateStore(options_.updates), files_,
                                   [this](const Identity& who) { return gate_->may_update(who); }};

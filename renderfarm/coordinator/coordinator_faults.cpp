@@ -116,7 +116,7 @@ void CoordinatorState::meet_deadlines(SessionId id) {
 }
 
 bool CoordinatorState::has_idle_node(const Session& session, const FrameInFlight& frame) const {
-  return std::ranges::any_of(nodes_for(session.scene), [&](NodeId node) {
+  return std::ranges::any_of(nodes_for(session.scene, frame.view.light()), [&](NodeId node) {
     return !nodes_.at(node).late && std::ranges::none_of(frame.assembly.blocks(), [&](const auto& entry) {
       return entry.second.node == node && is_outstanding(entry.second);
     });
@@ -179,7 +179,7 @@ void CoordinatorState::lose_blocks(const std::map<std::uint64_t, BlockLocation>&
 void CoordinatorState::reassign(SessionId id, Session& session, FrameInFlight& frame, std::vector<PixelRect> tiles,
                                 NodeId not_to) {
   if (tiles.empty()) return;
-  const std::vector<NodeId> nodes = nodes_for(session.scene, not_to);
+  const std::vector<NodeId> nodes = nodes_for(session.scene, frame.view.light(), not_to);
   if (nodes.empty()) return fail(frame, "no node is left that can render it", session);
   const auto busy = [&](NodeId node) {
     return std::ranges::any_of(frame.assembly.blocks(), [&](const auto& entry) {

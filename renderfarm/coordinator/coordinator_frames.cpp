@@ -61,7 +61,7 @@ FrameInFlight* CoordinatorState::find_frame(const BlockLocation& place) {
 }
 
 std::vector<AssignedBlock> CoordinatorState::split(Session& session, const wire::View& view, bool whole_blocks) const {
-  const std::vector<NodeId> nodes = nodes_for(session.scene);
+  const std::vector<NodeId> nodes = nodes_for(session.scene, view.light());
   std::vector<double> speeds;
   std::vector<double> thread_speeds;
   for (const NodeId id : nodes) {
@@ -94,6 +94,7 @@ void CoordinatorState::plan(SessionId id, Session& session) {
   frame.last_tile_at = clock_.now();
   frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
   if (session.governed) govern(*session.governed, &frame);
+  name_light(session.scene, &frame.view);
   frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
   const std::vector<AssignedBlock> blocks = split(session, frame.view, frame.view.denoise());
   const std::uint64_t first_block = last_block_ + 1;

@@ -1,42 +1,186 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light that nodes computed ahead. A scene's pictures use it as soon as one node has it. From then on only nodes that
-// have it render the scene; the others are idle then, and have it within minutes.
+// Light computed ahead. One node computes it, the coordinator takes the file and gives it to the others, and when all have
+// it, frames name its version from the next one on. A frame in flight and a picture at rest keep the version that they
+// began with, and only nodes that have a frame's version render it: no picture mixes two.
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "common/base/text.h"
 #include "renderfarm/coordinator/coordinator_state.h"
+#include "renderfarm/governor/stored_light_front.h"
+#include "renderfarm/scene_distribution/sha256.h"
 
 namespace cyclorama::coordinator {
 namespace {
 
-bool uses_light(const governor::ParetoFront& front) {
-  for (std::size_t i = 0; i < front.size(); ++i) {
-    if (front[i].quality.render.stored_light) return true;
-  }
-  return false;
-}
+/// Nodes that still lack light after this time are left out until they have it.
+constexpr Duration kSwitchTimeout = std::chrono::seconds(20);
+/// A node that has not sent its light by then is given up, and another is asked.
+constexpr Duration kSendTimeout = std::chrono::seconds(60);
+/// A node that has not got its light by then is told once more to fetch it.
+constexpr Duration kOfferTimeout = std::chrono::minutes(1);
 
 }  // namespace
 
-bool CoordinatorState::is_lit(const Node& node, const std::string& scene) {
-  const auto known = node.scenes.find(scene);
-  return node.has(scene) && known->second.front && uses_light(*known->second.front);
+std::string short_version(const std::string& version) {
+  constexpr std::size_t kDigits = 8;
+  return version.substr(0, kDigits);
 }
 
-bool CoordinatorState::needs_light(const std::string& scene) const {
-  const auto front = pareto_fronts_.find(scene);
-  return front != pareto_fronts_.end() && uses_light(front->second);
+bool Node::has_light(const std::string& scene, const std::string& version) const {
+  const auto known = scenes.find(scene);
+  return has(scene) &&
+         std::ranges::find(known->second.light, version, &wire::LightVersion::version) != known->second.light.end();
+}
+
+Status CoordinatorState::add_light(const wire::LightVersion& light, Node::LoadedScene* scene) {
+  if (!scene_distribution::is_sha256(light.version())) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("its light has version '{}', which is none", printable(light.version())));
+  }
+  std::erase_if(scene->light, [&](const wire::LightVersion& known) { return known.version() == light.version(); });
+  scene->light.push_front(light);
+  if (scene->light.size() > wire::kKeptLightVersions) scene->light.pop_back();
+  return Done{};
+}
+
+Status CoordinatorState::scene_light(NodeId id, Node& node, const wire::SceneLight& report) {
+  const auto known = node.scenes.find(report.scene());
+  if (known == node.scenes.end()) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("it reports light of scene '{}', which nobody requested", printable(report.scene())));
+  }
+  SceneLightState& light = lights_[report.scene()];
+  const bool has_computed = light.computing == id;
+  if (has_computed) light.computing = {};
+  if (report.error().empty()) {
+    TRY(add_light(report.light(), &known->second));
+  } else {
+    constexpr std::size_t kMaxErrorBytes = 500;
+    bool& has_failed = has_computed ? known->second.has_failed_to_compute : known->second.has_failed_to_use;
+    if (!std::exchange(has_failed, true)) {
+      delegate_.notice(
+          fmt::format("node '{}', scene '{}': {}, so paths are traced: {}", printable(node.name), report.scene(),
+                      has_computed ? "its light could not be computed ahead" : "its light cannot be used",
+                      printable(report.error(), kMaxErrorBytes)),
+          {.node = node.name});
+    }
+  }
+  follow_light(report.scene());
+  return Done{};
+}
+
+void CoordinatorState::light_stored(const std::string& version) {
+  for (auto& [scene, light] : lights_) {
+    if (light.target.version() != version) continue;
+    light.is_stored = true;
+    follow_light(scene);
+  }
 }
 
 void CoordinatorState::follow_light(const std::string& scene) {
-  const auto lit = std::ranges::find_if(nodes_, [&](const auto& entry) { return is_lit(entry.second, scene); });
-  const bool has_light = lit != nodes_.end();
-  if (has_light == needs_light(scene) || nodes_with(scene) == 0) return;
-  const auto next =
-      has_light ? lit : std::ranges::find_if(nodes_, [&](const auto& entry) { return entry.second.has(scene); });
-  pareto_fronts_.erase(scene);
-  if (const auto& front = next->second.scenes.at(scene).front) pareto_fronts_.emplace(scene, *front);
+  const auto [known, is_new] = lights_.try_emplace(scene);
+  SceneLightState& light = known->second;
+  if (is_new) light.gathering_since = clock_.now();
+  choose_light(scene, light);
+  spread_light(scene, light);
+  switch_light(scene, light);
+  order_light(scene, light);
+}
+
+std::size_t CoordinatorState::nodes_with_light(const std::string& scene, const std::string& version) const {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(nodes_, [&](const auto& entry) { return entry.second.has_light(scene, version); }));
+}
+
+void CoordinatorState::choose_light(const std::string& scene, SceneLightState& light) {
+  if (!light.target.version().empty() && (light.is_stored || nodes_with_light(scene, light.target.version()) > 0))
+    return;
+  // The version that most nodes have; of several, the first by name, so that a restarted coordinator chooses the same.
+  std::map<std::string, std::pair<std::size_t, std::uint64_t>> counts;
+  for (const auto& [id, node] : nodes_) {
+    if (!node.has(scene)) continue;
+    for (const wire::LightVersion& version : node.scenes.at(scene).light) {
+      auto& [count, bytes] = counts[version.version()];
+      ++count;
+      bytes = version.bytes();
+    }
+  }
+  const auto most = std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second.first; });
+  if (most == counts.end() && light.target.version().empty()) return;
+  light.target.Clear();
+  light.sending = {};
+  light.is_stored = false;
+  light.known_since = clock_.now();
+  if (most == counts.end()) return;
+  light.target.set_version(most->first);
+  light.target.set_bytes(most->second.second);
+  for (auto& [id, node] : nodes_) {
+    if (node.has(scene)) node.scenes.at(scene).has_failed_to_use = false;
+  }
+}
+
+void CoordinatorState::spread_light(const std::string& scene, SceneLightState& light) {
+  const std::string& version = light.target.version();
+  if (version.empty()) return;
+  const TimePoint now = clock_.now();
+  for (auto& [id, node] : nodes_) {
+    if (!node.has(scene) || node.has_light(scene, version)) continue;
+    Node::LoadedScene& lacking = node.scenes.at(scene);
+    if (light.is_stored) {
+      if (lacking.offered_light == version && now - lacking.light_offered_at < kOfferTimeout) continue;
+      lacking.offered_light = version;
+      lacking.light_offered_at = now;
+      wire::NodeCommand command;
+      command.mutable_use_light()->set_scene(scene);
+      *command.mutable_use_light()->mutable_light() = light.target;
+      delegate_.to_node(id, command);
+      continue;
+    }
+    const auto sending = nodes_.find(light.sending);
+    const bool is_sending = sending != nodes_.end() && sending->second.has_light(scene, version);
+    if (is_sending && now - light.send_ordered_at < kSendTimeout) return;
+    const auto holder = std::ranges::find_if(nodes_, [&](const auto& entry) {
+      return entry.second.has_light(scene, version) && (!is_sending || entry.first != light.sending);
+    });
+    if (holder == nodes_.end()) return;
+    light.sending = holder->first;
+    light.send_ordered_at = now;
+    delegate_.accept_light(light.target);
+    wire::NodeCommand command;
+    command.mutable_send_light()->set_scene(scene);
+    *command.mutable_send_light()->mutable_light() = light.target;
+    delegate_.to_node(holder->first, command);
+    return;
+  }
+}
+
+void CoordinatorState::switch_light(const std::string& scene, SceneLightState& light) {
+  if (!light.in_use.empty() && nodes_with_light(scene, light.in_use) == 0) {
+    use_light(scene, light, "");
+    if (nodes_with(scene) > 0) {
+      delegate_.notice(fmt::format("no node has the computed light of scene '{}': paths are traced", scene), {});
+    }
+  }
+  const std::string& version = light.target.version();
+  if (version.empty() || version == light.in_use || nodes_with_light(scene, version) == 0) return;
+  const auto is_awaited = [&](const auto& entry) {
+    const Node& node = entry.second;
+    return node.has(scene) && !node.late && !node.status.draining() && !node.has_light(scene, version) &&
+           !node.scenes.at(scene).has_failed_to_use;
+  };
+  if (std::ranges::any_of(nodes_, is_awaited) && clock_.now() - light.known_since < kSwitchTimeout) return;
+  use_light(scene, light, version);
+  delegate_.notice(fmt::format("scene '{}' has its light computed: moving pictures use it from now on (version {})",
+                               scene, short_version(version)),
+                   {});
+}
+
+void CoordinatorState::use_light(const std::string& scene, SceneLightState& light, const std::string& version) {
+  const bool changes_front = light.in_use.empty() != version.empty();
+  light.in_use = version;
+  if (!changes_front) return;
   for (auto& [id, session] : sessions_) {
     if (session.scene != scene || !session.governed) continue;
     GovernorState& old = *session.governed;
@@ -46,16 +190,72 @@ void CoordinatorState::follow_light(const std::string& scene) {
     governed->written_at = old.written_at;
     governed->still_since = old.still_since;
     governed->refinement = old.refinement;
+    governed->light = std::move(old.light);
     governed->blocks = std::move(old.blocks);
     governed->failures = old.failures;
     governed->retry_at = old.retry_at;
     governed->ms_per_sample = old.ms_per_sample;
     session.governed = std::move(governed);
   }
-  delegate_.notice(has_light
-                       ? fmt::format("scene '{}' has its light computed: moving pictures use it from now on", scene)
-                       : fmt::format("no node has the computed light of scene '{}': paths are traced", scene),
-                   {});
+}
+
+void CoordinatorState::order_light(const std::string& scene, SceneLightState& light) {
+  if (!light.target.version().empty()) return;
+  const auto busy = nodes_.find(light.computing);
+  if (busy != nodes_.end() && busy->second.has(scene)) return;
+  light.computing = {};
+  NodeId best{};
+  std::pair<double, double> best_rank{-1.0, 0.0};
+  for (const auto& [id, node] : nodes_) {
+    if (!node.has(scene) || node.status.draining()) continue;
+    const Node::LoadedScene& loaded = node.scenes.at(scene);
+    if (!loaded.can_compute_light || loaded.has_failed_to_compute) continue;
+    // A node that is at work already, by the command of a coordinator before this one, goes on.
+    const auto progress = std::ranges::find(node.status.light(), scene, &wire::LightProgress::scene);
+    const double done = progress == node.status.light().end() ? 0.0 : progress->done_share();
+    const std::pair<double, double> rank{done, speed_of(node, scene)};
+    if (rank <= best_rank) continue;
+    best = id;
+    best_rank = rank;
+  }
+  if (best == NodeId{}) {
+    light.gathering_since = clock_.now();
+    return;
+  }
+  if (clock_.now() - light.gathering_since < limits_.light_gathering) return;
+  light.computing = best;
+  wire::NodeCommand command;
+  command.mutable_compute_light()->set_scene(scene);
+  delegate_.to_node(best, command);
+}
+
+const std::string& CoordinatorState::light_in_use(const std::string& scene) const {
+  static const std::string kNone;
+  const auto light = lights_.find(scene);
+  return light == lights_.end() ? kNone : light->second.in_use;
+}
+
+void CoordinatorState::name_light(const std::string& scene, wire::View* view) const {
+  view->clear_light();
+  view->clear_prior_samples();
+  view->clear_prior_weight();
+  if (!view->stored_light()) return;
+  const std::string& version = light_in_use(scene);
+  view->set_stored_light(!version.empty());
+  view->set_light(version);
+}
+
+std::string CoordinatorState::light_summary(const std::string& scene) const {
+  const std::string& version = light_in_use(scene);
+  if (!version.empty()) {
+    return fmt::format("light {} on {} of {} nodes", short_version(version), nodes_with_light(scene, version),
+                       nodes_with(scene));
+  }
+  const auto light = lights_.find(scene);
+  if (light == lights_.end()) return "paths";
+  if (!light->second.target.version().empty()) return "paths; light is being given to the nodes";
+  const auto node = nodes_.find(light->second.computing);
+  return node == nodes_.end() ? "paths" : fmt::format("paths; '{}' computes light", printable(node->second.name));
 }
 
 }  // namespace cyclorama::coordinator

@@ -80,6 +80,8 @@ void CoordinatorState::node_reported(NodeId id, wire::NodeReport report) {
     status_received(node, report.status());
   } else if (report.has_scene_dropped()) {
     fine = scene_dropped(node, report.scene_dropped());
+  } else if (report.has_scene_light()) {
+    fine = scene_light(id, node, report.scene_light());
   } else {
     fine = broken("a message of unknown kind");
   }
@@ -183,9 +185,7 @@ Status CoordinatorState::scene_dropped(Node& node, const wire::SceneDropped& dro
 
 Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loaded) {
   const auto asked = node.scenes.find(loaded.scene());
-  // A loaded scene may be described anew, when its light has been computed.
-  const bool is_known = asked != node.scenes.end() && asked->second.state == Node::SceneState::kLoaded;
-  if (asked == node.scenes.end() || (!is_known && asked->second.state != Node::SceneState::kLoading)) {
+  if (asked == node.scenes.end() || asked->second.state != Node::SceneState::kLoading) {
     return broken(fmt::format("it loaded scene '{}', which nobody requested", printable(loaded.scene())));
   }
   if (!loaded.error().empty()) {
@@ -217,11 +217,8 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
     delegate_.notice(fmt::format("{}, scene '{}': {}", to_text(node), loaded.scene(), printable(loaded.note())),
                      about(node));
   }
-  TRY(keep_own_front(loaded, &asked->second));
-  if (is_known) {
-    follow_light(loaded.scene());
-    return Done{};
-  }
+  if (loaded.has_light()) TRY(add_light(loaded.light(), &asked->second));
+  asked->second.can_compute_light = loaded.can_compute_light();
   asked->second.state = Node::SceneState::kLoaded;
   asked->second.speed = relative_speed(loaded);
   delegate_.notice(fmt::format("{} has scene '{}': {:.1f} M triangles, {:.2f} GiB, loaded in {:.1f} s", to_text(node),
@@ -229,14 +226,6 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
                                static_cast<double>(loaded.memory_bytes()) / (1 << 30), loaded.load_seconds()),
                    about(node));
   follow_light(loaded.scene());
-  return Done{};
-}
-
-Status CoordinatorState::keep_own_front(const wire::SceneLoaded& loaded, Node::LoadedScene* scene) {
-  scene->front.reset();
-  if (loaded.front().empty()) return Done{};
-  TRY_ASSIGN(governor::ParetoFront front, governor::parse_pareto_front(loaded.front(), governor::kParetoFrontFileName));
-  scene->front.emplace(std::move(front));
   return Done{};
 }
 

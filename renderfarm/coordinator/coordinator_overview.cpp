@@ -21,12 +21,17 @@ std::string state_of(const Node& node) {
   return any(Node::SceneState::kLoading) ? "loading" : "no scene";
 }
 
-/// Returns what a node states of the light that it computes; at most a few entries, because the node may state anything.
-std::vector<std::string> light_of(const wire::NodeStatus& status) {
-  constexpr int kMaxEntries = 8;
+/// Returns the light that a node has, and what it states of the light that it computes; at most a few entries, because
+/// the node may state anything.
+std::vector<std::string> light_of(const Node& node) {
+  constexpr std::size_t kMaxEntries = 8;
   constexpr double kMaxMinutes = 100'000.0;
   std::vector<std::string> entries;
-  for (const wire::LightProgress& light : status.light()) {
+  for (const auto& [name, scene] : node.scenes) {
+    if (!node.has(name) || scene.light.empty() || entries.size() == kMaxEntries) continue;
+    entries.push_back(fmt::format("{}: {}", name, short_version(scene.light.front().version())));
+  }
+  for (const wire::LightProgress& light : node.status.light()) {
     if (entries.size() == kMaxEntries) break;
     const double share = light.done_share() >= 0.0 ? std::min(light.done_share(), 1.0) : 0.0;
     std::string entry = fmt::format("{}: {:.0f} %", printable(light.scene()), 100.0 * share);
@@ -61,6 +66,7 @@ watch::FarmOverview CoordinatorState::overview() const {
     watched.id = static_cast<std::uint64_t>(id);
     watched.museum = session.museum;
     watched.scene = session.scene;
+    watched.light = light_summary(session.scene);
     watched.budget_ms = session.governed ? session.governed->governor.budget_ms() : 0.0;
   }
   for (const auto& [id, node] : nodes_) {
@@ -74,7 +80,7 @@ watch::FarmOverview CoordinatorState::overview() const {
     watched.blocks_waiting = node.status.blocks_waiting();
     watched.memory_bytes = node.status.memory_bytes();
     watched.uptime_s = node.status.uptime_s();
-    watched.light = light_of(node.status);
+    watched.light = light_of(node);
     for (const auto& [name, scene] : node.scenes) {
       if (scene.state != Node::SceneState::kLoaded) continue;
       if (watched.scenes.empty()) watched.speed = scene.speed;

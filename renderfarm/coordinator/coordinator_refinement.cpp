@@ -101,6 +101,13 @@ void CoordinatorState::refine(SessionId id, Session& session) {
   if (!governed.refinement) {
     if (clock_.now() - governed.still_since < kStill) return;
     governed.refinement.emplace(governed.governor.front(), governed.governor.current(), governed.reference_samples);
+    governed.light = governed.refinement->prior().samples > 0 ? light_in_use(session.scene) : "";
+  }
+  if (!governed.light.empty() && nodes_with_light(session.scene, governed.light) == 0) {
+    // The light that the picture began with is gone: it begins anew.
+    governed.refinement.reset();
+    governed.blocks.clear();
+    return;
   }
   const governor::Refinement& refinement = *governed.refinement;
   const auto range = refinement.next(governed.ms_per_sample * megapixels(*governed.asked));
@@ -116,12 +123,18 @@ void CoordinatorState::refine(SessionId id, Session& session) {
   quality.render.first_sample = range->first;
   quality.render.samples = range->end - range->first;
   apply(quality, &frame.view);
+  name_light(session.scene, &frame.view);
+  if (!governed.light.empty()) {
+    frame.view.set_light(governed.light);
+    frame.view.set_prior_samples(static_cast<std::uint32_t>(refinement.prior().samples));
+    frame.view.set_prior_weight(static_cast<float>(refinement.prior().weight));
+  }
   session.views.add(frame.view.number(), {});
   frame.received_at = frame.turn_began_at = frame.planned_at = frame.last_tile_at = clock_.now();
   if (governed.blocks.empty()) governed.blocks = split(session, frame.view, true);  // Kept for all refinements.
   frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
   for (AssignedBlock& block : governed.blocks) {
-    const std::vector<NodeId> able = nodes_for(session.scene);
+    const std::vector<NodeId> able = nodes_for(session.scene, frame.view.light());
     if (std::ranges::find(able, block.node) == able.end()) block.node = least_loaded(able);
     frame.assembly.plan(++last_block_, block.node, block.rect);
     order_block(id, session, frame, last_block_, block.node, block.rect);

@@ -20,6 +20,7 @@
 #include "common/wire/updates.grpc.pb.h"
 #include "renderfarm/coordinator/event_queue.h"
 #include "renderfarm/coordinator/file_server.h"
+#include "renderfarm/coordinator/light_file_store.h"
 #include "renderfarm/coordinator/peer_stream.h"
 #include "renderfarm/coordinator/update_store.h"
 
@@ -80,16 +81,54 @@ struct ListScenesCall {
 struct SceneRead {
   scene_distribution::SceneLibrary::News news;
 };
+/// A node has sent the light of that version.
+struct LightStored {
+  std::string version;
+};
 struct StopRequested {};
 using Event =
     std::variant<NodeConnected, NodeMessage, OrderWritten, NodeClosed, NodeDone, MuseumConnected, MuseumMessage,
-                 ReplyWritten, MuseumClosed, MuseumDone, ListScenesCall, SceneRead, StopRequested>;
+                 ReplyWritten, MuseumClosed, MuseumDone, ListScenesCall, SceneRead, LightStored, StopRequested>;
 using Events = EventQueue<Event>;
+
+/// One file of light that a node sends. gRPC calls one method at a time. `stored` is called before the node is answered.
+class LightReceiver final : public grpc::ServerReadReactor<wire::LightChunk> {
+ public:
+  LightReceiver(LightFileStore& store, std::function<void(const std::string& version)> stored)
+      : store_(store), stored_(std::move(stored)) {
+    StartRead(&chunk_);
+  }
+
+ private:
+  void OnReadDone(bool ok) override {
+    Status fine = ok                    ? take()
+                  : receipt_ == nullptr ? Error(ErrorCode::kInvalidArgument, "no light was sent")
+                                        : receipt_->finish();
+    if (ok && fine) return StartRead(&chunk_);
+    if (fine) stored_(version_);
+    Finish(fine ? grpc::Status::OK : to_grpc(fine.error()));
+  }
+  Status take() {
+    if (receipt_ == nullptr) {
+      version_ = chunk_.version();
+      TRY_ASSIGN(receipt_, store_.receive(version_));
+    }
+    return receipt_->add(std::as_bytes(std::span(chunk_.data())));
+  }
+  void OnDone() override { delete this; }
+
+  LightFileStore& store_;
+  const std::function<void(const std::string&)> stored_;
+  wire::LightChunk chunk_;
+  std::string version_;
+  std::unique_ptr<LightFileStore::Receipt> receipt_;
+};
 
 class NodesService final : public wire::Nodes::CallbackService,
                            private PeerStreamEvents<wire::NodeReport, wire::NodeCommand> {
  public:
-  NodesService(Events& events, FileServer& files) : events_(events), files_(files) {}
+  NodesService(Events& events, FileServer& files, LightFileStore& lights)
+      : events_(events), files_(files), lights_(lights) {}
 
  private:
   grpc::ServerBidiReactor<wire::NodeReport, wire::NodeCommand>* Work(grpc::CallbackServerContext* context) override {
@@ -106,7 +145,12 @@ class NodesService final : public wire::Nodes::CallbackService,
   }
   grpc::ServerWriteReactor<wire::FileChunk>* FetchFile(grpc::CallbackServerContext* context,
                                                        const wire::FetchFileRequest* request) override {
+    if (auto light = lights_.open(request->sha256())) return files_.send(context, std::move(light), request->offset());
     return files_.fetch(context, *request);
+  }
+  grpc::ServerReadReactor<wire::LightChunk>* StoreLight(grpc::CallbackServerContext*, wire::StoreLightReply*) override {
+    // It deletes itself in OnDone().
+    return new LightReceiver(lights_, [this](const std::string& version) { events_.post(LightStored{version}); });
   }
   void on_read(std::uint64_t id, wire::NodeReport message) override {
     events_.post(NodeMessage{id, std::move(message), SteadyClock().now()});
@@ -119,6 +163,7 @@ class NodesService final : public wire::Nodes::CallbackService,
 
   Events& events_;
   FileServer& files_;
+  LightFileStore& lights_;
   std::atomic<std::uint64_t> last_id_ = 0;
 };
 

@@ -8,6 +8,7 @@
 #include "common/wire/convert.h"
 #include "common/wire/payload.h"
 #include "renderfarm/coordinator/coordinator_state.h"
+#include "renderfarm/governor/stored_light_front.h"
 
 namespace cyclorama::coordinator {
 
@@ -78,14 +79,17 @@ Result<std::unique_ptr<GovernorState>> CoordinatorState::governed_by(const wire:
 
 std::unique_ptr<GovernorState> CoordinatorState::governed_by(double budget_ms, int reference_samples,
                                                              const std::string& scene) const {
-  if (const auto measured = pareto_fronts_.find(scene); measured != pareto_fronts_.end()) {
+  const bool has_light = !light_in_use(scene).empty();
+  const auto measured = pareto_fronts_.find(scene);
+  if (measured != pareto_fronts_.end() && (has_light || !governor::uses_stored_light(measured->second))) {
     return std::make_unique<GovernorState>(governor::Governor(measured->second, budget_ms), reference_samples,
                                            std::nullopt);
   }
   const auto known = bounces_.find(scene);
   const int bounces = known == bounces_.end() ? governor::kStandardBounces : known->second;
-  return std::make_unique<GovernorState>(governor::Governor(governor::ParetoFront::standard(bounces), budget_ms),
-                                         reference_samples, bounces);
+  governor::ParetoFront front =
+      has_light ? governor::stored_light_front(bounces) : governor::ParetoFront::standard(bounces);
+  return std::make_unique<GovernorState>(governor::Governor(std::move(front), budget_ms), reference_samples, bounces);
 }
 
 Status CoordinatorState::open(SessionId id, Session& session, const wire::OpenSession& open) {

@@ -39,6 +39,8 @@ struct CoordinatorLimits {
   std::size_t session_bytes = std::size_t{256} << 20;
   Duration silence = std::chrono::seconds(10);  ///< Timeout for a new peer's first message (hello or open).
   Duration stall = std::chrono::seconds(30);    ///< Timeout for a museum that takes none of its queued messages.
+  /// Time for nodes to connect and to report the light that they have, before one is told to compute it.
+  Duration light_gathering = std::chrono::seconds(3);
 };
 
 /// The scheduling logic of the coordinator: which peers are connected, who renders what, and what goes to whom. Pure:
@@ -79,6 +81,8 @@ class CoordinatorState {
   void node_connected(NodeId node);
   void node_reported(NodeId node, wire::NodeReport report);
   void node_disconnected(NodeId node);
+  /// The file of that light has come from a node: FetchFile has it from now on.
+  void light_stored(const std::string& version);
   /// The file list of a distributed scene has been read: nodes may now load the scene.
   void scene_read(const std::string& scene, const std::string& digest);
 
@@ -116,7 +120,6 @@ class CoordinatorState {
   Status hello(NodeId id, Node& node, const wire::Hello& hello);
   Status scene_loaded(Node& node, const wire::SceneLoaded& loaded);
   Status keep_pareto_front(const wire::SceneLoaded& loaded);
-  static Status keep_own_front(const wire::SceneLoaded& loaded, Node::LoadedScene* scene);
   Status tile_received(NodeId id, Node& node, wire::BlockTile& tile);
   Status block_ended(NodeId id, Node& node, const wire::BlockEnd& end);
   void tick_nodes();
@@ -137,12 +140,21 @@ class CoordinatorState {
   [[nodiscard]] double wall_speed_of(const Node& node, const std::string& scene) const;
 
   // Light computed ahead: coordinator_light.cpp
-  /// Returns true if the node has the scene with its light.
-  [[nodiscard]] static bool is_lit(const Node& node, const std::string& scene);
-  /// Returns true if the scene's moving pictures use light.
-  [[nodiscard]] bool needs_light(const std::string& scene) const;
-  /// Switches the scene's Pareto front, also that of open sessions, when the first node has its light, or none has it.
+  Status scene_light(NodeId id, Node& node, const wire::SceneLight& report);
+  static Status add_light(const wire::LightVersion& light, Node::LoadedScene* scene);
+  /// Does what is due: chooses the scene's light, has it sent and fetched, switches, or has it computed.
   void follow_light(const std::string& scene);
+  void choose_light(const std::string& scene, SceneLightState& light);
+  void spread_light(const std::string& scene, SceneLightState& light);
+  void switch_light(const std::string& scene, SceneLightState& light);
+  /// Sets the version of frames that are planned from now on, and the governors' fronts.
+  void use_light(const std::string& scene, SceneLightState& light, const std::string& version);
+  void order_light(const std::string& scene, SceneLightState& light);
+  [[nodiscard]] std::size_t nodes_with_light(const std::string& scene, const std::string& version) const;
+  [[nodiscard]] const std::string& light_in_use(const std::string& scene) const;
+  /// Names the version that a view reads; of a scene without light, paths are traced.
+  void name_light(const std::string& scene, wire::View* view) const;
+  [[nodiscard]] std::string light_summary(const std::string& scene) const;
 
   // Governed sessions: coordinator_refinement.cpp
   /// Chooses the view's quality.
@@ -207,9 +219,10 @@ class CoordinatorState {
   void end(SessionId id, Session& session, const FrameInFlight& frame, const FrameReport& report);
   void send(SessionId id, Session& session, wire::SessionReply reply);
   FrameInFlight* find_frame(const BlockLocation& place);
-  /// Returns the nodes that have the scene, with its light if it is used, and are neither late nor draining; if there are
-  /// none, all nodes that have the scene. `not_to` is left out.
-  [[nodiscard]] std::vector<NodeId> nodes_for(const std::string& scene, NodeId not_to = {}) const;
+  /// Returns the nodes that have the scene, and this version of its light unless it is empty, and are neither late nor
+  /// draining; if there are none, the late and draining ones, too. `not_to` is left out.
+  [[nodiscard]] std::vector<NodeId> nodes_for(const std::string& scene, const std::string& light,
+                                              NodeId not_to = {}) const;
 
   std::vector<FarmScene> scenes_;
   const balance::BalanceStrategy strategy_;
@@ -220,6 +233,7 @@ class CoordinatorState {
   std::map<SessionId, Session> sessions_;
   std::map<std::string, wire::SceneDescription> descriptions_;  ///< Scenes that a node has loaded at any time.
   std::map<std::string, governor::ParetoFront> pareto_fronts_;  ///< Measured scenes only, by scene.
+  std::map<std::string, SceneLightState> lights_;               ///< State of each scene's light.
   std::map<std::string, int> bounces_;                          ///< Bounces that nodes stated, by scene.
   std::map<std::string, double> probes_;                        ///< Probe time of the first node to report, by scene.
   std::map<std::string, double> usual_utilisation_;             ///< Median of the nodes at the last tick, by scene.

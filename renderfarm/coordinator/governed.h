@@ -37,6 +37,7 @@ struct GovernorState {
   TimePoint still_since{};            ///< The later of written_at and the last request.
   /// From the first refined picture on, until another view comes.
   std::optional<governor::Refinement> refinement{};
+  std::string light{};  ///< Version of the light of the pictures at rest, once there is a refinement.
   std::vector<AssignedBlock> blocks{};
   int failures = 0;            ///< Consecutive refined pictures that were given up.
   TimePoint retry_at{};        ///< Earliest time of the next attempt.

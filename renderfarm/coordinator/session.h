@@ -14,6 +14,7 @@
 #include "common/base/clock.h"
 #include "common/base/frame_window.h"
 #include "common/wire/farm.pb.h"
+#include "common/wire/light_versions.h"
 #include "common/wire/nodes.pb.h"
 #include "renderfarm/balance/balancer.h"
 #include "renderfarm/coordinator/fair_share.h"
@@ -113,7 +114,12 @@ struct Node {
     /// Speed of one of the node's threads in this scene, relative to the threads of the first node.
     double speed = 1.0;
     TimePoint asked_at{};  ///< Time of the order to load the scene.
-    std::optional<governor::ParetoFront> front{};  ///< The node stated it; null: the standard one.
+    std::deque<wire::LightVersion> light{};  ///< Versions of its light that the node has; the newest first.
+    bool can_compute_light = false;
+    bool has_failed_to_compute = false;  ///< It could not compute light, and is not told to again.
+    bool has_failed_to_use = false;      ///< It could not fetch or use the current light.
+    std::string offered_light{};         ///< Version that it was last told to use, ...
+    TimePoint light_offered_at{};        ///< ... and when.
   };
   std::string name{};
   double threads = 0.0;  ///< 0 until hello.
@@ -134,6 +140,22 @@ struct Node {
     const auto found = scenes.find(scene);
     return found != scenes.end() && found->second.state == SceneState::kLoaded;
   }
+  [[nodiscard]] bool has_light(const std::string& scene, const std::string& version) const;
+};
+
+/// Returns the digits of a light's version that people read.
+[[nodiscard]] std::string short_version(const std::string& version);
+
+/// The farm's knowledge of the light of a scene.
+struct SceneLightState {
+  std::string in_use{};         ///< Version that new frames name; empty: their paths are traced.
+  wire::LightVersion target{};  ///< The one that all nodes shall have; empty: none is known.
+  TimePoint known_since{};      ///< Time when the target was chosen.
+  bool is_stored = false;       ///< The coordinator has the target's file.
+  NodeId sending{};             ///< The node that was told to send it.
+  TimePoint send_ordered_at{};
+  NodeId computing{};           ///< The node that was told to compute light.
+  TimePoint gathering_since{};  ///< Last time when no node could compute any.
 };
 
 }  // namespace cyclorama::coordinator

@@ -29,18 +29,36 @@ int cut_at_least(double samples, int max) {
   return std::min(cut, max);
 }
 
-/// Returns the number of samples, at full size without denoiser, with an error of at most `moving`. The error is
-/// assumed to be inversely proportional to the samples, starting from the front's most efficient point of that kind.
-double samples_as_good_as(const ParetoFront& front, const ParetoPoint& moving) {
-  double error_of_one = std::numeric_limits<double>::infinity();
+/// Returns the error of one path traced sample at full size, by the front's most efficient point of that kind: errors are
+/// assumed to be inversely proportional to the samples. Infinite if the front has no such point.
+double error_of_one_sample(const ParetoFront& front) {
+  double error = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < front.size(); ++i) {
     const render::PictureQuality& quality = front[i].quality;
     if (quality.scale < 1.0 || quality.denoise || quality.render.stored_light) continue;
-    error_of_one = std::min(error_of_one, front[i].error * quality.render.samples);
+    error = std::min(error, front[i].error * quality.render.samples);
   }
-  const double as_good = error_of_one / moving.error;
+  return error;
+}
+
+/// Returns the number of samples, at full size without denoiser, with an error of at most `moving`.
+double samples_as_good_as(const ParetoFront& front, const ParetoPoint& moving) {
+  const double as_good = error_of_one_sample(front) / moving.error;
   const double more = 2.0 * moving.quality.render.samples;
   return std::isfinite(as_good) ? std::max(as_good, more) : more;
+}
+
+/// Returns the front's best picture with stored light, as a prior.
+Refinement::Prior prior_of(const ParetoFront& front) {
+  Refinement::Prior prior;
+  const double error_of_one = error_of_one_sample(front);
+  for (std::size_t i = 0; i < front.size(); ++i) {
+    const render::PictureQuality& quality = front[i].quality;
+    if (!quality.render.stored_light || quality.scale < 1.0 || quality.denoise || front[i].error <= 0.0) continue;
+    const double weight = error_of_one / front[i].error;
+    if (std::isfinite(weight)) prior = {quality.render.samples, std::min(weight, render::kMaxRadianceLimit)};
+  }
+  return prior;
 }
 
 }  // namespace
@@ -56,7 +74,7 @@ std::vector<SampleRange> cut_samples(const SampleRange& range) {
 }
 
 Refinement::Refinement(const ParetoFront& front, const ParetoPoint& moving, int reference_samples)
-    : quality_(front.best().quality) {
+    : quality_(front.best().quality), prior_(prior_of(front)) {
   CHECK(reference_samples >= 1 && reference_samples <= render::kMaxSamples);
   quality_.scale = 1.0;
   quality_.denoise = false;
@@ -66,7 +84,7 @@ Refinement::Refinement(const ParetoFront& front, const ParetoPoint& moving, int 
   quality_.render.stored_light = false;
   quality_.render.adaptive_error = 0.0f;
   quality_.render.sequence = reference_samples;
-  first_picture_ = cut_at_least(samples_as_good_as(front, moving), reference_samples);
+  first_picture_ = prior_.samples > 0 ? 1 : cut_at_least(samples_as_good_as(front, moving), reference_samples);
 }
 
 std::optional<SampleRange> Refinement::next(double ms_per_sample) const {

@@ -27,13 +27,21 @@ struct SampleRange {
 ///
 /// The first picture has as many samples as it needs to be no worse than the moving one. Then each has twice the
 /// samples of the one before, which halves the mean squared error, while a picture is predicted to take less than a
-/// second; after that, each takes about a second. Pure; thread-bound.
+/// second; after that, each takes about a second. A moving picture that reads stored light is the prior of the
+/// one at rest: it counts as the number of samples with its error, so the first picture needs one sample of its own and
+/// looks like the moving one. Pure; thread-bound.
 class Refinement {
  public:
-  /// Uses the front's best quality, without anything that would bias a reference: no denoiser, no firefly limit, no
-  /// adaptive sampling, full size, no chroma subsampling, JPEG quality of at least 95. `moving` is the point of the
-  /// previous picture, taken from the front; its error determines the number of samples of the first picture.
-  /// Precondition: 1 <= reference_samples <= kMaxSamples.
+  /// The picture with stored light with which a picture at rest begins.
+  struct Prior {
+    int samples = 0;      ///< Its samples; 0: there is none.
+    double weight = 0.0;  ///< Path traced samples that are as exact.
+  };
+
+  /// Uses the front's best quality without what would bias a reference: no denoiser, no firefly limit, no adaptive
+  /// sampling, full size, no chroma subsampling, JPEG quality of at least 95. `moving` is the point of the previous
+  /// picture, taken from the front; its error determines the number of samples of the first picture. Precondition: 1 <=
+  /// reference_samples <= kMaxSamples.
   Refinement(const ParetoFront& front, const ParetoPoint& moving, int reference_samples);
 
   /// Returns the next samples; null once the reference is reached. `ms_per_sample` applies to the whole picture and
@@ -43,12 +51,14 @@ class Refinement {
   void done(const SampleRange& range);
 
   [[nodiscard]] const render::PictureQuality& quality() const { return quality_; }
+  [[nodiscard]] const Prior& prior() const { return prior_; }
   [[nodiscard]] int samples() const { return samples_; }
   [[nodiscard]] int reference_samples() const { return quality_.render.sequence; }
   [[nodiscard]] bool rests() const { return samples_ == reference_samples(); }
 
  private:
   render::PictureQuality quality_;
+  Prior prior_;
   int first_picture_ = 1;
   int samples_ = 0;
 };

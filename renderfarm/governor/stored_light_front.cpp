@@ -29,4 +29,11 @@ ParetoFront stored_light_front(int bounces) {
   return *ParetoFront::make(std::move(points));
 }
 
+bool uses_stored_light(const ParetoFront& front) {
+  for (std::size_t i = 0; i < front.size(); ++i) {
+    if (front[i].quality.render.stored_light) return true;
+  }
+  return false;
+}
+
 }  // namespace cyclorama::governor

@@ -2,11 +2,15 @@
 /// A node's interface to a ray tracer: production adapts Renderer (renderfarm/render), tests draw patterns.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "common/base/result.h"
 #include "common/image/image.h"
@@ -14,6 +18,7 @@
 #include "common/image/pixel_rect.h"
 #include "common/wire/farm.pb.h"
 #include "renderfarm/governor/refinement.h"
+#include "renderfarm/node/light_versions.h"
 #include "renderfarm/render/film.h"
 #include "renderfarm/render/renderer.h"
 
@@ -37,23 +42,24 @@ class BlockRenderer {
   virtual render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
                                          const governor::SampleRange& samples, render::Film* film,
                                          const std::function<bool()>& cancelled) = 0;
-  /// Returns the pixels that render() would make of a film, bit-identical.
-  [[nodiscard]] virtual RgbImage developed(const render::Film& film) const = 0;
+  /// Returns the pixels that render() would make of a film of that mean, bit-identical.
+  [[nodiscard]] virtual RgbImage developed(const RadianceImage& mean) const = 0;
   /// Returns everything but the name, which the coordinator assigns.
   [[nodiscard]] virtual wire::SceneDescription description() const = 0;
-  /// Returns the text of a Pareto front (renderfarm/governor/pareto_front_file.h) for a scene that brings none; empty if
-  /// the standard one fits.
-  [[nodiscard]] virtual std::string pareto_front() const = 0;
-  /// Returns one sentence about parts of the scene that could not be used; empty if there are none.
+  /// Returns one sentence about what the scene brings that could not be used; empty if everything could.
   [[nodiscard]] virtual std::string note() const = 0;
-  /// Returns true if the scene has no light that was computed ahead, but could have it.
-  [[nodiscard]] virtual bool wants_light() const { return false; }
-  /// Reads light that was computed for the scene (renderfarm/light/light_file.h) and checks it, which may take seconds;
-  /// thread-safe. The returned function puts the light into use; it is called once, by the render thread. Errors: as
-  /// light_file.h.
-  [[nodiscard]] virtual Result<std::function<void()>> light_from(const std::filesystem::path& file) const {
-    return Error(ErrorCode::kInvalidArgument, file.string() + ": this renderer uses no stored light");
+  /// Returns true if the scene's light can be computed ahead.
+  [[nodiscard]] virtual bool can_have_light() const { return false; }
+  /// Reads a file of light (renderfarm/light/light_file.h), checks that it is the scene's, and keeps it under its version
+  /// beside the one before; may take seconds. `name` identifies the file in errors. Thread-safe. Errors: as light_file.h.
+  virtual Result<VersionedLight> add_light(std::span<const std::byte> file, std::string_view name) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("{}: this renderer uses no stored light ({} bytes)", name, file.size()));
   }
+  /// Thread-safe. Null if the renderer has none.
+  [[nodiscard]] virtual const LightVersions* light_versions() const { return nullptr; }
+  /// Sets the light that pictures read from now on. Takes no time.
+  virtual void use_light(const VersionedLight& /*light*/) {}
   [[nodiscard]] virtual std::uint64_t memory_bytes() const = 0;
   /// Returns the bounces of light in the scene's reference picture.
   [[nodiscard]] virtual int bounces() const = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/node/block_view.h"
 
+#include <algorithm>
+
 #include "common/wire/convert.h"
 
 namespace cyclorama::node {
@@ -25,6 +27,9 @@ render::RenderQuality quality_of(const wire::View& view) {
 
 Result<render::PanoramaView> view_of(const wire::RenderBlock& block) {
   TRY(validate(block.view()));
+  if ((block.view().stored_light() || block.view().prior_samples() > 0) && block.view().light().empty()) {
+    return Error(ErrorCode::kInvalidArgument, "view.light is empty, but the view reads stored light");
+  }
   TRY_ASSIGN(const Projection picture, from_wire(block.view().panorama()));
   wire::Tile whole;
   whole.set_x_px(block.x_px());
@@ -55,6 +60,13 @@ PixelRect rect_of(const wire::RenderBlock& block) {
 
 JpegOptions jpeg_options_of(const wire::RenderBlock& block) {
   return {static_cast<int>(block.view().jpeg_quality()), block.view().subsample_chroma()};
+}
+
+float prior_weight_of(const wire::RenderBlock& block) {
+  const wire::View& view = block.view();
+  if (view.prior_samples() == 0 || view.sequence() == 0) return 0.0f;
+  const auto samples = static_cast<float>(view.first_sample() + view.samples());
+  return view.prior_weight() * std::max(0.0f, 1.0f - samples / static_cast<float>(view.sequence()));
 }
 
 std::string picture_name_of(const wire::RenderBlock& block) {

@@ -19,6 +19,9 @@ Result<render::PanoramaView> view_of(const wire::RenderBlock& block);
 
 [[nodiscard]] PixelRect rect_of(const wire::RenderBlock& block);
 [[nodiscard]] JpegOptions jpeg_options_of(const wire::RenderBlock& block);
+/// Returns the number of samples for which a picture at rest counts the stored light that it began with: of a picture
+/// with all its samples, 0.
+[[nodiscard]] float prior_weight_of(const wire::RenderBlock& block);
 /// Returns a name of everything that determines the picture's samples, for FilmStore.
 [[nodiscard]] std::string picture_name_of(const wire::RenderBlock& block);
 

@@ -7,11 +7,13 @@
 #include <utility>
 
 #include "common/base/check.h"
+#include "common/base/text.h"
 #include "common/image/cells.h"
 #include "common/image/cropped.h"
 #include "common/image/watermark.h"
 #include "renderfarm/balance/tiles.h"
 #include "renderfarm/node/block_view.h"
+#include "renderfarm/node/film_prior.h"
 
 namespace cyclorama::node {
 namespace {
@@ -28,11 +30,21 @@ Result<BlockWork> BlockWork::begin(std::shared_ptr<const BlockOrder> order) {
   if (order->renderer == nullptr) {
     return Error(ErrorCode::kNotFound, fmt::format("scene '{}' is not loaded", order->block.scene()));
   }
-  return BlockWork(std::move(order), view);
+  std::optional<VersionedLight> light;
+  if (const std::string& version = order->block.view().light(); !version.empty()) {
+    const LightVersions* const known = order->renderer->light_versions();
+    if (known != nullptr) light = known->find(version);
+    if (!light) {
+      return Error(ErrorCode::kNotFound, fmt::format("scene '{}' has no light of version '{}' here",
+                                                     order->block.scene(), printable(version)));
+    }
+  }
+  return BlockWork(std::move(order), view, std::move(light));
 }
 
-BlockWork::BlockWork(std::shared_ptr<const BlockOrder> order, const render::PanoramaView& view)
-    : order_(std::move(order)), view_(view), tiles_(balance::tiles_of(rect_of(block()))) {
+BlockWork::BlockWork(std::shared_ptr<const BlockOrder> order, const render::PanoramaView& view,
+                     std::optional<VersionedLight> light)
+    : order_(std::move(order)), view_(view), light_(std::move(light)), tiles_(balance::tiles_of(rect_of(block()))) {
   cost_.cell_cpu_seconds.resize(static_cast<std::size_t>(cells_touched(rect_of(block())).area()));
 }
 
@@ -40,6 +52,7 @@ std::optional<RenderedTile> BlockWork::next_tile(FilmStore& films, const Interru
   CHECK(!is_done());
   const PixelRect& rect = tiles_[next_];
   BlockRenderer& renderer = *order_->renderer;
+  if (light_) renderer.use_light(*light_);
   RgbImage pixels;
   InverseDepthImage depth;  // A picture at rest needs none, since it is never shown from another eye.
   if (block().keep()) {
@@ -69,7 +82,10 @@ RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Inter
     refining_->kept = films.take({order_->link, block().session()}, picture, tile);
     FilmStore::Kept& kept = refining_->kept;
     // More samples than wanted: the coordinator requests an earlier picture again.
-    if (kept.samples == 0 || kept.samples > wanted) kept = {render::Film(tile.width, tile.height, false), 0};
+    if (kept.samples == 0 || kept.samples > wanted) {
+      kept.film = render::Film(tile.width, tile.height, false);
+      kept.samples = 0;
+    }
     for (const governor::SampleRange& range : governor::cut_samples({kept.samples, wanted}))
       refining_->ranges.push_back(range);
     kept.samples = wanted;
@@ -80,6 +96,7 @@ RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Inter
     if (!stopped && (interrupts.cancelled() || interrupts.preempted())) stopped = true;
     return stopped.load();
   };
+  if (!render_prior(tile, stop)) return {};
   while (!refining_->ranges.empty()) {
     render::Film& part = refining_->part;
     if (part.width() == 0) part = render::Film(tile.width, tile.height, false);
@@ -89,10 +106,26 @@ RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Inter
     part = {};
     refining_->ranges.pop_front();
   }
-  RgbImage pixels = order_->renderer->developed(refining_->kept.film);
+  const FilmStore::Kept& kept = refining_->kept;
+  RgbImage pixels = order_->renderer->developed(mean_with_prior(kept.film, kept.prior, prior_weight_of(block())));
   films.put({order_->link, block().session()}, picture, tile, std::move(refining_->kept));
   refining_.reset();
   return pixels;
+}
+
+bool BlockWork::render_prior(const PixelRect& tile, const std::function<bool()>& stop) {
+  const int samples = static_cast<int>(block().view().prior_samples());
+  if (samples == 0 || !refining_->kept.prior.empty()) return true;
+  render::Film& film = refining_->prior;
+  if (film.width() == 0) film = render::Film(tile.width, tile.height, false);
+  render::PanoramaView view = view_;
+  view.quality.stored_light = true;
+  view.quality.sequence = 0;  // These are the samples of the moving picture.
+  add_cost(order_->renderer->render_film(view, tile, {0, samples}, &film, stop), tile);
+  if (stop()) return false;
+  refining_->kept.prior = film.mean();
+  film = {};
+  return true;
 }
 
 void BlockWork::add_cost(const render::RenderCost& cost, const PixelRect& rect) {

@@ -10,6 +10,7 @@
 
 #include "renderfarm/node/block_renderer.h"
 #include "renderfarm/node/film_store.h"
+#include "renderfarm/node/light_versions.h"
 #include "renderfarm/node/node_link.h"
 #include "renderfarm/node/render_queue.h"
 
@@ -40,18 +41,23 @@ class BlockWork {
   /// The current tile of a picture at rest.
   struct Refining {
     FilmStore::Kept kept;
+    render::Film prior;                        ///< Film of the picture with stored light, possibly unfinished.
     std::deque<governor::SampleRange> ranges;  ///< Samples that it lacks.
     render::Film part;                         ///< Film of the first range, possibly unfinished.
   };
-  BlockWork(std::shared_ptr<const BlockOrder> order, const render::PanoramaView& view);
+  BlockWork(std::shared_ptr<const BlockOrder> order, const render::PanoramaView& view,
+            std::optional<VersionedLight> light);
 
   /// Adds to the tile's stored sums, or starts them anew. Returns an empty picture if interrupted.
   RgbImage refined(const PixelRect& tile, FilmStore& films, const Interrupts& interrupts);
+  /// Renders what the tile still lacks of the picture with stored light. Returns false if stopped.
+  bool render_prior(const PixelRect& tile, const std::function<bool()>& stop);
   void add_cost(const render::RenderCost& cost, const PixelRect& rect);
   [[nodiscard]] const wire::RenderBlock& block() const { return order_->block; }
 
   std::shared_ptr<const BlockOrder> order_;
   render::PanoramaView view_;
+  std::optional<VersionedLight> light_;  ///< The version that the view names; it stays while the block is rendered.
   std::vector<PixelRect> tiles_;
   std::size_t next_ = 0;
   render::RenderCost cost_;

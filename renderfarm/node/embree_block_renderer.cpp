@@ -6,10 +6,9 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/file.h"
 #include "common/wire/convert.h"
 #include "renderfarm/denoise/denoising_renderer.h"
-#include "renderfarm/governor/pareto_front_file.h"
-#include "renderfarm/governor/stored_light_front.h"
 #include "renderfarm/light/light_file.h"
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
@@ -22,8 +21,8 @@ constexpr double kReadingShare = 0.6;
 
 class EmbreeBlockRenderer final : public BlockRenderer {
  public:
-  EmbreeBlockRenderer(std::unique_ptr<render::Renderer> renderer, int threads, std::string note)
-      : renderer_(std::move(renderer)), denoising_(*renderer_, threads), note_(std::move(note)) {}
+  EmbreeBlockRenderer(std::unique_ptr<render::Renderer> renderer, int threads)
+      : renderer_(std::move(renderer)), denoising_(*renderer_, threads) {}
 
   render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
                             InverseDepthImage* ret_depth, const std::function<bool()>& cancelled) override {
@@ -44,8 +43,8 @@ class EmbreeBlockRenderer final : public BlockRenderer {
     return renderer_->finish_film(part, rect, film, cancelled);
   }
 
-  [[nodiscard]] RgbImage developed(const render::Film& film) const override {
-    return cyclorama::render::developed(film.mean(), renderer_->scene().tone);
+  [[nodiscard]] RgbImage developed(const RadianceImage& mean) const override {
+    return cyclorama::render::developed(mean, renderer_->scene().tone);
   }
 
   [[nodiscard]] wire::SceneDescription description() const override {
@@ -81,27 +80,40 @@ class EmbreeBlockRenderer final : public BlockRenderer {
     return out;
   }
 
-  [[nodiscard]] std::string pareto_front() const override {
-    if (renderer_->light() == nullptr) return {};
-    return governor::pareto_front_text(governor::stored_light_front(renderer_->scene().bounces), "");
-  }
-
   [[nodiscard]] std::string note() const override { return note_; }
 
-  [[nodiscard]] bool wants_light() const override {
-    return renderer_->light() == nullptr && renderer_->scene().eye_lamp.isZero(0.0f);
+  [[nodiscard]] bool can_have_light() const override { return renderer_->scene().eye_lamp.isZero(0.0f); }
+
+  Result<VersionedLight> add_light(std::span<const std::byte> file, std::string_view name) override {
+    TRY_ASSIGN(light::LightStore read, light::parse_light_file(file, name));
+    TRY(renderer_->check_light(read, name));
+    VersionedLight added{version_of(file), file.size(), std::make_shared<light::LightStore>(std::move(read))};
+    lights_.add(added);
+    return added;
   }
 
-  [[nodiscard]] Result<std::function<void()>> light_from(const std::filesystem::path& file) const override {
-    TRY_ASSIGN(light::LightStore read, light::read_light_file(file));
-    const auto store = std::make_shared<light::LightStore>(std::move(read));
-    TRY(renderer_->check_light(*store, file.string()));
-    return std::function<void()>([this, store] { renderer_->use_light(store); });
+  [[nodiscard]] const LightVersions* light_versions() const override { return &lights_; }
+
+  void use_light(const VersionedLight& light) override {
+    if (renderer_->light() != light.store.get()) renderer_->use_light(light.store);
+  }
+
+  /// Adds the light that is stored in the scene's folder, if there is any. If it cannot be used, note() says why.
+  void add_stored_light(const std::filesystem::path& scene) {
+    const std::filesystem::path path = scene / light::kLightFileName;
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(path, none)) return;
+    const auto file = MappedFile::open(path);
+    const auto light = file ? add_light(file->bytes(), path.string()) : Result<VersionedLight>(file.error());
+    if (light) {
+      use_light(*light);
+    } else {
+      note_ = light.error().message();
+    }
   }
 
   [[nodiscard]] std::uint64_t memory_bytes() const override {
-    const std::size_t light = renderer_->light() == nullptr ? 0 : renderer_->light()->bytes();
-    return light + renderer_->scene().memory_bytes() + renderer_->shading_bytes() + renderer_->bvh_bytes();
+    return lights_.bytes() + renderer_->scene().memory_bytes() + renderer_->shading_bytes() + renderer_->bvh_bytes();
   }
 
   [[nodiscard]] int bounces() const override { return renderer_->scene().bounces; }
@@ -124,19 +136,9 @@ class EmbreeBlockRenderer final : public BlockRenderer {
  private:
   const std::unique_ptr<render::Renderer> renderer_;
   denoise::DenoisingRenderer denoising_;
-  const std::string note_;
+  LightVersions lights_;
+  std::string note_;
 };
-
-/// Gives the renderer the light that is stored in the scene's folder, if there is any. Errors: as light_file.h; the
-/// renderer then traces paths.
-Status load_stored_light(const std::filesystem::path& scene, render::Renderer* renderer) {
-  const std::filesystem::path file = scene / light::kLightFileName;
-  std::error_code none;
-  if (!std::filesystem::is_regular_file(file, none)) return Done{};
-  Result<light::LightStore> store = light::read_light_file(file);
-  if (!store) return store.error();
-  return renderer->set_light(std::make_shared<light::LightStore>(*std::move(store)), file.string());
-}
 
 }  // namespace
 
@@ -148,10 +150,9 @@ SceneLoader embree_scene_loader(int threads) {
     TRY_ASSIGN(auto renderer, render::Renderer::build(std::move(scene), threads, [&](double done) {
                  progress(kReadingShare + (1.0 - kReadingShare) * done);
                }));
-    const Status light = load_stored_light(path, renderer.get());
-    std::string note = light ? std::string() : light.error().message();
-    return std::unique_ptr<BlockRenderer>(
-        std::make_unique<EmbreeBlockRenderer>(std::move(renderer), threads, std::move(note)));
+    auto made = std::make_unique<EmbreeBlockRenderer>(std::move(renderer), threads);
+    made->add_stored_light(path);
+    return std::unique_ptr<BlockRenderer>(std::move(made));
   };
 }
 

@@ -7,8 +7,10 @@
 namespace cyclorama::node {
 namespace {
 
-std::size_t bytes_of(const render::Film& film) {
-  return film.sum.data().size_bytes() + film.square.data().size_bytes() + film.samples.data().size_bytes();
+std::size_t bytes_of(const FilmStore::Kept& kept) {
+  const render::Film& film = kept.film;
+  return film.sum.data().size_bytes() + film.square.data().size_bytes() + film.samples.data().size_bytes() +
+         kept.prior.data().size_bytes();
 }
 
 }  // namespace
@@ -20,7 +22,7 @@ FilmStore::Kept FilmStore::take(const Session& session, const std::string& pictu
   if (kept == found->second.tiles.end()) return {};
   Kept taken = std::move(kept->second);
   found->second.tiles.erase(kept);
-  bytes_ -= bytes_of(taken.film);
+  bytes_ -= bytes_of(taken);
   return taken;
 }
 
@@ -32,14 +34,14 @@ void FilmStore::put(const Session& session, const std::string& picture, const Pi
     place->second.name = picture;
   }
   place->second.used = ++uses_;
-  const std::size_t bytes = bytes_of(kept.film);
+  const std::size_t bytes = bytes_of(kept);
   while (bytes_ + bytes > max_bytes_) {
     const auto oldest = std::ranges::min_element(sessions_, {}, [](const auto& entry) { return entry.second.used; });
     if (oldest == place) return;
     drop(oldest);
   }
   Kept& slot = place->second.tiles[tile];
-  bytes_ = bytes_ - bytes_of(slot.film) + bytes;
+  bytes_ = bytes_ - bytes_of(slot) + bytes;
   slot = std::move(kept);
 }
 
@@ -54,7 +56,7 @@ void FilmStore::forget_link(LinkId link) {
 }
 
 FilmStore::Pictures::iterator FilmStore::drop(Pictures::iterator session) {
-  for (const auto& [tile, kept] : session->second.tiles) bytes_ -= bytes_of(kept.film);
+  for (const auto& [tile, kept] : session->second.tiles) bytes_ -= bytes_of(kept);
   return sessions_.erase(session);
 }
 

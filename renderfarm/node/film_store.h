@@ -18,7 +18,8 @@ class FilmStore {
  public:
   struct Kept {
     render::Film film{};
-    int samples = 0;  ///< Requested samples per pixel.
+    int samples = 0;           ///< Requested samples per pixel.
+    RadianceImage prior = {};  ///< The picture with stored light that it began with; empty if there is none.
   };
   /// Sessions are identified per link, because each coordinator numbers its own.
   struct Session {
@@ -26,7 +27,7 @@ class FilmStore {
     std::uint64_t session = 0;
     friend auto operator<=>(const Session&, const Session&) = default;
   };
-  /// Keeps twenty bytes per pixel, at most `max_bytes` in all.
+  /// Keeps twenty bytes per pixel, or 32 with stored light, at most `max_bytes` in all.
   explicit FilmStore(std::size_t max_bytes = std::size_t{1} << 30) : max_bytes_(max_bytes) {}
 
   /// Takes the film out of the store; returns an empty one if there is none of that picture and tile. `picture` names

@@ -56,7 +56,9 @@ Status compute_light(const std::filesystem::path& scene, const std::filesystem::
              light_baking::bake_light(
                  *renderer, light_baking::BakeSettings{}, threads,
                  [&](double done) { progress(kBuiltShare + (1.0 - kBuiltShare) * done); }, nullptr));
-  const Status written = light::write_light_file(file, *baked.store);
+  light::LightStore store = *baked.store;
+  store.settings += ", cyclorama " CYCLORAMA_VERSION;  // Thus part of the light's version.
+  const Status written = light::write_light_file(file, store);
   if (!written) return write_error(file, written.error());
   return Done{};
 }

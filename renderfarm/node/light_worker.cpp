@@ -21,7 +21,6 @@ void LightWorker::want(const std::string& path, const std::string& name) {
   if (!starter_) return;
   {
     const std::lock_guard lock(mutex_);
-    if (std::ranges::find(done_, path) != done_.end()) return;
     if (std::ranges::find(waiting_, path, &Wanted::path) != waiting_.end()) return;
     waiting_.push_back({path, name});
   }
@@ -85,6 +84,12 @@ bool LightWorker::work() {
       paused_ = false;
     }
   }
+  if (!calls_.is_wanted(wanted.path)) {
+    const std::lock_guard lock(mutex_);
+    current_ = nullptr;
+    waiting_.pop_front();
+    return true;
+  }
   if (current == nullptr) {
     if (may_begin) begin(wanted);
     return true;
@@ -96,7 +101,6 @@ bool LightWorker::work() {
     done_share_ = done_share;
     if (!result) return true;
     current_ = nullptr;
-    done_.push_back(wanted.path);
     waiting_.pop_front();
   }
   calls_.finished(wanted.path, file_, *result);
@@ -126,10 +130,7 @@ void LightWorker::begin(const Wanted& wanted) {
       started->pause();
       paused_ = true;
     }
-    if (!fine) {
-      done_.push_back(wanted.path);
-      waiting_.pop_front();
-    }
+    if (!fine) waiting_.pop_front();
   }
   if (!fine) calls_.finished(wanted.path, {}, fine);
 }

@@ -22,12 +22,14 @@ namespace cyclorama::node {
 ///                             │  give_way() ▲ no block for kQuiet
 ///                             └─────────────┘
 ///
-/// A scene whose light could not be computed is not tried again until the node restarts.
+/// The coordinator decides whether a scene whose light could not be computed is tried again.
 class LightWorker {
  public:
   struct Calls {
     std::function<bool()> has_blocks;  ///< Returns true while blocks wait or are rendered; called from any thread.
-    /// Called by the thread of work() when the light of the scene at `path` is in `file`, or could not be computed.
+    /// Returns false if the scene at `path` was unloaded or replaced: its light is not computed to the end.
+    std::function<bool(const std::string& path)> is_wanted;
+    /// The light of the scene at `path` is in `file`, or it failed. Called by the thread of work().
     std::function<void(const std::string& path, const std::filesystem::path& file, const Status& status)> finished;
   };
   /// Idle time before a paused computation resumes, so that it does not start and stop between the frames of a visit.
@@ -38,7 +40,7 @@ class LightWorker {
 
   // Thread-safe:
 
-  /// Requests the light of a scene, unless it was requested before. `name` is the coordinator's name for it.
+  /// Requests the light of a scene, unless it waits or is being computed. `name` is what the coordinator calls it.
   void want(const std::string& path, const std::string& name);
   /// To be called when a block arrives: pauses at once.
   void give_way();
@@ -71,8 +73,7 @@ class LightWorker {
   mutable std::mutex mutex_;  ///< Guards the following.
   std::condition_variable changed_;
   bool stopping_ = false;
-  std::deque<Wanted> waiting_;    ///< The first is the current one, if there is a computation.
-  std::deque<std::string> done_;  ///< Paths that are not tried again.
+  std::deque<Wanted> waiting_;  ///< The first is the current one, if there is a computation.
   std::shared_ptr<LightComputation> current_;
   bool paused_ = false;
   TimePoint block_at_ = TimePoint::min();  ///< Time when a block last arrived or waited.

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/node/node_controller.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 
+#include "common/base/file.h"
 #include "renderfarm/node/resident_memory.h"
 
 namespace cyclorama::node {
@@ -23,20 +22,16 @@ NodeController::NodeController(SceneLoader loader, std::uint64_t memory_limit_by
                                scene_distribution::SceneCacheOptions cache, LightStarter light)
     : begun_(clock_.now()),
       scenes_(std::move(loader), memory_limit_bytes == 0 ? 0 : memory_limit_bytes - film_bytes(memory_limit_bytes),
-              LightFiles(cache.folder)),
+              LightFiles(cache.folder), light != nullptr),
       renders_(scenes_, film_bytes(memory_limit_bytes)),
       lights_(std::move(light), LightFiles(cache.folder),
-              {[this] { return renders_.waiting() > 0; },
+              {[this] { return renders_.waiting() > 0; }, [this](const std::string& path) { return scenes_.has(path); },
                [this](const std::string& path, const std::filesystem::path& file, const Status& status) {
                  light_computed(path, file, status);
                }},
               clock_),
-      loads_(
-          scenes_, std::move(cache),
-          [this](LinkId link, wire::NodeReport report) { send_report(link, std::move(report)); },
-          [this](const std::string& path, const std::string& name) {
-            if (scenes_.wants_light(path)) lights_.want(path, name);
-          }) {}
+      loads_(scenes_, std::move(cache),
+             [this](LinkId link, wire::NodeReport report) { send_report(link, std::move(report)); }) {}
 
 std::shared_ptr<NodeLink> NodeController::open(std::shared_ptr<grpc::Channel> files) {
   std::shared_ptr<NodeLink> link;
@@ -50,7 +45,12 @@ std::shared_ptr<NodeLink> NodeController::open(std::shared_ptr<grpc::Channel> fi
 }
 
 Status NodeController::take(const std::shared_ptr<NodeLink>& link, const wire::NodeCommand& command) {
-  if (command.has_load_scene()) return loads_.take(link, command.load_scene());
+  if (command.has_load_scene() || command.has_use_light() || command.has_send_light())
+    return loads_.take(link, command);
+  if (command.has_compute_light()) {
+    const std::string& scene = command.compute_light().scene();
+    if (const std::string path = scenes_.path_of(link->id(), scene); !path.empty()) lights_.want(path, scene);
+  }
   if (command.has_render()) {
     lights_.give_way();
     return renders_.take(link->id(), command.render());
@@ -96,20 +96,14 @@ void NodeController::send_report(LinkId link, wire::NodeReport report) {
 void NodeController::light_computed(const std::string& path, const std::filesystem::path& file, const Status& status) {
   const std::shared_ptr<BlockRenderer> renderer = scenes_.at_path(path);
   if (renderer == nullptr) return;  // It was unloaded meanwhile; the next load reads the file.
-  Result<std::function<void()>> use = status ? renderer->light_from(file) : status.error();
-  std::string note;
-  if (!use) note = fmt::format("its light could not be computed ahead, so paths are traced: {}", use.error().message());
-  const std::function<void()> use_light = use ? *std::move(use) : std::function<void()>([] {});
-  renders_.run_between_blocks(renderer, [this, path, note, use_light] {
-    use_light();
-    describe_again(path, note);
-  });
-}
-
-void NodeController::describe_again(const std::string& path, const std::string& note) {
-  for (auto& [link, answer] : scenes_.describe_again(path, note)) {
+  const auto added = [&]() -> Result<VersionedLight> {
+    TRY(status);
+    TRY_ASSIGN(const MappedFile mapped, MappedFile::open(file));
+    return renderer->add_light(mapped.bytes(), file.string());
+  };
+  for (auto& [link, light] : scenes_.light_reports(path, added())) {
     wire::NodeReport report;
-    *report.mutable_scene_loaded() = std::move(answer);
+    *report.mutable_scene_light() = std::move(light);
     send_report(link, std::move(report));
   }
 }

@@ -18,7 +18,7 @@ namespace cyclorama::node {
 /// message of a coordinator passes take(), which validates it.
 ///
 ///   stream ──open()──► take() ──LoadScene──► loads ─┬──────────────► NodeLink ──► stream
-///                        │                          └──► lights ──► (light, between two blocks)
+///                        ├──ComputeLight─► lights ─┘
 ///                        └────RenderBlock──► renders ──► NodeLink ──► stream
 ///
 /// Thread-safe, apart from the workers' work() and wait().
@@ -49,7 +49,6 @@ class NodeController {
  private:
   void send_report(LinkId link, wire::NodeReport report);
   void light_computed(const std::string& path, const std::filesystem::path& file, const Status& status);
-  void describe_again(const std::string& path, const std::string& note);
 
   const SteadyClock clock_;
   const TimePoint begun_;

@@ -76,14 +76,6 @@ void RenderWorker::link_moved() {
   changed_.notify_all();
 }
 
-void RenderWorker::run_between_blocks(std::shared_ptr<BlockRenderer> renderer, std::function<void()> work) {
-  {
-    const std::lock_guard lock(mutex_);
-    left_work_.emplace_back(std::move(renderer), std::move(work));
-  }
-  changed_.notify_all();
-}
-
 std::size_t RenderWorker::waiting() const {
   const std::lock_guard lock(mutex_);
   return queue_.size();
@@ -126,34 +118,12 @@ double RenderWorker::rendered_seconds() const {
 
 bool RenderWorker::wait() {
   std::unique_lock lock(mutex_);
-  const auto may_run = [this](const auto& left) { return !is_begun(*left.first); };
-  changed_.wait(lock, [&] {
-    return stopping_ || !ended_sessions_.empty() || !dropped_.empty() || next() != nullptr ||
-           std::ranges::any_of(left_work_, may_run);
-  });
+  changed_.wait(lock,
+                [this] { return stopping_ || !ended_sessions_.empty() || !dropped_.empty() || next() != nullptr; });
   return !stopping_;
 }
 
-bool RenderWorker::is_begun(const BlockRenderer& renderer) const {
-  return std::ranges::any_of(begun_,
-                             [&](const auto& begun) { return begun.second.order().renderer.get() == &renderer; });
-}
-
-void RenderWorker::run_left_work() {
-  std::vector<std::function<void()>> ready;
-  {
-    const std::lock_guard lock(mutex_);
-    std::erase_if(left_work_, [&](auto& left) {
-      if (is_begun(*left.first)) return false;
-      ready.push_back(std::move(left.second));
-      return true;
-    });
-  }
-  for (const std::function<void()>& work : ready) work();
-}
-
 bool RenderWorker::work() {
-  run_left_work();
   const auto order = begin_piece();
   if (order == nullptr) return false;
   advance(order);

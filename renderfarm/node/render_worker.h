@@ -43,9 +43,6 @@ class RenderWorker {
   void forget_session(const FilmStore::Session& session);
   /// To be called when a link may accept tiles again.
   void link_moved();
-  /// Has the render thread call `work` when no block of `renderer` is half done: soon, or before the next block. It
-  /// keeps the renderer alive until then. `work` must return at once.
-  void run_between_blocks(std::shared_ptr<BlockRenderer> renderer, std::function<void()> work);
   [[nodiscard]] std::size_t waiting() const;
   /// Returns true once no block has waited for `quiet`; false at the deadline.
   bool wait_until_idle(TimePoint deadline, Duration quiet);
@@ -64,10 +61,6 @@ class RenderWorker {
  private:
   [[nodiscard]] std::shared_ptr<const BlockOrder> next() const;
   void look_again();
-  /// Returns true if a block of the renderer is half done. Render thread only.
-  [[nodiscard]] bool is_begun(const BlockRenderer& renderer) const;
-  /// Calls the functions of run_between_blocks() whose renderer has no begun block.
-  void run_left_work();
   /// Returns the seconds rendered since the start, including the current piece.
   [[nodiscard]] double rendered_seconds() const;
   std::shared_ptr<const BlockOrder> begin_piece();
@@ -93,8 +86,6 @@ class RenderWorker {
   double rendered_seconds_ = 0.0;                   ///< Total of the earlier pieces.
   std::vector<FilmStore::Session> ended_sessions_;  ///< Sessions to be forgotten.
   std::vector<LinkId> dropped_;                     ///< Links to be forgotten.
-  /// Functions to be called between blocks.
-  std::vector<std::pair<std::shared_ptr<BlockRenderer>, std::function<void()>>> left_work_;
 };
 
 }  // namespace cyclorama::node

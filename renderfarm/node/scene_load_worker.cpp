@@ -6,7 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/file.h"
 #include "common/base/text.h"
+#include "renderfarm/light/light_file.h"
+#include "renderfarm/node/coordinator_files.h"
+#include "renderfarm/scene_distribution/sha256.h"
 
 namespace cyclorama::node {
 namespace {
@@ -16,7 +20,7 @@ constexpr std::size_t kMaxOrderBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxErrorBytes = 1000;
 }  // namespace
 
-Status SceneLoadWorker::take(std::shared_ptr<NodeLink> link, const wire::LoadScene& order) {
+Status SceneLoadWorker::take(std::shared_ptr<NodeLink> link, const wire::NodeCommand& order) {
   if (order.ByteSizeLong() > kMaxOrderBytes)
     return Error(ErrorCode::kBadData, "the coordinator sent a load of many bytes");
   {
@@ -64,11 +68,13 @@ bool SceneLoadWorker::work() {
   if (next.link->is_closed()) return true;
   loading_ = true;
   wire::NodeReport report;
-  *report.mutable_scene_loaded() = load(*next.link, next.order);
+  if (next.order.has_load_scene()) *report.mutable_scene_loaded() = load(*next.link, next.order.load_scene());
+  if (next.order.has_use_light()) use_light(*next.link, next.order.use_light());
+  if (next.order.has_send_light()) send_light(*next.link, next.order.send_light());
   loading_ = false;
   // If the link closed during the load, its names must be forgotten here.
   if (next.link->is_closed()) scenes_.forget_link(next.link->id());
-  send_report_(next.link->id(), std::move(report));
+  if (report.has_scene_loaded()) send_report_(next.link->id(), std::move(report));
   return true;
 }
 
@@ -94,7 +100,6 @@ wire::SceneLoaded SceneLoadWorker::load(const NodeLink& link, const wire::LoadSc
       set_state(fmt::format("loading scene '{}': {:.0f} %", name, 100.0 * fraction));
     };
     loaded = scenes_.load(link.id(), order, found->path.string(), progress, &left);
-    if (loaded.error().empty()) loaded_(found->path.string(), name);
   } else {
     loaded.set_scene(order.scene());
     loaded.set_error(printable(found.error().message(), kMaxErrorBytes));  // The message may quote the coordinator.
@@ -109,6 +114,51 @@ wire::SceneLoaded SceneLoadWorker::load(const NodeLink& link, const wire::LoadSc
                               1e-6 * static_cast<double>(loaded.description().triangles_seen()), loaded.load_seconds())
                 : fmt::format("cannot load scene '{}': {}", name, loaded.error()));
   return loaded;
+}
+
+Result<VersionedLight> SceneLoadWorker::light_of(const NodeLink& link, const wire::UseLight& order,
+                                                 BlockRenderer& renderer) {
+  constexpr std::uint64_t kMaxLightBytes = std::uint64_t{4} << 30;
+  const LightVersions* const known = renderer.light_versions();
+  if (auto here = known == nullptr ? std::nullopt : known->find(order.light().version())) return *std::move(here);
+  if (link.files() == nullptr || !scene_distribution::is_sha256(order.light().version())) {
+    return Error(ErrorCode::kBadData, "the coordinator named no light that it could send");
+  }
+  if (order.light().bytes() > kMaxLightBytes) return Error(ErrorCode::kBadData, "the coordinator's light is too large");
+  const std::function<bool()> cancelled = [&] { return link.is_closed() || is_stopping(); };
+  CoordinatorFiles coordinator(link.files(), cancelled);
+  TRY_ASSIGN(const std::vector<std::byte> file, coordinator.whole(order.light().version(), order.light().bytes()));
+  TRY_ASSIGN(VersionedLight light, renderer.add_light(file, "light of scene '" + printable(order.scene()) + "'"));
+  // Without the copy, the light is fetched again after the node's next start.
+  if (const auto copy = lights_.prepare(scenes_.path_of(link.id(), order.scene()))) {
+    if (const Status written = write_file_atomically(*copy, file); !written) set_state(written.error().message());
+  }
+  return light;
+}
+
+void SceneLoadWorker::use_light(const NodeLink& link, const wire::UseLight& order) {
+  const std::shared_ptr<BlockRenderer> renderer = scenes_.find(link.id(), order.scene());
+  if (renderer == nullptr) return;  // It was dropped, which the coordinator knows.
+  set_state(fmt::format("fetching the light of scene '{}'", printable(order.scene())));
+  const Result<VersionedLight> light = light_of(link, order, *renderer);
+  for (auto& [to, sent] : scenes_.light_reports(scenes_.path_of(link.id(), order.scene()), light)) {
+    wire::NodeReport report;
+    *report.mutable_scene_light() = std::move(sent);
+    send_report_(to, std::move(report));
+  }
+  set_state(light ? fmt::format("scene '{}' has light", printable(order.scene()))
+                  : fmt::format("scene '{}' has no light: {}", printable(order.scene()), light.error().message()));
+}
+
+void SceneLoadWorker::send_light(const NodeLink& link, const wire::SendLight& order) {
+  const std::shared_ptr<BlockRenderer> renderer = scenes_.find(link.id(), order.scene());
+  if (renderer == nullptr || renderer->light_versions() == nullptr || link.files() == nullptr) return;
+  const auto light = renderer->light_versions()->find(order.light().version());
+  if (!light) return;  // A newer version replaced it, which the coordinator knows.
+  const std::function<bool()> cancelled = [&] { return link.is_closed() || is_stopping(); };
+  const Status sent =
+      CoordinatorFiles(link.files(), cancelled).store_light(light->version, light::light_file_bytes(*light->store));
+  if (!sent) set_state(fmt::format("sending the light of scene '{}': {}", order.scene(), sent.error().message()));
 }
 
 }  // namespace cyclorama::node

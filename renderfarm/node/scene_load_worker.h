@@ -16,24 +16,22 @@
 
 namespace cyclorama::node {
 
-/// Loads the scenes that coordinators order, one after another, while blocks of others are rendered. Orders come from
-/// any thread; the work is done by the caller of wait() and work(), always the same thread. Keeps a reference to the
+/// Loads the scenes that coordinators order, and fetches or sends their light, one after another, while blocks of others
+/// are rendered. Orders come from any thread; the work is done by the caller of wait() and work(), always the same thread. Keeps a reference to the
 /// scenes, which must outlive it.
 class SceneLoadWorker {
  public:
   /// Sends a report to a coordinator; does nothing if its stream has ended.
   using ReportSink = std::function<void(LinkId, wire::NodeReport)>;
-  /// Receives each scene that was loaded, by its path and the coordinator's name.
-  using LoadedSink = std::function<void(const std::string& path, const std::string& name)>;
   /// `cache` as in SceneFetcher.
-  SceneLoadWorker(SceneStore& scenes, scene_distribution::SceneCacheOptions cache, ReportSink send_report,
-                  LoadedSink loaded)
-      : scenes_(scenes), fetcher_(std::move(cache)), send_report_(std::move(send_report)), loaded_(std::move(loaded)) {}
+  SceneLoadWorker(SceneStore& scenes, scene_distribution::SceneCacheOptions cache, ReportSink send_report)
+      : scenes_(scenes), lights_(cache.folder), fetcher_(std::move(cache)), send_report_(std::move(send_report)) {}
 
   // Thread-safe:
 
-  /// Errors: kBadData if too many loads wait or the message is huge: the coordinator is broken.
-  Status take(std::shared_ptr<NodeLink> link, const wire::LoadScene& order);
+  /// Takes LoadScene, UseLight and SendLight. Errors: kBadData if too many orders wait or the message is huge: the
+  /// coordinator is broken.
+  Status take(std::shared_ptr<NodeLink> link, const wire::NodeCommand& order);
   [[nodiscard]] bool is_loading() const { return loading_; }
   /// Returns a sentence on the scene that is being loaded or was loaded last; empty before the first.
   [[nodiscard]] std::string state() const;
@@ -44,24 +42,28 @@ class SceneLoadWorker {
 
   /// Waits for work; false once stopped.
   bool wait();
-  /// Loads one scene and replies. Returns false if none waits.
+  /// Executes one order and replies. Returns false if none waits.
   bool work();
 
  private:
   struct Waiting {
     std::shared_ptr<NodeLink> link;
-    wire::LoadScene order;
+    wire::NodeCommand order;
   };
   /// Locates the scene, and fetches it if the coordinator distributes it and it is not in memory.
   Result<scene_distribution::SceneCache::Held> find(const NodeLink& link, const wire::LoadScene& order);
   [[nodiscard]] bool is_stopping() const;
   wire::SceneLoaded load(const NodeLink& link, const wire::LoadScene& order);
+  /// Fetches the light, unless it is here, and adds it to the scene. A copy goes to the node's cache, for its next start.
+  Result<VersionedLight> light_of(const NodeLink& link, const wire::UseLight& order, BlockRenderer& renderer);
+  void use_light(const NodeLink& link, const wire::UseLight& order);
+  void send_light(const NodeLink& link, const wire::SendLight& order);
   void set_state(std::string sentence);
 
   SceneStore& scenes_;
+  const LightFiles lights_;
   SceneFetcher fetcher_;  ///< Load thread only.
   const ReportSink send_report_;
-  const LoadedSink loaded_;
   std::atomic<bool> loading_ = false;
 
   mutable std::mutex mutex_;  ///< Guards the following.

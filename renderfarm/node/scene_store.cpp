@@ -13,6 +13,7 @@
 #include "common/base/text.h"
 #include "common/wire/convert.h"
 #include "renderfarm/governor/pareto_front_file.h"
+#include "renderfarm/governor/stored_light_front.h"
 
 namespace cyclorama::node {
 namespace {
@@ -47,6 +48,10 @@ std::uint64_t bytes_on_disk(const std::filesystem::path& scene) {
     if (const auto bytes = file->file_size(unknown); !unknown) sum += bytes;
   }
   return sum;
+}
+
+bool has_light(const BlockRenderer& renderer) {
+  return renderer.light_versions() != nullptr && renderer.light_versions()->newest();
 }
 
 double gibibytes(std::uint64_t bytes) { return static_cast<double>(bytes) / static_cast<double>(1 << 30); }
@@ -95,10 +100,10 @@ wire::SceneLoaded SceneStore::load(LinkId link, const wire::LoadScene& order, co
   return named(scenes_.emplace(path, *std::move(loaded)).first->second);
 }
 
-bool SceneStore::wants_light(const std::string& path) const {
+std::string SceneStore::path_of(LinkId link, const std::string& scene) const {
   const std::lock_guard lock(mutex_);
-  const auto scene = scenes_.find(path);
-  return scene != scenes_.end() && !scene->second.has_own_front && scene->second.renderer->wants_light();
+  const auto path = paths_.find({link, scene});
+  return path == paths_.end() ? std::string() : path->second;
 }
 
 std::shared_ptr<BlockRenderer> SceneStore::at_path(const std::string& path) const {
@@ -107,20 +112,26 @@ std::shared_ptr<BlockRenderer> SceneStore::at_path(const std::string& path) cons
   return scene == scenes_.end() ? nullptr : scene->second.renderer;
 }
 
-std::vector<std::pair<LinkId, wire::SceneLoaded>> SceneStore::describe_again(const std::string& path,
-                                                                             const std::string& note) {
-  std::vector<std::pair<LinkId, wire::SceneLoaded>> answers;
+std::vector<std::pair<LinkId, wire::SceneLight>> SceneStore::light_reports(const std::string& path,
+                                                                           const Result<VersionedLight>& light) {
+  std::vector<std::pair<LinkId, wire::SceneLight>> reports;
   const std::lock_guard lock(mutex_);
   const auto scene = scenes_.find(path);
-  if (scene == scenes_.end()) return answers;
-  Loaded& loaded = scene->second;
-  if (!loaded.has_own_front) loaded.answer.set_front(loaded.renderer->pareto_front());
-  loaded.answer.set_memory_bytes(loaded.renderer->memory_bytes());
-  loaded.answer.set_note(printable(note, kMaxErrorBytes));
-  for (const auto& [name, at] : paths_) {
-    if (at == path) answers.emplace_back(name.link, answer_for(loaded, name.scene));
+  if (scene == scenes_.end()) return reports;
+  wire::SceneLight report;
+  if (light) {
+    *report.mutable_light() = version_message(*light);
+    *scene->second.answer.mutable_light() = report.light();
+    scene->second.answer.set_memory_bytes(scene->second.renderer->memory_bytes());
+  } else {
+    report.set_error(printable(light.error().message(), kMaxErrorBytes));
   }
-  return answers;
+  for (const auto& [name, at] : paths_) {
+    if (at != path) continue;
+    report.set_scene(name.scene);
+    reports.emplace_back(name.link, report);
+  }
+  return reports;
 }
 
 wire::SceneLoaded SceneStore::answer_for(const Loaded& loaded, const std::string& name) {
@@ -179,15 +190,17 @@ Result<SceneStore::Loaded> SceneStore::loaded_from(const std::string& name, cons
   const TimePoint begun = SteadyClock().now();
   TRY_ASSIGN(std::string front, front_of(path));
   TRY_ASSIGN(std::shared_ptr<BlockRenderer> renderer, load_guarded(path, progress));
-  const bool has_own_front = !front.empty();
+  const bool uses_light = renderer->can_have_light() &&
+                          (front.empty() || governor::uses_stored_light(*governor::parse_pareto_front(front, path)));
   std::string note = renderer->note();
-  if (!has_own_front && renderer->wants_light()) {
-    if (const Status light = read_computed_light(path, *renderer); !light) note = light.error().message();
+  if (uses_light && !has_light(*renderer)) {
+    if (const Status light = read_kept_light(path, *renderer); !light) note = light.error().message();
   }
   wire::SceneLoaded answer;
-  if (!has_own_front) front = renderer->pareto_front();
   answer.set_front(std::move(front));
   answer.set_note(printable(note, kMaxErrorBytes));
+  answer.set_can_compute_light(uses_light && computes_light_);
+  if (has_light(*renderer)) *answer.mutable_light() = version_message(*renderer->light_versions()->newest());
   *answer.mutable_description() = renderer->description();
   answer.mutable_description()->set_name(name);
   if (const Status fine = validate(answer.description()); !fine) {
@@ -197,15 +210,15 @@ Result<SceneStore::Loaded> SceneStore::loaded_from(const std::string& name, cons
   answer.set_memory_bytes(renderer->memory_bytes());
   answer.set_bounces(static_cast<std::uint32_t>(renderer->bounces()));
   answer.set_probe_cpu_seconds(renderer->probe_cpu_seconds());
-  return Loaded{std::move(renderer), std::move(answer), has_own_front};
+  return Loaded{std::move(renderer), std::move(answer)};
 }
 
-Status SceneStore::read_computed_light(const std::string& path, BlockRenderer& renderer) const {
+Status SceneStore::read_kept_light(const std::string& path, BlockRenderer& renderer) const {
   const std::filesystem::path file = light_.file_of(path);
   std::error_code none;
   if (file.empty() || !std::filesystem::is_regular_file(file, none)) return Done{};
-  TRY_ASSIGN(const std::function<void()> use, renderer.light_from(file));
-  use();
+  TRY_ASSIGN(const MappedFile mapped, MappedFile::open(file));
+  TRY(renderer.add_light(mapped.bytes(), file.string()));
   return Done{};
 }
 

@@ -33,9 +33,10 @@ class SceneStore {
 
   /// `max_bytes` limits the scenes together; 0: no limit. The size of a scene is unknown while it is being loaded, so
   /// the limit may be exceeded meanwhile.
-  /// `light` is where light lies that this node computed.
-  explicit SceneStore(SceneLoader loader, std::uint64_t max_bytes = 0, LightFiles light = LightFiles(""))
-      : loader_(std::move(loader)), max_bytes_(max_bytes), light_(std::move(light)) {}
+  /// `light` is where light lies that this node computed or fetched; `computes_light` says whether it can compute any.
+  explicit SceneStore(SceneLoader loader, std::uint64_t max_bytes = 0, LightFiles light = LightFiles(""),
+                      bool computes_light = false)
+      : loader_(std::move(loader)), max_bytes_(max_bytes), light_(std::move(light)), computes_light_(computes_light) {}
 
   /// Loads the scene at `path` under the name order.scene(), unless it is loaded already, and returns the reply to the
   /// coordinator. Any failure, including lack of memory, becomes a reply with `error`; a repeated order tries again.
@@ -44,14 +45,14 @@ class SceneStore {
                          const std::function<void(double)>& progress, std::vector<Name>* ret_left);
   /// Returns true if the scene at `path` is loaded.
   [[nodiscard]] bool has(const std::string& path) const;
-  /// Returns true if the scene at `path` is loaded, and light that is computed ahead would be used for its pictures.
-  [[nodiscard]] bool wants_light(const std::string& path) const;
+  /// Returns the path of a coordinator's scene; empty if it is not loaded.
+  [[nodiscard]] std::string path_of(LinkId link, const std::string& scene) const;
   /// Returns null if the scene at `path` is not loaded.
   [[nodiscard]] std::shared_ptr<BlockRenderer> at_path(const std::string& path) const;
-  /// Describes the scene at `path` anew, after its light has changed or could not be computed, for each coordinator that
-  /// has it. Empty if it is not loaded. No block of the scene may be rendered meanwhile.
-  [[nodiscard]] std::vector<std::pair<LinkId, wire::SceneLoaded>> describe_again(const std::string& path,
-                                                                                 const std::string& note);
+  /// Records that the scene at `path` has this light, and returns the reports of it, or of why it has none, to each
+  /// coordinator that knows the scene.
+  [[nodiscard]] std::vector<std::pair<LinkId, wire::SceneLight>> light_reports(const std::string& path,
+                                                                               const Result<VersionedLight>& light);
   /// Returns null if the scene is not loaded. The scene stays in memory while anyone holds the pointer.
   [[nodiscard]] std::shared_ptr<BlockRenderer> find(LinkId link, const std::string& scene);
   /// Forgets the names of a coordinator that has disconnected; the scenes stay.
@@ -61,9 +62,7 @@ class SceneStore {
   struct Loaded {
     std::shared_ptr<BlockRenderer> renderer;
     wire::SceneLoaded answer;
-    /// The scene has a Pareto front of its own, which determines the quality of its pictures.
-    bool has_own_front = false;
-    std::uint64_t used = 0;      ///< Use counter; the smallest is the least recently used.
+    std::uint64_t used = 0;  ///< Use counter; the smallest is the least recently used.
   };
   using Scenes = std::map<std::string, Loaded>;  ///< Scenes by path.
   /// Scenes to be freed after mutex_ is released, because freeing a large scene takes long.
@@ -76,8 +75,8 @@ class SceneStore {
                                                       const std::function<void(double)>& progress);
   Result<Loaded> loaded_from(const std::string& name, const std::string& path,
                              const std::function<void(double)>& progress);
-  /// Reads the light that this node computed earlier, if there is any. Errors: as BlockRenderer::light_from().
-  Status read_computed_light(const std::string& path, BlockRenderer& renderer) const;
+  /// Reads the light that this node computed or fetched earlier, if it did. Errors: as BlockRenderer::add_light().
+  Status read_kept_light(const std::string& path, BlockRenderer& renderer) const;
   [[nodiscard]] static wire::SceneLoaded answer_for(const Loaded& loaded, const std::string& name);
   // With mutex_ held:
   void rename(const Name& name, Leaving* ret_leaving);
@@ -90,6 +89,7 @@ class SceneStore {
   const SceneLoader loader_;
   const std::uint64_t max_bytes_;
   const LightFiles light_;
+  const bool computes_light_;
 
   mutable std::mutex mutex_;  ///< Guards the following.
   Scenes scenes_;

@@ -26,6 +26,8 @@ struct WatchedSession {
   std::uint64_t refined = 0;        ///< Pictures at rest with more samples.
   std::uint64_t late = 0;           ///< Given up at the deadline.
   std::uint64_t given_up = 0;       ///< Given up for another reason.
+  /// Source of the light in its moving pictures, such as "light 3f2a91c4 on 2 of 2 nodes" or "paths".
+  std::string light{};
 };
 
 struct WatchedNode {
@@ -41,7 +43,7 @@ struct WatchedNode {
   /// Part of the largest load in a frame, smoothed: 1 for all nodes is a perfect balance.
   double load_share = 0.0;
   std::vector<std::string> scenes{};  ///< Loaded scenes.
-  /// Scenes whose light it computes ahead or is about to, such as "grotto: 42 %, 3 min left".
+  /// Scenes whose light it has, such as "grotto: 3f2a91c4", computes ahead or is about to: "grotto: 42 %, 3 min left".
   std::vector<std::string> light{};
 };
 

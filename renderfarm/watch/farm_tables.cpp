@@ -49,6 +49,7 @@ wire::Table sessions_table(const FarmOverview& farm) {
     writer.count("refined_frames", session.refined);
     writer.count("late_frames", session.late);
     writer.count("given_up_frames", session.given_up);
+    writer.text("light", session.light);
   }
   return std::move(writer).take();
 }

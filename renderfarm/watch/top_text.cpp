@@ -24,7 +24,7 @@ struct Column {
 };
 
 constexpr int kText = -1;
-constexpr std::array<Column, 12> kSessions{{{"museum", "museum", 24, kText},
+constexpr std::array<Column, 14> kSessions{{{"museum", "museum", 24, kText},
                                             {"scene", "scene", 16, kText},
                                             {"frames_per_second", "frames/s", 9, 1},
                                             {"samples_per_pixel", "samples", 8, 0},
@@ -35,7 +35,9 @@ constexpr std::array<Column, 12> kSessions{{{"museum", "museum", 24, kText},
                                             {"balance_efficiency", "balance", 8, 2},
                                             {"late_frames", "late", 7, 0},
                                             {"given_up_frames", "given up", 9, 0},
-                                            {"frames", "frames", 10, 0}}};
+                                            {"frames", "frames", 10, 0},
+                                            {"", "", 2, kText},
+                                            {"light", "light", 40, kText}}};
 constexpr std::array<Column, 11> kNodes{{{"name", "node", 24, kText},
                                          {"state", "state", 16, kText},
                                          {"threads", "threads", 9, 0},
@@ -46,7 +48,7 @@ constexpr std::array<Column, 11> kNodes{{{"name", "node", 24, kText},
                                          {"memory_bytes", "memory MB", 10, 0, 1e6},
                                          {"", "", 2, kText},
                                          {"scenes", "scenes", 32, kText},
-                                         {"light", "light computed", 32, kText}}};
+                                         {"light", "light", 32, kText}}};
 
 /// In the order of a frame's steps; others follow.
 constexpr std::array<std::string_view, 8> kStages{"queue",  "plan",  "fan_out",  "render",

@@ -13,8 +13,6 @@
 
 #include "common/image/cells.h"
 #include "common/image/inverse_depth.h"
-#include "renderfarm/governor/pareto_front_file.h"
-#include "renderfarm/governor/stored_light_front.h"
 #include "renderfarm/node/block_renderer.h"
 #include "tests/doubles/fake_scene.h"
 
@@ -58,16 +56,26 @@ class FakeRendering {
     }
     if (call) call();
   }
+  void set_used_light(const std::string& version) {
+    const std::lock_guard lock(mutex_);
+    used_light_ = version;
+  }
+  /// Returns the version that pictures read last; empty if none did.
+  [[nodiscard]] std::string used_light() {
+    const std::lock_guard lock(mutex_);
+    return used_light_;
+  }
   std::atomic<int> renders = 0;
-  std::atomic<int> samples = 0;     ///< Total of all films.
-  std::atomic<int> film_cells = 0;  ///< Rendered cells of films, counting repetitions.
-  std::atomic<bool> wants_light = false;    ///< Scenes could have light that is computed ahead.
-  std::atomic<bool> refuses_light = false;  ///< Every file of light is damaged.
+  std::atomic<int> samples = 0;              ///< Total of all films.
+  std::atomic<int> film_cells = 0;           ///< Rendered cells of films, counting repetitions.
+  std::atomic<bool> can_have_light = false;  ///< Scenes could have light that is computed ahead.
+  std::atomic<bool> refuses_light = false;   ///< Every file of light is damaged.
 
  private:
   std::mutex mutex_;
   std::condition_variable changed_;
   std::function<void()> before_cell_;
+  std::string used_light_;
   bool gate_open_ = true;
   int rects_left_ = -1;
 };
@@ -136,22 +144,23 @@ class FakeBlockRenderer final : public node::BlockRenderer {
     }
     return cost_of(rect, seconds);
   }
-  [[nodiscard]] RgbImage developed(const render::Film& film) const override {
-    const RadianceImage mean = film.mean();
-    RgbImage picture(film.width(), film.height());
+  [[nodiscard]] RgbImage developed(const RadianceImage& mean) const override {
+    RgbImage picture(mean.width(), mean.height());
     std::ranges::transform(mean.data(), picture.data().begin(),
                            [](float value) { return static_cast<std::uint8_t>(255.0f * value + 0.5f); });
     return picture;
   }
   [[nodiscard]] wire::SceneDescription description() const override { return fake_scene(""); }
-  [[nodiscard]] std::string pareto_front() const override {
-    return has_light_ ? governor::pareto_front_text(governor::stored_light_front(bounces()), "") : "";
+  [[nodiscard]] bool can_have_light() const override { return shared_->can_have_light; }
+  /// Any bytes are light.
+  Result<node::VersionedLight> add_light(std::span<const std::byte> file, std::string_view name) override {
+    if (shared_->refuses_light) return Error(ErrorCode::kBadData, std::string(name) + ": the file is damaged");
+    node::VersionedLight light{node::version_of(file), file.size(), std::make_shared<light::LightStore>()};
+    lights_.add(light);
+    return light;
   }
-  [[nodiscard]] bool wants_light() const override { return shared_->wants_light && !has_light_; }
-  [[nodiscard]] Result<std::function<void()>> light_from(const std::filesystem::path& file) const override {
-    if (shared_->refuses_light) return Error(ErrorCode::kBadData, file.filename().string() + ": the file is damaged");
-    return std::function<void()>([this] { has_light_ = true; });
-  }
+  [[nodiscard]] const node::LightVersions* light_versions() const override { return &lights_; }
+  void use_light(const node::VersionedLight& light) override { shared_->set_used_light(light.version); }
   [[nodiscard]] std::string note() const override { return {}; }
   [[nodiscard]] std::uint64_t memory_bytes() const override { return memory_bytes_; }
   [[nodiscard]] int bounces() const override { return 4; }
@@ -185,14 +194,15 @@ class FakeBlockRenderer final : public node::BlockRenderer {
     }
   }
   static void colour(const render::PanoramaView& view, int x, int y, std::uint8_t* ret_rgb) {
-    const int turn = static_cast<int>(view.heading_rad * 100.0 + view.eye.sum() * 10.0) + view.quality.samples;
+    const int turn = static_cast<int>(view.heading_rad * 100.0 + view.eye.sum() * 10.0) + view.quality.samples +
+                     (view.quality.stored_light ? 50 : 0);
     ret_rgb[0] = static_cast<std::uint8_t>(x / 2 + turn);
     ret_rgb[1] = static_cast<std::uint8_t>(y + static_cast<int>(view.seed) * 7);
     ret_rgb[2] = static_cast<std::uint8_t>((x * y) / 64);
   }
   const std::shared_ptr<FakeRendering> shared_;
   const std::uint64_t memory_bytes_;
-  mutable std::atomic<bool> has_light_ = false;
+  node::LightVersions lights_;
 };
 
 /// Loads every scene except those named "missing" or "huge".

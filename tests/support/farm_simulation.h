@@ -58,6 +58,7 @@ class FarmSimulation {
     state.node_reported(id, report);
     report.mutable_scene_loaded()->set_scene("grotto");
     *report.mutable_scene_loaded()->mutable_description() = fake_scene("grotto");
+    report.mutable_scene_loaded()->set_can_compute_light(can_compute_light);
     if (scene_bounces) report.mutable_scene_loaded()->set_bounces(*scene_bounces);
     state.node_reported(id, report);
     delegate.commands[id].clear();
@@ -157,6 +158,7 @@ class FarmSimulation {
   std::size_t tile_bytes = 10;
   std::size_t depth_bytes = 5;  ///< Size of a tile's depth, if the view requests it.
   bool sends_depth_unasked = false;
+  bool can_compute_light = false;                ///< Nodes could compute the scene's light.
   std::optional<std::uint32_t> scene_bounces{};  ///< Stated by nodes that load the scene.
   std::map<coordinator::NodeId, double> slowed;  ///< Slowdown factor of each node by other work on its host.
 

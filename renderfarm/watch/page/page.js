@@ -26,6 +26,7 @@ const sessionColumns = [
   ["frames", (v) => large(v.frames), "number"],
   ["late", (v) => fixed(v.late_frames, 0), "number", (v) => (v.late_frames > 0 ? "wrong" : "")],
   ["given up", (v) => fixed(v.given_up_frames, 0), "number", (v) => (v.given_up_frames > 0 ? "wrong" : "")],
+  ["light", (v) => v.light || "", "", () => "quiet"],
 ];
 const stateClass = (n) => (n.state === "ready" ? "well" : n.state === "loading" ? "quiet" : "wrong");
 const nodeColumns = [
@@ -37,7 +38,7 @@ const nodeColumns = [
   ['blocks', (n) => fixed(n.blocks, 0), 'number'],
   ['memory', (n) => (n.memory_bytes > 0 ? large(n.memory_bytes) + 'B' : '–'), 'number'],
   ['scenes', (n) => n.scenes, '', () => 'quiet'],
-  ['light computed', (n) => n.light || '', '', () => 'quiet'],
+  ['light', (n) => n.light || '', '', () => 'quiet'],
 ];
 // The farm's goals, in milliseconds at the 99th percentile.
 const goals = { plan: 1, fan_out: 1, relay: 1, overhead: 5 };

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures what compiling costs, in processor seconds: cost.py [--quick] [--fast] [--headers N].
+"""Measures what compiling costs, in processor seconds: cost.py [--quick] [--plain] [--headers N] [--edit].
 
 Builds the target demo, then everything, in a folder of its own without ccache; prints the headers on which most of
-that time is spent, then one JSON line. With --quick it builds only demo; with --fast it sets
-CYCLORAMA_FAST_BUILD.
+that time is spent, then one JSON line. With --quick it builds only demo; with --plain, without precompiled headers and
+with one source at a time. With --edit it measures the time after which a changed source is under test, instead.
 """
 import collections
 import json
@@ -16,11 +16,14 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 FOLDER = ROOT / "build/build-cost"
 INCLUDE = re.compile(r'^#include [<"]([^>"]+)[>"]', re.MULTILINE)
 UNCACHED = {**os.environ, "CCACHE_DISABLE": "1"}
+EDITED = "renderfarm/render/shade.cpp"  # The dearest source of the ray tracer.
+ITS_TEST = "unit/renderfarm/render/kernels_test"
 
 
 def processor_seconds():
@@ -89,12 +92,31 @@ def dearest_headers(most):
     return sorted(rows, key=lambda row: -row[1] * row[2])
 
 
+def configure(*options):
+    subprocess.run(["cmake", "--preset", "release", "-DCYCLORAMA_TESTS=ON", *options, "-B", FOLDER], check=True,
+                   stdout=subprocess.DEVNULL)
+
+
+def measure_edit():
+    """Touches a source, builds its test and runs it; in the folder of an earlier measurement, if there is one."""
+    target = ITS_TEST.replace("/", ".")
+    configure()
+    build("--target", target)
+    (ROOT / EDITED).touch()
+    start = time.monotonic()
+    cpu_s = build("--target", target)
+    cpu_s += cost_of(["ctest", "--test-dir", FOLDER, "--tests-regex", f"^{ITS_TEST}$"], stdout=sys.stderr)
+    wall_s = time.monotonic() - start
+    print(f"{EDITED} is under test after {wall_s:.1f} s, {cpu_s:.1f} of them of a processor")
+    print(json.dumps({"benchmark": "build-cost", "edit_s": round(wall_s, 1), "edit_cpu_s": round(cpu_s, 1)}))
+
+
 def main(words):
+    if "--edit" in words:
+        return measure_edit()
     most = int(words[words.index("--headers") + 1]) if "--headers" in words else 40
     shutil.rmtree(FOLDER, ignore_errors=True)
-    fast = ["-DCYCLORAMA_FAST_BUILD=ON"] if "--fast" in words else []
-    subprocess.run(["cmake", "--preset", "release", "-DCYCLORAMA_TESTS=ON", *fast, "-B", FOLDER], check=True,
-                   stdout=subprocess.DEVNULL)
+    configure(*(["-DCYCLORAMA_FAST_BUILD=OFF"] if "--plain" in words else []))
     demo_s = build("--target", "demo")
     all_s = None if "--quick" in words else demo_s + build()
     print(f"{'header':<48}{'objects':>8}{'s alone':>9}{'s':>8}")

@@ -14,6 +14,7 @@
 #include "renderfarm/light_baking/bake_light.h"
 #include "renderfarm/light_baking/visible_triangles.h"
 #include "renderfarm/quality/flip.h"
+#include "renderfarm/quality/light_error.h"
 #include "renderfarm/render/tone.h"
 
 namespace cyclorama {
@@ -72,19 +73,6 @@ RadianceImage blocks_of(const RadianceImage& image) {
     }
   }
   return blocks;
-}
-
-/// relMSE without the reference's noise: mean of (p - a)(p - b) / (r² + 0.01).
-double unbiased_relmse(const RadianceImage& picture, const RadianceImage& a, const RadianceImage& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < picture.data().size(); ++i) {
-    const auto p = static_cast<double>(picture.data()[i]);
-    const auto pa = static_cast<double>(a.data()[i]);
-    const auto pb = static_cast<double>(b.data()[i]);
-    const double r = 0.5 * (pa + pb);
-    sum += (p - pa) * (p - pb) / (r * r + 0.01);
-  }
-  return sum / static_cast<double>(picture.data().size());
 }
 
 double mean_of(const RadianceImage& image) {
@@ -161,8 +149,11 @@ class Measurement {
                                         : renderer_.render_radiance(view_, whole(), &picture, cancelled);
     if (stop_.requested()) return tools::stopped();
     line->cpu_s_per_mpx += share * cost.cpu_seconds / (1e-6 * static_cast<double>(whole().area()));
-    line->relmse += share * unbiased_relmse(picture, reference.a, reference.b);
-    line->block_relmse.push_back(unbiased_relmse(blocks_of(picture), blocks_of(reference.a), blocks_of(reference.b)));
+    TRY_ASSIGN(const double relmse, quality::unbiased_relative_squared_error(picture, reference.a, reference.b));
+    TRY_ASSIGN(const double block_relmse, quality::unbiased_relative_squared_error(
+                                              blocks_of(picture), blocks_of(reference.a), blocks_of(reference.b)));
+    line->relmse += share * relmse;
+    line->block_relmse.push_back(block_relmse);
     line->bias += share * (mean_of(picture) / mean_of(reference.mean) - 1.0);
     const scene::ToneCurve tone = renderer_.scene().tone;
     TRY_ASSIGN(const quality::Flip flip,

@@ -52,6 +52,11 @@ Status measure_cost(const Options& options, nlohmann::json* json) {
     fmt::print("{:<12}{:>8.2f} cpu-ms{:>8.2f} ms{:>7.2f} x\n", name, cost.cpu_ms, cost.wall_ms, ratio);
     if (cost.mesh_cells > 0) (*json)["ratio_blit"][fmt::format("1/{}", 4 * cost.mesh_cells)] = ratio;
   }
+  const double blit_ms = costs.each.front().cpu_ms;
+  fmt::print("a new frame {:.2f} cpu-ms, {:.2f} x; reusing earlier ones {:.2f} cpu-ms, {:.2f} x\n", costs.taken.cpu_ms,
+             costs.taken.cpu_ms / blit_ms, costs.reusing.cpu_ms, costs.reusing.cpu_ms / blit_ms);
+  (*json)["ratio_new_frame"] = costs.taken.cpu_ms / blit_ms;
+  (*json)["ratio_reusing"] = costs.reusing.cpu_ms / blit_ms;
   (*json)["renderer"] = costs.renderer;
   return Done{};
 }
@@ -99,7 +104,7 @@ Status measure(const Options& options, nlohmann::json* json) {
       for (const int latency_ms : options.latencies_ms) {
         const WalkFarm farm{fps, latency_ms, options.jitter_ms, options.lost_share};
         for (const WalkMethod& method : walk_methods()) {
-          if (!options.all_methods && !(method.predicts && method.moves)) continue;
+          if (!options.all_methods && !method.reuses) continue;
           TRY_ASSIGN(const WalkFigures figures, walked->measure(farm, method, options.pictures_to));
           print_row(*walked, farm, method.name, figures);
           (*json)[fmt::format("{}, {} fps, {} ms, {}", to_text(walked->path().kind()), fps, latency_ms, method.name)] =
@@ -177,6 +182,8 @@ int main(int argc, char** argv) {
   program.add_option("--height", options.pictures.height, "Of the wall's picture, in pixels");
   program.add_option("--scale", options.pictures.frames.scale, "Size of the farm's frames over the wall's, each way");
   program.add_option("--samples", options.pictures.frames.samples, "Per pixel");
+  program.add_option("--truth-in", options.pictures.truth_in,
+                     "Folder that keeps the pictures that judge, for later runs with the same scene");
   program.add_option("--truth-samples", options.pictures.truth_samples, "Per pixel of the pictures that judge");
   program.add_option("--jpeg-quality", options.pictures.frames.jpeg_quality, "Of frames; 0: no JPEG");
   program.add_option("--mesh-cells", options.pictures.frames.mesh_cells,

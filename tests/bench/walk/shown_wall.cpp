@@ -36,27 +36,23 @@ Result<std::unique_ptr<ShownWall>> ShownWall::make(const PictureShape& wall) {
   shown->programs_.emplace(gl);
   TRY_ASSIGN(display::HeadPainter painter, display::HeadPainter::make(gl, &*shown->programs_, plan, texels));
   shown->painter_.emplace(std::move(painter));
-  TRY_ASSIGN(display::ReprojectionPainter reprojection, display::ReprojectionPainter::make(gl, texels));
-  shown->reprojection_.emplace(std::move(reprojection));
-  shown->panorama_.emplace(gl, *shown->program_);
+  TRY_ASSIGN(display::FrameLight light, display::FrameLight::make(gl, *shown->program_, texels));
+  shown->light_.emplace(std::move(light));
   return shown;
 }
 
-Status ShownWall::take(const display::DisplayFrame& frame) {
+Status ShownWall::take(const display::DisplayFrame& frame, bool reuses) {
   frame_ = frame;
-  return panorama_->upload(frame_);
+  if (!reuses) light_->forget();
+  return light_->take(frame_);
 }
 
 Status ShownWall::draw_for(const Eigen::Vector3d& eye_m, double heading_rad, bool moves) {
   const display::EyeMove move = display::eye_move(frame_.eye_m, frame_.heading_rad, eye_m);
-  if (moves && frame_.mesh != nullptr && !move.eye_m.isZero(0.0)) {
-    TRY(reprojection_->draw(*frame_.mesh, move.eye_m, &*panorama_));
-  } else {
-    panorama_->show_unmoved(frame_);
-  }
+  TRY(light_->move(frame_, moves && frame_.mesh != nullptr ? move.eye_m : Eigen::Vector3d::Zero()));
   const double limit = turn_reach(frame_.shape, wall_);
   TRY(output_->draw_to(0));
-  painter_->draw({&*panorama_, display::yaw_shift(frame_.heading_rad, heading_rad, limit).angle_rad});
+  painter_->draw({&light_->panorama(), display::yaw_shift(frame_.heading_rad, heading_rad, limit).angle_rad});
   return output_->gl().check("drawing the wall");
 }
 
@@ -74,12 +70,16 @@ Result<RgbImage> ShownWall::shown(const Eigen::Vector3d& eye_m, double heading_r
 
 Status ShownWall::convert(const Eigen::Vector3d& eye_m) {
   if (eye_m.isZero(0.0)) {
-    panorama_->show_unmoved(frame_);
+    light_->panorama().convert(frame_);
   } else {
-    TRY(reprojection_->draw(*frame_.mesh, eye_m, &*panorama_));
+    TRY(light_->move(frame_, eye_m));
   }
+  return finish();
+}
+
+Status ShownWall::finish() {
   output_->gl().Finish();
-  return output_->gl().check("converting a frame");
+  return output_->gl().check("drawing a frame");
 }
 
 }  // namespace cyclorama

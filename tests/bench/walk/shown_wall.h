@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 
+#include "appliance/display/frame_light.h"
 #include "appliance/display/head_painter.h"
-#include "appliance/display/reprojection_painter.h"
 #include "drivers/output/output.h"
 
 namespace cyclorama {
@@ -17,13 +17,15 @@ class ShownWall {
   /// Errors: those of the headless output, and of the painters.
   static Result<std::unique_ptr<ShownWall>> make(const PictureShape& wall);
 
-  /// Uploads a frame, which has a guard band around the wall's picture.
-  Status take(const display::DisplayFrame& frame);
+  /// Takes a frame, which has a guard band around the wall's picture; if `reuses`, with what earlier ones showed.
+  Status take(const display::DisplayFrame& frame, bool reuses);
   /// Draws the newest frame for a visitor at `eye_m` (Scene frame) with that heading; from its own eye if `moves` is
   /// false or the frame has no mesh.
   Result<RgbImage> shown(const Eigen::Vector3d& eye_m, double heading_rad, bool moves);
-  /// Draws pass 1 alone, as it came or moved by `eye_m` (Eye frame), and waits until the card is done; for timing.
+  /// Draws the frame's light alone, as it came or moved by `eye_m` (Eye frame), and waits until the card is done; for
+  /// timing, like finish().
   Status convert(const Eigen::Vector3d& eye_m);
+  Status finish();
   /// GL's name of its renderer.
   [[nodiscard]] const std::string& renderer() const { return renderer_; }
 
@@ -38,8 +40,7 @@ class ShownWall {
   std::optional<display::PictureProgram> program_;
   std::optional<display::HeadPrograms> programs_;
   std::optional<display::HeadPainter> painter_;
-  std::optional<display::ReprojectionPainter> reprojection_;
-  std::optional<display::PanoramaTexture> panorama_;
+  std::optional<display::FrameLight> light_;
   display::DisplayFrame frame_;
 };
 

@@ -5,9 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <random>
+#include <span>
 
 #include "appliance/display/eye_move.h"
+#include "common/base/file.h"
 #include "common/geometry/guard_band.h"
 #include "common/geometry/picture_place.h"
 #include "common/image/cropped.h"
@@ -49,10 +52,11 @@ display::DisplayFrame frame_of(const WalkPose& pose, const PictureShape& shape, 
 }  // namespace
 
 const std::vector<WalkMethod>& walk_methods() {
-  static const std::vector<WalkMethod> kAll{{"hold the last picture", false, false},
-                                            {"predicted", true, false},
-                                            {"moved", false, true},
-                                            {"predicted and moved", true, true}};
+  static const std::vector<WalkMethod> kAll{{"hold the last picture", false, false, false},
+                                            {"predicted", true, false, false},
+                                            {"moved", false, true, false},
+                                            {"predicted and moved", true, true, false},
+                                            {"and earlier reused", true, true, true}};
   return kAll;
 }
 
@@ -124,18 +128,37 @@ Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with
   return frame;
 }
 
-Result<const RgbImage*> WalkCase::truth_at(int refresh) {
-  RgbImage& truth = truth_[static_cast<std::size_t>(refresh)];
-  if (truth.empty()) {
-    const WalkPose pose = path_.at(refresh);
-    RgbImage pixels;
-    InverseDepthImage none;
-    renderer_.render(view_of(pose, whole_, settings_.truth_samples), {0, 0, width_px(whole_), height_px(whole_)},
-                     &pixels, &none, nullptr);
-    TRY(shown_->take(frame_of(pose, whole_, pixels)));
-    TRY_ASSIGN(truth, shown_->shown(pose.eye_m, pose.heading_rad, false));
+Result<RgbImage> WalkCase::rendered_truth(int refresh) {
+  const WalkPose pose = path_.at(refresh);
+  RgbImage pixels;
+  InverseDepthImage none;
+  renderer_.render(view_of(pose, whole_, settings_.truth_samples), {0, 0, width_px(whole_), height_px(whole_)}, &pixels,
+                   &none, nullptr);
+  TRY(shown_->take(frame_of(pose, whole_, pixels), false));
+  return shown_->shown(pose.eye_m, pose.heading_rad, false);
+}
+
+Status WalkCase::complete_truth() {
+  for (int refresh = 0; refresh < path_.refreshes(); ++refresh) {
+    RgbImage& truth = truth_[static_cast<std::size_t>(refresh)];
+    if (!truth.empty()) continue;
+    if (settings_.truth_in.empty()) {
+      TRY_ASSIGN(truth, rendered_truth(refresh));
+      continue;
+    }
+    const std::filesystem::path kept =
+        settings_.truth_in / fmt::format("{}_{}x{}_{:.3f}_{}_{:03}.rgb", to_text(path_.kind()), settings_.width,
+                                         settings_.height, settings_.span_rad, settings_.truth_samples, refresh);
+    RgbImage picture(settings_.width, settings_.height);
+    if (const auto bytes = read_file(kept, picture.data().size()); bytes && bytes->size() == picture.data().size()) {
+      std::memcpy(picture.data().data(), bytes->data(), bytes->size());
+    } else {
+      TRY_ASSIGN(picture, rendered_truth(refresh));
+      TRY(write_file_atomically(kept, std::as_bytes(picture.data())));
+    }
+    truth = std::move(picture);
   }
-  return &truth;
+  return Done{};
 }
 
 std::vector<WalkCase::DueFrame> WalkCase::due_frames(const WalkFarm& farm) const {
@@ -160,40 +183,41 @@ Result<WalkFigures> WalkCase::measure(const WalkFarm& farm, const WalkMethod& me
                                       const std::filesystem::path& pictures_to) {
   WalkFigures figures;
   WalkScore score;
+  TRY(complete_truth());
   const std::vector<DueFrame> due = due_frames(farm);
   std::size_t next = 0;
   double torn = 0.0;
   std::optional<display::DisplayFrame> frame;
   for (int refresh = 0; refresh < path_.refreshes(); ++refresh) {
     const WalkPose pose = path_.at(refresh);
-    TRY_ASSIGN(const RgbImage* const truth, truth_at(refresh));
+    const RgbImage& truth = truth_[static_cast<std::size_t>(refresh)];
     bool is_new = false;
     while (next < due.size() && due[next].at_s <= refresh / settings_.refresh_hz + 1e-9) ++next, is_new = true;
     if (next == 0) continue;
     std::optional<RgbImage> by_old;
     if (is_new) {
       if (frame) {
-        TRY(shown_->take(*frame));
         TRY_ASSIGN(by_old, shown_->shown(pose.eye_m, pose.heading_rad, method.moves));
       }
+      const bool reuses = method.reuses && frame.has_value();
       const int requested = due[next - 1].requested;
       const double ahead_s = farm.latency_ms / 1000.0 + 0.5 / farm.fps;
       TRY_ASSIGN(frame, frame_at(method.predicts ? path_.predicted(requested, ahead_s) : path_.at(requested),
                                  method.moves, &figures));
       ++figures.frames;
+      TRY(shown_->take(*frame, reuses));
     }
-    TRY(shown_->take(*frame));
     TRY_ASSIGN(const RgbImage shown, shown_->shown(pose.eye_m, pose.heading_rad, method.moves));
     if (by_old) score.add_switch(*by_old, shown);
     if (frame->mesh != nullptr) {
       torn += torn_px(*frame, display::eye_move(frame->eye_m, frame->heading_rad, pose.eye_m).eye_m);
     }
-    TRY_ASSIGN(const bool is_worst, score.add(shown, *truth, is_new));
+    TRY_ASSIGN(const bool is_worst, score.add(shown, truth, is_new));
     if (is_worst && !pictures_to.empty()) {
       const std::string name =
           fmt::format("{}_{}_{}_{}", to_text(path_.kind()), farm.fps, farm.latency_ms, method.name);
       TRY(write_png(pictures_to / (name + ".png"), shown));
-      TRY(write_png(pictures_to / (name + "_truth.png"), *truth));
+      TRY(write_png(pictures_to / (name + "_truth.png"), truth));
     }
   }
   if (score.refreshes() == 0)

@@ -19,6 +19,7 @@ struct WalkMethod {
   const char* name;
   bool predicts;  ///< Views are requested for the position where the visitor will be.
   bool moves;     ///< The display moves the frame's eye.
+  bool reuses;    ///< The display reuses what earlier frames showed.
 };
 [[nodiscard]] const std::vector<WalkMethod>& walk_methods();
 
@@ -47,6 +48,8 @@ struct WalkPictures {
   double refresh_hz = 60.0;
   int refreshes = 90;
   WalkFrames frames;
+  /// Folder of one scene's truth, which is written there and read again; empty: none.
+  std::filesystem::path truth_in;
 };
 
 /// Renders and shows one walk. Keeps the truth, so that several farms and methods are compared with the same.
@@ -71,7 +74,9 @@ class WalkCase {
   /// A frame as the farm sends it; its bytes and its cost are added to `sums`.
   Result<display::DisplayFrame> frame_at(const WalkPose& pose, bool with_mesh, WalkFigures* sums);
   [[nodiscard]] render::PanoramaView view_of(const WalkPose& pose, const PictureShape& shape, int samples);
-  Result<const RgbImage*> truth_at(int refresh);
+  /// Renders what is missing of the truth at all refreshes.
+  Status complete_truth();
+  Result<RgbImage> rendered_truth(int refresh);
   /// The frames that come, in the order of their requests.
   [[nodiscard]] std::vector<DueFrame> due_frames(const WalkFarm& farm) const;
 

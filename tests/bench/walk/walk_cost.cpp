@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kDrawsPerRun = 4;
 constexpr int kPillars = 24;
+constexpr std::size_t kSoftwareMesh = 2;  ///< Index of the mesh that a display without a card draws.
 
 /// A round room of 5 m with pillars between 1.5 and 4 m.
 InverseDepthImage pillared_room(int width, int height) {
@@ -46,6 +47,30 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+/// Processor and wall time of runs of kDrawsPerRun drawings.
+class Times {
+ public:
+  template <typename Draw>
+  Status measure(bool counts, Draw draw) {
+    const double cpu_before = cpu_seconds();
+    const TimePoint before = clock_.now();
+    for (int n = 0; n < kDrawsPerRun; ++n) TRY(draw(n));
+    if (!counts) return Done{};
+    cpu_ms_.push_back(1e3 * (cpu_seconds() - cpu_before) / kDrawsPerRun);
+    wall_ms_.push_back(to_milliseconds(clock_.now() - before) / kDrawsPerRun);
+    return Done{};
+  }
+  void write_to(WalkCost* cost) const {
+    cost->cpu_ms = median(cpu_ms_);
+    cost->wall_ms = median(wall_ms_);
+  }
+
+ private:
+  SteadyClock clock_;
+  std::vector<double> cpu_ms_;
+  std::vector<double> wall_ms_;
+};
+
 }  // namespace
 
 Result<WalkCosts> walk_costs(int width, int height, int rounds) {
@@ -55,7 +80,7 @@ Result<WalkCosts> walk_costs(int width, int height, int rounds) {
   frame.shape = wall;
   frame.picture = std::make_shared<const PlanarPicture>(width, height, true);
   const InverseDepthImage depth = pillared_room(width, height);
-  WalkCosts costs{shown->renderer(), {{0}, {1}, {2}, {4}}};
+  WalkCosts costs{shown->renderer(), {{0}, {1}, {2}, {4}}, {2}, {2}};
   std::vector<display::DisplayFrame> frames;
   for (const WalkCost& cost : costs.each) {
     const int cell_px = kDepthCellPx * std::max(1, cost.mesh_cells);
@@ -63,27 +88,28 @@ Result<WalkCosts> walk_costs(int width, int height, int rounds) {
         std::make_shared<const display::ReprojectionGrid>(Projection{wall, {}}, cell_px), depth);
     frames.push_back(frame);
   }
-  std::vector<std::vector<double>> cpu(frames.size());
-  std::vector<std::vector<double>> wall_time(frames.size());
-  const SteadyClock clock;
+  std::vector<Times> moves(frames.size());
+  Times taken, reusing;
   for (int round = -1; round < rounds; ++round) {  // The first warms up.
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      TRY(shown->take(frames[i]));
-      const bool moves = costs.each[i].mesh_cells > 0;
-      const double cpu_before = cpu_seconds();
-      const TimePoint before = clock.now();
-      for (int n = 0; n < kDrawsPerRun; ++n) {
-        TRY(shown->convert(moves ? Eigen::Vector3d(0.05 + 0.002 * n, 0.0, -0.03) : Eigen::Vector3d::Zero()));
-      }
-      if (round < 0) continue;
-      cpu[i].push_back(1e3 * (cpu_seconds() - cpu_before) / kDrawsPerRun);
-      wall_time[i].push_back(to_milliseconds(clock.now() - before) / kDrawsPerRun);
+      TRY(shown->take(frames[i], false));
+      const bool is_moved = costs.each[i].mesh_cells > 0;
+      TRY(moves[i].measure(round >= 0, [&](int n) {
+        return shown->convert(is_moved ? Eigen::Vector3d(0.05 + 0.002 * n, 0.0, -0.03) : Eigen::Vector3d::Zero());
+      }));
+    }
+    for (const bool reuses : {false, true}) {
+      const auto draw = [&, next = frames[kSoftwareMesh]](int n) mutable -> Status {
+        next.eye_m = {0.02 * n, 0.0, -0.05 * n};
+        TRY(shown->take(next, reuses));
+        return shown->finish();
+      };
+      TRY((reuses ? reusing : taken).measure(round >= 0, draw));
     }
   }
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    costs.each[i].cpu_ms = median(cpu[i]);
-    costs.each[i].wall_ms = median(wall_time[i]);
-  }
+  for (std::size_t i = 0; i < frames.size(); ++i) moves[i].write_to(&costs.each[i]);
+  taken.write_to(&costs.taken);
+  reusing.write_to(&costs.reusing);
   return costs;
 }
 

@@ -16,10 +16,13 @@ struct WalkCost {
 };
 struct WalkCosts {
   std::string renderer;
-  std::vector<WalkCost> each;  ///< The first is without a move.
+  std::vector<WalkCost> each;  ///< Each refresh; the first is without a move.
+  WalkCost taken;              ///< A new frame: upload and pass 1.
+  WalkCost reusing;            ///< A new frame that reuses earlier ones.
 };
 
-/// Measures pass 1 for a frame of a room with pillars, in turns, so that other load meets all alike. Errors: GL's.
+/// Measures what comes before pass 2 for frames of a room with pillars, in turns, so that other load meets all alike.
+/// Errors: GL's.
 Result<WalkCosts> walk_costs(int width, int height, int rounds);
 
 }  // namespace cyclorama

@@ -107,9 +107,13 @@ const std::set<std::string> kReviewed = {
     "View.first_sample: uint32",
     "View.heading_rad: double",
     "View.jpeg_quality: uint32",
+    // SHA-256 of the light's file: a name, from which nothing of the scene can be computed.
+    "View.light: string",
     "View.light_samples: uint32",
     "View.number: uint64",
     "View.panorama: Panorama",
+    "View.prior_samples: uint32",
+    "View.prior_weight: float",
     "View.samples: uint32",
     "View.sequence: uint32",
     "View.shutter_ns: int64",

@@ -3,10 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+
 #include "renderfarm/client/farm_client.h"
 #include "renderfarm/coordinator/coordinator.h"
 #include "renderfarm/node/embree_block_renderer.h"
 #include "renderfarm/node/farm_node.h"
+#include "renderfarm/node/light_program.h"
 #include "tests/data_sets/scene_folder.h"
 #include "tests/doubles/recording_farm_listener.h"
 
@@ -49,14 +55,27 @@ class SceneDistributionTest : public testing::Test {
     CoordinatorOptions options;
     options.scenes = {{"tent", folder.string(), on_coordinator}};
     options.museums = options.nodes = "[::1]:0";
-    auto started = Coordinator::start(options, [](const std::string&, const NoticeAbout&) {});
+    options.limits.light_gathering = Duration::zero();
+    auto started = Coordinator::start(options, [this](const std::string& sentence, const NoticeAbout&) {
+      const std::lock_guard lock(mutex);
+      notices.push_back(sentence);
+      noticed.notify_all();
+    });
     ASSERT_TRUE(started) << started.error().message();
     coordinator = *std::move(started);
   }
-  [[nodiscard]] std::unique_ptr<node::FarmNode> add_node(const std::string& cache) const {
+  /// Waits until the coordinator says something that contains these words.
+  [[nodiscard]] bool wait_for_notice(const std::string& words) {
+    std::unique_lock lock(mutex);
+    return noticed.wait_for(lock, std::chrono::seconds(8), [&] {
+      return std::ranges::any_of(notices, [&](const std::string& notice) { return notice.find(words) != notice.npos; });
+    });
+  }
+  [[nodiscard]] std::unique_ptr<node::FarmNode> add_node(const std::string& cache,
+                                                         const node::LightStarter& light = nullptr) const {
     node::FarmNodeOptions options{.coordinators = {"[::1]:" + std::to_string(coordinator->node_port())}, .name = cache};
     options.cache = {temporary.path() / cache, 0};
-    auto started = node::FarmNode::start(options, node::embree_scene_loader(1));
+    auto started = node::FarmNode::start(options, node::embree_scene_loader(1), light);
     EXPECT_TRUE(started);
     return *std::move(started);
   }
@@ -80,7 +99,23 @@ class SceneDistributionTest : public testing::Test {
 
   TemporaryFolder temporary;
   const fs::path folder = temporary.path() / "scene";
+  std::mutex mutex;  ///< Guards the following.
+  std::condition_variable noticed;
+  std::vector<std::string> notices;
   std::unique_ptr<Coordinator> coordinator;
+};
+
+/// Light that was computed when it began.
+class ComputedLight final : public node::LightComputation {
+ public:
+  explicit ComputedLight(Status result) : result_(std::move(result)) {}
+  void pause() override {}
+  void resume() override {}
+  [[nodiscard]] double done_share() override { return 1.0; }
+  [[nodiscard]] std::optional<Status> result() override { return result_; }
+
+ private:
+  const Status result_;
 };
 
 TEST_F(SceneDistributionTest, brings_a_scene_to_an_empty_node_that_renders_the_same_picture) {
@@ -110,6 +145,32 @@ TEST_F(SceneDistributionTest, reloads_a_scene_that_was_changed_while_the_coordin
   node = add_node("cache");
   EXPECT_NE(picture(), before);
   EXPECT_EQ(coordinator->sent_file_bytes(), darker.size());  // The tent's own file was in the cache.
+}
+
+TEST_F(SceneDistributionTest, has_light_computed_by_one_node_and_gives_it_to_the_others) {
+  std::atomic<int> computations = 0;
+  const node::LightStarter starter = [&](const fs::path& scene,
+                                         const fs::path& file) -> Result<std::unique_ptr<node::LightComputation>> {
+    ++computations;
+    return std::unique_ptr<node::LightComputation>(
+        std::make_unique<ComputedLight>(node::compute_light(scene, file, 1, [](double) {})));
+  };
+  start_coordinator(true);
+  auto second = add_node("second");
+  ASSERT_TRUE(wait_for_notice("node 'second' has scene 'tent'"));
+  auto first = add_node("first", starter);
+  ASSERT_TRUE(wait_for_notice("has its light computed")) << "it is not used before both have it";
+  EXPECT_EQ(computations, 1);
+  EXPECT_FALSE(picture().empty());
+  // A restarted coordinator learns of the light from the nodes that have kept it.
+  second.reset();
+  first.reset();
+  coordinator.reset();
+  notices.clear();
+  start_coordinator(true);
+  second = add_node("second", starter);
+  ASSERT_TRUE(wait_for_notice("has its light computed"));
+  EXPECT_EQ(computations, 1);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderfarm/governor/stored_light_front.h"
+
 namespace cyclorama::governor {
 namespace {
 
@@ -84,6 +86,25 @@ TEST(Refinement, starts_no_worse_than_the_moving_picture) {
   EXPECT_EQ(Refinement(front, front[0], 1024).next(0.0)->end, 2);
   const ParetoFront only = *ParetoFront::make({denoised});
   EXPECT_EQ(Refinement(only, only[0], 1024).next(0.0)->end, 4) << "nothing to compare with";
+}
+
+TEST(Refinement, begins_with_stored_light_as_a_prior_that_counts_as_the_samples_of_its_error) {
+  ParetoPoint small = point_of(0.1, 0.5, 1);
+  small.quality.scale = 0.5;
+  small.quality.render.stored_light = true;
+  ParetoPoint stored = point_of(0.5, 0.02, 4);
+  stored.quality.render.stored_light = true;
+  const ParetoFront front = *ParetoFront::make({small, stored, point_of(64, 1.0 / 64, 64)});
+  EXPECT_TRUE(uses_stored_light(front));
+  const Refinement refinement(front, front[0], 1024);
+  EXPECT_EQ(refinement.prior().samples, 4);
+  EXPECT_NEAR(refinement.prior().weight, 50.0, 1e-9);
+  EXPECT_FALSE(refinement.quality().render.stored_light);
+  EXPECT_EQ(steps(refinement), (std::vector<int>{1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}));
+  EXPECT_EQ(Refinement(plain_pareto_front(), plain_pareto_front()[0], 64).prior().samples, 0);
+  EXPECT_FALSE(uses_stored_light(plain_pareto_front()));
+  const ParetoFront only = *ParetoFront::make({stored});
+  EXPECT_EQ(Refinement(only, only[0], 1024).prior().samples, 0) << "the error of paths is unknown";
 }
 
 TEST(Refinement, turns_off_what_would_bias_the_reference) {

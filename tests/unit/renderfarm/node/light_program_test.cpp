@@ -8,6 +8,8 @@
 #include <csignal>
 #include <fstream>
 
+#include "common/base/file.h"
+#include "renderfarm/light/light_file.h"
 #include "renderfarm/node/embree_block_renderer.h"
 
 namespace cyclorama::node {
@@ -27,6 +29,11 @@ class LightProgram : public testing::Test {
   }
   ~LightProgram() override { fs::remove_all(folder); }
 
+  [[nodiscard]] Result<VersionedLight> added(BlockRenderer& renderer) const {
+    TRY_ASSIGN(const MappedFile mapped, MappedFile::open(file));
+    return renderer.add_light(mapped.bytes(), file.string());
+  }
+
   const fs::path folder = fs::path(testing::TempDir()) / "light_program_test";
   const fs::path scene = folder / "sheet.obj";
   const fs::path file = folder / "out" / "light.store";
@@ -41,24 +48,25 @@ TEST_F(LightProgram, writes_light_that_the_scenes_renderer_uses) {
   ASSERT_TRUE(done) << done.error().message();
   EXPECT_EQ(last, 1.0);
   const auto renderer = *embree_scene_loader(2)(scene.string(), [](double) {});
-  EXPECT_TRUE(renderer->wants_light());
-  EXPECT_EQ(renderer->pareto_front(), "");
-  const auto use = renderer->light_from(file);
-  ASSERT_TRUE(use) << use.error().message();
-  EXPECT_TRUE(renderer->wants_light()) << "not before it is called";
-  (*use)();
-  EXPECT_FALSE(renderer->wants_light());
-  EXPECT_THAT(renderer->pareto_front(), HasSubstr("stored_light = true"));
+  EXPECT_TRUE(renderer->can_have_light());
+  EXPECT_FALSE(renderer->light_versions()->newest());
+  const auto light = added(*renderer);
+  ASSERT_TRUE(light) << light.error().message();
+  EXPECT_EQ(renderer->light_versions()->newest()->version, light->version);
+  EXPECT_EQ(light->file_bytes, fs::file_size(file));
+  EXPECT_THAT(light->store->settings, HasSubstr("cyclorama " CYCLORAMA_VERSION));
+  EXPECT_EQ(version_of(light::light_file_bytes(*light->store)), light->version)
+      << "a node can send the light that it has in memory";
 }
 
 TEST_F(LightProgram, refuses_light_of_another_scene_and_a_damaged_file) {
   ASSERT_TRUE(compute_light(scene, file, 2, [](double) {}));
   std::ofstream(folder / "other.obj") << "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n";
   const auto other = *embree_scene_loader(1)((folder / "other.obj").string(), [](double) {});
-  EXPECT_THAT(other->light_from(file).error().message(), HasSubstr("another scene"));
+  EXPECT_THAT(added(*other).error().message(), HasSubstr("another scene"));
   fs::resize_file(file, fs::file_size(file) - 1);
   const auto renderer = *embree_scene_loader(1)(scene.string(), [](double) {});
-  EXPECT_THAT(renderer->light_from(file).error().message(), HasSubstr("damaged"));
+  EXPECT_THAT(added(*renderer).error().message(), HasSubstr("damaged"));
 }
 
 TEST_F(LightProgram, tells_of_a_full_disk_and_leaves_nothing) {

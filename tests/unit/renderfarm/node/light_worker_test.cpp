@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <span>
+#include <string_view>
 
 #include "common/base/file.h"
 #include "renderfarm/node/node_controller.h"
@@ -24,6 +26,9 @@ const std::filesystem::path& cache() {
   return folder;
 }
 
+/// Returns the version of a file of these bytes.
+std::string version_named(std::string_view bytes) { return version_of(std::as_bytes(std::span(bytes))); }
+
 class LightWorkerTest : public testing::Test {
  protected:
   [[nodiscard]] double reported_share() const {
@@ -35,17 +40,18 @@ class LightWorkerTest : public testing::Test {
   FakeClock clock;
   std::shared_ptr<FakeLight> light = std::make_shared<FakeLight>();
   bool has_blocks = false;
+  bool is_wanted = true;
   std::vector<std::string> finished;
   LightWorker worker{fake_light_starter(light),
                      LightFiles(cache()),
-                     {[this] { return has_blocks; },
+                     {[this] { return has_blocks; }, [this](const std::string&) { return is_wanted; },
                       [this](const std::string& path, const std::filesystem::path&, const Status& status) {
                         finished.push_back(path + (status ? "" : ": " + status.error().message()));
                       }},
                      clock};
 };
 
-TEST_F(LightWorkerTest, computes_one_scene_after_the_other_and_each_once) {
+TEST_F(LightWorkerTest, computes_one_scene_after_the_other) {
   EXPECT_FALSE(worker.work());
   worker.want("a", "grotto");
   worker.want("b", "cave");
@@ -64,7 +70,6 @@ TEST_F(LightWorkerTest, computes_one_scene_after_the_other_and_each_once) {
   worker.work();
   worker.work();
   worker.work();
-  worker.want("a", "grotto");
   EXPECT_FALSE(worker.work());
   EXPECT_THAT(light->begun, ElementsAre("a", "b"));
   EXPECT_THAT(finished, ElementsAre("a", "b"));
@@ -114,6 +119,16 @@ TEST_F(LightWorkerTest, expects_the_time_that_is_left_from_the_time_that_it_work
   EXPECT_NEAR(status.light(0).seconds_left(), 10.0, 1e-6);
 }
 
+TEST_F(LightWorkerTest, gives_up_the_light_of_a_scene_that_was_replaced) {
+  worker.want("a", "grotto");
+  worker.work();
+  is_wanted = false;
+  EXPECT_TRUE(worker.work());
+  EXPECT_TRUE(light->is_ended);
+  EXPECT_FALSE(worker.work());
+  EXPECT_THAT(finished, ElementsAre());
+}
+
 TEST_F(LightWorkerTest, ends_the_computation_when_the_node_stops) {
   worker.want("a", "grotto");
   worker.work();
@@ -124,11 +139,12 @@ TEST_F(LightWorkerTest, ends_the_computation_when_the_node_stops) {
 }
 
 TEST_F(LightWorkerTest, reports_why_nothing_can_be_written) {
-  LightWorker homeless(
-      fake_light_starter(light), LightFiles(""),
-      {[] { return false; }, [this](const std::string&, const std::filesystem::path&,
-                                    const Status& status) { finished.push_back(status.error().message()); }},
-      clock);
+  LightWorker homeless(fake_light_starter(light), LightFiles(""),
+                       {[] { return false; }, [](const std::string&) { return true; },
+                        [this](const std::string&, const std::filesystem::path&, const Status& status) {
+                          finished.push_back(status.error().message());
+                        }},
+                       clock);
   homeless.want("scene.ply", "grotto");
   homeless.work();
   EXPECT_THAT(finished, ElementsAre(HasSubstr("give the node a cache")));
@@ -137,7 +153,7 @@ TEST_F(LightWorkerTest, reports_why_nothing_can_be_written) {
 
 class NodeLight : public testing::Test {
  protected:
-  NodeLight() { rendering->wants_light = true; }
+  NodeLight() { rendering->can_have_light = true; }
   /// Returns the reply to the load of a scene.
   wire::SceneLoaded load(const std::string& path = "a") {
     wire::NodeCommand command;
@@ -145,16 +161,37 @@ class NodeLight : public testing::Test {
     command.mutable_load_scene()->set_path(path);
     EXPECT_TRUE(controller.take(link, command));
     EXPECT_TRUE(controller.loads().work());
-    return next();
+    return next().scene_loaded();
   }
-  wire::SceneLoaded next() {
+  void order_light() {
+    wire::NodeCommand command;
+    command.mutable_compute_light()->set_scene("grotto");
+    EXPECT_TRUE(controller.take(link, command));
+  }
+  /// Has the light computed; its file has these bytes.
+  void compute(const std::string& bytes) {
+    begin_light();
+    finish_light(bytes);
+  }
+  void begin_light() {
+    light->result.reset();
+    order_light();
+    controller.lights().work();
+  }
+  void finish_light(const std::string& bytes) {
+    EXPECT_TRUE(write_file_atomically(light->file, bytes));
+    light->result = Status(Done{});
+    controller.lights().work();
+    std::filesystem::remove(light->file);
+  }
+  wire::NodeReport next() {
     const auto item = link->pop(SteadyClock().now());
-    return item ? std::get<wire::NodeReport>(*item).scene_loaded() : wire::SceneLoaded();
+    return item ? std::get<wire::NodeReport>(*item) : wire::NodeReport();
   }
-  wire::NodeCommand block() {
+  wire::NodeCommand block(const std::string& version = "") {
     wire::NodeCommand command;
     wire::RenderBlock& render = *command.mutable_render();
-    render.set_block(1);
+    render.set_block(++blocks);
     render.set_session(1);
     render.set_scene("grotto");
     render.set_width_px(512);
@@ -163,6 +200,8 @@ class NodeLight : public testing::Test {
     view.set_number(1);
     view.set_samples(1);
     view.set_jpeg_quality(90);
+    view.set_stored_light(!version.empty());
+    view.set_light(version);
     view.mutable_panorama()->set_width_px(512);
     view.mutable_panorama()->set_height_px(256);
     view.mutable_panorama()->set_azimuth_span_rad(2.0);
@@ -170,33 +209,45 @@ class NodeLight : public testing::Test {
     view.mutable_panorama()->set_tan_elevation_bottom(-0.5);
     return command;
   }
+  /// Renders what is queued and returns the last block's error.
+  std::string rendered() {
+    while (controller.renders().work()) {
+    }
+    std::string error = "no block ended";
+    while (const auto item = link->pop(SteadyClock().now())) {
+      if (const auto* const end = std::get_if<RenderedBlock>(&*item)) error = end->error;
+    }
+    return error;
+  }
 
   std::shared_ptr<FakeRendering> rendering = std::make_shared<FakeRendering>();
   std::shared_ptr<FakeLight> light = std::make_shared<FakeLight>();
   NodeController controller{fake_loader(rendering), 0, {cache(), 0}, fake_light_starter(light)};
   std::shared_ptr<NodeLink> link = controller.open();
+  std::uint64_t blocks = 0;
 };
 
-TEST_F(NodeLight, is_computed_while_idle_and_then_described_to_the_coordinator) {
-  EXPECT_EQ(load().front(), "");
+TEST_F(NodeLight, is_computed_on_command_and_then_reported_under_its_version) {
+  EXPECT_TRUE(load().can_compute_light());
+  EXPECT_FALSE(controller.lights().work()) << "not before the command";
+  order_light();
   ASSERT_TRUE(controller.lights().work());
   light->done_share = 0.5;
   controller.lights().work();
   EXPECT_EQ(controller.status().status().light(0).scene(), "grotto");
   EXPECT_EQ(controller.status().status().light(0).done_share(), 0.5);
-  light->result = Status(Done{});
-  controller.lights().work();
-  EXPECT_EQ(next().scene(), "") << "it is the rendering thread that switches";
-  controller.renders().work();
-  const wire::SceneLoaded again = next();
-  EXPECT_EQ(again.scene(), "grotto");
-  EXPECT_THAT(again.front(), HasSubstr("stored_light = true"));
-  EXPECT_EQ(again.note(), "");
+  compute("light");
+  const wire::SceneLight report = next().scene_light();
+  EXPECT_EQ(report.scene(), "grotto");
+  EXPECT_EQ(report.error(), "");
+  EXPECT_EQ(report.light().version(), version_named("light"));
+  EXPECT_EQ(report.light().bytes(), 5u);
   EXPECT_EQ(controller.status().status().light_size(), 0);
 }
 
 TEST_F(NodeLight, pauses_as_soon_as_a_block_arrives) {
   load();
+  order_light();
   controller.lights().work();
   ASSERT_TRUE(controller.take(link, block()));
   EXPECT_TRUE(light->is_paused);
@@ -204,42 +255,57 @@ TEST_F(NodeLight, pauses_as_soon_as_a_block_arrives) {
   EXPECT_TRUE(light->is_paused);
 }
 
-TEST_F(NodeLight, is_not_switched_in_the_middle_of_a_block) {
+TEST_F(NodeLight, of_a_block_is_the_version_that_it_names_even_when_another_comes_meanwhile) {
   load();
-  controller.lights().work();
-  ASSERT_TRUE(controller.take(link, block()));
+  compute("first");
+  const std::string first = next().scene_light().light().version();
+  begin_light();
+  ASSERT_TRUE(controller.take(link, block(first)));
   ASSERT_TRUE(controller.renders().work()) << "the first of two tiles";
-  light->result = Status(Done{});
-  controller.lights().work();
+  finish_light("second");
   ASSERT_TRUE(controller.renders().work()) << "the second";
-  std::vector<bool> is_report;
-  while (controller.renders().work() || is_report.size() < 4) {
-    const auto item = link->pop(SteadyClock().now());
-    if (!item) break;
-    is_report.push_back(std::holds_alternative<wire::NodeReport>(*item));
-  }
-  EXPECT_THAT(is_report, ElementsAre(false, false, false, true)) << "two tiles, the end, the new description";
+  EXPECT_EQ(rendering->used_light(), first);
+  EXPECT_EQ(rendered(), "");
+  ASSERT_TRUE(controller.take(link, block(version_named("second"))));
+  EXPECT_EQ(rendered(), "");
+  EXPECT_EQ(rendering->used_light(), version_named("second"));
+  ASSERT_TRUE(controller.take(link, block(first)));
+  EXPECT_EQ(rendered(), "") << "pictures at rest keep the version before";
+  ASSERT_TRUE(controller.take(link, block(version_named("third"))));
+  EXPECT_THAT(rendered(), HasSubstr("has no light of version"));
 }
 
-TEST_F(NodeLight, that_cannot_be_computed_is_told_once_and_the_scene_stays) {
+TEST_F(NodeLight, that_a_block_reads_must_have_a_version) {
   load();
+  wire::NodeCommand command = block();
+  command.mutable_render()->mutable_view()->set_stored_light(true);
+  ASSERT_TRUE(controller.take(link, command));
+  EXPECT_THAT(rendered(), HasSubstr("view.light is empty"));
+}
+
+TEST_F(NodeLight, that_cannot_be_computed_is_told_and_the_scene_stays) {
+  load();
+  order_light();
   controller.lights().work();
   light->result = Status(Error(ErrorCode::kSystem, "writing 'x': its disk is full"));
   controller.lights().work();
-  controller.renders().work();
-  const wire::SceneLoaded again = next();
-  EXPECT_EQ(again.error(), "");
-  EXPECT_EQ(again.front(), "");
-  EXPECT_THAT(again.note(), HasSubstr("its disk is full"));
-  EXPECT_EQ(load().error(), "");
-  EXPECT_FALSE(controller.lights().work()) << "not tried again";
+  const wire::SceneLight report = next().scene_light();
+  EXPECT_THAT(report.error(), HasSubstr("its disk is full"));
+  EXPECT_FALSE(report.has_light());
+  ASSERT_TRUE(controller.take(link, block()));
+  EXPECT_EQ(rendered(), "");
+  EXPECT_FALSE(controller.lights().work()) << "not tried again by itself";
 }
 
 TEST_F(NodeLight, of_a_damaged_file_is_told_and_computed_anew) {
   rendering->refuses_light = true;
   const std::filesystem::path file = *LightFiles(cache()).prepare("damaged");
   ASSERT_TRUE(write_file_atomically(file, std::string_view("damaged")));
-  EXPECT_THAT(load("damaged").note(), HasSubstr("the file is damaged"));
+  const wire::SceneLoaded loaded = load("damaged");
+  EXPECT_THAT(loaded.note(), HasSubstr("the file is damaged"));
+  EXPECT_TRUE(loaded.can_compute_light());
+  EXPECT_FALSE(loaded.has_light());
+  order_light();
   controller.lights().work();
   EXPECT_THAT(light->begun, ElementsAre("damaged"));
   EXPECT_EQ(light->file, file);
@@ -249,9 +315,14 @@ TEST_F(NodeLight, of_a_damaged_file_is_told_and_computed_anew) {
 TEST_F(NodeLight, is_read_from_the_cache_when_the_scene_is_loaded_again) {
   const std::filesystem::path file = *LightFiles(cache()).prepare("kept");
   ASSERT_TRUE(write_file_atomically(file, std::string_view("light")));
-  EXPECT_THAT(load("kept").front(), HasSubstr("stored_light = true"));
+  EXPECT_EQ(load("kept").light().version(), version_named("light"));
   EXPECT_FALSE(controller.lights().work());
   std::filesystem::remove(file);
+}
+
+TEST_F(NodeLight, of_a_scene_that_is_not_loaded_is_not_computed) {
+  order_light();
+  EXPECT_FALSE(controller.lights().work());
 }
 
 }  // namespace

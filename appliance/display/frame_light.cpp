@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "appliance/display/frame_light.h"
+
+#include "common/geometry/picture_place.h"
+
+namespace cyclorama::display {
+
+Result<FrameLight> FrameLight::make(const output::Gl& gl, const PictureProgram& program, Texels texels) {
+  TRY_ASSIGN(ReprojectionPainter reprojection, ReprojectionPainter::make(gl, texels));
+  TRY_ASSIGN(FrameReuse reuse, FrameReuse::make(gl, texels));
+  return FrameLight(gl, program, std::move(reprojection), std::move(reuse));
+}
+
+Status FrameLight::warm_up(const PictureShape& shape) {
+  constexpr int kSide_px = 32;
+  DisplayFrame frame;
+  frame.shape = with_pixels(shape, kSide_px, kSide_px);
+  frame.picture = std::make_shared<const PlanarPicture>(kSide_px, kSide_px, true);
+  frame.mesh = std::make_shared<const ReprojectionMesh>(
+      std::make_shared<const ReprojectionGrid>(Projection{frame.shape, {}}, kSide_px),
+      InverseDepthImage(1, 1, inverse_depth_of(1.0f)));
+  const Eigen::Vector3d beside_m(0.1, 0.0, 0.0);
+  TRY(take(frame));
+  frame.eye_m = beside_m;
+  TRY(take(frame));
+  TRY(move(frame, beside_m));
+  forget();
+  return Done{};
+}
+
+Status FrameLight::take(const DisplayFrame& frame) {
+  const bool reuses = reuse_.is_useful_for(frame);
+  if (reuses) panorama_.keep();
+  TRY(panorama_.upload(frame));
+  if (reuses) TRY(reuse_.add_earlier(frame, &panorama_));
+  return reuse_.remember(frame);
+}
+
+Status FrameLight::move(const DisplayFrame& frame, const Eigen::Vector3d& eye_m) {
+  if (!eye_m.isZero(0.0)) return reprojection_.draw(*frame.mesh, eye_m, &panorama_);
+  panorama_.show_unmoved();
+  return Done{};
+}
+
+}  // namespace cyclorama::display

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "appliance/display/panorama_texture.h"
+#include "appliance/display/reprojection_mesh.h"
+
+namespace cyclorama::display {
+
+/// Reuses what earlier frames showed of the surfaces that a new frame shows, so that noise and stair-steps, which differ
+/// between frames, average out, and no frame differs much from the one before.
+///
+///     earlier frames, seen from the new eye ──▶ limited to the new pixel's neighbours ──▶ 1 - kNew ─┐
+///     new frame ────────────────────────────────────────────────────────────────────────▶   kNew ─▶ + ──▶ its light
+///
+/// A pixel of the new frame is found in the earlier ones by its depth. It takes nothing from them where they showed
+/// another surface, by their own depth; and never anything brighter or darker than the 3x3 new pixels around it, by more
+/// than a tolerance: what only seems to be the same (mirror images, another scene) ends with the frame that shows it.
+/// Source: Yang, Liu and Salvi, "A Survey of Temporal Antialiasing Techniques", Computer Graphics Forum 39(2), 2020.
+///
+/// Thread-bound to the GL context; borrows the Gl table. After the first frames of the largest size it allocates nothing.
+class FrameReuse {
+ public:
+  /// Errors: kSystem if the driver's compiler refuses the shader, with its message.
+  static Result<FrameReuse> make(const output::Gl& gl, Texels texels);
+
+  /// Returns whether `frame` can reuse what was remembered: both have depth, were seen from eyes less than kMaxMove_m
+  /// apart, but not from the same eye with the same heading. Such a frame refines the one before, and is shown as it came.
+  [[nodiscard]] bool is_useful_for(const DisplayFrame& frame) const;
+  /// Replaces the light of `frame`, which `panorama` has uploaded, after it kept that of the remembered frame.
+  /// Precondition: is_useful_for(frame). Errors: kSystem if the graphics card refuses the buffers.
+  Status add_earlier(const DisplayFrame& frame, PanoramaTexture* panorama);
+  /// Remembers what the next frame needs to know of this one.
+  Status remember(const DisplayFrame& frame);
+  /// Lets the next frame be shown as it comes.
+  void forget() { before_.reset(); }
+
+ private:
+  struct Before {
+    double heading_rad = 0.0;
+    Eigen::Vector3d eye_m = Eigen::Vector3d::Zero();
+    PictureShape shape;
+    int stacked = 1;
+  };
+  struct Uniforms {
+    GLint to_clip = -1;
+    GLint moved_across = -1;
+    GLint before_per_px = -1;
+    GLint whole_turn = -1;
+    GLint inside = -1;
+    GLint cells_per_texel = -1;
+  };
+  FrameReuse(const output::Gl& gl, output::GlProgram program);
+  void draw_triangles(std::span<const std::uint32_t> indices);
+
+  const output::Gl* gl_;
+  output::GlProgram program_;
+  output::GlVertexArray array_;
+  output::GlBuffer vertices_;
+  output::GlBuffer indices_;
+  output::GlTexture depth_;  // The remembered frame's cells.
+  int depth_width_ = 0;
+  int depth_height_ = 0;
+  int depth_cells_across_ = 0;
+  int depth_cells_down_ = 0;
+  Uniforms uniforms_;
+  ReprojectedPicture found_;
+  std::optional<Before> before_;
+};
+
+}  // namespace cyclorama::display

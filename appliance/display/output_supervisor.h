@@ -50,8 +50,8 @@ class OutputSupervisor {
   OutputSupervisor(const OutputSupervisor&) = delete;
   OutputSupervisor& operator=(const OutputSupervisor&) = delete;
 
-  /// Does one refresh; or, while there is no output, at most 50 ms of the pause, or one attempt. Returns true if
-  /// state() changed.
+  /// Does one refresh. While there is no output, waits at most 50 ms of the pause between two attempts to open one, or
+  /// makes such an attempt. Returns true if state() changed.
   bool refresh();
   [[nodiscard]] const OutputState& state() const { return state_; }
 

@@ -46,7 +46,7 @@ class Writer {
     y_resolution_ = old ? "Yresolution" : "yResolution";
     x_size_ = old ? "xsize" : "xSize";
     y_size_ = old ? "ysize" : "ySize";
-    // The consortium's own reader, of version 1.0, knows only this spelling, and refuses files without it.
+    // The consortium's own reader, of version 1.0, accepts only this spelling, and refuses files without it.
     origin_ = old ? "originof3DData" : "originOf3DData";
     put(R"(<?xml version="1.0" encoding="UTF-8"?>)");
     const std::string levels = old ? fmt::format(R"(level="{}")", set.level)

@@ -40,7 +40,7 @@ struct WarpFileOptions {
 struct WarpFile {
   WarpSet set;
   std::vector<std::string> ignored;  ///< Same as MpcdiFile::ignored.
-  std::optional<WarpNet> mesh;       ///< From which the only region of `set` was drawn, if the file holds a mesh.
+  std::optional<WarpNet> mesh;       ///< Present if the file holds a mesh: the only region of `set` was drawn from it.
 };
 
 /// Errors: kInvalidArgument if no format has this file name extension; else those of the format's reader.

@@ -16,9 +16,9 @@ namespace {
 
 /// Nodes that still lack light after this time are left out until they have it.
 constexpr Duration kSwitchTimeout = std::chrono::seconds(20);
-/// A node that has not sent its light by then is given up, and another is asked.
+/// A node that has not sent its light by then is given up, and another gets the order.
 constexpr Duration kSendTimeout = std::chrono::seconds(60);
-/// A node that has not got its light by then is told once more to fetch it.
+/// A node that has not got its light by then gets the order to fetch it once more.
 constexpr Duration kOfferTimeout = std::chrono::minutes(1);
 
 }  // namespace

@@ -39,7 +39,7 @@ struct CoordinatorLimits {
   std::size_t session_bytes = std::size_t{256} << 20;
   Duration silence = std::chrono::seconds(10);  ///< Timeout for a new peer's first message (hello or open).
   Duration stall = std::chrono::seconds(30);    ///< Timeout for a museum that takes none of its queued messages.
-  /// Time for nodes to connect and to report the light that they have, before one is told to compute it.
+  /// Time for nodes to connect and to report the light that they have, before one gets the order to compute it.
   Duration light_gathering = std::chrono::seconds(3);
 };
 

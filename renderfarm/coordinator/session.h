@@ -116,9 +116,9 @@ struct Node {
     TimePoint asked_at{};  ///< Time of the order to load the scene.
     std::deque<wire::LightVersion> light{};  ///< Versions of its light that the node has; the newest first.
     bool can_compute_light = false;
-    bool has_failed_to_compute = false;  ///< It could not compute light, and is not told to again.
+    bool has_failed_to_compute = false;  ///< It could not compute light, and gets no further order to.
     bool has_failed_to_use = false;      ///< It could not fetch or use the current light.
-    std::string offered_light{};         ///< Version that it was last told to use, ...
+    std::string offered_light{};         ///< Version that it last got the order to use, ...
     TimePoint light_offered_at{};        ///< ... and when.
   };
   std::string name{};
@@ -152,9 +152,9 @@ struct SceneLightState {
   wire::LightVersion target{};  ///< The one that all nodes shall have; empty: none is known.
   TimePoint known_since{};      ///< Time when the target was chosen.
   bool is_stored = false;       ///< The coordinator has the target's file.
-  NodeId sending{};             ///< The node that was told to send it.
+  NodeId sending{};             ///< The node that got the order to send it.
   TimePoint send_ordered_at{};
-  NodeId computing{};           ///< The node that was told to compute light.
+  NodeId computing{};           ///< The node that got the order to compute light.
   TimePoint gathering_since{};  ///< Last time when no node could compute any.
 };
 

@@ -98,7 +98,7 @@ class EmbreeBlockRenderer final : public BlockRenderer {
     if (renderer_->light() != light.store.get()) renderer_->use_light(light.store);
   }
 
-  /// Adds the light that is stored in the scene's folder, if there is any. If it cannot be used, note() says why.
+  /// Adds the light that is stored in the scene's folder, if there is any. note() gives the reason if it is not usable.
   void add_stored_light(const std::filesystem::path& scene) {
     const std::filesystem::path path = scene / light::kLightFileName;
     std::error_code none;

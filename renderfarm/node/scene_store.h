@@ -33,7 +33,7 @@ class SceneStore {
 
   /// `max_bytes` limits the scenes together; 0: no limit. The size of a scene is unknown while it is being loaded, so
   /// the limit may be exceeded meanwhile.
-  /// `light` is where light lies that this node computed or fetched; `computes_light` says whether it can compute any.
+  /// `light` is where light lies that this node computed or fetched; `computes_light`: whether it can compute any.
   explicit SceneStore(SceneLoader loader, std::uint64_t max_bytes = 0, LightFiles light = LightFiles(""),
                       bool computes_light = false)
       : loader_(std::move(loader)), max_bytes_(max_bytes), light_(std::move(light)), computes_light_(computes_light) {}
@@ -50,7 +50,7 @@ class SceneStore {
   /// Returns null if the scene at `path` is not loaded.
   [[nodiscard]] std::shared_ptr<BlockRenderer> at_path(const std::string& path) const;
   /// Records that the scene at `path` has this light, and returns the reports of it, or of why it has none, to each
-  /// coordinator that knows the scene.
+  /// coordinator that has the scene.
   [[nodiscard]] std::vector<std::pair<LinkId, wire::SceneLight>> light_reports(const std::string& path,
                                                                                const Result<VersionedLight>& light);
   /// Returns null if the scene is not loaded. The scene stays in memory while anyone holds the pointer.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Ends paths where stored light says all that they would find, before anything else is computed for them.
+/// Ends paths where stored light holds all that they would find, before anything else is computed for them.
 #pragma once
 
 #include "renderfarm/render/kernel.h"

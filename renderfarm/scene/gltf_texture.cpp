@@ -51,7 +51,8 @@ std::string image_name(const GltfObject& image, const std::optional<std::string>
   return name.empty() ? image.place() : fmt::format("'{}'", printable(name));
 }
 
-/// Prefers WebP, which comes with a fallback of the same picture at best.
+/// Returns the index of the texture's picture: the WebP picture if it has one, since its other picture, if any, is a
+/// fallback for programs that cannot read WebP.
 Result<std::optional<std::size_t>> source_of(const GltfDocument& document, const GltfObject& texture) {
   TRY_ASSIGN(const std::optional<GltfObject> webp, texture.extension("EXT_texture_webp"));
   if (webp) return document.index(*webp, "source", "images");

@@ -128,7 +128,7 @@ void WatchServer::answer_pictures(std::uint64_t session, bool half, httplib::Res
     return answer_error(Error(ErrorCode::kBusy, fmt::format("{} watch already; close one", kMaxWatchers)), response);
   }
   const auto watcher = std::make_shared<Watcher>(sources_.pictures, session, half, watchers_);
-  // HEAD requests and broken connections never call it; the end of the response destroys it in any case.
+  // A HEAD request or a broken connection never calls the provider. It is destroyed at the end of the response.
   response.set_chunked_content_provider(
       kMjpegType, [watcher](std::size_t, httplib::DataSink& sink) { return watcher->send_next(sink); });
 }

@@ -93,7 +93,7 @@ TEST(Mpcdi, writes_the_spelling_of_each_version_and_reads_both) {
   };
   EXPECT_THAT(manifest_of(MpcdiVersion::k1_0), HasSubstr("Xresolution="));
   EXPECT_THAT(manifest_of(MpcdiVersion::k1_0), HasSubstr("xsize="));
-  // As the consortium's reader spells it, which knows version 1.0 alone.
+  // The consortium's own reader, of version 1.0, has this spelling.
   EXPECT_THAT(manifest_of(MpcdiVersion::k1_0), HasSubstr("<originof3DData>"));
   EXPECT_THAT(manifest_of(MpcdiVersion::k2_0), HasSubstr("<originOf3DData>"));
   EXPECT_THAT(manifest_of(MpcdiVersion::k2_0), HasSubstr("xResolution="));

@@ -64,7 +64,7 @@ class SceneDistributionTest : public testing::Test {
     ASSERT_TRUE(started) << started.error().message();
     coordinator = *std::move(started);
   }
-  /// Waits until the coordinator says something that contains these words.
+  /// Waits until the coordinator gives a notice that contains these words.
   [[nodiscard]] bool wait_for_notice(const std::string& words) {
     std::unique_lock lock(mutex);
     return noticed.wait_for(lock, std::chrono::seconds(8), [&] {

@@ -17,6 +17,7 @@ namespace {
 
 constexpr GLuint kBefore = 0;
 constexpr GLuint kPlace = 1;
+constexpr GLuint kParallax = 2;
 constexpr GLint kNewestUnit = 0;
 constexpr GLint kEarlierUnit = 1;
 constexpr GLint kDepthUnit = 2;
@@ -25,11 +26,14 @@ constexpr const char* kVertexShader = R"(
 precision highp float;
 layout(location = 0) in vec3 before;  // Across and down in pixels, inverse distance from the earlier eye.
 layout(location = 1) in vec2 place;   // Across and down in pixels of the picture.
+layout(location = 2) in float parallax;  // In pixels.
 uniform vec4 to_clip;                 // Clip space = pixels * xy + zw.
 uniform float moved_across;
 uniform vec4 before_per_px;           // Texels of the earlier light = pixels * xy + zw.
 EVEN out vec3 at;
+EVEN out float parallax_px;
 void main() {
+  parallax_px = parallax;
   gl_Position = vec4((place + vec2(moved_across, 0.0)) * to_clip.xy + to_clip.zw, 0.0, 1.0);
   at = vec3(before.xy * before_per_px.xy + before_per_px.zw, before.z);
 }
@@ -44,7 +48,11 @@ uniform float whole_turn;      // Texels of the earlier light in a whole turn; 0
 uniform vec4 inside;           // First and last texel's centre across and down, of the picture of this eye.
 uniform vec4 cells_per_texel;  // Cells of depth = texels * xy + zw.
 EVEN in vec3 at;
-const float kNew = 0.2;
+EVEN in float parallax_px;
+// Share of the new frame without a shift, and from kShifted_px on: docs/design/walking.md has what others reach.
+const float kShare = 0.25;
+const float kShiftedShare = 0.6;
+const float kShifted_px = 4.0;
 const float kTolerance = 4.0 / 255.0;
 const float kSameSurface = 0.1;
 const float kPerMetre = 1.0 / 409.5;
@@ -87,8 +95,9 @@ void main() {
   vec2 cell = inner * cells_per_texel.xy + cells_per_texel.zw;
   float seen = float(texelFetch(earlier_depth, ivec2(cell), 0).r) * kPerMetre;
   bool is_same = all(lessThan(abs(inner - place), vec2(0.5))) && abs(seen - at.z) <= kSameSurface * max(seen, at.z) + kPerMetre;
-  vec3 reused = clamp(sharply(inner), lowest - kTolerance, highest + kTolerance);
-  vec3 light = mix(reused * reused, fresh * fresh, is_same ? kNew : 1.0);
+  vec3 reused = clamp(sharply(inner), max(lowest - kTolerance, 0.0), min(highest + kTolerance, 1.0));
+  float share = is_same ? mix(kShare, kShiftedShare, min(parallax_px / kShifted_px, 1.0)) : 1.0;
+  vec3 light = mix(reused * reused, fresh * fresh, share);
   texel = written_root(sqrt(light));
 }
 )";
@@ -106,7 +115,7 @@ Result<FrameReuse> FrameReuse::make(const output::Gl& gl, Texels texels) {
 }
 
 FrameReuse::FrameReuse(const output::Gl& gl, output::GlProgram program)
-    : gl_(&gl), program_(std::move(program)), array_(gl), vertices_(gl), indices_(gl), depth_(gl) {
+    : gl_(&gl), program_(std::move(program)), array_(gl), vertices_(gl), parallax_(gl), indices_(gl), depth_(gl) {
   const auto uniform = [&](const char* name) { return program_.uniform(name); };
   uniforms_ = {uniform("to_clip"),    uniform("moved_across"), uniform("before_per_px"),
                uniform("whole_turn"), uniform("inside"),       uniform("cells_per_texel")};
@@ -128,6 +137,9 @@ FrameReuse::FrameReuse(const output::Gl& gl, output::GlProgram program)
   };
   attribute(kBefore, 3, offsetof(ReprojectedVertex, across_px));
   attribute(kPlace, 2, offsetof(ReprojectedVertex, source_across_px));
+  gl.BindBuffer(GL_ARRAY_BUFFER, parallax_.id());
+  gl.EnableVertexAttribArray(kParallax);
+  gl.VertexAttribPointer(kParallax, 1, GL_FLOAT, GL_FALSE, sizeof(float), nullptr);
 }
 
 bool FrameReuse::is_useful_for(const DisplayFrame& frame) const {
@@ -180,9 +192,13 @@ Status FrameReuse::add_earlier(const DisplayFrame& frame, PanoramaTexture* panor
   gl_->BindTexture(GL_TEXTURE_2D, newest.texture.id());
   gl_->UseProgram(program_.id());
   gl_->BindVertexArray(array_.id());
-  gl_->BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
-  gl_->BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(found_.vertices.size() * sizeof(found_.vertices[0])),
-                  found_.vertices.data(), GL_STREAM_DRAW);
+  const auto upload = [&](const output::GlBuffer& buffer, const auto& values) {
+    gl_->BindBuffer(GL_ARRAY_BUFFER, buffer.id());
+    gl_->BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(values.size() * sizeof(values[0])), values.data(),
+                    GL_STREAM_DRAW);
+  };
+  upload(vertices_, found_.vertices);
+  upload(parallax_, found_.parallax_px);
   constexpr auto kFirst = static_cast<float>(PanoramaTexture::kFirstColumn);
   const PanoramaTexture::Light& drawn = panorama->drawn();
   const float across = 2.0f / static_cast<float>(drawn.width);

@@ -11,10 +11,11 @@ namespace cyclorama::display {
 /// Reuses what earlier frames showed of the surfaces that a new frame shows, so that noise and stair-steps, which differ
 /// between frames, average out, and no frame differs much from the one before.
 ///
-///     earlier frames, seen from the new eye ──▶ limited to the new pixel's neighbours ──▶ 1 - kNew ─┐
-///     new frame ────────────────────────────────────────────────────────────────────────▶   kNew ─▶ + ──▶ its light
+///     earlier frames, seen from the new eye ──▶ limited to the new pixel's neighbours ──▶ 1 - share ─┐
+///     new frame ────────────────────────────────────────────────────────────────────────▶   share ─▶ + ──▶ its light
 ///
-/// A pixel of the new frame is found in the earlier ones by its depth. It takes nothing from them where they showed
+/// The new frame's share is a quarter where the eye's move shifts nothing, and more with the shift, since coarse depth is
+/// never exact and the errors of many moves blur a texture. A pixel of the new frame is found in the earlier ones by its depth. It takes nothing from them where they showed
 /// another surface, by their own depth; and never anything brighter or darker than the 3x3 new pixels around it, by more
 /// than a tolerance: what only seems to be the same (mirror images, another scene) ends with the frame that shows it.
 /// Source: Yang, Liu and Salvi, "A Survey of Temporal Antialiasing Techniques", Computer Graphics Forum 39(2), 2020.
@@ -58,6 +59,7 @@ class FrameReuse {
   output::GlProgram program_;
   output::GlVertexArray array_;
   output::GlBuffer vertices_;
+  output::GlBuffer parallax_;
   output::GlBuffer indices_;
   output::GlTexture depth_;  // The remembered frame's cells.
   int depth_width_ = 0;

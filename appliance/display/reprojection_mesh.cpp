@@ -249,6 +249,13 @@ void ReprojectionMesh::find_in(const Eigen::Vector3d& eye_m, double turn_rad, Re
   move_vertices((to_picture * eye_m).cast<float>(), ret_found);
   std::vector<ReprojectedVertex>& vertices = ret_found->vertices;
   const PixelScale scale = pixel_scale(shape);
+  std::vector<float>& parallax_px = ret_found->parallax_px;
+  parallax_px.reserve(vertices.capacity());
+  parallax_px.clear();
+  for (const ReprojectedVertex& vertex : vertices) {
+    parallax_px.push_back(
+        std::hypot(vertex.across_px - vertex.source_across_px, vertex.down_px - vertex.source_down_px));
+  }
   const std::size_t per_eye = vertices.size() / static_cast<std::size_t>(grid_->picture.stacked());
   for (std::size_t i = 0; turn_rad != 0.0 && i < vertices.size(); ++i) {
     const double top = i < per_eye ? 0 : height_px(shape);
@@ -274,6 +281,7 @@ void ReprojectionMesh::find_in(const Eigen::Vector3d& eye_m, double turn_rad, Re
         vertex.down_px = followed.down_px + vertex.source_down_px - followed.source_down_px;
         vertex.inverse_m = followed.inverse_m;
         vertices.push_back(vertex);
+        parallax_px.push_back(parallax_px[nearest]);
       }
       indices.insert(indices.end(), {base, base + 1, base + 2, base + 2, base + 1, base + 3});
     }

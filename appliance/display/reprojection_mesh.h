@@ -61,6 +61,8 @@ struct ReprojectedPicture {
   /// For each eye, triangles of quads across which the depth jumps.
   std::array<std::vector<std::uint32_t>, 2> jumping;
   std::size_t torn = 0;  ///< Torn quads.
+  /// find_in() alone: for each vertex, how far the eye's move shifted it, in pixels, without the turn.
+  std::vector<float> parallax_px;
 };
 
 class ReprojectionMesh {

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -16,8 +17,11 @@
 namespace cyclorama {
 namespace {
 
+constexpr double kUnevenJitter_ms = 80.0;
+constexpr double kUnevenLostShare = 0.1;
+
 struct Options {
-  std::string scene;
+  std::vector<std::string> scenes;  ///< Arguments of parsed_scene().
   std::string json;
   std::string pictures_to;
   std::vector<int> fps{5, 10, 20};
@@ -25,6 +29,7 @@ struct Options {
   std::vector<int> walks{0, 1, 2};
   double jitter_ms = 0.0;
   double lost_share = 0.0;
+  bool uneven = false;
   bool all_methods = false;
   bool flicker = false;
   int cost_rounds = 0;
@@ -68,9 +73,28 @@ struct WalkedScene {
   double eye_height_m = 0.0;
 };
 
-Result<WalkedScene> open_scene(const std::string& folder) {
+struct SceneArgument {
+  std::string name;
+  std::string path;
+  std::string light;  ///< Empty: the scene's own, if it has some.
+};
+
+/// Reads NAME=SCENE or NAME=SCENE,LIGHT.
+SceneArgument parsed_scene(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::size_t comma = text.find(',', equals);
+  if (equals == std::string::npos) return {"scene", text, ""};
+  return {text.substr(0, equals), text.substr(equals + 1, comma - equals - 1),
+          comma == std::string::npos ? "" : text.substr(comma + 1)};
+}
+
+Result<WalkedScene> open_scene(const SceneArgument& of) {
   WalkedScene scene;
-  TRY_ASSIGN(scene.renderer, node::embree_scene_loader(0)(folder, [](double) {}));
+  TRY_ASSIGN(scene.renderer, node::embree_scene_loader(0)(of.path, [](double) {}));
+  if (!of.light.empty()) {
+    TRY_ASSIGN(const auto use_light, scene.renderer->light_from(of.light));
+    use_light();
+  }
   wire::SceneDescription description = scene.renderer->description();
   description.set_name("scene");
   std::string warning;
@@ -93,23 +117,43 @@ void print_row(const WalkCase& walked, const WalkFarm& farm, const std::string& 
   std::fflush(stdout);
 }
 
-Status measure(const Options& options, nlohmann::json* json) {
-  TRY_ASSIGN(const WalkedScene scene, open_scene(options.scene));
+/// The farms of a run: all rates and latencies, and the first of them once more with late frames and with lost ones.
+std::vector<WalkFarm> farms_of(const Options& options) {
+  std::vector<WalkFarm> farms;
+  for (const int fps : options.fps) {
+    for (const int latency_ms : options.latencies_ms)
+      farms.push_back({fps, latency_ms, options.jitter_ms, options.lost_share});
+  }
+  if (!options.uneven) return farms;
+  farms.push_back(farms.front());
+  farms.back().jitter_ms = kUnevenJitter_ms;
+  farms.push_back(farms.front());
+  farms.back().lost_share = kUnevenLostShare;
+  return farms;
+}
+
+std::string name_of(const WalkCase& walked, const WalkFarm& farm) {
+  std::string name = fmt::format("{}, {} fps, {} ms", to_text(walked.path().kind()), farm.fps, farm.latency_ms);
+  if (farm.jitter_ms > 0.0) name += fmt::format(", up to {} ms late", farm.jitter_ms);
+  if (farm.lost_share > 0.0) name += fmt::format(", {:.0f} % lost", 100 * farm.lost_share);
+  return name;
+}
+
+Status measure(const Options& options, const SceneArgument& of, nlohmann::json* json) {
+  TRY_ASSIGN(const WalkedScene scene, open_scene(of));
   print_header();
   for (const int walk : options.walks) {
     TRY_ASSIGN(const std::unique_ptr<WalkCase> walked,
                WalkCase::make(scene.renderer.get(), scene.site, scene.eye_height_m, static_cast<WalkKind>(walk),
                               options.pictures));
-    for (const int fps : options.fps) {
-      for (const int latency_ms : options.latencies_ms) {
-        const WalkFarm farm{fps, latency_ms, options.jitter_ms, options.lost_share};
-        for (const WalkMethod& method : walk_methods()) {
-          if (!options.all_methods && !method.reuses) continue;
-          TRY_ASSIGN(const WalkFigures figures, walked->measure(farm, method, options.pictures_to));
-          print_row(*walked, farm, method.name, figures);
-          (*json)[fmt::format("{}, {} fps, {} ms, {}", to_text(walked->path().kind()), fps, latency_ms, method.name)] =
-              to_json(figures);
-        }
+    for (const WalkFarm& farm : farms_of(options)) {
+      for (const WalkMethod& method : walk_methods()) {
+        if (!options.all_methods && !method.reuses) continue;
+        TRY_ASSIGN(const WalkFigures figures, walked->measure(farm, method, options.pictures_to));
+        const bool is_even = farm.jitter_ms == 0.0 && farm.lost_share == 0.0;
+        print_row(*walked, farm, is_even ? method.name : name_of(*walked, farm), figures);
+        const std::string by = options.all_methods ? std::string(", ") + method.name : "";
+        (*json)[name_of(*walked, farm) + by] = to_json(figures);
       }
     }
     fmt::print("{} walked {:.2f} m\n", to_text(walked->path().kind()), walked->path().length_m());
@@ -119,43 +163,68 @@ Status measure(const Options& options, nlohmann::json* json) {
 
 double rms_error(const WalkFigures& figures) { return 255.0 * std::pow(10.0, -figures.psnr_db / 20.0); }
 
-/// Compares frames that read stored light with path traced, denoised ones that cost the same.
-Status measure_flicker(const Options& options, nlohmann::json* json) {
-  TRY_ASSIGN(const WalkedScene scene, open_scene(options.scene));
+/// Compares a display that remembers, and frames that read stored light or are path traced and denoised, with frames
+/// that are path traced and shown as they come, at the same cost.
+Status measure_flicker(const Options& options, const SceneArgument& of, nlohmann::json* json) {
+  TRY_ASSIGN(const WalkedScene scene, open_scene(of));
   const WalkFarm farm{options.fps.front(), options.latencies_ms.front(), options.jitter_ms, options.lost_share};
-  const WalkMethod method = walk_methods().back();
+  const WalkMethod reusing = walk_methods().back();
+  WalkMethod as_they_come = reusing;
+  as_they_come.reuses = false;
   print_header();
   for (const int walk : options.walks) {
     TRY_ASSIGN(const std::unique_ptr<WalkCase> walked,
                WalkCase::make(scene.renderer.get(), scene.site, scene.eye_height_m, static_cast<WalkKind>(walk),
                               options.pictures));
-    TRY_ASSIGN(const WalkFigures stored, walked->measure(farm, method, options.pictures_to));
-    print_row(*walked, farm, "stored light", stored);
+    const auto row = [&](const std::string& name, const WalkMethod& method) -> Result<WalkFigures> {
+      TRY_ASSIGN(const WalkFigures figures, walked->measure(farm, method, options.pictures_to));
+      print_row(*walked, farm, name, figures);
+      (*json)[to_text(walked->path().kind())][name] = to_json(figures);
+      return figures;
+    };
+    TRY_ASSIGN(const WalkFigures stored, row("stored light", as_they_come));
+    TRY_ASSIGN(const WalkFigures stored_reusing, row("stored light, reusing", reusing));
     WalkFrames frames = options.pictures.frames;
     frames.stored_light = false;
     walked->set_frames(frames);
-    TRY_ASSIGN(const WalkFigures same_size, walked->measure(farm, method, options.pictures_to));
-    print_row(*walked, farm, "paths, same size", same_size);
+    TRY_ASSIGN(const WalkFigures same_size, row("paths, same size", as_they_come));
     frames.scale *= std::sqrt(stored.cpu_s_per_frame / same_size.cpu_s_per_frame);
     walked->set_frames(frames);
-    TRY_ASSIGN(const WalkFigures same_cost, walked->measure(farm, method, options.pictures_to));
-    print_row(*walked, farm, "paths, same cost", same_cost);
+    TRY_ASSIGN(const WalkFigures paths, row("paths, same cost", as_they_come));
+    TRY_ASSIGN(const WalkFigures paths_reusing, row("paths, reusing", reusing));
     fmt::print("cpu-s per frame: stored light {:.3f}, paths {:.3f} at {:.2f} of the size, {:.3f} at {:.2f}\n",
-               stored.cpu_s_per_frame, same_size.cpu_s_per_frame, options.pictures.frames.scale,
-               same_cost.cpu_s_per_frame, frames.scale);
-    nlohmann::json& row = (*json)[to_text(walked->path().kind())];
-    row["stored light"] = to_json(stored);
-    row["paths, same size"] = to_json(same_size);
-    row["paths, same cost"] = to_json(same_cost);
-    row["ratio_before"] = stored.flicker / same_cost.flicker;
-    row["error_ratio_before"] = rms_error(stored) / rms_error(same_cost);
+               stored.cpu_s_per_frame, same_size.cpu_s_per_frame, options.pictures.frames.scale, paths.cpu_s_per_frame,
+               frames.scale);
+    const auto add = [&](const std::string& which, const WalkFigures& now, const WalkFigures& before) {
+      nlohmann::json& ratios = (*json)[to_text(walked->path().kind())][which];
+      ratios["ratio_before"] = now.flicker / before.flicker;
+      ratios["error_ratio_before"] = rms_error(now) / rms_error(before);
+    };
+    add("all", stored_reusing, paths);
+    add("reuse of stored light", stored_reusing, stored);
+    add("reuse of paths", paths_reusing, paths);
   }
   return Done{};
 }
 
 Status run(const Options& options, nlohmann::json* json) {
   if (options.cost_rounds > 0) return measure_cost(options, json);
-  return options.flicker ? measure_flicker(options, json) : measure(options, json);
+  for (const std::string& text : options.scenes) {
+    const SceneArgument scene = parsed_scene(text);
+    if (!std::filesystem::exists(scene.path)) {
+      fmt::print("{} is left out: there is no {}\n", scene.name, scene.path);
+      continue;
+    }
+    fmt::print("{}\n", scene.name);
+    Options own = options;
+    if (!own.pictures.truth_in.empty()) {
+      own.pictures.truth_in /= scene.name;
+      std::filesystem::create_directories(own.pictures.truth_in);
+    }
+    nlohmann::json* const figures = &(*json)[scene.name];
+    TRY(options.flicker ? measure_flicker(own, scene, figures) : measure(own, scene, figures));
+  }
+  return Done{};
 }
 
 }  // namespace
@@ -167,7 +236,7 @@ int main(int argc, char** argv) {
   CLI::App program("Walks through a scene, shows it as a display does, and compares with the truth at every refresh.");
   Options options;
   double span_deg = 150.0;
-  program.add_option("scene", options.scene, "Folder of a scene; its stored light is used if it has some");
+  program.add_option("scenes", options.scenes, "NAME=SCENE or NAME=SCENE,LIGHT each; a scene's own stored light is used if it has some");
   program.add_option("--json", options.json, "Also write the figures, as JSON");
   program.add_option("--pictures", options.pictures_to, "Folder for each case's worst refresh, beside the truth");
   program.add_option("--fps", options.fps, "Frames of the farm each second");
@@ -176,6 +245,7 @@ int main(int argc, char** argv) {
   program.add_option("--jitter-ms", options.jitter_ms, "Frames are late by up to this much");
   program.add_option("--lost-share", options.lost_share, "Share of the frames that never come")
       ->check(CLI::Range(0.0, 0.9));
+  program.add_flag("--uneven", options.uneven, "Also the first farm with late frames, and with lost ones");
   program.add_flag("--flicker", options.flicker, "Instead: frames of stored light beside path traced ones");
   program.add_flag("--all-methods", options.all_methods, "Also displays that hold the last picture, and others");
   program.add_option("--width", options.pictures.width, "Of the wall's picture, in pixels");
@@ -183,9 +253,9 @@ int main(int argc, char** argv) {
   program.add_option("--scale", options.pictures.frames.scale, "Size of the farm's frames over the wall's, each way");
   program.add_option("--samples", options.pictures.frames.samples, "Per pixel");
   program.add_option("--truth-in", options.pictures.truth_in,
-                     "Folder that keeps the pictures that judge, for later runs with the same scene");
+                     "Folder that keeps the pictures that judge, by scene, for later runs with the same scenes");
   program.add_option("--truth-samples", options.pictures.truth_samples, "Per pixel of the pictures that judge");
-  program.add_option("--jpeg-quality", options.pictures.frames.jpeg_quality, "Of frames; 0: no JPEG");
+  program.add_option("--jpeg-quality", options.pictures.frames.jpeg_quality, "Of frames; 0: they reach the display without");
   program.add_option("--mesh-cells", options.pictures.frames.mesh_cells,
                      "Cells of depth between two vertices of the mesh");
   program.add_option("--cost", options.cost_rounds,
@@ -195,8 +265,8 @@ int main(int argc, char** argv) {
   CLI11_PARSE(program, argc, argv);
   options.pictures.span_rad = span_deg * 3.14159265358979323846 / 180.0;
   nlohmann::json json = nlohmann::json::object();
-  if (options.scene.empty() && options.cost_rounds == 0) {
-    fmt::print(stderr, "cyclorama-bench-walk: name a scene's folder, or --cost ROUNDS\n");
+  if (options.scenes.empty() && options.cost_rounds == 0) {
+    fmt::print(stderr, "cyclorama-bench-walk: name a scene as NAME=SCENE, or --cost ROUNDS\n");
     return 2;
   }
   const Status done = run(options, &json);

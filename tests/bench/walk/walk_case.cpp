@@ -24,6 +24,7 @@ namespace {
 /// A surface at arm's length beside a residual of half an interval of walking; the tour's own rule.
 constexpr double kResidual_m = 0.1;
 constexpr double kNear_m = 1.0;
+constexpr int kUsualJpegQuality = 85;  ///< A tour's default.
 /// Area of the torn quads' far sides; what nearer surfaces cover is not taken off.
 double torn_px(const display::DisplayFrame& frame, const Eigen::Vector3d& eye_move) {
   display::ReprojectedPicture moved;
@@ -108,7 +109,8 @@ Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with
                                       : renderer_.render_denoised(view, all, &pixels, &depth, nullptr);
   sums->cpu_s_per_frame += cost.cpu_seconds;
   display::DisplayFrame frame = frame_of(pose, picture_, pixels);
-  if (settings_.frames.jpeg_quality > 0) {
+  const int quality = settings_.frames.jpeg_quality;
+  if (quality > 0 || (with_mesh && sums->frames == 0)) {
     const PixelRect whole{0, 0, pixels.width(), pixels.height()};
     auto planes = std::make_shared<PlanarPicture>(whole.width, whole.height, true);
     std::size_t jpeg_bytes = 0;
@@ -116,13 +118,14 @@ Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with
     JpegEncoder encoder;
     JpegDecoder decoder;
     for (const PixelRect& tile : balance::tiles_of(whole)) {
-      TRY_ASSIGN(const auto jpeg, encoder.encode(cropped(pixels, tile), {settings_.frames.jpeg_quality, true}));
+      const JpegOptions options{quality > 0 ? quality : kUsualJpegQuality, true};
+      TRY_ASSIGN(const auto jpeg, encoder.encode(cropped(pixels, tile), options));
       TRY(decoder.decode_into(std::as_bytes(std::span(jpeg)), planes.get(), tile));
       jpeg_bytes += jpeg.size();
       if (with_mesh) depth_bytes += encode_inverse_depth(cropped(depth, depth_cells(tile))).size();
     }
-    sums->depth_share += static_cast<double>(depth_bytes) / static_cast<double>(jpeg_bytes);
-    frame.picture = std::move(planes);
+    if (sums->frames == 0) sums->depth_share = static_cast<double>(depth_bytes) / static_cast<double>(jpeg_bytes);
+    if (quality > 0) frame.picture = std::move(planes);
   }
   if (with_mesh) frame.mesh = std::make_shared<const display::ReprojectionMesh>(grid_, depth);
   return frame;
@@ -224,7 +227,6 @@ Result<WalkFigures> WalkCase::measure(const WalkFarm& farm, const WalkMethod& me
     return Error(ErrorCode::kInvalidArgument, "the walk ends before its first frame is shown");
   score.write_to(&figures);
   figures.holes = torn / (score.refreshes() * static_cast<double>(width_px(picture_)) * height_px(picture_));
-  figures.depth_share /= std::max(1, figures.frames);
   figures.cpu_s_per_frame /= std::max(1, figures.frames);
   return figures;
 }

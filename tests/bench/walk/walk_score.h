@@ -19,7 +19,7 @@ struct WalkFigures {
   /// frames, in codes; RMS over all refreshes, so that few frames a second flicker less than many.
   double flicker = 0.0;
   double holes = 0.0;        ///< Upper bound: area of torn quads in the pictures, over their area.
-  double depth_share = 0.0;  ///< Bytes of depth over those of JPEG; 0 without JPEG.
+  double depth_share = 0.0;  ///< Bytes of depth over those of JPEG, of the first frame; 0 without a mesh.
   int frames = 0;
   double cpu_s_per_frame = 0.0;  ///< Thread time of rendering.
 };

@@ -147,6 +147,31 @@ TEST(FrameReuseTest, shows_no_colour_that_a_new_frame_has_not_even_where_depth_l
   EXPECT_LE(code, 65);
 }
 
+TEST(FrameReuseTest, keeps_black_and_white_in_both_formats_of_light) {
+  for (const Texels texels : {Texels::kHalves, Texels::kPacked}) {
+    for (const int code : {0, 1, 254, 255}) {
+      Drawing drawing(kPanorama, texels);
+      const auto of_code = static_cast<std::uint8_t>(code);
+      RgbImage edge;
+      for (int n = 0; n < 4; ++n) {
+        DisplayFrame frame = plain_frame(kPanorama, of_code, 3.0f, 0.02 * n);
+        // A line beside which the sharp filter overshoots.
+        auto picture = std::make_shared<PlanarPicture>(*frame.picture);
+        for (int y = 0; y < picture->height(); ++y) *picture->luma().at(picture->width() / 2 + 3, y) = 128;
+        frame.picture = picture;
+        edge = drawing.after_earlier(frame);
+      }
+      const std::uint8_t* const beside = edge.at(edge.width() / 2 - 8, edge.height() / 2);
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(beside[c], code, 1) << c;
+      for (int x = 0; x < edge.width(); ++x) {
+        const std::uint8_t* const pixel = edge.at(x, edge.height() / 2);
+        EXPECT_NEAR(pixel[0], pixel[1], 2) << x << ' ' << code;
+        EXPECT_NEAR(pixel[2], pixel[1], 2) << x << ' ' << code;
+      }
+    }
+  }
+}
+
 TEST(FrameReuseTest, follows_frames_of_other_sizes) {
   const World room{false};
   const Projection small{Panorama{192, 64, 2.6, 0.45, -0.45}, {}};

@@ -90,6 +90,11 @@ TEST(ReprojectionMeshTest, finds_every_point_in_a_picture_from_another_eye_and_h
         if (!direction) continue;
         const Eigen::Vector3d point = direction->normalized() * distance - eye;
         EXPECT_NEAR(vertex.inverse_m, 1.0 / point.norm(), 1e-3);
+        const auto without_turn = place_of(picture.shape, point);
+        if (without_turn) {
+          const PanoramaPixel shifted = scale.pixel_at(*without_turn);
+          EXPECT_NEAR(found.parallax_px[i], std::hypot(shifted.u - source.u, shifted.v - source.v), 0.05);
+        }
         const auto place = place_of(picture.shape, R_before_now * point);
         if (!place) continue;
         const PanoramaPixel expected = scale.pixel_at(*place);

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Computes the light of the scenes that have none yet, and walks through them: see [walk] in benchmarks.toml."""
+import argparse
+import pathlib
+import subprocess
+import sys
+
+
+def with_light(build, name, scene, rays):
+    """Returns NAME=SCENE,LIGHT for cyclorama-bench-walk; the light stays in build/lights."""
+    light = pathlib.Path("build/lights") / f"{name}-{scene.name}-{rays}.store"
+    if scene.exists() and not light.exists():
+        light.parent.mkdir(parents=True, exist_ok=True)
+        subprocess.run([f"{build}/bin/cyclorama-render", "light", scene, "--rays", str(rays), "--max-parts", "1",
+                        "--out", light], check=True, stdout=sys.stderr)
+    return f"{name}={scene},{light}"
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for name in ("build", "json", "shared"):
+        parser.add_argument(name)
+    for name in ("--scenes", "--fps", "--latency-ms"):
+        parser.add_argument(name, type=str.split, required=True)
+    parser.add_argument("--walks", type=str.split, default=["0", "1", "2"])
+    parser.add_argument("--rays", type=int, required=True)
+    parser.add_argument("--grotto", type=pathlib.Path, required=True)
+    parser.add_argument("--hall", type=pathlib.Path, required=True)
+    known, passed = parser.parse_known_args()
+    folders = {"grotto": known.grotto, "hall": known.hall,
+               "cave": pathlib.Path(known.shared) / "data/scenes/cave_scan_draco.glb"}
+    scenes = [with_light(known.build, name, folders[name], known.rays) for name in known.scenes]
+    return subprocess.run([f"{known.build}/tests/cyclorama-bench-walk", *scenes, "--fps", *known.fps, "--latency-ms",
+                           *known.latency_ms, "--walks", *known.walks, "--json", known.json, *passed],
+                          check=False).returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -21,10 +21,12 @@
 
 #include "common/base/file.h"
 #include "common/image/jpeg.h"
+#include "common/image/png.h"
 #include "common/process/program.h"
 #include "common/wire/convert.h"
 #include "common/wire/payload.h"
 #include "renderfarm/client/farm_client.h"
+#include "tests/support/view_text.h"
 
 namespace cyclorama {
 namespace {
@@ -40,10 +42,12 @@ struct Arguments {
   int height = 128;
   int samples = 1;
   int poses = 120;
+  bool stored_light = false;
   bool blind = false;
   double tile_delay_ms = 0.0;
   double timeout_s = 30.0;
   std::string views{};
+  std::string pictures{};
   std::string bundle{};
 };
 
@@ -54,29 +58,6 @@ std::uint64_t digest_of(std::span<const std::byte> bytes) {
   std::uint64_t digest = 14695981039346656037U;
   for (const std::byte byte : bytes) digest = (digest ^ std::to_integer<std::uint64_t>(byte)) * 1099511628211U;
   return digest;
-}
-
-/// Everything that a picture depends on: equal digits mean equal pictures.
-std::string to_hex(const wire::View& view) {
-  std::string hex;
-  for (const char byte : view.SerializeAsString()) {
-    fmt::format_to(std::back_inserter(hex), "{:02x}", static_cast<unsigned char>(byte));
-  }
-  return hex;
-}
-
-/// Returns nothing for text that to_hex() never writes.
-std::optional<wire::View> view_from_hex(std::string_view hex) {
-  std::string bytes;
-  for (; hex.size() >= 2; hex.remove_prefix(2)) {
-    unsigned char byte = 0;
-    const auto [end, error] = std::from_chars(hex.data(), hex.data() + 2, byte, 16);
-    if (error != std::errc() || end != hex.data() + 2) return std::nullopt;
-    bytes += static_cast<char>(byte);
-  }
-  wire::View view;
-  if (!hex.empty() || !view.ParseFromString(bytes)) return std::nullopt;
-  return view;
 }
 
 /// Reads one view per line, with increasing numbers: either only the number, or the whole view as written by to_hex(),
@@ -174,7 +155,8 @@ class RecordingListener final : public client::FarmListener {
     cover_.add(tile);
     bytes_ += payload_bytes(tile);
     if (arguments_.blind) return;
-    const Status decoded = view_.subsample_chroma() ? draw_grey(tile) : draw(tile);
+    const bool in_colour = !view_.subsample_chroma() || !arguments_.pictures.empty();
+    const Status decoded = in_colour ? draw(tile) : draw_grey(tile);
     if (!decoded) say({{"event", "violation"}, {"reason", decoded.error().message()}});
   }
   void on_end(const wire::FrameEnd& end) override {
@@ -190,6 +172,8 @@ class RecordingListener final : public client::FarmListener {
               {"begun_s", begun_at_},
               {"bytes", bytes_},
               {"refined", view_.number() <= last_ended_},
+              {"stored_light", view_.stored_light()},
+              {"denoise", view_.denoise()},
               {"view_hex", to_hex(view_)},
               {"width_px", picture_.width()}};
     for (const wire::StageTime& stage : end.stages()) line["stages_ms"][stage.name()] = 1e3 * stage.seconds();
@@ -197,6 +181,7 @@ class RecordingListener final : public client::FarmListener {
       line["whole"] = cover_.is_whole();
       if (!arguments_.blind) line["digest"] = fmt::format("{:016x}", digest_of(std::as_bytes(picture_.data())));
     }
+    if (end.complete() && !arguments_.pictures.empty()) keep_picture(end.view_number() == last_ended_);
     last_ended_ = end.view_number();
     const std::lock_guard lock(mutex_);
     const auto asked = asked_at_.find(end.view_number());
@@ -207,6 +192,17 @@ class RecordingListener final : public client::FarmListener {
   }
 
  private:
+  /// Writes the last picture of a walk and the first one at rest, when that has come.
+  void keep_picture(bool refined) {
+    if (refined && !walking_.empty()) {
+      for (const auto& [name, picture] : {std::pair("walking.png", &walking_), std::pair("rest.png", &picture_)}) {
+        const Status written = write_png(std::filesystem::path(arguments_.pictures) / name, *picture);
+        if (!written) say({{"event", "lost"}, {"reason", written.error().message()}});
+      }
+      walking_ = {};
+    }
+    if (!refined) walking_ = picture_;
+  }
   Status draw(const wire::Tile& tile) {
     return decoder_.decode_into(std::as_bytes(std::span(tile.jpeg())),
                                 picture_.at(static_cast<int>(tile.x_px()), static_cast<int>(tile.y_px())),
@@ -238,6 +234,7 @@ class RecordingListener final : public client::FarmListener {
     view.mutable_eye_m()->set_z(scene_->start_eye_m().z() + kRadiusM * std::cos(turned));
     view.set_heading_rad(scene_->start_heading_rad() + turned);
     view.set_samples(static_cast<std::uint32_t>(arguments_.samples));
+    view.set_stored_light(arguments_.stored_light);
     constexpr std::uint32_t kQuality = 85;
     view.set_jpeg_quality(kQuality);
     view.set_subsample_chroma(false);  // Decoded pixels then do not depend on where tiles are cut.
@@ -265,6 +262,7 @@ class RecordingListener final : public client::FarmListener {
   // Used only on the client's thread.
   wire::View view_;
   RgbImage picture_;  ///< Grey if the farm chose to halve the chroma.
+  RgbImage walking_;  ///< With --pictures: the last whole one that moved.
   std::uint64_t last_ended_ = 0;
   Cover cover_;
   std::size_t bytes_ = 0;
@@ -339,6 +337,9 @@ int main(int argc, char** argv) {
   app.add_option("--height", arguments.height, "Of the picture, in pixels");
   app.add_option("--samples", arguments.samples, "Per pixel");
   app.add_option("--poses", arguments.poses, "Different views of the round")->check(CLI::Range(1, 100000));
+  app.add_flag("--stored-light", arguments.stored_light, "Ask for pictures that read stored light (without a budget)");
+  app.add_option("--pictures", arguments.pictures,
+                 "Write the last picture of a walk and the first one at rest into this folder");
   app.add_flag("--blind", arguments.blind, "Take tiles without looking at them: all of the processor is the farm's");
   app.add_option("--tile-delay-ms", arguments.tile_delay_ms, "Be a slow museum: wait so long at each tile");
   return program.run(argc, argv, [&](const StopSignal& stop) { return run(arguments, stop); });

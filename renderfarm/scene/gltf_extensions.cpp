@@ -12,7 +12,7 @@
 namespace cyclorama::scene {
 namespace {
 
-constexpr std::array<std::string_view, 17> kSupported = {
+constexpr std::array<std::string_view, 18> kSupported = {
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
@@ -28,6 +28,7 @@ constexpr std::array<std::string_view, 17> kSupported = {
     "KHR_materials_variants",  // A file without a choice shows its own materials.
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp_json_ld",  // Text about the file.
 };

@@ -70,7 +70,9 @@ PlyVertexLayout::PlyVertexLayout(const PlyElement& vertex) {
 }
 
 Status PlyMesh::check_memory(std::uint64_t triangles) const {
-  if (vertex_count_ * bytes_per_vertex_ + triangles * sizeof(mesh_.triangles[0]) <= limit_bytes_) return Done{};
+  const std::size_t each =
+      sizeof(mesh_.triangles[0]) + (texcoords_.size() > 0 ? PlyTexcoords::kBytesPerTriangle : std::size_t{0});
+  if (vertex_count_ * bytes_per_vertex_ + triangles * each <= limit_bytes_) return Done{};
   return Error(ErrorCode::kBadData,
                fmt::format("it needs more than the {} MiB that a scene may take; raise the limit or "
                            "reduce the mesh",
@@ -97,6 +99,7 @@ Status PlyMesh::begin(const PlyHeader& header) {
     return Error(ErrorCode::kBadData, fmt::format("it has {} vertices; split it into several files", vertex->count));
   }
   vertex_count_ = vertex->count;
+  texture_count_ = header.texture_files.size();
   bytes_per_vertex_ =
       12u + (layout.has_normal() ? 12u : 0u) + (layout.has_texcoord() ? 8u : 0u) + (layout.has_colour() ? 4u : 0u);
   TRY(check_memory(0));
@@ -148,14 +151,38 @@ Result<std::uint32_t> PlyMesh::index_of(double corner) const {
                fmt::format("refers to vertex {} of {} (from 0); export the file again", corner, vertex_count_));
 }
 
-Status PlyMesh::add_polygon(std::span<const double> corners) {
+Status PlyMesh::add_texcoords(const PlyFace& face) {
+  const std::size_t corners = indices_.size();
+  if (face.texcoords.size() != 2 * corners) {
+    return Error(ErrorCode::kBadData,
+                 fmt::format("has {} numbers of texture coordinates for {} corners; export the file again",
+                             face.texcoords.size(), corners));
+  }
+  const double last = static_cast<double>(std::max<std::size_t>(texture_count_, 1) - 1);
+  if (!(face.texture >= 0.0 && face.texture <= last && face.texture == std::floor(face.texture))) {
+    return Error(ErrorCode::kBadData,
+                 fmt::format("has the texture {}; the header names {} (from 0)", face.texture, texture_count_));
+  }
+  for (const auto& piece : pieces_) {
+    PlyCorners uv;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t at = 2 * piece[k];
+      uv[k] = {finite_float(face.texcoords[at]), finite_float(face.texcoords[at + 1])};
+    }
+    texcoords_.add(uv, static_cast<std::uint32_t>(face.texture));
+  }
+  return Done{};
+}
+
+Status PlyMesh::add_polygon(const PlyFace& face) {
   indices_.clear();
-  for (const double corner : corners) {
+  for (const double corner : face.corners) {
     TRY_ASSIGN(const std::uint32_t index, index_of(corner));
     indices_.push_back(index);
   }
+  pieces_.clear();
   if (indices_.size() == 3) {
-    mesh_.triangles.push_back({indices_[0], indices_[1], indices_[2]});
+    pieces_.push_back({0, 1, 2});
   } else if (indices_.size() < 3) {
     ++polygons_without_area_;
   } else {
@@ -166,12 +193,12 @@ Status PlyMesh::add_polygon(std::span<const double> corners) {
       const auto& p = known ? mesh_.positions[index] : std::array<float, 3>{};
       corners_.push_back(Eigen::Vector3f(p[0], p[1], p[2]).cast<double>());
     }
-    pieces_.clear();
     triangulate(corners_, &pieces_);
-    for (const auto& piece : pieces_) {
-      mesh_.triangles.push_back({indices_[piece[0]], indices_[piece[1]], indices_[piece[2]]});
-    }
   }
+  for (const auto& piece : pieces_) {
+    mesh_.triangles.push_back({indices_[piece[0]], indices_[piece[1]], indices_[piece[2]]});
+  }
+  if (!face.texcoords.empty()) TRY(add_texcoords(face));
   return check_memory(mesh_.triangles.size());
 }
 
@@ -230,28 +257,38 @@ Result<Model> PlyMesh::finish() && {
   Model model;
   if (mesh_.triangles.empty() && !has_faces_) TRY(show_points(&model.notes));
   if (mesh_.triangles.empty()) return Error(ErrorCode::kBadData, "none of its faces is a triangle with an area");
-  if (!is_unusable_.empty()) {
-    const std::size_t before = mesh_.triangles.size();
+  const std::size_t before = mesh_.triangles.size();
+  if (texcoords_.size() == before) {
+    model.meshes = texcoords_.split(mesh_, is_unusable_);
+  } else {
+    if (texcoords_.size() > 0) {
+      model.notes.emplace_back("some faces have texture coordinates and others none: no texture is shown");
+    }
     std::erase_if(mesh_.triangles, [&](const std::array<std::uint32_t, 3>& t) {
-      return is_unusable_[t[0]] || is_unusable_[t[1]] || is_unusable_[t[2]];
+      return !is_unusable_.empty() && (is_unusable_[t[0]] || is_unusable_[t[1]] || is_unusable_[t[2]]);
     });
-    if (mesh_.triangles.empty()) return Error(ErrorCode::kBadData, "none of its triangles has finite corners");
-    model.notes.push_back(
-        fmt::format("{} triangles have corners that are not finite: left out", before - mesh_.triangles.size()));
+    model.meshes.push_back(std::move(mesh_));
+  }
+  std::size_t left = 0;
+  for (const Mesh& mesh : model.meshes) left += mesh.triangles.size();
+  if (left == 0) return Error(ErrorCode::kBadData, "none of its triangles has finite corners");
+  if (left < before) {
+    model.notes.push_back(fmt::format("{} triangles have corners that are not finite: left out", before - left));
   }
   if (polygons_without_area_ > 0) {
     model.notes.push_back(fmt::format("{} faces have fewer than three corners: left out", polygons_without_area_));
   }
-  repair_normals(&mesh_);
   Material material;
   material.name = "scan";
   material.metallic = 0.0f;
   material.roughness = 1.0f;  // A file without a material is a scan: matte, and often open at the back.
   material.double_sided = true;
   if (has_alpha_) material.alpha_mode = AlphaMode::kBlend;
-  model.materials.push_back(std::move(material));
-  model.meshes.push_back(std::move(mesh_));
-  model.instances.push_back({0, Eigen::Affine3d::Identity()});
+  model.materials.resize(std::max<std::size_t>(texture_count_, 1), material);
+  for (Mesh& mesh : model.meshes) {
+    repair_normals(&mesh);
+    model.instances.push_back({static_cast<int>(model.instances.size()), Eigen::Affine3d::Identity()});
+  }
   return model;
 }
 

@@ -174,6 +174,10 @@ struct ImportLimits {
 Result<Model> import_gltf(const std::filesystem::path& path, const ImportLimits& limits);
 /// PLY, ASCII or binary of either byte order.
 Result<Model> import_ply(const std::filesystem::path& path, const ImportLimits& limits);
+/// LAS 1.0 to 1.4 without compression. Its z axis points up; it is turned so that y does.
+Result<Model> import_las(const std::filesystem::path& path, const ImportLimits& limits);
+/// E57: all scans of the file, in the file's own frame, turned like those of LAS.
+Result<Model> import_e57(const std::filesystem::path& path, const ImportLimits& limits);
 /// Wavefront OBJ with its MTL files.
 Result<Model> import_obj(const std::filesystem::path& path, const ImportLimits& limits);
 

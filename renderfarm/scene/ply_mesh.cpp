@@ -10,7 +10,7 @@
 
 #include "common/geometry/polygon.h"
 #include "renderfarm/scene/mesh_repair.h"
-#include "renderfarm/scene/point_squares.h"
+#include "renderfarm/scene/point_cloud.h"
 
 namespace cyclorama::scene {
 namespace {
@@ -232,7 +232,6 @@ Status PlyMesh::show_points(std::vector<std::string>* notes) {
     if (!mesh_.colours.empty()) mesh_.colours[kept] = mesh_.colours[i];
     ++kept;
   }
-  if (kept == 0) return Error(ErrorCode::kBadData, "it holds neither triangles nor points with finite places");
   if (kept < mesh_.positions.size()) {
     notes->push_back(fmt::format("{} points are not finite: left out", mesh_.positions.size() - kept));
   }
@@ -240,17 +239,7 @@ Status PlyMesh::show_points(std::vector<std::string>* notes) {
   if (!mesh_.normals.empty()) mesh_.normals.resize(kept);
   if (!mesh_.colours.empty()) mesh_.colours.resize(kept);
   is_unusable_.clear();
-  if (kept * (bytes_per_vertex_ + kSquareBytes) > limit_bytes_ ||
-      kept > std::numeric_limits<std::uint32_t>::max() / 4) {
-    return Error(ErrorCode::kBadData,
-                 fmt::format("its {} points need more than the {} MiB that a scene may take; raise "
-                             "the limit, or thin the points out",
-                             kept, limit_bytes_ >> 20));
-  }
-  const double step = make_point_squares(&mesh_);
-  notes->push_back(
-      fmt::format("{} points without triangles, about {:.3g} units apart: shown as small squares", kept, step));
-  return Done{};
+  return scene::show_points(bytes_per_vertex_, limit_bytes_, &mesh_, notes);
 }
 
 Result<Model> PlyMesh::finish() && {
@@ -278,11 +267,7 @@ Result<Model> PlyMesh::finish() && {
   if (polygons_without_area_ > 0) {
     model.notes.push_back(fmt::format("{} faces have fewer than three corners: left out", polygons_without_area_));
   }
-  Material material;
-  material.name = "scan";
-  material.metallic = 0.0f;
-  material.roughness = 1.0f;  // A file without a material is a scan: matte, and often open at the back.
-  material.double_sided = true;
+  Material material = scan_material();
   if (has_alpha_) material.alpha_mode = AlphaMode::kBlend;
   model.materials.resize(std::max<std::size_t>(texture_count_, 1), material);
   for (Mesh& mesh : model.meshes) {

@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::size_t kPackageLimitBytes = std::size_t{1} << 20;
 
-enum class Format { kGltf, kPly, kObj, kPackage };
+enum class Format { kGltf, kPly, kObj, kLas, kE57, kPackage };
 
 Result<Format> format_of(const std::filesystem::path& path) {
   TRY_ASSIGN(const MappedFile file, MappedFile::open(path));
@@ -37,15 +37,19 @@ Result<Format> format_of(const std::filesystem::path& path) {
     return Error(ErrorCode::kBadData, fmt::format("'{}' is empty; copy it again", path.string()));
   }
   if (text.starts_with("glTF")) return Format::kGltf;
+  if (text.starts_with("LASF")) return Format::kLas;
+  if (text.starts_with("ASTM-E57")) return Format::kE57;
   if (text.starts_with("ply") && text.find_first_of("\r\n") == 3) return Format::kPly;
   if (extension == ".glb" || extension == ".gltf") return Format::kGltf;
   if (extension == ".ply") return Format::kPly;
   if (extension == ".obj") return Format::kObj;
+  if (extension == ".las" || extension == ".laz") return Format::kLas;
+  if (extension == ".e57") return Format::kE57;
   if (extension == ".toml") return Format::kPackage;
   if (trimmed(text.substr(0, 4096)).starts_with("{")) return Format::kGltf;
   return Error(ErrorCode::kBadData,
-               fmt::format("'{}' is no scene: give a folder with scene.toml, or a .glb, .gltf, .ply "
-                           "or .obj file",
+               fmt::format("'{}' is no scene: give a folder with scene.toml, or a .glb, .gltf, .ply, "
+                           ".obj, .las, .e57 or .spz file",
                            path.string()));
 }
 
@@ -56,6 +60,10 @@ Result<Model> import_any(const std::filesystem::path& path, const ImportLimits& 
       return import_ply(path, limits);
     case Format::kObj:
       return import_obj(path, limits);
+    case Format::kLas:
+      return import_las(path, limits);
+    case Format::kE57:
+      return import_e57(path, limits);
     case Format::kGltf:
       return import_gltf(path, limits);
     case Format::kPackage:

@@ -15,6 +15,7 @@
 #include "renderfarm/scene/ply_cursor.h"
 #include "renderfarm/scene/ply_header.h"
 #include "renderfarm/scene/ply_mesh.h"
+#include "renderfarm/scene/splat_ply.h"
 
 namespace cyclorama::scene {
 namespace {
@@ -148,6 +149,7 @@ void add_textures(const PlyHeader& header, const std::filesystem::path& folder, 
 Result<Model> import_bytes(std::span<const std::byte> file, const std::filesystem::path& folder,
                            const ImportLimits& limits) {
   TRY_ASSIGN(const PlyHeader header, parse_ply_header(file));
+  if (holds_splats(header)) return read_splat_ply(file, header, limits);
   PlyMesh mesh(limits.memory_bytes);
   switch (header.encoding) {
     case PlyEncoding::kAscii:

@@ -91,10 +91,6 @@ Status PlyMesh::begin(const PlyHeader& header) {
   if (!layout.has(kX) || !layout.has(kY) || !layout.has(kZ)) {
     return Error(ErrorCode::kBadData, "its vertices have no x, y and z");
   }
-  const auto is_splat = [](const PlyProperty& property) { return property.name == "f_dc_0"; };
-  if (std::any_of(vertex->properties.begin(), vertex->properties.end(), is_splat)) {
-    return Error(ErrorCode::kBadData, "it holds Gaussian splats, which are not supported; export a mesh of the scene");
-  }
   if (vertex->count > std::numeric_limits<std::uint32_t>::max()) {
     return Error(ErrorCode::kBadData, fmt::format("it has {} vertices; split it into several files", vertex->count));
   }

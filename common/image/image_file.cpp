@@ -9,6 +9,7 @@
 #include "common/base/file.h"
 #include "common/image/foreign_jpeg.h"
 #include "common/image/jpeg.h"
+#include "common/image/ktx2.h"
 #include "common/image/png.h"
 #include "common/image/webp.h"
 
@@ -25,11 +26,11 @@ bool begins_with(std::span<const std::byte> bytes, std::string_view magic, std::
 }
 
 Error unsupported(std::span<const std::byte> bytes) {
-  const char* name = "neither PNG, JPEG nor WebP";
+  const char* name = "neither PNG, JPEG, WebP nor KTX2";
   if (bytes.empty()) name = "an empty file";
   if (begins_with(bytes, "\x76\x2f\x31\x01")) name = "an OpenEXR picture";
   if (begins_with(bytes, "#?RADIANCE") || begins_with(bytes, "#?RGBE")) name = "a Radiance HDR picture";
-  if (begins_with(bytes, "\xabKTX")) name = "a KTX texture";
+  if (begins_with(bytes, "\xabKTX")) name = "a KTX 1 texture";
   if (begins_with(bytes, "GIF8")) name = "a GIF picture";
   return Error(ErrorCode::kBadData, fmt::format("this is {}; convert it to PNG or JPEG", name));
 }
@@ -49,6 +50,7 @@ Result<GreyImage> grey_of(std::span<const std::byte> bytes, std::size_t limit_px
 Result<RgbaImage> decode_image(std::span<const std::byte> bytes, std::size_t limit_px) {
   if (begins_with(bytes, "\x89PNG")) return decode_png(bytes, limit_px);
   if (begins_with(bytes, "RIFF") && begins_with(bytes, "WEBP", 8)) return decode_webp(bytes, limit_px);
+  if (is_ktx2(bytes)) return decode_ktx2(bytes, limit_px);
   if (!begins_with(bytes, kJpegMagic)) return unsupported(bytes);
   return decode_foreign_jpeg(bytes, limit_px);
 }

@@ -14,8 +14,8 @@ namespace cyclorama {
 inline constexpr std::size_t kTextureLimitPx = std::size_t{16384} * 16384;
 inline constexpr std::size_t kPhotoLimitPx = std::size_t{64} << 20;
 
-/// Decodes PNG, JPEG or WebP. Errors: kBadData if the bytes are damaged, larger than `limit_px`, or of another format (named,
-/// with the remedy). Reentrant.
+/// Decodes PNG, JPEG, WebP or KTX2 (ktx2.h). Errors: kBadData if the bytes are damaged, larger than `limit_px`, or of
+/// another format (named, with the remedy). Reentrant.
 Result<RgbaImage> decode_image(std::span<const std::byte> bytes, std::size_t limit_px);
 /// Reads a file. Errors: as decode_image(), with the file's name.
 Result<RgbaImage> read_image(const std::filesystem::path& path, std::size_t limit_px);

@@ -104,6 +104,13 @@ SceneKey key_of(const scene::Scene& scene) {
   }
   for (const scene::Material& material : model.materials) add(material, &hash);
   for (const scene::Mesh& mesh : model.meshes) add(mesh, &hash);
+  for (const scene::SplatCloud& cloud : model.splats) {  // Nothing is added without splats: old keys stay.
+    hash.add(cloud.origin);
+    hash.add_all(cloud.positions);
+    hash.add_all(cloud.scales);
+    hash.add_all(cloud.opacities);
+    hash.add_all(cloud.coefficients);
+  }
   for (const scene::Instance& instance : model.instances) {
     hash.add(instance.mesh);
     hash.add(instance.T_model_mesh.matrix());

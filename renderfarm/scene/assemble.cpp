@@ -65,6 +65,12 @@ void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_w
     if (!T_whole_file.empty()) material.attenuation_distance *= static_cast<float>(scale_of(T_whole_file.front()));
   }
   for (Mesh& mesh : part.meshes) mesh.material += first_material;
+  for (const SplatCloud& cloud : part.splats) {
+    for (const Eigen::Affine3d& T : T_whole_file) {
+      whole->splats.push_back(cloud);
+      whole->splats.back().T_model_cloud = T * cloud.T_model_cloud;
+    }
+  }
   for (const Eigen::Affine3d& T : T_whole_file) {
     for (const Instance& instance : part.instances) {
       whole->instances.push_back({instance.mesh + first_mesh, T * instance.T_model_mesh});
@@ -109,6 +115,7 @@ Eigen::AlignedBox3d bounds_of(const Model& model) {
   for (const Instance& instance : model.instances)
     instances_of[static_cast<std::size_t>(instance.mesh)].push_back(&instance);
   Eigen::AlignedBox3d bounds;
+  for (const SplatCloud& cloud : model.splats) bounds.extend(bounds_of(cloud));
   for (std::size_t m = 0; m < model.meshes.size(); ++m) {
     const Mesh& mesh = model.meshes[m];
     const std::vector<bool> used = used_vertices(mesh);

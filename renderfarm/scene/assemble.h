@@ -21,7 +21,8 @@ void add_part(Model part, double unit_m, const std::vector<Eigen::Affine3d>& T_w
 /// otherwise the globe would block its light. `model` is in metres.
 void free_lamps(Model* model);
 
-/// Bounds of the corners of all triangles, in the model's frame; empty if there are none.
+/// Bounds of the corners of all triangles and of the splats (splat_cloud.h), in the model's frame; empty if there are
+/// none.
 [[nodiscard]] Eigen::AlignedBox3d bounds_of(const Model& model);
 
 }  // namespace cyclorama::scene

@@ -266,6 +266,7 @@ std::vector<std::array<float, N>> read_floats(const GltfAccessor& accessor, cons
   }
   return values;
 }
+template std::vector<std::array<float, 1>> read_floats(const GltfAccessor&, const GltfSelection&);
 template std::vector<std::array<float, 2>> read_floats(const GltfAccessor&, const GltfSelection&);
 template std::vector<std::array<float, 3>> read_floats(const GltfAccessor&, const GltfSelection&);
 template std::vector<std::array<float, 4>> read_floats(const GltfAccessor&, const GltfSelection&);

@@ -75,6 +75,7 @@ class GltfSelection {
 /// N, the selection is inside it, and the caller has charged the budget for the result.
 template <std::size_t N>
 std::vector<std::array<float, N>> read_floats(const GltfAccessor& accessor, const GltfSelection& selection);
+extern template std::vector<std::array<float, 1>> read_floats(const GltfAccessor&, const GltfSelection&);
 extern template std::vector<std::array<float, 2>> read_floats(const GltfAccessor&, const GltfSelection&);
 extern template std::vector<std::array<float, 3>> read_floats(const GltfAccessor&, const GltfSelection&);
 extern template std::vector<std::array<float, 4>> read_floats(const GltfAccessor&, const GltfSelection&);

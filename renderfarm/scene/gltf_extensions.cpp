@@ -12,11 +12,13 @@
 namespace cyclorama::scene {
 namespace {
 
-constexpr std::array<std::string_view, 17> kSupported = {
+constexpr std::array<std::string_view, 20> kSupported = {
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_draco_mesh_compression",
+    "KHR_gaussian_splatting",
+    "KHR_gaussian_splatting_compression_spz_2",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
@@ -28,6 +30,7 @@ constexpr std::array<std::string_view, 17> kSupported = {
     "KHR_materials_variants",  // A file without a choice shows its own materials.
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp_json_ld",  // Text about the file.
 };

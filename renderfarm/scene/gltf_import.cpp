@@ -24,7 +24,7 @@ Result<Model> import_checked(std::span<const std::byte> bytes, const std::option
   Model model;
   GltfMeshes meshes(&document, &context, &model);
   TRY(show_gltf_scene(&document, &context, &meshes, &model));
-  if (model.instances.empty()) context.notes.add("the file shows no triangles", "");
+  if (model.instances.empty() && model.splats.empty()) context.notes.add("the file shows no triangles", "");
   if (model.materials.empty()) model.materials.emplace_back();
   model.notes = context.notes.sentences();
   TRY_ASSIGN(const std::optional<GltfObject> asset, document.root().object("asset"));

@@ -5,6 +5,7 @@
 
 #include "renderfarm/scene/gltf_morph.h"
 #include "renderfarm/scene/gltf_primitive.h"
+#include "renderfarm/scene/gltf_splats.h"
 #include "renderfarm/scene/gltf_triangles.h"
 #include "renderfarm/scene/gltf_vertices.h"
 
@@ -58,6 +59,8 @@ Result<const std::vector<int>*> GltfMeshes::load(std::size_t index) {
   std::vector<int> meshes;
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     TRY_ASSIGN(const GltfObject primitive, primitives.object(i));
+    TRY_ASSIGN(const bool is_splats, is_gltf_splats(primitive));
+    if (is_splats) continue;  // add_gltf_splats() reads them.
     std::optional<GltfSkinning> skinning;
     TRY_ASSIGN(std::optional<Mesh> mesh, read_primitive(primitive, morph_weights, &skinning));
     if (!mesh) continue;

@@ -7,6 +7,7 @@
 #include "renderfarm/scene/gltf_instancing.h"
 #include "renderfarm/scene/gltf_light.h"
 #include "renderfarm/scene/gltf_skin.h"
+#include "renderfarm/scene/gltf_splats.h"
 #include "renderfarm/scene/gltf_transform.h"
 
 namespace cyclorama::scene {
@@ -49,9 +50,13 @@ Status show_mesh(const Stage& stage, const GltfObject& node, const Eigen::Affine
   if (node.has("skin")) return show_skinned(stage, node, *index);
   TRY_ASSIGN(const std::vector<int>* const meshes, stage.meshes->load(*index));
   TRY_ASSIGN(const std::optional<GltfObject> instancing, node.extension("EXT_mesh_gpu_instancing"));
-  if (!instancing) return show_copy(stage, *meshes, T_model_node, node.place());
+  if (!instancing) {
+    TRY(add_gltf_splats(stage.document, stage.context, *index, T_model_node, stage.model));
+    return show_copy(stage, *meshes, T_model_node, node.place());
+  }
   TRY_ASSIGN(const std::vector<Eigen::Affine3d> copies, read_instancing(stage.document, *instancing, stage.context));
   for (const Eigen::Affine3d& T_node_mesh : copies) {
+    TRY(add_gltf_splats(stage.document, stage.context, *index, T_model_node * T_node_mesh, stage.model));
     TRY(show_copy(stage, *meshes, T_model_node * T_node_mesh, node.place()));
   }
   return Done{};
@@ -124,6 +129,7 @@ Status show_meshes_without_nodes(const Stage& stage) {
   TRY_ASSIGN(const GltfArray meshes, stage.document->root().array("meshes"));
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     TRY_ASSIGN(const std::vector<int>* const loaded, stage.meshes->load(i));
+    TRY(add_gltf_splats(stage.document, stage.context, i, Eigen::Affine3d::Identity(), stage.model));
     TRY(show_copy(stage, *loaded, Eigen::Affine3d::Identity(), meshes.place_of(i)));
   }
   return Done{};

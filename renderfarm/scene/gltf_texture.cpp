@@ -51,20 +51,22 @@ std::string image_name(const GltfObject& image, const std::optional<std::string>
   return name.empty() ? image.place() : fmt::format("'{}'", printable(name));
 }
 
-/// Returns the index of the texture's picture: the WebP picture if it has one, since its other picture, if any, is a
-/// fallback for programs that cannot read WebP.
+/// Returns the index of the texture's picture: the WebP or KTX2 picture if it has one, since its other picture, if any,
+/// is a fallback for programs that cannot read these.
 Result<std::optional<std::size_t>> source_of(const GltfDocument& document, const GltfObject& texture) {
-  TRY_ASSIGN(const std::optional<GltfObject> webp, texture.extension("EXT_texture_webp"));
-  if (webp) return document.index(*webp, "source", "images");
+  for (const char* const name : {"EXT_texture_webp", "KHR_texture_basisu"}) {
+    TRY_ASSIGN(const std::optional<GltfObject> extension, texture.extension(name));
+    if (extension) return document.index(*extension, "source", "images");
+  }
   return document.index(texture, "source", "images");
 }
 
 Result<std::string> why_no_source(const GltfObject& texture) {
-  for (const char* const name : {"KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"}) {
+  for (const char* const name : {"EXT_texture_avif", "MSFT_texture_dds"}) {
     TRY_ASSIGN(const std::optional<GltfObject> extension, texture.extension(name));
     if (extension) return fmt::format("a texture is stored by {} only, which is not supported", name);
   }
-  return std::string("a texture has no PNG, JPEG or WebP picture");
+  return std::string("a texture has no PNG, JPEG, WebP or KTX2 picture");
 }
 
 }  // namespace

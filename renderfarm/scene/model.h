@@ -12,6 +12,7 @@
 
 #include "common/base/result.h"
 #include "common/image/image.h"
+#include "renderfarm/scene/splat_cloud.h"
 
 namespace cyclorama::scene {
 
@@ -154,6 +155,7 @@ struct Model {
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
+  std::vector<SplatCloud> splats;
   std::vector<Light> lights;
   std::vector<Viewpoint> viewpoints;
   std::string credits;  ///< Verbatim from the file; licences often require that visitors can read them.
@@ -174,6 +176,12 @@ struct ImportLimits {
 Result<Model> import_gltf(const std::filesystem::path& path, const ImportLimits& limits);
 /// PLY, ASCII or binary of either byte order.
 Result<Model> import_ply(const std::filesystem::path& path, const ImportLimits& limits);
+/// LAS 1.0 to 1.4 without compression. Its z axis points up; it is turned so that y does.
+Result<Model> import_las(const std::filesystem::path& path, const ImportLimits& limits);
+/// E57: all scans of the file, in the file's own frame, turned like those of LAS.
+Result<Model> import_e57(const std::filesystem::path& path, const ImportLimits& limits);
+/// SPZ: Gaussian splats. PLY files may hold splats as well.
+Result<Model> import_spz(const std::filesystem::path& path, const ImportLimits& limits);
 /// Wavefront OBJ with its MTL files.
 Result<Model> import_obj(const std::filesystem::path& path, const ImportLimits& limits);
 

@@ -13,6 +13,7 @@
 #include "common/base/text.h"
 #include "common/geometry/obj_text.h"
 #include "common/image/image_file.h"
+#include "renderfarm/scene/file_beside.h"
 
 namespace cyclorama::scene {
 namespace {
@@ -68,15 +69,6 @@ std::string file_of_map(std::string_view rest) {
   return std::string(rest);
 }
 
-/// Returns the path inside `folder` at which a name from the file is looked for.
-std::filesystem::path inside(const std::filesystem::path& folder, std::string name) {
-  std::replace(name.begin(), name.end(), '\\', '/');
-  const std::filesystem::path file = std::filesystem::path(name).lexically_normal();
-  const bool leads_out =
-      file.is_absolute() || file.empty() || *file.begin() == ".." || name.find(':') != std::string::npos;
-  return folder / (leads_out ? file.filename() : file);
-}
-
 }  // namespace
 
 MtlLibrary::MtlLibrary(std::filesystem::path folder, const ImportLimits& limits)
@@ -90,7 +82,7 @@ void MtlLibrary::note_once(const std::string& note) {
 }
 
 bool MtlLibrary::read_one(std::string_view name) {
-  const std::filesystem::path file = inside(folder_, std::string(name));
+  const std::filesystem::path file = file_beside(folder_, std::string(name));
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) return false;
   const auto text = read_file(file, kMtlLimitBytes);
@@ -187,7 +179,7 @@ int MtlLibrary::texture(const std::string& file, Model* model) {
   const auto [place, is_new] = textures_.emplace(file, -1);
   if (!is_new) return place->second;
   const std::size_t bytes_left = limits_.memory_bytes - std::min(limits_.memory_bytes, texture_bytes_);
-  auto pixels = read_image(inside(folder_, file), std::min(limits_.texture_px, bytes_left / 4));
+  auto pixels = read_image(file_beside(folder_, file), std::min(limits_.texture_px, bytes_left / 4));
   if (!pixels) {
     note_once(fmt::format("{}: the material keeps its plain colour", pixels.error().message()));
     return -1;

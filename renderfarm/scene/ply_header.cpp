@@ -16,6 +16,7 @@ namespace {
 constexpr std::size_t kHeaderLimitBytes = std::size_t{1} << 20;
 constexpr std::size_t kElementLimit = 64;
 constexpr std::size_t kPropertyLimit = 256;  // Per element.
+constexpr std::size_t kTextureLimit = 1024;
 
 struct TypeName {
   std::string_view name;
@@ -104,7 +105,9 @@ struct HeaderReader {
   }
 
   Status read_comment(std::string_view rest) {
-    if (next_word(&rest) == "TextureFile" && header.texture_file.empty()) header.texture_file = trimmed(rest);
+    if (next_word(&rest) != "TextureFile") return Done{};
+    if (header.texture_files.size() == kTextureLimit) return bad(fmt::format("is the texture after {}", kTextureLimit));
+    header.texture_files.emplace_back(trimmed(rest));
     return Done{};
   }
 

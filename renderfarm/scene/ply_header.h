@@ -40,9 +40,9 @@ struct PlyElement {
 
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kAscii;
-  std::vector<PlyElement> elements;  ///< In file order; each has at least one property.
-  std::size_t stray_lines = 0;       ///< Lines that are no part of PLY and were skipped.
-  std::string texture_file;          ///< MeshLab's "comment TextureFile"; may be empty.
+  std::vector<PlyElement> elements;        ///< In file order; each has at least one property.
+  std::size_t stray_lines = 0;             ///< Lines that are no part of PLY and were skipped.
+  std::vector<std::string> texture_files;  ///< MeshLab's "comment TextureFile" lines, in order; may be empty.
   std::size_t body_offset = 0;
   std::size_t body_line = 1;  ///< Line number of the first line of an ASCII body.
 };

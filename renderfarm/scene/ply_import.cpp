@@ -3,14 +3,19 @@
 
 #include <algorithm>
 #include <bit>
+#include <initializer_list>
+#include <string_view>
 #include <vector>
 
 #include "common/base/file.h"
 #include "common/base/text.h"
+#include "common/image/image_file.h"
+#include "renderfarm/scene/file_beside.h"
 #include "renderfarm/scene/model.h"
 #include "renderfarm/scene/ply_cursor.h"
 #include "renderfarm/scene/ply_header.h"
 #include "renderfarm/scene/ply_mesh.h"
+#include "renderfarm/scene/splat_ply.h"
 
 namespace cyclorama::scene {
 namespace {
@@ -52,58 +57,99 @@ Status read_vertices(Cursor* cursor, const PlyElement& element, PlyMesh* mesh) {
   return Done{};
 }
 
-/// Reads faces, strips and unused elements; calls `use` with the list named in `wanted` of each row, if any.
+/// The properties of faces and strips that are used; the number of properties where an element lacks one.
+struct FaceColumns {
+  explicit FaceColumns(const PlyElement& element)
+      : corners(column_of(element, {"vertex_indices", "vertex_index"}, true)),
+        texcoords(column_of(element, {"texcoord"}, true)),
+        texture(column_of(element, {"texnumber"}, false)) {}
+
+  static std::size_t column_of(const PlyElement& element, std::initializer_list<std::string_view> names, bool is_list) {
+    const auto is_it = [&](const PlyProperty& p) {
+      return p.count_type.has_value() == is_list && std::find(names.begin(), names.end(), p.name) != names.end();
+    };
+    return static_cast<std::size_t>(std::find_if(element.properties.begin(), element.properties.end(), is_it) -
+                                    element.properties.begin());
+  }
+
+  std::size_t corners;
+  std::size_t texcoords;
+  std::size_t texture;
+};
+
+/// Reads faces, strips and unused elements; calls `use` with each row that has corners.
 template <typename Cursor, typename Use>
-Status read_lists(Cursor* cursor, const PlyElement& element, std::size_t wanted, const Use& use) {
-  std::vector<double> list;
+Status read_faces(Cursor* cursor, const PlyElement& element, const Use& use) {
+  const FaceColumns columns(element);
+  PlyFace face;
   double unused = 0.0;
   for (std::uint64_t i = 0; i < element.count; ++i) {
     bool good = cursor->begin_row();
     for (std::size_t k = 0; good && k < element.properties.size(); ++k) {
       const PlyProperty& property = element.properties[k];
-      good = property.count_type ? read_list(cursor, property, k == wanted ? &list : nullptr)
-                                 : cursor->read(property.type, &unused);
+      std::vector<double>* const list = k == columns.corners     ? &face.corners
+                                        : k == columns.texcoords ? &face.texcoords
+                                                                 : nullptr;
+      good = property.count_type ? read_list(cursor, property, list)
+                                 : cursor->read(property.type, k == columns.texture ? &face.texture : &unused);
     }
     if (!good || !cursor->end_row()) return bad_row(*cursor, element, i);
-    if (wanted == element.properties.size()) continue;
-    if (Status used = use(list); !used) {
+    if (columns.corners == element.properties.size()) continue;
+    if (Status used = use(face); !used) {
       return std::move(used).error().while_doing(fmt::format("row {} of '{}'", i, printable(element.name)));
     }
   }
   return Done{};
 }
 
-std::size_t index_list_of(const PlyElement& element) {
-  const auto is_index_list = [](const PlyProperty& p) {
-    return p.count_type && (p.name == "vertex_indices" || p.name == "vertex_index");
-  };
-  return static_cast<std::size_t>(std::find_if(element.properties.begin(), element.properties.end(), is_index_list) -
-                                  element.properties.begin());
-}
-
 template <typename Cursor>
 Status read_body(Cursor cursor, const PlyHeader& header, PlyMesh* mesh) {
   TRY(mesh->begin(header));
   for (const PlyElement& element : header.elements) {
-    const std::size_t indices = index_list_of(element);
     if (element.name == "vertex") {
       TRY(read_vertices(&cursor, element, mesh));
     } else if (element.name == "face") {
       TRY(mesh->reserve_triangles(element.count));
-      TRY(read_lists(&cursor, element, indices,
-                     [&](const std::vector<double>& list) { return mesh->add_polygon(list); }));
+      TRY(read_faces(&cursor, element, [&](const PlyFace& face) { return mesh->add_polygon(face); }));
     } else if (element.name == "tristrips") {
-      TRY(read_lists(&cursor, element, indices,
-                     [&](const std::vector<double>& list) { return mesh->add_strip(list); }));
+      TRY(read_faces(&cursor, element, [&](const PlyFace& strip) { return mesh->add_strip(strip.corners); }));
     } else {
-      TRY(read_lists(&cursor, element, element.properties.size(), [](const std::vector<double>&) { return Done{}; }));
+      TRY(read_faces(&cursor, element, [](const PlyFace&) { return Done{}; }));
     }
   }
   return Done{};
 }
 
-Result<Model> import_bytes(std::span<const std::byte> file, const ImportLimits& limits) {
+/// Loads the textures of those materials whose meshes have texture coordinates; what cannot be read is a note.
+void add_textures(const PlyHeader& header, const std::filesystem::path& folder, const ImportLimits& limits,
+                  Model* model) {
+  if (header.texture_files.empty()) return;
+  std::size_t left_bytes = limits.memory_bytes;
+  bool has_texcoords = false;
+  for (const Mesh& mesh : model->meshes) {
+    if (mesh.texcoords[0].empty()) continue;
+    has_texcoords = true;
+    const auto number = static_cast<std::size_t>(mesh.material);
+    auto pixels = read_image(file_beside(folder, header.texture_files[number]),
+                             std::min(limits.texture_px, left_bytes / sizeof(std::uint32_t)));
+    if (!pixels) {
+      model->notes.push_back(fmt::format("{}: its surfaces stay plain", pixels.error().message()));
+      continue;
+    }
+    left_bytes -= pixels->data().size();
+    model->materials[number].base_colour_texture.texture = static_cast<int>(model->textures.size());
+    model->textures.push_back({*std::move(pixels)});
+  }
+  if (!has_texcoords) {
+    model->notes.push_back(fmt::format("the texture '{}' is not shown: the file has no texture coordinates",
+                                       printable(header.texture_files.front())));
+  }
+}
+
+Result<Model> import_bytes(std::span<const std::byte> file, const std::filesystem::path& folder,
+                           const ImportLimits& limits) {
   TRY_ASSIGN(const PlyHeader header, parse_ply_header(file));
+  if (holds_splats(header)) return read_splat_ply(file, header, limits);
   PlyMesh mesh(limits.memory_bytes);
   switch (header.encoding) {
     case PlyEncoding::kAscii:
@@ -120,11 +166,7 @@ Result<Model> import_bytes(std::span<const std::byte> file, const ImportLimits& 
   if (model && header.stray_lines > 0) {
     model->notes.push_back(fmt::format("{} lines of the PLY header are no part of PLY: skipped", header.stray_lines));
   }
-  if (model && !header.texture_file.empty()) {
-    model->notes.push_back(
-        fmt::format("the texture '{}' is not shown: PLY textures are not supported; convert it to glTF",
-                    printable(header.texture_file)));
-  }
+  if (model) add_textures(header, folder, limits, &*model);
   return model;
 }
 
@@ -132,7 +174,7 @@ Result<Model> import_bytes(std::span<const std::byte> file, const ImportLimits& 
 
 Result<Model> import_ply(const std::filesystem::path& path, const ImportLimits& limits) {
   TRY_ASSIGN(const MappedFile file, MappedFile::open(path));
-  Result<Model> model = import_bytes(file.bytes(), limits);
+  Result<Model> model = import_bytes(file.bytes(), path.parent_path(), limits);
   if (!model) return std::move(model).error().while_doing(fmt::format("'{}'", path.string()));
   return model;
 }

@@ -10,7 +10,7 @@
 
 #include "common/geometry/polygon.h"
 #include "renderfarm/scene/mesh_repair.h"
-#include "renderfarm/scene/point_squares.h"
+#include "renderfarm/scene/point_cloud.h"
 
 namespace cyclorama::scene {
 namespace {
@@ -70,7 +70,9 @@ PlyVertexLayout::PlyVertexLayout(const PlyElement& vertex) {
 }
 
 Status PlyMesh::check_memory(std::uint64_t triangles) const {
-  if (vertex_count_ * bytes_per_vertex_ + triangles * sizeof(mesh_.triangles[0]) <= limit_bytes_) return Done{};
+  const std::size_t each =
+      sizeof(mesh_.triangles[0]) + (texcoords_.size() > 0 ? PlyTexcoords::kBytesPerTriangle : std::size_t{0});
+  if (vertex_count_ * bytes_per_vertex_ + triangles * each <= limit_bytes_) return Done{};
   return Error(ErrorCode::kBadData,
                fmt::format("it needs more than the {} MiB that a scene may take; raise the limit or "
                            "reduce the mesh",
@@ -89,14 +91,11 @@ Status PlyMesh::begin(const PlyHeader& header) {
   if (!layout.has(kX) || !layout.has(kY) || !layout.has(kZ)) {
     return Error(ErrorCode::kBadData, "its vertices have no x, y and z");
   }
-  const auto is_splat = [](const PlyProperty& property) { return property.name == "f_dc_0"; };
-  if (std::any_of(vertex->properties.begin(), vertex->properties.end(), is_splat)) {
-    return Error(ErrorCode::kBadData, "it holds Gaussian splats, which are not supported; export a mesh of the scene");
-  }
   if (vertex->count > std::numeric_limits<std::uint32_t>::max()) {
     return Error(ErrorCode::kBadData, fmt::format("it has {} vertices; split it into several files", vertex->count));
   }
   vertex_count_ = vertex->count;
+  texture_count_ = header.texture_files.size();
   bytes_per_vertex_ =
       12u + (layout.has_normal() ? 12u : 0u) + (layout.has_texcoord() ? 8u : 0u) + (layout.has_colour() ? 4u : 0u);
   TRY(check_memory(0));
@@ -148,14 +147,38 @@ Result<std::uint32_t> PlyMesh::index_of(double corner) const {
                fmt::format("refers to vertex {} of {} (from 0); export the file again", corner, vertex_count_));
 }
 
-Status PlyMesh::add_polygon(std::span<const double> corners) {
+Status PlyMesh::add_texcoords(const PlyFace& face) {
+  const std::size_t corners = indices_.size();
+  if (face.texcoords.size() != 2 * corners) {
+    return Error(ErrorCode::kBadData,
+                 fmt::format("has {} numbers of texture coordinates for {} corners; export the file again",
+                             face.texcoords.size(), corners));
+  }
+  const double last = static_cast<double>(std::max<std::size_t>(texture_count_, 1) - 1);
+  if (!(face.texture >= 0.0 && face.texture <= last && face.texture == std::floor(face.texture))) {
+    return Error(ErrorCode::kBadData,
+                 fmt::format("has the texture {}; the header names {} (from 0)", face.texture, texture_count_));
+  }
+  for (const auto& piece : pieces_) {
+    PlyCorners uv;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t at = 2 * piece[k];
+      uv[k] = {finite_float(face.texcoords[at]), finite_float(face.texcoords[at + 1])};
+    }
+    texcoords_.add(uv, static_cast<std::uint32_t>(face.texture));
+  }
+  return Done{};
+}
+
+Status PlyMesh::add_polygon(const PlyFace& face) {
   indices_.clear();
-  for (const double corner : corners) {
+  for (const double corner : face.corners) {
     TRY_ASSIGN(const std::uint32_t index, index_of(corner));
     indices_.push_back(index);
   }
+  pieces_.clear();
   if (indices_.size() == 3) {
-    mesh_.triangles.push_back({indices_[0], indices_[1], indices_[2]});
+    pieces_.push_back({0, 1, 2});
   } else if (indices_.size() < 3) {
     ++polygons_without_area_;
   } else {
@@ -166,12 +189,12 @@ Status PlyMesh::add_polygon(std::span<const double> corners) {
       const auto& p = known ? mesh_.positions[index] : std::array<float, 3>{};
       corners_.push_back(Eigen::Vector3f(p[0], p[1], p[2]).cast<double>());
     }
-    pieces_.clear();
     triangulate(corners_, &pieces_);
-    for (const auto& piece : pieces_) {
-      mesh_.triangles.push_back({indices_[piece[0]], indices_[piece[1]], indices_[piece[2]]});
-    }
   }
+  for (const auto& piece : pieces_) {
+    mesh_.triangles.push_back({indices_[piece[0]], indices_[piece[1]], indices_[piece[2]]});
+  }
+  if (!face.texcoords.empty()) TRY(add_texcoords(face));
   return check_memory(mesh_.triangles.size());
 }
 
@@ -205,7 +228,6 @@ Status PlyMesh::show_points(std::vector<std::string>* notes) {
     if (!mesh_.colours.empty()) mesh_.colours[kept] = mesh_.colours[i];
     ++kept;
   }
-  if (kept == 0) return Error(ErrorCode::kBadData, "it holds neither triangles nor points with finite places");
   if (kept < mesh_.positions.size()) {
     notes->push_back(fmt::format("{} points are not finite: left out", mesh_.positions.size() - kept));
   }
@@ -213,45 +235,41 @@ Status PlyMesh::show_points(std::vector<std::string>* notes) {
   if (!mesh_.normals.empty()) mesh_.normals.resize(kept);
   if (!mesh_.colours.empty()) mesh_.colours.resize(kept);
   is_unusable_.clear();
-  if (kept * (bytes_per_vertex_ + kSquareBytes) > limit_bytes_ ||
-      kept > std::numeric_limits<std::uint32_t>::max() / 4) {
-    return Error(ErrorCode::kBadData,
-                 fmt::format("its {} points need more than the {} MiB that a scene may take; raise "
-                             "the limit, or thin the points out",
-                             kept, limit_bytes_ >> 20));
-  }
-  const double step = make_point_squares(&mesh_);
-  notes->push_back(
-      fmt::format("{} points without triangles, about {:.3g} units apart: shown as small squares", kept, step));
-  return Done{};
+  return scene::show_points(bytes_per_vertex_, limit_bytes_, &mesh_, notes);
 }
 
 Result<Model> PlyMesh::finish() && {
   Model model;
   if (mesh_.triangles.empty() && !has_faces_) TRY(show_points(&model.notes));
   if (mesh_.triangles.empty()) return Error(ErrorCode::kBadData, "none of its faces is a triangle with an area");
-  if (!is_unusable_.empty()) {
-    const std::size_t before = mesh_.triangles.size();
+  const std::size_t before = mesh_.triangles.size();
+  if (texcoords_.size() == before) {
+    model.meshes = texcoords_.split(mesh_, is_unusable_);
+  } else {
+    if (texcoords_.size() > 0) {
+      model.notes.emplace_back("some faces have texture coordinates and others none: no texture is shown");
+    }
     std::erase_if(mesh_.triangles, [&](const std::array<std::uint32_t, 3>& t) {
-      return is_unusable_[t[0]] || is_unusable_[t[1]] || is_unusable_[t[2]];
+      return !is_unusable_.empty() && (is_unusable_[t[0]] || is_unusable_[t[1]] || is_unusable_[t[2]]);
     });
-    if (mesh_.triangles.empty()) return Error(ErrorCode::kBadData, "none of its triangles has finite corners");
-    model.notes.push_back(
-        fmt::format("{} triangles have corners that are not finite: left out", before - mesh_.triangles.size()));
+    model.meshes.push_back(std::move(mesh_));
+  }
+  std::size_t left = 0;
+  for (const Mesh& mesh : model.meshes) left += mesh.triangles.size();
+  if (left == 0) return Error(ErrorCode::kBadData, "none of its triangles has finite corners");
+  if (left < before) {
+    model.notes.push_back(fmt::format("{} triangles have corners that are not finite: left out", before - left));
   }
   if (polygons_without_area_ > 0) {
     model.notes.push_back(fmt::format("{} faces have fewer than three corners: left out", polygons_without_area_));
   }
-  repair_normals(&mesh_);
-  Material material;
-  material.name = "scan";
-  material.metallic = 0.0f;
-  material.roughness = 1.0f;  // A file without a material is a scan: matte, and often open at the back.
-  material.double_sided = true;
+  Material material = scan_material();
   if (has_alpha_) material.alpha_mode = AlphaMode::kBlend;
-  model.materials.push_back(std::move(material));
-  model.meshes.push_back(std::move(mesh_));
-  model.instances.push_back({0, Eigen::Affine3d::Identity()});
+  model.materials.resize(std::max<std::size_t>(texture_count_, 1), material);
+  for (Mesh& mesh : model.meshes) {
+    repair_normals(&mesh);
+    model.instances.push_back({static_cast<int>(model.instances.size()), Eigen::Affine3d::Identity()});
+  }
   return model;
 }
 

@@ -12,6 +12,7 @@
 #include "common/base/result.h"
 #include "renderfarm/scene/model.h"
 #include "renderfarm/scene/ply_header.h"
+#include "renderfarm/scene/ply_texcoords.h"
 
 namespace cyclorama::scene {
 
@@ -37,6 +38,13 @@ class PlyVertexLayout {
   bool is_double_ = false;
 };
 
+/// One row of the element 'face'.
+struct PlyFace {
+  std::vector<double> corners;    ///< Numbers of vertices.
+  std::vector<double> texcoords;  ///< u and v of each corner, or empty.
+  double texture = 0.0;           ///< Number of the texture, from 0.
+};
+
 /// Thread-bound.
 class PlyMesh {
  public:
@@ -50,18 +58,20 @@ class PlyMesh {
 
   /// Errors: kBadData if the limit is exceeded.
   Status reserve_triangles(std::uint64_t count);
-  /// Takes corners as the file gives them. Errors: kBadData if one is not the number of a vertex, or the limit is
-  /// exceeded.
-  Status add_polygon(std::span<const double> corners);
+  /// Takes a face as the file gives it. Errors: kBadData if a corner is not the number of a vertex, the texture is none of
+  /// the header's, or the limit is exceeded.
+  Status add_polygon(const PlyFace& face);
   /// Takes a strip, or several separated by -1. Errors as add_polygon().
   Status add_strip(std::span<const double> corners);
 
-  /// Returns the finished model; points without any face become small squares (point_squares.h). Errors: kBadData if
-  /// nothing is left.
+  /// Returns the finished model; points without any face become small squares (point_squares.h). A material with texture
+  /// coordinates has a texture of the same number in PlyHeader::texture_files, which is not loaded yet. Errors: kBadData
+  /// if nothing is left.
   Result<Model> finish() &&;
 
  private:
   Result<std::uint32_t> index_of(double corner) const;
+  Status add_texcoords(const PlyFace& face);
   Status check_memory(std::uint64_t triangles) const;
   Status show_points(std::vector<std::string>* notes);
 
@@ -73,6 +83,8 @@ class PlyMesh {
   bool has_alpha_ = false;
   bool has_faces_ = false;         ///< The file has faces or strips, usable or not.
   std::vector<bool> is_unusable_;  ///< One entry per vertex; empty while all are usable.
+  std::size_t texture_count_ = 0;
+  PlyTexcoords texcoords_;  ///< Without entries unless faces have texture coordinates.
   std::uint64_t polygons_without_area_ = 0;
   std::vector<std::uint32_t> indices_;  // Scratch, reused from row to row.
   std::vector<Eigen::Vector3d> corners_;

@@ -19,13 +19,14 @@
 #include "renderfarm/scene/found_light.h"
 #include "renderfarm/scene/found_settings.h"
 #include "renderfarm/scene/scene_package.h"
+#include "renderfarm/scene/spz.h"
 
 namespace cyclorama::scene {
 namespace {
 
 constexpr std::size_t kPackageLimitBytes = std::size_t{1} << 20;
 
-enum class Format { kGltf, kPly, kObj, kPackage };
+enum class Format { kGltf, kPly, kObj, kLas, kE57, kSpz, kPackage };
 
 Result<Format> format_of(const std::filesystem::path& path) {
   TRY_ASSIGN(const MappedFile file, MappedFile::open(path));
@@ -37,15 +38,20 @@ Result<Format> format_of(const std::filesystem::path& path) {
     return Error(ErrorCode::kBadData, fmt::format("'{}' is empty; copy it again", path.string()));
   }
   if (text.starts_with("glTF")) return Format::kGltf;
+  if (text.starts_with("LASF")) return Format::kLas;
+  if (text.starts_with("ASTM-E57")) return Format::kE57;
   if (text.starts_with("ply") && text.find_first_of("\r\n") == 3) return Format::kPly;
   if (extension == ".glb" || extension == ".gltf") return Format::kGltf;
   if (extension == ".ply") return Format::kPly;
   if (extension == ".obj") return Format::kObj;
+  if (extension == ".spz" || is_bare_spz(file.bytes())) return Format::kSpz;
+  if (extension == ".las" || extension == ".laz") return Format::kLas;
+  if (extension == ".e57") return Format::kE57;
   if (extension == ".toml") return Format::kPackage;
   if (trimmed(text.substr(0, 4096)).starts_with("{")) return Format::kGltf;
   return Error(ErrorCode::kBadData,
-               fmt::format("'{}' is no scene: give a folder with scene.toml, or a .glb, .gltf, .ply "
-                           "or .obj file",
+               fmt::format("'{}' is no scene: give a folder with scene.toml, or a .glb, .gltf, .ply, "
+                           ".obj, .las, .e57 or .spz file",
                            path.string()));
 }
 
@@ -56,6 +62,12 @@ Result<Model> import_any(const std::filesystem::path& path, const ImportLimits& 
       return import_ply(path, limits);
     case Format::kObj:
       return import_obj(path, limits);
+    case Format::kLas:
+      return import_las(path, limits);
+    case Format::kE57:
+      return import_e57(path, limits);
+    case Format::kSpz:
+      return import_spz(path, limits);
     case Format::kGltf:
       return import_gltf(path, limits);
     case Format::kPackage:
@@ -100,6 +112,15 @@ void add_viewpoints(ScenePackage* package, const std::vector<Viewpoint>& viewpoi
   }
 }
 
+/// A model of surfaces in place of splats, for the search for a start.
+Model surfaces_of_splats(const Model& model) {
+  Model surfaces;
+  surfaces.materials.emplace_back();
+  surfaces.meshes.push_back(shape_of(model.splats));
+  surfaces.instances.push_back({0, Eigen::Affine3d::Identity()});
+  return surfaces;
+}
+
 /// Derives from the geometry what the package does not state.
 Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const EnvironmentMap> environment,
                       const std::filesystem::path& path) {
@@ -108,10 +129,13 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
   scene.environment = std::move(environment);
   scene.bounds = bounds_of(scene.model);
   if (scene.bounds.isEmpty()) {
-    return Error(ErrorCode::kBadData, fmt::format("'{}' holds no triangles: there is nothing to show", path.string()));
+    return Error(ErrorCode::kBadData,
+                 fmt::format("'{}' holds neither triangles nor splats: there is nothing to show", path.string()));
   }
   add_viewpoints(&package, scene.model.viewpoints);
-  const FoundSettings found = find_settings(scene.model, scene.bounds, package.start_eye);
+  const bool is_splats = scene.model.instances.empty();
+  const FoundSettings found =
+      find_settings(is_splats ? surfaces_of_splats(scene.model) : scene.model, scene.bounds, package.start_eye);
   scene.info.title = std::move(package.title);
   scene.info.credits = package.credits.empty() ? scene.model.credits : std::move(package.credits);
   scene.info.start_eye = package.start_eye.value_or(found.eye);
@@ -126,7 +150,12 @@ Result<Scene> furnish(ScenePackage package, Model model, std::shared_ptr<const E
   scene.ambient = package.ambient.value_or(Eigen::Vector3f::Zero());
   scene.eye_lamp = package.eye_lamp.value_or(Eigen::Vector3f::Zero());
   scene.model.lights.insert(scene.model.lights.end(), package.lamps.begin(), package.lamps.end());
-  light(package, found, &scene);
+  if (is_splats) {  // They hold their own light; a sky would shine between them.
+    scene.tone = package.tone;
+    scene.exposure = package.exposure.value_or(1.0);
+  } else {
+    light(package, found, &scene);
+  }
   free_lamps(&scene.model);
   return scene;
 }
@@ -160,12 +189,14 @@ Result<Scene> load_package(const std::filesystem::path& path, const ImportLimits
 Result<Scene> load_file(const std::filesystem::path& path, const ImportLimits& limits, const LoadProgress& progress) {
   TRY_ASSIGN(Model file, import_any(path, limits));
   if (progress) progress(0.8);
-  FoundFrame frame = find_frame(&file);
+  const bool is_splats = file.instances.empty();
+  FoundFrame frame = is_splats ? FoundFrame{} : find_frame(&file);
   std::move(frame.notes.begin(), frame.notes.end(), std::back_inserter(file.notes));
   Model model;
   add_part(std::move(file), frame.unit_m, {frame.T_scene_file}, &model);
   ScenePackage package;
   package.title = path.stem().string();
+  if (is_splats) package.tone = ToneCurve::kLinear;  // Splats hold the colours of photographs, ready to be shown.
   return furnish(std::move(package), std::move(model), nullptr, path);
 }
 
@@ -213,6 +244,7 @@ std::size_t Scene::memory_bytes() const {
              bytes_of(mesh.colours);
   }
   for (const Texture& texture : model.textures) bytes += texture.pixels.data().size();
+  for (const SplatCloud& cloud : model.splats) bytes += cloud.memory_bytes();
   if (environment) bytes += environment->pixels.data().size_bytes();
   return bytes;
 }

@@ -111,7 +111,7 @@ TEST(GltfContainer, required_extensions_are_refused_by_name_and_others_noted) {
   const std::string open = "{\"asset\":{\"version\":\"2.0\"},";
   EXPECT_THAT(import_text(open + "\"extensionsUsed\":[\"EXT_odd\"],\"extensionsRequired\":[\"EXT_odd\"]}"),
               HasSubstr("/extensionsRequired/0: EXT_odd is required"));
-  for (const std::string name : {"KHR_materials_sheen", "KHR_texture_basisu"}) {
+  for (const std::string name : {"KHR_materials_sheen", "EXT_texture_avif"}) {
     EXPECT_THAT(import_text(open + "\"extensionsRequired\":[\"" + name + "\"]}"), HasSubstr(name + " is required"));
     EXPECT_EQ(import_text(open + "\"extensionsUsed\":[\"" + name + "\"]}"), "loaded");
   }

@@ -191,11 +191,6 @@ TEST(PlyImport, points_that_are_few_equal_or_not_finite_are_shown_or_refused) {
   EXPECT_THAT(complaint(ascii(kVertices + kFaces, kSquare + "2 0 1\n")), HasSubstr("none of its faces"));
 }
 
-TEST(PlyImport, gaussian_splats_are_refused_by_name) {
-  EXPECT_THAT(complaint(ascii(kVertices + "property float f_dc_0\n", "0 0 0 0\n0 0 0 0\n0 0 0 0\n0 0 0 0\n")),
-              HasSubstr("Gaussian splats"));
-}
-
 TEST(PlyImport, an_invalid_index_is_refused_with_its_row) {
   for (const char* const index : {"4", "-1", "1.5", "4294967296", "nan", "1e300"}) {
     EXPECT_THAT(complaint(ascii(kVertices + kFaces, kSquare + "3 0 1 " + index + "\n")),

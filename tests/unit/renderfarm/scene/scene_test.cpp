@@ -95,7 +95,7 @@ TEST_F(SceneFolder, errors_name_the_file_and_the_remedy) {
   EXPECT_EQ(load("").error().code(), ErrorCode::kNotFound);
   EXPECT_THAT(complaint(""), HasSubstr("no scene.toml"));
   write("a.txt", "hello");
-  EXPECT_THAT(complaint("a.txt"), HasSubstr(".glb, .gltf, .ply or .obj"));
+  EXPECT_THAT(complaint("a.txt"), HasSubstr(".glb, .gltf, .ply, .obj, .las, .e57 or .spz"));
   write("empty.obj", "");
   EXPECT_THAT(complaint("empty.obj"), HasSubstr("is empty"));
   write("a.obj", "v 0 0 0\nf 1 1 7\n");

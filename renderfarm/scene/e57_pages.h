@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+/// The pages of an E57 file: each ends with a checksum that is no part of the content. Source: ASTM E2807, clause 7.
+///
+/// Reason for our own reader: Debian has no E57 library, and the part that points need is small.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/base/result.h"
+
+namespace cyclorama::scene {
+
+/// Borrows the file. Thread-safe.
+class E57Pages {
+ public:
+  /// Errors: kBadData if this is no E57, or shorter than its header says.
+  static Result<E57Pages> open(std::span<const std::byte> file);
+
+  /// Returns `size` bytes of the content from `offset` on. Errors: kBadData if the file ends before them, or a page's
+  /// checksum is wrong.
+  Result<std::vector<std::byte>> read(std::uint64_t offset, std::uint64_t size) const;
+  /// Returns the place in the content of a place in the file.
+  [[nodiscard]] std::uint64_t content_offset(std::uint64_t file_offset) const;
+  [[nodiscard]] std::uint64_t content_bytes() const;
+  [[nodiscard]] std::uint64_t xml_offset() const { return xml_offset_; }  ///< In the content.
+  [[nodiscard]] std::uint64_t xml_bytes() const { return xml_bytes_; }
+
+ private:
+  Status check_page(std::uint64_t page) const;
+
+  std::span<const std::byte> file_;
+  std::uint64_t page_bytes_ = 0;  ///< With the checksum.
+  std::uint64_t xml_offset_ = 0;
+  std::uint64_t xml_bytes_ = 0;
+};
+
+}  // namespace cyclorama::scene

@@ -16,7 +16,7 @@ namespace cyclorama::scene {
 /// Borrows the file. Thread-safe.
 class E57Pages {
  public:
-  /// Errors: kBadData if this is no E57, or shorter than its header says.
+  /// Errors: kBadData if this is no E57, or shorter than its header states.
   static Result<E57Pages> open(std::span<const std::byte> file);
 
   /// Returns `size` bytes of the content from `offset` on. Errors: kBadData if the file ends before them, or a page's

@@ -153,7 +153,8 @@ def main(build, scene, size, budget_ms, seconds, samples, result):
                 frames, fps, cpu_s = visit.walk("governed", seconds, 12.0, "--budget-ms", budget_ms, "--blind")
                 errors = judged(build, folder, scene, size, frames)
                 print(f"governed, {budget_ms} ms a frame: {fps:.2f} frames/s, relMSE {errors['relmse']:.5f}, FLIP {errors['flip']:.4f}")
-                for what, times in collections.Counter(quality(frame, size) for frame in frames).most_common(4):
+                qualities = collections.Counter(quality(frame, size) for frame in frames)
+                for what, times in sorted(qualities.items(), key=lambda item: -item[1])[:4]:
                     print(f"  {times} of {len(frames)} frames: {what}")
                 for stage in ("queue", "plan", "fan_out", "render", "encode", "relay", "overhead", "farm"):
                     row = visit.stages()[stage]

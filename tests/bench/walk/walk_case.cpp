@@ -57,7 +57,7 @@ const std::vector<WalkMethod>& walk_methods() {
                                             {"predicted", true, false, false},
                                             {"moved", false, true, false},
                                             {"predicted and moved", true, true, false},
-                                            {"and earlier reused", true, true, true}};
+                                            {"reused", true, true, true}};
   return kAll;
 }
 

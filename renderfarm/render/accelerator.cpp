@@ -33,10 +33,13 @@ Result<std::unique_ptr<Accelerator>> Accelerator::build(scene::Scene& scene, int
   for (std::size_t i = 0; i < uses.size(); ++i) {
     if (uses[i] > 0) triangles += scene.model.meshes[i].triangles.size();
   }
-  if (triangles == 0) {
-    return Error(ErrorCode::kInvalidArgument, "the scene has no triangles, so there is nothing to render");
+  std::size_t splats = 0;
+  for (const scene::SplatCloud& cloud : scene.model.splats) splats += cloud.size();
+  if (triangles == 0 && splats == 0) {
+    return Error(ErrorCode::kInvalidArgument,
+                 "the scene has neither triangles nor splats, so there is nothing to render");
   }
-  RenderNeed need{triangles, scene.model.instances.size(), 0};
+  RenderNeed need{triangles, scene.model.instances.size(), 0, splats};
   for (const scene::Texture& texture : scene.model.textures) need.mip_bytes += mip_bytes(texture);
   if (const std::optional<std::size_t> available = available_memory()) {
     TRY(check_render_memory(scene.info.title, need, *available));
@@ -53,10 +56,15 @@ Result<std::unique_ptr<Accelerator>> Accelerator::build(scene::Scene& scene, int
   ret_traced->textures.build(threads);
   TRY(accelerator->add_lights(scene, ret_traced));
   TRY(accelerator->commit(progress));
+  if (splats > 0) {
+    TRY_ASSIGN(accelerator->splats_, SplatScene::build(scene.model.splats, render_origin(scene), accelerator->device_));
+    ret_traced->splats = accelerator->splats_.get();
+  }
   return accelerator;
 }
 
 Accelerator::~Accelerator() {
+  splats_.reset();
   if (top_ != nullptr) rtcReleaseScene(top_);
   if (panes_ != nullptr) rtcReleaseScene(panes_);
   for (const Part& part : parts_) rtcReleaseScene(part.scene);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/base/result.h"
+#include "renderfarm/render/splats/splat_scene.h"
 #include "renderfarm/render/trace_scene.h"
 
 namespace cyclorama::render {
@@ -18,7 +19,7 @@ namespace cyclorama::render {
 class Accelerator {
  public:
   /// Bakes the meshes of `scene` that are used once, and fills `ret_traced` with tables that point into the scene.
-  /// Errors: kInvalidArgument if there are no triangles; kSystem if the scene would not fit into memory or Embree
+  /// Errors: kInvalidArgument if there are neither triangles nor splats; kSystem if the scene would not fit into memory or Embree
   /// fails.
   static Result<std::unique_ptr<Accelerator>> build(scene::Scene& scene, int threads,
                                                     const std::function<void(double)>& progress,
@@ -55,6 +56,7 @@ class Accelerator {
     std::size_t triangles;
   };
   std::vector<Part> parts_;
+  std::unique_ptr<SplatScene> splats_;  ///< Null if there are none.
   std::vector<RTCScene> part_of_mesh_;  ///< Null for meshes that are used once.
   std::vector<bool> see_through_;       ///< For each texture of the model: whether any of its texels is transparent.
   std::size_t top_triangles_ = 0;

@@ -3,6 +3,8 @@
 /// what both share.
 #pragma once
 
+#include <Eigen/Core>
+
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
 #else
@@ -51,6 +53,54 @@ class Query {
 #else
   RTCIntersectContext context_;
 #endif
+};
+
+/// A query of one ray that carries data for the functions of user geometries. Thread-bound.
+template <typename Payload>
+struct RayContext {
+#if RTC_VERSION_MAJOR >= 4
+  RTCRayQueryContext base;
+#else
+  RTCIntersectContext base;
+#endif
+  Payload payload;
+
+  RayContext() {
+#if RTC_VERSION_MAJOR >= 4
+    rtcInitRayQueryContext(&base);
+#else
+    rtcInitIntersectContext(&base);
+#endif
+  }
+  /// Precondition: the query is nearest() of a RayContext of this payload.
+  template <typename Base>
+  static Payload* of(Base* context) {
+    return &reinterpret_cast<RayContext*>(context)->payload;
+  }
+  /// Calls the functions of all geometries that the ray meets between `near_m` and `far_m`.
+  void nearest(RTCScene scene, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float near_m,
+               float far_m) {
+    RTCRayHit ray{};
+    ray.ray.org_x = origin.x();
+    ray.ray.org_y = origin.y();
+    ray.ray.org_z = origin.z();
+    ray.ray.tnear = near_m;
+    ray.ray.dir_x = direction.x();
+    ray.ray.dir_y = direction.y();
+    ray.ray.dir_z = direction.z();
+    ray.ray.tfar = far_m;
+    ray.ray.mask = ~0u;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR >= 4
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.context = &base;
+    rtcIntersect1(scene, &ray, &arguments);
+#else
+    rtcIntersect1(scene, &base, &ray);
+#endif
+  }
 };
 
 }  // namespace cyclorama::render

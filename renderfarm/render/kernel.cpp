@@ -8,6 +8,7 @@
 #include "renderfarm/render/sample_batch.h"
 #include "renderfarm/render/sampler.h"
 #include "renderfarm/render/shade.h"
+#include "renderfarm/render/splats/cross_splats.h"
 #include "renderfarm/render/stored_light_stage.h"
 
 namespace cyclorama::render {
@@ -147,7 +148,9 @@ void trace_paths(const TraceScene& scene, ShadeStage shade, const TraceView& vie
     RayQueue<RTCRayHit16>& rays = batch.current().rays;
     trace_nearest(scene.top, coherence, rays);
     batch.rays_traced += static_cast<std::uint64_t>(rays.count());
-    if (view.depth && coherence == Coherence::kCoherent) note_depth(batch, film);  // Only camera rays are coherent.
+    const bool is_camera = coherence == Coherence::kCoherent;  // Only camera rays are coherent.
+    if (view.depth && is_camera) note_depth(batch, film);
+    if (scene.splats != nullptr) cross_splats(scene, view, is_camera, batch, film);
     if (ends_at_stored_light(scene, view)) end_at_stored_light(scene, batch);
     if (rays.count() > 0) {
       draw_random_numbers(batch);

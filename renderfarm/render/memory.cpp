@@ -15,6 +15,7 @@ namespace {
 /// meshes of 0.7 to 6 million triangles; the rest is margin.
 constexpr std::size_t kPeakBytesPerTriangle = 120 + 64;
 constexpr std::size_t kBytesPerInstance = 1024;
+constexpr std::size_t kPeakBytesPerSplat = 400;
 constexpr std::size_t kReserveBytes = std::size_t{64} << 20;
 
 }  // namespace
@@ -41,14 +42,16 @@ std::optional<std::size_t> available_memory() {
 std::size_t memory_for_bvh(std::size_t available) { return available > kReserveBytes ? available - kReserveBytes : 0; }
 
 Status check_render_memory(std::string_view title, const RenderNeed& need, std::size_t available) {
-  const std::size_t bvh = need.triangles * kPeakBytesPerTriangle + need.instances * kBytesPerInstance;
+  const std::size_t bvh =
+      need.triangles * kPeakBytesPerTriangle + need.instances * kBytesPerInstance + need.splats * kPeakBytesPerSplat;
   const std::size_t free = memory_for_bvh(available);
   if (bvh <= free && need.mip_bytes <= free - bvh) return Done{};
   return Error(
       ErrorCode::kSystem,
-      fmt::format("'{}' does not fit into memory: the BVH of its {:.1f} million triangles needs about {}, the smaller "
-                  "levels of its textures {}, and {} are free; take a coarser scene or a machine with more memory",
-                  printable(title), static_cast<double>(need.triangles) / 1e6, describe_bytes(bvh),
+      fmt::format("'{}' does not fit into memory: the BVH of its {:.1f} million triangles and splats needs about {}, "
+                  "the smaller levels of its textures {}, and {} are free; take a coarser scene or a machine with more "
+                  "memory",
+                  printable(title), static_cast<double>(need.triangles + need.splats) / 1e6, describe_bytes(bvh),
                   describe_bytes(need.mip_bytes), describe_bytes(free)));
 }
 

@@ -25,6 +25,7 @@ struct RenderNeed {
   std::size_t triangles = 0;
   std::size_t instances = 0;
   std::size_t mip_bytes = 0;  ///< Size of the textures' smaller levels.
+  std::size_t splats = 0;
 };
 
 /// Errors: kSystem, with the scene's title, the memory needed and the memory available, if the need exceeds

@@ -18,6 +18,8 @@
 
 namespace cyclorama::render {
 
+class SplatScene;
+
 /// A material with its resolved textures.
 struct SurfaceMaterial {
   const scene::Material* source = nullptr;
@@ -68,6 +70,7 @@ struct Placement {
 struct TraceScene {
   RTCScene top = nullptr;
   RTCScene panes = nullptr;  ///< The panes among `top`, by the same numbers; null if there are none.
+  const SplatScene* splats = nullptr;  ///< Null if there are none.
   MipTextures textures;
   std::vector<SurfaceMaterial> materials;
   std::vector<SurfaceMesh> meshes;

@@ -120,6 +120,10 @@ Status inspect(const SceneOptions& options) {
   fmt::print("parts       {} meshes, {} instances, {} materials, {} textures ({:.1f} million texels)\n",
              model.meshes.size(), model.instances.size(), model.materials.size(), model.textures.size(),
              static_cast<double>(texels) / 1e6);
+  for (const scene::SplatCloud& cloud : model.splats) {
+    fmt::print("splats      {} of degree {}, blended as {}\n", cloud.size(), cloud.degree,
+               cloud.is_linear ? "linear light" : "sRGB codes");
+  }
   fmt::print("memory      {} without the BVH\n", render::describe_bytes(scene.memory_bytes()));
   fmt::print("bounds      {} to {} m\n", text_of(Eigen::Vector3d(scene.bounds.min())),
              text_of(Eigen::Vector3d(scene.bounds.max())));

@@ -41,7 +41,7 @@ TEST(Renderer, refuses_a_scene_without_triangles) {
   const auto renderer = Renderer::build(scene::Scene{}, 1, nullptr);
   ASSERT_FALSE(renderer.has_value());
   EXPECT_EQ(renderer.error().code(), ErrorCode::kInvalidArgument);
-  EXPECT_THAT(renderer.error().message(), testing::HasSubstr("no triangles"));
+  EXPECT_THAT(renderer.error().message(), testing::HasSubstr("neither triangles nor splats"));
 }
 
 TEST(Renderer, a_sphere_under_an_even_sky_shows_its_albedo) {

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Gaussian splats as rays see them: an Embree scene of their own, so that a scene without splats pays for nothing.
+///
+/// A splat weakens a ray once, where its density along the ray is highest: by its opacity times that density over the
+/// density of its centre. Those places give the order, so pictures of every shape are exact, without the projection that
+/// the original program approximates. All else is the original's: opacities are at most 0.99, what is below 1/255 is left
+/// out, and a ray ends where less than 1/10,000 of it would be left.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "common/base/result.h"
+#include "renderfarm/render/embree.h"
+#include "renderfarm/render/vectors.h"
+#include "renderfarm/scene/splat_cloud.h"
+
+namespace cyclorama::render {
+
+inline constexpr float kMaxSplatAlpha = 0.99f;
+inline constexpr float kMinSplatAlpha = 1.0f / 255.0f;
+inline constexpr float kMinSplatTransmittance = 1e-4f;
+
+/// Light and shade that a ray gathers from splats.
+struct SplatLight {
+  Vec3 colour = Vec3::Zero();  ///< Weighted by opacity; in code values unless SplatScene::is_linear().
+  float transmittance = 1.0f;  ///< Part of what is behind that is seen.
+  float depth_m = std::numeric_limits<float>::infinity();  ///< Distance at which half of the ray is stopped.
+};
+
+/// Thread-safe once built.
+class SplatScene {
+ public:
+  /// Borrows the clouds, which must outlive it and not change. `origin` is the render frame's, in the model's. Errors:
+  /// kSystem if Embree fails or memory runs out.
+  static Result<std::unique_ptr<SplatScene>> build(std::span<const scene::SplatCloud> clouds,
+                                                   const Eigen::Vector3d& origin, RTCDevice device);
+  ~SplatScene();
+  SplatScene(const SplatScene&) = delete;
+  SplatScene& operator=(const SplatScene&) = delete;
+
+  /// Gathers what lies before `far_m` on a ray. `direction` has unit length. Render frame.
+  [[nodiscard]] SplatLight trace(const Vec3& origin, const Vec3& direction, float far_m) const;
+  /// True if all colours are blended as linear light.
+  [[nodiscard]] bool is_linear() const { return is_linear_; }
+  [[nodiscard]] std::size_t bytes() const { return records_.size() * sizeof(Record); }
+
+ private:
+  /// One cache line.
+  struct alignas(64) Record {
+    Vec3 centre;
+    Eigen::Matrix3f T_unit_render;  ///< The splat becomes the unit Gaussian.
+    float opacity;
+    std::uint32_t cloud;
+    std::uint32_t splat;
+  };
+  static_assert(sizeof(Record) == 64);
+  struct Cloud {
+    const scene::SplatCloud* source;
+    Eigen::Matrix3f T_cloud_render;  ///< For directions.
+  };
+  struct Ray;
+
+  SplatScene() = default;
+  void add_records(const scene::SplatCloud& cloud, const Eigen::Vector3d& origin);
+  [[nodiscard]] Vec3 colour_of(const Record& record, const Vec3& eye) const;
+  static void bounds_of(const RTCBoundsFunctionArguments* request);
+  static void meet(const RTCIntersectFunctionNArguments* request);
+
+  RTCScene scene_ = nullptr;
+  std::vector<Record> records_;
+  std::vector<Cloud> clouds_;
+  bool is_linear_ = true;
+};
+
+}  // namespace cyclorama::render

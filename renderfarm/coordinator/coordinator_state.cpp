@@ -15,6 +15,7 @@ CoordinatorState::CoordinatorState(std::vector<FarmScene> scenes, balance::Balan
 
 void CoordinatorState::tick() {
   compare_nodes();
+  placement_.expire(clock_.now());
   tick_nodes();
   tick_sessions();
 }
@@ -36,14 +37,16 @@ const wire::SceneDescription* CoordinatorState::description(const std::string& s
   return known == descriptions_.end() ? nullptr : &known->second;
 }
 
-std::vector<NodeId> CoordinatorState::nodes_for(const std::string& scene, NodeId not_to) const {
+std::vector<NodeId> CoordinatorState::nodes_for(const Session& session, NodeId not_to) const {
+  const std::string& scene = session.scene;
   std::vector<NodeId> all;
   std::vector<NodeId> prompt;
   const bool light = needs_light(scene);
   for (const auto& [id, node] : nodes_) {
     if (!node.has(scene) || id == not_to) continue;
     all.push_back(id);
-    if (!node.late && !node.status.draining() && (!light || is_lit(node, scene))) prompt.push_back(id);
+    if (!node.is_late(session.account) && !node.status.draining() && (!light || is_lit(node, scene)))
+      prompt.push_back(id);
   }
   return prompt.empty() ? all : prompt;
 }

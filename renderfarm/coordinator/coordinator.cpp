@@ -153,7 +153,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
   }
 
   void session_message(const MuseumMessage& e) {
-    const Status bearable = e.request.has_view() ? gate_->view_received(e.id) : Done{};
+    const Status bearable = e.request.has_view() ? gate_->view_received(e.id, e.request.view()) : Done{};
     if (bearable) return state_.session_requested(SessionId{e.id}, e.request, e.at);
     state_.session_disconnected(SessionId{e.id});
     end_session(SessionId{e.id}, bearable.error(), true);
@@ -277,7 +277,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
   }
   void to_museum(SessionId session, wire::SessionReply reply) override {
     const auto id = static_cast<std::uint64_t>(session);
-    if (reply.has_opened()) gate_->session_opened(id, reply.opened().name());
+    if (reply.has_opened()) gate_->session_opened(id, reply.opened());
     relay_times_.sent(session, cause_at_);
     museums_.at(id).stream->send(std::move(reply));
   }

@@ -12,6 +12,8 @@
 namespace cyclorama::coordinator {
 namespace {
 
+/// Maximum blocks of a node that may get one more by reassignment; a node takes twice as many (RenderQueue).
+constexpr std::size_t kMaxBlocksPerNode = 4096;
 /// Maximum number of assignments of a tile before its frame is given up.
 constexpr int kMaxAttempts = 4;
 /// A node is silent after the longest of three times. The first is this fraction of its session's base time.
@@ -26,8 +28,9 @@ constexpr double kAtRest = 4.0;
 constexpr Duration kMinAtRestTimeout = std::chrono::milliseconds(500);
 /// After this multiple of the base time, a frame is given up for the next one.
 constexpr double kLate = 2.0;
-/// Time until a block that was taken from a node is begun by another: a round trip and the coordinator's turn.
-constexpr double kStealSeconds = 0.001;
+/// Time until a block that was taken from a node is begun by another: a round trip, the coordinator's turn, and a cell of
+/// whatever the other renders.
+constexpr double kStealSeconds = 0.002;
 /// A node counts as slowed if its utilisation is below this fraction of the other nodes'.
 constexpr double kSlowed = 0.5;
 /// Minimum time between log lines about a node that is late repeatedly.
@@ -109,17 +112,18 @@ void CoordinatorState::meet_deadlines(SessionId id) {
     fail(frame,
          fmt::format("late: incomplete after {:.0f} ms; the last complete picture stands in for it", 1e3 * taken),
          session);
-    for (const NodeId node : silent_nodes(session, frame)) retire(node);
+    for (const NodeId node : silent_nodes(session, frame)) retire(node, session.account);
     return advance(id);
   }
-  for (const NodeId node : silent_nodes(session, frame)) retire(node);
+  for (const NodeId node : silent_nodes(session, frame)) retire(node, session.account);
 }
 
 bool CoordinatorState::has_idle_node(const Session& session, const FrameInFlight& frame) const {
-  return std::ranges::any_of(nodes_for(session.scene, frame.view.light()), [&](NodeId node) {
-    return !nodes_.at(node).late && std::ranges::none_of(frame.assembly.blocks(), [&](const auto& entry) {
-      return entry.second.node == node && is_outstanding(entry.second);
-    });
+  return std::ranges::any_of(nodes_for(session, frame.view.light()), [&](NodeId node) {
+    return !nodes_.at(node).is_late(session.account) &&
+           std::ranges::none_of(frame.assembly.blocks(), [&](const auto& entry) {
+             return entry.second.node == node && is_outstanding(entry.second);
+           });
   });
 }
 
@@ -128,17 +132,19 @@ std::vector<NodeId> CoordinatorState::silent_nodes(const Session& session, const
   if (!has_idle_node(session, frame)) return {};
   for (const auto& [number, block] : frame.assembly.blocks()) {
     const auto node = nodes_.find(block.node);
-    if (node == nodes_.end() || node->second.late || !is_outstanding(block)) continue;
+    if (node == nodes_.end() || node->second.is_late(session.account) || !is_outstanding(block)) continue;
     if (clock_.now() >= due_at(session, frame, block)) silent.insert(block.node);
   }
   return {silent.begin(), silent.end()};
 }
 
-void CoordinatorState::retire(NodeId id) {
+void CoordinatorState::retire(NodeId id, AccountId account) {
   Node& node = nodes_.at(id);
-  if (std::exchange(node.late, true)) return;
+  if (node.is_late(account)) return;
+  node.late_for.insert(account);
   log_late_node(node);
-  const std::map<std::uint64_t, BlockLocation> blocks = node.blocks;  // Copied, because the loop orders new blocks.
+  std::map<std::uint64_t, BlockLocation> blocks = node.blocks;  // Copied, because reassigning orders new blocks.
+  std::erase_if(blocks, [&](const auto& entry) { return !node.is_late(entry.second.account); });
   for (const auto& [block, place] : blocks) {
     FrameInFlight* const frame = find_frame(place);
     if (frame != nullptr && !frame->failure) frame->assembly.forgive_attempt(block);
@@ -179,7 +185,7 @@ void CoordinatorState::lose_blocks(const std::map<std::uint64_t, BlockLocation>&
 void CoordinatorState::reassign(SessionId id, Session& session, FrameInFlight& frame, std::vector<PixelRect> tiles,
                                 NodeId not_to) {
   if (tiles.empty()) return;
-  const std::vector<NodeId> nodes = nodes_for(session.scene, frame.view.light(), not_to);
+  const std::vector<NodeId> nodes = nodes_for(session, frame.view.light(), not_to);
   if (nodes.empty()) return fail(frame, "no node is left that can render it", session);
   const auto busy = [&](NodeId node) {
     return std::ranges::any_of(frame.assembly.blocks(), [&](const auto& entry) {
@@ -200,6 +206,9 @@ void CoordinatorState::reassign(SessionId id, Session& session, FrameInFlight& f
       return fail(frame, fmt::format("{} nodes failed at the same tile", kMaxAttempts), session);
     }
     const NodeId node = least_loaded(nodes);
+    if (nodes_.at(node).blocks.size() >= kMaxBlocksPerNode) {
+      return fail(frame, "too many blocks wait for the nodes that are left", session);
+    }
     frame.assembly.replan(++last_block_, node, tile);
     order_block(id, session, frame, last_block_, node, tile);
   }
@@ -228,8 +237,8 @@ void CoordinatorState::move_block_to_idle(SessionId id, Session& session, FrameI
     numbers[i].push_back(number);
   }
   const Node& taking = nodes_.at(idle);
-  if (taking.late || taking.status.draining()) return;
-  const auto steal = balance::choose_steal(queues, taker, kStealSeconds + turn_seconds(taking, session.scene));
+  if (taking.is_late(session.account) || taking.status.draining()) return;
+  const auto steal = balance::choose_steal(queues, taker, kStealSeconds);
   if (!steal) return;
   const std::uint64_t from = numbers[steal->from][steal->block];
   frame.assembly.move(from, ++last_block_, idle, taking.scenes.at(session.scene).speed);
@@ -238,18 +247,6 @@ void CoordinatorState::move_block_to_idle(SessionId id, Session& session, FrameI
   cancel.mutable_cancel()->set_block(from);
   delegate_.to_node(nodes[steal->from], cancel);
   order_block(id, session, frame, last_block_, idle, frame.assembly.blocks().at(last_block_).rect);
-}
-
-double CoordinatorState::turn_seconds(const Node& node, const std::string& scene) const {
-  if (node.blocks.empty()) return 0.0;
-  const auto& [number, place] = *node.blocks.begin();
-  const auto session = sessions_.find(place.session);
-  if (session == sessions_.end()) return 0.0;
-  const auto frame = std::ranges::find(session->second.frames, place.frame, &FrameInFlight::id);
-  if (frame == session->second.frames.end() || !frame->assembly.has(number)) return 0.0;
-  const FrameAssembly::Block& block = frame->assembly.blocks().at(number);
-  constexpr double kHalf = 0.5;
-  return kHalf * block.forecast.seconds / static_cast<double>(block.tiles.size()) / wall_speed_of(node, scene);
 }
 
 void CoordinatorState::learn_utilisation(Node& node, const wire::BlockEnd& end) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "common/wire/convert.h"
 #include "common/wire/payload.h"
@@ -60,13 +61,15 @@ FrameInFlight* CoordinatorState::find_frame(const BlockLocation& place) {
   return frame == frames.end() ? nullptr : &*frame;
 }
 
-std::vector<AssignedBlock> CoordinatorState::split(Session& session, const wire::View& view, bool whole_blocks) const {
-  const std::vector<NodeId> nodes = nodes_for(session.scene, view.light());
+std::vector<AssignedBlock> CoordinatorState::split(SessionId id, Session& session, const wire::View& view,
+                                                   bool whole_blocks) {
+  std::vector<NodeId> nodes = nodes_for(session, view.light());
+  placement_.arrange(id, &nodes);
   std::vector<double> speeds;
   std::vector<double> thread_speeds;
-  for (const NodeId id : nodes) {
-    const Node& node = nodes_.at(id);
-    speeds.push_back(speed_of(node, session.scene));
+  for (const NodeId at : nodes) {
+    const Node& node = nodes_.at(at);
+    speeds.push_back(speed_of(node, session.scene) * placement_.free_part(id, at));
     thread_speeds.push_back(node.scenes.at(session.scene).speed);
   }
   balance::SplitRequest request{size_of(view), speeds, view.heading_rad(), shifting_span(view)};
@@ -84,6 +87,29 @@ std::vector<AssignedBlock> CoordinatorState::split(Session& session, const wire:
   return blocks;
 }
 
+void CoordinatorState::take_turn(Session& session, FrameInFlight* frame) {
+  const Accounts::Demand demand{frame->refines.has_value(), session.frame_cpu_seconds,
+                                1e-6 * static_cast<double>(frame->asked_px)};
+  frame->turn = accounts_.begin(session.account, demand, clock_.now());
+}
+
+double CoordinatorState::threads_of(const std::vector<AssignedBlock>& blocks) const {
+  std::set<NodeId> nodes;
+  double threads = 0.0;
+  for (const AssignedBlock& block : blocks) {
+    if (nodes.insert(block.node).second) threads += nodes_.at(block.node).threads;
+  }
+  return threads;
+}
+
+void CoordinatorState::place(SessionId id, const Session& session, const std::vector<AssignedBlock>& blocks) {
+  std::vector<Placement::NodeWork> works;
+  for (const AssignedBlock& block : blocks) {
+    works.push_back({block.node, block.forecast.seconds / speed_of(nodes_.at(block.node), session.scene)});
+  }
+  placement_.planned(id, works, clock_.now());
+}
+
 void CoordinatorState::plan(SessionId id, Session& session) {
   FrameInFlight& frame = session.frames.emplace_back();
   frame.id = ++last_frame_;
@@ -95,9 +121,11 @@ void CoordinatorState::plan(SessionId id, Session& session) {
   frame.asked_px = std::int64_t{frame.view.panorama().width_px()} * frame.view.panorama().height_px();
   if (session.governed) govern(*session.governed, &frame);
   name_light(session.scene, &frame.view);
-  frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
-  const std::vector<AssignedBlock> blocks = split(session, frame.view, frame.view.denoise());
+  take_turn(session, &frame);
+  const std::vector<AssignedBlock> blocks = split(id, session, frame.view, frame.view.denoise());
+  if (session.costs_known && frame.turn.work == WorkClass::kMoving) place(id, session, blocks);
   const std::uint64_t first_block = last_block_ + 1;
+  frame.threads = threads_of(blocks);
   for (const AssignedBlock& block : blocks) {
     frame.assembly.plan(++last_block_, block.node, block.rect, block.forecast);
   }
@@ -112,7 +140,7 @@ void CoordinatorState::order_block(SessionId id, const Session& session, const F
                                    std::uint64_t block, NodeId node_id, const PixelRect& rect) {
   Node& node = nodes_.at(node_id);
   if (node.blocks.empty()) node.worked_at = clock_.now();  // Time spent idle does not count as silence.
-  node.blocks[block] = {id, frame.id};
+  node.blocks[block] = {id, frame.id, session.account, frame.turn.work};
   wire::NodeCommand command;
   wire::RenderBlock* const order = command.mutable_render();
   order->set_block(block);
@@ -124,7 +152,9 @@ void CoordinatorState::order_block(SessionId id, const Session& session, const F
   order->set_height_px(static_cast<std::uint32_t>(rect.height));
   order->set_session(static_cast<std::uint64_t>(id));
   order->set_keep(frame.refines.has_value());
-  order->set_rank(FairShare::rank_of(frame.fair_start, frame.refines.has_value()));
+  order->set_rank(frame.turn.rank().wire());
+  order->set_account(static_cast<std::uint64_t>(session.account));
+  order->set_rank_per_cpu_second(frame.threads / (node.threads * accounts_.weight(session.account)));
   order->set_watermark(session.watermark);
   delegate_.to_node(node_id, command);
 }
@@ -232,7 +262,11 @@ void CoordinatorState::finish(SessionId id, Session& session, FrameInFlight& fra
   if (!frame.failure) cancel_blocks(frame);  // Cancels stragglers whose tiles other nodes delivered.
   FrameReport report = report_of(id, frame);
   if (session.governed) report.budget_ms = session.governed->governor.budget_ms();
-  share_.served(frame.fair_start);
+  accounts_.end(session.account, frame.turn);
+  // Blocks of a frame that was given up are charged as they end: later than this.
+  const double cost =
+      frame.failure ? std::max(frame.charged_seconds, session.frame_cpu_seconds) : frame.charged_seconds;
+  session.frame_cpu_seconds = std::max(cost, kMinCpuSeconds);
   if (frame.refines) {
     finish_refined(id, session, frame, report);
   } else {
@@ -242,7 +276,6 @@ void CoordinatorState::finish(SessionId id, Session& session, FrameInFlight& fra
                                effort_of(frame.view), stacked(frame.view)});
     }
     if (report.complete) {
-      session.frame_cpu_seconds = std::max(report.cpu_seconds, kMinCpuSeconds);
       session.learn_pace(to_seconds(clock_.now() - frame.foremost_since));
     }
     end(id, session, frame, report);

@@ -167,7 +167,7 @@ void CoordinatorState::switch_light(const std::string& scene, SceneLightState& l
   if (version.empty() || version == light.in_use || nodes_with_light(scene, version) == 0) return;
   const auto is_awaited = [&](const auto& entry) {
     const Node& node = entry.second;
-    return node.has(scene) && !node.late && !node.status.draining() && !node.has_light(scene, version) &&
+    return node.has(scene) && node.late_for.empty() && !node.status.draining() && !node.has_light(scene, version) &&
            !node.scenes.at(scene).has_failed_to_use;
   };
   if (std::ranges::any_of(nodes_, is_awaited) && clock_.now() - light.known_since < kSwitchTimeout) return;

@@ -63,7 +63,7 @@ void CoordinatorState::node_reported(NodeId id, wire::NodeReport report) {
   Node& node = found->second;
   if (report.has_tile() || report.has_end()) {
     node.worked_at = clock_.now();
-    node.late = false;
+    node.late_for.clear();
   }
   Status fine = Done{};
   if (report.has_hello() == (node.threads > 0.0)) {
@@ -76,6 +76,8 @@ void CoordinatorState::node_reported(NodeId id, wire::NodeReport report) {
     fine = tile_received(id, node, *report.mutable_tile());
   } else if (report.has_end()) {
     fine = block_ended(id, node, report.end());
+  } else if (report.has_progress()) {
+    fine = block_progressed(node, report.progress());
   } else if (report.has_status()) {
     status_received(node, report.status());
   } else if (report.has_scene_dropped()) {
@@ -101,6 +103,7 @@ Status CoordinatorState::hello(NodeId id, Node& node, const wire::Hello& hello) 
   }
   node.name = printable(hello.name());
   node.threads = hello.threads();
+  count_threads();
   // Scenes in use come first; a later scene never replaces an earlier one.
   std::vector<FarmScene> order = scenes_;
   std::set<std::string> keep = scenes_in_use();
@@ -198,6 +201,7 @@ Status CoordinatorState::scene_loaded(Node& node, const wire::SceneLoaded& loade
   }
   TRY(validate(loaded.description()));
   if (loaded.description().name() != loaded.scene()) return broken("a scene's description has another name");
+  asked->second.memory_bytes = loaded.memory_bytes();
   const bool is_first = nodes_with(loaded.scene()) == 0;
   wire::SceneDescription& known = descriptions_[loaded.scene()];
   if (is_first) {
@@ -288,9 +292,10 @@ Status CoordinatorState::tile_received(NodeId, Node& node, wire::BlockTile& mess
 Status CoordinatorState::block_ended(NodeId id, Node& node, const wire::BlockEnd& end) {
   const auto found = node.blocks.find(end.block());
   if (found == node.blocks.end()) return broken(fmt::format("it ended block {}, not its own", end.block()));
-  const BlockLocation place = found->second;
+  BlockLocation place = found->second;
   node.blocks.erase(found);
   learn_utilisation(node, end);
+  charge(&place, measured_seconds(end.render_cpu_seconds()) + measured_seconds(end.encode_cpu_seconds()));
   FrameInFlight* const frame = find_frame(place);
   if (frame == nullptr || frame->failure) return Done{};
   Session& session = sessions_.at(place.session);
@@ -308,11 +313,34 @@ Status CoordinatorState::block_ended(NodeId id, Node& node, const wire::BlockEnd
   return Done{};
 }
 
+Status CoordinatorState::block_progressed(Node& node, const wire::BlockProgress& progress) {
+  const auto found = node.blocks.find(progress.block());
+  if (found == node.blocks.end()) return broken(fmt::format("it reports block {}, not its own", progress.block()));
+  charge(&found->second, measured_seconds(progress.render_cpu_seconds()));
+  return Done{};
+}
+
+void CoordinatorState::charge(BlockLocation* place, double cpu_seconds) {
+  const double more = cpu_seconds - place->charged_seconds;
+  if (!(more > 0.0)) return;
+  place->charged_seconds = cpu_seconds;
+  accounts_.charge(place->account, place->work, more, clock_.now());
+  if (FrameInFlight* const frame = find_frame(*place)) frame->charged_seconds += more;
+}
+
+void CoordinatorState::count_threads() {
+  double threads = 0.0;
+  for (const auto& [id, node] : nodes_) threads += node.threads;
+  accounts_.set_threads(threads);
+}
+
 void CoordinatorState::node_disconnected(NodeId id) {
   const auto found = nodes_.find(id);
   if (found == nodes_.end()) return;
   const Node node = std::move(found->second);
   nodes_.erase(found);  // Erased first, so that its blocks are not reassigned to it.
+  placement_.forget(id);
+  count_threads();
   if (node.threads > 0.0)
     delegate_.notice(fmt::format("{} is gone; {} left", to_text(node), nodes_.size()), trouble_with(node));
   for (const auto& [name, scene] : node.scenes) follow_light(name);

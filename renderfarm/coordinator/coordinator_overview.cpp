@@ -16,7 +16,7 @@ std::string state_of(const Node& node) {
     return std::ranges::any_of(node.scenes, [state](const auto& entry) { return entry.second.state == state; });
   };
   if (node.status.draining()) return "stops";
-  if (node.late) return "late";
+  if (!node.late_for.empty()) return "late";
   if (any(Node::SceneState::kLoaded)) return "ready";
   return any(Node::SceneState::kLoading) ? "loading" : "no scene";
 }

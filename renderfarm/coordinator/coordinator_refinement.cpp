@@ -89,6 +89,7 @@ void CoordinatorState::leave_rest(Session& session) {
   governed.retry_at = {};
   if (session.frames.empty() || !session.frames.front().refines) return;
   fail(session.frames.front(), "a newer view came", session);
+  accounts_.end(session.account, session.frames.front().turn);
   session.views.finish(session.frames.front().view.number());
   session.frames.clear();
 }
@@ -131,11 +132,14 @@ void CoordinatorState::refine(SessionId id, Session& session) {
   }
   session.views.add(frame.view.number(), {});
   frame.received_at = frame.turn_began_at = frame.planned_at = frame.last_tile_at = clock_.now();
-  if (governed.blocks.empty()) governed.blocks = split(session, frame.view, true);  // Kept for all refinements.
-  frame.fair_start = share_.start(session.share, session.frame_cpu_seconds);
+  if (governed.blocks.empty()) governed.blocks = split(id, session, frame.view, true);  // Kept for all refinements.
+  take_turn(session, &frame);
+  const std::vector<NodeId> able = nodes_for(session, frame.view.light());
   for (AssignedBlock& block : governed.blocks) {
-    const std::vector<NodeId> able = nodes_for(session.scene, frame.view.light());
     if (std::ranges::find(able, block.node) == able.end()) block.node = least_loaded(able);
+  }
+  frame.threads = threads_of(governed.blocks);
+  for (const AssignedBlock& block : governed.blocks) {
     frame.assembly.plan(++last_block_, block.node, block.rect);
     order_block(id, session, frame, last_block_, block.node, block.rect);
   }

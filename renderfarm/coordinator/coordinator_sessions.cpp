@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "common/base/text.h"
 #include "common/wire/convert.h"
@@ -11,6 +12,15 @@
 #include "renderfarm/governor/stored_light_front.h"
 
 namespace cyclorama::coordinator {
+namespace {
+
+Status check_quota(const char* what, std::uint32_t requested, int granted) {
+  if (static_cast<std::int64_t>(requested) <= granted) return Done{};
+  return Error(ErrorCode::kInvalidArgument,
+               fmt::format("view.{} is {}; this museum's grant allows at most {}", what, requested, granted));
+}
+
+}  // namespace
 
 void CoordinatorState::session_connected(SessionId id, trust::Grant grant) {
   if (sessions_.size() >= limits_.sessions) {
@@ -22,7 +32,7 @@ void CoordinatorState::session_connected(SessionId id, trust::Grant grant) {
     return;
   }
   Session session;
-  session.share.weight = grant.weight;
+  session.account = accounts_.open(grant.museum, {grant.weight, grant.cores, grant.megapixels_per_second});
   session.watermark = grant.watermark;
   session.grant = std::move(grant);
   session.arrived_at = clock_.now();
@@ -59,7 +69,7 @@ void CoordinatorState::session_requested(SessionId id, const wire::SessionReques
 }
 
 Result<std::unique_ptr<GovernorState>> CoordinatorState::governed_by(const wire::OpenSession& open,
-                                                                     const std::string& scene) const {
+                                                                     const std::string& scene, int max_samples) const {
   constexpr double kMaxBudgetMs = 60000.0;
   constexpr std::uint32_t kUsualReference = 1024;
   constexpr std::uint32_t kMaxReferenceSamples = 4096;
@@ -74,7 +84,7 @@ Result<std::unique_ptr<GovernorState>> CoordinatorState::governed_by(const wire:
                                                           open.reference_samples(), kMaxReferenceSamples));
   }
   const std::uint32_t samples = open.reference_samples() == 0 ? kUsualReference : open.reference_samples();
-  return governed_by(budget_ms, static_cast<int>(samples), scene);
+  return governed_by(budget_ms, std::min(static_cast<int>(samples), max_samples), scene);
 }
 
 std::unique_ptr<GovernorState> CoordinatorState::governed_by(double budget_ms, int reference_samples,
@@ -109,7 +119,8 @@ Status CoordinatorState::open(SessionId id, Session& session, const wire::OpenSe
     order_scene_anew(scene->name);
     return unavailable_reason(scene->name);
   }
-  TRY_ASSIGN(session.governed, governed_by(open, scene->name));
+  TRY(check_scene_memory(session, scene->name));
+  TRY_ASSIGN(session.governed, governed_by(open, scene->name, session.grant.samples));
   session.scene = scene->name;
   wire::SessionReply reply;
   *reply.mutable_opened() = descriptions_.at(scene->name);
@@ -126,6 +137,8 @@ Status CoordinatorState::request_view(Session& session, const wire::View& view, 
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("view.panorama has {} pixels; this farm renders at most {}", px, limits_.picture_px));
   }
+  TRY(check_quota("samples", view.samples(), session.grant.samples));
+  TRY(check_quota("bounces", view.bounces(), session.grant.bounces));
   if (view.number() <= session.newest_view) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("view.number is {} after {}; it must increase", view.number(), session.newest_view));
@@ -137,6 +150,26 @@ Status CoordinatorState::request_view(Session& session, const wire::View& view, 
   session.views.put(view.number(), {view, received_at});
   if (session.governed) leave_rest(session);
   return Done{};
+}
+
+Status CoordinatorState::check_scene_memory(const Session& session, const std::string& scene) const {
+  if (session.grant.scene_bytes <= 0.0) return Done{};
+  std::set<std::string> open{scene};
+  for (const auto& [id, other] : sessions_) {
+    if (other.account == session.account && !other.scene.empty()) open.insert(other.scene);
+  }
+  double bytes = 0.0;
+  for (const std::string& name : open) {
+    std::uint64_t max = 0;
+    for (const auto& [id, node] : nodes_) {
+      if (node.has(name)) max = std::max(max, node.scenes.at(name).memory_bytes);
+    }
+    bytes += static_cast<double>(max);
+  }
+  if (bytes <= session.grant.scene_bytes) return Done{};
+  return Error(ErrorCode::kBusy,
+               fmt::format("scene '{}': with it, the scenes of '{}' need {:.2f} GiB; its grant allows {:.2f} GiB",
+                           scene, session.museum, bytes / (1 << 30), session.grant.scene_bytes / (1 << 30)));
 }
 
 Error CoordinatorState::unavailable_reason(const std::string& scene) const {
@@ -171,12 +204,15 @@ void CoordinatorState::forget_session(SessionId id) {
   const auto found = sessions_.find(id);
   for (const FrameInFlight& frame : found->second.frames) {
     if (!frame.failure) cancel_blocks(frame);
+    accounts_.end(found->second.account, frame.turn);
   }
   wire::NodeCommand forget;
   forget.mutable_forget_session()->set_session(static_cast<std::uint64_t>(id));
   for (const auto& [node, known] : nodes_) {
     if (known.has(found->second.scene)) delegate_.to_node(node, forget);
   }
+  accounts_.close(found->second.account);
+  placement_.forget(id);
   sessions_.erase(found);
 }
 

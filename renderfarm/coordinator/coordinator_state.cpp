@@ -15,6 +15,7 @@ CoordinatorState::CoordinatorState(std::vector<FarmScene> scenes, balance::Balan
 
 void CoordinatorState::tick() {
   compare_nodes();
+  placement_.expire(clock_.now());
   tick_nodes();
   for (const FarmScene& scene : scenes_) follow_light(scene.name);
   tick_sessions();
@@ -37,14 +38,14 @@ const wire::SceneDescription* CoordinatorState::description(const std::string& s
   return known == descriptions_.end() ? nullptr : &known->second;
 }
 
-std::vector<NodeId> CoordinatorState::nodes_for(const std::string& scene, const std::string& light,
-                                                NodeId not_to) const {
+std::vector<NodeId> CoordinatorState::nodes_for(const Session& session, const std::string& light, NodeId not_to) const {
+  const std::string& scene = session.scene;
   std::vector<NodeId> all;
   std::vector<NodeId> prompt;
   for (const auto& [id, node] : nodes_) {
     if (!node.has(scene) || id == not_to || (!light.empty() && !node.has_light(scene, light))) continue;
     all.push_back(id);
-    if (!node.late && !node.status.draining()) prompt.push_back(id);
+    if (!node.is_late(session.account) && !node.status.draining()) prompt.push_back(id);
   }
   return prompt.empty() ? all : prompt;
 }

@@ -11,8 +11,10 @@
 #include "common/base/result.h"
 #include "common/wire/farm.pb.h"
 #include "common/wire/nodes.pb.h"
+#include "renderfarm/coordinator/accounts.h"
 #include "renderfarm/coordinator/delegate.h"
 #include "renderfarm/coordinator/ids.h"
+#include "renderfarm/coordinator/placement.h"
 #include "renderfarm/coordinator/session.h"
 #include "renderfarm/trust/grants.h"
 #include "renderfarm/watch/farm_overview.h"
@@ -49,7 +51,7 @@ struct CoordinatorLimits {
 ///
 /// Frames of a session: a view waits in one slot (the newest wins) until fewer than two frames are unfinished or
 /// unwritten. It is then split among the nodes that have the scene, and all blocks are sent at once, so that a node
-/// starts its next block as soon as it has sent the last one. Nodes serve blocks by rank (see FairShare), so sessions
+/// starts its next block as soon as it has sent the last one. Nodes serve blocks by rank (see Accounts), so museums
 /// take turns. Of two frames, the tiles of the older one are relayed to the museum as they arrive, and those of the
 /// newer one are held.
 ///
@@ -122,6 +124,10 @@ class CoordinatorState {
   Status keep_pareto_front(const wire::SceneLoaded& loaded);
   Status tile_received(NodeId id, Node& node, wire::BlockTile& tile);
   Status block_ended(NodeId id, Node& node, const wire::BlockEnd& end);
+  Status block_progressed(Node& node, const wire::BlockProgress& progress);
+  /// Charges the block's account for what the node has spent on the block so far.
+  void charge(BlockLocation* place, double cpu_seconds);
+  void count_threads();
   void tick_nodes();
   void order_scene(NodeId id, Node& node, const FarmScene& scene, const std::set<std::string>& keep);
   /// For a session whose scene no node has: nodes that dropped it, or failed to load it a while ago, try again.
@@ -172,9 +178,11 @@ class CoordinatorState {
   Status open(SessionId id, Session& session, const wire::OpenSession& open);
   /// Returns null if the session has no budget.
   [[nodiscard]] Result<std::unique_ptr<GovernorState>> governed_by(const wire::OpenSession& open,
-                                                                   const std::string& scene) const;
+                                                                   const std::string& scene, int max_samples) const;
   [[nodiscard]] std::unique_ptr<GovernorState> governed_by(double budget_ms, int reference_samples,
                                                            const std::string& scene) const;
+  /// Errors: kBusy if the museum's open scenes and this one need more memory than its grant allows.
+  [[nodiscard]] Status check_scene_memory(const Session& session, const std::string& scene) const;
   Status request_view(Session& session, const wire::View& view, TimePoint received_at);
   [[nodiscard]] Error unavailable_reason(const std::string& scene) const;
   void forget_session(SessionId id);
@@ -191,23 +199,28 @@ class CoordinatorState {
   /// Returns the nodes that delay the frame while others are done with it.
   [[nodiscard]] std::vector<NodeId> silent_nodes(const Session& session, const FrameInFlight& frame) const;
   [[nodiscard]] bool has_idle_node(const Session& session, const FrameInFlight& frame) const;
-  /// Marks the node as late: it gets no more blocks, and its outstanding tiles are reassigned.
-  void retire(NodeId id);
+  /// Marks the node as late for the account: it gets no more of its blocks, and what it owes is reassigned.
+  void retire(NodeId id, AccountId account);
   void log_late_node(Node& node);
   void lose_blocks(const std::map<std::uint64_t, BlockLocation>& blocks, NodeId not_to);
   void reassign(SessionId id, Session& session, FrameInFlight& frame, std::vector<PixelRect> tiles, NodeId not_to);
   /// The node is done with the frame and may take a block that another node has not begun.
   void move_block_to_idle(SessionId id, Session& session, FrameInFlight& frame, NodeId idle);
-  /// Returns the expected seconds until the node is free for a more urgent block: half of its current tile.
-  [[nodiscard]] double turn_seconds(const Node& node, const std::string& scene) const;
 
   // Frames: coordinator_frames.cpp
   void plan(SessionId id, Session& session);
-  [[nodiscard]] std::vector<AssignedBlock> split(Session& session, const wire::View& view, bool whole_blocks) const;
+  [[nodiscard]] std::vector<AssignedBlock> split(SessionId id, Session& session, const wire::View& view,
+                                                 bool whole_blocks);
+  /// Tells the placement what the frame will take of the nodes.
+  void place(SessionId id, const Session& session, const std::vector<AssignedBlock>& blocks);
   [[nodiscard]] NodeId least_loaded(const std::vector<NodeId>& nodes) const;
   void order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block, NodeId node,
                    const PixelRect& rect);
   void fail(FrameInFlight& frame, const std::string& reason, Session& session);
+  /// Gives the frame its place among those of all museums.
+  void take_turn(Session& session, FrameInFlight* frame);
+  /// Returns the threads of all nodes that have a block.
+  [[nodiscard]] double threads_of(const std::vector<AssignedBlock>& blocks) const;
   void cancel_blocks(const FrameInFlight& frame);
   /// Sends what may be sent, ends frames that are over, plans waiting views. Called after every event of a session; may
   /// end the session.
@@ -219,9 +232,9 @@ class CoordinatorState {
   void end(SessionId id, Session& session, const FrameInFlight& frame, const FrameReport& report);
   void send(SessionId id, Session& session, wire::SessionReply reply);
   FrameInFlight* find_frame(const BlockLocation& place);
-  /// Returns the nodes that have the scene, and this version of its light unless it is empty, and are neither late nor
-  /// draining; if there are none, the late and draining ones, too. `not_to` is left out.
-  [[nodiscard]] std::vector<NodeId> nodes_for(const std::string& scene, const std::string& light,
+  /// Returns the nodes that have the session's scene, and this version of its light unless it is empty, and are neither
+  /// late for its account nor draining; if there are none, the late and draining ones, too. `not_to` is left out.
+  [[nodiscard]] std::vector<NodeId> nodes_for(const Session& session, const std::string& light,
                                               NodeId not_to = {}) const;
 
   std::vector<FarmScene> scenes_;
@@ -237,7 +250,8 @@ class CoordinatorState {
   std::map<std::string, int> bounces_;                          ///< Bounces that nodes stated, by scene.
   std::map<std::string, double> probes_;                        ///< Probe time of the first node to report, by scene.
   std::map<std::string, double> usual_utilisation_;             ///< Median of the nodes at the last tick, by scene.
-  FairShare share_;
+  Accounts accounts_;
+  Placement placement_;
   std::uint64_t last_block_ = 0;
   std::uint64_t last_frame_ = 0;
   std::string last_refusal_;

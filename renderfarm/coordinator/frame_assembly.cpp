@@ -10,9 +10,6 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// Clamps a value that a node reported, because it enters the next frame's plan.
-double measured(double seconds) { return std::isfinite(seconds) ? std::clamp(seconds, 0.0, 1e6) : 0.0; }
-
 /// Minimum edge of a part in pixels; smaller parts cost more in margins and JPEG overhead.
 constexpr int kMinPartPx = 64;
 
@@ -22,11 +19,13 @@ std::vector<float> measured_cells(const wire::BlockEnd& end, const PixelRect& re
   const int cells = touched(rect.x, rect.width) * touched(rect.y, rect.height);
   if (end.cell_cpu_seconds_size() != cells) return {};
   std::vector<float> out;
-  for (const float seconds : end.cell_cpu_seconds()) out.push_back(static_cast<float>(measured(seconds)));
+  for (const float seconds : end.cell_cpu_seconds()) out.push_back(static_cast<float>(measured_seconds(seconds)));
   return out;
 }
 
 }  // namespace
+
+double measured_seconds(double seconds) { return std::isfinite(seconds) ? std::clamp(seconds, 0.0, 1e6) : 0.0; }
 
 void FrameAssembly::plan(std::uint64_t block, NodeId node, const PixelRect& rect, const BlockForecast& forecast) {
   const std::vector<PixelRect> tiles = balance::tiles_of(rect);
@@ -146,11 +145,11 @@ FrameAssembly::Summary FrameAssembly::summary() const {
   std::map<NodeId, double> walls;
   for (const auto& [number, block] : blocks_) {
     if (!block.ended) continue;
-    const double cpu_seconds = measured(block.end.render_cpu_seconds());
-    const double wall_seconds = measured(block.end.wall_seconds());
+    const double cpu_seconds = measured_seconds(block.end.render_cpu_seconds());
+    const double wall_seconds = measured_seconds(block.end.wall_seconds());
     sum.render_seconds = std::max(sum.render_seconds, walls[block.node] += wall_seconds);
-    sum.away_seconds = std::max(sum.away_seconds, measured(block.end.waited_seconds()) + wall_seconds);
-    sum.encode_seconds = std::max(sum.encode_seconds, measured(block.end.encode_cpu_seconds()));
+    sum.away_seconds = std::max(sum.away_seconds, measured_seconds(block.end.waited_seconds()) + wall_seconds);
+    sum.encode_seconds = std::max(sum.encode_seconds, measured_seconds(block.end.encode_cpu_seconds()));
     sum.cpu_seconds += cpu_seconds;
     sum.rays += block.end.rays();
     if (!block.moved && block.end.error().empty()) {

@@ -21,6 +21,9 @@ struct BlockForecast {
   bool stealable = false;  ///< May be moved until a node begins it.
 };
 
+/// Returns a time that a node reported, clamped to what is plausible, because it enters plans and accounts.
+[[nodiscard]] double measured_seconds(double seconds);
+
 /// One picture being assembled: which tiles are still missing, and which nodes are to render them. Pure; thread-bound.
 ///
 /// Invariants: 1. the tiles of the first blocks tile the picture (tiles_of); 2. no pixel is delivered twice, whichever

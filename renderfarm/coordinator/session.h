@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,7 @@
 #include "common/wire/light_versions.h"
 #include "common/wire/nodes.pb.h"
 #include "renderfarm/balance/balancer.h"
-#include "renderfarm/coordinator/fair_share.h"
+#include "renderfarm/coordinator/accounts.h"
 #include "renderfarm/coordinator/frame_assembly.h"
 #include "renderfarm/coordinator/governed.h"
 #include "renderfarm/coordinator/ids.h"
@@ -48,7 +49,9 @@ struct FrameInFlight {
   std::optional<std::string> failure{};
   bool late = false;  ///< It failed only because of the deadline.
   int moved = 0;      ///< Blocks that an idle node took over.
-  double fair_start = 0.0;
+  Accounts::Turn turn{};
+  double charged_seconds = 0.0;                    ///< Cpu-seconds of its ended blocks.
+  double threads = 0.0;                            ///< Of all nodes that got blocks of its plan.
   std::int64_t asked_px = 0;                       ///< Pixels of the requested panorama, before any scaling.
   double work = 0.0;                               ///< MeasuredFrame::work, if the session is governed; else 0.
   std::optional<governor::SampleRange> refines{};  ///< Samples that it adds to a picture at rest.
@@ -83,9 +86,9 @@ struct Session {
   TimePoint taken_at{};  ///< Time when the museum last took a message.
   std::unique_ptr<balance::Balancer> balancer{};
   std::unique_ptr<GovernorState> governed{};  ///< Null: each view sets its own quality.
-  FairShare::Flow share{};
+  AccountId account{};
   bool costs_known = false;                   ///< A frame was measured, so forecasts have a basis.
-  double frame_cpu_seconds = 0.05;            ///< Cost of its last frame, the prediction for the next one.
+  double frame_cpu_seconds = 0.05;            ///< What its last frame was charged, the prediction for the next one.
   double pace_seconds = kInitialPaceSeconds;  ///< Recent frame time: a maximum that decays slowly.
   TimePoint next_due = TimePoint::max();      ///< Next deadline of the foremost frame.
   std::uint64_t watermark = 0;                ///< Watermark in wire::RenderBlock.
@@ -104,6 +107,9 @@ struct Session {
 struct BlockLocation {
   SessionId session{};
   std::uint64_t frame = 0;
+  AccountId account{};  ///< Is charged for the block, whatever becomes of the session and the frame.
+  WorkClass work = WorkClass::kMoving;
+  double charged_seconds = 0.0;  ///< So far.
 };
 
 struct Node {
@@ -111,9 +117,10 @@ struct Node {
   struct LoadedScene {
     SceneState state = SceneState::kLoading;
     std::string error{};
+    std::uint64_t memory_bytes = 0;  ///< As reported.
     /// Speed of one of the node's threads in this scene, relative to the threads of the first node.
     double speed = 1.0;
-    TimePoint asked_at{};  ///< Time of the order to load the scene.
+    TimePoint asked_at{};                    ///< Time of the order to load the scene.
     std::deque<wire::LightVersion> light{};  ///< Versions of its light that the node has; the newest first.
     bool can_compute_light = false;
     bool has_failed_to_compute = false;  ///< It could not compute light, and gets no further order to.
@@ -125,7 +132,9 @@ struct Node {
   double threads = 0.0;  ///< 0 until hello.
   TimePoint arrived_at{};
   TimePoint worked_at{};  ///< Time when it last sent a tile, ended a block, or got one while it had none.
-  bool late = false;      ///< It delayed a frame and has been silent since: it gets no new blocks while others do.
+  /// Accounts whose frames it delayed, and it has been silent since. A single one may only have requested more than
+  /// anybody could render in time.
+  std::set<AccountId> late_for{};
   std::optional<TimePoint> late_logged_at{};  ///< Time of the last log line about it.
   int late_unlogged = 0;                      ///< Unlogged repetitions since then.
   double utilisation = 1.0;                   ///< Recent utilisation of its threads by its blocks.
@@ -136,6 +145,8 @@ struct Node {
   std::map<std::string, LoadedScene> scenes{};
   std::map<std::uint64_t, BlockLocation> blocks{};  ///< Assigned and not yet ended, whether or not still wanted.
 
+  /// Returns true if it gets no new blocks of the account while other nodes do.
+  [[nodiscard]] bool is_late(AccountId account) const { return late_for.size() > 1 || late_for.contains(account); }
   [[nodiscard]] bool has(const std::string& scene) const {
     const auto found = scenes.find(scene);
     return found != scenes.end() && found->second.state == SceneState::kLoaded;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -15,14 +16,16 @@
 #include "common/base/picture_cut.h"
 #include "common/image/cells.h"
 #include "common/image/cropped.h"
+#include "renderfarm/render/sample_pieces.h"
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
 
 namespace cyclorama::denoise {
 namespace {
 
-/// Minimum height of a strip: each has margins of its own, which are filtered twice.
-constexpr int kMinStripPx = 64;
+/// Size of a strip, which one thread filters in some milliseconds. Each has margins of its own, which are filtered twice.
+constexpr int kStripHeightPx = 96;
+constexpr int kStripWidthPx = 512;
 
 /// Returns `rect` extended by `px` on each side, clipped to the picture.
 PixelRect grown(const PixelRect& rect, int px, const PixelRect& picture) {
@@ -46,6 +49,15 @@ void add(const render::RenderCost& part, render::RenderCost* sum) {
   sum->removed_light = std::max(sum->removed_light, part.removed_light);
   sum->broken_samples += part.broken_samples;
   sum->cell_cpu_seconds.insert(sum->cell_cpu_seconds.end(), part.cell_cpu_seconds.begin(), part.cell_cpu_seconds.end());
+}
+
+/// Adds the cost of more samples of the same cells.
+void add_same_cells(const render::RenderCost& more, render::RenderCost* sum) {
+  CHECK(more.cell_cpu_seconds.size() == sum->cell_cpu_seconds.size());
+  std::vector<float> cells = std::move(sum->cell_cpu_seconds);
+  std::ranges::transform(cells, more.cell_cpu_seconds, cells.begin(), std::plus<>());
+  add(more, sum);
+  sum->cell_cpu_seconds = std::move(cells);
 }
 
 /// Returns a film's cost for the cells that `rect` touches. The cost of the margin and of denoising is spread evenly
@@ -109,60 +121,143 @@ render::RenderCost DenoisingRenderer::render(const render::PanoramaView& view, c
 render::RenderCost DenoisingRenderer::render_radiance(const render::PanoramaView& view, const PixelRect& rect,
                                                       RadianceImage* ret_pixels, const std::function<bool()>& cancelled,
                                                       InverseDepthImage* ret_depth) {
-  CHECK(check_denoisable(view).has_value());
-  const Projection picture = view.picture();
-  const int height = height_px(picture.shape);
-  const PixelRect first{0, 0, picture.width_px(), height};
-  const PixelRect second{0, height, picture.width_px(), height};
-  const PixelRect upper = rows_within(rect, first);
-  const PixelRect lower = rows_within(rect, second);
-  if (picture.stacked() == 1 || lower.empty())
-    return render_within(view, first, rect, ret_pixels, cancelled, ret_depth);
-  if (upper.empty()) return render_within(view, second, rect, ret_pixels, cancelled, ret_depth);
-  RadianceImage part;
-  InverseDepthImage part_depth;
-  render::RenderCost cost = render_within(view, first, upper, ret_pixels, cancelled, ret_depth);
-  add(render_within(view, second, lower, &part, cancelled, &part_depth), &cost);
-  append_below(part, ret_pixels);
-  if (ret_depth != nullptr) append_below(part_depth, ret_depth);
+  UnfinishedPicture picture;
+  InverseDepthImage depth;
+  render::RenderCost cost = advance_radiance(view, rect, &picture, cancelled, ret_pixels, &depth);
+  if (!picture.is_done()) *ret_pixels = RadianceImage(rect.width, rect.height);
+  if (ret_depth != nullptr) *ret_depth = std::move(depth);
   return cost;
 }
 
-render::RenderCost DenoisingRenderer::render_within(const render::PanoramaView& view, const PixelRect& bounds,
-                                                    const PixelRect& rect, RadianceImage* ret_pixels,
-                                                    const std::function<bool()>& cancelled,
-                                                    InverseDepthImage* ret_depth) {
-  const PixelRect wide = rect.empty() ? rect : grown(rect, Denoiser::halo_px(), bounds);
-  render::RenderCost cost = renderer_.render_film(view, wide, true, &film_, cancelled);
-  if (ret_depth != nullptr) *ret_depth = depth_of(film_, wide, rect);
-  if (rect.empty() || (cancelled && cancelled())) {
-    *ret_pixels = RadianceImage(rect.width, rect.height);
-    return has_cell_times(std::move(cost), wide, rect);
+render::RenderCost DenoisingRenderer::advance(const render::PanoramaView& view, const PixelRect& rect,
+                                              UnfinishedPicture* picture, const std::function<bool()>& stop,
+                                              RgbImage* ret_pixels, InverseDepthImage* ret_depth) {
+  RadianceImage light;
+  const render::RenderCost cost = advance_radiance(view, rect, picture, stop, &light, ret_depth);
+  if (picture->is_done()) *ret_pixels = render::developed(light, renderer_.scene().tone);
+  return cost;
+}
+
+render::RenderCost DenoisingRenderer::advance_radiance(const render::PanoramaView& view, const PixelRect& rect,
+                                                       UnfinishedPicture* picture, const std::function<bool()>& stop,
+                                                       RadianceImage* ret_pixels, InverseDepthImage* ret_depth) {
+  CHECK(check_denoisable(view).has_value() && !picture->is_done());
+  const Projection shape = view.picture();
+  const int height = height_px(shape.shape);
+  const PixelRect first{0, 0, shape.width_px(), height};
+  const PixelRect second{0, height, shape.width_px(), height};
+  const PixelRect upper = rows_within(rect, first);
+  const PixelRect lower = rows_within(rect, second);
+  auto& [upper_part, lower_part] = picture->parts_;
+  if (shape.stacked() == 1 || lower.empty() || upper.empty()) {
+    const bool is_second = shape.stacked() > 1 && !lower.empty();
+    render::RenderCost cost =
+        advance_within(view, is_second ? second : first, rect, &upper_part, stop, ret_pixels, ret_depth);
+    picture->done_ = upper_part.is_done;
+    return cost;
   }
-  const TimePoint start = SteadyClock().now();
-  const double cpu_start = thread_cpu_seconds();
-  const PixelRays rays = picture_rays(view.picture(), view.heading_rad, wide);
-  if (wide_.width() != wide.width || wide_.height() != wide.height) wide_ = RadianceImage(wide.width, wide.height);
-  const PixelRect part{rect.x - wide.x, rect.y - wide.y, rect.width, rect.height};
-  const int threads = static_cast<int>(denoisers_.size());
-  const int strips = std::clamp(rect.height / kMinStripPx, 1, threads);
-  std::atomic<double> cpu_seconds = thread_cpu_seconds() - cpu_start;
+  RadianceImage below;
+  InverseDepthImage below_depth;
+  render::RenderCost cost = advance_within(view, first, upper, &upper_part, stop, ret_pixels, ret_depth);
+  add(advance_within(view, second, lower, &lower_part, stop, &below, &below_depth), &cost);
+  picture->done_ = upper_part.is_done && lower_part.is_done;
+  if (!picture->done_) return cost;
+  append_below(below, ret_pixels);
+  append_below(below_depth, ret_depth);
+  return cost;
+}
+
+render::RenderCost DenoisingRenderer::trace(const render::PanoramaView& view, const PixelRect& wide,
+                                            UnfinishedPicture::Part* part, const std::function<bool()>& stop) const {
+  render::RenderCost cost;
+  cost.cell_cpu_seconds.resize(static_cast<std::size_t>(cells_touched(wide).area()));
+  render::PanoramaView piece = view;
+  if (piece.quality.sequence == 0) piece.quality.sequence = view.quality.first_sample + view.quality.samples;
+  while (part->samples < view.quality.samples) {
+    piece.quality.first_sample = view.quality.first_sample + part->samples;
+    piece.quality.samples = std::min(render::max_samples_per_piece(view.quality), view.quality.samples - part->samples);
+    if (part->piece.width() == 0) {
+      part->piece = render::Film(wide.width, wide.height, true);
+      const PixelRect cells = depth_cells(wide);
+      if (view.depth) part->piece.depth = InverseDepthImage(cells.width, cells.height);
+    }
+    add_same_cells(renderer_.finish_film(piece, wide, &part->piece, stop), &cost);
+    if (stop()) return cost;
+    if (part->samples == 0) {
+      part->film = std::move(part->piece);
+    } else {
+      part->film.add(part->piece);
+    }
+    part->piece = {};
+    part->samples += piece.quality.samples;
+  }
+  return cost;
+}
+
+double DenoisingRenderer::denoise(const PixelRect& wide, const PixelRect& rect, UnfinishedPicture::Part* part,
+                                  const std::function<bool()>& stop) {
+  const int rows = std::max(1, rect.height / kStripHeightPx);
+  const int columns = std::max(1, rect.width / kStripWidthPx);
+  if (part->strips.empty()) {
+    part->strips.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns));
+    part->wide = RadianceImage(wide.width, wide.height);
+  }
+  std::atomic<double> cpu_seconds = 0.0;
   const auto strip = [&](int index) {
+    if (part->strips[static_cast<std::size_t>(index)] != 0 || stop()) return;
     const double before = thread_cpu_seconds();
-    const int top = part.height * index / strips;
-    const int bottom = part.height * (index + 1) / strips;
-    denoisers_[static_cast<std::size_t>(index)].denoise(film_, rays, {part.x, part.y + top, part.width, bottom - top},
-                                                        &wide_);
+    const auto cut = [](int length, int i, int count) { return static_cast<int>(std::int64_t{length} * i / count); };
+    const int top = cut(rect.height, index / columns, rows);
+    const int left = cut(rect.width, index % columns, columns);
+    const PixelRect where{rect.x - wide.x + left, rect.y - wide.y + top,
+                          cut(rect.width, index % columns + 1, columns) - left,
+                          cut(rect.height, index / columns + 1, rows) - top};
+    const int thread = denoisers_.size() == 1 ? 0 : tbb::this_task_arena::current_thread_index();
+    denoisers_[static_cast<std::size_t>(std::max(0, thread))].denoise(part->film, part->rays, where, &part->wide);
+    part->strips[static_cast<std::size_t>(index)] = 1;
     cpu_seconds += thread_cpu_seconds() - before;
   };
-  if (strips == 1) {
-    strip(0);
+  const int count = rows * columns;
+  if (denoisers_.size() == 1) {
+    for (int i = 0; i < count; ++i) strip(i);
   } else {
-    tbb::task_arena(threads).execute([&] { tbb::parallel_for(0, strips, strip, tbb::simple_partitioner()); });
+    tbb::task_arena(static_cast<int>(denoisers_.size())).execute([&] {
+      tbb::parallel_for(0, count, strip, tbb::simple_partitioner());
+    });
   }
-  *ret_pixels = cropped(wide_, part);
-  cost.cpu_seconds += cpu_seconds;
-  cost.wall_seconds += to_seconds(SteadyClock().now() - start);
+  return cpu_seconds;
+}
+
+render::RenderCost DenoisingRenderer::advance_within(const render::PanoramaView& view, const PixelRect& bounds,
+                                                     const PixelRect& rect, UnfinishedPicture::Part* part,
+                                                     const std::function<bool()>& stop, RadianceImage* ret_pixels,
+                                                     InverseDepthImage* ret_depth) {
+  const PixelRect wide = rect.empty() ? rect : grown(rect, Denoiser::halo_px(), bounds);
+  // It stays true once set; otherwise a film with holes would pass for a complete one.
+  std::atomic<bool> stopped = false;
+  const auto stop_for_good = [&] {
+    if (!stopped && stop && stop()) stopped = true;
+    return stopped.load();
+  };
+  if (rect.empty()) {
+    part->is_done = true;
+    *ret_pixels = RadianceImage(rect.width, rect.height);
+    return {};
+  }
+  render::RenderCost cost = trace(view, wide, part, stop_for_good);
+  if (!stop_for_good()) {
+    const TimePoint start = SteadyClock().now();
+    const double cpu_start = thread_cpu_seconds();
+    if (part->rays.directions.empty()) part->rays = picture_rays(view.picture(), view.heading_rad, wide);
+    cost.cpu_seconds += thread_cpu_seconds() - cpu_start;
+    cost.cpu_seconds += denoise(wide, rect, part, stop_for_good);
+    cost.wall_seconds += to_seconds(SteadyClock().now() - start);
+    part->is_done = std::ranges::all_of(part->strips, [](std::uint8_t done) { return done != 0; });
+  }
+  if (part->is_done) {
+    *ret_pixels = cropped(part->wide, {rect.x - wide.x, rect.y - wide.y, rect.width, rect.height});
+    *ret_depth = depth_of(part->film, wide, rect);
+  }
   return has_cell_times(std::move(cost), wide, rect);
 }
 

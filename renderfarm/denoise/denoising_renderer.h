@@ -6,6 +6,9 @@
 /// eye's picture is denoised by itself, without data from the other.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "renderfarm/denoise/denoise.h"
@@ -16,6 +19,28 @@ namespace cyclorama::denoise {
 /// Errors: kInvalidArgument, in one sentence, for a stereo picture whose eyes are not separated at a multiple of kCutPx
 /// pixels.
 [[nodiscard]] Status check_denoisable(const render::PanoramaView& view);
+
+/// What has been rendered of a rect, so that it can be interrupted and continued. Movable; of one DenoisingRenderer call
+/// sequence, always with the same view and rect.
+class UnfinishedPicture {
+ public:
+  [[nodiscard]] bool is_done() const { return done_; }
+
+ private:
+  friend class DenoisingRenderer;
+  /// The part that lies in one eye's picture.
+  struct Part {
+    render::Film film;   ///< Finished pieces of samples.
+    render::Film piece;  ///< The current one.
+    int samples = 0;     ///< Per pixel, in `film`.
+    PixelRays rays;
+    RadianceImage wide;
+    std::vector<std::uint8_t> strips;  ///< 1 for each strip that is denoised.
+    bool is_done = false;
+  };
+  std::array<Part, 2> parts_;
+  bool done_ = false;
+};
 
 /// Renders and denoises. Keeps its memory from one picture to the next, and a reference to the renderer, which must
 /// outlive it. Thread-bound.
@@ -31,16 +56,29 @@ class DenoisingRenderer {
   render::RenderCost render_radiance(const render::PanoramaView& view, const PixelRect& rect, RadianceImage* ret_pixels,
                                      const std::function<bool()>& cancelled, InverseDepthImage* ret_depth = nullptr);
 
+  /// Continues `picture` until it is done or `stop` returns true, which is called before each cell and each strip of the
+  /// filter, from any thread; both take some milliseconds. Nothing is done twice, and pixels do not depend on the
+  /// interruptions. Returns the cost of this call. `ret_pixels` and `ret_depth` are written when the picture is done.
+  render::RenderCost advance(const render::PanoramaView& view, const PixelRect& rect, UnfinishedPicture* picture,
+                             const std::function<bool()>& stop, RgbImage* ret_pixels, InverseDepthImage* ret_depth);
+
  private:
+  render::RenderCost advance_radiance(const render::PanoramaView& view, const PixelRect& rect,
+                                      UnfinishedPicture* picture, const std::function<bool()>& stop,
+                                      RadianceImage* ret_pixels, InverseDepthImage* ret_depth);
   /// Precondition: `rect` lies inside `bounds`, to which the margin is clipped.
-  render::RenderCost render_within(const render::PanoramaView& view, const PixelRect& bounds, const PixelRect& rect,
-                                   RadianceImage* ret_pixels, const std::function<bool()>& cancelled,
-                                   InverseDepthImage* ret_depth);
+  render::RenderCost advance_within(const render::PanoramaView& view, const PixelRect& bounds, const PixelRect& rect,
+                                    UnfinishedPicture::Part* part, const std::function<bool()>& stop,
+                                    RadianceImage* ret_pixels, InverseDepthImage* ret_depth);
+  /// Completes the film of `wide`, unless stopped.
+  render::RenderCost trace(const render::PanoramaView& view, const PixelRect& wide, UnfinishedPicture::Part* part,
+                           const std::function<bool()>& stop) const;
+  /// Denoises what is left of `rect`, a part of `wide`, unless stopped. Returns the thread time.
+  double denoise(const PixelRect& wide, const PixelRect& rect, UnfinishedPicture::Part* part,
+                 const std::function<bool()>& stop);
 
   const render::Renderer& renderer_;
   std::vector<Denoiser> denoisers_;  ///< One per thread.
-  render::Film film_;
-  RadianceImage wide_;
 };
 
 }  // namespace cyclorama::denoise

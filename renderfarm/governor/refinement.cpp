@@ -16,10 +16,10 @@ constexpr double kMaxPictureMs = 1000.0;
 /// At most a dozen pictures are sent per rest, so their size does not matter.
 constexpr int kReferenceJpegQuality = 95;
 
-int cut_after(int samples) {
+int cut_after(int samples, int max = kPiece) {
   if (samples == 0) return 1;
-  if (samples < kPiece) return static_cast<int>(std::bit_ceil(static_cast<unsigned>(samples) + 1));
-  return (samples / kPiece + 1) * kPiece;
+  if (samples < max) return static_cast<int>(std::bit_ceil(static_cast<unsigned>(samples) + 1));
+  return (samples / max + 1) * max;
 }
 
 /// Returns the first cut that is not below `samples`.
@@ -63,13 +63,21 @@ Refinement::Prior prior_of(const ParetoFront& front) {
 
 }  // namespace
 
-std::vector<SampleRange> cut_samples(const SampleRange& range) {
+std::vector<SampleRange> cut_samples(const SampleRange& range, int max) {
+  CHECK(max >= 1 && max <= kPiece && std::has_single_bit(static_cast<unsigned>(max)));
   std::vector<SampleRange> pieces;
-  for (int first = range.first; first < range.end;) {
-    const int end = std::min(cut_after(first), range.end);
-    pieces.push_back({first, end});
-    first = end;
+  for (int at = range.first; at < range.end;) {
+    const int next = std::min(range.end, cut_after(at, max));
+    pieces.push_back({at, next});
+    at = next;
   }
+  return pieces;
+}
+
+std::vector<SampleRange> cut_evenly(const SampleRange& range, int max) {
+  CHECK(max >= 1);
+  std::vector<SampleRange> pieces;
+  for (int at = range.first; at < range.end; at += max) pieces.push_back({at, std::min(range.end, at + max)});
   return pieces;
 }
 

@@ -10,16 +10,19 @@
 namespace cyclorama::governor {
 
 /// A range of samples [first, end). cut_samples() divides a range into the pieces in which samples are rendered and
-/// added, with cuts at 1, 2, 4, 8, 16, 32 and each multiple of 64; an empty range gives none. Float sums depend on
-/// their order: with fixed cuts, a picture refined in steps is bit-identical to one that another node renders at once,
-/// provided that the steps end at cuts. A piece of 64 is also the longest work in one cell before a node notices a
-/// cancellation.
+/// added, with cuts at the powers of two up to `max` and at each multiple of `max`; an empty range gives none. Float
+/// sums depend on their order: with fixed cuts, a picture refined in steps is bit-identical to one that another node renders at once,
+/// provided that the steps end at cuts. A piece is also the longest work in one cell before a node notices an
+/// interruption, so a picture of many bounces has shorter ones (render::max_samples_per_piece()).
 struct SampleRange {
   int first = 0;
   int end = 0;
   friend bool operator==(const SampleRange&, const SampleRange&) = default;
 };
-[[nodiscard]] std::vector<SampleRange> cut_samples(const SampleRange& range);
+/// Precondition: `max` is a power of two.
+[[nodiscard]] std::vector<SampleRange> cut_samples(const SampleRange& range, int max);
+/// Returns the same cuts at multiples of `max` alone, for pictures that are not refined in steps.
+[[nodiscard]] std::vector<SampleRange> cut_evenly(const SampleRange& range, int max);
 
 /// The refinement of one view from its first picture at rest to the reference:
 ///

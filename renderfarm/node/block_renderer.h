@@ -24,21 +24,34 @@
 
 namespace cyclorama::node {
 
+/// A part of a denoised picture that is being rendered. Thread-bound.
+class DenoisedWork {
+ public:
+  virtual ~DenoisedWork() = default;
+  /// Goes on until the part is done or `stop` returns true, which is called every few milliseconds, from any thread.
+  /// Returns the cost of this call. `ret_pixels` stays as it is until the part is done; then it has the part's size, and
+  /// `ret_depth` that of its cells, or none unless the view requests depth.
+  virtual render::RenderCost advance(const std::function<bool()>& stop, RgbImage* ret_pixels,
+                                     InverseDepthImage* ret_depth) = 0;
+
+ protected:
+  DenoisedWork() = default;
+  DenoisedWork(const DenoisedWork&) = default;
+  DenoisedWork& operator=(const DenoisedWork&) = default;
+};
+
 /// One loaded scene. The same view gives the same pixels on any node, however it is cut into blocks. Thread-bound.
 class BlockRenderer {
  public:
   virtual ~BlockRenderer() = default;
-  /// Renders like Renderer::render(): `ret_pixels` is resized to `rect`, `ret_depth` to its cells, or to nothing unless
-  /// the view requests depth; `cancelled` is called often, from any thread.
-  virtual render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                                    InverseDepthImage* ret_depth, const std::function<bool()>& cancelled) = 0;
-  /// Renders and denoises. Denoising needs a margin around `rect`, so one call per block is cheaper than one per tile.
-  virtual render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect,
-                                             RgbImage* ret_pixels, InverseDepthImage* ret_depth,
-                                             const std::function<bool()>& cancelled) = 0;
+  /// Begins to render and denoise; nothing is rendered yet. Denoising needs a margin around `rect`, so a large one is
+  /// cheaper than its tiles. The result must not outlive the renderer.
+  [[nodiscard]] virtual std::unique_ptr<DenoisedWork> begin_denoised(const render::PanoramaView& view,
+                                                                     const PixelRect& rect) = 0;
   /// Renders only the given samples of the view, whatever number of samples it requests, into `film`, which has the
-  /// rect's size, no features and no depth. Cells that have samples stay as they are, so a cancelled film can be continued. Sums
-  /// of films of the ranges of cut_samples(), added in that order, are bit-identical on any node.
+  /// rect's size, no features, and the cells' depth if the view requests it. `cancelled` is called before each cell, from
+  /// any thread. Cells that have samples stay as they are, so a cancelled film can be continued. Sums of films of the same
+  /// ranges, added in the same order, are bit-identical on any node.
   virtual render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
                                          const governor::SampleRange& samples, render::Film* film,
                                          const std::function<bool()>& cancelled) = 0;

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <utility>
 
 #include "common/base/check.h"
@@ -14,9 +16,15 @@
 #include "renderfarm/balance/tiles.h"
 #include "renderfarm/node/block_view.h"
 #include "renderfarm/node/film_prior.h"
+#include "renderfarm/render/sample_pieces.h"
 
 namespace cyclorama::node {
 namespace {
+
+/// Maximum pixels that are denoised together, so that a block of any size takes about 150 MB: 96 bytes per pixel until it
+/// is done, and as much while it is filtered. Parts have margins, which are rendered twice: as small as possible a part of
+/// them in larger parts.
+constexpr std::int64_t kMaxDenoisedPx = std::int64_t{1} << 20;
 
 /// Returns `part` as measured from the corner of `whole`.
 PixelRect relative(const PixelRect& part, const PixelRect& whole) {
@@ -51,79 +59,138 @@ BlockWork::BlockWork(std::shared_ptr<const BlockOrder> order, const render::Pano
 std::optional<RenderedTile> BlockWork::next_tile(FilmStore& films, const Interrupts& interrupts) {
   CHECK(!is_done());
   const PixelRect& rect = tiles_[next_];
-  BlockRenderer& renderer = *order_->renderer;
-  if (light_) renderer.use_light(*light_);
+  if (light_) order_->renderer->use_light(*light_);
+  // It stays true once set; otherwise a film with holes would pass for a complete one.
+  std::atomic<bool> stopped = false;
+  const Stop stop = [&] {
+    if (!stopped && (interrupts.cancelled() || interrupts.preempted())) stopped = true;
+    return stopped.load();
+  };
   RgbImage pixels;
   InverseDepthImage depth;  // A picture at rest needs none, since it is never shown from another eye.
   if (block().keep()) {
-    pixels = refined(rect, films, interrupts);
+    pixels = refined(rect, films, stop);
   } else if (block().view().denoise()) {
-    const PixelRect whole = rect_of(block());
-    if (denoised_.empty()) {
-      add_cost(renderer.render_denoised(view_, whole, &denoised_, &denoised_depth_, interrupts.cancelled), whole);
-    }
-    pixels = cropped(denoised_, relative(rect, whole));
-    if (view_.depth) depth = cropped(denoised_depth_, relative(depth_cells(rect), depth_cells(whole)));
+    pixels = denoised(rect, stop, &depth);
   } else {
-    add_cost(renderer.render(view_, rect, &pixels, &depth, interrupts.cancelled), rect);
+    pixels = traced(rect, stop, &depth);
   }
   if (pixels.empty() || interrupts.cancelled()) return std::nullopt;
   ++next_;
+  reported_seconds_ = cost_.cpu_seconds;
   add_watermark(block().watermark(), rect, &pixels);
   return RenderedTile{block().block(),   block().view().number(), rect,
                       std::move(pixels), std::move(depth),        jpeg_options_of(block())};
 }
 
-RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Interrupts& interrupts) {
-  const std::string picture = picture_name_of(block());
-  if (!refining_) {
-    const int wanted = static_cast<int>(block().view().first_sample() + block().view().samples());
-    refining_.emplace();
-    refining_->kept = films.take({order_->link, block().session()}, picture, tile);
-    FilmStore::Kept& kept = refining_->kept;
-    // More samples than wanted: the coordinator requests an earlier picture again.
-    if (kept.samples == 0 || kept.samples > wanted) {
-      kept.film = render::Film(tile.width, tile.height, false);
-      kept.samples = 0;
-    }
-    for (const governor::SampleRange& range : governor::cut_samples({kept.samples, wanted}))
-      refining_->ranges.push_back(range);
-    kept.samples = wanted;
-  }
-  // It stays true once set; otherwise a film with holes would pass for a complete one.
-  std::atomic<bool> stopped = false;
-  const auto stop = [&] {
-    if (!stopped && (interrupts.cancelled() || interrupts.preempted())) stopped = true;
-    return stopped.load();
-  };
-  if (!render_prior(tile, stop)) return {};
-  while (!refining_->ranges.empty()) {
-    render::Film& part = refining_->part;
-    if (part.width() == 0) part = render::Film(tile.width, tile.height, false);
-    add_cost(order_->renderer->render_film(view_, tile, refining_->ranges.front(), &part, stop), tile);
-    if (stopped) return {};
-    refining_->kept.film.add(part);
+std::optional<wire::BlockProgress> BlockWork::progress() {
+  constexpr double kMinSeconds = 0.05;
+  if (cost_.cpu_seconds - reported_seconds_ < kMinSeconds) return std::nullopt;
+  reported_seconds_ = cost_.cpu_seconds;
+  wire::BlockProgress report;
+  report.set_block(block().block());
+  report.set_render_cpu_seconds(cost_.cpu_seconds);
+  return report;
+}
+
+render::Film BlockWork::new_film(const PixelRect& tile) const {
+  render::Film film(tile.width, tile.height, false);
+  const PixelRect cells = depth_cells(tile);
+  if (view_.depth) film.depth = InverseDepthImage(cells.width, cells.height);
+  return film;
+}
+
+bool BlockWork::finish_tracing(const PixelRect& tile, const Stop& stop) {
+  while (!tracing_->ranges.empty()) {
+    render::Film& part = tracing_->part;
+    if (part.width() == 0) part = new_film(tile);
+    add_cost(order_->renderer->render_film(view_, tile, tracing_->ranges.front(), &part, stop), tile);
+    if (stop()) return false;
+    tracing_->film.add(part);
     part = {};
-    refining_->ranges.pop_front();
+    tracing_->ranges.pop_front();
   }
-  const FilmStore::Kept& kept = refining_->kept;
-  RgbImage pixels = order_->renderer->developed(mean_with_prior(kept.film, kept.prior, prior_weight_of(block())));
-  films.put({order_->link, block().session()}, picture, tile, std::move(refining_->kept));
-  refining_.reset();
+  return true;
+}
+
+RgbImage BlockWork::traced(const PixelRect& tile, const Stop& stop, InverseDepthImage* ret_depth) {
+  if (!tracing_) {
+    const governor::SampleRange all{view_.quality.first_sample, view_.quality.first_sample + view_.quality.samples};
+    const auto ranges = governor::cut_evenly(all, render::max_samples_per_piece(view_.quality));
+    tracing_ = Tracing{new_film(tile), view_.quality.samples, {ranges.begin(), ranges.end()}, {}, {}, {}};
+  }
+  if (!finish_tracing(tile, stop)) return {};
+  RgbImage pixels = order_->renderer->developed(tracing_->film.mean());
+  *ret_depth = std::move(tracing_->film.depth);
+  tracing_.reset();
   return pixels;
 }
 
-bool BlockWork::render_prior(const PixelRect& tile, const std::function<bool()>& stop) {
+RgbImage BlockWork::refined(const PixelRect& tile, FilmStore& films, const Stop& stop) {
+  const std::string picture = picture_name_of(block());
+  if (!tracing_) {
+    const int wanted = static_cast<int>(block().view().first_sample() + block().view().samples());
+    FilmStore::Kept kept = films.take({order_->link, block().session()}, picture, tile);
+    // More samples than wanted: the coordinator requests an earlier picture again.
+    if (kept.samples == 0 || kept.samples > wanted) {
+      kept.film = new_film(tile);
+      kept.samples = 0;
+    }
+    const auto ranges = governor::cut_samples({kept.samples, wanted}, render::max_samples_per_piece(view_.quality));
+    tracing_ = Tracing{std::move(kept.film), wanted, {ranges.begin(), ranges.end()}, {}, std::move(kept.prior), {}};
+  }
+  if (!finish_prior(tile, stop) || !finish_tracing(tile, stop)) return {};
+  RgbImage pixels =
+      order_->renderer->developed(mean_with_prior(tracing_->film, tracing_->prior, prior_weight_of(block())));
+  films.put({order_->link, block().session()}, picture, tile,
+            {std::move(tracing_->film), tracing_->samples, std::move(tracing_->prior)});
+  tracing_.reset();
+  return pixels;
+}
+
+PixelRect BlockWork::next_denoised_rect() const {
+  const PixelRect first = tiles_[next_];
+  PixelRect all = first;
+  for (std::size_t i = next_ + 1; i < tiles_.size(); ++i) {
+    const PixelRect& tile = tiles_[i];
+    const int right = std::max(all.x + all.width, tile.x + tile.width);
+    const PixelRect more{all.x, all.y, right - all.x, tile.y + tile.height - all.y};
+    if (tile.x < first.x || more.area() > kMaxDenoisedPx) break;
+    all = more;
+  }
+  return all;
+}
+
+RgbImage BlockWork::denoised(const PixelRect& tile, const Stop& stop, InverseDepthImage* ret_depth) {
+  if (!denoising_) {
+    denoising_.emplace();
+    denoising_->rect = next_denoised_rect();
+    denoising_->work = order_->renderer->begin_denoised(view_, denoising_->rect);
+  }
+  const PixelRect& rect = denoising_->rect;
+  if (denoising_->work != nullptr) {
+    add_cost(denoising_->work->advance(stop, &denoising_->pixels, &denoising_->depth), rect);
+    if (denoising_->pixels.empty()) return {};
+    denoising_->work.reset();
+  }
+  RgbImage pixels = cropped(denoising_->pixels, relative(tile, rect));
+  if (view_.depth) *ret_depth = cropped(denoising_->depth, relative(depth_cells(tile), depth_cells(rect)));
+  const bool is_last = tile.x + tile.width == rect.x + rect.width && tile.y + tile.height == rect.y + rect.height;
+  if (is_last) denoising_.reset();
+  return pixels;
+}
+
+bool BlockWork::finish_prior(const PixelRect& tile, const Stop& stop) {
   const int samples = static_cast<int>(block().view().prior_samples());
-  if (samples == 0 || !refining_->kept.prior.empty()) return true;
-  render::Film& film = refining_->prior;
+  if (samples == 0 || !tracing_->prior.empty()) return true;
+  render::Film& film = tracing_->prior_part;
   if (film.width() == 0) film = render::Film(tile.width, tile.height, false);
   render::PanoramaView view = view_;
   view.quality.stored_light = true;
   view.quality.sequence = 0;  // These are the samples of the moving picture.
   add_cost(order_->renderer->render_film(view, tile, {0, samples}, &film, stop), tile);
   if (stop()) return false;
-  refining_->kept.prior = film.mean();
+  tracing_->prior = film.mean();
   film = {};
   return true;
 }

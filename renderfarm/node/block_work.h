@@ -29,29 +29,49 @@ class BlockWork {
   static Result<BlockWork> begin(std::shared_ptr<const BlockOrder> order);
 
   /// Renders the next tile. Returns nothing if interrupted: by `cancelled` for good; by `preempted` with all finished
-  /// cells kept, which only pictures at rest check, since one of their tiles may take a second. The first tile of a
-  /// denoised block renders the block as a whole. Precondition: !is_done().
+  /// cells kept. The first tile of a denoised block renders many together, since the denoiser reads around them: the
+  /// whole block, or as much of it as a bounded memory takes. May throw std::bad_alloc. Precondition: !is_done().
   std::optional<RenderedTile> next_tile(FilmStore& films, const Interrupts& interrupts);
   [[nodiscard]] bool is_done() const { return next_ == tiles_.size(); }
+  /// Returns a report if much time was spent since the last tile or report.
+  [[nodiscard]] std::optional<wire::BlockProgress> progress();
   /// Returns the cost of all tiles so far, including unfinished ones.
   [[nodiscard]] const render::RenderCost& cost() const { return cost_; }
   [[nodiscard]] const BlockOrder& order() const { return *order_; }
 
  private:
-  /// The current tile of a picture at rest.
-  struct Refining {
-    FilmStore::Kept kept;
-    render::Film prior;                        ///< Film of the picture with stored light, possibly unfinished.
+  using Stop = std::function<bool()>;
+  /// The current tile of a picture that is not denoised.
+  struct Tracing {
+    render::Film film;                         ///< Sum of the finished ranges.
+    int samples = 0;                           ///< In `film` when all ranges are finished.
     std::deque<governor::SampleRange> ranges;  ///< Samples that it lacks.
     render::Film part;                         ///< Film of the first range, possibly unfinished.
+    RadianceImage prior;                       ///< FilmStore::Kept::prior, of a picture at rest.
+    render::Film prior_part;                   ///< Film of the prior, possibly unfinished.
+  };
+  /// Tiles of a denoised block that are rendered together.
+  struct Denoising {
+    PixelRect rect;
+    std::unique_ptr<DenoisedWork> work;
+    RgbImage pixels;  ///< Empty until all of it is rendered.
+    InverseDepthImage depth;
   };
   BlockWork(std::shared_ptr<const BlockOrder> order, const render::PanoramaView& view,
             std::optional<VersionedLight> light);
 
-  /// Adds to the tile's stored sums, or starts them anew. Returns an empty picture if interrupted.
-  RgbImage refined(const PixelRect& tile, FilmStore& films, const Interrupts& interrupts);
-  /// Renders what the tile still lacks of the picture with stored light. Returns false if stopped.
-  bool render_prior(const PixelRect& tile, const std::function<bool()>& stop);
+  /// Each returns an empty picture if it was stopped.
+  RgbImage traced(const PixelRect& tile, const Stop& stop, InverseDepthImage* ret_depth);
+  /// Adds to the tile's stored sums, or starts them anew.
+  RgbImage refined(const PixelRect& tile, FilmStore& films, const Stop& stop);
+  RgbImage denoised(const PixelRect& tile, const Stop& stop, InverseDepthImage* ret_depth);
+  /// Renders what the tile lacks. Returns false if it was stopped.
+  bool finish_tracing(const PixelRect& tile, const Stop& stop);
+  /// Renders what the tile still lacks of the picture with stored light. Returns false if it was stopped.
+  bool finish_prior(const PixelRect& tile, const Stop& stop);
+  [[nodiscard]] render::Film new_film(const PixelRect& tile) const;
+  /// Returns the rect of the tiles that are denoised together, from the next one on.
+  [[nodiscard]] PixelRect next_denoised_rect() const;
   void add_cost(const render::RenderCost& cost, const PixelRect& rect);
   [[nodiscard]] const wire::RenderBlock& block() const { return order_->block; }
 
@@ -61,9 +81,9 @@ class BlockWork {
   std::vector<PixelRect> tiles_;
   std::size_t next_ = 0;
   render::RenderCost cost_;
-  std::optional<Refining> refining_;
-  RgbImage denoised_;  ///< Pixels of the whole block, once rendered.
-  InverseDepthImage denoised_depth_;
+  double reported_seconds_ = 0.0;  ///< Thread time at the last tile or report.
+  std::optional<Tracing> tracing_;
+  std::optional<Denoising> denoising_;
 };
 
 }  // namespace cyclorama::node

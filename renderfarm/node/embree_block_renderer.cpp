@@ -10,6 +10,7 @@
 #include "common/wire/convert.h"
 #include "renderfarm/denoise/denoising_renderer.h"
 #include "renderfarm/light/light_file.h"
+#include "renderfarm/render/memory.h"
 #include "renderfarm/render/tone.h"
 #include "renderfarm/scene/scene.h"
 
@@ -19,25 +20,38 @@ namespace {
 /// Approximate share of reading in the time from the first byte to the first ray; the rest builds the BVH.
 constexpr double kReadingShare = 0.6;
 
+class EmbreeDenoisedWork final : public DenoisedWork {
+ public:
+  EmbreeDenoisedWork(denoise::DenoisingRenderer& denoising, render::PanoramaView view, const PixelRect& rect)
+      : denoising_(denoising), view_(std::move(view)), rect_(rect) {}
+
+  render::RenderCost advance(const std::function<bool()>& stop, RgbImage* ret_pixels,
+                             InverseDepthImage* ret_depth) override {
+    return denoising_.advance(view_, rect_, &picture_, stop, ret_pixels, ret_depth);
+  }
+
+ private:
+  denoise::DenoisingRenderer& denoising_;
+  const render::PanoramaView view_;
+  const PixelRect rect_;
+  denoise::UnfinishedPicture picture_;
+};
+
 class EmbreeBlockRenderer final : public BlockRenderer {
  public:
   EmbreeBlockRenderer(std::unique_ptr<render::Renderer> renderer, int threads)
       : renderer_(std::move(renderer)), denoising_(*renderer_, threads) {}
 
-  render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                            InverseDepthImage* ret_depth, const std::function<bool()>& cancelled) override {
-    return renderer_->render(view, rect, ret_pixels, cancelled, ret_depth);
-  }
-
-  render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                                     InverseDepthImage* ret_depth, const std::function<bool()>& cancelled) override {
-    return denoising_.render(view, rect, ret_pixels, cancelled, ret_depth);
+  [[nodiscard]] std::unique_ptr<DenoisedWork> begin_denoised(const render::PanoramaView& view,
+                                                             const PixelRect& rect) override {
+    return std::make_unique<EmbreeDenoisedWork>(denoising_, view, rect);
   }
 
   render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
                                  const governor::SampleRange& samples, render::Film* film,
                                  const std::function<bool()>& cancelled) override {
     render::PanoramaView part = view;
+    if (part.quality.sequence == 0) part.quality.sequence = view.quality.first_sample + view.quality.samples;
     part.quality.first_sample = samples.first;
     part.quality.samples = samples.end - samples.first;
     return renderer_->finish_film(part, rect, film, cancelled);
@@ -145,8 +159,11 @@ class EmbreeBlockRenderer final : public BlockRenderer {
 SceneLoader embree_scene_loader(int threads) {
   return [threads](const std::string& path,
                    const std::function<void(double)>& progress) -> Result<std::unique_ptr<BlockRenderer>> {
+    scene::ImportLimits limits;
+    limits.memory_bytes =
+        std::min(limits.memory_bytes, cyclorama::render::available_memory().value_or(limits.memory_bytes));
     TRY_ASSIGN(scene::Scene scene,
-               scene::load_scene(path, scene::ImportLimits{}, [&](double done) { progress(kReadingShare * done); }));
+               scene::load_scene(path, limits, [&](double done) { progress(kReadingShare * done); }));
     TRY_ASSIGN(auto renderer, render::Renderer::build(std::move(scene), threads, [&](double done) {
                  progress(kReadingShare + (1.0 - kReadingShare) * done);
                }));

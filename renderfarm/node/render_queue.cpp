@@ -2,66 +2,127 @@
 #include "renderfarm/node/render_queue.h"
 
 #include <algorithm>
-
-#include "common/wire/rank.h"
+#include <cmath>
+#include <limits>
 
 namespace cyclorama::node {
 namespace {
+
 /// The number of tiles of the largest picture, which a coordinator may send one by one after it lost a node.
 constexpr std::size_t kMaxBlocksPerLink = 8192;
+constexpr double kPerSecond = 1e6;
+
+/// Returns the growth of virtual time per cpu-second; 1 if the coordinator states none.
+double rate_of(const wire::RenderBlock& block) {
+  constexpr double kMaxRate = 1e9;
+  const double rate = block.rank_per_cpu_second();
+  return std::isfinite(rate) && rate > 0.0 ? std::min(rate, kMaxRate) : 1.0;
+}
+
 }  // namespace
 
+RenderQueue::Turn RenderQueue::Flow::turn() const {
+  const Turn& head = waiting.begin()->first;
+  return {std::max(received, head.first), head.second};
+}
+
 bool RenderQueue::add(std::shared_ptr<BlockOrder> order) {
-  Lanes& lanes = lanes_[order->link];
+  auto& lanes = lanes_[order->link];
+  std::size_t blocks = 0;
+  for (const Lane& lane : lanes) blocks += lane.blocks;
   const Name name{order->link, order->block.block()};
-  if (lanes[0].blocks + lanes[1].blocks >= kMaxBlocksPerLink || places_.contains(name)) return false;
-  const bool at_rest = order->block.rank() >= kRankAtRest;
-  const auto rank = static_cast<double>(at_rest ? order->block.rank() - kRankAtRest : order->block.rank());
-  Lane& lane = lanes[at_rest];
-  if (lane.blocks == 0) lane.shift = now_[at_rest] - rank;
+  if (blocks >= kMaxBlocksPerLink || entries_.contains(name)) return false;
+  const Rank rank = Rank::of(order->block.rank());
+  const auto work = static_cast<std::size_t>(rank.work);
+  const auto position = static_cast<double>(rank.position);
+  Lane& lane = lanes[work];
+  if (lane.blocks == 0) lane.shift = now_[work] - position;
   ++lane.blocks;
-  const Place place{true, at_rest, rank + lane.shift, arrivals_++};
-  places_.emplace(name, place);
-  waiting_.emplace(place, std::move(order));
+  const Entry entry{{work, order->link, order->block.account()}, {position + lane.shift, arrivals_++}, order};
+  flows_[entry.flow].waiting.emplace(entry.turn, std::move(order));
+  entries_.emplace(name, entry);
   return true;
 }
 
+void RenderQueue::leave_flow(const Entry& entry) {
+  const auto flow = flows_.find(entry.flow);
+  if (flow == flows_.end() || flow->second.waiting.erase(entry.turn) == 0) return;
+  if (flow->second.waiting.empty()) flows_.erase(flow);
+}
+
 void RenderQueue::cancel(LinkId link, std::uint64_t block) {
-  const auto found = places_.find({link, block});
-  if (found == places_.end()) return;
-  auto entry = waiting_.extract(found->second);
-  entry.mapped()->cancelled = true;
-  std::get<0>(entry.key()) = false;
-  found->second = entry.key();
-  waiting_.insert(std::move(entry));
+  const auto found = entries_.find({link, block});
+  if (found == entries_.end()) return;
+  found->second.order->cancelled = true;
+  leave_flow(found->second);
+  cancelled_.emplace(found->second.turn.second, found->second.order);
+}
+
+void RenderQueue::serve(LinkId link, std::uint64_t block, double cpu_seconds) {
+  const auto found = entries_.find({link, block});
+  if (found == entries_.end() || !(cpu_seconds > 0.0)) return;
+  const auto flow = flows_.find(found->second.flow);
+  if (flow == flows_.end()) return;
+  const double began = flow->second.turn().first;
+  double& now = now_[found->second.flow.work];
+  now = std::max(now, began);
+  flow->second.received = began + kPerSecond * cpu_seconds * rate_of(found->second.order->block);
 }
 
 void RenderQueue::remove(LinkId link, std::uint64_t block) {
-  const auto found = places_.find({link, block});
-  if (found == places_.end()) return;
-  const auto& [is_wanted, at_rest, rank, arrival] = found->second;
-  if (is_wanted) now_[at_rest] = std::max(now_[at_rest], rank);
-  --lanes_.at(link)[at_rest].blocks;
-  waiting_.erase(found->second);
-  places_.erase(found);
+  const auto found = entries_.find({link, block});
+  if (found == entries_.end()) return;
+  const Entry& entry = found->second;
+  if (!entry.order->cancelled) now_[entry.flow.work] = std::max(now_[entry.flow.work], entry.turn.first);
+  --lanes_.at(link)[entry.flow.work].blocks;
+  leave_flow(entry);
+  cancelled_.erase(entry.turn.second);
+  entries_.erase(found);
 }
 
 void RenderQueue::drop(LinkId link) {
-  auto entry = places_.lower_bound({link, 0});
-  while (entry != places_.end() && entry->first.first == link) {
-    const auto order = waiting_.find(entry->second);
-    order->second->cancelled = true;
-    waiting_.erase(order);
-    entry = places_.erase(entry);
+  auto found = entries_.lower_bound({link, 0});
+  while (found != entries_.end() && found->first.first == link) {
+    found->second.order->cancelled = true;
+    leave_flow(found->second);
+    cancelled_.erase(found->second.turn.second);
+    found = entries_.erase(found);
   }
   lanes_.erase(link);
 }
 
-std::shared_ptr<const BlockOrder> RenderQueue::next(const std::function<bool(LinkId)>& takes_tiles) const {
-  for (const auto& [place, order] : waiting_) {
-    if (order->cancelled || takes_tiles(order->link)) return order;
+RenderQueue::Flows::const_iterator RenderQueue::first(const TakesTiles& takes_tiles) const {
+  auto best = flows_.end();
+  for (auto flow = flows_.begin(); flow != flows_.end(); ++flow) {
+    if (best != flows_.end() && flow->first.work != best->first.work) break;  // Flows are sorted by class.
+    if (!takes_tiles(flow->first.link)) continue;
+    if (best == flows_.end() || flow->second.turn() < best->second.turn()) best = flow;
   }
-  return nullptr;
+  return best;
+}
+
+std::shared_ptr<const BlockOrder> RenderQueue::next(const TakesTiles& takes_tiles) const {
+  if (!cancelled_.empty()) return cancelled_.begin()->second;
+  const auto flow = first(takes_tiles);
+  return flow == flows_.end() ? nullptr : flow->second.waiting.begin()->second;
+}
+
+double RenderQueue::seconds_ahead(const TakesTiles& takes_tiles) const {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const auto flow = first(takes_tiles);
+  if (flow == flows_.end()) return kNever;
+  double next = kNever;
+  for (auto other = std::next(flow); other != flows_.end(); ++other) {
+    if (other->first.work != flow->first.work) break;
+    if (takes_tiles(other->first.link)) next = std::min(next, other->second.turn().first);
+  }
+  for (auto other = flow; other != flows_.begin();) {
+    --other;
+    if (other->first.work != flow->first.work) break;
+    if (takes_tiles(other->first.link)) next = std::min(next, other->second.turn().first);
+  }
+  const wire::RenderBlock& block = flow->second.waiting.begin()->second->block;
+  return (next - flow->second.turn().first) / (kPerSecond * rate_of(block));
 }
 
 }  // namespace cyclorama::node

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 namespace cyclorama::node {
@@ -11,6 +12,11 @@ namespace {
 /// Far more than a scene's name and a view need.
 constexpr std::size_t kMaxOrderBytes = 4096;
 constexpr std::size_t kMaxEndedSessions = 4096;
+/// A piece takes at least this long, so that accounts which wait for each other do not change at every cell. A block that
+/// comes later and goes first does not wait for it.
+constexpr double kMinPieceSeconds = 0.005;
+/// Maximum time without a report of progress.
+constexpr double kMaxPieceSeconds = 0.05;
 }  // namespace
 
 void RenderWorker::open(std::shared_ptr<NodeLink> link) {
@@ -103,14 +109,27 @@ void RenderWorker::stop() {
   changed_.notify_all();
 }
 
-std::shared_ptr<const BlockOrder> RenderWorker::next() const {
-  return queue_.next([this](LinkId link) {
+RenderQueue::TakesTiles RenderWorker::takes_tiles() const {
+  return [this](LinkId link) {
     const auto found = links_.find(link);
     return found == links_.end() || found->second->takes_tiles();
-  });
+  };
 }
 
-void RenderWorker::look_again() { preempted_ = at_work_ != nullptr && next() != at_work_; }
+std::shared_ptr<const BlockOrder> RenderWorker::next() const { return queue_.next(takes_tiles()); }
+
+void RenderWorker::look_again() {
+  preempted_ = at_work_ != nullptr && next() != at_work_;
+  if (at_work_ != nullptr && !preempted_) limit_piece();
+}
+
+void RenderWorker::limit_piece() {
+  const double ahead = queue_.seconds_ahead(takes_tiles()) / parallelism_;
+  const double seconds = std::min(kMaxPieceSeconds, std::max(ahead, kMinPieceSeconds));
+  ends_at_ = (piece_began_at_ + std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds)))
+                 .time_since_epoch()
+                 .count();
+}
 
 double RenderWorker::rendered_seconds() const {
   return rendered_seconds_ + (at_work_ == nullptr ? 0.0 : to_seconds(SteadyClock().now() - piece_began_at_));
@@ -126,8 +145,7 @@ bool RenderWorker::wait() {
 bool RenderWorker::work() {
   const auto order = begin_piece();
   if (order == nullptr) return false;
-  advance(order);
-  end_piece();
+  end_piece(advance(order));
   return true;
 }
 
@@ -141,38 +159,76 @@ std::shared_ptr<const BlockOrder> RenderWorker::begin_piece() {
   at_work_ = next();
   piece_began_at_ = SteadyClock().now();
   preempted_ = false;
+  limit_piece();
   return at_work_;
 }
 
-void RenderWorker::end_piece() {
+void RenderWorker::end_piece(double cpu_seconds) {
   const std::lock_guard lock(mutex_);
+  const double wall_seconds = to_seconds(SteadyClock().now() - piece_began_at_);
+  if (cpu_seconds > 0.0 && wall_seconds > 0.0) {
+    constexpr double kNew = 0.2;
+    parallelism_ = std::max(1.0, (1.0 - kNew) * parallelism_ + kNew * cpu_seconds / wall_seconds);
+  }
   rendered_seconds_ = rendered_seconds();
   at_work_ = nullptr;
 }
 
-void RenderWorker::advance(const std::shared_ptr<const BlockOrder>& order) {
-  if (order->cancelled) return end_block(*order, "cancelled");
+double RenderWorker::advance(const std::shared_ptr<const BlockOrder>& order) {
+  if (order->cancelled) {
+    end_block(*order, "cancelled");
+    return 0.0;
+  }
+  try {
+    return render_piece(order);
+  } catch (const std::bad_alloc&) {
+    rendering_ = false;
+    end_block(*order, "this node has not enough memory for the block");
+    return 0.0;
+  }
+}
+
+double RenderWorker::render_piece(const std::shared_ptr<const BlockOrder>& order) {
   auto found = begun_.find(order.get());
   if (found == begun_.end()) {
     auto begun = BlockWork::begin(order);
-    if (!begun) return end_block(*order, begun.error().message());
+    if (!begun) {
+      end_block(*order, begun.error().message());
+      return 0.0;
+    }
     if (!order->block.keep()) films_.forget({order->link, order->block.session()});
     found = begun_.emplace(order.get(), *std::move(begun)).first;
   }
   BlockWork& work = found->second;
-  const auto note = [this] { moved_at_ = SteadyClock().now().time_since_epoch().count(); };
-  const BlockWork::Interrupts interrupts{[&] {
-                                           note();
-                                           return stopping_ || order->cancelled;
-                                         },
-                                         [this] { return preempted_.load(); }};
-  note();
+  const double before = work.cost().cpu_seconds;
+  const BlockWork::Interrupts interrupts{[&] { return stopping_ || order->cancelled; },
+                                         [&] {
+                                           const Duration::rep now = SteadyClock().now().time_since_epoch().count();
+                                           moved_at_ = now;
+                                           return preempted_ || now >= ends_at_;
+                                         }};
+  moved_at_ = SteadyClock().now().time_since_epoch().count();
   rendering_ = true;
   auto tile = work.next_tile(films_, interrupts);
   rendering_ = false;
-  if (tile) send(order->link, *std::move(tile));
-  if (work.is_done()) return end_block(*order, "");
-  if (order->cancelled) end_block(*order, "cancelled");
+  const double cpu_seconds = work.cost().cpu_seconds - before;
+  {
+    const std::lock_guard lock(mutex_);
+    queue_.serve(order->link, order->block.block(), cpu_seconds);
+  }
+  if (tile) {
+    send(order->link, *std::move(tile));
+  } else if (auto progress = work.progress()) {
+    wire::NodeReport report;
+    *report.mutable_progress() = *std::move(progress);
+    send(order->link, std::move(report));
+  }
+  if (work.is_done()) {
+    end_block(*order, "");
+  } else if (order->cancelled) {
+    end_block(*order, "cancelled");
+  }
+  return cpu_seconds;
 }
 
 void RenderWorker::end_block(const BlockOrder& order, std::string error) {

@@ -55,17 +55,26 @@ class RenderWorker {
 
   /// Waits for work; false once stopped.
   bool wait();
-  /// Does one piece of work: at most a tile, or a block's end. Returns false if there is none.
+  /// Does one piece of work: at most a tile, or a block's end. It ends at the next cell when a block that goes first comes,
+  /// or when its account has received as much as another one that waits. Returns false if there is none.
   bool work();
 
  private:
   [[nodiscard]] std::shared_ptr<const BlockOrder> next() const;
   void look_again();
+  /// Returns whether a link accepts tiles. Precondition: the mutex is held.
+  [[nodiscard]] RenderQueue::TakesTiles takes_tiles() const;
+  /// Sets the end of the current piece: when a block of another account goes first. Precondition: the mutex is held.
+  void limit_piece();
   /// Returns the seconds rendered since the start, including the current piece.
   [[nodiscard]] double rendered_seconds() const;
   std::shared_ptr<const BlockOrder> begin_piece();
-  void end_piece();
-  void advance(const std::shared_ptr<const BlockOrder>& order);
+  /// The piece took this thread time.
+  void end_piece(double cpu_seconds);
+  /// Returns the thread time that it took.
+  double advance(const std::shared_ptr<const BlockOrder>& order);
+  /// The same for a block that is still wanted. May throw std::bad_alloc.
+  double render_piece(const std::shared_ptr<const BlockOrder>& order);
   void end_block(const BlockOrder& order, std::string error);
   void send(LinkId link, NodeLink::Outgoing item);
 
@@ -73,6 +82,7 @@ class RenderWorker {
   FilmStore films_;                               ///< Render thread only.
   std::map<const BlockOrder*, BlockWork> begun_;  ///< Render thread only. Their orders are in the queue.
   std::atomic<bool> preempted_ = false;           ///< Another block than the current one goes first.
+  std::atomic<Duration::rep> ends_at_{0};         ///< End of the current piece, as the count of a TimePoint.
   std::atomic<bool> rendering_ = false;
   std::atomic<Duration::rep> moved_at_{0};  ///< Time of the last begun cell, as the count of a TimePoint.
 
@@ -84,6 +94,7 @@ class RenderWorker {
   std::shared_ptr<const BlockOrder> at_work_;
   TimePoint piece_began_at_{};                      ///< Start of the current piece.
   double rendered_seconds_ = 0.0;                   ///< Total of the earlier pieces.
+  double parallelism_ = 1.0;                        ///< Thread time over wall time of recent pieces.
   std::vector<FilmStore::Session> ended_sessions_;  ///< Sessions to be forgotten.
   std::vector<LinkId> dropped_;                     ///< Links to be forgotten.
 };

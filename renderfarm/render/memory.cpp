@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -18,6 +19,30 @@ constexpr std::size_t kBytesPerInstance = 1024;
 constexpr std::size_t kPeakBytesPerSplat = 400;
 constexpr std::size_t kReserveBytes = std::size_t{64} << 20;
 
+/// Returns a file's text; empty if it cannot be read. read_file() does not apply: files in /proc have no size.
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::optional<std::size_t> bytes_of(std::string_view text) {
+  const auto value = parse_integer(text.substr(0, text.find('\n')));
+  if (!value || *value < 0) return std::nullopt;
+  return static_cast<std::size_t>(*value);
+}
+
+/// Returns the inactive file pages of memory.stat.
+std::size_t reclaimable_bytes(const std::string& stat) {
+  constexpr std::string_view kField = "inactive_file ";
+  std::istringstream lines(stat);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with(kField)) return bytes_of(std::string_view(line).substr(kField.size())).value_or(0);
+  }
+  return 0;
+}
+
 }  // namespace
 
 std::optional<std::size_t> parse_available_memory(std::string_view meminfo) {
@@ -31,12 +56,31 @@ std::optional<std::size_t> parse_available_memory(std::string_view meminfo) {
   return static_cast<std::size_t>(*kilobytes) * 1024;
 }
 
-std::optional<std::size_t> available_memory() {
-  // read_file() does not apply, because files in /proc have no size.
-  std::ifstream file("/proc/meminfo");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse_available_memory(text.str());
+std::optional<std::size_t> cgroup_memory(const std::filesystem::path& root) {
+  constexpr std::string_view kUnified = "0::/";
+  std::string path;
+  std::istringstream groups(text_of(root / "proc/self/cgroup"));
+  for (std::string line; std::getline(groups, line);) {
+    if (line.starts_with(kUnified)) path = line.substr(kUnified.size());
+  }
+  const std::filesystem::path top = root / "sys/fs/cgroup";
+  std::optional<std::size_t> least;
+  for (std::filesystem::path group = path.empty() ? top : top / path;; group = group.parent_path()) {
+    const auto max = bytes_of(text_of(group / "memory.max"));  // "max" means that there is no limit.
+    const auto used = bytes_of(text_of(group / "memory.current"));
+    if (max && used) {
+      const std::size_t held = *used - std::min(*used, reclaimable_bytes(text_of(group / "memory.stat")));
+      least = std::min(least.value_or(*max), *max - std::min(*max, held));
+    }
+    if (group == top || !group.has_relative_path()) return least;
+  }
+}
+
+std::optional<std::size_t> available_memory(const std::filesystem::path& root) {
+  const auto machine = parse_available_memory(text_of(root / "proc/meminfo"));
+  const auto group = cgroup_memory(root);
+  if (machine && group) return std::min(*machine, *group);
+  return machine ? machine : group;
 }
 
 std::size_t memory_for_bvh(std::size_t available) { return available > kReserveBytes ? available - kReserveBytes : 0; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,8 +15,14 @@ namespace cyclorama::render {
 /// them.
 [[nodiscard]] std::optional<std::size_t> parse_available_memory(std::string_view meminfo);
 
-/// Returns the same for this machine; null if /proc is absent.
-[[nodiscard]] std::optional<std::size_t> available_memory();
+/// Returns the bytes that this process may still allocate before its control group or a parent of it reaches its limit
+/// (cgroup v2, memory.max), not counting file pages that the kernel can take back; null without a limit. `root` is the
+/// root of the file system.
+[[nodiscard]] std::optional<std::size_t> cgroup_memory(const std::filesystem::path& root);
+
+/// Returns the bytes that this process can allocate on this machine: the smaller one of what the machine and its control
+/// groups have left; null if neither is known.
+[[nodiscard]] std::optional<std::size_t> available_memory(const std::filesystem::path& root = "/");
 
 /// Returns how much of `available` bytes a BVH may use; a small reserve is kept for the rest of the machine.
 [[nodiscard]] std::size_t memory_for_bvh(std::size_t available);

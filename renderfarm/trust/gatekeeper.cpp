@@ -8,6 +8,7 @@
 
 #include "common/base/file.h"
 #include "common/base/text.h"
+#include "common/wire/convert.h"
 #include "common/wire/payload.h"
 
 namespace cyclorama::trust {
@@ -140,20 +141,30 @@ Result<Grant> Gatekeeper::session_connected(std::uint64_t id, const Identity& wh
   return grant;
 }
 
-void Gatekeeper::session_opened(std::uint64_t id, const std::string& scene) {
+void Gatekeeper::session_opened(std::uint64_t id, const wire::SceneDescription& scene) {
   const auto found = sessions_.find(id);
   if (found == sessions_.end()) return;
-  found->second.scene = scene;
+  found->second.scene = scene.name();
+  if (grants_ && !found->second.grant.free_eye) found->second.guard.emplace(scene);
   found->second.opened_at = clock_.now();
-  record({.event = "session opened", .who = found->second.who, .scene = scene});
+  record({.event = "session opened", .who = found->second.who, .scene = scene.name()});
 }
 
-Status Gatekeeper::view_received(std::uint64_t id) {
+Status Gatekeeper::view_received(std::uint64_t id, const wire::View& view) {
   const auto found = sessions_.find(id);
+  if (found == sessions_.end()) return Done{};
+  Session& session = found->second;
   const TimePoint now = clock_.now();
-  if (found == sessions_.end() || found->second.views.take(1.0, now) <= now) return Done{};
-  return Error(ErrorCode::kInvalidArgument,
-               fmt::format("more than {:.0f} views per second were requested", options_.max_views_per_second));
+  if (session.views.take(1.0, now) > now) {
+    return Error(ErrorCode::kInvalidArgument,
+                 fmt::format("more than {:.0f} views per second were requested", options_.max_views_per_second));
+  }
+  if (!grants_) return Done{};
+  TRY(validate(view));
+  if (session.guard) TRY(session.guard->check(view, now));
+  const std::int64_t day = now.time_since_epoch() / std::chrono::hours(24);
+  const DailyViews::Limits limits{session.grant.views_per_day, session.grant.places_per_day};
+  return days_[session.who.name].count(session.scene, view, limits, day);
 }
 
 TimePoint Gatekeeper::reply_written(std::uint64_t id, const wire::SessionReply& reply) {

@@ -19,6 +19,7 @@
 #include "renderfarm/trust/audit_log.h"
 #include "renderfarm/trust/grants.h"
 #include "renderfarm/trust/revocations.h"
+#include "renderfarm/trust/view_guard.h"
 #include "renderfarm/trust/watched_file.h"
 
 namespace cyclorama::trust {
@@ -74,9 +75,10 @@ class Gatekeeper {
   /// Registers a session's call and returns its grant. Errors: kNotFound if the museum has no grant; kBusy if it has
   /// reached its number of sessions.
   Result<Grant> session_connected(std::uint64_t id, const Identity& who);
-  void session_opened(std::uint64_t id, const std::string& scene);
-  /// Errors: kInvalidArgument if the session requests more views per second than any visitor could see.
-  Status view_received(std::uint64_t id);
+  void session_opened(std::uint64_t id, const wire::SceneDescription& scene);
+  /// Errors: kInvalidArgument if the session requests more views per second than any visitor could see, or, unless its
+  /// grant frees the eye, one that no visitor could have (see ViewGuard); kBusy if the museum has used up its day.
+  Status view_received(std::uint64_t id, const wire::View& view);
   /// Records that the museum received `reply`. Returns when its byte limit allows the next one: now or later.
   TimePoint reply_written(std::uint64_t id, const wire::SessionReply& reply);
   /// An empty `reason` means that the museum left. Does nothing for an unknown session.
@@ -96,6 +98,7 @@ class Gatekeeper {
     TimePoint opened_at{};
     SessionSummary summary{};
     TokenBucket views;
+    std::optional<ViewGuard> guard{};  ///< Of a museum with a grant, once the session is opened.
   };
   Gatekeeper(TrustOptions options, const Clock& clock, Notice notice);
   Status read_files();
@@ -117,6 +120,7 @@ class Gatekeeper {
   std::map<std::uint64_t, Session> sessions_;
   std::map<std::uint64_t, Identity> nodes_;
   std::map<std::string, TokenBucket> bytes_;  ///< Museums with a byte limit.
+  std::map<std::string, DailyViews> days_;    ///< Museums with a grant.
   TimePoint next_check_{};
   bool logged_out_of_date_ = false;
   bool logged_audit_failure_ = false;

@@ -11,6 +11,11 @@ namespace cyclorama::trust {
 namespace {
 
 constexpr int kUsualSessions = 4;
+/// Those of a view on the wire (common/wire/view.proto).
+constexpr int kMaxSamples = 4096;
+constexpr int kMaxBounces = 64;
+constexpr int kMaxPerDay = 1'000'000'000;
+constexpr double kGibibyte = 1024.0 * 1024.0 * 1024.0;
 
 /// Returns 0 for an invalid key.
 std::uint64_t parse_watermark(std::string_view text) {
@@ -28,6 +33,14 @@ Grant read_grant(ConfigTable& table) {
   table.refuse_renamed("visits", "sessions");
   grant.sessions = table.integer("sessions", {1, 1024}, kUsualSessions);
   if (table.has("megabytes_per_s")) grant.bytes_per_second = 1e6 * table.number("megabytes_per_s", {0.1, 1e5});
+  if (table.has("cores")) grant.cores = table.number("cores", {0.1, 1e6});
+  if (table.has("megapixels_per_s")) grant.megapixels_per_second = table.number("megapixels_per_s", {0.01, 1e6});
+  grant.samples = table.integer("samples", {1, kMaxSamples}, kMaxSamples);
+  grant.bounces = table.integer("bounces", {0, kMaxBounces}, kMaxBounces);
+  if (table.has("scene_gib")) grant.scene_bytes = kGibibyte * table.number("scene_gib", {0.1, 1e5});
+  grant.free_eye = table.flag("free_eye", false);
+  if (table.has("views_per_day")) grant.views_per_day = table.integer("views_per_day", {1, kMaxPerDay}, 0);
+  if (table.has("places_per_day")) grant.places_per_day = table.integer("places_per_day", {1, kMaxPerDay}, 0);
   if (table.has("watermark")) {
     grant.watermark = parse_watermark(table.text("watermark"));
     if (grant.watermark == 0) table.refuse("watermark", "is no key; write 16 hexadecimal digits, not all 0");

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,8 +67,9 @@ class FakeRendering {
     return used_light_;
   }
   std::atomic<int> renders = 0;
-  std::atomic<int> samples = 0;              ///< Total of all films.
+  std::atomic<int> samples = 0;              ///< Total of all films but denoised ones.
   std::atomic<int> film_cells = 0;           ///< Rendered cells of films, counting repetitions.
+  std::atomic<bool> lacks_memory = false;    ///< Whatever is rendered throws std::bad_alloc.
   std::atomic<bool> can_have_light = false;  ///< Scenes could have light that is computed ahead.
   std::atomic<bool> refuses_light = false;   ///< Every file of light is damaged.
 
@@ -91,58 +93,24 @@ inline InverseDepthImage fake_depth(const PixelRect& cells) {
   return depth;
 }
 
-/// Renders a pattern that depends on the pixel and on every field of the view, and on nothing else.
+/// Renders a pattern that depends on the pixel, its samples and every field of the view, and on nothing else.
 class FakeBlockRenderer final : public node::BlockRenderer {
  public:
   explicit FakeBlockRenderer(std::shared_ptr<FakeRendering> shared, std::uint64_t memory_bytes = 1000)
       : shared_(std::move(shared)), memory_bytes_(memory_bytes) {}
 
-  render::RenderCost render(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                            InverseDepthImage* ret_depth, const std::function<bool()>& cancelled) override {
-    *ret_pixels = RgbImage(rect.width, rect.height);
-    *ret_depth = view.depth ? fake_depth(depth_cells(rect)) : InverseDepthImage();
-    if (!shared_->pass_gate(cancelled)) return {};
-    for (int y = 0; y < rect.height; ++y) {
-      for (int x = 0; x < rect.width; ++x) colour(view, rect.x + x, rect.y + y, ret_pixels->at(x, y));
-    }
-    ++shared_->renders;
-    return cost_of(rect, std::vector<float>(static_cast<std::size_t>(cells_touched(rect).area()), kCellSeconds));
-  }
   /// Renders the negative of the pattern.
-  render::RenderCost render_denoised(const render::PanoramaView& view, const PixelRect& rect, RgbImage* ret_pixels,
-                                     InverseDepthImage* ret_depth, const std::function<bool()>& cancelled) override {
-    const render::RenderCost cost = render(view, rect, ret_pixels, ret_depth, cancelled);
-    for (std::uint8_t& value : ret_pixels->data()) value = static_cast<std::uint8_t>(255 - value);
-    return cost;
+  [[nodiscard]] std::unique_ptr<node::DenoisedWork> begin_denoised(const render::PanoramaView& view,
+                                                                   const PixelRect& rect) override {
+    if (shared_->lacks_memory) throw std::bad_alloc();
+    return std::make_unique<Negative>(*this, view, rect);
   }
   /// Renders a different pattern for every range, in inexact sums. Checks for cancellation before each cell, as the
   /// real one does.
   render::RenderCost render_film(const render::PanoramaView& view, const PixelRect& rect,
                                  const governor::SampleRange& samples, render::Film* film,
                                  const std::function<bool()>& cancelled) override {
-    render::PanoramaView one = view;
-    one.quality.samples = 1;
-    const PixelRect cells = cells_touched(rect);
-    std::vector<float> seconds(static_cast<std::size_t>(cells.area()));
-    if (!shared_->pass_gate(cancelled)) return cost_of(rect, seconds);
-    bool stopped = false;
-    for (int row = cells.y; row < cells.y + cells.height; ++row) {
-      for (int column = cells.x; column < cells.x + cells.width; ++column) {
-        const PixelRect cell{column * kCostCellPx, row * kCostCellPx, kCostCellPx, kCostCellPx};
-        if (*film->samples.at(std::max(cell.x, rect.x) - rect.x, std::max(cell.y, rect.y) - rect.y) > 0) continue;
-        shared_->before_cell();
-        stopped = stopped || (cancelled && cancelled());
-        if (stopped) continue;
-        add_samples(one, rect, cell, samples, film);
-        seconds[cell_index(cells, column, row)] = kCellSeconds * static_cast<float>(samples.end - samples.first);
-        ++shared_->film_cells;
-      }
-    }
-    if (!stopped) {
-      ++shared_->renders;
-      shared_->samples += samples.end - samples.first;
-    }
-    return cost_of(rect, seconds);
+    return add_to_film(view, rect, samples, film, cancelled, true);
   }
   [[nodiscard]] RgbImage developed(const RadianceImage& mean) const override {
     RgbImage picture(mean.width(), mean.height());
@@ -171,6 +139,53 @@ class FakeBlockRenderer final : public node::BlockRenderer {
   static constexpr float kCellSeconds = 0x1p-15f;
 
  private:
+  class Negative final : public node::DenoisedWork {
+   public:
+    Negative(FakeBlockRenderer& of, render::PanoramaView view, const PixelRect& rect)
+        : of_(of), view_(std::move(view)), rect_(rect), film_(rect.width, rect.height, false) {}
+    render::RenderCost advance(const std::function<bool()>& stop, RgbImage* ret_pixels,
+                               InverseDepthImage* ret_depth) override {
+      render::RenderCost cost = of_.add_to_film(view_, rect_, {0, 1}, &film_, stop, false);
+      if (std::ranges::find(film_.samples.data(), 0) != film_.samples.data().end()) return cost;
+      *ret_pixels = of_.developed(film_.mean());
+      *ret_depth = view_.depth ? fake_depth(depth_cells(rect_)) : InverseDepthImage();
+      for (std::uint8_t& value : ret_pixels->data()) value = static_cast<std::uint8_t>(255 - value);
+      return cost;
+    }
+
+   private:
+    FakeBlockRenderer& of_;
+    const render::PanoramaView view_;
+    const PixelRect rect_;
+    render::Film film_;
+  };
+  render::RenderCost add_to_film(const render::PanoramaView& view, const PixelRect& rect,
+                                 const governor::SampleRange& samples, render::Film* film,
+                                 const std::function<bool()>& cancelled, bool counts_samples) {
+    render::PanoramaView one = view;
+    one.quality.samples = 1;
+    const PixelRect cells = cells_touched(rect);
+    std::vector<float> seconds(static_cast<std::size_t>(cells.area()));
+    if (shared_->lacks_memory) throw std::bad_alloc();
+    if (!film->depth.empty()) film->depth = fake_depth(depth_cells(rect));
+    if (!shared_->pass_gate(cancelled)) return cost_of(rect, seconds);
+    bool stopped = false;
+    for (int row = cells.y; row < cells.y + cells.height; ++row) {
+      for (int column = cells.x; column < cells.x + cells.width; ++column) {
+        const PixelRect cell{column * kCostCellPx, row * kCostCellPx, kCostCellPx, kCostCellPx};
+        if (*film->samples.at(std::max(cell.x, rect.x) - rect.x, std::max(cell.y, rect.y) - rect.y) > 0) continue;
+        shared_->before_cell();
+        stopped = stopped || (cancelled && cancelled());
+        if (stopped) continue;
+        add_samples(one, rect, cell, samples, film);
+        seconds[cell_index(cells, column, row)] = kCellSeconds * static_cast<float>(samples.end - samples.first);
+        ++shared_->film_cells;
+      }
+    }
+    if (!stopped) ++shared_->renders;
+    if (!stopped && counts_samples) shared_->samples += samples.end - samples.first;
+    return cost_of(rect, seconds);
+  }
   static render::RenderCost cost_of(const PixelRect& rect, std::vector<float> seconds) {
     render::RenderCost cost;
     cost.rays = static_cast<std::uint64_t>(rect.area());

@@ -56,7 +56,7 @@ def trusting_farm(build, folder):
     for name in WEIGHTS:
         authority.bundle("museum", name)
     (folder / "museums.toml").write_text("".join(
-        f'[[museum]]\nname = "{name}"\nscenes = ["*"]\nweight = {weight}\n' for name, weight in WEIGHTS.items()))
+        f'[[museum]]\nname = "{name}"\nscenes = ["*"]\nweight = {weight}\nfree_eye = true\n' for name, weight in WEIGHTS.items()))
     # The command line overrides ports and scenes.
     (folder / "farm.toml").write_text(f'museums = "[::1]:1"\nnodes = "[::1]:2"\nmuseums_file = "museums.toml"\n[[scene]]\n'
                                       f'name = "visit"\npath = "{scene}"\n[tls]\n' + TLS.format("farm"))

@@ -50,7 +50,8 @@ class TrustedFarm:
     def grant(self, scene):
         """Grants a scene to hall-3; hall-4 may see all."""
         new = self.folder / "museums.new"
-        new.write_text(f'[[museum]]\nname = "hall-3"\nscenes = ["{scene}"]\n[[museum]]\nname = "hall-4"\nscenes = ["*"]\n')
+        new.write_text(f'[[museum]]\nname = "hall-3"\nscenes = ["{scene}"]\nfree_eye = true\n'
+                       '[[museum]]\nname = "hall-4"\nscenes = ["*"]\nfree_eye = true\n')
         new.rename(self.folder / "museums.toml")
 
     def start(self, name, config, *options):

@@ -35,17 +35,37 @@ std::vector<int> steps(Refinement refinement, double ms_per_sample = 0.01) {
 }
 
 TEST(CutSamples, divides_every_range_at_the_same_positions) {
-  EXPECT_TRUE(cut_samples({5, 5}).empty());
-  EXPECT_EQ(cut_samples({0, 1}), (std::vector<SampleRange>{{0, 1}}));
-  EXPECT_EQ(cut_samples({0, 5}), (std::vector<SampleRange>{{0, 1}, {1, 2}, {2, 4}, {4, 5}}));
-  EXPECT_EQ(cut_samples({32, 200}), (std::vector<SampleRange>{{32, 64}, {64, 128}, {128, 192}, {192, 200}}));
-  const auto whole = cut_samples({0, 1024});
+  EXPECT_TRUE(cut_samples({5, 5}, 64).empty());
+  EXPECT_EQ(cut_samples({0, 1}, 64), (std::vector<SampleRange>{{0, 1}}));
+  EXPECT_EQ(cut_samples({0, 5}, 64), (std::vector<SampleRange>{{0, 1}, {1, 2}, {2, 4}, {4, 5}}));
+  EXPECT_EQ(cut_samples({32, 200}, 64), (std::vector<SampleRange>{{32, 64}, {64, 128}, {128, 192}, {192, 200}}));
+  const auto whole = cut_samples({0, 1024}, 64);
   for (const int middle : {1, 2, 16, 64, 192, 960}) {
-    auto both = cut_samples({0, middle});
-    const auto rest = cut_samples({middle, 1024});
+    auto both = cut_samples({0, middle}, 64);
+    const auto rest = cut_samples({middle, 1024}, 64);
     both.insert(both.end(), rest.begin(), rest.end());
     EXPECT_EQ(both, whole) << middle;
   }
+}
+
+TEST(CutSamples, divides_a_picture_of_many_bounces_into_shorter_pieces_with_the_same_steps) {
+  EXPECT_EQ(cut_samples({0, 3}, 1), (std::vector<SampleRange>{{0, 1}, {1, 2}, {2, 3}}));
+  EXPECT_EQ(cut_samples({0, 14}, 4), (std::vector<SampleRange>{{0, 1}, {1, 2}, {2, 4}, {4, 8}, {8, 12}, {12, 14}}));
+  for (const int max : {1, 2, 4, 8, 16, 32, 64}) {
+    const auto whole = cut_samples({0, 320}, max);
+    for (const int middle : {1, 2, 16, 64, 192, 256}) {
+      auto both = cut_samples({0, middle}, max);
+      const auto rest = cut_samples({middle, 320}, max);
+      both.insert(both.end(), rest.begin(), rest.end());
+      EXPECT_EQ(both, whole) << max << ", " << middle;
+    }
+  }
+}
+
+TEST(CutEvenly, divides_a_range_into_pieces_of_one_length) {
+  EXPECT_TRUE(cut_evenly({5, 5}, 4).empty());
+  EXPECT_EQ(cut_evenly({3, 5}, 4), (std::vector<SampleRange>{{3, 5}}));
+  EXPECT_EQ(cut_evenly({3, 12}, 4), (std::vector<SampleRange>{{3, 7}, {7, 11}, {11, 12}}));
 }
 
 TEST(Refinement, doubles_the_samples_until_the_reference_and_then_rests) {
@@ -67,7 +87,7 @@ TEST(Refinement, takes_about_a_second_per_picture_when_samples_are_slow) {
 TEST(Refinement, ends_every_picture_but_the_last_at_a_cut) {
   const ParetoFront front = plain_pareto_front();
   for (const int reference : {3, 64, 65, 1000, render::kMaxSamples}) {
-    const auto whole = cut_samples({0, reference});
+    const auto whole = cut_samples({0, reference}, 64);
     for (const double ms : {0.0, 0.1, 3.0, 1e9}) {
       for (const int end : steps(Refinement(front, front[0], reference), ms)) {
         EXPECT_TRUE(std::ranges::any_of(whole, [&](const SampleRange& piece) { return piece.end == end; })) << end;

@@ -161,6 +161,43 @@ TEST_F(BlockWorkPrior, is_rendered_once_for_all_steps) {
   EXPECT_EQ(rendering->samples, 4 + 2);
 }
 
+TEST(BlockWork, renders_the_largest_denoised_block_in_parts_of_bounded_memory) {
+  auto order = std::make_shared<BlockOrder>();
+  const auto rendering = std::make_shared<FakeRendering>();
+  order->renderer = std::make_shared<FakeBlockRenderer>(rendering);
+  wire::RenderBlock& block = order->block;
+  block.set_width_px(4096);
+  block.set_height_px(1040);
+  wire::View& view = *block.mutable_view();
+  view.set_number(1);
+  view.set_samples(1);
+  view.set_jpeg_quality(85);
+  view.set_denoise(true);
+  view.mutable_panorama()->set_width_px(4096);
+  view.mutable_panorama()->set_height_px(1040);
+  view.mutable_panorama()->set_azimuth_span_rad(2.0);
+  view.mutable_panorama()->set_tan_elevation_top(0.5);
+  view.mutable_panorama()->set_tan_elevation_bottom(-0.5);
+  auto work = BlockWork::begin(order);
+  ASSERT_TRUE(work) << work.error().message();
+  FilmStore films;
+  int tiles = 0;
+  while (!work->is_done()) {
+    const auto tile = work->next_tile(films, {[] { return false; }, [] { return false; }});
+    ASSERT_TRUE(tile);
+    RgbImage expected(tile->rect.width, tile->rect.height);
+    render::PanoramaView same;
+    same.panorama = {4096, 1040, 2.0, 0.5, -0.5};
+    same.seed = 1;
+    InverseDepthImage depth;
+    order->renderer->begin_denoised(same, tile->rect)->advance([] { return false; }, &expected, &depth);
+    EXPECT_EQ(tile->pixels, expected) << tiles;
+    ++tiles;
+  }
+  EXPECT_EQ(tiles, 16 * 5);
+  EXPECT_EQ(rendering->renders, tiles + 5) << "one row of tiles at a time, more would exceed the limit";
+}
+
 INSTANTIATE_TEST_SUITE_P(OfAllKinds, BlockWorkDepth, testing::Values(Kind::kMoving, Kind::kDenoised, Kind::kAtRest));
 INSTANTIATE_TEST_SUITE_P(OfAllKinds, BlockWorkMarks, testing::Values(Kind::kMoving, Kind::kDenoised, Kind::kAtRest));
 

@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 
+#include "renderfarm/render/renderer.h"
 #include "renderfarm/render/tone.h"
+#include "renderfarm/scene/scene.h"
 #include "tests/data_sets/simple_scenes.h"
 
 namespace cyclorama::node {
@@ -44,7 +47,7 @@ render::Film accumulated(BlockRenderer& renderer, const render::PanoramaView& vi
   render::Film film(rect.width, rect.height, false);
   int have = 0;
   for (const int end : steps) {
-    for (const governor::SampleRange& range : governor::cut_samples({have, end})) {
+    for (const governor::SampleRange& range : governor::cut_samples({have, end}, 64)) {
       render::Film part(rect.width, rect.height, false);
       renderer.render_film(view, rect, range, &part, nullptr);
       film.add(part);
@@ -84,14 +87,15 @@ TEST(EmbreeBlockRenderer, develops_a_film_to_the_codes_of_render_with_the_scenes
     std::ofstream(folder / "scene.toml") << "title = \"Sheet\"\n[tone]\ncurve = \"" << curve
                                          << "\"\n[[geometry]]\nfile = \"sheet.obj\"\n";
     const auto loaded = embree_scene_loader(1)(folder.string(), [](double) {});
+    auto scene = scene::load_scene(folder.string(), scene::ImportLimits{}, [](double) {});
     std::filesystem::remove_all(folder);
-    ASSERT_TRUE(loaded) << loaded.error().message();
+    ASSERT_TRUE(loaded && scene) << loaded.error().message();
+    const auto direct = render::Renderer::build(*std::move(scene), 1, nullptr);
+    ASSERT_TRUE(direct) << direct.error().message();
     render::PanoramaView view = view_of_sheet();
     view.quality.samples = 7;  // The division by 7 rounds.
     RgbImage picture;
-    InverseDepthImage depth;
-    (*loaded)->render(view, kRect, &picture, &depth, nullptr);
-    EXPECT_TRUE(depth.empty());
+    (*direct)->render(view, kRect, &picture, nullptr);
     render::Film film(kRect.width, kRect.height, false);
     (*loaded)->render_film(view, kRect, {0, 7}, &film, nullptr);
     EXPECT_EQ((*loaded)->developed(film.mean()), picture) << curve;
@@ -131,6 +135,34 @@ TEST(EmbreeBlockRenderer, has_an_error_that_falls_at_least_by_the_square_root_la
   // Mean squared error falls at least with slope -1 from 4 to 256 samples, since the samples are stratified.
   const double slope = std::log(last / first) / std::log(kReference / 4.0);
   EXPECT_LT(slope, -0.9);
+}
+
+TEST(EmbreeBlockRenderer, denoises_the_same_picture_however_often_it_is_interrupted) {
+  const auto renderer = folded_sheet();
+  for (const int samples : {1, 70}) {  // At once, and in three pieces.
+    render::PanoramaView view = view_of_sheet();
+    view.quality.samples = samples;
+    view.depth = true;
+    RgbImage at_once;
+    InverseDepthImage depth;
+    renderer->begin_denoised(view, kRect)->advance([] { return false; }, &at_once, &depth);
+    ASSERT_FALSE(at_once.empty());
+    ASSERT_FALSE(depth.empty());
+    const auto work = renderer->begin_denoised(view, kRect);
+    RgbImage picture;
+    InverseDepthImage interrupted_depth;
+    int calls = 0;
+    std::uint64_t rays = 0;
+    while (picture.empty()) {
+      ASSERT_LT(++calls, 100);
+      int checks = 0;
+      rays += work->advance([&] { return ++checks > 3; }, &picture, &interrupted_depth).rays;
+    }
+    EXPECT_GT(calls, 1);
+    EXPECT_GT(rays, 0u);
+    EXPECT_EQ(picture, at_once) << samples;
+    EXPECT_EQ(interrupted_depth, depth) << samples;
+  }
 }
 
 TEST(EmbreeBlockRenderer, reports_the_speed_of_this_host) {

@@ -149,7 +149,7 @@ TEST_F(NodeControllerTest, preempts_a_refinement_within_a_tile_and_neither_loses
   int next = cells + 50;
   rendering->set_before_cell([&] {
     if (rendering->film_cells != next || moving >= 5) return;
-    next += 250;
+    next += 250 + 16;  // Cells of the refinement, and of the moving picture.
     take(link, block(100 + static_cast<std::uint64_t>(++moving), 1, 16));
   });
   take(link, kept(block(2, 100), 0, 4));
@@ -158,7 +158,49 @@ TEST_F(NodeControllerTest, preempts_a_refinement_within_a_tile_and_neither_loses
   EXPECT_THAT(order, ElementsAre("tile 101", "end 101", "tile 102", "end 102", "tile 103", "end 103", "tile 2",
                                  "tile 104", "end 104", "tile 105", "end 105", "tile 2", "end 2"));
   EXPECT_EQ(pictures[2], expected);
-  EXPECT_EQ(rendering->film_cells - cells, cells);
+  EXPECT_EQ(rendering->film_cells - cells, cells + 5 * 16);
+}
+
+wire::NodeCommand of_account(std::uint64_t account, wire::NodeCommand command, bool denoise = false) {
+  command.mutable_render()->set_account(account);
+  command.mutable_render()->mutable_view()->set_denoise(denoise);
+  return command;
+}
+
+TEST_F(NodeControllerTest, preempts_moving_pictures_within_a_tile_and_neither_loses_nor_repeats_a_cell) {
+  for (const bool denoise : {false, true}) {
+    const auto calm = opened();
+    take(calm, of_account(1, block(1, 100), denoise));
+    all_work(*calm);
+    const std::vector<RgbImage> expected = pictures[1];
+    pictures.clear();
+    const int before = rendering->film_cells;
+    bool has_come = false;
+    rendering->set_before_cell([&] {
+      if (rendering->film_cells != before + 50 || has_come) return;
+      has_come = true;
+      take(calm, of_account(2, block(3, 1, 16)));
+    });
+    take(calm, of_account(1, block(2, 100), denoise));
+    const std::vector<std::string> order = all_work(*calm);
+    rendering->set_before_cell(nullptr);
+    EXPECT_THAT(order, ElementsAre("tile 3", "end 3", "tile 2", "tile 2", "end 2")) << denoise;
+    EXPECT_EQ(pictures[2], expected) << denoise;
+    EXPECT_EQ(rendering->film_cells - before, 512 + 16) << denoise;
+    pictures.clear();
+  }
+}
+
+TEST_F(NodeControllerTest, loses_one_block_and_nothing_else_when_memory_is_short) {
+  const auto link = opened();
+  for (const bool denoise : {false, true}) {
+    take(link, of_account(1, block(1, 1), denoise));
+    rendering->lacks_memory = true;
+    EXPECT_THAT(all_work(*link), ElementsAre("end 1: this node has not enough memory for the block"));
+    rendering->lacks_memory = false;
+    take(link, of_account(1, block(2, 2), denoise));
+    EXPECT_THAT(all_work(*link), ElementsAre("tile 2", "tile 2", "end 2")) << denoise;
+  }
 }
 
 TEST_F(NodeControllerTest, adds_to_existing_samples_unless_the_session_ended) {

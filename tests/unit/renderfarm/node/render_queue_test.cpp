@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -12,6 +14,9 @@
 
 namespace cyclorama::node {
 namespace {
+
+constexpr std::uint64_t kAtRest = Rank::kPerClass;
+constexpr std::uint64_t kSpare = 2 * Rank::kPerClass;
 
 std::shared_ptr<BlockOrder> order(LinkId link, std::uint64_t block, std::uint64_t rank) {
   auto made = std::make_shared<BlockOrder>();
@@ -111,12 +116,80 @@ TEST(RenderQueue, gives_no_credit_to_a_coordinator_for_time_without_blocks) {
 
 TEST(RenderQueue, renders_refinements_after_all_moving_pictures_of_any_coordinator) {
   RenderQueue queue;
-  queue.add(order(1, 1, kRankAtRest));
+  queue.add(order(1, 1, kAtRest));
   queue.add(order(1, 2, ~std::uint64_t{0}));
-  queue.add(order(2, 3, kRankAtRest - 1));
-  queue.add(order(2, 4, kRankAtRest + 5));
+  queue.add(order(2, 3, kAtRest - 1));
+  queue.add(order(2, 4, kAtRest + 5));
   queue.add(order(3, 5, 8));
   EXPECT_EQ(emptied(queue), (std::vector<std::uint64_t>{3, 5, 1, 4, 2}));
+}
+
+std::shared_ptr<BlockOrder> order_of(std::uint64_t account, std::uint64_t block, std::uint64_t rank,
+                                     double rank_per_cpu_second = 1.0) {
+  auto made = order(1, block, rank);
+  made->block.set_account(account);
+  made->block.set_rank_per_cpu_second(rank_per_cpu_second);
+  return made;
+}
+
+/// Serves pieces of one millisecond for a while. Returns the seconds that each account got.
+std::map<std::uint64_t, double> served(RenderQueue& queue, int pieces) {
+  std::map<std::uint64_t, double> seconds;
+  for (int i = 0; i < pieces; ++i) {
+    const auto next = queue.next([](LinkId) { return true; });
+    queue.serve(next->link, next->block.block(), 0.001);
+    seconds[next->block.account()] += 0.001;
+  }
+  return seconds;
+}
+
+TEST(RenderQueue, divides_time_among_accounts_however_many_endless_blocks_they_have) {
+  RenderQueue queue;
+  queue.add(order_of(1, 1, 1000));
+  queue.add(order_of(2, 2, 1000, 0.5));  // Of twice the weight.
+  for (std::uint64_t block = 10; block < 74; ++block) queue.add(order_of(3, block, 0));
+  auto seconds = served(queue, 4001);
+  EXPECT_NEAR(seconds[1], 1.0, 0.003);
+  EXPECT_NEAR(seconds[2], 2.0, 0.003);
+  EXPECT_NEAR(seconds[3], 1.0, 0.003);
+}
+
+TEST(RenderQueue, counts_what_an_account_received_elsewhere) {
+  RenderQueue queue;
+  queue.add(order_of(1, 1, 0));
+  queue.add(order_of(2, 2, 30'000));
+  auto seconds = served(queue, 130);
+  EXPECT_NEAR(seconds[1] - seconds[2], 0.030, 0.002);
+}
+
+TEST(RenderQueue, tells_how_long_the_first_block_stays_the_first) {
+  RenderQueue queue;
+  const auto all = [](LinkId) { return true; };
+  EXPECT_EQ(queue.seconds_ahead(all), std::numeric_limits<double>::infinity());
+  queue.add(order_of(1, 1, 5000));
+  queue.add(order_of(1, 2, 6000));
+  EXPECT_EQ(queue.seconds_ahead(all), std::numeric_limits<double>::infinity())
+      << "blocks of one account do not compete";
+  queue.add(order_of(2, 3, kAtRest));
+  EXPECT_EQ(queue.seconds_ahead(all), std::numeric_limits<double>::infinity());
+  queue.add(order_of(3, 4, 9000));
+  EXPECT_NEAR(queue.seconds_ahead(all), 0.004, 1e-9);
+  queue.serve(1, 1, 0.003);
+  EXPECT_NEAR(queue.seconds_ahead(all), 0.001, 1e-9);
+  queue.serve(1, 1, 0.003);
+  EXPECT_EQ(queue.next(all)->block.block(), 4u);
+  EXPECT_NEAR(queue.seconds_ahead(all), 0.002, 1e-9);
+  queue.serve(1, 77, 1.0);
+  queue.serve(1, 4, -1.0);
+  EXPECT_NEAR(queue.seconds_ahead(all), 0.002, 1e-9);
+}
+
+TEST(RenderQueue, renders_spare_work_after_all_other) {
+  RenderQueue queue;
+  queue.add(order_of(1, 1, kSpare));
+  queue.add(order_of(2, 2, kAtRest + 7));
+  queue.add(order_of(1, 3, 9));
+  EXPECT_EQ(emptied(queue), (std::vector<std::uint64_t>{3, 2, 1}));
 }
 
 TEST(RenderQueue, returns_a_cancelled_block_first) {

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <limits>
+#include <string>
 
 #include "renderfarm/render/memory.h"
 #include "renderfarm/render/requirements.h"
@@ -37,6 +40,40 @@ TEST(Sky, is_a_gradient_from_ground_over_horizon_to_zenith) {
   EXPECT_TRUE(sky_radiance(sky, {1, 0, 0}).isApprox(Vec3(0, 1, 0)));
   EXPECT_TRUE(sky_radiance(sky, {0, -1, 0}).isApprox(Vec3(0, 0, 1)));
   EXPECT_TRUE(sky_radiance(sky, {0.8660254f, 0.5f, 0}).isApprox(Vec3(0.5f, 0.5f, 0)));
+}
+
+class GroupedMemory : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::remove_all(root_); }
+  void TearDown() override { std::filesystem::remove_all(root_); }
+  void write(const std::string& path, const std::string& text) const {
+    std::filesystem::create_directories((root_ / path).parent_path());
+    std::ofstream(root_ / path) << text;
+  }
+  const std::filesystem::path root_ = std::filesystem::path(testing::TempDir()) / "grouped_memory";
+};
+
+TEST_F(GroupedMemory, is_what_the_tightest_group_has_left) {
+  EXPECT_EQ(cgroup_memory(root_), std::nullopt);
+  EXPECT_EQ(available_memory(root_), std::nullopt);
+  write("proc/meminfo", "MemAvailable: 1000 kB\n");
+  write("proc/self/cgroup", "12:cpu:/old\n0::/farm/node.service\n");
+  write("sys/fs/cgroup/farm/node.service/memory.max", "max\n");
+  write("sys/fs/cgroup/farm/node.service/memory.current", "70000\n");
+  EXPECT_EQ(cgroup_memory(root_), std::nullopt) << "no limit";
+  EXPECT_EQ(available_memory(root_), 1000u * 1024u);
+  write("sys/fs/cgroup/farm/memory.max", "500000\n");
+  write("sys/fs/cgroup/farm/memory.current", "300000\n");
+  EXPECT_EQ(cgroup_memory(root_), 200000u) << "the parent's";
+  write("sys/fs/cgroup/farm/memory.stat", "anon 100\ninactive_file 50000\nactive_file 9\n");
+  EXPECT_EQ(cgroup_memory(root_), 250000u) << "file pages can be taken back";
+  write("sys/fs/cgroup/farm/node.service/memory.max", "80000\n");
+  EXPECT_EQ(available_memory(root_), 10000u);
+  write("sys/fs/cgroup/farm/node.service/memory.current", "90000\n");
+  EXPECT_EQ(available_memory(root_), 0u) << "beyond its limit";
+  write("proc/meminfo", "MemAvailable: 5 kB\n");
+  write("proc/self/cgroup", "0::/\n");
+  EXPECT_EQ(available_memory(root_), 5u * 1024u);
 }
 
 TEST(Memory, is_read_from_the_line_of_available_memory) {

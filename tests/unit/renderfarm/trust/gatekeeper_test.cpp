@@ -4,8 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <utility>
+
 #include "common/base/file.h"
 #include "tests/doubles/fake_clock.h"
+#include "tests/doubles/fake_scene.h"
 #include "tests/support/test_authority.h"
 
 namespace cyclorama::trust {
@@ -26,6 +30,33 @@ name = "hall-4"
 scenes = ["*"]
 megabytes_per_s = 1
 )";
+
+wire::SceneDescription described(const std::string& name) {
+  wire::SceneDescription scene = fake_scene(name);
+  scene.clear_walkable();
+  for (const auto& [x, z] : {std::pair(-5.0, -5.0), {5.0, -5.0}, {5.0, 5.0}, {-5.0, 5.0}}) {
+    wire::GroundPoint& corner = *scene.add_walkable();
+    corner.set_x_m(x);
+    corner.set_z_m(z);
+  }
+  return scene;
+}
+
+wire::View view_at(double x, double z) {
+  wire::View view;
+  view.set_number(1);
+  view.set_samples(1);
+  view.set_jpeg_quality(80);
+  view.mutable_eye_m()->set_x(x);
+  view.mutable_eye_m()->set_y(described("").start_eye_m().y());
+  view.mutable_eye_m()->set_z(z);
+  view.mutable_panorama()->set_width_px(256);
+  view.mutable_panorama()->set_height_px(128);
+  view.mutable_panorama()->set_azimuth_span_rad(2.0);
+  view.mutable_panorama()->set_tan_elevation_top(0.5);
+  view.mutable_panorama()->set_tan_elevation_bottom(-0.5);
+  return view;
+}
 
 class GatekeeperTest : public testing::Test {
  protected:
@@ -108,7 +139,7 @@ TEST_F(GatekeeperTest, disconnects_revoked_peers) {
 TEST_F(GatekeeperTest, disconnects_peers_that_lost_their_scene) {
   open();
   ASSERT_TRUE(gate_->session_connected(1, museum("hall-3")));
-  gate_->session_opened(1, "grotto");
+  gate_->session_opened(1, described("grotto"));
   ASSERT_TRUE(gate_->session_connected(2, museum("hall-4")));
   write(museums(), "[[museum]]\nname = \"hall-3\"\nscenes = [\"relic\"]\n");
   const auto leavers = tick();
@@ -153,10 +184,10 @@ TEST_F(GatekeeperTest, ends_a_flood_of_views) {
   open();
   ASSERT_TRUE(gate_->session_connected(1, museum("hall-3")));
   int borne = 0;
-  while (borne < 5000 && gate_->view_received(1)) ++borne;
+  while (borne < 5000 && gate_->view_received(1, view_at(0.0, 0.0))) ++borne;
   EXPECT_EQ(borne, 1000);
   clock_.advance(std::chrono::seconds(2));
-  for (int i = 0; i < 190; ++i) EXPECT_TRUE(gate_->view_received(1));
+  for (int i = 0; i < 190; ++i) EXPECT_TRUE(gate_->view_received(1, view_at(0.0, 0.0)));
 }
 
 TEST_F(GatekeeperTest, limits_a_museums_bytes_per_second) {
@@ -181,7 +212,7 @@ TEST_F(GatekeeperTest, logs_one_line_per_connection_and_disconnection) {
   open();
   const Identity hall = museum("hall-3");
   ASSERT_TRUE(gate_->session_connected(1, hall));
-  gate_->session_opened(1, "grotto");
+  gate_->session_opened(1, described("grotto"));
   wire::SessionReply reply;
   reply.mutable_tile()->set_jpeg("0123456789");
   gate_->reply_written(1, reply);
@@ -226,8 +257,8 @@ TEST(FullDisk, is_reported_once_and_affects_no_session) {
       *Gatekeeper::open({.audit = "/dev/full"}, clock, [&](const std::string& sentence) { said.push_back(sentence); });
   for (std::uint64_t id = 1; id <= 3; ++id) {
     EXPECT_TRUE(gate->session_connected(id, {})->allows("grotto"));
-    gate->session_opened(id, "grotto");
-    EXPECT_TRUE(gate->view_received(id));
+    gate->session_opened(id, described("grotto"));
+    EXPECT_TRUE(gate->view_received(id, view_at(0.0, 0.0)));
     gate->session_ended(id, "");
     gate->node_connected(id, {});
     clock.advance(std::chrono::seconds(1));
@@ -241,6 +272,46 @@ TEST(Gatekeeper, admits_everybody_without_tls) {
   FakeClock clock;
   const auto gate = *Gatekeeper::open({}, clock, [](const std::string&) {});
   for (std::uint64_t id = 1; id < 100; ++id) EXPECT_TRUE(gate->session_connected(id, {})->allows("grotto"));
+}
+
+TEST_F(GatekeeperTest, refuses_a_view_that_no_visitor_could_have_unless_the_grant_frees_the_eye) {
+  open();
+  const Identity hall = museum("hall-4");
+  ASSERT_TRUE(gate_->session_connected(1, hall));
+  gate_->session_opened(1, described("grotto"));
+  EXPECT_TRUE(gate_->view_received(1, view_at(1.0, 1.0)));
+  const Status outside = gate_->view_received(1, view_at(40.0, 0.0));
+  ASSERT_FALSE(outside);
+  EXPECT_EQ(outside.error().code(), ErrorCode::kInvalidArgument);
+  gate_->session_ended(1, outside.error().message());
+  EXPECT_THAT(audit(), HasSubstr("outside the walkable area"));
+  write(museums(), "[[museum]]\nname = \"hall-4\"\nscenes = [\"*\"]\nfree_eye = true\n");
+  tick();
+  ASSERT_TRUE(gate_->session_connected(2, hall));
+  gate_->session_opened(2, described("grotto"));
+  EXPECT_TRUE(gate_->view_received(2, view_at(40.0, 0.0)));
+  wire::View broken = view_at(0.0, 0.0);
+  broken.mutable_eye_m()->set_x(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_FALSE(gate_->view_received(2, broken));
+}
+
+TEST_F(GatekeeperTest, counts_the_views_of_a_day_over_all_sessions_of_a_museum) {
+  open();
+  write(museums(), "[[museum]]\nname = \"hall-4\"\nscenes = [\"*\"]\nviews_per_day = 3\n");
+  tick();
+  const Identity hall = museum("hall-4");
+  for (const std::uint64_t id : {1u, 2u}) {
+    ASSERT_TRUE(gate_->session_connected(id, hall));
+    gate_->session_opened(id, described("grotto"));
+  }
+  EXPECT_TRUE(gate_->view_received(1, view_at(0.0, 0.0)));
+  EXPECT_TRUE(gate_->view_received(2, view_at(0.0, 0.0)));
+  EXPECT_TRUE(gate_->view_received(1, view_at(0.0, 0.0)));
+  const Status over = gate_->view_received(2, view_at(0.0, 0.0));
+  ASSERT_FALSE(over);
+  EXPECT_EQ(over.error().code(), ErrorCode::kBusy);
+  clock_.advance(std::chrono::hours(24));
+  EXPECT_TRUE(gate_->view_received(2, view_at(0.0, 0.0)));
 }
 
 }  // namespace

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "renderfarm/coordinator/accounts.h"
+
+#include <algorithm>
+
+#include "common/base/check.h"
+
+namespace cyclorama::coordinator {
+namespace {
+
+std::size_t index_of(WorkClass work) { return static_cast<std::size_t>(work); }
+
+}  // namespace
+
+Rank Accounts::Turn::rank() const {
+  constexpr double kPerSecond = 1e6;
+  constexpr double kMaxPosition = 4e18;  // Below Rank::kPerClass; a hundred thousand years of cpu time.
+  return {work, static_cast<std::uint64_t>(std::clamp(start * kPerSecond, 0.0, kMaxPosition))};
+}
+
+AccountId Accounts::open(const std::string& museum, const Terms& terms) {
+  CHECK(terms.weight > 0.0);
+  const auto known = museum.empty() ? named_.end() : named_.find(museum);
+  const AccountId id = known == named_.end() ? AccountId{++last_id_} : known->second;
+  if (!museum.empty()) named_.emplace(museum, id);
+  Account& account = accounts_[id];
+  account.museum = museum;
+  if (account.terms.cores != terms.cores) account.cores = {terms.cores, kQuotaBurstSeconds * terms.cores};
+  if (account.terms.megapixels_per_second != terms.megapixels_per_second) {
+    account.megapixels = {terms.megapixels_per_second, kQuotaBurstSeconds * terms.megapixels_per_second};
+  }
+  account.terms = terms;
+  ++account.sessions;
+  return id;
+}
+
+void Accounts::close(AccountId id) {
+  Account& account = accounts_.at(id);
+  CHECK(account.sessions > 0);
+  if (--account.sessions > 0) return;
+  if (account.museum.empty()) {
+    accounts_.erase(id);
+    return;
+  }
+  for (Flow& flow : account.flows) flow = {flow.time, 0.0, 0};
+}
+
+double Accounts::floor_of(std::size_t work) const {
+  double weights = 0.0;
+  double lead = 0.0;
+  for (const auto& [id, account] : accounts_) {
+    if (account.sessions > 0) weights += account.terms.weight;
+    const Flow& flow = account.flows[work];
+    // Less the frames in flight, so that a frame larger than the credit costs nobody what is due.
+    if (flow.frames > 0) lead = std::max(lead, flow.time - flow.reserved / account.terms.weight);
+  }
+  return lead - (weights > 0.0 ? kCreditSeconds * threads_ / weights : 0.0);
+}
+
+Accounts::Turn Accounts::begin(AccountId id, const Demand& demand, TimePoint now) {
+  Account& account = accounts_.at(id);
+  account.megapixels.take(demand.megapixels, now);
+  const WorkClass wanted = demand.at_rest ? WorkClass::kAtRest : WorkClass::kMoving;
+  Turn turn{is_over_quota(id, now) ? WorkClass::kSpare : wanted, 0.0, demand.cpu_seconds};
+  Flow& flow = account.flows[index_of(turn.work)];
+  ++flow.frames;
+  flow.time = std::max(flow.time, floor_of(index_of(turn.work)));
+  turn.start = flow.time + flow.reserved / account.terms.weight;
+  flow.reserved += turn.reserved;
+  return turn;
+}
+
+void Accounts::end(AccountId id, const Turn& turn) {
+  const auto found = accounts_.find(id);
+  if (found == accounts_.end()) return;
+  Flow& flow = found->second.flows[index_of(turn.work)];
+  flow.reserved = std::max(0.0, flow.reserved - turn.reserved);
+  if (flow.frames > 0) --flow.frames;
+  if (flow.frames == 0) flow.reserved = 0.0;  // Without the sums' rounding errors.
+}
+
+void Accounts::charge(AccountId id, WorkClass work, double cpu_seconds, TimePoint now) {
+  const auto found = accounts_.find(id);
+  if (found == accounts_.end() || !(cpu_seconds > 0.0)) return;
+  Account& account = found->second;
+  account.charged += cpu_seconds;
+  account.cores.take(cpu_seconds, now);
+  account.flows[index_of(work)].time += cpu_seconds / account.terms.weight;
+}
+
+bool Accounts::is_over_quota(AccountId id, TimePoint now) const {
+  const Account& account = accounts_.at(id);
+  return account.cores.paid_at() > now || account.megapixels.paid_at() > now;
+}
+
+double Accounts::weight(AccountId id) const { return accounts_.at(id).terms.weight; }
+
+double Accounts::charged_seconds(AccountId id) const {
+  const auto found = accounts_.find(id);
+  return found == accounts_.end() ? 0.0 : found->second.charged;
+}
+
+}  // namespace cyclorama::coordinator

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "common/base/clock.h"
+#include "common/base/token_bucket.h"
+#include "common/wire/rank.h"
+#include "renderfarm/coordinator/ids.h"
+
+namespace cyclorama::coordinator {
+
+/// Shares the farm among museums. Each museum has one account, whatever the number of its sessions, and every block
+/// that a node ends is charged to it, also those of frames that were given up.
+///
+/// The order is that of start-time fair queueing (Goyal, Vin, Cheng, "Start-time Fair Queuing", 1996) on the service
+/// that was really received: an account's virtual time grows by its cpu-seconds over its weight, and the account whose
+/// virtual time is lowest is served first. Predicted costs only order the frames of one account among each other.
+///
+/// An account that took less than the others may catch up with a bounded amount: kCreditSeconds of its share. So a museum
+/// within its share does not wait for one that takes all it can get, and nobody saves up more by being away.
+///
+/// An account that used up its quota is served after all others (WorkClass::kSpare), so it still has an idle farm for
+/// itself. Each class of work has a virtual time of its own. Pure; thread-bound.
+class Accounts {
+ public:
+  struct Terms {
+    double weight = 1.0;                 ///< Must be above 0.
+    double cores = 0.0;                  ///< Cpu-seconds per second; 0: no quota.
+    double megapixels_per_second = 0.0;  ///< Requested megapixels; 0: no quota.
+  };
+  struct Demand {
+    bool at_rest = false;
+    double cpu_seconds = 0.0;  ///< Predicted; above 0.
+    double megapixels = 0.0;
+  };
+  /// Position of a frame in the order.
+  struct Turn {
+    WorkClass work = WorkClass::kMoving;
+    double start = 0.0;     ///< Virtual time.
+    double reserved = 0.0;  ///< Demand::cpu_seconds.
+    [[nodiscard]] Rank rank() const;
+  };
+
+  /// Opens the museum's account for one more session. Without a name, which only a farm without certificates permits,
+  /// each session has an account of its own. The terms replace earlier ones.
+  AccountId open(const std::string& museum, const Terms& terms);
+  /// A session of the account has ended.
+  void close(AccountId account);
+
+  /// Gives a frame its place in the order. end() must follow, unless the account's last session is closed.
+  [[nodiscard]] Turn begin(AccountId account, const Demand& demand, TimePoint now);
+  /// The frame is over; blocks of it may still be charged later.
+  void end(AccountId account, const Turn& turn);
+  /// A node has spent this time for the account. Ignored for an account without a name whose session is closed.
+  void charge(AccountId account, WorkClass work, double cpu_seconds, TimePoint now);
+
+  /// Threads of all nodes. They determine how much may be caught up with.
+  void set_threads(double threads) { threads_ = threads; }
+  [[nodiscard]] bool is_over_quota(AccountId account, TimePoint now) const;
+  [[nodiscard]] double weight(AccountId account) const;
+  /// Cpu-seconds charged since the account was first opened; 0 for an unknown one.
+  [[nodiscard]] double charged_seconds(AccountId account) const;
+
+  /// Time of its share of the farm that an account may catch up with.
+  static constexpr double kCreditSeconds = 1.0;
+  /// A quota may be exceeded by what it allows in this time, before the account's work counts as spare.
+  static constexpr double kQuotaBurstSeconds = 2.0;
+
+ private:
+  /// An account's work of one class.
+  struct Flow {
+    double time = 0.0;      ///< Virtual time.
+    double reserved = 0.0;  ///< Predicted cpu-seconds of the frames in flight.
+    int frames = 0;         ///< In flight.
+  };
+  struct Account {
+    std::string museum{};
+    Terms terms{};
+    int sessions = 0;
+    double charged = 0.0;
+    TokenBucket cores{0.0, 0.0};
+    TokenBucket megapixels{0.0, 0.0};
+    std::array<Flow, kWorkClasses> flows{};
+  };
+  /// Returns the lowest virtual time that a frame may begin with: a credit less than the highest of those who have frames
+  /// in flight.
+  [[nodiscard]] double floor_of(std::size_t work) const;
+
+  double threads_ = 1.0;
+  std::map<AccountId, Account> accounts_;
+  std::map<std::string, AccountId> named_;
+  std::uint64_t last_id_ = 0;
+};
+
+}  // namespace cyclorama::coordinator

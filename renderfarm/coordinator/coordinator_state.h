@@ -211,7 +211,7 @@ class CoordinatorState {
   void plan(SessionId id, Session& session);
   [[nodiscard]] std::vector<AssignedBlock> split(SessionId id, Session& session, const wire::View& view,
                                                  bool whole_blocks);
-  /// Tells the placement what the frame will take of the nodes.
+  /// Records in the placement what the frame will take of the nodes.
   void place(SessionId id, const Session& session, const std::vector<AssignedBlock>& blocks);
   [[nodiscard]] NodeId least_loaded(const std::vector<NodeId>& nodes) const;
   void order_block(SessionId id, const Session& session, const FrameInFlight& frame, std::uint64_t block, NodeId node,

@@ -22,8 +22,8 @@ double rate_of(const wire::RenderBlock& block) {
 }  // namespace
 
 RenderQueue::Turn RenderQueue::Flow::turn() const {
-  const Turn& head = waiting.begin()->first;
-  return {std::max(received, head.first), head.second};
+  const Turn& first = waiting.begin()->first;
+  return {std::max(received, first.first), first.second};
 }
 
 bool RenderQueue::add(std::shared_ptr<BlockOrder> order) {

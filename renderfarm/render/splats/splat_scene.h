@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// Gaussian splats as rays see them: an Embree scene of their own, so that a scene without splats pays for nothing.
 ///
-/// A splat weakens a ray once, where its density along the ray is highest: by its opacity times that density over the
-/// density of its centre. Those places give the order, so pictures of every shape are exact, without the projection that
+/// A splat weakens a ray once, where its Gaussian along the ray is highest: by its opacity times that value over the
+/// value at its centre. Those places give the order, so pictures of every shape are exact, without the projection that
 /// the original program approximates. All else is the original's: opacities are at most 0.99, what is below 1/255 is left
 /// out, and a ray ends where less than 1/10,000 of it would be left.
 #pragma once

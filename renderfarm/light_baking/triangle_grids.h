@@ -51,9 +51,9 @@ struct ProbeLight {
 /// A triangle that may get a grid, with the samples that it has so far.
 struct GridInWork {
   std::uint32_t triangle = 0;
-  int max_parts = 1;         ///< Finest parts that a visitor could tell apart, within the settings; a power of two.
-  bool is_smooth = false;    ///< The lamps' light hardly varies between its corners and around them.
-  bool is_wide = false;      ///< Covers so much of a picture that vertices alone would show.
+  int max_parts = 1;       ///< Finest parts that a visitor could tell apart, within the settings; a power of two.
+  bool is_smooth = false;  ///< The lamps' light hardly varies between its corners and around them.
+  bool is_wide = false;    ///< Covers so much of a picture that vertices alone would show.
   int parts = 0;         ///< 0: only the vertices' samples.
   /// Mean squared error of what is interpolated between its samples, relative to the light there and `dim_light`. Noise
   /// of the measurement is left out.

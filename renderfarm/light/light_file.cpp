@@ -7,16 +7,19 @@
 
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
+#include "common/base/check.h"
 #include "common/base/file.h"
 
 namespace cyclorama::light {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they are in memory");
+static_assert(sizeof(LightCheck) == 22 * 4 && std::is_trivially_copyable_v<LightCheck>, "it is written as it is, too");
 
 constexpr std::string_view kMagic = "CYCLIGHT";
-constexpr std::uint32_t kFileVersion = 1;
+constexpr std::uint32_t kFileVersion = 2;
 constexpr std::uint32_t kMaxSettings = 4096;
 
 class Writer {
@@ -27,7 +30,10 @@ class Writer {
     add(std::as_bytes(std::span(&value, 1)));
   }
   void add_size(std::size_t size) { add_value(static_cast<std::uint32_t>(size)); }
-  void add_array(const std::vector<std::uint32_t>& array) { add(std::as_bytes(std::span(array))); }
+  template <typename Value>
+  void add_array(const std::vector<Value>& array) {
+    add(std::as_bytes(std::span(array)));
+  }
   void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
   [[nodiscard]] std::vector<std::byte> take() { return std::move(bytes_); }
@@ -54,11 +60,12 @@ class Reader {
     rest_ = rest_.subspan(size);
     return true;
   }
-  [[nodiscard]] bool read_array(std::size_t size, std::vector<std::uint32_t>* ret) {
-    if (rest_.size() / sizeof(std::uint32_t) < size) return false;
+  template <typename Value>
+  [[nodiscard]] bool read_array(std::size_t size, std::vector<Value>* ret) {
+    if (rest_.size() / sizeof(Value) < size) return false;
     ret->resize(size);
-    if (size > 0) std::memcpy(ret->data(), rest_.data(), size * sizeof(std::uint32_t));
-    rest_ = rest_.subspan(size * sizeof(std::uint32_t));
+    if (size > 0) std::memcpy(ret->data(), rest_.data(), size * sizeof(Value));
+    rest_ = rest_.subspan(size * sizeof(Value));
     return true;
   }
   [[nodiscard]] bool at_end() const { return rest_.empty(); }
@@ -103,7 +110,8 @@ bool read_surfaces(Reader& reader, std::uint32_t placements, LightStore* ret) {
       SideLight& light = ret->surfaces[i].sides[side];
       const std::array<std::uint32_t, 4>& count = sizes[i][side].count;
       if (!reader.read_array(count[0], &light.base) || !reader.read_array(count[1], &light.directions) ||
-          !reader.read_array(count[2], &light.grids) || !reader.read_array(count[3], &light.samples)) {
+          !reader.read_array(count[2], &light.grids) || !reader.read_array(count[3], &light.samples) ||
+          !reader.read_array(count[0], &light.base_errors) || !reader.read_array(count[3], &light.sample_errors)) {
         return false;
       }
     }
@@ -124,6 +132,7 @@ std::vector<std::byte> light_file_bytes(const LightStore& store) {
   const std::string_view settings = std::string_view(store.settings).substr(0, kMaxSettings);
   writer.add_size(settings.size());
   writer.add(std::as_bytes(std::span(settings)));
+  writer.add_value(store.check);
   for (const SurfaceLight& surface : store.surfaces) {
     writer.add_value(std::uint32_t{surface.base_per_triangle ? 1u : 0u});
     for (const SideLight& side : surface.sides) {
@@ -139,6 +148,9 @@ std::vector<std::byte> light_file_bytes(const LightStore& store) {
       writer.add_array(side.directions);
       writer.add_array(side.grids);
       writer.add_array(side.samples);
+      CHECK(side.base_errors.size() == side.base.size() && side.sample_errors.size() == side.samples.size());
+      writer.add_array(side.base_errors);
+      writer.add_array(side.sample_errors);
     }
   }
   const std::uint64_t checksum = XXH3_64bits(writer.bytes().data(), writer.bytes().size());
@@ -168,7 +180,7 @@ Result<LightStore> parse_light_file(std::span<const std::byte> bytes, std::strin
   std::uint32_t placements = 0;
   std::uint32_t settings = 0;
   if (!reader.read(&placements) || !reader.read(&store.scene) || !reader.read(&store.unit) || !reader.read(&settings) ||
-      settings > kMaxSettings || !reader.read_text(settings, &store.settings) ||
+      settings > kMaxSettings || !reader.read_text(settings, &store.settings) || !reader.read(&store.check) ||
       !read_surfaces(reader, placements, &store) || !reader.at_end()) {
     return damaged(name, "the lengths in the file do not match its size");
   }

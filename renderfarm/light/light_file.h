@@ -2,8 +2,9 @@
 /// A LightStore in a file, `light.store` in a scene's folder:
 ///
 ///   "CYCLIGHT"  version u32  placements u32  scene key 2 x u64  unit f32  length of the settings u32, settings
+///   check: the fields of LightCheck in their order, 4 bytes each
 ///   for each placement:  base_per_triangle u32, then for each side the lengths of base, directions, grids and samples, 4 x u32
-///   for each placement and side:  base, directions, grids, samples
+///   for each placement and side:  base, directions, grids, samples, 4 bytes each;  errors of base and samples, 1 byte each
 ///   XXH3 (64 bits) of all bytes before
 ///
 /// Everything is little-endian.

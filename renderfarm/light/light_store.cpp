@@ -1,9 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/light/light_store.h"
 
+#include <fmt/format.h>
+
+#include <utility>
+
 #include "renderfarm/light/mean_direction.h"
 
 namespace cyclorama::light {
+namespace {
+
+const Eigen::Vector3f kLuminanceWeights(0.2126f, 0.7152f, 0.0722f);
+constexpr float kDarkShare = 0.1f;
+
+}  // namespace
 
 std::optional<Eigen::Vector3f> LightStore::in_grid(const SideLight& light, std::uint32_t grid,
                                                    const Eigen::Vector3f& weights) const {
@@ -52,11 +62,55 @@ std::size_t LightStore::sample_count() const {
 }
 
 std::size_t LightStore::bytes() const {
-  std::size_t count = sample_count();
+  std::size_t codes = 0;
   for (const SurfaceLight& surface : surfaces) {
-    for (const SideLight& side : surface.sides) count += side.grids.size() + side.directions.size();
+    for (const SideLight& side : surface.sides) codes += side.grids.size() + side.directions.size();
   }
-  return count * sizeof(std::uint32_t) + surfaces.size() * sizeof(SurfaceLight);
+  return sample_count() * kSampleBytes + codes * sizeof(std::uint32_t) + surfaces.size() * sizeof(SurfaceLight);
+}
+
+Percentiles LightStore::relative_errors() const {
+  struct Sample {
+    float luminance;
+    float error;
+  };
+  std::vector<Sample> all;
+  double sum = 0.0;
+  const auto add = [&](const std::vector<std::uint32_t>& codes, const std::vector<std::uint8_t>& errors) {
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      if (codes[i] == kNoSample) continue;
+      all.push_back({from_rgb9e5(codes[i]).dot(kLuminanceWeights), from_error_code(errors[i])});
+      sum += static_cast<double>(all.back().luminance);
+    }
+  };
+  for (const SurfaceLight& surface : surfaces) {
+    for (const SideLight& side : surface.sides) {
+      add(side.base, side.base_errors);
+      add(side.samples, side.sample_errors);
+    }
+  }
+  const float dark = all.empty() ? 0.0f : kDarkShare * static_cast<float>(sum / static_cast<double>(all.size()));
+  std::vector<float> errors;
+  for (const Sample& sample : all) {
+    if (sample.luminance > dark) errors.push_back(sample.error / sample.luminance);
+  }
+  return percentiles_of(std::move(errors));
+}
+
+std::string description_of(const LightStore& store) {
+  const Percentiles errors = store.relative_errors();
+  std::string text = fmt::format("standard error of a sample: {:.1f} % (median), {:.1f} % (95 %)", 100.0f * errors.p50,
+                                 100.0f * errors.p95);
+  const LightCheck& check = store.check;
+  if (check.eyes == 0) return text + "; not compared with path tracing";
+  text += fmt::format(
+      "; from {} held-out eyes: relMSE {:.2g} (median), {:.2g} (95 %), {:.2g} (99 %), of 8x8 pixels {:.2g}, {:.2g}, "
+      "{:.2g}; FLIP {:.3f}, {:.3f}, {:.3f}; bias {:+.2f} %; worst from ({:.2f}, {:.2f}, {:.2f}): {:.1f} codes",
+      check.eyes, check.relmse.p50, check.relmse.p95, check.relmse.p99, check.block_relmse.p50, check.block_relmse.p95,
+      check.block_relmse.p99, check.flip.p50, check.flip.p95, check.flip.p99, 100.0f * check.bias, check.worst_eye[0],
+      check.worst_eye[1], check.worst_eye[2], check.worst_codes);
+  if (check.loses_to_paths()) text += "; path tracing at the same cost is better, so this light does not pay";
+  return text;
 }
 
 }  // namespace cyclorama::light

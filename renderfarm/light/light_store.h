@@ -26,6 +26,8 @@
 #include <string>
 #include <vector>
 
+#include "renderfarm/light/error_code.h"
+#include "renderfarm/light/light_check.h"
 #include "renderfarm/light/rgb9e5.h"
 
 namespace cyclorama::light {
@@ -61,7 +63,13 @@ struct SideLight {
   /// has a normal map.
   std::vector<std::uint32_t> directions;
   std::vector<std::uint32_t> samples;  ///< Samples of all grids, coded like `base`.
+  /// Standard errors of the luminance of `base` and `samples` (error_code.h).
+  std::vector<std::uint8_t> base_errors;
+  std::vector<std::uint8_t> sample_errors;
 };
+
+/// Bytes that a sample takes with its error.
+inline constexpr std::size_t kSampleBytes = sizeof(std::uint32_t) + sizeof(std::uint8_t);
 
 /// Light on both sides of one placement of a mesh.
 struct SurfaceLight {
@@ -81,6 +89,7 @@ struct LightStore {
   SceneKey scene;
   std::string settings;  ///< Settings with which it was computed, as one line for people.
   float unit = 1.0f;     ///< Radiance of a sample of 1.
+  LightCheck check;      ///< Its errors from held-out eyes.
   std::vector<SurfaceLight>
       surfaces;  ///< One per placement, in the order of the scene's instances that have triangles.
 
@@ -107,6 +116,9 @@ struct LightStore {
 
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] std::size_t sample_count() const;
+  /// Returns percentiles of the samples' standard errors, relative to their luminance. Dark samples, below a tenth of
+  /// the mean, are left out.
+  [[nodiscard]] Percentiles relative_errors() const;
 
  private:
   template <std::size_t kCount>
@@ -128,5 +140,8 @@ struct LightStore {
   [[nodiscard]] std::optional<Eigen::Vector3f> in_grid(const SideLight& light, std::uint32_t grid,
                                                        const Eigen::Vector3f& weights) const;
 };
+
+/// Returns what the store knows of its errors, in a sentence or two for people.
+[[nodiscard]] std::string description_of(const LightStore& store);
 
 }  // namespace cyclorama::light

@@ -7,11 +7,17 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <utility>
 
 #include "common/base/cpu_time.h"
 #include "renderfarm/light/mean_direction.h"
 #include "renderfarm/light/scene_key.h"
 #include "renderfarm/light_baking/adaptive_grids.h"
+#include "renderfarm/light_baking/base_side.h"
+#include "renderfarm/light_baking/check_light.h"
+#include "renderfarm/light_baking/smoothing.h"
+#include "renderfarm/light_baking/vertex_sites.h"
 #include "renderfarm/light_baking/visible_triangles.h"
 #include "renderfarm/render/flush_denormals.h"
 #include "renderfarm/render/sampler.h"
@@ -24,12 +30,14 @@ using render::Vec3;
 
 /// Number of points in one task.
 constexpr std::size_t kChunk = 256;
+constexpr std::size_t kSitesPerChunk = 1024;
 /// Headroom of the unit above the brightest direct light, for bounces.
 constexpr float kHeadroom = 16.0f;
-/// Steps from a seen triangle to its neighbours for which light is computed finely, too: visitors see more than the
-/// sampled eyes.
-constexpr int kRings = 2;
-/// A triangle is large if this many visible parts lie along its edge.
+/// Shadow rays of samples that no visitor sees.
+constexpr int kUnseenLightRays = 16;
+/// Share of the progress that is reported before the check.
+constexpr double kBakingShare = 0.85;
+/// Visible parts of an edge from which a triangle is large.
 constexpr double kLargeParts = 32.0;
 
 BakeSettings with_dim_light(BakeSettings settings, const scene::Scene& scene) {
@@ -37,21 +45,6 @@ BakeSettings with_dim_light(BakeSettings settings, const scene::Scene& scene) {
   settings.dim_light = kDim / static_cast<float>(scene.exposure);
   return settings;
 }
-
-/// The base samples of one side of a placement, while they are computed.
-struct Side {
-  std::size_t placement = 0;
-  bool back = false;
-  bool per_triangle = false;
-  std::vector<LightPoint> points;
-  std::vector<PointLight> light;
-  std::vector<std::uint8_t> seen;
-  std::vector<SeenTriangle> triangles;
-  std::vector<std::uint8_t> blocked;  ///< 1 for triangles between whose corners light must not be interpolated.
-  /// Triangles so large that the light between their corners cannot be derived from them: bounces trace paths there.
-  std::vector<std::uint32_t> large;
-  SideGrids fine;
-};
 
 class Baker {
  public:
@@ -69,165 +62,153 @@ class Baker {
 
   Result<BakedLight> run() {
     key_ = light::key_of(renderer_.scene());
-    BakedLight baked;
     const VisibleTriangles visible = find_visible_triangles(renderer_, settings_, cancelled_);
-    baked.seen_triangles = visible.seen;
-    place_samples(visible);
+    cpu_seconds_ += visible.cpu_seconds;
+    baked_.seen_triangles = visible.seen;
+    sides_ = base_sides(scene_, visible, settings_.seed);
+    TRY(end_stage("what visitors see", 0.05));
+    place_sites();
     find_all_blocked();
-    TRY(report(0.05));
-    light_from_lamps(false);
-    TRY(report(0.1));
-    gather(settings_.coarse_rays, true, false);
+    TRY(end_stage("sites of vertices", 0.07));
+    light_from_lamps();
+    TRY(end_stage("light of lamps", 0.2));
+    gather(settings_.coarse_rays, true, Which::kAll);
     TRY(publish());
     for (int bounce = 1; bounce < bounces_; ++bounce) {
-      gather(settings_.coarse_rays, false, false);
+      gather(settings_.coarse_rays, false, Which::kAll);
       TRY(publish());
-      TRY(report(0.1 + 0.15 * bounce / bounces_));
+      TRY(report(0.2 + 0.15 * bounce / bounces_));
     }
-    light_from_lamps(true);
-    TRY(report(0.3));
-    gather(settings_.coarse_rays, bounces_ == 0, false);
-    gather(settings_.final_rays, bounces_ == 0, true);
-    TRY(report(0.7));
-    has_grids_ = true;
-    make_all_grids();  // They read the same bounce as the base samples, so nothing needs to be published in between.
-    for (const Side& side : sides_) {
-      baked.grids += side.fine.grids.size();
-      for (const MadeGrid& grid : side.fine.grids) {
-        for (const std::uint8_t separate : grid.separate) baked.separate_samples += separate;
+    TRY(end_stage("bounces", 0.35));
+    gather(settings_.coarse_rays, bounces_ == 0, Which::kUnseen);
+    gather(settings_.final_rays, bounces_ == 0, Which::kSeen);
+    TRY(end_stage("last bounce", 0.6));
+    for (BaseSide& side : sides_) {
+      smooth_gathered_light(*scene_.placements[side.placement].mesh, &side);
+      sharpen(scene_.placements[side.placement], &side);
+    }
+    make_all_grids();  // They read the same bounce as the base samples, so nothing is published in between.
+    for (const SideGrids& fine : fine_) {
+      baked_.grids += fine.grids.size();
+      for (const MadeGrid& grid : fine.grids) {
+        for (const std::uint8_t separate : grid.separate) baked_.separate_samples += separate;
       }
     }
     TRY(publish());
-    TRY(report(1.0));
-    baked.store = published_;
-    baked.cpu_seconds = cpu_seconds_.load();
-    return baked;
+    TRY(end_stage("grids", 1.0));
+    baked_.store = published_;
+    baked_.cpu_seconds = cpu_seconds_.load();
+    return std::move(baked_);
   }
 
  private:
+  enum class Which { kAll, kSeen, kUnseen };
+
   [[nodiscard]] Status report(double fraction) const {
     if (cancelled_ && cancelled_()) return Error(ErrorCode::kUnavailable, "computing light was cancelled");
     if (progress_) progress_(fraction);
     return Done{};
   }
 
-  void place_samples(const VisibleTriangles& visible) {
-    for (std::size_t i = 0; i < scene_.placements.size(); ++i) {
-      const auto seed = render::mix_bits(static_cast<std::uint32_t>(settings_.seed) +
-                                         0x9e3779b9u * static_cast<std::uint32_t>(i + 1));
-      const std::array<std::vector<float>, 2>& distance = visible.distance[i];
-      for (const bool back : {false, true}) {
-        // Rays between surfaces need the front only, unless visitors see nothing but the back.
-        const bool wanted = back ? !distance[1].empty() : (!distance[0].empty() || distance[1].empty());
-        if (!wanted) continue;
-        Side side;
-        side.placement = i;
-        side.back = back;
-        side.per_triangle = scene_.placements[i].mesh->normals == nullptr;
-        side.points = base_points(scene_.placements[i], seed);
-        if (back) {
-          for (LightPoint& point : side.points) point = other_side(point);
-        }
-        side.light.resize(side.points.size());
-        mark_seen(distance[back ? 1 : 0], &side);
-        sides_.push_back(std::move(side));
-      }
-    }
+  [[nodiscard]] Status end_stage(std::string name, double fraction) {
+    const double now = cpu_seconds_.load();
+    baked_.stages.push_back({std::move(name), now - stage_began_});
+    stage_began_ = now;
+    return report(fraction);
   }
 
-  void mark_seen(const std::vector<float>& distance, Side* side) const {
-    const render::SurfaceMesh& mesh = *scene_.placements[side->placement].mesh;
-    side->seen.assign(side->points.size(), 0);
-    for (std::size_t t = 0; t < distance.size(); ++t) {
-      if (!(distance[t] < kUnseen)) continue;
-      side->triangles.push_back({static_cast<std::uint32_t>(t), distance[t]});
-      if (side->per_triangle) {
-        side->seen[t] = 1;
-      } else {
-        for (const std::uint32_t vertex : mesh.triangles[t]) side->seen[vertex] = 1;
-      }
-    }
-    if (side->per_triangle) return;
-    for (int ring = 0; ring < kRings; ++ring) {
-      const std::vector<std::uint8_t> before = side->seen;
-      for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
-        const std::array<std::uint32_t, 3>& corners = mesh.triangles[t];
-        if (before[corners[0]] + before[corners[1]] + before[corners[2]] == 0) continue;
-        for (const std::uint32_t vertex : corners) side->seen[vertex] = 1;
-      }
-    }
+  [[nodiscard]] LitSide lit(const BaseSide& side) const {
+    return {&scene_.placements[side.placement],
+            side.back,
+            side.per_triangle,
+            side.points,
+            side.light,
+            side.lamp_ranges,
+            bounces_ == 0};
   }
 
-  [[nodiscard]] LitSide lit(const Side& side) const {
-    return {&scene_.placements[side.placement], side.back, side.per_triangle, side.points, side.light, bounces_ == 0};
-  }
-
-  void find_all_blocked() {
-    for (Side& side : sides_) {
-      side.blocked.resize(scene_.placements[side.placement].mesh->triangle_count);
-      const std::size_t chunks = (side.blocked.size() + kChunk - 1) / kChunk;
-      std::vector<std::uint8_t> is_wide(side.blocked.size(), 0);
-      for (const SeenTriangle& seen : side.triangles) {
-        const double parts = visible_parts(scene_.placements[side.placement], seen, settings_);
-        if (parts > kLargeParts) side.large.push_back(seen.triangle);
-        if (parts >= kMinBlockedParts) is_wide[seen.triangle] = 1;
-      }
-      tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-        if (cancelled_ && cancelled_()) return;
-        const double before = thread_cpu_seconds();
-        const std::size_t first = chunk * kChunk;
-        const std::size_t count = std::min(kChunk, side.blocked.size() - first);
-        find_blocked(lit(side), static_cast<std::uint32_t>(first), *tracers_.local(),
-                     std::span(side.blocked).subspan(first, count));
-        for (std::size_t i = first; i < first + count; ++i) {
-          if (is_wide[i] == 0) side.blocked[i] = 0;
-        }
-        cpu_seconds_ += thread_cpu_seconds() - before;
-      });
-    }
-  }
-
-  /// Calls work(side, points, first index) for chunks of all base samples that are seen, or of all.
+  /// Calls work(chunk, first, end, tracer) in parallel.
   template <typename Work>
-  void for_points(bool only_seen, Work work) {
-    for (Side& side : sides_) {
-      std::vector<std::uint32_t> chosen;
-      for (std::size_t i = 0; i < side.points.size(); ++i) {
-        if (side.points[i].exists() && (!only_seen || side.seen[i] != 0))
-          chosen.push_back(static_cast<std::uint32_t>(i));
-      }
-      const std::size_t chunks = (chosen.size() + kChunk - 1) / kChunk;
-      tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-        if (cancelled_ && cancelled_()) return;
-        const double before = thread_cpu_seconds();
-        const render::FlushDenormals flush;
-        const std::size_t first = chunk * kChunk;
-        const std::span<const std::uint32_t> part =
-            std::span(chosen).subspan(first, std::min(kChunk, chosen.size() - first));
-        std::vector<LightPoint> points;
-        for (const std::uint32_t i : part) points.push_back(side.points[i]);
-        work(side, part, points, *tracers_.local());
-        cpu_seconds_ += thread_cpu_seconds() - before;
-      });
-    }
-  }
-
-  void light_from_lamps(bool final) {
-    const TracerSettings settings{final ? settings_.max_light_rays : std::min(16, settings_.max_light_rays),
-                                  static_cast<float>(settings_.light_error)};
-    for_points(final, [&](Side& side, std::span<const std::uint32_t> part, std::span<const LightPoint> points,
-                          LightTracer& tracer) {
-      std::vector<LampLight> light(points.size());
-      tracer.from_lamps(points, settings, light);
-      for (std::size_t i = 0; i < part.size(); ++i) side.light[part[i]].lamps = light[i];
+  void for_chunks(std::size_t count, std::size_t per_chunk, Work work) {
+    tbb::parallel_for(std::size_t{0}, (count + per_chunk - 1) / per_chunk, [&](std::size_t chunk) {
+      if (cancelled_ && cancelled_()) return;
+      const double before = thread_cpu_seconds();
+      const render::FlushDenormals flush;
+      work(chunk, chunk * per_chunk, std::min((chunk + 1) * per_chunk, count), *tracers_.local());
+      cpu_seconds_ += thread_cpu_seconds() - before;
     });
   }
 
-  void gather(int rays, bool only_lamps, bool only_seen) {
-    for_points(only_seen, [&](Side& side, std::span<const std::uint32_t> part, std::span<const LightPoint> points,
-                              LightTracer& tracer) {
-      std::vector<GatheredLight> light(points.size());
-      tracer.from_surfaces(points, rays, only_lamps, light);
+  void place_sites() {
+    for (BaseSide& side : sides_) {
+      if (side.per_triangle) continue;
+      std::vector<VertexSite> sites(3 * side.triangles.size());
+      for_chunks(side.triangles.size(), kSitesPerChunk,
+                 [&](std::size_t, std::size_t first, std::size_t end, LightTracer& tracer) {
+                   const std::span triangles = std::span(std::as_const(side.triangles)).subspan(first, end - first);
+                   std::ranges::copy(find_sites(scene_, side, triangles, tracer),
+                                     sites.begin() + 3 * static_cast<std::ptrdiff_t>(first));
+                 });
+      baked_.hidden_vertices += assign_sites(scene_.placements[side.placement], sites, &side);
+    }
+  }
+
+  void find_all_blocked() {
+    for (BaseSide& side : sides_) {
+      side.blocked.resize(scene_.placements[side.placement].mesh->triangle_count, 0);
+      std::vector<std::uint32_t> wide;
+      for (const SeenTriangle& seen : side.triangles) {
+        const double parts = visible_parts(scene_.placements[side.placement], seen, settings_);
+        if (parts > kLargeParts) side.large.push_back(seen.triangle);
+        if (parts >= kMinBlockedParts) wide.push_back(seen.triangle);
+      }
+      for_chunks(wide.size(), kSitesPerChunk,
+                 [&](std::size_t, std::size_t first, std::size_t end, LightTracer& tracer) {
+                   const std::span triangles = std::span(std::as_const(wide)).subspan(first, end - first);
+                   for (const std::uint32_t triangle : find_blocked(lit(side), triangles, tracer)) {
+                     side.blocked[triangle] = 1;
+                   }
+                 });
+    }
+  }
+
+  /// Calls work(side, samples, their spots, tracer) for chunks of base samples.
+  template <typename Work>
+  void for_points(Which which, Work work) {
+    for (BaseSide& side : sides_) {
+      std::vector<std::uint32_t> chosen;
+      for (const std::uint32_t i : side.order) {
+        const bool is_seen = side.seen[i] != Seen::kNo;
+        if (which == Which::kAll || is_seen == (which == Which::kSeen)) chosen.push_back(i);
+      }
+      for_chunks(chosen.size(), kChunk, [&](std::size_t, std::size_t first, std::size_t end, LightTracer& tracer) {
+        const std::span<const std::uint32_t> part = std::span(chosen).subspan(first, end - first);
+        std::vector<LightSpot> spots;
+        for (const std::uint32_t i : part) spots.push_back(spot_of(scene_.placements[side.placement], side, i));
+        work(side, part, spots, tracer);
+      });
+    }
+  }
+
+  void light_from_lamps() {
+    for (const Which which : {Which::kSeen, Which::kUnseen}) {
+      const int rays = which == Which::kSeen ? settings_.max_light_rays : kUnseenLightRays;
+      const TracerSettings settings{rays, static_cast<float>(settings_.light_error)};
+      for_points(which, [&](BaseSide& side, std::span<const std::uint32_t> part, std::span<const LightSpot> spots,
+                            LightTracer& tracer) {
+        std::vector<LampLight> light(spots.size());
+        tracer.from_lamps(spots, settings, light);
+        for (std::size_t i = 0; i < part.size(); ++i) side.light[part[i]].lamps = light[i];
+      });
+    }
+    for (BaseSide& side : sides_) find_lamp_ranges(*scene_.placements[side.placement].mesh, &side);
+  }
+
+  void gather(int rays, bool only_lamps, Which which) {
+    for_points(which, [&](BaseSide& side, std::span<const std::uint32_t> part, std::span<const LightSpot> spots,
+                          LightTracer& tracer) {
+      std::vector<GatheredLight> light(spots.size());
+      tracer.from_surfaces(spots, rays, only_lamps, light);
       for (std::size_t i = 0; i < part.size(); ++i) side.light[part[i]].surfaces = light[i];
     });
   }
@@ -239,20 +220,21 @@ class Baker {
     for (const render::Placement& placement : scene_.placements) {
       triangles += static_cast<double>(placement.mesh->triangle_count);
     }
-    for (const Side& side : sides_) {
+    for (const BaseSide& side : sides_) {
       const bool has_directions = scene_.placements[side.placement].mesh->material->normal != nullptr;
-      taken += side.points.size() * (has_directions ? 2 : 1) + side.blocked.size();
+      taken += side.points.size() * (light::kSampleBytes + (has_directions ? sizeof(std::uint32_t) : 0)) +
+               side.blocked.size() * sizeof(std::uint32_t);
     }
     const auto bytes =
         std::max(settings_.min_bytes, static_cast<std::uint64_t>(settings_.bytes_per_triangle * triangles));
-    const std::uint64_t samples = bytes / sizeof(std::uint32_t);
-    return std::min<std::uint64_t>(samples - std::min(samples, taken), light::TriangleGrid::kMaxOffset);
+    return std::min<std::uint64_t>((bytes - std::min(bytes, taken)) / light::kSampleBytes,
+                                   light::TriangleGrid::kMaxOffset);
   }
 
   void make_all_grids() {
     std::vector<SeenSide> seen;
     seen.reserve(sides_.size());
-    for (const Side& side : sides_) seen.push_back({lit(side), side.triangles});
+    for (const BaseSide& side : sides_) seen.push_back({lit(side), side.triangles});
     GridBudget budget;
     budget.samples = grid_samples();
     budget.is_over = [this] {
@@ -260,9 +242,8 @@ class Baker {
              (settings_.max_cpu_seconds > 0.0 && cpu_seconds_.load() > settings_.max_cpu_seconds);
     };
     budget.add_cpu_seconds = [this](double seconds) { cpu_seconds_ += seconds; };
-    if (progress_) budget.report_progress = [this](double fraction) { progress_(0.7 + 0.3 * fraction); };
-    std::vector<SideGrids> made = make_grids(seen, settings_, budget, tracers_);
-    for (std::size_t i = 0; i < made.size(); ++i) sides_[i].fine = std::move(made[i]);
+    if (progress_) budget.report_progress = [this](double fraction) { progress_(0.6 + 0.4 * fraction); };
+    fine_ = make_grids(seen, settings_, budget, tracers_);
   }
 
   /// `seed` determines the rounding, so that errors of neighbouring samples cancel.
@@ -270,10 +251,12 @@ class Baker {
     return light::to_rgb9e5((light + scene_.ambient) / unit_, render::to_unit_float(render::mix_bits(seed)));
   }
 
+  [[nodiscard]] std::uint8_t coded_error(float error) const { return light::to_error_code(error / unit_); }
+
   /// Chooses the unit from the direct light, once.
   void choose_unit() {
     float brightest = scene_.ambient.maxCoeff();
-    for (const Side& side : sides_) {
+    for (const BaseSide& side : sides_) {
       for (const PointLight& light : side.light) {
         brightest = std::max(brightest, (light.lamps.light + light.surfaces.light).maxCoeff());
       }
@@ -293,25 +276,32 @@ class Baker {
         settings_.eyes, settings_.pixels_per_degree, settings_.pixels_per_sample, settings_.max_light_rays,
         settings_.final_rays, settings_.probe_error, settings_.bytes_per_triangle, settings_.seed);
     store->surfaces.resize(scene_.placements.size());
-    for (const Side& side : sides_) {
+    for (std::size_t s = 0; s < sides_.size(); ++s) {
+      const BaseSide& side = sides_[s];
       light::SurfaceLight& surface = store->surfaces[side.placement];
       surface.base_per_triangle = side.per_triangle;
       light::SideLight& out = surface.sides[side.back ? 1 : 0];
       out.base.reserve(side.points.size());
+      out.base_errors.reserve(side.points.size());
       for (std::size_t i = 0; i < side.points.size(); ++i) {
         const PointLight& light = side.light[i];
         out.base.push_back(side.points[i].exists()
                                ? encoded(light.lamps.light + light.surfaces.light, side.points[i].seed)
                                : light::kNoSample);
+        out.base_errors.push_back(coded_error(std::hypot(light.lamps.error, light.surfaces.error)));
       }
       if (scene_.placements[side.placement].mesh->material->normal != nullptr) add_directions(side, &out);
-      add_grids(side, &out);
+      if (fine_.empty()) {
+        add_grids(side, {{}, side.large}, &out);
+      } else {
+        add_grids(side, fine_[s], &out);
+      }
     }
     published_ = std::move(store);
     return renderer_.set_light(published_, "the light just computed");
   }
 
-  void add_directions(const Side& side, light::SideLight* out) const {
+  void add_directions(const BaseSide& side, light::SideLight* out) const {
     out->directions.reserve(side.light.size());
     for (const PointLight& light : side.light) {
       // Ambient light comes from all directions, so its mean direction is zero.
@@ -321,21 +311,21 @@ class Baker {
     }
   }
 
-  void add_grids(const Side& side, light::SideLight* out) const {
-    const std::vector<std::uint32_t>& large = has_grids_ ? side.fine.unresolved : side.large;
-    if (side.fine.grids.empty() && large.empty() && std::ranges::count(side.blocked, 1) == 0) return;
+  void add_grids(const BaseSide& side, const SideGrids& fine, light::SideLight* out) const {
+    if (fine.grids.empty() && fine.unresolved.empty() && std::ranges::count(side.blocked, 1) == 0) return;
     out->grids.reserve(side.blocked.size());
     for (const std::uint8_t blocked : side.blocked) {
       out->grids.push_back(blocked != 0 ? light::TriangleGrid::kTraced : light::TriangleGrid::kBase);
     }
-    for (const std::uint32_t triangle : large) out->grids[triangle] = light::TriangleGrid::kTraced;
-    for (const MadeGrid& grid : side.fine.grids) {
+    for (const std::uint32_t triangle : fine.unresolved) out->grids[triangle] = light::TriangleGrid::kTraced;
+    for (const MadeGrid& grid : fine.grids) {
       out->grids[grid.triangle] =
           light::TriangleGrid::code(grid.parts, static_cast<std::uint32_t>(out->samples.size()));
       for (std::size_t i = 0; i < grid.light.size(); ++i) {
         out->samples.push_back(grid.separate[i] != 0 ? light::kNoSample
-                                                     : encoded(grid.light[i], grid.triangle * 0x9e3779b9u +
-                                                                                  static_cast<std::uint32_t>(i)));
+                                                     : encoded(grid.light[i].light, grid.triangle * 0x9e3779b9u +
+                                                                                        static_cast<std::uint32_t>(i)));
+        out->sample_errors.push_back(coded_error(grid.light[i].error));
       }
     }
   }
@@ -348,12 +338,27 @@ class Baker {
   const int bounces_;
   LightTracers tracers_;
   light::SceneKey key_;
-  std::vector<Side> sides_;
+  BakedLight baked_;
+  std::vector<BaseSide> sides_;
+  std::vector<SideGrids> fine_;  ///< One for each side, once they are made.
   float unit_ = 1.0f;
-  bool has_grids_ = false;
   std::shared_ptr<const light::LightStore> published_;
   std::atomic<double> cpu_seconds_ = 0.0;
+  double stage_began_ = 0.0;
 };
+
+/// Lets the store say how far it is from the truth.
+Status add_check(render::Renderer& renderer, int eyes, const std::function<void(double)>& progress,
+                 const std::function<bool()>& cancelled, BakedLight* baked) {
+  CheckSettings settings;
+  settings.eyes = eyes;
+  TRY_ASSIGN(const CheckedLight checked, check_light(renderer, settings, progress, cancelled));
+  const auto store = std::make_shared<light::LightStore>(*baked->store);
+  store->check = checked.check;
+  baked->store = store;
+  baked->check_cpu_seconds = checked.cpu_seconds;
+  return renderer.set_light(store, "the light just computed");
+}
 
 }  // namespace
 
@@ -365,8 +370,22 @@ Result<BakedLight> bake_light(render::Renderer& renderer, const BakeSettings& se
                  "the lamp from scene.toml or place lamps");
   }
   TRY(renderer.set_light(nullptr, ""));
+  const double baking_share = settings.check_eyes > 0 ? kBakingShare : 1.0;
+  const auto share_of_progress = [&](double fraction) {
+    if (progress) progress(baking_share * fraction);
+  };
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  Result<BakedLight> baked = arena.execute([&] { return Baker(renderer, settings, progress, cancelled).run(); });
+  Result<BakedLight> baked =
+      arena.execute([&] { return Baker(renderer, settings, share_of_progress, cancelled).run(); });
+  if (baked && settings.check_eyes > 0) {
+    const Status checked = add_check(
+        renderer, settings.check_eyes,
+        [&](double fraction) {
+          if (progress) progress(baking_share + (1.0 - baking_share) * fraction);
+        },
+        cancelled, &*baked);
+    if (!checked) baked = checked.error();
+  }
   if (!baked) TRY(renderer.set_light(nullptr, ""));
   return baked;
 }

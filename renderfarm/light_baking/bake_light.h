@@ -2,7 +2,8 @@
 /// Computes the light of a scene: what arrives at each point of its surfaces, directly and after the scene's bounces.
 ///
 ///     visible triangles ──► direct light at all base samples ──► one bounce after the other, each of which reads the
-///     one before ──► the last bounce, finely where visitors look ──► grids where the vertices are not enough
+///     one before ──► the last bounce, finely and without noise where visitors look ──► grids where the vertices are
+///     not enough ──► a check from eyes that were not used
 ///
 /// Sources: Ward, Rubinstein and Clear, "A Ray Tracing Solution for Diffuse Interreflection", 1988, for light computed
 /// by gathering; Christensen et al., "Global Illumination for Animated Films", 2012, for reading stored light at the
@@ -11,6 +12,8 @@
 
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "common/base/result.h"
 #include "renderfarm/light/light_store.h"
@@ -19,12 +22,21 @@
 
 namespace cyclorama::light_baking {
 
+/// A part of the work with its cost.
+struct BakeStage {
+  std::string name;
+  double cpu_seconds = 0.0;
+};
+
 struct BakedLight {
   std::shared_ptr<const light::LightStore> store;
-  double cpu_seconds = 0.0;
-  std::uint64_t seen_triangles = 0;  ///< Both sides of a triangle count separately.
+  double cpu_seconds = 0.0;          ///< Without the check.
+  double check_cpu_seconds = 0.0;    ///< Cost of the comparison with path tracing.
+  std::uint64_t seen_triangles = 0;  ///< Each side counted.
   std::uint64_t grids = 0;
-  std::uint64_t separate_samples = 0;  ///< Number of grid samples that must not be used.
+  std::uint64_t separate_samples = 0;  ///< Samples of grids that must not be used.
+  std::uint64_t hidden_vertices = 0;   ///< Vertices behind or inside something, with light from beside them.
+  std::vector<BakeStage> stages;       ///< In the order of the work; their sum is `cpu_seconds`.
 };
 
 /// Computes the light with `threads` threads (0: all). The result depends on the scene, the settings and the program

@@ -12,13 +12,13 @@ struct BakeSettings {
   /// Resolution of the wall, which decides how fine light must be where a visitor can come near.
   double pixels_per_degree = 20.0;
   double pixels_per_sample = 4.0;  ///< Spacing of the finest samples, in pixels of the nearest eye.
-  int max_light_rays = 128;        ///< Maximum number of shadow rays of a base sample; fewer suffice where they agree.
+  int max_light_rays = 64;         ///< Shadow rays of a base sample; fewer where they agree.
   double light_error = 0.01;       ///< Relative standard error of direct light at which no more are traced.
-  int max_grid_light_rays = 64;    ///< The same for the samples of grids, which lie closer together.
-  double grid_light_error = 0.02;
-  int coarse_rays = 16;  ///< Rays of a sample for each bounce before the last.
-  int final_rays = 128;  ///< Rays of a sample for the last bounce, which the visitor sees.
-  /// Error between the vertices above which a triangle may get a grid, relative to the light there plus `dim_light`.
+  int max_grid_light_rays = 32;    ///< The same for the samples of grids, which lie closer together.
+  double grid_light_error = 0.03;
+  int coarse_rays = 8;  ///< Rays of a sample for each bounce before the last.
+  int final_rays = 64;  ///< Rays of a sample for the last bounce, which the visitor sees.
+  /// Error between the vertices above which a triangle may get a grid, relative to the light there and `dim_light`.
   double probe_error = 0.02;
   float dim_light = 0.0f;  ///< Radiance that looks dark on the wall; bake_light() derives it from the scene's exposure.
   int max_parts = 32;      ///< Upper bound of a grid's parts along an edge; a power of two up to 256.
@@ -29,6 +29,7 @@ struct BakeSettings {
   /// Processor seconds after which no more grids are made; 0: no limit. With a limit, the result depends on the host.
   double max_cpu_seconds = 0.0;
   std::uint64_t seed = 1;
+  int check_eyes = 32;  ///< Held-out eyes from which the result is compared with path tracing; 0: none.
 };
 
 }  // namespace cyclorama::light_baking

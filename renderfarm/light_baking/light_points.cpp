@@ -68,6 +68,13 @@ struct VertexSums {
 
 }  // namespace
 
+const LightPoint& LightSpot::at(float choice) const {
+  if (weights_up_to.empty()) return points[0];
+  const auto found = std::ranges::upper_bound(weights_up_to, choice * weights_up_to.back());
+  const auto i = static_cast<std::size_t>(found - weights_up_to.begin());
+  return points[std::min(i, points.size() - 1)];
+}
+
 std::array<Vec3, 3> corners_of(const render::Placement& placement, std::size_t triangle) {
   const render::SurfaceMesh& mesh = *placement.mesh;
   std::array<Vec3, 3> corners;

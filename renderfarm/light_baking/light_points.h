@@ -20,6 +20,20 @@ struct LightPoint {
   [[nodiscard]] bool exists() const { return !normal.isZero(0.0f); }
 };
 
+/// The points from which the rays of one sample start, at random by weight. `weights_up_to` ascends; it is empty for a
+/// single point.
+struct LightSpot {
+  std::vector<LightPoint> points{};
+  std::vector<float> weights_up_to{};
+  std::uint32_t seed = 0;
+
+  LightSpot() = default;
+  explicit LightSpot(const LightPoint& point) : points{point}, seed(point.seed) {}
+  [[nodiscard]] bool exists() const { return !points.empty() && points[0].exists(); }
+  /// Returns a point for a random number in [0, 1).
+  [[nodiscard]] const LightPoint& at(float choice) const;
+};
+
 /// Returns the corners of a triangle in the render frame.
 [[nodiscard]] std::array<render::Vec3, 3> corners_of(const render::Placement& placement, std::size_t triangle);
 

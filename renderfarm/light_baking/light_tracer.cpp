@@ -12,10 +12,15 @@ namespace {
 
 using render::Vec3;
 
-/// Shadow rays of a point between two checks of their agreement.
+/// Rays of a point between two looks at their agreement.
 constexpr int kRound = 16;
+/// Rays after which a point is dark: the first rounds may miss a dim lamp beside bright ones that are hidden, and to stop
+/// only where they do would darken the mean.
+constexpr int kMinDarkRays = 64;
+/// Upper bound of the parts into which the ways of rays are divided, to trace those together that are alike.
+constexpr std::size_t kParts = 64;
 /// Dimensions of the random numbers; see sampler.h.
-enum Dimension : std::uint32_t { kLampChoice = 1000, kLampPlace, kDirection, kPathSeed };
+enum Dimension : std::uint32_t { kLampChoice = 1000, kLampPlace, kDirection, kPathSeed, kSite };
 
 /// Returns the light that a path found; nothing if it is not finite.
 Vec3 light_of(const render::Path& path) {
@@ -53,17 +58,23 @@ struct Estimate {
   }
   [[nodiscard]] double mean() const { return rounds / count; }
   [[nodiscard]] double error() const {
-    if (count < 2) return std::numeric_limits<double>::infinity();
-    const double of_rounds = std::sqrt(std::max(0.0, squares / count - mean() * mean()) / (count - 1));
-    // A few rounds may agree by chance.
+    if (count < 1) return std::numeric_limits<double>::infinity();
     const int samples = count * kRound;
     const double of_samples = std::sqrt(std::max(0.0, sample_squares / samples - mean() * mean()) / samples);
+    if (count < 2) return of_samples;
+    const double of_rounds = std::sqrt(std::max(0.0, squares / count - mean() * mean()) / (count - 1));
+    // A few rounds may agree by chance.
     return std::max(of_rounds, kMinShare * of_samples);
+  }
+  /// For `samples` samples in all, in rounds as far as there are enough.
+  [[nodiscard]] GatheredLight gathered(int samples) const {
+    const auto share = 1.0f / static_cast<float>(samples);
+    return {share * (sum + round), share * direction, count < 1 ? 0.0f : static_cast<float>(error())};
   }
   [[nodiscard]] LampLight result() const {
     if (count == 0) return {};
     const auto samples = static_cast<float>(count * kRound);
-    return {sum / samples, direction / samples, count < 2 ? 0.0f : static_cast<float>(error())};
+    return {sum / samples, direction / samples, static_cast<float>(error())};
   }
 };
 
@@ -74,18 +85,38 @@ LightTracer::LightTracer(const render::TraceScene& scene, render::ShadeStage sha
       shade_(shade),
       batch_(std::make_unique<render::PathBatch>()),
       directions_(render::kMaxRays, Vec3::Zero()),
+      starts_(render::kMaxRays),
+      part_(render::kMaxRays),
+      order_(render::kMaxRays),
       film_(std::make_unique<render::CellFilm>()) {
   view_.quality.bounces = bounces;
   view_.quality.stored_light = true;
   film_->clear();
 }
 
-void LightTracer::add_light_ray(const LightPoint& point, std::uint32_t number, std::size_t path) {
-  const std::uint32_t index = render::reversed_bits(number);
-  const float choice = render::sobol_value(index, point.seed, kLampChoice);
-  const render::SobolPoint place = render::sobol_point(index, point.seed, kLampPlace);
+std::span<const std::uint16_t> LightTracer::by_part(std::size_t count) {
+  std::array<std::uint16_t, kParts + 1> end{};
+  for (std::size_t i = 0; i < count; ++i) ++end[part_[i] + 1u];
+  for (std::size_t part = 0; part < kParts; ++part)
+    end[part + 1] = static_cast<std::uint16_t>(end[part + 1] + end[part]);
+  for (std::size_t i = 0; i < count; ++i) order_[end[part_[i]]++] = static_cast<std::uint16_t>(i);
+  return std::span(order_).first(count);
+}
+
+void LightTracer::begin(const LightSpot& spot, std::uint32_t number, std::size_t path) {
+  batch_->path[path] = render::Path{};
+  Start& start = starts_[path];
+  start.index = render::reversed_bits(number);
+  start.seed = spot.seed;
+  start.from = &spot.at(spot.points.size() == 1 ? 0.0f : render::sobol_value(start.index, spot.seed, kSite));
+}
+
+void LightTracer::add_light_ray(std::size_t path) {
+  const Start& start = starts_[path];
+  const LightPoint& point = *start.from;
+  const render::SobolPoint place = render::sobol_point(start.index, start.seed, kLampPlace);
   render::LightSample aim;
-  if (!scene_.lights.sample(point.position, point.normal, choice, {place.u, place.v}, &aim)) return;
+  if (!scene_.lights.sample(point.position, point.normal, start.u, {place.u, place.v}, &aim)) return;
   const float cosine = point.normal.dot(aim.direction);
   if (!(cosine > 0.0f && point.facing.dot(aim.direction) > 0.0f)) return;
   directions_[path] = aim.direction;
@@ -95,83 +126,101 @@ void LightTracer::add_light_ray(const LightPoint& point, std::uint32_t number, s
   batch_->shadowed[static_cast<std::size_t>(batch_->shadow_rays.count())] = {aim.radiance_over_pdf * (density * share),
                                                                              static_cast<std::uint16_t>(path), true};
   batch_->shadow_rays.add(point.position, aim.direction, aim.distance,
-                          render::alpha_random_number(index, point.seed, 1));
+                          render::alpha_random_number(start.index, start.seed, 1));
 }
 
-void LightTracer::from_lamps(std::span<const LightPoint> points, const TracerSettings& settings,
+void LightTracer::from_lamps(std::span<const LightSpot> spots, const TracerSettings& settings,
                              std::span<LampLight> ret) {
   constexpr std::size_t kTogether = render::kMaxRays / kRound;
-  std::vector<Estimate> estimates(points.size());
+  std::vector<Estimate> estimates(spots.size());
   std::vector<std::size_t> active;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points[i].exists()) active.push_back(i);
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    if (spots[i].exists()) active.push_back(i);
   }
   for (int done = 0; done < settings.max_light_rays && !active.empty(); done += kRound) {
     for (std::size_t first = 0; first < active.size(); first += kTogether) {
       const std::size_t end = std::min(first + kTogether, active.size());
-      for (std::size_t path = 0; path < (end - first) * kRound; ++path) batch_->path[path] = render::Path{};
-      for (std::size_t path = 0; path < (end - first) * kRound; ++path) {
-        add_light_ray(points[active[first + path / kRound]],
-                      static_cast<std::uint32_t>(done) + static_cast<std::uint32_t>(path % kRound), path);
+      const std::size_t count = (end - first) * kRound;
+      for (std::size_t path = 0; path < count; ++path) {
+        begin(spots[active[first + path / kRound]],
+              static_cast<std::uint32_t>(done) + static_cast<std::uint32_t>(path % kRound), path);
+        Start& start = starts_[path];
+        start.u = render::sobol_value(start.index, start.seed, kLampChoice);
+        part_[path] = static_cast<std::uint8_t>(start.u * kParts);
       }
+      for (const std::uint16_t path : by_part(count)) add_light_ray(path);
       render::trace_shadows(scene_, *batch_);
-      for (std::size_t path = 0; path < (end - first) * kRound; ++path) {
+      for (std::size_t path = 0; path < count; ++path) {
         estimates[active[first + path / kRound]].add(light_of(batch_->path[path]), directions_[path]);
       }
     }
     std::erase_if(active, [&](std::size_t i) {
       estimates[i].end_round();
+      if (!(estimates[i].mean() > 0.0)) return done + kRound >= kMinDarkRays;
       return estimates[i].error() <= static_cast<double>(settings.light_error) * estimates[i].mean();
     });
   }
-  for (std::size_t i = 0; i < points.size(); ++i) ret[i] = estimates[i].result();
+  for (std::size_t i = 0; i < spots.size(); ++i) ret[i] = estimates[i].result();
 }
 
-void LightTracer::from_surfaces(std::span<const LightPoint> points, int rays, bool only_lamps,
+void LightTracer::add_scattered_ray(bool only_lamps, float spread, std::size_t path) {
+  const Start& start = starts_[path];
+  const LightPoint& point = *start.from;
+  const Vec3 direction = render::from_frame_of(point.normal, render::cosine_hemisphere({start.u, start.v}));
+  if (!(point.facing.dot(direction) > 0.0f)) return;
+  render::RayStage& stage = batch_->current();
+  render::PathRay& ray = stage.state[static_cast<std::size_t>(stage.rays.count())];
+  ray = render::PathRay{};
+  directions_[path] = direction;
+  ray.pdf = std::max(0.0f, point.normal.dot(direction)) / render::kPi;
+  ray.from_normal = point.normal;
+  ray.cone_spread = spread;
+  ray.path = static_cast<std::uint16_t>(path);
+  ray.scatterings = 1;
+  ray.surfaces = 1;
+  ray.aimed_surfaces = 1;
+  ray.only_light = only_lamps;
+  stage.rays.add(point.position, direction, std::numeric_limits<float>::infinity(),
+                 render::alpha_random_number(start.index, start.seed, 2));
+}
+
+void LightTracer::from_surfaces(std::span<const LightSpot> spots, int rays, bool only_lamps,
                                 std::span<GatheredLight> ret) {
   CHECK(rays >= 1 && rays <= render::kMaxRays && (rays & (rays - 1)) == 0);
   const std::size_t together = static_cast<std::size_t>(render::kMaxRays / rays);
-  const auto per_point = static_cast<std::size_t>(rays);
-  // Distant textures are averaged over the solid angle of a ray.
+  const auto per_spot = static_cast<std::size_t>(rays);
+  // Textures far away are blurred over the solid angle of a ray.
   const float spread = std::sqrt(2.0f * render::kPi / static_cast<float>(rays));
-  for (std::size_t first = 0; first < points.size(); first += together) {
-    const std::size_t count = std::min(together, points.size() - first);
+  for (std::size_t first = 0; first < spots.size(); first += together) {
+    const std::size_t count = std::min(together, spots.size() - first);
     batch_->stage = 0;
-    for (std::size_t i = 0; i < count * per_point; ++i) {
-      const LightPoint& point = points[first + i / per_point];
-      const std::uint32_t index = render::reversed_bits(static_cast<std::uint32_t>(i % per_point));
-      render::Path& path = batch_->path[i];
-      path = render::Path{};
-      path.index_reversed = index;
-      path.seed = render::mix_bits(point.seed ^ kPathSeed);
-      if (!point.exists()) continue;
-      const render::SobolPoint u = render::sobol_point(index, point.seed, kDirection);
-      const Vec3 direction = render::from_frame_of(point.normal, render::cosine_hemisphere({u.u, u.v}));
-      if (!(point.facing.dot(direction) > 0.0f)) continue;
-      render::RayStage& stage = batch_->current();
-      render::PathRay& ray = stage.state[static_cast<std::size_t>(stage.rays.count())];
-      ray = render::PathRay{};
-      directions_[i] = direction;
-      ray.pdf = std::max(0.0f, point.normal.dot(direction)) / render::kPi;
-      ray.from_normal = point.normal;
-      ray.cone_spread = spread;
-      ray.path = static_cast<std::uint16_t>(i);
-      ray.scatterings = 1;
-      ray.surfaces = 1;
-      ray.aimed_surfaces = 1;
-      ray.only_light = only_lamps;
-      stage.rays.add(point.position, direction, std::numeric_limits<float>::infinity(),
-                     render::alpha_random_number(index, point.seed, 2));
+    for (std::size_t i = 0; i < count * per_spot; ++i) {
+      const LightSpot& spot = spots[first + i / per_spot];
+      part_[i] = 0;
+      if (!spot.exists()) {
+        batch_->path[i] = render::Path{};
+        continue;
+      }
+      begin(spot, static_cast<std::uint32_t>(i % per_spot), i);
+      Start& start = starts_[i];
+      batch_->path[i].index_reversed = start.index;
+      batch_->path[i].seed = render::mix_bits(start.seed ^ kPathSeed);
+      const render::SobolPoint u = render::sobol_point(start.index, start.seed, kDirection);
+      start.u = u.u;
+      start.v = u.v;
+      part_[i] = static_cast<std::uint8_t>(8 * static_cast<int>(u.u * 8.0f) + static_cast<int>(u.v * 8.0f));
+    }
+    for (const std::uint16_t i : by_part(count * per_spot)) {
+      if (spots[first + i / per_spot].exists()) add_scattered_ray(only_lamps, spread, i);
     }
     render::trace_paths(scene_, shade_, view_, render::Coherence::kIncoherent, *batch_, *film_);
     for (std::size_t p = 0; p < count; ++p) {
-      GatheredLight sum;
-      for (std::size_t i = p * per_point; i < (p + 1) * per_point; ++i) {
-        const Vec3 light = light_of(batch_->path[i]);
-        sum.light += light;
-        sum.direction += render::luminance(light) * directions_[i];
+      Estimate sum;
+      for (std::size_t i = p * per_spot; i < (p + 1) * per_spot; ++i) {
+        sum.add(light_of(batch_->path[i]), directions_[i]);
+        if ((i + 1) % kRound == 0) sum.end_round();
       }
-      ret[first + p] = {sum.light / static_cast<float>(rays), sum.direction / static_cast<float>(rays)};
+      ret[first + p] = sum.gathered(rays);
     }
   }
 }
@@ -187,6 +236,20 @@ void LightTracer::find_visible(std::span<const std::array<Vec3, 2>> pairs, std::
     }
     render::trace_shadows(scene_, *batch_);
     for (std::size_t i = 0; i < count; ++i) ret[first + i] = batch_->path[i].direct.x() > 0.0f ? 1 : 0;
+  }
+}
+
+void LightTracer::find_free_share(std::span<const std::array<Vec3, 2>> pairs, std::span<float> ret) {
+  render::RayQueue<RTCRayHit16>& rays = batch_->current().rays;
+  for (std::size_t first = 0; first < pairs.size(); first += render::kMaxRays) {
+    const std::size_t count = std::min<std::size_t>(render::kMaxRays, pairs.size() - first);
+    for (std::size_t i = 0; i < count; ++i)
+      rays.add(pairs[first + i][0], pairs[first + i][1] - pairs[first + i][0], 1.0f, 0);
+    render::trace_nearest(scene_.top, render::Coherence::kIncoherent, rays);
+    for (int i = 0; i < static_cast<int>(count); ++i) {
+      ret[first + static_cast<std::size_t>(i)] = rays.has_hit(i) ? std::clamp(rays.distance(i), 0.0f, 1.0f) : 1.0f;
+    }
+    rays.clear();
   }
 }
 

@@ -23,7 +23,8 @@ struct LampLight {
 
 struct GatheredLight {
   render::Vec3 light = render::Vec3::Zero();
-  render::Vec3 direction = render::Vec3::Zero();  ///< The same sum as in LampLight.
+  render::Vec3 direction = render::Vec3::Zero();  ///< The same sum as LampLight's.
+  float error = 0.0f;                             ///< Standard error of its luminance.
 };
 
 struct TracerSettings {
@@ -31,33 +32,51 @@ struct TracerSettings {
   float light_error = 0.01f;
 };
 
-/// Traces for one thread at a time. The scene and the stage are borrowed.
+/// Traces for one thread at a time. The scene and the stage are borrowed. Rays of one packet start at consecutive spots
+/// and take about the same way, so spots that follow one another should be neighbours.
 class LightTracer {
  public:
   LightTracer(const render::TraceScene& scene, render::ShadeStage shade, int bounces);
 
-  /// Estimates the light that comes straight from lamps and the sky, by shadow rays: at least 16 for each point, then
-  /// more until the standard error is below `light_error` of the light or there are `max_light_rays`. Points that do
-  /// not exist get none.
-  void from_lamps(std::span<const LightPoint> points, const TracerSettings& settings, std::span<LampLight> ret);
+  /// Estimates the light that comes straight from lamps and the sky, by shadow rays: at least 16 for each spot, then
+  /// more until the standard error is below `light_error` of the light or there are `max_light_rays`. Spots that do
+  /// not exist get none. One round is enough if its rays agree on some light.
+  void from_lamps(std::span<const LightSpot> spots, const TracerSettings& settings, std::span<LampLight> ret);
 
-  /// Estimates all other light, from `rays` scattered rays per point, which read the stored light of the surfaces that
-  /// they hit, as far as it has been computed. With `only_lamps` they collect the light of lamps alone. Precondition:
-  /// `rays` is a power of two up to render::kMaxRays.
-  void from_surfaces(std::span<const LightPoint> points, int rays, bool only_lamps, std::span<GatheredLight> ret);
+  /// Estimates all other light, from `rays` scattered rays per spot, which read the light that the scene has at present
+  /// where they arrive. With `only_lamps` they find lamps alone. Errors are known from 16 rays on. Precondition: `rays`
+  /// is a power of two up to render::kMaxRays.
+  void from_surfaces(std::span<const LightSpot> spots, int rays, bool only_lamps, std::span<GatheredLight> ret);
 
   /// Sets 1 for each pair of points with nothing between them, otherwise 0.
   void find_visible(std::span<const std::array<render::Vec3, 2>> pairs, std::span<std::uint8_t> ret);
+  /// Sets for each pair the share of the way from its first point to its second that nothing blocks.
+  void find_free_share(std::span<const std::array<render::Vec3, 2>> pairs, std::span<float> ret);
 
  private:
-  void add_light_ray(const LightPoint& point, std::uint32_t number, std::size_t path);
+  /// The random decision of a ray that is about to start.
+  struct Start {
+    const LightPoint* from = nullptr;
+    std::uint32_t index = 0;  ///< Number of its sample, with the bits reversed.
+    std::uint32_t seed = 0;
+    float u = 0.0f;
+    float v = 0.0f;
+  };
+  /// Returns the numbers of the first `count` starts, such that those of equal `part_` follow one another.
+  [[nodiscard]] std::span<const std::uint16_t> by_part(std::size_t count);
+  void begin(const LightSpot& spot, std::uint32_t number, std::size_t path);
+  void add_light_ray(std::size_t path);
+  void add_scattered_ray(bool only_lamps, float spread, std::size_t path);
 
   const render::TraceScene& scene_;
   const render::ShadeStage shade_;
   render::TraceView view_;
   std::unique_ptr<render::PathBatch> batch_;
-  std::vector<render::Vec3> directions_;    ///< Direction in which each path of the batch starts.
-  std::unique_ptr<render::CellFilm> film_;  ///< Required by the kernels; its contents are not used.
+  std::vector<render::Vec3> directions_;  ///< In which each path of the batch starts.
+  std::vector<Start> starts_;             ///< The start of each path of the batch.
+  std::vector<std::uint8_t> part_;        ///< The part of all ways that each path takes, below kParts.
+  std::vector<std::uint16_t> order_;
+  std::unique_ptr<render::CellFilm> film_;  ///< The kernels want one; nothing is kept of it.
 };
 
 }  // namespace cyclorama::light_baking

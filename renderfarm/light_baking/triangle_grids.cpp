@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <optional>
 
 #include "renderfarm/light/light_store.h"
@@ -27,9 +26,17 @@ constexpr float kInwards = 0.02f;
 /// Number of probes of a triangle, and of a triangle of kHugeParts or more, in which a small shadow must be found.
 constexpr int kMaxProbes = 6;
 constexpr int kHugeProbes = 16;
-/// A grid begins with one part for every kStartShare parts that a visitor could tell apart, but at most kMaxStart.
+/// Lamps' light whose range around a triangle is a smaller share of it is smooth. If it bends evenly over that range, the
+/// light between the vertices is off by an eighth of this.
+constexpr float kSmoothRange = 0.08f;
+/// Smooth triangles of fewer visible parts are not probed: a shadow that falls between all vertices is as small.
+constexpr int kMinSmoothProbed = 8;
+/// A grid begins with this share of the parts that visitors could see, up to kMaxStart.
 constexpr int kStartShare = 8;
 constexpr int kMaxStart = 4;
+/// Probes of a large triangle, and rays of each, that look for light from other surfaces.
+constexpr int kSurfaceProbes = 3;
+constexpr int kSurfaceProbeRays = 16;
 /// Parts of the grid for light from other surfaces, and those on triangles of kHugeParts or more.
 constexpr int kSurfaceParts = 4;
 constexpr int kHugeSurfaceParts = 16;
@@ -96,8 +103,7 @@ class GridMaker {
     MadeGrid grid;
     grid.triangle = work.triangle;
     grid.parts = work.parts;
-    grid.light.reserve(work.light.size());
-    for (const ProbeLight& sample : work.light) grid.light.push_back(sample.light);
+    grid.light = work.light;
     find_separate(&grid);
     add_surfaces(work, &grid);
     return grid;
@@ -143,8 +149,21 @@ class GridMaker {
     const double most = std::min(parts, static_cast<double>(settings_.max_parts));
     candidate.max_parts = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(most))));
     candidate.is_wide = parts >= kWideParts;
+    candidate.needs_surfaces = candidate.max_parts > kManyParts;
     for (const std::size_t base : base_of(seen.triangle)) candidate.is_needed |= !side_.points[base].exists();
+    candidate.is_smooth = is_smooth(seen.triangle);
     candidates_.push_back(std::move(candidate));
+  }
+
+  [[nodiscard]] bool is_smooth(std::uint32_t triangle) const {
+    if (side_.lamp_ranges.empty()) return false;
+    float range = 0.0f;
+    float light = settings_.dim_light;
+    for (const std::size_t base : base_of(triangle)) {
+      range = std::max(range, side_.lamp_ranges[base]);
+      light += render::luminance(side_.light[base].lamps.light + side_.light[base].surfaces.light) / 3.0f;
+    }
+    return range <= kSmoothRange * light;
   }
 
   void find_blocked_corners() {
@@ -158,28 +177,38 @@ class GridMaker {
     }
   }
 
-  /// Returns light at points: that of lamps and, if rays are given, that of other surfaces.
-  [[nodiscard]] std::vector<ProbeLight> light_at(std::span<const LightPoint> points, int surface_rays) {
+  /// Returns the light of lamps at points.
+  [[nodiscard]] std::vector<ProbeLight> lamps_at(std::span<const LightSpot> points) {
     std::vector<LampLight> lamps(points.size());
     tracer_.from_lamps(points, {settings_.max_grid_light_rays, static_cast<float>(settings_.grid_light_error)}, lamps);
-    std::vector<GatheredLight> surfaces(points.size());
-    if (surface_rays > 0) tracer_.from_surfaces(points, surface_rays, side_.only_lamps, surfaces);
     std::vector<ProbeLight> light(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) light[i] = {lamps[i].light + surfaces[i].light, lamps[i].error};
+    for (std::size_t i = 0; i < points.size(); ++i) light[i] = {lamps[i].light, lamps[i].error};
     return light;
   }
 
-  [[nodiscard]] ProbeLight base_light(std::uint32_t triangle, const Vec3& weights, bool with_surfaces) const {
+  /// Interpolates part(base sample), which has `light` and `error`, between a triangle's base samples.
+  template <typename Part>
+  [[nodiscard]] ProbeLight interpolated_base(std::uint32_t triangle, const Vec3& weights, const Part& part) const {
     ProbeLight sum;
     const std::array<std::size_t, 3> base = base_of(triangle);
     for (std::size_t i = 0; i < 3; ++i) {
-      const PointLight& light = side_.light[base[i]];
-      const float weight = weights[static_cast<Eigen::Index>(i)];
-      sum.light += weight * light.lamps.light;
-      if (with_surfaces) sum.light += weight * light.surfaces.light;
-      sum.error += weight * light.lamps.error;
+      const auto& light = part(side_.light[base[i]]);
+      sum.light += weights[static_cast<Eigen::Index>(i)] * light.light;
+      sum.error += weights[static_cast<Eigen::Index>(i)] * light.error;
     }
     return sum;
+  }
+  [[nodiscard]] ProbeLight base_lamps(std::uint32_t triangle, const Vec3& weights) const {
+    return interpolated_base(
+        triangle, weights, [](const PointLight& light) -> const auto& { return light.lamps; });
+  }
+  [[nodiscard]] ProbeLight base_surfaces(std::uint32_t triangle, const Vec3& weights) const {
+    return interpolated_base(
+        triangle, weights, [](const PointLight& light) -> const auto& { return light.surfaces; });
+  }
+  /// Returns the luminance of all light that is interpolated at a point.
+  [[nodiscard]] float all_light(std::uint32_t triangle, const Vec3& weights) const {
+    return render::luminance(base_lamps(triangle, weights).light + base_surfaces(triangle, weights).light);
   }
 
   /// Returns the difference of two samples in excess of the noise, relative to the light there plus `dim_light`.
@@ -193,32 +222,69 @@ class GridMaker {
 
   [[nodiscard]] static bool is_large(const GridInWork& candidate) { return candidate.max_parts >= kManyParts; }
   [[nodiscard]] static int probes_of(const GridInWork& candidate) {
+    if (candidate.is_smooth && !is_large(candidate)) return candidate.max_parts < kMinSmoothProbed ? 0 : 1;
     return candidate.max_parts >= kHugeParts ? kHugeProbes : std::clamp(candidate.max_parts / 4, 2, kMaxProbes);
   }
 
+  /// A point at which the light is compared with that of the vertices.
+  struct Probe {
+    std::size_t candidate;
+    Vec3 weights;
+  };
+
   /// Compares light at points inside the triangles with that of their vertices.
   void probe() {
-    for (const bool large : {false, true}) {
-      std::vector<LightPoint> points;
-      std::vector<std::pair<std::size_t, Vec3>> places;
-      for (std::size_t c = 0; c < candidates_.size(); ++c) {
-        const GridInWork& candidate = candidates_[c];
-        if (candidate.is_needed || is_large(candidate) != large) continue;
-        for (int i = 0; i < probes_of(candidate); ++i) {
-          const Vec3 weights = probe_weights(candidate.triangle, i);
-          points.push_back(point(candidate.triangle, weights, 1u + static_cast<std::uint32_t>(i)));
-          places.emplace_back(c, weights);
-        }
+    std::vector<LightSpot> points;
+    std::vector<Probe> probes;
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      const GridInWork& candidate = candidates_[c];
+      if (candidate.is_needed) continue;
+      for (int i = 0; i < probes_of(candidate); ++i) {
+        probes.push_back({c, probe_weights(candidate.triangle, i)});
+        points.emplace_back(point(candidate.triangle, probes.back().weights, 1u + static_cast<std::uint32_t>(i)));
       }
-      const std::vector<ProbeLight> light = light_at(points, large ? std::max(1, settings_.final_rays / 4) : 0);
-      for (std::size_t i = 0; i < points.size(); ++i) {
-        GridInWork& candidate = candidates_[places[i].first];
-        const Vec3& weights = places[i].second;
-        const ProbeLight base = base_light(candidate.triangle, weights, large);
-        const float all = render::luminance(base_light(candidate.triangle, weights, true).light);
-        const float found = difference(light[i], base, all);
-        if (is_error(found)) candidate.squared_error += found * found / static_cast<float>(probes_of(candidate));
-      }
+    }
+    const std::vector<ProbeLight> light = lamps_at(points);
+    for (std::size_t i = 0; i < probes.size(); ++i) {
+      GridInWork& candidate = candidates_[probes[i].candidate];
+      ProbeLight base = base_lamps(candidate.triangle, probes[i].weights);
+      // The sites of a large triangle's vertices lie far apart, so their scatter says nothing about noise.
+      if (is_large(candidate)) base.error = 0.0f;
+      const float found = difference(light[i], base, all_light(candidate.triangle, probes[i].weights));
+      if (is_error(found)) candidate.squared_error += found * found / static_cast<float>(probes_of(candidate));
+    }
+    probe_surfaces(points, probes);
+  }
+
+  /// Compares light from other surfaces, which is noisy but smooth, at some of the same points: what their differences
+  /// have in common beyond their noise is an error.
+  void probe_surfaces(std::span<const LightSpot> points, std::span<const Probe> probes) {
+    std::vector<LightSpot> chosen_points;
+    std::vector<Probe> chosen;
+    std::vector<int> count(candidates_.size(), 0);
+    for (std::size_t i = 0; i < probes.size(); ++i) {
+      if (!is_large(candidates_[probes[i].candidate]) || count[probes[i].candidate] == kSurfaceProbes) continue;
+      ++count[probes[i].candidate];
+      chosen_points.push_back(points[i]);
+      chosen.push_back(probes[i]);
+    }
+    std::vector<GatheredLight> light(chosen.size());
+    tracer_.from_surfaces(chosen_points, kSurfaceProbeRays, side_.only_lamps, light);
+    std::vector<float> error(candidates_.size(), 0.0f);
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const std::uint32_t triangle = candidates_[chosen[i].candidate].triangle;
+      const ProbeLight base = base_surfaces(triangle, chosen[i].weights);
+      const float found = render::luminance(light[i].light - base.light);
+      const float scale = all_light(triangle, chosen[i].weights) + settings_.dim_light;
+      const float noise = light[i].error * light[i].error + base.error * base.error;
+      if (scale > 0.0f) error[chosen[i].candidate] += (found * found - noise) / (scale * scale);
+    }
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      if (count[c] == 0) continue;
+      const float squared = error[c] / static_cast<float>(count[c]);
+      if (!(squared > 0.0f && is_error(std::sqrt(squared)))) continue;
+      candidates_[c].needs_surfaces = true;
+      candidates_[c].squared_error += squared;
     }
   }
 
@@ -233,7 +299,7 @@ class GridMaker {
       std::size_t at, a, b;  ///< Indices in the finer grid.
     };
     std::vector<Midpoint> active;
-    std::vector<LightPoint> points;
+    std::vector<LightSpot> points;
     for_each_sample(grid->parts, [&](int i, int j) {
       const auto old = static_cast<std::size_t>(TriangleGrid::index(grid->parts, i, j));
       const auto here = static_cast<std::size_t>(TriangleGrid::index(parts, 2 * i, 2 * j));
@@ -246,12 +312,12 @@ class GridMaker {
         finer[at] = mean(grid->light[old], grid->light[other]);
         if (grid->rough[old] == 0 && grid->rough[other] == 0) continue;
         active.push_back({at, here, b});
-        points.push_back(
+        points.emplace_back(
             point(grid->triangle, grid_weights(parts, 2 * i + di, 2 * j + dj), 1000u + static_cast<std::uint32_t>(at)));
       }
     });
-    const std::vector<ProbeLight> light = light_at(points, 0);
-    const float middle = render::luminance(base_light(grid->triangle, kMiddle, true).light);
+    const std::vector<ProbeLight> light = lamps_at(points);
+    const float middle = all_light(grid->triangle, kMiddle);
     double sum = 0.0;
     for (std::size_t k = 0; k < active.size(); ++k) {
       ProbeLight& expected = finer[active[k].at];
@@ -289,18 +355,17 @@ class GridMaker {
     }
   }
 
-  [[nodiscard]] std::vector<LightPoint> grid_points(const GridInWork& candidate, int parts,
-                                                    std::uint32_t number) const {
-    std::vector<LightPoint> points;
+  [[nodiscard]] std::vector<LightSpot> grid_points(const GridInWork& candidate, int parts, std::uint32_t number) const {
+    std::vector<LightSpot> points;
     for_each_sample(parts, [&](int i, int j) {
       const auto index = static_cast<std::uint32_t>(points.size());
-      points.push_back(point(candidate.triangle, grid_weights(parts, i, j), number + index));
+      points.emplace_back(point(candidate.triangle, grid_weights(parts, i, j), number + index));
     });
     return points;
   }
 
   [[nodiscard]] std::vector<ProbeLight> sampled(const GridInWork& candidate, int parts) {
-    return light_at(grid_points(candidate, parts, 100), 0);
+    return lamps_at(grid_points(candidate, parts, 100));
   }
 
   /// Returns the light at a position between samples.
@@ -320,27 +385,36 @@ class GridMaker {
   /// unless those are hidden; other triangles use a separate coarse grid.
   void add_surfaces(const GridInWork& candidate, MadeGrid* grid) {
     const std::array<std::size_t, 3> base = base_of(candidate.triangle);
-    bool from_base = !is_large(candidate) && !candidate.has_blocked_corner && !side_.per_triangle;
+    bool from_base = !candidate.needs_surfaces && !candidate.has_blocked_corner && !side_.per_triangle;
     for (const std::size_t i : base) from_base &= side_.points[i].exists();
     int parts = 1;
     std::vector<Vec3> light;
+    float error = 0.0f;
     if (from_base) {
-      for (const std::size_t i : base) light.push_back(side_.light[i].surfaces.light);
+      for (const std::size_t i : base) {
+        light.push_back(side_.light[i].surfaces.light);
+        error = std::max(error, side_.light[i].surfaces.error);
+      }
     } else {
       parts = std::min(grid->parts, candidate.max_parts >= kHugeParts ? kHugeSurfaceParts : kSurfaceParts);
       // Interpolation in a coarse grid would let light through an object that stands on the triangle.
       if (std::ranges::count(grid->separate, 1) > 0) parts = grid->parts;
-      const std::vector<LightPoint> points = grid_points(candidate, parts, 10'000);
+      const std::vector<LightSpot> points = grid_points(candidate, parts, 10'000);
       std::vector<GatheredLight> gathered(points.size());
-      // A few samples cover a large part of the picture, so their noise would be visible; many lie close together.
-      const int rays = parts <= kHugeSurfaceParts ? settings_.final_rays : std::max(1, settings_.final_rays / 4);
+      // Few samples cover a large part of the picture, so their noise would show; many lie close together.
+      const int rays = std::max(1, settings_.final_rays / (parts <= kHugeSurfaceParts ? 2 : 4));
       tracer_.from_surfaces(points, rays, side_.only_lamps, gathered);
-      for (const GatheredLight& sample : gathered) light.push_back(sample.light);
+      for (const GatheredLight& sample : gathered) {
+        light.push_back(sample.light);
+        error = std::max(error, sample.error);
+      }
     }
     std::size_t index = 0;
     const float scale = static_cast<float>(parts) / static_cast<float>(grid->parts);
     for_each_sample(grid->parts, [&](int i, int j) {
-      grid->light[index++] += interpolated(light, parts, static_cast<float>(i) * scale, static_cast<float>(j) * scale);
+      ProbeLight& sample = grid->light[index++];
+      sample.light += interpolated(light, parts, static_cast<float>(i) * scale, static_cast<float>(j) * scale);
+      sample.error = std::hypot(sample.error, error);
     });
   }
 
@@ -377,11 +451,15 @@ class GridMaker {
 
 }  // namespace
 
-void find_blocked(const LitSide& side, std::uint32_t first, LightTracer& tracer, std::span<std::uint8_t> ret) {
-  std::vector<std::uint32_t> triangles(ret.size());
-  std::iota(triangles.begin(), triangles.end(), first);
+std::vector<std::uint32_t> find_blocked(const LitSide& side, std::span<const std::uint32_t> triangles,
+                                        LightTracer& tracer) {
   const BakeSettings none;
-  std::ranges::copy(GridMaker(side, none, tracer).blocked_corners(triangles), ret.begin());
+  const std::vector<std::uint8_t> blocked = GridMaker(side, none, tracer).blocked_corners(triangles);
+  std::vector<std::uint32_t> found;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (blocked[i] != 0) found.push_back(triangles[i]);
+  }
+  return found;
 }
 
 std::vector<GridInWork> probe_triangles(const LitSide& side, std::span<const SeenTriangle> triangles,

@@ -23,13 +23,15 @@ struct LitSide {
   bool per_triangle = false;
   std::span<const LightPoint> points;  ///< Points of the base samples, on this side.
   std::span<const PointLight> light;
-  bool only_lamps = false;  ///< True if light from other surfaces does not count: a scene without bounces.
+  std::span<const float> lamp_ranges;  ///< See BaseSide; empty for samples per triangle.
+  bool only_lamps = false;             ///< True if light from other surfaces does not count: a scene without bounces.
 };
 
 /// A triangle to be examined.
 struct SeenTriangle {
   std::uint32_t triangle = 0;
-  float distance = 0.0f;  ///< Metres to the nearest eye.
+  float distance = 0.0f;                                       ///< Metres to the nearest eye.
+  render::Vec3 seen_at = render::Vec3::Constant(1.0f / 3.0f);  ///< Weights of a point that this eye sees.
 };
 
 /// A triangle with fewer visible parts is so small that a wrong corner affects a few pixels only. Tracing it instead
@@ -40,7 +42,7 @@ inline constexpr double kMinBlockedParts = 32.0;
 [[nodiscard]] double visible_parts(const render::Placement& placement, const SeenTriangle& seen,
                                    const BakeSettings& settings);
 
-/// The light at a point of a grid while it is made: that of lamps alone.
+/// The light at a point of a grid; that of lamps alone while the grid is made.
 struct ProbeLight {
   render::Vec3 light = render::Vec3::Zero();
   float error = 0.0f;  ///< Standard error of its luminance.
@@ -49,15 +51,16 @@ struct ProbeLight {
 /// A triangle that may get a grid, with the samples that it has so far.
 struct GridInWork {
   std::uint32_t triangle = 0;
-  /// Number of parts that a visitor could tell apart, within the limits of the settings; a power of two.
-  int max_parts = 1;
-  bool is_wide = false;  ///< So large in a picture that interpolation between its vertices would show.
+  int max_parts = 1;       ///< Finest parts that a visitor could tell apart, within the settings; a power of two.
+  bool is_smooth = false;  ///< The lamps' light hardly varies between its corners and around them.
+  bool is_wide = false;    ///< Covers so much of a picture that vertices alone would show.
   int parts = 0;         ///< 0: only the vertices' samples.
   /// Mean squared error of the interpolation between its samples, relative to the light there plus `dim_light`, without
   /// the noise of the measurement.
   float squared_error = 0.0f;
   bool is_needed = false;  ///< The vertices' samples cannot be used, so without a grid paths are traced.
   bool has_blocked_corner = false;
+  bool needs_surfaces = false;  ///< Light from other surfaces, too, varies more than between the vertices.
   std::vector<ProbeLight> light{};
   std::vector<std::uint8_t> rough{};  ///< 1 for samples next to which light varies more than linearly.
 
@@ -72,13 +75,14 @@ struct GridInWork {
 struct MadeGrid {
   std::uint32_t triangle = 0;
   int parts = 0;
-  std::vector<render::Vec3> light;     ///< Without the ambient light.
+  std::vector<ProbeLight> light;       ///< Without the ambient light.
   std::vector<std::uint8_t> separate;  ///< 1 for samples that must not be used.
 };
 
-/// Sets 1 for triangles on which something stands that hides the middle from a corner, and 0 for others: between such
-/// corners light must not be interpolated. `ret` is for triangles from `first` on.
-void find_blocked(const LitSide& side, std::uint32_t first, LightTracer& tracer, std::span<std::uint8_t> ret);
+/// Returns those triangles of which a corner does not see the middle, because something stands on them: between such
+/// corners light must not be interpolated.
+[[nodiscard]] std::vector<std::uint32_t> find_blocked(const LitSide& side, std::span<const std::uint32_t> triangles,
+                                                      LightTracer& tracer);
 
 // The following functions are thread-bound, like their argument `tracer`:
 

@@ -3,10 +3,12 @@
 
 #include <tbb/parallel_for.h>
 
+#include <atomic>
 #include <bit>
 #include <memory>
 #include <numbers>
 
+#include "common/base/cpu_time.h"
 #include "renderfarm/render/ray_queue.h"
 #include "renderfarm/render/sampler.h"
 #include "renderfarm/render/surface.h"
@@ -29,11 +31,25 @@ bool is_walkable(const scene::SceneInfo& info, const Eigen::Vector2d& place) {
   return std::ranges::none_of(info.walkable_holes, [&](const auto& hole) { return scene::is_inside(hole, place); });
 }
 
-/// Distances as bits, which threads can lower atomically: positive floats are ordered like their bits.
-using Bits = std::vector<std::atomic<std::uint32_t>>;
+/// Places as bits, the distance first, so that threads may lower them: positive floats are ordered like their bits.
+using Bits = std::vector<std::atomic<std::uint64_t>>;
 
-void lower(std::atomic<std::uint32_t>& bits, std::uint32_t value) {
-  std::uint32_t known = bits.load(std::memory_order_relaxed);
+std::uint64_t bits_of(const SeenPlace& place) {
+  return static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(place.distance)) << 32 |
+         static_cast<std::uint64_t>(place.u) << 16 | place.v;
+}
+
+SeenPlace place_of(std::uint64_t bits) {
+  return {std::bit_cast<float>(static_cast<std::uint32_t>(bits >> 32)), static_cast<std::uint16_t>(bits >> 16),
+          static_cast<std::uint16_t>(bits)};
+}
+
+std::uint16_t coded_weight(float weight) {
+  return static_cast<std::uint16_t>(std::lround(std::clamp(weight, 0.0f, 1.0f) * 65535.0f));
+}
+
+void lower(std::atomic<std::uint64_t>& bits, std::uint64_t value) {
+  std::uint64_t known = bits.load(std::memory_order_relaxed);
   while (value < known && !bits.compare_exchange_weak(known, value, std::memory_order_relaxed)) {
   }
 }
@@ -53,6 +69,13 @@ Vec3 direction_of(int i, int count, const Eigen::Vector2d& shift) {
 }
 
 }  // namespace
+
+render::Vec3 SeenPlace::weights() const {
+  constexpr float kUnit = 1.0f / 65535.0f;
+  const float second = static_cast<float>(u) * kUnit;
+  const float third = static_cast<float>(v) * kUnit;
+  return {std::max(0.0f, 1.0f - second - third), second, third};
+}
 
 std::vector<Eigen::Vector3d> walkable_eyes(const scene::SceneInfo& info, int count, std::uint64_t seed) {
   std::vector<Eigen::Vector3d> eyes = {info.start_eye};
@@ -81,13 +104,15 @@ VisibleTriangles find_visible_triangles(const render::Renderer& renderer, const 
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     for (Bits& bits : nearest[i]) {
       bits = Bits(scene.placements[i].mesh->triangle_count);
-      for (std::atomic<std::uint32_t>& value : bits) value = std::bit_cast<std::uint32_t>(kUnseen);
+      for (std::atomic<std::uint64_t>& value : bits) value = bits_of({});
     }
   }
   constexpr int kTogether = render::kMaxRays;
   const int batches = (settings.rays_per_eye + kTogether - 1) / kTogether;
+  std::atomic<double> cpu_seconds = 0.0;
   tbb::parallel_for(0, static_cast<int>(eyes.size()) * batches, [&](int job) {
     if (cancelled && cancelled()) return;
+    const double before = thread_cpu_seconds();
     const auto eye_number = static_cast<std::size_t>(job / batches);
     const Vec3 eye = (eyes[eye_number] - renderer.origin()).cast<float>();
     const render::SobolPoint shift = render::sobol_point(render::reversed_bits(static_cast<std::uint32_t>(eye_number)),
@@ -106,21 +131,23 @@ VisibleTriangles find_visible_triangles(const render::Renderer& renderer, const 
       if (hit.instID[0] == RTC_INVALID_GEOMETRY_ID && hit.geomID >= scene.placements.size()) continue;  // A lamp.
       const render::SurfacePoint point = render::surface_at(render::triangle_at(scene, hit), rays->direction(i));
       lower(nearest[render::top_of(hit)][point.front ? 0 : 1][hit.primID],
-            std::bit_cast<std::uint32_t>(rays->distance(i)));
+            bits_of({rays->distance(i), coded_weight(hit.u), coded_weight(hit.v)}));
     }
+    cpu_seconds += thread_cpu_seconds() - before;
   });
   VisibleTriangles visible;
-  visible.distance.resize(nearest.size());
+  visible.cpu_seconds = cpu_seconds.load();
+  visible.places.resize(nearest.size());
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     for (std::size_t side = 0; side < 2; ++side) {
-      std::vector<float>& distance = visible.distance[i][side];
+      std::vector<SeenPlace>& places = visible.places[i][side];
       std::uint64_t seen = 0;
-      distance.reserve(nearest[i][side].size());
-      for (const std::atomic<std::uint32_t>& bits : nearest[i][side]) {
-        distance.push_back(std::bit_cast<float>(bits.load()));
-        if (distance.back() < kUnseen) ++seen;
+      places.reserve(nearest[i][side].size());
+      for (const std::atomic<std::uint64_t>& bits : nearest[i][side]) {
+        places.push_back(place_of(bits.load()));
+        if (places.back().is_seen()) ++seen;
       }
-      if (seen == 0) distance.clear();
+      if (seen == 0) places.clear();
       visible.seen += seen;
     }
   }

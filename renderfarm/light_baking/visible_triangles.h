@@ -4,24 +4,34 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <atomic>
+#include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <vector>
 
 #include "renderfarm/light_baking/bake_settings.h"
 #include "renderfarm/render/renderer.h"
+#include "renderfarm/render/vectors.h"
 #include "renderfarm/scene/scene.h"
 
 namespace cyclorama::light_baking {
 
-inline constexpr float kUnseen = std::numeric_limits<float>::infinity();
+/// The nearest sight of a triangle: the distance, and the point that was seen.
+struct SeenPlace {
+  float distance = std::numeric_limits<float>::infinity();  ///< In metres; infinite if it is not seen.
+  std::uint16_t u = 0;                                      ///< Weights of the corners 1 and 2, times 65535.
+  std::uint16_t v = 0;
 
-/// For each placement and side, the distance in metres from which each triangle is seen, or kUnseen; empty if no
-/// triangle of that side is seen.
+  [[nodiscard]] bool is_seen() const { return std::isfinite(distance); }
+  [[nodiscard]] render::Vec3 weights() const;
+};
+
+/// For each placement and side, the place of each triangle; empty if no triangle of that side is seen.
 struct VisibleTriangles {
-  std::vector<std::array<std::vector<float>, 2>> distance;
+  std::vector<std::array<std::vector<SeenPlace>, 2>> places;
   std::uint64_t seen = 0;  ///< Triangles that are seen, each side counted.
+  double cpu_seconds = 0.0;
 };
 
 /// Returns eye positions in the Scene frame, evenly distributed over the walkable area, at heights around the eye's.

@@ -103,10 +103,10 @@ void print_stored_light(const std::filesystem::path& scene, const render::Render
     fmt::print("computed    {}\n", printable(fits.error().message(), 400));
     return;
   }
-  fmt::print("computed    light: {}, {} samples, {:.1f} bytes per triangle\n            {}\n",
+  fmt::print("computed    light: {}, {} samples, {:.1f} bytes per triangle\n            {}\n            {}\n",
              render::describe_bytes(store->bytes()), store->sample_count(),
              static_cast<double>(store->bytes()) / static_cast<double>(renderer.scene().triangles_seen()),
-             printable(store->settings, 400));
+             printable(store->settings, 400), light::description_of(*store));
 }
 
 Status inspect(const SceneOptions& options) {

@@ -21,6 +21,26 @@ struct LightOptions {
   light_baking::BakeSettings settings;
 };
 
+nlohmann::json json_of(const light::Percentiles& values) {
+  return {{"p50", values.p50}, {"p95", values.p95}, {"p99", values.p99}};
+}
+
+nlohmann::json json_of(const light::LightCheck& check) {
+  return {{"eyes", check.eyes},
+          {"reference_samples", check.reference_samples},
+          {"relmse", json_of(check.relmse)},
+          {"relmse_8x8", json_of(check.block_relmse)},
+          {"flip", json_of(check.flip)},
+          {"bias", check.bias},
+          {"relmse_of_paths_at_equal_cost", check.relmse_of_paths},
+          {"loses_to_paths", check.loses_to_paths()},
+          {"worst_eye_m", check.worst_eye},
+          {"worst_heading_rad", check.worst_heading_rad},
+          {"worst_codes", check.worst_codes},
+          {"worst_block_px", check.worst_block_px},
+          {"picture_px", {check.picture_width_px, check.picture_height_px}}};
+}
+
 Status compute_light(const LightOptions& options, const StopSignal& stop) {
   std::filesystem::path out = options.out;
   if (out.empty()) {
@@ -47,17 +67,24 @@ Status compute_light(const LightOptions& options, const StopSignal& stop) {
   const double bytes_per_triangle = static_cast<double>(baked.store->bytes()) / triangles;
   fmt::print(
       "{}: {}, {:.1f} bytes per triangle; {} samples, {} triangles with a grid; visitors see {:.0f} % of {:.0f} "
-      "triangles; {:.1f} cpu-seconds\n",
+      "triangles; {:.1f} cpu-seconds, and {:.1f} for the check\n{}\n",
       out.string(), render::describe_bytes(baked.store->bytes()), bytes_per_triangle, baked.store->sample_count(),
-      baked.grids, 100.0 * static_cast<double>(baked.seen_triangles) / triangles, triangles, baked.cpu_seconds);
+      baked.grids, 100.0 * static_cast<double>(baked.seen_triangles) / triangles, triangles, baked.cpu_seconds,
+      baked.check_cpu_seconds, light::description_of(*baked.store));
   if (options.json.empty()) return Done{};
-  return write_json(options.json, {{"bytes", baked.store->bytes()},
-                                   {"bytes_per_triangle", bytes_per_triangle},
-                                   {"samples", baked.store->sample_count()},
-                                   {"grids", baked.grids},
-                                   {"separate_samples", baked.separate_samples},
-                                   {"seen_triangles", baked.seen_triangles},
-                                   {"cpu_s", baked.cpu_seconds}});
+  nlohmann::json values = {{"bytes", baked.store->bytes()},
+                           {"bytes_per_triangle", bytes_per_triangle},
+                           {"samples", baked.store->sample_count()},
+                           {"grids", baked.grids},
+                           {"separate_samples", baked.separate_samples},
+                           {"hidden_vertices", baked.hidden_vertices},
+                           {"seen_triangles", baked.seen_triangles},
+                           {"cpu_s", baked.cpu_seconds},
+                           {"check_cpu_s", baked.check_cpu_seconds},
+                           {"standard_error", json_of(baked.store->relative_errors())}};
+  for (const light_baking::BakeStage& stage : baked.stages) values["stages_cpu_s"][stage.name] = stage.cpu_seconds;
+  if (const light::LightCheck& check = baked.store->check; check.eyes > 0) values["check"] = json_of(check);
+  return write_json(options.json, values);
 }
 
 }  // namespace
@@ -101,6 +128,11 @@ RenderCommand add_light_command(CLI::App* program) {
       ->add_option("--max-cpu-seconds", settings.max_cpu_seconds,
                    "Processor seconds after which no finer samples are begun; 0: no limit")
       ->check(CLI::Range(0.0, 1e7))
+      ->capture_default_str();
+  parser
+      ->add_option("--check-eyes", settings.check_eyes,
+                   "Held-out eyes from which the result is compared with path tracing; 0: none")
+      ->check(CLI::Range(0, 4096))
       ->capture_default_str();
   parser->add_option("--seed", settings.seed, "Seed of the random numbers")->capture_default_str();
   parser->add_option("--json", options->json, "Also write the figures as JSON");

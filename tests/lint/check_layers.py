@@ -40,7 +40,7 @@ renderfarm/denoise: common/base common/geometry common/image renderfarm/render r
 renderfarm/generator: common/base common/process
 renderfarm/governor: common/base common/config renderfarm/render
 renderfarm/light: common/base renderfarm/scene
-renderfarm/light_baking: common/base renderfarm/light renderfarm/render renderfarm/scene
+renderfarm/light_baking: common/base common/image renderfarm/light renderfarm/quality renderfarm/render renderfarm/scene
 renderfarm/node: common/base common/config common/image common/process common/wire renderfarm/balance
     renderfarm/denoise renderfarm/governor renderfarm/light renderfarm/light_baking renderfarm/render renderfarm/scene
     renderfarm/scene_distribution

@@ -6,22 +6,18 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <vector>
 
 #include "common/process/progress.h"
 #include "renderfarm/denoise/denoising_renderer.h"
 #include "renderfarm/light_baking/bake_light.h"
-#include "renderfarm/light_baking/visible_triangles.h"
+#include "renderfarm/light_baking/check_light.h"
 #include "renderfarm/quality/flip.h"
-#include "renderfarm/quality/light_error.h"
+#include "renderfarm/quality/split_reference.h"
 #include "renderfarm/render/tone.h"
 
 namespace cyclorama {
 namespace {
-
-constexpr std::uint64_t kHeldOutSeed = 4711;  ///< Seed of the eyes; the baker's own have another.
-constexpr int kBlockPx = 8;
 
 struct LightOptions {
   tools::SceneOptions scene;
@@ -52,34 +48,11 @@ struct Line {
   }
 };
 
-/// Two halves whose noise is independent: the product of their errors has no share of it.
+/// A reference with the mean of its halves.
 struct Reference {
-  RadianceImage a;
-  RadianceImage b;
+  quality::SplitReference halves;
   RadianceImage mean;
 };
-
-RadianceImage blocks_of(const RadianceImage& image) {
-  RadianceImage blocks(image.width() / kBlockPx, image.height() / kBlockPx);
-  for (int y = 0; y < blocks.height(); ++y) {
-    for (int x = 0; x < blocks.width(); ++x) {
-      for (int c = 0; c < 3; ++c) {
-        float sum = 0.0f;
-        for (int j = 0; j < kBlockPx; ++j) {
-          for (int i = 0; i < kBlockPx; ++i) sum += image.at(x * kBlockPx + i, y * kBlockPx + j)[c];
-        }
-        blocks.at(x, y)[c] = sum / (kBlockPx * kBlockPx);
-      }
-    }
-  }
-  return blocks;
-}
-
-double mean_of(const RadianceImage& image) {
-  double sum = 0.0;
-  for (const float value : image.data()) sum += static_cast<double>(value);
-  return sum / static_cast<double>(image.data().size());
-}
 
 class Measurement {
  public:
@@ -88,12 +61,11 @@ class Measurement {
 
   /// Measures all lines from all eyes. Further calls use the references of the first.
   Status run(std::vector<Line>* lines) {
-    std::vector<Eigen::Vector3d> eyes =
-        light_baking::walkable_eyes(renderer_.scene().info, options_.eyes + 1, kHeldOutSeed);
-    if (eyes.size() > 1) eyes.erase(eyes.begin());  // The start is one of the baker's own.
+    const scene::SceneInfo& info = renderer_.scene().info;
+    const std::vector<Eigen::Vector3d> eyes = light_baking::held_out_eyes(info, options_.eyes);
     Progress progress("comparing");
     for (std::size_t i = 0; i < eyes.size(); ++i) {
-      look_from(eyes[i], static_cast<double>(i));
+      view_ = light_baking::held_out_view(info, eyes[i], static_cast<int>(i), options_.width, options_.height);
       if (i == references_.size()) {
         TRY_ASSIGN(Reference reference, make_reference());
         references_.push_back(std::move(reference));
@@ -107,32 +79,19 @@ class Measurement {
   }
 
  private:
-  void look_from(const Eigen::Vector3d& eye, double number) {
-    constexpr double kGoldenAngle = 2.399963;
-    view_ = render::PanoramaView();
-    view_.eye = eye;
-    view_.heading_rad = renderer_.scene().info.start_heading_rad + kGoldenAngle * number;
-    const double span = 150.0 * std::numbers::pi / 180.0;
-    const double tan_half = 0.5 * span * options_.height / options_.width;
-    view_.panorama = {options_.width, options_.height, span, tan_half, -tan_half};
-  }
-
   [[nodiscard]] PixelRect whole() const { return {0, 0, options_.width, options_.height}; }
 
   Result<Reference> make_reference() {
     Reference reference;
-    for (RadianceImage* const half : {&reference.a, &reference.b}) {
-      view_.seed = half == &reference.a ? 1'000'001 : 1'000'002;
+    for (RadianceImage* const half : {&reference.halves.a, &reference.halves.b}) {
+      view_.seed = half == &reference.halves.a ? 1'000'001 : 1'000'002;
       view_.quality = {};
       view_.quality.samples = options_.reference_samples;
       view_.quality.bounces = renderer_.scene().bounces;
       renderer_.render_radiance(view_, whole(), half, [this] { return stop_.requested(); });
       if (stop_.requested()) return tools::stopped();
     }
-    reference.mean = reference.a;
-    for (std::size_t i = 0; i < reference.mean.data().size(); ++i) {
-      reference.mean.data()[i] = 0.5f * (reference.a.data()[i] + reference.b.data()[i]);
-    }
+    reference.mean = quality::mean_of(reference.halves);
     return reference;
   }
 
@@ -149,12 +108,11 @@ class Measurement {
                                         : renderer_.render_radiance(view_, whole(), &picture, cancelled);
     if (stop_.requested()) return tools::stopped();
     line->cpu_s_per_mpx += share * cost.cpu_seconds / (1e-6 * static_cast<double>(whole().area()));
-    TRY_ASSIGN(const double relmse, quality::unbiased_relative_squared_error(picture, reference.a, reference.b));
-    TRY_ASSIGN(const double block_relmse, quality::unbiased_relative_squared_error(
-                                              blocks_of(picture), blocks_of(reference.a), blocks_of(reference.b)));
-    line->relmse += share * relmse;
-    line->block_relmse.push_back(block_relmse);
-    line->bias += share * (mean_of(picture) / mean_of(reference.mean) - 1.0);
+    line->relmse += share * quality::unbiased_relmse(picture, reference.halves);
+    line->block_relmse.push_back(
+        quality::unbiased_relmse(quality::block_means(picture, light_baking::kCheckedBlockPx),
+                                 quality::block_means(reference.halves, light_baking::kCheckedBlockPx)));
+    line->bias += share * (quality::mean_value(picture) / quality::mean_value(reference.mean) - 1.0);
     const scene::ToneCurve tone = renderer_.scene().tone;
     TRY_ASSIGN(const quality::Flip flip,
                quality::flip(render::developed(picture, tone), render::developed(reference.mean, tone)));
@@ -292,6 +250,7 @@ tools::RenderCommand add_light_command(CLI::App* program) {
   CLI::App* const parser =
       program->add_subcommand("light", "Compare pictures that read stored light with path tracing at equal error");
   const auto options = std::make_shared<LightOptions>();
+  options->bake.check_eyes = 0;  // This command has references of its own.
   tools::add_scene_options(parser, &options->scene);
   parser->add_option("--eyes", options->eyes, "Held-out eyes, at random places of the walkable area")
       ->check(CLI::Range(1, 1024))

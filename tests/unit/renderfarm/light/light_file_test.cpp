@@ -20,12 +20,18 @@ LightStore example() {
   store.scene = {1, 2};
   store.settings = "made by hand";
   store.unit = 0.25f;
+  store.check.eyes = 32;
+  store.check.relmse = {1e-4f, 2e-4f, 3e-4f};
+  store.check.worst_eye = {1.0f, 2.0f, 3.0f};
   store.surfaces.resize(2);
   store.surfaces[0].sides[0].base = {1, 2, 3, 4};
   store.surfaces[0].sides[0].grids = {TriangleGrid::kBase, TriangleGrid::code(1, 0), TriangleGrid::kTraced};
   store.surfaces[0].sides[0].samples = {7, 8, 9};
   store.surfaces[1].base_per_triangle = true;
+  store.surfaces[0].sides[0].base_errors = {10, 20, 30, 40};
+  store.surfaces[0].sides[0].sample_errors = {0, 128, 255};
   store.surfaces[1].sides[1].base = {5};
+  store.surfaces[1].sides[1].base_errors = {50};
   return store;
 }
 
@@ -42,6 +48,9 @@ TEST(LightFile, survives_a_round_trip) {
   ASSERT_TRUE(again) << again.error().message();
   EXPECT_EQ(light_file_bytes(*again), light_file_bytes(example()));
   EXPECT_EQ(again->settings, "made by hand");
+  EXPECT_EQ(again->check, example().check);
+  EXPECT_EQ(again->surfaces[0].sides[0].base_errors, example().surfaces[0].sides[0].base_errors);
+  EXPECT_EQ(again->surfaces[0].sides[0].sample_errors, example().surfaces[0].sides[0].sample_errors);
   EXPECT_EQ(again->surfaces[0].sides[0].samples, example().surfaces[0].sides[0].samples);
 }
 

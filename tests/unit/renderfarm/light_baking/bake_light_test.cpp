@@ -163,9 +163,13 @@ TEST(VisibleTriangles, are_those_on_the_eyes_side_alone) {
   const auto renderer = built(box_scene(0.5f, 2));
   const VisibleTriangles visible = find_visible_triangles(*renderer, quick(), nullptr);
   EXPECT_EQ(visible.seen, 6u * 8u);
-  for (const auto& sides : visible.distance) {
+  for (const auto& sides : visible.places) {
     EXPECT_TRUE(sides[1].empty());
-    for (const float distance : sides[0]) EXPECT_LT(distance, 4.0f);
+    for (const SeenPlace& place : sides[0]) {
+      EXPECT_LT(place.distance, 4.0f);
+      EXPECT_NEAR(place.weights().sum(), 1.0f, 1e-4f);
+      EXPECT_GE(place.weights().minCoeff(), 0.0f);
+    }
   }
 }
 

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+/// Compares pictures with stored light to path tracing, from eyes that were not used to compute the light.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "common/base/result.h"
+#include "renderfarm/light/light_check.h"
+#include "renderfarm/render/renderer.h"
+#include "renderfarm/scene/scene.h"
+
+namespace cyclorama::light_baking {
+
+/// The defaults cost about an eighth of what the light of a scene costs. Errors of blocks are then known to 1e-5.
+struct CheckSettings {
+  int eyes = 32;
+  int width = 80;
+  int height = 32;
+  int samples = 4;             ///< Samples of the pictures with stored light.
+  int reference_samples = 32;  ///< Samples of each half of the reference.
+};
+
+inline constexpr int kCheckedBlockPx = 8;
+
+/// Returns eyes that are random in the walkable area and not among those of the baker, unless the area is so narrow that
+/// there is only the start.
+[[nodiscard]] std::vector<Eigen::Vector3d> held_out_eyes(const scene::SceneInfo& info, int count);
+/// Returns the view of held-out eye number `i`: 150 degrees wide, all headings in turn.
+[[nodiscard]] render::PanoramaView held_out_view(const scene::SceneInfo& info, const Eigen::Vector3d& eye, int i,
+                                                 int width, int height);
+
+struct CheckedLight {
+  light::LightCheck check;
+  double cpu_seconds = 0.0;
+  double stored_cpu_s_per_mpx = 0.0;  ///< Cost of the pictures with stored light.
+  double paths_cpu_s_per_mpx = 0.0;   ///< Cost of path tracing with as many samples.
+};
+
+/// Compares the light that the renderer has. `progress` and `cancelled` may be null. Errors: kUnavailable if it was
+/// cancelled.
+Result<CheckedLight> check_light(const render::Renderer& renderer, const CheckSettings& settings,
+                                 const std::function<void(double)>& progress, const std::function<bool()>& cancelled);
+
+}  // namespace cyclorama::light_baking

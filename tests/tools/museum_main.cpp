@@ -196,7 +196,7 @@ class Witness final : public client::FarmListener {
   /// Writes the last picture of a walk and the first one at rest, when that has come.
   void keep_picture(bool refined) {
     if (refined && !walking_.empty()) {
-      if (walking_.width() != picture_.width()) {  // As on the wall.
+      if (walking_.width() != picture_.width()) {  // The wall shows it enlarged.
         walking_ = quality::enlarged(walking_, picture_.width(), picture_.height());
       }
       for (const auto& [name, picture] : {std::pair("walking.png", &walking_), std::pair("rest.png", &picture_)}) {

@@ -26,6 +26,7 @@
 #include "common/wire/convert.h"
 #include "common/wire/payload.h"
 #include "renderfarm/client/farm_client.h"
+#include "renderfarm/quality/enlarge.h"
 #include "tests/support/view_text.h"
 
 namespace cyclorama {
@@ -195,6 +196,9 @@ class RecordingListener final : public client::FarmListener {
   /// Writes the last picture of a walk and the first one at rest, when that has come.
   void keep_picture(bool refined) {
     if (refined && !walking_.empty()) {
+      if (walking_.width() != picture_.width()) {  // The wall shows it enlarged.
+        walking_ = quality::enlarged(walking_, picture_.width(), picture_.height());
+      }
       for (const auto& [name, picture] : {std::pair("walking.png", &walking_), std::pair("rest.png", &picture_)}) {
         const Status written = write_png(std::filesystem::path(arguments_.pictures) / name, *picture);
         if (!written) say({{"event", "lost"}, {"reason", written.error().message()}});

@@ -141,7 +141,7 @@ struct LightStore {
                                                        const Eigen::Vector3f& weights) const;
 };
 
-/// Returns what the store knows of its errors, in a sentence or two for people.
+/// Describes the known errors of the store, in a sentence or two for people.
 [[nodiscard]] std::string description_of(const LightStore& store);
 
 }  // namespace cyclorama::light

@@ -248,7 +248,7 @@ class GridMaker {
     for (std::size_t i = 0; i < probes.size(); ++i) {
       GridInWork& candidate = candidates_[probes[i].candidate];
       ProbeLight base = base_lamps(candidate.triangle, probes[i].weights);
-      // The sites of a large triangle's vertices lie far apart, so their scatter says nothing about noise.
+      // The sites of a large triangle's vertices lie far apart, so their scatter is no measure of noise.
       if (is_large(candidate)) base.error = 0.0f;
       const float found = difference(light[i], base, all_light(candidate.triangle, probes[i].weights));
       if (is_error(found)) candidate.squared_error += found * found / static_cast<float>(probes_of(candidate));

@@ -30,19 +30,4 @@ Result<double> relative_squared_error(const RadianceImage& picture, const Radian
   return weighted_mean(picture, reference, [floor](double r) { return 1.0 / (r * r + floor); });
 }
 
-Result<double> unbiased_relative_squared_error(const RadianceImage& picture, const RadianceImage& a,
-                                               const RadianceImage& b) {
-  TRY(check_comparable(picture, a));
-  TRY(check_comparable(picture, b));
-  double sum = 0.0;
-  for (std::size_t i = 0; i < picture.data().size(); ++i) {
-    const auto p = static_cast<double>(picture.data()[i]);
-    const auto pa = static_cast<double>(a.data()[i]);
-    const auto pb = static_cast<double>(b.data()[i]);
-    const double r = 0.5 * (pa + pb);
-    sum += (p - pa) * (p - pb) / (r * r + kRelativeErrorFloor);
-  }
-  return sum / static_cast<double>(picture.data().size());
-}
-
 }  // namespace cyclorama::quality

@@ -20,10 +20,4 @@ Result<double> mean_squared_error(const RadianceImage& picture, const RadianceIm
 Result<double> relative_squared_error(const RadianceImage& picture, const RadianceImage& reference,
                                       double floor = kRelativeErrorFloor);
 
-/// Returns relMSE against the mean of two references whose noise is independent, without the share of that noise: the mean
-/// of (p - a)(p - b) / (r² + kRelativeErrorFloor), with r the mean of a and b. It may be slightly below 0 for a picture
-/// that errs less than the references.
-Result<double> unbiased_relative_squared_error(const RadianceImage& picture, const RadianceImage& a,
-                                               const RadianceImage& b);
-
 }  // namespace cyclorama::quality

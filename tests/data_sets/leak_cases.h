@@ -80,7 +80,7 @@ inline std::vector<LeakCase> leak_cases(int parts) {
   }
   {
     scene::Scene scene = room_with_lamp(parts, {0.9, 1.3, 0.9}, 20.0f);
-    // A shelf against the wall, open in front.
+    // A ledge on the wall, open in front.
     for (const double side : {-0.4, 0.4}) {
       add_upright_along_z(scene, {side, 0.0, -1.8}, 0.4, 0.8);
       add_level(scene, {0.0, side, -1.8}, 0.8, 0.4);

@@ -49,16 +49,16 @@ Status measure(const LightBakeOptions& options, const StopSignal& stop) {
                  *renderer, options.check, [&](double done) { checking.update(done); }, cancelled));
   const light::LightCheck& check = checked.check;
   const double saved_per_frame = kFrameMpx * (checked.paths_cpu_s_per_mpx - checked.stored_cpu_s_per_mpx);
-  const double worth_after_frames = baked.cpu_seconds / saved_per_frame;
+  const double pays_off_after_frames = baked.cpu_seconds / saved_per_frame;
   fmt::print(
       "{} eyes: relMSE p50 {:.5f} p99 {:.5f}; 8x8 p50 {:.1e} p99 {:.1e}; FLIP p50 {:.4f} p99 {:.4f}; bias {:.3f} %; "
       "worst block off by {:.1f} codes\n",
       check.eyes, check.relmse.p50, check.relmse.p99, check.block_relmse.p50, check.block_relmse.p99, check.flip.p50,
       check.flip.p99, 100.0f * check.bias, check.worst_codes);
   fmt::print(
-      "pictures of {} samples: {:.2f} cpu-s per Mpx stored, {:.2f} traced; light is worth its cost after {:.0f} "
+      "pictures of {} samples: {:.2f} cpu-s per Mpx stored, {:.2f} traced; light pays off after {:.0f} "
       "frames of 1080p; the check took {:.1f} cpu-s\n",
-      options.check.samples, checked.stored_cpu_s_per_mpx, checked.paths_cpu_s_per_mpx, worth_after_frames,
+      options.check.samples, checked.stored_cpu_s_per_mpx, checked.paths_cpu_s_per_mpx, pays_off_after_frames,
       checked.cpu_seconds);
   if (options.json.empty()) return Done{};
   nlohmann::json stages;
@@ -78,7 +78,7 @@ Status measure(const LightBakeOptions& options, const StopSignal& stop) {
                                             {"bias", check.bias},
                                             {"worst_codes", check.worst_codes},
                                             {"check_cpu_s", checked.cpu_seconds},
-                                            {"worth_after_frames", worth_after_frames}}}});
+                                            {"pays_off_after_frames", pays_off_after_frames}}}});
 }
 
 }  // namespace

@@ -17,7 +17,7 @@
 #include "renderfarm/light/light_file.h"
 #include "renderfarm/node/block_view.h"
 #include "renderfarm/quality/flip.h"
-#include "renderfarm/quality/light_error.h"
+#include "renderfarm/quality/split_reference.h"
 #include "renderfarm/render/tone.h"
 #include "tests/support/view_text.h"
 
@@ -100,29 +100,26 @@ class FrameErrors {
 
   Result<Errors> of(const Frame& frame, const PixelRect& part) {
     TRY_ASSIGN(const RadianceImage picture, picture_of(frame, part));
-    RadianceImage halves[2];
-    for (int i = 0; i < 2; ++i) {
+    quality::SplitReference reference;
+    std::uint64_t seed = 1'000'001;
+    for (RadianceImage* const half : {&reference.a, &reference.b}) {
       render::PanoramaView view = frame.view;
       view.panorama.width_px = options_.width;
       view.panorama.height_px = options_.height;
       view.quality = {};
       view.quality.samples = options_.reference_samples;
       view.quality.bounces = renderer_.scene().bounces;
-      view.seed = 1'000'001 + static_cast<std::uint64_t>(i);
-      renderer_.render_radiance(view, part, &halves[i], [this] { return stop_.requested(); });
+      view.seed = seed++;
+      renderer_.render_radiance(view, part, half, [this] { return stop_.requested(); });
     }
     if (stop_.requested()) return tools::stopped();
     Errors errors;
-    TRY_ASSIGN(errors.relmse, quality::unbiased_relative_squared_error(picture, halves[0], halves[1]));
-    RadianceImage reference = halves[0];
-    for (std::size_t i = 0; i < reference.data().size(); ++i) {
-      reference.data()[i] = 0.5f * (reference.data()[i] + halves[1].data()[i]);
-    }
+    errors.relmse = quality::unbiased_relmse(picture, reference);
     const scene::ToneCurve tone = renderer_.scene().tone;
     const RgbImage codes = render::developed(picture, tone);
     TRY_ASSIGN(const std::vector<std::byte> jpeg, encoder_.encode(codes, frame.jpeg));
     TRY_ASSIGN(const RgbImage decoded, decoder_.decode(jpeg, codes.data().size()));
-    TRY_ASSIGN(const quality::Flip flip, quality::flip(decoded, render::developed(reference, tone)));
+    TRY_ASSIGN(const quality::Flip flip, quality::flip(decoded, render::developed(quality::mean_of(reference), tone)));
     errors.flip = flip.mean;
     return errors;
   }

@@ -2,9 +2,9 @@
 /// Takes noise from gathered light at the vertices of a mesh, by means over neighbours on the surface.
 ///
 /// Light from other surfaces varies slowly, so neighbours are much alike. The part of a sample's difference
-/// from its neighbourhood that its standard error does not explain is signal and stays (Wiener's filter). Differences are
-/// pooled over the neighbourhood, because a single one says little. Source: Kavan, Bargteil and Sloan, "Least Squares Vertex
-/// Baking", 2011, for smoothness along surfaces; Lee, "Digital Image Enhancement and Noise Filtering by Use of Local
+/// from its neighbourhood that its standard error does not explain is signal and stays (Wiener's filter). Differences
+/// are pooled over the neighbourhood, because a single one is mostly noise. Source: Kavan, Bargteil and Sloan, "Least
+/// Squares Vertex Baking", 2011, for smoothness along surfaces; Lee, "Digital Image Enhancement and Noise Filtering by Use of Local
 /// Statistics", 1980, for the share that stays.
 #pragma once
 

@@ -3,10 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstddef>
-#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "appliance/display/eye_move.h"
 #include "appliance/display/light_shader.h"
@@ -15,8 +14,6 @@
 namespace cyclorama::display {
 namespace {
 
-constexpr GLuint kBefore = 0;
-constexpr GLuint kPlace = 1;
 constexpr GLuint kParallax = 2;
 constexpr GLint kNewestUnit = 0;
 constexpr GLint kEarlierUnit = 1;
@@ -115,7 +112,7 @@ Result<FrameReuse> FrameReuse::make(const output::Gl& gl, Texels texels) {
 }
 
 FrameReuse::FrameReuse(const output::Gl& gl, output::GlProgram program)
-    : gl_(&gl), program_(std::move(program)), array_(gl), vertices_(gl), parallax_(gl), indices_(gl), depth_(gl) {
+    : gl_(&gl), program_(std::move(program)), buffers_(gl), parallax_(gl), depth_(gl) {
   const auto uniform = [&](const char* name) { return program_.uniform(name); };
   uniforms_ = {uniform("to_clip"),    uniform("moved_across"), uniform("before_per_px"),
                uniform("whole_turn"), uniform("inside"),       uniform("cells_per_texel")};
@@ -126,17 +123,6 @@ FrameReuse::FrameReuse(const output::Gl& gl, output::GlProgram program)
   gl.BindTexture(GL_TEXTURE_2D, depth_.id());
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  gl.BindVertexArray(array_.id());
-  gl.BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
-  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
-  const auto attribute = [&](GLuint index, GLint floats, std::size_t offset) {
-    gl.EnableVertexAttribArray(index);
-    // GL's convention: an offset into the bound buffer, passed as a pointer.
-    gl.VertexAttribPointer(index, floats, GL_FLOAT, GL_FALSE, sizeof(ReprojectedVertex),
-                           reinterpret_cast<const void*>(offset));  // NOLINT(performance-no-int-to-ptr)
-  };
-  attribute(kBefore, 3, offsetof(ReprojectedVertex, across_px));
-  attribute(kPlace, 2, offsetof(ReprojectedVertex, source_across_px));
   gl.BindBuffer(GL_ARRAY_BUFFER, parallax_.id());
   gl.EnableVertexAttribArray(kParallax);
   gl.VertexAttribPointer(kParallax, 1, GL_FLOAT, GL_FALSE, sizeof(float), nullptr);
@@ -170,13 +156,6 @@ Status FrameReuse::remember(const DisplayFrame& frame) {
   return gl_->check("remembering a frame");
 }
 
-void FrameReuse::draw_triangles(std::span<const std::uint32_t> indices) {
-  if (indices.empty()) return;
-  gl_->BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(),
-                  GL_STREAM_DRAW);
-  gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, nullptr);
-}
-
 Status FrameReuse::add_earlier(const DisplayFrame& frame, PanoramaTexture* panorama) {
   CHECK(is_useful_for(frame));
   const Eigen::AngleAxisd R_eye_scene(frame.heading_rad, Eigen::Vector3d::UnitY());
@@ -191,14 +170,11 @@ Status FrameReuse::add_earlier(const DisplayFrame& frame, PanoramaTexture* panor
   gl_->ActiveTexture(GL_TEXTURE0 + kNewestUnit);
   gl_->BindTexture(GL_TEXTURE_2D, newest.texture.id());
   gl_->UseProgram(program_.id());
-  gl_->BindVertexArray(array_.id());
-  const auto upload = [&](const output::GlBuffer& buffer, const auto& values) {
-    gl_->BindBuffer(GL_ARRAY_BUFFER, buffer.id());
-    gl_->BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(values.size() * sizeof(values[0])), values.data(),
-                    GL_STREAM_DRAW);
-  };
-  upload(vertices_, found_.vertices);
-  upload(parallax_, found_.parallax_px);
+  buffers_.upload(found_.vertices);
+  const std::vector<float>& parallax_px = found_.parallax_px;
+  gl_->BindBuffer(GL_ARRAY_BUFFER, parallax_.id());
+  gl_->BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(parallax_px.size() * sizeof(float)), parallax_px.data(),
+                  GL_STREAM_DRAW);
   constexpr auto kFirst = static_cast<float>(PanoramaTexture::kFirstColumn);
   const PanoramaTexture::Light& drawn = panorama->drawn();
   const float across = 2.0f / static_cast<float>(drawn.width);
@@ -228,8 +204,8 @@ Status FrameReuse::add_earlier(const DisplayFrame& frame, PanoramaTexture* panor
     // The column beside each edge of a whole turn belongs to the other edge.
     for (int turn = wraps ? -1 : 0; turn <= (wraps ? 1 : 0); ++turn) {
       gl_->Uniform1f(uniforms_.moved_across, f(turn * width));
-      draw_triangles(frame.mesh->smooth(static_cast<std::size_t>(eye)));
-      draw_triangles(found_.jumping[static_cast<std::size_t>(eye)]);
+      buffers_.draw(frame.mesh->smooth(static_cast<std::size_t>(eye)));
+      buffers_.draw(found_.jumping[static_cast<std::size_t>(eye)]);
     }
   }
   gl_->Disable(GL_SCISSOR_TEST);

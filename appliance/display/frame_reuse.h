@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "appliance/display/mesh_buffers.h"
 #include "appliance/display/panorama_texture.h"
-#include "appliance/display/reprojection_mesh.h"
 
 namespace cyclorama::display {
 
@@ -53,15 +53,12 @@ class FrameReuse {
     GLint cells_per_texel = -1;
   };
   FrameReuse(const output::Gl& gl, output::GlProgram program);
-  void draw_triangles(std::span<const std::uint32_t> indices);
 
   const output::Gl* gl_;
   output::GlProgram program_;
-  output::GlVertexArray array_;
-  output::GlBuffer vertices_;
-  output::GlBuffer parallax_;
-  output::GlBuffer indices_;
-  output::GlTexture depth_;  // The remembered frame's cells.
+  MeshBuffers buffers_;
+  output::GlBuffer parallax_;  // One float for each vertex.
+  output::GlTexture depth_;    // The remembered frame's cells.
   int depth_width_ = 0;
   int depth_height_ = 0;
   int depth_cells_across_ = 0;

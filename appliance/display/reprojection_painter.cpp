@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "appliance/display/reprojection_painter.h"
 
-#include <cstddef>
 #include <string>
 #include <utility>
 
@@ -9,9 +8,6 @@
 
 namespace cyclorama::display {
 namespace {
-
-constexpr GLuint kTarget = 0;
-constexpr GLuint kSource = 1;
 
 constexpr const char* kVertexShader = R"(
 precision highp float;
@@ -35,8 +31,6 @@ EVEN in vec2 at;
 void main() { texel = written_root(root_between(source_light, at, per_texel)); }
 )";
 
-GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(values.size() * sizeof(values[0])); }
-
 }  // namespace
 
 Result<ReprojectionPainter> ReprojectionPainter::make(const output::Gl& gl, Texels texels) {
@@ -49,30 +43,12 @@ Result<ReprojectionPainter> ReprojectionPainter::make(const output::Gl& gl, Texe
 }
 
 ReprojectionPainter::ReprojectionPainter(const output::Gl& gl, output::GlProgram program)
-    : gl_(&gl), program_(std::move(program)), array_(gl), vertices_(gl), indices_(gl) {
+    : gl_(&gl), program_(std::move(program)), buffers_(gl) {
   to_clip_ = program_.uniform("to_clip");
   per_texel_ = program_.uniform("per_texel");
   moved_across_ = program_.uniform("moved_across");
   gl.UseProgram(program_.id());
   gl.Uniform1i(program_.uniform("source_light"), 0);
-  gl.BindVertexArray(array_.id());
-  gl.BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
-  gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_.id());
-  const auto attribute = [&](GLuint index, GLint floats, std::size_t offset) {
-    gl.EnableVertexAttribArray(index);
-    // GL's convention: an offset into the bound buffer, passed as a pointer.
-    gl.VertexAttribPointer(index, floats, GL_FLOAT, GL_FALSE, sizeof(ReprojectedVertex),
-                           reinterpret_cast<const void*>(offset));  // NOLINT(performance-no-int-to-ptr)
-  };
-  attribute(kTarget, 3, offsetof(ReprojectedVertex, across_px));
-  attribute(kSource, 2, offsetof(ReprojectedVertex, source_across_px));
-}
-
-void ReprojectionPainter::draw_triangles(std::span<const std::uint32_t> indices) {
-  if (indices.empty()) return;
-  gl_->BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(),
-                  GL_STREAM_DRAW);
-  gl_->DrawElements(GL_TRIANGLES, static_cast<GLsizei>(indices.size()), GL_UNSIGNED_INT, nullptr);
 }
 
 Status ReprojectionPainter::draw(const ReprojectionMesh& mesh, const Eigen::Vector3d& eye_m,
@@ -83,9 +59,7 @@ Status ReprojectionPainter::draw(const ReprojectionMesh& mesh, const Eigen::Vect
   gl_->ActiveTexture(GL_TEXTURE0);
   gl_->BindTexture(GL_TEXTURE_2D, light.texture.id());
   gl_->UseProgram(program_.id());
-  gl_->BindVertexArray(array_.id());
-  gl_->BindBuffer(GL_ARRAY_BUFFER, vertices_.id());
-  gl_->BufferData(GL_ARRAY_BUFFER, byte_count(moved_.vertices), moved_.vertices.data(), GL_STREAM_DRAW);
+  buffers_.upload(moved_.vertices);
   const auto per = [](int px) { return 1.0f / static_cast<float>(px); };
   const float across = 2.0f * per(panorama->texture_width());
   gl_->Uniform4f(to_clip_, across, 2.0f * per(panorama->texture_height()),
@@ -102,8 +76,8 @@ Status ReprojectionPainter::draw(const ReprojectionMesh& mesh, const Eigen::Vect
     // Everything that leaves a whole turn on one side enters on the other.
     for (int turn = wraps ? -1 : 0; turn <= (wraps ? 1 : 0); ++turn) {
       gl_->Uniform1f(moved_across_, static_cast<float>(turn * width));
-      draw_triangles(mesh.smooth(static_cast<std::size_t>(eye)));
-      draw_triangles(moved_.jumping[static_cast<std::size_t>(eye)]);
+      buffers_.draw(mesh.smooth(static_cast<std::size_t>(eye)));
+      buffers_.draw(moved_.jumping[static_cast<std::size_t>(eye)]);
     }
   }
   gl_->Disable(GL_SCISSOR_TEST);

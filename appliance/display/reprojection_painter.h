@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "appliance/display/mesh_buffers.h"
 #include "appliance/display/panorama_texture.h"
-#include "appliance/display/reprojection_mesh.h"
 
 namespace cyclorama::display {
 
@@ -23,13 +23,10 @@ class ReprojectionPainter {
 
  private:
   explicit ReprojectionPainter(const output::Gl& gl, output::GlProgram program);
-  void draw_triangles(std::span<const std::uint32_t> indices);
 
   const output::Gl* gl_;
   output::GlProgram program_;
-  output::GlVertexArray array_;
-  output::GlBuffer vertices_;
-  output::GlBuffer indices_;
+  MeshBuffers buffers_;
   GLint to_clip_ = -1;
   GLint per_texel_ = -1;
   GLint moved_across_ = -1;

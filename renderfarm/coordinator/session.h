@@ -50,7 +50,7 @@ struct FrameInFlight {
   int moved = 0;      ///< Blocks that an idle node took over.
   Accounts::Turn turn{};
   double charged_seconds = 0.0;                    ///< Cpu-seconds of its ended blocks.
-  double threads = 0.0;                            ///< Of all nodes that got blocks of its plan.
+  double threads = 0.0;                            ///< Threads of all nodes that got blocks of its plan.
   std::int64_t asked_px = 0;                       ///< Pixels of the requested panorama, before any scaling.
   double work = 0.0;                               ///< MeasuredFrame::work, if the session is governed; else 0.
   std::optional<governor::SampleRange> refines{};  ///< Samples that it adds to a picture at rest.
@@ -87,7 +87,7 @@ struct Session {
   std::unique_ptr<GovernorState> governed{};  ///< Null: each view sets its own quality.
   AccountId account{};
   bool costs_known = false;                   ///< A frame was measured, so forecasts have a basis.
-  double frame_cpu_seconds = 0.05;            ///< What its last frame was charged, the prediction for the next one.
+  double frame_cpu_seconds = 0.05;            ///< Charge of its last frame, the prediction for the next one.
   double pace_seconds = kInitialPaceSeconds;  ///< Recent frame time: a maximum that decays slowly.
   TimePoint next_due = TimePoint::max();      ///< Next deadline of the foremost frame.
   std::uint64_t watermark = 0;                ///< Watermark in wire::RenderBlock.
@@ -116,7 +116,7 @@ struct Node {
   struct LoadedScene {
     SceneState state = SceneState::kLoading;
     std::string error{};
-    std::uint64_t memory_bytes = 0;  ///< As reported.
+    std::uint64_t memory_bytes = 0;  ///< Size that the node reported.
     double speed = 1.0;    ///< Speed of one of the node's threads in this scene, relative to the first node's.
     TimePoint asked_at{};  ///< Time of the order to load the scene.
     std::optional<governor::ParetoFront> front{};  ///< The node stated it; null: the standard one.

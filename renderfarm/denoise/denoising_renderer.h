@@ -20,7 +20,7 @@ namespace cyclorama::denoise {
 /// pixels.
 [[nodiscard]] Status check_denoisable(const render::PanoramaView& view);
 
-/// What has been rendered of a rect, so that it can be interrupted and continued. Movable; of one DenoisingRenderer call
+/// The finished parts of a rect, so that rendering can be interrupted and continued. Movable; of one DenoisingRenderer call
 /// sequence, always with the same view and rect.
 class UnfinishedPicture {
  public:

@@ -35,7 +35,7 @@ struct BlockOrder {
 ///   3. one of the account that has received the least,
 ///   4. of an account's blocks the one of the lowest rank, and among equals the one that came first.
 ///
-/// What an account has received starts at the rank of its first block, which its coordinator chose by what the account
+/// The service of an account starts at the rank of its first block, which its coordinator chose by what the account
 /// got from the whole farm, and grows with the service that it really gets here (serve()), whatever its blocks were
 /// predicted to cost. So a block that costs a thousand times as much as expected delays nobody, and many sessions of one
 /// museum get no more than one.
@@ -100,9 +100,9 @@ class RenderQueue {
 
   std::map<Name, Entry> entries_;
   Flows flows_;
-  std::map<std::uint64_t, std::shared_ptr<BlockOrder>> cancelled_;  ///< By arrival.
+  std::map<std::uint64_t, std::shared_ptr<BlockOrder>> cancelled_;  ///< Sorted by arrival.
   std::map<LinkId, std::array<Lane, kWorkClasses>> lanes_;
-  std::array<double, kWorkClasses> now_{};  ///< Of each class, the latest position that was served.
+  std::array<double, kWorkClasses> now_{};  ///< Latest position that was served of each class.
   std::uint64_t arrivals_ = 0;
 };
 

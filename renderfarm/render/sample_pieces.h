@@ -12,7 +12,7 @@ namespace cyclorama::render {
 /// which it cannot be interrupted: a power of two from 1 to 64. All samples if they depend on each other: with adaptive
 /// sampling or stored light.
 [[nodiscard]] inline int max_samples_per_piece(const RenderQuality& quality) {
-  constexpr int kMaxSegments = 64;  // Of the paths of one pixel.
+  constexpr int kMaxSegments = 64;  // Segments of all paths of one pixel.
   if (quality.adaptive_error > 0.0f || quality.stored_light) return quality.samples;
   return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(1, kMaxSegments / (1 + quality.bounces)))));
 }

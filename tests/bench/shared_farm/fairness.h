@@ -11,7 +11,7 @@ namespace cyclorama {
 struct HonestMuseum {
   std::string name{};
   double share = 0.0;      ///< Served part of what it requested, which is less than its fair share of the farm.
-  double p99_ms = 0.0;     ///< Of its frames.
+  double p99_ms = 0.0;     ///< Time of its frames.
   double p99_ratio = 0.0;  ///< Over its p99 without the greedy museum.
 };
 

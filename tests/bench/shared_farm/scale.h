@@ -13,7 +13,7 @@ struct ScaleFigures {
   int frames = 0;
   double utilisation = 0.0;        ///< Worked part of the nodes' time.
   double head_ms_per_frame = 0.0;  ///< Real processor time of the coordinator's state.
-  double p99_ms = 0.0;             ///< Of the honest museums' frames.
+  double p99_ms = 0.0;             ///< Time of the honest museums' frames.
   int given_up = 0;                ///< Frames of honest museums.
   int starved = 0;                 ///< Honest museums that got less than 95 % of what they requested.
 };

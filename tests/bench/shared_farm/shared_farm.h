@@ -17,7 +17,7 @@
 
 namespace cyclorama {
 
-/// What a museum requests. Times in seconds.
+/// The requests of a museum. Times in seconds.
 struct MuseumDemand {
   std::string name{};
   double frames_per_second = 10.0;
@@ -33,7 +33,7 @@ struct MuseumDemand {
   double until_seconds = 1e9;
 };
 
-/// What a museum got. Times from a view's arrival at the farm to the last byte's departure.
+/// The frames that a museum received. Times from a view's arrival at the farm to the last byte's departure.
 struct MuseumService {
   double cpu_seconds = 0.0;
   int requested = 0;
@@ -82,7 +82,7 @@ class SharedFarm final : private coordinator::CoordinatorDelegate {
   };
   struct Session {
     MuseumDemand demand;
-    std::uint64_t number = 0;  ///< Of the last view.
+    std::uint64_t number = 0;  ///< Number of the last view.
     int in_flight = 0;
     std::map<std::uint64_t, TimePoint> requested_at{};
   };

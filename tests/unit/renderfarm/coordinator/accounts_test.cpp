@@ -99,7 +99,7 @@ TEST(Accounts, let_an_absent_museum_catch_up_with_a_second_of_its_share_and_no_m
   serve(accounts, one, 100.0);
   all[0].waiting = one[0].waiting;
   serve(accounts, all, 100.0, 100.0);
-  const double credit = Accounts::kCreditSeconds / 2.0;  // Of two museums.
+  const double credit = Accounts::kCreditSeconds / 2.0;  // There are two museums.
   EXPECT_NEAR(all[1].got - all[0].got, credit, 0.11);
 }
 

@@ -146,7 +146,7 @@ std::map<std::uint64_t, double> served(RenderQueue& queue, int pieces) {
 TEST(RenderQueue, divides_time_among_accounts_however_many_endless_blocks_they_have) {
   RenderQueue queue;
   queue.add(order_of(1, 1, 1000));
-  queue.add(order_of(2, 2, 1000, 0.5));  // Of twice the weight.
+  queue.add(order_of(2, 2, 1000, 0.5));  // Its weight is twice as large.
   for (std::uint64_t block = 10; block < 74; ++block) queue.add(order_of(3, block, 0));
   auto seconds = served(queue, 4001);
   EXPECT_NEAR(seconds[1], 1.0, 0.003);

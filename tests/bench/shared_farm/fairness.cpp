@@ -53,7 +53,7 @@ std::vector<MuseumDemand> kinds_of_greed() {
   MuseumDemand finest{.name = "4096 samples of ever new views", .frames_per_second = 100.0};
   finest.samples = 4096;
   finest.bounces = 64;
-  MuseumDemand many{.name = "64 sessions", .frames_per_second = 30.0, .samples = 16, .sessions = 54};
+  MuseumDemand many{.name = "54 sessions", .frames_per_second = 30.0, .samples = 16, .sessions = 54};
   MuseumDemand flooding{.name = "1000 views a second, unanswered", .frames_per_second = 1000.0, .samples = 64};
   flooding.ignores_window = true;
   MuseumDemand coming{.name = "sessions of 0.3 s", .frames_per_second = 50.0, .samples = 256, .sessions = 8};

@@ -50,6 +50,20 @@ display::DisplayFrame frame_of(const WalkPose& pose, const PictureShape& shape, 
   return frame;
 }
 
+/// Renders the picture as a node does one that is not denoised.
+render::RenderCost rendered(node::BlockRenderer& renderer, const render::PanoramaView& view, const PixelRect& rect,
+                            RgbImage* ret_pixels, InverseDepthImage* ret_depth) {
+  render::Film film(rect.width, rect.height, false);
+  if (view.depth) {
+    const PixelRect cells = depth_cells(rect);
+    film.depth = InverseDepthImage(cells.width, cells.height);
+  }
+  const render::RenderCost cost = renderer.render_film(view, rect, {0, view.quality.samples}, &film, nullptr);
+  *ret_pixels = renderer.developed(film.mean());
+  *ret_depth = std::move(film.depth);
+  return cost;
+}
+
 }  // namespace
 
 const std::vector<WalkMethod>& walk_methods() {
@@ -104,9 +118,9 @@ Result<display::DisplayFrame> WalkCase::frame_at(const WalkPose& pose, bool with
   view.depth = with_mesh;
   view.quality.stored_light = settings_.frames.stored_light;
   const PixelRect all{0, 0, width_px(picture_), height_px(picture_)};
-  const render::RenderCost cost = settings_.frames.stored_light
-                                      ? renderer_.render(view, all, &pixels, &depth, nullptr)
-                                      : renderer_.render_denoised(view, all, &pixels, &depth, nullptr);
+  const render::RenderCost cost = settings_.frames.stored_light ? rendered(renderer_, view, all, &pixels, &depth)
+                                                                : renderer_.begin_denoised(view, all)->advance(
+                                                                      [] { return false; }, &pixels, &depth);
   sums->cpu_s_per_frame += cost.cpu_seconds;
   display::DisplayFrame frame = frame_of(pose, picture_, pixels);
   const int quality = settings_.frames.jpeg_quality;
@@ -135,8 +149,8 @@ Result<RgbImage> WalkCase::rendered_truth(int refresh) {
   const WalkPose pose = path_.at(refresh);
   RgbImage pixels;
   InverseDepthImage none;
-  renderer_.render(view_of(pose, whole_, settings_.truth_samples), {0, 0, width_px(whole_), height_px(whole_)}, &pixels,
-                   &none, nullptr);
+  rendered(renderer_, view_of(pose, whole_, settings_.truth_samples), {0, 0, width_px(whole_), height_px(whole_)},
+           &pixels, &none);
   TRY(shown_->take(frame_of(pose, whole_, pixels), false));
   return shown_->shown(pose.eye_m, pose.heading_rad, false);
 }

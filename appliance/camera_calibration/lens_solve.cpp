@@ -70,7 +70,7 @@ bool minimise(ceres::Problem* problem) {
   return summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
 }
 
-/// Returns the RMS per axis of residuals in pairs, in units of kUsual_px.
+/// Returns the RMS per axis in pixels, without the largest 5 %, of (u, v) residual pairs given in units of kUsual_px.
 double trimmed_rms_px(const std::vector<double>& residuals) {
   std::vector<double> squares;
   for (std::size_t i = 0; i + 1 < residuals.size(); i += 2) {

@@ -98,7 +98,7 @@ Result<ProcamSelection> select_procam_model(const std::vector<BoardView>& views,
   }
   ProcamChoice min{camera, projector, calibration::LensModel::kPinhole, calibration::LensModel::kPinhole};
   min.starts = 1;
-  // Invalid views are invalid for every model.
+  // Whether the views are valid does not depend on the model, so the smallest model finds any that are not.
   const auto any = solve_procam(views, min);
   if (!any && any.error().code() == ErrorCode::kInvalidArgument) return any.error();
   ProcamSelection selection;

@@ -47,14 +47,16 @@ struct DisplayOptions {
   std::function<void(const RefreshEvent&)> on_refresh;  ///< For tools: called on main for every refresh; may be null.
 };
 
-/// One projection computer's picture, from the tour's tiles to the heads.
+/// Receives one projection computer's picture as tiles and shows it on its heads. Its threads:
 ///
-///   main     serve(): connection, reports, numbers       gRPC's threads  messages -> assembler, headings
-///   decode   x N: JPEG -> pixels                          present         owns GL: draws and shows
+///   main             serve(): connection, reports, state for inspection
+///   gRPC's threads   pass messages to the assembler, and headings to the presenter
+///   decode (N)       decode JPEG tiles
+///   present          owns GL; draws and shows
 ///
-/// Keeps showing the last whole frame whatever happens to the tour, and reconnects to it without end; likewise reopens
-/// an output that was lost. Any client that reaches its port may show patterns in place of the show. Thread-bound to
-/// main.
+/// If the tour is lost, the last complete frame stays on the wall and the display keeps trying to reconnect. An output
+/// that is lost is reopened likewise. Any client that can reach its port may replace the show with patterns. Bound to
+/// the main thread.
 class Display : private FrameSink {
  public:
   /// Opens the output and starts to show. `clock` must outlive it. Errors: kInvalidArgument if an option or the

@@ -48,7 +48,7 @@ class PatternService final : public wire::PatternScreen::Service {
   const Duration timeout_;
   std::atomic<bool> is_open_{false};
   std::uint64_t order_ = 0;  // Order of the newest wall; used by the one stream only.
-  std::mutex mutex_;         // Guards the rest; never taken by the present thread.
+  std::mutex mutex_;         // Guards the members below. Never locked by the presenting thread.
   PatternsShown shown_;
   bool stops_ = false;
   grpc::ServerContext* waiting_ = nullptr;  // The call that waits for an order; null if none does.

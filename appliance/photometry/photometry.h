@@ -76,8 +76,9 @@ struct WallLighting;
 struct Photometry {
   std::vector<PhotometricHead> heads;                  ///< In the order of PhotometryInput::projectors.
   Eigen::Matrix3d wall = Eigen::Matrix3d::Identity();  ///< The common primaries, like PhotometricHead::primaries.
-  std::vector<double> camera_light;  ///< The camera's light at equal steps of its code, 0 to 1; 1 at code 1.
-  double camera_dark_code = 0.0;     ///< Its code in darkness.
+  /// The camera's response: linear light at equally spaced code values from 0 to 1; 1 at code 1.
+  std::vector<double> camera_light;
+  double camera_dark_code = 0.0;  ///< Its code in darkness.
   /// Vignetting: the camera's response to light in its corners relative to its middle.
   double camera_corner = 1.0;
   /// Fraction of the light that the projectors could give together, weighted by solid angle; and the fraction that a

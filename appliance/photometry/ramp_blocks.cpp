@@ -169,7 +169,8 @@ RampBlock block_of(const ProjectorView& view, std::size_t cell, std::size_t chan
   return block;
 }
 
-/// Two exposures of one light are necessary to determine the camera's response.
+/// True if the lit readings include exposures that differ by more than 5 %: without these, the camera's response cannot
+/// be separated from the projectors'.
 bool has_two_exposures(const std::vector<const ProjectorView*>& views) {
   std::set<double> exposures;
   for (const ProjectorView* view : views) {

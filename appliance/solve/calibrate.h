@@ -29,7 +29,8 @@ struct CalibrateOptions {
 
 /// Errors: those of Measurements::validate(), solve_turntable() and, with the projector's name, fit_measured_map(). If
 /// the wall cannot be fitted, a remark says so, since the maps need no wall. A projector that was not seen at all is an
-/// error. Blocks while one thread works per map and per fold; the result does not depend on the threads. Reentrant.
+/// error. Blocks; uses one thread per map and per cross-validation fold. The result does not depend on thread timing.
+/// Reentrant.
 Result<calibration::Calibration> calibrate(const Measurements& measurements, std::string date,
                                            const CalibrateOptions& options = {});
 

@@ -12,9 +12,10 @@ namespace cyclorama::solve {
 
 struct ModelOptions {
   int folds = 3;
-  double tolerance =
-      calibration::kMinModelGain;  ///< A smaller wall model may have a left-out error larger by this fraction,
-  double tolerance_px = 0.005;     ///< or by this much, which nobody sees.
+  /// A smaller wall model is accepted if its held-out error exceeds the best model's by at most this fraction, or by
+  /// `tolerance_px`, which is too small to see.
+  double tolerance = calibration::kMinModelGain;
+  double tolerance_px = 0.005;
   double lens_tolerance_px = 0.02;
   double max_scatter = 0.02;
   double knot_rad = 0.1;  ///< Spacing of the control points of a profile and of a mesh.

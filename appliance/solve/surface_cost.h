@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The residuals of surface_fit.cpp and their derivatives: the distance in projector pixels between the decoded pixel
-/// and the pixel with which a fitted projector would light that point.
+/// The residuals of surface_fit.cpp and their derivatives: the distance, in projector pixels, between the pixel
+/// decoded for a wall point and the pixel with which the fitted projector would light that point.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -60,7 +60,8 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// Returns the distances from a robust plane: from the medians first, then from the samples near them.
+/// Returns the distances of the samples from robustly fitted planes. The first fit uses the samples near the medians,
+/// later ones those near the previous planes.
 std::vector<double> distances_in(const std::vector<Sample>& samples) {
   std::vector<double> xs, ys;
   for (const Sample& s : samples) {

@@ -9,7 +9,7 @@
 
 namespace cyclorama::operations {
 
-/// Returns the board that a sheet of this paper gives.
+/// Returns the board, scaled to fit a sheet of this paper.
 [[nodiscard]] TagBoard board_on(const Paper& paper);
 
 /// Returns the board to print, and a page of instructions for photographing it.

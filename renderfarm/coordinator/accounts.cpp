@@ -59,7 +59,8 @@ double Accounts::floor_of(std::size_t work) const {
 
 Accounts::Turn Accounts::begin(AccountId id, const Demand& demand, TimePoint now) {
   Account& account = accounts_.at(id);
-  account.megapixels.take(demand.megapixels, now);
+  // The farm itself requests the pictures that refine one at rest.
+  if (!demand.at_rest) account.megapixels.take(demand.megapixels, now);
   const WorkClass wanted = demand.at_rest ? WorkClass::kAtRest : WorkClass::kMoving;
   Turn turn{is_over_quota(id, now) ? WorkClass::kSpare : wanted, 0.0, demand.cpu_seconds};
   Flow& flow = account.flows[index_of(turn.work)];

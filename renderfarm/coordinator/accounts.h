@@ -58,7 +58,7 @@ class Accounts {
   /// A node has spent this time for the account. Ignored for an account without a name whose session is closed.
   void charge(AccountId account, WorkClass work, double cpu_seconds, TimePoint now);
 
-  /// Threads of all nodes. They determine how much may be caught up with.
+  /// Sets the number of threads of all nodes, which determines how much an account may catch up.
   void set_threads(double threads) { threads_ = threads; }
   [[nodiscard]] bool is_over_quota(AccountId account, TimePoint now) const;
   [[nodiscard]] double weight(AccountId account) const;

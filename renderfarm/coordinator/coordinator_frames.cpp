@@ -88,7 +88,8 @@ std::vector<AssignedBlock> CoordinatorState::split(SessionId id, Session& sessio
 }
 
 void CoordinatorState::take_turn(Session& session, FrameInFlight* frame) {
-  const Accounts::Demand demand{frame->refines.has_value(), session.frame_cpu_seconds,
+  const bool at_rest = frame->refines.has_value();
+  const Accounts::Demand demand{at_rest, at_rest ? session.refinement_cpu_seconds : session.frame_cpu_seconds,
                                 1e-6 * static_cast<double>(frame->asked_px)};
   frame->turn = accounts_.begin(session.account, demand, clock_.now());
 }
@@ -264,9 +265,9 @@ void CoordinatorState::finish(SessionId id, Session& session, FrameInFlight& fra
   if (session.governed) report.budget_ms = session.governed->governor.budget_ms();
   accounts_.end(session.account, frame.turn);
   // Blocks of a frame that was given up are charged as they end: later than this.
-  const double cost =
-      frame.failure ? std::max(frame.charged_seconds, session.frame_cpu_seconds) : frame.charged_seconds;
-  session.frame_cpu_seconds = std::max(cost, kMinCpuSeconds);
+  double& predicted = frame.refines ? session.refinement_cpu_seconds : session.frame_cpu_seconds;
+  const double cost = frame.failure ? std::max(frame.charged_seconds, predicted) : frame.charged_seconds;
+  predicted = std::max(cost, kMinCpuSeconds);
   if (frame.refines) {
     finish_refined(id, session, frame, report);
   } else {

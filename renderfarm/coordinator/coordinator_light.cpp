@@ -14,7 +14,7 @@
 namespace cyclorama::coordinator {
 namespace {
 
-/// Nodes that still lack light after this time are left out until they have it.
+/// Nodes that still lack light this long after they could fetch it are left out until they have it.
 constexpr Duration kSwitchTimeout = std::chrono::seconds(20);
 /// A node that has not sent its light by then is given up, and another gets the order.
 constexpr Duration kSendTimeout = std::chrono::seconds(60);
@@ -74,7 +74,7 @@ Status CoordinatorState::scene_light(NodeId id, Node& node, const wire::SceneLig
 void CoordinatorState::light_stored(const std::string& version) {
   for (auto& [scene, light] : lights_) {
     if (light.target.version() != version) continue;
-    light.is_stored = true;
+    if (!light.stored_at) light.stored_at = clock_.now();
     follow_light(scene);
   }
 }
@@ -95,7 +95,7 @@ std::size_t CoordinatorState::nodes_with_light(const std::string& scene, const s
 }
 
 void CoordinatorState::choose_light(const std::string& scene, SceneLightState& light) {
-  if (!light.target.version().empty() && (light.is_stored || nodes_with_light(scene, light.target.version()) > 0))
+  if (!light.target.version().empty() && (light.stored_at || nodes_with_light(scene, light.target.version()) > 0))
     return;
   // The version that most nodes have; of several, the first by name, so that a restarted coordinator chooses the same.
   std::map<std::string, std::pair<std::size_t, std::uint64_t>> counts;
@@ -111,8 +111,7 @@ void CoordinatorState::choose_light(const std::string& scene, SceneLightState& l
   if (most == counts.end() && light.target.version().empty()) return;
   light.target.Clear();
   light.sending = {};
-  light.is_stored = false;
-  light.known_since = clock_.now();
+  light.stored_at.reset();
   if (most == counts.end()) return;
   light.target.set_version(most->first);
   light.target.set_bytes(most->second.second);
@@ -128,7 +127,7 @@ void CoordinatorState::spread_light(const std::string& scene, SceneLightState& l
   for (auto& [id, node] : nodes_) {
     if (!node.has(scene) || node.has_light(scene, version)) continue;
     Node::LoadedScene& lacking = node.scenes.at(scene);
-    if (light.is_stored) {
+    if (light.stored_at) {
       if (lacking.offered_light == version && now - lacking.light_offered_at < kOfferTimeout) continue;
       lacking.offered_light = version;
       lacking.light_offered_at = now;
@@ -141,9 +140,11 @@ void CoordinatorState::spread_light(const std::string& scene, SceneLightState& l
     const auto sending = nodes_.find(light.sending);
     const bool is_sending = sending != nodes_.end() && sending->second.has_light(scene, version);
     if (is_sending && now - light.send_ordered_at < kSendTimeout) return;
-    const auto holder = std::ranges::find_if(nodes_, [&](const auto& entry) {
+    // Another node if there is one; the same one may have failed for a reason that has passed.
+    auto holder = std::ranges::find_if(nodes_, [&](const auto& entry) {
       return entry.second.has_light(scene, version) && (!is_sending || entry.first != light.sending);
     });
+    if (holder == nodes_.end()) holder = sending;
     if (holder == nodes_.end()) return;
     light.sending = holder->first;
     light.send_ordered_at = now;
@@ -167,10 +168,11 @@ void CoordinatorState::switch_light(const std::string& scene, SceneLightState& l
   if (version.empty() || version == light.in_use || nodes_with_light(scene, version) == 0) return;
   const auto is_awaited = [&](const auto& entry) {
     const Node& node = entry.second;
-    return node.has(scene) && node.late_for.empty() && !node.status.draining() && !node.has_light(scene, version) &&
+    return node.has(scene) && node.late_for.size() <= 1 && !node.status.draining() && !node.has_light(scene, version) &&
            !node.scenes.at(scene).has_failed_to_use;
   };
-  if (std::ranges::any_of(nodes_, is_awaited) && clock_.now() - light.known_since < kSwitchTimeout) return;
+  const bool has_waited = light.stored_at && clock_.now() - *light.stored_at >= kSwitchTimeout;
+  if (!has_waited && std::ranges::any_of(nodes_, is_awaited)) return;
   use_light(scene, light, version);
   delegate_.notice(fmt::format("scene '{}' has its light computed: moving pictures use it from now on (version {})",
                                scene, short_version(version)),

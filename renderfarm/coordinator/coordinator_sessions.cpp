@@ -14,6 +14,9 @@
 namespace cyclorama::coordinator {
 namespace {
 
+/// More would show no difference, and the samples of a cell are traced together: no other museum's block goes first.
+constexpr std::uint32_t kMaxStoredLightSamples = 64;
+
 Status check_quota(const char* what, std::uint32_t requested, int granted) {
   if (static_cast<std::int64_t>(requested) <= granted) return Done{};
   return Error(ErrorCode::kInvalidArgument,
@@ -139,6 +142,10 @@ Status CoordinatorState::request_view(Session& session, const wire::View& view, 
   }
   TRY(check_quota("samples", view.samples(), session.grant.samples));
   TRY(check_quota("bounces", view.bounces(), session.grant.bounces));
+  if (view.stored_light() && view.samples() > kMaxStoredLightSamples) {
+    return Error(ErrorCode::kInvalidArgument, fmt::format("view.samples is {}; with stored light it is at most {}",
+                                                          view.samples(), kMaxStoredLightSamples));
+  }
   if (view.number() <= session.newest_view) {
     return Error(ErrorCode::kInvalidArgument,
                  fmt::format("view.number is {} after {}; it must increase", view.number(), session.newest_view));

@@ -87,8 +87,10 @@ struct Session {
   std::unique_ptr<balance::Balancer> balancer{};
   std::unique_ptr<GovernorState> governed{};  ///< Null: each view sets its own quality.
   AccountId account{};
-  bool costs_known = false;                   ///< A frame was measured, so forecasts have a basis.
-  double frame_cpu_seconds = 0.05;            ///< The charge of its last frame, which predicts that of the next one.
+  bool costs_known = false;  ///< A frame was measured, so forecasts have a basis.
+  /// The charge of its last moving frame and of its last refinement; each predicts that of the next one of its kind.
+  double frame_cpu_seconds = 0.05;
+  double refinement_cpu_seconds = 0.05;
   double pace_seconds = kInitialPaceSeconds;  ///< Recent frame time: a maximum that decays slowly.
   TimePoint next_due = TimePoint::max();      ///< Next deadline of the foremost frame.
   std::uint64_t watermark = 0;                ///< Watermark in wire::RenderBlock.
@@ -121,7 +123,7 @@ struct Node {
     /// Speed of one of the node's threads in this scene, relative to the threads of the first node.
     double speed = 1.0;
     TimePoint asked_at{};                    ///< Time of the order to load the scene.
-    std::deque<wire::LightVersion> light{};  ///< Versions of its light that the node has; the newest first.
+    std::deque<wire::LightVersion> light{};  ///< Versions of the scene's light that the node has, newest first.
     bool can_compute_light = false;
     bool has_failed_to_compute = false;  ///< It could not compute light, and gets no further order to.
     bool has_failed_to_use = false;      ///< It could not fetch or use the current light.
@@ -159,11 +161,10 @@ struct Node {
 
 /// The farm's knowledge of the light of a scene.
 struct SceneLightState {
-  std::string in_use{};         ///< Version that new frames name; empty: their paths are traced.
-  wire::LightVersion target{};  ///< The one that all nodes shall have; empty: none is known.
-  TimePoint known_since{};      ///< Time when the target was chosen.
-  bool is_stored = false;       ///< The coordinator has the target's file.
-  NodeId sending{};             ///< The node that got the order to send it.
+  std::string in_use{};                  ///< Version that new frames name; empty: their paths are traced.
+  wire::LightVersion target{};           ///< The one that all nodes shall have; empty: none is known.
+  std::optional<TimePoint> stored_at{};  ///< Time from which the coordinator has the target's file; null: it has not.
+  NodeId sending{};                      ///< The node that got the order to send it.
   TimePoint send_ordered_at{};
   NodeId computing{};           ///< The node that got the order to compute light.
   TimePoint gathering_since{};  ///< Last time when no node could compute any.

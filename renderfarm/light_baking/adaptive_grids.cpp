@@ -115,11 +115,9 @@ class GridSpender {
   std::vector<SideGrids> finish() {
     std::vector<SideGrids> sides(sides_.size());
     for (const Entry& entry : entries_) {
-      if (entry.grid.wants_step() && entry.grid.parts == 0 && entry.grid.is_wide) {
-        sides[entry.side].unresolved.push_back(entry.grid.triangle);
-      }
+      if (entry.grid.is_unresolved()) sides[entry.side].unresolved.push_back(entry.grid.triangle);
     }
-    std::erase_if(entries_, [](const Entry& entry) { return entry.grid.parts == 0; });
+    std::erase_if(entries_, [](const Entry& entry) { return entry.grid.parts == 0 || entry.grid.is_unresolved(); });
     std::vector<MadeGrid> made(entries_.size());
     tbb::parallel_for(std::size_t{0}, (entries_.size() + kGridsPerChunk - 1) / kGridsPerChunk, [&](std::size_t chunk) {
       const double before = thread_cpu_seconds();

@@ -21,7 +21,7 @@ struct BakeSettings {
   /// Error between the vertices above which a triangle may get a grid, relative to the light there and `dim_light`.
   double probe_error = 0.02;
   float dim_light = 0.0f;  ///< Radiance that looks dark on the wall; bake_light() derives it from the scene's exposure.
-  int max_parts = 32;      ///< Upper bound of a grid's parts along an edge; a power of two up to 256.
+  int max_parts = 128;     ///< Upper bound of a grid's parts along an edge; a power of two up to 256.
   /// Budget for all samples, per triangle of the scene, but at least `min_bytes`. Grids are made where they reduce the
   /// error most.
   double bytes_per_triangle = 12.0;

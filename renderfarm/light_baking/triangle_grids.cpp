@@ -21,11 +21,10 @@ constexpr double kNearer = 0.7;
 constexpr int kManyParts = 16;
 /// Probes may differ by this many standard errors before they count.
 constexpr float kSigmas = 2.5f;
-/// Points near a triangle's corners for visibility tests lie this far towards its middle.
+/// Points at a triangle's corners are moved towards its middle by this fraction, away from its neighbours.
 constexpr float kInwards = 0.02f;
-/// Number of probes of a triangle, and of a triangle of kHugeParts or more, in which a small shadow must be found.
+/// Upper bound of the probes of a triangle.
 constexpr int kMaxProbes = 6;
-constexpr int kHugeProbes = 16;
 /// Lamps' light whose range around a triangle is a smaller share of it is smooth. If it bends evenly over that range, the
 /// light between the vertices is off by an eighth of this.
 constexpr float kSmoothRange = 0.08f;
@@ -34,6 +33,7 @@ constexpr int kMinSmoothProbed = 8;
 /// A grid begins with this share of the parts that visitors could see, up to kMaxStart.
 constexpr int kStartShare = 8;
 constexpr int kMaxStart = 4;
+constexpr int kHugeStart = 16;  ///< Parts with which the grid of a triangle of kHugeParts or more begins.
 /// Probes of a large triangle, and rays of each, that look for light from other surfaces.
 constexpr int kSurfaceProbes = 3;
 constexpr int kSurfaceProbeRays = 16;
@@ -43,6 +43,8 @@ constexpr int kHugeSurfaceParts = 16;
 constexpr int kHugeParts = 64;
 /// A triangle with this many visible parts is wide: some 20 degrees of the picture.
 constexpr double kWideParts = 128.0;
+/// Parts that a visitor could tell apart, for each part of a grid, beyond which paths are traced instead.
+constexpr double kMaxCoarseness = 16.0;
 /// Steps from a sample to its neighbours, chosen so that each pair occurs once.
 constexpr std::array<std::pair<int, int>, 3> kNeighbours = {{{1, 0}, {0, 1}, {-1, 1}}};
 const Vec3 kMiddle = Vec3::Constant(1.0f / 3.0f);
@@ -66,8 +68,16 @@ double visible_parts(const render::Placement& placement, const SeenTriangle& see
          (kNearer * static_cast<double>(seen.distance) * settings.pixels_per_sample * pixel_rad);
 }
 
+bool GridInWork::is_huge() const { return visible_parts >= kHugeParts; }
+
+bool GridInWork::is_unresolved() const {
+  if (!(squared_error > 0.0f)) return false;
+  return parts == 0 ? visible_parts >= kWideParts : visible_parts > kMaxCoarseness * parts;
+}
+
 int GridInWork::next_parts() const {
   if (parts > 0) return 2 * parts;
+  if (is_huge()) return std::min(max_parts, kHugeStart);
   return std::min(max_parts, std::clamp(max_parts / kStartShare, 2, kMaxStart));
 }
 
@@ -148,8 +158,9 @@ class GridMaker {
     candidate.triangle = seen.triangle;
     const double most = std::min(parts, static_cast<double>(settings_.max_parts));
     candidate.max_parts = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(most))));
-    candidate.is_wide = parts >= kWideParts;
-    candidate.needs_surfaces = candidate.max_parts > kManyParts;
+    candidate.visible_parts = parts;
+    candidate.needs_surfaces = candidate.is_huge();
+    candidate.is_needed = candidate.is_huge();
     for (const std::size_t base : base_of(seen.triangle)) candidate.is_needed |= !side_.points[base].exists();
     candidate.is_smooth = is_smooth(seen.triangle);
     candidates_.push_back(std::move(candidate));
@@ -223,7 +234,7 @@ class GridMaker {
   [[nodiscard]] static bool is_large(const GridInWork& candidate) { return candidate.max_parts >= kManyParts; }
   [[nodiscard]] static int probes_of(const GridInWork& candidate) {
     if (candidate.is_smooth && !is_large(candidate)) return candidate.max_parts < kMinSmoothProbed ? 0 : 1;
-    return candidate.max_parts >= kHugeParts ? kHugeProbes : std::clamp(candidate.max_parts / 4, 2, kMaxProbes);
+    return std::clamp(candidate.max_parts / 4, 2, kMaxProbes);
   }
 
   /// A point at which the light is compared with that of the vertices.
@@ -396,7 +407,7 @@ class GridMaker {
         error = std::max(error, side_.light[i].surfaces.error);
       }
     } else {
-      parts = std::min(grid->parts, candidate.max_parts >= kHugeParts ? kHugeSurfaceParts : kSurfaceParts);
+      parts = std::min(grid->parts, candidate.is_huge() ? kHugeSurfaceParts : kSurfaceParts);
       // Interpolation in a coarse grid would let light through an object that stands on the triangle.
       if (std::ranges::count(grid->separate, 1) > 0) parts = grid->parts;
       const std::vector<LightSpot> points = grid_points(candidate, parts, 10'000);

@@ -51,10 +51,10 @@ struct ProbeLight {
 /// A triangle that may get a grid, with the samples that it has so far.
 struct GridInWork {
   std::uint32_t triangle = 0;
-  int max_parts = 1;       ///< Finest parts that a visitor could tell apart, within the settings; a power of two.
-  bool is_smooth = false;  ///< The lamps' light hardly varies between its corners and around them.
-  bool is_wide = false;    ///< Covers so much of a picture that vertices alone would show.
-  int parts = 0;         ///< 0: only the vertices' samples.
+  int max_parts = 1;           ///< Finest parts that a visitor could tell apart, within the settings; a power of two.
+  double visible_parts = 1.0;  ///< The same without the settings' limit.
+  bool is_smooth = false;      ///< The lamps' light hardly varies between its corners and around them.
+  int parts = 0;               ///< 0: only the vertices' samples.
   /// Mean squared error of the interpolation between its samples, relative to the light there plus `dim_light`, without
   /// the noise of the measurement.
   float squared_error = 0.0f;
@@ -66,6 +66,10 @@ struct GridInWork {
 
   /// Returns true if a step could improve it.
   [[nodiscard]] bool wants_step() const { return squared_error > 0.0f && parts < max_parts; }
+  /// Returns true if a few probes cannot rule out a shadow, so that it always gets a grid.
+  [[nodiscard]] bool is_huge() const;
+  /// Returns true if its grid, or the vertices without one, is too coarse to show the light that varies on it.
+  [[nodiscard]] bool is_unresolved() const;
   [[nodiscard]] int next_parts() const;
   /// Returns the samples that the next step adds.
   [[nodiscard]] int step_samples() const;

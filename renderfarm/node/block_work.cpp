@@ -187,7 +187,10 @@ bool BlockWork::finish_prior(const PixelRect& tile, const Stop& stop) {
   if (film.width() == 0) film = render::Film(tile.width, tile.height, false);
   render::PanoramaView view = view_;
   view.quality.stored_light = true;
-  view.quality.sequence = 0;  // These are the samples of the moving picture.
+  // These are the samples of the moving picture, whichever step of the refinement needs them.
+  view.quality.first_sample = 0;
+  view.quality.samples = samples;
+  view.quality.sequence = 0;
   add_cost(order_->renderer->render_film(view, tile, {0, samples}, &film, stop), tile);
   if (stop()) return false;
   tracing_->prior = film.mean();

@@ -25,18 +25,6 @@ std::string name_of(const std::string& path) {
   return fmt::format("{:016x}.store", hash);
 }
 
-/// Removes the incomplete files of killed computations: the file's name with six more characters.
-void remove_left_over(const fs::path& file) {
-  const std::string begin = file.filename().string() + ".";
-  std::error_code error;
-  std::vector<fs::path> left_over;
-  for (fs::directory_iterator at(file.parent_path(), error), end; !error && at != end; at.increment(error)) {
-    const std::string name = at->path().filename().string();
-    if (name.starts_with(begin) && name.size() == begin.size() + 6) left_over.push_back(at->path());
-  }
-  for (const fs::path& path : left_over) fs::remove(path, error);
-}
-
 void remove_oldest(const fs::path& folder) {
   std::vector<std::pair<fs::file_time_type, fs::path>> files;
   std::error_code error;
@@ -68,9 +56,20 @@ Result<fs::path> LightFiles::prepare(const std::string& path) const {
     return Error::from_errno(fmt::format("writing to '{}'", file.parent_path().string()))
         .while_doing("give the node a cache for computed light");
   }
-  remove_left_over(file);
   if (!cache_.empty()) remove_oldest(file.parent_path());
   return file;
+}
+
+void LightFiles::remove_left_over(const fs::path& file) {
+  // They have the name of the file with six more characters.
+  const std::string begin = file.filename().string() + ".";
+  std::error_code error;
+  std::vector<fs::path> left_over;
+  for (fs::directory_iterator at(file.parent_path(), error), end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    if (name.starts_with(begin) && name.size() == begin.size() + 6) left_over.push_back(at->path());
+  }
+  for (const fs::path& path : left_over) fs::remove(path, error);
 }
 
 }  // namespace cyclorama::node

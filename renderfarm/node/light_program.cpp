@@ -22,7 +22,7 @@
 namespace cyclorama::node {
 namespace {
 
-/// Approximate shares of the time: reading the scene, building its BVH, then light.
+/// Approximate progress after reading the scene and after building its BVH. Computing the light takes the rest.
 constexpr double kReadShare = 0.03;
 constexpr double kBuiltShare = 0.05;
 constexpr std::size_t kMaxErrorBytes = 1000;

@@ -112,6 +112,7 @@ void LightWorker::begin(const Wanted& wanted) {
   std::shared_ptr<LightComputation> started;
   if (auto file = files_.prepare(wanted.path)) {
     file_ = *std::move(file);
+    LightFiles::remove_left_over(file_);
     if (auto computation = starter_(wanted.path, file_)) {
       started = *std::move(computation);
     } else {

@@ -3,36 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <utility>
-
-#include "common/base/clock.h"
 #include "common/base/text.h"
 #include "renderfarm/node/coordinator_files.h"
+#include "renderfarm/node/retry.h"
 #include "renderfarm/scene_distribution/sha256.h"
 
 namespace cyclorama::node {
-namespace {
-
-constexpr Duration kFirstRetry = std::chrono::milliseconds(100);
-constexpr Duration kMaxRetryDelay = std::chrono::seconds(2);
-constexpr Duration kLook = std::chrono::milliseconds(50);
-
-bool may_pass(const Error& error) {
-  return error.code() == ErrorCode::kUnavailable || error.code() == ErrorCode::kTimedOut ||
-         error.code() == ErrorCode::kBusy;
-}
-
-/// Returns false if cancelled meanwhile.
-bool wait(Duration delay, const std::function<bool()>& cancelled) {
-  const SteadyClock clock;
-  const TimePoint end = clock.now() + delay;
-  while (clock.now() < end && !cancelled()) clock.wait_until(std::min(end, clock.now() + kLook));
-  return !cancelled();
-}
-
-}  // namespace
-
 std::optional<scene_distribution::SceneCache::Held> SceneFetcher::found_before(const wire::LoadScene& order) const {
   const auto known = found_.find(order.digest());
   if (!order.path().empty() || known == found_.end()) return std::nullopt;
@@ -66,15 +42,17 @@ Result<scene_distribution::SceneCache::Held> SceneFetcher::find(const wire::Load
     report_progress(fmt::format("{} scene '{}': {:.0f} %", doing, scene, 100.0 * fraction));
     return !cancelled();
   };
-  for (Duration delay = kFirstRetry;; delay = std::min(2 * delay, kMaxRetryDelay)) {
-    const auto files = source.list(order.digest());
-    auto held = files ? cache_->bring(*files, source, progress) : Error(files.error());
-    if (held) found_[order.digest()] = held->path;
-    if (held || !may_pass(held.error())) return held;
-    report_progress(fmt::format("fetching scene '{}': {}; trying again", scene, held.error().message()));
-    if (!wait(delay, cancelled))
-      return Error(ErrorCode::kUnavailable, "given up: the coordinator is gone, or no longer needs the scene");
-  }
+  auto held = retried(
+      [&] {
+        const auto files = source.list(order.digest());
+        return files ? cache_->bring(*files, source, progress) : Error(files.error());
+      },
+      [&](const Error& error) {
+        report_progress(fmt::format("fetching scene '{}': {}; trying again", scene, error.message()));
+      },
+      cancelled);
+  if (held) found_[order.digest()] = held->path;
+  return held;
 }
 
 }  // namespace cyclorama::node

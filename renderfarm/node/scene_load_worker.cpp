@@ -10,6 +10,7 @@
 #include "common/base/text.h"
 #include "renderfarm/light/light_file.h"
 #include "renderfarm/node/coordinator_files.h"
+#include "renderfarm/node/retry.h"
 #include "renderfarm/scene_distribution/sha256.h"
 
 namespace cyclorama::node {
@@ -127,7 +128,10 @@ Result<VersionedLight> SceneLoadWorker::light_of(const NodeLink& link, const wir
   if (order.light().bytes() > kMaxLightBytes) return Error(ErrorCode::kBadData, "the coordinator's light is too large");
   const std::function<bool()> cancelled = [&] { return link.is_closed() || is_stopping(); };
   CoordinatorFiles coordinator(link.files(), cancelled);
-  TRY_ASSIGN(const std::vector<std::byte> file, coordinator.whole(order.light().version(), order.light().bytes()));
+  TRY_ASSIGN(const std::vector<std::byte> file,
+             retried([&] { return coordinator.whole(order.light().version(), order.light().bytes()); },
+                     [&](const Error& error) { set_state("fetching light: " + error.message() + "; trying again"); },
+                     cancelled));
   TRY_ASSIGN(VersionedLight light, renderer.add_light(file, "light of scene '" + printable(order.scene()) + "'"));
   // Without the copy, the light is fetched again after the node's next start.
   if (const auto copy = lights_.prepare(scenes_.path_of(link.id(), order.scene()))) {

@@ -67,10 +67,10 @@ class RayCamera {
     float viewer[3] = {0, 0, 0};
     float upper_side = 0.0f, lower_side = 0.0f;  ///< Metres to the right of the viewer, above and below `seam_y`.
     float seam_y = 0.0f;
-    float seam_height = 0.0f;    ///< Subtracted from y below the seam, in pixels.
+    float seam_height = 0.0f;       ///< Subtracted from y below the seam, in pixels.
     float inverse_screen_m = 0.0f;  ///< 1 / screen distance.
-    float right[3] = {1, 0, 0};  ///< Perspective only.
-    float pole_fade = 0.0f;      ///< Full spheres: horizontal length of a direction below which the eyes converge.
+    float right[3] = {1, 0, 0};     ///< Perspective only.
+    float pole_fade = 0.0f;         ///< Full spheres: horizontal length of a direction below which the eyes converge.
   };
 
  private:

@@ -79,7 +79,7 @@ bool find_contrast(const TraceView& view, const TraceCell& cell, CellFilm& film)
           largest = std::max(largest, std::abs(shown[static_cast<std::size_t>(ny * kCellPx + nx)] - shown[pixel]));
         }
       }
-      film.active[pixel] = largest > contrast;
+      film.active[pixel] = largest > contrast || film.lacks_light[pixel];
       any |= film.active[pixel];
     }
   }

@@ -13,8 +13,8 @@ std::uint64_t sample_cell(const TraceScene& scene, ShadeStage shade, const Trace
                           PathBatch& batch, CellFilm& film);
 
 /// Marks in film.active the pixels of the cell whose displayed luminance differs from a neighbour's by more than a few
-/// codes: edges and fine texture. Returns whether there are any. Source: Mitchell, "Generating Antialiased Images at Low
-/// Sampling Densities", 1987.
+/// codes (edges and fine texture), and those that lack stored light. Returns whether there are any. Source: Mitchell,
+/// "Generating Antialiased Images at Low Sampling Densities", 1987.
 bool find_contrast(const TraceView& view, const TraceCell& cell, CellFilm& film);
 
 /// Marks in film.active the pixels of the cell that need more samples. Returns whether there are any.

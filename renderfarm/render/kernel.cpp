@@ -169,6 +169,7 @@ void CellFilm::clear() {
   normal.fill(Vec3::Zero());
   distance.fill(0.0f);
   active.fill(true);
+  lacks_light.fill(false);
   nearest_m.fill(kFar);
   light = 0.0;
   removed_light = 0.0;

@@ -57,6 +57,8 @@ struct CellFilm {
   std::array<Vec3, kCellPixels> normal;
   std::array<float, kCellPixels> distance;
   std::array<bool, kCellPixels> active;  ///< Pixels that need more samples.
+  /// Pixels that show a surface without stored light, so that their samples are noisy.
+  std::array<bool, kCellPixels> lacks_light;
   /// Distance along its ray of the nearest surface that the eye sees in each cell of depth, in metres, in rows of
   /// kDepthsPerSide. Infinite where it sees none, and unless the view requests depth.
   std::array<float, kCellDepths> nearest_m;

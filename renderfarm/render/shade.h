@@ -180,7 +180,9 @@ class Shade {
     const Scatter scattering(shading.bsdf, shading.normal, wo);
     if (view_.features && ray.surfaces == 0) keep_features(i, ray, shading, scattering.albedo());
     shine_eye_lamp(i, ray, point, scattering, wo);
-    if (const std::optional<Vec3> stored = stored_light(hit, triangle, point, shading.normal)) {
+    const std::optional<Vec3> stored = stored_light(hit, triangle, point, shading.normal);
+    if (ray.surfaces == 0 && !stored) film_.lacks_light[pixel_of(ray)] = true;
+    if (stored) {
       return shine_stored_light(i, ray, point, shading, wo, footprint.width, *stored);
     }
     shine_ambient(ray, scattering);

@@ -7,11 +7,12 @@ namespace cyclorama::scene {
 
 /// Doubled area of a model's triangles by the axis that they face.
 struct Facings {
-  Eigen::Vector3d both = Eigen::Vector3d::Zero();     ///< Along the axis, either way.
+  Eigen::Vector3d both = Eigen::Vector3d::Zero();  ///< Along the axis, either way.
   /// Area that faces the axis's positive end minus the area that faces its negative end.
   Eigen::Vector3d surplus = Eigen::Vector3d::Zero();
 
-  /// True if the model is open and shows its back to a viewer who looks against the axis. A closed body has no surplus.
+  /// True if the model is open and shows its back to a viewer on the axis's positive side. The surplus of a closed body
+  /// is 0.
   [[nodiscard]] bool shows_back(Eigen::Index axis) const { return surplus[axis] < -0.5 * both[axis]; }
 };
 

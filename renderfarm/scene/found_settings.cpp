@@ -68,7 +68,7 @@ FoundSettings before_object(const Model& model, const Eigen::AlignedBox3d& bound
   // Keeps the object between tangents of -0.5 and 0.3: a wall 2.6 m high, 3 m away.
   constexpr double kDistanceByHeight = 1.3;
   constexpr double kDistanceByWidth = 0.8;
-  // For an object of human height, so that steps there have their usual length.
+  // Viewing distance of an object as tall as a person; steps have their usual length at this distance.
   constexpr double kUsualDistanceM = 2.5;
   const Eigen::Vector3d size = bounds.sizes();
   const Eigen::Vector3d middle = bounds.center();

@@ -33,8 +33,8 @@ class ViewGuard {
   static constexpr double kHeightM = 1.0;          ///< Above and below the start and the stops.
   static constexpr double kPaceMPerS = 2.0;        ///< Twice a tour's own limit; times the scene's walking scale.
   static constexpr double kPaceReserveM = 4.0;     ///< May be walked at once after a rest; scaled likewise.
-  static constexpr double kMaxEyeDistanceM = 0.1;  ///< Between two eyes. Adults have about 0.063 m.
-  static constexpr double kMaxPxPerRad = 6000.0;   ///< An eye resolves about 3400 lines per radian.
+  static constexpr double kMaxEyeDistanceM = 1.0;  ///< Between two eyes: the limit of installation.toml.
+  static constexpr double kMaxPxPerRad = 20000.0;  ///< A panel of 4K seen from 5 m; an eye resolves some 3400.
 
  private:
   using Point = std::array<double, 2>;  ///< (x, z).

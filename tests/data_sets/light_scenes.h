@@ -124,7 +124,7 @@ inline constexpr double kMaxCodes = 4.0;
 /// Compares pictures with stored light to converged ones.
 inline LightDifference light_difference(const render::Renderer& renderer, render::PanoramaView view,
                                         int reference_samples) {
-  view.quality.samples = 16;
+  view.quality.samples = 64;  // Noise of what is traced would make the mean of the codes darker.
   view.quality.bounces = renderer.scene().bounces;
   view.quality.stored_light = true;
   const scene::ToneCurve tone = renderer.scene().tone;

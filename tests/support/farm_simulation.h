@@ -59,6 +59,7 @@ class FarmSimulation {
     report.mutable_scene_loaded()->set_scene("grotto");
     *report.mutable_scene_loaded()->mutable_description() = fake_scene("grotto");
     report.mutable_scene_loaded()->set_can_compute_light(can_compute_light);
+    report.mutable_scene_loaded()->set_memory_bytes(scene_memory_bytes);
     if (scene_bounces) report.mutable_scene_loaded()->set_bounces(*scene_bounces);
     state.node_reported(id, report);
     delegate.commands[id].clear();
@@ -159,6 +160,7 @@ class FarmSimulation {
   std::size_t depth_bytes = 5;  ///< Size of a tile's depth, if the view requests it.
   bool sends_depth_unasked = false;
   bool can_compute_light = false;                ///< Nodes could compute the scene's light.
+  std::uint64_t scene_memory_bytes = 0;          ///< As nodes added from now on report it.
   std::optional<std::uint32_t> scene_bounces{};  ///< Stated by nodes that load the scene.
   std::map<coordinator::NodeId, double> slowed;  ///< Slowdown factor of each node by other work on its host.
 

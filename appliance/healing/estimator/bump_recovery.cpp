@@ -245,7 +245,7 @@ bool ContinuousCalibrator::State::accept_some(const MovedBodies& movers, TimePoi
 }
 
 bool ContinuousCalibrator::State::accept(const MovedBodies& movers, TimePoint now, ShowReport* report) {
-  // A camera's tallies are its own; a projector's are summed over the cameras.
+  // Sums the tallies of each body: over the cameras for a projector, over the projectors for a camera.
   const auto sums = [&](const std::vector<CameraObservation>& all) {
     std::vector<PatchTally> bodies_fit(bodies());
     for (const CameraObservation& look : all) {

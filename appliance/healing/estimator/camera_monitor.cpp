@@ -10,7 +10,8 @@
 namespace cyclorama::healing {
 namespace {
 
-// About a twentieth of a projector's pixel: patches measure relative to the prediction, whatever its pose was.
+// Predictions are reused for pose changes below these limits, about a twentieth of a projector pixel. Patch shifts stay
+// valid because they are measured relative to the pose of the prediction.
 constexpr double kSameTurn_rad = 3e-5;
 constexpr double kSameShift_m = 1e-4;
 

@@ -53,7 +53,7 @@ void climb(const SummedShare& share, HeadCandidate* position) {
 struct Span {
   double left = 0.0;
   double right = 0.0;
-  bool left_ends = false;  ///< True if the room begins there; else another person does.
+  bool left_ends = false;  ///< True if the silhouette ends there; false at another person or the picture's border.
   bool right_ends = false;
 };
 

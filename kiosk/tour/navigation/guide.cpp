@@ -24,7 +24,8 @@ constexpr double kAlmostM = 0.15;
 constexpr auto kAlmost = std::chrono::milliseconds(500);
 constexpr double kGlanceRad = 0.14;
 constexpr double kLookAroundRadPerSecond = 0.10;
-constexpr std::size_t kMaxPathCorners = 128;  // Takes some milliseconds, once for each stop.
+// With more corners than this, the guide walks straight to the stop. The search takes a few milliseconds per stop.
+constexpr std::size_t kMaxPathCorners = 128;
 constexpr auto kDwell = std::chrono::seconds(8);
 constexpr auto kStuckTimeout = std::chrono::seconds(4);
 

@@ -46,10 +46,13 @@ void refuse_long_glide(ConfigTable& walk, const std::string& key, double speed, 
                                seconds, kMaxGlideS));
 }
 
+/// Metres per second: beyond, a farm takes the walk for no visitor's (renderfarm/trust/view_guard.h).
+constexpr Range kSpeed{0.0, 2.0};
+
 void read_walk(ConfigTable walk, NavigationSettings* ret_settings) {
   WalkLimits& limits = ret_settings->limits;
-  limits.forward_m_per_s = walk.number("forward_m_per_s", {0.0, 10.0}, limits.forward_m_per_s);
-  limits.sideways_m_per_s = walk.number("sideways_m_per_s", {0.0, 10.0}, limits.sideways_m_per_s);
+  limits.forward_m_per_s = walk.number("forward_m_per_s", kSpeed, limits.forward_m_per_s);
+  limits.sideways_m_per_s = walk.number("sideways_m_per_s", kSpeed, limits.sideways_m_per_s);
   limits.turn_rad_per_s = kDegree * walk.number("turn_deg_per_s", {0.0, 180.0}, degrees(limits.turn_rad_per_s));
   limits.acceleration_m_per_s2 = walk.number("acceleration_m_per_s2", {0.01, 100.0}, limits.acceleration_m_per_s2);
   limits.jerk_m_per_s3 = walk.number("jerk_m_per_s3", {0.01, 10000.0}, limits.jerk_m_per_s3);

@@ -71,11 +71,11 @@ struct TourSettings {
 /// next at 10 frames a second; 8 degrees at the default turn rate.
 [[nodiscard]] double default_guard_rad(const WalkLimits& limits);
 
-/// Returns the guard band for walking, which is added on all sides to the one for turns: the angle by which surfaces in
-/// front of the visitor change their direction while a frame is shown. A view is requested for the middle of that time
-/// (prediction.h), so at full speed the eye is at most half an interval away from it. A new command after the request
-/// moves the eye as well, but the two do not add up: a walk at full speed does not accelerate further. 2.3 degrees at
-/// the default limits.
+/// Returns the guard band for walking, which is added on all sides to the guard band for turning. It is the angle by
+/// which the direction to nearby surfaces changes while a frame is shown. Each view is requested for the middle of that
+/// time (prediction.h), so at full speed the eye moves for at most half a frame interval before or after it. A command
+/// that arrives after the request also moves the eye, but the two effects do not add up: at full speed the visitor
+/// cannot accelerate further. With the default limits, the result is 2.3 degrees.
 [[nodiscard]] double walk_guard_rad(const WalkLimits& limits);
 
 /// Returns the settings without a file.

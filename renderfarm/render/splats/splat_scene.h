@@ -26,7 +26,7 @@ inline constexpr float kMinSplatTransmittance = 1e-4f;
 /// Light and shade that a ray gathers from splats.
 struct SplatLight {
   Vec3 colour = Vec3::Zero();  ///< Weighted by opacity; in code values unless SplatScene::is_linear().
-  float transmittance = 1.0f;  ///< Part of what is behind that is seen.
+  float transmittance = 1.0f;  ///< Fraction of the light from behind that passes through.
   float depth_m = std::numeric_limits<float>::infinity();  ///< Distance at which half of the ray is stopped.
 };
 

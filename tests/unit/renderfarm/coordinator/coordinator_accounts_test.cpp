@@ -163,12 +163,8 @@ TEST(CoordinatorAccounts, refuse_views_beyond_the_grant) {
 TEST(CoordinatorAccounts, refuse_a_scene_for_which_the_museum_has_no_memory_left) {
   for (const double granted : {0.0, 0.5e9, 1.5e9}) {
     FarmSimulation s;
-    const NodeId node = s.add_node();
-    wire::NodeReport loaded;
-    loaded.mutable_scene_loaded()->set_scene("grotto");
-    *loaded.mutable_scene_loaded()->mutable_description() = fake_scene("grotto");
-    loaded.mutable_scene_loaded()->set_memory_bytes(1'000'000'000);
-    s.state.node_reported(node, loaded);
+    s.scene_memory_bytes = 1'000'000'000;
+    s.add_node();
     const SessionId id = open(s, 1, {.museum = "hall-3", .scene_bytes = granted});
     const SessionId again = open(s, 2, {.museum = "hall-3", .scene_bytes = granted});
     const bool is_refused = granted == 0.5e9;

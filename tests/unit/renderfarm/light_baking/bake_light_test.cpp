@@ -97,6 +97,7 @@ TEST(BakeLight, shows_shadows_on_triangles_that_are_larger_than_them) {
   BakeSettings settings = quick();
   settings.pixels_per_degree = 4.0;
   settings.max_parts = 128;
+  settings.final_rays = 128;
   const BakedLight light = baked(*renderer, settings);
   EXPECT_GT(light.grids, 0u);
   const Difference found = difference(*renderer, view_from({-0.5, 0.2, 0.1}, 96, 48, 1.0, -1.0), 256);

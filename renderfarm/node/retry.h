@@ -11,8 +11,8 @@
 namespace cyclorama::node {
 
 /// Calls `fetch` until it succeeds, or fails for a reason that does not pass by itself, with growing delays between the
-/// calls. `report` gets each error after which it is called again. `cancelled` is asked often and may be called from
-/// any thread. Errors: those of `fetch`; kUnavailable if cancelled meanwhile. Blocks.
+/// calls. `report` gets each error after which it is called again. `cancelled` is called often, from this thread.
+/// Errors: those of `fetch`; kUnavailable if cancelled meanwhile. Blocks.
 template <typename Fetch>
 auto retried(const Fetch& fetch, const std::function<void(const Error&)>& report,
              const std::function<bool()>& cancelled) -> decltype(fetch()) {

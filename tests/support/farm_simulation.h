@@ -160,7 +160,7 @@ class FarmSimulation {
   std::size_t depth_bytes = 5;  ///< Size of a tile's depth, if the view requests it.
   bool sends_depth_unasked = false;
   bool can_compute_light = false;                ///< Nodes could compute the scene's light.
-  std::uint64_t scene_memory_bytes = 0;          ///< As nodes added from now on report it.
+  std::uint64_t scene_memory_bytes = 0;          ///< The size that nodes report which are added from now on.
   std::optional<std::uint32_t> scene_bounces{};  ///< Stated by nodes that load the scene.
   std::map<coordinator::NodeId, double> slowed;  ///< Slowdown factor of each node by other work on its host.
 

@@ -109,21 +109,21 @@ TEST(ViewGuard, refuses_eyes_far_apart_and_telescopes) {
   wire::View two = view(5.0, 5.0);
   two.mutable_panorama()->mutable_eyes()->set_distance_m(0.065);
   EXPECT_EQ(refusal(guard, two), "");
-  two.mutable_panorama()->mutable_eyes()->set_distance_m(0.5);
+  two.mutable_panorama()->mutable_eyes()->set_distance_m(1.5);
   EXPECT_THAT(refusal(guard, two), HasSubstr("distance_m"));
   wire::View fine = view(5.0, 5.0);
-  fine.mutable_panorama()->set_azimuth_span_rad(0.2);
+  fine.mutable_panorama()->set_azimuth_span_rad(0.05);
   EXPECT_THAT(refusal(guard, fine), HasSubstr("per radian"));
   fine.mutable_panorama()->set_projection(wire::Panorama::PERSPECTIVE);
   fine.mutable_panorama()->set_tan_left(-3.0);
   fine.mutable_panorama()->set_tan_right(3.0);
   EXPECT_EQ(refusal(guard, fine), "") << "a wide wall";
-  fine.mutable_panorama()->set_tan_left(2.0);
+  fine.mutable_panorama()->set_tan_left(2.6);
   EXPECT_THAT(refusal(guard, fine), HasSubstr("per radian")) << "a narrow part of it, far to the side";
   fine.mutable_panorama()->set_projection(wire::Panorama::FISHEYE);
   fine.mutable_panorama()->set_field_rad(3.1);
   EXPECT_EQ(refusal(guard, fine), "");
-  fine.mutable_panorama()->set_field_rad(0.1);
+  fine.mutable_panorama()->set_field_rad(0.03);
   EXPECT_THAT(refusal(guard, fine), HasSubstr("per radian"));
 }
 

@@ -29,7 +29,7 @@ class E57Pages {
   [[nodiscard]] std::uint64_t xml_bytes() const { return xml_bytes_; }
 
  private:
-  Status check_page(std::uint64_t page) const;
+  [[nodiscard]] Status check_page(std::uint64_t page) const;
 
   std::span<const std::byte> file_;
   std::uint64_t page_bytes_ = 0;  ///< With the checksum.

@@ -27,7 +27,7 @@ class Parser {
   }
 
  private:
-  Error bad(std::string_view what) const {
+  [[nodiscard]] Error bad(std::string_view what) const {
     return Error(ErrorCode::kBadData, fmt::format("its XML {} at byte {}", what, at_));
   }
   [[nodiscard]] std::string_view rest() const { return xml_.substr(at_); }

@@ -86,7 +86,7 @@ class SplatReader {
         TRY_ASSIGN(std::optional<Values<3>> values, optional<3>(semantic.c_str()));
         if (values) of_degree.push_back(*std::move(values));
       }
-      if (of_degree.size() < static_cast<std::size_t>(2 * degree + 1)) break;
+      if (of_degree.size() < 2 * static_cast<std::size_t>(degree) + 1) break;
       *ret_degree = degree;
       std::move(of_degree.begin(), of_degree.end(), std::back_inserter(harmonics));
     }

@@ -30,7 +30,7 @@ class PointCloud {
   explicit PointCloud(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
 
   /// To be called before `count` points are added. Errors: kBadData if they would need more memory than the limit.
-  Status check_memory(std::uint64_t count) const;
+  [[nodiscard]] Status check_memory(std::uint64_t count) const;
   /// Adds a point of a file whose z axis points up; points that are not finite are left out and counted.
   void add(const Eigen::Vector3d& p_z_up, const Colour& colour);
   /// Number of points that were added, with those that are not finite.

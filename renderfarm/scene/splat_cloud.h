@@ -31,7 +31,10 @@ struct SplatCloud {
   Eigen::Affine3d T_model_cloud = Eigen::Affine3d::Identity();
 
   [[nodiscard]] std::size_t size() const { return positions.size(); }
-  [[nodiscard]] std::size_t coefficient_count() const { return static_cast<std::size_t>((degree + 1) * (degree + 1)); }
+  [[nodiscard]] std::size_t coefficient_count() const {
+    const auto side = static_cast<std::size_t>(degree) + 1;
+    return side * side;
+  }
   [[nodiscard]] std::size_t memory_bytes() const;
 };
 

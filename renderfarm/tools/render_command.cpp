@@ -11,7 +11,9 @@
 namespace cyclorama::tools {
 
 void add_scene_options(CLI::App* command, SceneOptions* options) {
-  command->add_option("scene", options->scene, "A scene package, or one .glb, .gltf, .ply, .obj, .las, .e57 or .spz file")->required();
+  command
+      ->add_option("scene", options->scene, "A scene package, or one .glb, .gltf, .ply, .obj, .las, .e57 or .spz file")
+      ->required();
   command->add_option("--threads", options->threads, "Threads; 0 means all")->check(CLI::Range(0, 1024));
 }
 

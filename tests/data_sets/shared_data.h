@@ -31,4 +31,4 @@ inline std::optional<std::filesystem::path> shared_data(const std::string& name)
     if (required != nullptr && std::string(required) == "1") FAIL() << name << " is absent"; \
     GTEST_SKIP() << name << " is absent: this test needs the shared test data";              \
   }                                                                                          \
-  const std::filesystem::path variable = *variable##_or_nothing
+  const std::filesystem::path& variable = *variable##_or_nothing

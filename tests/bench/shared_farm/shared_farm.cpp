@@ -60,7 +60,8 @@ void SharedFarm::in_coordinator(const std::function<void()>& call) {
 std::size_t SharedFarm::add_node(int threads, double speed) {
   const coordinator::NodeId id{++last_id_};
   const std::size_t index = nodes_.size();
-  nodes_.push_back({std::make_unique<SimulatedNode>(threads, speed), id, seconds()});
+  auto simulated = std::make_unique<SimulatedNode>(threads, speed);
+  nodes_.push_back({std::move(simulated), id, seconds()});
   index_of_.emplace(id, index);
   state_.node_connected(id);
   wire::NodeReport hello;

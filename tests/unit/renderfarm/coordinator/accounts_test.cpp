@@ -40,6 +40,7 @@ void serve(Accounts& accounts, std::vector<Demander>& demanders, double seconds,
       const auto rank = [](const Demander& of) { return of.waiting.front().rank().wire(); };
       if (first == nullptr || rank(each) < rank(*first)) first = &each;
     }
+    ASSERT_NE(first, nullptr);
     const Accounts::Turn turn = first->waiting.front();
     first->waiting.erase(first->waiting.begin());
     now += first->cost;
@@ -109,7 +110,8 @@ TEST(Accounts, serve_a_museum_within_its_share_before_one_that_takes_all_it_can_
   std::vector<Demander> greedy{{accounts.open("greedy", {}), 0.001, 0.001, 8}};
   const AccountId modest = accounts.open("modest", {});
   serve(accounts, greedy, 10.0);
-  for (double now = 10.0; now < 20.0; now += 0.1) {
+  for (int step = 0; step < 100; ++step) {
+    const double now = 10.0 + 0.1 * step;
     const auto turn = accounts.begin(modest, {false, 0.03, 1.0}, at(now));
     EXPECT_LT(turn.rank().wire(), greedy[0].waiting.front().rank().wire()) << now;
     accounts.charge(modest, turn.work, 0.03, at(now));

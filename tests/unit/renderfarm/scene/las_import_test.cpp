@@ -112,8 +112,8 @@ TEST(LasImport, without_colours_the_intensity_is_shown_with_a_note) {
   EXPECT_THAT(model->notes, Contains(HasSubstr("by their intensity")));
   const Mesh& mesh = model->meshes[0];
   EXPECT_EQ(mesh.colours[0][0], 0);
-  EXPECT_NEAR(mesh.colours[4 * 49][0], 128, 4) << "one glint does not darken the rest";
-  EXPECT_EQ(mesh.colours[4 * 99][0], 255);
+  EXPECT_NEAR(mesh.colours[std::size_t{4} * 49][0], 128, 4) << "one glint does not darken the rest";
+  EXPECT_EQ(mesh.colours[std::size_t{4} * 99][0], 255);
 }
 
 TEST(LasImport, noise_and_withheld_points_are_left_out_and_counted) {

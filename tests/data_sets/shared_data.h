@@ -31,4 +31,5 @@ inline std::optional<std::filesystem::path> shared_data(const std::string& name)
     if (required != nullptr && std::string(required) == "1") FAIL() << name << " is absent"; \
     GTEST_SKIP() << name << " is absent: this test needs the shared test data";              \
   }                                                                                          \
+  /* NOLINTNEXTLINE(bugprone-macro-parentheses): it is declared here. */                     \
   const std::filesystem::path& variable = *variable##_or_nothing

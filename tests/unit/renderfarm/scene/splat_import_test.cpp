@@ -122,7 +122,8 @@ TEST(GltfSplats, files_of_bevy_and_cesium_are_read) {
 TEST(SplatScenes, splats_alone_are_a_scene_without_other_light) {
   std::string text = splat_ply_header(400, 0);
   for (int i = 0; i < 400; ++i) {
-    text += splat_ply_row({0.1 * (i % 20), 0.1 * static_cast<double>(i / 20), 0.3 * std::sin(i)}, 0);
+    const int row = i / 20;
+    text += splat_ply_row({0.1 * (i % 20), 0.1 * row, 0.3 * std::sin(i)}, 0);
   }
   const MemoryFile file(text);
   const auto scene = load_scene(file.path(), {}, nullptr);
@@ -140,7 +141,8 @@ TEST(SplatScenes, a_stray_splat_does_not_stretch_the_bounds) {
   const std::array<std::array<float, 3>, 1> grey{};
   for (int i = 0; i < 1000; ++i) {
     SplatValues values;
-    values.position = {i % 10 * 0.1, i / 10 % 10 * 0.1, static_cast<double>(i / 100) * 0.1};
+    const int layer = i / 100;
+    values.position = {i % 10 * 0.1, i / 10 % 10 * 0.1, layer * 0.1};
     values.scale.setConstant(0.01);
     ASSERT_TRUE(add_splat(values, grey, &cloud));
   }

@@ -144,7 +144,7 @@ void CoordinatorState::spread_light(const std::string& scene, SceneLightState& l
     auto holder = std::ranges::find_if(nodes_, [&](const auto& entry) {
       return entry.second.has_light(scene, version) && (!is_sending || entry.first != light.sending);
     });
-    if (holder == nodes_.end()) holder = sending;
+    if (holder == nodes_.end() && is_sending) holder = sending;
     if (holder == nodes_.end()) return;
     light.sending = holder->first;
     light.send_ordered_at = now;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What pictures from held-out eyes say of stored light. The eyes are random in the walkable area and were not used to
-/// compute the light; the reference is path traced in two halves, so that its own noise cancels in the errors.
+/// The errors of stored light in pictures from held-out eyes. The eyes are random in the walkable area and were not
+/// used to compute the light; the reference is path traced in two halves, so that its own noise cancels in the errors.
 #pragma once
 
 #include <array>

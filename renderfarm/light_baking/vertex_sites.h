@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Where the light of a vertex is taken: inside the seen triangles around it, not at the vertex itself.
+/// A point at which the light of a vertex is taken: inside a seen triangle around it, not at the vertex itself.
 ///
 ///        b ______ a        Each triangle has one site for each of its vertices, half of the way to its middle line:
 ///         \  o   /         the centre of the vertex's share of it. The mean of all sites, by area, is the mean of the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What the readers of point clouds share: LAS, E57, and PLY without faces.
+/// Common parts of the readers of point clouds: LAS, E57, and PLY without faces.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// What nine honest museums keep of their shares beside a tenth that takes all that it can get.
+/// The shares that nine honest museums keep beside a tenth that takes all that it can get.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What museums receive of a shared farm, and what is refused because of their grants.
+// The service that museums receive from a shared farm, and the requests that their grants refuse.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -98,7 +98,7 @@ TEST_F(PlyTextures, a_texture_that_is_missing_or_elsewhere_is_a_note) {
   ASSERT_TRUE(missing.has_value()) << missing.error().message();
   EXPECT_THAT(missing->notes, ::testing::ElementsAre(HasSubstr("lost.png")));
   EXPECT_EQ(missing->materials[0].base_colour_texture.texture, -1);
-  // Of another computer's path the name is looked for beside the file, and nothing outside of the folder is read.
+  // A path of another computer is reduced to its file name, beside the file; nothing outside of the folder is read.
   const auto foreign = import("comment TextureFile C:\\scans\\skin.png\n", kSquare, body);
   ASSERT_TRUE(foreign.has_value()) << foreign.error().message();
   EXPECT_EQ(foreign->textures.size(), 1u);

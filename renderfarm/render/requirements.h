@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The needs of materials from the ray kernels, of which there is one for each surface level. Cut-outs and half-
-/// transparent surfaces need nothing, because Embree calls a filter for them (alpha_filter.h).
+/// The needs of materials from the ray kernels, of which there is one for each surface level. Cut-outs and
+/// half-transparent surfaces need nothing, because Embree calls a filter for them (alpha_filter.h).
 #pragma once
 
 #include <string_view>

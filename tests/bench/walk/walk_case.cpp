@@ -58,7 +58,7 @@ render::RenderCost rendered(node::BlockRenderer& renderer, const render::Panoram
     const PixelRect cells = depth_cells(rect);
     film.depth = InverseDepthImage(cells.width, cells.height);
   }
-  const render::RenderCost cost = renderer.render_film(view, rect, {0, view.quality.samples}, &film, nullptr);
+  render::RenderCost cost = renderer.render_film(view, rect, {0, view.quality.samples}, &film, nullptr);
   *ret_pixels = renderer.developed(film.mean());
   *ret_depth = std::move(film.depth);
   return cost;

@@ -28,13 +28,16 @@ struct Surface {
     }
     mesh.triangles = triangles.data();
     mesh.triangle_count = triangles.size();
-    mesh.vertex_count = kSide * kSide;
+    mesh.vertex_count = std::size_t{kSide} * kSide;
     side.points.resize(mesh.vertex_count);
     for (LightPoint& point : side.points) point.normal = render::Vec3::UnitY();
     side.light.resize(mesh.vertex_count);
     side.seen.assign(mesh.vertex_count, Seen::kYes);
   }
-  [[nodiscard]] GatheredLight& at(int i, int j) { return side.light[static_cast<std::size_t>(j * kSide + i)].surfaces; }
+  [[nodiscard]] static std::size_t site(int i, int j) {
+    return static_cast<std::size_t>(j) * kSide + static_cast<std::size_t>(i);
+  }
+  [[nodiscard]] GatheredLight& at(int i, int j) { return side.light[site(i, j)].surfaces; }
   /// Sets the light to truth(i) plus noise.
   template <typename Truth>
   void fill(float noise, const Truth& truth) {
@@ -82,7 +85,7 @@ TEST(Smoothing, changes_nothing_that_has_no_error) {
 TEST(Smoothing, does_not_reach_over_a_fold_or_to_what_nobody_sees) {
   Surface surface;
   surface.fill(0.5f, [](int) { return 1.0f; });
-  const auto middle = static_cast<std::size_t>(9 * kSide + 9);
+  const auto middle = Surface::site(9, 9);
   const float before = surface.at(9, 9).light.x();
   surface.side.points[middle].normal = render::Vec3::UnitX();
   surface.side.seen[middle + 5] = Seen::kBeside;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/cpu_time.h"
+#include "renderfarm/light/light_store.h"
 #include "renderfarm/render/flush_denormals.h"
 
 namespace cyclorama::light_baking {
@@ -37,7 +38,9 @@ class GridSpender {
  public:
   GridSpender(std::span<const SeenSide> sides, const BakeSettings& settings, const GridBudget& budget,
               LightTracers& tracers)
-      : sides_(sides), settings_(settings), budget_(budget), tracers_(tracers), left_(budget.samples) {}
+      : sides_(sides), settings_(settings), budget_(budget), tracers_(tracers), left_(budget.samples) {
+    settings_.max_grid_light_rays = settings_.rays_of(settings_.max_grid_light_rays, budget.samples, 1);
+  }
 
   std::vector<SideGrids> run() {
     probe();
@@ -118,12 +121,24 @@ class GridSpender {
       if (entry.grid.is_unresolved()) sides[entry.side].unresolved.push_back(entry.grid.triangle);
     }
     std::erase_if(entries_, [](const Entry& entry) { return entry.grid.parts == 0 || entry.grid.is_unresolved(); });
+    BakeSettings settings = settings_;
+    std::uint64_t samples = 0;
+    for (const Entry& entry : entries_) {
+      samples += static_cast<std::uint64_t>(light::TriangleGrid::samples(entry.grid.surface_parts()));
+    }
+    settings.final_rays = settings.rays_of(settings.final_rays, samples, 1);
+    // What is left is divided among the uneven triangles, so that it does not matter which thread makes a grid first.
+    const auto uneven = static_cast<std::uint64_t>(
+        std::ranges::count_if(entries_, [](const Entry& entry) { return entry.grid.is_uneven(); }));
+    const std::uint64_t share = left_ / std::max<std::uint64_t>(uneven, 1);
     std::vector<MadeGrid> made(entries_.size());
     tbb::parallel_for(std::size_t{0}, (entries_.size() + kGridsPerChunk - 1) / kGridsPerChunk, [&](std::size_t chunk) {
       const double before = thread_cpu_seconds();
       const render::FlushDenormals flush;
       for (std::size_t k = chunk * kGridsPerChunk; k < std::min((chunk + 1) * kGridsPerChunk, made.size()); ++k) {
-        made[k] = finished_grid(sides_[entries_[k].side].lit, entries_[k].grid, settings_, *tracers_.local());
+        const GridInWork& grid = entries_[k].grid;
+        const auto max_samples = static_cast<int>(grid.light.size() + share);
+        made[k] = finished_grid(sides_[entries_[k].side].lit, grid, max_samples, settings, *tracers_.local());
       }
       if (budget_.add_cpu_seconds) budget_.add_cpu_seconds(thread_cpu_seconds() - before);
     });
@@ -133,7 +148,7 @@ class GridSpender {
   }
 
   const std::span<const SeenSide> sides_;
-  const BakeSettings& settings_;
+  BakeSettings settings_;
   const GridBudget& budget_;
   LightTracers& tracers_;
   std::uint64_t left_;

@@ -35,10 +35,19 @@ constexpr std::size_t kSitesPerChunk = 1024;
 constexpr float kHeadroom = 16.0f;
 /// Shadow rays of samples that no visitor sees.
 constexpr int kUnseenLightRays = 16;
+/// Share of BakeSettings::min_rays for each bounce before the last.
+constexpr int kBounceDivisor = 4;
 /// Share of the progress that is reported before the check.
 constexpr double kBakingShare = 0.85;
 /// Visible parts of an edge from which a triangle is large.
 constexpr double kLargeParts = 32.0;
+
+/// Points, distributed over all surfaces by area, at which the light of lamps is compared with that of the vertices.
+constexpr double kAreaProbes = 100'000.0;
+/// Triangles with fewer of these points are so small that their errors cancel.
+constexpr double kMinAreaProbes = 4.0;
+constexpr double kMaxAreaProbes = 256.0;
+constexpr std::size_t kProbedPerChunk = 8;
 
 BakeSettings with_dim_light(BakeSettings settings, const scene::Scene& scene) {
   constexpr float kDim = 0.1f;  // A tenth of white: where light is dimmer, relative errors are less visible.
@@ -57,7 +66,7 @@ class Baker {
         cancelled_(cancelled),
         bounces_(renderer.scene().bounces),
         tracers_([this] {
-          return std::make_unique<LightTracer>(scene_, render::shade_stage_for(renderer_.surface_level()), bounces_);
+          return std::make_unique<LightTracer>(scene_, render::shade_stage_for(renderer_.surface_level()));
         }) {}
 
   Result<BakedLight> run() {
@@ -71,23 +80,26 @@ class Baker {
     find_all_blocked();
     TRY(end_stage("sites of vertices", 0.07));
     light_from_lamps();
+    find_all_misread();
     TRY(end_stage("light of lamps", 0.2));
-    gather(settings_.coarse_rays, true, Which::kAll);
+    const int coarse_rays = settings_.rays_of(settings_.coarse_rays, count_of(Which::kAll), kBounceDivisor);
+    gather(coarse_rays, 0, Which::kAll);
     TRY(publish());
     for (int bounce = 1; bounce < bounces_; ++bounce) {
-      gather(settings_.coarse_rays, false, Which::kAll);
+      gather(coarse_rays, bounce, Which::kAll);
       TRY(publish());
       TRY(report(0.2 + 0.15 * bounce / bounces_));
     }
     TRY(end_stage("bounces", 0.35));
-    gather(settings_.coarse_rays, bounces_ == 0, Which::kUnseen);
-    gather(settings_.final_rays, bounces_ == 0, Which::kSeen);
+    gather(settings_.coarse_rays, bounces_, Which::kUnseen);
+    gather(settings_.rays_of(settings_.final_rays, count_of(Which::kSeen), 1), bounces_, Which::kSeen);
     TRY(end_stage("last bounce", 0.6));
     for (BaseSide& side : sides_) {
       smooth_gathered_light(*scene_.placements[side.placement].mesh, &side);
       sharpen(scene_.placements[side.placement], &side);
     }
     make_all_grids();  // They read the same bounce as the base samples, so nothing is published in between.
+    add_misread();
     for (const SideGrids& fine : fine_) {
       baked_.grids += fine.grids.size();
       for (const MadeGrid& grid : fine.grids) {
@@ -124,7 +136,8 @@ class Baker {
             side.points,
             side.light,
             side.lamp_ranges,
-            bounces_ == 0};
+            side.misread,
+            bounces_};
   }
 
   /// Calls work(chunk, first, end, tracer) in parallel.
@@ -172,14 +185,58 @@ class Baker {
     }
   }
 
+  [[nodiscard]] static double area_of(const render::Placement& placement, std::uint32_t triangle) {
+    const std::array<Vec3, 3> c = corners_of(placement, triangle);
+    return 0.5 * static_cast<double>((c[1] - c[0]).cross(c[2] - c[0]).norm());
+  }
+
+  void find_all_misread() {
+    double all = 0.0;
+    for (const BaseSide& side : sides_) {
+      const render::Placement& placement = scene_.placements[side.placement];
+      for (std::uint32_t t = 0; t < placement.mesh->triangle_count; ++t) all += area_of(placement, t);
+    }
+    for (BaseSide& side : sides_) {
+      const render::Placement& placement = scene_.placements[side.placement];
+      std::vector<ProbedTriangle> probed;
+      for (std::uint32_t t = 0; t < placement.mesh->triangle_count; ++t) {
+        const double probes = kAreaProbes * area_of(placement, t) / all;
+        if (probes >= kMinAreaProbes) probed.push_back({t, static_cast<int>(std::min(probes, kMaxAreaProbes))});
+      }
+      std::vector<std::vector<std::uint32_t>> found((probed.size() + kProbedPerChunk - 1) / kProbedPerChunk);
+      for_chunks(probed.size(), kProbedPerChunk,
+                 [&](std::size_t chunk, std::size_t first, std::size_t end, LightTracer& tracer) {
+                   const std::span triangles = std::span(std::as_const(probed)).subspan(first, end - first);
+                   found[chunk] = find_misread(lit(side), triangles, settings_, tracer);
+                 });
+      side.misread.resize(placement.mesh->triangle_count, 0);
+      for (const std::vector<std::uint32_t>& part : found) {
+        for (const std::uint32_t triangle : part) side.misread[triangle] = 1;
+        side.large.insert(side.large.end(), part.begin(), part.end());
+      }
+    }
+  }
+
+  [[nodiscard]] static bool is_among(const BaseSide& side, std::uint32_t sample, Which which) {
+    return which == Which::kAll || (side.seen[sample] != Seen::kNo) == (which == Which::kSeen);
+  }
+
+  [[nodiscard]] std::uint64_t count_of(Which which) const {
+    std::uint64_t count = 0;
+    for (const BaseSide& side : sides_) {
+      count += static_cast<std::uint64_t>(
+          std::ranges::count_if(side.order, [&](std::uint32_t i) { return is_among(side, i, which); }));
+    }
+    return count;
+  }
+
   /// Calls work(side, samples, their spots, tracer) for chunks of base samples.
   template <typename Work>
   void for_points(Which which, Work work) {
     for (BaseSide& side : sides_) {
       std::vector<std::uint32_t> chosen;
       for (const std::uint32_t i : side.order) {
-        const bool is_seen = side.seen[i] != Seen::kNo;
-        if (which == Which::kAll || is_seen == (which == Which::kSeen)) chosen.push_back(i);
+        if (is_among(side, i, which)) chosen.push_back(i);
       }
       for_chunks(chosen.size(), kChunk, [&](std::size_t, std::size_t first, std::size_t end, LightTracer& tracer) {
         const std::span<const std::uint32_t> part = std::span(chosen).subspan(first, end - first);
@@ -192,7 +249,8 @@ class Baker {
 
   void light_from_lamps() {
     for (const Which which : {Which::kSeen, Which::kUnseen}) {
-      const int rays = which == Which::kSeen ? settings_.max_light_rays : kUnseenLightRays;
+      const int rays =
+          settings_.rays_of(which == Which::kSeen ? settings_.max_light_rays : kUnseenLightRays, count_of(which), 1);
       const TracerSettings settings{rays, static_cast<float>(settings_.light_error)};
       for_points(which, [&](BaseSide& side, std::span<const std::uint32_t> part, std::span<const LightSpot> spots,
                             LightTracer& tracer) {
@@ -204,11 +262,11 @@ class Baker {
     for (BaseSide& side : sides_) find_lamp_ranges(*scene_.placements[side.placement].mesh, &side);
   }
 
-  void gather(int rays, bool only_lamps, Which which) {
+  void gather(int rays, int bounces, Which which) {
     for_points(which, [&](BaseSide& side, std::span<const std::uint32_t> part, std::span<const LightSpot> spots,
                           LightTracer& tracer) {
       std::vector<GatheredLight> light(spots.size());
-      tracer.from_surfaces(spots, rays, only_lamps, light);
+      tracer.from_surfaces(spots, settings_.gathering(rays, bounces), light);
       for (std::size_t i = 0; i < part.size(); ++i) side.light[part[i]].surfaces = light[i];
     });
   }
@@ -244,6 +302,17 @@ class Baker {
     budget.add_cpu_seconds = [this](double seconds) { cpu_seconds_ += seconds; };
     if (progress_) budget.report_progress = [this](double fraction) { progress_(0.6 + 0.4 * fraction); };
     fine_ = make_grids(seen, settings_, budget, tracers_);
+  }
+
+  /// Lets paths be traced on misread triangles that no visitor sees, but reflections do.
+  void add_misread() {
+    for (std::size_t s = 0; s < sides_.size(); ++s) {
+      std::vector<std::uint8_t> unseen = sides_[s].misread;
+      for (const SeenTriangle& seen : sides_[s].triangles) unseen[seen.triangle] = 0;
+      for (std::uint32_t triangle = 0; triangle < unseen.size(); ++triangle) {
+        if (unseen[triangle] != 0) fine_[s].unresolved.push_back(triangle);
+      }
+    }
   }
 
   /// `seed` determines the rounding, so that errors of neighbouring samples cancel.

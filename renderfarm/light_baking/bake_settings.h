@@ -3,7 +3,12 @@
 
 #include <cstdint>
 
+#include "renderfarm/light_baking/light_tracer.h"
+
 namespace cyclorama::light_baking {
+
+/// Upper bound of the rays of a sample.
+inline constexpr int kMaxRaysOfSample = 1 << 14;
 
 /// Settings that trade the cost of light against its accuracy. Their curves are in docs/design/stored-light.md.
 struct BakeSettings {
@@ -18,6 +23,12 @@ struct BakeSettings {
   double grid_light_error = 0.03;
   int coarse_rays = 8;  ///< Rays of a sample for each bounce before the last.
   int final_rays = 64;  ///< Rays of a sample for the last bounce, which the visitor sees.
+  /// Lower bound of the rays of all samples together, for the last bounce, for the grids and for lamps; a quarter of it
+  /// for each bounce before. Scenes of few triangles have few samples, whose noise would be seen.
+  std::int64_t min_rays = std::int64_t{1} << 22;
+  /// Standard error of light from other surfaces at which no more of these rays are traced, relative to the light and
+  /// `dim_light`: about a third of a code of the picture.
+  double surface_error = 0.01;
   /// Error between the vertices above which a triangle may get a grid, relative to the light there and `dim_light`.
   double probe_error = 0.02;
   float dim_light = 0.0f;  ///< Radiance that looks dark on the wall; bake_light() derives it from the scene's exposure.
@@ -30,6 +41,13 @@ struct BakeSettings {
   double max_cpu_seconds = 0.0;
   std::uint64_t seed = 1;
   int check_eyes = 32;  ///< Held-out eyes from which the result is compared with path tracing; 0: none.
+
+  /// Returns the rays of each of `samples` samples that together are at least min_rays / `divisor`, not below `rays`: a
+  /// power of two up to kMaxRaysOfSample.
+  [[nodiscard]] int rays_of(int rays, std::uint64_t samples, int divisor) const;
+  [[nodiscard]] GatherSettings gathering(int rays, int bounces) const {
+    return {rays, bounces, static_cast<float>(surface_error), dim_light};
+  }
 };
 
 }  // namespace cyclorama::light_baking

@@ -35,8 +35,10 @@ struct BaseSide {
   /// Range of the luminance of lamps' light over each vertex and its neighbours; empty for samples per triangle.
   std::vector<float> lamp_ranges;
   std::vector<std::uint8_t> blocked;  ///< 1 for triangles between whose corners light must not be interpolated.
-  /// Triangles so large that their corners say little of the light between them: bounces trace paths there.
+  /// Triangles between whose corners bounces must not interpolate light, and trace paths instead: those that are large
+  /// to visitors, and those on which light of lamps varies otherwise than between the corners.
   std::vector<std::uint32_t> large;
+  std::vector<std::uint8_t> misread;  ///< 1 for the latter ones.
 };
 
 /// Returns the sides that visitors see. Rays that only bounce need the front of a surface, so that is there as well,

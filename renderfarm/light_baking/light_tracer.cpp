@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "renderfarm/light_baking/light_tracer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "common/base/check.h"
 #include "renderfarm/render/sampler.h"
@@ -80,7 +83,7 @@ struct Estimate {
 
 }  // namespace
 
-LightTracer::LightTracer(const render::TraceScene& scene, render::ShadeStage shade, int bounces)
+LightTracer::LightTracer(const render::TraceScene& scene, render::ShadeStage shade)
     : scene_(scene),
       shade_(shade),
       batch_(std::make_unique<render::PathBatch>()),
@@ -89,8 +92,8 @@ LightTracer::LightTracer(const render::TraceScene& scene, render::ShadeStage sha
       part_(render::kMaxRays),
       order_(render::kMaxRays),
       film_(std::make_unique<render::CellFilm>()) {
-  view_.quality.bounces = bounces;
   view_.quality.stored_light = true;
+  view_.max_stored_scatterings = 1;
   film_->clear();
 }
 
@@ -156,7 +159,7 @@ void LightTracer::from_lamps(std::span<const LightSpot> spots, const TracerSetti
     }
     std::erase_if(active, [&](std::size_t i) {
       estimates[i].end_round();
-      if (!(estimates[i].mean() > 0.0)) return done + kRound >= kMinDarkRays;
+      if (!(estimates[i].mean() > 0.0)) return done + kRound >= std::max(kMinDarkRays, settings.max_light_rays / 4);
       return estimates[i].error() <= static_cast<double>(settings.light_error) * estimates[i].mean();
     });
   }
@@ -184,10 +187,51 @@ void LightTracer::add_scattered_ray(bool only_lamps, float spread, std::size_t p
                  render::alpha_random_number(start.index, start.seed, 2));
 }
 
-void LightTracer::from_surfaces(std::span<const LightSpot> spots, int rays, bool only_lamps,
+void LightTracer::from_surfaces(std::span<const LightSpot> spots, GatherSettings settings,
                                 std::span<GatheredLight> ret) {
-  CHECK(rays >= 1 && rays <= render::kMaxRays && (rays & (rays - 1)) == 0);
+  CHECK(settings.rays >= 1 && (settings.rays & (settings.rays - 1)) == 0);
+  const int round = std::min(settings.rays, render::kMaxRays);
+  gather(spots, 0, round, settings.bounces, ret);
+  std::vector<std::uint32_t> active(spots.size());
+  std::iota(active.begin(), active.end(), 0u);
+  for (int done = round; done < settings.rays; done *= 2) {
+    std::erase_if(active, [&](std::uint32_t i) {
+      return !spots[i].exists() ||
+             ret[i].error <= settings.error * (render::luminance(ret[i].light) + settings.dim_light);
+    });
+    add_rays(spots, active, done, settings.bounces, ret);
+  }
+}
+
+void LightTracer::add_rays(std::span<const LightSpot> spots, std::span<const std::uint32_t> active, int done,
+                           int bounces, std::span<GatheredLight> ret) {
+  std::vector<LightSpot> chosen;
+  for (const std::uint32_t i : active) chosen.push_back(spots[i]);
+  std::vector<GatheredLight> sum(active.size());
+  std::vector<GatheredLight> more(active.size());
+  const int rounds = done / render::kMaxRays;
+  for (int k = 0; k < rounds; ++k) {
+    gather(chosen, done + k * render::kMaxRays, render::kMaxRays, bounces, more);
+    for (std::size_t i = 0; i < more.size(); ++i) {
+      sum[i].light += more[i].light;
+      sum[i].direction += more[i].direction;
+      sum[i].error = std::hypot(sum[i].error, more[i].error);
+    }
+  }
+  const float share = 0.5f / static_cast<float>(rounds);
+  for (std::size_t k = 0; k < active.size(); ++k) {
+    GatheredLight& light = ret[active[k]];
+    light.light = 0.5f * light.light + share * sum[k].light;
+    light.direction = 0.5f * light.direction + share * sum[k].direction;
+    light.error = std::hypot(0.5f * light.error, share * sum[k].error);
+  }
+}
+
+void LightTracer::gather(std::span<const LightSpot> spots, int first_ray, int rays, int bounces,
+                         std::span<GatheredLight> ret) {
   const std::size_t together = static_cast<std::size_t>(render::kMaxRays / rays);
+  const bool only_lamps = bounces == 0;
+  view_.quality.bounces = bounces;
   const auto per_spot = static_cast<std::size_t>(rays);
   // Textures far away are blurred over the solid angle of a ray.
   const float spread = std::sqrt(2.0f * render::kPi / static_cast<float>(rays));
@@ -201,7 +245,7 @@ void LightTracer::from_surfaces(std::span<const LightSpot> spots, int rays, bool
         batch_->path[i] = render::Path{};
         continue;
       }
-      begin(spot, static_cast<std::uint32_t>(i % per_spot), i);
+      begin(spot, static_cast<std::uint32_t>(first_ray) + static_cast<std::uint32_t>(i % per_spot), i);
       Start& start = starts_[i];
       batch_->path[i].index_reversed = start.index;
       batch_->path[i].seed = render::mix_bits(start.seed ^ kPathSeed);

@@ -32,21 +32,28 @@ struct TracerSettings {
   float light_error = 0.01f;
 };
 
+struct GatherSettings {
+  int rays = 0;     ///< Rays of a spot; from render::kMaxRays on, fewer once their standard error is small enough.
+  int bounces = 0;  ///< Bounces that are traced where the scene has no light. Without any, rays find lamps alone.
+  /// Standard error that is small enough, relative to the light and `dim_light`. Errors are known from 16 rays on.
+  float error = 0.0f;
+  float dim_light = 0.0f;
+};
+
 /// Traces for one thread at a time. The scene and the stage are borrowed. Rays of one packet start at consecutive spots
 /// and take about the same way, so spots that follow one another should be neighbours.
 class LightTracer {
  public:
-  LightTracer(const render::TraceScene& scene, render::ShadeStage shade, int bounces);
+  LightTracer(const render::TraceScene& scene, render::ShadeStage shade);
 
   /// Estimates the light that comes straight from lamps and the sky, by shadow rays: at least 16 for each spot, then
   /// more until the standard error is below `light_error` of the light or there are `max_light_rays`. Spots that do
   /// not exist get none. One round is enough if its rays agree on some light.
   void from_lamps(std::span<const LightSpot> spots, const TracerSettings& settings, std::span<LampLight> ret);
 
-  /// Estimates all other light, from `rays` scattered rays per spot, which read the light that the scene has at present
-  /// where they arrive. With `only_lamps` they find lamps alone. Errors are known from 16 rays on. Precondition: `rays`
-  /// is a power of two up to render::kMaxRays.
-  void from_surfaces(std::span<const LightSpot> spots, int rays, bool only_lamps, std::span<GatheredLight> ret);
+  /// Estimates all other light, by scattered rays, which read the light that the scene has at present where they arrive.
+  /// Precondition: `settings.rays` is a power of two.
+  void from_surfaces(std::span<const LightSpot> spots, GatherSettings settings, std::span<GatheredLight> ret);
 
   /// Sets 1 for each pair of points with nothing between them, otherwise 0.
   void find_visible(std::span<const std::array<render::Vec3, 2>> pairs, std::span<std::uint8_t> ret);
@@ -64,6 +71,11 @@ class LightTracer {
   };
   /// Returns the numbers of the first `count` starts, such that those of equal `part_` follow one another.
   [[nodiscard]] std::span<const std::uint16_t> by_part(std::size_t count);
+  /// Takes rays `first_ray` to `first_ray` + `rays` of each spot; at most render::kMaxRays.
+  void gather(std::span<const LightSpot> spots, int first_ray, int rays, int bounces, std::span<GatheredLight> ret);
+  /// Doubles the rays of the `active` spots, of which `done` have been taken.
+  void add_rays(std::span<const LightSpot> spots, std::span<const std::uint32_t> active, int done, int bounces,
+                std::span<GatheredLight> ret);
   void begin(const LightSpot& spot, std::uint32_t number, std::size_t path);
   void add_light_ray(std::size_t path);
   void add_scattered_ray(bool only_lamps, float spread, std::size_t path);

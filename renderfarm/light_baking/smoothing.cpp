@@ -21,90 +21,83 @@ float agreement(const LightPoint& a, const LightPoint& b) {
   return std::clamp((a.normal.dot(b.normal) - kMinAgreement) / (kFullAgreement - kMinAgreement), 0.0f, 1.0f);
 }
 
-class Smoother {
- public:
-  Smoother(const render::SurfaceMesh& mesh, BaseSide& side) : side_(side) {
-    for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
-      const std::array<std::uint32_t, 3>& c = mesh.triangles[t];
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = c[i];
-        const std::uint32_t b = c[(i + 1) % 3];
-        if (!counts(a) || !counts(b)) continue;
-        const float weight = agreement(side_.points[a], side_.points[b]);
-        if (weight > 0.0f) edges_.push_back({a, b, weight});
-      }
-    }
+void add(float weight, const GatheredLight& light, GatheredLight* sum) {
+  sum->light += weight * light.light;
+  sum->direction += weight * light.direction;
+  sum->error += weight * light.error;
+}
+void add(float weight, float value, float* sum) { *sum += weight * value; }
+void scale(float factor, GatheredLight* value) {
+  value->light *= factor;
+  value->direction *= factor;
+  value->error *= factor;
+}
+void scale(float factor, float* value) { *value *= factor; }
+
+/// Returns the means over each sample and its neighbours.
+template <typename Value>
+std::vector<Value> mean(std::span<const Neighbours> pairs, std::span<const Value> values) {
+  std::vector<Value> sum(values.begin(), values.end());
+  std::vector<float> weight(values.size(), 1.0f);
+  for (const Neighbours& pair : pairs) {
+    add(pair.weight, values[pair.a], &sum[pair.b]);
+    add(pair.weight, values[pair.b], &sum[pair.a]);
+    weight[pair.a] += pair.weight;
+    weight[pair.b] += pair.weight;
   }
-
-  void run() {
-    const std::size_t count = side_.points.size();
-    std::vector<GatheredLight> raw(count);
-    for (std::size_t i = 0; i < count; ++i) raw[i] = side_.light[i].surfaces;
-    const std::vector<GatheredLight> smooth = mean(mean(raw));
-    std::vector<float> difference(count);
-    std::vector<float> noise(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const float d = render::luminance(raw[i].light - smooth[i].light);
-      difference[i] = d * d;
-      noise[i] = kDifferenceVariance * raw[i].error * raw[i].error;
-    }
-    difference = mean(difference);
-    noise = mean(noise);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (!counts(static_cast<std::uint32_t>(i))) continue;
-      const float signal = difference[i] > noise[i] ? 1.0f - noise[i] / difference[i] : 0.0f;
-      GatheredLight& out = side_.light[i].surfaces;
-      out.light = smooth[i].light + signal * (raw[i].light - smooth[i].light);
-      out.direction = smooth[i].direction + signal * (raw[i].direction - smooth[i].direction);
-      out.error = raw[i].error * std::sqrt(signal * signal + (1.0f - signal) * (1.0f - signal) * kLeftVariance);
-    }
-  }
-
- private:
-  struct Edge {
-    std::uint32_t a, b;
-    float weight;
-  };
-
-  [[nodiscard]] bool counts(std::uint32_t i) const { return side_.seen[i] == Seen::kYes && side_.points[i].exists(); }
-
-  static void add(float weight, const GatheredLight& light, GatheredLight* sum) {
-    sum->light += weight * light.light;
-    sum->direction += weight * light.direction;
-    sum->error += weight * light.error;
-  }
-  static void add(float weight, float value, float* sum) { *sum += weight * value; }
-  static void scale(float factor, GatheredLight* value) {
-    value->light *= factor;
-    value->direction *= factor;
-    value->error *= factor;
-  }
-  static void scale(float factor, float* value) { *value *= factor; }
-
-  /// Returns the means over each sample and its neighbours. An edge inside the surface is there twice, hence the half.
-  template <typename Value>
-  [[nodiscard]] std::vector<Value> mean(const std::vector<Value>& values) const {
-    std::vector<Value> sum = values;
-    std::vector<float> weight(values.size(), 1.0f);
-    for (const Edge& edge : edges_) {
-      const float half = 0.5f * edge.weight;
-      add(half, values[edge.a], &sum[edge.b]);
-      add(half, values[edge.b], &sum[edge.a]);
-      weight[edge.a] += half;
-      weight[edge.b] += half;
-    }
-    for (std::size_t i = 0; i < sum.size(); ++i) scale(1.0f / weight[i], &sum[i]);
-    return sum;
-  }
-
-  BaseSide& side_;
-  std::vector<Edge> edges_;
-};
+  for (std::size_t i = 0; i < sum.size(); ++i) scale(1.0f / weight[i], &sum[i]);
+  return sum;
+}
+template <typename Value>
+std::vector<Value> mean(std::span<const Neighbours> pairs, const std::vector<Value>& values) {
+  return mean(pairs, std::span<const Value>(values));
+}
 
 }  // namespace
 
+void smooth(std::span<const Neighbours> pairs, std::span<GatheredLight> light) {
+  const std::size_t count = light.size();
+  const std::vector<GatheredLight> smooth = mean(pairs, mean(pairs, std::span<const GatheredLight>(light)));
+  std::vector<float> difference(count);
+  std::vector<float> noise(count);
+  std::vector<std::uint8_t> has_neighbours(count, 0);
+  for (const Neighbours& pair : pairs) has_neighbours[pair.a] = has_neighbours[pair.b] = 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float d = render::luminance(light[i].light - smooth[i].light);
+    difference[i] = d * d;
+    noise[i] = kDifferenceVariance * light[i].error * light[i].error;
+  }
+  difference = mean(pairs, difference);
+  noise = mean(pairs, noise);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (has_neighbours[i] == 0) continue;
+    const float signal = difference[i] > noise[i] ? 1.0f - noise[i] / difference[i] : 0.0f;
+    GatheredLight& out = light[i];
+    out.light = smooth[i].light + signal * (out.light - smooth[i].light);
+    out.direction = smooth[i].direction + signal * (out.direction - smooth[i].direction);
+    out.error *= std::sqrt(signal * signal + (1.0f - signal) * (1.0f - signal) * kLeftVariance);
+  }
+}
+
 void smooth_gathered_light(const render::SurfaceMesh& mesh, BaseSide* side) {
-  if (!side->per_triangle) Smoother(mesh, *side).run();
+  if (side->per_triangle) return;
+  const auto counts = [&](std::uint32_t i) { return side->seen[i] == Seen::kYes && side->points[i].exists(); };
+  std::vector<Neighbours> pairs;
+  for (std::size_t t = 0; t < mesh.triangle_count; ++t) {
+    const std::array<std::uint32_t, 3>& c = mesh.triangles[t];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = c[i];
+      const std::uint32_t b = c[(i + 1) % 3];
+      if (!counts(a) || !counts(b)) continue;
+      const float weight = agreement(side->points[a], side->points[b]);
+      // An edge inside the surface belongs to two triangles, hence the half.
+      if (weight > 0.0f) pairs.push_back({a, b, 0.5f * weight});
+    }
+  }
+  std::vector<GatheredLight> light(side->points.size());
+  for (std::size_t i = 0; i < light.size(); ++i) light[i] = side->light[i].surfaces;
+  smooth(pairs, light);
+  for (std::size_t i = 0; i < light.size(); ++i) side->light[i].surfaces = light[i];
 }
 
 }  // namespace cyclorama::light_baking

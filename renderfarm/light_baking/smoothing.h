@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Takes noise from gathered light at the vertices of a mesh, by means over neighbours on the surface.
+/// Takes noise from gathered light, at the vertices of a mesh or on a grid, by means over neighbours on the surface.
 ///
 /// Light from other surfaces varies slowly, so neighbours are much alike. The part of a sample's difference
 /// from its neighbourhood that its standard error does not explain is signal and stays (Wiener's filter). Differences
@@ -11,6 +11,16 @@
 #include "renderfarm/light_baking/base_side.h"
 
 namespace cyclorama::light_baking {
+
+/// Two samples that are neighbours on a surface.
+struct Neighbours {
+  std::uint32_t a = 0;
+  std::uint32_t b = 0;
+  float weight = 1.0f;  ///< Below 1 where they may differ.
+};
+
+/// Smooths the light of samples that have neighbours, and lowers its errors accordingly. Reentrant.
+void smooth(std::span<const Neighbours> pairs, std::span<GatheredLight> light);
 
 /// Smooths the gathered light of the seen samples of a side with a sample per vertex, and lowers its errors accordingly.
 /// Neighbours whose normals differ much count less. Reentrant.

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "renderfarm/light/light_store.h"
+#include "renderfarm/light_baking/grid_light.h"
 #include "renderfarm/render/sampler.h"
 
 namespace cyclorama::light_baking {
@@ -37,7 +38,7 @@ constexpr int kHugeStart = 16;  ///< Parts with which the grid of a triangle of 
 /// Probes of a large triangle, and rays of each, that look for light from other surfaces.
 constexpr int kSurfaceProbes = 3;
 constexpr int kSurfaceProbeRays = 16;
-/// Parts of the grid for light from other surfaces, and those on triangles of kHugeParts or more.
+/// Parts of the grid for light from other surfaces; a triangle of kHugeParts or more begins with the latter.
 constexpr int kSurfaceParts = 4;
 constexpr int kHugeSurfaceParts = 16;
 constexpr int kHugeParts = 64;
@@ -45,8 +46,6 @@ constexpr int kHugeParts = 64;
 constexpr double kWideParts = 128.0;
 /// Parts that a visitor could tell apart, for each part of a grid, beyond which paths are traced instead.
 constexpr double kMaxCoarseness = 16.0;
-/// Steps from a sample to its neighbours, chosen so that each pair occurs once.
-constexpr std::array<std::pair<int, int>, 3> kNeighbours = {{{1, 0}, {0, 1}, {-1, 1}}};
 const Vec3 kMiddle = Vec3::Constant(1.0f / 3.0f);
 
 Vec3 weights_of(float u, float v) { return {1.0f - u - v, u, v}; }
@@ -72,12 +71,16 @@ bool GridInWork::is_huge() const { return visible_parts >= kHugeParts; }
 
 bool GridInWork::is_unresolved() const {
   if (!(squared_error > 0.0f)) return false;
-  return parts == 0 ? visible_parts >= kWideParts : visible_parts > kMaxCoarseness * parts;
+  if (parts > 0) return visible_parts > kMaxCoarseness * parts;
+  return visible_parts >= (is_misread ? kMinBlockedParts : kWideParts);
 }
+
+int GridInWork::surface_parts() const { return std::min(parts, is_huge() ? kHugeSurfaceParts : kSurfaceParts); }
 
 int GridInWork::next_parts() const {
   if (parts > 0) return 2 * parts;
   if (is_huge()) return std::min(max_parts, kHugeStart);
+  if (is_misread) return std::min(max_parts, std::clamp(max_parts / 2, 2, kHugeStart));
   return std::min(max_parts, std::clamp(max_parts / kStartShare, 2, kMaxStart));
 }
 
@@ -101,7 +104,7 @@ class GridMaker {
   }
 
   void advance(GridInWork* grid) {
-    if (grid->parts > 0) return halve(grid);
+    if (grid->parts > 0) return halve(grid, [&](std::span<const LightSpot> points) { return lamps_at(points); });
     grid->parts = grid->next_parts();
     grid->light = sampled(*grid, grid->parts);
     grid->rough.assign(grid->light.size(), 1);
@@ -109,14 +112,40 @@ class GridMaker {
     grid->squared_error /= static_cast<float>(grid->parts);
   }
 
-  [[nodiscard]] MadeGrid finished(const GridInWork& work) {
+  [[nodiscard]] MadeGrid finished(const GridInWork& work, int max_samples) {
     MadeGrid grid;
     grid.triangle = work.triangle;
     grid.parts = work.parts;
     grid.light = work.light;
     find_separate(&grid);
-    add_surfaces(work, &grid);
+    add_surfaces(work, max_samples, &grid);
     return grid;
+  }
+
+  [[nodiscard]] std::vector<std::uint32_t> misread(std::span<const ProbedTriangle> triangles) {
+    std::vector<LightSpot> points;
+    std::vector<Vec3> weights;
+    for (const ProbedTriangle& probed : triangles) {
+      for (int i = 0; i < probed.probes; ++i) {
+        weights.push_back(probe_weights(probed.triangle, i));
+        points.emplace_back(point(probed.triangle, weights.back(), 500'000u + static_cast<std::uint32_t>(i)));
+      }
+    }
+    const std::vector<ProbeLight> light = lamps_at(points);
+    std::vector<std::uint32_t> found;
+    std::size_t next = 0;
+    for (const ProbedTriangle& probed : triangles) {
+      float error = 0.0f;
+      float sum = 0.0f;
+      for (int i = 0; i < probed.probes; ++i, ++next) {
+        const ProbeLight base = base_lamps(probed.triangle, weights[next]);
+        const float there = render::luminance(light[next].light);
+        error += std::max(0.0f, std::abs(there - render::luminance(base.light)) - light[next].error);
+        sum += std::max(there, render::luminance(base.light));
+      }
+      if (error > kMaxMisread * sum) found.push_back(probed.triangle);
+    }
+    return found;
   }
 
   /// Returns 1 for each triangle whose middle is hidden from one of its corners.
@@ -159,8 +188,8 @@ class GridMaker {
     const double most = std::min(parts, static_cast<double>(settings_.max_parts));
     candidate.max_parts = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(most))));
     candidate.visible_parts = parts;
-    candidate.needs_surfaces = candidate.is_huge();
-    candidate.is_needed = candidate.is_huge();
+    candidate.is_misread = !side_.misread.empty() && side_.misread[seen.triangle] != 0;
+    candidate.is_needed = candidate.needs_surfaces = candidate.is_uneven();
     for (const std::size_t base : base_of(seen.triangle)) candidate.is_needed |= !side_.points[base].exists();
     candidate.is_smooth = is_smooth(seen.triangle);
     candidates_.push_back(std::move(candidate));
@@ -280,7 +309,7 @@ class GridMaker {
       chosen.push_back(probes[i]);
     }
     std::vector<GatheredLight> light(chosen.size());
-    tracer_.from_surfaces(chosen_points, kSurfaceProbeRays, side_.only_lamps, light);
+    tracer_.from_surfaces(chosen_points, settings_.gathering(kSurfaceProbeRays, side_.bounces), light);
     std::vector<float> error(candidates_.size(), 0.0f);
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const std::uint32_t triangle = candidates_[chosen[i].candidate].triangle;
@@ -299,9 +328,10 @@ class GridMaker {
     }
   }
 
-  /// Halves the spacing of the samples. New samples are computed next to rough ones and interpolated elsewhere, so the
-  /// cost is proportional to the length of the shadows' edges.
-  void halve(GridInWork* grid) {
+  /// Halves the spacing of the samples. New samples are computed by light_at(points) next to rough ones and interpolated
+  /// elsewhere, so the cost is proportional to the length of the shadows' edges.
+  template <typename LightAt>
+  void halve(GridInWork* grid, const LightAt& light_at) {
     const int parts = 2 * grid->parts;
     const auto count = static_cast<std::size_t>(TriangleGrid::samples(parts));
     std::vector<ProbeLight> finer(count);
@@ -327,16 +357,18 @@ class GridMaker {
             point(grid->triangle, grid_weights(parts, 2 * i + di, 2 * j + dj), 1000u + static_cast<std::uint32_t>(at)));
       }
     });
-    const std::vector<ProbeLight> light = lamps_at(points);
+    const std::vector<ProbeLight> light = light_at(points);
     const float middle = all_light(grid->triangle, kMiddle);
     double sum = 0.0;
     for (std::size_t k = 0; k < active.size(); ++k) {
       ProbeLight& expected = finer[active[k].at];
       const float found = difference(light[k], expected, std::max(render::luminance(expected.light), middle));
-      if (is_error(found)) {
-        rough[active[k].at] = rough[active[k].a] = rough[active[k].b] = 1;
-        sum += static_cast<double>(found) * static_cast<double>(found);
+      if (!is_error(found)) {
+        expected = mean(expected, light[k]);  // Half of the noise.
+        continue;
       }
+      rough[active[k].at] = rough[active[k].a] = rough[active[k].b] = 1;
+      sum += static_cast<double>(found) * static_cast<double>(found);
       expected = light[k];
     }
     const auto midpoints = static_cast<double>(count - grid->light.size());
@@ -347,23 +379,12 @@ class GridMaker {
     grid->rough = std::move(rough);
   }
 
-  [[nodiscard]] static ProbeLight mean(const ProbeLight& a, const ProbeLight& b) {
-    return {0.5f * (a.light + b.light), 0.5f * (a.error + b.error)};
-  }
-
   [[nodiscard]] static Vec3 grid_weights(int parts, int i, int j) {
     const auto scale = 1.0f / static_cast<float>(parts);
     // Corners are moved slightly inwards, away from the neighbouring triangles.
     const Vec3 weights = weights_of(static_cast<float>(i) * scale, static_cast<float>(j) * scale);
     const float inwards = kInwards * scale;
     return weights * (1.0f - inwards) + Vec3::Constant(inwards / 3.0f);
-  }
-
-  template <typename Visit>
-  static void for_each_sample(int parts, Visit visit) {
-    for (int j = 0; j <= parts; ++j) {
-      for (int i = 0; i + j <= parts; ++i) visit(i, j);
-    }
   }
 
   [[nodiscard]] std::vector<LightSpot> grid_points(const GridInWork& candidate, int parts, std::uint32_t number) const {
@@ -379,54 +400,48 @@ class GridMaker {
     return lamps_at(grid_points(candidate, parts, 100));
   }
 
-  /// Returns the light at a position between samples.
-  [[nodiscard]] static Vec3 interpolated(const std::vector<Vec3>& light, int parts, float u, float v) {
-    const int j = std::min(static_cast<int>(v), parts - 1);
-    const int i = std::min(static_cast<int>(u), parts - 1 - j);
-    u -= static_cast<float>(i);
-    v -= static_cast<float>(j);
-    const auto at = [&](int column, int row) -> const Vec3& {
-      return light[static_cast<std::size_t>(TriangleGrid::index(parts, column, row))];
-    };
-    if (u + v <= 1.0f || i + j == parts - 1) return at(i, j) * (1.0f - u - v) + at(i + 1, j) * u + at(i, j + 1) * v;
-    return at(i + 1, j + 1) * (u + v - 1.0f) + at(i, j + 1) * (1.0f - u) + at(i + 1, j) * (1.0f - v);
-  }
-
   /// Adds light that comes from other surfaces. Since it is smooth, small triangles interpolate it from their vertices,
-  /// unless those are hidden; other triangles use a separate coarse grid.
-  void add_surfaces(const GridInWork& candidate, MadeGrid* grid) {
+  /// unless those are hidden; other triangles use a separate grid.
+  void add_surfaces(const GridInWork& candidate, int max_samples, MadeGrid* grid) {
     const std::array<std::size_t, 3> base = base_of(candidate.triangle);
     bool from_base = !candidate.needs_surfaces && !candidate.has_blocked_corner && !side_.per_triangle;
     for (const std::size_t i : base) from_base &= side_.points[i].exists();
-    int parts = 1;
-    std::vector<Vec3> light;
-    float error = 0.0f;
     if (from_base) {
+      std::vector<ProbeLight> light;
       for (const std::size_t i : base) {
-        light.push_back(side_.light[i].surfaces.light);
-        error = std::max(error, side_.light[i].surfaces.error);
+        light.push_back({side_.light[i].surfaces.light, side_.light[i].surfaces.error});
       }
-    } else {
-      parts = std::min(grid->parts, candidate.is_huge() ? kHugeSurfaceParts : kSurfaceParts);
-      // Interpolation in a coarse grid would let light through an object that stands on the triangle.
-      if (std::ranges::count(grid->separate, 1) > 0) parts = grid->parts;
-      const std::vector<LightSpot> points = grid_points(candidate, parts, 10'000);
-      std::vector<GatheredLight> gathered(points.size());
-      // Few samples cover a large part of the picture, so their noise would show; many lie close together.
-      const int rays = std::max(1, settings_.final_rays / (parts <= kHugeSurfaceParts ? 2 : 4));
-      tracer_.from_surfaces(points, rays, side_.only_lamps, gathered);
-      for (const GatheredLight& sample : gathered) {
-        light.push_back(sample.light);
-        error = std::max(error, sample.error);
-      }
+      return add(1, light, grid);
     }
-    std::size_t index = 0;
-    const float scale = static_cast<float>(parts) / static_cast<float>(grid->parts);
-    for_each_sample(grid->parts, [&](int i, int j) {
-      ProbeLight& sample = grid->light[index++];
-      sample.light += interpolated(light, parts, static_cast<float>(i) * scale, static_cast<float>(j) * scale);
-      sample.error = std::hypot(sample.error, error);
-    });
+    // Interpolation in a coarse grid would let light through an object that stands on the triangle.
+    const bool is_cut = std::ranges::count(grid->separate, 1) > 0;
+    const GridInWork surfaces = is_cut ? surfaces_on(candidate, grid->parts, grid->separate, max_samples)
+                                       : surfaces_on(candidate, candidate.surface_parts(), {}, max_samples);
+    while (grid->parts < surfaces.parts) refine(grid);
+    add(surfaces.parts, surfaces.light, grid);
+  }
+
+  /// Samples light from other surfaces on a grid of `parts`, and more finely where it varies on an uneven triangle.
+  [[nodiscard]] GridInWork surfaces_on(const GridInWork& candidate, int parts, std::span<const std::uint8_t> separate,
+                                       int max_samples) {
+    // Few samples cover a large part of the picture, so their noise would show; many lie close together.
+    const int rays = std::max(1, settings_.final_rays / (parts <= kHugeSurfaceParts ? 2 : 4));
+    const auto gathered_at = [&](std::span<const LightSpot> points) {
+      std::vector<GatheredLight> gathered(points.size());
+      tracer_.from_surfaces(points, settings_.gathering(rays, side_.bounces), gathered);
+      return gathered;
+    };
+    GridInWork grid;
+    grid.triangle = candidate.triangle;
+    grid.parts = parts;
+    grid.light = smoothed(separate, parts, gathered_at(grid_points(candidate, parts, 10'000)));
+    grid.rough.assign(grid.light.size(), 1);
+    grid.squared_error = candidate.is_uneven() ? 1.0f : 0.0f;
+    while (grid.squared_error > 0.0f && grid.parts < candidate.max_parts &&
+           TriangleGrid::samples(2 * grid.parts) <= max_samples) {
+      halve(&grid, [&](std::span<const LightSpot> points) { return as_probes(gathered_at(points)); });
+    }
+    return grid;
   }
 
   /// Marks samples that are hidden from a neighbour: one of the two is inside or behind an object that stands on the
@@ -473,6 +488,11 @@ std::vector<std::uint32_t> find_blocked(const LitSide& side, std::span<const std
   return found;
 }
 
+std::vector<std::uint32_t> find_misread(const LitSide& side, std::span<const ProbedTriangle> triangles,
+                                        const BakeSettings& settings, LightTracer& tracer) {
+  return GridMaker(side, settings, tracer).misread(triangles);
+}
+
 std::vector<GridInWork> probe_triangles(const LitSide& side, std::span<const SeenTriangle> triangles,
                                         const BakeSettings& settings, LightTracer& tracer) {
   return GridMaker(side, settings, tracer).probed(triangles);
@@ -482,8 +502,9 @@ void advance_grid(const LitSide& side, const BakeSettings& settings, LightTracer
   GridMaker(side, settings, tracer).advance(grid);
 }
 
-MadeGrid finished_grid(const LitSide& side, const GridInWork& grid, const BakeSettings& settings, LightTracer& tracer) {
-  return GridMaker(side, settings, tracer).finished(grid);
+MadeGrid finished_grid(const LitSide& side, const GridInWork& grid, int max_samples, const BakeSettings& settings,
+                       LightTracer& tracer) {
+  return GridMaker(side, settings, tracer).finished(grid, max_samples);
 }
 
 }  // namespace cyclorama::light_baking

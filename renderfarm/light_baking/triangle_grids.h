@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "renderfarm/light_baking/bake_settings.h"
+#include "renderfarm/light_baking/grid_light.h"
 #include "renderfarm/light_baking/light_tracer.h"
 
 namespace cyclorama::light_baking {
@@ -23,8 +24,9 @@ struct LitSide {
   bool per_triangle = false;
   std::span<const LightPoint> points;  ///< Points of the base samples, on this side.
   std::span<const PointLight> light;
-  std::span<const float> lamp_ranges;  ///< See BaseSide; empty for samples per triangle.
-  bool only_lamps = false;             ///< True if light from other surfaces does not count: a scene without bounces.
+  std::span<const float> lamp_ranges;     ///< See BaseSide; empty for samples per triangle.
+  std::span<const std::uint8_t> misread;  ///< See BaseSide; empty until it is known.
+  int bounces = 0;                        ///< Bounces of the scene; see LightTracer::from_surfaces().
 };
 
 /// A triangle to be examined.
@@ -38,15 +40,12 @@ struct SeenTriangle {
 /// would cost more than it gains, since surfaces intersect nearly everywhere.
 inline constexpr double kMinBlockedParts = 32.0;
 
+/// Mean error of the light of lamps on a triangle, relative to that light, beyond which bounces do not interpolate it.
+inline constexpr float kMaxMisread = 0.01f;
+
 /// Returns the number of samples along the triangle's longest edge that its nearest visitor could tell apart.
 [[nodiscard]] double visible_parts(const render::Placement& placement, const SeenTriangle& seen,
                                    const BakeSettings& settings);
-
-/// The light at a point of a grid; that of lamps alone while the grid is made.
-struct ProbeLight {
-  render::Vec3 light = render::Vec3::Zero();
-  float error = 0.0f;  ///< Standard error of its luminance.
-};
 
 /// A triangle that may get a grid, with the samples that it has so far.
 struct GridInWork {
@@ -66,21 +65,18 @@ struct GridInWork {
 
   /// Returns true if a step could improve it.
   [[nodiscard]] bool wants_step() const { return squared_error > 0.0f && parts < max_parts; }
+  bool is_misread = false;  ///< The vertices misstate the light of lamps; see find_misread().
   /// Returns true if a few probes cannot rule out a shadow, so that it always gets a grid.
   [[nodiscard]] bool is_huge() const;
+  /// Returns true if it is to be expected that light from other surfaces varies between its corners.
+  [[nodiscard]] bool is_uneven() const { return is_huge() || is_misread; }
   /// Returns true if its grid, or the vertices without one, is too coarse to show the light that varies on it.
   [[nodiscard]] bool is_unresolved() const;
   [[nodiscard]] int next_parts() const;
+  /// Returns the parts of the grid on which light from other surfaces is sampled, unless the vertices have it.
+  [[nodiscard]] int surface_parts() const;
   /// Returns the samples that the next step adds.
   [[nodiscard]] int step_samples() const;
-};
-
-/// The samples of a triangle, on a grid. A sample that something separates from its neighbour is marked as unusable.
-struct MadeGrid {
-  std::uint32_t triangle = 0;
-  int parts = 0;
-  std::vector<ProbeLight> light;       ///< Without the ambient light.
-  std::vector<std::uint8_t> separate;  ///< 1 for samples that must not be used.
 };
 
 /// Returns those triangles of which a corner does not see the middle, because something stands on them: between such
@@ -88,7 +84,18 @@ struct MadeGrid {
 [[nodiscard]] std::vector<std::uint32_t> find_blocked(const LitSide& side, std::span<const std::uint32_t> triangles,
                                                       LightTracer& tracer);
 
+/// A triangle with the number of points at which its light is to be compared with that of its vertices.
+struct ProbedTriangle {
+  std::uint32_t triangle = 0;
+  int probes = 0;
+};
+
 // The following functions are thread-bound, like their argument `tracer`:
+
+/// Returns those triangles whose vertices misstate the light of lamps between them by more than kMaxMisread in the mean.
+/// Rays that bounce must not interpolate it there.
+[[nodiscard]] std::vector<std::uint32_t> find_misread(const LitSide& side, std::span<const ProbedTriangle> triangles,
+                                                      const BakeSettings& settings, LightTracer& tracer);
 
 /// Compares light at points inside the triangles with that of their vertices, and returns those that need a grid.
 [[nodiscard]] std::vector<GridInWork> probe_triangles(const LitSide& side, std::span<const SeenTriangle> triangles,
@@ -96,8 +103,9 @@ struct MadeGrid {
 /// Makes the first grid of a triangle, or halves the spacing of its samples. If that improves nothing, the grid stays
 /// as it is and gets no further steps. Precondition: wants_step().
 void advance_grid(const LitSide& side, const BakeSettings& settings, LightTracer& tracer, GridInWork* grid);
-/// Adds the light from other surfaces to a grid that has samples.
-[[nodiscard]] MadeGrid finished_grid(const LitSide& side, const GridInWork& grid, const BakeSettings& settings,
-                                     LightTracer& tracer);
+/// Adds the light from other surfaces to a grid that has samples. If that light varies more finely, an uneven triangle
+/// gets more samples, up to `max_samples`.
+[[nodiscard]] MadeGrid finished_grid(const LitSide& side, const GridInWork& grid, int max_samples,
+                                     const BakeSettings& settings, LightTracer& tracer);
 
 }  // namespace cyclorama::light_baking

@@ -180,7 +180,7 @@ class Shade {
     const Scatter scattering(shading.bsdf, shading.normal, wo);
     if (view_.features && ray.surfaces == 0) keep_features(i, ray, shading, scattering.albedo());
     shine_eye_lamp(i, ray, point, scattering, wo);
-    const std::optional<Vec3> stored = stored_light(hit, triangle, point, shading.normal);
+    const std::optional<Vec3> stored = stored_light(ray, hit, triangle, point, shading.normal);
     if (ray.surfaces == 0 && !stored) film_.lacks_light[pixel_of(ray)] = true;
     if (stored) {
       return shine_stored_light(i, ray, point, shading, wo, footprint.width, *stored);
@@ -221,9 +221,10 @@ class Shade {
   }
 
   /// Returns the light that was computed ahead for this point; null if paths must be traced.
-  [[nodiscard]] std::optional<Vec3> stored_light(const RTCHit& hit, const TriangleHit& triangle,
+  [[nodiscard]] std::optional<Vec3> stored_light(const PathRay& ray, const RTCHit& hit, const TriangleHit& triangle,
                                                  const SurfacePoint& point, const Vec3& normal) const {
     if (scene_.light == nullptr || !view_.quality.stored_light) return std::nullopt;
+    if (ray.scatterings > view_.max_stored_scatterings) return std::nullopt;
     const SurfaceMesh& mesh = *triangle.mesh;
     if (!reads_stored_light(*mesh.material)) return std::nullopt;
     const int side = point.front ? 0 : 1;

@@ -13,8 +13,12 @@ constexpr int kAhead = 16;
 /// Ends paths of one batch at stored light. Thread-bound.
 class StoredLightStage {
  public:
-  StoredLightStage(const TraceScene& scene, PathBatch& batch)
-      : scene_(scene), light_(*scene.light), batch_(batch), rays_(batch.current().rays) {}
+  StoredLightStage(const TraceScene& scene, int max_scatterings, PathBatch& batch)
+      : scene_(scene),
+        max_scatterings_(max_scatterings),
+        light_(*scene.light),
+        batch_(batch),
+        rays_(batch.current().rays) {}
 
   void run() {
     std::array<PathRay, kMaxRays>& state = batch_.current().state;
@@ -68,7 +72,7 @@ class StoredLightStage {
 
   /// Adds what the ray finds to its path, which ends, and returns true; or returns false.
   [[nodiscard]] bool ends(int i, const PathRay& ray) {
-    if (ray.only_light || !ray.absorption.isZero(0.0f)) return false;
+    if (ray.only_light || ray.scatterings > max_scatterings_ || !ray.absorption.isZero(0.0f)) return false;
     const RTCHit hit = rays_.hit(i);
     const Placement* const placement = plain_at(i, hit);
     if (placement == nullptr) return false;
@@ -120,6 +124,7 @@ class StoredLightStage {
   }
 
   const TraceScene& scene_;
+  const int max_scatterings_;
   const light::LightStore& light_;
   PathBatch& batch_;
   RayQueue<RTCRayHit16>& rays_;
@@ -131,6 +136,8 @@ bool ends_at_stored_light(const TraceScene& scene, const TraceView& view) {
   return view.quality.stored_light && scene.light != nullptr && !view.features && scene.eye_lamp.isZero(0.0f);
 }
 
-void end_at_stored_light(const TraceScene& scene, PathBatch& batch) { StoredLightStage(scene, batch).run(); }
+void end_at_stored_light(const TraceScene& scene, const TraceView& view, PathBatch& batch) {
+  StoredLightStage(scene, view.max_stored_scatterings, batch).run();
+}
 
 }  // namespace cyclorama::render

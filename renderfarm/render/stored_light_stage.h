@@ -13,6 +13,6 @@ namespace cyclorama::render {
 /// Ends the paths whose rays in batch.current() hit a `plain` surface with stored light: such a surface shows its colour
 /// times the light, so normals, BSDFs and random numbers are not needed. The other rays stay, in the same order.
 /// Precondition: ends_at_stored_light(), and the rays are traced.
-void end_at_stored_light(const TraceScene& scene, PathBatch& batch);
+void end_at_stored_light(const TraceScene& scene, const TraceView& view, PathBatch& batch);
 
 }  // namespace cyclorama::render

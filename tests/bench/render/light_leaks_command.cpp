@@ -23,9 +23,7 @@ struct LeakOptions {
 Status measure(const LeakOptions& options, const StopSignal& stop) {
   light_baking::BakeSettings settings;
   settings.pixels_per_degree = 4.0;  // Still several times that of the pictures.
-  settings.max_parts = 64;
-  settings.min_bytes = std::uint64_t{1} << 19;
-  settings.check_eyes = 0;  // These pictures are its check.
+  settings.check_eyes = 0;           // These pictures are its check.
   int cases = 0;
   int blocks = 0;
   int bad_blocks = 0;

@@ -19,6 +19,7 @@ inline BakeSettings quick() {
   settings.rays_per_eye = 1 << 13;
   settings.pixels_per_degree = 2.0;
   settings.check_eyes = 0;
+  settings.min_rays = std::int64_t{1} << 18;
   return settings;
 }
 

@@ -8,7 +8,9 @@
 
 #include "common/process/progress.h"
 #include "renderfarm/light/light_file.h"
+#include "renderfarm/light/scene_key.h"
 #include "renderfarm/light_baking/bake_light.h"
+#include "renderfarm/light_baking/piece_folder.h"
 #include "renderfarm/render/memory.h"
 
 namespace cyclorama::tools {
@@ -18,6 +20,7 @@ struct LightOptions {
   SceneOptions scene;
   std::string out;
   std::string json;
+  bool if_needed = false;
   light_baking::BakeSettings settings;
 };
 
@@ -41,6 +44,19 @@ nlohmann::json json_of(const light::LightCheck& check) {
           {"picture_px", {check.picture_width_px, check.picture_height_px}}};
 }
 
+/// Returns true if the file has the light of this scene; prints why not, if there is a file.
+bool is_light_of(const scene::Scene& scene, const std::filesystem::path& file) {
+  const Result<light::LightStore> store = light::read_light_file(file);
+  if (store && store->scene == light::key_of(scene)) return true;
+  if (!store && store.error().code() == ErrorCode::kNotFound) return false;
+  fmt::print("{}\n", store
+                         ? fmt::format("{}: this light belongs to another scene, or the scene has changed since; it is "
+                                       "computed anew",
+                                       file.string())
+                         : store.error().message() + "; it is computed anew");
+  return false;
+}
+
 Status compute_light(const LightOptions& options, const StopSignal& stop) {
   std::filesystem::path out = options.out;
   if (out.empty()) {
@@ -52,17 +68,24 @@ Status compute_light(const LightOptions& options, const StopSignal& stop) {
   }
   TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
   if (stop.requested()) return stopped();
+  if (options.if_needed && is_light_of(loaded.scene, out)) {
+    fmt::print("{}: it has the light of this scene\n", out.string());
+    return Done{};
+  }
   TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
              build_with_progress(std::move(loaded.scene), options.scene));
   light_baking::BakeSettings settings = options.settings;
   settings.final_rays = static_cast<int>(std::bit_floor(static_cast<unsigned>(settings.final_rays)));
   settings.max_parts = static_cast<int>(std::bit_floor(static_cast<unsigned>(settings.max_parts)));
+  // A run that was ended goes on where it was.
+  light_baking::KeptPieces pieces(light_baking::unfinished_light(out));
   Progress progress("computing light");
   TRY_ASSIGN(const light_baking::BakedLight baked,
              light_baking::bake_light(
                  *renderer, settings, options.scene.threads, [&](double fraction) { progress.update(fraction); },
-                 [&] { return stop.requested(); }));
+                 [&] { return stop.requested(); }, &pieces));
   TRY(light::write_light_file(out, *baked.store));
+  pieces.remove();
   const auto triangles = static_cast<double>(renderer->scene().triangles_seen());
   const double bytes_per_triangle = static_cast<double>(baked.store->bytes()) / triangles;
   fmt::print(
@@ -94,6 +117,10 @@ RenderCommand add_light_command(CLI::App* program) {
       program->add_subcommand("light", "Compute the light on a scene's surfaces, so that pictures need eye rays alone");
   const auto options = std::make_shared<LightOptions>();
   add_scene_options(parser, &options->scene);
+  parser->add_flag(
+      "--if-needed", options->if_needed,
+      "Compute nothing if the file has the light of this scene; one that is damaged, old or of another scene "
+      "is made anew");
   light_baking::BakeSettings& settings = options->settings;
   parser->add_option("--out", options->out, "The file to write; default: light.store in the scene's folder");
   parser->add_option("--eyes", settings.eyes, "Places in the walkable area from which surfaces are looked at")

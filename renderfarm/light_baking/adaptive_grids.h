@@ -32,7 +32,7 @@ struct SeenSide {
 struct GridBudget {
   std::uint64_t samples = 0;
   std::function<bool()> is_over{};                ///< Returns true once the time is up; may be null.
-  std::function<Status()> check_cancelled{};      ///< Returns an error once nobody wants the result; may be null.
+  std::function<Status()> check_cancelled{};      ///< Returns an error once the result is of no use; may be null.
   std::function<void(double)> add_cpu_seconds{};  ///< Called from any thread after each piece of work; may be null.
   std::function<void(double)> report_progress{};  ///< A fraction in [0, 1]; may be null.
 };

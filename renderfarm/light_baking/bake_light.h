@@ -31,7 +31,7 @@ struct BakeStage {
 
 struct BakedLight {
   std::shared_ptr<const light::LightStore> store;
-  double cpu_seconds = 0.0;          ///< Of this host and run, without the check.
+  double cpu_seconds = 0.0;          ///< Cost on this host in this run, without the check.
   double check_cpu_seconds = 0.0;    ///< Cost of the comparison with path tracing.
   std::uint64_t seen_triangles = 0;  ///< Each side counted.
   std::uint64_t grids = 0;

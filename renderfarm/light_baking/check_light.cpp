@@ -43,7 +43,7 @@ WorstBlock worst_block(const RadianceImage& picture, const RadianceImage& refere
   return worst;
 }
 
-/// What one eye contributes.
+/// Contribution of one eye to the check.
 struct CheckedEye {
   float relmse = 0.0f;
   float block_relmse = 0.0f;

@@ -37,9 +37,13 @@ wire::LightPieceOrder order_of(const wire::LightStage& stage, std::uint32_t piec
 
 }  // namespace
 
-bool LightBoard::is_at(NodeId node, std::uint32_t stage) const {
-  const auto found = at_.find(node);
-  return found != at_.end() && found->second == stage;
+std::optional<NodeId> LightBoard::sender_of(const Piece& piece) {
+  const auto found = std::ranges::find_if(piece.holders, [&](NodeId holder) { return !piece.silent.contains(holder); });
+  return found == piece.holders.end() ? std::nullopt : std::optional(*found);
+}
+
+bool LightBoard::must_compute(const Piece& piece, NodeId node) {
+  return !piece.holders.contains(node) && !piece.is_here && !piece.sending && !sender_of(piece);
 }
 
 Result<bool> LightBoard::report(NodeId node, const wire::LightPieces& report) {
@@ -88,6 +92,7 @@ void LightBoard::leave(NodeId node) {
   for (auto& [number, stage] : stages_) {
     for (Piece& piece : stage.pieces) {
       piece.holders.erase(node);
+      piece.silent.erase(node);
       piece.given.erase(node);
       if (piece.working && piece.working->node == node) piece.working.reset();
       if (piece.sending && piece.sending->node == node) forget_file(&piece);
@@ -101,6 +106,7 @@ void LightBoard::stored(const std::string& sha256) {
     for (Piece& piece : stage.pieces) {
       if (piece.is_here || !piece.sending || piece.file.version() != sha256) continue;
       piece.sending.reset();
+      piece.silent.clear();
       piece.is_here = true;
     }
   }
@@ -140,17 +146,15 @@ void LightBoard::give_out(Stage& stage, NodeId node, TimePoint now, Orders* orde
       continue;
     }
     if (piece.sending && now - piece.sending->ordered_at < kTransferTimeout) continue;
-    if (piece.sending) {  // The node did not send it in time; its file may be gone.
-      piece.holders.erase(piece.sending->node);
+    if (piece.sending) {
+      piece.silent.insert(piece.sending->node);
       forget_file(&piece);
     }
-    if (piece.holders.empty()) {
-      piece.file.Clear();
-    } else if (files_ < kMaxFiles) {
-      ++files_;
-      piece.sending = {*piece.holders.begin(), now};
-      orders->send.emplace_back(*piece.holders.begin(), order);
-    }
+    const std::optional<NodeId> sender = sender_of(piece);
+    if (!sender || files_ >= kMaxFiles) continue;
+    ++files_;
+    piece.sending = {*sender, now};
+    orders->send.emplace_back(*sender, order);
   }
 }
 
@@ -163,12 +167,12 @@ void LightBoard::order_pieces(TimePoint now, const std::function<bool(NodeId)>& 
     const auto others =
         static_cast<std::size_t>(std::ranges::count_if(at_, [&](const auto& entry) { return entry.second == number; }));
     const auto open = static_cast<std::size_t>(
-        std::ranges::count_if(stage.pieces, [](const Piece& piece) { return piece.file.version().empty(); }));
+        std::ranges::count_if(stage.pieces, [&](const Piece& piece) { return must_compute(piece, node); }));
     // Towards the end of a stage each gets its share only, so that none waits for another.
     const std::size_t limit = std::min(kOrdered, (open + others - 1) / others);
     for (std::uint32_t i = 0; i < stage.pieces.size(); ++i) {
       Piece& piece = stage.pieces[i];
-      if (!piece.file.version().empty()) continue;
+      if (!must_compute(piece, node)) continue;
       if (piece.working && now - piece.working->ordered_at < kPieceTimeout) continue;
       const bool is_repeated = piece.working && piece.working->node == node;  // The order may have been lost.
       if (!is_repeated && working >= limit) continue;

@@ -66,6 +66,7 @@ class LightBoard {
   struct Piece {
     wire::LightVersion file{};          ///< Known once a node has it.
     std::set<NodeId> holders{};         ///< Nodes that have its results.
+    std::set<NodeId> silent{};          ///< Holders that did not send the file when ordered to.
     std::optional<Transfer> working{};  ///< The node that computes it.
     std::optional<Transfer> sending{};
     bool is_here = false;
@@ -82,7 +83,10 @@ class LightBoard {
   /// Forgets this stage and the later ones: they belong to another computation than the current one.
   void erase_from(std::uint32_t number);
   void forget_file(Piece* piece);
-  [[nodiscard]] bool is_at(NodeId node, std::uint32_t stage) const;
+  /// Returns a node that can send the file; nothing if there is none.
+  [[nodiscard]] static std::optional<NodeId> sender_of(const Piece& piece);
+  /// Returns true if the node can get the results only by computing them.
+  [[nodiscard]] static bool must_compute(const Piece& piece, NodeId node);
 
   std::map<std::uint32_t, Stage> stages_;     ///< The stages by number.
   std::map<NodeId, std::uint32_t> at_;        ///< The stage of each node that takes part.

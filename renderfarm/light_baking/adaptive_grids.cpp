@@ -78,8 +78,10 @@ class GridSpender {
       const double before = thread_cpu_seconds();
       const render::FlushDenormals flush;
       LightTracer& tracer = *tracers_.local();
+      tracer.begin_run();
       const std::size_t chunk_end = std::min(first + (chunk + 1) * per_chunk, end);
-      for (std::size_t i = first + chunk * per_chunk; i < chunk_end; ++i) work(i, tracer);
+      for (std::size_t i = first + chunk * per_chunk; i < chunk_end && !tracer.must_end(); ++i) work(i, tracer);
+      tracer.must_end();
       if (budget_.add_cpu_seconds) budget_.add_cpu_seconds(thread_cpu_seconds() - before);
     });
     return check_cancelled();

@@ -63,7 +63,8 @@ class Baker {
         stages_(stages),
         bounces_(renderer.scene().bounces),
         tracers_([this] {
-          return std::make_unique<LightTracer>(scene_, render::shade_stage_for(renderer_.surface_level()), bounces_);
+          return std::make_unique<LightTracer>(scene_, render::shade_stage_for(renderer_.surface_level()), bounces_,
+                                               cancelled_);
         }) {}
 
   Result<BakedLight> run() {
@@ -106,6 +107,8 @@ class Baker {
     TRY(end_stage("grids", 1.0));
     baked_.store = published_;
     baked_.cpu_seconds = cpu_seconds_.load();
+    for (const std::unique_ptr<LightTracer>& tracer : tracers_)
+      baked_.max_run_seconds = std::max(baked_.max_run_seconds, tracer->max_run());
     return std::move(baked_);
   }
 
@@ -168,7 +171,10 @@ class Baker {
       if (cancelled_ && cancelled_()) return;
       const double before = thread_cpu_seconds();
       const render::FlushDenormals flush;
-      work(chunk, chunk * per_chunk, std::min((chunk + 1) * per_chunk, count), *tracers_.local());
+      LightTracer& tracer = *tracers_.local();
+      tracer.begin_run();
+      work(chunk, chunk * per_chunk, std::min((chunk + 1) * per_chunk, count), tracer);
+      tracer.must_end();
       cpu_seconds_ += thread_cpu_seconds() - before;
     });
   }

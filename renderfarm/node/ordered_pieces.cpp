@@ -71,7 +71,11 @@ Status OrderedPieces::complete(const LightStage& stage, const StageWork& work) {
     TRY_ASSIGN(const std::vector<Order> orders, next_orders());
     std::vector<std::uint32_t> ordered;
     for (const Order& order : orders) {
-      if (order.stage != stage.number || order.piece >= stage.pieces || is_taken[order.piece] != 0) continue;
+      if (order.stage != stage.number || order.piece >= stage.pieces) continue;
+      if (is_taken[order.piece] != 0) {  // A report may have been lost with a coordinator.
+        TRY(report(stage, order.piece));
+        continue;
+      }
       if (!order.is_fetched) {
         if (std::ranges::find(ordered, order.piece) == ordered.end()) ordered.push_back(order.piece);
       } else if (take_kept(stage, work, order.piece)) {

@@ -8,7 +8,6 @@
 
 #include "common/process/progress.h"
 #include "renderfarm/light/light_file.h"
-#include "renderfarm/light/scene_key.h"
 #include "renderfarm/light_baking/bake_light.h"
 #include "renderfarm/light_baking/piece_folder.h"
 #include "renderfarm/render/memory.h"
@@ -44,17 +43,13 @@ nlohmann::json json_of(const light::LightCheck& check) {
           {"picture_px", {check.picture_width_px, check.picture_height_px}}};
 }
 
-/// Returns true if the file has the light of this scene; prints why not, if there is a file.
-bool is_light_of(const scene::Scene& scene, const std::filesystem::path& file) {
+/// Returns true if the file has light that the renderer can use; prints why not, if there is a file.
+bool has_usable_light(const render::Renderer& renderer, const std::filesystem::path& file) {
   const Result<light::LightStore> store = light::read_light_file(file);
-  if (store && store->scene == light::key_of(scene)) return true;
   if (!store && store.error().code() == ErrorCode::kNotFound) return false;
-  fmt::print("{}\n", store
-                         ? fmt::format("{}: this light belongs to another scene, or the scene has changed since; it is "
-                                       "computed anew",
-                                       file.string())
-                         : store.error().message() + "; it is computed anew");
-  return false;
+  const Status usable = store ? renderer.check_light(*store, file.string()) : Status(store.error());
+  if (!usable) fmt::print("{}: doing so now\n", usable.error().message());
+  return usable.has_value();
 }
 
 Status compute_light(const LightOptions& options, const StopSignal& stop) {
@@ -68,12 +63,12 @@ Status compute_light(const LightOptions& options, const StopSignal& stop) {
   }
   TRY_ASSIGN(LoadedScene loaded, load_with_progress(options.scene));
   if (stop.requested()) return stopped();
-  if (options.if_needed && is_light_of(loaded.scene, out)) {
+  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
+             build_with_progress(std::move(loaded.scene), options.scene));
+  if (options.if_needed && has_usable_light(*renderer, out)) {
     fmt::print("{}: it has the light of this scene\n", out.string());
     return Done{};
   }
-  TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
-             build_with_progress(std::move(loaded.scene), options.scene));
   light_baking::BakeSettings settings = options.settings;
   settings.final_rays = static_cast<int>(std::bit_floor(static_cast<unsigned>(settings.final_rays)));
   settings.max_parts = static_cast<int>(std::bit_floor(static_cast<unsigned>(settings.max_parts)));

@@ -120,7 +120,8 @@ if [ -z "$scene" ]; then
   mkdir -p build/grottoes
   ( flock 9; [ -f "$scene/scene.toml" ] || "$(program cyclorama-grotto)" --triangles "$triangles" --seed "$seed" --out "$scene"
     # Once per grotto: two minutes of one core for a million triangles, and pictures are sharp and free of noise.
-    [ -f "$scene/light.store" ] || "$(program cyclorama-render)" light "$scene" --rays 64 --max-parts 1 ) 9>build/grottoes/demo.lock
+    # One that is damaged, or of an earlier program, is made anew.
+    "$(program cyclorama-render)" light "$scene" --if-needed --rays 64 --max-parts 1 ) 9>build/grottoes/demo.lock
 fi
 
 taken() {  # PORT COUNT: true if a process listens on one of these ports.

@@ -282,6 +282,7 @@ class Coordinator::Loop final : private CoordinatorDelegate {
     museums_.at(id).stream->send(std::move(reply));
   }
   void accept_light(const wire::LightVersion& light) override { lights_.accept(light); }
+  void forget_light(const wire::LightVersion& light) override { lights_.forget(light.version()); }
   void end_node(NodeId node, const Error& reason) override {
     gate_->node_disconnected(static_cast<std::uint64_t>(node), reason.message());
     watch_.metrics().node_sent_away();

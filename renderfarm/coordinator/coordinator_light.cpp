@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light computed ahead. One node computes it, the coordinator takes the file and gives it to the others, and when all have
-// it, frames name its version from the next one on. A frame in flight and a picture at rest keep the version that they
+// Light computed ahead. Nodes compute it together, each its own pieces (LightBoard). The first that has all of it sends the
+// file to the coordinator, which gives it to those that lack it, and when all have it, frames name its version from the next one on. A frame in flight and a picture at rest keep the version that they
 // began with, and only nodes that have a frame's version render it: no picture mixes two.
 #include <fmt/format.h>
 
@@ -20,6 +20,9 @@ constexpr Duration kSwitchTimeout = std::chrono::seconds(20);
 constexpr Duration kSendTimeout = std::chrono::seconds(60);
 /// A node that has not got its light by then gets the order to fetch it once more.
 constexpr Duration kOfferTimeout = std::chrono::minutes(1);
+/// If no node that got the order to compute light has reported a stage by then, all get it once more. It covers the time to
+/// read a scene and to build its BVH.
+constexpr Duration kComputeTimeout = std::chrono::minutes(2);
 
 }  // namespace
 
@@ -52,8 +55,8 @@ Status CoordinatorState::scene_light(NodeId id, Node& node, const wire::SceneLig
                  fmt::format("it reports light of scene '{}', which nobody requested", printable(report.scene())));
   }
   SceneLightState& light = lights_[report.scene()];
-  const bool has_computed = light.computing == id;
-  if (has_computed) light.computing = {};
+  const bool has_computed = light.computing.erase(id) > 0;
+  light.board.leave(id);
   if (report.error().empty()) {
     TRY(add_light(report.light(), &known->second));
   } else {
@@ -71,8 +74,27 @@ Status CoordinatorState::scene_light(NodeId id, Node& node, const wire::SceneLig
   return Done{};
 }
 
+Status CoordinatorState::light_pieces(NodeId id, Node& node, const wire::LightPieces& report) {
+  const auto light = lights_.find(report.scene());
+  // It may have got the order from a coordinator before this one, or the light has come meanwhile.
+  if (light == lights_.end() || !light->second.computing.contains(id)) return Done{};
+  const bool is_first = report.stage().number() == 0;
+  TRY_ASSIGN(const bool takes_part, light->second.board.report(id, report));
+  if (!takes_part && is_first) {
+    delegate_.notice(
+        fmt::format("node '{}' computes the light of scene '{}' otherwise than the nodes before it, such as "
+                    "with another processor or program: it takes no part",
+                    printable(node.name), report.scene()),
+        {.node = node.name});
+  }
+  follow_light(report.scene());
+  return Done{};
+}
+
 void CoordinatorState::light_stored(const std::string& version) {
   for (auto& [scene, light] : lights_) {
+    light.board.stored(version);
+    order_pieces(scene, light);
     if (light.target.version() != version) continue;
     if (!light.stored_at) light.stored_at = clock_.now();
     follow_light(scene);
@@ -201,34 +223,75 @@ void CoordinatorState::use_light(const std::string& scene, SceneLightState& ligh
   }
 }
 
+void CoordinatorState::clear_board(SceneLightState& light) {
+  light.computing.clear();
+  for (const wire::LightVersion& file : light.board.clear()) delegate_.forget_light(file);
+}
+
 void CoordinatorState::order_light(const std::string& scene, SceneLightState& light) {
-  if (!light.target.version().empty()) return;
-  const auto busy = nodes_.find(light.computing);
-  if (busy != nodes_.end() && busy->second.has(scene)) return;
-  light.computing = {};
-  NodeId best{};
-  std::pair<double, double> best_rank{-1.0, 0.0};
-  for (const auto& [id, node] : nodes_) {
-    if (!node.has(scene) || node.status.draining()) continue;
+  if (!light.target.version().empty()) return clear_board(light);
+  const auto may_compute = [&](const Node& node) {
+    if (!node.has(scene) || node.status.draining()) return false;
     const Node::LoadedScene& loaded = node.scenes.at(scene);
-    if (!loaded.can_compute_light || loaded.has_failed_to_compute) continue;
-    // A node that is at work already, by the command of a coordinator before this one, goes on.
-    const auto progress = std::ranges::find(node.status.light(), scene, &wire::LightProgress::scene);
-    const double done = progress == node.status.light().end() ? 0.0 : progress->done_share();
-    const std::pair<double, double> rank{done, speed_of(node, scene)};
-    if (rank <= best_rank) continue;
-    best = id;
-    best_rank = rank;
+    return loaded.can_compute_light && !loaded.has_failed_to_compute;
+  };
+  for (auto at = light.computing.begin(); at != light.computing.end();) {
+    const auto node = nodes_.find(at->first);
+    const bool is_left = node != nodes_.end() && may_compute(node->second);
+    if (!is_left) light.board.leave(at->first);
+    at = is_left ? std::next(at) : light.computing.erase(at);
   }
-  if (best == NodeId{}) {
+  std::vector<std::pair<double, NodeId>> others;  // The slowest first.
+  for (const auto& [id, node] : nodes_) {
+    if (may_compute(node) && !light.computing.contains(id)) others.emplace_back(speed_of(node, scene), id);
+  }
+  if (others.empty() && light.computing.empty()) {
     light.gathering_since = clock_.now();
     return;
   }
   if (clock_.now() - light.gathering_since < limits_.light_gathering) return;
-  light.computing = best;
+  std::ranges::sort(others);
+  while (!others.empty() && light.computing.size() < LightBoard::kMaxNodes) {
+    order_computation(others.back().second, scene, light);
+    others.pop_back();
+  }
+  for (const auto& [id, ordered_at] : light.computing) {
+    // A node that was left out reports its stage once more: those that it differed from may be gone.
+    if (light.board.nodes() > 0 || clock_.now() - ordered_at < kComputeTimeout) continue;
+    order_computation(id, scene, light);
+  }
+  order_pieces(scene, light);
+}
+
+void CoordinatorState::order_computation(NodeId id, const std::string& scene, SceneLightState& light) {
+  light.computing[id] = clock_.now();
   wire::NodeCommand command;
   command.mutable_compute_light()->set_scene(scene);
-  delegate_.to_node(best, command);
+  delegate_.to_node(id, command);
+}
+
+void CoordinatorState::order_pieces(const std::string& scene, SceneLightState& light) {
+  LightBoard::Orders orders = light.board.next(clock_.now(), [&](NodeId id) { return nodes_.at(id).blocks.empty(); });
+  for (const wire::LightVersion& file : orders.unneeded) delegate_.forget_light(file);
+  for (auto& [id, order] : orders.compute) {
+    wire::NodeCommand command;
+    order.set_scene(scene);
+    *command.mutable_compute_pieces() = std::move(order);
+    delegate_.to_node(id, command);
+  }
+  for (auto& [id, order] : orders.send) {
+    delegate_.accept_light(order.piece().file());
+    wire::NodeCommand command;
+    order.set_scene(scene);
+    *command.mutable_send_piece() = std::move(order);
+    delegate_.to_node(id, command);
+  }
+  for (auto& [id, order] : orders.use) {
+    wire::NodeCommand command;
+    order.set_scene(scene);
+    *command.mutable_use_piece() = std::move(order);
+    delegate_.to_node(id, command);
+  }
 }
 
 const std::string& CoordinatorState::light_in_use(const std::string& scene) const {
@@ -256,8 +319,12 @@ std::string CoordinatorState::light_summary(const std::string& scene) const {
   const auto light = lights_.find(scene);
   if (light == lights_.end()) return "paths";
   if (!light->second.target.version().empty()) return "paths; light is being given to the nodes";
-  const auto node = nodes_.find(light->second.computing);
-  return node == nodes_.end() ? "paths" : fmt::format("paths; '{}' computes light", printable(node->second.name));
+  const std::map<NodeId, TimePoint>& computing = light->second.computing;
+  if (computing.empty()) return "paths";
+  const auto node = nodes_.find(computing.begin()->first);
+  if (computing.size() > 1 || node == nodes_.end())
+    return fmt::format("paths; {} nodes compute light", computing.size());
+  return fmt::format("paths; '{}' computes light", printable(node->second.name));
 }
 
 }  // namespace cyclorama::coordinator

@@ -84,6 +84,8 @@ void CoordinatorState::node_reported(NodeId id, wire::NodeReport report) {
     fine = scene_dropped(node, report.scene_dropped());
   } else if (report.has_scene_light()) {
     fine = scene_light(id, node, report.scene_light());
+  } else if (report.has_light_pieces()) {
+    fine = light_pieces(id, node, report.light_pieces());
   } else {
     fine = broken("a message of unknown kind");
   }

@@ -150,12 +150,18 @@ class CoordinatorState {
   static Status add_light(const wire::LightVersion& light, Node::LoadedScene* scene);
   /// Does what is due: chooses the scene's light, has it sent and fetched, switches, or has it computed.
   void follow_light(const std::string& scene);
+  Status light_pieces(NodeId id, Node& node, const wire::LightPieces& report);
   void choose_light(const std::string& scene, SceneLightState& light);
   void spread_light(const std::string& scene, SceneLightState& light);
   void switch_light(const std::string& scene, SceneLightState& light);
   /// Sets the version of frames that are planned from now on, and the governors' fronts.
   void use_light(const std::string& scene, SceneLightState& light, const std::string& version);
+  /// Has light computed: lets nodes take part, and divides the work among them.
   void order_light(const std::string& scene, SceneLightState& light);
+  void order_computation(NodeId id, const std::string& scene, SceneLightState& light);
+  void order_pieces(const std::string& scene, SceneLightState& light);
+  /// Ends the division of a computation that is over.
+  void clear_board(SceneLightState& light);
   [[nodiscard]] std::size_t nodes_with_light(const std::string& scene, const std::string& version) const;
   [[nodiscard]] const std::string& light_in_use(const std::string& scene) const;
   /// Names the version that a view reads; of a scene without light, paths are traced.

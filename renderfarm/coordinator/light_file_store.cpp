@@ -15,7 +15,8 @@
 namespace cyclorama::coordinator {
 namespace {
 
-constexpr std::size_t kMaxFiles = 64;  ///< Far more than the scenes that nodes load at a time.
+/// Far more than the scenes that nodes load at a time; the rest is for pieces, LightBoard::kMaxFiles of a scene.
+constexpr std::size_t kMaxFiles = 256;
 
 Error full(const std::string& doing) {
   const Error reason = Error::from_errno(doing);
@@ -30,6 +31,11 @@ void LightFileStore::accept(const wire::LightVersion& light) {
   if (std::ranges::any_of(entries_, known)) return;
   entries_.push_front({light});
   if (entries_.size() > kMaxFiles) entries_.pop_back();
+}
+
+void LightFileStore::forget(const std::string& version) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(entries_, [&](const Entry& entry) { return entry.light.version() == version; });
 }
 
 Result<std::unique_ptr<LightFileStore::Receipt>> LightFileStore::receive(const std::string& version) {

@@ -17,7 +17,7 @@
 
 namespace cyclorama::coordinator {
 
-/// Files of light on their way from the node that computed them to the others. They have no name on the disk, so none is
+/// Files of light, and of pieces of it, on their way from the node that computed them to the others. They have no name on the disk, so none is
 /// left behind; the nodes keep theirs, and after a restart one of them sends it again. Thread-safe.
 class LightFileStore {
  public:
@@ -43,6 +43,8 @@ class LightFileStore {
 
   /// Allows a node to send this light.
   void accept(const wire::LightVersion& light);
+  /// The file is not sent to any further node.
+  void forget(const std::string& version);
   /// Errors: kInvalidArgument if accept() was not called for that version; kBusy if the disk gives no place.
   Result<std::unique_ptr<Receipt>> receive(const std::string& version);
   /// Errors: kNotFound if it has not come.

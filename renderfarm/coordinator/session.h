@@ -22,6 +22,7 @@
 #include "renderfarm/coordinator/frame_assembly.h"
 #include "renderfarm/coordinator/governed.h"
 #include "renderfarm/coordinator/ids.h"
+#include "renderfarm/coordinator/light_board.h"
 #include "renderfarm/trust/grants.h"
 
 namespace cyclorama::coordinator {
@@ -166,8 +167,9 @@ struct SceneLightState {
   std::optional<TimePoint> stored_at{};  ///< Time from which the coordinator has the target's file; null: it has not.
   NodeId sending{};                      ///< The node that got the order to send it.
   TimePoint send_ordered_at{};
-  NodeId computing{};           ///< The node that got the order to compute light.
-  TimePoint gathering_since{};  ///< Last time when no node could compute any.
+  std::map<NodeId, TimePoint> computing{};  ///< Nodes that got the order to take part in computing light, and when.
+  LightBoard board{};                       ///< The division of the work among them.
+  TimePoint gathering_since{};              ///< Last time when no node could compute any.
 };
 
 }  // namespace cyclorama::coordinator

@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "renderfarm/light_baking/stage_chain.h"
 #include "renderfarm/light_baking/triangle_grids.h"
 
 namespace cyclorama::light_baking {
@@ -31,6 +32,7 @@ struct SeenSide {
 struct GridBudget {
   std::uint64_t samples = 0;
   std::function<bool()> is_over{};                ///< Returns true once the time is up; may be null.
+  std::function<Status()> check_cancelled{};      ///< Returns an error once the result is of no use; may be null.
   std::function<void(double)> add_cpu_seconds{};  ///< Called from any thread after each piece of work; may be null.
   std::function<void(double)> report_progress{};  ///< A fraction in [0, 1]; may be null.
 };
@@ -41,9 +43,11 @@ struct SideGrids {
   std::vector<std::uint32_t> unresolved{};
 };
 
-/// Returns the grids of each side, ordered by triangle. Uses the threads of the TBB arena in which it is called; the
-/// result does not depend on their number unless `is_over` ended it.
-[[nodiscard]] std::vector<SideGrids> make_grids(std::span<const SeenSide> sides, const BakeSettings& settings,
-                                                const GridBudget& budget, LightTracers& tracers);
+/// Returns the grids of each side, ordered by triangle. Probing, each round of steps and the end are stages. Uses the
+/// threads of the TBB arena in which it is called; the result does not depend on their number unless `is_over` ended it.
+/// Errors: as StageChain::complete().
+[[nodiscard]] Result<std::vector<SideGrids>> make_grids(std::span<const SeenSide> sides, const BakeSettings& settings,
+                                                        const GridBudget& budget, LightTracers& tracers,
+                                                        StageChain& stages);
 
 }  // namespace cyclorama::light_baking

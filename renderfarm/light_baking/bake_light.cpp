@@ -16,7 +16,9 @@
 #include "renderfarm/light_baking/adaptive_grids.h"
 #include "renderfarm/light_baking/base_side.h"
 #include "renderfarm/light_baking/check_light.h"
+#include "renderfarm/light_baking/program_id.h"
 #include "renderfarm/light_baking/smoothing.h"
+#include "renderfarm/light_baking/stage_chain.h"
 #include "renderfarm/light_baking/vertex_sites.h"
 #include "renderfarm/light_baking/visible_triangles.h"
 #include "renderfarm/render/flush_denormals.h"
@@ -31,6 +33,8 @@ using render::Vec3;
 /// Number of points in one task.
 constexpr std::size_t kChunk = 256;
 constexpr std::size_t kSitesPerChunk = 1024;
+/// Chunks of points in a piece: a second of work, so that little is lost with it, and some 400 KB of results.
+constexpr std::size_t kPointChunksPerPiece = 64;
 /// Headroom of the unit above the brightest direct light, for bounces.
 constexpr float kHeadroom = 16.0f;
 /// Shadow rays of samples that no visitor sees.
@@ -57,20 +61,24 @@ BakeSettings with_dim_light(BakeSettings settings, const scene::Scene& scene) {
 
 class Baker {
  public:
+  /// Borrows all but the settings.
   Baker(render::Renderer& renderer, const BakeSettings& settings, const std::function<void(double)>& progress,
-        const std::function<bool()>& cancelled)
+        const std::function<bool()>& cancelled, StageChain& stages)
       : renderer_(renderer),
         scene_(renderer.traced()),
         settings_(with_dim_light(settings, renderer.scene())),
         progress_(progress),
         cancelled_(cancelled),
+        stages_(stages),
         bounces_(renderer.scene().bounces),
         tracers_([this] {
-          return std::make_unique<LightTracer>(scene_, render::shade_stage_for(renderer_.surface_level()));
+          return std::make_unique<LightTracer>(scene_, render::shade_stage_for(renderer_.surface_level()), cancelled_);
         }) {}
 
   Result<BakedLight> run() {
     key_ = light::key_of(renderer_.scene());
+    add_key();
+    TRY(stages_.begin());
     const VisibleTriangles visible = find_visible_triangles(renderer_, settings_, cancelled_);
     cpu_seconds_ += visible.cpu_seconds;
     baked_.seen_triangles = visible.seen;
@@ -79,26 +87,26 @@ class Baker {
     place_sites();
     find_all_blocked();
     TRY(end_stage("sites of vertices", 0.07));
-    light_from_lamps();
+    TRY(light_from_lamps());
     find_all_misread();
     TRY(end_stage("light of lamps", 0.2));
     const int coarse_rays = settings_.rays_of(settings_.coarse_rays, count_of(Which::kAll), kBounceDivisor);
-    gather(coarse_rays, 0, Which::kAll);
+    TRY(gather(coarse_rays, 0, Which::kAll));
     TRY(publish());
     for (int bounce = 1; bounce < bounces_; ++bounce) {
-      gather(coarse_rays, bounce, Which::kAll);
+      TRY(gather(coarse_rays, bounce, Which::kAll));
       TRY(publish());
       TRY(report(0.2 + 0.15 * bounce / bounces_));
     }
     TRY(end_stage("bounces", 0.35));
-    gather(settings_.coarse_rays, bounces_, Which::kUnseen);
-    gather(settings_.rays_of(settings_.final_rays, count_of(Which::kSeen), 1), bounces_, Which::kSeen);
+    TRY(gather(settings_.coarse_rays, bounces_, Which::kUnseen));
+    TRY(gather(settings_.rays_of(settings_.final_rays, count_of(Which::kSeen), 1), bounces_, Which::kSeen));
     TRY(end_stage("last bounce", 0.6));
     for (BaseSide& side : sides_) {
       smooth_gathered_light(*scene_.placements[side.placement].mesh, &side);
       sharpen(scene_.placements[side.placement], &side);
     }
-    make_all_grids();  // They read the same bounce as the base samples, so nothing is published in between.
+    TRY(make_all_grids());  // They read the same bounce as the base samples, so nothing is published in between.
     add_misread();
     for (const SideGrids& fine : fine_) {
       baked_.grids += fine.grids.size();
@@ -110,6 +118,8 @@ class Baker {
     TRY(end_stage("grids", 1.0));
     baked_.store = published_;
     baked_.cpu_seconds = cpu_seconds_.load();
+    for (const std::unique_ptr<LightTracer>& tracer : tracers_)
+      baked_.max_run_seconds = std::max(baked_.max_run_seconds, tracer->max_run());
     return std::move(baked_);
   }
 
@@ -117,9 +127,36 @@ class Baker {
   enum class Which { kAll, kSeen, kUnseen };
 
   [[nodiscard]] Status report(double fraction) const {
-    if (cancelled_ && cancelled_()) return Error(ErrorCode::kUnavailable, "computing light was cancelled");
+    TRY(check_cancelled());
     if (progress_) progress_(fraction);
     return Done{};
+  }
+
+  [[nodiscard]] Status check_cancelled() const {
+    if (cancelled_ && cancelled_()) return Error(ErrorCode::kUnavailable, "computing light was cancelled");
+    return Done{};
+  }
+
+  /// Adds to the stages' key what all results depend on.
+  void add_key() {
+    PieceWriter out;
+    out.add(key_.low);
+    out.add(key_.high);
+    // The structured binding does not compile if a setting is added, so that none is forgotten.
+    const auto& [eyes, rays_per_eye, pixels_per_degree, pixels_per_sample, max_light_rays, light_error,
+                 max_grid_light_rays, grid_light_error, coarse_rays, final_rays, min_rays, surface_error, probe_error,
+                 dim_light, max_parts, bytes_per_triangle, min_bytes, max_cpu_seconds, seed, check_eyes] = settings_;
+    for (const int value : {eyes, rays_per_eye, max_light_rays, max_grid_light_rays, coarse_rays, final_rays, max_parts,
+                            check_eyes, bounces_})
+      out.add(value);
+    for (const double value : {pixels_per_degree, pixels_per_sample, light_error, grid_light_error, surface_error,
+                               probe_error, static_cast<double>(dim_light), bytes_per_triangle, max_cpu_seconds})
+      out.add(value);
+    out.add(min_rays);
+    out.add(min_bytes);
+    out.add(seed);
+    stages_.add(out.take());
+    stages_.add(program_id());
   }
 
   [[nodiscard]] Status end_stage(std::string name, double fraction) {
@@ -147,7 +184,10 @@ class Baker {
       if (cancelled_ && cancelled_()) return;
       const double before = thread_cpu_seconds();
       const render::FlushDenormals flush;
-      work(chunk, chunk * per_chunk, std::min((chunk + 1) * per_chunk, count), *tracers_.local());
+      LightTracer& tracer = *tracers_.local();
+      tracer.begin_run();
+      work(chunk, chunk * per_chunk, std::min((chunk + 1) * per_chunk, count), tracer);
+      tracer.must_end();
       cpu_seconds_ += thread_cpu_seconds() - before;
     });
   }
@@ -214,6 +254,7 @@ class Baker {
         for (const std::uint32_t triangle : part) side.misread[triangle] = 1;
         side.large.insert(side.large.end(), part.begin(), part.end());
       }
+      stages_.add(std::as_bytes(std::span(side.misread)));
     }
   }
 
@@ -230,45 +271,96 @@ class Baker {
     return count;
   }
 
-  /// Calls work(side, samples, their spots, tracer) for chunks of base samples.
-  template <typename Work>
-  void for_points(Which which, Work work) {
+  /// Base samples of one side that are computed together.
+  struct Chunk {
+    BaseSide* side = nullptr;
+    std::vector<std::uint32_t> samples;
+  };
+
+  [[nodiscard]] std::vector<Chunk> chunks_of(Which which) {
+    std::vector<Chunk> chunks;
     for (BaseSide& side : sides_) {
       std::vector<std::uint32_t> chosen;
       for (const std::uint32_t i : side.order) {
         if (is_among(side, i, which)) chosen.push_back(i);
       }
-      for_chunks(chosen.size(), kChunk, [&](std::size_t, std::size_t first, std::size_t end, LightTracer& tracer) {
-        const std::span<const std::uint32_t> part = std::span(chosen).subspan(first, end - first);
-        std::vector<LightSpot> spots;
-        for (const std::uint32_t i : part) spots.push_back(spot_of(scene_.placements[side.placement], side, i));
-        work(side, part, spots, tracer);
-      });
+      for (std::size_t first = 0; first < chosen.size(); first += kChunk) {
+        const std::span part = std::span(chosen).subspan(first, std::min(kChunk, chosen.size() - first));
+        chunks.push_back({&side, {part.begin(), part.end()}});
+      }
     }
+    return chunks;
   }
 
-  void light_from_lamps() {
+  /// Only these have a use for the mean direction of their light.
+  [[nodiscard]] bool has_directions(const BaseSide& side) const {
+    return scene_.placements[side.placement].mesh->material->normal != nullptr;
+  }
+
+  /// Completes a stage that sets a part of the light of base samples to what trace(spots, tracer, results) estimates.
+  template <typename Light, typename Trace>
+  [[nodiscard]] Status trace_stage(Which which, Light PointLight::*part, Trace trace) {
+    const std::vector<Chunk> chunks = chunks_of(which);
+    const PieceCut cut(chunks.size(), kPointChunksPerPiece);
+    StageWork work;
+    work.compute = [&](std::uint32_t piece) -> Result<PieceBytes> {
+      const std::span part_chunks = std::span(chunks).subspan(cut.first(piece), cut.end(piece) - cut.first(piece));
+      std::vector<std::vector<Light>> light(part_chunks.size());
+      for_chunks(part_chunks.size(), 1, [&](std::size_t i, std::size_t, std::size_t, LightTracer& tracer) {
+        const BaseSide& side = *part_chunks[i].side;
+        std::vector<LightSpot> spots;
+        for (const std::uint32_t sample : part_chunks[i].samples)
+          spots.push_back(spot_of(scene_.placements[side.placement], side, sample));
+        light[i].resize(spots.size());
+        trace(spots, tracer, light[i]);
+      });
+      TRY(check_cancelled());
+      PieceWriter out;
+      for (std::size_t i = 0; i < part_chunks.size(); ++i) {
+        const bool directed = has_directions(*part_chunks[i].side);
+        for (const Light& sample : light[i]) {
+          out.add(sample.light);
+          if (directed) out.add(sample.direction);
+          out.add(sample.error);
+        }
+      }
+      return out.take();
+    };
+    work.take = [&](std::uint32_t piece, std::span<const std::byte> bytes) -> Status {
+      PieceReader in(bytes);
+      for (std::size_t i = cut.first(piece); i < cut.end(piece); ++i) {
+        const bool directed = has_directions(*chunks[i].side);
+        for (const std::uint32_t sample : chunks[i].samples) {
+          Light& light = chunks[i].side->light[sample].*part;
+          light.light = in.read_vector();
+          if (directed) light.direction = in.read_vector();
+          light.error = in.read<float>();
+        }
+      }
+      return in.finished();
+    };
+    return stages_.complete(cut.pieces(), std::move(work));
+  }
+
+  [[nodiscard]] Status light_from_lamps() {
     for (const Which which : {Which::kSeen, Which::kUnseen}) {
       const int rays =
           settings_.rays_of(which == Which::kSeen ? settings_.max_light_rays : kUnseenLightRays, count_of(which), 1);
       const TracerSettings settings{rays, static_cast<float>(settings_.light_error)};
-      for_points(which, [&](BaseSide& side, std::span<const std::uint32_t> part, std::span<const LightSpot> spots,
-                            LightTracer& tracer) {
-        std::vector<LampLight> light(spots.size());
-        tracer.from_lamps(spots, settings, light);
-        for (std::size_t i = 0; i < part.size(); ++i) side.light[part[i]].lamps = light[i];
-      });
+      TRY(trace_stage(which, &PointLight::lamps,
+                      [&](std::span<const LightSpot> spots, LightTracer& tracer, std::span<LampLight> ret) {
+                        tracer.from_lamps(spots, settings, ret);
+                      }));
     }
     for (BaseSide& side : sides_) find_lamp_ranges(*scene_.placements[side.placement].mesh, &side);
+    return Done{};
   }
 
-  void gather(int rays, int bounces, Which which) {
-    for_points(which, [&](BaseSide& side, std::span<const std::uint32_t> part, std::span<const LightSpot> spots,
-                          LightTracer& tracer) {
-      std::vector<GatheredLight> light(spots.size());
-      tracer.from_surfaces(spots, settings_.gathering(rays, bounces), light);
-      for (std::size_t i = 0; i < part.size(); ++i) side.light[part[i]].surfaces = light[i];
-    });
+  [[nodiscard]] Status gather(int rays, int bounces, Which which) {
+    return trace_stage(which, &PointLight::surfaces,
+                       [&](std::span<const LightSpot> spots, LightTracer& tracer, std::span<GatheredLight> ret) {
+                         tracer.from_surfaces(spots, settings_.gathering(rays, bounces), ret);
+                       });
   }
 
   /// Returns the samples that grids may take within the budget of bytes.
@@ -279,8 +371,7 @@ class Baker {
       triangles += static_cast<double>(placement.mesh->triangle_count);
     }
     for (const BaseSide& side : sides_) {
-      const bool has_directions = scene_.placements[side.placement].mesh->material->normal != nullptr;
-      taken += side.points.size() * (light::kSampleBytes + (has_directions ? sizeof(std::uint32_t) : 0)) +
+      taken += side.points.size() * (light::kSampleBytes + (has_directions(side) ? sizeof(std::uint32_t) : 0)) +
                side.blocked.size() * sizeof(std::uint32_t);
     }
     const auto bytes =
@@ -289,19 +380,20 @@ class Baker {
                                    light::TriangleGrid::kMaxOffset);
   }
 
-  void make_all_grids() {
+  [[nodiscard]] Status make_all_grids() {
     std::vector<SeenSide> seen;
     seen.reserve(sides_.size());
     for (const BaseSide& side : sides_) seen.push_back({lit(side), side.triangles});
     GridBudget budget;
     budget.samples = grid_samples();
     budget.is_over = [this] {
-      return (cancelled_ && cancelled_()) ||
-             (settings_.max_cpu_seconds > 0.0 && cpu_seconds_.load() > settings_.max_cpu_seconds);
+      return settings_.max_cpu_seconds > 0.0 && cpu_seconds_.load() > settings_.max_cpu_seconds;
     };
+    budget.check_cancelled = [this] { return check_cancelled(); };
     budget.add_cpu_seconds = [this](double seconds) { cpu_seconds_ += seconds; };
     if (progress_) budget.report_progress = [this](double fraction) { progress_(0.6 + 0.4 * fraction); };
-    fine_ = make_grids(seen, settings_, budget, tracers_);
+    TRY_ASSIGN(fine_, make_grids(seen, settings_, budget, tracers_, stages_));
+    return Done{};
   }
 
   /// Lets paths be traced on misread triangles that no visitor sees, but reflections do.
@@ -359,12 +451,14 @@ class Baker {
                                : light::kNoSample);
         out.base_errors.push_back(coded_error(std::hypot(light.lamps.error, light.surfaces.error)));
       }
-      if (scene_.placements[side.placement].mesh->material->normal != nullptr) add_directions(side, &out);
+      if (has_directions(side)) add_directions(side, &out);
       if (fine_.empty()) {
         add_grids(side, {{}, side.large}, &out);
       } else {
         add_grids(side, fine_[s], &out);
       }
+      stages_.add(std::as_bytes(std::span(out.base)));
+      stages_.add(std::as_bytes(std::span(out.grids)));
     }
     published_ = std::move(store);
     return renderer_.set_light(published_, "the light just computed");
@@ -404,6 +498,7 @@ class Baker {
   const BakeSettings settings_;
   const std::function<void(double)>& progress_;
   const std::function<bool()>& cancelled_;
+  StageChain& stages_;
   const int bounces_;
   LightTracers tracers_;
   light::SceneKey key_;
@@ -418,10 +513,10 @@ class Baker {
 
 /// Lets the store say how far it is from the truth.
 Status add_check(render::Renderer& renderer, int eyes, const std::function<void(double)>& progress,
-                 const std::function<bool()>& cancelled, BakedLight* baked) {
+                 const std::function<bool()>& cancelled, StageChain& stages, BakedLight* baked) {
   CheckSettings settings;
   settings.eyes = eyes;
-  TRY_ASSIGN(const CheckedLight checked, check_light(renderer, settings, progress, cancelled));
+  TRY_ASSIGN(const CheckedLight checked, check_light(renderer, settings, progress, cancelled, stages));
   const auto store = std::make_shared<light::LightStore>(*baked->store);
   store->check = checked.check;
   baked->store = store;
@@ -432,7 +527,8 @@ Status add_check(render::Renderer& renderer, int eyes, const std::function<void(
 }  // namespace
 
 Result<BakedLight> bake_light(render::Renderer& renderer, const BakeSettings& settings, int threads,
-                              const std::function<void(double)>& progress, const std::function<bool()>& cancelled) {
+                              const std::function<void(double)>& progress, const std::function<bool()>& cancelled,
+                              LightPieces* pieces) {
   if (!renderer.scene().eye_lamp.isZero(0.0f)) {
     return Error(ErrorCode::kInvalidArgument,
                  "this scene is lit by a lamp that the visitor carries, so its light cannot be computed ahead; remove "
@@ -443,16 +539,20 @@ Result<BakedLight> bake_light(render::Renderer& renderer, const BakeSettings& se
   const auto share_of_progress = [&](double fraction) {
     if (progress) progress(baking_share * fraction);
   };
+  ComputedPieces computed;
+  // With a limit of time the results depend on this host, so they are not mixed with others.
+  const bool may_divide = pieces != nullptr && settings.max_cpu_seconds == 0.0;
+  StageChain stages(may_divide ? *pieces : computed);
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   Result<BakedLight> baked =
-      arena.execute([&] { return Baker(renderer, settings, share_of_progress, cancelled).run(); });
+      arena.execute([&] { return Baker(renderer, settings, share_of_progress, cancelled, stages).run(); });
   if (baked && settings.check_eyes > 0) {
     const Status checked = add_check(
         renderer, settings.check_eyes,
         [&](double fraction) {
           if (progress) progress(baking_share + (1.0 - baking_share) * fraction);
         },
-        cancelled, &*baked);
+        cancelled, stages, &*baked);
     if (!checked) baked = checked.error();
   }
   if (!baked) TRY(renderer.set_light(nullptr, ""));

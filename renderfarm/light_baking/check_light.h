@@ -7,6 +7,7 @@
 
 #include "common/base/result.h"
 #include "renderfarm/light/light_check.h"
+#include "renderfarm/light_baking/stage_chain.h"
 #include "renderfarm/render/renderer.h"
 #include "renderfarm/scene/scene.h"
 
@@ -41,5 +42,10 @@ struct CheckedLight {
 /// cancelled.
 Result<CheckedLight> check_light(const render::Renderer& renderer, const CheckSettings& settings,
                                  const std::function<void(double)>& progress, const std::function<bool()>& cancelled);
+
+/// The same as a stage of the light's computation, with a piece for each eye.
+Result<CheckedLight> check_light(const render::Renderer& renderer, const CheckSettings& settings,
+                                 const std::function<void(double)>& progress, const std::function<bool()>& cancelled,
+                                 StageChain& stages);
 
 }  // namespace cyclorama::light_baking

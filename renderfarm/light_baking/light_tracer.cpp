@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "common/base/check.h"
+#include "common/base/cpu_time.h"
 #include "renderfarm/render/sampler.h"
 #include "renderfarm/render/shade.h"
 
@@ -83,9 +84,10 @@ struct Estimate {
 
 }  // namespace
 
-LightTracer::LightTracer(const render::TraceScene& scene, render::ShadeStage shade)
+LightTracer::LightTracer(const render::TraceScene& scene, render::ShadeStage shade, std::function<bool()> must_end)
     : scene_(scene),
       shade_(shade),
+      must_end_(std::move(must_end)),
       batch_(std::make_unique<render::PathBatch>()),
       directions_(render::kMaxRays, Vec3::Zero()),
       starts_(render::kMaxRays),
@@ -95,6 +97,15 @@ LightTracer::LightTracer(const render::TraceScene& scene, render::ShadeStage sha
   view_.quality.stored_light = true;
   view_.max_stored_scatterings = 1;
   film_->clear();
+}
+
+void LightTracer::begin_run() { run_began_ = thread_cpu_seconds(); }
+
+bool LightTracer::must_end() {
+  const double now = thread_cpu_seconds();
+  max_run_ = std::max(max_run_, now - run_began_);
+  run_began_ = now;
+  return must_end_ && must_end_();
 }
 
 std::span<const std::uint16_t> LightTracer::by_part(std::size_t count) {
@@ -142,6 +153,7 @@ void LightTracer::from_lamps(std::span<const LightSpot> spots, const TracerSetti
   }
   for (int done = 0; done < settings.max_light_rays && !active.empty(); done += kRound) {
     for (std::size_t first = 0; first < active.size(); first += kTogether) {
+      if (must_end()) return;
       const std::size_t end = std::min(first + kTogether, active.size());
       const std::size_t count = (end - first) * kRound;
       for (std::size_t path = 0; path < count; ++path) {
@@ -236,6 +248,7 @@ void LightTracer::gather(std::span<const LightSpot> spots, int first_ray, int ra
   // Textures far away are blurred over the solid angle of a ray.
   const float spread = std::sqrt(2.0f * render::kPi / static_cast<float>(rays));
   for (std::size_t first = 0; first < spots.size(); first += together) {
+    if (must_end()) return;
     const std::size_t count = std::min(together, spots.size() - first);
     batch_->stage = 0;
     for (std::size_t i = 0; i < count * per_spot; ++i) {
@@ -271,6 +284,7 @@ void LightTracer::gather(std::span<const LightSpot> spots, int first_ray, int ra
 
 void LightTracer::find_visible(std::span<const std::array<Vec3, 2>> pairs, std::span<std::uint8_t> ret) {
   for (std::size_t first = 0; first < pairs.size(); first += render::kMaxRays) {
+    if (must_end()) return;
     const std::size_t count = std::min<std::size_t>(render::kMaxRays, pairs.size() - first);
     for (std::size_t i = 0; i < count; ++i) {
       batch_->path[i] = render::Path{};
@@ -286,6 +300,7 @@ void LightTracer::find_visible(std::span<const std::array<Vec3, 2>> pairs, std::
 void LightTracer::find_free_share(std::span<const std::array<Vec3, 2>> pairs, std::span<float> ret) {
   render::RayQueue<RTCRayHit16>& rays = batch_->current().rays;
   for (std::size_t first = 0; first < pairs.size(); first += render::kMaxRays) {
+    if (must_end()) return;
     const std::size_t count = std::min<std::size_t>(render::kMaxRays, pairs.size() - first);
     for (std::size_t i = 0; i < count; ++i)
       rays.add(pairs[first + i][0], pairs[first + i][1] - pairs[first + i][0], 1.0f, 0);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -44,7 +45,15 @@ struct GatherSettings {
 /// and take about the same way, so spots that follow one another should be neighbours.
 class LightTracer {
  public:
-  LightTracer(const render::TraceScene& scene, render::ShadeStage shade);
+  /// `must_end` is called before each batch of rays; once it returns true, results are incomplete. It may be null.
+  LightTracer(const render::TraceScene& scene, render::ShadeStage shade, std::function<bool()> must_end = nullptr);
+
+  /// To be called by a thread when it begins a piece of work.
+  void begin_run();
+  /// Returns true if the thread must end its work. The tracer calls it before each batch of rays.
+  bool must_end();
+  /// Returns the longest processor time, in seconds, between two of these calls.
+  [[nodiscard]] double max_run() const { return max_run_; }
 
   /// Estimates the light that comes straight from lamps and the sky, by shadow rays: at least 16 for each spot, then
   /// more until the standard error is below `light_error` of the light or there are `max_light_rays`. Spots that do
@@ -82,6 +91,9 @@ class LightTracer {
 
   const render::TraceScene& scene_;
   const render::ShadeStage shade_;
+  const std::function<bool()> must_end_;
+  double run_began_ = 0.0;
+  double max_run_ = 0.0;
   render::TraceView view_;
   std::unique_ptr<render::PathBatch> batch_;
   std::vector<render::Vec3> directions_;  ///< In which each path of the batch starts.

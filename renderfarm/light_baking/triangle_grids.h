@@ -60,12 +60,12 @@ struct GridInWork {
   bool is_needed = false;  ///< The vertices' samples cannot be used, so without a grid paths are traced.
   bool has_blocked_corner = false;
   bool needs_surfaces = false;  ///< Light from other surfaces, too, varies more than between the vertices.
+  bool is_misread = false;  ///< The vertices misstate the light of lamps; see find_misread().
   std::vector<ProbeLight> light{};
   std::vector<std::uint8_t> rough{};  ///< 1 for samples next to which light varies more than linearly.
 
   /// Returns true if a step could improve it.
   [[nodiscard]] bool wants_step() const { return squared_error > 0.0f && parts < max_parts; }
-  bool is_misread = false;  ///< The vertices misstate the light of lamps; see find_misread().
   /// Returns true if a few probes cannot rule out a shadow, so that it always gets a grid.
   [[nodiscard]] bool is_huge() const;
   /// Returns true if it is to be expected that light from other surfaces varies between its corners.

@@ -3,23 +3,49 @@
 /// script the outcome.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include "common/base/result.h"
 
 namespace cyclorama::node {
 
-/// One computation, which ends by itself. pause() and resume() are thread-safe; the rest is thread-bound. The destructor
-/// ends an unfinished one.
+/// A stage that has begun. Its files are `<number>-<piece>` in `folder`, those of fetched pieces, too.
+struct BegunStage {
+  std::uint32_t number = 0;
+  std::string key;
+  std::uint32_t pieces = 0;
+  std::filesystem::path folder;
+};
+/// A piece whose results the computation has taken.
+struct TakenPiece {
+  std::uint32_t stage = 0;
+  std::uint32_t piece = 0;
+  std::string sha256;  ///< Digest of its file.
+  std::uint64_t bytes = 0;
+};
+using LightEvent = std::variant<BegunStage, TakenPiece>;
+
+/// One computation, which ends by itself, but computes pieces only when ordered to. pause(), resume(), compute() and
+/// fetched() are thread-safe; the rest is thread-bound. The destructor ends an unfinished one.
 class LightComputation {
  public:
   virtual ~LightComputation() = default;
   /// Returns at once; from then on it takes no processor time.
   virtual void pause() = 0;
   virtual void resume() = 0;
+  /// Orders a piece; without effect if the computation is at another stage.
+  virtual void compute(std::uint32_t stage, std::uint32_t piece) = 0;
+  /// The file of a piece has been put into the stage's folder.
+  virtual void fetched(std::uint32_t stage, std::uint32_t piece) = 0;
+  /// Returns what has happened since the last call.
+  [[nodiscard]] virtual std::vector<LightEvent> events() = 0;
   /// Returns the completed share, in [0, 1].
   [[nodiscard]] virtual double done_share() = 0;
   /// Returns nothing while the computation runs; then success, when the file is complete, or the reason of the failure

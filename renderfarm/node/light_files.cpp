@@ -33,7 +33,7 @@ void remove_oldest(const fs::path& folder) {
     files.emplace_back(at->last_write_time(unknown), at->path());
   }
   std::ranges::sort(files);
-  for (std::size_t i = 0; i + kMaxFiles <= files.size(); ++i) fs::remove(files[i].second, error);
+  for (std::size_t i = 0; i + kMaxFiles <= files.size(); ++i) fs::remove_all(files[i].second, error);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ class LightFiles {
 
   /// Returns where the light of the scene at `path` belongs, whether or not it is there; empty if there is no such place.
   [[nodiscard]] std::filesystem::path file_of(const std::string& path) const;
-  /// Prepares that place for a new file: creates the folder, and removes the oldest files beyond a limit. Errors: one
+  /// Prepares that place for a new file: creates the folder, and removes the oldest files beyond a limit, unfinished light included. Errors: one
   /// sentence on why nothing can be written there.
   Result<std::filesystem::path> prepare(const std::string& path) const;
   /// Removes the incomplete files that killed computations left beside `file`. Precondition: its light is not being

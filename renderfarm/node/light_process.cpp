@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,7 +13,9 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
+#include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "common/base/text.h"
 
@@ -24,10 +27,10 @@ namespace {
 
 constexpr std::size_t kMaxLineBytes = 4096;
 
-Result<pid_t> spawned(const std::vector<std::string>& command, int output) {
+Result<pid_t> spawned(const std::vector<std::string>& command, int input, int output) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
@@ -61,8 +64,12 @@ Result<std::unique_ptr<LightComputation>> LightProcess::start(const std::vector<
   UniqueFd from(ends[0]);
   const UniqueFd into(ends[1]);
   if (::fcntl(from.get(), F_SETFL, O_NONBLOCK) != 0) return Error::from_errno("making a pipe");
-  TRY_ASSIGN(const pid_t process, spawned(command, into.get()));
-  return std::unique_ptr<LightComputation>(new LightProcess(process, std::move(from)));
+  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    return Error::from_errno("making a socket");
+  UniqueFd orders(ends[0]);
+  const UniqueFd input(ends[1]);
+  TRY_ASSIGN(const pid_t process, spawned(command, input.get(), into.get()));
+  return std::unique_ptr<LightComputation>(new LightProcess(process, std::move(orders), std::move(from)));
 }
 
 LightProcess::~LightProcess() {
@@ -80,6 +87,20 @@ void LightProcess::send_signal(int number) const {
 
 void LightProcess::pause() { send_signal(SIGSTOP); }
 void LightProcess::resume() { send_signal(SIGCONT); }
+
+void LightProcess::compute(std::uint32_t stage, std::uint32_t piece) { send_order("compute", stage, piece); }
+void LightProcess::fetched(std::uint32_t stage, std::uint32_t piece) { send_order("fetched", stage, piece); }
+
+void LightProcess::send_order(const char* verb, std::uint32_t stage, std::uint32_t piece) const {
+  const std::string order = fmt::format("{} {} {}", verb, stage, piece);
+  // An order that does not fit, or that comes after the end, is lost; the coordinator repeats it.
+  (void)::send(orders_.get(), order.data(), order.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
+std::vector<LightEvent> LightProcess::events() {
+  read_output();
+  return std::exchange(events_, {});
+}
 
 double LightProcess::done_share() {
   read_output();
@@ -125,6 +146,19 @@ void LightProcess::read_line(const std::string& line) {
   constexpr std::string_view kProgress = "progress ";
   constexpr std::string_view kError = "error ";
   if (line.starts_with(kError)) error_ = printable(line.substr(kError.size()), kMaxLineBytes);
+  if (line.starts_with("stage ") || line.starts_with("piece ")) {
+    std::istringstream words(line);
+    std::string verb;
+    words >> verb;
+    if (BegunStage stage; verb == "stage" && words >> stage.number >> stage.key >> stage.pieces) {
+      std::string folder;
+      std::getline(words >> std::ws, folder);
+      stage.folder = folder;
+      events_.emplace_back(std::move(stage));
+    }
+    if (TakenPiece piece; verb == "piece" && words >> piece.stage >> piece.piece >> piece.sha256 >> piece.bytes)
+      events_.emplace_back(std::move(piece));
+  }
   if (!line.starts_with(kProgress)) return;
   double share = 0.0;
   const auto [end, failure] = std::from_chars(line.data() + kProgress.size(), line.data() + line.size(), share);

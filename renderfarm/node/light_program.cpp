@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <mutex>
 #include <string>
 
 #include "common/base/give_way.h"
@@ -16,6 +17,7 @@
 #include "renderfarm/light/light_file.h"
 #include "renderfarm/light_baking/bake_light.h"
 #include "renderfarm/node/light_process.h"
+#include "renderfarm/node/ordered_pieces.h"
 #include "renderfarm/render/renderer.h"
 #include "renderfarm/scene/scene.h"
 
@@ -46,7 +48,7 @@ void give_way_to_all() {
 }  // namespace
 
 Status compute_light(const std::filesystem::path& scene, const std::filesystem::path& file, int threads,
-                     const std::function<void(double)>& progress) {
+                     const std::function<void(double)>& progress, light_baking::LightPieces* pieces) {
   TRY_ASSIGN(scene::Scene loaded,
              scene::load_scene(scene, scene::ImportLimits{}, [&](double done) { progress(kReadShare * done); }));
   TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
@@ -55,7 +57,7 @@ Status compute_light(const std::filesystem::path& scene, const std::filesystem::
   TRY_ASSIGN(const light_baking::BakedLight baked,
              light_baking::bake_light(
                  *renderer, light_baking::BakeSettings{}, threads,
-                 [&](double done) { progress(kBuiltShare + (1.0 - kBuiltShare) * done); }, nullptr));
+                 [&](double done) { progress(kBuiltShare + (1.0 - kBuiltShare) * done); }, nullptr, pieces));
   light::LightStore store = *baked.store;
   store.settings += ", cyclorama " CYCLORAMA_VERSION;  // Thus part of the light's version.
   const Status written = light::write_light_file(file, store);
@@ -68,15 +70,28 @@ Status run_light_program(const std::filesystem::path& scene, const std::filesyst
   // Without this, a limit on the file's size would end the process; now it is reported like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   give_way_to_all();
-  double reported = -1.0;
-  Status done = compute_light(scene, file, threads, [&](double share) {
-    constexpr double kStep = 0.005;
-    if (share < reported + kStep) return;
-    reported = share;
-    fmt::print("progress {:.3f}\n", share);
+  std::mutex mutex;  // Pieces are reported by several threads.
+  const auto report = [&](const std::string& line) {
+    const std::lock_guard lock(mutex);
+    fmt::print("{}\n", line);
     std::fflush(stdout);
-  });
-  if (!done) fmt::print("error {}\n", printable(done.error().message(), kMaxErrorBytes));
+  };
+  OrderedPieces pieces(light_baking::unfinished_light(file), STDIN_FILENO, report);
+  double reported = -1.0;
+  Status done = compute_light(
+      scene, file, threads,
+      [&](double share) {
+        constexpr double kStep = 0.005;
+        {
+          const std::lock_guard lock(mutex);
+          if (share < reported + kStep) return;
+          reported = share;
+        }
+        report(fmt::format("progress {:.3f}", share));
+      },
+      &pieces);
+  if (done) pieces.remove();
+  if (!done) report("error " + printable(done.error().message(), kMaxErrorBytes));
   return done;
 }
 

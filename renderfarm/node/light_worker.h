@@ -5,8 +5,10 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "common/base/clock.h"
@@ -22,13 +24,16 @@ namespace cyclorama::node {
 ///                             │  give_way() ▲ no block for kQuiet
 ///                             └─────────────┘
 ///
-/// The coordinator decides whether a scene whose light could not be computed is tried again.
+/// The coordinator decides which pieces of the light this node computes, and whether a scene whose light could not be
+/// computed is tried again.
 class LightWorker {
  public:
   struct Calls {
     std::function<bool()> has_blocks;  ///< Returns true while blocks wait or are rendered; called from any thread.
     /// Returns false if the scene at `path` was unloaded or replaced: its light is not computed to the end.
     std::function<bool(const std::string& path)> is_wanted;
+    /// The computation for the scene at `path` has begun a stage or has further pieces. The message names no scene. Called by the thread of work().
+    std::function<void(const std::string& path, const wire::LightPieces& pieces)> progressed;
     /// The light of the scene at `path` is in `file`, or it failed. Called by the thread of work().
     std::function<void(const std::string& path, const std::filesystem::path& file, const Status& status)> finished;
   };
@@ -42,6 +47,18 @@ class LightWorker {
 
   /// Requests the light of a scene, unless it waits or is being computed. `name` is what the coordinator calls it.
   void want(const std::string& path, const std::string& name);
+  /// The light has come from elsewhere: it is not computed to the end.
+  void forget(const std::string& path);
+  /// Orders pieces; without effect unless the computation for the scene at `path` is at that stage.
+  void compute(const std::string& path, const wire::ComputePieces& order);
+  /// Returns the current stage for the scene at `path` with all pieces that are here; nothing if there is none. The message
+  /// names no scene.
+  [[nodiscard]] std::optional<wire::LightPieces> stage_of(const std::string& path) const;
+  /// Returns where the file of a piece is or belongs; empty unless the current computation for the scene at `path` has reached that stage.
+  [[nodiscard]] std::filesystem::path piece_file(const std::string& path, const wire::LightStage& stage,
+                                                 std::uint32_t piece) const;
+  /// The file of a piece has come.
+  void fetched(const std::string& path, const wire::LightStage& stage, std::uint32_t piece);
   /// To be called when a block arrives: pauses at once.
   void give_way();
   /// Adds an entry for each scene whose light is being computed or waits for it.
@@ -60,7 +77,18 @@ class LightWorker {
   struct Wanted {
     std::string path;
     std::string name;
+    bool is_forgotten = false;
   };
+  struct Stage {
+    BegunStage begun;
+    std::map<std::uint32_t, wire::LightVersion> taken{};  ///< Files by piece.
+  };
+  /// Returns null unless the current computation is that of the scene at `path` and has reached the stage. To be called under mutex_.
+  [[nodiscard]] const Stage* find_stage(const std::string& path, const wire::LightStage& stage) const;
+  static void set_stage(const BegunStage& stage, wire::LightStage* to);
+  /// Notes what the computation has reported, and passes it on.
+  void follow(const std::string& path, const std::vector<LightEvent>& events);
+  void end_current();  ///< Under mutex_.
   void begin(const Wanted& wanted);
   [[nodiscard]] bool is_quiet() const;
 
@@ -75,6 +103,7 @@ class LightWorker {
   bool stopping_ = false;
   std::deque<Wanted> waiting_;  ///< The first is the current one, if there is a computation.
   std::shared_ptr<LightComputation> current_;
+  std::map<std::uint32_t, Stage> stages_;  ///< Those that the current computation has reached, by number.
   bool paused_ = false;
   TimePoint block_at_ = TimePoint::min();  ///< Time when a block last arrived or waited.
   double done_share_ = 0.0;

@@ -26,11 +26,12 @@ NodeController::NodeController(SceneLoader loader, std::uint64_t memory_limit_by
       renders_(scenes_, film_bytes(memory_limit_bytes)),
       lights_(std::move(light), LightFiles(cache.folder),
               {[this] { return renders_.waiting() > 0; }, [this](const std::string& path) { return scenes_.has(path); },
+               [this](const std::string& path, const wire::LightPieces& pieces) { light_progressed(path, pieces); },
                [this](const std::string& path, const std::filesystem::path& file, const Status& status) {
                  light_computed(path, file, status);
                }},
               clock_),
-      loads_(scenes_, std::move(cache),
+      loads_(scenes_, lights_, std::move(cache),
              [this](LinkId link, wire::NodeReport report) { send_report(link, std::move(report)); }) {}
 
 std::shared_ptr<NodeLink> NodeController::open(std::shared_ptr<grpc::Channel> files) {
@@ -45,12 +46,11 @@ std::shared_ptr<NodeLink> NodeController::open(std::shared_ptr<grpc::Channel> fi
 }
 
 Status NodeController::take(const std::shared_ptr<NodeLink>& link, const wire::NodeCommand& command) {
-  if (command.has_load_scene() || command.has_use_light() || command.has_send_light())
+  if (command.has_load_scene() || command.has_use_light() || command.has_send_light() || command.has_send_piece() ||
+      command.has_use_piece()) {
     return loads_.take(link, command);
-  if (command.has_compute_light()) {
-    const std::string& scene = command.compute_light().scene();
-    if (const std::string path = scenes_.path_of(link->id(), scene); !path.empty()) lights_.want(path, scene);
   }
+  light_ordered(*link, command);
   if (command.has_render()) {
     lights_.give_way();
     return renders_.take(link->id(), command.render());
@@ -58,6 +58,28 @@ Status NodeController::take(const std::shared_ptr<NodeLink>& link, const wire::N
   if (command.has_cancel()) renders_.cancel(link->id(), command.cancel().block());
   if (command.has_forget_session()) renders_.forget_session({link->id(), command.forget_session().session()});
   return Done{};
+}
+
+void NodeController::light_ordered(const NodeLink& link, const wire::NodeCommand& command) {
+  if (command.has_compute_pieces()) {
+    const wire::ComputePieces& order = command.compute_pieces();
+    lights_.compute(scenes_.path_of(link.id(), order.scene()), order);
+  }
+  if (!command.has_compute_light()) return;
+  const std::string& scene = command.compute_light().scene();
+  const std::string path = scenes_.path_of(link.id(), scene);
+  if (path.empty()) return;
+  lights_.want(path, scene);
+  if (const auto stage = lights_.stage_of(path)) light_progressed(path, *stage);
+}
+
+void NodeController::light_progressed(const std::string& path, const wire::LightPieces& pieces) {
+  for (const SceneStore::Name& name : scenes_.names_of(path)) {
+    wire::NodeReport report;
+    *report.mutable_light_pieces() = pieces;
+    report.mutable_light_pieces()->set_scene(name.scene);
+    send_report(name.link, std::move(report));
+  }
 }
 
 void NodeController::close(NodeLink& link) {

@@ -18,7 +18,7 @@ namespace cyclorama::node {
 /// message of a coordinator passes take(), which validates it.
 ///
 ///   stream ──open()──► take() ──LoadScene──► loads ─┬──────────────► NodeLink ──► stream
-///                        ├──ComputeLight─► lights ─┘
+///                        ├─light, pieces─► lights ─┘
 ///                        └────RenderBlock──► renders ──► NodeLink ──► stream
 ///
 /// Thread-safe, apart from the workers' work() and wait().
@@ -48,6 +48,8 @@ class NodeController {
 
  private:
   void send_report(LinkId link, wire::NodeReport report);
+  void light_ordered(const NodeLink& link, const wire::NodeCommand& command);
+  void light_progressed(const std::string& path, const wire::LightPieces& pieces);
   void light_computed(const std::string& path, const std::filesystem::path& file, const Status& status);
 
   const SteadyClock clock_;

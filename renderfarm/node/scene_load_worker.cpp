@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,7 @@ constexpr std::size_t kMaxWaiting = 4096;
 /// Enough for names, paths, and the names of all scenes of a large farm.
 constexpr std::size_t kMaxOrderBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxErrorBytes = 1000;
+constexpr std::uint64_t kMaxPieceBytes = std::uint64_t{1} << 30;
 }  // namespace
 
 Status SceneLoadWorker::take(std::shared_ptr<NodeLink> link, const wire::NodeCommand& order) {
@@ -72,6 +74,8 @@ bool SceneLoadWorker::work() {
   if (next.order.has_load_scene()) *report.mutable_scene_loaded() = load(*next.link, next.order.load_scene());
   if (next.order.has_use_light()) use_light(*next.link, next.order.use_light());
   if (next.order.has_send_light()) send_light(*next.link, next.order.send_light());
+  if (next.order.has_use_piece()) use_piece(*next.link, next.order.use_piece());
+  if (next.order.has_send_piece()) send_piece(*next.link, next.order.send_piece());
   loading_ = false;
   // If the link closed during the load, its names must be forgotten here.
   if (next.link->is_closed()) scenes_.forget_link(next.link->id());
@@ -145,6 +149,7 @@ void SceneLoadWorker::use_light(const NodeLink& link, const wire::UseLight& orde
   if (renderer == nullptr) return;  // It was dropped; the coordinator has the report.
   set_state(fmt::format("fetching the light of scene '{}'", printable(order.scene())));
   const Result<VersionedLight> light = light_of(link, order, *renderer);
+  if (light) computing_.forget(scenes_.path_of(link.id(), order.scene()));
   for (auto& [to, sent] : scenes_.light_reports(scenes_.path_of(link.id(), order.scene()), light)) {
     wire::NodeReport report;
     *report.mutable_scene_light() = std::move(sent);
@@ -163,6 +168,34 @@ void SceneLoadWorker::send_light(const NodeLink& link, const wire::SendLight& or
   const Status sent =
       CoordinatorFiles(link.files(), cancelled).store_light(light->version, light::light_file_bytes(*light->store));
   if (!sent) set_state(fmt::format("sending the light of scene '{}': {}", order.scene(), sent.error().message()));
+}
+
+void SceneLoadWorker::use_piece(const NodeLink& link, const wire::LightPieceOrder& order) {
+  const std::string path = scenes_.path_of(link.id(), order.scene());
+  const std::filesystem::path file = computing_.piece_file(path, order.stage(), order.piece().piece());
+  const wire::LightVersion& version = order.piece().file();
+  if (file.empty() || link.files() == nullptr || !scene_distribution::is_sha256(version.version())) return;
+  const std::function<bool()> cancelled = [&] { return link.is_closed() || is_stopping(); };
+  const auto bytes = CoordinatorFiles(link.files(), cancelled)
+                         .whole(version.version(), std::min<std::uint64_t>(version.bytes(), kMaxPieceBytes));
+  std::error_code none;
+  std::filesystem::create_directories(file.parent_path(), none);
+  // If it fails, the coordinator gives the same order again after a while.
+  const Status written = bytes ? write_file_atomically(file, *bytes) : Status(bytes.error());
+  if (!written) return set_state("fetching a piece of light: " + written.error().message());
+  computing_.fetched(path, order.stage(), order.piece().piece());
+}
+
+void SceneLoadWorker::send_piece(const NodeLink& link, const wire::LightPieceOrder& order) {
+  const std::filesystem::path file =
+      computing_.piece_file(scenes_.path_of(link.id(), order.scene()), order.stage(), order.piece().piece());
+  if (file.empty() || link.files() == nullptr) return;
+  const auto mapped = MappedFile::open(file);
+  if (!mapped) return set_state("sending a piece of light: " + mapped.error().message());
+  const std::function<bool()> cancelled = [&] { return link.is_closed() || is_stopping(); };
+  const Status sent =
+      CoordinatorFiles(link.files(), cancelled).store_light(order.piece().file().version(), mapped->bytes());
+  if (!sent) set_state("sending a piece of light: " + sent.error().message());
 }
 
 }  // namespace cyclorama::node

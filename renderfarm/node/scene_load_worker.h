@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/base/result.h"
+#include "renderfarm/node/light_worker.h"
 #include "renderfarm/node/node_link.h"
 #include "renderfarm/node/scene_fetcher.h"
 #include "renderfarm/node/scene_store.h"
@@ -17,19 +18,24 @@
 namespace cyclorama::node {
 
 /// Loads the scenes that coordinators order, and fetches or sends their light, one after another, while blocks of others
-/// are rendered. Orders come from any thread; the work is done by the caller of wait() and work(), always the same thread. Keeps a reference to the
-/// scenes, which must outlive it.
+/// are rendered; pieces of light, too. Orders come from any thread; the work is done by the caller of wait() and work(),
+/// always the same thread. Keeps references to the scenes and to the light worker, which must outlive it.
 class SceneLoadWorker {
  public:
   /// Sends a report to a coordinator; does nothing if its stream has ended.
   using ReportSink = std::function<void(LinkId, wire::NodeReport)>;
   /// `cache` as in SceneFetcher.
-  SceneLoadWorker(SceneStore& scenes, scene_distribution::SceneCacheOptions cache, ReportSink send_report)
-      : scenes_(scenes), lights_(cache.folder), fetcher_(std::move(cache)), send_report_(std::move(send_report)) {}
+  SceneLoadWorker(SceneStore& scenes, LightWorker& computing, scene_distribution::SceneCacheOptions cache,
+                  ReportSink send_report)
+      : scenes_(scenes),
+        computing_(computing),
+        lights_(cache.folder),
+        fetcher_(std::move(cache)),
+        send_report_(std::move(send_report)) {}
 
   // Thread-safe:
 
-  /// Takes LoadScene, UseLight and SendLight. Errors: kBadData if too many orders wait or the message is huge: the
+  /// Takes LoadScene and all commands that send or fetch files. Errors: kBadData if too many orders wait or the message is huge: the
   /// coordinator is broken.
   Status take(std::shared_ptr<NodeLink> link, const wire::NodeCommand& order);
   [[nodiscard]] bool is_loading() const { return loading_; }
@@ -58,9 +64,12 @@ class SceneLoadWorker {
   Result<VersionedLight> light_of(const NodeLink& link, const wire::UseLight& order, BlockRenderer& renderer);
   void use_light(const NodeLink& link, const wire::UseLight& order);
   void send_light(const NodeLink& link, const wire::SendLight& order);
+  void use_piece(const NodeLink& link, const wire::LightPieceOrder& order);
+  void send_piece(const NodeLink& link, const wire::LightPieceOrder& order);
   void set_state(std::string sentence);
 
   SceneStore& scenes_;
+  LightWorker& computing_;
   const LightFiles lights_;
   SceneFetcher fetcher_;  ///< Load thread only.
   const ReportSink send_report_;

@@ -112,6 +112,15 @@ std::shared_ptr<BlockRenderer> SceneStore::at_path(const std::string& path) cons
   return scene == scenes_.end() ? nullptr : scene->second.renderer;
 }
 
+std::vector<SceneStore::Name> SceneStore::names_of(const std::string& path) const {
+  std::vector<Name> names;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [name, at] : paths_) {
+    if (at == path) names.push_back(name);
+  }
+  return names;
+}
+
 std::vector<std::pair<LinkId, wire::SceneLight>> SceneStore::light_reports(const std::string& path,
                                                                            const Result<VersionedLight>& light) {
   std::vector<std::pair<LinkId, wire::SceneLight>> reports;

@@ -49,6 +49,8 @@ class SceneStore {
   [[nodiscard]] std::string path_of(LinkId link, const std::string& scene) const;
   /// Returns null if the scene at `path` is not loaded.
   [[nodiscard]] std::shared_ptr<BlockRenderer> at_path(const std::string& path) const;
+  /// Returns the names of the scene at `path`, by coordinator.
+  [[nodiscard]] std::vector<Name> names_of(const std::string& path) const;
   /// Records that the scene at `path` has this light, and returns the reports of it, or of why it has none, to each
   /// coordinator that has the scene.
   [[nodiscard]] std::vector<std::pair<LinkId, wire::SceneLight>> light_reports(const std::string& path,

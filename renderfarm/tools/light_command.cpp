@@ -9,6 +9,7 @@
 #include "common/process/progress.h"
 #include "renderfarm/light/light_file.h"
 #include "renderfarm/light_baking/bake_light.h"
+#include "renderfarm/light_baking/piece_folder.h"
 #include "renderfarm/render/memory.h"
 
 namespace cyclorama::tools {
@@ -18,6 +19,7 @@ struct LightOptions {
   SceneOptions scene;
   std::string out;
   std::string json;
+  bool if_needed = false;
   light_baking::BakeSettings settings;
 };
 
@@ -41,6 +43,15 @@ nlohmann::json json_of(const light::LightCheck& check) {
           {"picture_px", {check.picture_width_px, check.picture_height_px}}};
 }
 
+/// Returns true if the file has light that the renderer can use; prints why not, if there is a file.
+bool has_usable_light(const render::Renderer& renderer, const std::filesystem::path& file) {
+  const Result<light::LightStore> store = light::read_light_file(file);
+  if (!store && store.error().code() == ErrorCode::kNotFound) return false;
+  const Status usable = store ? renderer.check_light(*store, file.string()) : Status(store.error());
+  if (!usable) fmt::print("{}: doing so now\n", usable.error().message());
+  return usable.has_value();
+}
+
 Status compute_light(const LightOptions& options, const StopSignal& stop) {
   std::filesystem::path out = options.out;
   if (out.empty()) {
@@ -54,15 +65,22 @@ Status compute_light(const LightOptions& options, const StopSignal& stop) {
   if (stop.requested()) return stopped();
   TRY_ASSIGN(const std::unique_ptr<render::Renderer> renderer,
              build_with_progress(std::move(loaded.scene), options.scene));
+  if (options.if_needed && has_usable_light(*renderer, out)) {
+    fmt::print("{}: it has the light of this scene\n", out.string());
+    return Done{};
+  }
   light_baking::BakeSettings settings = options.settings;
   settings.final_rays = static_cast<int>(std::bit_floor(static_cast<unsigned>(settings.final_rays)));
   settings.max_parts = static_cast<int>(std::bit_floor(static_cast<unsigned>(settings.max_parts)));
+  // A run that was ended goes on where it was.
+  light_baking::KeptPieces pieces(light_baking::unfinished_light(out));
   Progress progress("computing light");
   TRY_ASSIGN(const light_baking::BakedLight baked,
              light_baking::bake_light(
                  *renderer, settings, options.scene.threads, [&](double fraction) { progress.update(fraction); },
-                 [&] { return stop.requested(); }));
+                 [&] { return stop.requested(); }, &pieces));
   TRY(light::write_light_file(out, *baked.store));
+  pieces.remove();
   const auto triangles = static_cast<double>(renderer->scene().triangles_seen());
   const double bytes_per_triangle = static_cast<double>(baked.store->bytes()) / triangles;
   fmt::print(
@@ -94,6 +112,10 @@ RenderCommand add_light_command(CLI::App* program) {
       program->add_subcommand("light", "Compute the light on a scene's surfaces, so that pictures need eye rays alone");
   const auto options = std::make_shared<LightOptions>();
   add_scene_options(parser, &options->scene);
+  parser->add_flag(
+      "--if-needed", options->if_needed,
+      "Compute nothing if the file has the light of this scene; one that is damaged, old or of another scene "
+      "is made anew");
   light_baking::BakeSettings& settings = options->settings;
   parser->add_option("--out", options->out, "The file to write; default: light.store in the scene's folder");
   parser->add_option("--eyes", settings.eyes, "Places in the walkable area from which surfaces are looked at")

@@ -20,6 +20,8 @@ struct FakeLight {
   std::atomic<bool> is_paused = false;
   std::atomic<bool> is_ended = false;  ///< The computation was destroyed.
   double done_share = 0.0;
+  std::vector<node::LightEvent> events{};  ///< Events for its next report.
+  std::vector<std::string> orders{};       ///< Orders that it received, such as "compute 2-17".
   std::optional<Status> result{};  ///< Null while it works.
 };
 
@@ -29,10 +31,17 @@ class FakeLightComputation final : public node::LightComputation {
   ~FakeLightComputation() override { shared_->is_ended = true; }
   void pause() override { shared_->is_paused = true; }
   void resume() override { shared_->is_paused = false; }
+  void compute(std::uint32_t stage, std::uint32_t piece) override { note("compute", stage, piece); }
+  void fetched(std::uint32_t stage, std::uint32_t piece) override { note("fetched", stage, piece); }
+  [[nodiscard]] std::vector<node::LightEvent> events() override { return std::exchange(shared_->events, {}); }
   [[nodiscard]] double done_share() override { return shared_->done_share; }
   [[nodiscard]] std::optional<Status> result() override { return shared_->result; }
 
  private:
+  void note(const std::string& verb, std::uint32_t stage, std::uint32_t piece) {
+    shared_->orders.push_back(verb + " " + std::to_string(stage) + "-" + std::to_string(piece));
+  }
+
   const std::shared_ptr<FakeLight> shared_;
 };
 

@@ -21,6 +21,7 @@ class RecordingDelegate final : public coordinator::CoordinatorDelegate {
   std::map<coordinator::SessionId, Error> ended_sessions;
   std::vector<coordinator::FrameReport> frames;
   std::vector<std::string> accepted_light;  ///< Versions that nodes may send.
+  std::vector<std::string> forgotten_light;
   std::vector<std::string> notices;
   std::vector<coordinator::NoticeAbout> noticed;  ///< Subject of each notice.
 
@@ -31,6 +32,7 @@ class RecordingDelegate final : public coordinator::CoordinatorDelegate {
     replies[session].push_back(std::move(reply));
   }
   void accept_light(const wire::LightVersion& light) override { accepted_light.push_back(light.version()); }
+  void forget_light(const wire::LightVersion& light) override { forgotten_light.push_back(light.version()); }
   void end_node(coordinator::NodeId node, const Error& reason) override { ended_nodes.emplace(node, reason); }
   void end_session(coordinator::SessionId session, const Error& reason, bool at_once) override {
     if (at_once) replies.erase(session);

@@ -134,8 +134,7 @@ def cores_table(measured):
 
 def main(build, scene, size, budget_ms, seconds, samples, result):
     scene, seconds, size = pathlib.Path(scene), float(seconds), tuple(map(int, size.split("x")))
-    if not (scene / "light.store").is_file():
-        subprocess.run([f"{build}/bin/cyclorama-render", "light", scene], check=True)
+    subprocess.run([f"{build}/bin/cyclorama-render", "light", scene, "--if-needed"], check=True)
     cores = sorted(os.sched_getaffinity(0))[:2]
     measured, figures = {}, {}
     with tempfile.TemporaryDirectory() as name:

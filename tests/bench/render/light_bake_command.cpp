@@ -43,6 +43,8 @@ Status measure(const LightBakeOptions& options, const StopSignal& stop) {
       "vertices hidden, standard error p50 {:.2f} %, p95 {:.2f} %\n",
       "light", baked.cpu_seconds, per_million_seen, baked.seen_triangles, bytes_per_triangle, baked.grids,
       baked.hidden_vertices, 100.0f * baked.store->relative_errors().p50, 100.0f * baked.store->relative_errors().p95);
+  fmt::print("a thread works for at most {:.2f} ms between two looks at whether it must end\n",
+             1e3 * baked.max_run_seconds);
   Progress checking("checking light");
   TRY_ASSIGN(const light_baking::CheckedLight checked,
              light_baking::check_light(
@@ -71,6 +73,7 @@ Status measure(const LightBakeOptions& options, const StopSignal& stop) {
                                             {"seen_triangles", baked.seen_triangles},
                                             {"cpu_s_per_million_seen", per_million_seen},
                                             {"bytes_per_triangle", bytes_per_triangle},
+                                            {"max_run_ms", 1e3 * baked.max_run_seconds},
                                             {"relmse_p50", check.relmse.p50},
                                             {"relmse_8x8_p50", check.block_relmse.p50},
                                             {"relmse_8x8_p99", check.block_relmse.p99},

@@ -36,6 +36,25 @@ class CoordinatorLight : public testing::Test {
     *report.mutable_scene_light()->mutable_light() = light;
     s.state.node_reported(node, report);
   }
+  static wire::LightVersion piece_file(std::uint32_t stage, std::uint32_t piece) {
+    return version(std::to_string(stage) + "-" + std::to_string(piece));
+  }
+  /// `key` is the digit of the stage's key.
+  void report_pieces(NodeId node, std::uint32_t stage, std::uint32_t count, const std::vector<std::uint32_t>& pieces,
+                     char key = 'a') {
+    wire::NodeReport report;
+    wire::LightPieces& message = *report.mutable_light_pieces();
+    message.set_scene("grotto");
+    message.mutable_stage()->set_number(stage);
+    message.mutable_stage()->set_key(std::string(32, key));
+    message.mutable_stage()->set_pieces(count);
+    for (const std::uint32_t piece : pieces) {
+      wire::LightPiece& taken = *message.add_pieces();
+      taken.set_piece(piece);
+      *taken.mutable_file() = piece_file(stage, piece);
+    }
+    s.state.node_reported(node, report);
+  }
   void report_failure(NodeId node, const std::string& error) {
     wire::NodeReport report;
     report.mutable_scene_light()->set_scene("grotto");
@@ -47,6 +66,12 @@ class CoordinatorLight : public testing::Test {
     std::vector<std::string> found;
     for (const wire::NodeCommand& command : s.delegate.commands[node]) {
       if (command.has_compute_light()) found.push_back("compute");
+      for (const std::uint32_t piece : command.compute_pieces().pieces())
+        found.push_back("compute " + std::to_string(command.compute_pieces().stage().number()) + "-" +
+                        std::to_string(piece));
+      if (command.has_send_piece())
+        found.push_back("send piece " + std::to_string(command.send_piece().piece().piece()));
+      if (command.has_use_piece()) found.push_back("use piece " + std::to_string(command.use_piece().piece().piece()));
       if (command.has_send_light()) found.push_back("send " + command.send_light().light().version());
       if (command.has_use_light()) found.push_back("use " + command.use_light().light().version());
     }
@@ -95,13 +120,13 @@ class CoordinatorLight : public testing::Test {
   const std::string in_use = version().version();
 };
 
-TEST_F(CoordinatorLight, is_computed_by_one_node_and_given_to_the_others) {
+TEST_F(CoordinatorLight, is_computed_by_all_nodes_and_given_to_those_that_lack_it) {
   s.state.tick();
   EXPECT_THAT(commands(nodes[0]), IsEmpty()) << "others may yet report that they have it";
   wait(std::chrono::seconds(4));
   EXPECT_THAT(commands(nodes[0]), ElementsAre("compute"));
-  EXPECT_THAT(commands(nodes[1]), IsEmpty());
-  wait(std::chrono::seconds(600));
+  EXPECT_THAT(commands(nodes[1]), ElementsAre("compute"));
+  wait(std::chrono::seconds(60));
   EXPECT_THAT(commands(nodes[0]), IsEmpty()) << "once";
   report_light(nodes[0]);
   EXPECT_THAT(commands(nodes[0]), ElementsAre("send " + in_use));
@@ -179,11 +204,12 @@ TEST_F(CoordinatorLight, never_mixes_with_paths_when_a_node_that_has_it_is_lost_
 TEST_F(CoordinatorLight, is_computed_by_another_node_when_the_first_is_killed_or_fails) {
   wait(std::chrono::seconds(4));
   EXPECT_THAT(commands(nodes[0]), ElementsAre("compute"));
-  const NodeId third = s.add_node();
-  s.kill(nodes[0]);
   EXPECT_THAT(commands(nodes[1]), ElementsAre("compute"));
+  s.kill(nodes[0]);
   report_failure(nodes[1], "its disk is full");
   EXPECT_THAT(s.delegate.notices, Contains(HasSubstr("its light could not be computed ahead, so paths are traced")));
+  const NodeId third = s.add_node();
+  wait(std::chrono::seconds(4));
   EXPECT_THAT(commands(third), ElementsAre("compute"));
   report_failure(third, "its disk is full");
   wait(std::chrono::seconds(600));
@@ -194,15 +220,81 @@ TEST_F(CoordinatorLight, is_computed_by_another_node_when_the_first_is_killed_or
   EXPECT_EQ(s.given_up, 0);
 }
 
-TEST_F(CoordinatorLight, goes_on_where_it_is_being_computed_when_the_coordinator_was_restarted) {
-  wire::NodeReport report;
-  wire::LightProgress& progress = *report.mutable_status()->add_light();
-  progress.set_scene("grotto");
-  progress.set_done_share(0.9);
-  s.state.node_reported(nodes[1], report);
+TEST_F(CoordinatorLight, is_divided_among_idle_nodes_and_each_gets_what_the_others_computed) {
   wait(std::chrono::seconds(4));
+  for (const NodeId node : nodes) commands(node);
+  report_pieces(nodes[0], 0, 2, {});
+  EXPECT_THAT(commands(nodes[0]), ElementsAre("compute 0-0", "compute 0-1"));
+  report_pieces(nodes[1], 0, 2, {});
+  EXPECT_THAT(commands(nodes[1]), IsEmpty()) << "all are being computed";
+  report_pieces(nodes[0], 0, 2, {0});
+  EXPECT_THAT(commands(nodes[0]), ElementsAre("send piece 0"));
+  const std::string file = piece_file(0, 0).version();
+  EXPECT_THAT(s.delegate.accepted_light, ElementsAre(file));
+  s.state.light_stored(file);
+  EXPECT_THAT(commands(nodes[1]), ElementsAre("use piece 0"));
+  report_pieces(nodes[1], 0, 2, {0});
+  wait(std::chrono::seconds(1));
+  EXPECT_THAT(s.delegate.forgotten_light, ElementsAre(file)) << "both have it";
+  EXPECT_EQ(s.state.overview().sessions[0].light, "paths; 2 nodes compute light");
+}
+
+TEST_F(CoordinatorLight, is_not_ordered_from_a_node_that_renders) {
+  wait(std::chrono::seconds(4));
+  for (const NodeId node : nodes) commands(node);
+  s.request_view(session, view_of(++number));
+  report_pieces(nodes[0], 0, 2, {});
   EXPECT_THAT(commands(nodes[0]), IsEmpty());
-  EXPECT_THAT(commands(nodes[1]), ElementsAre("compute"));
+  s.settle(nodes);
+  while (!s.delegate.commands[nodes[0]].empty()) s.settle(nodes);
+  report_pieces(nodes[0], 0, 2, {});
+  EXPECT_THAT(commands(nodes[0]), ElementsAre("compute 0-0", "compute 0-1"));
+}
+
+TEST_F(CoordinatorLight, goes_on_where_it_was_when_the_coordinator_was_restarted) {
+  wait(std::chrono::seconds(4));
+  for (const NodeId node : nodes) EXPECT_THAT(commands(node), ElementsAre("compute")) << "they report what they have";
+  report_pieces(nodes[0], 7, 3, {0, 1});
+  EXPECT_THAT(commands(nodes[0]), ElementsAre("compute 7-2"));
+  report_pieces(nodes[1], 6, 1, {});
+  EXPECT_THAT(commands(nodes[1]), ElementsAre("compute 6-0")) << "nobody at that stage is left that could send it";
+}
+
+TEST_F(CoordinatorLight, that_is_computed_otherwise_takes_no_part) {
+  wait(std::chrono::seconds(4));
+  for (const NodeId node : nodes) commands(node);
+  report_pieces(nodes[0], 0, 2, {});
+  report_pieces(nodes[1], 0, 2, {}, 'b');
+  EXPECT_THAT(commands(nodes[1]), IsEmpty());
+  EXPECT_THAT(s.delegate.notices, Contains(HasSubstr("it takes no part")));
+  s.kill(nodes[0]);
+  wait(std::chrono::seconds(300));
+  EXPECT_THAT(commands(nodes[1]), ElementsAre("compute")) << "it is alone now, so it reports its stage once more";
+  report_pieces(nodes[1], 0, 2, {}, 'b');
+  EXPECT_THAT(commands(nodes[1]), ElementsAre("compute 0-0", "compute 0-1"));
+}
+
+TEST_F(CoordinatorLight, of_a_scene_that_was_replaced_is_given_up) {
+  wait(std::chrono::seconds(4));
+  for (const NodeId node : nodes) commands(node);
+  report_pieces(nodes[0], 0, 2, {});
+  wire::NodeReport dropped;
+  dropped.mutable_scene_dropped()->set_scene("grotto");
+  for (const NodeId node : nodes) s.state.node_reported(node, dropped);
+  report_pieces(nodes[0], 0, 2, {0, 1});
+  for (const NodeId node : nodes) {
+    const std::vector<std::string> given = commands(node);
+    EXPECT_EQ(std::ranges::count_if(given, [](const auto& c) { return c.find("compute") == 0; }),
+              node == nodes[0] ? 2 : 0);
+  }
+}
+
+TEST_F(CoordinatorLight, of_broken_pieces_ends_the_node) {
+  wait(std::chrono::seconds(4));
+  report_pieces(nodes[0], 0, 2, {5});
+  EXPECT_TRUE(s.delegate.ended_nodes.contains(nodes[0]));
+  report_pieces(nodes[1], 0, 100'000, {});
+  EXPECT_TRUE(s.delegate.ended_nodes.contains(nodes[1]));
 }
 
 TEST_F(CoordinatorLight, comes_from_another_node_when_the_sender_is_lost_or_silent) {
@@ -310,7 +402,7 @@ TEST_F(CoordinatorLight, is_shown_for_each_session_and_node) {
   watch::FarmOverview farm = s.state.overview();
   EXPECT_THAT(farm.nodes[0].light, ElementsAre());
   EXPECT_THAT(farm.nodes[1].light, ElementsAre("grotto: 42 %, 3 min left"));
-  EXPECT_EQ(farm.sessions[0].light, "paths; 'node 2' computes light");
+  EXPECT_EQ(farm.sessions[0].light, "paths; 2 nodes compute light");
   s.state.node_reported(nodes[1], [] {
     wire::NodeReport done;
     done.mutable_status();

@@ -39,9 +39,38 @@ Status end_of(LightComputation& process) {
 }
 
 TEST(LightProcess, reports_progress_and_success) {
-  const auto process = shell("echo progress 0.25; echo nonsense; echo progress 7e9; echo progress 0.5; read x; exit 0");
+  const auto process = shell("echo progress 0.25; echo nonsense; echo progress 7e9; echo progress 0.5; exit 0");
   eventually([&] { return process->done_share() == 0.5; });
   EXPECT_TRUE(end_of(*process));
+}
+
+TEST(LightProcess, passes_on_stages_pieces_and_orders) {
+  const std::string key(32, 'a');
+  const auto process =
+      shell("echo stage 3 " + key + " 17 /a folder; echo stage x; echo piece 3 4 sum 99; head -c 1000");
+  std::vector<LightEvent> events;
+  eventually([&] {
+    for (LightEvent& event : process->events()) events.push_back(std::move(event));
+    return events.size() == 2;
+  });
+  const auto& stage = std::get<BegunStage>(events[0]);
+  EXPECT_EQ(stage.number, 3u);
+  EXPECT_EQ(stage.key, key);
+  EXPECT_EQ(stage.pieces, 17u);
+  EXPECT_EQ(stage.folder, "/a folder");
+  const auto& piece = std::get<TakenPiece>(events[1]);
+  EXPECT_EQ(piece.stage, 3u);
+  EXPECT_EQ(piece.piece, 4u);
+  EXPECT_EQ(piece.sha256, "sum");
+  EXPECT_EQ(piece.bytes, 99u);
+}
+
+TEST(LightProcess, gives_orders_as_single_messages_and_none_to_a_process_that_has_ended) {
+  const auto process = shell("printf 'piece 1 '; head -c 11; echo ' sum 1'");  // "compute 0 5" is 11 bytes.
+  process->compute(0, 5);
+  EXPECT_TRUE(end_of(*process));
+  process->fetched(0, 5);
+  EXPECT_TRUE(process->events().empty()) << "'piece 1 compute 0 5 sum 1' is no report";
 }
 
 TEST(LightProcess, reports_the_last_error_or_how_it_ended) {

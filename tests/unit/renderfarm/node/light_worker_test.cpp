@@ -42,13 +42,16 @@ class LightWorkerTest : public testing::Test {
   bool has_blocks = false;
   bool is_wanted = true;
   std::vector<std::string> finished;
-  LightWorker worker{fake_light_starter(light),
-                     LightFiles(cache()),
-                     {[this] { return has_blocks; }, [this](const std::string&) { return is_wanted; },
-                      [this](const std::string& path, const std::filesystem::path&, const Status& status) {
-                        finished.push_back(path + (status ? "" : ": " + status.error().message()));
-                      }},
-                     clock};
+  std::vector<std::pair<std::string, wire::LightPieces>> progressed;
+  LightWorker worker{
+      fake_light_starter(light),
+      LightFiles(cache()),
+      {[this] { return has_blocks; }, [this](const std::string&) { return is_wanted; },
+       [this](const std::string& path, const wire::LightPieces& pieces) { progressed.emplace_back(path, pieces); },
+       [this](const std::string& path, const std::filesystem::path&, const Status& status) {
+         finished.push_back(path + (status ? "" : ": " + status.error().message()));
+       }},
+      clock};
 };
 
 TEST_F(LightWorkerTest, computes_one_scene_after_the_other) {
@@ -129,6 +132,56 @@ TEST_F(LightWorkerTest, gives_up_the_light_of_a_scene_that_was_replaced) {
   EXPECT_THAT(finished, ElementsAre());
 }
 
+TEST_F(LightWorkerTest, passes_on_what_the_computation_reports_and_what_it_is_ordered) {
+  wire::ComputePieces order;
+  order.mutable_stage()->set_number(2);
+  order.mutable_stage()->set_key("k2");
+  order.add_pieces(7);
+  worker.want("a", "grotto");
+  worker.work();
+  worker.compute("a", order);
+  EXPECT_THAT(light->orders, ElementsAre()) << "it has begun no stage";
+  light->events = {BegunStage{1, "k1", 4, "/pieces"}, TakenPiece{1, 3, "sha", 10}, BegunStage{2, "k2", 9, "/pieces"},
+                   TakenPiece{2, 0, "sum", 11}};
+  worker.work();
+  ASSERT_EQ(progressed.size(), 2u);
+  EXPECT_EQ(progressed[0].second.stage().key(), "k1");
+  EXPECT_EQ(progressed[0].second.pieces(0).piece(), 3u);
+  EXPECT_EQ(progressed[1].second.stage().pieces(), 9u);
+  light->events = {TakenPiece{2, 1, "sun", 12}};
+  worker.work();
+  ASSERT_EQ(progressed.size(), 3u);
+  EXPECT_EQ(progressed[2].second.pieces_size(), 1) << "what is new";
+  EXPECT_EQ(worker.stage_of("a")->pieces_size(), 2) << "all";
+  EXPECT_FALSE(worker.stage_of("b"));
+  worker.compute("a", order);
+  worker.compute("b", order);
+  worker.fetched("a", order.stage(), 8);
+  EXPECT_THAT(light->orders, ElementsAre("compute 2-7", "fetched 2-8"));
+  EXPECT_EQ(worker.piece_file("a", order.stage(), 7), "/pieces/2-7");
+  EXPECT_EQ(worker.piece_file("a", order.stage(), 9), "") << "there are nine";
+  order.mutable_stage()->set_key("other");
+  EXPECT_EQ(worker.piece_file("a", order.stage(), 7), "");
+  order.mutable_stage()->set_number(1);
+  order.mutable_stage()->set_key("k1");
+  EXPECT_EQ(worker.piece_file("a", order.stage(), 3), "/pieces/1-3") << "for a node that comes later";
+}
+
+TEST_F(LightWorkerTest, gives_up_light_that_has_come_from_elsewhere_and_removes_its_pieces) {
+  const std::filesystem::path folder = cache() / "unfinished";
+  std::filesystem::create_directories(folder);
+  worker.want("a", "grotto");
+  worker.work();
+  light->events = {BegunStage{0, "k", 1, folder}};
+  worker.work();
+  worker.forget("a");
+  EXPECT_TRUE(worker.work());
+  EXPECT_TRUE(light->is_ended);
+  EXPECT_FALSE(std::filesystem::exists(folder));
+  EXPECT_THAT(finished, ElementsAre());
+  EXPECT_FALSE(worker.work());
+}
+
 TEST_F(LightWorkerTest, ends_the_computation_when_the_node_stops) {
   worker.want("a", "grotto");
   worker.work();
@@ -141,6 +194,7 @@ TEST_F(LightWorkerTest, ends_the_computation_when_the_node_stops) {
 TEST_F(LightWorkerTest, reports_why_nothing_can_be_written) {
   LightWorker homeless(fake_light_starter(light), LightFiles(""),
                        {[] { return false; }, [](const std::string&) { return true; },
+                        [](const std::string&, const wire::LightPieces&) {},
                         [this](const std::string&, const std::filesystem::path&, const Status& status) {
                           finished.push_back(status.error().message());
                         }},

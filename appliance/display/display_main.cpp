@@ -75,7 +75,7 @@ void add_options(CLI::App* app, Options* options) {
       ->capture_default_str();
 }
 
-/// Logs when the state of the process changes between well and unwell, after it has had time to reach its tour.
+/// Logs when the process becomes healthy or unhealthy, once it has had time to connect to its tour.
 class StateLog {
  public:
   void see(const wire::ProcessStatus& status) {
@@ -89,7 +89,7 @@ class StateLog {
   bool was_healthy_ = true;
 };
 
-/// Reads the files that the start needs. A broken calibration does not prevent the start.
+/// Reads the files that the start requires. A broken calibration does not prevent the start.
 Status check(const DisplayOptions& display) {
   const Projection picture = display.installation.projection(display.width_px, display.height_px);
   TRY(picture.validate());

@@ -19,8 +19,8 @@ namespace {
 constexpr std::size_t kMaxKnownParts = 8;
 }  // namespace
 
-/// Pictures of frames that are no longer shown, reused to decode the next ones into, so that a frame's memory is not
-/// mapped anew for every frame. Thread-safe: the last holder of a picture returns it.
+/// Pictures of frames that are no longer shown, reused for later frames, so that memory is not mapped anew for every
+/// frame. Thread-safe: the last holder of a picture returns it.
 class FrameAssembler::PictureStore : public std::enable_shared_from_this<PictureStore> {
  public:
   /// The pixels are uninitialised.
@@ -50,7 +50,7 @@ class FrameAssembler::PictureStore : public std::enable_shared_from_this<Picture
   std::vector<std::unique_ptr<PlanarPicture>> free_;
 };
 
-/// Keeps the newest depth, for frames of the same view that come without any. Thread-safe.
+/// Keeps the newest depth, for frames of the same view that come without depth. Thread-safe.
 class FrameAssembler::DepthStore {
  public:
   void put(std::uint64_t view, std::shared_ptr<const InverseDepthImage> depth) {
@@ -64,7 +64,7 @@ class FrameAssembler::DepthStore {
     const std::lock_guard lock(mutex_);
     return view == view_ ? depth_ : nullptr;
   }
-  /// Another session numbers its views anew.
+  /// Forgets the depth: another session numbers its views anew.
   void clear() {
     const std::lock_guard lock(mutex_);
     view_ = 0;
@@ -222,7 +222,7 @@ class FrameAssembler::Assembly {
   std::shared_ptr<const ReprojectionGrid> grid_;
   std::shared_ptr<PictureStore> pictures_;
   std::shared_ptr<DepthStore> depths_;
-  std::shared_ptr<InverseDepthImage> depth_;  // Null if the frame comes without.
+  std::shared_ptr<InverseDepthImage> depth_;  // Null if the frame comes without depth.
   std::shared_ptr<PlanarPicture> picture_;  // Made before the first job that decodes into it is submitted.
   FrameSink& sink_;
   const Clock& clock_;
@@ -317,7 +317,7 @@ const FrameAssembler::KnownParts& FrameAssembler::parts_of(const Projection& pic
 
 void FrameAssembler::tile(wire::Tile tile) {
   if (current_ == nullptr) {
-    // Messages after a refused begin were reported with it; any other frame is reported once.
+    // A refused begin was already reported; any other frame without a begin is reported once.
     if (tile.view_number() != refused_number_)
       sink_.frame_dropped(tile.view_number(), "a tile came without its frame's begin");
     refused_number_ = tile.view_number();

@@ -16,7 +16,7 @@ constexpr int kResponseSteps = HeadUpload::kResponseSteps;
 
 GLsizeiptr byte_count(const auto& values) { return static_cast<GLsizeiptr>(values.size() * sizeof(values[0])); }
 
-/// Tests whether positions beyond the picture, or across a whole turn's seam, need more than the sampler's clamping.
+/// True if positions beyond the picture, or across a whole turn's seam, need more than the sampler's clamping.
 bool needs_edges(const TurnedPicture& turned) {
   const PanoramaTexture& picture = *turned.picture;
   const auto* const panorama = std::get_if<Panorama>(&picture.shape());
@@ -25,7 +25,7 @@ bool needs_edges(const TurnedPicture& turned) {
          picture.texture_height() != height_px(picture.shape());
 }
 
-/// Uploads a texture of one value per pixel of the head, read at pixel centres.
+/// Uploads a texture of one or two values per pixel of the head, read at pixel centres.
 void upload_nearest(const output::Gl& gl, const output::GlTexture& texture, GLint kept_as, GLenum channels, int width,
                     int height, const std::vector<float>& values) {
   gl.BindTexture(GL_TEXTURE_2D, texture.id());
@@ -58,7 +58,8 @@ Texels texels_for(const output::Gl& gl, const std::vector<HeadPlan>& plans) {
   if (!is_software_renderer(gl.renderer()) || !is_plain) return Texels::kHalves;
   HeadFeatures features;
   features.texels = Texels::kPacked;
-  return HeadProgram::make(gl, features) ? Texels::kPacked : Texels::kHalves;  // Not available with OpenGL ES 3.0.
+  // kPacked is not available with OpenGL ES 3.0.
+  return HeadProgram::make(gl, features) ? Texels::kPacked : Texels::kHalves;
 }
 
 HeadPainter::HeadPainter(const output::Gl& gl, const HeadUpload& upload, Texels texels)

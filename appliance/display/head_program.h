@@ -23,7 +23,7 @@ enum class WarpKind {
   kPixelMap,   ///< A texture.
 };
 
-/// Tasks of pass 2 for some triangles of a head; anything else is not compiled in.
+/// Features of pass 2 that a group of a head's triangles needs; no others are compiled in.
 struct HeadFeatures {
   YawCorrection turning = YawCorrection::kShift;
   WarpKind warp_kind = WarpKind::kTriangles;
@@ -39,9 +39,9 @@ struct HeadFeatures {
   friend auto operator<=>(const HeadFeatures&, const HeadFeatures&) = default;
 };
 
-/// Pass 2's shader with a set of features. Per pixel it computes the position in the picture, the light there, filtered
-/// in linear light (half floats by the card, whose weights may have as few as 8 bits, a 256th of a pixel; packed texels
-/// by the shader), then mask, matrix, black lift, response and dither. Thread-bound to the GL context.
+/// Pass 2's shader with a set of features. For each pixel it computes the position in the picture and reads the light
+/// there, filtered linearly (half floats by the card, whose filter weights may have as few as 8 bits; packed texels by
+/// the shader). Then it applies mask, matrix, black lift, response and dither. Thread-bound to the GL context.
 class HeadProgram {
  public:
   /// Errors: kSystem if the driver's compiler refuses the shader, with its message.

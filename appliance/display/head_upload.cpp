@@ -77,7 +77,7 @@ void add_corners(const warp::WarpPatches& warp, const LitRect& rect, std::vector
   }
 }
 
-/// `values(x, y)` appends a pixel's values; GL counts rows from the bottom.
+/// Returns all pixels' values, rows from the bottom as GL counts them. `values(x, y, rows)` appends those of one pixel.
 std::vector<float> upside_down(int width, int height, const auto& values) {
   std::vector<float> rows;
   for (int y = height - 1; y >= 0; --y) {

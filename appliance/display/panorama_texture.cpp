@@ -104,7 +104,7 @@ Status PanoramaTexture::grow(int width, int height, Light* light) {
   light->height = std::max(height, light->height);
   gl_->ActiveTexture(GL_TEXTURE0);
   gl_->BindTexture(GL_TEXTURE_2D, light->texture.id());
-  // Zeros, since what no frame has drawn may be read beside what one has.
+  // Zeros, since texels that no frame has drawn may be read beside drawn ones.
   const std::vector<std::uint64_t> zeros(static_cast<std::size_t>(light->width) *
                                          static_cast<std::size_t>(light->height));
   if (texels() == Texels::kPacked) {
@@ -190,7 +190,7 @@ void PanoramaTexture::bind_planes() const {
 Status PanoramaTexture::bind_drawn() {
   TRY(grow(light_.width, light_.height, &moved_));
   gl_->BindFramebuffer(GL_FRAMEBUFFER, moved_.target.id());
-  // Drawing needs none, and a smaller one would cut it off.
+  // Drawing from the same eye needs no depth buffer, and a smaller one would cut the picture off.
   gl_->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, 0);
   gl_->Viewport(0, 0, moved_.width, moved_.height);
   return Done{};

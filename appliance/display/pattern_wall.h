@@ -12,15 +12,15 @@
 
 namespace cyclorama::display {
 
-/// The complete picture of all heads while the wall is measured, not a change to the former one. A value; its pictures
-/// are shared and never change.
+/// The patterns of all heads while the wall is measured: a complete state, not a change to the former one. A value; its
+/// pictures are shared and never change.
 struct PatternWall {
   struct Head {
     std::shared_ptr<const RgbaImage> picture;  ///< Has the head's size; null: dark.
     bool is_awaited = false;                   ///< The client waits until the head shows it.
   };
-  std::uint64_t order = 0;  ///< A greater one is newer.
-  bool is_open = false;     ///< False: the show is back.
+  std::uint64_t order = 0;  ///< A greater value is newer.
+  bool is_open = false;     ///< False: the heads show the tour again.
   std::vector<Head> heads;  ///< The output's heads, in order.
 };
 
@@ -34,7 +34,7 @@ struct PatternsShown {
 /// Slots between the client of patterns and the presenter, whose side neither blocks nor allocates nor frees.
 struct PatternMailbox {
   AtomicSlot<PatternWall> wanted;    ///< In: the newest wins.
-  AtomicSlot<PatternWall> replaced;  ///< Out, to be freed; no other is taken until then.
+  AtomicSlot<PatternWall> replaced;  ///< Out, to be freed; until then the presenter takes no other.
   NewestValue<PatternsShown> shown;  ///< Out.
 };
 

@@ -16,17 +16,17 @@ constexpr float kBeyond_px = 96.0f;
 /// Inverse depth jumps across a quad if its corners differ by more than this share of the largest.
 constexpr float kJump = 0.08f;
 constexpr float kMaxStretch = 2.0f;
-/// Position of what no pixel of the other picture shows.
+/// Position of a point that no pixel of the other picture shows.
 constexpr double kNowhere_px = -1e6;
-/// Memory is reserved for the torn quads of a picture in which depth jumps across one quad in this many vertices; few
-/// pictures have more jumps.
+/// One vertex in this many may belong to a quad across which depth jumps: memory is reserved for that many torn quads.
+/// Few pictures have more.
 constexpr std::size_t kPerJump = 8;
 constexpr auto kNearest = static_cast<float>(1.0 / kMinDepth_m);
-/// Minimum distance of a vertex in lengths of the eye's move, so that the eye passes through no surface.
+/// Minimum distance of a vertex, as a multiple of the eye's move, so that the eye passes through no surface.
 constexpr float kMinMoves = 1.25f;
 
-/// Positions of the vertices along one side: beyond the edge, on it, in the squares' centres, on the other edge, beyond
-/// that.
+/// Returns the positions of the vertices along one side: beyond the edge, on it, in the squares' centres, on the other
+/// edge, and beyond that edge.
 std::vector<float> places_along(int size_px, int cell_px, bool wraps) {
   const auto size = static_cast<float>(size_px);
   std::vector<float> places;
@@ -53,8 +53,8 @@ float twice_atan(float n) {
   return 2.0f * n * series;
 }
 
-/// The three functions return the position of the ray (x, y, z) + (mx, my, mz) less that of (x, y, z). They use plain
-/// arithmetic, so that the compiler vectorises those of the panorama and of the flat picture.
+/// The three functions return the position of the ray (x, y, z) + (mx, my, mz) minus that of (x, y, z). They use plain
+/// arithmetic, so that the compiler vectorises those of the panorama and of the perspective.
 struct MovePanorama {
   static Place place(float x, float y, float z, float mx, float my, float mz) {
     const float flat = std::sqrt(x * x + z * z);
@@ -112,9 +112,9 @@ void move_all(const ReprojectionGrid& grid, const std::vector<float>& inverse_m,
   }
 }
 
-/// Inverse distances, per metre, in the cells' centres. A cell holds its nearest sample, which on a surface seen at a
-/// slant lies at the cell's border; the surface's slope is that towards the flatter neighbour of both, so that it ends at
-/// an edge. Without this, floors would follow the eye too far.
+/// Returns inverse distances, per metre, at the cells' centres. A cell holds its nearest sample, which on a surface
+/// seen at a slant lies at the cell's border. The slope of the surface is taken from the flatter of the two neighbours,
+/// so that it does not extend across an edge. Without this, floors would follow the eye too far.
 Image<float, 1> at_centres(const InverseDepthImage& depth) {
   // From a cell's centre to the middle of its outermost pixel, in cells.
   constexpr float kReach = 0.5f * (kDepthCellPx - 1) / kDepthCellPx;
@@ -204,7 +204,7 @@ ReprojectionMesh::ReprojectionMesh(std::shared_ptr<const ReprojectionGrid> grid,
   find_jumps();
 }
 
-/// The first and the last column are at the same position, so they take the nearer depth of both.
+/// The first and the last column are at the same position, so both take the nearer of their depths.
 void ReprojectionMesh::close_seam() {
   const auto columns = static_cast<std::size_t>(grid_->columns);
   for (std::size_t first = 0; first < inverse_m_.size(); first += columns) {
@@ -288,7 +288,8 @@ void ReprojectionMesh::find_in(const Eigen::Vector3d& eye_m, double turn_rad, Re
   }
 }
 
-/// Sets the positions in the source: a pixel inside the picture, for filters, or those of the grid.
+/// Sets the positions in the source: those of the grid or, with `is_inside`, at least a pixel inside the picture, for
+/// filters.
 void ReprojectionMesh::place_vertices(bool is_inside, ReprojectedPicture* picture) const {
   std::vector<ReprojectedVertex>& vertices = picture->vertices;
   // Room for as many torn quads as any frame has, so that later ones allocate nothing.
@@ -345,7 +346,7 @@ void ReprojectionMesh::add_jumping(std::size_t eye, ReprojectedPicture* moved) c
   }
 }
 
-/// Two quads replace a torn one. The near one ends where the near cells do, halfway, and moves with them; the far one
+/// Replaces a torn quad by two. The near quad ends halfway, where the near cells end, and moves with them; the far quad
 /// stretches from the far corners to the near ones, with the far cells' colours alone.
 void ReprojectionMesh::tear(const std::array<std::uint32_t, 4>& grid, std::vector<ReprojectedVertex>* vertices,
                             std::vector<std::uint32_t>* indices) const {

@@ -16,7 +16,8 @@ ShowStream::ShowStream(const std::shared_ptr<grpc::Channel>& channel, const wire
   wire::DisplayReport first;
   *first.mutable_hello() = hello;
   stub_->async()->Show(&context_, this);
-  // Lasts until OnReadDone reports the end of the stream, since writes also start on threads other than those of gRPC.
+  // The hold lasts until OnReadDone reports the end of the stream, since writes also start on threads other than
+  // gRPC's.
   AddHold();
   StartRead(&message_);
   StartCall();

@@ -28,14 +28,14 @@ class ShowStream : private grpc::ClientBidiReactor<wire::DisplayReport, wire::Sh
   ShowStream(const ShowStream&) = delete;
   ShowStream& operator=(const ShowStream&) = delete;
 
-  /// Queues `report` and sends it when the connection is ready; never blocks. Drops it if 256 reports wait already, or
-  /// the stream is over.
+  /// Queues `report` and sends it when the connection is ready; never blocks. Drops it if 256 reports are queued
+  /// already, or if the stream is over.
   void report(wire::DisplayReport report);
 
   /// Returns whether the tour has answered.
   [[nodiscard]] bool is_up() const;
-  /// Returns why the stream is over; empty while it is not. Call it now and then: it also ends a stream on which the
-  /// tour sent an invalid message.
+  /// Returns why the stream is over; empty while it is not. Must be called regularly: it also ends a stream on which
+  /// the tour sent an invalid message.
   [[nodiscard]] std::optional<Error> end();
 
  private:

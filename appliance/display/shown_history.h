@@ -18,7 +18,8 @@ struct RefreshEvent;
 struct ShownSince {
   std::uint64_t number = 0;  ///< Counted from 1.
   TimePoint at{};
-  std::shared_ptr<const DisplayFrame> frame;  ///< Null: not the show, but patterns, a fade, or a change of the heads.
+  /// Null: patterns, a fade, a moved eye, or a change of the heads, not one frame.
+  std::shared_ptr<const DisplayFrame> frame;
   double turn_rad = 0.0;
   HeadPlans plans;
 };
@@ -43,7 +44,7 @@ class ShownHistory {
   void refreshed(const RefreshEvent& event, bool is_show);
 
   struct Shown {
-    std::vector<ShownSince> moments;  ///< The last one before `from`, if it is known, and all until `until`.
+    std::vector<ShownSince> moments;  ///< The last moment before `from`, if it is known, and all moments until `until`.
     TimePoint known_until{};
   };
   /// Returns the moments between two times, and notes that a client requested them at `now`.
@@ -52,7 +53,7 @@ class ShownHistory {
  private:
   std::mutex mutex_;  ///< Guards all members.
   std::shared_ptr<const DisplayFrame> attract_;
-  std::deque<std::shared_ptr<const DisplayFrame>> ready_;  ///< The frame that is shown, and those to come.
+  std::deque<std::shared_ptr<const DisplayFrame>> ready_;  ///< The frame that is shown, and the next ones.
   std::shared_ptr<const DisplayFrame> shown_;              ///< Null before the first.
   HeadPlans plans_;
   std::deque<HeadPlans> coming_;

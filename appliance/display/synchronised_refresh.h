@@ -31,14 +31,13 @@ class SynchronisedRefresh {
   void learn(const ShowAt& at) { period_ns_ = at.period_ns; }
   /// Begins a picture, for the refresh after the last that was shown.
   void begin(TimePoint drawing_at);
-  /// True if `at` is due in the picture that is drawn. Without a schedule, or with one too far ahead to be plausible
-  /// (of another tour, of another clock), it is due at once.
+  /// True if `at` is due in the picture that is drawn. An `at` without a schedule, or too far ahead to be plausible (of
+  /// another tour or another clock), is due at once.
   [[nodiscard]] bool is_due(const ShowAt& at) const;
   /// Records that the output showed the picture.
   void shown(const output::Presented& presented, double refresh_hz);
 
-  /// Number of the refresh that is drawn, as all displays count it; without synchronised numbers, as this output
-  /// counts.
+  /// Synchronised number of the refresh that is drawn; without synchronised numbers, the output's own number.
   [[nodiscard]] std::int64_t coming() const { return coming_.value_or(static_cast<std::int64_t>(refresh_) + 1); }
   /// Number of the last refresh shown; empty without synchronised numbers, or while the tour's clock is not known.
   [[nodiscard]] std::optional<std::int64_t> number() const { return shown_; }
@@ -55,7 +54,7 @@ class SynchronisedRefresh {
   TimePoint at_{};
   Duration output_period_{};
   int seen_ = 0;
-  // Synchronised number of a refresh minus the output's own number of it.
+  // Synchronised number of a refresh minus the output's own number.
   std::int64_t shift_ = 0;
   bool is_numbered_ = false;
   std::int64_t numbered_period_ns_ = 0;

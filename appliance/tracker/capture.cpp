@@ -58,7 +58,7 @@ void Capture::run(const std::stop_token& stop) {
     }
     if (stop.stop_requested()) return;
     set_problem(ended ? "the camera stopped" : ended.error().message());
-    // Uses the real time instead of the camera's clock, since this pause protects the machine.
+    // Uses the real time instead of `clock_`, since this pause limits the load of the machine.
     for (const TimePoint until = SteadyClock().now() + pause; SteadyClock().now() < until && !never_.is_closed();) {
       beat();
       static_cast<void>(never_.take_before(std::min(until, SteadyClock().now() + kLookAround)));

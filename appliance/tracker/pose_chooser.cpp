@@ -7,9 +7,9 @@
 namespace cyclorama::tracker {
 namespace {
 
-/// Limit for one picture, whose error may be a reflection rather than noise.
+/// Limit of the log odds from one picture, whose error may be a reflection rather than noise.
 constexpr double kMaxLogOddsPerPicture = 4.0;
-/// Limit for all of them together, so that a wrong decision is reversed within a few pictures.
+/// Limit of the sum of log odds, so that a wrong decision is reversed within a few pictures.
 constexpr double kMaxLogOdds = 12.0;
 /// Time after which a hand's motion cannot be predicted.
 constexpr Duration kForgetAfter = std::chrono::milliseconds(500);

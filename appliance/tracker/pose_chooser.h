@@ -16,7 +16,7 @@ struct ChooserSettings {
 struct Hypotheses {
   Eigen::Quaterniond first = Eigen::Quaterniond::Identity();
   std::optional<Eigen::Quaterniond> second;
-  /// Log odds that `first` is the true one.
+  /// Log odds that `first` is the true rotation.
   double log_odds = 0.0;
   TimePoint at{};
 };
@@ -29,13 +29,13 @@ struct ChosenPose {
   Hypotheses state;
 };
 
-/// Decides between the two poses of a pattern over time: each hypothesis is followed from picture to picture by its
-/// rotation, and the difference of their misfits (TagPose::misfit) is summed (a sequential likelihood ratio test: Wald,
+/// Decides over time between the two poses of a pattern: each hypothesis is followed from picture to picture by its
+/// rotation, and the differences of the misfits (TagPose::misfit) are summed (a sequential likelihood ratio test: Wald,
 /// "Sequential Tests of Statistical Hypotheses", 1945). One picture of a small tag often prefers the wrong pose; ten
-/// rarely do.
+/// pictures rarely do.
 ///
-/// Evidence fades, and faster while the two poses are too close to be told apart; the choice also matters least then. A
-/// pure function of (settings, state, measurement, time).
+/// Evidence fades, and faster while the two poses are too close to be told apart; the choice then matters least. A pure
+/// function of (settings, state, measurement, time).
 [[nodiscard]] ChosenPose choose(const ChooserSettings& settings, const std::optional<Hypotheses>& last,
                                 const TagPoses& measured, TimePoint at);
 

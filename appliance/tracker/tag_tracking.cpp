@@ -31,7 +31,7 @@ std::vector<SeenPattern> patterns_in(const PatternSettings& settings, std::span<
   std::vector<SeenPattern> patterns;
   for (const tags::TagDetection& detection : detections) {  // The largest comes first.
     const auto known = std::find_if(patterns.begin(), patterns.end(), [&](const SeenPattern& pattern) {
-      // Two cards of one number are two patterns if they are far apart.
+      // Two cards with the same number are two patterns if they are far apart.
       return has_tag(pattern.wand, detection.id) && is_near(pattern.tags.front(), detection) &&
              std::none_of(pattern.tags.begin(), pattern.tags.end(),
                           [&](const tags::TagDetection& tag) { return tag.id == detection.id; });
@@ -50,8 +50,8 @@ std::vector<SeenPattern> patterns_in(const PatternSettings& settings, std::span<
   return patterns;
 }
 
-/// Returns whether a visitor may steer by it. A single small tag has two poses that turn the view to opposite sides;
-/// until the choice is certain, waiting is better than turning the wrong way.
+/// Returns whether a visitor may steer by `chosen`. A single small tag has two poses that turn the view to opposite
+/// sides; until the choice is certain, waiting is better than turning the wrong way.
 bool is_told_apart(const ChosenPose& chosen) {
   constexpr double kSure = 0.999;
   constexpr double kOppositeRad = 0.35;

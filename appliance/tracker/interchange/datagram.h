@@ -13,7 +13,7 @@
 
 namespace cyclorama::tracker {
 
-/// Thread-bound.
+/// Sends datagrams to one address. Thread-bound.
 class DatagramSender {
  public:
   /// Errors: kInvalidArgument if the address is not HOST:PORT, or the host is unknown; kSystem.
@@ -26,10 +26,11 @@ class DatagramSender {
   UniqueFd fd_;
 };
 
-/// Thread-bound.
+/// Receives datagrams at one port. Thread-bound.
 class DatagramReceiver {
  public:
-  /// Listens at "[::1]:3883" or "[::]:9000". Errors: kInvalidArgument as above; kBusy if the port is taken; kSystem.
+  /// Listens at an address such as "[::1]:3883" or "[::]:9000". Errors: those of DatagramSender::open(); kBusy if the
+  /// port is taken.
   static Result<DatagramReceiver> open(const std::string& address);
   /// Returns the next datagram; empty if there is none, or it exceeds kMaxDatagramBytes.
   std::optional<std::vector<std::byte>> receive() const;

@@ -33,7 +33,7 @@ struct OscMessage {
   std::string address;
   std::vector<OscArgument> arguments;
 
-  /// Returns the argument as a number, whatever its type; empty if it is no number or absent.
+  /// Returns the argument as a number, whatever its type; empty if it is absent or no number.
   [[nodiscard]] std::optional<double> number(std::size_t index) const;
   friend bool operator==(const OscMessage&, const OscMessage&) = default;
 };
@@ -41,8 +41,8 @@ struct OscMessage {
 /// Precondition: texts contain no NUL byte.
 [[nodiscard]] std::vector<std::byte> encode_osc(const OscMessage& message);
 
-/// Returns the messages of a packet, those of nested bundles in order. Strict: refuses parts that are not padded with
-/// zeros to four bytes, unknown types, wrong lengths, and bundles nested deeper than kMaxOscBundleDepth, with kBadData.
+/// Returns the messages of a packet; those of nested bundles in order. Errors: kBadData for parts that are not padded
+/// with zeros to four bytes, unknown types, wrong lengths, and bundles nested deeper than kMaxOscBundleDepth.
 Result<std::vector<OscMessage>> decode_osc(std::span<const std::byte> packet);
 inline constexpr int kMaxOscBundleDepth = 8;
 

@@ -77,7 +77,7 @@ bool is_date(const std::string& date) {
   return !date.empty() && date.size() <= 40 && date.find_first_not_of("0123456789TZ-") == std::string::npos;
 }
 
-/// Removes unfinished calibrations. Failures are ignored, since the remains are harmless.
+/// Removes unfinished calibrations. Failures are ignored, since what remains is harmless.
 void remove_unfinished(const fs::path& calibrations) {
   std::error_code error;
   std::vector<fs::path> unfinished;

@@ -43,7 +43,8 @@ template <typename To, typename Body>
   return step;
 }
 
-/// Interpolates between two poses, with `part` in [0, 1], so that a display can change over without a jump.
+/// Interpolates between two poses, with `part` in [0, 1], so that a display can move from one to the other without a
+/// jump.
 template <typename To, typename Body>
 [[nodiscard]] RigidTransform<To, Body> between(const RigidTransform<To, Body>& from, const RigidTransform<To, Body>& to,
                                                double part) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-/// The poses of the continuous calibration, which it keeps beside calibration.json during the show:
+/// The poses of the continuous calibration, which keeps them beside calibration.json during the show:
 ///
-///     FOLDER/watch.json        for the calibrator itself: fixed cameras, and all it needs to resume after a restart
-///     FOLDER/correction.json   for displays, which correct their maps by it (corrected_map.h): no cameras
+///     FOLDER/watch.json        for the calibrator itself: fixed cameras, and all data to resume from after a restart
+///     FOLDER/correction.json   for displays, which correct their maps with it (corrected_map.h): no cameras
 ///
-/// Both are replaced atomically by a rename and belong to the calibration of one date; with another calibration they
-/// are ignored. `scanned` is the projector's pose at the time of the scan, according to its map, the wall and its lens;
-/// only the motion from there to `applied` matters.
+/// Both are replaced atomically by renaming. They belong to the calibration of one date and are ignored with any other.
+/// `scanned` is the projector's pose at the time of the scan, according to its map, the wall and its lens; only the
+/// motion from `scanned` to `applied` matters.
 #pragma once
 
 #include <array>
@@ -31,14 +31,14 @@ struct ShowFile {
     /// Present once the continuous calibration has estimated the scan's residual error.
     struct Learned {
       RigidTransform<frame::Room, frame::Projector> believed;  ///< Estimated pose.
-      /// Estimate that would result if `applied` were exact.
+      /// Pose that would be estimated if `applied` were exact.
       RigidTransform<frame::Room, frame::Projector> at_rest;
-      /// Square root of the covariance, as PoseFilter::root().
+      /// Square root of the covariance; see PoseFilter::root().
       PoseMatrix root;
     };
     std::optional<Learned> learned{};
     std::string unplaced{};  ///< See ShowProjector::unplaced; `scanned` is then the installed pose.
-    /// Per channel, rounded as by rounded_light(); absent if not measured.
+    /// Light per channel, rounded by rounded_light(); absent if not measured.
     std::optional<std::array<CodeLight, 3>> light{};
   };
   struct Camera {
@@ -56,7 +56,7 @@ inline constexpr const char* kWatchFile = "watch.json";
 inline constexpr const char* kCorrectionFile = "correction.json";
 
 [[nodiscard]] std::string show_json(const ShowFile& show);
-/// Inverse of show_json(). `name` stands for the file in errors. Errors: kBadData, as in "watch.json:
+/// Inverse of show_json(). `name` stands for the file in errors. Errors: kBadData, such as "watch.json:
 /// /projectors/0/lens: ...; remedy".
 Result<ShowFile> parse_show(std::string_view text, const std::string& name);
 /// Errors: those of read_text_file() and parse_show().

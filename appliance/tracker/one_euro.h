@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The One-Euro filter: a low-pass whose cut-off rises with speed, so that a hand at rest is calm and a moving hand is
-/// not delayed. Source: Casiez, Roussel and Vogel, "1 € Filter", CHI 2012, algorithm 1, which measures the speed from the
-/// last result to the measurement. For a rotation, the speed is the length of its angular velocity, and the result follows
-/// the shortest arc.
+/// not delayed. Source: Casiez, Roussel and Vogel, "1 € Filter", CHI 2012, algorithm 1, which measures the speed from
+/// the last result to the measurement. For a rotation, the speed is the length of its angular velocity, and the result
+/// follows the shortest arc.
 ///
 /// Pure functions of (settings, state, measurement, time). The result is finite for any time stamps:
 ///   repeated, or earlier by less than kRestartAfter   the measurement is ignored and the last result returned

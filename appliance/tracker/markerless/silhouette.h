@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 /// The parts of a picture that are in front of the room, and the heads and shoulders among them.
 ///
-///          ╭─╮    above: empty     A head is detected by its surroundings: it is filled, with nothing above it, nothing
-///     side │h│ side: empty         on at least one side, and something 2.6 times as wide below. Depth is computed from
-///        ╭─┴─┴─╮                   the head's width, since it differs least between people; boxes are in units of it.
+///          ╭─╮    above: empty     A head is detected by its surroundings: it is filled, with nothing above, nothing on
+///     side │h│ side: empty         at least one side, and something 2.6 times as wide below. Depth is computed from the
+///        ╭─┴─┴─╮                   head's width, since it differs least between people; boxes are in units of it.
 ///        │chest│
 ///
 /// Cells count from 0 at the picture's left and upper edge; a cell's middle is at +0.5.

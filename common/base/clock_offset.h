@@ -10,10 +10,10 @@
 
 namespace cyclorama {
 
-/// One exchange of times with another computer: a question and its answer, with two times of each clock.
+/// One exchange of times with another computer: a request and its answer, with two times of each clock.
 struct ClockExchange {
-  TimePoint asked{};             ///< Sending of the question, on our clock.
-  std::int64_t received_ns = 0;  ///< Arrival of the question, on the other clock.
+  TimePoint asked{};             ///< Sending of the request, on our clock.
+  std::int64_t received_ns = 0;  ///< Arrival of the request, on the other clock.
   std::int64_t answered_ns = 0;
   TimePoint heard{};  ///< Arrival of the answer, on our clock.
 };
@@ -30,21 +30,21 @@ struct ClockReading {
   }
 };
 
-/// Estimates the offset of another computer's CLOCK_MONOTONIC from ours, from the four times of each exchange (as NTP
-/// does, RFC 5905 section 8).
+/// Estimates the offset of another computer's CLOCK_MONOTONIC from ours, from the four times of each exchange, as NTP
+/// does (RFC 5905, section 8).
 ///
-/// 1. However long each direction of an exchange took, the offset is within half its round trip of the middle.
+/// 1. However long each direction of an exchange took, the offset is within half of its round trip from the middle.
 /// 2. Clocks drift apart by at most 100 ppm: crystals are better, and chrony adjusts a running clock no faster. An
-///    exchange therefore becomes less certain with its age, and the one that is most certain now decides.
-/// 3. Two exchanges that cannot both be true prove that a clock was stepped or stood still (a computer that was
-///    suspended): then only the newer one counts.
+///    exchange therefore becomes less certain with its age, and the one that is now the most certain is used.
+/// 3. Two exchanges that contradict each other prove that a clock was stepped, or stood still while its computer was
+///    suspended: then only the newer exchange counts.
 ///
-/// Accepts any times; implausible ones are left out. Thread-bound; allocates nothing.
+/// Accepts any times and ignores implausible ones. Thread-bound; allocates nothing.
 class ClockOffset {
  public:
-  /// Returns false if the exchange is implausible and was left out.
+  /// Returns false if the exchange is implausible and was ignored.
   bool add(const ClockExchange& exchange);
-  /// Discards all exchanges, as for another computer.
+  /// Discards all exchanges, for example to continue with another computer.
   void reset() { *this = {}; }
   /// Returns the offset with its uncertainty at `now`.
   [[nodiscard]] ClockReading reading(TimePoint now) const;

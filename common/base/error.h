@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/// Errors as values: described once, where they happen.
+/// Errors as values, described once, where they happen.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace cyclorama {
 
-/// Coarse kind; callers branch on this and on nothing else.
+/// Coarse kind of an error; callers branch on nothing else.
 enum class ErrorCode {
-  kInvalidArgument,  ///< The caller's input can never work.
+  kInvalidArgument,  ///< The caller's input can never succeed.
   kNotFound,         ///< A device, file or peer is absent.
   kBusy,             ///< Held by another process; retrying may help.
   kUnavailable,      ///< Transient: link down, node restarting. Retry with backoff.

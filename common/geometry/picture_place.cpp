@@ -14,7 +14,7 @@ double tilt_of(const PictureShape& shape) {
   return std::visit([](const auto& s) { return tilt_of(s); }, shape);
 }
 
-/// Linear map from a span to pixels: factor, and position of 0.
+/// Linear map from a span to pixels: factor, and position of the value 0.
 struct Spread {
   double px_per_unit;
   double offset_px;

@@ -11,7 +11,8 @@
 
 namespace cyclorama {
 
-/// A value: copies copy the pixels. 8-bit colour is sRGB and float colour is linear light, unless stated otherwise.
+/// A picture with `Channels` values per pixel. A value: copies copy the pixels. 8-bit colour is sRGB and float colour
+/// is linear light, unless stated otherwise.
 template <typename T, int Channels>
 class Image {
  public:

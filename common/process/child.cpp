@@ -79,7 +79,7 @@ bool read_until(int fd, TimePoint deadline, std::size_t max_bytes, ChildEnd* ret
   }
 }
 
-/// Waits for the child's end, since a program may close its output and continue; returns false at the deadline.
+/// Waits for the child's end, since a program may close its output and continue. Returns false at the deadline.
 bool reaped(pid_t pid, TimePoint deadline, int* ret_status) {
   for (;;) {
     const pid_t ended = ::waitpid(pid, ret_status, WNOHANG);
